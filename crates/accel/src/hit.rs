@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a ray found: ids and parameters, nothing about how it looks.
+//! Source: original; the fields are those that Embree and the flow of ARCHITECTURE.md use.
+//! Invariant: a batch's arrays have one length; a lane that missed has `t == inf` and `prim_id == INVALID_ID`.
+
+/// The id of what is not there.
+pub const INVALID_ID: u32 = u32::MAX;
+
+/// The closest intersection of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Ray parameter, in multiples of the ray's `dir`.
+    pub t: f32,
+    /// Barycentric weight of the triangle's second vertex, in `[0, 1]`.
+    pub u: f32,
+    /// Barycentric weight of the third vertex; the first one's is `1 - u - v`.
+    pub v: f32,
+    /// Triangle within its mesh, counted from 0.
+    pub prim_id: u32,
+    /// Mesh within its object, counted from 0.
+    pub geom_id: u32,
+    /// Instance within the scene, counted from 0; 0 where an object's tree is asked directly.
+    pub inst_id: u32,
+}
+
+/// The hits of a [`RayBatch`](crate::RayBatch), lane by lane.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct HitBatch {
+    /// Ray parameters; infinite where a ray missed.
+    pub t: Vec<f32>,
+    /// Barycentric weights of the second vertices.
+    pub u: Vec<f32>,
+    /// Barycentric weights of the third vertices.
+    pub v: Vec<f32>,
+    /// Triangles; [`INVALID_ID`] where a ray missed.
+    pub prim_id: Vec<u32>,
+    /// Meshes.
+    pub geom_id: Vec<u32>,
+    /// Instances.
+    pub inst_id: Vec<u32>,
+}
+
+impl HitBatch {
+    /// Makes it `n` lanes long, all of them misses, and keeps the memory.
+    pub fn reset(&mut self, n: usize) {
+        fn fill<T: Copy>(array: &mut Vec<T>, n: usize, value: T) {
+            array.clear();
+            array.resize(n, value);
+        }
+        fill(&mut self.t, n, f32::INFINITY);
+        fill(&mut self.u, n, 0.0);
+        fill(&mut self.v, n, 0.0);
+        fill(&mut self.prim_id, n, INVALID_ID);
+        fill(&mut self.geom_id, n, INVALID_ID);
+        fill(&mut self.inst_id, n, INVALID_ID);
+    }
+
+    /// Number of lanes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.t.len()
+    }
+
+    /// Whether there are no lanes.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.t.is_empty()
+    }
+
+    /// Lane `i`, or `None` where the ray missed.
+    #[must_use]
+    pub fn get(&self, i: usize) -> Option<Hit> {
+        (self.prim_id[i] != INVALID_ID).then(|| Hit {
+            t: self.t[i],
+            u: self.u[i],
+            v: self.v[i],
+            prim_id: self.prim_id[i],
+            geom_id: self.geom_id[i],
+            inst_id: self.inst_id[i],
+        })
+    }
+
+    /// Writes lane `i`.
+    pub fn set(&mut self, i: usize, hit: Hit) {
+        self.t[i] = hit.t;
+        self.u[i] = hit.u;
+        self.v[i] = hit.v;
+        self.prim_id[i] = hit.prim_id;
+        self.geom_id[i] = hit.geom_id;
+        self.inst_id[i] = hit.inst_id;
+    }
+}

@@ -1,0 +1,3 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Pictures: the value of pixels, their files and their comparison. Knows neither rays nor threads.
+#![forbid(unsafe_code)]

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The scene description: objects, instances, materials, lights and cameras as plain data, and the files they come from.
+#![forbid(unsafe_code)]
+
+pub mod affine;
+pub mod camera;
+pub mod edit;
+pub mod id;
+pub mod light;
+pub mod material;
+pub mod mesh;
+mod scene;
+pub mod texture;
+
+pub use affine::Affine;
+pub use camera::Camera;
+pub use id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
+pub use light::Light;
+pub use material::{Material, Surface};
+pub use mesh::{Attribute, Mesh, Rate};
+pub use scene::{Instance, Object, Scene};
+pub use texture::Texture;

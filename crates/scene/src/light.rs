@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Lights that have no surface; surfaces shine through their material's emission.
+//! Source: glTF KHR_lights_punctual for point, spot and directional; units are radiometric, no efficacy is applied.
+//! Space: world. Colours are linear.
+
+use crate::affine::Affine;
+use crate::id::TextureId;
+
+/// A light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Light {
+    /// From a point to all sides.
+    Point {
+        /// Where it is.
+        position: [f32; 3],
+        /// Radiant intensity, W·sr⁻¹ per channel.
+        intensity: [f32; 3],
+    },
+    /// From a point into a cone.
+    Spot {
+        /// Where it is.
+        position: [f32; 3],
+        /// Where it points, any length but zero.
+        direction: [f32; 3],
+        /// Radiant intensity inside the inner cone, W·sr⁻¹.
+        intensity: [f32; 3],
+        /// Half angle of the full-intensity cone, radians.
+        inner_angle: f32,
+        /// Half angle at which it ends, radians, > inner.
+        outer_angle: f32,
+    },
+    /// From infinitely far away.
+    Directional {
+        /// Where its light goes, any length but zero.
+        direction: [f32; 3],
+        /// Irradiance on a surface that faces it, W·m⁻².
+        irradiance: [f32; 3],
+    },
+    /// From everywhere: what rays see that hit nothing. A scene has at most one; the last one counts.
+    Environment {
+        /// Radiance, multiplied to the texture.
+        radiance: [f32; 3],
+        /// Latitude-longitude picture: its middle lies along -z, its upper edge at +y of the light's space.
+        texture: Option<TextureId>,
+        /// A rotation.
+        world_from_light: Affine,
+    },
+}

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Materials as plain data.
+//! Source: glTF 2.0 section 3.9 and appendix B (metallic-roughness); Wavefront MTL; [DWBS03] for shader slots.
+//! Conventions: surfaces scatter on both sides; emission leaves the side of the geometric normal only; colours are linear.
+
+use crate::id::TextureId;
+
+/// How a surface looks: what it scatters, what it gives off, where it is not there.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// For people; need not be unique.
+    pub name: String,
+    /// How it scatters light.
+    pub surface: Surface,
+    /// Radiance that leaves the side of the geometric normal, W·sr⁻¹·m⁻², times `emission_texture`.
+    pub emission: [f32; 3],
+    /// Multiplied to `emission`.
+    pub emission_texture: Option<TextureRef>,
+    /// Where it lets light straight through.
+    pub alpha: Alpha,
+}
+
+/// A texture and the transform from the mesh's texture coordinates to its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// The texture.
+    pub texture: TextureId,
+    /// `uv' = (a u + c v + e, b u + d v + f)` as `[a, b, c, d, e, f]`, v upwards on both sides.
+    pub uv_from_mesh: [f32; 6],
+}
+
+impl TextureRef {
+    /// The texture under the mesh's own coordinates.
+    #[must_use]
+    pub fn new(texture: TextureId) -> Self {
+        Self { texture, uv_from_mesh: [1.0, 0.0, 0.0, 1.0, 0.0, 0.0] }
+    }
+}
+
+/// A linear colour, multiplied by a texture where there is one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Color {
+    /// Linear red, green and blue, usually in `[0, 1]`.
+    pub factor: [f32; 3],
+    /// Multiplied to `factor`.
+    pub texture: Option<TextureRef>,
+}
+
+impl Color {
+    /// A colour without a texture.
+    #[must_use]
+    pub fn constant(factor: [f32; 3]) -> Self {
+        Self { factor, texture: None }
+    }
+}
+
+/// Scattering models.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Surface {
+    /// Lambertian reflector.
+    Matte {
+        /// Albedo.
+        base_color: Color,
+    },
+    /// glTF's metal and plastic.
+    MetallicRoughness {
+        /// Albedo of the dielectric part, normal reflectance of the metal part.
+        base_color: Color,
+        /// 0 = dielectric, 1 = metal.
+        metallic: f32,
+        /// Perceptual roughness in `[0, 1]`; alpha = roughness².
+        roughness: f32,
+        /// Green times roughness, blue times metallic.
+        metallic_roughness_texture: Option<TextureRef>,
+        /// Index of refraction of the dielectric part, glTF's default is 1.5.
+        ior: f32,
+        /// Tangent-space normals: red, green along the texture's u and v.
+        normal_texture: Option<NormalMap>,
+    },
+    /// Perfect mirror.
+    Mirror {
+        /// Reflectance.
+        reflectance: Color,
+    },
+    /// Smooth glass; the geometric normal points out of it.
+    Dielectric {
+        /// Index of refraction inside over outside, > 0.
+        ior: f32,
+        /// Tint of what is mirrored.
+        reflectance: [f32; 3],
+        /// Tint of what goes through.
+        transmittance: [f32; 3],
+    },
+    /// Whatever a shader of the renderer's shader table does; the number is its place there.
+    Shader(u32),
+}
+
+/// A normal map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalMap {
+    /// Tangent-space normals, `2 texel - 1`.
+    pub texture: TextureRef,
+    /// Multiplied to x and y of the normal.
+    pub scale: f32,
+}
+
+/// Where a surface is not there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Alpha {
+    /// There everywhere.
+    #[default]
+    Opaque,
+    /// There where the opacity (factor times texture's alpha) reaches the cutoff.
+    Mask {
+        /// Smallest opacity that is there.
+        cutoff: f32,
+        /// Opacity.
+        opacity: Opacity,
+    },
+    /// There for the share of light that the opacity says.
+    Blend {
+        /// Opacity.
+        opacity: Opacity,
+    },
+}
+
+/// Opacity in `[0, 1]`: a factor, times a channel of a texture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Opacity {
+    /// Multiplied to the texture's value.
+    pub factor: f32,
+    /// Its texture.
+    pub texture: Option<TextureRef>,
+    /// Which channel of the texture holds it.
+    pub channel: OpacityChannel,
+}
+
+/// Where a texture keeps opacity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OpacityChannel {
+    /// In its alpha (glTF base colour).
+    Alpha,
+    /// In its red (OBJ's `map_d`).
+    Red,
+}
+
+impl Material {
+    /// A Lambertian reflector.
+    #[must_use]
+    pub fn matte(name: impl Into<String>, albedo: [f32; 3]) -> Self {
+        Self::of(name, Surface::Matte { base_color: Color::constant(albedo) })
+    }
+
+    /// A material that scatters like `surface`, gives off nothing and is there everywhere.
+    #[must_use]
+    pub fn of(name: impl Into<String>, surface: Surface) -> Self {
+        Self { name: name.into(), surface, emission: [0.0; 3], emission_texture: None, alpha: Alpha::Opaque }
+    }
+
+    /// Whether it gives off light anywhere.
+    #[must_use]
+    pub fn emits(&self) -> bool {
+        self.emission.iter().any(|&e| e > 0.0)
+    }
+}

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Triangle meshes as plain arrays.
+//! Source: original; attribute rates after the paper's Figure 1 (parameters per triangle and per vertex).
+//! Space: object. Invariant: after `Scene::check` every index is below `positions.len()` and optional arrays are empty or full.
+
+use crate::id::MaterialId;
+
+/// Indexed triangles with one material.
+///
+/// The geometric normal of a triangle is `(p1 - p0) x (p2 - p0)`: counter-clockwise vertices, right-hand rule.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// For people; need not be unique.
+    pub name: String,
+    /// Vertex positions.
+    pub positions: Vec<[f32; 3]>,
+    /// Shading normals per vertex, any length; empty = flat. A zero or non-finite normal makes its triangles flat.
+    pub normals: Vec<[f32; 3]>,
+    /// Texture coordinates per vertex, v upwards (row 0 of a picture is at v = 1); empty = all (0, 0).
+    pub texcoords: Vec<[f32; 2]>,
+    /// Colours per vertex, linear red, green, blue and opacity, multiplied to the base colour; empty = white.
+    pub colors: Vec<[f32; 4]>,
+    /// Vertices of each triangle.
+    pub indices: Vec<[u32; 3]>,
+    /// What it is made of.
+    pub material: MaterialId,
+    /// Further values for shaders that ask for them by name.
+    pub attributes: Vec<Attribute>,
+}
+
+/// A named value per triangle or per vertex.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// The name that a shader asks for.
+    pub name: String,
+    /// How often the value changes over the surface.
+    pub rate: Rate,
+    /// Floats per value, 1 to 16.
+    pub components: u32,
+    /// `components` floats for each triangle or vertex, in order.
+    pub data: Vec<f32>,
+}
+
+/// How often a value changes over a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rate {
+    /// One value per triangle.
+    Triangle,
+    /// One value per vertex, interpolated barycentrically.
+    Vertex,
+}
+
+impl Mesh {
+    /// Bytes that its arrays hold.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&self.positions[..])
+            + size_of_val(&self.normals[..])
+            + size_of_val(&self.texcoords[..])
+            + size_of_val(&self.colors[..])
+            + size_of_val(&self.indices[..])
+            + self.attributes.iter().map(|a| size_of_val(&a.data[..])).sum::<usize>()
+    }
+}

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Textures: a picture and how it is read.
+//! Source: original; conventions of glTF 2.0 section 5.26 and of references/README (decode first, then interpolate).
+//! Texel (0, 0) is the upper left one; texture coordinates have v upwards, so row 0 lies at v = 1.
+
+use std::sync::Arc;
+
+/// A two-dimensional texture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// For people: usually its file's name.
+    pub name: String,
+    /// Its texels, shared with whoever else shows them.
+    pub texels: Arc<Texels>,
+    /// What happens outside `[0, 1]` along u and v.
+    pub wrap: [Wrap; 2],
+    /// How a point between texel centres is read.
+    pub filter: Filter,
+}
+
+/// Texels in rows, from the upper left one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texels {
+    /// Columns, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// The values.
+    pub data: TexelData,
+}
+
+/// Texel values in the form that a file had, so that a picture takes no more memory than it must.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TexelData {
+    /// Red, green, blue as sRGB bytes and opacity as a linear byte.
+    Srgb8(Vec<[u8; 4]>),
+    /// Red, green, blue, opacity as linear bytes (roughness, metalness, OpenRT's byte textures).
+    Linear8(Vec<[u8; 4]>),
+    /// Linear floats, unclamped.
+    Float(Vec<[f32; 4]>),
+}
+
+/// Behaviour of a texture outside `[0, 1]`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The picture goes on from its other edge.
+    #[default]
+    Repeat,
+    /// The picture goes on mirrored.
+    MirroredRepeat,
+    /// The edge's texels go on.
+    ClampToEdge,
+}
+
+/// How a point between texel centres is read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// The nearest texel.
+    Nearest,
+    /// Bilinear, after decoding.
+    #[default]
+    Linear,
+}

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shading in batches: the traits that shaders implement, materials, lights, textures and sampling.
+//! Knows rays and hits, but neither trees nor scene files.
+#![forbid(unsafe_code)]
+
+pub mod batch;
+pub mod shader;
+
+pub use batch::{SampleKey, SurfaceBatch, Vec3s};
+pub use shader::{
+    AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, RayRequest, SurfaceShader,
+    Tracer,
+};

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What shaders implement and what they may ask for: the seam between renderer, materials, OpenRT classes and plugins.
+//! Source: [DWBS03] (shader kinds); the paper's section 8 (no ray-by-ray prototypes); the batch form is original.
+//! All calls take whole batches; implementations hold no mutable state and are called from many threads at once.
+
+use glam::Vec3;
+use gnurt_accel::RayBatch;
+
+use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
+
+/// A value that a shader wants for each hit from its mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AttributeRequest {
+    /// Name of the mesh's attribute.
+    pub name: String,
+    /// Floats per value.
+    pub components: u32,
+    /// Used where the mesh has no such attribute; `components` floats.
+    pub default: Vec<f32>,
+}
+
+/// The look of a surface.
+pub trait SurfaceShader: Send + Sync {
+    /// Writes the radiance that leaves each point against its ray; `out` has `hits.len()` lanes, all zero.
+    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s);
+
+    /// Writes the share of light that goes straight through; `out` has `hits.len()` lanes, all zero.
+    /// Called only if [`is_opaque`](Self::is_opaque) says no.
+    fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let _ = (tracer, hits, out);
+    }
+
+    /// Whether it lets no light straight through anywhere.
+    fn is_opaque(&self) -> bool {
+        true
+    }
+
+    /// What it wants from the mesh, in the order of `SurfaceBatch::attributes`.
+    fn attributes(&self) -> &[AttributeRequest] {
+        &[]
+    }
+}
+
+/// Light arriving at points.
+#[derive(Clone, Debug, Default)]
+pub struct LightBatch {
+    /// Unit directions towards the light.
+    pub dir: Vec3s,
+    /// Distances to it, world units; infinite for lights without a place.
+    pub dist: Vec<f32>,
+    /// What arrives at a surface that faces `dir` if nothing is in between, divided by the probability with which
+    /// `dir` was chosen. Zero = this light does not reach the point.
+    pub radiance: Vec3s,
+}
+
+impl LightBatch {
+    /// Makes it `n` lanes, unlit, and keeps the memory.
+    pub fn reset(&mut self, n: usize) {
+        self.dir.reset(n, Vec3::Z);
+        self.dist.clear();
+        self.dist.resize(n, f32::INFINITY);
+        self.radiance.reset(n, Vec3::ZERO);
+    }
+}
+
+/// A light.
+pub trait LightShader: Send + Sync {
+    /// Chooses a direction to this light from each point. `normal` faces the ray and may be used to choose well;
+    /// `random` holds two numbers in [0, 1) per point. `out` has `p.len()` lanes, unlit.
+    fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch);
+
+    /// Whether surfaces or misses show this light too, so that rays that a mirror sends may meet it.
+    fn is_visible(&self) -> bool {
+        false
+    }
+}
+
+/// A camera.
+pub trait CameraShader: Send + Sync {
+    /// Appends one ray for each `(x, y)`: both in [0, 1], (0, 0) = lower left corner of the picture, y upwards.
+    /// Directions are unit. `aspect` = width / height.
+    fn rays(&self, xy: &[[f32; 2]], aspect: f32, out: &mut RayBatch);
+}
+
+/// What rays see that hit nothing.
+pub trait EnvironmentShader: Send + Sync {
+    /// Writes the radiance that comes against each direction (unit, world); `out` has `dir.len()` lanes.
+    fn miss(&self, dir: &Vec3s, out: &mut Vec3s);
+}
+
+/// Rays that a shader asks for.
+#[derive(Clone, Debug, Default)]
+pub struct RayRequest {
+    /// The rays; directions are unit, near ends already away from the surface.
+    pub rays: RayBatch,
+    /// Which lane of the shader's batch each ray serves.
+    pub parent: Vec<u32>,
+    /// Keys of the rays' random numbers.
+    pub key: Vec<SampleKey>,
+}
+
+/// What a shader may ask the renderer for.
+pub trait Tracer {
+    /// Lights of the scene.
+    fn light_count(&self) -> usize;
+
+    /// Asks light `light` about all points of `hits` (facing shading normals are used); `out` is reset first.
+    fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch);
+
+    /// Writes for each ray what share of light comes through between its near and far end: 1 = nothing is in between.
+    fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s);
+
+    /// Writes the radiance that comes against each ray, one bounce deeper than `hits` was.
+    /// Beyond the depth limit the environment is seen.
+    fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s);
+
+    /// `count` pairs of stratified random numbers in [0, 1) for a lane's key and purpose.
+    fn random(&self, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2];
+
+    /// A ray from `p` that will not meet the surface it leaves: the origin is moved along `ng` (unit, any side)
+    /// to the side that `dir` points to.
+    fn spawn(&self, p: Vec3, ng: Vec3, dir: Vec3, t_far: f32) -> gnurt_accel::Ray;
+}
