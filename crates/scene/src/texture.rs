@@ -5,6 +5,8 @@
 
 use std::sync::Arc;
 
+pub use gnurt_image::{TexelData, Texels};
+
 /// A two-dimensional texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
@@ -16,28 +18,6 @@ pub struct Texture {
     pub wrap: [Wrap; 2],
     /// How a point between texel centres is read.
     pub filter: Filter,
-}
-
-/// Texels in rows, from the upper left one.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Texels {
-    /// Columns, at least 1.
-    pub width: u32,
-    /// Rows, at least 1.
-    pub height: u32,
-    /// The values.
-    pub data: TexelData,
-}
-
-/// Texel values in the form that a file had, so that a picture takes no more memory than it must.
-#[derive(Clone, Debug, PartialEq)]
-pub enum TexelData {
-    /// Red, green, blue as sRGB bytes and opacity as a linear byte.
-    Srgb8(Vec<[u8; 4]>),
-    /// Red, green, blue, opacity as linear bytes (roughness, metalness, OpenRT's byte textures).
-    Linear8(Vec<[u8; 4]>),
-    /// Linear floats, unclamped.
-    Float(Vec<[f32; 4]>),
 }
 
 /// Behaviour of a texture outside `[0, 1]`.
