@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How a batch of rays is to be traced, and what tracing it took.
+//! Source: original.
+
+use gnurt_simd::Level;
+
+/// What the caller knows of the rays of a batch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Coherence {
+    /// Neighbours in the batch go much the same way (camera rays, shadow rays to one point): traced in packets.
+    Coherent,
+    /// Nothing is known: traced one by one.
+    #[default]
+    Incoherent,
+}
+
+/// How to trace a batch. The answers do not depend on it, only the speed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Query {
+    /// Instruction set; the default is the CPU's best.
+    pub level: Level,
+    /// Whether packets pay.
+    pub coherence: Coherence,
+}
+
+/// What tracing took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Rays asked for.
+    pub rays: u64,
+    /// Nodes visited, leaves too: of the top tree and of objects.
+    pub nodes: u64,
+    /// Ray-triangle tests.
+    pub triangles: u64,
+}
+
+impl std::ops::AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.rays += other.rays;
+        self.nodes += other.nodes;
+        self.triangles += other.triangles;
+    }
+}
+
+/// Sums over all the batches that were traced with it, and on request the cost of each ray of the last one.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// Sums.
+    pub counters: Counters,
+    /// `Some`: asks for nodes plus triangles of each ray of the last batch, for heat maps. Such batches are traced
+    /// ray by ray.
+    pub costs: Option<Vec<u32>>,
+}
+
+impl Record {
+    /// One that asks for costs per ray.
+    #[must_use]
+    pub fn with_costs() -> Self {
+        Self { counters: Counters::default(), costs: Some(Vec::new()) }
+    }
+}
