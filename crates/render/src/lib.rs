@@ -1,2 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! To come.
+//! From a scene description to a picture: worlds (committed scenes), integrators, tiles and progressive passes.
+#![forbid(unsafe_code)]
+
+mod camera;
+mod error;
+mod frame;
+mod options;
+mod progress;
+mod render;
+mod stats;
+pub mod world;
+
+pub use camera::PerspectiveCamera;
+pub use error::{CommitError, RenderError};
+pub use frame::Frame;
+pub use options::{Integrator, ReconstructionFilter, RenderOptions, UnknownIntegrator};
+pub use progress::{Progress, Silent};
+pub use render::render;
+pub use stats::RenderStats;
+pub use world::{CommitOptions, CommitReport, ShaderTable, World, WorldStats};

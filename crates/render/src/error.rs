@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What may go wrong, and whose fault it is. Source: original.
+//! Bad geometry is no error: commit drops it and counts it.
+
+/// A description that cannot become a world. All are mistakes of the caller.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CommitError {
+    /// An id names nothing in the scene.
+    #[error("{what} {index} uses {used} {id}, which the scene does not have")]
+    DanglingId {
+        /// Kind of the thing that holds the id.
+        what: &'static str,
+        /// Its own position.
+        index: usize,
+        /// Kind of the thing that is missing.
+        used: &'static str,
+        /// The id that names nothing.
+        id: u32,
+    },
+    /// A material names a shader that the shader table does not have.
+    #[error("material {material} uses shader {shader}, but the shader table has {known}")]
+    UnknownShader {
+        /// The material.
+        material: usize,
+        /// The number it gives.
+        shader: u32,
+        /// How many there are.
+        known: usize,
+    },
+    /// More triangles or instances than 32-bit ids can count.
+    #[error("the scene is too large: {0}")]
+    TooLarge(String),
+}
+
+/// A picture that cannot be made. All are mistakes of the caller.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RenderError {
+    /// A size or the number of samples is 0.
+    #[error("a picture of {width}x{height} pixels with {spp} samples each is empty")]
+    NothingToDo {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Samples per pixel.
+        spp: u32,
+    },
+    /// More pixels than a picture may have.
+    #[error("a picture of {width}x{height} pixels is too large: at most 2^28 pixels")]
+    TooLarge {
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// The crop has no pixel in common with the picture.
+    #[error("the crop {},{},{},{} holds no pixel of the picture", crop[0], crop[1], crop[2], crop[3])]
+    EmptyCrop {
+        /// As it was given.
+        crop: [u32; 4],
+    },
+}

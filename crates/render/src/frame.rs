@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a rendering gives back. Source: original.
+
+use gnurt_image::Picture;
+
+use crate::stats::RenderStats;
+
+/// A finished picture and what it cost.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// Linear colours with opacity, row 0 on top, and the layers that were asked for.
+    pub picture: Picture,
+    /// Cost per pixel in false colours, if it was asked for.
+    pub heatmap: Option<Picture>,
+    /// Counters.
+    pub stats: RenderStats,
+}

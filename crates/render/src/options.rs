@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a caller may choose about a picture: size, samples, integrator, filter.
+//! Source: original. Pixels count from the upper left corner; names are the command line's words.
+//! Proof: `tests::names_round_trip`, `tests::crops_are_clipped`.
+
+use std::fmt;
+use std::str::FromStr;
+use std::time::Duration;
+
+pub use gnurt_image::FilterShape as ReconstructionFilter;
+use gnurt_simd::Level;
+
+use crate::error::RenderError;
+
+/// How radiance is computed along a camera ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Integrator {
+    /// Base colours, lit from the eye: looks at geometry without lights.
+    Eyelight,
+    /// Shading normals as colours.
+    Normals,
+    /// Direct light with shadows, mirrors and glass by recursion [Whi80].
+    #[default]
+    Whitted,
+}
+
+impl Integrator {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Eyelight, Self::Normals, Self::Whitted];
+
+    /// The name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Eyelight => "eyelight",
+            Self::Normals => "normals",
+            Self::Whitted => "whitted",
+        }
+    }
+}
+
+impl fmt::Display for Integrator {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Integrator {
+    type Err = UnknownIntegrator;
+
+    fn from_str(name: &str) -> Result<Self, UnknownIntegrator> {
+        let found = Self::ALL.into_iter().find(|integrator| integrator.name() == name);
+        found.ok_or_else(|| UnknownIntegrator(name.to_owned()))
+    }
+}
+
+/// A name that is none of [`Integrator::ALL`].
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown integrator '{0}': expected {names}", names = Integrator::ALL.map(Integrator::name).join(", "))]
+pub struct UnknownIntegrator(pub String);
+
+/// Everything about a picture but the world and the camera.
+#[derive(Clone, Debug)]
+pub struct RenderOptions {
+    /// Columns, at least 1.
+    pub width: u32,
+    /// Rows, at least 1.
+    pub height: u32,
+    /// Samples per pixel, at least 1.
+    pub spp: u32,
+    /// The same seed gives the same picture, bit for bit, on any number of threads.
+    pub seed: u64,
+    /// How radiance is computed.
+    pub integrator: Integrator,
+    /// How samples make a pixel.
+    pub filter: ReconstructionFilter,
+    /// `[x0, y0, x1, y1]` in pixels, upper left origin, `x1` and `y1` exclusive; the picture keeps its size and is
+    /// black with alpha 0 outside.
+    pub crop: Option<[u32; 4]>,
+    /// How many bounces a ray may have behind it; deeper ones see the environment.
+    pub max_depth: u32,
+    /// World units that origins move off a surface on top of the computed error bound.
+    pub ray_epsilon: f32,
+    /// CPU level of the kernels.
+    pub level: Level,
+    /// Render no longer than this: the picture so far is kept.
+    pub time_limit: Option<Duration>,
+    /// Add layers: albedo, normal, position, depth, ids.
+    pub aovs: bool,
+    /// Make a picture of the cost per pixel.
+    pub heatmap: bool,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            width: 1024,
+            height: 768,
+            spp: 16,
+            seed: 0,
+            integrator: Integrator::default(),
+            filter: ReconstructionFilter::Box,
+            crop: None,
+            max_depth: 16,
+            ray_epsilon: 0.0,
+            level: Level::default(),
+            time_limit: None,
+            aovs: false,
+            heatmap: false,
+        }
+    }
+}
+
+impl RenderOptions {
+    /// The crop clipped to the frame, or the whole frame; an error if nothing is left or a size is 0.
+    pub fn region(&self) -> Result<[u32; 4], RenderError> {
+        if self.width == 0 || self.height == 0 || self.spp == 0 {
+            return Err(RenderError::NothingToDo { width: self.width, height: self.height, spp: self.spp });
+        }
+        if u64::from(self.width) * u64::from(self.height) > MAX_PIXELS {
+            return Err(RenderError::TooLarge { width: self.width, height: self.height });
+        }
+        let [x0, y0, x1, y1] = self.crop.unwrap_or([0, 0, self.width, self.height]);
+        let clipped = [x0, y0, x1.min(self.width), y1.min(self.height)];
+        if clipped[0] >= clipped[2] || clipped[1] >= clipped[3] {
+            return Err(RenderError::EmptyCrop { crop: [x0, y0, x1, y1] });
+        }
+        Ok(clipped)
+    }
+}
+
+/// No picture is larger: 2^28 pixels, as image files are limited to.
+const MAX_PIXELS: u64 = 1 << 28;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_round_trip() {
+        for integrator in Integrator::ALL {
+            assert_eq!(integrator.to_string().parse(), Ok(integrator), "{integrator} comes back");
+        }
+        let error = "witted".parse::<Integrator>().expect_err("no such integrator");
+        assert_eq!(
+            error.to_string(),
+            "unknown integrator 'witted': expected eyelight, normals, whitted",
+            "the message says what there is"
+        );
+    }
+
+    #[test]
+    fn crops_are_clipped() {
+        let with = |crop| RenderOptions { width: 10, height: 8, crop, ..Default::default() }.region();
+        assert_eq!(with(None), Ok([0, 0, 10, 8]), "no crop is all");
+        assert_eq!(with(Some([2, 3, 99, 99])), Ok([2, 3, 10, 8]), "clipped");
+        assert!(with(Some([10, 0, 12, 8])).is_err(), "outside");
+        assert!(with(Some([5, 5, 5, 6])).is_err(), "empty");
+    }
+}

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Counters of a rendering: what was traced, what it cost. Source: original.
+//! Counters are per tile and added at the end, in tile order: no thread waits for another one.
+
+/// What a rendering did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RenderStats {
+    /// Rays from the camera.
+    pub camera_rays: u64,
+    /// Rays towards lights.
+    pub shadow_rays: u64,
+    /// Rays that shaders sent: mirrored, refracted, straight on.
+    pub secondary_rays: u64,
+    /// Tree nodes visited by all rays.
+    pub nodes_visited: u64,
+    /// Triangles tested by all rays.
+    pub triangles_tested: u64,
+    /// Camera samples that were taken, over all pixels.
+    pub samples: u64,
+    /// Camera samples whose radiance was NaN or infinite and became black.
+    pub bad_samples: u64,
+    /// Fewest samples that a pixel of the region got.
+    pub spp_min: u32,
+    /// Most samples that a pixel of the region got.
+    pub spp_max: u32,
+    /// Whether all samples were taken: neither stopped nor out of time.
+    pub complete: bool,
+    /// Wall-clock seconds.
+    pub seconds: f64,
+    /// Threads of the pool.
+    pub threads: usize,
+}
+
+impl RenderStats {
+    /// All rays.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.camera_rays + self.shadow_rays + self.secondary_rays
+    }
+
+    /// Adds the counters of another tile.
+    pub(crate) fn add(&mut self, other: &Self) {
+        self.camera_rays += other.camera_rays;
+        self.shadow_rays += other.shadow_rays;
+        self.secondary_rays += other.secondary_rays;
+        self.nodes_visited += other.nodes_visited;
+        self.triangles_tested += other.triangles_tested;
+        self.samples += other.samples;
+        self.bad_samples += other.bad_samples;
+    }
+}
