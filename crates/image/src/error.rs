@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What can go wrong with pictures; each message says what is wrong and, where it helps, what would be right.
+//! Source: original. Messages name no file unless they say so: the caller of `decode` knows it, `read` and `write` add it.
+//! Proof: `file::tests`, which read the messages.
+
+use std::path::PathBuf;
+
+/// What went wrong with a picture.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A name that is none of ours; the user's mistake.
+    #[error("unknown {what} '{name}'; valid are: {valid}")]
+    UnknownName {
+        /// What kind of thing was named.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The valid names, separated by commas.
+        valid: String,
+    },
+    /// A file name whose ending names no format that can be written; the user's mistake.
+    #[error("{}: unknown picture format; the name must end in one of: {valid}", path.display())]
+    UnknownExtension {
+        /// The file.
+        path: PathBuf,
+        /// The valid endings, separated by commas.
+        valid: String,
+    },
+    /// Bytes that begin like no known picture file.
+    #[error("not a picture file; known formats are: {0}")]
+    UnknownFormat(&'static str),
+    /// A file that is broken, truncated, or uses what this program does not read.
+    #[error("bad {format} data: {what}")]
+    Corrupt {
+        /// The format's name.
+        format: &'static str,
+        /// What is wrong.
+        what: String,
+    },
+    /// A picture too large to be read.
+    #[error("a picture of {width} x {height} pixels is too large; at most {limit} pixels can be read")]
+    TooLarge {
+        /// Declared columns.
+        width: u64,
+        /// Declared rows.
+        height: u64,
+        /// The limit that it breaks.
+        limit: u64,
+    },
+    /// A picture whose parts do not fit together; the calling program's mistake.
+    #[error("inconsistent picture: {0}")]
+    Shape(String),
+    /// Two pictures that cannot be compared pixel by pixel.
+    #[error("sizes differ: {} x {} and {} x {} pixels", a[0], a[1], b[0], b[1])]
+    SizesDiffer {
+        /// Columns and rows of the first.
+        a: [u32; 2],
+        /// Columns and rows of the second.
+        b: [u32; 2],
+    },
+    /// The system refused a file operation.
+    #[error("{}: {what}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What failed and why.
+        what: String,
+    },
+    /// One of the other errors, in a file.
+    #[error("{}: {error}", path.display())]
+    In {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong in it.
+        error: Box<Error>,
+    },
+}

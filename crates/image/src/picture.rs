@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A picture: linear colours with opacity, and named layers of other data beside them.
+//! Source: original. Values are linear light (Rec. 709 primaries), unclamped; row 0 is the top, columns run to the right.
+//! Opacity is the share of the pixel where something was hit; the colour is what is seen, background included: it is
+//! neither divided by the opacity nor multiplied with it when a file is written or read.
+//! Invariant: `color` and every channel hold `width * height` values; `check` proves it before a file is written.
+//! Proof: `file::tests` (every format), `tests` here.
+
+use crate::Error;
+
+/// Linear colours with opacity, and named layers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Picture {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Red, green, blue in linear light and opacity, `width * height` values in rows from the upper left pixel.
+    pub color: Vec<[f32; 4]>,
+    /// What else is known of each pixel: depth, normals, ids.
+    pub layers: Vec<Layer>,
+    /// Names and values for the file's header, where the format has one (EXR, PNG).
+    pub metadata: Vec<(String, String)>,
+}
+
+/// A named group of channels, such as `N` with `X`, `Y` and `Z`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Layer {
+    /// The name before the dot of the file's channel name; empty for channels without one (`Z`).
+    pub name: String,
+    /// The channels.
+    pub channels: Vec<Channel>,
+}
+
+/// One number per pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Channel {
+    /// The name after the dot, such as `X`.
+    pub name: String,
+    /// The values in rows from the upper left pixel.
+    pub data: ChannelData,
+    /// Whether floats are stored with 16 bits.
+    pub half: bool,
+}
+
+/// The values of a channel.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ChannelData {
+    /// Measures: distances, coordinates, colours.
+    F32(Vec<f32>),
+    /// Numbers of things.
+    U32(Vec<u32>),
+}
+
+impl Picture {
+    /// A black, transparent picture without layers.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        let color = vec![[0.0; 4]; width as usize * height as usize];
+        Self { width, height, color, ..Self::default() }
+    }
+
+    /// Columns times rows.
+    #[must_use]
+    pub fn pixel_count(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Colour and opacity at column `x`, row `y` (from the top); `None` outside.
+    #[must_use]
+    pub fn pixel(&self, x: u32, y: u32) -> Option<[f32; 4]> {
+        let inside = x < self.width && y < self.height;
+        inside.then(|| y as usize * self.width as usize + x as usize).and_then(|i| self.color.get(i).copied())
+    }
+
+    /// The layer of this name.
+    #[must_use]
+    pub fn layer(&self, name: &str) -> Option<&Layer> {
+        self.layers.iter().find(|layer| layer.name == name)
+    }
+
+    /// The value of the first metadata entry of this name.
+    #[must_use]
+    pub fn metadata(&self, name: &str) -> Option<&str> {
+        self.metadata.iter().find(|(key, _)| key == name).map(|(_, value)| &value[..])
+    }
+
+    /// Adds a metadata entry, or replaces the one of this name.
+    pub fn set_metadata(&mut self, name: &str, value: impl Into<String>) {
+        match self.metadata.iter_mut().find(|(key, _)| key == name) {
+            Some(entry) => entry.1 = value.into(),
+            None => self.metadata.push((name.into(), value.into())),
+        }
+    }
+
+    /// Whether sizes fit: at least one pixel, and as many values everywhere as there are pixels.
+    ///
+    /// # Errors
+    /// [`Error::Shape`] says which part has the wrong size.
+    pub fn check(&self) -> Result<(), Error> {
+        let pixels = self.pixel_count();
+        if pixels == 0 {
+            return Err(Error::Shape(format!(
+                "a picture of {} x {} pixels is empty",
+                self.width, self.height
+            )));
+        }
+        if self.color.len() != pixels {
+            return Err(Error::Shape(format!("{} colours for {pixels} pixels", self.color.len())));
+        }
+        let mut channels = self.layers.iter().flat_map(|l| l.channels.iter().map(move |c| (l, c)));
+        match channels.find(|(_, channel)| channel.data.len() != pixels) {
+            Some((layer, channel)) => {
+                let (found, name) = (channel.data.len(), layer.full_name(channel));
+                Err(Error::Shape(format!("{found} values for {pixels} pixels in channel '{name}'")))
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+impl Layer {
+    /// A layer of float channels, such as `Layer::floats("N", [("X", xs), ("Y", ys), ("Z", zs)])`.
+    pub fn floats<'a>(name: &str, channels: impl IntoIterator<Item = (&'a str, Vec<f32>)>) -> Self {
+        let float = |(name, values): (&str, _)| Channel {
+            name: name.into(),
+            data: ChannelData::F32(values),
+            half: false,
+        };
+        Self { name: name.into(), channels: channels.into_iter().map(float).collect() }
+    }
+
+    /// A layer of whole numbers, such as `Layer::ids("id", [("object", objects)])`.
+    pub fn ids<'a>(name: &str, channels: impl IntoIterator<Item = (&'a str, Vec<u32>)>) -> Self {
+        let id = |(name, values): (&str, _)| Channel {
+            name: name.into(),
+            data: ChannelData::U32(values),
+            half: false,
+        };
+        Self { name: name.into(), channels: channels.into_iter().map(id).collect() }
+    }
+
+    /// The channel of this name.
+    #[must_use]
+    pub fn channel(&self, name: &str) -> Option<&Channel> {
+        self.channels.iter().find(|channel| channel.name == name)
+    }
+
+    /// A channel's name in a file: `N.X`, or `Z` where the layer has no name.
+    #[must_use]
+    pub fn full_name(&self, channel: &Channel) -> String {
+        if self.name.is_empty() { channel.name.clone() } else { format!("{}.{}", self.name, channel.name) }
+    }
+}
+
+impl ChannelData {
+    /// How many values there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F32(values) => values.len(),
+            Self::U32(values) => values.len(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn check_finds_each_wrong_size() {
+        let good = Picture::new(3, 2);
+        assert!(good.check().is_ok(), "six colours for 3 x 2 pixels are right");
+        assert!(Picture::new(0, 2).check().is_err(), "an empty picture must be refused");
+        let mut short = good.clone();
+        short.color.pop();
+        assert!(short.check().is_err(), "a missing colour must be found");
+        let mut layered = good;
+        layered.layers.push(Layer::floats("N", [("X", vec![0.0; 6]), ("Y", vec![0.0; 5])]));
+        let message = layered.check().expect_err("a short channel must be found").to_string();
+        assert!(message.contains("'N.Y'"), "the message names the channel: {message}");
+    }
+
+    #[test]
+    fn metadata_is_replaced_not_doubled() {
+        let mut picture = Picture::new(1, 1);
+        picture.set_metadata("seed", "1");
+        picture.set_metadata("seed", "2");
+        assert_eq!(picture.metadata("seed"), Some("2"), "the later value wins");
+        assert_eq!(picture.metadata.len(), 1, "there is one entry per name");
+    }
+
+    #[test]
+    fn pixels_are_found_by_column_and_row() {
+        let mut picture = Picture::new(2, 2);
+        picture.color[2] = [1.0; 4];
+        assert_eq!(picture.pixel(0, 1), Some([1.0; 4]), "index 2 of a 2-wide picture is column 0, row 1");
+        assert_eq!(picture.pixel(2, 0), None, "column 2 is outside");
+    }
+}
