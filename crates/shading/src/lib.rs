@@ -4,6 +4,7 @@
 #![forbid(unsafe_code)]
 
 pub mod batch;
+pub mod classes;
 pub mod shader;
 
 pub use batch::{SampleKey, SurfaceBatch, Vec3s};

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `MirrorShader`: a perfect mirror.
+//!
+//! | parameter | rate | default | meaning |
+//! |---|---|---|---|
+//! | attenuation | shader | 1 | share of light that is reflected |
+//!
+//! Source: [Whi80]; name and parameter as OpenRT programs know them. Proof: `tests::reflects`.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::class::{Kind, Parameter, Shader, ShaderClass};
+use super::lambert::{normals_given, shading_normals};
+use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
+use crate::shader::{AttributeRequest, RayRequest, SurfaceShader, Tracer};
+
+pub(super) static CLASS: ShaderClass = ShaderClass {
+    name: "MirrorShader",
+    kind: Kind::Surface,
+    parameters: &[Parameter::floats("attenuation", &[1.0])],
+    make: |values| {
+        Shader::Surface(Arc::new(Mirror { attenuation: values.float(0), attributes: [normals_given()] }))
+    },
+};
+
+struct Mirror {
+    attenuation: f32,
+    attributes: [AttributeRequest; 1],
+}
+
+impl SurfaceShader for Mirror {
+    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let mut request = RayRequest::default();
+        for (i, normal) in shading_normals(hits, 0).into_iter().enumerate() {
+            let dir = reflection(hits, i, normal);
+            request.rays.push(tracer.spawn(hits.p.get(i), hits.ng.get(i), dir, f32::INFINITY));
+            request.parent.push(i as u32);
+            request.key.push(SampleKey { branch: hits.key[i].branch.wrapping_mul(31) + 1, ..hits.key[i] });
+        }
+        tracer.trace(hits.depth, &request, out);
+        (0..hits.len()).for_each(|i| out.set(i, self.attenuation * out.get(i)));
+    }
+
+    fn attributes(&self) -> &[AttributeRequest] {
+        &self.attributes
+    }
+}
+
+/// Direction of the mirrored ray of lane `i`. Where an interpolated normal would send it through the surface,
+/// the geometric one is used.
+fn reflection(hits: &SurfaceBatch, i: usize, normal: Vec3) -> Vec3 {
+    let (ray, facing) = (hits.ray_dir.get(i), hits.facing_ng(i));
+    let mirrored = ray.reflect(normal);
+    let outside = mirrored.dot(facing) > 0.0;
+    if outside { mirrored.normalize_or(facing) } else { ray.reflect(facing).normalize_or(facing) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::probe::{Probe, floor, shade};
+    use super::*;
+
+    #[test]
+    fn reflects() {
+        let mut hits = floor();
+        hits.ray_dir.set(0, Vec3::new(0.6, -0.8, 0.0));
+        let mut probe = Probe::dark();
+        probe.seen = Vec3::new(1.0, 2.0, 4.0);
+        let shader = Mirror { attenuation: 0.5, attributes: [normals_given()] };
+        assert_eq!(shade(&shader, &mut probe, &hits), Vec3::new(0.5, 1.0, 2.0), "half of what the ray sees");
+        let [ray] = probe.traced[..] else { panic!("one ray per point: {:?}", probe.traced) };
+        let off = Vec3::from(ray.dir) - Vec3::new(0.6, 0.8, 0.0);
+        assert!(off.length() < 1e-6, "angle in = angle out: {:?}", ray.dir);
+    }
+}

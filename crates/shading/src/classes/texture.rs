@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `TextureShader`: a surface that shows a texture, lit or not.
+//!
+//! | parameter | rate | default | meaning |
+//! |---|---|---|---|
+//! | texture | shader | 0 | radiance; 0 = white |
+//!
+//! Source: original, name and parameter as OpenRT programs know them. Proof: `tests::shows_texels`.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::class::{Kind, Parameter, Shader, ShaderClass};
+use super::image::Image;
+use crate::batch::{SurfaceBatch, Vec3s};
+use crate::shader::{SurfaceShader, Tracer};
+
+pub(super) static CLASS: ShaderClass = ShaderClass {
+    name: "TextureShader",
+    kind: Kind::Surface,
+    parameters: &[Parameter::texture("texture")],
+    make: |values| Shader::Surface(Arc::new(Texture { texture: values.image(0) })),
+};
+
+struct Texture {
+    texture: Option<Arc<Image>>,
+}
+
+impl SurfaceShader for Texture {
+    fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        texel_colors(self.texture.as_deref(), hits, out);
+    }
+}
+
+/// Writes the texture's colour at each point; white without a texture.
+pub(super) fn texel_colors(texture: Option<&Image>, hits: &SurfaceBatch, out: &mut Vec3s) {
+    let Some(texture) = texture else {
+        return out.reset(hits.len(), Vec3::ONE);
+    };
+    for i in 0..hits.len() {
+        let [r, g, b, _] = texture.sample([hits.texcoord[0][i], hits.texcoord[1][i]]);
+        out.set(i, Vec3::new(r, g, b));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gnurt_image::{TexelData, Texels};
+
+    use super::super::image::{ImageFilter, ImageWrap};
+    use super::super::probe::{Probe, floor, shade};
+    use super::*;
+
+    #[test]
+    fn shows_texels() {
+        let texels = Texels { width: 1, height: 1, data: TexelData::Linear8(vec![[255, 0, 51, 255]]) };
+        let (wrap, filter) = ([ImageWrap::Repeat; 2], ImageFilter::Linear);
+        let image = Image { texels: Arc::new(texels), wrap, filter };
+        let shader = Texture { texture: Some(Arc::new(image)) };
+        let seen = shade(&shader, &mut Probe::dark(), &floor());
+        assert!((seen - Vec3::new(1.0, 0.0, 0.2)).length() < 1e-6, "bytes are linear: {seen}");
+        let white = Texture { texture: None };
+        assert_eq!(shade(&white, &mut Probe::dark(), &floor()), Vec3::ONE, "no texture is white");
+    }
+}

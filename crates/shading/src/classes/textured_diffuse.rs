@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `TexturedDiffuseShader`: a textured Lambertian surface with shadows and ambient light.
+//!
+//! | parameter | rate | default | meaning |
+//! |---|---|---|---|
+//! | texture | shader | 0 | its colour; 0 = white |
+//! | radiance | shader | 1 1 1 | ambient light, times the texture |
+//!
+//! Shows `T (radiance + sum over lights of E V max(0, n·l))` with T the texture and V what the shadow ray lets through.
+//! Source: original, name and parameters as OpenRT programs know them. Proof: `tests`.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::class::{Kind, Parameter, Shader, ShaderClass};
+use super::image::Image;
+use super::lambert::{Shadows, direct_light, normals_given, shading_normals};
+use super::texture::texel_colors;
+use crate::batch::{SurfaceBatch, Vec3s};
+use crate::shader::{AttributeRequest, SurfaceShader, Tracer};
+
+pub(super) static CLASS: ShaderClass = ShaderClass {
+    name: "TexturedDiffuseShader",
+    kind: Kind::Surface,
+    parameters: &[Parameter::texture("texture"), Parameter::floats("radiance", &[1.0; 3])],
+    make: |values| {
+        let (texture, ambient) = (values.image(0), values.vec3(1));
+        Shader::Surface(Arc::new(TexturedDiffuse { texture, ambient, attributes: [normals_given()] }))
+    },
+};
+
+struct TexturedDiffuse {
+    texture: Option<Arc<Image>>,
+    ambient: Vec3,
+    attributes: [AttributeRequest; 1],
+}
+
+impl SurfaceShader for TexturedDiffuse {
+    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let normals = shading_normals(hits, 0);
+        let light = direct_light(tracer, hits, &normals, Shadows::Traced);
+        texel_colors(self.texture.as_deref(), hits, out);
+        (0..hits.len()).for_each(|i| out.set(i, out.get(i) * (self.ambient + light.get(i))));
+    }
+
+    fn attributes(&self) -> &[AttributeRequest] {
+        &self.attributes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::probe::{Probe, floor, shade};
+    use super::*;
+
+    #[test]
+    fn adds_ambient_light_and_asks_for_shadows() {
+        let shader =
+            TexturedDiffuse { texture: None, ambient: Vec3::splat(0.25), attributes: [normals_given()] };
+        let mut probe = Probe::lit(Vec3::Y, Vec3::ONE);
+        assert_eq!(shade(&shader, &mut probe, &floor()), Vec3::splat(1.25), "ambient and direct");
+        probe.transmittance = Vec3::new(0.0, 0.0, 1.0);
+        let seen = shade(&shader, &mut probe, &floor());
+        assert_eq!(seen, Vec3::new(0.25, 0.25, 1.25), "only what comes through");
+    }
+}
