@@ -6,6 +6,7 @@ pub mod affine;
 pub mod camera;
 pub mod edit;
 pub mod id;
+pub mod io;
 pub mod light;
 pub mod material;
 pub mod mesh;

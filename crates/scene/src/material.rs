@@ -12,6 +12,9 @@ pub struct Material {
     pub name: String,
     /// How it scatters light.
     pub surface: Surface,
+    /// What `--force-diffuse` shows instead of the surface; `None` = see [`Material::diffuse_color`]. Set where the
+    /// way to `surface` loses the file's diffuse colour: an OBJ mirror keeps its `Kd` here, black as it may be.
+    pub diffuse: Option<Color>,
     /// Radiance that leaves the side of the geometric normal, W·sr⁻¹·m⁻², times `emission_texture`.
     pub emission: [f32; 3],
     /// Multiplied to `emission`.
@@ -154,7 +157,25 @@ impl Material {
     /// A material that scatters like `surface`, gives off nothing and is there everywhere.
     #[must_use]
     pub fn of(name: impl Into<String>, surface: Surface) -> Self {
-        Self { name: name.into(), surface, emission: [0.0; 3], emission_texture: None, alpha: Alpha::Opaque }
+        Self {
+            name: name.into(),
+            surface,
+            diffuse: None,
+            emission: [0.0; 3],
+            emission_texture: None,
+            alpha: Alpha::Opaque,
+        }
+    }
+
+    /// The albedo of the Lambertian reflector that `--force-diffuse` makes of it: `diffuse`, or else the surface's base
+    /// colour; black for glass and for shaders.
+    #[must_use]
+    pub fn diffuse_color(&self) -> Color {
+        self.diffuse.unwrap_or(match &self.surface {
+            Surface::Matte { base_color } | Surface::MetallicRoughness { base_color, .. } => *base_color,
+            Surface::Mirror { reflectance } => *reflectance,
+            Surface::Dielectric { .. } | Surface::Shader(_) => Color::constant([0.0; 3]),
+        })
     }
 
     /// Whether it gives off light anywhere.

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Leaves out triangles that cannot be hit and numbers that are none, and counts them.
+//! Source: original; what is recoverable is the contract of the command line. Space: object.
+//! Invariant: afterwards every position is finite and every triangle has an area above zero (in double precision).
+//! Proof: `tests::{drops_and_counts, keeps_what_is_good}`.
+
+use std::path::Path;
+
+use super::warnings::{Oddity, Warnings};
+use crate::mesh::Mesh;
+
+/// Cleans a mesh that came from `path`. Its indices must be in range and its optional arrays empty or full.
+pub(crate) fn clean(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) {
+    let dropped = drop_triangles(mesh, path, warnings);
+    let bad_position = |p: &[f32; 3]| !p.iter().all(|x| x.is_finite());
+    if dropped || mesh.positions.iter().any(bad_position) {
+        drop_unused_vertices(mesh);
+    }
+    let replaced = replace_bad(&mut mesh.normals, [0.0; 3])
+        + replace_bad(&mut mesh.texcoords, [0.0; 2])
+        + replace_bad(&mut mesh.colors, [1.0; 4]);
+    warnings.note_many(Oddity::BadAttribute, replaced, path, None, in_mesh(mesh));
+}
+
+fn in_mesh(mesh: &Mesh) -> String {
+    if mesh.name.is_empty() { String::new() } else { format!("in {}", mesh.name) }
+}
+
+/// Drops what is not finite or has no area; says whether there was any.
+fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool {
+    let before = mesh.indices.len();
+    let (mut not_finite, mut zero_area) = (0, 0);
+    let positions = &mesh.positions;
+    mesh.indices.retain(|triangle| {
+        let [a, b, c] = triangle.map(|i| positions[i as usize].map(f64::from));
+        let finite = [a, b, c].iter().flatten().all(|x| x.is_finite());
+        let keep = finite && has_area(a, b, c);
+        not_finite += u64::from(!finite);
+        zero_area += u64::from(finite && !keep);
+        keep
+    });
+    warnings.note_many(Oddity::NotFiniteTriangle, not_finite, path, None, in_mesh(mesh));
+    warnings.note_many(Oddity::ZeroAreaTriangle, zero_area, path, None, in_mesh(mesh));
+    mesh.indices.len() != before
+}
+
+/// Whether the cross product of two edges is not zero; false for NaN.
+fn has_area(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> bool {
+    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+    (0..3).any(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let component = u[i] * v[j] - u[j] * v[i];
+        component.abs() > 0.0
+    })
+}
+
+/// Keeps the vertices that a triangle uses, in their order.
+pub(crate) fn drop_unused_vertices(mesh: &mut Mesh) {
+    const UNUSED: u32 = u32::MAX;
+    let mut new_index = vec![UNUSED; mesh.positions.len()];
+    for &i in mesh.indices.iter().flatten() {
+        new_index[i as usize] = 0;
+    }
+    for (next, slot) in new_index.iter_mut().filter(|slot| **slot != UNUSED).enumerate() {
+        *slot = next as u32;
+    }
+    keep_used(&mut mesh.positions, &new_index);
+    keep_used(&mut mesh.normals, &new_index);
+    keep_used(&mut mesh.texcoords, &new_index);
+    keep_used(&mut mesh.colors, &new_index);
+    for i in mesh.indices.iter_mut().flatten() {
+        *i = new_index[*i as usize];
+    }
+
+    fn keep_used<T>(values: &mut Vec<T>, new_index: &[u32]) {
+        let mut at = new_index.iter();
+        values.retain(|_| at.next().is_some_and(|&i| i != UNUSED));
+    }
+}
+
+/// Replaces values with a component that is not finite; says how many.
+fn replace_bad<const N: usize>(values: &mut [[f32; N]], by: [f32; N]) -> u64 {
+    let mut replaced = 0;
+    for value in values.iter_mut().filter(|v| !v.iter().all(|x| x.is_finite())) {
+        *value = by;
+        replaced += 1;
+    }
+    replaced
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drops_and_counts() {
+        let mut mesh = Mesh {
+            positions: vec![[0.0; 3], [f32::NAN; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 0.0, 0.0]],
+            normals: vec![[0.0, 0.0, f32::INFINITY], [0.0; 3], [0.0, 0.0, 1.0], [0.0; 3], [0.0; 3]],
+            indices: vec![[0, 1, 2], [0, 2, 3], [0, 2, 4], [0, 0, 3]],
+            ..Mesh::default()
+        };
+        let mut warnings = Warnings::default();
+        clean(&mut mesh, Path::new("t.ply"), &mut warnings);
+        assert_eq!(mesh.indices, [[0, 1, 2]], "the good triangle, renumbered");
+        assert_eq!(mesh.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], "its corners");
+        assert_eq!(mesh.normals, [[0.0; 3], [0.0, 0.0, 1.0], [0.0; 3]], "the infinite normal says nothing");
+        assert_eq!(warnings.count(Oddity::NotFiniteTriangle), 1, "one NaN");
+        assert_eq!(warnings.count(Oddity::ZeroAreaTriangle), 2, "one line, one point twice");
+        assert_eq!(warnings.count(Oddity::BadAttribute), 1, "one normal");
+    }
+
+    #[test]
+    fn keeps_what_is_good() {
+        // A sliver far from the origin: its area underflows in single precision, not in double.
+        let tiny = 1e-25;
+        let mut mesh = Mesh {
+            positions: vec![[0.0; 3], [tiny, 0.0, 0.0], [0.0, tiny, 0.0], [5.0; 3]],
+            indices: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let before = mesh.clone();
+        let mut warnings = Warnings::default();
+        clean(&mut mesh, Path::new("t.ply"), &mut warnings);
+        assert_eq!(mesh, before, "small is not degenerate, and a vertex nobody uses does no harm");
+        assert!(warnings.is_empty(), "nothing to say");
+    }
+}

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Logical lines of text files, streamed: byte order mark, CR, CRLF, continuation, stray bytes.
+//! Source: Wavefront OBJ and MTL, where a backslash at the end of a line joins the next one. Lines count from 1.
+//! Memory: one line at a time, at most [`LONGEST`] bytes.
+//! Proof: `tests::{joins_and_counts, refuses_binary_data}`.
+
+use std::io::BufRead;
+use std::path::{Path, PathBuf};
+
+use super::Error;
+
+/// Bytes that a logical line may have: more is no text but an attack or an accident.
+const LONGEST: usize = 64 << 20;
+
+/// Reads logical lines of one file.
+pub(crate) struct LogicalLines<R> {
+    reader: R,
+    path: PathBuf,
+    /// Physical lines read so far.
+    line: u64,
+    /// Whether the last line ended with CR, so that LF right after it belongs to it.
+    after_cr: bool,
+    bytes: Vec<u8>,
+    text: String,
+}
+
+impl<R: BufRead> LogicalLines<R> {
+    /// Reads from `reader`; `path` is for messages.
+    pub(crate) fn new(reader: R, path: &Path) -> Self {
+        let path = path.to_owned();
+        Self { reader, path, line: 0, after_cr: false, bytes: Vec::new(), text: String::new() }
+    }
+
+    /// The next line that says something, trimmed, without comments that fill it, and the number of its first
+    /// physical line; `None` at the end of the file.
+    pub(crate) fn next(&mut self) -> Result<Option<(u64, &str)>, Error> {
+        loop {
+            self.bytes.clear();
+            let first = self.line + 1;
+            let mut more = self.physical()?;
+            if !more && self.bytes.is_empty() {
+                return Ok(None);
+            }
+            while more && self.bytes.last() == Some(&b'\\') {
+                self.bytes.pop();
+                self.bytes.push(b' ');
+                more = self.physical()?;
+            }
+            if first == 1 && self.bytes.starts_with(b"\xef\xbb\xbf") {
+                self.bytes.drain(..3);
+            }
+            let is_text = |&b: &u8| b >= b' ' || b == b'\t' || b == b'\x0c';
+            if !self.bytes.iter().all(is_text) {
+                return Err(Error::data(&self.path, Some(first), "binary data", "expected text in UTF-8"));
+            }
+            let line = self.bytes.trim_ascii();
+            if line.is_empty() || line[0] == b'#' {
+                continue;
+            }
+            self.text.clear();
+            self.text.push_str(&String::from_utf8_lossy(line));
+            return Ok(Some((first, &self.text)));
+        }
+    }
+
+    /// Appends one physical line to `bytes`, without its end; `false` at the end of the file.
+    fn physical(&mut self) -> Result<bool, Error> {
+        self.line += 1;
+        loop {
+            let available = self.reader.fill_buf().map_err(|e| Error::system(&self.path, &e))?;
+            if available.is_empty() {
+                return Ok(false);
+            }
+            if std::mem::take(&mut self.after_cr) && available[0] == b'\n' {
+                self.reader.consume(1);
+                continue;
+            }
+            let end = available.iter().position(|&b| b == b'\n' || b == b'\r');
+            self.bytes.extend_from_slice(&available[..end.unwrap_or(available.len())]);
+            self.after_cr = end.is_some_and(|end| available[end] == b'\r');
+            let consumed = end.map_or(available.len(), |end| end + 1);
+            self.reader.consume(consumed);
+            if self.bytes.len() > LONGEST {
+                let problem = format!("a line of more than {} MiB", LONGEST >> 20);
+                return Err(Error::data(&self.path, Some(self.line), problem, "expected lines of text"));
+            }
+            if end.is_some() {
+                return Ok(true);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(bytes: &[u8]) -> Result<Vec<(u64, String)>, Error> {
+        // A tiny buffer, so that every line end falls between two reads once.
+        let reader = std::io::BufReader::with_capacity(1, bytes);
+        let mut lines = LogicalLines::new(reader, Path::new("t.obj"));
+        let mut all = Vec::new();
+        while let Some((number, text)) = lines.next()? {
+            all.push((number, text.to_owned()));
+        }
+        Ok(all)
+    }
+
+    #[test]
+    fn joins_and_counts() {
+        let text = b"\xef\xbb\xbfv 1\r\n\t f 1 \\\r\n2 \\\n3\n\n# c\ro\tcaf\xe9\rlast";
+        let expected = [(1, "v 1"), (2, "f 1  2  3"), (7, "o\tcaf\u{fffd}"), (8, "last")];
+        let expected: Vec<_> = expected.map(|(n, t)| (n, t.to_owned())).into();
+        assert_eq!(lines(text).expect("all text"), expected, "every kind of line end");
+    }
+
+    #[test]
+    fn refuses_binary_data() {
+        let error = lines(b"v 1\nv \0\n").expect_err("a NUL is no text");
+        assert_eq!(error.line, Some(2), "with its line: {error}");
+    }
+}

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Scene files: OBJ with MTL, PLY, glTF 2.0.
+//! Source: original; what is an error and what a warning is the contract of the command line.
+//! Nothing in a file makes a program panic, hang, or take memory that the file's own length does not account for.
+//! Proof: `tests/{broken_files,mutations,benchmark_scenes}.rs`.
+
+mod clean;
+mod error;
+mod lines;
+mod obj;
+mod polygon;
+mod source;
+mod textures;
+mod warnings;
+
+use std::path::Path;
+
+pub use error::{Error, ErrorKind};
+pub use warnings::{Oddity, Warning, Warnings};
+
+use crate::scene::Scene;
+
+/// A scene and the oddities of its file.
+#[derive(Clone, Debug, Default)]
+pub struct Loaded {
+    /// The scene.
+    pub scene: Scene,
+    /// What was odd about its file.
+    pub warnings: Warnings,
+}
+
+/// Scene formats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Wavefront OBJ with its MTL libraries.
+    Obj,
+    /// Stanford PLY, text or binary.
+    Ply,
+    /// glTF 2.0 as text.
+    Gltf,
+    /// glTF 2.0 as one binary file.
+    Glb,
+}
+
+impl Format {
+    /// The format that the extension of `path` names, in any case.
+    pub fn of(path: &Path) -> Result<Self, Error> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("obj") => Ok(Self::Obj),
+            Some("ply") => Ok(Self::Ply),
+            Some("gltf") => Ok(Self::Gltf),
+            Some("glb") => Ok(Self::Glb),
+            other => {
+                let problem = match other {
+                    Some(other) => format!("unknown scene format {}", error::quoted(&format!(".{other}"))),
+                    None => "no extension says which scene format it has".to_owned(),
+                };
+                let kind = ErrorKind::UnknownFormat;
+                Err(Error {
+                    kind,
+                    ..Error::data(path, None, problem, "valid are .obj, .ply, .gltf and .glb")
+                })
+            }
+        }
+    }
+}
+
+/// Loads a scene file; its extension says which format it has.
+pub fn load(path: impl AsRef<Path>) -> Result<Loaded, Error> {
+    let path = path.as_ref();
+    let mut loaded = match Format::of(path) {
+        Ok(Format::Obj) => obj::load(path),
+        Ok(Format::Ply) => Err(Error::data(path, None, "PLY", "")),
+        Ok(Format::Gltf | Format::Glb) => Err(Error::data(path, None, "glTF", "")),
+        // A path that is not there is the more helpful thing to say.
+        Err(unknown) => Err(source::open(path).err().unwrap_or(unknown)),
+    }?;
+    if loaded.scene.meshes().iter().all(|mesh| mesh.indices.is_empty()) {
+        loaded.warnings.note(Oddity::EmptyScene, path, None, "");
+    }
+    Ok(loaded)
+}

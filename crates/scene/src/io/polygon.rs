@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Cuts polygons into triangles.
+//! Source: [Mei75] (ear clipping: G. H. Meisters, Polygons have ears); the normal by Newell's method.
+//! Convex polygons become fans. Others are clipped ear by ear in the plane of their normal; where no ear is left
+//! (crossing edges) the rest becomes a fan. Cost: O(n) for convex ones, O(n²) for others, n at most [`LARGEST_CLIPPED`].
+//! Proof: `tests::{convex_is_a_fan, concave_keeps_its_area, survives_anything}`.
+
+/// Corners up to which a concave polygon is clipped; beyond, a fan, so that no file takes quadratic time.
+const LARGEST_CLIPPED: usize = 2000;
+
+type Point = [f64; 2];
+
+/// Appends triangles of positions `0..corners.len()` in the polygon to `triangles`; as many as corners less 2.
+pub(crate) fn triangulate(corners: &[[f32; 3]], triangles: &mut Vec<[usize; 3]>) {
+    let n = corners.len();
+    if n <= 3 || n > LARGEST_CLIPPED {
+        return fan(&(0..n).collect::<Vec<_>>(), triangles);
+    }
+    let flat = project(corners);
+    if is_convex(&flat) {
+        return fan(&(0..n).collect::<Vec<_>>(), triangles);
+    }
+    clip_ears(&flat, triangles);
+}
+
+fn fan(ring: &[usize], triangles: &mut Vec<[usize; 3]>) {
+    triangles.extend((2..ring.len()).map(|i| [ring[0], ring[i - 1], ring[i]]));
+}
+
+/// The corners in the plane that Newell's normal is largest on, counter-clockwise.
+fn project(corners: &[[f32; 3]]) -> Vec<Point> {
+    let n = corners.len();
+    let corner = |i: usize| corners[i % n].map(f64::from);
+    let mut normal = [0.0; 3];
+    for i in 0..n {
+        let (p, q) = (corner(i), corner(i + 1));
+        for (k, sum) in normal.iter_mut().enumerate() {
+            let (a, b) = ((k + 1) % 3, (k + 2) % 3);
+            *sum += (p[a] - q[a]) * (p[b] + q[b]);
+        }
+    }
+    let axis = (0..3).fold(0, |best, k| if normal[k].abs() > normal[best].abs() { k } else { best });
+    let (u, v) = if normal[axis] >= 0.0 { (axis + 1, axis + 2) } else { (axis + 2, axis + 1) };
+    (0..n).map(|i| [corner(i)[u % 3], corner(i)[v % 3]]).collect()
+}
+
+/// Twice the signed area of a triangle: above 0 if it runs counter-clockwise.
+fn turn(a: Point, b: Point, c: Point) -> f64 {
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+/// Whether a polygon turns left at every corner, and only once around (a pentagram turns left too).
+fn is_convex(p: &[Point]) -> bool {
+    let n = p.len();
+    let left = (0..n).all(|i| turn(p[i], p[(i + 1) % n], p[(i + 2) % n]) >= 0.0);
+    left && (2..n).all(|i| turn(p[0], p[i - 1], p[i]) >= 0.0)
+}
+
+/// Cuts off corner after corner that is convex and holds no other corner.
+fn clip_ears(p: &[Point], triangles: &mut Vec<[usize; 3]>) {
+    let mut ring: Vec<usize> = (0..p.len()).collect();
+    let (mut at, mut refused) = (0, 0);
+    while ring.len() > 3 && refused < ring.len() {
+        let n = ring.len();
+        at %= n;
+        let ear = [ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]];
+        if is_ear(p, &ring, ear) {
+            triangles.push(ear);
+            ring.remove(at);
+            refused = 0;
+        } else {
+            refused += 1;
+            at += 1;
+        }
+    }
+    fan(&ring, triangles);
+}
+
+fn is_ear(p: &[Point], ring: &[usize], ear: [usize; 3]) -> bool {
+    let [a, b, c] = ear.map(|i| p[i]);
+    // Corners in the same place as one of the ear's (bridges to holes) do not stand in its way.
+    let inside = |q: Point| {
+        q != a && q != b && q != c && turn(a, b, q) >= 0.0 && turn(b, c, q) >= 0.0 && turn(c, a, q) >= 0.0
+    };
+    // A reflex, straight or NaN corner is no ear.
+    turn(a, b, c) > 0.0 && !ring.iter().any(|&i| inside(p[i]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangles(corners: &[[f32; 3]]) -> Vec<[usize; 3]> {
+        let mut all = Vec::new();
+        triangulate(corners, &mut all);
+        all
+    }
+
+    /// Sum of the areas of the triangles: above the polygon's own where they overlap or lie outside.
+    fn area(corners: &[[f32; 3]]) -> f64 {
+        let p = project(corners);
+        triangles(corners).iter().map(|t| turn(p[t[0]], p[t[1]], p[t[2]]).abs() / 2.0).sum()
+    }
+
+    #[test]
+    fn convex_is_a_fan() {
+        let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+        assert_eq!(triangles(&square), [[0, 1, 2], [0, 2, 3]], "the usual cut");
+    }
+
+    #[test]
+    fn concave_keeps_its_area() {
+        let arrow = [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0], [2.0, 0.0, 0.0], [1.0, 3.0, 0.0]];
+        assert!((area(&arrow) - 2.0).abs() < 1e-9, "an arrow head, area 2: {}", area(&arrow));
+        let l = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+        for k in 0..6 {
+            // Every corner first once, both ways round, standing upright in the yz plane.
+            let ring: Vec<_> = (0..6).map(|i| l[(i + k) % 6]).map(|[y, z]| [7.0, y, z]).collect();
+            assert!((area(&ring) - 5.0).abs() < 1e-9, "an L from corner {k}");
+            let back: Vec<_> = ring.into_iter().rev().collect();
+            assert!((area(&back) - 5.0).abs() < 1e-9, "an L from corner {k}, the other way round");
+        }
+    }
+
+    #[test]
+    fn survives_anything() {
+        let bad = [[f32::NAN; 3], [0.0; 3], [f32::INFINITY, 0.0, 1.0], [0.0; 3], [1.0; 3]];
+        assert_eq!(triangles(&bad).len(), 3, "always corners less 2");
+        let star = [[0.0, 3.0, 0.0], [2.0, -3.0, 0.0], [-3.0, 1.0, 0.0], [3.0, 1.0, 0.0], [-2.0, -3.0, 0.0]];
+        assert_eq!(triangles(&star).len(), 3, "crossing edges too");
+        assert_eq!(triangles(&bad[..2]).len(), 0, "too short");
+    }
+}
