@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One error for programs that call several parts of the system and want one `?`.
+//! Source: original. Messages are one line; each says whose mistake it is by its kind.
+
+use crate::{image, render, scene};
+
+/// What can go wrong on the way from a file to a picture.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A scene could not be read or written.
+    #[error(transparent)]
+    Scene(#[from] scene::io::Error),
+    /// A scene does not hold together: the mistake of the program that made it.
+    #[error(transparent)]
+    Commit(#[from] render::CommitError),
+    /// Options that leave nothing to render.
+    #[error(transparent)]
+    Render(#[from] render::RenderError),
+    /// A picture could not be read, written or compared.
+    #[error(transparent)]
+    Image(#[from] image::Error),
+    /// The system did not give the threads that were asked for.
+    #[error("cannot start {threads} threads: {why}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// What the system says.
+        why: String,
+    },
+}
