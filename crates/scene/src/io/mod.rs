@@ -8,6 +8,7 @@ mod clean;
 mod error;
 mod lines;
 mod obj;
+mod ply;
 mod polygon;
 mod source;
 mod textures;
@@ -71,7 +72,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded, Error> {
     let path = path.as_ref();
     let mut loaded = match Format::of(path) {
         Ok(Format::Obj) => obj::load(path),
-        Ok(Format::Ply) => Err(Error::data(path, None, "PLY", "")),
+        Ok(Format::Ply) => ply::load(path),
         Ok(Format::Gltf | Format::Glb) => Err(Error::data(path, None, "glTF", "")),
         // A path that is not there is the more helpful thing to say.
         Err(unknown) => Err(source::open(path).err().unwrap_or(unknown)),

@@ -16,7 +16,7 @@ use crate::io::lines::LogicalLines;
 use crate::io::{Error, Oddity, Warnings};
 
 /// Faces in a run that `tobj` sees at once.
-const LONGEST_RUN: usize = 1 << 16;
+const LONGEST_RUN: usize = 1 << 14;
 /// Runs in a file: each costs `tobj` some 500 bytes, which no file's length would account for.
 const MOST_RUNS: usize = 1 << 20;
 

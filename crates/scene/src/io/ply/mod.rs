@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Stanford PLY: text, little and big endian.
+//! Source: G. Turk, The PLY polygon file format, 1994; names of properties as written by common programs.
+//!
+//! `ply-rs-bw` reads the header and binary elements. Two things are done before it: the header is checked line by line
+//! (it neither refuses twice the same name nor names all types), and declared counts are compared with the file's length.
+//! Text elements are read here (see `body`): its grammar knows neither `nan` nor `.5`.
+//!
+//! Vertex colours: integers are sRGB-encoded, floats are linear. The mesh gets one grey matte material.
+//! Proof: `tests/ply.rs`, `tests/{broken_files,mutations,benchmark_scenes}.rs`.
+
+mod body;
+mod header;
+mod record;
+
+use std::io::BufReader;
+use std::path::Path;
+
+use super::clean::clean;
+use super::{Error, Loaded, Oddity, Warnings, source};
+use crate::affine::Affine;
+use crate::material::Material;
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+
+/// Albedo of a mesh that has no material.
+const ALBEDO: f32 = 0.6;
+
+/// Loads a PLY file as one mesh.
+pub(super) fn load(path: &Path) -> Result<Loaded, Error> {
+    let (file, length) = source::open(path)?;
+    let mut input = BufReader::with_capacity(1 << 16, std::io::Read::take(file, length));
+    let mut warnings = Warnings::default();
+    let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+
+    let header = header::read(&mut input, length, path)?;
+    header.check_length(path)?;
+    let mut mesh = Mesh { name: name.clone(), ..body::read(&mut input, &header, path, &mut warnings)? };
+    clean(&mut mesh, path, &mut warnings);
+
+    let mut scene = Scene::new();
+    mesh.material = scene.add_material(Material::matte(name.clone(), [ALBEDO; 3]));
+    if mesh.indices.is_empty() {
+        if !mesh.positions.is_empty() {
+            warnings.note(Oddity::PointsOrLines, path, None, format!("{} points", mesh.positions.len()));
+        }
+    } else {
+        let mesh = scene.add_mesh(mesh);
+        let object = scene.add_object_of(name, vec![mesh]);
+        scene.instantiate(object, Affine::IDENTITY);
+    }
+    Ok(Loaded { scene, warnings })
+}
