@@ -4,6 +4,9 @@
 //! Space: world. Invariant: all arrays of a batch have `len()` lanes, and every lane is live.
 
 use glam::Vec3;
+use gnurt_accel::Ray;
+
+use crate::sampling::hash_combine;
 
 /// Three floats per lane: points, directions or colours.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -76,8 +79,17 @@ pub struct SampleKey {
     pub pixel: u32,
     /// Sample within the pixel, from 0.
     pub sample: u32,
-    /// Hash of the path so far (0 for camera rays), so that two branches draw different numbers.
+    /// Hash of the path so far (0 for camera rays), so that two branches draw different numbers. It must not depend
+    /// on the sample, or the samples of a pixel lose their stratification.
     pub branch: u32,
+}
+
+impl SampleKey {
+    /// The key of branch `n` that leaves this path: mirrored, refracted, straight on.
+    #[must_use]
+    pub fn fork(self, n: u32) -> Self {
+        Self { branch: hash_combine(self.branch, n.wrapping_add(1)), ..self }
+    }
 }
 
 /// Surface points that share one shader, world space.
@@ -85,6 +97,8 @@ pub struct SampleKey {
 pub struct SurfaceBatch {
     /// Points.
     pub p: Vec3s,
+    /// How far the points may be off their surfaces by rounding, world units: what rays that leave must clear.
+    pub error: Vec<f32>,
     /// Unit geometric normals, counter-clockwise, as the mesh has them: not flipped.
     pub ng: Vec3s,
     /// Unit shading normals, interpolated, as the mesh has them: not flipped; the geometric one where the mesh has none.
@@ -135,8 +149,15 @@ impl SurfaceBatch {
     /// Geometric normal of lane `i`, turned towards where the ray came from.
     #[must_use]
     pub fn facing_ng(&self, i: usize) -> Vec3 {
-        let (ng, dir) = (self.ng.get(i), self.ray_dir.get(i));
-        if ng.dot(dir) > 0.0 { -ng } else { ng }
+        let ng = self.ng.get(i);
+        if self.front(i) { ng } else { -ng }
+    }
+
+    /// Shading normal of lane `i`, turned to the side of [`facing_ng`](Self::facing_ng).
+    #[must_use]
+    pub fn facing_ns(&self, i: usize) -> Vec3 {
+        let ns = self.ns.get(i);
+        if ns.dot(self.facing_ng(i)) < 0.0 { -ns } else { ns }
     }
 
     /// Whether the ray of lane `i` came from the side that the geometric normal points to.
@@ -144,4 +165,69 @@ impl SurfaceBatch {
     pub fn front(&self, i: usize) -> bool {
         self.ng.get(i).dot(self.ray_dir.get(i)) <= 0.0
     }
+
+    /// A ray from the point of lane `i` towards `dir` that will not meet the surface it leaves: its origin is off the
+    /// surface by the point's error, on the side that `dir` points to.
+    #[must_use]
+    pub fn spawn(&self, i: usize, dir: Vec3, t_far: f32) -> Ray {
+        let (p, ng) = (self.p.get(i), self.ng.get(i));
+        Ray::new(off_surface(p, ng, dir, self.error[i]).into(), dir.into()).within(0.0, t_far)
+    }
+
+    /// A ray from the point of lane `i` that ends at `dist` along the unit direction `dir`, seen from the point itself:
+    /// what [`LightBatch`](crate::LightBatch) gives. Origins move off the surface, ends do not.
+    #[must_use]
+    pub fn spawn_to(&self, i: usize, dir: Vec3, dist: f32) -> Ray {
+        if dist.is_infinite() {
+            return self.spawn(i, dir, dist);
+        }
+        let (p, ng) = (self.p.get(i), self.ng.get(i));
+        let from = off_surface(p, ng, dir, self.error[i]);
+        let way = p + dir * dist - from;
+        let length = way.length();
+        let dir = if length > 0.0 { way / length } else { dir };
+        Ray::new(from.into(), dir.into()).within(0.0, length)
+    }
+
+    /// A batch of some of the lanes, in the order given.
+    #[must_use]
+    pub fn gather(&self, lanes: &[u32]) -> Self {
+        fn pick<T: Copy>(values: &[T], lanes: &[u32]) -> Vec<T> {
+            lanes.iter().map(|&i| values[i as usize]).collect()
+        }
+        let vectors = |v: &Vec3s| Vec3s { x: pick(&v.x, lanes), y: pick(&v.y, lanes), z: pick(&v.z, lanes) };
+        let components = |values: &Vec<f32>| values.chunks(self.len()).flat_map(|c| pick(c, lanes)).collect();
+        Self {
+            p: vectors(&self.p),
+            error: pick(&self.error, lanes),
+            ng: vectors(&self.ng),
+            ns: vectors(&self.ns),
+            ray_dir: vectors(&self.ray_dir),
+            t: pick(&self.t, lanes),
+            u: pick(&self.u, lanes),
+            v: pick(&self.v, lanes),
+            texcoord: [pick(&self.texcoord[0], lanes), pick(&self.texcoord[1], lanes)],
+            dp_du: vectors(&self.dp_du),
+            color: vectors(&self.color),
+            alpha: pick(&self.alpha, lanes),
+            prim_id: pick(&self.prim_id, lanes),
+            geom_id: pick(&self.geom_id, lanes),
+            inst_id: pick(&self.inst_id, lanes),
+            depth: self.depth,
+            key: pick(&self.key, lanes),
+            attributes: self.attributes.iter().map(components).collect(),
+        }
+    }
+}
+
+/// Moves `p` along `normal` by `error`, to the side that `dir` points to, and then away from it by one float more in
+/// each coordinate: adding a small number to a large one may have moved nothing.
+fn off_surface(p: Vec3, normal: Vec3, dir: Vec3, error: f32) -> Vec3 {
+    let offset = if normal.dot(dir) < 0.0 { -normal * error } else { normal * error };
+    let step = |x: f32, d: f32| match d {
+        d if d > 0.0 => (x + d).next_up(),
+        d if d < 0.0 => (x + d).next_down(),
+        _ => x,
+    };
+    Vec3::new(step(p.x, offset.x), step(p.y, offset.y), step(p.z, offset.z))
 }

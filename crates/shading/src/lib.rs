@@ -5,7 +5,11 @@
 
 pub mod batch;
 pub mod classes;
+pub mod lights;
+pub mod materials;
+pub mod sampling;
 pub mod shader;
+pub mod texture;
 
 pub use batch::{SampleKey, SurfaceBatch, Vec3s};
 pub use shader::{

@@ -35,6 +35,12 @@ pub trait SurfaceShader: Send + Sync {
         true
     }
 
+    /// Writes the share of light that the surface scatters, for previews and denoisers; `out` has `hits.len()` lanes of
+    /// mid-grey.
+    fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let _ = (hits, out);
+    }
+
     /// What it wants from the mesh, in the order of `SurfaceBatch::attributes`.
     fn attributes(&self) -> &[AttributeRequest] {
         &[]
@@ -104,6 +110,12 @@ pub trait Tracer {
     /// Lights of the scene.
     fn light_count(&self) -> usize;
 
+    /// Whether rays may meet light `light` where they end, so that a shader that traces a reflection must not add it.
+    fn light_is_visible(&self, light: usize) -> bool {
+        let _ = light;
+        false
+    }
+
     /// Asks light `light` about all points of `hits` (facing shading normals are used); `out` is reset first.
     fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch);
 
@@ -114,10 +126,13 @@ pub trait Tracer {
     /// Beyond the depth limit the environment is seen.
     fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s);
 
-    /// `count` pairs of stratified random numbers in [0, 1) for a lane's key and purpose.
+    /// Two stratified random numbers in [0, 1) for a lane's key and a purpose below [`purpose::LIGHT`].
+    ///
+    /// [`purpose::LIGHT`]: crate::sampling::purpose::LIGHT
     fn random(&self, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2];
 
     /// A ray from `p` that will not meet the surface it leaves: the origin is moved along `ng` (unit, any side)
-    /// to the side that `dir` points to.
+    /// to the side that `dir` points to. Where the point is a lane of a batch, [`SurfaceBatch::spawn`] knows its error
+    /// and moves it no farther than needed.
     fn spawn(&self, p: Vec3, ng: Vec3, dir: Vec3, t_far: f32) -> gnurt_accel::Ray;
 }

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Light from everywhere: a constant, or a latitude-longitude picture chosen by its brightness.
+//! Source: [PJH23] section 12.5 (importance sampling of pictures). Differs: within a cell of the picture the direction is
+//! uniform by solid angle, which is exact at the poles too.
+//! Space: the picture's middle lies along -z and its upper edge at +y of the light's space.
+//! Proof: `tests::{constant_is_exact, picture_matches_quadrature, directions_and_texels_agree}`.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{Mat3, Vec3};
+
+use crate::batch::Vec3s;
+use crate::sampling::{Basis, GridDistribution, cosine_hemisphere};
+use crate::shader::{EnvironmentShader, LightBatch, LightShader};
+use crate::texture::{TextureSampler, Wrap};
+
+/// The same radiance from everywhere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConstantEnvironment {
+    /// Radiance.
+    pub radiance: Vec3,
+}
+
+impl EnvironmentShader for ConstantEnvironment {
+    fn miss(&self, dir: &Vec3s, out: &mut Vec3s) {
+        (0..dir.len()).for_each(|i| out.set(i, self.radiance));
+    }
+}
+
+impl LightShader for ConstantEnvironment {
+    fn illuminate(&self, _p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
+        for (i, &random) in random.iter().enumerate() {
+            let local = cosine_hemisphere(random);
+            // The density is cos / pi; a direction in the horizon itself is never wanted.
+            if local.z > 0.0 {
+                out.dir.set(i, Basis::around(normal.get(i)).to_world(local).normalize());
+                out.dist[i] = f32::INFINITY;
+                out.radiance.set(i, self.radiance * (PI / local.z));
+            }
+        }
+    }
+
+    fn is_visible(&self) -> bool {
+        true
+    }
+}
+
+/// Radiance by direction, from a picture.
+pub struct PictureEnvironment {
+    texture: TextureSampler,
+    radiance: Vec3,
+    world_from_light: Mat3,
+    grid: GridDistribution,
+}
+
+/// The grid of choices has no more cells than this along each axis.
+const MOST_CELLS: [u32; 2] = [1024, 512];
+
+impl PictureEnvironment {
+    /// `world_from_light` is a rotation; `radiance` is multiplied to the picture. `None` if all of it is black.
+    #[must_use]
+    pub fn new(texture: TextureSampler, radiance: Vec3, world_from_light: Mat3) -> Option<Self> {
+        let texture = TextureSampler {
+            wrap: [Wrap::Repeat, Wrap::Clamp],
+            linear: true,
+            uv_from_mesh: TextureSampler::new(texture.texels.clone()).uv_from_mesh,
+            ..texture
+        };
+        let grid = brightness_grid(&texture)?;
+        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, grid })
+    }
+
+    fn at(&self, world_dir: Vec3) -> Vec3 {
+        let dir = self.world_from_light.transpose() * world_dir;
+        let [r, g, b, _] = self.texture.sample(uv_of(dir));
+        self.radiance * Vec3::new(r, g, b).max(Vec3::ZERO)
+    }
+
+    /// A world direction and its density per solid angle.
+    fn sample(&self, random: [f32; 2]) -> (Vec3, f32) {
+        let point = self.grid.sample(random);
+        let (columns, rows) = (self.grid.width() as f32, self.grid.height() as f32);
+        let azimuth = TAU * ((point.column as f32 + point.within[0]) / columns - 0.5);
+        let [upper, lower] = [0, 1].map(|k| (PI * (point.row + k) as f32 / rows).cos());
+        let y = upper + point.within[1] * (lower - upper);
+        let solid_angle = TAU / columns * (upper - lower);
+        let radius = (1.0 - y * y).max(0.0).sqrt();
+        let dir = Vec3::new(radius * azimuth.sin(), y, -radius * azimuth.cos());
+        ((self.world_from_light * dir).normalize(), point.probability / solid_angle)
+    }
+}
+
+impl EnvironmentShader for PictureEnvironment {
+    fn miss(&self, dir: &Vec3s, out: &mut Vec3s) {
+        (0..dir.len()).for_each(|i| out.set(i, self.at(dir.get(i))));
+    }
+}
+
+impl LightShader for PictureEnvironment {
+    fn illuminate(&self, _p: &Vec3s, _normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
+        for (i, &random) in random.iter().enumerate() {
+            let (dir, pdf_sa) = self.sample(random);
+            out.dir.set(i, dir);
+            out.dist[i] = f32::INFINITY;
+            out.radiance.set(i, self.at(dir) / pdf_sa);
+        }
+    }
+
+    fn is_visible(&self) -> bool {
+        true
+    }
+}
+
+/// Texture coordinates of a unit direction of the light's space.
+fn uv_of(dir: Vec3) -> [f32; 2] {
+    [0.5 + dir.x.atan2(-dir.z) / TAU, 1.0 - dir.y.clamp(-1.0, 1.0).acos() / PI]
+}
+
+/// Brightness times solid angle of each cell. Cells look a little beyond their edges, because interpolation carries
+/// light there: whatever shines has a chance.
+fn brightness_grid(texture: &TextureSampler) -> Option<GridDistribution> {
+    let size = [texture.texels.width, texture.texels.height];
+    let [columns, rows] = [0, 1].map(|k| size[k].clamp(1, MOST_CELLS[k]) as usize);
+    // Enough places per cell that no texel is missed.
+    let [across, down] =
+        [0, 1].map(|k| 1 + (size[k] as usize).div_ceil([columns, rows][k]) * if size[k] > 1 { 2 } else { 1 });
+    let luminance = |[r, g, b, _]: [f32; 4]| f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b).max(0.0);
+    let mut weights = Vec::with_capacity(columns * rows);
+    for row in 0..rows {
+        let [upper, lower] = [0, 1].map(|k| (f64::from(PI) * (row + k) as f64 / rows as f64).cos());
+        for column in 0..columns {
+            let mut sum = 0.0;
+            for (i, j) in (0..=across).flat_map(|i| (0..=down).map(move |j| (i, j))) {
+                let u = (column as f32 + i as f32 / across as f32) / columns as f32;
+                let v = 1.0 - (row as f32 + j as f32 / down as f32) / rows as f32;
+                sum += luminance(texture.sample([u, v]));
+            }
+            weights.push(sum * (upper - lower));
+        }
+    }
+    GridDistribution::new(columns, &weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use gnurt_image::{TexelData, Texels};
+
+    use super::*;
+    use crate::batch::SampleKey;
+    use crate::sampling::sample_pair;
+
+    fn picture() -> PictureEnvironment {
+        let (width, height) = (16, 8);
+        let texel = |i: u32| match (i % width, i / width) {
+            (12, 2) => [50.0, 20.0, 10.0, 1.0],
+            (_, 0) => [1.0, 1.0, 1.0, 1.0],
+            _ => [0.0, 0.1, 0.0, 1.0],
+        };
+        let data = TexelData::Float((0..width * height).map(texel).collect());
+        let texture = TextureSampler::new(Arc::new(Texels { width, height, data }));
+        let turn = Mat3::from_rotation_x(0.4) * Mat3::from_rotation_y(1.1);
+        PictureEnvironment::new(texture, Vec3::splat(2.0), turn).expect("it shines")
+    }
+
+    fn irradiance(light: &dyn LightShader, normal: Vec3) -> Vec3 {
+        const N: u32 = 1 << 15;
+        let random: Vec<_> =
+            (0..N).map(|sample| sample_pair(0, SampleKey { pixel: 1, sample, branch: 0 }, 0, 0)).collect();
+        let mut out = LightBatch::default();
+        out.reset(random.len());
+        let n = random.len();
+        light.illuminate(&Vec3s::splat(n, Vec3::ZERO), &Vec3s::splat(n, normal), &random, &mut out);
+        let lit = |i| out.radiance.get(i) * out.dir.get(i).dot(normal).max(0.0);
+        (0..n).map(lit).sum::<Vec3>() / N as f32
+    }
+
+    #[test]
+    fn constant_is_exact() {
+        let light = ConstantEnvironment { radiance: Vec3::new(1.0, 0.5, 0.25) };
+        let found = irradiance(&light, Vec3::new(0.6, 0.0, 0.8));
+        assert!((found - light.radiance * PI).length() < 1e-3, "pi times the radiance, not {found}");
+    }
+
+    #[test]
+    fn picture_matches_quadrature() {
+        let light = picture();
+        let normal = Vec3::new(0.36, 0.8, 0.48);
+        let found = irradiance(&light, normal);
+        // Midpoint rule over the sphere.
+        let (mut sum, steps) = (Vec3::ZERO, 600);
+        for (i, j) in (0..2 * steps).flat_map(|i| (0..steps).map(move |j| (i, j))) {
+            let (azimuth, y) =
+                (PI * (i as f32 + 0.5) / steps as f32, 1.0 - 2.0 * (j as f32 + 0.5) / steps as f32);
+            let radius = (1.0 - y * y).sqrt();
+            let dir = Vec3::new(radius * azimuth.cos(), y, radius * azimuth.sin());
+            sum += light.at(dir) * dir.dot(normal).max(0.0);
+        }
+        let wanted = sum * (TAU / (steps * steps) as f32);
+        assert!((found / wanted - 1.0).abs().max_element() < 0.01, "{found} instead of {wanted}");
+    }
+
+    #[test]
+    fn directions_and_texels_agree() {
+        let light = picture();
+        for sample in 0..1000 {
+            let random = sample_pair(0, SampleKey { pixel: 1, sample, branch: 0 }, 0, 0);
+            let point = light.grid.sample(random);
+            let local = light.world_from_light.transpose() * light.sample(random).0;
+            let [u, v] = uv_of(local);
+            let cell = [u * 16.0, (1.0 - v) * 8.0];
+            let inside = [point.column, point.row]
+                .iter()
+                .zip(cell)
+                .all(|(&c, x)| x > c as f32 - 1e-3 && x < c as f32 + 1.0 + 1e-3);
+            assert!(inside, "{cell:?} is in column {} and row {}", point.column, point.row);
+        }
+        assert_eq!(uv_of(-Vec3::Z), [0.5, 0.5], "the middle lies along -z");
+        assert_eq!(uv_of(Vec3::X)[0], 0.75, "+x is right of it");
+        assert_eq!(uv_of(Vec3::Y)[1], 1.0, "+y is the upper edge");
+    }
+}

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Light that reaches a surface without a bounce: every light asked, shadows traced, a BSDF weighting what arrives.
+//! Source: [Whi80] (shadow rays); [CPC84] (lights with extent, by sampling).
+//! A light counts only where it is above the horizon of both the geometric and the shading normal: with one of them
+//! alone, light would leak through surfaces or shadows would fall on lit ones. Shadow rays are sent only where the
+//! BSDF lets something through.
+
+use glam::Vec3;
+
+use crate::batch::{SurfaceBatch, Vec3s};
+use crate::shader::{LightBatch, RayRequest, Tracer};
+
+/// Adds to `out` the light of all lights, each weighted by `bsdf_cos(lane, towards the light, light is visible)`: the
+/// BSDF times the cosine to the shading normal.
+pub fn direct_light(
+    tracer: &mut dyn Tracer,
+    hits: &SurfaceBatch,
+    bsdf_cos: &dyn Fn(usize, Vec3, bool) -> Vec3,
+    out: &mut Vec3s,
+) {
+    let (mut arriving, mut shadows, mut through) =
+        (LightBatch::default(), RayRequest::default(), Vec3s::default());
+    let mut scattered = Vec::new();
+    for light in 0..tracer.light_count() {
+        tracer.illuminate(light, hits, &mut arriving);
+        let visible = tracer.light_is_visible(light);
+        shadows.rays.clear();
+        shadows.parent.clear();
+        shadows.key.clear();
+        scattered.clear();
+        for i in 0..hits.len() {
+            let (dir, radiance) = (arriving.dir.get(i), arriving.radiance.get(i));
+            let above = hits.facing_ng(i).dot(dir) > 0.0 && hits.facing_ns(i).dot(dir) > 0.0;
+            if !above || radiance == Vec3::ZERO {
+                continue;
+            }
+            let value = bsdf_cos(i, dir, visible) * radiance;
+            if value != Vec3::ZERO {
+                scattered.push(value);
+                shadows.rays.push(hits.spawn_to(i, dir, arriving.dist[i]));
+                shadows.parent.push(i as u32);
+                shadows.key.push(hits.key[i]);
+            }
+        }
+        tracer.occluded(&shadows, &mut through);
+        for (k, (&parent, &value)) in shadows.parent.iter().zip(&scattered).enumerate() {
+            out.add(parent as usize, value * through.get(k));
+        }
+    }
+}

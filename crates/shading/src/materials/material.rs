@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What every surface may have beside its scattering: emission on its front, and places where it is not there.
+//! Source: glTF 2.0 section 3.9 (alpha modes, emission). Radiance is coverage * (scattered + emitted) + (1 - coverage) *
+//! what lies straight behind. Proof: `crates/render/tests/materials.rs`.
+
+use std::sync::Arc;
+
+use crate::batch::{SurfaceBatch, Vec3s};
+use crate::materials::color::{Coverage, Emission};
+use crate::materials::mirror::branch;
+use crate::shader::{AttributeRequest, RayRequest, SurfaceShader, Tracer};
+
+/// A surface with emission and holes.
+#[derive(Clone)]
+pub struct Material {
+    /// How it scatters.
+    pub surface: Arc<dyn SurfaceShader>,
+    /// Radiance that leaves its front.
+    pub emission: Option<Emission>,
+    /// Where it is there; `None` = everywhere.
+    pub coverage: Option<Coverage>,
+}
+
+impl Material {
+    fn shade_solid(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        self.surface.shade(tracer, hits, out);
+        let Some(emission) = &self.emission else { return };
+        for i in (0..hits.len()).filter(|&i| hits.front(i)) {
+            out.add(i, emission.at([hits.texcoord[0][i], hits.texcoord[1][i]]));
+        }
+    }
+}
+
+impl SurfaceShader for Material {
+    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let Some(coverage) = &self.coverage else {
+            return self.shade_solid(tracer, hits, out);
+        };
+        let covered: Vec<f32> = (0..hits.len()).map(|i| coverage.at_hit(hits, i)).collect();
+        let lanes_where = |there: &dyn Fn(f32) -> bool| -> Vec<u32> {
+            (0..hits.len() as u32).filter(|&i| there(covered[i as usize])).collect()
+        };
+        let solid = lanes_where(&|c| c > 0.0);
+        if !solid.is_empty() {
+            let part = hits.gather(&solid);
+            let mut radiance = Vec3s::splat(solid.len(), glam::Vec3::ZERO);
+            self.shade_solid(tracer, &part, &mut radiance);
+            for (k, &i) in solid.iter().enumerate() {
+                out.add(i as usize, radiance.get(k) * covered[i as usize]);
+            }
+        }
+        let open = lanes_where(&|c| c < 1.0);
+        if !open.is_empty() {
+            let mut request = RayRequest::default();
+            for &i in &open {
+                let dir = hits.ray_dir.get(i as usize);
+                request.rays.push(hits.spawn(i as usize, dir, f32::INFINITY));
+                request.parent.push(i);
+                request.key.push(hits.key[i as usize].fork(branch::STRAIGHT));
+            }
+            let mut behind = Vec3s::default();
+            tracer.trace(hits.depth, &request, &mut behind);
+            for (k, &i) in open.iter().enumerate() {
+                out.add(i as usize, behind.get(k) * (1.0 - covered[i as usize]));
+            }
+        }
+    }
+
+    fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        if !self.surface.is_opaque() {
+            self.surface.transmit(tracer, hits, out);
+        }
+        let Some(coverage) = &self.coverage else { return };
+        for i in 0..hits.len() {
+            let c = coverage.at_hit(hits, i);
+            out.set(i, out.get(i) * c + glam::Vec3::splat(1.0 - c));
+        }
+    }
+
+    fn is_opaque(&self) -> bool {
+        self.coverage.is_none() && self.surface.is_opaque()
+    }
+
+    fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
+        self.surface.albedo(hits, out);
+    }
+
+    fn attributes(&self) -> &[AttributeRequest] {
+        self.surface.attributes()
+    }
+}

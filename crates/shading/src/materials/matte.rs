@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Lambertian reflectors: alike from everywhere, on both sides.
+//! Source: [Lam60]; references/README point 2. Proof: crates/render/tests/lights.rs (closed forms, furnace).
+
+use std::f32::consts::FRAC_1_PI;
+
+use crate::batch::{SurfaceBatch, Vec3s};
+use crate::materials::color::TexturedColor;
+use crate::materials::direct::direct_light;
+use crate::shader::{SurfaceShader, Tracer};
+
+/// A Lambertian reflector.
+#[derive(Clone, Debug)]
+pub struct Matte {
+    /// Share of light that is scattered.
+    pub albedo: TexturedColor,
+}
+
+impl SurfaceShader for Matte {
+    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let albedo: Vec<_> = (0..hits.len()).map(|i| self.albedo.at_hit(hits, i) * FRAC_1_PI).collect();
+        direct_light(tracer, hits, &|i, dir, _| albedo[i] * hits.facing_ns(i).dot(dir), out);
+    }
+
+    fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
+        (0..hits.len()).for_each(|i| out.set(i, self.albedo.at_hit(hits, i)));
+    }
+}

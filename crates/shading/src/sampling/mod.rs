@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Stateless random numbers and the ways to turn them into directions, points and choices.
+//! Source: see each file. Everything is a function of its arguments: no generator is carried around.
+
+mod distribution;
+mod grid;
+mod sobol;
+mod warp;
+
+pub use distribution::{Choice, Distribution};
+pub use grid::{GridDistribution, GridPoint};
+pub use sobol::{hash_combine, purpose, sample_pair};
+pub use warp::{Basis, cosine_hemisphere, triangle};

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Sobol' points in two dimensions, shuffled and scrambled by hashes: random numbers as a pure function of who asks.
+//! Source: [Bur20] (hash-based Owen scrambling and shuffling, padding of 2D sets); Owen [Owe95]; the two dimensions are
+//! those of [Sob67]. Differs: the key holds pixel, path branch, depth and purpose.
+//! Invariant: for a fixed key and purpose, samples 0..2^k are a (0, 2)-sequence: each elementary interval of area 2^-k
+//! holds exactly one. Proof: `tests::{every_elementary_interval_holds_one, purposes_and_seeds_are_independent}`.
+
+use crate::batch::SampleKey;
+
+/// What pairs of numbers are drawn for: two users of one key and depth must differ here.
+pub mod purpose {
+    /// Place within the pixel.
+    pub const PIXEL: u32 = 0;
+    /// Direction of a scattered ray.
+    pub const DIRECTION: u32 = 1;
+    /// Choice between mirrored and refracted.
+    pub const CHOICE: u32 = 2;
+    /// First of those that shaders outside this crate may use.
+    pub const SHADER: u32 = 0x100;
+    /// Point on light 0; light i has `LIGHT + i`.
+    pub const LIGHT: u32 = 0x1000_0000;
+}
+
+/// Two numbers in [0, 1) for one sample, stratified over the samples of its pixel.
+#[must_use]
+pub fn sample_pair(seed: u64, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2] {
+    let words = [seed as u32, (seed >> 32) as u32, key.pixel, key.branch, depth, purpose];
+    let set = words.into_iter().fold(0x9e37_79b9, hash_combine);
+    // Shuffling the order keeps every aligned block of 2^k samples together, so progressive pictures stay stratified.
+    let index = owen_scramble(key.sample, set);
+    let [x, y] = sobol(index);
+    [owen_scramble(x, hash_combine(set, 1)), owen_scramble(y, hash_combine(set, 2))].map(unit_interval)
+}
+
+/// A well-mixed function of two words.
+#[must_use]
+pub fn hash_combine(a: u32, b: u32) -> u32 {
+    mix(a ^ mix(b.wrapping_add(0x9e37_79b9)).wrapping_add(a << 6).wrapping_add(a >> 2))
+}
+
+/// A bijection of words in which every input bit reaches every output bit.
+fn mix(mut x: u32) -> u32 {
+    x ^= x >> 16;
+    x = x.wrapping_mul(0x21f0_aaad);
+    x ^= x >> 15;
+    x = x.wrapping_mul(0xd35a_2d97);
+    x ^ (x >> 15)
+}
+
+/// Point `index` of the two-dimensional Sobol' sequence, as fractions of 2^32.
+fn sobol(mut index: u32) -> [u32; 2] {
+    let x = index.reverse_bits();
+    let (mut y, mut column) = (0, 1 << 31);
+    while index != 0 {
+        if index & 1 != 0 {
+            y ^= column;
+        }
+        index >>= 1;
+        // Columns of the second dimension's matrix are the rows of Pascal's triangle modulo 2.
+        column ^= column >> 1;
+    }
+    [x, y]
+}
+
+/// Permutes the tree of nested halves: each bit is flipped by a hash of the bits above it.
+fn owen_scramble(x: u32, seed: u32) -> u32 {
+    let mut x = x.reverse_bits().wrapping_add(seed);
+    // In a product with an even number each bit only reaches higher bits; reversed, only lower ones.
+    x ^= x.wrapping_mul(0x6c50_b47c);
+    x ^= x.wrapping_mul(0xb82f_1e52);
+    x ^= x.wrapping_mul(0xc7af_e638);
+    x ^= x.wrapping_mul(0x8d22_f6e6);
+    x.reverse_bits()
+}
+
+/// The upper 24 bits as a number in [0, 1): all that a float can hold below 1.
+fn unit_interval(x: u32) -> f32 {
+    (x >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn key(pixel: u32, sample: u32) -> SampleKey {
+        SampleKey { pixel, sample, branch: 0 }
+    }
+
+    #[test]
+    fn every_elementary_interval_holds_one() {
+        for pixel in [0, 1, 77] {
+            for log in 0..=10 {
+                let n = 1_u32 << log;
+                // Any aligned block of 2^log samples, not only the first one.
+                let first = n * 3;
+                let points: Vec<_> =
+                    (first..first + n).map(|s| sample_pair(9, key(pixel, s), 2, 5)).collect();
+                for columns_log in 0..=log {
+                    let (columns, rows) = (1_u32 << columns_log, 1_u32 << (log - columns_log));
+                    let mut seen = vec![false; n as usize];
+                    for [x, y] in &points {
+                        let cell = (y * rows as f32) as u32 * columns + (x * columns as f32) as u32;
+                        assert!(!seen[cell as usize], "two points in one of {columns} x {rows} cells");
+                        seen[cell as usize] = true;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Pearson's correlation of first numbers over many pixels, between two purposes, seeds, depths, neighbours.
+    #[test]
+    fn purposes_and_seeds_are_independent() {
+        const N: u32 = 20_000;
+        let draw =
+            |seed, pixel, depth, purpose| f64::from(sample_pair(seed, key(pixel, 0), depth, purpose)[0]);
+        let correlation = |other: &dyn Fn(u32) -> f64| {
+            let sum: f64 = (0..N).map(|i| (draw(0, i, 0, 0) - 0.5) * (other(i) - 0.5)).sum();
+            sum / f64::from(N) * 12.0
+        };
+        let limit = 4.0 / f64::from(N).sqrt();
+        let others: [(&str, &dyn Fn(u32) -> f64); 4] = [
+            ("purpose", &|i| draw(0, i, 0, 1)),
+            ("seed", &|i| draw(1, i, 0, 0)),
+            ("depth", &|i| draw(0, i, 1, 0)),
+            ("neighbour", &|i| draw(0, i + 1, 0, 0)),
+        ];
+        for (name, other) in others {
+            let r = correlation(other);
+            assert!(r.abs() < limit, "{name}: correlation {r} above {limit}");
+        }
+    }
+
+    #[test]
+    fn numbers_stay_below_one() {
+        assert!(unit_interval(u32::MAX) < 1.0, "1 is never reached");
+        assert_eq!(unit_interval(0), 0.0, "0 is");
+    }
+}

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Reading textures: transform, wrap, decode, interpolate.
+//! Source: references/README point 3 (decode first, then bilinear; texel centres at (i + 0.5) / N; v upwards), glTF 2.0
+//! section 3.8 (wrap modes). Units: linear light. A coordinate that is not finite reads as 0.
+//! Proof: `tests::{centres_are_exact_and_v_points_up, wraps, decodes_before_interpolating}`.
+
+use std::sync::{Arc, LazyLock};
+
+use gnurt_image::{TexelData, Texels};
+
+/// What happens outside of [0, 1].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The picture goes on from its other edge.
+    #[default]
+    Repeat,
+    /// The picture goes on mirrored.
+    Mirror,
+    /// The edge's texels go on.
+    Clamp,
+}
+
+/// A picture that can be asked for its value anywhere.
+#[derive(Clone, Debug)]
+pub struct TextureSampler {
+    /// The texels; row 0 lies at v = 1.
+    pub texels: Arc<Texels>,
+    /// Along u and v.
+    pub wrap: [Wrap; 2],
+    /// Interpolate between texel centres, or take the nearest one.
+    pub linear: bool,
+    /// `uv' = (a u + c v + e, b u + d v + f)` as `[a, b, c, d, e, f]`.
+    pub uv_from_mesh: [f32; 6],
+}
+
+impl TextureSampler {
+    /// Repeating, bilinear, under the mesh's own coordinates.
+    #[must_use]
+    pub fn new(texels: Arc<Texels>) -> Self {
+        Self { texels, wrap: [Wrap::Repeat; 2], linear: true, uv_from_mesh: [1.0, 0.0, 0.0, 1.0, 0.0, 0.0] }
+    }
+
+    /// Linear red, green, blue and opacity at the mesh's coordinates `uv`.
+    #[must_use]
+    pub fn sample(&self, [u, v]: [f32; 2]) -> [f32; 4] {
+        let [a, b, c, d, e, f] = self.uv_from_mesh;
+        let (u, v) = (a * u + c * v + e, b * u + d * v + f);
+        let size = [self.texels.width, self.texels.height];
+        // From the upper left corner, in texels.
+        let place = [fold(u, self.wrap[0]) * size[0] as f32, (1.0 - fold(v, self.wrap[1])) * size[1] as f32];
+        if self.linear { self.bilinear(place) } else { self.texel(place.map(|x| x.floor() as i64)) }
+    }
+
+    /// Mean of all texels: what a far-away viewer sees.
+    #[must_use]
+    pub fn mean(&self) -> [f32; 4] {
+        let (w, h) = (i64::from(self.texels.width), i64::from(self.texels.height));
+        let mut sum = [0.0_f64; 4];
+        for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
+            let texel = self.texel([x, y]);
+            (0..4).for_each(|k| sum[k] += f64::from(texel[k]));
+        }
+        sum.map(|s| (s / (w * h) as f64) as f32)
+    }
+
+    fn bilinear(&self, place: [f32; 2]) -> [f32; 4] {
+        let [x, y] = place.map(|x| x - 0.5);
+        let [column, row] = [x.floor(), y.floor()];
+        let (fx, fy) = (x - column, y - row);
+        let [column, row] = [column as i64, row as i64];
+        let [a, b] = [self.texel([column, row]), self.texel([column + 1, row])];
+        let [c, d] = [self.texel([column, row + 1]), self.texel([column + 1, row + 1])];
+        std::array::from_fn(|k| {
+            let upper = a[k] + fx * (b[k] - a[k]);
+            let lower = c[k] + fx * (d[k] - c[k]);
+            upper + fy * (lower - upper)
+        })
+    }
+
+    /// The decoded texel at a column and a row that may lie outside.
+    fn texel(&self, [column, row]: [i64; 2]) -> [f32; 4] {
+        let column = wrap_index(column, self.texels.width, self.wrap[0]);
+        let row = wrap_index(row, self.texels.height, self.wrap[1]);
+        let i = row * self.texels.width as usize + column;
+        match &self.texels.data {
+            TexelData::Srgb8(texels) => {
+                let [r, g, b, a] = texels[i];
+                let decode = |x: u8| SRGB[usize::from(x)];
+                [decode(r), decode(g), decode(b), f32::from(a) / 255.0]
+            }
+            TexelData::Linear8(texels) => texels[i].map(|x| f32::from(x) / 255.0),
+            TexelData::Float(texels) => texels[i],
+        }
+    }
+}
+
+/// Linear value of each sRGB byte.
+static SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
+    std::array::from_fn(|i| {
+        let x = i as f64 / 255.0;
+        (if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
+    })
+});
+
+/// Brings a coordinate to [0, 1].
+fn fold(x: f32, wrap: Wrap) -> f32 {
+    if !x.is_finite() {
+        return 0.0;
+    }
+    match wrap {
+        Wrap::Repeat => x - x.floor(),
+        Wrap::Mirror => {
+            let period = x - 2.0 * (x * 0.5).floor();
+            1.0 - (period - 1.0).abs()
+        }
+        Wrap::Clamp => x.clamp(0.0, 1.0),
+    }
+}
+
+/// Brings the index of a neighbour, at most one outside, back into the picture.
+fn wrap_index(i: i64, n: u32, wrap: Wrap) -> usize {
+    let n = i64::from(n);
+    let inside = match wrap {
+        Wrap::Repeat => i.rem_euclid(n),
+        // The texel before the first is the first again; both ends alike.
+        Wrap::Mirror | Wrap::Clamp => i.clamp(0, n - 1),
+    };
+    inside as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(width: u32, height: u32, greys: &[f32]) -> TextureSampler {
+        let data = TexelData::Float(greys.iter().map(|&g| [g, g, g, 1.0]).collect());
+        TextureSampler::new(Arc::new(Texels { width, height, data }))
+    }
+
+    fn grey(sampler: &TextureSampler, u: f32, v: f32) -> f32 {
+        sampler.sample([u, v])[0]
+    }
+
+    #[test]
+    fn centres_are_exact_and_v_points_up() {
+        let sampler = picture(2, 2, &[1.0, 2.0, 3.0, 4.0]);
+        assert_eq!(grey(&sampler, 0.25, 0.75), 1.0, "upper left texel");
+        assert_eq!(grey(&sampler, 0.75, 0.25), 4.0, "lower right texel");
+        assert_eq!(grey(&sampler, 0.5, 0.5), 2.5, "between all four");
+        let nearest = TextureSampler { linear: false, ..sampler };
+        assert_eq!(grey(&nearest, 0.01, 0.01), 3.0, "lower left texel, all over");
+        let moved = TextureSampler { uv_from_mesh: [0.0, 1.0, 1.0, 0.0, 0.0, 0.0], ..nearest };
+        assert_eq!(grey(&moved, 0.75, 0.25), 1.0, "u and v exchanged");
+    }
+
+    #[test]
+    fn wraps() {
+        let sampler = picture(2, 1, &[1.0, 3.0]);
+        let with = |wrap| TextureSampler { wrap: [wrap; 2], ..sampler.clone() };
+        assert_eq!(grey(&with(Wrap::Repeat), 0.0, 0.5), 2.0, "half of each neighbour across the seam");
+        assert_eq!(grey(&with(Wrap::Repeat), -7.75, 5.5), 1.0, "any number of periods away");
+        assert_eq!(grey(&with(Wrap::Clamp), -3.0, 0.5), 1.0, "the edge goes on");
+        assert_eq!(grey(&with(Wrap::Clamp), 9.0, 0.5), 3.0, "on both sides");
+        assert_eq!(grey(&with(Wrap::Mirror), 1.25, 0.5), 3.0, "mirrored");
+        assert_eq!(grey(&with(Wrap::Mirror), -0.25, 0.5), 1.0, "mirrored below 0");
+        assert_eq!(grey(&with(Wrap::Mirror), 0.0, 0.5), 1.0, "no seam at the mirror");
+        assert!(grey(&sampler, f32::NAN, f32::INFINITY).is_finite(), "no panic");
+    }
+
+    #[test]
+    fn decodes_before_interpolating() {
+        let data = TexelData::Srgb8(vec![[0, 0, 0, 0], [255, 255, 255, 255]]);
+        let sampler = TextureSampler::new(Arc::new(Texels { width: 2, height: 1, data }));
+        let [r, _, _, a] = sampler.sample([0.5, 0.5]);
+        assert_eq!((r, a), (0.5, 0.5), "half of white's light, not of its byte");
+        assert!((sampler.mean()[0] - 0.5).abs() < 1e-6, "the mean is of light too");
+        let mid = TexelData::Srgb8(vec![[188, 188, 188, 255]]);
+        let sampler = TextureSampler::new(Arc::new(Texels { width: 1, height: 1, data: mid }));
+        assert!((sampler.sample([0.0, 0.0])[0] - 0.502_886).abs() < 1e-5, "the piecewise curve");
+    }
+}
