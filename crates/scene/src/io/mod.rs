@@ -6,6 +6,7 @@
 
 mod clean;
 mod error;
+mod gltf;
 mod lines;
 mod obj;
 mod ply;
@@ -73,7 +74,7 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded, Error> {
     let mut loaded = match Format::of(path) {
         Ok(Format::Obj) => obj::load(path),
         Ok(Format::Ply) => ply::load(path),
-        Ok(Format::Gltf | Format::Glb) => Err(Error::data(path, None, "glTF", "")),
+        Ok(format @ (Format::Gltf | Format::Glb)) => gltf::load(path, format),
         // A path that is not there is the more helpful thing to say.
         Err(unknown) => Err(source::open(path).err().unwrap_or(unknown)),
     }?;

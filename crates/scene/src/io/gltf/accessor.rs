@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Accessors: typed arrays in buffers, with strides, sparse substitutes and normalized integers.
+//! Source: glTF 2.0 section 3.6.2. Declared counts are checked against the buffer before memory is taken.
+//! Proof: `tests/gltf.rs`, `tests/broken_files.rs`.
+
+use gltf::json::accessor::{Accessor, ComponentType, Type};
+use gltf::json::validation::Checked;
+use gltf::json::{Index, buffer};
+
+use super::document::Document;
+use crate::io::Error;
+
+/// Reads an accessor of at least `N` components as floats: normalized integers in their range, others as they are.
+pub(super) fn floats<const N: usize>(
+    document: &Document,
+    index: Index<Accessor>,
+    place: &str,
+) -> Result<Vec<[f32; N]>, Error> {
+    let reader = Reader::new(document, index, place)?;
+    if reader.components < N {
+        let problem = format!("accessor {} has {} components", index.value(), reader.components);
+        return Err(document.error(place, problem, &format!("expected {N}")));
+    }
+    let mut values = vec![[0.0; N]; reader.count];
+    reader.for_each(|i, bytes| {
+        let size = size_of_component(reader.component);
+        for (k, slot) in values[i].iter_mut().enumerate() {
+            *slot = float(reader.component, reader.normalized, &bytes[k * size..]);
+        }
+    })?;
+    Ok(values)
+}
+
+/// Reads an accessor of one unsigned integer each.
+pub(super) fn integers(document: &Document, index: Index<Accessor>, place: &str) -> Result<Vec<u32>, Error> {
+    let reader = Reader::new(document, index, place)?;
+    let unsigned = matches!(reader.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
+    if reader.components != 1 || !unsigned {
+        return Err(document.error(place, "indices of a wrong type", "expected SCALAR of unsigned integers"));
+    }
+    let mut values = vec![0; reader.count];
+    reader.for_each(|i, bytes| values[i] = unsigned_integer(reader.component, bytes))?;
+    Ok(values)
+}
+
+/// Reads an accessor of four unsigned integers each: the joints of a skin.
+pub(super) fn joints(
+    document: &Document,
+    index: Index<Accessor>,
+    place: &str,
+) -> Result<Vec<[u32; 4]>, Error> {
+    let reader = Reader::new(document, index, place)?;
+    if reader.components != 4 {
+        return Err(document.error(place, "joints of a wrong type", "expected VEC4 of unsigned integers"));
+    }
+    let size = size_of_component(reader.component);
+    let mut values = vec![[0; 4]; reader.count];
+    reader.for_each(|i, bytes| {
+        values[i] = [0, 1, 2, 3].map(|k| unsigned_integer(reader.component, &bytes[k * size..]));
+    })?;
+    Ok(values)
+}
+
+/// An accessor whose numbers were checked.
+struct Reader<'a> {
+    document: &'a Document,
+    accessor: &'a Accessor,
+    place: &'a str,
+    component: ComponentType,
+    components: usize,
+    normalized: bool,
+    count: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn new(document: &'a Document, index: Index<Accessor>, place: &'a str) -> Result<Self, Error> {
+        let accessor = document.get(index, place, "accessor")?;
+        let (Checked::Valid(component), Checked::Valid(shape)) =
+            (accessor.component_type.as_ref(), accessor.type_.as_ref())
+        else {
+            return Err(document.error(place, format!("accessor {} has an unknown type", index.value()), ""));
+        };
+        let components = match shape {
+            Type::Scalar => 1,
+            Type::Vec2 => 2,
+            Type::Vec3 => 3,
+            Type::Vec4 | Type::Mat2 => 4,
+            Type::Mat3 => 9,
+            Type::Mat4 => 16,
+        };
+        let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
+        // No array that is made of it has more bytes per element.
+        document.spend(count.saturating_mul(components.max(4) * 4), place)?;
+        let (component, normalized) = (component.0, accessor.normalized);
+        let reader = Self { document, accessor, place, component, components, normalized, count };
+        // Whoever takes memory for `count` elements may rely on it that they are there.
+        reader.for_each_plain(|_, _| {}, true)?;
+        Ok(reader)
+    }
+
+    fn element_bytes(&self) -> usize {
+        self.components * size_of_component(self.component)
+    }
+
+    /// Calls `element` with the number and the bytes of each element that is not zero.
+    fn for_each(&self, mut element: impl FnMut(usize, &[u8])) -> Result<(), Error> {
+        self.for_each_plain(&mut element, false)?;
+        let Some(sparse) = &self.accessor.sparse else {
+            return Ok(());
+        };
+        let Checked::Valid(index_type) = sparse.indices.component_type.as_ref() else {
+            return Err(self.document.error(self.place, "sparse indices of an unknown type", ""));
+        };
+        let count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
+        let index_type = index_type.0;
+        let indices = self.span(
+            sparse.indices.buffer_view,
+            sparse.indices.byte_offset.0,
+            size_of_component(index_type),
+            count,
+        )?;
+        let values =
+            self.span(sparse.values.buffer_view, sparse.values.byte_offset.0, self.element_bytes(), count)?;
+        for (index, value) in indices.zip(values) {
+            let index = unsigned_integer(index_type, index) as usize;
+            if index >= self.count {
+                let problem = format!("sparse index {index} out of range");
+                return Err(self.document.error(
+                    self.place,
+                    problem,
+                    &format!("expected 0 to {}", self.count - 1),
+                ));
+            }
+            element(index, value);
+        }
+        Ok(())
+    }
+
+    /// The elements in the buffer view; with `check_only`, only whether they fit.
+    fn for_each_plain(&self, mut element: impl FnMut(usize, &[u8]), check_only: bool) -> Result<(), Error> {
+        if let Some(view) = self.accessor.buffer_view {
+            let offset = self.accessor.byte_offset.unwrap_or_default().0;
+            let span = self.span(view, offset, self.element_bytes(), self.count)?;
+            if !check_only {
+                span.enumerate().for_each(|(i, bytes)| element(i, bytes));
+            }
+        }
+        Ok(())
+    }
+
+    /// `count` elements of `size` bytes each in a buffer view.
+    fn span(
+        &self,
+        view: Index<buffer::View>,
+        offset: u64,
+        size: usize,
+        count: usize,
+    ) -> Result<impl Iterator<Item = &'a [u8]>, Error> {
+        let bytes = self.document.view(view, self.place)?;
+        let stride = self.document.get(view, self.place, "bufferView")?.byte_stride.map_or(0, |s| s.0);
+        let stride = if stride == 0 { size } else { stride };
+        let last = count.checked_sub(1).map(|n| n.saturating_mul(stride).saturating_add(size)).unwrap_or(0);
+        let start = usize::try_from(offset).unwrap_or(usize::MAX);
+        if start.saturating_add(last) > bytes.len() {
+            let problem = format!(
+                "{count} elements do not fit into the {} bytes of bufferView {}",
+                bytes.len(),
+                view.value()
+            );
+            return Err(self.document.error(self.place, problem, "the buffer may have been cut off"));
+        }
+        Ok((0..count).map(move |i| &bytes[start + i * stride..][..size]))
+    }
+}
+
+fn size_of_component(component: ComponentType) -> usize {
+    match component {
+        ComponentType::I8 | ComponentType::U8 => 1,
+        ComponentType::I16 | ComponentType::U16 => 2,
+        ComponentType::U32 | ComponentType::F32 => 4,
+    }
+}
+
+/// The first component in `bytes`, which has enough of them.
+fn float(component: ComponentType, normalized: bool, bytes: &[u8]) -> f32 {
+    let scaled = |value: f32, largest: f32| if normalized { (value / largest).max(-1.0) } else { value };
+    match component {
+        ComponentType::I8 => scaled((bytes[0] as i8).into(), 127.0),
+        ComponentType::U8 => scaled(bytes[0].into(), 255.0),
+        ComponentType::I16 => scaled(i16::from_le_bytes([bytes[0], bytes[1]]).into(), 32767.0),
+        ComponentType::U16 => scaled(u16::from_le_bytes([bytes[0], bytes[1]]).into(), 65535.0),
+        ComponentType::U32 => u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as f32,
+        ComponentType::F32 => f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
+    }
+}
+
+/// The first component in `bytes` as an index; floats and signed numbers are taken as what they would be unsigned.
+fn unsigned_integer(component: ComponentType, bytes: &[u8]) -> u32 {
+    match size_of_component(component) {
+        1 => bytes[0].into(),
+        2 => u16::from_le_bytes([bytes[0], bytes[1]]).into(),
+        _ => u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]),
+    }
+}

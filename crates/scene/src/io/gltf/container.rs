@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The outer layer of glTF files: a JSON text, or the chunks of a binary file.
+//! Source: glTF 2.0 section 4 (GLB). A file that calls itself `.gltf` and begins as a binary one is read as such.
+//! Proof: `tests/broken_files.rs`, `tests/mutations.rs`.
+
+use std::path::Path;
+
+use crate::io::{Error, Format};
+
+/// The JSON text and the binary chunk.
+pub(super) struct Container<'a> {
+    pub(super) json: &'a [u8],
+    pub(super) binary: Option<&'a [u8]>,
+}
+
+const MAGIC: &[u8] = b"glTF";
+const CHUNK_JSON: u32 = 0x4e4f_534a;
+const CHUNK_BINARY: u32 = 0x004e_4942;
+
+impl<'a> Container<'a> {
+    pub(super) fn new(bytes: &'a [u8], format: Format, path: &Path) -> Result<Self, Error> {
+        if bytes.starts_with(MAGIC) {
+            return Self::binary(bytes, path);
+        }
+        if format == Format::Glb {
+            let remedy = "expected `glTF` in its first four bytes";
+            return Err(Error::data(path, None, "not a binary glTF file", remedy));
+        }
+        Ok(Self { json: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), binary: None })
+    }
+
+    fn binary(bytes: &'a [u8], path: &Path) -> Result<Self, Error> {
+        let cut_off = |what: &str| {
+            Error::data(path, None, format!("the file ends in its {what}"), "it may have been cut off")
+        };
+        let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+        let (version, length) = (word(4), word(8));
+        let (Some(version), Some(length)) = (version, length) else {
+            return Err(cut_off("header"));
+        };
+        if version != 2 {
+            return Err(Error::data(path, None, format!("glTF version {version}"), "expected version 2"));
+        }
+        if length as usize > bytes.len() {
+            let problem = format!("{length} bytes are declared, but the file has {}", bytes.len());
+            return Err(Error::data(path, None, problem, "it may have been cut off"));
+        }
+        let (mut json, mut binary) = (None, None);
+        let mut at = 12;
+        while let (Some(length), Some(kind)) = (word(at), word(at + 4)) {
+            let end = (at + 8).checked_add(length as usize);
+            let chunk = end.and_then(|end| bytes.get(at + 8..end)).ok_or_else(|| cut_off("chunks"))?;
+            match kind {
+                CHUNK_JSON if json.is_none() => json = Some(chunk),
+                CHUNK_BINARY if binary.is_none() => binary = Some(chunk),
+                _ => {}
+            }
+            at += 8 + chunk.len().next_multiple_of(4);
+        }
+        let json = json.ok_or_else(|| Error::data(path, None, "no JSON chunk", "expected it first"))?;
+        Ok(Self { json, binary })
+    }
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! glTF 2.0, text and binary.
+//! Source: Khronos, glTF 2.0 specification; KHR_lights_punctual, KHR_materials_{emissive_strength, ior, transmission,
+//! unlit}, KHR_texture_transform, KHR_mesh_quantization.
+//!
+//! ```text
+//! file -> container (JSON, binary chunk) -> Document (buffers) -> materials, meshes -> nodes: instances, cameras, lights
+//! ```
+//!
+//! The `gltf` crate's types give the JSON its meaning. Its own validation is not called: it refuses what can be shown
+//! (a missing `min`, an unknown extension) and panics on some indices; here every index is looked up where it is used.
+//! Each glTF mesh becomes one object, each node that shows it one instance; what a skin or morph weights bend becomes an
+//! object of its own, in its rest pose. Space: +Y up, metres, as here. Proof: `tests/gltf.rs`.
+
+mod accessor;
+mod base64;
+mod container;
+mod document;
+mod material;
+mod mesh;
+mod nodes;
+mod skin;
+
+use std::path::Path;
+
+use document::Document;
+
+use super::{Error, Format, Loaded, Oddity, Warnings, source};
+use crate::scene::Scene;
+
+/// Loads a glTF file and all that it refers to.
+pub(super) fn load(path: &Path, format: Format) -> Result<Loaded, Error> {
+    let bytes = source::read(path, u64::MAX)?;
+    let mut warnings = Warnings::default();
+    let document = Document::new(path, &bytes, format, &mut warnings)?;
+    drop(bytes);
+
+    let mut scene = Scene::new();
+    let materials = material::add_all(&document, &mut scene, &mut warnings);
+    nodes::add_all(&document, &materials, &mut scene, &mut warnings)?;
+    let animations = document.root.animations.len() as u64;
+    warnings.note_many(Oddity::NotShown, animations, path, None, "animation, shown in its rest pose");
+    Ok(Loaded { scene, warnings })
+}

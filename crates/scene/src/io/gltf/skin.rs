@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Meshes bent by morph weights and skins, in the pose that the file itself shows.
+//! Source: glTF 2.0 sections 3.7.2.2 (morph targets) and 3.7.3 (skins: linear blending of joint matrices).
+//! Space: a skinned mesh comes out in world space, for its node's own transform does not count.
+//! Proof: `tests/gltf.rs::{morph_weights_move_vertices, skins_follow_their_joints}`.
+
+use gltf::json::mesh::Semantic;
+use gltf::json::{self, Index};
+
+use super::accessor::{floats, joints};
+use super::document::Document;
+use super::mesh::PrimitiveReader;
+use crate::affine::Affine;
+use crate::io::Error;
+use crate::mesh::Mesh;
+
+/// How a node bends its mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Pose {
+    /// Weights of the morph targets; empty = none.
+    weights: Vec<f32>,
+    /// World-from-mesh matrices of the skin's joints; empty = no skin.
+    joints: Vec<Affine>,
+}
+
+impl Pose {
+    /// The pose of a node whose nodes stand at `world_from_node`.
+    pub(super) fn of(
+        document: &Document,
+        node: &json::Node,
+        mesh: &json::Mesh,
+        world_from_node: &[Option<Affine>],
+    ) -> Result<Self, Error> {
+        let weights = node.weights.as_ref().or(mesh.weights.as_ref()).cloned().unwrap_or_default();
+        let weights = if weights.iter().any(|&w| w != 0.0 && w.is_finite()) { weights } else { Vec::new() };
+        let joints = match node.skin {
+            Some(skin) => joint_matrices(document, skin, world_from_node)?,
+            None => Vec::new(),
+        };
+        Ok(Self { weights, joints })
+    }
+
+    /// Whether the mesh comes out in world space.
+    pub(super) fn is_skinned(&self) -> bool {
+        !self.joints.is_empty()
+    }
+
+    /// Whether the mesh stays as it is.
+    pub(super) fn is_plain(&self) -> bool {
+        self.weights.is_empty() && self.joints.is_empty()
+    }
+
+    /// Moves positions and normals of a primitive's mesh.
+    pub(super) fn bend(&self, from: &PrimitiveReader<'_>, mesh: &mut Mesh) -> Result<(), Error> {
+        for (target, &weight) in from.primitive.targets.iter().flatten().zip(&self.weights) {
+            for (index, values) in
+                [(target.positions, &mut mesh.positions), (target.normals, &mut mesh.normals)]
+            {
+                let Some(index) = index.filter(|_| !values.is_empty() && weight.is_finite()) else {
+                    continue;
+                };
+                for (value, delta) in values.iter_mut().zip(floats::<3>(from.document, index, from.place)?) {
+                    *value = [0, 1, 2].map(|k| value[k] + weight * delta[k]);
+                }
+            }
+        }
+        if self.is_skinned() {
+            self.skin(from, mesh)?;
+        }
+        Ok(())
+    }
+
+    fn skin(&self, from: &PrimitiveReader<'_>, mesh: &mut Mesh) -> Result<(), Error> {
+        let (Some(joint_index), Some(weight_index)) =
+            (from.attribute(Semantic::Joints(0)), from.attribute(Semantic::Weights(0)))
+        else {
+            return Ok(());
+        };
+        let joints = joints(from.document, joint_index, from.place)?;
+        let weights = floats::<4>(from.document, weight_index, from.place)?;
+        for (i, (joints, weights)) in joints.iter().zip(&weights).enumerate().take(mesh.positions.len()) {
+            let world_from_mesh = self.blend(joints, weights);
+            mesh.positions[i] = world_from_mesh.point(mesh.positions[i].map(f64::from)).map(|x| x as f32);
+            if let Some(normal) = mesh.normals.get_mut(i) {
+                // Joints turn and move; where one stretches unevenly the shading is off by that little.
+                *normal = world_from_mesh.vector(normal.map(f64::from)).map(|x| x as f32);
+            }
+        }
+        Ok(())
+    }
+
+    /// The weighted sum of four joint matrices; joints that do not exist weigh nothing.
+    fn blend(&self, joints: &[u32; 4], weights: &[f32; 4]) -> Affine {
+        let mut sum = Affine { columns: [[0.0; 3]; 4] };
+        let mut total = 0.0;
+        for (&joint, &weight) in joints.iter().zip(weights) {
+            let Some(matrix) = self.joints.get(joint as usize).filter(|_| weight > 0.0) else {
+                continue;
+            };
+            total += f64::from(weight);
+            for (to, from) in sum.columns.iter_mut().flatten().zip(matrix.columns.iter().flatten()) {
+                *to += f64::from(weight) * from;
+            }
+        }
+        if total > 0.0 {
+            sum.columns.iter_mut().flatten().for_each(|x| *x /= total);
+            sum
+        } else {
+            Affine::IDENTITY
+        }
+    }
+}
+
+fn joint_matrices(
+    document: &Document,
+    index: Index<json::Skin>,
+    world_from_node: &[Option<Affine>],
+) -> Result<Vec<Affine>, Error> {
+    let place = format!("skins[{}]", index.value());
+    let skin = document.get(index, &place, "skin")?;
+    let inverse_binds = match skin.inverse_bind_matrices {
+        Some(accessor) => floats::<16>(document, accessor, &place)?,
+        None => Vec::new(),
+    };
+    let matrix = |(k, joint): (usize, &Index<json::Node>)| {
+        let world_from_joint = world_from_node.get(joint.value()).copied().flatten().unwrap_or_default();
+        let joint_from_mesh = inverse_binds.get(k).map(|m| Affine::from_column_major(&m.map(f64::from)));
+        world_from_joint * joint_from_mesh.unwrap_or_default()
+    };
+    Ok(skin.joints.iter().enumerate().map(matrix).collect())
+}
