@@ -3,7 +3,7 @@
 //! Source: original. Messages name no file unless they say so: the caller of `decode` knows it, `read` and `write` add it.
 //! Proof: `file::tests`, which read the messages.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What went wrong with a picture.
 #[derive(Debug, thiserror::Error)]
@@ -74,4 +74,43 @@ pub enum Error {
         /// What is wrong in it.
         error: Box<Error>,
     },
+}
+
+impl Error {
+    /// Bad data of a format.
+    pub(crate) fn corrupt(format: &'static str, what: impl Into<String>) -> Self {
+        Self::Corrupt { format, what: what.into() }
+    }
+
+    /// This error, with the file that it is about.
+    pub(crate) fn in_file(self, path: &Path) -> Self {
+        match self {
+            named @ (Self::File { .. } | Self::In { .. } | Self::UnknownExtension { .. }) => named,
+            error => Self::In { path: path.into(), error: Box::new(error) },
+        }
+    }
+
+    /// A refused operation on a file.
+    pub(crate) fn file(path: &Path, what: &str, error: &std::io::Error) -> Self {
+        Self::File { path: path.into(), what: format!("{what}: {}", reason(error)) }
+    }
+
+    /// Bytes that could not be read.
+    pub(crate) fn reading(error: std::io::Error) -> Self {
+        let what = match error.kind() {
+            std::io::ErrorKind::UnexpectedEof => "the file ends too early".into(),
+            _ => format!("cannot be read: {}", reason(&error)),
+        };
+        Self::Corrupt { format: "picture", what }
+    }
+}
+
+/// The system's words in lower case, without its number.
+fn reason(error: &std::io::Error) -> String {
+    let text = error.to_string();
+    let words = text.split(" (os error").next().unwrap_or_default();
+    // Custom errors wrap the system's in more words, such as a temporary name nobody asked for.
+    let words = words.split(" at path").next().unwrap_or_default();
+    let mut letters = words.chars();
+    letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }

@@ -2,17 +2,28 @@
 //! Pictures: the value of pixels, their files and their comparison. Knows neither rays nor threads.
 #![forbid(unsafe_code)]
 
+mod compare;
 mod error;
+mod file;
 mod filter;
 mod heat;
 mod picture;
 pub mod srgb;
+mod ssim;
 mod texels;
 mod tone;
 
+pub use compare::{Comparison, compare};
 pub use error::Error;
+pub use file::{
+    ExrPixels, MAX_PIXELS, OutputFormat, WriteOptions, check_writable, decode, decode_data_texture,
+    decode_texture, encode, read, read_data_texture, read_texture, replace_file, write,
+};
 pub use filter::{Filter, FilterShape};
 pub use heat::{heat_color, heat_map};
 pub use picture::{Channel, ChannelData, Layer, Picture};
 pub use texels::{TexelData, Texels};
 pub use tone::{ToneCurve, screen_bytes};
+
+/// The name and version that files say they were made by.
+pub const SOFTWARE: &str = concat!("GNU RT ", env!("CARGO_PKG_VERSION"));

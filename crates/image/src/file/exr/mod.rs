@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! OpenEXR: a picture with all its layers, by the `exr` library.
+//! Source: original. Proof: `tests/{round_trip,broken}.rs`.
+
+mod read;
+mod write;
+
+pub(super) use read::decode;
+pub(super) use write::encode;
+
+/// Precision of the colours in an EXR.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ExrPixels {
+    /// 16-bit floats: off by at most 1/2048, up to 65504.
+    #[default]
+    Half,
+    /// 32-bit floats: exact.
+    Float,
+}

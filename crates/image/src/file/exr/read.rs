@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Reading an EXR: the picture's colour is the unnamed R, G, B (or Y), else the first group of channels that has them.
+//! Source: original. A group is the part's name and what stands before the last dot of a channel's name. All other
+//! channels become layers. The picture is the display window; what the data window lacks is black and transparent.
+//! Invariants: headers are checked before pixels are read; everything runs on the calling thread.
+//! Proof: `tests/{round_trip,broken}.rs`.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use exr::block::reader::Reader;
+use exr::prelude::{
+    FlatImage, FlatSamples, IntegerBounds, LayerAttributes, ReadChannels, ReadLayers, Text,
+    attribute::AttributeValue, read,
+};
+
+use super::super::Source;
+use super::super::limits::{check_density, check_size};
+use crate::{Channel, ChannelData, Error, Layer, Picture};
+
+/// Most bytes that a byte of compressed data can become in any of the format's compressions: deflate's 1032.
+const MAX_INFLATION: u64 = 1032;
+/// So many bytes of pixels are believed however short the file is.
+const BELIEVED_BYTES: u64 = 1 << 26;
+/// Most channels of all parts together.
+const MAX_CHANNELS: usize = 1 << 12;
+
+pub(in crate::file) fn decode(source: &mut dyn Source, length: u64) -> Result<Picture, Error> {
+    let contradiction = |_| Err(Error::corrupt("EXR", "the data contradicts itself"));
+    catch_unwind(AssertUnwindSafe(|| decode_unguarded(source, length))).unwrap_or_else(contradiction)
+}
+
+fn decode_unguarded(source: &mut dyn Source, length: u64) -> Result<Picture, Error> {
+    let reader = exr::block::read(source, false).map_err(library_error)?;
+    check_headers(&reader, length)?;
+    let image: FlatImage = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_chunks(reader)
+        .map_err(library_error)?;
+    picture(image)
+}
+
+fn check_headers<R: std::io::Read + std::io::Seek>(reader: &Reader<R>, length: u64) -> Result<(), Error> {
+    let mut bytes = 0_u64;
+    let mut channels = 0;
+    for header in reader.headers() {
+        if header.deep {
+            return Err(Error::corrupt("EXR", "deep pixels are not read, only flat ones"));
+        }
+        let display = header.shared_attributes.display_window.size;
+        for size in [header.layer_size, display] {
+            check_size("EXR", size.0 as u64, size.1 as u64)?;
+        }
+        check_density("EXR", [display.0 as u64, display.1 as u64], length, MAX_INFLATION)?;
+        let pixels = header.layer_size.0 as u64 * header.layer_size.1 as u64;
+        let block = header.channels.bytes_per_pixel as u64 * block_pixels(header);
+        bytes =
+            bytes.saturating_add(pixels.saturating_mul(header.channels.bytes_per_pixel as u64)).max(block);
+        channels += header.channels.list.len();
+        // Each block has an offset of eight bytes and a head of at least eight.
+        if (header.chunk_count as u64).saturating_mul(16) > length {
+            return Err(Error::corrupt(
+                "EXR",
+                format!("{} blocks in {length} bytes; is it truncated?", header.chunk_count),
+            ));
+        }
+    }
+    if channels > MAX_CHANNELS {
+        return Err(Error::corrupt("EXR", format!("{channels} channels are too many")));
+    }
+    if bytes > BELIEVED_BYTES.max(length.saturating_mul(MAX_INFLATION)) {
+        return Err(Error::corrupt(
+            "EXR",
+            format!("{length} bytes cannot hold {bytes} bytes of pixels; is it truncated?"),
+        ));
+    }
+    Ok(())
+}
+
+fn block_pixels(header: &exr::meta::header::Header) -> u64 {
+    use exr::meta::BlockDescription;
+    match header.blocks {
+        BlockDescription::ScanLines => 0,
+        BlockDescription::Tiles(tiles) => (tiles.tile_size.0 as u64).saturating_mul(tiles.tile_size.1 as u64),
+    }
+}
+
+/// A channel on its way from a part of the file to the picture.
+struct Found {
+    group: String,
+    name: String,
+    data: ChannelData,
+    half: bool,
+}
+
+fn picture(image: FlatImage) -> Result<Picture, Error> {
+    let window = image.attributes.display_window;
+    let mut found = Vec::new();
+    let mut metadata = Vec::new();
+    for part in image.layer_data {
+        let position = part.attributes.layer_position;
+        let data_window = IntegerBounds::new(position, part.size);
+        metadata.extend(texts(&part.attributes));
+        let part_name = part.attributes.layer_name.as_ref().map(Text::to_string).unwrap_or_default();
+        for channel in part.channel_data.list {
+            let full = channel.name.to_string();
+            let (prefix, name) = full.rsplit_once('.').unwrap_or(("", &full));
+            let group = [&part_name, prefix].into_iter().filter(|word| !word.is_empty());
+            let group = group.map(str::to_string).collect::<Vec<_>>().join(".");
+            let half = matches!(channel.sample_data, FlatSamples::F16(_));
+            let data = placed(channel.sample_data, data_window, window)?;
+            found.push(Found { group, name: name.to_string(), data, half });
+        }
+    }
+    let mut picture = Picture { metadata, ..Picture::default() };
+    (picture.width, picture.height) = (window.size.0 as u32, window.size.1 as u32);
+    picture.color = take_color(&mut found)?;
+    for Found { group, name, data, half } in found {
+        let channel = Channel { name, data, half };
+        match picture.layers.iter_mut().find(|layer| layer.name == group) {
+            Some(layer) => layer.channels.push(channel),
+            None => picture.layers.push(Layer { name: group, channels: vec![channel] }),
+        }
+    }
+    Ok(picture)
+}
+
+/// Takes the channels of the picture's colour out of those that were found.
+fn take_color(found: &mut Vec<Found>) -> Result<Vec<[f32; 4]>, Error> {
+    let groups: Vec<String> = found.iter().map(|channel| channel.group.clone()).collect();
+    let has = |found: &[Found], group: &str, names: &[&str]| {
+        names.iter().all(|name| found.iter().any(|channel| channel.group == group && channel.name == *name))
+    };
+    // The unnamed group comes first, then the others in the file's order; colours before grey in each.
+    let candidates = std::iter::once("").chain(groups.iter().map(String::as_str));
+    let choice = candidates.clone().find_map(|group| {
+        [&["R", "G", "B"][..], &["Y"]]
+            .into_iter()
+            .find(|names| has(found, group, names))
+            .map(|names| (group, names))
+    });
+    let Some((group, names)) = choice else {
+        return Err(Error::corrupt("EXR", "it has no channels R, G, B or Y"));
+    };
+    let mut take = |name: &str| {
+        let at = found.iter().position(|channel| channel.group == group && channel.name == name)?;
+        Some(match found.remove(at).data {
+            ChannelData::F32(values) => values,
+            ChannelData::U32(values) => values.into_iter().map(|value| value as f32).collect(),
+        })
+    };
+    let opacity = take("A");
+    let colors: Vec<Vec<f32>> = names.iter().filter_map(|name| take(name)).collect();
+    let color_at = |i: usize| {
+        let [r, g, b] = std::array::from_fn(|c| colors[c.min(colors.len() - 1)][i]);
+        [r, g, b, opacity.as_ref().map_or(1.0, |values| values[i])]
+    };
+    Ok((0..colors[0].len()).map(color_at).collect())
+}
+
+/// The values of a data window, placed into the display window; 0 where there are none.
+fn placed(samples: FlatSamples, data: IntegerBounds, display: IntegerBounds) -> Result<ChannelData, Error> {
+    let count = data.size.0 * data.size.1;
+    if samples.len() != count {
+        return Err(Error::corrupt("EXR", "channels of lower resolution than the picture are not read"));
+    }
+    Ok(match samples {
+        FlatSamples::F16(values) => {
+            ChannelData::F32(place(values.iter().map(|value| value.to_f32()).collect(), data, display))
+        }
+        FlatSamples::F32(values) => ChannelData::F32(place(values, data, display)),
+        FlatSamples::U32(values) => ChannelData::U32(place(values, data, display)),
+    })
+}
+
+fn place<T: Copy + Default>(values: Vec<T>, data: IntegerBounds, display: IntegerBounds) -> Vec<T> {
+    if data == display {
+        return values;
+    }
+    let [left, top] =
+        [data.position.0 - display.position.0, data.position.1 - display.position.1].map(i64::from);
+    let mut out = vec![T::default(); display.size.0 * display.size.1];
+    for (y, row) in values.chunks_exact(data.size.0).enumerate() {
+        let target_y = y as i64 + top;
+        if !(0..display.size.1 as i64).contains(&target_y) {
+            continue;
+        }
+        let from = (-left).clamp(0, data.size.0 as i64) as usize;
+        let to = (display.size.0 as i64 - left).clamp(from as i64, data.size.0 as i64) as usize;
+        let start = target_y as usize * display.size.0 + (from as i64 + left).max(0) as usize;
+        if from < to {
+            out[start..start + to - from].copy_from_slice(&row[from..to]);
+        }
+    }
+    out
+}
+
+/// The textual attributes, those of unknown name in alphabetical order.
+fn texts(attributes: &LayerAttributes) -> Vec<(String, String)> {
+    let known = [
+        ("software", &attributes.software_name),
+        ("comments", &attributes.comments),
+        ("owner", &attributes.owner),
+        ("capDate", &attributes.capture_date),
+    ];
+    let known = known.into_iter().filter_map(|(name, text)| Some((name.to_string(), utf8(text.as_ref()?))));
+    let mut other: Vec<_> = attributes
+        .other
+        .iter()
+        .filter_map(|(name, value)| match value {
+            AttributeValue::Text(text) => Some((utf8(name), utf8(text))),
+            _ => None,
+        })
+        .collect();
+    other.sort();
+    known.chain(other).collect()
+}
+
+fn utf8(text: &Text) -> String {
+    String::from_utf8_lossy(text.bytes()).into_owned()
+}
+
+fn library_error(error: exr::error::Error) -> Error {
+    use exr::error::Error as Library;
+    let what = match error {
+        Library::Invalid(what) if what.contains("missing bytes") => {
+            "the file ends too early; it is truncated".into()
+        }
+        Library::Invalid(what) => what.into_owned(),
+        Library::NotSupported(what) => format!("not supported: {what}"),
+        Library::Aborted => "reading was stopped".into(),
+        Library::Io(error) => return Error::reading(error),
+    };
+    Error::corrupt("EXR", what)
+}

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How large a picture may be, from its declared size and the length of its file, before memory is taken.
+//! Source: original. Proof: `tests`, and the corruption tests of each format.
+
+use crate::Error;
+
+/// Most pixels of a picture that is read: 2^28.
+pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// Pictures of up to so many pixels are believed however short their file is: 2^24, 256 MiB as floats.
+const BELIEVED_PIXELS: u64 = 1 << 24;
+
+/// Checks a declared size: at least one pixel, at most [`MAX_PIXELS`].
+pub(super) fn check_size(format: &'static str, width: u64, height: u64) -> Result<(), Error> {
+    if width == 0 || height == 0 {
+        return Err(Error::corrupt(format, format!("the size {width} x {height} holds no pixel")));
+    }
+    match width.checked_mul(height) {
+        Some(pixels) if pixels <= MAX_PIXELS => Ok(()),
+        _ => Err(Error::TooLarge { width, height, limit: MAX_PIXELS }),
+    }
+}
+
+/// Checks a declared size against a file's length, for compressed formats of which a byte can hold so many pixels.
+pub(super) fn check_density(
+    format: &'static str,
+    [width, height]: [u64; 2],
+    length: u64,
+    pixels_per_byte: u64,
+) -> Result<(), Error> {
+    check_size(format, width, height)?;
+    if width * height > BELIEVED_PIXELS.max(length.saturating_mul(pixels_per_byte)) {
+        return Err(too_short(format, [width, height], length));
+    }
+    Ok(())
+}
+
+/// Checks that the bytes a file must at least have are there.
+pub(super) fn check_bytes(
+    format: &'static str,
+    [width, height]: [u64; 2],
+    needed: u64,
+    length: u64,
+) -> Result<(), Error> {
+    check_size(format, width, height)?;
+    if needed > length { Err(too_short(format, [width, height], length)) } else { Ok(()) }
+}
+
+fn too_short(format: &'static str, [width, height]: [u64; 2], length: u64) -> Error {
+    Error::corrupt(
+        format,
+        format!("{length} bytes are too few for {width} x {height} pixels; is it truncated?"),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_limits() {
+        assert!(check_size("PNG", 1 << 14, 1 << 14).is_ok(), "2^28 pixels are allowed");
+        assert!(
+            matches!(check_size("PNG", (1 << 14) + 1, 1 << 14), Err(Error::TooLarge { .. })),
+            "more are not"
+        );
+        assert!(matches!(check_size("PNG", u64::MAX, 2), Err(Error::TooLarge { .. })), "nor an overflow");
+        assert!(matches!(check_size("PNG", 0, 2), Err(Error::Corrupt { .. })), "nor an empty picture");
+    }
+
+    #[test]
+    fn short_files_hold_no_large_pictures() {
+        let large = [1 << 13, 1 << 13];
+        assert!(check_density("PNG", large, 1 << 20, 64).is_ok(), "64 pixels a byte are believed");
+        assert!(check_density("PNG", large, (1 << 20) - 1, 64).is_err(), "more are not");
+        assert!(
+            check_density("PNG", [1 << 12, 1 << 12], 1, 64).is_ok(),
+            "pictures of usual size are believed"
+        );
+        assert!(check_bytes("PFM", [2, 2], 49, 48).is_err(), "missing bytes are noticed");
+    }
+}

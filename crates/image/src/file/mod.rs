@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Picture files: which format a file has, and the way from bytes to a picture and back.
+//! Source: original. One file of this folder per format; `raster` holds those that the `image` library decodes.
+//! In and out: linear light, row 0 = top. Invariants: no panic on any bytes; declared sizes are checked against the
+//! file's length before memory is taken; a failed write leaves everything as it was.
+//! Proof: `tests` (crate folder `tests/`): round trips, truncation at every length, corruption of every byte.
+
+mod exr;
+mod format;
+mod hdr;
+mod jpeg;
+mod limits;
+mod open;
+mod pfm;
+mod png;
+mod raster;
+mod replace;
+
+use std::io::{BufRead, Cursor, Seek};
+use std::path::Path;
+
+pub use exr::ExrPixels;
+pub use format::OutputFormat;
+pub use limits::MAX_PIXELS;
+pub use replace::{check_writable, replace_file};
+
+use crate::{Error, Picture, Texels, ToneCurve};
+use format::InputFormat;
+use raster::Meaning;
+
+/// Bytes that can be read in any order.
+trait Source: BufRead + Seek {}
+impl<T: BufRead + Seek> Source for T {}
+
+/// How a picture is written where the format leaves a choice.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WriteOptions {
+    /// PNG: how light above white is shown.
+    pub tone: ToneCurve,
+    /// PNG: exposure in stops; each doubles the light.
+    pub exposure: f32,
+    /// EXR: precision of the colours. Channels of layers say theirs themselves.
+    pub exr_pixels: ExrPixels,
+}
+
+/// Writes a picture in the format that the file's name ends in. The file appears whole or not at all.
+///
+/// # Errors
+/// [`Error::UnknownExtension`] for a name that says no format; [`Error::In`] or [`Error::File`] otherwise.
+pub fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(), Error> {
+    let format = OutputFormat::from_path(path)?;
+    let bytes = encode(picture, format, options).map_err(|error| error.in_file(path))?;
+    replace_file(path, &bytes)
+}
+
+/// The bytes of a picture's file. The same picture gives the same bytes; of an EXR, attributes may change their order.
+///
+/// # Errors
+/// [`Error::Shape`] if sizes do not fit, [`Error::TooLarge`] if the format cannot hold as many rows or columns.
+pub fn encode(picture: &Picture, format: OutputFormat, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+    picture.check()?;
+    match format {
+        OutputFormat::Png => png::encode(picture, options),
+        OutputFormat::Exr => exr::encode(picture, options.exr_pixels),
+        OutputFormat::Pfm => Ok(pfm::encode(picture)),
+        OutputFormat::Hdr => Ok(hdr::encode(picture)),
+    }
+}
+
+/// Reads a picture of any known format into linear light.
+///
+/// # Errors
+/// [`Error::File`] if the file cannot be read or is no regular one, [`Error::In`] if its data is bad.
+pub fn read(path: &Path) -> Result<Picture, Error> {
+    let (mut source, length) = open::open_regular(path)?;
+    picture_from(&mut source, length, &path.to_string_lossy()).map_err(|error| error.in_file(path))
+}
+
+/// Reads a picture from bytes; the name decides only where the bytes do not tell the format (TGA).
+///
+/// # Errors
+/// [`Error::UnknownFormat`], [`Error::Corrupt`] or [`Error::TooLarge`].
+pub fn decode(bytes: &[u8], name: &str) -> Result<Picture, Error> {
+    picture_from(&mut Cursor::new(bytes), bytes.len() as u64, name)
+}
+
+/// Reads a colour texture from bytes: 8-bit values stay bytes (sRGB), others become linear floats.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_texture(bytes: &[u8], name: &str) -> Result<Texels, Error> {
+    texels_from(&mut Cursor::new(bytes), bytes.len() as u64, name, Meaning::Color)
+}
+
+/// Reads a texture of measures (roughness, metalness) from bytes: integers are linear, not sRGB.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_data_texture(bytes: &[u8], name: &str) -> Result<Texels, Error> {
+    texels_from(&mut Cursor::new(bytes), bytes.len() as u64, name, Meaning::Measure)
+}
+
+/// Reads a colour texture from a file; see [`decode_texture`].
+///
+/// # Errors
+/// As [`read`].
+pub fn read_texture(path: &Path) -> Result<Texels, Error> {
+    read_texels(path, Meaning::Color)
+}
+
+/// Reads a texture of measures from a file; see [`decode_data_texture`].
+///
+/// # Errors
+/// As [`read`].
+pub fn read_data_texture(path: &Path) -> Result<Texels, Error> {
+    read_texels(path, Meaning::Measure)
+}
+
+fn read_texels(path: &Path, meaning: Meaning) -> Result<Texels, Error> {
+    let (mut source, length) = open::open_regular(path)?;
+    texels_from(&mut source, length, &path.to_string_lossy(), meaning).map_err(|error| error.in_file(path))
+}
+
+fn picture_from(source: &mut dyn Source, length: u64, name: &str) -> Result<Picture, Error> {
+    match InputFormat::of(source, length, name)? {
+        InputFormat::Exr => exr::decode(source, length),
+        InputFormat::Pfm => pfm::decode(source, length),
+        InputFormat::Hdr => hdr::decode(source, length),
+        InputFormat::Raster(format) => Ok(raster::decode(source, length, format, Meaning::Color)?.into()),
+    }
+}
+
+fn texels_from(source: &mut dyn Source, length: u64, name: &str, meaning: Meaning) -> Result<Texels, Error> {
+    match InputFormat::of(source, length, name)? {
+        InputFormat::Exr => exr::decode(source, length).map(Texels::from),
+        InputFormat::Pfm => pfm::decode(source, length).map(Texels::from),
+        InputFormat::Hdr => hdr::decode(source, length).map(Texels::from),
+        InputFormat::Raster(format) => raster::decode(source, length, format, meaning),
+    }
+}

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! PFM: three lines of text, then 32-bit floats in rows from the bottom one. Colour only, exact to the bit.
+//! Source: original, from the format's description by Debevec. Written little-endian (scale -1); read in both orders,
+//! grey (`Pf`) or coloured (`PF`), values times the scale's magnitude. Proof: `tests` in `tests/round_trip.rs`.
+
+use super::Source;
+use super::limits::check_bytes;
+use crate::{Error, Picture};
+
+/// Bytes that a header may have: far more than three numbers need.
+const MAX_WORD: usize = 64;
+
+pub(super) fn encode(picture: &Picture) -> Vec<u8> {
+    let header = format!("PF\n{} {}\n-1.0\n", picture.width, picture.height);
+    let mut bytes = Vec::with_capacity(header.len() + picture.color.len() * 12);
+    bytes.extend_from_slice(header.as_bytes());
+    for row in picture.color.chunks_exact(picture.width as usize).rev() {
+        for [r, g, b, _] in row {
+            for value in [r, g, b] {
+                bytes.extend_from_slice(&value.to_le_bytes());
+            }
+        }
+    }
+    bytes
+}
+
+pub(super) fn decode(source: &mut dyn Source, length: u64) -> Result<Picture, Error> {
+    let mut header = Header { source, read: 0 };
+    let channels: usize = if header.word()? == "PF" { 3 } else { 1 };
+    let width = header.number("width")?;
+    let height = header.number("height")?;
+    let scale = header.scale()?;
+    let size = [u64::from(width), u64::from(height)];
+    let row_bytes = u64::from(width) * channels as u64 * 4;
+    check_bytes("PFM", size, header.read.saturating_add(row_bytes.saturating_mul(size[1])), length)?;
+
+    let mut picture = Picture::new(width, height);
+    let mut bytes = vec![0; row_bytes as usize];
+    let float = |bytes: &[u8; 4]| {
+        let value = if scale < 0.0 { f32::from_le_bytes(*bytes) } else { f32::from_be_bytes(*bytes) };
+        // A factor of 1 must not touch the bits of a NaN.
+        if scale.abs() == 1.0 { value } else { value * scale.abs() }
+    };
+    for row in picture.color.chunks_exact_mut(width as usize).rev() {
+        source.read_exact(&mut bytes).map_err(Error::reading)?;
+        let (values, _) = bytes.as_chunks::<4>();
+        for (pixel, values) in row.iter_mut().zip(values.chunks_exact(channels)) {
+            // Grey has one value for all three.
+            let [r, g, b] = std::array::from_fn(|c| float(&values[c.min(channels - 1)]));
+            *pixel = [r, g, b, 1.0];
+        }
+    }
+    Ok(picture)
+}
+
+/// The words of the header, read byte by byte: exactly one space separates the last of them from the values.
+struct Header<'a> {
+    source: &'a mut dyn Source,
+    read: u64,
+}
+
+impl Header<'_> {
+    fn word(&mut self) -> Result<String, Error> {
+        let mut word = String::new();
+        loop {
+            let mut byte = [0];
+            self.source.read_exact(&mut byte).map_err(Error::reading)?;
+            self.read += 1;
+            match byte[0] {
+                space if space.is_ascii_whitespace() && !word.is_empty() => return Ok(word),
+                space if space.is_ascii_whitespace() => {}
+                letter if letter.is_ascii_graphic() && word.len() < MAX_WORD => word.push(char::from(letter)),
+                _ => return Err(Error::corrupt("PFM", "the header is not text")),
+            }
+            if self.read > 8 * MAX_WORD as u64 {
+                return Err(Error::corrupt("PFM", "the header has no end"));
+            }
+        }
+    }
+
+    fn number(&mut self, what: &str) -> Result<u32, Error> {
+        let word = self.word()?;
+        word.parse().map_err(|_| Error::corrupt("PFM", format!("the {what} '{word}' is no number of pixels")))
+    }
+
+    fn scale(&mut self) -> Result<f32, Error> {
+        let word = self.word()?;
+        match word.parse::<f32>() {
+            Ok(scale) if scale.is_finite() && scale != 0.0 => Ok(scale),
+            _ => Err(Error::corrupt("PFM", format!("the scale '{word}' is no finite number other than 0"))),
+        }
+    }
+}

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What is written comes back: exact to the bit where the format can, within its precision where it cannot.
+//! Source: original; the oracle is the picture that was written, or the library's own decoder.
+
+mod common;
+
+use common::{colors_only, file, files, picture};
+use gnurt_image::{
+    ExrPixels, OutputFormat, Picture, TexelData, ToneCurve, WriteOptions, compare, decode,
+    decode_data_texture, decode_texture, encode, read, read_texture, screen_bytes, srgb, write,
+};
+
+/// Odd values that a float format must keep, bit by bit.
+const ODD: [f32; 8] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -0.0, 1e-42, f32::MAX, -3.5, 65_519.0];
+
+fn with_odd_values() -> Picture {
+    let mut picture = picture(8, 3);
+    for (i, value) in ODD.into_iter().enumerate() {
+        picture.color[i + 3][i % 3] = value;
+    }
+    picture
+}
+
+fn assert_same_bits(found: &Picture, expected: &Picture, channels: usize, what: &str) {
+    assert_eq!((found.width, found.height), (expected.width, expected.height), "{what}: size");
+    for (i, (a, b)) in found.color.iter().zip(&expected.color).enumerate() {
+        let [a, b] = [a, b].map(|pixel| pixel[..channels].iter().map(|v| v.to_bits()).collect::<Vec<_>>());
+        assert_eq!(a, b, "{what}: pixel {i}");
+    }
+}
+
+#[test]
+fn pfm_is_exact() {
+    let picture = with_odd_values();
+    let back = decode(&file(&picture, OutputFormat::Pfm), "").expect("our own file");
+    assert_same_bits(&back, &picture, 3, "PFM");
+    assert!(back.color.iter().all(|pixel| pixel[3] == 1.0), "what has no opacity is opaque");
+}
+
+#[test]
+fn grey_and_big_endian_pfm_are_read() {
+    let grey = decode(b"Pf 2 1 1.0\n\x3f\x80\0\0\x40\0\0\0", "").expect("a grey picture, big-endian");
+    assert_eq!(grey.color, [[1.0; 4], [2.0, 2.0, 2.0, 1.0]], "grey is the same in all colours");
+    let scaled = decode(b"Pf\n1 2\n-2.0\n\0\0\x80\x3f\0\0\0\x40", "").expect("a grey picture, little-endian");
+    assert_eq!(
+        scaled.color,
+        [[4.0, 4.0, 4.0, 1.0], [2.0, 2.0, 2.0, 1.0]],
+        "rows run upwards, values are scaled"
+    );
+}
+
+#[test]
+fn exr_is_exact() {
+    let picture = with_odd_values();
+    let back = decode(&file(&picture, OutputFormat::Exr), "").expect("our own file");
+    assert_same_bits(&back, &picture, 4, "EXR");
+    assert_eq!(back.layers, picture.layers, "layers, their names, types and values");
+    assert_eq!(back.metadata, picture.metadata, "metadata");
+}
+
+#[test]
+fn exr_layers_may_be_half() {
+    let mut picture = picture(4, 4);
+    picture.layers[1].channels[0].half = true;
+    let back = decode(&file(&picture, OutputFormat::Exr), "").expect("our own file");
+    let channel = back.layer("N").and_then(|layer| layer.channel("X")).expect("the layer is there");
+    assert!(channel.half, "the precision is kept");
+}
+
+#[test]
+fn exr_in_half_precision_stays_close_and_finite() {
+    let picture = with_odd_values();
+    let options = WriteOptions { exr_pixels: ExrPixels::Half, ..WriteOptions::default() };
+    let bytes = encode(&picture, OutputFormat::Exr, &options).expect("the picture is consistent");
+    let back = decode(&bytes, "").expect("our own file");
+    for (a, b) in back.color.iter().flatten().zip(picture.color.iter().flatten()) {
+        let expected = if b.is_finite() { b.clamp(-65_504.0, 65_504.0) } else { *b };
+        let close = (a - expected).abs() <= expected.abs() / 2048.0 + 1e-7;
+        assert!(a.to_bits() == b.to_bits() || close || (a.is_nan() && b.is_nan()), "{b} became {a}");
+    }
+}
+
+#[test]
+fn double_channels_are_refused() {
+    let mut picture = picture(2, 2);
+    picture.layers.push(picture.layers[1].clone());
+    let error =
+        encode(&picture, OutputFormat::Exr, &WriteOptions::default()).expect_err("N.X is there twice");
+    assert!(error.to_string().contains("'N.X'"), "the message names the channel: {error}");
+}
+
+#[test]
+fn png_bytes_are_exact() {
+    let mut picture = Picture::new(16, 16);
+    for (i, pixel) in picture.color.iter_mut().enumerate() {
+        let [r, g, b] = [i, 255 - i, i / 2].map(|byte| srgb::decode_u8(byte as u8));
+        *pixel = [r, g, b, (i % 7) as f32 / 6.0];
+    }
+    let bytes = file(&picture, OutputFormat::Png);
+    let texels = decode_texture(&bytes, "").expect("our own file");
+    let expected: Vec<_> = picture.color.iter().map(|&c| screen_bytes(c, ToneCurve::Clamp, 0.0)).collect();
+    assert_eq!(texels.data, TexelData::Srgb8(expected), "the bytes of the file");
+    let again = file(&decode(&bytes, "").expect("our own file"), OutputFormat::Png);
+    assert_eq!(again, bytes, "reading and writing again changes nothing");
+    assert!(bytes.windows(4).any(|name| name == b"sRGB"), "the file says what its values mean");
+}
+
+#[test]
+fn pngs_of_sixteen_bits_become_floats() {
+    let values = image::ImageBuffer::<image::Rgba<u16>, _>::from_raw(1, 1, vec![65535, 0, 32768, 13107]);
+    let mut file = std::io::Cursor::new(Vec::new());
+    let written = values.expect("four values").write_to(&mut file, image::ImageFormat::Png);
+    written.expect("the library writes this format");
+    let color = decode_texture(file.get_ref(), "").expect("a PNG of 16 bits");
+    let expected = [1.0, 0.0, srgb::decode_u16(32768), 0.2];
+    assert_eq!(color.data, TexelData::Float(vec![expected]), "colours are sRGB, opacity is linear");
+    let measure = decode_data_texture(file.get_ref(), "").expect("a PNG of 16 bits");
+    assert_eq!(
+        measure.data,
+        TexelData::Float(vec![[1.0, 0.0, 32768.0 / 65535.0, 0.2]]),
+        "measures are linear"
+    );
+}
+
+#[test]
+fn hdr_is_close() {
+    for width in [5, 40] {
+        let picture = colors_only(&picture(width, 9));
+        let back = decode(&file(&picture, OutputFormat::Hdr), "").expect("our own file");
+        for (a, b) in back.color.iter().zip(&picture.color) {
+            let largest = b[0].max(b[1]).max(b[2]);
+            for c in 0..3 {
+                assert!((a[c] - b[c]).abs() <= largest / 256.0, "{b:?} became {a:?}");
+            }
+        }
+    }
+}
+
+/// The library's own decoder is the oracle for what our files mean to others.
+#[test]
+fn others_read_our_files() {
+    let picture = colors_only(&picture(40, 9));
+    for (format, tolerance) in [(OutputFormat::Png, 0.0), (OutputFormat::Hdr, 1.0 / 128.0)] {
+        let bytes = file(&picture, format);
+        let theirs = image::load_from_memory(&bytes).expect("the library reads our file").to_rgb32f();
+        let ours = decode(&bytes, "").expect("our own file");
+        for (theirs, ours) in theirs.pixels().zip(&ours.color) {
+            for c in 0..3 {
+                let ours_c = if format == OutputFormat::Png { srgb::encode(ours[c]) } else { ours[c] };
+                let largest = ours[0].max(ours[1]).max(ours[2]);
+                let close = (theirs[c] - ours_c).abs() <= tolerance * largest + 1e-6;
+                assert!(close, "{format:?}: {theirs:?} is not {ours:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn all_formats_are_read() {
+    for (name, bytes) in files(12, 10) {
+        let picture = decode(&bytes, &name).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!((picture.width, picture.height), (12, 10), "size of {name}");
+        let texels = decode_texture(&bytes, &name).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(Picture::from(texels).color, picture.color, "texels of {name} are its pixels");
+    }
+}
+
+#[test]
+fn the_same_picture_gives_the_same_bytes() {
+    let picture = picture(33, 21);
+    for format in [OutputFormat::Png, OutputFormat::Pfm, OutputFormat::Hdr] {
+        assert_eq!(file(&picture, format), file(&picture.clone(), format), "bytes of {format:?}");
+    }
+}
+
+#[test]
+fn files_are_written_and_read() {
+    let folder = tempfile::tempdir().expect("a folder for the test");
+    let picture = picture(6, 5);
+    for format in OutputFormat::ALL {
+        let path = folder.path().join(format!("a.{}", format.extension()));
+        write(&picture, &path, &WriteOptions::default()).expect("the folder can be written to");
+        let back = read(&path).expect("our own file");
+        assert_eq!((back.width, back.height), (6, 5), "size of {}", path.display());
+        read_texture(&path).expect("our own file as a texture");
+    }
+}
+
+/// A byte picture and a float picture of the same values are equal, whatever their formats.
+#[test]
+fn formats_may_be_mixed_when_compared() {
+    let source = picture(9, 9);
+    let png = decode(&file(&source, OutputFormat::Png), "").expect("our own file");
+    let exr = decode(&file(&png, OutputFormat::Exr), "").expect("our own file");
+    assert!(compare(&png, &exr).expect("sizes are equal").is_equal(), "PNG and EXR hold the same light");
+}
