@@ -18,7 +18,8 @@ const STOPS: [[f32; 3]; 6] = [
 /// Linear colour of a measure; below 0 and NaN as 0, above 1 as 1.
 #[must_use]
 pub fn heat_color(measure: f32) -> [f32; 3] {
-    let place = measure.max(0.0).min(1.0) * (STOPS.len() - 1) as f32;
+    // `clamp` keeps a NaN; `max` answers the number beside it.
+    let place = measure.clamp(0.0, 1.0).max(0.0) * (STOPS.len() - 1) as f32;
     let stop = (place as usize).min(STOPS.len() - 2);
     let share = place - stop as f32;
     std::array::from_fn(|c| srgb::decode(STOPS[stop][c] + share * (STOPS[stop + 1][c] - STOPS[stop][c])))

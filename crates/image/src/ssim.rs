@@ -31,8 +31,8 @@ pub(crate) fn ssim(a: &Picture, b: &Picture) -> f64 {
 }
 
 fn luma(picture: &Picture) -> Vec<f64> {
-    // `max` answers the number where the other side is NaN.
-    let encoded = |value: f32| srgb::encode(value.max(0.0).min(1.0));
+    // `clamp` keeps a NaN; `max` answers the number beside it.
+    let encoded = |value: f32| srgb::encode(value.clamp(0.0, 1.0).max(0.0));
     picture
         .color
         .iter()

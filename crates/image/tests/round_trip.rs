@@ -61,7 +61,7 @@ fn exr_is_exact() {
 #[test]
 fn exr_layers_may_be_half() {
     let mut picture = picture(4, 4);
-    picture.layers[1].channels[0].half = true;
+    picture.layers[0].channels[0].half = true;
     let back = decode(&file(&picture, OutputFormat::Exr), "").expect("our own file");
     let channel = back.layer("N").and_then(|layer| layer.channel("X")).expect("the layer is there");
     assert!(channel.half, "the precision is kept");
@@ -83,7 +83,7 @@ fn exr_in_half_precision_stays_close_and_finite() {
 #[test]
 fn double_channels_are_refused() {
     let mut picture = picture(2, 2);
-    picture.layers.push(picture.layers[1].clone());
+    picture.layers.push(picture.layers[0].clone());
     let error =
         encode(&picture, OutputFormat::Exr, &WriteOptions::default()).expect_err("N.X is there twice");
     assert!(error.to_string().contains("'N.X'"), "the message names the channel: {error}");

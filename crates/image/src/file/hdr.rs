@@ -43,8 +43,8 @@ pub(super) fn encode(picture: &Picture) -> Vec<u8> {
 
 /// Three mantissas of 8 bits and the exponent, biased by 128, of the largest.
 fn rgbe(rgb: [f32; 3]) -> [u8; 4] {
-    // `max` answers the number where the other side is NaN.
-    let rgb = rgb.map(|value| value.max(0.0).min(LARGEST));
+    // `clamp` keeps a NaN; `max` answers the number beside it.
+    let rgb = rgb.map(|value| value.clamp(0.0, LARGEST).max(0.0));
     let largest = rgb[0].max(rgb[1]).max(rgb[2]);
     if largest < 1e-32 {
         return [0; 4];
@@ -52,7 +52,8 @@ fn rgbe(rgb: [f32; 3]) -> [u8; 4] {
     // largest = m * 2^exponent with m in 0.5..1; the bits of a normal float hold the exponent + 126.
     let exponent = (largest.to_bits() >> 23) as i32 - 126;
     let scale = (8.0 - f64::from(exponent)).exp2();
-    let [r, g, b] = rgb.map(|value| (f64::from(value) * scale) as u8);
+    // Rounded; just below the next power of two `as` saturates to 255, no farther off.
+    let [r, g, b] = rgb.map(|value| (f64::from(value) * scale + 0.5) as u8);
     [r, g, b, (exponent + 128) as u8]
 }
 
@@ -61,8 +62,7 @@ fn rgb([r, g, b, exponent]: [u8; 4]) -> [f32; 3] {
         return [0.0; 3];
     }
     let scale = (f64::from(exponent) - 136.0).exp2();
-    // The middle of the values that have these mantissas; 0 stays 0.
-    [r, g, b].map(|m| if m == 0 { 0.0 } else { ((f64::from(m) + 0.5) * scale) as f32 })
+    [r, g, b].map(|mantissa| (f64::from(mantissa) * scale) as f32)
 }
 
 /// Runs of at least 4 as (128 + length, value); the rest as (length, values).
@@ -254,7 +254,7 @@ mod tests {
     #[test]
     fn runs_come_back() {
         let mixed: Vec<u8> =
-            (0..1000_u32).map(|i| if i % 300 < 150 { 7 } else { (i * i >> 3) as u8 }).collect();
+            (0..1000_u32).map(|i| if i % 300 < 150 { 7 } else { ((i * i) >> 3) as u8 }).collect();
         for values in [vec![3; 300], mixed, vec![1, 2, 3, 3, 3, 3, 4, 4]] {
             let mut bytes = Vec::new();
             encode_runs(&values, &mut bytes);

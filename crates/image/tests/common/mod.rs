@@ -13,9 +13,10 @@ pub(crate) fn picture(width: u32, height: u32) -> Picture {
         *pixel = [x, (x * 7.0).exp2(), 1.0 / (i + 1) as f32, if i % 3 == 0 { 0.25 } else { 1.0 }];
     }
     let floats = |scale: f32| (0..count).map(|i| i as f32 * scale - 1.0).collect();
+    // In the alphabetical order of an EXR's channels.
     picture.layers = vec![
-        Layer::floats("", [("Z", floats(1e-3))]),
         Layer::floats("N", [("X", floats(0.1)), ("Y", floats(0.2)), ("Z", floats(0.3))]),
+        Layer::floats("", [("Z", floats(1e-3))]),
         Layer::ids("id", [("object", (0..count as u32).map(|i| u32::MAX - i).collect())]),
     ];
     picture.set_metadata("software", gnurt_image::SOFTWARE);
