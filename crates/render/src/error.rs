@@ -59,4 +59,16 @@ pub enum RenderError {
         /// As it was given.
         crop: [u32; 4],
     },
+    /// A pixel that the picture does not have.
+    #[error("pixel {x},{y} lies outside of the picture of {width}x{height} pixels")]
+    NoSuchPixel {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+        /// Columns.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
 }

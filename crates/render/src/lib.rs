@@ -2,19 +2,27 @@
 //! From a scene description to a picture: worlds (committed scenes), integrators, tiles and progressive passes.
 #![forbid(unsafe_code)]
 
+mod aov;
 mod camera;
+mod cost;
 mod error;
+mod film;
 mod frame;
+mod integrators;
 mod options;
+mod pixel_trace;
 mod progress;
 mod render;
 mod stats;
+mod tile;
+mod tracer;
 pub mod world;
 
 pub use camera::PerspectiveCamera;
 pub use error::{CommitError, RenderError};
 pub use frame::Frame;
 pub use options::{Integrator, ReconstructionFilter, RenderOptions, UnknownIntegrator};
+pub use pixel_trace::{PixelTrace, trace_pixel};
 pub use progress::{Progress, Silent};
 pub use render::render;
 pub use stats::RenderStats;

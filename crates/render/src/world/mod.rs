@@ -1,15 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The world: a committed scene that rays can be sent into.
-//! Source: original; two levels after the paper's section 6 and [WBS03a].
+//! Source: original; two levels (a tree per object, a top tree over instances) after the paper's section 6 and [WBS03a].
+//! Space: world. Invariant: whatever a hit names is there; errors ended at commit.
+//! Proof: `commit::tests`, crates/render/tests/commit.rs.
+
+mod commit;
+mod instance;
+mod lights;
+mod materials;
+mod surface;
 
 use std::sync::Arc;
 
-use gnurt_accel::{Hit, Ray};
-use gnurt_scene::Scene;
+use gnurt_accel::{Hit, ObjectTree, Ray, SceneTree};
+use gnurt_scene::edit::Cursor;
+use gnurt_scene::{Mesh, MeshId, Scene};
 use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, SurfaceShader};
 use gnurt_simd::Level;
 
 use crate::error::CommitError;
+pub(crate) use instance::PlacedInstance;
+pub(crate) use surface::{ERROR_SCALE, HitLanes};
 
 /// Shaders that the description only names by number, or does not know at all.
 #[derive(Clone, Default)]
@@ -25,18 +36,12 @@ pub struct ShaderTable {
 }
 
 /// How a scene becomes a world.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CommitOptions {
     /// Every material becomes an opaque Lambertian reflector of its base colour under face normals.
     pub force_diffuse: bool,
     /// CPU level of the builders.
     pub level: Level,
-}
-
-impl Default for CommitOptions {
-    fn default() -> Self {
-        Self { force_diffuse: false, level: Level::default() }
-    }
 }
 
 /// What a commit did.
@@ -65,15 +70,52 @@ pub struct WorldStats {
     pub instances: usize,
     /// Nodes of all trees.
     pub tree_nodes: usize,
-    /// Bytes of all trees.
+    /// Bytes of all trees, prepared triangles included.
     pub tree_bytes: usize,
     /// Bytes of the meshes' arrays.
     pub array_bytes: usize,
+    /// Lights: all emissive triangles together are one.
+    pub lights: usize,
 }
 
 /// A committed scene. Cheap to clone: a clone is a snapshot that later commits do not touch.
 #[derive(Clone, Default)]
-pub struct World {}
+pub struct World {
+    /// By object id; `None` where no visible instance needs it.
+    objects: Arc<Vec<Option<Arc<WorldObject>>>>,
+    /// By instance id; `None` where rays meet nothing.
+    instances: Arc<Vec<Option<PlacedInstance>>>,
+    tree: Arc<SceneTree>,
+    shading: Arc<Shading>,
+    face_normals: bool,
+    follows: Option<Followed>,
+}
+
+/// How far a world has followed its scene.
+#[derive(Clone, Copy)]
+struct Followed {
+    cursor: Cursor,
+    options: CommitOptions,
+}
+
+/// An object's arrays and the tree over them.
+pub(crate) struct WorldObject {
+    /// By geometry id: which meshes of the scene, and what they were at commit.
+    pub(crate) ids: Vec<MeshId>,
+    pub(crate) meshes: Vec<Arc<Mesh>>,
+    pub(crate) tree: Arc<ObjectTree>,
+}
+
+/// All shaders of a world.
+#[derive(Default)]
+pub(crate) struct Shading {
+    /// By material id.
+    pub(crate) surfaces: Vec<Arc<dyn SurfaceShader>>,
+    pub(crate) lights: Vec<Arc<dyn LightShader>>,
+    pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
+    /// Whether no surface lets light straight through.
+    pub(crate) all_opaque: bool,
+}
 
 impl World {
     /// An empty world.
@@ -94,33 +136,73 @@ impl World {
         options: &CommitOptions,
         pool: &rayon::ThreadPool,
     ) -> Result<CommitReport, CommitError> {
-        let _ = (scene, shaders, options, pool);
-        Ok(CommitReport::default())
+        commit::commit(self, scene, shaders, options, pool)
     }
 
     /// Lower and upper corner of everything that rays may meet; `None` if there is nothing.
     #[must_use]
     pub fn bounds(&self) -> Option<([f32; 3], [f32; 3])> {
-        None
+        let bounds = self.tree.bounds();
+        (!bounds.is_empty()).then_some((bounds.min, bounds.max))
     }
 
     /// Sizes.
     #[must_use]
     pub fn stats(&self) -> WorldStats {
-        WorldStats::default()
+        let top = self.tree.stats();
+        let mut stats = WorldStats {
+            tree_nodes: top.nodes as usize,
+            tree_bytes: (top.tree_bytes + top.primitive_bytes) as usize,
+            lights: self.shading.lights.len(),
+            ..WorldStats::default()
+        };
+        for object in self.objects.iter().flatten() {
+            let tree = object.tree.stats();
+            stats.objects += 1;
+            stats.triangles += tree.primitives as usize;
+            stats.tree_nodes += tree.nodes as usize;
+            stats.tree_bytes += (tree.tree_bytes + tree.primitive_bytes) as usize;
+            stats.array_bytes += object.meshes.iter().map(|mesh| mesh.memory_bytes()).sum::<usize>();
+        }
+        for instance in self.instances.iter().flatten() {
+            stats.instances += 1;
+            stats.instanced_triangles += instance.object.tree.stats().primitives as usize;
+        }
+        stats
     }
 
     /// The closest hit of one ray.
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let _ = ray;
-        None
+        self.tree.intersect(ray)
     }
 
-    /// Whether one ray hits anything at all.
+    /// Whether one ray hits anything at all, see-through surfaces included.
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let _ = ray;
-        false
+        self.tree.occluded(ray)
+    }
+
+    pub(crate) fn tree(&self) -> &SceneTree {
+        &self.tree
+    }
+
+    pub(crate) fn shading(&self) -> &Shading {
+        &self.shading
+    }
+
+    /// The material of what was hit: its place among the surface shaders.
+    pub(crate) fn material_of(&self, inst_id: u32, geom_id: u32) -> u32 {
+        self.instance(inst_id).object.meshes[geom_id as usize].material.0
+    }
+
+    /// The object that an instance shows.
+    pub(crate) fn object_of(&self, inst_id: u32) -> u32 {
+        self.instance(inst_id).object_id.0
+    }
+
+    /// Panics where nothing can be hit; hits name only instances that are there.
+    fn instance(&self, inst_id: u32) -> &PlacedInstance {
+        self.instances[inst_id as usize].as_ref().expect("hits name instances that are there")
     }
 }

@@ -16,5 +16,5 @@ pub use dielectric::Dielectric;
 pub use direct::direct_light;
 pub use material::Material;
 pub use matte::Matte;
-pub use metallic_roughness::{MetallicRoughness, NormalMap};
+pub use metallic_roughness::{MetallicRoughness, NormalMap, SMOOTH};
 pub use mirror::Mirror;

@@ -84,12 +84,6 @@ pub fn triangle([mut a, mut b]: [f32; 2]) -> [f32; 2] {
     [a, b]
 }
 
-/// Density of [`cosine_hemisphere`] per solid angle.
-#[must_use]
-pub fn cosine_pdf_sa(cos: f32) -> f32 {
-    cos.max(0.0) / PI
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Base colours lit from the eye: the cosine between ray and shading normal. Looks at geometry without any light.
+//! Source: original. Misses are black.
+
+use glam::Vec3;
+use gnurt_shading::Vec3s;
+
+use crate::tracer::BatchTracer;
+use crate::world::HitLanes;
+
+pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
+    radiance.reset(camera.rays.len(), Vec3::ZERO);
+    tracer.for_each_surface(camera, |_, shader, lanes, points| {
+        let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
+        shader.albedo(points, &mut albedo);
+        for (k, &lane) in lanes.iter().enumerate() {
+            let cos = points.ns.get(k).dot(points.ray_dir.get(k)).abs();
+            radiance.set(lane as usize, albedo.get(k) * cos);
+        }
+    });
+}
+
+/// Albedo of surfaces that do not tell theirs.
+pub(crate) const MID_GREY: Vec3 = Vec3::splat(0.5);

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How radiance is computed against a batch of camera rays: one integrator, one file. Source: see each.
+
+pub(crate) mod eyelight;
+mod normals;
+mod whitted;
+
+use gnurt_shading::Vec3s;
+
+use crate::options::Integrator;
+use crate::tracer::BatchTracer;
+use crate::world::HitLanes;
+
+/// Writes the radiance against each camera ray.
+pub(crate) fn radiance(
+    integrator: Integrator,
+    tracer: &mut BatchTracer,
+    camera: HitLanes,
+    radiance: &mut Vec3s,
+) {
+    match integrator {
+        Integrator::Eyelight => eyelight::radiance(tracer, camera, radiance),
+        Integrator::Normals => normals::radiance(tracer, camera, radiance),
+        Integrator::Whitted => whitted::radiance(tracer, camera, radiance),
+    }
+}

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One tile, one sample of each of its pixels: camera rays, hits, radiance, film.
+//! Source: original; samples placed by the filter [EST06].
+//! A batch is always one sample of all pixels of a tile, whatever passes and threads do.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
+
+use glam::Vec3;
+use gnurt_accel::{Coherence, Ray, RayBatch};
+use gnurt_image::Filter;
+use gnurt_shading::sampling::{purpose, sample_pair};
+use gnurt_shading::{CameraShader, SampleKey, Vec3s};
+
+use crate::cost::TileCosts;
+use crate::film::TileFilm;
+use crate::integrators;
+use crate::options::RenderOptions;
+use crate::progress::Progress;
+use crate::stats::RenderStats;
+use crate::tracer::BatchTracer;
+use crate::world::{HitLanes, World};
+
+/// What all tiles of a rendering share.
+pub(crate) struct Job<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) camera: &'a dyn CameraShader,
+    pub(crate) options: &'a RenderOptions,
+    pub(crate) filter: Filter,
+    pub(crate) progress: &'a dyn Progress,
+    pub(crate) deadline: Option<Instant>,
+    /// Samples that the whole rendering will take.
+    pub(crate) all_samples: u64,
+    pub(crate) samples_done: AtomicU64,
+    /// Once somebody was told to stop, all stop.
+    pub(crate) stopped: AtomicBool,
+    /// Unit direction of view, for depths along it.
+    pub(crate) forward: Vec3,
+}
+
+/// Camera rays of one sample.
+pub(crate) struct CameraBatch {
+    pub(crate) rays: RayBatch,
+    pub(crate) keys: Vec<SampleKey>,
+}
+
+impl Job<'_> {
+    /// Adds samples `first..last` to a tile, or fewer if it is time to stop.
+    pub(crate) fn render_tile(&self, tile: &mut TileFilm, first: u32, last: u32) -> RenderStats {
+        let costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
+        let mut tracer = BatchTracer::new(self.world, self.options, costs);
+        // A tile that was cut short in an earlier pass stays as it is: samples are taken in order.
+        if tile.samples == first {
+            for sample in first..last {
+                if self.should_stop() {
+                    break;
+                }
+                self.render_sample(tile, &mut tracer, sample);
+            }
+        }
+        if let Some(costs) = tracer.costs.take() {
+            tile.costs.resize(costs.costs.len(), 0);
+            tile.costs.iter_mut().zip(costs.costs).for_each(|(sum, cost)| *sum += cost);
+        }
+        let stats = tracer.take_stats();
+        let done = self.samples_done.fetch_add(stats.samples, Ordering::Relaxed) + stats.samples;
+        self.progress.update(done as f64 / self.all_samples as f64, done);
+        stats
+    }
+
+    fn render_sample(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, sample: u32) {
+        let CameraBatch { rays, keys } = self.camera_rays(tile.pixels(), sample);
+        let hits = tracer.intersect(&rays, &keys, Coherence::Coherent);
+        let epsilon = self.options.ray_epsilon;
+        let camera = HitLanes { rays: &rays, keys: &keys, hits: &hits, depth: 0, epsilon };
+        let mut radiance = Vec3s::default();
+        integrators::radiance(self.options.integrator, tracer, camera, &mut radiance);
+        if let Some(aovs) = &mut tile.aovs {
+            aovs.add(tracer, camera, sample, self.forward);
+        }
+        for i in 0..rays.len() {
+            let seen = radiance.get(i);
+            let good = seen.is_finite();
+            tracer.stats.bad_samples += u64::from(!good);
+            tile.add(i, if good { seen } else { Vec3::ZERO }, hits.get(i).is_some());
+        }
+        tile.samples += 1;
+        tracer.stats.camera_rays += rays.len() as u64;
+        tracer.stats.samples += rays.len() as u64;
+    }
+
+    /// One ray through each pixel, placed by the filter.
+    pub(crate) fn camera_rays(&self, pixels: impl Iterator<Item = [u32; 2]>, sample: u32) -> CameraBatch {
+        let (width, height) = (self.options.width, self.options.height);
+        let mut keys = Vec::new();
+        let mut places = Vec::new();
+        for [x, y] in pixels {
+            let key = SampleKey { pixel: y * width + x, sample, branch: 0 };
+            let [dx, dy] = self.filter.sample(sample_pair(self.options.seed, key, 0, purpose::PIXEL));
+            let across = (f64::from(x) + 0.5 + f64::from(dx)) / f64::from(width);
+            let down = (f64::from(y) + 0.5 + f64::from(dy)) / f64::from(height);
+            places.push([across as f32, (1.0 - down) as f32]);
+            keys.push(key);
+        }
+        let mut rays = RayBatch::with_capacity(keys.len());
+        self.camera.rays(&places, width as f32 / height as f32, &mut rays);
+        // A camera that gives too few rays leaves the rest dark: a ray without direction hits nothing.
+        while rays.len() < keys.len() {
+            rays.push(Ray::new([0.0; 3], [0.0; 3]));
+        }
+        CameraBatch { rays, keys }
+    }
+
+    /// Whether to finish now; once yes, always yes.
+    pub(crate) fn should_stop(&self) -> bool {
+        let stop = self.stopped.load(Ordering::Relaxed)
+            || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+            || self.progress.should_stop();
+        if stop {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+        stop
+    }
+}

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The renderer's side of shading: batches of rays in, batches of radiance out, by recursion.
+//! Source: [Whi80] (recursion); batches by shader after the paper's section 8. Space: world.
+//! Flow: rays -> hits -> lanes sorted by shader -> surface points -> shader, which may ask for lights and more rays.
+//! Invariant: what a lane gets depends on its ray and key only, not on the lanes beside it.
+//! Proof: crates/render/tests/{lights,mirrors,materials,determinism}.rs.
+
+use glam::Vec3;
+use gnurt_accel::{Coherence, HitBatch, Query, Ray, RayBatch, Record};
+use gnurt_shading::sampling::{purpose, sample_pair};
+use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+
+use crate::cost::TileCosts;
+use crate::options::RenderOptions;
+use crate::pixel_trace::Log;
+use crate::stats::RenderStats;
+use crate::world::{ERROR_SCALE, HitLanes, World};
+
+/// See-through surfaces that a shadow ray may pass; behind more it is dark.
+const MOST_LAYERS: usize = 256;
+
+/// Traces for one tile.
+pub(crate) struct BatchTracer<'w> {
+    pub(crate) world: &'w World,
+    pub(crate) options: &'w RenderOptions,
+    pub(crate) stats: RenderStats,
+    /// Cost per pixel of the tile, if somebody wants a heat map.
+    pub(crate) costs: Option<TileCosts>,
+    /// What happens on the way, if somebody wants to read it.
+    pub(crate) log: Option<Log>,
+    record: Record,
+}
+
+impl<'w> BatchTracer<'w> {
+    pub(crate) fn new(world: &'w World, options: &'w RenderOptions, costs: Option<TileCosts>) -> Self {
+        let record = if costs.is_some() { Record::with_costs() } else { Record::default() };
+        Self { world, options, stats: RenderStats::default(), costs, log: None, record }
+    }
+
+    /// The counters so far; starts again from zero.
+    pub(crate) fn take_stats(&mut self) -> RenderStats {
+        let counters = std::mem::take(&mut self.record.counters);
+        self.stats.nodes_visited += counters.nodes;
+        self.stats.triangles_tested += counters.triangles;
+        std::mem::take(&mut self.stats)
+    }
+
+    /// Closest hits of rays with these keys.
+    pub(crate) fn intersect(
+        &mut self,
+        rays: &RayBatch,
+        keys: &[SampleKey],
+        coherence: Coherence,
+    ) -> HitBatch {
+        let query = Query { level: self.options.level, coherence };
+        let mut hits = HitBatch::default();
+        self.world.tree().intersect_batch(&query, rays, &mut hits, &mut self.record);
+        self.note_costs(keys);
+        hits
+    }
+
+    /// Calls `with(tracer, material's shader, lanes, their points)` for each material that was hit.
+    pub(crate) fn for_each_surface(
+        &mut self,
+        from: HitLanes,
+        mut with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
+    ) {
+        let world = self.world;
+        let mut lanes: Vec<(u32, u32)> = (0..from.hits.len())
+            .filter_map(|i| {
+                from.hits.get(i).map(|hit| (world.material_of(hit.inst_id, hit.geom_id), i as u32))
+            })
+            .collect();
+        lanes.sort_unstable();
+        for group in lanes.chunk_by(|a, b| a.0 == b.0) {
+            let shader = &*world.shading().surfaces[group[0].0 as usize];
+            let lanes: Vec<u32> = group.iter().map(|lane| lane.1).collect();
+            let points = world.surface_points(from, &lanes, shader.attributes());
+            with(self, shader, &lanes, &points);
+        }
+    }
+
+    /// Radiance against each ray, given what it hit.
+    pub(crate) fn shade(&mut self, from: HitLanes, radiance: &mut Vec3s) {
+        radiance.reset(from.rays.len(), Vec3::ZERO);
+        self.shade_misses(from, radiance);
+        self.for_each_surface(from, |tracer, shader, lanes, points| {
+            if let Some(log) = &mut tracer.log {
+                log.surface(points);
+            }
+            let mut shaded = Vec3s::splat(lanes.len(), Vec3::ZERO);
+            shader.shade(tracer, points, &mut shaded);
+            for (k, &lane) in lanes.iter().enumerate() {
+                radiance.set(lane as usize, shaded.get(k));
+            }
+        });
+    }
+
+    fn shade_misses(&mut self, from: HitLanes, radiance: &mut Vec3s) {
+        let missed: Vec<usize> = (0..from.rays.len()).filter(|&i| from.hits.get(i).is_none()).collect();
+        let seen = self.environment(from.rays, &missed);
+        for (k, &lane) in missed.iter().enumerate() {
+            radiance.set(lane, seen.get(k));
+        }
+    }
+
+    /// What some of the rays would see if nothing were in their way.
+    fn environment(&mut self, rays: &RayBatch, lanes: &[usize]) -> Vec3s {
+        let mut seen = Vec3s::splat(lanes.len(), Vec3::ZERO);
+        if let Some(environment) = self.world.shading().environment.as_ref().filter(|_| !lanes.is_empty()) {
+            let mut dirs = Vec3s::default();
+            lanes.iter().for_each(|&lane| dirs.push(Vec3::from(rays.get(lane).dir)));
+            environment.miss(&dirs, &mut seen);
+        }
+        seen
+    }
+
+    fn occluded_by_opaque(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
+        // Rays of one batch start side by side and aim at one light.
+        let query = Query { level: self.options.level, coherence: Coherence::Coherent };
+        let mut blocked = Vec::new();
+        self.world.tree().occluded_batch(&query, &request.rays, &mut blocked, &mut self.record);
+        self.note_costs(&request.key);
+        for (i, _) in blocked.iter().enumerate().filter(|&(_, &blocked)| blocked) {
+            transmittance.set(i, Vec3::ZERO);
+        }
+    }
+
+    /// From surface to surface, multiplying what each lets through, until all light or all way is used up.
+    fn occluded_by_layers(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
+        let (mut rays, mut keys) = (request.rays.clone(), request.key.clone());
+        // Which ray of the request each lane still serves.
+        let mut serves: Vec<u32> = (0..rays.len() as u32).collect();
+        for layer in 0.. {
+            let hits = self.intersect(&rays, &keys, Coherence::Coherent);
+            let from = HitLanes {
+                rays: &rays,
+                keys: &keys,
+                hits: &hits,
+                depth: 0,
+                epsilon: self.options.ray_epsilon,
+            };
+            let (mut next_rays, mut next_keys, mut next_serves) =
+                (RayBatch::default(), Vec::new(), Vec::new());
+            self.for_each_surface(from, |tracer, shader, lanes, points| {
+                let mut through = Vec3s::splat(lanes.len(), Vec3::ZERO);
+                if !shader.is_opaque() && layer < MOST_LAYERS {
+                    shader.transmit(tracer, points, &mut through);
+                }
+                for (k, &lane) in lanes.iter().enumerate() {
+                    let ray = serves[lane as usize] as usize;
+                    transmittance.set(ray, transmittance.get(ray) * through.get(k));
+                    if transmittance.get(ray) != Vec3::ZERO {
+                        let rest = rays.get(lane as usize).t_far - points.t[k];
+                        next_rays.push(points.spawn(k, points.ray_dir.get(k), rest));
+                        next_keys.push(keys[lane as usize]);
+                        next_serves.push(ray as u32);
+                    }
+                }
+            });
+            (rays, keys, serves) = (next_rays, next_keys, next_serves);
+            if rays.is_empty() {
+                return;
+            }
+        }
+    }
+
+    fn note_costs(&mut self, keys: &[SampleKey]) {
+        if let (Some(costs), Some(rays)) = (&mut self.costs, &self.record.costs) {
+            costs.add(keys, rays);
+        }
+    }
+}
+
+impl Tracer for BatchTracer<'_> {
+    fn light_count(&self) -> usize {
+        self.world.shading().lights.len()
+    }
+
+    fn light_is_visible(&self, light: usize) -> bool {
+        self.world.shading().lights[light].is_visible()
+    }
+
+    fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch) {
+        out.reset(hits.len());
+        let mut normal = Vec3s::default();
+        (0..hits.len()).for_each(|i| normal.push(hits.facing_ns(i)));
+        let random: Vec<_> =
+            hits.key.iter().map(|&key| self.random(key, hits.depth, purpose::LIGHT + light as u32)).collect();
+        self.world.shading().lights[light].illuminate(&hits.p, &normal, &random, out);
+        if let Some(log) = &mut self.log {
+            log.light(light, out);
+        }
+    }
+
+    fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
+        transmittance.reset(request.rays.len(), Vec3::ONE);
+        if request.rays.is_empty() {
+            return;
+        }
+        self.stats.shadow_rays += request.rays.len() as u64;
+        if self.world.shading().all_opaque {
+            self.occluded_by_opaque(request, transmittance);
+        } else {
+            self.occluded_by_layers(request, transmittance);
+        }
+        if let Some(log) = &mut self.log {
+            log.shadows(&request.rays, transmittance);
+        }
+    }
+
+    fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s) {
+        radiance.reset(request.rays.len(), Vec3::ZERO);
+        if request.rays.is_empty() {
+            return;
+        }
+        let depth = depth + 1;
+        if depth > self.options.max_depth {
+            let all: Vec<usize> = (0..request.rays.len()).collect();
+            *radiance = self.environment(&request.rays, &all);
+            return;
+        }
+        self.stats.secondary_rays += request.rays.len() as u64;
+        let hits = self.intersect(&request.rays, &request.key, Coherence::Incoherent);
+        if let Some(log) = &mut self.log {
+            log.rays(depth, &request.rays, &hits);
+        }
+        let from = HitLanes {
+            rays: &request.rays,
+            keys: &request.key,
+            hits: &hits,
+            depth,
+            epsilon: self.options.ray_epsilon,
+        };
+        self.shade(from, radiance);
+    }
+
+    fn random(&self, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2] {
+        sample_pair(self.options.seed, key, depth, purpose)
+    }
+
+    fn spawn(&self, p: Vec3, ng: Vec3, dir: Vec3, t_far: f32) -> Ray {
+        // The surface is unknown here, so its coordinates may be as large as the world's.
+        let reach = self.world.bounds().map_or(0.0, |(low, high)| {
+            low.into_iter().chain(high).fold(0.0_f32, |most, x| most.max(x.abs()))
+        });
+        let error = ERROR_SCALE * reach.max(p.abs().max_element()) + self.options.ray_epsilon;
+        let one = SurfaceBatch {
+            p: Vec3s::splat(1, p),
+            ng: Vec3s::splat(1, ng),
+            error: vec![error],
+            ..SurfaceBatch::default()
+        };
+        one.spawn(0, dir, t_far)
+    }
+}

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! An object put somewhere: single-precision transforms for shading. Source: original.
+//! Invariant: the transform has an inverse.
+
+use std::sync::Arc;
+
+use glam::{DMat3, Mat3, Vec3};
+use gnurt_scene::{Affine, ObjectId};
+
+use super::WorldObject;
+
+/// An instance as shading needs it.
+#[derive(Clone)]
+pub(crate) struct PlacedInstance {
+    pub(crate) object: Arc<WorldObject>,
+    pub(crate) object_id: ObjectId,
+    /// Linear part of `world_from_object`.
+    pub(crate) linear: Mat3,
+    /// Where the object's origin is in the world.
+    pub(crate) origin: Vec3,
+    /// Transforms normals; unit length is lost, their side is kept also where `linear` mirrors.
+    pub(crate) normals: Mat3,
+    /// Whether `linear` mirrors: triangles wind the other way round in the world.
+    pub(crate) mirrors: bool,
+}
+
+impl PlacedInstance {
+    /// `None` if the transform flattens or is not finite, in double or single precision.
+    pub(crate) fn new(
+        object: Arc<WorldObject>,
+        object_id: ObjectId,
+        world_from_object: &Affine,
+    ) -> Option<Self> {
+        world_from_object.inverse()?;
+        let [x, y, z, origin] = world_from_object.columns;
+        let linear = DMat3::from_cols(x.into(), y.into(), z.into());
+        // Only directions matter: scaled to the size of 1 so that nothing overflows.
+        let normals = {
+            let inverse = linear.inverse().transpose();
+            let largest = inverse.to_cols_array().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            inverse * (1.0 / largest)
+        };
+        let placed = Self {
+            object,
+            object_id,
+            linear: linear.as_mat3(),
+            origin: Vec3::from(origin.map(|x| x as f32)),
+            normals: normals.as_mat3(),
+            mirrors: linear.determinant() < 0.0,
+        };
+        let finite = placed.linear.is_finite() && placed.origin.is_finite() && placed.normals.is_finite();
+        finite.then_some(placed)
+    }
+
+    /// A point of the object in the world.
+    pub(crate) fn point(&self, p: Vec3) -> Vec3 {
+        self.linear * p + self.origin
+    }
+
+    /// Largest coordinate that occurs while a point within `reach` (per axis, object space) goes to the world: rounding
+    /// errors are in proportion to it.
+    pub(crate) fn magnitude(&self, reach: Vec3) -> f32 {
+        let m = self.linear.x_axis.abs() * reach.x + self.linear.y_axis.abs() * reach.y;
+        (m + self.linear.z_axis.abs() * reach.z + self.origin.abs()).max_element()
+    }
+}

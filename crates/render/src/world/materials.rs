@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! From materials of the description to surface shaders.
+//! Source: original; what `--force-diffuse` makes of a material is references/README point 2.
+//! Proof: `crates/render/tests/materials.rs`.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
+use gnurt_scene::texture::{Filter, Wrap};
+use gnurt_scene::{Material, Scene, Surface, TextureId};
+use gnurt_shading::SurfaceShader;
+use gnurt_shading::materials as shading;
+use gnurt_shading::texture::{TextureSampler, Wrap as SamplerWrap};
+
+use super::ShaderTable;
+
+/// The shader of each material.
+pub(super) fn surfaces(
+    scene: &Scene,
+    shaders: &ShaderTable,
+    force_diffuse: bool,
+) -> Vec<Arc<dyn SurfaceShader>> {
+    let shader = |material: &Material| -> Arc<dyn SurfaceShader> {
+        let surface = if force_diffuse {
+            Arc::new(shading::Matte { albedo: color(scene, &material.diffuse_color()) })
+        } else {
+            surface(scene, &material.surface, shaders)
+        };
+        let emission = emission(scene, material);
+        let coverage = if force_diffuse { None } else { coverage(scene, &material.alpha) };
+        if emission.is_none() && coverage.is_none() {
+            return surface;
+        }
+        Arc::new(shading::Material { surface, emission, coverage })
+    };
+    scene.materials().iter().map(shader).collect()
+}
+
+fn surface(scene: &Scene, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn SurfaceShader> {
+    match surface {
+        Surface::Matte { base_color } => Arc::new(shading::Matte { albedo: color(scene, base_color) }),
+        Surface::MetallicRoughness {
+            base_color,
+            metallic,
+            roughness,
+            metallic_roughness_texture,
+            ior,
+            normal_texture,
+        } => Arc::new(shading::MetallicRoughness {
+            base_color: color(scene, base_color),
+            metallic: *metallic,
+            roughness: *roughness,
+            metallic_roughness_texture: metallic_roughness_texture.as_ref().map(|t| sampler(scene, t)),
+            ior: *ior,
+            normal_map: normal_texture
+                .as_ref()
+                .map(|map| shading::NormalMap { texture: sampler(scene, &map.texture), scale: map.scale }),
+        }),
+        Surface::Mirror { reflectance } => {
+            Arc::new(shading::Mirror { reflectance: color(scene, reflectance) })
+        }
+        Surface::Dielectric { ior, reflectance, transmittance } => Arc::new(shading::Dielectric {
+            // An index that means nothing bends nothing.
+            ior: if *ior > 0.0 && ior.is_finite() { *ior } else { 1.0 },
+            reflectance: Vec3::from(*reflectance),
+            transmittance: Vec3::from(*transmittance),
+        }),
+        Surface::Shader(number) => shaders.surfaces[*number as usize].clone(),
+    }
+}
+
+fn color(scene: &Scene, color: &Color) -> shading::TexturedColor {
+    shading::TexturedColor {
+        factor: Vec3::from(color.factor),
+        texture: color.texture.as_ref().map(|texture| sampler(scene, texture)),
+    }
+}
+
+/// What a material gives off, if anything.
+pub(super) fn emission(scene: &Scene, material: &Material) -> Option<shading::Emission> {
+    material.emits().then(|| shading::Emission {
+        factor: Vec3::from(material.emission).max(Vec3::ZERO),
+        texture: material.emission_texture.as_ref().map(|texture| sampler(scene, texture)),
+    })
+}
+
+/// Where a material is there; `None` = everywhere.
+pub(super) fn coverage(scene: &Scene, alpha: &Alpha) -> Option<shading::Coverage> {
+    let (opacity, cutoff): (&Opacity, _) = match alpha {
+        Alpha::Opaque => return None,
+        Alpha::Mask { cutoff, opacity } => (opacity, Some(*cutoff)),
+        Alpha::Blend { opacity } => (opacity, None),
+    };
+    Some(shading::Coverage {
+        factor: opacity.factor,
+        texture: opacity.texture.as_ref().map(|texture| sampler(scene, texture)),
+        channel: match opacity.channel {
+            OpacityChannel::Alpha => shading::OpacityChannel::Alpha,
+            OpacityChannel::Red => shading::OpacityChannel::Red,
+        },
+        cutoff,
+    })
+}
+
+/// A reader of a texture under a material's transform.
+pub(super) fn sampler(scene: &Scene, reference: &TextureRef) -> TextureSampler {
+    let texture = scene.texture(reference.texture);
+    TextureSampler {
+        texels: texture.texels.clone(),
+        wrap: texture.wrap.map(|wrap| match wrap {
+            Wrap::Repeat => SamplerWrap::Repeat,
+            Wrap::MirroredRepeat => SamplerWrap::Mirror,
+            Wrap::ClampToEdge => SamplerWrap::Clamp,
+        }),
+        linear: texture.filter == Filter::Linear,
+        uv_from_mesh: reference.uv_from_mesh,
+    }
+}
+
+/// All textures that a material names.
+pub(super) fn textures_of(material: &Material) -> impl Iterator<Item = TextureId> {
+    let colors = match &material.surface {
+        Surface::Matte { base_color } => [base_color.texture, None, None],
+        Surface::Mirror { reflectance } => [reflectance.texture, None, None],
+        Surface::MetallicRoughness { base_color, metallic_roughness_texture, normal_texture, .. } => {
+            [base_color.texture, *metallic_roughness_texture, normal_texture.map(|map| map.texture)]
+        }
+        Surface::Dielectric { .. } | Surface::Shader(_) => [None; 3],
+    };
+    let opacity = match &material.alpha {
+        Alpha::Opaque => None,
+        Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } => opacity.texture,
+    };
+    let diffuse = material.diffuse.and_then(|color| color.texture);
+    let all = colors.into_iter().chain([material.emission_texture, opacity, diffuse]);
+    all.flatten().map(|reference| reference.texture)
+}

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! From hits to surface points: positions, normals, coordinates and attributes out of the meshes' arrays.
+//! Source: [PJH23] section 6.8 (bounding the error of a hit point); original. Space: world.
+//! Points are computed from barycentric weights, not from `org + t dir`: they lie in their triangle's plane up to
+//! rounding, and `error` bounds that from the largest coordinate involved.
+//! Proof: `crates/render/tests/offsets.rs`.
+
+use glam::{DVec3, Vec3};
+use gnurt_accel::{Hit, HitBatch, RayBatch};
+use gnurt_scene::{Attribute, Mesh, Rate};
+use gnurt_shading::{AttributeRequest, SampleKey, SurfaceBatch};
+
+use super::{PlacedInstance, World};
+
+/// Rounding errors of the point, of its transform, and of the test that the next ray makes against the same triangle,
+/// as a multiple of the largest coordinate.
+pub(crate) const ERROR_SCALE: f32 = 8.0 * f32::EPSILON;
+
+/// What a batch of points is made from.
+#[derive(Clone, Copy)]
+pub(crate) struct HitLanes<'a> {
+    pub(crate) rays: &'a RayBatch,
+    pub(crate) keys: &'a [SampleKey],
+    pub(crate) hits: &'a HitBatch,
+    /// Bounces that the rays had behind them.
+    pub(crate) depth: u32,
+    /// World units added to each point's error.
+    pub(crate) epsilon: f32,
+}
+
+impl World {
+    /// The points of some lanes, all of which hit something.
+    pub(crate) fn surface_points(
+        &self,
+        from: HitLanes,
+        lanes: &[u32],
+        attributes: &[AttributeRequest],
+    ) -> SurfaceBatch {
+        let mut points = SurfaceBatch { depth: from.depth, ..SurfaceBatch::default() };
+        for &lane in lanes {
+            let hit = from.hits.get(lane as usize).expect("the lane hit something");
+            points.ray_dir.push(Vec3::from(from.rays.get(lane as usize).dir));
+            points.key.push(from.keys[lane as usize]);
+            points.t.push(hit.t);
+            self.push_point(&hit, from.epsilon, &mut points);
+        }
+        points.attributes = attributes.iter().map(|request| self.attribute(request, &points)).collect();
+        points
+    }
+
+    fn push_point(&self, hit: &Hit, epsilon: f32, out: &mut SurfaceBatch) {
+        let instance = self.instance(hit.inst_id);
+        let mesh = &*instance.object.meshes[hit.geom_id as usize];
+        let corners = mesh.indices[hit.prim_id as usize].map(|i| i as usize);
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        let positions = corners.map(|i| Vec3::from(mesh.positions[i]));
+        let reach = positions[0].abs().max(positions[1].abs()).max(positions[2].abs());
+        let ng = geometric_normal(instance, &positions);
+
+        out.p.push(instance.point(mix3(&positions, weights)));
+        out.error.push(ERROR_SCALE * instance.magnitude(reach) + epsilon);
+        out.ng.push(ng);
+        out.ns.push(self.shading_normal(instance, mesh, corners, weights).unwrap_or(ng));
+        let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
+        for k in 0..2 {
+            out.texcoord[k].push((0..3).map(|c| weights[c] * uv[c][k]).sum());
+        }
+        out.dp_du.push(instance.linear * change_per_u(&positions, &uv));
+        let color = vertex_color(mesh, corners, weights);
+        out.color.push(Vec3::new(color[0], color[1], color[2]));
+        out.alpha.push(color[3]);
+        out.u.push(hit.u);
+        out.v.push(hit.v);
+        out.prim_id.push(hit.prim_id);
+        out.geom_id.push(hit.geom_id);
+        out.inst_id.push(hit.inst_id);
+    }
+
+    /// Interpolated normal in the world, unit; `None` where the mesh is flat.
+    fn shading_normal(
+        &self,
+        instance: &PlacedInstance,
+        mesh: &Mesh,
+        corners: [usize; 3],
+        weights: [f32; 3],
+    ) -> Option<Vec3> {
+        if self.face_normals || mesh.normals.is_empty() {
+            return None;
+        }
+        let mut normals = [Vec3::ZERO; 3];
+        for (normal, corner) in normals.iter_mut().zip(corners) {
+            // Normals of any length: each counts as a direction.
+            *normal = Vec3::from(*mesh.normals.get(corner)?).try_normalize()?;
+        }
+        (instance.normals * mix3(&normals, weights)).try_normalize()
+    }
+
+    /// Component k of lane i at `[k * lanes + i]`.
+    fn attribute(&self, request: &AttributeRequest, points: &SurfaceBatch) -> Vec<f32> {
+        let (lanes, components) = (points.len(), request.components as usize);
+        let default = |k: usize| request.default.get(k).copied().unwrap_or(0.0);
+        let mut values = vec![0.0; lanes * components];
+        for i in 0..lanes {
+            let mesh = &*self.instance(points.inst_id[i]).object.meshes[points.geom_id[i] as usize];
+            let found = mesh.attributes.iter().find(|a| a.name == request.name);
+            let prim_id = points.prim_id[i] as usize;
+            let weights = [1.0 - points.u[i] - points.v[i], points.u[i], points.v[i]];
+            for k in 0..components {
+                let value = found.and_then(|a| attribute_at(a, mesh, prim_id, weights, k));
+                values[k * lanes + i] = value.unwrap_or_else(|| default(k));
+            }
+        }
+        values
+    }
+}
+
+/// Component `k` of an attribute; `None` where it has none.
+fn attribute_at(a: &Attribute, mesh: &Mesh, prim_id: usize, weights: [f32; 3], k: usize) -> Option<f32> {
+    let n = a.components as usize;
+    let value = |i: usize| a.data.get(i * n + k).copied().filter(|_| k < n);
+    match a.rate {
+        Rate::Triangle => value(prim_id),
+        Rate::Vertex => {
+            let corners = mesh.indices[prim_id].map(|i| i as usize);
+            (0..3).try_fold(0.0, |sum, c| Some(sum + weights[c] * value(corners[c])?))
+        }
+    }
+}
+
+fn mix3(values: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {
+    values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
+}
+
+/// Unit, in the world, on the side from which the mesh's triangle winds counter-clockwise.
+fn geometric_normal(instance: &PlacedInstance, p: &[Vec3; 3]) -> Vec3 {
+    // Double precision: squares of tiny or huge edges leave the range of floats.
+    let [a, b, c] = p.map(Vec3::as_dvec3);
+    let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
+    let in_world = instance.normals.as_dmat3() * normal;
+    in_world.normalize_or(DVec3::Z).as_vec3()
+}
+
+/// How far a point moves per texture u; zero where coordinates say nothing.
+fn change_per_u(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> Vec3 {
+    let [du1, dv1] = [0, 1].map(|k| uv[1][k] - uv[0][k]);
+    let [du2, dv2] = [0, 1].map(|k| uv[2][k] - uv[0][k]);
+    let area = du1 * dv2 - du2 * dv1;
+    let change = ((p[1] - p[0]) * dv2 - (p[2] - p[0]) * dv1) / area;
+    if change.is_finite() { change } else { Vec3::ZERO }
+}
+
+/// Red, green, blue and opacity; white where the mesh has none.
+fn vertex_color(mesh: &Mesh, corners: [usize; 3], weights: [f32; 3]) -> [f32; 4] {
+    if mesh.colors.is_empty() {
+        return [1.0; 4];
+    }
+    let colors = corners.map(|i| mesh.colors.get(i).copied().unwrap_or([1.0; 4]));
+    std::array::from_fn(|k| (0..3).map(|c| weights[c] * colors[c][k]).sum())
+}
