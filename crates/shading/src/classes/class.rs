@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::image::Image;
 use crate::shader::{AttributeRequest, CameraShader, EnvironmentShader, LightShader, SurfaceShader};
+use crate::texture::TextureSampler;
 
 /// What a shader of a class is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,7 +92,7 @@ pub enum Value {
     /// Numbers.
     Floats(Vec<f32>),
     /// A texture, or none.
-    Texture(Option<Arc<Image>>),
+    Texture(Option<Arc<TextureSampler>>),
 }
 
 /// The values of all parameters of a shader; those of other rates than per shader are not looked at.
@@ -117,9 +117,9 @@ impl Values {
     }
 
     /// Number `parameter` as a texture.
-    pub(super) fn image(&self, parameter: usize) -> Option<Arc<Image>> {
+    pub(super) fn texture(&self, parameter: usize) -> Option<Arc<TextureSampler>> {
         match self.0.get(parameter) {
-            Some(Value::Texture(image)) => image.clone(),
+            Some(Value::Texture(texture)) => texture.clone(),
             _ => None,
         }
     }

@@ -57,8 +57,7 @@ pub(super) fn direct_light(
                 request.parent.clear();
                 request.key.clear();
                 for i in lit {
-                    let (p, ng, dir) = (hits.p.get(i), hits.ng.get(i), light.dir.get(i));
-                    request.rays.push(tracer.spawn(p, ng, dir, light.dist[i]));
+                    request.rays.push(hits.spawn_to(i, light.dir.get(i), light.dist[i]));
                     request.parent.push(i as u32);
                     request.key.push(hits.key[i]);
                 }

@@ -13,7 +13,7 @@ use glam::Vec3;
 
 use super::class::{Kind, Parameter, Shader, ShaderClass};
 use super::lambert::{normals_given, shading_normals};
-use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
+use crate::batch::{SurfaceBatch, Vec3s};
 use crate::shader::{AttributeRequest, RayRequest, SurfaceShader, Tracer};
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
@@ -35,9 +35,9 @@ impl SurfaceShader for Mirror {
         let mut request = RayRequest::default();
         for (i, normal) in shading_normals(hits, 0).into_iter().enumerate() {
             let dir = reflection(hits, i, normal);
-            request.rays.push(tracer.spawn(hits.p.get(i), hits.ng.get(i), dir, f32::INFINITY));
+            request.rays.push(hits.spawn(i, dir, f32::INFINITY));
             request.parent.push(i as u32);
-            request.key.push(SampleKey { branch: hits.key[i].branch.wrapping_mul(31) + 1, ..hits.key[i] });
+            request.key.push(hits.key[i].fork(0));
         }
         tracer.trace(hits.depth, &request, out);
         (0..hits.len()).for_each(|i| out.set(i, self.attenuation * out.get(i)));

@@ -8,7 +8,6 @@ mod class;
 mod constant;
 mod constant_environment;
 mod diffuse;
-mod image;
 mod infinite_light;
 mod lambert;
 mod mirror;
@@ -23,7 +22,6 @@ mod textured_diffuse;
 mod probe;
 
 pub use class::{Kind, Parameter, ParameterRate, ParameterType, Shader, ShaderClass, Value, Values};
-pub use image::{Image, ImageFilter, ImageWrap};
 pub use lambert::NORMALS_GIVEN;
 pub use projection_camera::ProjectionCamera;
 

@@ -65,6 +65,7 @@ impl Tracer for Probe {
 pub(super) fn floor() -> SurfaceBatch {
     SurfaceBatch {
         p: Vec3s::splat(1, Vec3::ZERO),
+        error: vec![1e-4],
         ng: Vec3s::splat(1, Vec3::Y),
         ns: Vec3s::splat(1, Vec3::Y),
         ray_dir: Vec3s::splat(1, Vec3::new(0.0, -1.0, -1.0).normalize()),

@@ -12,19 +12,19 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::class::{Kind, Parameter, Shader, ShaderClass};
-use super::image::Image;
 use crate::batch::{SurfaceBatch, Vec3s};
 use crate::shader::{SurfaceShader, Tracer};
+use crate::texture::TextureSampler;
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "TextureShader",
     kind: Kind::Surface,
     parameters: &[Parameter::texture("texture")],
-    make: |values| Shader::Surface(Arc::new(Texture { texture: values.image(0) })),
+    make: |values| Shader::Surface(Arc::new(Texture { texture: values.texture(0) })),
 };
 
 struct Texture {
-    texture: Option<Arc<Image>>,
+    texture: Option<Arc<TextureSampler>>,
 }
 
 impl SurfaceShader for Texture {
@@ -34,7 +34,7 @@ impl SurfaceShader for Texture {
 }
 
 /// Writes the texture's colour at each point; white without a texture.
-pub(super) fn texel_colors(texture: Option<&Image>, hits: &SurfaceBatch, out: &mut Vec3s) {
+pub(super) fn texel_colors(texture: Option<&TextureSampler>, hits: &SurfaceBatch, out: &mut Vec3s) {
     let Some(texture) = texture else {
         return out.reset(hits.len(), Vec3::ONE);
     };
@@ -48,16 +48,13 @@ pub(super) fn texel_colors(texture: Option<&Image>, hits: &SurfaceBatch, out: &m
 mod tests {
     use gnurt_image::{TexelData, Texels};
 
-    use super::super::image::{ImageFilter, ImageWrap};
     use super::super::probe::{Probe, floor, shade};
     use super::*;
 
     #[test]
     fn shows_texels() {
         let texels = Texels { width: 1, height: 1, data: TexelData::Linear8(vec![[255, 0, 51, 255]]) };
-        let (wrap, filter) = ([ImageWrap::Repeat; 2], ImageFilter::Linear);
-        let image = Image { texels: Arc::new(texels), wrap, filter };
-        let shader = Texture { texture: Some(Arc::new(image)) };
+        let shader = Texture { texture: Some(Arc::new(TextureSampler::new(Arc::new(texels)))) };
         let seen = shade(&shader, &mut Probe::dark(), &floor());
         assert!((seen - Vec3::new(1.0, 0.0, 0.2)).length() < 1e-6, "bytes are linear: {seen}");
         let white = Texture { texture: None };

@@ -14,24 +14,24 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::class::{Kind, Parameter, Shader, ShaderClass};
-use super::image::Image;
 use super::lambert::{Shadows, direct_light, normals_given, shading_normals};
 use super::texture::texel_colors;
 use crate::batch::{SurfaceBatch, Vec3s};
 use crate::shader::{AttributeRequest, SurfaceShader, Tracer};
+use crate::texture::TextureSampler;
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "TexturedDiffuseShader",
     kind: Kind::Surface,
     parameters: &[Parameter::texture("texture"), Parameter::floats("radiance", &[1.0; 3])],
     make: |values| {
-        let (texture, ambient) = (values.image(0), values.vec3(1));
+        let (texture, ambient) = (values.texture(0), values.vec3(1));
         Shader::Surface(Arc::new(TexturedDiffuse { texture, ambient, attributes: [normals_given()] }))
     },
 };
 
 struct TexturedDiffuse {
-    texture: Option<Arc<Image>>,
+    texture: Option<Arc<TextureSampler>>,
     ambient: Vec3,
     attributes: [AttributeRequest; 1],
 }

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The context: the state machine that all calls read and change. Each noun's calls are in its own file.
+//! Source: [DWBS03], OpenGL 1.x. Invariant: a call that fails has changed nothing; the first error stays until read.
+//! Proof: `tests`; the C programs of tests/c.
+
+use std::sync::Arc;
+
+use gnurt::shading::classes::Kind;
+
+use crate::block::{Assembly, Block};
+use crate::camera::View;
+use crate::current::Current;
+use crate::enums::SceneMode;
+use crate::error::{Error, Result};
+use crate::frame::{Frame, Limits};
+use crate::framebuffer::FrameBuffer;
+use crate::instance::Instances;
+use crate::object::{Objects, OpenObject};
+use crate::shader::{Bound, Shaders};
+use crate::shader_class::{Classes, LoadedClass};
+use crate::stacks::Stacks;
+use crate::stage::Stage;
+use crate::texture::Textures;
+use crate::usage::Usage;
+
+/// Everything that the API remembers.
+pub struct Context {
+    /// The first error since the program last asked.
+    error: Option<Error>,
+    /// Threads to render with; 0 = one per core.
+    pub(crate) threads: usize,
+    pub(crate) stacks: Stacks,
+    pub(crate) current: Current,
+    pub(crate) classes: Classes,
+    pub(crate) shaders: Shaders,
+    pub(crate) bound: Bound,
+    pub(crate) textures: Textures,
+    pub(crate) objects: Objects,
+    /// The object between rtNewObject and its end.
+    pub(crate) open: Option<OpenObject>,
+    /// Geometry outside of objects, for the next frame.
+    pub(crate) unnamed: Assembly,
+    /// The block between rtBegin and rtEnd.
+    pub(crate) block: Option<Block>,
+    pub(crate) instances: Instances,
+    pub(crate) usage: Usage,
+    pub(crate) view: View,
+    pub(crate) scene_mode: SceneMode,
+    pub(crate) limits: Limits,
+    pub(crate) frame_buffer: Option<FrameBuffer>,
+    /// Scene and world while no frame is in flight.
+    pub(crate) stage: Stage,
+    pub(crate) frame: Option<Frame>,
+    pub(crate) pool: Option<Arc<gnurt::ThreadPool>>,
+}
+
+impl Default for Context {
+    fn default() -> Self {
+        Self {
+            error: None,
+            threads: 0,
+            stacks: Stacks::default(),
+            current: Current::default(),
+            classes: Classes::default(),
+            shaders: Shaders::default(),
+            bound: Bound::default(),
+            textures: Textures::default(),
+            objects: Objects::default(),
+            open: None,
+            unnamed: Assembly::default(),
+            block: None,
+            instances: Instances::default(),
+            usage: Usage::default(),
+            view: View::default(),
+            scene_mode: SceneMode::Retained,
+            limits: Limits::default(),
+            frame_buffer: None,
+            stage: Stage::default(),
+            frame: None,
+            pool: None,
+        }
+    }
+}
+
+impl Context {
+    /// A context as rtInit makes it, following the `--rt-*` arguments among `arguments`; others are not looked at.
+    #[must_use]
+    pub fn with_arguments<'a>(arguments: impl Iterator<Item = &'a [u8]>) -> Self {
+        let mut context = Self::default();
+        for argument in arguments {
+            let count = argument.strip_prefix(b"--rt-threads=").map(String::from_utf8_lossy);
+            context.threads = count.and_then(|count| count.parse().ok()).unwrap_or(context.threads);
+        }
+        context
+    }
+
+    /// Notes an error if none is noted yet.
+    pub fn record(&mut self, error: Error) {
+        self.error.get_or_insert(error);
+    }
+
+    /// rtGetError: the code of the noted error, which is forgotten.
+    pub fn take_error(&mut self) -> u32 {
+        if self.block.is_some() {
+            self.record(Error::InvalidOperation);
+            return Error::NONE_CODE;
+        }
+        self.error.take().map_or(Error::NONE_CODE, Error::code)
+    }
+
+    /// rtExit, before the context is dropped: waits for the frame in flight.
+    pub fn exit(&mut self) -> Result<()> {
+        self.outside_block()?;
+        if let Some(frame) = self.frame.take() {
+            // The program leaves: there is nobody left to tell about the frame's failure.
+            let _ = frame.finish();
+        }
+        Ok(())
+    }
+
+    /// Fails between rtBegin and rtEnd (BE).
+    pub(crate) fn outside_block(&self) -> Result<()> {
+        if self.block.is_some() { Err(Error::InvalidOperation) } else { Ok(()) }
+    }
+
+    /// Fails while an object is open (OBJ).
+    pub(crate) fn no_open_object(&self) -> Result<()> {
+        if self.open.is_some() { Err(Error::InvalidOperation) } else { Ok(()) }
+    }
+
+    /// The bound shader and its class, if it is of a surface.
+    pub(crate) fn bound_surface(&self) -> Option<(u32, Arc<LoadedClass>)> {
+        let class = self.bound.class().filter(|class| class.class.kind == Kind::Surface)?;
+        Some((self.bound.shader()?, class.clone()))
+    }
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The errors of the API, with the codes that `rtGetError` returns.
+//! Source: original. Invariant: a call that returns an error has changed nothing but the error flag.
+//! Proof: tests/c/errors_*.c.
+
+/// Why a call failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[repr(u32)]
+pub enum Error {
+    /// A constant is none of those that the call takes (IE).
+    #[error("a constant is none of those that the call takes")]
+    InvalidEnum = 0xFFFF_FE01,
+    /// A pointer is null, a number out of range or an id unknown (IV).
+    #[error("a pointer is null, a number out of range or an id unknown")]
+    InvalidValue = 0xFFFF_FE02,
+    /// The call does not fit the present state (IO).
+    #[error("the call does not fit the present state")]
+    InvalidOperation = 0xFFFF_FE03,
+    /// A matrix stack is full.
+    #[error("a matrix stack is full")]
+    StackOverflow = 0xFFFF_FE04,
+    /// A matrix stack has one matrix left.
+    #[error("a matrix stack has one matrix left")]
+    StackUnderflow = 0xFFFF_FE05,
+    /// Memory, or the numbers of an id, have run out.
+    #[error("memory or ids have run out")]
+    OutOfMemory = 0xFFFF_FE06,
+}
+
+/// What most calls return.
+pub type Result<T> = std::result::Result<T, Error>;
+
+impl Error {
+    /// The code of no error.
+    pub const NONE_CODE: u32 = 0;
+
+    /// The number that C programs see.
+    #[must_use]
+    pub fn code(self) -> u32 {
+        self as u32
+    }
+}
+
+/// The pointer's value, or the error that a null pointer gives.
+pub(crate) fn not_null<T>(pointer: Option<T>) -> Result<T> {
+    pointer.ok_or(Error::InvalidValue)
+}

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Exported calls: frame buffer, frames, lights, camera and environment. Source: original.
+//! Proof: tests/c/frames.c, tests/c/lights.c, tests/c/camera.c.
+
+use std::sync::Arc;
+
+use crate::camera::Volume;
+use crate::ffi::{call, procedures};
+use crate::framebuffer::FrameMemory;
+
+/// A program's frame buffer.
+struct ProgramMemory(*mut u8);
+
+// SAFETY: the pointer is only written through, by one frame at a time; the program keeps the memory and keeps away
+// from it until rtEndRendering, as openrt/rt.h asks.
+unsafe impl Send for ProgramMemory {}
+// SAFETY: as above.
+unsafe impl Sync for ProgramMemory {}
+
+impl FrameMemory for ProgramMemory {
+    fn write(&self, offset: usize, bytes: &[u8]) {
+        // SAFETY: the program vouches for width * height pixels; `FrameBuffer::show` writes no further.
+        unsafe { bytes.as_ptr().copy_to_nonoverlapping(self.0.add(offset), bytes.len()) }
+    }
+}
+
+/// # Safety
+/// As openrt/rt.h says: `memory` is null or has room for the pixels until the frames that use it have ended.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn rtSetFrameBuffer(memory: *mut u8, width: u32, height: u32, format: u32) {
+    let memory = (!memory.is_null()).then(|| Arc::new(ProgramMemory(memory)) as Arc<dyn FrameMemory>);
+    call((), |context| context.set_frame_buffer(memory, [width, height], format));
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtGetRayEpsilon() -> f32 {
+    call(0.0, |context| context.ray_epsilon())
+}
+
+procedures! {
+    rtStartRendering() => |context| context.start_rendering();
+    rtEndRendering() => |context| context.end_rendering();
+    rtRender() => |context| context.render();
+    rtRenderFrame() => |context| context.render();
+    rtSwapBuffers() => |context| context.swap_buffers();
+    rtSceneMode(mode: u32) => |context| context.set_scene_mode(mode);
+    rtSetMaxRayRecursionDepth(depth: u32) => |context| context.set_max_depth(depth);
+    rtSetRayEpsilon(epsilon: f32) => |context| context.set_ray_epsilon(epsilon);
+
+    rtUseLight(shader: u32) => |context| context.use_light(shader);
+    rtUseLightFast(shader: u32) => |context| context.use_light_fast(shader);
+    rtRemoveLight(shader: u32) => |context| context.remove_light(shader);
+    rtUseCamera(shader: u32) => |context| context.use_camera(shader);
+    rtUseEnvironmentShader(shader: u32) => |context| context.use_environment_shader(shader);
+    rtUseRenderingObject(shader: u32) => |context| context.use_rendering_object(shader);
+
+    rtLookAt(
+        eye_x: f64, eye_y: f64, eye_z: f64,
+        center_x: f64, center_y: f64, center_z: f64,
+        up_x: f64, up_y: f64, up_z: f64
+    ) => |context| {
+        context.look_at([eye_x, eye_y, eye_z], [center_x, center_y, center_z], [up_x, up_y, up_z])
+    };
+    rtPerspective(fov_y: f64, near: f64, far: f64) => |context| context.perspective(fov_y, [near, far]);
+    rtFrustum(left: f64, right: f64, bottom: f64, top: f64, near: f64, far: f64) => |context| {
+        context.frustum(Volume { x: [left, right], y: [bottom, top], z: [near, far] })
+    };
+    rtOrtho(left: f64, right: f64, bottom: f64, top: f64, near: f64, far: f64) => |context| {
+        context.ortho(Volume { x: [left, right], y: [bottom, top], z: [near, far] })
+    };
+}

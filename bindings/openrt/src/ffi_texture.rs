@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Exported calls: textures. Source: original. Proof: tests/c/textures.c.
+
+use std::ffi::c_void;
+
+use crate::ffi::{call, id_functions, procedures};
+use crate::texture::ImageDescription;
+
+id_functions! {
+    rtGenTextures(count: i32) => |context| context.gen_textures(count);
+}
+
+procedures! {
+    rtBindTexture(target: u32, texture: u32) => |context| context.bind_texture(target, texture);
+    rtTexParameteri(target: u32, name: u32, value: i32) => |context| {
+        context.tex_parameter(target, name, value)
+    };
+    rtDeleteTexture(texture: u32) => |context| context.delete_texture(texture);
+}
+
+/// # Safety
+/// As openrt/rt.h says: `texels` is null or points to width * height texels of this format and type.
+#[unsafe(no_mangle)]
+#[expect(clippy::too_many_arguments, reason = "OpenGL's signature")]
+unsafe extern "C" fn rtTexImage2D(
+    target: u32,
+    level: i32,
+    internal_format: i32,
+    width: i32,
+    height: i32,
+    border: i32,
+    format: u32,
+    texel_type: u32,
+    texels: *const c_void,
+) {
+    let size = [width, height];
+    let description = ImageDescription { target, level, internal_format, size, border, format, texel_type };
+    // SAFETY: the caller vouches for the texels, and the state machine asks for no more bytes than they have.
+    let read = |length| unsafe { std::slice::from_raw_parts(texels.cast::<u8>(), length) }.to_vec();
+    let read: Option<&dyn Fn(usize) -> Vec<u8>> = if texels.is_null() { None } else { Some(&read) };
+    call((), |context| context.tex_image(&description, read));
+}

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Frames: the snapshot at their start, the thread that renders them, their end (rtStartRendering to rtSwapBuffers).
+//! Source: [DWBS03] (frame semantics). A frame owns the stage while it is in flight: edits wait for the next start.
+//! Invariant: at most one frame is in flight; the program's memory is written only before its end returns.
+//! Proof: tests/c/frames.c, tests/c/errors_frame.c.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::thread::{Builder, JoinHandle};
+
+use gnurt::accel::RayBatch;
+use gnurt::render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent, World, render};
+use gnurt::scene::Affine;
+use gnurt::shading::CameraShader;
+use gnurt::shading::classes::Shader as Made;
+
+use crate::context::Context;
+use crate::enums::SceneMode;
+use crate::error::{Error, Result};
+use crate::framebuffer::FrameBuffer;
+use crate::stage::{Stage, UNNAMED};
+
+/// Depths above this one are rendered as this one: shaders recurse, and a thread's stack is finite.
+const DEEPEST: u32 = 64;
+
+/// Numbers that a program may choose about rendering.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Greatest depth of a ray; camera rays have 0.
+    pub max_depth: u32,
+    /// How far from their surface rays begin, world units.
+    pub epsilon: f32,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self { max_depth: 16, epsilon: 1e-4 }
+    }
+}
+
+/// Everything that a frame needs beside the stage.
+struct Job {
+    shaders: ShaderTable,
+    camera: Arc<dyn CameraShader>,
+    limits: Limits,
+    target: FrameBuffer,
+    pool: Arc<gnurt::ThreadPool>,
+}
+
+/// A frame in flight: a thread that gives the stage back.
+pub struct Frame(JoinHandle<(Stage, Result<()>)>);
+
+/// A camera seen through pixel centres only, so that one sample per pixel lies at `((x + 0.5) / w, (y + 0.5) / h)`.
+struct PixelCentres {
+    camera: Arc<dyn CameraShader>,
+    size: [f32; 2],
+}
+
+impl CameraShader for PixelCentres {
+    fn rays(&self, xy: &[[f32; 2]], aspect: f32, out: &mut RayBatch) {
+        let centre = |at: f32, size: f32| ((at * size).floor().clamp(0.0, size - 1.0) + 0.5) / size;
+        let centres: Vec<_> = xy.iter().map(|at| [0, 1].map(|k| centre(at[k], self.size[k]))).collect();
+        self.camera.rays(&centres, aspect, out);
+    }
+}
+
+impl Job {
+    /// Renders into the program's memory.
+    fn run(&self, stage: &mut Stage) -> Result<()> {
+        let options = RenderOptions {
+            width: self.target.width,
+            height: self.target.height,
+            spp: 1,
+            integrator: Integrator::Whitted,
+            max_depth: self.limits.max_depth.min(DEEPEST),
+            ray_epsilon: self.limits.epsilon,
+            ..Default::default()
+        };
+        let size = [self.target.width, self.target.height].map(|n| n as f32);
+        let camera = PixelCentres { camera: self.camera.clone(), size };
+        let committed =
+            stage.world.commit(&stage.scene, &self.shaders, &CommitOptions::default(), &self.pool);
+        committed.map_err(|error| fail(&error))?;
+        let frame = render(&stage.world, &camera, &options, &self.pool, &Silent);
+        self.target.show(&frame.map_err(|error| fail(&error))?.picture);
+        Ok(())
+    }
+}
+
+/// Tells the person what went wrong; the program gets a code.
+fn fail(error: &dyn std::fmt::Display) -> Error {
+    eprintln!("libOpenRT: {error}");
+    Error::OutOfMemory
+}
+
+impl Frame {
+    /// Starts a thread for a job. The stage comes back if there is no thread to be had.
+    fn start(stage: Stage, job: Job) -> std::result::Result<Self, Box<Stage>> {
+        // The stage follows through a channel once the thread is there: a thread that is not would take it along.
+        let (hand_over, take_over) = channel::<Stage>();
+        let work = move || {
+            let mut stage = take_over.recv().unwrap_or_default();
+            let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&mut stage))).unwrap_or_else(|_| {
+                // A commit that broke off has left half a world: the next one begins from the scene.
+                stage.world = World::new();
+                Err(Error::InvalidOperation)
+            });
+            (stage, outcome)
+        };
+        match Builder::new().name("openrt-frame".to_owned()).spawn(work) {
+            Ok(thread) => match hand_over.send(stage) {
+                Ok(()) => Ok(Self(thread)),
+                Err(unsent) => Err(Box::new(unsent.0)),
+            },
+            Err(_) => Err(Box::new(stage)),
+        }
+    }
+
+    /// Waits for the picture.
+    pub fn finish(self) -> (Stage, Result<()>) {
+        // The thread catches all panics; losing it anyway loses the stage.
+        self.0.join().unwrap_or_else(|_| (Stage::default(), Err(Error::InvalidOperation)))
+    }
+}
+
+impl Context {
+    /// rtStartRendering.
+    pub fn start_rendering(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.no_open_object()?;
+        if self.frame.is_some() {
+            return Err(Error::InvalidOperation);
+        }
+        let target = self.frame_buffer.clone().ok_or(Error::InvalidOperation)?;
+        let pool = self.pool()?;
+        self.prune();
+        let mut stage = std::mem::take(&mut self.stage);
+        self.update(&mut stage);
+        let shaders = self.shader_table(&mut stage);
+        let camera = shaders.camera.clone().unwrap_or_else(|| self.default_camera());
+        if self.scene_mode == SceneMode::Immediate {
+            self.instances.clear();
+            self.usage = Default::default();
+        }
+        match Frame::start(stage, Job { shaders, camera, limits: self.limits, target, pool }) {
+            Ok(frame) => self.frame = Some(frame),
+            Err(stage) => {
+                self.stage = *stage;
+                return Err(Error::OutOfMemory);
+            }
+        }
+        Ok(())
+    }
+
+    /// rtEndRendering.
+    pub fn end_rendering(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.no_open_object()?;
+        let frame = self.frame.take().ok_or(Error::InvalidOperation)?;
+        let (stage, outcome) = frame.finish();
+        self.stage = stage;
+        outcome
+    }
+
+    /// rtRender, rtRenderFrame.
+    pub fn render(&mut self) -> Result<()> {
+        if self.frame.is_none() {
+            self.start_rendering()?;
+        }
+        self.end_rendering()
+    }
+
+    /// rtSwapBuffers.
+    pub fn swap_buffers(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.no_open_object()?;
+        if self.frame_buffer.is_none() {
+            return Err(Error::InvalidOperation);
+        }
+        let ended = if self.frame.is_some() { self.end_rendering() } else { Ok(()) };
+        self.start_rendering().and(ended)
+    }
+
+    /// rtSceneMode.
+    pub fn set_scene_mode(&mut self, mode: u32) -> Result<()> {
+        self.outside_block()?;
+        self.scene_mode = SceneMode::from_code(mode)?;
+        Ok(())
+    }
+
+    /// rtSetMaxRayRecursionDepth.
+    pub fn set_max_depth(&mut self, depth: u32) -> Result<()> {
+        self.outside_block()?;
+        i32::try_from(depth).map_err(|_| Error::InvalidValue)?;
+        self.limits.max_depth = depth;
+        Ok(())
+    }
+
+    /// rtSetRayEpsilon.
+    pub fn set_ray_epsilon(&mut self, epsilon: f32) -> Result<()> {
+        self.outside_block()?;
+        if !(epsilon >= 0.0 && epsilon.is_finite()) {
+            return Err(Error::InvalidValue);
+        }
+        self.limits.epsilon = epsilon;
+        Ok(())
+    }
+
+    /// rtGetRayEpsilon.
+    pub fn ray_epsilon(&self) -> Result<f32> {
+        self.outside_block()?;
+        Ok(self.limits.epsilon)
+    }
+
+    /// Frees objects and shaders that were removed and that nothing shows any more.
+    fn prune(&mut self) {
+        let shown: std::collections::BTreeSet<u32> = self.instances.iter().map(|i| i.object).collect();
+        self.objects.prune(|id| shown.contains(&id));
+        let of_objects = self.objects.defined.values().flat_map(|object| object.shaders.iter().copied());
+        let of_unnamed = self.unnamed.geometry.shaders();
+        let used = of_objects.chain(of_unnamed).chain(self.usage.ids()).collect();
+        self.shaders.prune(&used);
+    }
+
+    /// Brings the stage up to date with the program's objects and instances.
+    fn update(&mut self, stage: &mut Stage) {
+        let unnamed = std::mem::take(&mut self.unnamed).geometry;
+        let has_unnamed = !unnamed.is_empty();
+        stage.keep_objects(|id| self.objects.defined.contains_key(&id) || id == UNNAMED && has_unnamed);
+        for (&id, object) in &mut self.objects.defined {
+            if let Some(meshes) = object.fresh.take() {
+                stage.define(id, meshes);
+            }
+        }
+        if has_unnamed {
+            stage.define(UNNAMED, unnamed.finish());
+        }
+        let placed = self.instances.iter().map(|i| (i.object, i.world_from_object.to_affine()));
+        stage.show(placed.chain(has_unnamed.then_some((UNNAMED, Affine::IDENTITY))));
+    }
+
+    /// All shaders in use, with their present values.
+    fn shader_table(&self, stage: &mut Stage) -> ShaderTable {
+        let mut table = stage.surfaces(&self.shaders, &self.textures);
+        for shader in self.usage.ids().filter_map(|id| self.shaders.in_use(id)) {
+            match shader.make(&self.textures) {
+                Made::Light(light) => table.lights.push(light),
+                Made::Camera(camera) => table.camera = Some(camera),
+                Made::Environment(environment) => table.environment = Some(environment),
+                Made::Surface(_) => {}
+            }
+        }
+        table
+    }
+
+    /// The threads, made when the first frame needs them.
+    fn pool(&mut self) -> Result<Arc<gnurt::ThreadPool>> {
+        if let Some(pool) = &self.pool {
+            return Ok(pool.clone());
+        }
+        let pool = Arc::new(gnurt::thread_pool(self.threads).map_err(|error| fail(&error))?);
+        self.pool = Some(pool.clone());
+        Ok(pool)
+    }
+}

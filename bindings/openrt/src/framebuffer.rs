@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The program's memory for pictures and its formats (rtSetFrameBuffer).
+//! Source: original; 8-bit formats encode sRGB (IEC 61966-2-1), float formats are linear and unclamped.
+//! Invariant: rows are tight, the lowest one first; alpha is never encoded. Proof: `tests`; tests/c/formats.c.
+
+use std::sync::Arc;
+
+use gnurt::image::{Picture, srgb};
+
+use crate::context::Context;
+use crate::enums::FrameFormat;
+use crate::error::{Error, Result, not_null};
+
+/// Memory that belongs to the program. Offsets are those of the frame buffer that it was given for.
+pub trait FrameMemory: Send + Sync {
+    /// Copies bytes to it.
+    fn write(&self, offset: usize, bytes: &[u8]);
+}
+
+/// Where a frame goes.
+#[derive(Clone)]
+pub struct FrameBuffer {
+    memory: Arc<dyn FrameMemory>,
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    format: FrameFormat,
+}
+
+/// The order of a pixel's numbers, as positions in red, green, blue, alpha.
+fn channels(format: FrameFormat) -> &'static [usize] {
+    use FrameFormat::{Bgr8, Bgr32, Bgra8, Bgra32, Rgb8, Rgb32, Rgba8, Rgba32};
+    match format {
+        Rgb32 | Rgb8 => &[0, 1, 2],
+        Bgr32 | Bgr8 => &[2, 1, 0],
+        Rgba32 | Rgba8 => &[0, 1, 2, 3],
+        Bgra32 | Bgra8 => &[2, 1, 0, 3],
+    }
+}
+
+/// Whether a number of a pixel is a float.
+fn is_float(format: FrameFormat) -> bool {
+    use FrameFormat::{Bgr32, Bgra32, Rgb32, Rgba32};
+    matches!(format, Bgr32 | Rgb32 | Rgba32 | Bgra32)
+}
+
+/// Bytes of a pixel.
+fn pixel_size(format: FrameFormat) -> usize {
+    channels(format).len() * if is_float(format) { 4 } else { 1 }
+}
+
+/// Appends a pixel.
+fn encode(format: FrameFormat, rgba: [f32; 4], bytes: &mut Vec<u8>) {
+    const ALPHA: usize = 3;
+    for &channel in channels(format) {
+        let value = rgba[channel];
+        if is_float(format) {
+            bytes.extend_from_slice(&value.to_ne_bytes());
+        } else if channel == ALPHA {
+            bytes.push((value.clamp(0.0, 1.0) * 255.0).round() as u8);
+        } else {
+            bytes.push(srgb::encode_u8(value));
+        }
+    }
+}
+
+impl FrameBuffer {
+    /// Writes a picture of the same size, whose first row is the top one.
+    pub fn show(&self, picture: &Picture) {
+        let row_size = self.width as usize * pixel_size(self.format);
+        let mut bytes = Vec::with_capacity(row_size);
+        let rows = picture.color.chunks_exact(self.width as usize);
+        for (row, colors) in rows.rev().take(self.height as usize).enumerate() {
+            bytes.clear();
+            colors.iter().for_each(|&rgba| encode(self.format, rgba, &mut bytes));
+            self.memory.write(row * row_size, &bytes);
+        }
+    }
+}
+
+impl Context {
+    /// rtSetFrameBuffer. `memory` is `None` for a null pointer.
+    pub fn set_frame_buffer(
+        &mut self,
+        memory: Option<Arc<dyn FrameMemory>>,
+        [width, height]: [u32; 2],
+        format: u32,
+    ) -> Result<()> {
+        self.outside_block()?;
+        let memory = not_null(memory)?;
+        let format = FrameFormat::from_code(format)?;
+        if width == 0 || height == 0 {
+            return Err(Error::InvalidValue);
+        }
+        self.frame_buffer = Some(FrameBuffer { memory, width, height, format });
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixels_in_every_format() {
+        let encoded = |format| {
+            let mut bytes = Vec::new();
+            encode(format, [0.0, 2.0, 1.0, 0.5], &mut bytes);
+            assert_eq!(bytes.len(), pixel_size(format), "size of {format:?}");
+            bytes
+        };
+        let floats = |format| {
+            let bytes = encoded(format);
+            let chunks = bytes.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
+            chunks.collect::<Vec<_>>()
+        };
+        assert_eq!(floats(FrameFormat::Bgr32), [1.0, 2.0, 0.0], "blue first, not clamped");
+        assert_eq!(floats(FrameFormat::Rgba32), [0.0, 2.0, 1.0, 0.5], "alpha last");
+        assert_eq!(encoded(FrameFormat::Bgra8), [255, 255, 0, 128], "clamped; alpha is linear");
+        let mut grey = Vec::new();
+        encode(FrameFormat::Rgb8, [0.214_041; 4], &mut grey);
+        assert_eq!(grey, [128; 3], "middle grey is encoded");
+    }
+}

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The scene and the world that frames render, brought up to date with the program's objects when a frame starts.
+//! Source: original. The stage belongs to the frame in flight; the program edits its own description meanwhile.
+//! Invariant: a mesh, object or instance of the scene that nothing needs is empty or invisible and waits to be used
+//! again, so a program that redefines objects for ever takes no more memory than its largest frame.
+//! Proof: `crate::context::tests::redefinition_reuses_the_scene`; tests/c/objects.c.
+
+use std::collections::BTreeMap;
+
+use gnurt::render::{ShaderTable, World};
+use gnurt::scene::{
+    Affine, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, Scene, Surface,
+};
+use gnurt::shading::classes::Shader as Made;
+
+use crate::geometry::ShaderMesh;
+use crate::shader::Shaders;
+use crate::texture::Textures;
+
+/// The id under which geometry outside of objects is staged; no object has it.
+pub const UNNAMED: u32 = 0;
+
+/// Scene, world and what of them is in use.
+#[derive(Default)]
+pub struct Stage {
+    /// What the renderer reads.
+    pub scene: Scene,
+    /// What rays meet.
+    pub world: World,
+    objects: BTreeMap<u32, ObjectId>,
+    /// The first ones are visible, in the order of the instances' ids.
+    instances: Vec<InstanceId>,
+    free_objects: Vec<ObjectId>,
+    free_meshes: Vec<MeshId>,
+    /// Number of each shader in the shader table, which is also that of its material.
+    shader_slots: BTreeMap<u32, u32>,
+    free_slots: Vec<u32>,
+}
+
+impl Stage {
+    /// Gives an object new meshes.
+    pub fn define(&mut self, id: u32, meshes: Vec<ShaderMesh>) {
+        let object = self.object(id);
+        self.release_meshes(object);
+        let meshes = meshes.into_iter().map(|ShaderMesh { shader, mesh }| {
+            let material = self.material(shader);
+            self.place_mesh(Mesh { material, ..mesh })
+        });
+        let meshes = meshes.collect();
+        self.scene.edit_object(object).meshes = meshes;
+    }
+
+    /// Frees the objects that are not to be kept.
+    pub fn keep_objects(&mut self, keep: impl Fn(u32) -> bool) {
+        let gone: Vec<u32> = self.objects.keys().copied().filter(|&id| !keep(id)).collect();
+        for id in gone {
+            if let Some(object) = self.objects.remove(&id) {
+                self.release_meshes(object);
+                self.free_objects.push(object);
+            }
+        }
+    }
+
+    /// Makes exactly these instances visible; those of objects without a definition show nothing.
+    pub fn show(&mut self, instances: impl Iterator<Item = (u32, Affine)>) {
+        let mut shown = 0;
+        for (id, world_from_object) in instances {
+            let Some(&object) = self.objects.get(&id) else { continue };
+            let wanted = Instance { name: String::new(), object, world_from_object, visible: true };
+            match self.instances.get(shown) {
+                Some(&slot) if *self.scene.instance(slot) == wanted => {}
+                Some(&slot) => *self.scene.edit_instance(slot) = wanted,
+                None => self.instances.push(self.scene.add_instance(wanted)),
+            }
+            shown += 1;
+        }
+        for &slot in &self.instances[shown..] {
+            if self.scene.instance(slot).visible {
+                self.scene.edit_instance(slot).visible = false;
+            }
+        }
+    }
+
+    /// The surface shaders with their present values, each at its number. Frees the numbers of those that are gone.
+    pub fn surfaces(&mut self, shaders: &Shaders, textures: &Textures) -> ShaderTable {
+        let is_alive = |id: u32| shaders.in_use(id).is_some();
+        self.free_slots
+            .extend(self.shader_slots.extract_if(.., |&id, _| !is_alive(id)).map(|(_, slot)| slot));
+        let by_slot: BTreeMap<u32, u32> = self.shader_slots.iter().map(|(&id, &slot)| (slot, id)).collect();
+        let constant = gnurt::shading::classes::find("ConstantShader").expect("a built-in class");
+        let unused = constant.make(&constant.defaults());
+        let made = |slot: u32| {
+            let shader = by_slot.get(&slot).and_then(|&id| shaders.in_use(id));
+            shader.map_or_else(|| unused.clone(), |shader| shader.make(textures))
+        };
+        let surface = |made| match made {
+            Made::Surface(surface) => Some(surface),
+            Made::Environment(_) | Made::Light(_) | Made::Camera(_) => None,
+        };
+        let slot_count = self.scene.materials().len() as u32;
+        ShaderTable {
+            surfaces: (0..slot_count).map(made).filter_map(surface).collect(),
+            ..Default::default()
+        }
+    }
+
+    /// The scene's object of an id.
+    fn object(&mut self, id: u32) -> ObjectId {
+        let (scene, free) = (&mut self.scene, &mut self.free_objects);
+        let fresh = || free.pop().unwrap_or_else(|| scene.add_object(Object::default()));
+        *self.objects.entry(id).or_insert_with(fresh)
+    }
+
+    /// Empties an object's meshes and keeps their places for others.
+    fn release_meshes(&mut self, object: ObjectId) {
+        for mesh in std::mem::take(&mut self.scene.edit_object(object).meshes) {
+            *self.scene.edit_mesh(mesh) = Mesh::default();
+            self.free_meshes.push(mesh);
+        }
+    }
+
+    fn place_mesh(&mut self, mesh: Mesh) -> MeshId {
+        match self.free_meshes.pop() {
+            Some(place) => {
+                *self.scene.edit_mesh(place) = mesh;
+                place
+            }
+            None => self.scene.add_mesh(mesh),
+        }
+    }
+
+    /// The material of a shader.
+    fn material(&mut self, shader: u32) -> MaterialId {
+        let (scene, free) = (&mut self.scene, &mut self.free_slots);
+        let fresh = || {
+            free.pop().unwrap_or_else(|| {
+                let slot = scene.materials().len() as u32;
+                scene.add_material(Material::of("", Surface::Shader(slot)));
+                slot
+            })
+        };
+        MaterialId(*self.shader_slots.entry(shader).or_insert_with(fresh))
+    }
+}
