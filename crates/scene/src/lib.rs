@@ -3,7 +3,9 @@
 #![forbid(unsafe_code)]
 
 pub mod affine;
+pub mod builtin;
 pub mod camera;
+mod check;
 pub mod edit;
 pub mod id;
 pub mod io;
@@ -15,6 +17,7 @@ pub mod texture;
 
 pub use affine::Affine;
 pub use camera::Camera;
+pub use check::CheckError;
 pub use id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
 pub use light::Light;
 pub use material::{Material, Surface};

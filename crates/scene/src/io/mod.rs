@@ -15,8 +15,10 @@ mod source;
 mod textures;
 mod warnings;
 
+use std::ffi::OsStr;
 use std::path::Path;
 
+pub(crate) use clean::drop_unused_vertices;
 pub use error::{Error, ErrorKind};
 pub use warnings::{Oddity, Warning, Warnings};
 
@@ -82,4 +84,21 @@ pub fn load(path: impl AsRef<Path>) -> Result<Loaded, Error> {
         loaded.warnings.note(Oddity::EmptyScene, path, None, "");
     }
     Ok(loaded)
+}
+
+/// What a `builtin:` source begins with.
+pub const BUILTIN_PREFIX: &str = "builtin:";
+
+/// Loads `builtin:NAME` or else a scene file.
+pub fn load_source(source: impl AsRef<OsStr>) -> Result<Loaded, Error> {
+    let source = source.as_ref();
+    let Some(name) = source.to_str().and_then(|text| text.strip_prefix(BUILTIN_PREFIX)) else {
+        return load(source);
+    };
+    let scene = crate::builtin::load(name).ok_or_else(|| {
+        let problem = "no built-in scene has this name";
+        let remedy = crate::builtin::suggestion(name);
+        Error { kind: ErrorKind::UnknownName, ..Error::data(Path::new(source), None, problem, remedy) }
+    })?;
+    Ok(Loaded { scene, warnings: Warnings::default() })
 }

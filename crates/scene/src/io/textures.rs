@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::source;
-use crate::texture::{TexelData, Texels};
+use crate::texture::Texels;
 
 /// What the values of a texture mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -34,19 +34,14 @@ impl Pictures {
 
 fn load(path: &Path, meaning: Meaning) -> Result<Arc<Texels>, String> {
     let bytes = source::read(path, u64::MAX).map_err(|e| e.to_string())?;
-    decode(&bytes, meaning).map_err(|why| format!("{}: {why}", path.display()))
+    decode(&bytes, &path.to_string_lossy(), meaning)
 }
 
-/// Decodes the bytes of a picture file of any format.
-pub(crate) fn decode(bytes: &[u8], meaning: Meaning) -> Result<Arc<Texels>, String> {
-    let mut texels = decode_any(bytes)?;
-    texels.data = match (texels.data, meaning) {
-        (TexelData::Srgb8(bytes), Meaning::Data) => TexelData::Linear8(bytes),
-        (data, _) => data,
+/// Decodes the bytes of a picture file of any format; `name` is for messages.
+pub(crate) fn decode(bytes: &[u8], name: &str, meaning: Meaning) -> Result<Arc<Texels>, String> {
+    let texels = match meaning {
+        Meaning::Color => gnurt_image::decode_texture(bytes, name),
+        Meaning::Data => gnurt_image::decode_data_texture(bytes, name),
     };
-    Ok(Arc::new(texels))
-}
-
-fn decode_any(_bytes: &[u8]) -> Result<Texels, String> {
-    Err("pictures cannot be decoded yet".into())
+    texels.map(Arc::new).map_err(|e| e.to_string())
 }

@@ -238,8 +238,10 @@ impl Textures {
             return self.pictures.file(&source::resolve(&document.path, uri), meaning);
         }
         let load = || match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => decode(&data_uri(uri).ok_or("broken data URI")?, meaning),
-            (None, Some(view)) => decode(document.view(view, "image").map_err(|e| e.problem)?, meaning),
+            (Some(uri), _) => decode(&data_uri(uri).ok_or("broken data URI")?, "data URI", meaning),
+            (None, Some(view)) => {
+                decode(document.view(view, "image").map_err(|e| e.problem)?, "embedded image", meaning)
+            }
             (None, None) => Err("an image without data".to_owned()),
         };
         self.embedded.entry((index, meaning)).or_insert_with(load).clone()

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The showpiece: a wooded island with a lighthouse in a still sea, at evening.
+//! Source: original; terrain after [Mus93] (ridged sums of noise). Two levels: thousands of trees and rocks are
+//! instances of a few objects. Space: +Y up, sea level at y = 0; the island fits into a circle of radius [`REACH`].
+//!
+//! The sea is one sheet of glass with water's index of refraction: it mirrors like water, more the flatter one looks, and
+//! what is refracted into it meets the environment's lower half, which has the colour of deep water.
+//! Proof: `tests/builtin.rs::the_showpiece_is_large`.
+
+mod lighthouse;
+mod plants;
+mod terrain;
+
+use terrain::Terrain;
+
+use super::noise::hash;
+use super::shapes::{quad, show};
+use super::sky::Sky;
+use crate::affine::Affine;
+use crate::camera::Camera;
+use crate::id::ObjectId;
+use crate::material::{Material, Surface};
+use crate::scene::{Instance, Scene};
+
+/// Radius beyond which all is sea.
+const REACH: f32 = 6.0;
+/// Half the side of the sea's sheet.
+const SEA: f32 = 400.0;
+
+pub(super) fn scene() -> Scene {
+    let mut scene = Scene::new();
+    let terrain = Terrain::new();
+    let ground = scene.add_material(Material::matte("ground", [1.0; 3]));
+    show(&mut scene, "island", terrain.mesh(), ground);
+    add_sea(&mut scene);
+    lighthouse::add(&mut scene, &terrain);
+    let plants = plants::add_objects(&mut scene);
+    scatter(&mut scene, &terrain, &plants);
+    sky().add_to(&mut scene);
+    scene.add_camera(Camera {
+        name: "from a boat".into(),
+        eye: [1.6, 0.62, 11.4],
+        target: [0.25, 0.72, 0.0],
+        up: [0.0, 1.0, 0.0],
+        fov_y: 29.0,
+    });
+    scene
+}
+
+fn add_sea(scene: &mut Scene) {
+    let water = Surface::Dielectric { ior: 1.333, reflectance: [1.0; 3], transmittance: [1.0; 3] };
+    let water = scene.add_material(Material::of("water", water));
+    show(scene, "sea", quad([-SEA, 0.0, SEA], [2.0 * SEA, 0.0, 0.0], [0.0, 0.0, -2.0 * SEA]), water);
+}
+
+/// A low sun to the left, behind the one who looks, and a sky that turns warm towards it.
+fn sky() -> Sky {
+    Sky {
+        zenith: [0.10, 0.20, 0.46],
+        horizon: [0.62, 0.56, 0.58],
+        glow: [0.95, 0.50, 0.22],
+        ground: [0.012, 0.050, 0.062],
+        sun: [-0.8387, 0.3172, 0.4427],
+        sunlight: [4.1, 2.75, 1.65],
+    }
+}
+
+/// Puts trees where there is grass and rocks where there is sand or scree, at hashed places of a fine grid.
+fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) {
+    const CELLS: i32 = 230;
+    let step = 2.0 * REACH / CELLS as f32;
+    for (i, j) in (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j))) {
+        let chance = |seed: u32| hash(i, j, seed);
+        let x = -REACH + (i as f32 + chance(1)) * step;
+        let z = -REACH + (j as f32 + chance(2)) * step;
+        let spot = terrain.spot(x, z);
+        if lighthouse::is_near(x, z) {
+            continue;
+        }
+        let wooded = spot.wood > 0.35 + 0.5 * chance(3);
+        if wooded {
+            let conifer = chance(4) < 0.25 + 0.9 * spot.height;
+            let kinds = if conifer { &plants.conifers[..] } else { &plants.broadleaf[..] };
+            let kind = kinds[(chance(5) * kinds.len() as f32) as usize % kinds.len()];
+            put(
+                scene,
+                kind,
+                [x, spot.height - 0.01, z],
+                0.10 + 0.10 * chance(6),
+                chance(7),
+                0.15 * chance(8),
+            );
+        } else if spot.height > -0.05 && spot.wood < 0.1 && chance(9) < 0.05 {
+            let kind = plants.rocks[(chance(10) * plants.rocks.len() as f32) as usize % plants.rocks.len()];
+            let size = 0.02 + 0.075 * chance(11).powi(3);
+            put(scene, kind, [x, spot.height - 0.2 * size, z], size, chance(12), 0.0);
+        }
+    }
+}
+
+/// An instance on the ground: `size` high, turned by a share of the full circle, stretched upwards by a little.
+fn put(scene: &mut Scene, object: ObjectId, at: [f32; 3], size: f32, turn: f32, stretch: f32) {
+    let size = f64::from(size);
+    let world_from_object = Affine::translation(at.map(f64::from))
+        * Affine::rotation([0.0, 1.0, 0.0], f64::from(turn) * std::f64::consts::TAU)
+        * Affine::scale([size, size * (1.0 + f64::from(stretch)), size]);
+    let name = scene.object(object).name.clone();
+    scene.add_instance(Instance { name, object, world_from_object, visible: true });
+}

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Checks descriptions that programs make: array lengths, index ranges, ids.
+//! Source: original. Files are checked by their readers; this is for scenes made by code and by API calls.
+//! Cost: one pass over the indices. Proof: `tests::finds_each_mistake`.
+
+use crate::light::Light;
+use crate::material::{Alpha, Material, Surface, TextureRef};
+use crate::mesh::{Mesh, Rate};
+use crate::scene::Scene;
+
+/// A mistake in a description; whoever made the description made it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {problem}")]
+pub struct CheckError {
+    /// Which value of the scene, such as `mesh 3 (door)`.
+    pub place: String,
+    /// What is wrong with it.
+    pub problem: String,
+}
+
+impl Mesh {
+    /// Whether optional arrays are empty or full and every index is in range; the error says what is not.
+    pub fn check(&self) -> Result<(), String> {
+        let vertices = self.positions.len();
+        let full = |what: &str, length: usize| match length == 0 || length == vertices {
+            true => Ok(()),
+            false => Err(format!("{length} {what} for {vertices} vertices")),
+        };
+        full("normals", self.normals.len())?;
+        full("texture coordinates", self.texcoords.len())?;
+        full("colours", self.colors.len())?;
+        if let Some(bad) = self.indices.iter().position(|t| t.iter().any(|&i| i as usize >= vertices)) {
+            let triangle = self.indices[bad];
+            return Err(format!(
+                "triangle {bad} has corners {triangle:?}, but there are {vertices} vertices"
+            ));
+        }
+        for attribute in &self.attributes {
+            let values = match attribute.rate {
+                Rate::Triangle => self.indices.len(),
+                Rate::Vertex => vertices,
+            };
+            let (name, components, floats) =
+                (&attribute.name, attribute.components as usize, attribute.data.len());
+            if !(1..=16).contains(&components) {
+                return Err(format!("attribute `{name}` has {components} components, not 1 to 16"));
+            }
+            if values.checked_mul(components) != Some(floats) {
+                return Err(format!(
+                    "attribute `{name}` has {floats} floats, not {values} times {components}"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Scene {
+    /// Whether every mesh is in order and every id points to something of this scene; the error is the first mistake.
+    pub fn check(&self) -> Result<(), CheckError> {
+        let at = |kind: &str, i: usize, name: &str| format!("{kind} {i} ({name})");
+        let exists = |id: usize, count: usize, what: &str| match id < count {
+            true => Ok(()),
+            false => Err(format!("{what} {id} does not exist")),
+        };
+        let result = |place: String| move |problem| CheckError { place, problem };
+        for (i, mesh) in self.meshes().iter().enumerate() {
+            let checked =
+                mesh.check().and_then(|()| exists(mesh.material.index(), self.materials().len(), "material"));
+            checked.map_err(result(at("mesh", i, &mesh.name)))?;
+        }
+        for (i, object) in self.objects().iter().enumerate() {
+            let mut meshes = object.meshes.iter();
+            let checked = meshes.try_for_each(|mesh| exists(mesh.index(), self.meshes().len(), "mesh"));
+            checked.map_err(result(at("object", i, &object.name)))?;
+        }
+        for (i, instance) in self.instances().iter().enumerate() {
+            let checked = exists(instance.object.index(), self.objects().len(), "object");
+            checked.map_err(result(at("instance", i, &instance.name)))?;
+        }
+        for (i, material) in self.materials().iter().enumerate() {
+            let mut used = textures(material).into_iter().flatten();
+            let checked = used.try_for_each(|t| exists(t.texture.index(), self.textures().len(), "texture"));
+            checked.map_err(result(at("material", i, &material.name)))?;
+        }
+        for (i, light) in self.lights().iter().enumerate() {
+            if let Light::Environment { texture: Some(texture), .. } = light {
+                let checked = exists(texture.index(), self.textures().len(), "texture");
+                checked.map_err(result(at("light", i, "environment")))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// All textures that a material reads.
+fn textures(material: &Material) -> [Option<TextureRef>; 6] {
+    let (first, second) = match &material.surface {
+        Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
+            (*metallic_roughness_texture, normal_texture.map(|n| n.texture))
+        }
+        _ => (None, None),
+    };
+    let base = match &material.surface {
+        Surface::Matte { base_color } | Surface::MetallicRoughness { base_color, .. } => base_color.texture,
+        Surface::Mirror { reflectance } => reflectance.texture,
+        Surface::Dielectric { .. } | Surface::Shader(_) => None,
+    };
+    let opacity = match material.alpha {
+        Alpha::Opaque => None,
+        Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } => opacity.texture,
+    };
+    [base, material.diffuse.and_then(|d| d.texture), material.emission_texture, opacity, first, second]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::id::{MaterialId, MeshId, ObjectId, TextureId};
+    use crate::{Affine, Attribute};
+
+    fn good() -> Mesh {
+        Mesh { positions: vec![[0.0; 3]; 3], indices: vec![[0, 1, 2]], ..Mesh::default() }
+    }
+
+    fn problem(edit: impl Fn(&mut Scene)) -> String {
+        let mut scene = Scene::new();
+        scene.add_material(Material::matte("m", [0.5; 3]));
+        let mesh = scene.add_mesh(good());
+        let object = scene.add_object_of("o", vec![mesh]);
+        scene.instantiate(object, Affine::IDENTITY);
+        scene.check().expect("good so far");
+        edit(&mut scene);
+        scene.check().expect_err("a mistake").to_string()
+    }
+
+    #[test]
+    fn finds_each_mistake() {
+        let mesh = |edit: fn(&mut Mesh)| problem(|s| edit(s.edit_mesh(MeshId(0))));
+        assert!(mesh(|m| m.indices[0][2] = 3).starts_with("mesh 0 (): triangle 0"), "an index");
+        assert!(mesh(|m| m.normals = vec![[0.0; 3]; 2]).contains("2 normals for 3 vertices"), "normals");
+        assert!(mesh(|m| m.material = MaterialId(1)).contains("material 1 does not exist"), "a material");
+        let attribute = mesh(|m| {
+            m.attributes =
+                vec![Attribute { name: "a".into(), rate: Rate::Triangle, components: 2, data: vec![0.0] }];
+        });
+        assert!(attribute.contains("attribute `a` has 1 floats, not 1 times 2"), "an attribute: {attribute}");
+        assert!(problem(|s| _ = s.add_object_of("p", vec![MeshId(7)])).contains("object 1 (p)"), "a mesh id");
+        let bad = |s: &mut Scene| s.edit_instance(crate::InstanceId(0)).object = ObjectId(9);
+        assert!(problem(bad).contains("object 9 does not exist"), "an object id");
+    }
+
+    #[test]
+    fn finds_missing_textures() {
+        let mut scene = Scene::new();
+        let mut material = Material::matte("lamp", [0.5; 3]);
+        material.emission_texture = Some(TextureRef::new(TextureId(4)));
+        scene.add_material(material);
+        let error = scene.check().expect_err("no such texture");
+        assert_eq!(error.to_string(), "material 0 (lamp): texture 4 does not exist", "place and problem");
+    }
+}
