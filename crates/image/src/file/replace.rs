@@ -28,6 +28,15 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
 /// # Errors
 /// [`Error::File`] says what could not be done; then nothing has changed.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    replace_file_if(path, bytes, || true).map(drop)
+}
+
+/// As [`replace_file`], but asks once more, when all is written and nothing is seen yet, whether it is still wanted;
+/// tells the answer. If not, nothing has changed.
+///
+/// # Errors
+/// As [`replace_file`].
+pub fn replace_file_if(path: &Path, bytes: &[u8], is_wanted: impl FnOnce() -> bool) -> Result<bool, Error> {
     let failed = |what: &str, error: &std::io::Error| Error::file(path, what, error);
     let target = follow_links(path)?;
     check_target(path, &target)?;
@@ -38,9 +47,12 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
         keep.map_err(|e| failed("cannot keep the file's permissions", &e))?;
     }
     temporary.as_file().sync_all().map_err(|e| failed("cannot be written", &e))?;
+    if !is_wanted() {
+        return Ok(false);
+    }
     temporary.persist(&target).map_err(|e| failed("cannot be replaced", &e.error))?;
     sync_folder(&target);
-    Ok(())
+    Ok(true)
 }
 
 /// The path at the end of all links, whether there is a file or not.
@@ -135,6 +147,16 @@ mod tests {
             );
             assert_eq!(names_in(folder.path()), ["a.png"], "nothing else is left");
         }
+    }
+
+    #[test]
+    fn what_is_no_longer_wanted_leaves_nothing() {
+        let folder = folder();
+        let path = folder.path().join("a.png");
+        std::fs::write(&path, "old").expect("an old file");
+        assert!(!replace_file_if(&path, b"new", || false).expect("nothing goes wrong"), "the answer is told");
+        assert_eq!(std::fs::read(&path).expect("the old file"), b"old", "the old file is as it was");
+        assert_eq!(names_in(folder.path()), ["a.png"], "nothing else is left");
     }
 
     #[test]
