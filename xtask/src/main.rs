@@ -1,3 +1,73 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores.
-fn main() {}
+//! Chores of the workspace: `cargo xtask tidy | ci | install`. Source: original.
+//! Errors go to stderr, one line each, with exit status 1.
+#![forbid(unsafe_code)]
+
+mod ci;
+mod command;
+mod install;
+mod readme;
+mod tidy;
+mod workspace;
+
+use std::process::ExitCode;
+
+/// What went wrong, in one line.
+type Failure = String;
+
+struct Chore {
+    name: &'static str,
+    about: &'static str,
+    run: fn(&[String]) -> Result<(), Failure>,
+}
+
+const CHORES: [Chore; 3] = [
+    Chore {
+        name: "tidy",
+        about: "check arrows, file heads, sizes, words and where unsafe code lives",
+        run: tidy::run,
+    },
+    Chore {
+        name: "ci",
+        about: "all that must pass: fmt, clippy, tidy, doc, tests, the README's first command",
+        run: ci::run,
+    },
+    Chore { name: "install", about: "build and install: --prefix DIR [--destdir DIR]", run: install::run },
+];
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match dispatch(&arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn dispatch(arguments: &[String]) -> Result<(), Failure> {
+    let list = || CHORES.map(|chore| format!("\n  {:<8} {}", chore.name, chore.about)).concat();
+    let Some((name, rest)) = arguments.split_first() else {
+        return Err(format!("which chore? one of:{}", list()));
+    };
+    match CHORES.iter().find(|chore| chore.name == name) {
+        Some(chore) => (chore.run)(rest),
+        None => Err(format!("unknown chore '{name}'; there are:{}", list())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unknown_chores_list_the_known_ones() {
+        for arguments in [vec![], vec!["bake".to_string()]] {
+            let message = dispatch(&arguments).expect_err("there is no such chore");
+            for chore in &CHORES {
+                assert!(message.contains(chore.name), "{} is listed: {message}", chore.name);
+            }
+        }
+    }
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `cargo xtask tidy`: what the compiler does not check of ARCHITECTURE.md and CONTRIBUTING.md. Source: original.
+//! One file per rule; each rule is a function from plain text to complaints and has a test in which it fails.
+
+mod arrows;
+mod attributes;
+mod files;
+mod heads;
+mod length;
+mod rust_code;
+mod unsafe_code;
+mod words;
+
+use crate::workspace::Workspace;
+use crate::{Failure, command};
+use files::SourceFile;
+
+/// Checks one file; gives line numbers (from 1) and what is wrong there.
+type Rule = fn(&SourceFile) -> Vec<(usize, String)>;
+
+const RULES: [Rule; 6] =
+    [heads::licence, heads::contract, length::check, unsafe_code::check, attributes::check, words::check];
+
+/// Prints every complaint to stderr; fails if there is one.
+pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
+    if let Some(argument) = arguments.first() {
+        return Err(format!("tidy takes no arguments, not '{argument}'"));
+    }
+    let root = command::root();
+    let mut complaints = arrows::check(&Workspace::load()?.packages);
+    let architecture = root.join("ARCHITECTURE.md");
+    if let Ok(text) = std::fs::read_to_string(&architecture) {
+        complaints.extend(arrows::check_printed(&text));
+    }
+    for file in files::all(&root)? {
+        let found = RULES.iter().flat_map(|rule| rule(&file));
+        complaints.extend(found.map(|(line, what)| format!("{}:{line}: {what}", file.path)));
+    }
+    for complaint in &complaints {
+        eprintln!("{complaint}");
+    }
+    if complaints.is_empty() { Ok(()) } else { Err(format!("tidy has {} complaints", complaints.len())) }
+}

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Where `unsafe` may live: behind the SIMD crate's safe functions and where C calls in. Source: original.
+
+use super::files::SourceFile;
+
+/// No `unsafe` outside of crates/simd and bindings/*/src/ffi*.rs.
+pub(super) fn check(file: &SourceFile) -> Vec<(usize, String)> {
+    if may_hold(&file.path) {
+        return vec![];
+    }
+    let found = file.identifiers().filter(|(_, word)| *word == "unsafe");
+    found
+        .map(|(line, _)| (line, "unsafe code outside of crates/simd and bindings/*/src/ffi*.rs".into()))
+        .collect()
+}
+
+fn may_hold(path: &str) -> bool {
+    let parts: Vec<&str> = path.split('/').collect();
+    match parts[..] {
+        ["crates", "simd", ..] => true,
+        ["bindings", _, "src", file] => file.starts_with("ffi"),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn unsafe_code_is_found_outside_its_rooms() {
+        let count = |path: &str, text: &str| check(&SourceFile::new(path, text)).len();
+        let text = "fn a() { unsafe { b() } }\n";
+        assert_eq!(count("crates/accel/src/a.rs", text), 1, "accel has none");
+        assert_eq!(count("bindings/openrt/src/frame.rs", text), 1, "nor has a noun of the binding");
+        for path in ["crates/simd/src/a.rs", "bindings/openrt/src/ffi_frame.rs"] {
+            assert_eq!(count(path, text), 0, "{path} may hold it");
+        }
+        assert_eq!(
+            count("crates/accel/src/a.rs", "#![forbid(unsafe_code)] // unsafe\n"),
+            0,
+            "talk is not code"
+        );
+    }
+}
