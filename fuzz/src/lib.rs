@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the fuzz targets share: bytes become a file of some kind, and the loader is asked for it.
+//! The promise under test: a scene, or one error of one line; never a panic, a hang or a great deal of memory.
+
+use std::cell::RefCell;
+
+use tempfile::TempDir;
+
+thread_local! {
+    static FOLDER: RefCell<TempDir> = RefCell::new(tempfile::tempdir().expect("a temporary folder"));
+}
+
+/// Loads `bytes` as a scene file called `name`, beside the `companions` (name and contents).
+pub fn load_scene(name: &str, bytes: &[u8], companions: &[(&str, &[u8])]) {
+    FOLDER.with_borrow(|folder| {
+        let write = |name: &str, bytes: &[u8]| {
+            let path = folder.path().join(name);
+            std::fs::write(&path, bytes).expect("the temporary folder takes files");
+            path
+        };
+        companions.iter().for_each(|(name, bytes)| {
+            write(name, bytes);
+        });
+        match gnurt_scene::io::load(write(name, bytes)) {
+            Ok(loaded) => check(&loaded.scene),
+            Err(error) => assert_eq!(error.to_string().lines().count(), 1, "an error is one line: {error}"),
+        }
+    });
+}
+
+/// What comes out of a loader may be used without further care.
+fn check(scene: &gnurt_scene::Scene) {
+    for mesh in scene.meshes() {
+        let vertices = mesh.positions.len();
+        assert!(
+            mesh.indices.iter().flatten().all(|&i| (i as usize) < vertices),
+            "an index of `{}` is out of range",
+            mesh.name
+        );
+        for (what, length) in
+            [("normals", mesh.normals.len()), ("texcoords", mesh.texcoords.len()), ("colors", mesh.colors.len())]
+        {
+            assert!(length == 0 || length == vertices, "{what} of `{}`: {length} of {vertices}", mesh.name);
+        }
+        assert!(mesh.material.index() < scene.materials().len(), "no such material");
+    }
+}
