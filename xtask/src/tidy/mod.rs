@@ -4,6 +4,7 @@
 
 mod arrows;
 mod attributes;
+mod citations;
 mod files;
 mod heads;
 mod length;
@@ -32,8 +33,12 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if let Ok(text) = std::fs::read_to_string(&architecture) {
         complaints.extend(arrows::check_printed(&text));
     }
+    let bibliography = root.join("docs/papers.bib");
+    let bibliography = std::fs::read_to_string(&bibliography)
+        .map_err(|error| format!("{}: {error}", bibliography.display()))?;
+    let keys = citations::keys(&bibliography);
     for file in files::all(&root)? {
-        let found = RULES.iter().flat_map(|rule| rule(&file));
+        let found = RULES.iter().flat_map(|rule| rule(&file)).chain(citations::check(&file, &keys));
         complaints.extend(found.map(|(line, what)| format!("{}:{line}: {what}", file.path)));
     }
     for complaint in &complaints {
