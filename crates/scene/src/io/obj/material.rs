@@ -91,7 +91,7 @@ impl Phong {
             Some([numbers.next()?, numbers.next()?, numbers.next()?])
         };
         let not_negative = |c: [f32; 3]| c.map(|x| x.max(0.0));
-        let ke = triple("Ke").map(not_negative);
+        let ke = mtl.emissive.map(not_negative);
         // Without `Kd`: white under a map, black where anything else is said, grey where nothing is.
         let says_else =
             ke.is_some() || mtl.specular.is_some() || mtl.illumination_model.is_some_and(|m| m > 2);
