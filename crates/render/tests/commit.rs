@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Commits do what is due and no more, and survive bad data. Source: original.
+
+mod common;
+
+use common::*;
+use gnurt_accel::Ray;
+use gnurt_render::{CommitError, CommitOptions, CommitReport, ShaderTable, World};
+use gnurt_scene::{Affine, InstanceId, Material, MaterialId, MeshId, ObjectId, Scene, Surface};
+
+fn update(world: &mut World, scene: &Scene) -> CommitReport {
+    let options = CommitOptions::default();
+    world.commit(scene, &ShaderTable::default(), &options, &pool(2)).expect("the scene is sound")
+}
+
+fn two_balls() -> Scene {
+    let mut scene = floor(0.5, 5.0);
+    for x in [-1.0, 1.0] {
+        place(&mut scene, sphere([x, 0.0, 1.0], 0.5, 8, MaterialId(0)));
+    }
+    scene
+}
+
+#[test]
+fn only_what_changed_is_built() {
+    let (mut scene, mut world) = (two_balls(), World::new());
+    assert_eq!(update(&mut world, &scene).built_objects, 3, "all at first");
+    assert_eq!(update(&mut world, &scene).built_objects, 0, "nothing changed");
+    scene.edit_mesh(MeshId(1)).positions.iter_mut().for_each(|p| p[2] += 0.1);
+    assert_eq!(update(&mut world, &scene).built_objects, 1, "one mesh moved");
+    scene.edit_instance(InstanceId(2)).world_from_object = Affine::translation([0.0, 0.0, 1.0]);
+    scene.edit_material(MaterialId(0)).emission = [1.0; 3];
+    assert_eq!(update(&mut world, &scene).built_objects, 0, "instances and materials need no trees");
+    scene.instantiate(ObjectId(1), Affine::translation([0.0, 3.0, 0.0]));
+    assert_eq!(update(&mut world, &scene).built_objects, 0, "a second instance shares the tree");
+    assert_eq!(world.stats().instances, 4, "and is there");
+    scene.edit_object(ObjectId(2)).meshes.push(MeshId(1));
+    assert_eq!(update(&mut world, &scene).built_objects, 1, "an object got another mesh");
+    let forced = CommitOptions { force_diffuse: true, ..CommitOptions::default() };
+    world.commit(&scene, &ShaderTable::default(), &forced, &pool(2)).expect("sound");
+    assert!(world.stats().triangles > 0, "other options are fine too");
+}
+
+#[test]
+fn clones_are_snapshots() {
+    let (mut scene, mut world) = (two_balls(), World::new());
+    update(&mut world, &scene);
+    let ray = Ray::new([-1.0, 0.0, 5.0], [0.0, 0.0, -1.0]);
+    let before = world.intersect(&ray).expect("the ball's top");
+    let snapshot = world.clone();
+    scene.edit_instance(InstanceId(1)).visible = false;
+    update(&mut world, &scene);
+    assert_eq!(snapshot.intersect(&ray), Some(before), "the snapshot keeps the ball");
+    let after = world.intersect(&ray).expect("the floor");
+    assert_eq!((after.inst_id, after.t), (0, 5.0), "the world lost it");
+    assert!(world.occluded(&ray), "something is there");
+}
+
+#[test]
+fn hits_name_scene_instances() {
+    let (mut scene, mut world) = (two_balls(), World::new());
+    scene.edit_instance(InstanceId(0)).visible = false;
+    update(&mut world, &scene);
+    let hit = world.intersect(&Ray::new([1.0, 0.0, 5.0], [0.0, 0.0, -1.0])).expect("the second ball");
+    assert_eq!(hit.inst_id, 2, "invisible instances keep their numbers");
+}
+
+#[test]
+fn bad_data_is_dropped_and_counted() {
+    let (mut scene, mut world) = (two_balls(), World::new());
+    let mesh = scene.edit_mesh(MeshId(0));
+    mesh.positions.push([f32::NAN; 3]);
+    mesh.indices.extend([[0, 1, 4], [0, 0, 1], [0, 1, 99]]);
+    scene.instantiate(ObjectId(0), Affine::scale([1.0, 1.0, 0.0]));
+    scene.instantiate(ObjectId(0), Affine::translation([f64::NAN, 0.0, 0.0]));
+    let report = update(&mut world, &scene);
+    assert_eq!(report.dropped_triangles, 3, "NaN, no area, no such vertex");
+    assert_eq!(report.dropped_instances, 2, "flat, not finite");
+    let picture = frame(&scene, &camera([0.0, -6.0, 3.0], [0.0; 3], 40.0), &options(16, 16, 1)).picture;
+    assert!(picture.color.iter().flatten().all(|x| x.is_finite()), "the rest renders");
+}
+
+#[test]
+fn nothing_at_all() {
+    let (scene, mut world) = (Scene::new(), World::new());
+    update(&mut world, &scene);
+    assert_eq!(world.bounds(), None, "nothing to see");
+    let picture = frame(&scene, &camera([0.0, -6.0, 3.0], [0.0; 3], 40.0), &options(16, 16, 1)).picture;
+    assert!(picture.color.iter().all(|pixel| *pixel == [0.0; 4]), "black and transparent");
+}
+
+#[test]
+fn dangling_ids_are_errors() {
+    let commit = |scene: &Scene| {
+        World::new().commit(scene, &ShaderTable::default(), &CommitOptions::default(), &pool(1)).err()
+    };
+    let mut scene = two_balls();
+    scene.add_material(Material::of("plugin", Surface::Shader(3)));
+    assert_eq!(
+        commit(&scene),
+        Some(CommitError::UnknownShader { material: 1, shader: 3, known: 0 }),
+        "no such shader"
+    );
+    let mut scene = two_balls();
+    scene.edit_mesh(MeshId(0)).material = MaterialId(7);
+    let wanted = CommitError::DanglingId { what: "mesh", index: 0, used: "material", id: 7 };
+    assert_eq!(commit(&scene), Some(wanted), "no such material");
+}

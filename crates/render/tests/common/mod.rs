@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Small scenes and pictures for the tests of this crate. Source: original.
+#![allow(dead_code, unreachable_pub, reason = "each test file uses some of it")]
+
+use gnurt_image::Picture;
+use gnurt_render::{
+    CommitOptions, Frame, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+};
+use gnurt_scene::{Affine, Camera, Light, Material, MaterialId, Mesh, Scene};
+
+/// A pool of this many threads.
+pub fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started")
+}
+
+/// A parallelogram from `corner` along two edges; its normal is `a x b`.
+pub fn quad(corner: [f32; 3], a: [f32; 3], b: [f32; 3], material: MaterialId) -> Mesh {
+    let at = |s: f32, t: f32| [0, 1, 2].map(|k| corner[k] + s * a[k] + t * b[k]);
+    Mesh {
+        positions: vec![at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)],
+        texcoords: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        material,
+        ..Mesh::default()
+    }
+}
+
+/// A sphere of triangles with smooth normals.
+pub fn sphere(centre: [f32; 3], radius: f32, rings: u32, material: MaterialId) -> Mesh {
+    let (columns, mut mesh) = (2 * rings, Mesh { material, ..Mesh::default() });
+    for (i, j) in (0..=rings).flat_map(|i| (0..=columns).map(move |j| (i, j))) {
+        let (polar, azimuth) = (
+            std::f64::consts::PI * f64::from(i) / f64::from(rings),
+            std::f64::consts::TAU * f64::from(j) / f64::from(columns),
+        );
+        let n = [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()].map(|x| x as f32);
+        mesh.normals.push(n);
+        mesh.positions.push([0, 1, 2].map(|k| centre[k] + radius * n[k]));
+    }
+    for (i, j) in (0..rings).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+        let [a, b] = [i, i + 1].map(|ring| ring * (columns + 1) + j);
+        if i > 0 {
+            mesh.indices.push([a, b, a + 1]);
+        }
+        if i + 1 < rings {
+            mesh.indices.push([a + 1, b, b + 1]);
+        }
+    }
+    mesh
+}
+
+/// Adds an object of one mesh where it stands.
+pub fn place(scene: &mut Scene, mesh: Mesh) {
+    let mesh = scene.add_mesh(mesh);
+    let object = scene.add_object_of("", vec![mesh]);
+    scene.instantiate(object, Affine::IDENTITY);
+}
+
+/// A Lambertian material.
+pub fn matte(scene: &mut Scene, albedo: [f32; 3]) -> MaterialId {
+    scene.add_material(Material::matte("matte", albedo))
+}
+
+/// A black material that shines.
+pub fn emitter(scene: &mut Scene, radiance: [f32; 3]) -> MaterialId {
+    scene.add_material(Material { emission: radiance, ..Material::matte("light", [0.0; 3]) })
+}
+
+/// A matte floor `z = 0` of half size `half`, seen from above by `camera`.
+pub fn floor(albedo: f32, half: f32) -> Scene {
+    let mut scene = Scene::new();
+    let material = matte(&mut scene, [albedo; 3]);
+    let edge = 2.0 * half;
+    place(&mut scene, quad([-half, -half, 0.0], [edge, 0.0, 0.0], [0.0, edge, 0.0], material));
+    scene
+}
+
+/// Looks from `eye` to `target` under a narrow angle: a picture of it is one point of the target.
+pub fn camera(eye: [f32; 3], target: [f32; 3], fov_y: f32) -> PerspectiveCamera {
+    let up = [0.0, 0.1, 1.0];
+    PerspectiveCamera::new(&Camera { name: String::new(), eye, target, up, fov_y }).expect("a view")
+}
+
+/// A constant environment.
+pub fn environment(radiance: [f32; 3]) -> Light {
+    Light::Environment { radiance, texture: None, world_from_light: Affine::IDENTITY }
+}
+
+/// The world of a scene.
+pub fn world_of(scene: &Scene, force_diffuse: bool) -> World {
+    let mut world = World::new();
+    let options = CommitOptions { force_diffuse, ..CommitOptions::default() };
+    world.commit(scene, &ShaderTable::default(), &options, &pool(2)).expect("the scene is sound");
+    world
+}
+
+/// Small options.
+pub fn options(width: u32, height: u32, spp: u32) -> RenderOptions {
+    RenderOptions { width, height, spp, ..RenderOptions::default() }
+}
+
+/// Renders on two threads.
+pub fn frame(scene: &Scene, camera: &PerspectiveCamera, options: &RenderOptions) -> Frame {
+    render(&world_of(scene, false), camera, options, &pool(2), &Silent).expect("the options are sound")
+}
+
+/// Mean colour of a picture.
+pub fn mean(picture: &Picture) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for pixel in &picture.color {
+        (0..3).for_each(|k| sum[k] += f64::from(pixel[k]));
+    }
+    sum.map(|s| s / picture.pixel_count() as f64)
+}
+
+/// Radiance that a narrow view sees at a point.
+pub fn radiance_at(scene: &Scene, eye: [f32; 3], target: [f32; 3], spp: u32) -> [f64; 3] {
+    mean(&frame(scene, &camera(eye, target, 0.01), &options(4, 4, spp)).picture)
+}
+
+/// Asserts that two numbers agree within a share of the wanted one.
+pub fn assert_close(found: f64, wanted: f64, tolerance: f64, what: &str) {
+    assert!((found - wanted).abs() <= tolerance * wanted.abs().max(1e-12), "{what}: {found} instead of {wanted}");
+}

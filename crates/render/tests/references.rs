@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Direct light with `--force-diffuse` against another renderer's pictures of the benchmark scenes.
+//! Source: the reference images beside the repository (../shared/references), whose README says how to compare: means
+//! within 0.5 %, and tiles of 8 x 8 pixels within 3 standard errors + 0.5 %, less than 2 % of them off.
+//! Needs python3 to unpack the scenes; skipped, loudly, where they are not.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use common::*;
+use gnurt_image::Picture;
+use gnurt_render::{PerspectiveCamera, RenderOptions, Silent, render};
+use gnurt_scene::Camera;
+
+struct Reference {
+    scene: &'static str,
+    eye: [f32; 3],
+    target: [f32; 3],
+    up: [f32; 3],
+    fov_y: f32,
+    width: u32,
+}
+
+const REFERENCES: [Reference; 5] = [
+    Reference {
+        scene: "cornell-box",
+        eye: [0.0, 1.0, 6.8],
+        target: [0.0, 1.0, 0.0],
+        up: [0.0, 1.0, 0.0],
+        fov_y: 19.5,
+        width: 192,
+    },
+    Reference {
+        scene: "office",
+        eye: [2.1, 3.2, 2.0],
+        target: [-1.2, 1.9, -0.8],
+        up: [0.0, 1.0, 0.0],
+        fov_y: 50.0,
+        width: 256,
+    },
+    Reference {
+        scene: "conference",
+        eye: [30.0, 21.0, 7.0],
+        target: [26.1962, 17.9239, 5.9663],
+        up: [0.0, 0.0, 1.0],
+        fov_y: 36.4,
+        width: 256,
+    },
+    Reference {
+        scene: "modern-hall",
+        eye: [6.9118, 1.6516, 2.5541],
+        target: [2.4108, 1.6516, 0.3766],
+        up: [0.0, 1.0, 0.0],
+        fov_y: 43.0,
+        width: 256,
+    },
+    Reference {
+        scene: "veach-bidir",
+        eye: [16.2155, 4.0517, 0.0115],
+        target: [6.2155, 4.0047, -0.0385],
+        up: [0.0, 1.0, 0.0],
+        fov_y: 35.0,
+        width: 192,
+    },
+];
+
+const HEIGHT: u32 = 192;
+/// Edge of a tile.
+const TILE: u32 = 8;
+
+fn shared() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared")
+}
+
+/// The scene's folder, unpacked below the build's own folder for temporary files.
+fn unpack(scene: &str) -> Option<PathBuf> {
+    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).join("scenes");
+    let script = shared().join("scenes/unpack.py");
+    let done = Command::new("python3").arg(script).arg(&target).arg(scene).output();
+    done.is_ok_and(|output| output.status.success()).then(|| target.join(scene))
+}
+
+/// Renders one scene several times with different seeds: the spread tells the standard error.
+fn render_batches(reference: &Reference, folder: &Path, spp: u32, batches: u64) -> Vec<Picture> {
+    let loaded = gnurt_scene::io::load(folder.join(format!("{}.obj", reference.scene))).expect("it loads");
+    let world = world_of(&loaded.scene, true);
+    let Reference { eye, target, up, fov_y, width, .. } = *reference;
+    let camera = Camera { name: String::new(), eye, target, up, fov_y };
+    let camera = PerspectiveCamera::new(&camera).expect("a view");
+    let threads = pool(std::thread::available_parallelism().map_or(2, usize::from));
+    let one = |seed| {
+        let options = RenderOptions { seed, ..options(width, HEIGHT, spp) };
+        render(&world, &camera, &options, &threads, &Silent).expect("sound options").picture
+    };
+    (0..batches).map(one).collect()
+}
+
+/// Sum of a channel over the tile at a column and a row.
+fn tile_sum(picture: &Picture, [column, row]: [u32; 2], channel: usize) -> f64 {
+    let pixels = (0..TILE).flat_map(|y| (0..TILE).map(move |x| (column * TILE + x, row * TILE + y)));
+    pixels.map(|(x, y)| f64::from(picture.pixel(x, y).expect("inside")[channel])).sum()
+}
+
+/// What a comparison found.
+#[derive(Debug, Default)]
+struct Verdict {
+    /// Candidate over reference, minus one, per channel.
+    mean_error: [f64; 3],
+    tiles_off: usize,
+    tiles: usize,
+    z_mean: f64,
+    z_deviation: f64,
+}
+
+fn compare(batches: &[Picture], reference: &Picture, variance: &Picture) -> Verdict {
+    let n = batches.len() as f64;
+    let mut verdict = Verdict::default();
+    let wanted = mean(reference);
+    for k in 0..3 {
+        let found = batches.iter().map(|batch| mean(batch)[k]).sum::<f64>() / n;
+        verdict.mean_error[k] = found / wanted[k] - 1.0;
+    }
+    let (mut z_sum, mut z_squares, mut z_count) = (0.0, 0.0, 0.0);
+    let pixels = f64::from(TILE * TILE);
+    let grid = (0..reference.height / TILE).flat_map(|r| (0..reference.width / TILE).map(move |c| [c, r]));
+    for tile in grid {
+        let mut off = false;
+        for k in 0..3 {
+            let sums: Vec<f64> = batches.iter().map(|batch| tile_sum(batch, tile, k) / pixels).collect();
+            let found = sums.iter().sum::<f64>() / n;
+            let own = sums.iter().map(|s| (s - found).powi(2)).sum::<f64>() / (n * (n - 1.0));
+            let wanted = tile_sum(reference, tile, k) / pixels;
+            let error = (own + tile_sum(variance, tile, k) / (pixels * pixels)).sqrt();
+            let difference = found - wanted;
+            off |= difference.abs() > 3.0 * error + 0.005 * wanted;
+            if error > 1e-3 * wanted && wanted > 0.0 {
+                let z = difference / error;
+                (z_sum, z_squares, z_count) = (z_sum + z, z_squares + z * z, z_count + 1.0);
+            }
+        }
+        verdict.tiles += 1;
+        verdict.tiles_off += usize::from(off);
+    }
+    if z_count > 0.0 {
+        verdict.z_mean = z_sum / z_count;
+        verdict.z_deviation = (z_squares / z_count - verdict.z_mean * verdict.z_mean).sqrt();
+    }
+    verdict
+}
+
+fn check(scenes: &[&str], spp: u32, batches: u64, mean_tolerance: f64) {
+    let references = shared().join("references");
+    if !references.is_dir() {
+        eprintln!("SKIPPED: no reference images in {}", references.display());
+        return;
+    }
+    for reference in REFERENCES.iter().filter(|r| scenes.contains(&r.scene)) {
+        let scene = reference.scene;
+        let Some(folder) = unpack(scene) else {
+            eprintln!("SKIPPED: {scene} could not be unpacked (python3 and ../shared/scenes are needed)");
+            continue;
+        };
+        let read = |name: String| gnurt_image::read(&references.join(name)).expect("the reference can be read");
+        let (wanted, variance) = (read(format!("{scene}-direct.exr")), read(format!("{scene}-direct-var.exr")));
+        let verdict = compare(&render_batches(reference, &folder, spp, batches), &wanted, &variance);
+        eprintln!("{scene}: {verdict:?}");
+        assert!(
+            verdict.mean_error.iter().all(|e| e.abs() < mean_tolerance),
+            "{scene}: means are off: {verdict:?}"
+        );
+        assert!(verdict.tiles_off * 50 < verdict.tiles, "{scene}: 2 % of tiles or more are off: {verdict:?}");
+    }
+}
+
+#[test]
+fn direct_light_is_right() {
+    check(&["cornell-box", "office", "modern-hall"], 4, 8, 0.005);
+}
+
+#[test]
+#[ignore = "minutes; run with --ignored after changes to light transport"]
+fn direct_light_is_right_everywhere() {
+    check(&["cornell-box", "office", "conference", "modern-hall", "veach-bidir"], 64, 8, 0.005);
+}
