@@ -15,10 +15,14 @@
 #![forbid(unsafe_code)]
 
 mod aabb;
+mod batch;
 mod geometry;
 mod hit;
+mod kd;
+mod nearest;
 mod object;
 mod options;
+mod packet;
 mod query;
 mod ray;
 mod scene;

@@ -6,8 +6,8 @@
 
 /// A ray `org + t * dir` for `t` in `[t_near, t_far]`.
 ///
-/// `dir` need not be of unit length: `t` counts in multiples of it. A ray with a NaN, an infinite origin or
-/// direction, a zero direction or an empty interval hits nothing. `t_far` may be infinite.
+/// `dir` need not be of unit length: `t` counts in multiples of it. A ray with a NaN, an infinite direction, an origin
+/// beyond [`Ray::FARTHEST_ORIGIN`], a zero direction or an empty interval hits nothing. `t_far` may be infinite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Origin.
@@ -33,10 +33,66 @@ impl Ray {
         Self { t_near, t_far, ..self }
     }
 
+    /// The same ray from just behind a hit at `t` on: what asks for the next hit, for shadows through glass.
+    ///
+    /// It starts at the next greater float, so a loop that follows a ray from hit to hit always ends: `t` grows in
+    /// every round. The price: of several surfaces at exactly the same `t` only one is seen.
+    #[must_use]
+    pub fn beyond(self, t: f32) -> Self {
+        Self { t_near: t.next_up(), ..self }
+    }
+
     /// The point at parameter `t`.
     #[must_use]
     pub fn at(&self, t: f32) -> [f32; 3] {
         [0, 1, 2].map(|k| self.org[k] + t * self.dir[k])
+    }
+
+    /// Greatest coordinate of an origin; kernels' products still fit a float.
+    pub const FARTHEST_ORIGIN: f32 = 1e20;
+
+    /// Directions whose longest component is in this range are traced as they are, others scaled first.
+    pub(crate) const SHORTEST: f32 = 1.0 / Self::LONGEST;
+    pub(crate) const LONGEST: f32 = (1 << 20) as f32;
+
+    /// Whether it can hit anything. Every comparison is false for a NaN.
+    #[inline(always)]
+    pub(crate) fn is_sound(&self) -> bool {
+        let near = self.org.iter().all(|x| x.abs() <= Self::FARTHEST_ORIGIN);
+        let moves = self.dir.iter().all(|x| x.is_finite()) && self.longest() > 0.0;
+        near && moves && self.t_near <= self.t_far
+    }
+
+    /// The largest component of the direction, without its sign.
+    #[inline(always)]
+    pub(crate) fn longest(&self) -> f32 {
+        let [x, y, z] = self.dir.map(f32::abs);
+        x.max(y).max(z)
+    }
+
+    /// The axis along which it moves most; the first of equals.
+    #[inline(always)]
+    pub(crate) fn longest_axis(&self) -> usize {
+        let [x, y, z] = self.dir.map(f32::abs);
+        if x >= y && x >= z { 0 } else { 2 - usize::from(y >= z) }
+    }
+
+    /// The same ray with a direction of regular length, and what its parameters have to be multiplied with to be
+    /// this one's. Powers of two: nothing is rounded, unless `t` leaves the range of floats.
+    #[cold]
+    pub(crate) fn regular(&self) -> (Self, f32) {
+        let mut dir = self.dir;
+        let mut scale = 1.0f32;
+        let longest = |dir: [f32; 3]| dir.iter().fold(0.0f32, |most, x| most.max(x.abs()));
+        while longest(dir) < 1.0 && scale < 2f32.powi(120) {
+            dir = dir.map(|x| x * 64.0);
+            scale *= 64.0;
+        }
+        while longest(dir) > 64.0 {
+            dir = dir.map(|x| x / 64.0);
+            scale /= 64.0;
+        }
+        (Self { dir, t_near: self.t_near / scale, t_far: self.t_far / scale, ..*self }, scale)
     }
 }
 

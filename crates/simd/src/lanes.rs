@@ -46,7 +46,8 @@ mod tests {
         for level in Level::available() {
             let few = crate::dispatch!(level, simd => choose(simd, &[1.0, 2.0, 3.0]));
             assert_eq!(few, [0.0, 0.0, 3.0, 9.0, 9.0, 9.0, 9.0, 9.0], "padding at {level}");
-            let many = crate::dispatch!(level, simd => choose(simd, &[3.0, 2.0, 4.0, 1.0, 5.0, 0.0, 6.0, 7.0, 8.0]));
+            let many =
+                crate::dispatch!(level, simd => choose(simd, &[3.0, 2.0, 4.0, 1.0, 5.0, 0.0, 6.0, 7.0, 8.0]));
             assert_eq!(many, [3.0, 0.0, 4.0, 0.0, 5.0, 0.0, 6.0, 7.0], "a full register at {level}");
         }
     }

@@ -3,10 +3,13 @@
 //! Source: original; two levels after [WBS03a].
 //! Spaces: rays come in world space and leave in object space; `t` is the same in both, directions keep their scale.
 //! The origin is carried relative to the object's place, split in two floats, so that objects far from the world's
-//! origin lose no precision near themselves. Proof: `tests::carries_rays`, `tests/far_away.rs`.
+//! origin lose no precision near themselves. Proof: `tests::carries_rays`, `tests/watertight.rs`.
 
 use std::sync::Arc;
 
+use gnurt_simd::{Simd, f32x8, prelude::*};
+
+use crate::packet::RayPacket;
 use crate::{Aabb, ObjectTree, Ray};
 
 /// An object and where it is.
@@ -60,6 +63,24 @@ impl ObjectFromWorld {
     #[inline(always)]
     fn vector(&self, v: [f32; 3]) -> [f32; 3] {
         self.rows.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2])
+    }
+
+    /// The same in lanes; rays that do not survive the journey are no longer active.
+    #[inline(always)]
+    pub(super) fn packet<S: Simd>(&self, simd: S, rays: &RayPacket<S>) -> RayPacket<S> {
+        let [high, low] = self.place;
+        let at = |value: f32| f32x8::splat(simd, value);
+        let from = [
+            (rays.org[0] - at(high[0])) - at(low[0]),
+            (rays.org[1] - at(high[1])) - at(low[1]),
+            (rays.org[2] - at(high[2])) - at(low[2]),
+        ];
+        let (mut inside, dir) = (*rays, rays.dir);
+        for (k, row) in self.rows.iter().enumerate() {
+            inside.org[k] = at(row[0]) * from[0] + at(row[1]) * from[1] + at(row[2]) * from[2];
+            inside.dir[k] = at(row[0]) * dir[0] + at(row[1]) * dir[1] + at(row[2]) * dir[2];
+        }
+        inside.sound(simd)
     }
 }
 

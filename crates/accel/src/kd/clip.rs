@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The box of what a node sees of a triangle ("perfect splits").
+//! Source: [WH06] section 4.1; polygons are clipped plane by plane [SH74], in double precision.
+//! Boxes are rounded to the nearest float: they may miss the polygon by half a unit in the last place, which the
+//! traversal's slack covers (`slab.rs`). Proof: `tests::{parts_cover_the_whole, outside_is_nothing}`.
+
+use crate::Aabb;
+
+/// A triangle cut by seven planes has at most 3 + 7 corners; the rest is for polygons that rounding made concave.
+const MOST_CORNERS: usize = 16;
+
+#[derive(Clone, Copy)]
+struct Polygon {
+    corners: [[f64; 3]; MOST_CORNERS],
+    count: usize,
+}
+
+impl Polygon {
+    fn push(&mut self, corner: [f64; 3]) {
+        if let Some(slot) = self.corners.get_mut(self.count) {
+            *slot = corner;
+            self.count += 1;
+        }
+    }
+
+    /// The part where `sign * p[axis] <= sign * at`.
+    fn cut(&self, axis: usize, at: f64, sign: f64) -> Self {
+        let outside = |p: &[f64; 3]| sign * (p[axis] - at) > 0.0;
+        let corners = &self.corners[..self.count];
+        if !corners.iter().any(outside) {
+            return *self;
+        }
+        let mut kept = Self { corners: [[0.0; 3]; MOST_CORNERS], count: 0 };
+        for (i, &from) in corners.iter().enumerate() {
+            let to = corners[(i + 1) % corners.len()];
+            if !outside(&from) {
+                kept.push(from);
+            }
+            if outside(&from) != outside(&to) {
+                let f = (at - from[axis]) / (to[axis] - from[axis]);
+                let mut crossing = [0, 1, 2].map(|k| from[k] + f * (to[k] - from[k]));
+                crossing[axis] = at;
+                kept.push(crossing);
+            }
+        }
+        kept
+    }
+
+    /// Its box, kept inside `cell`; `None` where nothing is left.
+    fn bounds_in(&self, cell: &Aabb) -> Option<Aabb> {
+        if self.count == 0 {
+            return None;
+        }
+        let mut bounds = Aabb::EMPTY;
+        for corner in &self.corners[..self.count] {
+            for k in 0..3 {
+                let x = (corner[k] as f32).clamp(cell.min[k], cell.max[k]);
+                bounds.min[k] = bounds.min[k].min(x);
+                bounds.max[k] = bounds.max[k].max(x);
+            }
+        }
+        Some(bounds)
+    }
+}
+
+/// The boxes of a triangle's parts in `cell`, left and right of the plane `p[axis] == at`.
+pub(crate) fn split_boxes(triangle: &[[f32; 3]; 3], cell: &Aabb, axis: usize, at: f32) -> [Option<Aabb>; 2] {
+    let mut seen = Polygon { corners: [[0.0; 3]; MOST_CORNERS], count: 0 };
+    triangle.iter().for_each(|corner| seen.push(corner.map(f64::from)));
+    for k in 0..3 {
+        seen = seen.cut(k, f64::from(cell.min[k]), -1.0).cut(k, f64::from(cell.max[k]), 1.0);
+    }
+    let [left, right] = cell.split(axis, at);
+    [
+        seen.cut(axis, f64::from(at), 1.0).bounds_in(&left),
+        seen.cut(axis, f64::from(at), -1.0).bounds_in(&right),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_cover_the_whole() {
+        let triangle = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 1.0]];
+        let cell = Aabb { min: [0.0, 0.0, 0.0], max: [3.0, 3.0, 1.0] };
+        let [left, right] = split_boxes(&triangle, &cell, 0, 2.0);
+        let left = left.expect("the triangle reaches left");
+        let right = right.expect("and right");
+        assert_eq!((left.min, left.max), ([0.0; 3], [2.0, 3.0, 0.75]), "left part");
+        assert_eq!(
+            (right.min, right.max),
+            ([2.0, 0.0, 0.0], [3.0, 2.0, 0.5]),
+            "right part, tighter than the box"
+        );
+    }
+
+    #[test]
+    fn outside_is_nothing() {
+        // Its box overlaps the cell's corner, the triangle itself does not.
+        let triangle = [[0.0, 3.0, 0.0], [3.0, 0.0, 0.0], [3.0, 3.0, 0.0]];
+        let cell = Aabb { min: [0.0, 0.0, -1.0], max: [1.0, 1.0, 1.0] };
+        assert_eq!(split_boxes(&triangle, &cell, 0, 0.5), [None, None], "nothing is seen from this cell");
+    }
+}

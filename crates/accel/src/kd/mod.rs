@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The kd-tree over an object's triangles: layout, construction, traversal by one ray and by a packet.
+//! Source: the paper's sections 4.1, 5.1 and 5.2.
+
+mod build;
+mod clip;
+mod event;
+mod measure;
+mod node;
+mod packet;
+mod sah;
+mod single;
+mod slab;
+
+pub(crate) use node::KdTree;
+pub(crate) use packet::{PacketSlabs, Search};
+pub(crate) use slab::{RaySlabs, least, most};
+
+/// Traversal stacks hold this many entries; the builder goes no deeper.
+pub(crate) const DEEPEST: usize = 64;

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the tests of this crate share: soups as objects, all kinds of queries, comparison with the oracle.
+//! Source: original.
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+use gnurt_accel::{
+    BuildOptions, Coherence, Hit, HitBatch, Level, ObjectTree, Query, Ray, RayBatch, Record, Threads,
+    TriangleTest, Triangles,
+};
+use gnurt_testkit::{OracleInstance, Soup, oracle, rays::PlainRay};
+
+/// Both triangle tests, and how far their hits may be from the truth in barycentric weights.
+pub(crate) const TESTS: [(TriangleTest, f64); 2] =
+    [(TriangleTest::Watertight, 2e-5), (TriangleTest::Projected, 1e-3)];
+
+/// A tree over meshes.
+pub(crate) fn build(meshes: &[Soup], triangle_test: TriangleTest) -> ObjectTree {
+    build_with(meshes, &BuildOptions { triangle_test, ..BuildOptions::default() }, Threads::Single)
+}
+
+/// A tree over meshes with given options.
+pub(crate) fn build_with(meshes: &[Soup], options: &BuildOptions, threads: Threads) -> ObjectTree {
+    let meshes: Vec<Triangles> =
+        meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices }).collect();
+    ObjectTree::build(&meshes, options, threads)
+}
+
+/// Plain rays over `[0, inf]`.
+pub(crate) fn batch(rays: &[PlainRay]) -> RayBatch {
+    rays.iter().map(|&(org, dir)| Ray::new(org, dir)).collect()
+}
+
+/// Every way to ask: single rays, and packets at each level of this CPU.
+pub(crate) fn queries() -> Vec<Query> {
+    let packets = Level::available().into_iter().map(|level| Query { level, coherence: Coherence::Coherent });
+    std::iter::once(Query { level: Level::Scalar, coherence: Coherence::Incoherent }).chain(packets).collect()
+}
+
+/// Asks an object or a scene in every way and insists on one answer, bit for bit.
+pub(crate) fn ask<T: Ask>(target: &T, rays: &RayBatch) -> Vec<Option<Hit>> {
+    let mut first: Option<Vec<Option<Hit>>> = None;
+    for query in queries() {
+        let (hits, occluded) = target.ask(&query, rays);
+        let hits: Vec<Option<Hit>> = (0..hits.len()).map(|i| hits.get(i)).collect();
+        for (i, hit) in hits.iter().enumerate() {
+            assert_eq!(hit.is_some(), occluded[i], "{query:?}: closest and any hit of {:?}", rays.get(i));
+        }
+        match &first {
+            None => first = Some(hits),
+            Some(first) => {
+                for (i, (a, b)) in first.iter().zip(&hits).enumerate() {
+                    let bits = |hit: &Option<Hit>| hit.map(|h| [h.t, h.u, h.v].map(f32::to_bits));
+                    let same = a == b && bits(a) == bits(b);
+                    assert!(same, "{query:?} finds {b:?}, a single ray {a:?}, ray {i}: {:?}", rays.get(i));
+                }
+            }
+        }
+    }
+    first.unwrap_or_default()
+}
+
+/// Objects and scenes.
+pub(crate) trait Ask {
+    /// Closest and any hits of a batch.
+    fn ask(&self, query: &Query, rays: &RayBatch) -> (HitBatch, Vec<bool>);
+}
+
+macro_rules! can_be_asked {
+    ($($tree:ty),*) => {$(
+        impl Ask for $tree {
+            fn ask(&self, query: &Query, rays: &RayBatch) -> (HitBatch, Vec<bool>) {
+                let (mut hits, mut occluded, mut record) = (HitBatch::default(), Vec::new(), Record::default());
+                self.intersect_batch(query, rays, &mut hits, &mut record);
+                self.occluded_batch(query, rays, &mut occluded, &mut record);
+                (hits, occluded)
+            }
+        }
+    )*};
+}
+can_be_asked!(ObjectTree, gnurt_accel::SceneTree);
+
+/// Compares answers with the oracle. A hit must be one of the triangle that it names, up to `margin`; it must not lie
+/// behind anything that is surely hit; and a miss must not pass through anything that is surely hit. Where rays graze
+/// an edge within the margin, either answer is right.
+pub(crate) fn assert_hits(instances: &[OracleInstance], rays: &RayBatch, hits: &[Option<Hit>], margin: f64) {
+    for (i, hit) in hits.iter().enumerate() {
+        let ray = rays.get(i);
+        let plain = (ray.org, ray.dir);
+        let whole = [f64::NEG_INFINITY, f64::INFINITY];
+        let scale = f64::from(ray.dir.iter().fold(0.0f32, |m, x| m.max(x.abs())));
+        let slack = 100.0 * margin / scale;
+        let surely = oracle::all_hits(instances, plain, [slack, f64::INFINITY], -margin).into_iter().next();
+        match hit {
+            None => assert!(surely.is_none(), "{ray:?} misses {surely:?}"),
+            Some(hit) => {
+                let near = |t: f64| (t - f64::from(hit.t)).abs() <= slack + margin * t.abs();
+                let possible = oracle::all_hits(instances, plain, whole, margin.sqrt());
+                let meant = possible
+                    .iter()
+                    .find(|o| (o.prim_id, o.geom_id, o.inst_id) == (hit.prim_id, hit.geom_id, hit.inst_id));
+                assert!(meant.is_some_and(|o| near(o.t)), "{ray:?} hits {hit:?}, the oracle says {meant:?}");
+                if let Some(surely) = surely {
+                    let behind = f64::from(hit.t) > surely.t && !near(surely.t);
+                    assert!(!behind, "{ray:?} hits {hit:?} behind {surely:?}");
+                }
+            }
+        }
+    }
+}
