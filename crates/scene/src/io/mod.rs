@@ -11,6 +11,7 @@ mod lines;
 mod obj;
 mod ply;
 mod polygon;
+mod save;
 mod source;
 mod textures;
 mod warnings;
@@ -20,6 +21,7 @@ use std::path::Path;
 
 pub(crate) use clean::drop_unused_vertices;
 pub use error::{Error, ErrorKind};
+pub use save::save;
 pub use warnings::{Oddity, Warning, Warnings};
 
 use crate::scene::Scene;

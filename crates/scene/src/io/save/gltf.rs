@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! glTF 2.0: objects as meshes, instances as nodes, cameras, lights, materials, pictures inside the buffer.
+//! Source: glTF 2.0; KHR_lights_punctual, KHR_materials_{emissive_strength, ior, transmission}, KHR_texture_transform.
+//! `.gltf` has its buffer beside it as NAME.bin, `.glb` inside. Proof: `tests/save.rs`.
+
+mod buffer;
+mod material;
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use buffer::Buffer;
+
+use super::{leave_out, png, write};
+use crate::affine::Affine;
+use crate::camera::Camera;
+use crate::io::{Error, Format, Warnings};
+use crate::light::Light;
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+
+pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Warnings) -> Result<(), Error> {
+    let mut buffer = Buffer::default();
+    let meshes: Vec<Value> = scene
+        .objects()
+        .iter()
+        .map(|object| {
+            let primitives = object.meshes.iter().map(|&id| primitive(scene.mesh(id), &mut buffer));
+            json!({ "name": object.name, "primitives": primitives.collect::<Vec<_>>() })
+        })
+        .collect();
+    let (mut images, mut samplers, mut textures) = (Vec::new(), Vec::new(), Vec::new());
+    for (k, texture) in scene.textures().iter().enumerate() {
+        let view = buffer.add_bytes(&png::encode(&texture.texels, path)?);
+        images.push(json!({ "name": texture.name, "mimeType": "image/png", "bufferView": view }));
+        samplers.push(material::sampler(texture));
+        textures.push(json!({ "source": k, "sampler": k, "name": texture.name }));
+    }
+    let (mut nodes, lights) = nodes(scene, path, warnings);
+    let cameras: Vec<Value> = scene.cameras().iter().map(camera).collect();
+    nodes.extend(scene.cameras().iter().enumerate().filter_map(|(k, camera)| {
+        Some(json!({ "name": camera.name, "camera": k, "matrix": camera_matrix(camera)?.to_column_major() }))
+    }));
+    let roots: Vec<usize> = (0..nodes.len()).collect();
+
+    let mut root = Map::new();
+    let mut put = |key: &str, values: Vec<Value>| {
+        // Empty arrays are not allowed.
+        if !values.is_empty() {
+            root.insert(key.to_owned(), values.into());
+        }
+    };
+    put("meshes", meshes);
+    put("nodes", nodes);
+    put("materials", scene.materials().iter().map(material::material).collect());
+    put("images", images);
+    put("samplers", samplers);
+    put("textures", textures);
+    put("cameras", cameras);
+    put("accessors", std::mem::take(&mut buffer.accessors));
+    put("bufferViews", std::mem::take(&mut buffer.views));
+    put("scenes", vec![json!({ "nodes": roots })]);
+    put("extensionsUsed", material::EXTENSIONS.iter().map(|&name| name.into()).collect());
+    root.insert("scene".into(), 0.into());
+    root.insert("asset".into(), json!({ "version": "2.0", "generator": gnurt_image::SOFTWARE }));
+    if !lights.is_empty() {
+        root.insert("extensions".into(), json!({ "KHR_lights_punctual": { "lights": lights } }));
+    }
+    write_files(root, &buffer.bytes, path, format)
+}
+
+fn write_files(mut root: Map<String, Value>, bytes: &[u8], path: &Path, format: Format) -> Result<(), Error> {
+    if format == Format::Glb {
+        if !bytes.is_empty() {
+            root.insert("buffers".into(), json!([{ "byteLength": bytes.len() }]));
+        }
+        return write(path, &binary_file(Value::Object(root).to_string().into_bytes(), bytes, path)?);
+    }
+    if !bytes.is_empty() {
+        let file = path.with_extension("bin");
+        let name = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        root.insert("buffers".into(), json!([{ "byteLength": bytes.len(), "uri": percent_encode(&name) }]));
+        write(&file, bytes)?;
+    }
+    write(path, format!("{:#}\n", Value::Object(root)).as_bytes())
+}
+
+/// Header, JSON chunk padded with spaces, binary chunk padded with zeros.
+fn binary_file(mut json: Vec<u8>, bytes: &[u8], path: &Path) -> Result<Vec<u8>, Error> {
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let binary = bytes.len().next_multiple_of(4);
+    let length = 12 + 8 + json.len() + if binary > 0 { 8 + binary } else { 0 };
+    let word = |n: usize| u32::try_from(n).map(u32::to_le_bytes);
+    let too_large = |_| Error::io(path, "more than 4 GiB", "a .gltf file may be larger");
+    let mut file = Vec::with_capacity(length);
+    file.extend(b"glTF\x02\0\0\0");
+    file.extend(word(length).map_err(too_large)?);
+    file.extend(word(json.len()).map_err(too_large)?);
+    file.extend(b"JSON");
+    file.extend(json);
+    if binary > 0 {
+        file.extend(word(binary).map_err(too_large)?);
+        file.extend(b"BIN\0");
+        file.extend(bytes);
+        file.resize(length, 0);
+    }
+    Ok(file)
+}
+
+fn percent_encode(name: &str) -> String {
+    let plain = |b: u8| b.is_ascii_alphanumeric() || b"-_.~".contains(&b);
+    name.bytes().map(|b| if plain(b) { char::from(b).to_string() } else { format!("%{b:02X}") }).collect()
+}
+
+fn primitive(mesh: &Mesh, buffer: &mut Buffer) -> Value {
+    let mut attributes = Map::new();
+    attributes.insert("POSITION".into(), buffer.add_positions(&mesh.positions).into());
+    if !mesh.normals.is_empty() {
+        attributes.insert("NORMAL".into(), buffer.add_floats("VEC3", &mesh.normals).into());
+    }
+    if !mesh.texcoords.is_empty() {
+        let down: Vec<_> = mesh.texcoords.iter().map(|[u, v]| [*u, 1.0 - v]).collect();
+        attributes.insert("TEXCOORD_0".into(), buffer.add_floats("VEC2", &down).into());
+    }
+    if !mesh.colors.is_empty() {
+        attributes.insert("COLOR_0".into(), buffer.add_floats("VEC4", &mesh.colors).into());
+    }
+    json!({ "attributes": attributes, "indices": buffer.add_indices(&mesh.indices), "material": mesh.material.0 })
+}
+
+/// Nodes of instances and lights, and the lights.
+fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> (Vec<Value>, Vec<Value>) {
+    let shown = scene.instances().iter().filter(|instance| instance.visible);
+    let mut nodes: Vec<Value> = shown
+        .map(|i| json!({ "name": i.name, "mesh": i.object.0, "matrix": i.world_from_object.to_column_major() }))
+        .collect();
+    let mut lights = Vec::new();
+    for light in scene.lights() {
+        let (described, place) = match light {
+            Light::Point { position, intensity } => {
+                (punctual("point", *intensity), at(*position, [0.0, 0.0, -1.0]))
+            }
+            Light::Directional { direction, irradiance } => {
+                (punctual("directional", *irradiance), at([0.0; 3], *direction))
+            }
+            Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+                let mut spot = punctual("spot", *intensity);
+                spot["spot"] = json!({ "innerConeAngle": inner_angle, "outerConeAngle": outer_angle });
+                (spot, at(*position, *direction))
+            }
+            Light::Environment { .. } => {
+                leave_out(1, "environment light", path, warnings);
+                continue;
+            }
+        };
+        let extension = json!({ "KHR_lights_punctual": { "light": lights.len() } });
+        nodes.push(json!({ "matrix": place.to_column_major(), "extensions": extension }));
+        lights.push(described);
+    }
+    (nodes, lights)
+}
+
+fn punctual(kind: &str, color: [f32; 3]) -> Value {
+    let intensity = color.iter().copied().fold(0.0, f32::max);
+    let color = if intensity > 0.0 { color.map(|c| c / intensity) } else { [1.0; 3] };
+    json!({ "type": kind, "intensity": intensity, "color": color })
+}
+
+/// The frame of a thing at `position` that looks along `direction`.
+fn at(position: [f32; 3], direction: [f32; 3]) -> Affine {
+    let target = [0, 1, 2].map(|k| position[k] + direction[k]);
+    let view = Camera { name: String::new(), eye: position, target, up: [0.0, 1.0, 0.0], fov_y: 45.0 };
+    camera_matrix(&view).unwrap_or_else(|| Affine::translation(position.map(f64::from)))
+}
+
+fn camera(camera: &Camera) -> Value {
+    json!({ "name": camera.name, "type": "perspective", "perspective": { "yfov": camera.fov_y.to_radians(), "znear": 0.01 } })
+}
+
+fn camera_matrix(camera: &Camera) -> Option<Affine> {
+    let frame = camera.frame()?;
+    let back = frame.forward.map(|x| -x);
+    Some(Affine { columns: [frame.right, frame.up, back, camera.eye].map(|column| column.map(f64::from)) })
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The buffer of a glTF file in the making, with its views and accessors.
+//! Source: glTF 2.0 section 3.6. Every view begins at a multiple of four bytes.
+
+use serde_json::{Value, json};
+
+const FLOAT: u32 = 5126;
+const UNSIGNED_INT: u32 = 5125;
+
+/// Bytes, and the JSON that describes them.
+#[derive(Default)]
+pub(super) struct Buffer {
+    pub(super) bytes: Vec<u8>,
+    pub(super) views: Vec<Value>,
+    pub(super) accessors: Vec<Value>,
+}
+
+impl Buffer {
+    /// Adds a view of its own; returns its number.
+    pub(super) fn add_bytes(&mut self, bytes: &[u8]) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.views.push(json!({ "buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len() }));
+        self.bytes.extend(bytes);
+        self.views.len() - 1
+    }
+
+    pub(super) fn add_floats<const N: usize>(&mut self, shape: &str, values: &[[f32; N]]) -> usize {
+        let bytes: Vec<u8> = values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let view = self.add_bytes(&bytes);
+        self.add_accessor(
+            json!({ "bufferView": view, "componentType": FLOAT, "count": values.len(), "type": shape }),
+        )
+    }
+
+    /// Positions need their bounds.
+    pub(super) fn add_positions(&mut self, values: &[[f32; 3]]) -> usize {
+        let accessor = self.add_floats("VEC3", values);
+        let bound = |pick: fn(f32, f32) -> f32| {
+            [0, 1, 2].map(|k| values.iter().map(|p| p[k]).reduce(pick).unwrap_or(0.0))
+        };
+        self.accessors[accessor]["min"] = json!(bound(f32::min));
+        self.accessors[accessor]["max"] = json!(bound(f32::max));
+        accessor
+    }
+
+    pub(super) fn add_indices(&mut self, triangles: &[[u32; 3]]) -> usize {
+        let bytes: Vec<u8> = triangles.iter().flatten().flat_map(|i| i.to_le_bytes()).collect();
+        let view = self.add_bytes(&bytes);
+        let count = 3 * triangles.len();
+        self.add_accessor(
+            json!({ "bufferView": view, "componentType": UNSIGNED_INT, "count": count, "type": "SCALAR" }),
+        )
+    }
+
+    fn add_accessor(&mut self, accessor: Value) -> usize {
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Materials and samplers in glTF's words.
+//! Source: glTF 2.0 section 3.9 and the extensions below. Matte is rough plastic, a mirror smooth metal, glass transmits.
+
+use serde_json::{Value, json};
+
+use crate::material::{Alpha, Color, Material, Surface, TextureRef};
+use crate::texture::{Filter, Texture, Wrap};
+
+/// Extensions that a written file may use.
+pub(super) const EXTENSIONS: &[&str] = &[
+    "KHR_lights_punctual",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_texture_transform",
+];
+
+pub(super) fn material(material: &Material) -> Value {
+    let mut extensions = json!({});
+    let (base, metallic, roughness) = match &material.surface {
+        Surface::Matte { base_color } => (*base_color, 0.0, 1.0),
+        Surface::MetallicRoughness { base_color, metallic, roughness, ior, .. } => {
+            extensions["KHR_materials_ior"] = json!({ "ior": ior });
+            (*base_color, *metallic, *roughness)
+        }
+        Surface::Mirror { reflectance } => (*reflectance, 1.0, 0.0),
+        Surface::Dielectric { ior, transmittance, .. } => {
+            extensions["KHR_materials_ior"] = json!({ "ior": ior });
+            extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
+            (Color::constant(*transmittance), 0.0, 0.0)
+        }
+        Surface::Shader(_) => (material.diffuse_color(), 0.0, 1.0),
+    };
+    let (alpha, mode) = match material.alpha {
+        Alpha::Opaque => (1.0, "OPAQUE"),
+        Alpha::Mask { opacity, .. } => (opacity.factor, "MASK"),
+        Alpha::Blend { opacity } => (opacity.factor, "BLEND"),
+    };
+    let [r, g, b] = base.factor;
+    let mut pbr = json!({
+        "baseColorFactor": [r, g, b, alpha], "metallicFactor": metallic, "roughnessFactor": roughness,
+    });
+    set_texture(&mut pbr, "baseColorTexture", base.texture);
+    let mut to = json!({ "name": material.name, "alphaMode": mode, "doubleSided": true });
+    if let Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } = &material.surface {
+        set_texture(&mut pbr, "metallicRoughnessTexture", *metallic_roughness_texture);
+        if let Some(normal) = normal_texture {
+            set_texture(&mut to, "normalTexture", Some(normal.texture));
+            to["normalTexture"]["scale"] = json!(normal.scale);
+        }
+    }
+    to["pbrMetallicRoughness"] = pbr;
+    if let Alpha::Mask { cutoff, .. } = material.alpha {
+        to["alphaCutoff"] = json!(cutoff);
+    }
+    if material.emits() {
+        // Factors stop at 1; what is more goes into the strength.
+        let strength = material.emission.iter().copied().fold(1.0, f32::max);
+        to["emissiveFactor"] = json!(material.emission.map(|e| e / strength));
+        extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": strength });
+        set_texture(&mut to, "emissiveTexture", material.emission_texture);
+    }
+    to["extensions"] = extensions;
+    to
+}
+
+fn set_texture(to: &mut Value, key: &str, texture: Option<TextureRef>) {
+    let Some(TextureRef { texture, uv_from_mesh }) = texture else {
+        return;
+    };
+    to[key] = json!({ "index": texture.0 });
+    if uv_from_mesh != [1.0, 0.0, 0.0, 1.0, 0.0, 0.0] {
+        to[key]["extensions"] = json!({ "KHR_texture_transform": transform(uv_from_mesh) });
+    }
+}
+
+/// Scale, rotation and offset of glTF, whose v runs downwards; the inverse of the reader's `uv_from_mesh`.
+fn transform([a, b, c, d, e, f]: [f32; 6]) -> Value {
+    let rotation = b.atan2(a);
+    let (sin, cos) = rotation.sin_cos();
+    let scale = [a.hypot(b), c.hypot(d).copysign(a * d - b * c)];
+    json!({ "scale": scale, "rotation": rotation, "offset": [e - sin * scale[1], 1.0 - cos * scale[1] - f] })
+}
+
+pub(super) fn sampler(texture: &Texture) -> Value {
+    let wrap = |wrap: Wrap| match wrap {
+        Wrap::Repeat => 10497,
+        Wrap::MirroredRepeat => 33648,
+        Wrap::ClampToEdge => 33071,
+    };
+    let filter = match texture.filter {
+        Filter::Nearest => 9728,
+        Filter::Linear => 9729,
+    };
+    json!({ "wrapS": wrap(texture.wrap[0]), "wrapT": wrap(texture.wrap[1]), "magFilter": filter, "minFilter": filter })
+}

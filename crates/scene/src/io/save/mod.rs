@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Writing scenes: OBJ with MTL, PLY, glTF.
+//! Source: the formats' own specifications, see `io::{obj, ply, gltf}`.
+//! Every file appears whole or not at all; files that the main one refers to are written before it.
+//! What a format cannot hold is left out with a warning: OBJ and PLY hold neither instances (they are unfolded) nor
+//! cameras nor lights, PLY holds no materials, glTF no environment. Proof: `tests/save.rs`.
+
+mod gltf;
+mod obj;
+mod ply;
+mod png;
+mod world;
+
+use std::path::Path;
+
+use super::{Error, Format, Oddity, Warnings};
+use crate::scene::Scene;
+
+/// Writes a scene; the extension of `path` says in which format. What was left out is in the warnings.
+pub fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<Warnings, Error> {
+    let path = path.as_ref();
+    let format = Format::of(path)?;
+    scene
+        .check()
+        .map_err(|e| Error::data(path, None, e.to_string(), "the scene must be in order to be written"))?;
+    let mut warnings = Warnings::default();
+    match format {
+        Format::Obj => obj::save(scene, path, &mut warnings)?,
+        Format::Ply => ply::save(scene, path, &mut warnings)?,
+        Format::Gltf | Format::Glb => gltf::save(scene, path, format, &mut warnings)?,
+    }
+    Ok(warnings)
+}
+
+/// Writes one file whole.
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    gnurt_image::replace_file(path, bytes).map_err(|e| Error::io(path, format!("cannot be written: {e}"), ""))
+}
+
+fn leave_out(count: usize, what: &str, path: &Path, warnings: &mut Warnings) {
+    warnings.note_many(Oddity::NotShown, count as u64, path, None, what);
+}

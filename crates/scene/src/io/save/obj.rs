@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! OBJ with an MTL library and PNG textures beside it.
+//! Source: Wavefront OBJ and MTL 4.2; `Pm` and `Pr` of the PBR extension for metalness and roughness.
+//! The library is called NAME.mtl, textures NAME-K.png. Proof: `tests/save.rs`.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use super::{leave_out, png, world, write};
+use crate::io::{Error, Warnings};
+use crate::material::{Alpha, Color, Material, Surface, TextureRef};
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+
+pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
+    let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let beside = |name: String| -> PathBuf { path.with_file_name(name) };
+    for (k, texture) in scene.textures().iter().enumerate() {
+        let file = beside(texture_name(&stem, k));
+        write(&file, &png::encode(&texture.texels, &file)?)?;
+    }
+    let names = material_names(scene);
+    write(&beside(format!("{stem}.mtl")), library(scene, &names, &stem).as_bytes())?;
+    leave_out(scene.cameras().len(), "camera", path, warnings);
+    leave_out(scene.lights().len(), "light", path, warnings);
+    write(path, geometry(scene, &names, &stem).as_bytes())
+}
+
+fn texture_name(stem: &str, k: usize) -> String {
+    format!("{stem}-{k}.png")
+}
+
+/// Names that differ and fill one line.
+fn material_names(scene: &Scene) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for (k, material) in scene.materials().iter().enumerate() {
+        let plain: String = material.name.chars().map(|c| if c.is_control() { '_' } else { c }).collect();
+        let plain = plain.trim();
+        let taken = plain.is_empty() || names.iter().any(|name| name == plain);
+        names.push(if taken { format!("{plain}_{k}") } else { plain.to_owned() });
+    }
+    names
+}
+
+fn geometry(scene: &Scene, names: &[String], stem: &str) -> String {
+    let used = || world::placed_meshes(scene).map(|(id, placed)| (scene.mesh(id), placed));
+    let colored = used().any(|(mesh, _)| !mesh.colors.is_empty());
+    let mut text = format!("# {}\nmtllib {stem}.mtl\n", gnurt_image::SOFTWARE);
+    let mut base = [1_usize; 3];
+    for (mesh, placed) in used() {
+        // Writing to a string cannot fail, here and below.
+        for (i, [x, y, z]) in world::positions(mesh, placed).enumerate() {
+            let _ = match mesh.colors.get(i) {
+                _ if !colored => writeln!(text, "v {x} {y} {z}"),
+                Some([r, g, b, _]) => writeln!(text, "v {x} {y} {z} {r} {g} {b}"),
+                None => writeln!(text, "v {x} {y} {z} 1 1 1"),
+            };
+        }
+        for [u, v] in &mesh.texcoords {
+            let _ = writeln!(text, "vt {u} {v}");
+        }
+        for [x, y, z] in world::normals(mesh, placed) {
+            let _ = writeln!(text, "vn {x} {y} {z}");
+        }
+        let _ = writeln!(text, "usemtl {}", names[mesh.material.index()]);
+        for triangle in world::triangles(mesh, placed) {
+            text.push('f');
+            triangle.iter().for_each(|&i| push_corner(&mut text, mesh, base, i as usize));
+            text.push('\n');
+        }
+        let counts = [mesh.positions.len(), mesh.texcoords.len(), mesh.normals.len()];
+        base = [0, 1, 2].map(|k| base[k] + counts[k]);
+    }
+    text
+}
+
+fn push_corner(text: &mut String, mesh: &Mesh, base: [usize; 3], i: usize) {
+    let [v, t, n] = base.map(|b| b + i);
+    let _ = match (mesh.texcoords.is_empty(), mesh.normals.is_empty()) {
+        (true, true) => write!(text, " {v}"),
+        (false, true) => write!(text, " {v}/{t}"),
+        (true, false) => write!(text, " {v}//{n}"),
+        (false, false) => write!(text, " {v}/{t}/{n}"),
+    };
+}
+
+fn library(scene: &Scene, names: &[String], stem: &str) -> String {
+    let mut text = format!("# {}\n", gnurt_image::SOFTWARE);
+    for (material, name) in scene.materials().iter().zip(names) {
+        let _ = writeln!(text, "\nnewmtl {name}");
+        push_material(&mut text, material, stem);
+    }
+    text
+}
+
+fn push_material(text: &mut String, material: &Material, stem: &str) {
+    let triple = |[r, g, b]: [f32; 3]| format!("{r} {g} {b}");
+    let diffuse = match material.surface {
+        // A mirror is one by its `Kd` of 0.
+        Surface::Mirror { .. } => material.diffuse.unwrap_or(Color::constant([0.0; 3])),
+        _ => material.diffuse_color(),
+    };
+    let _ = writeln!(text, "Kd {}", triple(diffuse.factor));
+    push_map(text, "map_Kd", diffuse.texture, stem);
+    let _ = match &material.surface {
+        Surface::MetallicRoughness { metallic, roughness, .. } => {
+            writeln!(text, "Pm {metallic}\nPr {roughness}")
+        }
+        Surface::Mirror { reflectance } => writeln!(text, "Ks {}\nillum 3", triple(reflectance.factor)),
+        Surface::Dielectric { ior, transmittance, .. } => {
+            writeln!(text, "Ni {ior}\nTf {}\nillum 7", triple(*transmittance))
+        }
+        Surface::Matte { .. } | Surface::Shader(_) => Ok(()),
+    };
+    if material.emits() {
+        let _ = writeln!(text, "Ke {}", triple(material.emission));
+        push_map(text, "map_Ke", material.emission_texture, stem);
+    }
+    if let Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } = material.alpha {
+        let _ = writeln!(text, "d {}", opacity.factor);
+        push_map(
+            text,
+            "map_d",
+            opacity.texture.filter(|_| opacity.channel == crate::material::OpacityChannel::Red),
+            stem,
+        );
+    }
+}
+
+fn push_map(text: &mut String, keyword: &str, texture: Option<TextureRef>, stem: &str) {
+    let Some(TextureRef { texture, uv_from_mesh: [a, _, _, d, e, f] }) = texture else {
+        return;
+    };
+    let options = if [a, d, e, f] == [1.0, 1.0, 0.0, 0.0] {
+        String::new()
+    } else {
+        format!("-s {a} {d} 1 -o {e} {f} 0 ")
+    };
+    let _ = writeln!(text, "{keyword} {options}{}", texture_name(stem, texture.index()));
+}
