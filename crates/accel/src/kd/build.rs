@@ -238,9 +238,9 @@ fn classify(task: &Task, plane: Plane) -> Vec<u8> {
 fn renumber(sides: &[u8]) -> NewNumbers {
     let mut new = NewNumbers { of: [vec![0; sides.len()], vec![0; sides.len()]], counts: [0; 2] };
     for (i, &side) in sides.iter().enumerate() {
-        for half in 0..2 {
+        for (half, bit) in BITS.into_iter().enumerate() {
             new.of[half][i] = new.counts[half] as u32;
-            new.counts[half] += usize::from(side & BITS[half] != 0);
+            new.counts[half] += usize::from(side & bit != 0);
         }
     }
     new

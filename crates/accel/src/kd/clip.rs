@@ -53,8 +53,8 @@ impl Polygon {
         }
         let mut bounds = Aabb::EMPTY;
         for corner in &self.corners[..self.count] {
-            for k in 0..3 {
-                let x = (corner[k] as f32).clamp(cell.min[k], cell.max[k]);
+            for (k, &x) in corner.iter().enumerate() {
+                let x = (x as f32).clamp(cell.min[k], cell.max[k]);
                 bounds.min[k] = bounds.min[k].min(x);
                 bounds.max[k] = bounds.max[k].max(x);
             }

@@ -130,7 +130,7 @@ impl<T: PreparedTriangles> Search<'_, T> {
                 if meeting.hit.any_true() {
                     nearest.offer::<M>(simd, &meeting, number, self.slot);
                     if M::ANY {
-                        alive = alive & !meeting.hit;
+                        alive &= !meeting.hit;
                     }
                 }
             }

@@ -123,12 +123,12 @@ fn carry_box(columns: &[[f64; 3]; 4], object: &Aabb) -> Option<Aabb> {
     if object.is_empty() {
         return Some(Aabb::EMPTY);
     }
+    let [axes @ .., place] = columns;
     let mut bounds = Aabb::EMPTY;
-    for k in 0..3 {
-        let (mut low, mut high) = (columns[3][k], columns[3][k]);
-        let mut size = columns[3][k].abs();
-        for axis in 0..3 {
-            let ends = [object.min[axis], object.max[axis]].map(|x| columns[axis][k] * f64::from(x));
+    for (k, &at) in place.iter().enumerate() {
+        let (mut low, mut high, mut size) = (at, at, at.abs());
+        for (axis, column) in axes.iter().enumerate() {
+            let ends = [object.min[axis], object.max[axis]].map(|x| column[k] * f64::from(x));
             low += ends[0].min(ends[1]);
             high += ends[0].max(ends[1]);
             size += ends[0].abs().max(ends[1].abs());
