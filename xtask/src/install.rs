@@ -14,6 +14,7 @@ const PROGRAM: &str = "gnurt";
 const LIBRARY: &str = "libOpenRT.so";
 /// Rises when programs must be linked anew.
 const SONAME: &str = "libOpenRT.so.0";
+const TEMPLATE: &str = "bindings/openrt/openrt.pc.in";
 const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "COPYING"];
 
 /// Where things go.
@@ -90,20 +91,24 @@ fn install(built: &Path, source: &Path, version: &str, places: &Places) -> Resul
     for header in files_in(&headers)?.iter().filter(|path| path.extension().is_some_and(|e| e == "h")) {
         copy(header, &to.join("include/openrt").join(header.file_name().unwrap_or_default()))?;
     }
-    write(&lib.join("pkgconfig/openrt.pc"), &pkg_config(&places.prefix, version))?;
+    let template = source.join(TEMPLATE);
+    let template =
+        std::fs::read_to_string(&template).map_err(|error| format!("{}: {error}", template.display()))?;
+    write(&lib.join("pkgconfig/openrt.pc"), &pkg_config(&template, &places.prefix, version))?;
     for document in DOCUMENTS.iter().map(|name| source.join(name)).filter(|path| path.exists()) {
         copy(&document, &to.join("share/doc/gnurt").join(document.file_name().unwrap_or_default()))?;
     }
     Ok(())
 }
 
-fn pkg_config(prefix: &Path, version: &str) -> String {
-    format!(
-        "prefix={}\nincludedir=${{prefix}}/include\nlibdir=${{prefix}}/lib\n\n\
-         Name: OpenRT\nDescription: The OpenRT ray tracing API, as GNU RT has it\nVersion: {version}\n\
-         Cflags: -I${{includedir}}\nLibs: -L${{libdir}} -lOpenRT\n",
-        prefix.display()
-    )
+/// Fills in what the template leaves open.
+fn pkg_config(template: &str, prefix: &Path, version: &str) -> String {
+    let prefix = prefix.display().to_string();
+    template
+        .replace("@prefix@", &prefix)
+        .replace("@libdir@", "${prefix}/lib")
+        .replace("@includedir@", "${prefix}/include")
+        .replace("@version@", version)
 }
 
 fn copy(from: &Path, to: &Path) -> Result<(), Failure> {
@@ -167,6 +172,7 @@ mod tests {
             (built.join("gnurt"), "program"),
             (built.join("libOpenRT.so"), "library"),
             (source.join("COPYING"), "licence"),
+            (source.join(TEMPLATE), "prefix=@prefix@\nlibdir=@libdir@\nVersion: @version@\n"),
             (source.join("bindings/openrt/include/openrt/rt.h"), "header"),
         ] {
             write(&path, text).expect("the temporary folder can be written");
