@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The default camera (rtLookAt, rtPerspective, rtFrustum, rtOrtho).
 //! Source: original, after OpenGL 1.x and its utility library. Space: world; right-handed, the eye looks along -z.
-//! Proof: tests/c/camera.c, tests/c/errors_usage.c.
+//! Proof: tests/c/scene.c, tests/c/errors.c.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exported calls: matrices. Source: original. Proof: tests/c/matrices.c.
+//! Exported calls: matrices. Source: original. Proof: tests/c/scene.c.
 
 use crate::ffi::{array, call, procedures};
 use crate::matrix::Matrix;

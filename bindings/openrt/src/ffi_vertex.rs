@@ -2,7 +2,7 @@
 //! Exported calls: vertices and what goes with them, in all their forms. Source: original.
 //! One line per pair of functions: by value, by pointer, the numbers' type, the names given, all numbers.
 //! Cost: one uncontended lock per call, no allocation beyond the growth of arrays.
-//! Proof: tests/c/attributes.c; tests/c/many_vertices.c (time).
+//! Proof: tests/c/scene.c; tests/c/many_vertices.c (time).
 
 use crate::context::Context;
 use crate::error::{Error, Result};

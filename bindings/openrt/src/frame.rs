@@ -2,7 +2,7 @@
 //! Frames: the snapshot at their start, the thread that renders them, their end (rtStartRendering to rtSwapBuffers).
 //! Source: [DWBS03] (frame semantics). A frame owns the stage while it is in flight: edits wait for the next start.
 //! Invariant: at most one frame is in flight; the program's memory is written only before its end returns.
-//! Proof: tests/c/frames.c, tests/c/errors_frame.c.
+//! Proof: tests/c/scene.c, tests/c/errors.c.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

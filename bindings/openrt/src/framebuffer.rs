@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The program's memory for pictures and its formats (rtSetFrameBuffer).
 //! Source: original; 8-bit formats encode sRGB (IEC 61966-2-1), float formats are linear and unclamped.
-//! Invariant: rows are tight, the lowest one first; alpha is never encoded. Proof: `tests`; tests/c/formats.c.
+//! Invariant: rows are tight, the lowest one first; alpha is never encoded. Proof: `tests`; tests/c/scene.c.
 
 use std::sync::Arc;
 
@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(floats(FrameFormat::Rgba32), [0.0, 2.0, 1.0, 0.5], "alpha last");
         assert_eq!(encoded(FrameFormat::Bgra8), [255, 255, 0, 128], "clamped; alpha is linear");
         let mut grey = Vec::new();
-        encode(FrameFormat::Rgb8, [0.214_041; 4], &mut grey);
+        encode(FrameFormat::Rgb8, [0.215_860_5; 4], &mut grey);
         assert_eq!(grey, [128; 3], "middle grey is encoded");
     }
 }

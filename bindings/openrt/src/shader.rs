@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders: instances of classes with their values, and what is bound (rtGenNewShader, rtBindShader, rtDeleteShader).
 //! Source: [DWBS03]; the paper's Figure 1. Invariant: `Bound`'s blocks are as long as its class says.
-//! Proof: tests/c/shaders.c, tests/c/errors_shader.c.
+//! Proof: tests/c/scene.c, tests/c/errors.c.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

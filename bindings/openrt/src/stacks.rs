@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The matrix stacks and the calls that change them (rtMatrixMode to rtMultTransposeMatrixd).
 //! Source: original, after OpenGL 1.x. Invariant: each stack holds 1 to 1024 matrices.
-//! Proof: tests/c/matrices.c, tests/c/errors_matrix.c.
+//! Proof: tests/c/scene.c, tests/c/errors.c.
 
 use crate::context::Context;
 use crate::enums::MatrixMode;

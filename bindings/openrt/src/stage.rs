@@ -3,7 +3,7 @@
 //! Source: original. The stage belongs to the frame in flight; the program edits its own description meanwhile.
 //! Invariant: a mesh, object or instance of the scene that nothing needs is empty or invisible and waits to be used
 //! again, so a program that redefines objects for ever takes no more memory than its largest frame.
-//! Proof: `crate::context::tests::redefinition_reuses_the_scene`; tests/c/objects.c.
+//! Proof: `tests/state_machine.rs`; tests/c/scene.c.
 
 use std::collections::BTreeMap;
 
@@ -84,8 +84,9 @@ impl Stage {
     /// The surface shaders with their present values, each at its number. Frees the numbers of those that are gone.
     pub fn surfaces(&mut self, shaders: &Shaders, textures: &Textures) -> ShaderTable {
         let is_alive = |id: u32| shaders.in_use(id).is_some();
-        self.free_slots
-            .extend(self.shader_slots.extract_if(.., |&id, _| !is_alive(id)).map(|(_, slot)| slot));
+        let gone = self.shader_slots.iter().filter(|&(&id, _)| !is_alive(id));
+        self.free_slots.extend(gone.map(|(_, &slot)| slot));
+        self.shader_slots.retain(|&id, _| is_alive(id));
         let by_slot: BTreeMap<u32, u32> = self.shader_slots.iter().map(|(&id, &slot)| (slot, id)).collect();
         let constant = gnurt::shading::classes::find("ConstantShader").expect("a built-in class");
         let unused = constant.make(&constant.defaults());

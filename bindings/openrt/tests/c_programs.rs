@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Each program of tests/c is built by the C compiler against the library and run; it checks itself and ends with
+//! status 0. Source: original.
+
+mod common;
+
+use common::{Workshop, source};
+
+macro_rules! programs {
+    ($($name:ident)*) => {$(
+        #[test]
+        fn $name() {
+            let workshop = Workshop::new();
+            let program = source(concat!("tests/c/", stringify!($name), ".c"));
+            let binary = workshop.build("cc", "c99", &program);
+            workshop.run(&binary, &[]);
+        }
+    )*};
+}
+
+programs! {
+    errors
+    fragments
+    many_vertices
+    primitives
+    scene
+}
+
+/// Figure 1 of the paper draws: a picture of n triangles, the colours of its parameters in it.
+#[test]
+fn figure1() {
+    let workshop = Workshop::new();
+    let binary = workshop.build("cc", "c99", &source("tests/c/figure1.c"));
+    let ppm = workshop.path("figure1.ppm");
+    for tri_nb in ["0", "1", "2", "7", "100"] {
+        workshop.run(&binary, &[tri_nb, &ppm.to_string_lossy()]);
+        let picture = std::fs::read(&ppm).expect("the program writes its picture");
+        let pixels = picture.len().checked_sub(160 * 120 * 3).map(|head| &picture[head..]);
+        let lit =
+            pixels.expect("all pixels").chunks_exact(3).filter(|rgb| rgb.iter().any(|&c| c > 0)).count();
+        assert_eq!(lit > 0, tri_nb != "0", "{tri_nb} triangles show {lit} pixels");
+    }
+}
+
+/// C++ sees both forms of rtNewObject as overloads.
+#[test]
+fn overload() {
+    let workshop = Workshop::new();
+    for standard in ["c++11", "c++14", "c++17", "c++20"] {
+        let binary = workshop.build("c++", standard, &source("tests/c/overload.cpp"));
+        workshop.run(&binary, &[]);
+    }
+}
+
+/// The headers compile in every dialect of C, with the one-argument form of rtNewObject from C99 on.
+#[test]
+fn dialects() {
+    let workshop = Workshop::new();
+    for (standard, program) in
+        [("c89", "dialect_c89.c"), ("c99", "dialect.c"), ("c11", "dialect.c"), ("c17", "dialect.c")]
+    {
+        let binary = workshop.build("cc", standard, &source("tests/c").join(program));
+        workshop.run(&binary, &[]);
+    }
+}
+
+/// The programs of examples/c build and write pictures.
+#[test]
+fn examples() {
+    let workshop = Workshop::new();
+    for example in ["figure1", "turntable"] {
+        let binary =
+            workshop.build("cc", "c99", &source("../../examples/c").join(example).with_extension("c"));
+        let output = workshop.path(&format!("{example}.out"));
+        workshop.run(&binary, &[&output.to_string_lossy(), "1"]);
+    }
+}

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Building and running C programs against the libOpenRT that cargo has just built. Source: original.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// A folder with the library under its link name and its run-time name, where programs are built.
+pub struct Workshop {
+    folder: tempfile::TempDir,
+}
+
+/// Where the crate's sources are.
+pub fn source(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// The shared library of this build: cargo puts it beside the test program or one folder above.
+pub fn library() -> PathBuf {
+    let test = std::env::current_exe().expect("a running test has a path");
+    let beside = test.ancestors().skip(1).take(2).map(|folder| folder.join("libOpenRT.so"));
+    beside.into_iter().find(|path| path.exists()).expect("cargo builds libOpenRT.so with the tests")
+}
+
+impl Workshop {
+    /// An empty workshop.
+    pub fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a folder for programs");
+        for name in ["libOpenRT.so", "libOpenRT.so.0"] {
+            std::os::unix::fs::symlink(library(), folder.path().join(name)).expect("a link to the library");
+        }
+        Self { folder }
+    }
+
+    /// A path in it.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Compiles and links a program, with warnings as errors.
+    pub fn build(&self, compiler: &str, standard: &str, program: &Path) -> PathBuf {
+        let binary = self.path(&program.file_stem().expect("a file name").to_string_lossy());
+        let folder = self.folder.path().display();
+        let output = Command::new(compiler)
+            .arg(format!("-std={standard}"))
+            .args(["-pedantic", "-Wall", "-Wextra", "-Werror", "-O1"])
+            .arg("-I")
+            .arg(source("include"))
+            .arg(program)
+            .args([format!("-L{folder}"), format!("-Wl,-rpath,{folder}")])
+            .args(["-lOpenRT", "-lm", "-o"])
+            .arg(&binary)
+            .output()
+            .unwrap_or_else(|error| panic!("{compiler} must be there to build C programs: {error}"));
+        assert!(output.status.success(), "{} builds:\n{}", program.display(), shown(&output));
+        binary
+    }
+
+    /// Runs a program of this workshop; it must end with status 0.
+    pub fn run(&self, binary: &Path, arguments: &[&str]) -> String {
+        let output = Command::new(binary).args(arguments).output().expect("a program that was built runs");
+        assert!(output.status.success(), "{} {arguments:?}:\n{}", binary.display(), shown(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    }
+}
+
+fn shown(output: &Output) -> String {
+    let text = |bytes| String::from_utf8_lossy(bytes).into_owned();
+    format!("{}\n{}{}", output.status, text(&output.stdout), text(&output.stderr))
+}
