@@ -115,6 +115,11 @@ int main(int argc, char **argv)
     rtUseLight(rtGenNewShader());
     rtParameter3f(rtParameterHandle("radiance"), 60, 55, 48);
     rtParameter3f(rtParameterHandle("position"), 4, 7, 5);
+    /* A dim light from the other side, so that nothing is black. */
+    rtGenNewShaderClass("InfiniteLightShader", NULL);
+    rtUseLight(rtGenNewShader());
+    rtParameter3f(rtParameterHandle("radiance"), 0.18f, 0.2f, 0.25f);
+    rtParameter3f(rtParameterHandle("direction"), -3, 2, 1);
     rtGenNewShaderClass("ConstantEnvironmentShader", NULL);
     rtUseEnvironmentShader(rtGenNewShader());
     rtParameter3f(rtParameterHandle("value"), 0.25f, 0.4f, 0.65f);
