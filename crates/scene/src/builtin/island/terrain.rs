@@ -37,9 +37,9 @@ impl Terrain {
     pub(super) fn spot(&self, x: f32, z: f32) -> Spot {
         let h = height(x, z);
         let steep = steepness(x, z);
-        let grove = smoothstep(-0.25, 0.35, rolling(0.55 * x + 9.0, 0.55 * z, 3, 71));
+        let grove = smoothstep(-0.55, 0.05, rolling(0.55 * x + 9.0, 0.55 * z, 3, 71));
         let wood =
-            smoothstep(0.07, 0.16, h) * smoothstep(1.45, 0.9, h) * smoothstep(0.95, 0.5, steep) * grove;
+            smoothstep(0.07, 0.16, h) * smoothstep(1.5, 0.95, h) * smoothstep(1.2, 0.65, steep) * grove;
         Spot { height: h, wood }
     }
 
@@ -85,7 +85,7 @@ fn height(x: f32, z: f32) -> f32 {
     let inland = smoothstep(coast + 0.6, coast - 2.9, distance);
     let crests = ridged(0.34 * x + 1.3, 0.34 * z + 0.4, 6, 23);
     let summit = (-((x + 0.9).powi(2) + (z + 0.9).powi(2)) / 3.6).exp();
-    let hills = 0.16 + 0.5 * crests * crests + 1.25 * summit * (0.45 + 0.9 * crests * crests);
+    let hills = 0.16 + 0.5 * crests * crests + 1.05 * summit * (0.45 + 0.9 * crests * crests);
     let h = inland * hills + 0.04 * rolling(2.5 * x, 2.5 * z, 4, 41) * inland - 0.13 * (1.0 - inland);
     lighthouse::shape_ground(x, z, h)
 }

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Broken and odd files: each gives the one error that names its place, or the warning and the right triangles.
+//! Source: original; the rules are those of the command line's contract.
+
+mod common;
+
+use common::{glb, load_named};
+
+/// What must come of a file.
+enum Outcome {
+    /// An error whose line holds this text.
+    Error(&'static str),
+    /// So many triangles, and a warning that holds this text (empty = no warning at all).
+    Triangles(usize, &'static str),
+}
+use Outcome::{Error, Triangles};
+
+const V: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+fn obj_cases() -> Vec<(&'static str, Vec<u8>, Outcome)> {
+    let text = |s: &str| s.as_bytes().to_vec();
+    let after_v = |s: &str| format!("{V}{s}").into_bytes();
+    vec![
+        ("good", after_v("f 1 2 3\n"), Triangles(1, "")),
+        ("no final newline", after_v("f 1 2 3"), Triangles(1, "")),
+        (
+            "crlf",
+            text(&V.replace('\n', "\r\n")).into_iter().chain(*b"f 1 2 3\r\n").collect(),
+            Triangles(1, ""),
+        ),
+        (
+            "cr only",
+            text(&V.replace('\n', "\r")).into_iter().chain(*b"f 1 2 3\r").collect(),
+            Triangles(1, ""),
+        ),
+        ("bom", [b"\xef\xbb\xbf".to_vec(), after_v("f 1 2 3\n")].concat(), Triangles(1, "")),
+        ("tabs and indentation", text("\tv\t0 0 0\n  v 1 0 0\n v 0  1 0\n\t f\t1 2\t3 \n"), Triangles(1, "")),
+        ("continuation", after_v("f 1 \\\n2 \\\r\n3\n"), Triangles(1, "")),
+        ("negative indices", after_v("f -3 -2 -1\n"), Triangles(1, "")),
+        ("unknown keywords", after_v("curv2 1 2\nhello\nf 1 2 3\n"), Triangles(1, "")),
+        ("comments", after_v("# c\nf 1 2 3 # end\n"), Triangles(1, "")),
+        ("w", text("v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\nf 1 2 3\n"), Triangles(1, "")),
+        ("quad", after_v("v 1 1 0\nf 1 2 4 3\n"), Triangles(2, "")),
+        ("zero index", after_v("f 0 1 2\n"), Error("t.obj:4: vertex index 0 out of range; expected 1 to 3")),
+        ("index too large", after_v("f 1 2 4\n"), Error("t.obj:4: vertex index 4 out of range")),
+        ("index too negative", after_v("f 1 2 -4\n"), Error("t.obj:4: vertex index -4 out of range")),
+        ("index beyond 64 bits", after_v("f 1 2 99999999999999999999\n"), Error("t.obj:4: bad corner")),
+        ("face before vertices", text("f 1 2 3\n"), Error("t.obj:1: vertex index 1 out of range; no vertex")),
+        ("face of words", after_v("f a b c\n"), Error("t.obj:4: bad corner `a`")),
+        ("four slashes", after_v("f 1/1/1/1 2 3\n"), Error("t.obj:4: bad corner")),
+        ("bad number", text("v 0 0 x\n"), Error("t.obj:1: bad number `x`; expected `v X Y Z`")),
+        ("two numbers", text("v 0 0\n"), Error("t.obj:1: a vertex of 2 numbers")),
+        ("binary", b"v 0 0 0\n\0\x01\x02".to_vec(), Error("t.obj:2: binary data; expected text")),
+        ("utf-16", b"\xff\xfev\0 \0".to_vec(), Error("binary data")),
+        ("prose", text("Dear Sir,\nhow are you\n"), Error("no OBJ statement")),
+        ("empty", Vec::new(), Triangles(0, "no triangles")),
+        ("no faces", after_v(""), Triangles(0, "no triangles")),
+        ("two corners", after_v("f 1 2\nf 1 2 3\n"), Triangles(1, "t.obj:4: face with fewer than 3")),
+        ("a line", after_v("l 1 2\nf 1 2 3\n"), Triangles(1, "t.obj:4: points or lines")),
+        ("nan", after_v("v nan 0 0\nf 1 2 4\nf 1 2 3\n"), Triangles(1, "NaN or infinite")),
+        ("microsoft nan", after_v("v -1.#IND 0 0\nf 1 2 4\nf 1 2 3\n"), Triangles(1, "NaN or infinite")),
+        ("overflow", after_v("v 1e99 0 0\nf 1 2 4\nf 1 2 3\n"), Triangles(1, "NaN or infinite")),
+        ("zero area", after_v("f 1 1 2\nf 1 2 3\n"), Triangles(1, "without area")),
+        ("all degenerate", after_v("f 1 1 1\n"), Triangles(0, "no triangles")),
+        (
+            "vt out of range",
+            after_v("vt 0 0\nf 1/1 2/2 3/1\n"),
+            Triangles(1, "t.obj:5: face with a texture coordinate"),
+        ),
+        ("vn out of range", after_v("f 1//1 2//1 3//1\n"), Triangles(1, "t.obj:4: face with a normal index")),
+        (
+            "bad vt",
+            after_v("vt x 0\nf 1/1 2/1 3/1\n"),
+            Triangles(1, "t.obj:4: texture coordinate, normal or colour"),
+        ),
+        (
+            "missing library",
+            after_v("mtllib none.mtl\nf 1 2 3\n"),
+            Triangles(1, "t.obj:4: material library cannot be read"),
+        ),
+        ("unknown material", after_v("usemtl gold\nf 1 2 3\n"), Triangles(1, "t.obj:4: unknown material")),
+        ("library is a folder", after_v("mtllib .\nf 1 2 3\n"), Triangles(1, "is a folder")),
+        (
+            "latin-1 name",
+            [after_v("usemtl caf"), b"\xe9\nf 1 2 3\n".to_vec()].concat(),
+            Triangles(1, "unknown material"),
+        ),
+    ]
+}
+
+fn ply_cases() -> Vec<(&'static str, Vec<u8>, Outcome)> {
+    let ascii =
+        |header: &str, body: &str| format!("ply\nformat ascii 1.0\n{header}end_header\n{body}").into_bytes();
+    let xyz = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let faces = "element face 1\nproperty list uchar int vertex_indices\n";
+    let both = &format!("{xyz}{faces}");
+    let points = "0 0 0\n1 0 0\n0 1 0\n";
+    let body = |face: &str| format!("{points}{face}");
+    let binary = |count: &str| {
+        format!("ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty float x\nproperty float y\nproperty float z\nend_header\n")
+            .into_bytes()
+    };
+    vec![
+        ("good", ascii(both, &body("3 0 1 2\n")), Triangles(1, "")),
+        ("no final newline", ascii(both, &body("3 0 1 2")), Triangles(1, "")),
+        ("nan", ascii(both, "nan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"), Triangles(0, "NaN or infinite")),
+        ("bare points", ascii(xyz, points), Triangles(0, "points or lines")),
+        ("empty file", Vec::new(), Error("t.ply:1: the file ends in its header")),
+        ("not ply", b"plx\n".to_vec(), Error("t.ply:1: not a PLY file")),
+        ("no format", b"ply\nend_header\n".to_vec(), Error("no `format` line")),
+        ("bad format", b"ply\nformat binary 1.0\n".to_vec(), Error("t.ply:2: bad format line")),
+        (
+            "bad type",
+            ascii("element vertex 1\nproperty real x\n", ""),
+            Error("t.ply:4: unknown type `real`; valid are char"),
+        ),
+        ("bad count", ascii("element vertex -1\n", ""), Error("t.ply:3: bad count `-1`")),
+        ("huge count", ascii("element vertex 99999999999999999999\n", ""), Error("t.ply:3: bad count")),
+        (
+            "property first",
+            ascii("property float x\n", ""),
+            Error("t.ply:3: a property before the first element"),
+        ),
+        (
+            "twice",
+            ascii("element vertex 1\nproperty float x\nproperty float x\n", ""),
+            Error("t.ply:5: `x` is declared twice"),
+        ),
+        (
+            "no z",
+            ascii("element vertex 1\nproperty float x\nproperty float y\n", "0 0\n"),
+            Error("vertices without x, y and z"),
+        ),
+        (
+            "bad word",
+            ascii(both, "0 0 0\n1 zero 0\n0 1 0\n3 0 1 2\n"),
+            Error("t.ply:11: bad `vertex` line `1 zero 0`; expected numbers for x y z"),
+        ),
+        ("short line", ascii(both, "0 0 0\n1 0\n0 1 0\n3 0 1 2\n"), Error("t.ply:11: bad `vertex` line")),
+        (
+            "out of range",
+            ascii(both, &body("3 0 1 3\n")),
+            Error("t.ply:13: vertex index 3 out of range in face 0; expected 0 to 2"),
+        ),
+        ("negative", ascii(both, &body("3 0 1 -1\n")), Error("t.ply:13: vertex index -1 out of range")),
+        ("short list", ascii(both, &body("4 0 1 2\n")), Error("t.ply:13: bad `face` line")),
+        ("cut off", ascii(both, points), Error("are declared, but only")),
+        ("binary bomb", binary("4000000000"), Error("4000000000 `vertex` elements")),
+        (
+            "binary cut off",
+            [binary("2"), vec![0; 23]].concat(),
+            Error("are declared, but only 23 bytes follow"),
+        ),
+        ("two corners", ascii(both, &body("2 0 1\n")), Triangles(0, "fewer than 3")),
+        ("trailing", ascii(both, &body("3 0 1 2\n9 9\n")), Triangles(1, "bytes after the end")),
+    ]
+}
+
+fn gltf_cases() -> Vec<(&'static str, Vec<u8>, Outcome)> {
+    let text = |s: &str| s.as_bytes().to_vec();
+    let doc = |s: &str| format!(r#"{{"asset":{{"version":"2.0"}}{s}}}"#).into_bytes();
+    let mesh = |positions: usize, more: &str| {
+        doc(&format!(
+            r#","nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":{positions}}}{more}}}]}}],
+            "buffers":[{{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}}],
+            "bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":7,"byteLength":1}},{{"buffer":0,"byteOffset":30,"byteLength":36}}],
+            "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},
+            {{"bufferView":0,"componentType":5126,"count":4,"type":"VEC3"}},{{"bufferView":1,"componentType":5126,"count":3,"type":"VEC3"}},
+            {{"bufferView":2,"componentType":5126,"count":3,"type":"VEC3"}},{{"componentType":5126,"count":9000000000,"type":"VEC3"}},
+            {{"bufferView":0,"componentType":5121,"count":3,"type":"SCALAR","byteOffset":13}}]"#
+        ))
+    };
+    vec![
+        ("good", mesh(0, ""), Triangles(1, "")),
+        ("empty", Vec::new(), Error("broken JSON")),
+        ("cut off", text("{\"asset\":\n"), Error("t.gltf:2: broken JSON")),
+        ("no asset", text("{}"), Error("missing field `asset`")),
+        (
+            "version 1",
+            text(r#"{"asset":{"version":"1.0"}}"#),
+            Error("glTF version `1.0`; expected version 2.0"),
+        ),
+        ("nothing in it", doc(""), Triangles(0, "no triangles")),
+        (
+            "required extension",
+            doc(r#","extensionsRequired":["X_magic"]"#),
+            Triangles(0, "required extension is unknown"),
+        ),
+        ("no accessor", mesh(99, ""), Error("meshes[0].primitives[0]: accessor 99 does not exist")),
+        ("accessor too long", mesh(1, ""), Error("4 elements do not fit into the 36 bytes")),
+        ("no buffer", mesh(2, ""), Error("buffer 7 does not exist")),
+        ("view too long", mesh(3, ""), Error("bufferView 2 ends after its buffer's 36 bytes")),
+        ("accessor bomb", mesh(4, ""), Error("file's own bytes are asked for")),
+        ("no material", mesh(0, r#","material":3"#), Error("material 3 does not exist")),
+        (
+            "index out of range",
+            mesh(0, r#","indices":5"#),
+            Error("vertex index 128 out of range; expected 0 to 2"),
+        ),
+        ("indices of floats", mesh(0, r#","indices":0"#), Error("indices of a wrong type")),
+        ("lines", mesh(0, r#","mode":1"#), Triangles(0, "points or lines")),
+        ("mode 9", mesh(0, r#","mode":9"#), Error("unknown mode")),
+        (
+            "buffer cut off",
+            doc(r#","buffers":[{"byteLength":9,"uri":"data:;base64,AAAA"}]"#),
+            Error("buffers[0]: 9 bytes are declared, but there are 3"),
+        ),
+        (
+            "buffer missing",
+            doc(r#","buffers":[{"byteLength":9,"uri":"no%20such.bin"}]"#),
+            Error("no such file"),
+        ),
+        (
+            "bad base64",
+            doc(r#","buffers":[{"byteLength":9,"uri":"data:;base64,*"}]"#),
+            Error("broken data URI"),
+        ),
+        (
+            "cycle",
+            doc(r#","nodes":[{"children":[1]},{"children":[0]}],"scenes":[{"nodes":[0]}],"scene":0"#),
+            Triangles(0, "stands in the tree twice"),
+        ),
+        ("no node", doc(r#","scenes":[{"nodes":[5]}],"scene":0"#), Error("node 5 does not exist")),
+    ]
+}
+
+fn judge(format: &str, cases: Vec<(&'static str, Vec<u8>, Outcome)>) {
+    for (name, bytes, outcome) in cases {
+        let loaded = load_named(&format!("t.{format}"), &bytes);
+        match (loaded, outcome) {
+            (Err(error), Error(text)) => {
+                let line = error.to_string();
+                assert!(line.contains(text), "{format} {name}: `{line}` should hold `{text}`");
+                assert!(!line.contains(['\n', '{']), "{format} {name}: one line of plain words: {line}");
+            }
+            (Ok(loaded), Triangles(count, text)) => {
+                let found: usize = loaded.scene.meshes().iter().map(|m| m.indices.len()).sum();
+                assert_eq!(found, count, "{format} {name}: triangles");
+                let lines: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+                let warned =
+                    if text.is_empty() { lines.is_empty() } else { lines.iter().any(|l| l.contains(text)) };
+                assert!(warned, "{format} {name}: warnings {lines:?} should hold `{text}`");
+                loaded.scene.check().unwrap_or_else(|e| panic!("{format} {name}: {e}"));
+            }
+            (Ok(_), Error(text)) => panic!("{format} {name}: loaded, but `{text}` was to be said"),
+            (Err(error), Triangles(..)) => panic!("{format} {name}: {error}"),
+        }
+    }
+}
+
+#[test]
+fn obj() {
+    judge("obj", obj_cases());
+}
+
+#[test]
+fn ply() {
+    judge("ply", ply_cases());
+}
+
+#[test]
+fn gltf() {
+    judge("gltf", gltf_cases());
+}
+
+#[test]
+fn binary_gltf() {
+    let good = glb(br#"{"asset":{"version":"2.0"}}"#, b"");
+    let with = |at: usize, bytes: &[u8]| {
+        let mut file = good.clone();
+        file[at..at + bytes.len()].copy_from_slice(bytes);
+        file
+    };
+    judge(
+        "glb",
+        vec![
+            ("good", good.clone(), Triangles(0, "no triangles")),
+            ("magic", with(0, b"glTX"), Error("not a binary glTF file; expected `glTF`")),
+            ("version", with(4, &[1]), Error("glTF version 1; expected version 2")),
+            ("length", with(8, &[255, 255]), Error("bytes are declared, but the file has")),
+            ("chunk length", with(12, &[255, 255]), Error("the file ends in its chunks")),
+            ("chunk kind", with(16, b"NOSJ"), Error("no JSON chunk")),
+            ("twelve bytes", good[..10].to_vec(), Error("the file ends in its header")),
+        ],
+    );
+}
+
+#[test]
+fn paths() {
+    let message = |path: &str| gnurt_scene::io::load(path).expect_err("no scene").to_string();
+    assert!(message("no/such.obj").contains("no such file"), "a missing file");
+    assert!(
+        message("Cargo.toml").contains("unknown scene format `.toml`; valid are .obj, .ply"),
+        "an unknown format"
+    );
+    assert!(message("src").contains("is a folder"), "a folder: {}", message("src"));
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the tests of files share.
+//! Source: original.
+#![allow(dead_code, reason = "every test program uses a part")]
+
+use gnurt_scene::io::{Error, Loaded, load};
+
+/// Loads bytes as a file of this name in a folder of its own.
+pub(crate) fn load_named(name: &str, bytes: &[u8]) -> Result<Loaded, Error> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).expect("a file");
+    load(path)
+}
+
+/// A binary glTF file of a JSON text and a binary chunk.
+pub(crate) fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
+    let mut json = json.to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut file = b"glTF\x02\0\0\0\0\0\0\0".to_vec();
+    for (kind, chunk) in [(b"JSON", &json[..]), (b"BIN\0", binary)] {
+        if !chunk.is_empty() {
+            file.extend((chunk.len() as u32).to_le_bytes());
+            file.extend(kind);
+            file.extend(chunk);
+        }
+    }
+    let length = (file.len() as u32).to_le_bytes();
+    file[8..12].copy_from_slice(&length);
+    file
+}

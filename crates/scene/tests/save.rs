@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What is written is read back.
+//! Source: original.
+
+use gnurt_scene::builtin;
+use gnurt_scene::io::{load, save};
+use gnurt_scene::{Scene, Surface};
+
+fn there_and_back(scene: &Scene, name: &str) -> Scene {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join(name);
+    save(scene, &path).unwrap_or_else(|e| panic!("{e}"));
+    load(&path).unwrap_or_else(|e| panic!("{e}")).scene
+}
+
+/// Area of all triangles in world space, an order-free fingerprint of the geometry.
+fn area(scene: &Scene) -> f64 {
+    let mut sum = 0.0;
+    for instance in scene.instances() {
+        for &mesh in &scene.object(instance.object).meshes {
+            let mesh = scene.mesh(mesh);
+            for t in &mesh.indices {
+                let corner =
+                    |i: u32| instance.world_from_object.point(mesh.positions[i as usize].map(f64::from));
+                let [a, b, c] = t.map(corner);
+                let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+                let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+                sum += cross.iter().map(|x| x * x).sum::<f64>().sqrt() / 2.0;
+            }
+        }
+    }
+    sum
+}
+
+#[test]
+fn geometry_comes_back() {
+    for name in ["cornell", "spheres", "materials", "textures"] {
+        let scene = builtin::load(name).expect("it is built in");
+        let expected = area(&scene);
+        for file in ["a.obj", "a.ply", "a.gltf", "a.glb"] {
+            let found = area(&there_and_back(&scene, file));
+            assert!((found / expected - 1.0).abs() < 1e-5, "{name} as {file}: area {found} of {expected}");
+        }
+    }
+}
+
+#[test]
+fn cameras_lights_and_instances_come_back() {
+    let scene = builtin::load("textures").expect("it is built in");
+    let back = there_and_back(&scene, "a.glb");
+    let (before, after) = (&scene.cameras()[0], &back.cameras()[0]);
+    assert_eq!(before.eye, after.eye, "the eye");
+    assert!((before.fov_y - after.fov_y).abs() < 1e-4, "the angle of view");
+    let (f, g) = (before.frame().expect("a view"), after.frame().expect("a view"));
+    assert!((0..3).all(|k| (f.forward[k] - g.forward[k]).abs() < 1e-5), "the direction");
+    assert_eq!(back.instances().len(), scene.instances().len(), "instances stay instances");
+    assert_eq!(back.lights()[0], scene.lights()[0], "the point light");
+}
+
+#[test]
+fn textures_come_back() {
+    let scene = builtin::load("textures").expect("it is built in");
+    for file in ["a.obj", "a.gltf", "a.glb"] {
+        let back = there_and_back(&scene, file);
+        assert_eq!(back.textures()[0].texels, scene.textures()[0].texels, "{file}: every byte");
+    }
+    let wraps: Vec<_> =
+        there_and_back(&scene, "a.glb").textures().iter().map(|t| (t.wrap, t.filter)).collect();
+    let expected: Vec<_> = scene.textures().iter().map(|t| (t.wrap, t.filter)).collect();
+    assert_eq!(wraps, expected, "samplers");
+}
+
+#[test]
+fn glass_and_mirrors_come_back() {
+    let scene = builtin::load("spheres").expect("it is built in");
+    let back = there_and_back(&scene, "a.obj");
+    let surface = |name: &str| &back.materials().iter().find(|m| m.name == name).expect("its name").surface;
+    assert!(matches!(surface("mirror"), Surface::Mirror { .. }), "a mirror");
+    assert!(matches!(surface("glass"), Surface::Dielectric { ior: 1.5, .. }), "glass");
+    assert!(matches!(surface("gold"), Surface::MetallicRoughness { metallic: 1.0, .. }), "metal");
+}
