@@ -8,9 +8,7 @@ use std::time::Duration;
 
 use common::*;
 use gnurt_accel::RayBatch;
-use gnurt_render::{
-    Integrator, PerspectiveCamera, Progress, RenderOptions, Silent, render, trace_pixel,
-};
+use gnurt_render::{Integrator, PerspectiveCamera, Progress, RenderOptions, Silent, render, trace_pixel};
 use gnurt_scene::material::Color;
 use gnurt_scene::{Light, Material, Scene, Surface};
 use gnurt_shading::CameraShader;

@@ -106,7 +106,6 @@ fn furnace() {
     assert_close(beside[0], 2.0, 1e-6, "misses see the environment");
 }
 
-
 #[test]
 fn instances_share_an_object_and_shine_alone() {
     let mut scene = floor(ALBEDO as f32, 20.0);

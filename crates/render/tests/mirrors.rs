@@ -4,8 +4,8 @@
 mod common;
 
 use common::*;
-use gnurt_scene::{Light, Material, Scene, Surface};
 use gnurt_scene::material::Color;
+use gnurt_scene::{Light, Material, Scene, Surface};
 
 /// A mirror on the floor, and a wall at y = 4 that shines below z = 2 and is brighter above.
 fn hall() -> Scene {
@@ -86,7 +86,8 @@ fn glass_balls_keep_the_furnace() {
 
 #[test]
 fn smooth_metals_see_lights_once() {
-    for roughness in [0.0, 0.1, 0.2, 0.3, 0.6] {
+    // Rough metals lose what is scattered between facets: integrals of the lobe, computed apart.
+    for (roughness, wanted) in [(0.0, 1.0), (0.1, 1.0), (0.2, 0.999), (0.3, 0.997), (0.6, 0.815)] {
         let mut scene = Scene::new();
         let metal = Surface::MetallicRoughness {
             base_color: Color::constant([1.0; 3]),
@@ -101,7 +102,7 @@ fn smooth_metals_see_lights_once() {
         // Met by mirrored rays and sampled by rough lobes: twice were too bright, never too dark.
         scene.add_light(environment([1.0; 3]));
         let seen = radiance_at(&scene, [0.0, -2.0, 4.0], [0.0; 3], 1024)[0];
-        assert!((0.9..1.02).contains(&seen), "roughness {roughness}: a white metal under white: {seen}");
+        assert_close(seen, wanted, 0.01, &format!("roughness {roughness}: a white metal under white"));
     }
 }
 

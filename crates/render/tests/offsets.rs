@@ -26,7 +26,12 @@ fn surfaces_do_not_shade_themselves() {
             let cos = 0.01 / (0.09_f64 + 0.04 + 0.0001).sqrt();
             let picture = frame(&scene, &view, &options(48, 32, 1)).picture;
             for (i, pixel) in picture.color.iter().enumerate().filter(|(_, pixel)| pixel[3] > 0.0) {
-                assert_close(f64::from(pixel[0]), cos, 1e-2, &format!("scale {scale}, away {away}, pixel {i}"));
+                assert_close(
+                    f64::from(pixel[0]),
+                    cos,
+                    1e-2,
+                    &format!("scale {scale}, away {away}, pixel {i}"),
+                );
             }
         }
     }
@@ -47,7 +52,8 @@ fn boxes_do_not_leak() {
             scene.instantiate(object, turn * Affine::scale([factor; 3]));
             scene.add_light(Light::Point { position: [2.5 * scale; 3], intensity: [scale * scale; 3] });
             scene.add_light(environment([1.0; 3]));
-            let view = camera([0.1 * scale, 0.05 * scale, 0.0], [0.3 * scale, 0.4 * scale, 0.2 * scale], 120.0);
+            let view =
+                camera([0.1 * scale, 0.05 * scale, 0.0], [0.3 * scale, 0.4 * scale, 0.2 * scale], 120.0);
             let world = world_of(&scene, false);
             let frame = render(&world, &view, &options(64, 64, 4), &pool(2), &Silent).expect("sound options");
             let leaks = frame.picture.color.iter().filter(|pixel| pixel[0] > 0.0 || pixel[3] < 1.0).count();

@@ -162,8 +162,10 @@ fn check(scenes: &[&str], spp: u32, batches: u64, mean_tolerance: f64) {
             eprintln!("SKIPPED: {scene} could not be unpacked (python3 and ../shared/scenes are needed)");
             continue;
         };
-        let read = |name: String| gnurt_image::read(&references.join(name)).expect("the reference can be read");
-        let (wanted, variance) = (read(format!("{scene}-direct.exr")), read(format!("{scene}-direct-var.exr")));
+        let read =
+            |name: String| gnurt_image::read(&references.join(name)).expect("the reference can be read");
+        let (wanted, variance) =
+            (read(format!("{scene}-direct.exr")), read(format!("{scene}-direct-var.exr")));
         let verdict = compare(&render_batches(reference, &folder, spp, batches), &wanted, &variance);
         eprintln!("{scene}: {verdict:?}");
         assert!(

@@ -120,5 +120,8 @@ pub fn radiance_at(scene: &Scene, eye: [f32; 3], target: [f32; 3], spp: u32) -> 
 
 /// Asserts that two numbers agree within a share of the wanted one.
 pub fn assert_close(found: f64, wanted: f64, tolerance: f64, what: &str) {
-    assert!((found - wanted).abs() <= tolerance * wanted.abs().max(1e-12), "{what}: {found} instead of {wanted}");
+    assert!(
+        (found - wanted).abs() <= tolerance * wanted.abs().max(1e-12),
+        "{what}: {found} instead of {wanted}"
+    );
 }

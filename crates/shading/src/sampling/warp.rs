@@ -3,7 +3,7 @@
 //! Source: [SC97] (concentric disk), Malley's method (cosine hemisphere), [Hei19] (triangle), [DBC*17] (frame).
 //! Proof: `tests::{hemisphere_follows_the_cosine, triangle_is_uniform, basis_is_orthonormal}`.
 
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use glam::{Vec2, Vec3};
 
@@ -86,6 +86,8 @@ pub fn triangle([mut a, mut b]: [f32; 2]) -> [f32; 2] {
 
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::PI;
+
     use super::*;
     use crate::batch::SampleKey;
     use crate::sampling::sample_pair;
