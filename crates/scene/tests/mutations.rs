@@ -39,7 +39,7 @@ fn mutate(name: &str, bytes: &[u8]) {
         attempt(&bytes[..end]);
     }
     for at in 0..bytes.len() {
-        for flip in [0x01, 0x10, 0x80, 0xff] {
+        for flip in [0x01, 0x90] {
             let mut changed = bytes.to_vec();
             changed[at] ^= flip;
             attempt(&changed);
@@ -67,7 +67,7 @@ fn mtl() {
     let (path, library) = (folder.path().join("t.obj"), folder.path().join("t.mtl"));
     std::fs::write(&path, obj).expect("a file");
     for at in 0..mtl.len() {
-        for flip in [0x01, 0x10, 0x80, 0xff] {
+        for flip in [0x01, 0x90] {
             let mut changed = mtl.to_vec();
             changed[at] ^= flip;
             std::fs::write(&library, changed).expect("a file");

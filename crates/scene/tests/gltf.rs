@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What glTF files mean here.
+//! Source: original; glTF 2.0 and its extensions.
+
+mod common;
+
+use common::load_named;
+use gnurt_scene::io::Oddity;
+use gnurt_scene::material::{Alpha, TextureRef};
+use gnurt_scene::{Light, Material, Scene, Surface};
+
+/// Accessors: 0 = triangle (0,0,0) (1,0,0) (0,1,0) as floats, 1 = its first vertex three times, 2 = joints 0,
+/// 3 = weights 1, 4 = the triangle with vertex 2 replaced by (1,0,0) through a sparse accessor.
+const DATA: &str = r#""buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteLength":12},{"buffer":0,"byteOffset":12,"byteLength":12}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},
+{"bufferView":1,"componentType":5121,"count":3,"type":"SCALAR"},
+{"bufferView":1,"componentType":5121,"count":3,"type":"VEC4"},
+{"componentType":5126,"count":3,"type":"VEC4","sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":0,"byteOffset":12}}},
+{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","sparse":{"count":1,"indices":{"bufferView":1,"componentType":5121},"values":{"bufferView":2}}}]"#;
+
+fn gltf(body: &str) -> Scene {
+    let json = format!(r#"{{"asset":{{"version":"2.0"}},{DATA},{body}}}"#);
+    load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}")).scene
+}
+
+fn material(body: &str) -> Material {
+    gltf(&format!(r#""materials":[{{{body}}}]"#)).materials()[0].clone()
+}
+
+const TRIANGLE: &str = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]"#;
+
+#[test]
+fn meshes_are_instanced() {
+    let scene = gltf(&format!(
+        r#"{TRIANGLE},"nodes":[{{"mesh":0}},{{"children":[2],"translation":[5,0,0]}},{{"mesh":0,"scale":[2,2,2]}}]"#
+    ));
+    assert_eq!(scene.objects().len(), 1, "one object");
+    let corners: Vec<_> =
+        scene.instances().iter().map(|i| i.world_from_object.point([1.0, 0.0, 0.0])).collect();
+    assert_eq!(corners, [[1.0, 0.0, 0.0], [7.0, 0.0, 0.0]], "two instances, the child below its parent");
+}
+
+#[test]
+fn sparse_accessors_substitute() {
+    let body = r#""meshes":[{"primitives":[{"attributes":{"POSITION":4}}]}],"nodes":[{"mesh":0}]"#;
+    let json = format!(r#"{{"asset":{{"version":"2.0"}},{DATA},{body}}}"#);
+    let loaded = load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
+    // Vertex 0 became vertex 1: no area is left.
+    assert_eq!(loaded.warnings.count(Oddity::ZeroAreaTriangle), 1, "the substitute counts");
+}
+
+#[test]
+fn materials_become_ours() {
+    let plain = material(r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,0,1],"metallicFactor":0.5}"#);
+    assert!(
+        matches!(plain.surface, Surface::MetallicRoughness { metallic: 0.5, roughness: 1.0, .. }),
+        "as given"
+    );
+    let glass = material(
+        r#""pbrMetallicRoughness":{"roughnessFactor":0},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1},"KHR_materials_ior":{"ior":1.25}}"#,
+    );
+    assert!(matches!(glass.surface, Surface::Dielectric { ior: 1.25, .. }), "glass: {:?}", glass.surface);
+    let lamp = material(
+        r#""emissiveFactor":[1,0.5,0],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}}"#,
+    );
+    assert_eq!(lamp.emission, [8.0, 4.0, 0.0], "factor times strength");
+    let sign = material(
+        r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,0,1]},"extensions":{"KHR_materials_unlit":{}}"#,
+    );
+    assert_eq!(sign.emission, [0.5, 0.25, 0.0], "unlit shines");
+    let leaf = material(r#""alphaMode":"MASK","alphaCutoff":0.25"#);
+    assert!(matches!(leaf.alpha, Alpha::Mask { cutoff: 0.25, .. }), "masked: {:?}", leaf.alpha);
+}
+
+#[test]
+fn texture_transforms_agree_with_the_extension() {
+    // A PNG of one pixel.
+    let png =
+        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";
+    let material = material(
+        r#""pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.1,0.2],"rotation":0.3,"scale":[2,3]}}}}"#,
+    );
+    assert_eq!(material.diffuse_color().texture, None, "no such texture: the base colour");
+    let scene = gltf(&format!(
+        r#""images":[{{"uri":"data:image/png;base64,{png}"}}],"textures":[{{"source":0}}],"materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0,"extensions":{{"KHR_texture_transform":{{"offset":[0.1,0.2],"rotation":0.3,"scale":[2,3]}}}}}}}}}}]"#
+    ));
+    let Some(TextureRef { uv_from_mesh: [a, b, c, d, e, f], .. }) =
+        scene.materials()[0].diffuse_color().texture
+    else {
+        panic!("a texture");
+    };
+    // The extension's own order: scale, rotate, move, with v downwards.
+    let (u, v_down) = (0.4_f32, 0.7_f32);
+    let (sin, cos) = 0.3_f32.sin_cos();
+    let (x, y) = (2.0 * u, 3.0 * v_down);
+    let expected = [cos * x + sin * y + 0.1, 1.0 - (-sin * x + cos * y + 0.2)];
+    let w = 1.0 - v_down;
+    let found = [a * u + c * w + e, b * u + d * w + f];
+    assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-5), "{found:?} is not {expected:?}");
+}
+
+#[test]
+fn morph_weights_move_vertices() {
+    let scene = gltf(
+        r#""meshes":[{"weights":[2],"primitives":[{"attributes":{"POSITION":0},"targets":[{"POSITION":0}]}]}],"nodes":[{"mesh":0}]"#,
+    );
+    assert_eq!(scene.meshes()[0].positions[1], [3.0, 0.0, 0.0], "position + 2 target");
+}
+
+#[test]
+fn skins_follow_their_joints() {
+    // Weights: vertex 0 has (1,0,0,0); vertices 1 and 2 have none and stay.
+    let scene = gltf(
+        r#""meshes":[{"primitives":[{"attributes":{"POSITION":0,"JOINTS_0":2,"WEIGHTS_0":3}}]}],"skins":[{"joints":[1]}],
+        "nodes":[{"mesh":0,"skin":0,"translation":[9,9,9]},{"translation":[0,0,5]}]"#,
+    );
+    assert_eq!(scene.meshes()[0].positions[0], [0.0, 0.0, 5.0], "where its joint is");
+    assert_eq!(
+        scene.instances()[0].world_from_object.point([0.0; 3]),
+        [0.0; 3],
+        "the node's own place does not count"
+    );
+}
+
+#[test]
+fn deep_and_cyclic_trees() {
+    let json =
+        r#"{"asset":{"version":"2.0"},"nodes":[{"children":[0]}],"scenes":[{"nodes":[0,0]}],"scene":0}"#;
+    let loaded = load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(loaded.warnings.count(Oddity::BadNode), 2, "its own child, and a root twice");
+}
+
+#[test]
+fn cameras_and_lights() {
+    let scene = gltf(
+        r#""cameras":[{"type":"perspective","perspective":{"yfov":1.5707963,"znear":0.1}},{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"zfar":9,"znear":1}}],
+        "extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional","intensity":2,"color":[1,0.5,0]}]}},
+        "nodes":[{"camera":0,"translation":[1,2,3]},{"camera":1},{"extensions":{"KHR_lights_punctual":{"light":0}}}]"#,
+    );
+    let [camera] = scene.cameras() else { panic!("one camera can be used") };
+    assert_eq!((camera.eye, camera.target), ([1.0, 2.0, 3.0], [1.0, 2.0, 2.0]), "it looks along -z");
+    assert!((camera.fov_y - 90.0).abs() < 1e-3, "degrees: {}", camera.fov_y);
+    let expected = Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0, 1.0, 0.0] };
+    assert_eq!(scene.lights(), [expected], "colour times intensity");
+}

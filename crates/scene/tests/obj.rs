@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What OBJ and MTL files mean here.
+//! Source: original; the table in `io::obj::material`.
+
+mod common;
+
+use common::load_named;
+use gnurt_scene::material::{Alpha, Material};
+use gnurt_scene::{Scene, Surface};
+
+const V: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\n";
+
+fn obj(text: &str) -> Scene {
+    load_named("t.obj", text.as_bytes()).unwrap_or_else(|e| panic!("{e}")).scene
+}
+
+/// The material that a library of one material becomes.
+fn material(mtl: &str) -> Material {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("t.mtl"), format!("newmtl the one\n{mtl}\n")).expect("a file");
+    let path = folder.path().join("t.obj");
+    std::fs::write(&path, format!("mtllib t.mtl\n{V}usemtl the one\nf 1 2 3\n")).expect("a file");
+    let loaded = gnurt_scene::io::load(path).unwrap_or_else(|e| panic!("{e}"));
+    assert!(loaded.warnings.is_empty(), "{mtl}: {:?}", loaded.warnings);
+    loaded.scene.material(loaded.scene.meshes()[0].material).clone()
+}
+
+#[test]
+fn groups_become_one_mesh_per_material() {
+    let scene = obj(&format!("{V}g a\nf 1 2 3\ng b\nf 2 4 3\no c\nf 1 2 4\n"));
+    assert_eq!(scene.meshes().len(), 1, "groups of one material are one mesh");
+    assert_eq!(scene.meshes()[0].positions.len(), 4, "shared vertices stay shared");
+    assert_eq!(scene.instances().len(), 1, "one instance of one object");
+}
+
+#[test]
+fn runs_are_welded() {
+    let scene = obj(&format!("{V}vt 0 0\nvn 0 0 1\nf 1 2 3\nf 2//1 4//1 3//1\nf 1 2 4\n"));
+    let mesh = &scene.meshes()[0];
+    // Four corners without a normal, three with one.
+    assert_eq!(mesh.positions.len(), 7, "vertices that differ in nothing are one");
+    assert_eq!(mesh.normals.iter().filter(|n| **n == [0.0; 3]).count(), 4, "no normal is a zero normal");
+    assert_eq!(mesh.indices.len(), 3, "all triangles");
+}
+
+#[test]
+fn colors_and_texture_coordinates_are_kept() {
+    let scene = obj("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nvt 0.25 0.75\nf 1/1 2/1 3/1\n");
+    let mesh = &scene.meshes()[0];
+    assert_eq!(mesh.colors[1], [0.0, 1.0, 0.0, 1.0], "a colour, linear as it stands");
+    assert_eq!(mesh.texcoords[0], [0.25, 0.75], "v runs upwards in OBJ as here");
+}
+
+#[test]
+fn materials_become_ours() {
+    let is = |mtl: &str, check: fn(&Surface) -> bool| {
+        let surface = material(mtl).surface;
+        assert!(check(&surface), "{mtl:?} became {surface:?}");
+    };
+    is("Kd .1 .2 .3", |s| matches!(s, Surface::Matte { base_color } if base_color.factor == [0.1, 0.2, 0.3]));
+    is("Kd .5 .5 .5\nKs 0 0 0\nNs 2000", |s| matches!(s, Surface::Matte { .. }));
+    is("Kd 0 0 0\nKs .9 .9 .9\nNs 2000\nillum 3", |s| matches!(s, Surface::Mirror { .. }));
+    is("Kd 0 0 0\nKs .9 .9 .9", |s| matches!(s, Surface::Mirror { .. }));
+    is(
+        "Kd 0 0 0\nKs .9 .9 .9\nNs 198\nillum 3",
+        |s| matches!(s, Surface::MetallicRoughness { metallic: 1.0, roughness, .. } if (roughness - 0.316).abs() < 0.001),
+    );
+    is(
+        "Kd .6 .6 .6\nKs .04 .04 .04\nNs 198",
+        |s| matches!(s, Surface::MetallicRoughness { metallic: 0.0, ior, .. } if (ior - 1.5).abs() < 1e-3),
+    );
+    is("Kd 0 0 0\nKs .04 .04 .04\nTf 1 1 1\nd 0.1\nNi 1.4\nillum 7", |s| {
+        matches!(s, Surface::Dielectric { ior: 1.4, transmittance: [1.0, 1.0, 1.0], .. })
+    });
+    is("Kd .5 .5 .5\nPm 1\nPr .25", |s| {
+        matches!(s, Surface::MetallicRoughness { metallic: 1.0, roughness: 0.25, .. })
+    });
+    let mirror = material("Kd 0 0 0\nKs .9 .9 .9\nillum 3");
+    assert_eq!(mirror.diffuse_color().factor, [0.0; 3], "--force-diffuse shows Kd, black as it is");
+    let window = material("Kd .5 .5 .5\nTr .25");
+    assert!(
+        matches!(window.alpha, Alpha::Blend { opacity } if opacity.factor == 0.75),
+        "opacity: {:?}",
+        window.alpha
+    );
+    let lamp = material("Kd 0 0 0\nKe 17 12 4");
+    assert_eq!(lamp.emission, [17.0, 12.0, 4.0], "Ke is radiance");
+}
+
+#[test]
+fn broken_lines_and_textures_are_warnings() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mtl = "newmtl m\nKd 1 x 1\nmap_Kd no such.png\nNs\nKd .2 .2 .2\n";
+    std::fs::write(folder.path().join("my lib.mtl"), mtl).expect("a file");
+    let path = folder.path().join("t.obj");
+    std::fs::write(&path, format!("mtllib my lib.mtl\n{V}usemtl m\nf 1 2 3\n")).expect("a file");
+    let loaded = gnurt_scene::io::load(path).unwrap_or_else(|e| panic!("{e}"));
+    let lines: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
+    assert!(lines[0].contains("my lib.mtl:2: material line cannot be understood"), "{lines:?}");
+    assert!(lines[0].ends_with("[2 in all]"), "and `Ns` without a number: {lines:?}");
+    assert!(lines[1].contains("my lib.mtl:3: texture cannot be read"), "{lines:?}");
+    let material = loaded.scene.material(loaded.scene.meshes()[0].material);
+    assert_eq!(material.diffuse_color().factor, [0.2; 3], "the good line counts");
+}
