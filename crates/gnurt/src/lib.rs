@@ -1,5 +1,79 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! GNU RT: a free ray tracing system, the open implementation of OpenRT.
+//!
+//! This crate is the door: it re-exports the rooms of the house and adds what a program needs to get from a name to a
+//! picture. The rooms: [`scene`] describes, [`accel`] answers ray queries, [`shading`] says how light leaves surfaces,
+//! [`render`] commits a description to a [`World`](render::World) and makes pictures of it, [`image`] keeps pictures and
+//! their files, [`simd`] chooses the CPU's instructions.
+//!
+//! # A picture
+//!
+//! ```
+//! use gnurt::render::{CommitOptions, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let mut scene = gnurt::load_scene("builtin:cornell")?.scene;
+//! gnurt::defaults::complete(&mut scene, 1.0); // a camera and lights, where a scene has none
+//! let pool = gnurt::thread_pool(0)?; // one thread per core
+//! let mut world = World::new();
+//! world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool)?;
+//! let camera = PerspectiveCamera::new(&scene.cameras()[0]).ok_or("the camera has no view")?;
+//! let options = RenderOptions { width: 32, height: 32, spp: 4, ..RenderOptions::default() };
+//! let frame = render(&world, &camera, &options, &pool, &Silent)?;
+//! # let folder = tempfile::tempdir()?;
+//! # std::env::set_current_dir(folder.path())?;
+//! gnurt::image::write(&frame.picture, "cornell.png".as_ref(), &gnurt::image::WriteOptions::default())?;
+//! # assert!(std::path::Path::new("cornell.png").exists(), "the picture is there");
+//! # assert!(frame.picture.color.iter().any(|pixel| pixel[0] > 0.1), "there is light");
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Rays
+//!
+//! ```
+//! use gnurt::accel::Ray;
+//! use gnurt::render::{CommitOptions, ShaderTable, World};
+//! use gnurt::scene::{Affine, Material, Mesh, Scene};
+//!
+//! # fn main() -> Result<(), gnurt::Error> {
+//! let mut scene = Scene::new();
+//! let material = scene.add_material(Material::matte("grey", [0.5; 3]));
+//! let triangle = Mesh {
+//!     positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+//!     indices: vec![[0, 1, 2]],
+//!     material,
+//!     ..Mesh::default()
+//! };
+//! let mesh = scene.add_mesh(triangle);
+//! let object = scene.add_object_of("triangle", vec![mesh]);
+//! scene.instantiate(object, Affine::translation([0.0, 0.0, -5.0]));
+//!
+//! let mut world = World::new();
+//! let pool = gnurt::thread_pool(1)?;
+//! world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool)?;
+//! let ray = Ray::new([0.25, 0.25, 0.0], [0.0, 0.0, -1.0]);
+//! let hit = world.intersect(&ray).expect("the triangle is in the way");
+//! assert_eq!((hit.t, hit.prim_id), (5.0, 0));
+//! assert!(!world.occluded(&ray.within(0.0, 4.9)));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Conventions
+//!
+//! Right-handed space; triangles are counter-clockwise seen from the side of their geometric normal; surfaces scatter on
+//! both sides, emission leaves the side of the normal only; colours are linear. Nothing is global: thread pools are
+//! passed in. The same scene, options and seed give the same picture, bit for bit, on any number of threads of one
+//! instruction set.
+//!
+//! # Limits today
+//!
+//! * Light that was scattered by more than one rough surface is not computed: the integrators are `eyelight`, `normals`
+//!   and `whitted` (direct light, mirrors, glass).
+//! * Geometry is triangles and instances of them; no curves, no subdivision, no motion blur, no volumes.
+//! * The only camera of descriptions is a pinhole; other cameras are [`CameraShader`](shading::CameraShader)s.
+//! * The API may change until version 1.0.
 #![forbid(unsafe_code)]
 
 pub mod defaults;
@@ -14,6 +88,6 @@ pub use gnurt_render as render;
 pub use gnurt_scene as scene;
 pub use gnurt_shading as shading;
 pub use gnurt_simd as simd;
-pub use load::{BUILTIN, Loaded, load_scene};
+pub use load::{BUILTIN, Loaded, builtin_names, builtin_scenes, load_scene};
 pub use rayon::ThreadPool;
 pub use threads::{cores, thread_pool};

@@ -9,7 +9,18 @@ use crate::scene::io;
 pub use io::Loaded;
 
 /// What the names of built-in scenes begin with.
-pub const BUILTIN: &str = "builtin:";
+pub const BUILTIN: &str = io::BUILTIN_PREFIX;
+
+/// Names of the built-in scenes, and what each shows.
+pub fn builtin_scenes() -> impl Iterator<Item = (&'static str, &'static str)> {
+    crate::scene::builtin::ALL.iter().map(|builtin| (builtin.name, builtin.description))
+}
+
+/// Names of the built-in scenes, without `builtin:`.
+#[must_use]
+pub fn builtin_names() -> Vec<&'static str> {
+    builtin_scenes().map(|(name, _)| name).collect()
+}
 
 /// Loads a scene: `builtin:NAME`, or a path whose extension says the format.
 ///
@@ -17,5 +28,23 @@ pub const BUILTIN: &str = "builtin:";
 /// [`io::Error`] says which file and line, what is wrong and what would be right; an unknown `builtin:` name is
 /// [`io::ErrorKind::UnknownName`].
 pub fn load_scene(source: impl AsRef<OsStr>) -> Result<Loaded, io::Error> {
-    io::load(source.as_ref())
+    io::load_source(source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn builtin_and_files() {
+        assert!(builtin_names().contains(&"cornell"), "the box is built in");
+        assert!(
+            !load_scene("builtin:cornell").expect("it can be made").scene.meshes().is_empty(),
+            "it has meshes"
+        );
+        let unknown = load_scene("builtin:cornel").expect_err("no such scene");
+        assert_eq!(unknown.kind, io::ErrorKind::UnknownName, "{unknown}");
+        let missing = load_scene("no/such/file.obj").expect_err("no such file");
+        assert_eq!(missing.kind, io::ErrorKind::Io, "{missing}");
+    }
 }

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The command line as types. Text becomes values here and nowhere else; what is refused here costs no work.
+//! Source: original; names and rules are the contract of the command line.
+//! An option given twice: the last one wins. Values may start with a minus. Proof: `tests/program/arguments.rs`.
+
+mod refusal;
+mod render;
+mod talk;
+pub(crate) mod value;
+mod view;
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+pub(crate) use refusal::{Refusal, explain};
+pub(crate) use render::{RenderArguments, StatisticsForm};
+pub(crate) use talk::TalkArguments;
+pub(crate) use value::{Pixel, Resolution};
+pub(crate) use view::{FrameArguments, LightArguments, MachineArguments, ViewArguments};
+
+/// Ray tracing from the command line.
+#[derive(Debug, Parser)]
+#[command(
+    name = "gnurt",
+    version,
+    about = "GNU RT: a free ray tracing system",
+    after_help = AFTER_HELP,
+    args_override_self = true,
+    subcommand_required = true,
+    disable_help_subcommand = false
+)]
+pub(crate) struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Scenes: .obj (with .mtl), .ply, .gltf, .glb, or builtin:NAME (`gnurt scenes` lists them).
+Pictures: .png, .exr, .hdr, .pfm.
+
+Environment (options win): GNURT_THREADS as --threads; GNURT_ISA as --isa;
+GNURT_LOG = error, warning, info or debug; GNURT_PATH = folders to look for scenes in.
+
+Exit status: 0 done, 1 bad data or pictures differ, 2 bad arguments, 130 stopped by the second Ctrl-C.
+The first Ctrl-C ends the rendering and saves the picture so far.";
+
+/// The subcommands.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a scene to a picture
+    #[command(args_override_self = true)]
+    Render(Box<RenderArguments>),
+    /// Say what is in a scene
+    #[command(args_override_self = true)]
+    Info(InfoArguments),
+    /// Compare two pictures: exit status 0 if equal, 1 if they differ, 2 if they cannot be compared
+    #[command(args_override_self = true)]
+    Diff(DiffArguments),
+    /// Convert a picture to another picture format, or a scene to another scene format
+    #[command(args_override_self = true)]
+    Convert(ConvertArguments),
+    /// Follow the light of one pixel and print each step
+    #[command(args_override_self = true)]
+    Trace(Box<TraceArguments>),
+    /// List the built-in scenes
+    #[command(args_override_self = true)]
+    Scenes(ScenesArguments),
+}
+
+impl Command {
+    /// How much it is to say.
+    pub(crate) fn talk(&self) -> &TalkArguments {
+        match self {
+            Self::Render(arguments) => &arguments.talk,
+            Self::Info(arguments) => &arguments.talk,
+            Self::Diff(arguments) => &arguments.talk,
+            Self::Convert(arguments) => &arguments.talk,
+            Self::Trace(arguments) => &arguments.talk,
+            Self::Scenes(arguments) => &arguments.talk,
+        }
+    }
+
+    /// How it is to use the machine, if it computes at all.
+    pub(crate) fn machine(&self) -> Option<&MachineArguments> {
+        match self {
+            Self::Render(arguments) => Some(&arguments.machine),
+            Self::Info(arguments) => Some(&arguments.machine),
+            Self::Trace(arguments) => Some(&arguments.machine),
+            Self::Diff(_) | Self::Convert(_) | Self::Scenes(_) => None,
+        }
+    }
+}
+
+/// Arguments of `info`.
+#[derive(Args, Debug)]
+pub(crate) struct InfoArguments {
+    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    pub(crate) scene: OsString,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Build the trees, and say how large they are
+    #[arg(long)]
+    pub(crate) tree: bool,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// Arguments of `diff`.
+#[derive(Args, Debug)]
+pub(crate) struct DiffArguments {
+    /// A picture (.png, .exr, .hdr, .pfm, .jpg, ...)
+    pub(crate) a: PathBuf,
+    /// The picture it is compared with: reference of relMSE
+    pub(crate) b: PathBuf,
+    /// Largest absolute difference of a linear value that still passes
+    #[arg(long, value_name = "T", value_parser = value::tolerance, allow_hyphen_values = true, default_value = "0")]
+    pub(crate) fail: f64,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// Arguments of `convert`.
+#[derive(Args, Debug)]
+pub(crate) struct ConvertArguments {
+    /// A picture or a scene
+    #[arg(value_name = "IN")]
+    pub(crate) input: OsString,
+    /// The file to write: the extension says the format
+    #[arg(value_name = "OUT")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// Arguments of `trace`.
+#[derive(Args, Debug)]
+pub(crate) struct TraceArguments {
+    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    pub(crate) scene: OsString,
+    /// The pixel, from the upper left corner
+    #[arg(long, value_name = "X,Y", value_parser = value::pixel, allow_hyphen_values = true)]
+    pub(crate) pixel: Pixel,
+    #[command(flatten)]
+    pub(crate) frame: FrameArguments,
+    #[command(flatten)]
+    pub(crate) view: ViewArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// Arguments of `scenes`.
+#[derive(Args, Debug)]
+pub(crate) struct ScenesArguments {
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}

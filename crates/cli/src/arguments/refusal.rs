@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The argument parser's refusals, in the one-line form of all errors of this program.
+//! Source: original. Proof: `tests/program/arguments.rs`, and `tests` here.
+
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::{Command, CommandFactory};
+
+use super::Arguments;
+use crate::nearest::unknown;
+
+/// What became of a command line that is no command.
+#[derive(Debug)]
+pub(crate) enum Refusal {
+    /// Help or version: text for standard output, and success.
+    Answer(String),
+    /// A mistake: the text behind `error:`.
+    Mistake(String),
+}
+
+/// Rewrites what the parser says.
+pub(crate) fn explain(error: &clap::Error) -> Refusal {
+    match error.kind() {
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Refusal::Answer(error.render().to_string()),
+        _ => Refusal::Mistake(mistake(error)),
+    }
+}
+
+fn mistake(error: &clap::Error) -> String {
+    let (argument, value) = (text(error, ContextKind::InvalidArg), text(error, ContextKind::InvalidValue));
+    match error.kind() {
+        ErrorKind::ValueValidation => {
+            let why = std::error::Error::source(error).map(ToString::to_string).unwrap_or_default();
+            format!("{} '{value}': {why}", name_of(&argument))
+        }
+        ErrorKind::InvalidValue if value.is_empty() => {
+            format!("{}: a value is missing; give {argument}", name_of(&argument))
+        }
+        ErrorKind::UnknownArgument => unknown_argument(&argument),
+        ErrorKind::InvalidSubcommand => {
+            let root = Arguments::command();
+            unknown("command", &text(error, ContextKind::InvalidSubcommand), &commands(&root))
+        }
+        ErrorKind::MissingSubcommand | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            format!("no command given; give one of: {}", commands(&Arguments::command()).join(", "))
+        }
+        ErrorKind::MissingRequiredArgument => {
+            format!("{} is missing; see --help", argument.replace('\n', ", "))
+        }
+        ErrorKind::InvalidUtf8 => "an argument is no UTF-8 text; only file names may be anything else".into(),
+        _ => first_line(error),
+    }
+}
+
+/// `unknown option '--sppp'; did you mean '--spp'? valid are: ...`, or a file name too many.
+fn unknown_argument(argument: &str) -> String {
+    if !argument.starts_with('-') {
+        return format!("'{argument}' is one argument too many; see --help");
+    }
+    let root = Arguments::command();
+    let command = used_command(&root).unwrap_or(&root);
+    let options: Vec<String> = command
+        .get_arguments()
+        .flat_map(|option| option.get_long_and_visible_aliases().unwrap_or_default())
+        .chain(["help"])
+        .map(|long| format!("--{long}"))
+        .collect();
+    let mut options: Vec<&str> = options.iter().map(String::as_str).collect();
+    options.dedup();
+    // `--sppp=4` means the option before the sign.
+    let written = argument.split('=').next().unwrap_or(argument);
+    unknown("option", written, &options)
+}
+
+/// The subcommand that the process was called with.
+fn used_command(root: &Command) -> Option<&Command> {
+    std::env::args_os().skip(1).find_map(|word| root.find_subcommand(word))
+}
+
+fn commands(root: &Command) -> Vec<&str> {
+    root.get_subcommands().map(Command::get_name).chain(["help"]).collect()
+}
+
+/// `--spp <N>` without what stands behind the name.
+fn name_of(argument: &str) -> &str {
+    argument.split([' ', '=', '[']).next().unwrap_or(argument)
+}
+
+/// A piece of the parser's knowledge as text.
+fn text(error: &clap::Error, kind: ContextKind) -> String {
+    match error.get(kind) {
+        Some(ContextValue::String(text)) => text.clone(),
+        Some(ContextValue::Strings(texts)) => texts.join(", "),
+        Some(other) => other.to_string(),
+        None => String::new(),
+    }
+}
+
+/// What the parser says of its own accord, for kinds that this program's arguments do not bring about.
+fn first_line(error: &clap::Error) -> String {
+    let whole = error.render().to_string();
+    let line = whole.lines().next().unwrap_or("bad arguments");
+    line.strip_prefix("error: ").unwrap_or(line).to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    fn message(words: &[&str]) -> String {
+        let line = std::iter::once("gnurt").chain(words.iter().copied());
+        match explain(&Arguments::try_parse_from(line).expect_err("a bad command line")) {
+            Refusal::Answer(text) | Refusal::Mistake(text) => text,
+        }
+    }
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn says_which_option_and_what_would_be_right() {
+        let spp = message(&["render", "a.obj", "--spp", "0"]);
+        assert_eq!(spp, "--spp '0': give a whole number from 1 to 2147483647", "a bad value");
+        assert!(message(&["render"]).contains("<SCENE> is missing"), "{}", message(&["render"]));
+        let missing = message(&["render", "a.obj", "--spp"]);
+        assert!(missing.contains("--spp: a value is missing"), "{missing}");
+        let command = message(&["rendr"]);
+        assert!(command.contains("did you mean 'render'?"), "{command}");
+        assert!(
+            message(&["info", "a.obj", "b.obj"]).contains("'b.obj' is one argument too many"),
+            "a file too many"
+        );
+        assert!(message(&[]).starts_with("no command given"), "{}", message(&[]));
+    }
+
+    #[test]
+    fn help_is_an_answer() {
+        let error = Arguments::try_parse_from(["gnurt", "--help"]).expect_err("help is told as an error");
+        assert!(
+            matches!(explain(&error), Refusal::Answer(text) if text.contains("render")),
+            "help is an answer"
+        );
+    }
+}

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Arguments of `render`. Source: original; names after pbrt, Mitsuba and appleseed.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+
+use super::value::{self, Crop};
+use super::{FrameArguments, LightArguments, MachineArguments, TalkArguments, ViewArguments};
+
+/// Arguments of `render`.
+#[derive(Args, Debug)]
+pub(crate) struct RenderArguments {
+    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    pub(crate) scene: OsString,
+    /// Picture to write: .png, .exr, .hdr or .pfm; without it the scene's name with .png, in the current folder
+    #[arg(short, long, value_name = "FILE", allow_hyphen_values = true)]
+    pub(crate) output: Option<PathBuf>,
+    /// Also write a picture of the cost of each pixel
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true)]
+    pub(crate) heatmap: Option<PathBuf>,
+    /// Render only these pixels, x1 and y1 excluded, from the upper left corner; the others stay black
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = value::crop, allow_hyphen_values = true)]
+    pub(crate) crop: Option<Crop>,
+    /// Stop after this time and keep the picture so far: 90, 90s, 1.5m, 2h
+    #[arg(long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true)]
+    pub(crate) time: Option<Duration>,
+    /// Say what was counted and measured: a table on standard error, or json on standard output
+    #[arg(
+        long,
+        value_name = "FORM",
+        value_parser = StatisticsForm::parse,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "table"
+    )]
+    pub(crate) stats: Option<StatisticsForm>,
+    #[command(flatten)]
+    pub(crate) frame: FrameArguments,
+    #[command(flatten)]
+    pub(crate) view: ViewArguments,
+    #[command(flatten)]
+    pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// How statistics are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StatisticsForm {
+    /// For people, on standard error.
+    Table,
+    /// For programs, on standard output.
+    Json,
+}
+
+impl StatisticsForm {
+    fn parse(name: &str) -> Result<Self, String> {
+        match name {
+            "table" => Ok(Self::Table),
+            "json" => Ok(Self::Json),
+            _ => Err(crate::nearest::unknown("form", name, &["table", "json"])),
+        }
+    }
+}

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Options that several commands share: the frame, the camera, the machine, the way from light to screen.
+//! Source: original; names after pbrt, Mitsuba and appleseed.
+
+use clap::Args;
+use gnurt::image::ToneCurve;
+use gnurt::render::{Integrator, ReconstructionFilter};
+use gnurt::simd::Level;
+
+use super::value::{self, Resolution};
+
+/// What is computed for which pixels.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Picture")]
+pub(crate) struct FrameArguments {
+    /// Size of the picture in pixels
+    #[arg(
+        short,
+        long,
+        value_name = "WxH",
+        value_parser = value::resolution,
+        allow_hyphen_values = true,
+        default_value = "1280x720"
+    )]
+    pub(crate) resolution: Resolution,
+    /// Samples per pixel
+    #[arg(
+        long,
+        visible_alias = "samples",
+        value_name = "N",
+        value_parser = value::samples,
+        allow_hyphen_values = true,
+        default_value = "16"
+    )]
+    pub(crate) spp: u32,
+    /// Seed of the random numbers: the same seed gives the same picture
+    #[arg(long, value_name = "N", value_parser = value::seed, allow_hyphen_values = true, default_value = "0")]
+    pub(crate) seed: u64,
+    /// How light is computed: eyelight, normals or whitted
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = value::integrator,
+        allow_hyphen_values = true,
+        default_value = "whitted"
+    )]
+    pub(crate) integrator: Integrator,
+    /// How samples make a pixel: box, triangle, gaussian or blackman-harris
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = value::filter,
+        allow_hyphen_values = true,
+        default_value = "box"
+    )]
+    pub(crate) filter: ReconstructionFilter,
+    /// How often light may be mirrored or refracted
+    #[arg(long, value_name = "N", value_parser = value::depth, allow_hyphen_values = true, default_value = "16")]
+    pub(crate) max_depth: u32,
+    /// Make every material a Lambertian reflector of its base colour
+    #[arg(long)]
+    pub(crate) force_diffuse: bool,
+}
+
+/// Where it is seen from: each option replaces one part of the scene's camera.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Camera")]
+pub(crate) struct ViewArguments {
+    /// Camera of the scene, by its name or its number from 0
+    #[arg(long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
+    pub(crate) camera: Option<String>,
+    /// Where the camera is
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::point, allow_hyphen_values = true)]
+    pub(crate) eye: Option<[f32; 3]>,
+    /// A point in the middle of the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::point, allow_hyphen_values = true)]
+    pub(crate) target: Option<[f32; 3]>,
+    /// What is up in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = value::direction, allow_hyphen_values = true)]
+    pub(crate) up: Option<[f32; 3]>,
+    /// Vertical angle of view in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = value::angle_of_view, allow_hyphen_values = true)]
+    pub(crate) fov: Option<f32>,
+}
+
+/// What it is computed with.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Machine")]
+pub(crate) struct MachineArguments {
+    /// Threads; 0 = all cores
+    #[arg(short, long, value_name = "N", value_parser = value::threads, allow_hyphen_values = true)]
+    pub(crate) threads: Option<usize>,
+    /// Instruction set: auto, scalar, sse4.2, avx2, avx512 or neon
+    #[arg(long, value_name = "NAME", value_parser = value::isa, allow_hyphen_values = true)]
+    pub(crate) isa: Option<Level>,
+}
+
+/// From linear light to the bytes of a screen; files of floats keep the light.
+#[derive(Args, Clone, Copy, Debug, Default)]
+#[command(next_help_heading = "PNG")]
+pub(crate) struct LightArguments {
+    /// Tone curve of PNG files: clamp, reinhard or filmic
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = value::tone,
+        allow_hyphen_values = true,
+        default_value = "clamp"
+    )]
+    pub(crate) tone: ToneCurve,
+    /// Exposure of PNG files in stops: each doubles the light
+    #[arg(
+        long,
+        value_name = "EV",
+        value_parser = value::exposure,
+        allow_hyphen_values = true,
+        default_value = "0"
+    )]
+    pub(crate) exposure: f32,
+}

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt convert IN OUT`: pictures to pictures, scenes to scenes, by extension.
+//! Source: original. What is written is checked before what is read is read. Proof: `tests/program/conversion.rs`.
+
+use std::ffi::OsStr;
+use std::path::Path;
+
+use gnurt::image;
+use gnurt::scene::io;
+
+use crate::arguments::ConvertArguments;
+use crate::environment::Environment;
+use crate::failure::{Failure, Outcome};
+use crate::messages::Messages;
+use crate::output::{Output, is_same_file};
+use crate::signals::{self, FirstSignal, while_writing};
+use crate::source::Source;
+
+/// What a file's name says it holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Picture,
+    Scene,
+}
+
+/// Converts.
+pub(crate) fn run(arguments: &ConvertArguments, environment: &Environment, messages: Messages) -> Outcome {
+    let (input, output) = (Path::new(&arguments.input), &arguments.output);
+    if is_same_file(input, output) {
+        return Err(Failure::usage(format_args!(
+            "{} and {} are the same file; give another name to write to",
+            input.display(),
+            output.display()
+        )));
+    }
+    signals::listen(FirstSignal::Leaves, messages)?;
+    match (kind(&arguments.input), written_kind(output)?) {
+        (Kind::Picture, Kind::Picture) => convert_picture(arguments, messages),
+        (Kind::Scene, Kind::Scene) => convert_scene(arguments, environment, messages),
+        (Kind::Scene, Kind::Picture) => Err(Failure::usage(format_args!(
+            "{} is a scene and {} a picture; `gnurt render` makes pictures of scenes",
+            input.display(),
+            output.display()
+        ))),
+        (Kind::Picture, Kind::Scene) => Err(Failure::usage(format_args!(
+            "{} is a picture and {} a scene; there is no way from pictures to scenes",
+            input.display(),
+            output.display()
+        ))),
+    }
+}
+
+/// Scenes are told by their names; whatever else it is will be read as a picture, whose bytes say what it is.
+fn kind(input: &OsStr) -> Kind {
+    let is_builtin = input.to_str().is_some_and(|text| text.starts_with(gnurt::BUILTIN));
+    if is_builtin || io::Format::of(Path::new(input)).is_ok() { Kind::Scene } else { Kind::Picture }
+}
+
+fn written_kind(output: &Path) -> Result<Kind, Failure> {
+    if io::Format::of(output).is_ok() {
+        return Ok(Kind::Scene);
+    }
+    // The message lists the formats of pictures; name those of scenes as well.
+    Output::named(output).map(|_| Kind::Picture).map_err(|failure| {
+        Failure::usage(format_args!(
+            "{}; or .obj, .ply, .gltf, .glb for scenes",
+            failure.message().unwrap_or_default()
+        ))
+    })
+}
+
+fn convert_picture(arguments: &ConvertArguments, messages: Messages) -> Outcome {
+    let output = Output::named(&arguments.output)?;
+    output.check()?;
+    let picture = image::read(Path::new(&arguments.input)).map_err(Failure::data)?;
+    output.write(&picture, arguments.light)?;
+    messages.detail(format_args!("wrote {}, {}x{}", output.path().display(), picture.width, picture.height));
+    Ok(())
+}
+
+fn convert_scene(arguments: &ConvertArguments, environment: &Environment, messages: Messages) -> Outcome {
+    let source = Source::find(&arguments.input, environment)?;
+    image::check_writable(&arguments.output).map_err(Failure::data)?;
+    let scene = source.load(messages)?;
+    let saved = while_writing(|| io::save(&scene, &arguments.output)).map_err(Failure::data)?;
+    for warning in saved.iter() {
+        messages.warning(warning);
+    }
+    messages.detail(format_args!("wrote {}", arguments.output.display()));
+    Ok(())
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt diff A B`: how far two pictures are apart, and whether that is too far.
+//! Source: original, after `idiff` of OpenImageIO. `--fail T` bounds the largest absolute difference of a linear value.
+//! Opacity counts too, unless one of the files is of a format that cannot hold any. Proof: `tests/program/differences.rs`.
+
+use std::path::Path;
+
+use gnurt::image::{self, Comparison};
+
+use crate::arguments::DiffArguments;
+use crate::failure::{Failure, Outcome};
+use crate::messages::{Messages, print};
+
+/// Formats of colours alone, and those whose opacity nobody means.
+const WITHOUT_OPACITY: [&str; 5] = ["pfm", "hdr", "jpg", "jpeg", "bmp"];
+
+/// Compares.
+pub(crate) fn run(arguments: &DiffArguments, messages: Messages) -> Outcome {
+    let a = image::read(&arguments.a).map_err(Failure::usage)?;
+    let b = image::read(&arguments.b).map_err(Failure::usage)?;
+    let comparison = image::compare(&a, &b).map_err(|error| {
+        Failure::usage(format_args!("{}, {}: {error}", arguments.a.display(), arguments.b.display()))
+    })?;
+    print(comparison.to_string().trim_end())?;
+    let with_opacity = has_opacity(&arguments.a) && has_opacity(&arguments.b);
+    messages.detail(if with_opacity {
+        "opacity counts"
+    } else {
+        "opacity does not count: a format has none"
+    });
+    if passes(&comparison, arguments.fail, with_opacity) { Ok(()) } else { Err(Failure::Differs) }
+}
+
+/// Whether no value differs by more than `tolerance`; a tolerance of 0 asks for equal bits.
+fn passes(comparison: &Comparison, tolerance: f64, with_opacity: bool) -> bool {
+    let opacity = if with_opacity { comparison.max_opacity_difference } else { 0.0 };
+    // A NaN on either side is an infinite difference, and no tolerance is infinite.
+    comparison.max_difference <= tolerance && opacity <= tolerance
+}
+
+fn has_opacity(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    !WITHOUT_OPACITY.contains(&&extension[..])
+}

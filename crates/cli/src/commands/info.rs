@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt info SCENE`: what is in a scene, as a table or as JSON.
+//! Source: original. Triangles and vertices count once per mesh; `instanced` counts them once per instance.
+//! Proof: `tests/program/info.rs`.
+
+use std::fmt::Write;
+
+use gnurt::defaults::{Bounds, bounds_of};
+use gnurt::render::{CommitOptions, ShaderTable, World, WorldStats};
+use gnurt::scene::{Light, Mesh, Scene};
+use serde_json::{Value, json};
+
+use crate::arguments::InfoArguments;
+use crate::environment::Environment;
+use crate::failure::{Failure, Outcome};
+use crate::machine::bytes;
+use crate::messages::{Messages, print};
+use crate::program::machine;
+use crate::source::Source;
+
+/// Tells what is in a scene.
+pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages: Messages) -> Outcome {
+    let source = Source::find(&arguments.scene, environment)?;
+    let scene = source.load(messages)?;
+    let tree = arguments.tree.then(|| build(&scene, arguments, environment)).transpose()?;
+    let inventory = Inventory::of(&scene);
+    if arguments.json {
+        print(inventory.to_json(&source.name(), &scene, tree.as_ref()))
+    } else {
+        print(inventory.to_text(&source.name(), &scene, tree.as_ref()).trim_end())
+    }
+}
+
+/// What the trees of a scene take.
+struct Tree {
+    stats: WorldStats,
+    seconds: f64,
+}
+
+fn build(scene: &Scene, arguments: &InfoArguments, environment: &Environment) -> Result<Tree, Failure> {
+    let (pool, level) = machine(&arguments.machine, environment)?;
+    let mut world = World::new();
+    let options = CommitOptions { level, ..CommitOptions::default() };
+    let report = world.commit(scene, &ShaderTable::default(), &options, &pool).map_err(Failure::data)?;
+    Ok(Tree { stats: world.stats(), seconds: report.build_seconds })
+}
+
+/// Counts.
+struct Inventory {
+    triangles: usize,
+    instanced: usize,
+    emitting: usize,
+    vertices: usize,
+    mesh_bytes: usize,
+    texture_bytes: usize,
+    bounds: Option<Bounds>,
+}
+
+impl Inventory {
+    fn of(scene: &Scene) -> Self {
+        let meshes = scene.meshes();
+        let emits = |mesh: &&Mesh| scene.materials().get(mesh.material.index()).is_some_and(|m| m.emits());
+        let of_object = |object: &gnurt::scene::Object| -> usize {
+            object.meshes.iter().filter_map(|id| meshes.get(id.index())).map(|mesh| mesh.indices.len()).sum()
+        };
+        let objects =
+            scene.instances().iter().filter_map(|instance| scene.objects().get(instance.object.index()));
+        Self {
+            triangles: meshes.iter().map(|mesh| mesh.indices.len()).sum(),
+            instanced: objects.map(of_object).sum(),
+            emitting: meshes.iter().filter(emits).map(|mesh| mesh.indices.len()).sum(),
+            vertices: meshes.iter().map(|mesh| mesh.positions.len()).sum(),
+            mesh_bytes: meshes.iter().map(Mesh::memory_bytes).sum(),
+            texture_bytes: scene.textures().iter().map(|texture| texture.texels.memory_bytes()).sum(),
+            bounds: bounds_of(scene),
+        }
+    }
+
+    fn to_json(&self, name: &str, scene: &Scene, tree: Option<&Tree>) -> Value {
+        let mut report = json!({
+            "scene": name,
+            "triangles": self.triangles,
+            "instanced_triangles": self.instanced,
+            "vertices": self.vertices,
+            "meshes": scene.meshes().len(),
+            "objects": scene.objects().len(),
+            "instances": scene.instances().len(),
+            "materials": scene.materials().len(),
+            "textures": scene.textures().len(),
+            "lights": scene.lights().len(),
+            "emissive_triangles": self.emitting,
+            "cameras": scene.cameras().len(),
+            "bounds": self.bounds.map(|bounds| json!({ "min": bounds.min, "max": bounds.max })),
+            "memory": {
+                "meshes": self.mesh_bytes,
+                "textures": self.texture_bytes,
+                "total": self.mesh_bytes + self.texture_bytes,
+            },
+            "camera_names": scene.cameras().iter().map(|camera| &camera.name[..]).collect::<Vec<_>>(),
+        });
+        if let (Some(tree), Value::Object(report)) = (tree, &mut report) {
+            let Tree { stats, seconds } = tree;
+            let value =
+                json!({ "nodes": stats.tree_nodes, "bytes": stats.tree_bytes, "build_seconds": seconds });
+            report.insert("tree".into(), value);
+        }
+        report
+    }
+
+    fn to_text(&self, name: &str, scene: &Scene, tree: Option<&Tree>) -> String {
+        let mut text = String::new();
+        // Writing to a string does not fail.
+        let mut row = |name: &str, value: String| {
+            let _ = writeln!(text, "{name:<12}{value}");
+        };
+        row("scene", name.to_owned());
+        row("triangles", format!("{} ({} with instances)", self.triangles, self.instanced));
+        row("vertices", self.vertices.to_string());
+        row("meshes", scene.meshes().len().to_string());
+        row("objects", scene.objects().len().to_string());
+        row("instances", scene.instances().len().to_string());
+        row("materials", scene.materials().len().to_string());
+        row("textures", scene.textures().len().to_string());
+        row("lights", format!("{}, {} emissive triangles", lights(scene.lights()), self.emitting));
+        row("cameras", scene.cameras().len().to_string());
+        for (index, camera) in scene.cameras().iter().enumerate() {
+            let list = |v: [f32; 3]| v.map(|x| x.to_string()).join(",");
+            let (eye, target, up) = (list(camera.eye), list(camera.target), list(camera.up));
+            let place = format!("--eye {eye} --target {target} --up {up} --fov {}", camera.fov_y);
+            row("", format!("{index} '{}': {place}", camera.name));
+        }
+        row(
+            "bounds",
+            self.bounds.map_or("nothing to see".into(), |b| corner(b.min) + " to " + &corner(b.max)),
+        );
+        let (meshes, textures) = (bytes(self.mesh_bytes as u64), bytes(self.texture_bytes as u64));
+        row("memory", format!("{meshes} of meshes, {textures} of textures"));
+        if let Some(Tree { stats, seconds }) = tree {
+            let size = bytes(stats.tree_bytes as u64);
+            row("trees", format!("{} nodes, {size}, built in {seconds:.2} s", stats.tree_nodes));
+        }
+        text
+    }
+}
+
+/// A place to six digits, as single precision knows it.
+fn corner(point: [f64; 3]) -> String {
+    format!("({})", point.map(|x| (x as f32).to_string()).join(", "))
+}
+
+/// `3 (1 point, 2 spot)`.
+fn lights(lights: &[Light]) -> String {
+    let kind = |light: &Light| match light {
+        Light::Point { .. } => "point",
+        Light::Spot { .. } => "spot",
+        Light::Directional { .. } => "directional",
+        Light::Environment { .. } => "environment",
+    };
+    let counts = ["point", "spot", "directional", "environment"]
+        .map(|name| (lights.iter().filter(|light| kind(light) == name).count(), name));
+    let named: Vec<String> = counts
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, name)| format!("{count} {name}"))
+        .collect();
+    if named.is_empty() { "0".into() } else { format!("{} ({})", lights.len(), named.join(", ")) }
+}

@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The subcommands, one file each. Source: original. Each has `run`, which takes its arguments and says how it ended.
+
+pub(crate) mod convert;
+pub(crate) mod diff;
+pub(crate) mod info;
+pub(crate) mod render;
+pub(crate) mod scenes;
+pub(crate) mod trace;

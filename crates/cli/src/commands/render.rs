@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt render SCENE`: from a scene to a picture.
+//! Source: original; the order of checks is the contract of the command line: arguments, the scene's path, the output's
+//! folder and the memory that the picture takes come before any work. Proof: `tests/`.
+
+use std::time::Instant;
+
+use gnurt::ThreadPool;
+use gnurt::render::{CommitOptions, CommitReport, Frame, RenderOptions, ShaderTable, World, render};
+use gnurt::scene::Scene;
+use gnurt::simd::Level;
+
+use crate::arguments::{FrameArguments, RenderArguments, StatisticsForm};
+use crate::environment::Environment;
+use crate::failure::{Failure, Outcome};
+use crate::machine::{bytes, free_memory};
+use crate::messages::{Messages, print};
+use crate::output::{Output, is_same_file};
+use crate::picture_header::{describe, describe_making};
+use crate::program::machine;
+use crate::progress::Watcher;
+use crate::signals::{self, FirstSignal};
+use crate::source::Source;
+use crate::statistics::Statistics;
+use crate::view;
+
+/// What is written at the end.
+struct Targets {
+    picture: Output,
+    heatmap: Option<Output>,
+}
+
+/// Renders.
+pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messages: Messages) -> Outcome {
+    let begin = Instant::now();
+    let (source, targets) = check(arguments, environment)?;
+    signals::listen(FirstSignal::Saves, messages)?;
+    let (pool, level) = machine(&arguments.machine, environment)?;
+
+    let mut scene = source.load(messages)?;
+    let (camera, rays) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
+    let loaded = begin.elapsed();
+    let (world, report) = commit(&scene, &arguments.frame, level, &pool, messages)?;
+    drop(scene);
+
+    let options = options(arguments, &targets, level);
+    let watcher = Watcher::begin(messages.shows_progress());
+    let outcome = render(&world, &rays, &options, &pool, &watcher);
+    watcher.end();
+    let mut frame = outcome.map_err(Failure::usage)?;
+    tell(&frame, arguments, messages);
+
+    describe(&mut frame.picture, &arguments.frame);
+    if targets.picture.has_layers() {
+        let aspect = options.width as f32 / options.height as f32;
+        describe_making(&mut frame.picture, &camera, aspect, &frame.stats);
+    }
+    save(&frame, &targets, arguments, messages)?;
+
+    let statistics = Statistics {
+        scene: source.name(),
+        picture: targets.picture.path(),
+        options: &options,
+        world: world.stats(),
+        report,
+        render: &frame.stats,
+        load_seconds: loaded.as_secs_f64(),
+        total_seconds: begin.elapsed().as_secs_f64(),
+    };
+    match arguments.stats {
+        Some(StatisticsForm::Json) => print(statistics.to_json()),
+        Some(StatisticsForm::Table) => {
+            messages.table(statistics);
+            Ok(())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Everything that can be refused before any work.
+fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Source, Targets), Failure> {
+    view::check(&arguments.view)?;
+    let resolution = arguments.frame.resolution;
+    if let Some(crop) = arguments.crop.filter(|crop| crop.within(resolution).is_none()) {
+        return Err(Failure::usage(format_args!(
+            "--crop '{crop}': no pixel of the {resolution} picture is in it; give x0,y0,x1,y1 with x0 < x1 and y0 < y1"
+        )));
+    }
+    let given = arguments.output.as_deref().map(Output::named).transpose()?;
+    let heatmap = arguments.heatmap.as_deref().map(Output::named).transpose()?;
+    let source = Source::find(&arguments.scene, environment)?;
+    let picture = given.map_or_else(|| Output::named(&source.picture_name()), Ok)?;
+    if heatmap.as_ref().is_some_and(|heatmap| is_same_file(heatmap.path(), picture.path())) {
+        return Err(Failure::usage("--heatmap and --output are the same file; give two"));
+    }
+    picture.check()?;
+    heatmap.iter().try_for_each(Output::check)?;
+    let targets = Targets { picture, heatmap };
+    check_memory(arguments, &targets)?;
+    Ok((source, targets))
+}
+
+/// Whether the picture can fit into what the machine has left.
+fn check_memory(arguments: &RenderArguments, targets: &Targets) -> Outcome {
+    /// Colours, the sums they are made from, and the file's bytes.
+    const PER_PIXEL: u64 = 64;
+    /// Albedo, normal, position, depth and ids, and their bytes in the file.
+    const LAYERS_PER_PIXEL: u64 = 192;
+    /// Costs and their colours.
+    const HEAT_PER_PIXEL: u64 = 40;
+    let resolution = arguments.frame.resolution;
+    let layers = if targets.picture.has_layers() { LAYERS_PER_PIXEL } else { 0 };
+    let heat = if targets.heatmap.is_some() { HEAT_PER_PIXEL } else { 0 };
+    let needed = u64::from(resolution.width) * u64::from(resolution.height) * (PER_PIXEL + layers + heat);
+    match free_memory().filter(|&free| needed > free) {
+        Some(free) => Err(Failure::data(format_args!(
+            "--resolution {resolution}: the picture takes {} of memory and {} are free; ask for a smaller one",
+            bytes(needed),
+            bytes(free)
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Builds the trees, and tells what had to be left out.
+pub(super) fn commit(
+    scene: &Scene,
+    frame: &FrameArguments,
+    level: Level,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Result<(World, CommitReport), Failure> {
+    let mut world = World::new();
+    let options = CommitOptions { force_diffuse: frame.force_diffuse, level };
+    let report = world.commit(scene, &ShaderTable::default(), &options, pool).map_err(Failure::data)?;
+    if report.dropped_triangles > 0 {
+        messages
+            .warning(format_args!("{} triangles without a finite area left out", report.dropped_triangles));
+    }
+    if report.dropped_instances > 0 {
+        messages.warning(format_args!(
+            "{} instances whose transform has no inverse left out",
+            report.dropped_instances
+        ));
+    }
+    // A scene without any triangle was warned about when it was read.
+    let has_triangles = scene.meshes().iter().any(|mesh| !mesh.indices.is_empty());
+    if world.bounds().is_none() && has_triangles {
+        messages.warning("no triangle is left to be seen: only the background is");
+    }
+    let stats = world.stats();
+    messages.detail(format_args!(
+        "{} triangles in {} objects, {} instances: trees of {} nodes, {}, in {:.2} s",
+        stats.triangles,
+        stats.objects,
+        stats.instances,
+        stats.tree_nodes,
+        bytes(stats.tree_bytes as u64),
+        report.build_seconds
+    ));
+    Ok((world, report))
+}
+
+fn options(arguments: &RenderArguments, targets: &Targets, level: Level) -> RenderOptions {
+    RenderOptions {
+        crop: arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution)),
+        time_limit: arguments.time,
+        aovs: targets.picture.has_layers(),
+        heatmap: targets.heatmap.is_some(),
+        ..frame_options(&arguments.frame, level)
+    }
+}
+
+/// The part of the options that `trace` shares.
+pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptions {
+    RenderOptions {
+        width: frame.resolution.width,
+        height: frame.resolution.height,
+        spp: frame.spp,
+        seed: frame.seed,
+        integrator: frame.integrator,
+        filter: frame.filter,
+        max_depth: frame.max_depth,
+        level,
+        ..RenderOptions::default()
+    }
+}
+
+/// What people should know about the picture.
+fn tell(frame: &Frame, arguments: &RenderArguments, messages: Messages) {
+    let stats = &frame.stats;
+    if stats.bad_samples > 0 {
+        messages
+            .warning(format_args!("{} samples that were NaN or infinite became black", stats.bad_samples));
+    }
+    if !stats.complete {
+        let reason = if signals::is_stopped() { "stopped by a signal" } else { "the time is up" };
+        messages.note(format_args!(
+            "{reason}: {} to {} of {} samples per pixel were taken",
+            stats.spp_min, stats.spp_max, arguments.frame.spp
+        ));
+    }
+    let million_rays = stats.rays() as f64 * 1e-6;
+    messages.detail(format_args!(
+        "{million_rays:.2} million rays in {:.2} s on {} threads: {:.2} million per second",
+        stats.seconds,
+        stats.threads,
+        million_rays / stats.seconds.max(1e-9)
+    ));
+    messages.trace(format_args!(
+        "{} nodes visited, {} triangles tested",
+        stats.nodes_visited, stats.triangles_tested
+    ));
+}
+
+fn save(frame: &Frame, targets: &Targets, arguments: &RenderArguments, messages: Messages) -> Outcome {
+    targets.picture.write(&frame.picture, arguments.light)?;
+    messages.detail(format_args!("wrote {}", targets.picture.path().display()));
+    if let (Some(target), Some(heatmap)) = (&targets.heatmap, &frame.heatmap) {
+        target.write(heatmap, crate::arguments::LightArguments::default())?;
+        messages.detail(format_args!("wrote {}", target.path().display()));
+    }
+    Ok(())
+}

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt trace SCENE --pixel X,Y`: every arrow of the flow of ARCHITECTURE.md, for one pixel.
+//! Source: original. Proof: `tests/program/interface.rs`.
+
+use gnurt::render::trace_pixel;
+
+use super::render::{commit, frame_options};
+use crate::arguments::TraceArguments;
+use crate::environment::Environment;
+use crate::failure::{Failure, Outcome};
+use crate::messages::{Messages, print};
+use crate::program::machine;
+use crate::source::Source;
+use crate::view;
+
+/// Follows one pixel.
+pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, messages: Messages) -> Outcome {
+    view::check(&arguments.view)?;
+    let (pixel, resolution) = (arguments.pixel, arguments.frame.resolution);
+    if pixel.x >= resolution.width || pixel.y >= resolution.height {
+        return Err(Failure::usage(format_args!(
+            "--pixel '{},{}': outside the {resolution} picture; columns end at {}, rows at {}",
+            pixel.x,
+            pixel.y,
+            resolution.width - 1,
+            resolution.height - 1
+        )));
+    }
+    let source = Source::find(&arguments.scene, environment)?;
+    let (pool, level) = machine(&arguments.machine, environment)?;
+    let mut scene = source.load(messages)?;
+    let (_, rays) = view::choose(&mut scene, &arguments.view, resolution, messages)?;
+    let (world, _) = commit(&scene, &arguments.frame, level, &pool, messages)?;
+    let options = frame_options(&arguments.frame, level);
+    print(trace_pixel(&world, &rays, &options, pixel.x, pixel.y).map_err(Failure::usage)?)
+}

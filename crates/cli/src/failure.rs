@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Why a command ended early, and the exit status that says so.
+//! Source: original; the statuses are the contract of the command line.
+
+use std::fmt;
+use std::process::ExitCode;
+
+/// What a command gives back.
+pub(crate) type Outcome = Result<(), Failure>;
+
+/// An early end.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// The user asked for what does not exist or makes no sense: status 2.
+    Usage(String),
+    /// A file or a device did not do its part: status 1.
+    Data(String),
+    /// `diff` found a difference, and has said so already: status 1.
+    Differs,
+    /// Standard output was closed by its reader, who has seen enough: status 0.
+    Unheard,
+}
+
+impl Failure {
+    /// The user's mistake.
+    pub(crate) fn usage(what: impl fmt::Display) -> Self {
+        Self::Usage(what.to_string())
+    }
+
+    /// The data's or the system's.
+    pub(crate) fn data(what: impl fmt::Display) -> Self {
+        Self::Data(what.to_string())
+    }
+
+    /// What goes behind `error:`.
+    pub(crate) fn message(&self) -> Option<&str> {
+        match self {
+            Self::Usage(message) | Self::Data(message) => Some(message),
+            Self::Differs | Self::Unheard => None,
+        }
+    }
+
+    /// The status that the program ends with.
+    pub(crate) fn status(&self) -> ExitCode {
+        match self {
+            Self::Usage(_) => ExitCode::from(2),
+            Self::Data(_) | Self::Differs => ExitCode::from(1),
+            Self::Unheard => ExitCode::SUCCESS,
+        }
+    }
+}

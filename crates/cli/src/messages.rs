@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the program says to people: lines on standard error, and reports on standard output.
+//! Source: original; the form is the contract of the command line.
+//! Invariants: a message is one line, whatever a file or an argument held; colours only on a terminal; a closed
+//! standard error or output is no panic. Proof: `tests::one_line_without_control_characters`, `tests/program/interface.rs`.
+
+use std::fmt;
+use std::io::{self, IsTerminal, Write};
+
+use crate::failure::{Failure, Outcome};
+
+/// How much is said.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Verbosity {
+    /// Errors only.
+    Quiet,
+    /// Warnings, notes and, on a terminal, progress.
+    #[default]
+    Normal,
+    /// What was done and how long it took.
+    Details,
+    /// All that is known.
+    Everything,
+}
+
+/// The one who speaks.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Messages {
+    verbosity: Verbosity,
+    color: bool,
+    terminal: bool,
+}
+
+impl Messages {
+    /// A speaker for standard error as it is.
+    pub(crate) fn new(verbosity: Verbosity) -> Self {
+        let terminal = io::stderr().is_terminal();
+        let wanted = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+        let able = std::env::var_os("TERM").is_none_or(|term| term != "dumb");
+        Self { verbosity, color: terminal && wanted && able, terminal }
+    }
+
+    /// Whether a progress bar would be seen and is wanted.
+    pub(crate) fn shows_progress(&self) -> bool {
+        self.terminal && self.verbosity >= Verbosity::Normal
+    }
+
+    /// The reason of a failure.
+    pub(crate) fn error(&self, text: impl fmt::Display) {
+        self.line("error", "\x1b[1;31m", text);
+    }
+
+    /// Something odd that was dealt with.
+    pub(crate) fn warning(&self, text: impl fmt::Display) {
+        if self.verbosity >= Verbosity::Normal {
+            self.line("warning", "\x1b[1;33m", text);
+        }
+    }
+
+    /// Something that was decided for the user.
+    pub(crate) fn note(&self, text: impl fmt::Display) {
+        if self.verbosity >= Verbosity::Normal {
+            self.line("note", "\x1b[1;36m", text);
+        }
+    }
+
+    /// What `-v` is for.
+    pub(crate) fn detail(&self, text: impl fmt::Display) {
+        if self.verbosity >= Verbosity::Details {
+            self.line("info", "\x1b[1m", text);
+        }
+    }
+
+    /// What `-vv` is for.
+    pub(crate) fn trace(&self, text: impl fmt::Display) {
+        if self.verbosity >= Verbosity::Everything {
+            self.line("debug", "\x1b[2m", text);
+        }
+    }
+
+    /// A table that was asked for: several lines on standard error, even under `-q`.
+    pub(crate) fn table(&self, text: impl fmt::Display) {
+        // A closed standard error leaves nobody to tell.
+        let _ = writeln!(io::stderr().lock(), "{text}");
+    }
+
+    fn line(&self, label: &str, color: &str, text: impl fmt::Display) {
+        let text = one_line(&text.to_string());
+        let (on, off) = if self.color { (color, "\x1b[0m") } else { ("", "") };
+        // One write, so that lines of several threads never mix. A closed standard error leaves nobody to tell.
+        let _ = io::stderr().lock().write_all(format!("{on}{label}:{off} {text}\n").as_bytes());
+    }
+}
+
+/// Writes a report to standard output; a reader who left early is no failure.
+pub(crate) fn print(text: impl fmt::Display) -> Outcome {
+    let mut out = io::stdout().lock();
+    writeln!(out, "{text}").and_then(|()| out.flush()).map_err(|error| match error.kind() {
+        io::ErrorKind::BrokenPipe => Failure::Unheard,
+        _ => Failure::data(format_args!("standard output: {error}")),
+    })
+}
+
+/// Line breaks become blanks, other control characters the replacement character.
+fn one_line(text: &str) -> String {
+    let printable = |c: char| match c {
+        '\n' | '\r' | '\t' => ' ',
+        c if c.is_control() => '\u{fffd}',
+        c => c,
+    };
+    text.trim_end().chars().map(printable).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_line_without_control_characters() {
+        assert_eq!(one_line("a\nb\x1b[31m\tc\n"), "a b\u{fffd}[31m c", "a name in a message moves no cursor");
+    }
+
+    #[test]
+    fn verbosity_is_ordered() {
+        assert!(
+            Verbosity::Quiet < Verbosity::Normal && Verbosity::Details < Verbosity::Everything,
+            "least first"
+        );
+    }
+}

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Pictures to be written: checked before the work, put in place after it.
+//! Source: original; the contract of the command line. An unknown extension is the user's mistake, a folder that is
+//! missing or may not be written to is the system's. Proof: `tests/program/arguments.rs`, `tests/program/output.rs`.
+
+use std::path::{Path, PathBuf};
+
+use gnurt::image::{self, OutputFormat, Picture, WriteOptions};
+
+use crate::arguments::LightArguments;
+use crate::failure::{Failure, Outcome};
+use crate::nearest::unknown;
+use crate::signals::{is_leaving, while_writing};
+
+/// A picture file to come.
+#[derive(Clone, Debug)]
+pub(crate) struct Output {
+    path: PathBuf,
+    format: OutputFormat,
+}
+
+impl Output {
+    /// A file of this name; its extension must say a format that can be written.
+    pub(crate) fn named(path: &Path) -> Result<Self, Failure> {
+        let format = OutputFormat::from_path(path).map_err(|_| {
+            let extension = path.extension().unwrap_or_default().to_string_lossy();
+            let valid = OutputFormat::ALL.map(|format| format!(".{}", format.extension()));
+            let valid: Vec<&str> = valid.iter().map(String::as_str).collect();
+            let reason = unknown("picture format", &format!(".{extension}"), &valid);
+            Failure::usage(format_args!("{}: {reason}", path.display()))
+        })?;
+        Ok(Self { path: path.to_owned(), format })
+    }
+
+    /// Whether it can be written, as far as that can be known before.
+    pub(crate) fn check(&self) -> Outcome {
+        image::check_writable(&self.path).map_err(Failure::data)
+    }
+
+    /// Whether its format keeps layers beside the colours.
+    pub(crate) fn has_layers(&self) -> bool {
+        self.format == OutputFormat::Exr
+    }
+
+    /// Where it will be.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes it, whole or not at all.
+    pub(crate) fn write(&self, picture: &Picture, light: LightArguments) -> Outcome {
+        let options = WriteOptions { tone: light.tone, exposure: light.exposure, ..WriteOptions::default() };
+        let bytes = image::encode(picture, self.format, &options)
+            .map_err(|error| Failure::data(format_args!("{}: {error}", self.path.display())))?;
+        let replaced = while_writing(|| image::replace_file_if(&self.path, &bytes, || !is_leaving()));
+        replaced.map(drop).map_err(Failure::data)
+    }
+}
+
+/// Whether two names mean one file, through links or not; files that do not exist are the same if their names are.
+pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
+    match (std::fs::canonicalize(a), std::fs::canonicalize(b)) {
+        (Ok(a), Ok(b)) => a == b || is_same_node(&a, &b),
+        _ => place(a) == place(b),
+    }
+}
+
+/// The name in the true folder.
+fn place(path: &Path) -> Option<PathBuf> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    Some(std::fs::canonicalize(folder).ok()?.join(path.file_name()?))
+}
+
+/// Whether two names are hard links to one file.
+#[cfg(unix)]
+fn is_same_node(a: &Path, b: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let node = |path: &Path| std::fs::metadata(path).ok().map(|data| (data.dev(), data.ino()));
+    node(a).is_some() && node(a) == node(b)
+}
+
+#[cfg(not(unix))]
+fn is_same_node(_: &Path, _: &Path) -> bool {
+    false
+}

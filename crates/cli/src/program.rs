@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The life of the program: arguments, environment, command, exit status.
+//! Source: original. Invariant: whatever happens, at most one `error:` line is written, and no panic's text.
+//! Proof: `tests/program/interface.rs`, `tests/program/arguments.rs`.
+
+use std::panic::catch_unwind;
+use std::process::ExitCode;
+use std::sync::Once;
+
+use clap::Parser;
+
+use crate::arguments::{Arguments, Command, MachineArguments, Refusal, explain};
+use crate::commands;
+use crate::environment::{Environment, Overridden};
+use crate::failure::{Failure, Outcome};
+use crate::messages::{Messages, Verbosity, print};
+
+/// Runs the program and says how it ended.
+pub(crate) fn run() -> ExitCode {
+    announce_bugs_in_one_line();
+    // The hook has told what happened; what is left is the status.
+    catch_unwind(parse_and_run).unwrap_or(ExitCode::from(1))
+}
+
+fn parse_and_run() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => {
+            return match explain(&error) {
+                Refusal::Answer(text) => conclude(print(text.trim_end()), Messages::new(Verbosity::Normal)),
+                Refusal::Mistake(text) => {
+                    conclude(Err(Failure::Usage(text)), Messages::new(Verbosity::Normal))
+                }
+            };
+        }
+    };
+    let asked = arguments.command.talk().verbosity();
+    let machine = arguments.command.machine();
+    let overridden = Overridden {
+        threads: machine.is_some_and(|machine| machine.threads.is_some()),
+        isa: machine.is_some_and(|machine| machine.isa.is_some()),
+        log: asked.is_some(),
+    };
+    let environment = match Environment::read(overridden) {
+        Ok(environment) => environment,
+        Err(failure) => return conclude(Err(failure), Messages::new(asked.unwrap_or_default())),
+    };
+    let messages = Messages::new(asked.or(environment.log).unwrap_or_default());
+    conclude(run_command(arguments.command, &environment, messages), messages)
+}
+
+fn run_command(command: Command, environment: &Environment, messages: Messages) -> Outcome {
+    match command {
+        Command::Render(arguments) => commands::render::run(&arguments, environment, messages),
+        Command::Info(arguments) => commands::info::run(&arguments, environment, messages),
+        Command::Diff(arguments) => commands::diff::run(&arguments, messages),
+        Command::Convert(arguments) => commands::convert::run(&arguments, environment, messages),
+        Command::Trace(arguments) => commands::trace::run(&arguments, environment, messages),
+        Command::Scenes(_) => commands::scenes::run(),
+    }
+}
+
+fn conclude(outcome: Outcome, messages: Messages) -> ExitCode {
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            if let Some(message) = failure.message() {
+                messages.error(message);
+            }
+            failure.status()
+        }
+    }
+}
+
+/// A panic is a bug of this program; people get one line that says so, whichever threads it happens on.
+fn announce_bugs_in_one_line() {
+    std::panic::set_hook(Box::new(|panic| {
+        static FIRST: Once = Once::new();
+        FIRST.call_once(|| {
+            let place = panic.location().map(|place| format!(" ({}:{})", place.file(), place.line()));
+            let payload = panic.payload();
+            let text = payload.downcast_ref::<&str>().copied();
+            let what = text.or_else(|| payload.downcast_ref::<String>().map(|text| &text[..]));
+            let what = what.unwrap_or("no reason was given");
+            let messages = Messages::new(Verbosity::Normal);
+            messages.error(format_args!("internal: {what}{}; please report this", place.unwrap_or_default()));
+        });
+    }));
+}
+
+/// Threads and instruction set: options win over the environment, which wins over what the machine has.
+pub(crate) fn machine(
+    arguments: &MachineArguments,
+    environment: &Environment,
+) -> Result<(gnurt::ThreadPool, gnurt::simd::Level), Failure> {
+    let threads = arguments.threads.or(environment.threads).unwrap_or(0);
+    let pool = gnurt::thread_pool(threads).map_err(Failure::data)?;
+    Ok((pool, arguments.isa.or(environment.isa).unwrap_or_default()))
+}

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Ctrl-C and SIGTERM: the first one ends a rendering and saves, the second one leaves at once and saves nothing.
+//! Source: original; the contract of the command line. State is global because signals are.
+//!
+//! * While a picture grows, the first signal is a wish that the renderer asks about between tiles.
+//! * Before that, while a scene is read or trees are built, there is no picture to save: the work goes on for
+//!   [`PATIENCE`]; if the picture was begun by then, what [`FIRST_LOOK`] brings is saved, else the program leaves.
+//! * Commands that do not render leave at once.
+//!
+//! Leaving = nothing that is being written becomes a file, status 130. Proof: `tests/program/interrupts.rs`.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::failure::{Failure, Outcome};
+use crate::messages::Messages;
+
+/// How long reading and building may go on after the first signal.
+const PATIENCE: Duration = Duration::from_millis(1500);
+/// How long a picture may grow that was begun after the first signal.
+const FIRST_LOOK: Duration = Duration::from_millis(400);
+/// Status of a program that a signal ended.
+const STOPPED: i32 = 130;
+
+static SIGNALS: AtomicU32 = AtomicU32::new(0);
+static RENDERING: AtomicBool = AtomicBool::new(false);
+static LEAVING: AtomicBool = AtomicBool::new(false);
+static WRITING: Mutex<()> = Mutex::new(());
+
+/// What the first signal means to a command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FirstSignal {
+    /// Finish early and save.
+    Saves,
+    /// Leave.
+    Leaves,
+}
+
+/// From now on signals are listened to.
+pub(crate) fn listen(first: FirstSignal, messages: Messages) -> Outcome {
+    let handler = move || {
+        let earlier = SIGNALS.fetch_add(1, Ordering::SeqCst);
+        if earlier > 0 || first == FirstSignal::Leaves {
+            leave();
+        }
+        messages.note("stopping; the picture so far is saved. Once more leaves at once and saves nothing");
+        // The handler's thread must stay free for the second signal.
+        let waiter = std::thread::Builder::new().spawn(move || leave_if_nothing_is_begun(messages));
+        if waiter.is_err() {
+            leave();
+        }
+    };
+    ctrlc::set_handler(handler)
+        .map_err(|error| Failure::data(format_args!("cannot listen to signals: {error}")))
+}
+
+/// Ends the program as soon as no file is being written.
+fn leave() -> ! {
+    LEAVING.store(true, Ordering::SeqCst);
+    let _never_again = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+    std::process::exit(STOPPED)
+}
+
+fn leave_if_nothing_is_begun(messages: Messages) {
+    std::thread::sleep(PATIENCE);
+    if !RENDERING.load(Ordering::SeqCst) {
+        messages.error("stopped before there was a picture; nothing was written");
+        leave();
+    }
+}
+
+/// Puts files in place by `write`, which asks [`is_leaving`] before it makes them seen. A program that must leave waits
+/// for it, so that nothing half written stays behind.
+pub(crate) fn while_writing<T>(write: impl FnOnce() -> T) -> T {
+    let written = {
+        let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
+        write()
+    };
+    while is_leaving() {
+        // The handler ends the program any moment now; nothing may be reported as done.
+        std::thread::park();
+    }
+    written
+}
+
+/// Whether the program is about to end without saving.
+pub(crate) fn is_leaving() -> bool {
+    LEAVING.load(Ordering::SeqCst)
+}
+
+/// A rendering that signals can end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rendering {
+    /// When it may end at the earliest: later than now only if a signal came before it was begun.
+    earliest_end: Instant,
+}
+
+impl Rendering {
+    /// The picture is begun.
+    pub(crate) fn begin() -> Self {
+        RENDERING.store(true, Ordering::SeqCst);
+        let grace = if is_stopped() { FIRST_LOOK } else { Duration::ZERO };
+        Self { earliest_end: Instant::now() + grace }
+    }
+
+    /// Whether to finish now.
+    pub(crate) fn should_stop(&self) -> bool {
+        is_stopped() && Instant::now() >= self.earliest_end
+    }
+}
+
+/// Whether a signal came.
+pub(crate) fn is_stopped() -> bool {
+    SIGNALS.load(Ordering::SeqCst) > 0
+}

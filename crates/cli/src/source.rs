@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Where a scene comes from: a file here or in a folder of `GNURT_PATH`, or the program itself.
+//! Source: original. Proof: `tests/program/arguments.rs`, `tests/program/broken_scenes.rs`.
+
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use gnurt::scene::{Scene, io};
+use gnurt::{BUILTIN, load_scene};
+
+use crate::environment::Environment;
+use crate::failure::Failure;
+use crate::machine::bytes;
+use crate::messages::Messages;
+use crate::nearest::unknown;
+
+/// A scene that is there, but not yet read.
+#[derive(Clone, Debug)]
+pub(crate) struct Source {
+    found: OsString,
+}
+
+impl Source {
+    /// Finds the scene without reading it.
+    pub(crate) fn find(scene: &OsStr, environment: &Environment) -> Result<Self, Failure> {
+        if let Some(name) = scene.to_str().and_then(|text| text.strip_prefix(BUILTIN)) {
+            let names = gnurt::builtin_names();
+            return match names.contains(&name) {
+                true => Ok(Self { found: scene.to_owned() }),
+                false => Err(Failure::usage(unknown("built-in scene", name, &names))),
+            };
+        }
+        let path = Path::new(scene);
+        let elsewhere = environment.path.iter().map(|folder| folder.join(path));
+        let candidates = std::iter::once(path.to_owned()).chain(elsewhere);
+        // A name with a leading `/`, `.` or `..` says where the file is; others are looked for.
+        let is_placed = path.is_absolute() || path.starts_with(".") || path.starts_with("..");
+        let found = candidates.take(if is_placed { 1 } else { usize::MAX }).find(|path| path.exists());
+        match found {
+            Some(path) => Ok(Self { found: path.into_os_string() }),
+            None => Err(missing(path, environment)),
+        }
+    }
+
+    /// What a picture of it is called.
+    pub(crate) fn picture_name(&self) -> PathBuf {
+        let builtin = self.found.to_str().and_then(|text| text.strip_prefix(BUILTIN)).map(OsStr::new);
+        let stem = builtin.or_else(|| Path::new(&self.found).file_stem()).unwrap_or(OsStr::new("picture"));
+        let mut name = stem.to_owned();
+        name.push(".png");
+        name.into()
+    }
+
+    /// As messages and headers name it.
+    pub(crate) fn name(&self) -> String {
+        Path::new(&self.found).display().to_string()
+    }
+
+    /// Reads it; oddities are told as warnings.
+    pub(crate) fn load(&self, messages: Messages) -> Result<Scene, Failure> {
+        let begin = Instant::now();
+        let loaded = load_scene(&self.found).map_err(|error| match error.kind {
+            io::ErrorKind::UnknownName => Failure::usage(error),
+            _ => Failure::data(error),
+        })?;
+        for warning in loaded.warnings.iter() {
+            messages.warning(warning);
+        }
+        let held: usize = loaded.scene.meshes().iter().map(gnurt::scene::Mesh::memory_bytes).sum();
+        let seconds = begin.elapsed().as_secs_f64();
+        messages.detail(format_args!("{}: {} of meshes in {seconds:.2} s", self.name(), bytes(held as u64)));
+        Ok(loaded.scene)
+    }
+}
+
+fn missing(path: &Path, environment: &Environment) -> Failure {
+    let looked = if environment.path.is_empty() { "" } else { ", nor in the folders of GNURT_PATH" };
+    let names = gnurt::builtin_names();
+    let meant = path.to_str().filter(|name| names.contains(name));
+    let remedy =
+        meant.map_or_else(|| "check the path".to_owned(), |name| format!("did you mean '{BUILTIN}{name}'?"));
+    // A link to nowhere, a folder that may not be entered: the system knows best.
+    let problem = match std::fs::metadata(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => error.to_string(),
+        _ => "no such file".into(),
+    };
+    Failure::data(format_args!("{}: {problem}{looked}; {remedy}", path.display()))
+}

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The camera of a picture: the scene's, the one that was asked for, or a default one, each part of it replaceable.
+//! Source: original; the rules are the contract of the command line. Proof: `tests/program/cameras.rs`.
+
+use gnurt::defaults;
+use gnurt::render::PerspectiveCamera;
+use gnurt::scene::{Camera, Scene};
+
+use crate::arguments::{Resolution, ViewArguments};
+use crate::failure::Failure;
+use crate::messages::Messages;
+use crate::nearest::nearest;
+
+/// What can be refused before the scene is read.
+pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
+    match (view.eye, view.target) {
+        (Some(eye), Some(target)) if eye == target => Err(same_place()),
+        _ => Ok(()),
+    }
+}
+
+/// The camera, and its rays; adds cameras and lights to a scene that has none, and says so.
+pub(crate) fn choose(
+    scene: &mut Scene,
+    view: &ViewArguments,
+    resolution: Resolution,
+    messages: Messages,
+) -> Result<(Camera, PerspectiveCamera), Failure> {
+    let aspect = resolution.width as f32 / resolution.height as f32;
+    let named = view.camera.as_deref().map(|name| find(scene.cameras(), name)).transpose()?;
+    if let Some(note) = defaults::complete_camera(scene, aspect) {
+        let is_all_given = view.eye.is_some() && view.target.is_some();
+        if !is_all_given {
+            messages.note(note);
+        }
+    }
+    let camera = replaced(&scene.cameras()[named.unwrap_or(0)], view);
+    if camera.eye == camera.target {
+        return Err(same_place());
+    }
+    let no_view = || Failure::usage("the camera has no view: a number of it is too large");
+    let frame = camera.frame().ok_or_else(no_view)?;
+    if frame.up_replaced {
+        messages.warning("the camera's up is parallel to its view; another up is used");
+    }
+    if let Some(note) = defaults::complete_lights(scene, &camera) {
+        messages.note(note);
+    }
+    let rays = PerspectiveCamera::new(&camera).ok_or_else(no_view)?;
+    Ok((camera, rays))
+}
+
+fn same_place() -> Failure {
+    Failure::usage("--eye and --target are the same point; the camera must look somewhere")
+}
+
+/// `camera` with the parts that were given in place of its own.
+fn replaced(camera: &Camera, view: &ViewArguments) -> Camera {
+    Camera {
+        name: camera.name.clone(),
+        eye: view.eye.unwrap_or(camera.eye),
+        target: view.target.unwrap_or(camera.target),
+        up: view.up.unwrap_or(camera.up),
+        fov_y: view.fov.unwrap_or(camera.fov_y),
+    }
+}
+
+/// The place of the camera of this name, or else of this number.
+fn find(cameras: &[Camera], name: &str) -> Result<usize, Failure> {
+    let by_name = cameras.iter().position(|camera| camera.name == name);
+    let by_number = || name.parse().ok().filter(|&index| index < cameras.len());
+    by_name.or_else(by_number).ok_or_else(|| Failure::usage(unknown_camera(cameras, name)))
+}
+
+fn unknown_camera(cameras: &[Camera], name: &str) -> String {
+    if cameras.is_empty() {
+        return format!("--camera '{name}': the scene has no camera; place one with --eye and --target");
+    }
+    let names: Vec<&str> = cameras.iter().map(|camera| &camera.name[..]).collect();
+    let meant = nearest(name, &names).map(|meant| format!("did you mean '{meant}'? ")).unwrap_or_default();
+    let list: Vec<String> = names.iter().enumerate().map(|(i, name)| format!("{i} '{name}'")).collect();
+    format!("--camera '{name}': no such camera; {meant}valid are: {}", list.join(", "))
+}

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The same arguments give the same bytes on any number of threads. Source: original.
+
+use super::harness::Folder;
+
+#[test]
+fn threads_change_no_byte() {
+    let folder = Folder::new();
+    for format in ["png", "pfm", "hdr"] {
+        let picture = |threads: u32| {
+            let name = format!("{threads}.{format}");
+            let line =
+                format!("render builtin:cornell -r 50x40 --spp 3 --filter gaussian -t {threads} -o {name}");
+            folder.gnurt(&line).success();
+            folder.read(&name)
+        };
+        let one = picture(1);
+        assert_eq!(picture(2), one, "2 threads, {format}");
+        assert_eq!(picture(7), one, "7 threads, {format}");
+    }
+}
+
+#[test]
+fn threads_change_no_pixel_of_an_exr() {
+    let folder = Folder::new();
+    for threads in [1, 7] {
+        folder
+            .gnurt(&format!("render builtin:cornell -r 50x40 --spp 2 -t {threads} -o {threads}.exr"))
+            .success();
+    }
+    folder.gnurt("diff 1.exr 7.exr").success();
+}
+
+#[test]
+fn seeds_change_the_picture() {
+    let folder = Folder::new();
+    for (name, seed) in [("a", "0"), ("b", "18446744073709551615")] {
+        folder
+            .gnurt(&format!("render builtin:cornell -r 20x20 --spp 1 --seed {seed} -o {name}.pfm"))
+            .success();
+    }
+    assert_ne!(folder.read("a.pfm"), folder.read("b.pfm"), "another seed, another picture");
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `diff`: what is equal, what differs, and by how much. Source: original.
+
+use super::harness::Folder;
+use super::samples;
+
+/// A PFM of one grey pixel.
+fn pixel(value: f32) -> Vec<u8> {
+    [&b"Pf\n1 1\n-1.0\n"[..], &value.to_le_bytes()].concat()
+}
+
+#[test]
+fn statuses() {
+    let folder = Folder::new();
+    for (name, value) in [("a", 0.5), ("b", 0.5625), ("nan", f32::NAN)] {
+        folder.write(&format!("{name}.pfm"), pixel(value));
+    }
+    let status = |line: &str| {
+        let run = folder.gnurt(line);
+        assert_eq!(run.stderr, "", "a difference is no error: {line}");
+        for name in ["MSE", "relMSE", "PSNR", "SSIM", "max difference"] {
+            assert!(run.stdout.contains(name), "{line} prints {name}: {}", run.stdout);
+        }
+        run.status
+    };
+    assert_eq!(status("diff a.pfm a.pfm"), Some(0), "equal");
+    assert_eq!(status("diff a.pfm b.pfm"), Some(1), "different");
+    assert_eq!(status("diff a.pfm b.pfm --fail 0.0625"), Some(0), "just within the tolerance");
+    assert_eq!(status("diff a.pfm b.pfm --fail 0.06"), Some(1), "just beyond it");
+    assert_eq!(status("diff --fail=1e9 nan.pfm nan.pfm"), Some(1), "NaN differs from everything");
+}
+
+#[test]
+fn formats_may_be_mixed() {
+    let folder = Folder::new();
+    folder.write("a.pfm", samples::pfm());
+    for format in ["exr", "hdr", "png"] {
+        folder.gnurt(&format!("convert a.pfm a.{format}")).success();
+    }
+    // Half floats and shared exponents are near; screen bytes clip the 3.0.
+    folder.gnurt("diff a.pfm a.exr --fail 0.01").success();
+    folder.gnurt("diff a.hdr a.pfm --fail 0.02").success();
+    folder.gnurt("diff a.png a.pfm --fail 2.01").success();
+    assert_eq!(folder.gnurt("diff a.png a.pfm --fail 0.5").status, Some(1), "what was clipped differs");
+}
+
+#[test]
+fn renderings_are_told_apart() {
+    let folder = Folder::new();
+    folder.write("a.obj", samples::OBJ);
+    folder.write("scene.mtl", samples::MTL);
+    for (name, seed) in [("one", 1), ("same", 1), ("other", 2)] {
+        folder.gnurt(&format!("render a.obj -r 24x16 --spp 2 --seed {seed} -o {name}.exr")).success();
+    }
+    folder.gnurt("render a.obj -r 24x16 --spp 2 --seed 1 -o one.pfm").success();
+    folder.gnurt("diff one.exr same.exr").success();
+    assert_eq!(folder.gnurt("diff one.exr other.exr").status, Some(1), "another seed, another picture");
+    folder.gnurt("diff one.exr one.pfm --fail 0.01").success();
+}

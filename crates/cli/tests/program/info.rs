@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `info` and `scenes`. Source: original.
+
+use super::harness::Folder;
+use super::samples;
+
+#[test]
+fn counts() {
+    let folder = Folder::new();
+    folder.write("a.obj", samples::OBJ);
+    folder.write("scene.mtl", samples::MTL);
+    let run = folder.gnurt("info a.obj --json --tree").success();
+    let info: serde_json::Value = serde_json::from_str(&run.stdout).expect("JSON alone on standard output");
+    for (name, count) in [("triangles", 2), ("objects", 1), ("instances", 1), ("lights", 0), ("cameras", 0)] {
+        assert_eq!(info[name], count, "{name}: {info}");
+    }
+    assert_eq!(info["bounds"]["max"], serde_json::json!([1.0, 2.0, 0.0]), "the upper corner");
+    assert!(info["memory"]["total"].as_u64().is_some_and(|bytes| bytes > 0), "memory: {info}");
+    assert!(info["tree"]["nodes"].is_u64(), "trees: {info}");
+    let text = folder.gnurt("info a.obj").success().stdout;
+    for word in [
+        "triangles",
+        "vertices",
+        "objects",
+        "instances",
+        "materials",
+        "lights",
+        "cameras",
+        "bounds",
+        "memory",
+    ] {
+        assert!(text.contains(word), "{word} is told: {text}");
+    }
+}
+
+#[test]
+fn light_is_counted() {
+    let info = Folder::new().gnurt("info builtin:cornell --json").success();
+    let info: serde_json::Value = serde_json::from_str(&info.stdout).expect("JSON");
+    assert_eq!(info["cameras"], 1, "the box has a camera: {info}");
+    assert!(info["emissive_triangles"].as_u64().is_some_and(|n| n >= 2), "and a lamp: {info}");
+}
+
+#[test]
+fn scenes_are_listed() {
+    let run = Folder::new().gnurt("scenes").success();
+    assert!(run.stdout.lines().count() >= 3 && run.stdout.contains("builtin:cornell"), "{}", run.stdout);
+}

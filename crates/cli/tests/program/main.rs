@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The contract of the command line, checked by running the program itself.
+//! Source: original. One file per clause; `harness` runs the program in a folder of its own.
+
+mod arguments;
+mod broken_pictures;
+mod broken_scenes;
+mod cameras;
+mod conversion;
+mod determinism;
+mod differences;
+mod harness;
+mod info;
+mod interface;
+mod interrupts;
+mod output;
+mod recoverable;
+mod samples;
+mod statistics;

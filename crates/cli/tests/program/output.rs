@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Pictures are put in place whole, under the right name, with what their headers say. Source: original.
+
+use super::harness::Folder;
+
+const SMALL: &str = "render builtin:cornell -r 16x16 --spp 1";
+
+#[test]
+fn the_default_name_is_the_scenes() {
+    let folder = Folder::new();
+    folder.gnurt(SMALL).success();
+    folder.write("deep/a.b.ply", super::samples::PLY);
+    folder.gnurt("render deep/a.b.ply -r 4x4 --spp 1").success();
+    assert!(folder.at("cornell.png").exists() && folder.at("a.b.png").exists(), "in the current folder");
+}
+
+#[test]
+fn quiet_runs_say_nothing() {
+    let folder = Folder::new();
+    let run = folder.gnurt(&format!("{SMALL} -q -o p.png")).success();
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "silence");
+    let run = folder.gnurt(&format!("{SMALL} -o p.png")).success();
+    assert_eq!(
+        (run.stdout.as_str(), run.stderr.as_str()),
+        ("", ""),
+        "nor is there a bar where there is no terminal"
+    );
+}
+
+#[test]
+fn extensions_are_read_in_any_case() {
+    let folder = Folder::new();
+    for name in ["a.PNG", "b.Exr", "c.PFM", "d.hDr"] {
+        folder.gnurt(&format!("{SMALL} -o {name} --heatmap heat-{name}")).success();
+        folder.gnurt(&format!("diff {name} {name}")).success();
+        folder.gnurt(&format!("diff heat-{name} heat-{name}")).success();
+    }
+    assert_eq!(folder.contents().len(), 8, "four pictures, four heat maps, nothing else");
+}
+
+#[cfg(unix)]
+#[test]
+fn links_are_followed() {
+    let folder = Folder::new();
+    folder.write("real/old.png", "old");
+    std::os::unix::fs::symlink("real/old.png", folder.at("link.png")).expect("a link");
+    folder.gnurt(&format!("{SMALL} -o link.png")).success();
+    assert!(folder.at("link.png").is_symlink(), "the link is still one");
+    assert!(folder.read("real/old.png").starts_with(b"\x89PNG"), "its target is the picture");
+}
+
+#[cfg(unix)]
+#[test]
+fn protected_places_are_refused() {
+    let folder = Folder::new();
+    std::os::unix::fs::symlink("circle.png", folder.at("circle.png")).expect("a link");
+    folder.gnurt(&format!("{SMALL} -o circle.png")).fails(1, "circle");
+    std::fs::create_dir(folder.at("folder.png")).expect("a folder");
+    folder.gnurt(&format!("{SMALL} -o folder.png")).fails(1, "folder");
+    std::os::unix::fs::symlink("/dev/null", folder.at("device.png")).expect("a link");
+    folder.gnurt(&format!("{SMALL} -o device.png")).fails(1, "device");
+}
+
+#[test]
+fn an_exr_tells_how_it_was_made() {
+    let folder = Folder::new();
+    folder.gnurt(&format!("{SMALL} --seed 77 -o p.exr")).success();
+    let bytes = folder.read("p.exr");
+    let holds = |word: &str| bytes.windows(word.len()).any(|window| window == word.as_bytes());
+    for word in ["seed", "commandLine", "worldToCamera", "worldToNDC", "samplesPerPixel", "albedo.R", "N.X"] {
+        assert!(holds(word), "the file says {word}");
+    }
+    assert!(!holds(&folder.path().to_string_lossy()), "but not where its maker works");
+}
