@@ -24,7 +24,7 @@ pub(super) fn scene() -> Scene {
     let big = [
         ("mirror", mirror, [-0.1, 1.0, -1.3], 1.0),
         ("glass", glass, [1.25, 0.75, 0.35], 0.75),
-        ("gold", metal([1.0, 0.71, 0.29], 0.25), [-1.75, 0.7, 0.0], 0.7),
+        ("gold", metal([1.0, 0.71, 0.29], 0.1), [-1.75, 0.7, 0.0], 0.7),
     ];
     for (name, surface, at, radius) in big {
         let material = scene.add_material(Material::of(name, surface));

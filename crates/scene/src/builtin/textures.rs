@@ -42,10 +42,10 @@ pub(super) fn scene() -> Scene {
     scene.add_light(Light::Environment { radiance: [0.32, 0.36, 0.42], texture: None, world_from_light });
     scene.add_camera(Camera {
         name: "front".into(),
-        eye: [0.0, 1.5, 8.0],
+        eye: [0.0, 1.5, 9.2],
         target: [0.0, 0.95, 0.0],
         up: [0.0, 1.0, 0.0],
-        fov_y: 34.0,
+        fov_y: 38.0,
     });
     scene
 }
