@@ -41,6 +41,9 @@ impl Error {
     }
 }
 
+/// Where numbers go: what copies them to the program's memory.
+pub type Writer<'a, T> = &'a mut dyn FnMut(&[T]);
+
 /// The pointer's value, or the error that a null pointer gives.
 pub(crate) fn not_null<T>(pointer: Option<T>) -> Result<T> {
     pointer.ok_or(Error::InvalidValue)

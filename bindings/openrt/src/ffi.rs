@@ -10,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::context::Context;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Writer};
 
 static CONTEXT: Mutex<Option<Context>> = Mutex::new(None);
 
@@ -84,13 +84,12 @@ pub(crate) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
 /// # Safety
 /// A pointer that is not null points to room for all values that will be written; it need not be aligned.
 pub(crate) unsafe fn writer<T: Copy>(pointer: *mut T) -> Option<impl FnMut(&[T])> {
-    (!pointer.is_null()).then(|| {
-        move |values: &[T]| {
-            let bytes = size_of_val(values);
-            // SAFETY: the caller vouches for the room, and values of ours do not overlap the program's memory.
-            unsafe { values.as_ptr().cast::<u8>().copy_to_nonoverlapping(pointer.cast::<u8>(), bytes) }
-        }
-    })
+    let write = move |values: &[T]| {
+        let bytes = size_of_val(values);
+        // SAFETY: the caller vouches for the room, and values of ours do not overlap the program's memory.
+        unsafe { values.as_ptr().cast::<u8>().copy_to_nonoverlapping(pointer.cast::<u8>(), bytes) }
+    };
+    (!pointer.is_null()).then_some(write)
 }
 
 /// `--rt-` arguments, taken out of the program's list.
@@ -164,7 +163,7 @@ extern "C" fn rtGetString(name: u32) -> *const u8 {
 unsafe extern "C" fn rtGetIntegerv(name: u32, values: *mut i32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(values) };
-    call((), |context| context.get_integers(name, write.as_mut().map(|w| w as &mut dyn FnMut(&[i32]))));
+    call((), |context| context.get_integers(name, write.as_mut().map(|w| w as Writer<'_, i32>)));
 }
 
 /// # Safety
@@ -173,5 +172,5 @@ unsafe extern "C" fn rtGetIntegerv(name: u32, values: *mut i32) {
 unsafe extern "C" fn rtGetFloatv(name: u32, values: *mut f32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(values) };
-    call((), |context| context.get_floats(name, write.as_mut().map(|w| w as &mut dyn FnMut(&[f32]))));
+    call((), |context| context.get_floats(name, write.as_mut().map(|w| w as Writer<'_, f32>)));
 }

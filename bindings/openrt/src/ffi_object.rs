@@ -2,6 +2,7 @@
 //! Exported calls: objects, instances, blocks, and the questions whether an id exists. Source: original.
 //! Proof: tests/c/scene.c.
 
+use crate::error::Writer;
 use crate::ffi::{call, id_functions, procedures, writer};
 
 id_functions! {
@@ -27,9 +28,7 @@ procedures! {
 unsafe extern "C" fn rtGetInstanceMatrixf(instance: u32, matrix: *mut f32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(matrix) };
-    call((), |context| {
-        context.get_instance_matrix(instance, write.as_mut().map(|w| w as &mut dyn FnMut(&[f32])))
-    });
+    call((), |context| context.get_instance_matrix(instance, write.as_mut().map(|w| w as Writer<'_, f32>)));
 }
 
 macro_rules! questions {

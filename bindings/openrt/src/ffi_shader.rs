@@ -4,6 +4,7 @@
 
 use std::ffi::{c_char, c_void};
 
+use crate::error::Writer;
 use crate::ffi::{array, call, id_functions, procedures, text, writer};
 use crate::ids::RT_INVALID;
 use crate::parameter::Given;
@@ -124,5 +125,5 @@ unsafe extern "C" fn rtParameterString(handle: u32, string: *const c_char) {
 unsafe extern "C" fn rtGetParameterfv(handle: u32, values: *mut f32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(values) };
-    call((), |context| context.get_parameter(handle, write.as_mut().map(|w| w as &mut dyn FnMut(&[f32]))));
+    call((), |context| context.get_parameter(handle, write.as_mut().map(|w| w as Writer<'_, f32>)));
 }

@@ -21,7 +21,6 @@ procedures! {
 /// # Safety
 /// As openrt/rt.h says: `texels` is null or points to width * height texels of this format and type.
 #[unsafe(no_mangle)]
-#[expect(clippy::too_many_arguments, reason = "OpenGL's signature")]
 unsafe extern "C" fn rtTexImage2D(
     target: u32,
     level: i32,

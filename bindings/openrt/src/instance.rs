@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::context::Context;
-use crate::error::{Error, Result, not_null};
+use crate::error::{Error, Result, Writer, not_null};
 use crate::matrix::Matrix;
 
 /// An object put somewhere.
@@ -83,7 +83,7 @@ impl Context {
     }
 
     /// rtGetInstanceMatrixf: passes 16 numbers, column by column, to `write`.
-    pub fn get_instance_matrix(&self, id: u32, write: Option<&mut dyn FnMut(&[f32])>) -> Result<()> {
+    pub fn get_instance_matrix(&self, id: u32, write: Option<Writer<'_, f32>>) -> Result<()> {
         self.outside_block()?;
         let write = not_null(write)?;
         let instance = self.instances.all.get(&id).ok_or(Error::InvalidValue)?;

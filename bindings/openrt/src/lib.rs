@@ -6,7 +6,7 @@
 //!
 //! Limits today: shader classes are the built-in ones; an updated object's tree is built anew; one sample per pixel.
 #![deny(unsafe_code)]
-#![expect(non_snake_case, reason = "the library is called libOpenRT")]
+#![allow(non_snake_case, reason = "the library is called libOpenRT")]
 
 pub mod block;
 pub mod camera;

@@ -6,7 +6,7 @@
 use gnurt::shading::classes::{ParameterRate, ParameterType};
 
 use crate::context::Context;
-use crate::error::{Error, Result, not_null};
+use crate::error::{Error, Result, Writer, not_null};
 use crate::shader::ParameterValue;
 use crate::shader_class::{Block, Handle};
 
@@ -92,7 +92,7 @@ impl Context {
     }
 
     /// rtGetParameterfv: passes the numbers that the next call would capture to `write`.
-    pub fn get_parameter(&self, handle: u32, write: Option<&mut dyn FnMut(&[f32])>) -> Result<()> {
+    pub fn get_parameter(&self, handle: u32, write: Option<Writer<'_, f32>>) -> Result<()> {
         self.outside_block()?;
         let write = not_null(write)?;
         let Handle { parameter, .. } = self.handle_of_bound_class(handle)?;

@@ -47,7 +47,7 @@ impl Primitive {
         match self {
             Self::Triangles if i % 3 == 2 => Completed::one([i - 2, i - 1, i]),
             // Every other triangle of a strip swaps two vertices, so that all wind the same way.
-            Self::TriangleStrip if i >= 2 && i % 2 == 0 => Completed::one([i - 2, i - 1, i]),
+            Self::TriangleStrip if i >= 2 && i.is_multiple_of(2) => Completed::one([i - 2, i - 1, i]),
             Self::TriangleStrip if i >= 2 => Completed::one([i - 1, i - 2, i]),
             Self::TriangleFan | Self::Polygon if i >= 2 => Completed::one([0, i - 1, i]),
             Self::Quads if i % 4 == 3 => Completed::two([[i - 3, i - 2, i], [i, i - 2, i - 1]]),

@@ -7,7 +7,7 @@ use std::ffi::CStr;
 
 use crate::context::Context;
 use crate::enums::{MatrixMode, StateName, StringName};
-use crate::error::{Result, not_null};
+use crate::error::{Result, Writer, not_null};
 
 /// Version of the API and of the library.
 const VERSION: &CStr =
@@ -29,7 +29,7 @@ impl Context {
     }
 
     /// rtGetFloatv: passes the value's numbers to `write`.
-    pub fn get_floats(&self, name: u32, write: Option<&mut dyn FnMut(&[f32])>) -> Result<()> {
+    pub fn get_floats(&self, name: u32, write: Option<Writer<'_, f32>>) -> Result<()> {
         self.outside_block()?;
         let write = not_null(write)?;
         let floats: Vec<f32> = self.state(StateName::from_code(name)?).iter().map(|&x| x as f32).collect();
@@ -38,7 +38,7 @@ impl Context {
     }
 
     /// rtGetIntegerv: passes the value's numbers to `write`.
-    pub fn get_integers(&self, name: u32, write: Option<&mut dyn FnMut(&[i32])>) -> Result<()> {
+    pub fn get_integers(&self, name: u32, write: Option<Writer<'_, i32>>) -> Result<()> {
         self.outside_block()?;
         let write = not_null(write)?;
         let name = StateName::from_code(name)?;

@@ -143,3 +143,26 @@ impl Stage {
         MaterialId(*self.shader_slots.entry(shader).or_insert_with(fresh))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn redefinition_takes_no_more_places() {
+        let mut stage = Stage::default();
+        let meshes = |n: u32| (0..n).map(|shader| ShaderMesh { shader, mesh: Mesh::default() }).collect();
+        for round in 0..10 {
+            stage.define(1, meshes(1 + round % 3));
+            stage.define(2 + round, meshes(2));
+            stage.show(
+                [(1, Affine::IDENTITY), (2 + round, Affine::IDENTITY), (99, Affine::IDENTITY)].into_iter(),
+            );
+            stage.keep_objects(|id| id == 1);
+        }
+        let sizes = [stage.scene.meshes().len(), stage.scene.objects().len(), stage.scene.instances().len()];
+        assert_eq!(sizes, [5, 2, 2], "meshes, objects and instances of the largest frame");
+        stage.show(std::iter::empty());
+        assert!(stage.scene.instances().iter().all(|instance| !instance.visible), "nothing is shown");
+    }
+}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Random programs against the state machine: no call panics, failing calls change nothing that can be asked, and a
-//! program that redefines objects for ever does not make the scene grow. Source: original.
+//! Random programs against the state machine: no call panics, and failing calls change nothing that can be asked.
+//! Source: original.
 
 use std::sync::Arc;
 
@@ -49,7 +49,7 @@ fn perform(context: &mut Context, (call, n, x): Call) -> Result<()> {
         12 => context.instantiate_object(n).map(drop),
         13 => context.remove_object(n),
         14 => context.begin(n),
-        15 | 16 | 17 => context.vertex(position),
+        15..=17 => context.vertex(position),
         18 | 19 => context.end(),
         20 => context.load_matrix(Some(Matrix(std::array::from_fn(|i| f64::from(x) * i as f64)))),
         21 => context.multiply_matrix(Some(Matrix::rotation(f64::from(x), [1.0, 0.0, position[0]]))),

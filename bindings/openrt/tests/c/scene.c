@@ -29,6 +29,55 @@ static void matrices(void)
     rtLoadIdentity();
 }
 
+/* Every family in a few of its types; what is current can be asked. */
+static void attributes(void)
+{
+    const RTubyte bytes[4] = { 255, 0, 51, 102 };
+    const RTshort shorts[4] = { 1, -2, 3, 2 };
+    const RTdouble doubles[3] = { 0.25, 0.5, 0.75 };
+    RTfloat v[4];
+    RTint i[4];
+    rtColor4ubv(bytes);
+    rtGetFloatv(RT_CURRENT_COLOR, v);
+    NEAR(v[0], 1, 0); NEAR(v[1], 0, 0); NEAR(v[2], 0.2, 1e-6); NEAR(v[3], 0.4, 1e-6);
+    rtGetIntegerv(RT_CURRENT_COLOR, i);
+    CHECK(i[0] == 2147483647);
+    rtColor3b(127, -128, 0);
+    rtGetFloatv(RT_CURRENT_COLOR, v);
+    NEAR(v[0], 1, 0); NEAR(v[1], -1, 0); NEAR(v[3], 1, 0);
+    rtColor3dv(doubles);
+    rtGetFloatv(RT_CURRENT_COLOR, v);
+    CHECK(v[0] == 0.25f && v[1] == 0.5f && v[2] == 0.75f && v[3] == 1);
+    rtColor3ui(4294967295u, 0, 0);
+    rtGetFloatv(RT_CURRENT_COLOR, v);
+    CHECK(v[0] == 1);
+    rtGetFloatv(RT_CURRENT_NORMAL, v);
+    CHECK(v[0] == 0 && v[1] == 0 && v[2] == 1);
+    rtNormal4sv(shorts);
+    rtGetFloatv(RT_CURRENT_NORMAL, v);
+    CHECK(v[0] == 1 && v[1] == -2 && v[2] == 3);
+    rtNormal2i(4, 5);
+    rtGetFloatv(RT_CURRENT_NORMAL, v);
+    CHECK(v[0] == 4 && v[1] == 5 && v[2] == 0);
+    rtTexCoord1f(7);
+    rtGetFloatv(RT_CURRENT_TEXTURE_COORDS, v);
+    CHECK(v[0] == 7 && v[1] == 0 && v[2] == 0 && v[3] == 1);
+    rtTexCoord4sv(shorts);
+    rtGetFloatv(RT_CURRENT_TEXTURE_COORDS, v);
+    CHECK(v[0] == 1 && v[1] == -2 && v[2] == 3 && v[3] == 2);
+    rtTexCoord2f(0, 0);
+    rtColor3f(1, 1, 1);
+    CHECK(strcmp((const char *)rtGetString(RT_RENDERER), "GNU RT") == 0 && integer(RT_MATRIX_MODE) == RT_MODELVIEW);
+    /* Homogeneous coordinates are divided. */
+    constant_shader(1, 1, 1);
+    rtCreateObject(RT_DEFINE_AND_INSTANTIATE);
+    rtBegin(RT_QUADS);
+    rtVertex4s(0, 0, 0, 2); rtVertex4s(2, 0, 0, 2); rtVertex4sv(shorts); rtVertex4i(0, 2, 0, 2);
+    rtEnd();
+    rtEndObject();
+    rtClearInstances();
+}
+
 static void instances_and_objects(void)
 {
     RTuint red = constant_shader(1, 0, 0), object = rtGenObjects(1), a, b, handle = rtParameterHandle("value");
@@ -304,6 +353,7 @@ int main(void)
     use_frame();
     look_at_square();
     matrices();
+    attributes();
     instances_and_objects();
     rates();
     lights_and_mirrors();

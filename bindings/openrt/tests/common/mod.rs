@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Building and running C programs against the libOpenRT that cargo has just built. Source: original.
+#![allow(dead_code, reason = "each test program uses its part")]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 /// A folder with the library under its link name and its run-time name, where programs are built.
-pub struct Workshop {
+pub(crate) struct Workshop {
     folder: tempfile::TempDir,
 }
 
 /// Where the crate's sources are.
-pub fn source(path: &str) -> PathBuf {
+pub(crate) fn source(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
 /// The shared library of this build: cargo puts it beside the test program or one folder above.
-pub fn library() -> PathBuf {
+pub(crate) fn library() -> PathBuf {
     let test = std::env::current_exe().expect("a running test has a path");
     let beside = test.ancestors().skip(1).take(2).map(|folder| folder.join("libOpenRT.so"));
     beside.into_iter().find(|path| path.exists()).expect("cargo builds libOpenRT.so with the tests")
@@ -23,7 +24,7 @@ pub fn library() -> PathBuf {
 
 impl Workshop {
     /// An empty workshop.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder for programs");
         for name in ["libOpenRT.so", "libOpenRT.so.0"] {
             std::os::unix::fs::symlink(library(), folder.path().join(name)).expect("a link to the library");
@@ -32,12 +33,12 @@ impl Workshop {
     }
 
     /// A path in it.
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
     /// Compiles and links a program, with warnings as errors.
-    pub fn build(&self, compiler: &str, standard: &str, program: &Path) -> PathBuf {
+    pub(crate) fn build(&self, compiler: &str, standard: &str, program: &Path) -> PathBuf {
         let binary = self.path(&program.file_stem().expect("a file name").to_string_lossy());
         let folder = self.folder.path().display();
         let output = Command::new(compiler)
@@ -56,7 +57,7 @@ impl Workshop {
     }
 
     /// Runs a program of this workshop; it must end with status 0.
-    pub fn run(&self, binary: &Path, arguments: &[&str]) -> String {
+    pub(crate) fn run(&self, binary: &Path, arguments: &[&str]) -> String {
         let output = Command::new(binary).args(arguments).output().expect("a program that was built runs");
         assert!(output.status.success(), "{} {arguments:?}:\n{}", binary.display(), shown(&output));
         String::from_utf8_lossy(&output.stdout).into_owned()
