@@ -46,7 +46,7 @@ pub enum RenderError {
         spp: u32,
     },
     /// More pixels than a picture may have.
-    #[error("a picture of {width}x{height} pixels is too large: at most 2^28 pixels")]
+    #[error("a picture of {width}x{height} pixels is too large: at most 2^31 pixels")]
     TooLarge {
         /// Columns.
         width: u32,

@@ -129,8 +129,8 @@ impl RenderOptions {
     }
 }
 
-/// No picture is larger: 2^28 pixels, as image files are limited to.
-const MAX_PIXELS: u64 = 1 << 28;
+/// No picture is larger: 2^31 pixels, so that a pixel has a 32-bit number.
+const MAX_PIXELS: u64 = 1 << 31;
 
 #[cfg(test)]
 mod tests {
