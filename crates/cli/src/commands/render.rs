@@ -6,6 +6,7 @@
 use std::time::Instant;
 
 use gnurt::ThreadPool;
+use gnurt::image::Picture;
 use gnurt::render::{CommitOptions, CommitReport, Frame, RenderOptions, ShaderTable, World, render};
 use gnurt::scene::Scene;
 use gnurt::simd::Level;
@@ -50,6 +51,9 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     let mut frame = outcome.map_err(Failure::usage)?;
     tell(&frame, arguments, messages);
 
+    if !targets.picture.has_layers() {
+        make_opaque(&mut frame.picture, options.crop);
+    }
     describe(&mut frame.picture, &arguments.frame);
     if targets.picture.has_layers() {
         let aspect = options.width as f32 / options.height as f32;
@@ -211,6 +215,15 @@ fn tell(frame: &Frame, arguments: &RenderArguments, messages: Messages) {
         "{} nodes visited, {} triangles tested",
         stats.nodes_visited, stats.triangles_tested
     ));
+}
+
+/// On a screen the background is part of the picture: only what lies outside the crop stays transparent.
+fn make_opaque(picture: &mut Picture, crop: Option<[u32; 4]>) {
+    let [x0, y0, x1, y1] = crop.unwrap_or([0, 0, picture.width, picture.height]);
+    let rows = picture.color.chunks_exact_mut(picture.width as usize);
+    for row in rows.take(y1 as usize).skip(y0 as usize) {
+        row[x0 as usize..x1 as usize].iter_mut().for_each(|pixel| pixel[3] = 1.0);
+    }
 }
 
 fn save(frame: &Frame, targets: &Targets, arguments: &RenderArguments, messages: Messages) -> Outcome {
