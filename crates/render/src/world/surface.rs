@@ -62,9 +62,8 @@ impl World {
         out.ng.push(ng);
         out.ns.push(self.shading_normal(instance, mesh, corners, weights).unwrap_or(ng));
         let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
-        for k in 0..2 {
-            out.texcoord[k].push((0..3).map(|c| weights[c] * uv[c][k]).sum());
-        }
+        let texcoord = [0, 1].map(|k| (0..3).map(|c| weights[c] * uv[c][k]).sum::<f32>());
+        out.texcoord.iter_mut().zip(texcoord).for_each(|(array, value)| array.push(value));
         out.dp_du.push(instance.linear * change_per_u(&positions, &uv));
         let color = vertex_color(mesh, corners, weights);
         out.color.push(Vec3::new(color[0], color[1], color[2]));

@@ -131,6 +131,22 @@ mod tests {
         }
     }
 
+    /// Chi-square of single points over many pixels, 16 x 16 cells: stratification within a pixel cannot hide a bias.
+    #[test]
+    fn each_sample_is_uniform_over_pixels() {
+        const N: u32 = 1 << 18;
+        for sample in [0, 1, 2, 3, 7] {
+            let mut counts = [0.0_f64; 256];
+            for pixel in 0..N {
+                let [x, y] = sample_pair(3, key(pixel, sample), 0, purpose::LIGHT);
+                counts[(y * 16.0) as usize * 16 + (x * 16.0) as usize] += 1.0;
+            }
+            let expected = f64::from(N) / 256.0;
+            let chi_square: f64 = counts.iter().map(|c| (c - expected).powi(2) / expected).sum();
+            assert!((160.0..360.0).contains(&chi_square), "sample {sample}: chi-square {chi_square}");
+        }
+    }
+
     #[test]
     fn numbers_stay_below_one() {
         assert!(unit_interval(u32::MAX) < 1.0, "1 is never reached");
