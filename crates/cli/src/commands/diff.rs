@@ -20,12 +20,9 @@ pub(crate) fn run(arguments: &DiffArguments, messages: Messages) -> Outcome {
         Failure::usage(format_args!("{}, {}: {error}", arguments.a.display(), arguments.b.display()))
     })?;
     print(comparison.to_string().trim_end())?;
-    let with_opacity = has_opacity(&arguments.a) && has_opacity(&arguments.b);
-    messages.detail(if with_opacity {
-        "opacity counts"
-    } else {
-        "opacity does not count: a format has none"
-    });
+    let both_are = |format: &str| has_extension(&arguments.a, format) && has_extension(&arguments.b, format);
+    let with_opacity = both_are("png") || both_are("exr");
+    messages.detail(if with_opacity { "opacity counts" } else { "opacity does not count" });
     if passes(&comparison, arguments.fail, with_opacity) { Ok(()) } else { Err(Failure::Differs) }
 }
 

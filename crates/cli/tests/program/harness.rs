@@ -14,29 +14,29 @@ const PATIENCE: Duration = Duration::from_secs(60);
 
 /// What a run said and how it ended.
 #[derive(Debug)]
-pub struct Run {
+pub(crate) struct Run {
     /// `None` if a signal ended it.
-    pub status: Option<i32>,
-    pub stdout: String,
-    pub stderr: String,
+    pub(crate) status: Option<i32>,
+    pub(crate) stdout: String,
+    pub(crate) stderr: String,
 }
 
 impl Run {
     /// Panics with all that was said unless the program succeeded.
     #[track_caller]
-    pub fn success(self) -> Self {
+    pub(crate) fn success(self) -> Self {
         assert_eq!(self.status, Some(0), "the program was to succeed: {}{}", self.stdout, self.stderr);
         self
     }
 
     /// Lines of standard error that begin with this label.
-    pub fn lines(&self, label: &str) -> Vec<&str> {
+    pub(crate) fn lines(&self, label: &str) -> Vec<&str> {
         self.stderr.lines().filter(|line| line.starts_with(label)).collect()
     }
 
     /// Panics unless there is exactly one line on standard error, an error, that contains `expected`.
     #[track_caller]
-    pub fn fails(&self, status: i32, expected: &str) {
+    pub(crate) fn fails(&self, status: i32, expected: &str) {
         let said = &self.stderr;
         assert_eq!(self.status, Some(status), "exit status; said: {said}{}", self.stdout);
         assert_eq!(self.lines("error: ").len(), 1, "exactly one error line: {said}");
@@ -50,37 +50,37 @@ impl Run {
 }
 
 /// A folder with the files of a test, removed at its end.
-pub struct Folder {
+pub(crate) struct Folder {
     folder: tempfile::TempDir,
 }
 
 impl Folder {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { folder: tempfile::tempdir().expect("a temporary folder") }
     }
 
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         self.folder.path()
     }
 
-    pub fn at(&self, name: &str) -> PathBuf {
+    pub(crate) fn at(&self, name: &str) -> PathBuf {
         self.path().join(name)
     }
 
     /// Writes a file; makes folders on the way.
-    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
+    pub(crate) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) -> PathBuf {
         let path = self.at(name);
         std::fs::create_dir_all(path.parent().expect("a folder")).expect("folders can be made");
         std::fs::write(&path, bytes).expect("the folder can be written to");
         path
     }
 
-    pub fn read(&self, name: &str) -> Vec<u8> {
+    pub(crate) fn read(&self, name: &str) -> Vec<u8> {
         std::fs::read(self.at(name)).unwrap_or_else(|error| panic!("{name} must be there: {error}"))
     }
 
     /// Names and contents of the files: equal before and after = nothing was touched.
-    pub fn contents(&self) -> BTreeMap<PathBuf, Vec<u8>> {
+    pub(crate) fn contents(&self) -> BTreeMap<PathBuf, Vec<u8>> {
         let mut all = BTreeMap::new();
         let mut folders = vec![self.path().to_owned()];
         while let Some(folder) = folders.pop() {
@@ -96,7 +96,7 @@ impl Folder {
     }
 
     /// The program, to be run here.
-    pub fn command<S: AsRef<OsStr>>(&self, words: &[S]) -> Command {
+    pub(crate) fn command<S: AsRef<OsStr>>(&self, words: &[S]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_gnurt"));
         command.current_dir(self.path()).args(words).stdin(Stdio::null());
         for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("GNURT_"))
@@ -107,24 +107,24 @@ impl Folder {
     }
 
     /// Runs the program here with these words.
-    pub fn run<S: AsRef<OsStr>>(&self, words: &[S]) -> Run {
+    pub(crate) fn run<S: AsRef<OsStr>>(&self, words: &[S]) -> Run {
         finish(self.command(words))
     }
 
     /// Runs the program here; words are separated by blanks.
-    pub fn gnurt(&self, line: &str) -> Run {
+    pub(crate) fn gnurt(&self, line: &str) -> Run {
         self.run(&line.split_whitespace().collect::<Vec<_>>())
     }
 }
 
 /// Runs a command to its end and collects what it says.
-pub fn finish(mut command: Command) -> Run {
+pub(crate) fn finish(mut command: Command) -> Run {
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     collect(command.spawn().expect("the program can be started"))
 }
 
 /// Waits for a program, and collects what it says.
-pub fn collect(mut child: Child) -> Run {
+pub(crate) fn collect(mut child: Child) -> Run {
     let [stdout, stderr] = [reader(child.stdout.take()), reader(child.stderr.take())];
     let begin = Instant::now();
     let status = loop {

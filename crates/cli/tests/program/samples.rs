@@ -2,7 +2,7 @@
 //! Small good files, to be rendered and to be broken. Source: original.
 
 /// Two triangles above each other, with normals, texture coordinates and a material.
-pub const OBJ: &str = "\
+pub(crate) const OBJ: &str = "\
 mtllib scene.mtl
 v -1 0 0\nv 1 0 0\nv 1 2 0\nv -1 2 0
 vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1
@@ -12,10 +12,10 @@ f 1/1/1 2/2/1 3/3/1 4/4/1
 ";
 
 /// Its materials.
-pub const MTL: &str = "newmtl red\nKd 0.8 0.2 0.1\n";
+pub(crate) const MTL: &str = "newmtl red\nKd 0.8 0.2 0.1\n";
 
 /// A square as text.
-pub const PLY: &str = "\
+pub(crate) const PLY: &str = "\
 ply
 format ascii 1.0
 element vertex 4
@@ -34,7 +34,7 @@ end_header
 ";
 
 /// The same square in binary, little-endian.
-pub fn binary_ply() -> Vec<u8> {
+pub(crate) fn binary_ply() -> Vec<u8> {
     let (header, _) = PLY.split_once("end_header\n").expect("a header");
     let mut bytes = header.replace("ascii", "binary_little_endian").into_bytes();
     bytes.extend_from_slice(b"end_header\n");
@@ -58,7 +58,7 @@ fn triangle_bytes() -> Vec<u8> {
 }
 
 /// glTF of the triangle; the buffer is `uri`, or the binary chunk where that is `None`.
-pub fn gltf(uri: Option<&str>) -> String {
+pub(crate) fn gltf(uri: Option<&str>) -> String {
     let uri = uri.map(|uri| format!(r#""uri":"{uri}","#)).unwrap_or_default();
     format!(
         r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
@@ -71,22 +71,22 @@ pub fn gltf(uri: Option<&str>) -> String {
 }
 
 /// The bytes of `triangle.bin`, which `gltf(Some("triangle.bin"))` names.
-pub fn gltf_buffer() -> Vec<u8> {
+pub(crate) fn gltf_buffer() -> Vec<u8> {
     triangle_bytes()
 }
 
 /// The triangle as one binary file.
-pub fn glb() -> Vec<u8> {
+pub(crate) fn glb() -> Vec<u8> {
     glb_of(&gltf(None), &triangle_bytes())
 }
 
 /// A GLB of these chunks.
-pub fn glb_of(json: &str, binary: &[u8]) -> Vec<u8> {
+pub(crate) fn glb_of(json: &str, binary: &[u8]) -> Vec<u8> {
     let mut json = json.as_bytes().to_vec();
     json.resize(json.len().next_multiple_of(4), b' ');
     let length = 12 + 8 + json.len() + 8 + binary.len();
     let mut bytes = b"glTF".to_vec();
-    let mut word = |bytes: &mut Vec<u8>, value: usize| {
+    let word = |bytes: &mut Vec<u8>, value: usize| {
         bytes.extend(u32::try_from(value).expect("a small file").to_le_bytes());
     };
     word(&mut bytes, 2);
@@ -101,7 +101,7 @@ pub fn glb_of(json: &str, binary: &[u8]) -> Vec<u8> {
 }
 
 /// A picture of 2 x 2 floats.
-pub fn pfm() -> Vec<u8> {
+pub(crate) fn pfm() -> Vec<u8> {
     let mut bytes = b"PF\n2 2\n-1.0\n".to_vec();
     bytes.extend(
         [0.0_f32, 0.5, 1.0, 2.0, 0.25, 0.125, 3.0, 0.0, 1.0, 0.5, 0.5, 0.5]
@@ -112,7 +112,7 @@ pub fn pfm() -> Vec<u8> {
 }
 
 /// A grey JPEG of 8 x 8 pixels: one block, of which both codes are the only ones of their tables.
-pub fn jpeg() -> Vec<u8> {
+pub(crate) fn jpeg() -> Vec<u8> {
     let segment = |marker: u8, body: &[u8]| {
         let length = u16::try_from(body.len() + 2).expect("a short segment").to_be_bytes();
         [&[0xff, marker], &length[..], body].concat()
