@@ -6,13 +6,13 @@
 /// The valid name that is nearest to `name`, if one is near enough to have been meant.
 pub(crate) fn nearest<'a>(name: &str, valid: &[&'a str]) -> Option<&'a str> {
     let name = name.to_lowercase();
-    let near_enough = (name.chars().count() / 3).max(1);
+    let near_enough = name.chars().count().div_ceil(3).max(1);
     let distances = valid.iter().map(|&candidate| (distance(&name, &candidate.to_lowercase()), candidate));
     let slip =
         distances.filter(|&(distance, _)| distance <= near_enough).min_by_key(|&(distance, _)| distance);
-    let beginning =
-        || valid.iter().copied().find(|candidate| name.len() >= 2 && candidate.starts_with(&name));
-    slip.map(|(_, candidate)| candidate).or_else(beginning)
+    // Whoever writes the beginning of a name means the name, even if another one is as long as what was written.
+    let begun = valid.iter().copied().find(|candidate| name.len() >= 3 && candidate.starts_with(&name));
+    begun.or_else(|| slip.map(|(_, candidate)| candidate))
 }
 
 /// `unknown WHAT 'NAME'; did you mean 'NEAREST'? valid are: ...`

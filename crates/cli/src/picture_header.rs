@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a picture's file says about its making.
-//! Source: original; attribute names after pbrt-v4's film where it has one. Matrices are row-major, 16 numbers.
+//! Source: original; attribute names after pbrt-v4's film, but for the matrices: 16 numbers as text, row-major.
 //! PNG keeps only what does not depend on the machine or the moment: equal pictures are equal files.
 //! Proof: `tests/program/output.rs`.
 
@@ -15,7 +15,6 @@ use crate::arguments::FrameArguments;
 
 /// Says what the picture depends on.
 pub(crate) fn describe(picture: &mut Picture, frame: &FrameArguments) {
-    picture.set_metadata("Software", concat!("gnurt ", env!("CARGO_PKG_VERSION")));
     picture.set_metadata("seed", frame.seed.to_string());
     picture.set_metadata("integrator", frame.integrator.to_string());
     picture.set_metadata("filter", frame.filter.to_string());
@@ -28,8 +27,8 @@ pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f3
     picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
     picture.set_metadata("renderTimeSeconds", seconds);
     if let Some([camera_from_world, ndc_from_world]) = matrices(camera, aspect) {
-        picture.set_metadata("worldToCamera", numbers(&camera_from_world));
-        picture.set_metadata("worldToNDC", numbers(&ndc_from_world));
+        picture.set_metadata("cameraFromWorld", numbers(&camera_from_world));
+        picture.set_metadata("ndcFromWorld", numbers(&ndc_from_world));
     }
 }
 

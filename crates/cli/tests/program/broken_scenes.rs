@@ -45,8 +45,7 @@ fn obj() {
         text("a.obj", "v 0 0\n", "a.obj:1:"),
         text("a.obj", "v 0 0 zero\n", "a.obj:1:"),
         text("a.obj", &with("\n\nv 1 2\nf 1 2 3\n"), "a.obj:6:"),
-        text("a.obj", &with("vn 0 0\nf 1 2 3\n"), "a.obj:4:"),
-        text("a.obj", &with("vt\nf 1 2 3\n"), "a.obj:4:"),
+        text("a.obj", &with("f 1 2\nf 3 2 7\n"), "a.obj:5:"),
         ("a.obj", b"PNG\x89\0\xff\xfe\0\0".to_vec(), "a.obj"),
         ("a.obj", samples::glb(), "a.obj"),
     ]);

@@ -67,7 +67,9 @@ fn an_exr_tells_how_it_was_made() {
     folder.gnurt(&format!("{SMALL} --seed 77 -o p.exr")).success();
     let bytes = folder.read("p.exr");
     let holds = |word: &str| bytes.windows(word.len()).any(|window| window == word.as_bytes());
-    for word in ["seed", "commandLine", "worldToCamera", "worldToNDC", "samplesPerPixel", "albedo.R", "N.X"] {
+    for word in
+        ["seed", "commandLine", "cameraFromWorld", "ndcFromWorld", "samplesPerPixel", "albedo.R", "N.X"]
+    {
         assert!(holds(word), "the file says {word}");
     }
     assert!(!holds(&folder.path().to_string_lossy()), "but not where its maker works");
