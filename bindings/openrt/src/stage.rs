@@ -115,7 +115,7 @@ impl Stage {
     /// Empties an object's meshes and keeps their places for others.
     fn release_meshes(&mut self, object: ObjectId) {
         for mesh in std::mem::take(&mut self.scene.edit_object(object).meshes) {
-            *self.scene.edit_mesh(mesh) = Mesh::default();
+            self.scene.replace_mesh(mesh, Mesh::default());
             self.free_meshes.push(mesh);
         }
     }
@@ -123,7 +123,7 @@ impl Stage {
     fn place_mesh(&mut self, mesh: Mesh) -> MeshId {
         match self.free_meshes.pop() {
             Some(place) => {
-                *self.scene.edit_mesh(place) = mesh;
+                self.scene.replace_mesh(place, mesh);
                 place
             }
             None => self.scene.add_mesh(mesh),

@@ -67,7 +67,7 @@ impl Source {
         for warning in loaded.warnings.iter() {
             messages.warning(warning);
         }
-        let held: usize = loaded.scene.meshes().iter().map(gnurt::scene::Mesh::memory_bytes).sum();
+        let held: usize = loaded.scene.meshes().iter().map(|mesh| mesh.memory_bytes()).sum();
         let seconds = begin.elapsed().as_secs_f64();
         messages.detail(format_args!("{}: {} of meshes in {seconds:.2} s", self.name(), bytes(held as u64)));
         Ok(loaded.scene)

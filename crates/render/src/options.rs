@@ -74,6 +74,8 @@ pub struct RenderOptions {
     pub integrator: Integrator,
     /// How samples make a pixel.
     pub filter: ReconstructionFilter,
+    /// Take all samples at the pixels' centres, not where the filter puts them: exact, but jagged edges.
+    pub pixel_centres: bool,
     /// `[x0, y0, x1, y1]` in pixels, upper left origin, `x1` and `y1` exclusive; the picture keeps its size and is
     /// black with alpha 0 outside.
     pub crop: Option<[u32; 4]>,
@@ -100,6 +102,7 @@ impl Default for RenderOptions {
             seed: 0,
             integrator: Integrator::default(),
             filter: ReconstructionFilter::Box,
+            pixel_centres: false,
             crop: None,
             max_depth: 16,
             ray_epsilon: 0.0,

@@ -89,14 +89,18 @@ impl Job<'_> {
         tracer.stats.samples += rays.len() as u64;
     }
 
-    /// One ray through each pixel, placed by the filter.
+    /// One ray through each pixel, at its centre or placed by the filter.
     pub(crate) fn camera_rays(&self, pixels: impl Iterator<Item = [u32; 2]>, sample: u32) -> CameraBatch {
         let (width, height) = (self.options.width, self.options.height);
         let mut keys = Vec::new();
         let mut places = Vec::new();
         for [x, y] in pixels {
             let key = SampleKey { pixel: y * width + x, sample, branch: 0 };
-            let [dx, dy] = self.filter.sample(sample_pair(self.options.seed, key, 0, purpose::PIXEL));
+            let [dx, dy] = if self.options.pixel_centres {
+                [0.0; 2]
+            } else {
+                self.filter.sample(sample_pair(self.options.seed, key, 0, purpose::PIXEL))
+            };
             let across = (f64::from(x) + 0.5 + f64::from(dx)) / f64::from(width);
             let down = (f64::from(y) + 0.5 + f64::from(dy)) / f64::from(height);
             places.push([across as f32, (1.0 - down) as f32]);

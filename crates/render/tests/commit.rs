@@ -57,6 +57,23 @@ fn clones_are_snapshots() {
 }
 
 #[test]
+fn snapshots_share_arrays_until_they_are_edited() {
+    let (mut scene, mut world) = (two_balls(), World::new());
+    let holders = |scene: &Scene| std::sync::Arc::strong_count(&scene.meshes()[1]);
+    update(&mut world, &scene);
+    assert_eq!(holders(&scene), 2, "scene and world hold one mesh, not two");
+    let ray = Ray::new([-1.0, 0.0, 5.0], [0.0, 0.0, -1.0]);
+    let before = world.intersect(&ray).expect("the ball's top");
+    let snapshot = world.clone();
+    scene.edit_mesh(MeshId(1)).positions.iter_mut().for_each(|p| p[2] += 1.0);
+    assert_eq!(holders(&scene), 1, "an edit copies what others hold");
+    update(&mut world, &scene);
+    assert_eq!(snapshot.intersect(&ray), Some(before), "the snapshot sees the ball where it was");
+    let after = world.intersect(&ray).expect("the ball's top");
+    assert!((before.t - after.t - 1.0).abs() < 1e-5, "the world sees it where it is: {} {}", before.t, after.t);
+}
+
+#[test]
 fn hits_name_scene_instances() {
     let (mut scene, mut world) = (two_balls(), World::new());
     scene.edit_instance(InstanceId(0)).visible = false;

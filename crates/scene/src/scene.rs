@@ -2,6 +2,10 @@
 //! The scene: arrays of plain data and the log of their edits.
 //! Source: original; two levels (objects, instances) after the paper's section 6 and [WBS03a].
 //! Everything is read through public slices and written through methods, so that no edit escapes the log.
+//! Meshes are shared: who keeps an `Arc` of one keeps it as it was, because an edit copies what others hold.
+//! Proof: `tests::edits_leave_shared_meshes_alone`, crates/render/tests/commit.rs.
+
+use std::sync::Arc;
 
 use crate::affine::Affine;
 use crate::camera::Camera;
@@ -37,7 +41,7 @@ pub struct Instance {
 /// Objects, instances, materials, textures, lights and cameras, and the log of what changed.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    meshes: Vec<Mesh>,
+    meshes: Vec<Arc<Mesh>>,
     objects: Vec<Object>,
     instances: Vec<Instance>,
     materials: Vec<Material>,
@@ -80,7 +84,6 @@ macro_rules! arrays {
 }
 
 arrays! {
-    meshes, Mesh, MeshId, Mesh, add_mesh, mesh, edit_mesh;
     objects, Object, ObjectId, Object, add_object, object, edit_object;
     instances, Instance, InstanceId, Instance, add_instance, instance, edit_instance;
     materials, Material, MaterialId, Material, add_material, material, edit_material;
@@ -94,6 +97,39 @@ impl Scene {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// All meshes; an id is a position in this slice. Clone an `Arc` to keep a mesh as it is now.
+    #[must_use]
+    pub fn meshes(&self) -> &[Arc<Mesh>] {
+        &self.meshes
+    }
+
+    /// Adds to the meshes.
+    pub fn add_mesh(&mut self, value: impl Into<Arc<Mesh>>) -> MeshId {
+        let id = MeshId(u32::try_from(self.meshes.len()).expect("fewer than 2^32 values"));
+        self.meshes.push(value.into());
+        self.log.note(Edit::Mesh(id));
+        id
+    }
+
+    /// One of the meshes. Panics on an id of another scene.
+    #[must_use]
+    pub fn mesh(&self, id: MeshId) -> &Mesh {
+        &self.meshes[id.index()]
+    }
+
+    /// One of the meshes, to be changed; the log notes it. Copied first if somebody else holds it: a world that was
+    /// committed keeps what it had. Panics on an id of another scene.
+    pub fn edit_mesh(&mut self, id: MeshId) -> &mut Mesh {
+        self.log.note(Edit::Mesh(id));
+        Arc::make_mut(&mut self.meshes[id.index()])
+    }
+
+    /// Puts another mesh in the place of one, without copying either. Panics on an id of another scene.
+    pub fn replace_mesh(&mut self, id: MeshId, value: impl Into<Arc<Mesh>>) {
+        self.log.note(Edit::Mesh(id));
+        self.meshes[id.index()] = value.into();
     }
 
     /// Adds an object of `meshes`.
@@ -116,5 +152,27 @@ impl Scene {
     /// What was edited after `cursor`, each thing once.
     pub fn edits_since(&self, cursor: Cursor) -> impl Iterator<Item = Edit> + '_ {
         self.log.since(cursor)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edits_leave_shared_meshes_alone() {
+        let mut scene = Scene::new();
+        let id = scene.add_mesh(Mesh { positions: vec![[1.0; 3]], ..Mesh::default() });
+        let place = scene.mesh(id).positions.as_ptr();
+        scene.edit_mesh(id).name = "alone".into();
+        assert_eq!(scene.mesh(id).positions.as_ptr(), place, "nobody else holds it: changed in place");
+        let snapshot = scene.meshes()[id.index()].clone();
+        scene.edit_mesh(id).positions[0] = [2.0; 3];
+        assert_eq!(snapshot.positions, [[1.0; 3]], "the snapshot is as it was");
+        assert_eq!(scene.mesh(id).positions, [[2.0; 3]], "the scene is not");
+        let before = scene.cursor();
+        scene.replace_mesh(id, snapshot.clone());
+        assert!(Arc::ptr_eq(&scene.meshes()[id.index()], &snapshot), "nothing was copied");
+        assert_eq!(scene.edits_since(before).collect::<Vec<_>>(), [Edit::Mesh(id)], "the log knows");
     }
 }

@@ -9,7 +9,7 @@ use gnurt_scene::{Mesh, Scene};
 
 fn mesh(bytes: &[u8]) -> Mesh {
     let scene: Scene = load_named("t.ply", bytes).unwrap_or_else(|e| panic!("{e}")).scene;
-    scene.meshes()[0].clone()
+    Mesh::clone(&scene.meshes()[0])
 }
 
 const HEADER: &str = "comment x\nobj_info y\nelement vertex 4\nproperty double z\nproperty uchar red\n\

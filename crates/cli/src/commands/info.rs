@@ -4,6 +4,7 @@
 //! Proof: `tests/program/info.rs`.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
 use gnurt::defaults::{Bounds, bounds_of};
 use gnurt::render::{CommitOptions, ShaderTable, World, WorldStats};
@@ -59,7 +60,7 @@ struct Inventory {
 impl Inventory {
     fn of(scene: &Scene) -> Self {
         let meshes = scene.meshes();
-        let emits = |mesh: &&Mesh| scene.materials().get(mesh.material.index()).is_some_and(|m| m.emits());
+        let emits = |mesh: &&Arc<Mesh>| scene.materials().get(mesh.material.index()).is_some_and(|m| m.emits());
         let of_object = |object: &gnurt::scene::Object| -> usize {
             object.meshes.iter().filter_map(|id| meshes.get(id.index())).map(|mesh| mesh.indices.len()).sum()
         };
@@ -70,7 +71,7 @@ impl Inventory {
             instanced: objects.map(of_object).sum(),
             emitting: meshes.iter().filter(emits).map(|mesh| mesh.indices.len()).sum(),
             vertices: meshes.iter().map(|mesh| mesh.positions.len()).sum(),
-            mesh_bytes: meshes.iter().map(Mesh::memory_bytes).sum(),
+            mesh_bytes: meshes.iter().map(|mesh| mesh.memory_bytes()).sum(),
             texture_bytes: scene.textures().iter().map(|texture| texture.texels.memory_bytes()).sum(),
             bounds: bounds_of(scene),
         }

@@ -41,7 +41,7 @@ impl Bounds {
 /// An instance contributes the box of its object's box, which may be larger than the instance where it is turned.
 #[must_use]
 pub fn bounds_of(scene: &Scene) -> Option<Bounds> {
-    let meshes: Vec<Option<Bounds>> = scene.meshes().iter().map(mesh_bounds).collect();
+    let meshes: Vec<Option<Bounds>> = scene.meshes().iter().map(|mesh| mesh_bounds(mesh)).collect();
     let corners_of = |bounds: Option<Bounds>, to: Affine| {
         bounds.into_iter().flat_map(move |b| b.corners().map(|corner| to.point(corner)))
     };

@@ -101,8 +101,7 @@ fn build_objects(
             Some(object) => object,
             None => {
                 report.built_objects += 1;
-                let old = world.objects.get(id.index()).and_then(Option::as_deref);
-                Arc::new(build_object(scene, meshes, old, due, pool))
+                Arc::new(build_object(scene, meshes, pool))
             }
         };
         objects[id.index()] = Some(object);
@@ -110,27 +109,13 @@ fn build_objects(
     objects
 }
 
-fn build_object(
-    scene: &Scene,
-    ids: &[MeshId],
-    old: Option<&WorldObject>,
-    due: &Due,
-    pool: &rayon::ThreadPool,
-) -> WorldObject {
-    // Arrays that did not change are shared with the snapshot before.
-    let reusable = |geom_id: usize, id: MeshId| -> Option<Arc<Mesh>> {
-        let old = old.filter(|old| !due.meshes.contains(&id) && old.ids.get(geom_id) == Some(&id))?;
-        (!due.everything).then(|| old.meshes[geom_id].clone())
-    };
-    let meshes: Vec<Arc<Mesh>> = ids
-        .iter()
-        .enumerate()
-        .map(|(geom_id, &id)| reusable(geom_id, id).unwrap_or_else(|| Arc::new(scene.mesh(id).clone())))
-        .collect();
+fn build_object(scene: &Scene, ids: &[MeshId], pool: &rayon::ThreadPool) -> WorldObject {
+    // Shared with the scene, which copies what it edits later.
+    let meshes: Vec<Arc<Mesh>> = ids.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
     let triangles: Vec<_> =
         meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices }).collect();
     let tree = ObjectTree::build(&triangles, &BuildOptions::default(), Threads::Pool(pool));
-    WorldObject { ids: ids.to_vec(), meshes, tree: Arc::new(tree) }
+    WorldObject { meshes, tree: Arc::new(tree) }
 }
 
 /// Transforms of the visible instances; those that flatten are dropped and counted.

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use gnurt_accel::{Hit, ObjectTree, Ray, SceneTree};
 use gnurt_scene::edit::Cursor;
-use gnurt_scene::{Mesh, MeshId, Scene};
+use gnurt_scene::{Mesh, Scene};
 use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, SurfaceShader};
 use gnurt_simd::Level;
 
@@ -100,8 +100,7 @@ struct Followed {
 
 /// An object's arrays and the tree over them.
 pub(crate) struct WorldObject {
-    /// By geometry id: which meshes of the scene, and what they were at commit.
-    pub(crate) ids: Vec<MeshId>,
+    /// By geometry id: what the scene's meshes were at commit. Shared with the scene until it edits them.
     pub(crate) meshes: Vec<Arc<Mesh>>,
     pub(crate) tree: Arc<ObjectTree>,
 }
