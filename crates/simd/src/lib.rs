@@ -17,15 +17,42 @@ pub use lanes::{lane, load_or, select};
 pub use level::{Level, UnknownLevel};
 
 #[doc(hidden)]
-pub use fearless_simd::dispatch as __dispatch;
+pub use fearless_simd::Level as __Token;
 
 /// Runs an expression with the token of a [`Level`]: `dispatch!(level, simd => kernel(simd, rays))`.
 ///
 /// Enter once per batch. The expression is compiled once per level, so keep it to one call of an
-/// `#[inline(always)]` function.
+/// `#[inline(always)]` function. Unlike the library's own macro it leaves out what no [`Level`] names: on x86 that
+/// is SSE2, whose CPUs get the scalar code.
 #[macro_export]
 macro_rules! dispatch {
     ($level:expr, $simd:pat => $body:expr) => {
-        $crate::__dispatch!($crate::Level::token($level), $simd => $body)
+        match $crate::Level::token($level) {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::__Token::Sse4_2(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::__Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::__Token::Avx512(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(target_arch = "aarch64")]
+            $crate::__Token::Neon(token) => $crate::__enter!(token, $simd => $body),
+            $crate::__Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
+            other => unreachable!("no level has the token {other:?}"),
+        }
     };
+}
+
+/// The body, compiled with the instructions of `token`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __enter {
+    ($token:expr, $simd:pat => $body:expr) => {{
+        let token = $token;
+        let $simd = token;
+        $crate::Simd::vectorize(
+            token,
+            #[inline(always)]
+            || $body,
+        )
+    }};
 }
