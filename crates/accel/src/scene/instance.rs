@@ -56,13 +56,15 @@ impl ObjectFromWorld {
     #[inline(always)]
     pub(crate) fn ray(&self, ray: &Ray) -> Ray {
         let [high, low] = self.place;
-        let from = [0, 1, 2].map(|k| (ray.org[k] - high[k]) - low[k]);
+        let from = |k: usize| (ray.org[k] - high[k]) - low[k];
+        let from = [from(0), from(1), from(2)];
         Ray { org: self.vector(from), dir: self.vector(ray.dir), ..*ray }
     }
 
     #[inline(always)]
     fn vector(&self, v: [f32; 3]) -> [f32; 3] {
-        self.rows.map(|r| r[0] * v[0] + r[1] * v[1] + r[2] * v[2])
+        let along = |r: &[f32; 3]| r[0] * v[0] + r[1] * v[1] + r[2] * v[2];
+        [along(&self.rows[0]), along(&self.rows[1]), along(&self.rows[2])]
     }
 
     /// The same in lanes; rays that do not survive the journey are no longer active.

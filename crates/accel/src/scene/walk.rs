@@ -20,50 +20,55 @@ impl SceneTree {
         let regular = (Ray::SHORTEST..=Ray::LONGEST).contains(&ray.longest());
         // Boxes are met by the regular ray; what is compared are its parameters.
         let (scaled, scale) = if regular { (*ray, 1.0) } else { ray.within(ray.t_near, nearest.t).regular() };
+        // Scales are powers of two: their inverses are exact.
+        let over_scale = 1.0 / scale;
         let slabs = RaySlabs::new(&scaled, &root.bounds, self.reach);
         let entry = |node: &TopNode, t_far: f32| {
-            slabs.clip(&node.bounds, scaled.t_near, t_far / scale).map(|[t_min, _]| t_min)
+            slabs.clip(&node.bounds, scaled.t_near, t_far * over_scale).map(|[t_min, _]| t_min)
         };
 
-        let mut waiting = [(0u32, 0.0f32); DEEPEST];
-        let mut top = 0;
-        if let Some(t_min) = entry(root, nearest.t) {
-            waiting[0] = (0, t_min);
-            top = 1;
+        if entry(root, nearest.t).is_none() {
+            return;
         }
-        while top > 0 {
-            top -= 1;
-            let (at, t_min) = waiting[top];
-            if t_min > nearest.t / scale {
-                continue;
-            }
+        let mut waiting = [(0u32, 0.0f32); DEEPEST];
+        let (mut top, mut at) = (0, 0u32);
+        loop {
             let node = &self.top.nodes[at as usize];
             counters.nodes += 1;
-            if node.count > 0 {
+            let next = if node.count > 0 {
                 for &slot in &self.top.order[node.first as usize..][..node.count as usize] {
                     self.placed[slot as usize].search::<M>(ray, slot, nearest, counters);
                 }
-                continue;
-            }
-            let [left, right] = [node.first, node.first + 1];
-            let entries = [left, right].map(|child| entry(&self.top.nodes[child as usize], nearest.t));
-            let mut push = |child: u32, t_min: f32| {
-                waiting[top] = (child, t_min);
-                top += 1;
+                None
+            } else {
+                let [left, right] = [node.first, node.first + 1];
+                // Written out: `map` over an array would be a call for each of the two.
+                let [l, r] = [&self.top.nodes[left as usize], &self.top.nodes[right as usize]];
+                match (entry(l, nearest.t), entry(r, nearest.t)) {
+                    (Some(l), Some(r)) => {
+                        let left_first = l <= r;
+                        waiting[top] = if left_first { (right, r) } else { (left, l) };
+                        top += 1;
+                        Some(if left_first { left } else { right })
+                    }
+                    (Some(_), None) => Some(left),
+                    (None, Some(_)) => Some(right),
+                    (None, None) => None,
+                }
             };
-            match entries {
-                [Some(l), Some(r)] if l <= r => {
-                    push(right, r);
-                    push(left, l);
-                }
-                [Some(l), Some(r)] => {
-                    push(left, l);
-                    push(right, r);
-                }
-                [Some(l), None] => push(left, l),
-                [None, Some(r)] => push(right, r),
-                [None, None] => {}
-            }
+            at = match next {
+                Some(child) => child,
+                None => loop {
+                    if top == 0 {
+                        return;
+                    }
+                    top -= 1;
+                    let (node, t_min) = waiting[top];
+                    if t_min <= nearest.t * over_scale {
+                        break node;
+                    }
+                },
+            };
         }
     }
 
