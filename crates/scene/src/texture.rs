@@ -21,7 +21,7 @@ pub struct Texture {
 }
 
 /// Behaviour of a texture outside `[0, 1]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     /// The picture goes on from its other edge.
     #[default]

@@ -31,10 +31,16 @@ impl Assembler {
 
     /// Takes exactly the memory that `models` will need.
     pub(super) fn reserve(&mut self, models: &[tobj::Model]) {
-        for (k, part) in self.parts.iter_mut().enumerate() {
-            let of_part = || models.iter().filter(|m| material_of(m) == k).map(|m| &m.mesh);
-            part.mesh.positions.reserve_exact(of_part().map(|m| m.positions.len() / 3).sum());
-            part.mesh.indices.reserve_exact(of_part().map(triangles).sum());
+        let mut needed = vec![[0; 2]; self.parts.len()];
+        for model in models {
+            if let Some([vertices, faces]) = needed.get_mut(material_of(model)) {
+                *vertices += model.mesh.positions.len() / 3;
+                *faces += triangles(&model.mesh);
+            }
+        }
+        for (part, [vertices, faces]) in self.parts.iter_mut().zip(needed) {
+            part.mesh.positions.reserve_exact(vertices);
+            part.mesh.indices.reserve_exact(faces);
         }
     }
 

@@ -13,7 +13,8 @@
 //! The diffuse colour always stays `Kd` times `map_Kd` (`Material::diffuse`). `Ke` is radiance. `d` < 1 that did not make
 //! glass is opacity. Proof: `tests/obj.rs::materials_become_ours`.
 
-use std::path::Path;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 
 use super::directives::MapStatement;
 use super::mtl::{Entry, Library};
@@ -31,7 +32,7 @@ const MIRROR_EXPONENT: f32 = 1000.0;
 
 /// Adds the default material and those of the library to the scene, in the order of their numbers.
 pub(super) fn add_all(library: &Library, scene: &mut Scene, warnings: &mut Warnings) -> Vec<MaterialId> {
-    let mut textures = Textures { pictures: Pictures::default(), known: Vec::new() };
+    let mut textures = Textures { pictures: Pictures::default(), known: HashMap::new() };
     let default = scene.add_material(Material::matte("default", [DEFAULT_ALBEDO; 3]));
     let rest = library.entries.iter().map(|entry| {
         let material = convert(entry, scene, &mut textures, warnings);
@@ -170,7 +171,7 @@ fn roughness(ns: f32) -> f32 {
 /// Textures of the scene by what names them.
 struct Textures {
     pictures: Pictures,
-    known: Vec<(std::path::PathBuf, Meaning, Wrap, TextureId)>,
+    known: HashMap<(PathBuf, Meaning, Wrap), TextureId>,
 }
 
 impl Textures {
@@ -190,11 +191,11 @@ impl Textures {
             return None;
         };
         let path = source::resolve(&entry.path, &map.file);
-        let known = self.known.iter().find(|(p, m, w, _)| (p, *m, *w) == (&path, meaning, map.wrap));
-        let texture = match known {
-            Some(&(.., texture)) => texture,
+        let key = (path, meaning, map.wrap);
+        let texture = match self.known.get(&key) {
+            Some(&texture) => texture,
             None => {
-                let texels = match self.pictures.file(&path, meaning) {
+                let texels = match self.pictures.file(&key.0, meaning) {
                     Ok(texels) => texels,
                     Err(why) => {
                         warn(&entry.path, why);
@@ -203,7 +204,7 @@ impl Textures {
                 };
                 let (wrap, filter) = ([map.wrap; 2], Filter::Linear);
                 let texture = scene.add_texture(Texture { name: map.file.clone(), texels, wrap, filter });
-                self.known.push((path, meaning, map.wrap, texture));
+                self.known.insert(key, texture);
                 texture
             }
         };

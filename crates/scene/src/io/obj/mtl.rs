@@ -3,7 +3,7 @@
 //! Source: Wavefront MTL 4.2. Material 0 is the default one, for faces that name none.
 //! Proof: `tests/obj.rs`, `tests/broken_files.rs`.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ pub(super) struct Library {
     /// Material `k` of the file is `entries[k - 1]`.
     pub(super) entries: Vec<Entry>,
     by_name: HashMap<String, usize>,
-    read: Vec<PathBuf>,
+    read: HashSet<PathBuf>,
 }
 
 impl Library {
@@ -46,10 +46,9 @@ impl Library {
             names.split_whitespace().map(|name| source::resolve(obj, name)).collect()
         };
         for path in files {
-            if self.read.contains(&path) {
+            if !self.read.insert(path.clone()) {
                 continue;
             }
-            self.read.push(path.clone());
             if let Err(error) = self.read_file(&path, warnings) {
                 warnings.note(Oddity::BadMaterialLibrary, obj, Some(line), error.to_string());
             }
