@@ -92,21 +92,22 @@ impl Error {
 
     /// A refused operation on a file.
     pub(crate) fn file(path: &Path, what: &str, error: &std::io::Error) -> Self {
-        Self::File { path: path.into(), what: format!("{what}: {}", reason(error)) }
+        Self::File { path: path.into(), what: format!("{what}: {}", system_reason(error)) }
     }
 
     /// Bytes that could not be read.
     pub(crate) fn reading(error: std::io::Error) -> Self {
         let what = match error.kind() {
             std::io::ErrorKind::UnexpectedEof => "the file ends too early".into(),
-            _ => format!("cannot be read: {}", reason(&error)),
+            _ => format!("cannot be read: {}", system_reason(&error)),
         };
         Self::Corrupt { format: "picture", what }
     }
 }
 
-/// The system's words in lower case, without its number.
-fn reason(error: &std::io::Error) -> String {
+/// The system's words for what went wrong, in lower case, without its number.
+#[must_use]
+pub fn system_reason(error: &std::io::Error) -> String {
     let text = error.to_string();
     let words = text.split(" (os error").next().unwrap_or_default();
     // Custom errors wrap the system's in more words, such as a temporary name nobody asked for.

@@ -14,7 +14,7 @@ mod texels;
 mod tone;
 
 pub use compare::{Comparison, compare};
-pub use error::Error;
+pub use error::{Error, system_reason};
 pub use file::{
     ExrPixels, MAX_PIXELS, OutputFormat, WriteOptions, check_writable, decode, decode_data_texture,
     decode_texture, encode, read, read_data_texture, read_texture, replace_file, replace_file_if, write,

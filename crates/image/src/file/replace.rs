@@ -87,7 +87,9 @@ fn check_target(path: &Path, target: &Path) -> Result<(), Error> {
             .open(target)
             .map(drop)
             .map_err(|error| Error::file(path, "cannot be written", &error)),
-        Err(_) => Ok(()),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        // Such as a name that is too long, which a temporary name beside it would not notice.
+        Err(error) => Err(Error::file(path, "cannot be written", &error)),
     }
 }
 
@@ -172,7 +174,13 @@ mod tests {
         let inside = folder.path().join("inside");
         std::fs::create_dir(&inside).expect("a folder in the folder");
         std::fs::write(folder.path().join("file"), "old").expect("a file in the folder");
-        for path in [inside.clone(), folder.path().join("none/a.png"), folder.path().join("file/a.png")] {
+        let long = "x".repeat(300) + ".png";
+        for path in [
+            inside.clone(),
+            folder.path().join("none/a.png"),
+            folder.path().join("file/a.png"),
+            folder.path().join(long),
+        ] {
             for result in [check_writable(&path), replace_file(&path, b"new")] {
                 let message = result.expect_err("this path cannot be written").to_string();
                 assert!(message.starts_with(&path.display().to_string()), "the file is named: {message}");

@@ -60,7 +60,7 @@ impl Error {
             E::UnexpectedEof => {
                 ("the file ends too early".into(), "it may have been cut off while it was copied")
             }
-            _ => (error.to_string(), ""),
+            _ => (gnurt_image::system_reason(error), ""),
         };
         Self::io(path, problem, remedy)
     }
