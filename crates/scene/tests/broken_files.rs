@@ -216,6 +216,15 @@ fn gltf_cases() -> Vec<(&'static str, Vec<u8>, Outcome)> {
             Error("broken data URI"),
         ),
         (
+            "a sparse accessor of nothing",
+            doc(r#","buffers":[{"byteLength":12,"uri":"data:;base64,AAAAAAAAAAAAAAAA"}],
+                "bufferViews":[{"buffer":0,"byteLength":12}],
+                "accessors":[{"componentType":5126,"count":0,"type":"VEC3","sparse":{"count":1,
+                "indices":{"bufferView":0,"componentType":5121},"values":{"bufferView":0}}}],
+                "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"nodes":[{"mesh":0}]"#),
+            Error("sparse index 0 out of range; the accessor has no elements"),
+        ),
+        (
             "cycle",
             doc(r#","nodes":[{"children":[1]},{"children":[0]}],"scenes":[{"nodes":[0]}],"scene":0"#),
             Triangles(0, "stands in the tree twice"),
@@ -283,6 +292,54 @@ fn binary_gltf() {
             ("twelve bytes", good[..10].to_vec(), Error("the file ends in its header")),
         ],
     );
+}
+
+#[test]
+fn many_names_take_no_quadratic_time() {
+    let begin = std::time::Instant::now();
+    let library: String = (0..50_000).map(|k| format!("newmtl m{k}\nKd 1 0 0\n")).collect();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("t.mtl"), library).expect("a file");
+    let mut text = String::from(V);
+    (0..20_000).for_each(|k| text += &format!("mtllib none{k}.mtl\n"));
+    text += "mtllib t.mtl\n";
+    (0..50_000).for_each(|k| text += &format!("usemtl m{k}\nf 1 2 3\n"));
+    let path = folder.path().join("t.obj");
+    std::fs::write(&path, text).expect("a file");
+    let scene = gnurt_scene::io::load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
+    assert_eq!(scene.meshes().len(), 50_000, "one mesh per material");
+    // It takes about half a second; comparing each with each takes minutes.
+    assert!(begin.elapsed().as_secs() < 15, "{:?} for one pass over the file", begin.elapsed());
+}
+
+#[test]
+fn buffers_that_name_one_file_share_its_bytes() {
+    // 2,000 times 1 MiB would be 2 GiB; the test has no such limit, but its machine has.
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join("big.bin"), vec![0; 1 << 20]).expect("a file");
+    let buffers: Vec<String> = (0..2000)
+        .map(|k| format!(r#"{{"byteLength":{},"uri":"{}big.bin"}}"#, (1 << 20) - k, "./".repeat(k % 5)))
+        .collect();
+    let path = folder.path().join("t.gltf");
+    let json = format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{}]}}"#, buffers.join(","));
+    std::fs::write(&path, json).expect("a file");
+    let begin = std::time::Instant::now();
+    gnurt_scene::io::load(&path).unwrap_or_else(|e| panic!("{e}"));
+    assert!(
+        begin.elapsed().as_millis() < 300,
+        "the file was read once, not 2,000 times: {:?}",
+        begin.elapsed()
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn system_errors_come_without_numbers() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("circle.obj");
+    std::os::unix::fs::symlink("circle.obj", &path).expect("a link to itself");
+    let line = gnurt_scene::io::load(&path).expect_err("a circle").to_string();
+    assert!(line.contains("too many levels") && !line.contains("os error"), "words only: {line}");
 }
 
 #[test]

@@ -71,6 +71,32 @@ fn textures_come_back() {
 }
 
 #[test]
+fn a_file_that_cannot_be_written_keeps_the_others_from_being_written() {
+    let scene = builtin::load("textures").expect("it is built in");
+    for (blocked, name) in [("a.mtl", "a.obj"), ("a-0.png", "a.obj"), ("a.bin", "a.gltf"), ("a.obj", "a.obj")]
+    {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::create_dir(folder.path().join(blocked)).expect("a folder in the way");
+        let line = save(&scene, folder.path().join(name)).expect_err("a folder is in the way").to_string();
+        assert!(line.contains(blocked) && line.matches("cannot be written").count() == 1, "{line}");
+        let left = std::fs::read_dir(folder.path()).expect("the folder can be listed").count();
+        assert_eq!(left, 1, "{name}: nothing but the folder {blocked}");
+    }
+}
+
+#[test]
+fn matte_stays_matte() {
+    let scene = builtin::load("cornell").expect("it is built in");
+    for file in ["a.obj", "a.glb"] {
+        let back = there_and_back(&scene, file);
+        for material in scene.materials() {
+            let found = back.materials().iter().find(|m| m.name == material.name).expect("its name");
+            assert_eq!(found.surface, material.surface, "{} in {file}", material.name);
+        }
+    }
+}
+
+#[test]
 fn glass_and_mirrors_come_back() {
     let scene = builtin::load("spheres").expect("it is built in");
     let back = there_and_back(&scene, "a.obj");

@@ -39,12 +39,12 @@ pub(crate) fn resolve(from: &Path, name: &str) -> PathBuf {
     let folder = from.parent().unwrap_or(Path::new(""));
     let slashes = name.replace('\\', "/");
     let decoded = percent_decode(&slashes);
-    let candidates = [name, &slashes, &decoded].map(|name| folder.join(name));
+    let candidates = [name, &slashes, &String::from_utf8_lossy(&decoded)].map(|name| folder.join(name));
     candidates.iter().find(|path| path.exists()).unwrap_or(&candidates[0]).clone()
 }
 
 /// `%20` and the like as the bytes they mean; what is no such code stays.
-pub(crate) fn percent_decode(name: &str) -> String {
+pub(crate) fn percent_decode(name: &str) -> Vec<u8> {
     let bytes = name.as_bytes();
     let mut decoded = Vec::with_capacity(bytes.len());
     let mut at = 0;
@@ -56,7 +56,7 @@ pub(crate) fn percent_decode(name: &str) -> String {
         decoded.push(code.unwrap_or(bytes[at]));
         at += if code.is_some() { 3 } else { 1 };
     }
-    String::from_utf8_lossy(&decoded).into_owned()
+    decoded
 }
 
 #[cfg(test)]
@@ -84,6 +84,6 @@ mod tests {
         for name in ["maps/oak böard.png", "maps\\oak böard.png", "maps/oak%20b%C3%B6ard.png"] {
             assert_eq!(resolve(&from, name), file, "{name}");
         }
-        assert_eq!(percent_decode("100%, %zz, %4"), "100%, %zz, %4", "what is no code stays");
+        assert_eq!(percent_decode("100%, %zz, %4"), b"100%, %zz, %4", "what is no code stays");
     }
 }

@@ -125,11 +125,11 @@ impl<'a> Reader<'a> {
             let index = unsigned_integer(index_type, index) as usize;
             if index >= self.count {
                 let problem = format!("sparse index {index} out of range");
-                return Err(self.document.error(
-                    self.place,
-                    problem,
-                    &format!("expected 0 to {}", self.count - 1),
-                ));
+                let remedy = match self.count {
+                    0 => "the accessor has no elements".into(),
+                    n => format!("expected 0 to {}", n - 1),
+                };
+                return Err(self.document.error(self.place, problem, &remedy));
             }
             element(index, value);
         }

@@ -8,7 +8,7 @@ pub(super) fn data_uri(uri: &str) -> Option<Vec<u8>> {
     let (kind, data) = uri.strip_prefix("data:")?.split_once(',')?;
     match kind.ends_with(";base64") {
         true => decode(data.as_bytes()),
-        false => Some(crate::io::source::percent_decode(data).into_bytes()),
+        false => Some(crate::io::source::percent_decode(data)),
     }
 }
 
@@ -40,6 +40,7 @@ mod tests {
 
     #[test]
     fn decodes_and_refuses() {
+        assert_eq!(data_uri("data:,%00%80%3f"), Some(vec![0, 0x80, 0x3f]), "bytes that are no text");
         let decoded = |uri| data_uri(uri).map(|b| String::from_utf8_lossy(&b).into_owned());
         assert_eq!(decoded("data:;base64,SGVsbG8="), Some("Hello".into()), "padded");
         assert_eq!(decoded("data:a/b;base64,SGVsbG8"), Some("Hello".into()), "not padded");

@@ -4,7 +4,9 @@
 //! Invariant: a buffer has the length that it declares. Proof: `tests/gltf.rs`, `tests/broken_files.rs`.
 
 use std::cell::Cell;
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use gltf::json::{self, Index};
 
@@ -18,6 +20,7 @@ const KNOWN_EXTENSIONS: &[&str] = &[
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_texture_transform",
@@ -27,11 +30,23 @@ const KNOWN_EXTENSIONS: &[&str] = &[
 /// Values may be used by several meshes and take more bytes in memory than in the file, but not this many times more.
 const MOST_GROWTH: usize = 64;
 
+/// The first `length` of these bytes; buffers that name the same file share them.
+struct Buffer {
+    bytes: Rc<Vec<u8>>,
+    length: usize,
+}
+
+impl Buffer {
+    fn bytes(&self) -> &[u8] {
+        &self.bytes[..self.length]
+    }
+}
+
 /// The JSON, the buffers, and a limit on what is made of them.
 pub(super) struct Document {
     pub(super) path: PathBuf,
     pub(super) root: json::Root,
-    pub(super) buffers: Vec<Vec<u8>>,
+    buffers: Vec<Buffer>,
     /// Bytes that arrays may still take.
     budget: Cell<usize>,
 }
@@ -54,8 +69,9 @@ impl Document {
             warnings.note(Oddity::UnknownExtension, path, None, quoted(name));
         }
         let mut document = Self { path: path.to_owned(), root, buffers: Vec::new(), budget: Cell::new(0) };
-        document.buffers = document.read_buffers(container.binary)?;
-        let known: usize = document.buffers.iter().map(Vec::len).sum::<usize>() + bytes.len();
+        let (buffers, beside) = document.read_buffers(container.binary)?;
+        document.buffers = buffers;
+        let known = beside.saturating_add(bytes.len());
         document.budget = Cell::new(known.saturating_mul(MOST_GROWTH).saturating_add(1 << 24));
         Ok(document)
     }
@@ -88,7 +104,7 @@ impl Document {
     pub(super) fn view(&self, index: Index<json::buffer::View>, place: &str) -> Result<&[u8], Error> {
         let view = self.get(index, place, "bufferView")?;
         self.get(view.buffer, place, "buffer")?;
-        let buffer = &self.buffers[view.buffer.value()];
+        let buffer = self.buffers[view.buffer.value()].bytes();
         let start = view.byte_offset.unwrap_or_default().0;
         let end = start.checked_add(view.byte_length.0).and_then(|end| usize::try_from(end).ok());
         end.and_then(|end| buffer.get(start as usize..end)).ok_or_else(|| {
@@ -98,29 +114,61 @@ impl Document {
         })
     }
 
-    fn read_buffers(&self, binary: Option<&[u8]>) -> Result<Vec<Vec<u8>>, Error> {
-        self.root.buffers.iter().enumerate().map(|(i, buffer)| self.read_buffer(i, buffer, binary)).collect()
+    /// The buffers, and how many bytes were read from other files.
+    fn read_buffers(&self, binary: Option<&[u8]>) -> Result<(Vec<Buffer>, usize), Error> {
+        let mut files = HashMap::new();
+        let buffers = self.root.buffers.iter().enumerate();
+        let buffers: Result<Vec<_>, Error> =
+            buffers.map(|(i, buffer)| self.read_buffer(i, buffer, binary, &mut files)).collect();
+        Ok((buffers?, files.values().map(|bytes| bytes.len()).sum()))
     }
 
-    fn read_buffer(&self, i: usize, buffer: &json::Buffer, binary: Option<&[u8]>) -> Result<Vec<u8>, Error> {
+    fn read_buffer(
+        &self,
+        i: usize,
+        buffer: &json::Buffer,
+        binary: Option<&[u8]>,
+        files: &mut HashMap<PathBuf, Rc<Vec<u8>>>,
+    ) -> Result<Buffer, Error> {
         let place = format!("buffers[{i}]");
-        let declared = buffer.byte_length.0;
-        let mut bytes = match &buffer.uri {
-            None if i == 0 => binary.map(<[u8]>::to_vec).unwrap_or_default(),
-            None => Vec::new(),
+        let bytes = match &buffer.uri {
+            None if i == 0 => Rc::new(binary.map(<[u8]>::to_vec).unwrap_or_default()),
+            None => Rc::default(),
             Some(uri) if uri.starts_with("data:") => {
-                data_uri(uri).ok_or_else(|| self.error(&place, "broken data URI", "expected base64"))?
+                data_uri(uri).ok_or_else(|| self.error(&place, "broken data URI", "expected base64"))?.into()
             }
-            Some(uri) => {
-                let file = source::resolve(&self.path, uri);
-                source::read(&file, declared).map_err(|e| self.error(&place, e.to_string(), ""))?
-            }
+            Some(uri) => self.read_file(uri, &place, files)?,
         };
-        if (bytes.len() as u64) < declared {
+        let declared = buffer.byte_length.0;
+        let length = usize::try_from(declared).ok().filter(|&length| length <= bytes.len());
+        let length = length.ok_or_else(|| {
             let problem = format!("{declared} bytes are declared, but there are {}", bytes.len());
-            return Err(self.error(&place, problem, "the buffer may have been cut off"));
+            self.error(&place, problem, "the buffer may have been cut off")
+        })?;
+        Ok(Buffer { bytes, length })
+    }
+
+    /// The most bytes that a buffer declares: no file beside the document is read further.
+    fn longest_buffer(&self) -> u64 {
+        self.root.buffers.iter().map(|buffer| buffer.byte_length.0).max().unwrap_or(0)
+    }
+
+    /// The bytes of a file beside the document, each file once, by whatever names it goes.
+    fn read_file(
+        &self,
+        uri: &str,
+        place: &str,
+        files: &mut HashMap<PathBuf, Rc<Vec<u8>>>,
+    ) -> Result<Rc<Vec<u8>>, Error> {
+        let file = source::resolve(&self.path, uri);
+        let true_name = std::fs::canonicalize(&file).unwrap_or_else(|_| file.clone());
+        if let Some(bytes) = files.get(&true_name) {
+            return Ok(bytes.clone());
         }
-        bytes.truncate(declared as usize);
+        let bytes: Rc<Vec<u8>> = source::read(&file, self.longest_buffer())
+            .map_err(|e| self.error(place, e.to_string(), ""))?
+            .into();
+        files.insert(true_name, bytes.clone());
         Ok(bytes)
     }
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF materials and their textures.
-//! Source: glTF 2.0 section 3.9; KHR_materials_{emissive_strength, ior, transmission, unlit}, KHR_texture_transform.
+//! Source: glTF 2.0 section 3.9; KHR_materials_{emissive_strength, ior, specular, transmission, unlit}, KHR_texture_transform.
 //!
+//! Of KHR_materials_specular only a factor of 0 is obeyed: without metal it makes a surface matte.
 //! Unlit surfaces shine with their base colour and scatter nothing. Smooth surfaces that let through more than half of
 //! the light are glass, tinted by the base colour. glTF's v runs downwards, ours upwards: [`uv_from_mesh`].
 //! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
@@ -18,7 +19,7 @@ use gltf::json::{self, Index};
 use super::base64::data_uri;
 use super::document::Document;
 use crate::id::{MaterialId, TextureId};
-use crate::io::textures::{Meaning, Pictures, decode};
+use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Oddity, Warnings, source};
 use crate::material::{Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Surface, TextureRef};
 use crate::scene::Scene;
@@ -97,6 +98,11 @@ impl Converter<'_> {
             material.surface =
                 Surface::Dielectric { ior, reflectance: [1.0; 3], transmittance: base_color.factor };
             material.diffuse = Some(base_color);
+            return material;
+        }
+        let specular = extensions.and_then(|e| e.specular.as_ref()).map_or(1.0, |s| s.specular_factor.0);
+        if specular == 0.0 && pbr.metallic_factor.0 == 0.0 && from.normal_texture.is_none() {
+            // What neither mirrors nor conducts is Lambertian, as the material is so far.
             return material;
         }
         material.surface = Surface::MetallicRoughness {
@@ -237,10 +243,12 @@ impl Textures {
         if let Some(uri) = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) {
             return self.pictures.file(&source::resolve(&document.path, uri), meaning);
         }
+        let pictures = &mut self.pictures;
         let load = || match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => decode(&data_uri(uri).ok_or("broken data URI")?, "data URI", meaning),
+            (Some(uri), _) => pictures.decode(&data_uri(uri).ok_or("broken data URI")?, "data URI", meaning),
             (None, Some(view)) => {
-                decode(document.view(view, "image").map_err(|e| e.problem)?, "embedded image", meaning)
+                let bytes = document.view(view, "image").map_err(|e| e.problem)?;
+                pictures.decode(bytes, "embedded image", meaning)
             }
             (None, None) => Err("an image without data".to_owned()),
         };

@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use buffer::Buffer;
 
-use super::{leave_out, png, write};
+use super::{check_writable, leave_out, png, write};
 use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::io::{Error, Format, Warnings};
@@ -81,6 +81,7 @@ fn write_files(mut root: Map<String, Value>, bytes: &[u8], path: &Path, format: 
         let file = path.with_extension("bin");
         let name = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         root.insert("buffers".into(), json!([{ "byteLength": bytes.len(), "uri": percent_encode(&name) }]));
+        check_writable(&[file.clone(), path.to_owned()])?;
         write(&file, bytes)?;
     }
     write(path, format!("{:#}\n", Value::Object(root)).as_bytes())

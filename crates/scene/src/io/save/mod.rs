@@ -11,7 +11,7 @@ mod ply;
 mod png;
 mod world;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Error, Format, Oddity, Warnings};
 use crate::scene::Scene;
@@ -32,9 +32,21 @@ pub fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<Warnings, Error> {
     Ok(warnings)
 }
 
+/// Whether files can be written, as far as that can be known before the first of them is.
+fn check_writable(paths: &[PathBuf]) -> Result<(), Error> {
+    paths.iter().try_for_each(|path| gnurt_image::check_writable(path).map_err(|e| unwritable(path, &e)))
+}
+
 /// Writes one file whole.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    gnurt_image::replace_file(path, bytes).map_err(|e| Error::io(path, format!("cannot be written: {e}"), ""))
+    gnurt_image::replace_file(path, bytes).map_err(|e| unwritable(path, &e))
+}
+
+fn unwritable(path: &Path, error: &gnurt_image::Error) -> Error {
+    match error {
+        gnurt_image::Error::File { what, .. } => Error::io(path, what.clone(), ""),
+        other => Error::io(path, format!("cannot be written: {other}"), ""),
+    }
 }
 
 fn leave_out(count: usize, what: &str, path: &Path, warnings: &mut Warnings) {

@@ -3,10 +3,11 @@
 //! Source: Wavefront OBJ and MTL 4.2; `Pm` and `Pr` of the PBR extension for metalness and roughness.
 //! The library is called NAME.mtl, textures NAME-K.png. Proof: `tests/save.rs`.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::{leave_out, png, world, write};
+use super::{check_writable, leave_out, png, world, write};
 use crate::io::{Error, Warnings};
 use crate::material::{Alpha, Color, Material, Surface, TextureRef};
 use crate::mesh::Mesh;
@@ -15,12 +16,15 @@ use crate::scene::Scene;
 pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
     let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     let beside = |name: String| -> PathBuf { path.with_file_name(name) };
-    for (k, texture) in scene.textures().iter().enumerate() {
-        let file = beside(texture_name(&stem, k));
-        write(&file, &png::encode(&texture.texels, &file)?)?;
+    let library_file = beside(format!("{stem}.mtl"));
+    let textures: Vec<_> = (0..scene.textures().len()).map(|k| beside(texture_name(&stem, k))).collect();
+    check_writable(&textures)?;
+    check_writable(&[library_file.clone(), path.to_owned()])?;
+    for (texture, file) in scene.textures().iter().zip(&textures) {
+        write(file, &png::encode(&texture.texels, file)?)?;
     }
     let names = material_names(scene);
-    write(&beside(format!("{stem}.mtl")), library(scene, &names, &stem).as_bytes())?;
+    write(&library_file, library(scene, &names, &stem).as_bytes())?;
     leave_out(scene.cameras().len(), "camera", path, warnings);
     leave_out(scene.lights().len(), "light", path, warnings);
     write(path, geometry(scene, &names, &stem).as_bytes())
@@ -33,11 +37,16 @@ fn texture_name(stem: &str, k: usize) -> String {
 /// Names that differ and fill one line.
 fn material_names(scene: &Scene) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
+    let mut taken_names = HashSet::new();
     for (k, material) in scene.materials().iter().enumerate() {
         let plain: String = material.name.chars().map(|c| if c.is_control() { '_' } else { c }).collect();
         let plain = plain.trim();
-        let taken = plain.is_empty() || names.iter().any(|name| name == plain);
-        names.push(if taken { format!("{plain}_{k}") } else { plain.to_owned() });
+        let mut name = plain.to_owned();
+        while name.is_empty() || taken_names.contains(&name) {
+            name = format!("{name}_{k}");
+        }
+        taken_names.insert(name.clone());
+        names.push(name);
     }
     names
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Materials and samplers in glTF's words.
-//! Source: glTF 2.0 section 3.9 and the extensions below. Matte is rough plastic, a mirror smooth metal, glass transmits.
+//! Source: glTF 2.0 section 3.9 and the extensions below. Matte is rough plastic without reflections, a mirror smooth metal, glass transmits.
 
 use serde_json::{Value, json};
 
@@ -12,6 +12,7 @@ pub(super) const EXTENSIONS: &[&str] = &[
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_texture_transform",
 ];
@@ -19,7 +20,10 @@ pub(super) const EXTENSIONS: &[&str] = &[
 pub(super) fn material(material: &Material) -> Value {
     let mut extensions = json!({});
     let (base, metallic, roughness) = match &material.surface {
-        Surface::Matte { base_color } => (*base_color, 0.0, 1.0),
+        Surface::Matte { base_color } => {
+            extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 });
+            (*base_color, 0.0, 1.0)
+        }
         Surface::MetallicRoughness { base_color, metallic, roughness, ior, .. } => {
             extensions["KHR_materials_ior"] = json!({ "ior": ior });
             (*base_color, *metallic, *roughness)
