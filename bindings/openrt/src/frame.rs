@@ -9,7 +9,6 @@ use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::thread::{Builder, JoinHandle};
 
-use gnurt::accel::RayBatch;
 use gnurt::render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent, World, render};
 use gnurt::scene::Affine;
 use gnurt::shading::CameraShader;
@@ -51,20 +50,6 @@ struct Job {
 /// A frame in flight: a thread that gives the stage back.
 pub struct Frame(JoinHandle<(Stage, Result<()>)>);
 
-/// A camera seen through pixel centres only, so that one sample per pixel lies at `((x + 0.5) / w, (y + 0.5) / h)`.
-struct PixelCentres {
-    camera: Arc<dyn CameraShader>,
-    size: [f32; 2],
-}
-
-impl CameraShader for PixelCentres {
-    fn rays(&self, xy: &[[f32; 2]], aspect: f32, out: &mut RayBatch) {
-        let centre = |at: f32, size: f32| ((at * size).floor().clamp(0.0, size - 1.0) + 0.5) / size;
-        let centres: Vec<_> = xy.iter().map(|at| [0, 1].map(|k| centre(at[k], self.size[k]))).collect();
-        self.camera.rays(&centres, aspect, out);
-    }
-}
-
 impl Job {
     /// Renders into the program's memory.
     fn run(&self, stage: &mut Stage) -> Result<()> {
@@ -72,17 +57,16 @@ impl Job {
             width: self.target.width,
             height: self.target.height,
             spp: 1,
+            pixel_centres: true,
             integrator: Integrator::Whitted,
             max_depth: self.limits.max_depth.min(DEEPEST),
             ray_epsilon: self.limits.epsilon,
             ..Default::default()
         };
-        let size = [self.target.width, self.target.height].map(|n| n as f32);
-        let camera = PixelCentres { camera: self.camera.clone(), size };
         let committed =
             stage.world.commit(&stage.scene, &self.shaders, &CommitOptions::default(), &self.pool);
         committed.map_err(|error| fail(&error))?;
-        let frame = render(&stage.world, &camera, &options, &self.pool, &Silent);
+        let frame = render(&stage.world, &*self.camera, &options, &self.pool, &Silent);
         self.target.show(&frame.map_err(|error| fail(&error))?.picture);
         Ok(())
     }

@@ -19,9 +19,12 @@ macro_rules! programs {
 }
 
 programs! {
+    closed_forms
     errors
+    fragment_model
     fragments
     many_vertices
+    pixels
     primitives
     scene
 }
