@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All emissive triangles of a scene as one light: a triangle in proportion to its power, a point on it by area.
-//! Source: [SWZ96] (sampling many luminaires); [PJH23] section 6.5 (area to solid angle).
+//! All emissive triangles of a scene as one light: a triangle by what it may bring to the point, a place on it by area.
+//! Source: [TCE05] (resampled importance sampling), [SWZ96] (sampling many luminaires); [PJH23] section 6.5 (area to
+//! solid angle). Differs: candidates are stratified by power, and one number both chooses and places, see `sample`.
 //! Space: world. One-sided: light leaves the side of the geometric normal. Textures and opacity modulate it.
-//! Proof: `tests::rectangle_has_its_closed_form`, crates/render/tests/lights.rs.
+//! Proof: `tests::{rectangle_has_its_closed_form, many_lamps_add_up, nothing_is_wasted}`, crates/render/tests/lights.rs.
 
 use std::sync::Arc;
 
@@ -10,7 +11,8 @@ use glam::Vec3;
 
 use crate::batch::Vec3s;
 use crate::materials::{Coverage, Emission};
-use crate::sampling::{Distribution, triangle};
+use crate::sampling::distribution::ALMOST_ONE;
+use crate::sampling::{self, Distribution};
 use crate::shader::{LightBatch, LightShader};
 
 /// What a group of triangles gives off.
@@ -36,8 +38,59 @@ pub struct EmissiveTriangle {
 /// One light of many triangles.
 pub struct TriangleLights {
     triangles: Vec<EmissiveTriangle>,
+    /// What choices are made by, for each triangle.
+    shapes: Vec<Shape>,
     emitters: Vec<Arc<Emitter>>,
     distribution: Distribution,
+}
+
+/// Triangles that compete for each sample.
+const CANDIDATES: usize = 8;
+
+/// A triangle as choices see it.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    p: [Vec3; 3],
+    /// Unit, on the side that shines.
+    normal: Vec3,
+    area: f32,
+    /// Area times brightness.
+    power: f32,
+}
+
+impl Shape {
+    fn new(triangle: &EmissiveTriangle, brightness: f32) -> Self {
+        let p = triangle.p.map(Vec3::as_dvec3);
+        let cross = (p[1] - p[0]).cross(p[2] - p[0]);
+        let area = (0.5 * cross.length()) as f32;
+        Self { p: triangle.p, normal: cross.normalize_or_zero().as_vec3(), area, power: area * brightness }
+    }
+
+    /// About what it brings to a surface at `p` if nothing is in between; exactly 0 where it brings nothing: seen from
+    /// behind, or wholly below the horizon of `normal`.
+    fn promise(&self, p: Vec3, normal: Vec3) -> f32 {
+        let ways = self.p.map(|q| q - p);
+        let before = -self.normal.dot(ways[0]);
+        let above = ways.iter().map(|way| normal.dot(*way).max(0.0)).sum::<f32>() / 3.0;
+        // The mean over the corners does not vanish when `p` comes close to a point within the triangle.
+        let distance2 = ways.iter().map(|way| way.length_squared()).sum::<f32>() / 3.0;
+        if before > 0.0 && above > 0.0 {
+            // Scaled step by step, so that it neither overflows nor vanishes in large or tiny scenes.
+            let promise = (before / distance2) * (above / distance2) * self.power;
+            if promise.is_finite() { promise.max(f32::MIN_POSITIVE) } else { f32::MAX.sqrt() }
+        } else {
+            0.0
+        }
+    }
+}
+
+/// A triangle that was chosen.
+struct Chosen {
+    index: usize,
+    /// What its light is multiplied with: one over the probability of the choice, on average.
+    weight: f32,
+    /// Two fresh numbers in [0, 1).
+    random: [f32; 2],
 }
 
 impl TriangleLights {
@@ -47,7 +100,9 @@ impl TriangleLights {
         let brightness: Vec<f64> = emitters.iter().map(|e| f64::from(e.emission.mean_luminance())).collect();
         let power = |t: &EmissiveTriangle| double_area(t) * brightness[t.emitter as usize];
         let distribution = Distribution::new(triangles.iter().map(power))?;
-        Some(Self { triangles, emitters, distribution })
+        let shape = |t: &EmissiveTriangle| Shape::new(t, brightness[t.emitter as usize] as f32);
+        let shapes = triangles.iter().map(shape).collect();
+        Some(Self { triangles, shapes, emitters, distribution })
     }
 
     /// How many triangles.
@@ -62,43 +117,68 @@ impl TriangleLights {
         self.triangles.is_empty()
     }
 
+    /// Chooses among candidates in proportion to what they promise.
+    ///
+    /// Candidate k lies at `(k + random[0]) / CANDIDATES` of all power, so that candidates are spread over the lights.
+    /// Any joint law of the candidates leaves the mean right, because each is weighted with one over its own probability
+    /// and the choice is independent of all of them; what is left of both numbers places the point.
+    fn choose(&self, p: Vec3, normal: Vec3, random: [f32; 2]) -> Option<Chosen> {
+        let mut candidates = [(0, 0.0_f32, 0.0_f32); CANDIDATES];
+        let mut weights = [0.0_f64; CANDIDATES];
+        for (k, (candidate, weight)) in candidates.iter_mut().zip(&mut weights).enumerate() {
+            let at = (k as f64 + f64::from(random[0])) / CANDIDATES as f64;
+            let choice = self.distribution.sample(at);
+            let promise = self.shapes[choice.index].promise(p, normal);
+            *candidate = (choice.index, promise, choice.rest);
+            *weight = f64::from(promise) / f64::from(choice.probability);
+        }
+        let sum: f64 = weights.iter().sum();
+        let mut at = f64::from(random[1]) * sum;
+        let last = weights.iter().rposition(|&weight| weight > 0.0)?;
+        let k = (0..last).find(|&k| {
+            let here = at < weights[k];
+            at -= if here { 0.0 } else { weights[k] };
+            here
+        });
+        let k = k.unwrap_or(last);
+        let (index, promise, rest) = candidates[k];
+        let weight = (sum / (CANDIDATES as f64 * f64::from(promise))) as f32;
+        let fresh = ((at / weights[k]) as f32).clamp(0.0, ALMOST_ONE);
+        weight.is_finite().then_some(Chosen { index, weight, random: [rest, fresh] })
+    }
+
     /// A direction from `p` to a point on a triangle, its distance and the arriving light over its probability.
-    fn sample(&self, p: Vec3, random: [f32; 2]) -> Option<(Vec3, f32, Vec3)> {
-        let choice = self.distribution.sample(random[0]);
-        let shape = &self.triangles[choice.index];
-        let [b1, b2] = triangle([choice.rest, random[1]]);
-        let [e1, e2] = [shape.p[1] - shape.p[0], shape.p[2] - shape.p[0]];
-        let cross = e1.cross(e2);
-        let double_area = cross.length();
-        let normal = cross / double_area;
+    fn sample(&self, p: Vec3, normal: Vec3, random: [f32; 2]) -> Option<(Vec3, f32, Vec3)> {
+        let chosen = self.choose(p, normal, random)?;
+        let (triangle, shape) = (&self.triangles[chosen.index], &self.shapes[chosen.index]);
+        let [b1, b2] = sampling::triangle(chosen.random);
         let q = {
-            let on_triangle = shape.p[0] + e1 * b1 + e2 * b2;
+            let on_triangle = shape.p[0] + (shape.p[1] - shape.p[0]) * b1 + (shape.p[2] - shape.p[0]) * b2;
             // Stop short of the triangle by what rounding may have moved the point, so that it does not shade itself.
-            on_triangle + normal * rounding(shape, p)
+            on_triangle + shape.normal * rounding(shape, p)
         };
         let way = q - p;
         let distance2 = way.length_squared();
         let dist = distance2.sqrt();
         let dir = way / dist;
-        let cos = -normal.dot(dir);
+        let cos = -shape.normal.dot(dir);
         if !(cos > 0.0 && dist > 0.0) {
             return None;
         }
-        let emitter = &self.emitters[shape.emitter as usize];
-        let uv = interpolate(&shape.uv, b1, b2);
+        let emitter = &self.emitters[triangle.emitter as usize];
+        let uv = interpolate(&triangle.uv, b1, b2);
         let mut radiance = emitter.emission.at(uv);
         if let Some(coverage) = &emitter.coverage {
             radiance *= coverage.at(uv, 1.0);
         }
-        let pdf_area = choice.probability * 2.0 / double_area;
-        Some((dir, dist, radiance * (cos / (distance2 * pdf_area))))
+        Some((dir, dist, radiance * (cos / distance2 * shape.area * chosen.weight)))
     }
 }
 
 impl LightShader for TriangleLights {
-    fn illuminate(&self, p: &Vec3s, _normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
+    fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
         for (i, &random) in random.iter().enumerate() {
-            if let Some((dir, dist, radiance)) = self.sample(p.get(i), random) {
+            if let Some((dir, dist, radiance)) = self.sample(p.get(i), normal.get(i), random) {
                 out.dir.set(i, dir);
                 out.dist[i] = dist;
                 out.radiance.set(i, radiance);
@@ -117,7 +197,7 @@ fn double_area(t: &EmissiveTriangle) -> f64 {
 }
 
 /// How far a point computed on the triangle and seen from `p` may be off, and some more.
-fn rounding(shape: &EmissiveTriangle, p: Vec3) -> f32 {
+fn rounding(shape: &Shape, p: Vec3) -> f32 {
     let largest = shape.p.iter().fold(p.abs().max_element(), |m, q| m.max(q.abs().max_element()));
     16.0 * f32::EPSILON * largest
 }
@@ -151,7 +231,7 @@ mod tests {
         const N: u32 = 1 << 14;
         let sum = (0..N).fold(Vec3::ZERO, |sum, sample| {
             let random = sample_pair(0, SampleKey { pixel: 1, sample, branch: 0 }, 0, 0);
-            let lit = light.sample(p, random);
+            let lit = light.sample(p, up, random);
             sum + lit.map_or(Vec3::ZERO, |(dir, _, radiance)| radiance * dir.dot(up).max(0.0))
         });
         sum / N as f32
@@ -171,6 +251,62 @@ mod tests {
     fn the_back_is_dark() {
         let above = irradiance(&square(), Vec3::new(0.0, 0.0, 2.0), -Vec3::Z);
         assert_eq!(above, Vec3::ZERO, "light leaves one side only");
+    }
+
+    /// Fifty small lamps of different brightness, half of them turned away, some below the horizon.
+    fn lamps() -> Vec<[Vec3; 3]> {
+        let lamp = |i: usize| {
+            let middle = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, [1.0, 3.0, -0.5][i % 3]);
+            let size = 0.05 + 0.02 * (i % 7) as f32;
+            let p = [middle, middle + Vec3::Y * size, middle + Vec3::X * size];
+            if i % 4 < 2 { p } else { [p[0], p[2], p[1]] }
+        };
+        (0..50).map(lamp).collect()
+    }
+
+    fn light_of(corners: &[[Vec3; 3]]) -> Option<TriangleLights> {
+        let shine = |factor| Arc::new(Emitter { emission: Emission { factor, texture: None }, coverage: None });
+        let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveTriangle {
+            p,
+            uv: [[0.0; 2]; 3],
+            emitter: (i % 2 + i % 3) as u32,
+        };
+        let emitters = [1.0, 5.0, 40.0, 2.0].map(|x| shine(Vec3::splat(x)));
+        TriangleLights::new(corners.iter().enumerate().map(triangle).collect(), emitters.into())
+    }
+
+    #[test]
+    fn many_lamps_add_up() {
+        let all = lamps();
+        let together = irradiance(&light_of(&all).expect("they shine"), Vec3::ZERO, Vec3::Z).x;
+        // One at a time, the others made so small that they bring nothing.
+        let one = |i: usize| {
+            let mut alone = all.clone();
+            (0..50).filter(|&k| k != i).for_each(|k| alone[k] = [Vec3::ZERO; 3]);
+            light_of(&alone).map_or(0.0, |light| irradiance(&light, Vec3::ZERO, Vec3::Z).x)
+        };
+        let wanted: f32 = (0..50).map(one).sum();
+        assert!((together / wanted - 1.0).abs() < 2e-3, "{together} instead of {wanted}");
+    }
+
+    #[test]
+    fn nothing_is_wasted() {
+        // Half of the power is turned away or below the horizon: alone, it would take half of the samples.
+        let light = light_of(&lamps()).expect("they shine");
+        let dark = |shape: &Shape| shape.promise(Vec3::ZERO, Vec3::Z) == 0.0;
+        let wasted: f32 = light.shapes.iter().filter(|s| dark(s)).map(|s| s.power).sum();
+        let all: f32 = light.shapes.iter().map(|s| s.power).sum();
+        assert!(wasted / all > 0.4, "the scene is a hard one: {wasted} of {all}");
+        let lit = |sample| {
+            let random = sample_pair(5, SampleKey { pixel: 2, sample, branch: 0 }, 0, 0);
+            let (dir, _, radiance) = light.sample(Vec3::ZERO, Vec3::Z, random)?;
+            Some(radiance.x * dir.z)
+        };
+        let samples: Vec<f32> = (0..1024).filter_map(lit).collect();
+        assert_eq!(samples.len(), 1024, "every sample reaches a lamp that shines here");
+        let wanted = samples.iter().sum::<f32>() / 1024.0;
+        let variance = samples.iter().map(|x| (x / wanted - 1.0).powi(2)).sum::<f32>() / 1024.0;
+        assert!(variance < 0.5, "relative variance {variance} of one sample");
     }
 
     #[test]

@@ -61,8 +61,8 @@ impl Distribution {
 
     /// Chooses by a number in [0, 1).
     #[must_use]
-    pub fn sample(&self, u: f32) -> Choice {
-        let at = f64::from(u) * self.total();
+    pub fn sample(&self, u: impl Into<f64>) -> Choice {
+        let at = u.into() * self.total();
         // The last index whose sum before it is not above `at`; weights of zero are skipped because their sums repeat.
         let above = self.cumulative.partition_point(|&sum| sum <= at);
         let index = if above <= self.len() { above - 1 } else { self.last_positive() };

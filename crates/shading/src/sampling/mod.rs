@@ -2,7 +2,7 @@
 //! Stateless random numbers and the ways to turn them into directions, points and choices.
 //! Source: see each file. Everything is a function of its arguments: no generator is carried around.
 
-mod distribution;
+pub(crate) mod distribution;
 mod grid;
 mod sobol;
 mod warp;
