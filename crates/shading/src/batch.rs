@@ -103,6 +103,9 @@ pub struct SurfaceBatch {
     pub ng: Vec3s,
     /// Unit shading normals, interpolated, as the mesh has them: not flipped; the geometric one where the mesh has none.
     pub ns: Vec3s,
+    /// From the points to the curved surface that the vertex normals suggest, world units: where shadow rays start, so
+    /// that facets do not shade their own mesh. Zero where the mesh is flat, or hollow on the side of the ray.
+    pub lift: Vec3s,
     /// Unit directions of the rays that came here.
     pub ray_dir: Vec3s,
     /// Distances they came, world units.
@@ -178,15 +181,25 @@ impl SurfaceBatch {
     /// what [`LightBatch`](crate::LightBatch) gives. Origins move off the surface, ends do not.
     #[must_use]
     pub fn spawn_to(&self, i: usize, dir: Vec3, dist: f32) -> Ray {
-        if dist.is_infinite() {
-            return self.spawn(i, dir, dist);
-        }
         let (p, ng) = (self.p.get(i), self.ng.get(i));
-        let from = off_surface(p, ng, dir, self.error[i]);
-        let way = p + dir * dist - from;
-        let length = way.length();
-        let dir = if length > 0.0 { way / length } else { dir };
-        Ray::new(from.into(), dir.into()).within(0.0, length)
+        ray_between(p, off_surface(p, ng, dir, self.error[i]), dir, dist)
+    }
+
+    /// The ray that decides whether light from the unit direction `dir`, `dist` away, reaches lane `i`; `None` where
+    /// `dir` lies below the horizon. Where the mesh stands for a curved surface, the horizon is that of the shading normal
+    /// and the ray starts there [Hanika2021]; elsewhere both normals must see the light.
+    #[must_use]
+    pub fn shadow_ray(&self, i: usize, dir: Vec3, dist: f32) -> Option<Ray> {
+        let (ng, ns, lift) = (self.facing_ng(i), self.facing_ns(i), self.lift.get(i));
+        if ns.dot(dir) <= 0.0 {
+            return None;
+        }
+        if lift == Vec3::ZERO {
+            return (ng.dot(dir) > 0.0).then(|| self.spawn_to(i, dir, dist));
+        }
+        let p = self.p.get(i);
+        // Off to the side of the viewer, even where `dir` points below the facet.
+        Some(ray_between(p, off_surface(p + lift, ng, ng, self.error[i]), dir, dist))
     }
 
     /// A batch of some of the lanes, in the order given.
@@ -202,6 +215,7 @@ impl SurfaceBatch {
             error: pick(&self.error, lanes),
             ng: vectors(&self.ng),
             ns: vectors(&self.ns),
+            lift: vectors(&self.lift),
             ray_dir: vectors(&self.ray_dir),
             t: pick(&self.t, lanes),
             u: pick(&self.u, lanes),
@@ -218,6 +232,17 @@ impl SurfaceBatch {
             attributes: self.attributes.iter().map(components).collect(),
         }
     }
+}
+
+/// The ray from `from` to what is seen from `p` along `dir`, `dist` away.
+fn ray_between(p: Vec3, from: Vec3, dir: Vec3, dist: f32) -> Ray {
+    if dist.is_infinite() {
+        return Ray::new(from.into(), dir.into()).within(0.0, dist);
+    }
+    let way = p + dir * dist - from;
+    let length = way.length();
+    let dir = if length > 0.0 { way / length } else { dir };
+    Ray::new(from.into(), dir.into()).within(0.0, length)
 }
 
 /// Moves `p` along `normal` by `error`, to the side that `dir` points to, and then away from it by one float more in

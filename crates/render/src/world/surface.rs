@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From hits to surface points: positions, normals, coordinates and attributes out of the meshes' arrays.
-//! Source: [PJH23] section 6.8 (bounding the error of a hit point); original. Space: world.
+//! Source: [PJH23] section 6.8 (bounding the error of a hit point); [Hanika2021] (`lift`); original. Space: world.
 //! Points are computed from barycentric weights, not from `org + t dir`: they lie in their triangle's plane up to
 //! rounding, and `error` bounds that from the largest coordinate involved.
 //! Proof: `crates/render/tests/offsets.rs`.
@@ -42,13 +42,13 @@ impl World {
             points.ray_dir.push(Vec3::from(from.rays.get(lane as usize).dir));
             points.key.push(from.keys[lane as usize]);
             points.t.push(hit.t);
-            self.push_point(&hit, from.epsilon, &mut points);
+            self.push_point(&hit, from.epsilon, Vec3::from(from.rays.get(lane as usize).dir), &mut points);
         }
         points.attributes = attributes.iter().map(|request| self.attribute(request, &points)).collect();
         points
     }
 
-    fn push_point(&self, hit: &Hit, epsilon: f32, out: &mut SurfaceBatch) {
+    fn push_point(&self, hit: &Hit, epsilon: f32, ray_dir: Vec3, out: &mut SurfaceBatch) {
         let instance = self.instance(hit.inst_id);
         let mesh = &*instance.object.meshes[hit.geom_id as usize];
         let corners = mesh.indices[hit.prim_id as usize].map(|i| i as usize);
@@ -57,10 +57,27 @@ impl World {
         let reach = positions[0].abs().max(positions[1].abs()).max(positions[2].abs());
         let ng = geometric_normal(instance, &positions);
 
-        out.p.push(instance.point(mix3(&positions, weights)));
+        let p = instance.point(mix3(&positions, weights));
+        let normals = self.vertex_normals(mesh, corners);
+
+        out.p.push(p);
         out.error.push(ERROR_SCALE * instance.magnitude(reach) + epsilon);
         out.ng.push(ng);
-        out.ns.push(self.shading_normal(instance, mesh, corners, weights).unwrap_or(ng));
+        let ns = normals.and_then(|n| (instance.normals * mix3(&n, weights)).try_normalize());
+        out.ns.push(ns.unwrap_or(ng));
+        out.lift.push(match (normals, ns) {
+            (Some(normals), Some(ns)) => {
+                let corners = positions.map(|q| instance.point(q));
+                let seen_normals = normals.map(|n| {
+                    let n = (instance.normals * n).normalize_or_zero();
+                    // On the side that the ray comes from, as the facing shading normal is.
+                    let to_viewer = if ng.dot(ray_dir) <= 0.0 { ng } else { -ng };
+                    if ns.dot(to_viewer) < 0.0 { -n } else { n }
+                });
+                lift(p, &corners, &seen_normals, weights)
+            }
+            _ => Vec3::ZERO,
+        });
         let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
         let texcoord = [0, 1].map(|k| (0..3).map(|c| weights[c] * uv[c][k]).sum::<f32>());
         out.texcoord.iter_mut().zip(texcoord).for_each(|(array, value)| array.push(value));
@@ -75,14 +92,8 @@ impl World {
         out.inst_id.push(hit.inst_id);
     }
 
-    /// Interpolated normal in the world, unit; `None` where the mesh is flat.
-    fn shading_normal(
-        &self,
-        instance: &PlacedInstance,
-        mesh: &Mesh,
-        corners: [usize; 3],
-        weights: [f32; 3],
-    ) -> Option<Vec3> {
+    /// Unit, in the object; `None` where the triangle is flat.
+    fn vertex_normals(&self, mesh: &Mesh, corners: [usize; 3]) -> Option<[Vec3; 3]> {
         if self.face_normals || mesh.normals.is_empty() {
             return None;
         }
@@ -91,7 +102,7 @@ impl World {
             // Normals of any length: each counts as a direction.
             *normal = Vec3::from(*mesh.normals.get(corner)?).try_normalize()?;
         }
-        (instance.normals * mix3(&normals, weights)).try_normalize()
+        Some(normals)
     }
 
     /// Component k of lane i at `[k * lanes + i]`.
@@ -124,6 +135,16 @@ fn attribute_at(a: &Attribute, mesh: &Mesh, prim_id: usize, weights: [f32; 3], k
             (0..3).try_fold(0.0, |sum, c| Some(sum + weights[c] * value(corners[c])?))
         }
     }
+}
+
+/// From `p` to the curved surface: `p` is raised to the plane through each corner across its normal where it lies below
+/// it, and the three are mixed.
+fn lift(p: Vec3, corners: &[Vec3; 3], normals: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {
+    let raised: [Vec3; 3] = std::array::from_fn(|k| {
+        let below = (corners[k] - p).dot(normals[k]).max(0.0);
+        normals[k] * below
+    });
+    mix3(&raised, weights)
 }
 
 fn mix3(values: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {

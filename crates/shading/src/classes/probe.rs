@@ -68,6 +68,7 @@ pub(super) fn floor() -> SurfaceBatch {
         error: vec![1e-4],
         ng: Vec3s::splat(1, Vec3::Y),
         ns: Vec3s::splat(1, Vec3::Y),
+        lift: Vec3s::splat(1, Vec3::ZERO),
         ray_dir: Vec3s::splat(1, Vec3::new(0.0, -1.0, -1.0).normalize()),
         t: vec![1.0],
         texcoord: [vec![0.5], vec![0.5]],

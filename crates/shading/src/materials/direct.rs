@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Light that reaches a surface without a bounce: every light asked, shadows traced, a BSDF weighting what arrives.
 //! Source: [Whi80] (shadow rays); [CPC84] (lights with extent, by sampling).
-//! A light counts only where it is above the horizon of both the geometric and the shading normal: with one of them
-//! alone, light would leak through surfaces or shadows would fall on lit ones. Shadow rays are sent only where the
-//! BSDF lets something through.
+//! A light counts only where it is above the horizon, see [`SurfaceBatch::shadow_ray`]. Shadow rays are sent only where
+//! the BSDF lets something through.
 
 use glam::Vec3;
 
@@ -30,14 +29,14 @@ pub fn direct_light(
         scattered.clear();
         for i in 0..hits.len() {
             let (dir, radiance) = (arriving.dir.get(i), arriving.radiance.get(i));
-            let above = hits.facing_ng(i).dot(dir) > 0.0 && hits.facing_ns(i).dot(dir) > 0.0;
-            if !above || radiance == Vec3::ZERO {
+            if radiance == Vec3::ZERO {
                 continue;
             }
+            let Some(shadow) = hits.shadow_ray(i, dir, arriving.dist[i]) else { continue };
             let value = bsdf_cos(i, dir, visible) * radiance;
             if value != Vec3::ZERO {
                 scattered.push(value);
-                shadows.rays.push(hits.spawn_to(i, dir, arriving.dist[i]));
+                shadows.rays.push(shadow);
                 shadows.parent.push(i as u32);
                 shadows.key.push(hits.key[i]);
             }
