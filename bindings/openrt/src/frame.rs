@@ -21,7 +21,7 @@ use crate::framebuffer::FrameBuffer;
 use crate::stage::{Stage, UNNAMED};
 
 /// Depths above this one are rendered as this one: shaders recurse, and a thread's stack is finite.
-const DEEPEST: u32 = 64;
+const DEEPEST: u32 = 1024;
 
 /// Numbers that a program may choose about rendering.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -19,6 +19,7 @@ macro_rules! programs {
 }
 
 programs! {
+    attributes
     closed_forms
     errors
     fragment_model

@@ -6,6 +6,10 @@ use std::num::NonZero;
 
 use crate::Error;
 
+/// Bytes of stack per thread. Shaders recurse, about 2.5 KiB per bounce, and shaders of others may take more; memory
+/// that is not touched costs nothing.
+const STACK: usize = 16 << 20;
+
 /// A pool of `threads` threads; 0 = one per core that this process may use.
 ///
 /// # Errors
@@ -15,6 +19,7 @@ pub fn thread_pool(threads: usize) -> Result<rayon::ThreadPool, Error> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|i| format!("gnurt-{i}"))
+        .stack_size(STACK)
         .build()
         .map_err(|error| Error::Threads { threads, why: error.to_string() })
 }

@@ -88,7 +88,7 @@ RTAPI void RTAPIENTRY rtSwapBuffers(void);
  * takes them and leaves none. BE; IE. */
 RTAPI void RTAPIENTRY rtSceneMode(RTenum mode);
 
-/* Rays of a greater depth see the environment; camera rays have depth 0. Initially 16; at most 64 is used. BE; IV
+/* Rays of a greater depth see the environment; camera rays have depth 0. Initially 16; at most 1024 is used. BE; IV
  * if negative, that is above 2^31 - 1. */
 RTAPI void RTAPIENTRY rtSetMaxRayRecursionDepth(RTuint depth);
 

@@ -178,6 +178,11 @@ static void depth(void)
         rtRender();
         SHOWS(0, 0, 0.25 * share, 0.5 * share, share);
     }
+    /* Far down too. */
+    rtParameter1f(rtParameterHandle("attenuation"), 0.999f);
+    rtSetMaxRayRecursionDepth(1000);
+    rtRender();
+    SHOWS(0, 0, 0.25 * pow(0.999f, 1001), 0.5 * pow(0.999f, 1001), pow(0.999f, 1001));
     rtSetMaxRayRecursionDepth(16);
     rtClearInstances();
 }
