@@ -5,7 +5,8 @@
 mod common;
 
 use common::{TESTS, ask, assert_hits, batch, build};
-use gnurt_testkit::{OracleInstance, Soup, rays};
+use gnurt_accel::Ray;
+use gnurt_testkit::{OracleInstance, Soup, oracle, rays};
 
 fn check(name: &str, meshes: &[Soup], rays: &[rays::PlainRay]) {
     for (test, margin) in TESTS {
@@ -46,17 +47,93 @@ fn degenerate_soups() {
     }
 }
 
+/// Distance of a point from a triangle in double precision: to its plane where it is above the triangle, else to the
+/// nearest edge. Flat ones are their edges.
+fn distance(point: [f64; 3], corners: [[f32; 3]; 3]) -> f64 {
+    let [a, b, c] = corners.map(|p| p.map(f64::from));
+    let minus = |p: [f64; 3], q: [f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    let cross = |p: [f64; 3], q: [f64; 3]| {
+        [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+    };
+    let n = cross(minus(b, a), minus(c, a));
+    let edges = [(a, b), (b, c), (c, a)];
+    let above = edges.iter().all(|&(p, q)| dot(cross(minus(q, p), minus(point, p)), n) >= 0.0);
+    if above && dot(n, n) > 0.0 {
+        return dot(minus(point, a), n).abs() / dot(n, n).sqrt();
+    }
+    let to_edge = |(p, q): ([f64; 3], [f64; 3])| {
+        let (along, from) = (minus(q, p), minus(point, p));
+        let f = (dot(along, from) / dot(along, along)).clamp(0.0, 1.0);
+        let off = minus(from, along.map(|x| f * x));
+        dot(off, off).sqrt()
+    };
+    edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// Distance between the lines of a ray and an edge: what decides the sides of an edge, also at grazing angles.
+fn from_edge(ray: &Ray, (p, q): ([f32; 3], [f32; 3])) -> f64 {
+    let minus = |p: [f32; 3], q: [f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(q[k]));
+    let (along, from, dir) = (minus(q, p), minus(p, ray.org), ray.dir.map(f64::from));
+    let n = [0, 1, 2].map(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        along[i] * dir[j] - along[j] * dir[i]
+    });
+    let length = n.iter().map(|x| x * x).sum::<f64>().sqrt();
+    (0..3).map(|k| n[k] * from[k]).sum::<f64>().abs() / length
+}
+
+/// How far along a ray a hit may lie beside a triangle: weights across a sliver are as uncertain as it is thin.
+fn uncertainty(corners: [[f32; 3]; 3], tolerance: f64) -> f64 {
+    let [a, b, c] = corners;
+    let height = [(a, b, c), (b, c, a), (c, a, b)]
+        .map(|(p, q, r)| distance(r.map(f64::from), [p, q, q]))
+        .into_iter()
+        .fold(f64::INFINITY, f64::min);
+    tolerance * (1.0 + 0.1 / height)
+}
+
 #[test]
 fn slivers() {
+    // Compared are places: a hit lies on its triangle, and nothing that is met clearly inside lies clearly before it.
     let meshes = [Soup::slivers(19, 300)];
-    for (test, _) in TESTS {
-        // Weights across a sliver are as uncertain as it is thin: only places are compared.
+    let instances = [OracleInstance::identity(&meshes)];
+    let corners = |prim_id: u32| meshes[0].corners(prim_id as usize).expect("a triangle");
+    for (test, tolerance) in [(TESTS[0].0, 1e-5), (TESTS[1].0, 1e-3)] {
         let object = build(&meshes, test);
         let rays = batch(&rays::aimed(&meshes[0], [0.1, 0.2, 3.0], 1));
         let hits = ask(&object, &rays);
-        for hit in hits.iter().flatten() {
-            assert!(hit.t > 0.0 && hit.t < 10.0, "{hit:?} lies in the soup");
+        let (mut found, mut clear) = (0usize, 0usize);
+        for (i, hit) in hits.iter().enumerate() {
+            let ray = rays.get(i);
+            let at = |t: f64| [0, 1, 2].map(|k| f64::from(ray.org[k]) + t * f64::from(ray.dir[k]));
+            let mut last = f64::INFINITY;
+            if let Some(hit) = hit {
+                found += 1;
+                let (off, allowed) = (
+                    distance(at(f64::from(hit.t)), corners(hit.prim_id)),
+                    uncertainty(corners(hit.prim_id), tolerance),
+                );
+                assert!(
+                    off < allowed,
+                    "{test:?}: {ray:?}: {hit:?} lies {off:e} beside its triangle, not {allowed:e}"
+                );
+                last = f64::from(hit.t) - allowed;
+            }
+            for surely in oracle::all_hits(&instances, (ray.org, ray.dir), [0.0, last], 0.0) {
+                let [a, b, c] = corners(surely.prim_id);
+                let to_edges = [(a, b), (b, c), (c, a)].map(|edge| from_edge(&ray, edge));
+                let inside = to_edges.iter().all(|&margin| margin > tolerance);
+                let before = surely.t + uncertainty([a, b, c], tolerance) < last;
+                assert!(!inside || !before, "{test:?}: {ray:?} hits {hit:?}, but meets {surely:?} before");
+            }
+            let all = oracle::all_hits(&instances, (ray.org, ray.dir), [0.0, f64::INFINITY], 0.0);
+            clear += usize::from(!all.is_empty());
         }
+        assert!(
+            found > 300 && found.abs_diff(clear) < clear / 2,
+            "{found} hits, {clear} in double precision"
+        );
     }
 }
 

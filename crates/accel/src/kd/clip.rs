@@ -2,7 +2,8 @@
 //! The box of what a node sees of a triangle ("perfect splits").
 //! Source: [WH06] section 4.1; polygons are clipped plane by plane [SH74], in double precision.
 //! Boxes are rounded to the nearest float: they may miss the polygon by half a unit in the last place, which the
-//! traversal's slack covers (`slab.rs`). Proof: `tests::{parts_cover_the_whole, outside_is_nothing}`.
+//! traversal's slack covers (`slab.rs`). Proof: `tests::{parts_cover_the_whole, outside_is_nothing,
+//! boxes_are_those_of_the_true_polygons}`.
 
 use crate::Aabb;
 
@@ -102,5 +103,72 @@ mod tests {
         let triangle = [[0.0, 3.0, 0.0], [3.0, 0.0, 0.0], [3.0, 3.0, 0.0]];
         let cell = Aabb { min: [0.0, 0.0, -1.0], max: [1.0, 1.0, 1.0] };
         assert_eq!(split_boxes(&triangle, &cell, 0, 0.5), [None, None], "nothing is seen from this cell");
+    }
+
+    /// All points that can be a corner of the polygon "triangle in cell", found without clipping anything: corners of
+    /// the triangle, its edges on the cell's planes, and the cell's edges on the triangle's plane.
+    fn true_corners(triangle: &[[f64; 3]; 3], cell: &Aabb) -> Vec<[f64; 3]> {
+        let [low, high] = [cell.min, cell.max].map(|p| p.map(f64::from));
+        let in_cell = |p: &[f64; 3]| (0..3).all(|k| p[k] >= low[k] - 1e-12 && p[k] <= high[k] + 1e-12);
+        let mut points: Vec<[f64; 3]> = triangle.to_vec();
+        for (a, b) in [(0, 1), (1, 2), (2, 0)].map(|(i, j)| (triangle[i], triangle[j])) {
+            for (k, at) in (0..3).flat_map(|k| [(k, low[k]), (k, high[k])]) {
+                let f = (at - a[k]) / (b[k] - a[k]);
+                if (0.0..=1.0).contains(&f) {
+                    points.push([0, 1, 2].map(|j| a[j] + f * (b[j] - a[j])));
+                }
+            }
+        }
+        let [a, b, c] = *triangle;
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            for (pi, pj) in [(low[i], low[j]), (low[i], high[j]), (high[i], low[j]), (high[i], high[j])] {
+                let det = (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
+                let u = ((pi - a[i]) * (c[j] - a[j]) - (pj - a[j]) * (c[i] - a[i])) / det;
+                let v = ((b[i] - a[i]) * (pj - a[j]) - (b[j] - a[j]) * (pi - a[i])) / det;
+                if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
+                    let mut point = [0.0; 3];
+                    (point[i], point[j]) = (pi, pj);
+                    point[k] = a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k]);
+                    points.push(point);
+                }
+            }
+        }
+        points.retain(in_cell);
+        points
+    }
+
+    #[test]
+    fn boxes_are_those_of_the_true_polygons() {
+        let mut random = gnurt_testkit::Random::new(1);
+        let mut cut = 0;
+        for _ in 0..20_000 {
+            let size = random.pick(&[0.2f32, 1.0, 5.0]);
+            let triangle = [0; 3].map(|_: i32| random.point().map(|x| size * x));
+            let cell = Aabb::around(&[random.point(), random.point()]);
+            let axis = random.below(3);
+            let at = cell.min[axis] + random.unit() * (cell.max[axis] - cell.min[axis]);
+            let boxes = split_boxes(&triangle, &cell, axis, at);
+            for (found, half) in boxes.into_iter().zip(cell.split(axis, at)) {
+                let points = true_corners(&triangle.map(|p| p.map(f64::from)), &half);
+                if points.is_empty() {
+                    assert!(found.is_none(), "{triangle:?} is not in {half:?}, but {found:?}");
+                    continue;
+                }
+                let found = found.unwrap_or_else(|| panic!("{triangle:?} is in {half:?} at {points:?}"));
+                cut += 1;
+                for k in 0..3 {
+                    let inside = found.min[k] >= half.min[k] && found.max[k] <= half.max[k];
+                    assert!(inside, "{found:?} is in the cell {half:?}");
+                    let least = points.iter().fold(f64::INFINITY, |m, p| m.min(p[k]));
+                    let most = points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k]));
+                    let error =
+                        (f64::from(found.min[k]) - least).abs().max((f64::from(found.max[k]) - most).abs());
+                    // Half a unit in the last place of a coordinate below 1.
+                    assert!(error < 3.1e-8, "{found:?} against {least} to {most} along {k}, {triangle:?}");
+                }
+            }
+        }
+        assert!(cut > 5_000, "{cut} polygons are enough to tell");
     }
 }

@@ -6,6 +6,8 @@ mod build;
 mod clip;
 mod event;
 mod measure;
+#[cfg(test)]
+mod naive;
 mod node;
 mod packet;
 mod sah;

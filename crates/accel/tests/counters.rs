@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Counters: packets in an object count what its single rays do, at every level, for closest and for any hits; costs
+//! per ray add up to the sums. Source: original.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::{TESTS, batch, build, queries};
+use gnurt_accel::{Counters, HitBatch, Instance, Query, RayBatch, Record, SceneTree};
+use gnurt_testkit::{Soup, closed, rays};
+
+/// Coherent ones, mixed ones that packets have to send singly, and one more than a whole number of packets.
+fn some_rays() -> RayBatch {
+    let mut plain = rays::aimed(&closed::sphere(5), [0.2, -0.1, 3.0], 1);
+    plain.extend(rays::random(1, 300));
+    plain.truncate(plain.len() / 8 * 8 + 1);
+    batch(&plain)
+}
+
+#[test]
+fn packets_count_what_single_rays_do() {
+    let rays = some_rays();
+    for (test, _) in TESTS {
+        let object = build(&[closed::torus(12), Soup::random(2, 200, 0.4)], test);
+        let mut first: Option<[Counters; 2]> = None;
+        for query in queries() {
+            let (mut closest, mut any) = (Record::default(), Record::default());
+            object.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut closest);
+            object.occluded_batch(&query, &rays, &mut Vec::new(), &mut any);
+            let counted = [closest.counters, any.counters];
+            assert_eq!(*first.get_or_insert(counted), counted, "{query:?} against single rays");
+            let [all, any] = counted;
+            assert_eq!((all.rays, any.rays), (rays.len() as u64, rays.len() as u64), "rays asked for");
+            assert!(all.nodes > all.rays && all.triangles > all.rays / 4, "{all:?} for many rays");
+            assert!(
+                any.nodes < all.nodes && any.triangles < all.triangles,
+                "any hit is less: {any:?}, {all:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn all_levels_count_the_same_in_a_scene() {
+    let rays = some_rays();
+    let object = Arc::new(build(&[closed::sphere(8)], TESTS[0].0));
+    let place = |i: u32| {
+        let mut instance = Instance::identity(Arc::clone(&object));
+        instance.world_from_object[3] = [f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, 0.25];
+        instance
+    };
+    let scene = SceneTree::build(&(0..9).map(place).collect::<Vec<_>>());
+    let counted = queries().into_iter().skip(1).map(|query| {
+        let mut record = Record::default();
+        scene.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut record);
+        record.counters
+    });
+    let counted: Vec<Counters> = counted.collect();
+    assert!(counted.iter().all(|c| *c == counted[0]), "{counted:?} at all levels");
+}
+
+#[test]
+fn costs_add_up_and_records_go_on() {
+    let rays = some_rays();
+    let object = build(&[closed::torus(12)], TESTS[0].0);
+    let mut record = Record::with_costs();
+    for round in 1..3 {
+        object.intersect_batch(&Query::default(), &rays, &mut HitBatch::default(), &mut record);
+        let costs: u64 = record.costs.iter().flatten().map(|&cost| u64::from(cost)).sum();
+        let Counters { rays: asked, nodes, triangles } = record.counters;
+        assert_eq!(asked, round * rays.len() as u64, "sums go on from batch to batch");
+        assert_eq!(round * costs, nodes + triangles, "costs are the last batch's");
+        assert_eq!(record.costs.as_ref().map(Vec::len), Some(rays.len()), "one for each ray");
+    }
+}

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a traversal promises: it skips no triangle that the test alone would hit, not by one rounding, and it stops at
+//! the first leaf with a hit. Source: original.
+
+mod common;
+
+use common::{TESTS, ask, batch, build_with, queries};
+use gnurt_accel::{BuildOptions, HitBatch, Ray, RayBatch, Record, Threads};
+use gnurt_testkit::{Soup, closed, rays};
+
+/// The tree of a soup, deep enough that planes lie everywhere, and a single leaf that tests every triangle.
+fn trees(soup: &Soup, options: BuildOptions) -> [gnurt_accel::ObjectTree; 2] {
+    [40, 0].map(|max_depth| {
+        let options = BuildOptions { max_depth, triangle_cost: 4.0, ..options };
+        build_with(std::slice::from_ref(soup), &options, Threads::Single)
+    })
+}
+
+#[test]
+fn a_tree_hits_what_testing_every_triangle_hits() {
+    // Rays at corners and edges, which is where the builder puts its planes. Far away, roundings are the largest.
+    let soups = [closed::sphere(9), closed::cube(4), Soup::grid(1, 120), Soup::random(2, 150, 0.3)];
+    for (soup, distance) in soups.iter().flat_map(|soup| [(soup, 0.0), (soup, 30.0), (soup, 1000.0)]) {
+        let offset = [distance, -distance, 0.5 * distance];
+        let soup = soup.clone().moved(offset);
+        for (triangle_test, _) in TESTS {
+            let [tree, flat] = trees(&soup, BuildOptions { triangle_test, ..BuildOptions::default() });
+            assert!(tree.stats().depth > 5 && flat.stats().depth == 0, "{:?}", tree.stats());
+            for from in [[0.1, 0.2, 0.05], [3.0, 1.0, -2.0], [-40.0, 90.0, 70.0]] {
+                let rays = batch(&rays::aimed(&soup, [0, 1, 2].map(|k| from[k] + offset[k]), 1));
+                for (i, (a, b)) in ask(&tree, &rays).iter().zip(&ask(&flat, &rays)).enumerate() {
+                    assert_eq!(a, b, "tree and plain list, {triangle_test:?}, {:?}", rays.get(i));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_stack_of_walls_is_left_at_the_first() {
+    for axis in 0..3 {
+        let mut walls = Soup::default();
+        for level in 0..512 {
+            let at = |x: f32, y: f32| {
+                let mut corner = [level as f32; 3];
+                (corner[(axis + 1) % 3], corner[(axis + 2) % 3]) = (x, y);
+                corner
+            };
+            walls.push([at(-9.0, -9.0), at(20.0, -9.0), at(-9.0, 20.0)]);
+        }
+        let [tree, _] = trees(&walls, BuildOptions::default());
+        for (start, towards, first) in
+            [(-5.0, 1.0, 0), (600.0, -1.0, 511), (100.5, 1.0, 101), (100.5, -1.0, 100)]
+        {
+            let rays: RayBatch = (0..8)
+                .map(|i| {
+                    let (mut org, mut dir) = ([0.1 * i as f32; 3], [0.01; 3]);
+                    (org[axis], dir[axis]) = (start, towards);
+                    Ray::new(org, dir)
+                })
+                .collect();
+            for query in queries() {
+                let (mut hits, mut record) = (HitBatch::default(), Record::default());
+                tree.intersect_batch(&query, &rays, &mut hits, &mut record);
+                assert!(hits.prim_id.iter().all(|&id| id == first), "{:?}, not {first}", hits.prim_id);
+                let per_ray = [record.counters.nodes, record.counters.triangles].map(|n| n / 8);
+                let depth = u64::from(tree.stats().depth);
+                let few = per_ray[0] <= 2 * depth && per_ray[1] <= 4;
+                assert!(few, "{per_ray:?} nodes and triangles along {axis}, {towards}, {query:?}");
+            }
+        }
+    }
+}
