@@ -27,6 +27,12 @@ impl Bounds {
         std::array::from_fn(|i| [0, 1, 2].map(|k| if i >> k & 1 == 0 { self.min[k] } else { self.max[k] }))
     }
 
+    /// Whether a point lies within, its faces excluded.
+    #[must_use]
+    pub fn contains(&self, p: [f64; 3]) -> bool {
+        (0..3).all(|k| self.min[k] < p[k] && p[k] < self.max[k])
+    }
+
     fn around(points: impl IntoIterator<Item = [f64; 3]>) -> Option<Self> {
         let finite = points.into_iter().filter(|p| p.iter().all(|x| x.is_finite()));
         finite.fold(None, |bounds, p| {

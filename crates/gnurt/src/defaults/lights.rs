@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light for scenes that have none: a key light from over the camera's left shoulder and a grey background.
+//! Light for scenes that have none: a key light from over the camera's left shoulder and a grey background. A camera
+//! that stands within the scene gets a lamp there instead, because walls and roof would stop a light from far away.
 //! Source: original. Space: world; linear light. A white matte surface that faces the key light shows about 1.
 //! Proof: `tests`.
 
+use super::{bounds_of, sight};
 use crate::scene::{Affine, Camera, Light, Scene};
 
 /// Irradiance of the key light.
@@ -20,7 +22,50 @@ pub fn shines(scene: &Scene) -> bool {
     !scene.lights().is_empty() || emitting_mesh()
 }
 
-/// The lights that suit `camera`.
+/// From the eye to the lamp, in units of the camera's frame: right, up, forward.
+const TOWARDS_LAMP: [f64; 3] = [-0.6, 0.7, -0.4];
+/// How far the lamp is, as a share of the distance that is typical of the picture.
+const LAMP_DISTANCE: f64 = 0.12;
+/// Directions whose distances are looked at: columns and rows over a picture of 4:3.
+const SIGHTS: [u32; 2] = [8, 6];
+
+/// The lamp and the background that suit a camera within the scene; `None` if it stands outside, or sees nothing.
+#[must_use]
+pub fn lit_within(scene: &Scene, camera: &Camera) -> Option<[Light; 2]> {
+    let (frame, eye) = (camera.frame()?, camera.eye.map(f64::from));
+    bounds_of(scene)?.contains(eye).then_some(())?;
+    let toward = |[x, y, z]: [f64; 3]| {
+        let axis = |k: usize| [frame.right[k], frame.up[k], frame.forward[k]].map(f64::from);
+        let v = [0, 1, 2].map(axis).map(|a| a[0] * x + a[1] * y + a[2] * z);
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        v.map(|x| x / length)
+    };
+    let half_height = f64::from(camera.fov_y.to_radians() / 2.0).tan();
+    let [columns, rows] = SIGHTS;
+    let centre = |i: u32, n: u32| (2.0 * f64::from(i) + 1.0) / f64::from(n) - 1.0;
+    let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (centre(x, columns), centre(y, rows))));
+    let mut directions = vec![toward(TOWARDS_LAMP)];
+    directions.extend(pixels.map(|(x, y)| toward([x * half_height * 4.0 / 3.0, y * half_height, 1.0])));
+
+    let seen = sight::distances(scene, eye, &directions);
+    let mut ahead: Vec<f64> = seen[1..].iter().copied().filter(|d| d.is_finite()).collect();
+    ahead.sort_by(f64::total_cmp);
+    let typical = *ahead.get(ahead.len() / 2)?;
+    // Not behind a wall: at most half way to whatever is there.
+    let distance = (LAMP_DISTANCE * typical).min(0.5 * seen[0]);
+    let position = [0, 1, 2].map(|k| (eye[k] + distance * directions[0][k]) as f32);
+    let intensity = f64::from(KEY) * typical * typical;
+    (intensity.is_finite() && intensity > 0.0).then_some([
+        Light::Point { position, intensity: [intensity.min(f64::from(f32::MAX)) as f32; 3] },
+        background(),
+    ])
+}
+
+fn background() -> Light {
+    Light::Environment { radiance: [GREY; 3], texture: None, world_from_light: Affine::IDENTITY }
+}
+
+/// The lights that suit `camera` where it stands outside.
 #[must_use]
 pub fn lit_from(camera: &Camera) -> [Light; 2] {
     let direction = match camera.frame() {
@@ -29,7 +74,7 @@ pub fn lit_from(camera: &Camera) -> [Light; 2] {
     };
     [
         Light::Directional { direction, irradiance: [KEY; 3] },
-        Light::Environment { radiance: [GREY; 3], texture: None, world_from_light: Affine::IDENTITY },
+        background(),
     ]
 }
 
@@ -52,6 +97,50 @@ mod tests {
             panic!("a key light and a background");
         };
         assert!(x > 0.0 && y < 0.0 && z < 0.0, "to the right, down and into the picture: {x} {y} {z}");
+    }
+
+    /// A room of 8 x 6 x 4, closed.
+    fn room() -> Scene {
+        let mut scene = Scene::new();
+        let positions = (0..8_u32)
+            .map(|i| {
+                let pick = |bit: u32, half: f32| if i >> bit & 1 == 0 { -half } else { half };
+                [pick(0, 4.0), pick(1, 3.0), pick(2, 2.0)]
+            })
+            .collect();
+        let sides = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+        let indices = sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+        let mesh = scene.add_mesh(Mesh { positions, indices, ..Mesh::default() });
+        let object = scene.add_object_of("room", vec![mesh]);
+        scene.instantiate(object, Affine::IDENTITY);
+        scene
+    }
+
+    #[test]
+    fn rooms_are_lit_from_within() {
+        let camera = |eye: [f32; 3]| Camera {
+            name: String::new(),
+            eye,
+            target: [4.0, 0.0, 0.0],
+            up: [0.0, 0.0, 1.0],
+            fov_y: 45.0,
+        };
+        let room = room();
+        assert!(lit_within(&room, &camera([-9.0, 0.0, 0.0])).is_none(), "seen from outside");
+        let near_corner = [-3.9, 2.95, 1.95];
+        for eye in [[-3.0, 0.0, 0.0], near_corner] {
+            let lights = lit_within(&room, &camera(eye)).expect("seen from within");
+            let [Light::Point { position, intensity }, Light::Environment { .. }] = lights else {
+                panic!("a lamp and a background: {lights:?}");
+            };
+            let bounds = bounds_of(&room).expect("a room");
+            assert!(bounds.contains(position.map(f64::from)), "{position:?} is in the room");
+            let irradiance = intensity[0] / (4.0 - eye[0]).powi(2);
+            assert!((0.3..3.0).contains(&irradiance), "the far wall gets {irradiance}");
+        }
+        let lights = lit_within(&room, &camera([-3.0, 0.0, 0.0])).expect("seen from within");
+        let [Light::Point { position: [x, y, z], .. }, _] = lights else { panic!("a lamp") };
+        assert!(x < -3.0 && y > 0.0 && z > 0.0, "behind, left and above: {x} {y} {z}");
     }
 
     #[test]

@@ -6,12 +6,13 @@
 mod bounds;
 mod camera;
 mod lights;
+mod sight;
 
 use std::fmt;
 
 pub use bounds::{Bounds, bounds_of};
 pub use camera::framing;
-pub use lights::{lit_from, shines};
+pub use lights::{lit_from, lit_within, shines};
 
 use crate::scene::{Camera, Scene};
 
@@ -22,6 +23,8 @@ pub enum Note {
     Camera,
     /// A key light and a grey background.
     Lights,
+    /// A lamp beside the camera, which stands within the scene, and a grey background.
+    Lamp,
 }
 
 impl fmt::Display for Note {
@@ -30,6 +33,9 @@ impl fmt::Display for Note {
             Self::Camera => "the scene has no camera; one that shows all of it is used",
             Self::Lights => {
                 "the scene has no light; a light over the camera's left shoulder and a grey background are used"
+            }
+            Self::Lamp => {
+                "the scene has no light; a lamp beside the camera, which is inside, and a grey background are used"
             }
         })
     }
@@ -58,10 +64,14 @@ pub fn complete_lights(scene: &mut Scene, camera: &Camera) -> Option<Note> {
     if shines(scene) {
         return None;
     }
-    for light in lit_from(camera) {
+    let (lights, note) = match lit_within(scene, camera) {
+        Some(lights) => (lights, Note::Lamp),
+        None => (lit_from(camera), Note::Lights),
+    };
+    for light in lights {
         scene.add_light(light);
     }
-    Some(Note::Lights)
+    Some(note)
 }
 
 #[cfg(test)]
