@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What meshes and textures say reaches shaders and light: normal maps, textured emission, attributes of both rates.
+//! Source: original.
+
+mod common;
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use common::*;
+use glam::Vec3;
+use gnurt_render::{CommitOptions, ShaderTable, Silent, World, render};
+use gnurt_scene::material::{Color, NormalMap, TextureRef};
+use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
+use gnurt_scene::{Attribute, Light, Material, MaterialId, MeshId, Rate, Scene, Surface, TextureId};
+use gnurt_shading::{AttributeRequest, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+
+fn texture(scene: &mut Scene, width: u32, texels: Vec<[f32; 4]>) -> TextureId {
+    let height = texels.len() as u32 / width;
+    scene.add_texture(Texture {
+        name: String::new(),
+        texels: Arc::new(Texels { width, height, data: TexelData::Float(texels) }),
+        wrap: [Wrap::ClampToEdge; 2],
+        filter: Filter::Nearest,
+    })
+}
+
+#[test]
+fn normal_maps_turn_the_shading_normal() {
+    let lit_from = |direction| {
+        let mut scene = floor(0.5, 5.0);
+        // Leans by 3 : 4 towards +u, which is +x on the floor.
+        let map = texture(&mut scene, 1, vec![[0.8, 0.5, 0.9, 1.0]]);
+        scene.edit_material(MaterialId(0)).surface = Surface::MetallicRoughness {
+            base_color: Color::constant([0.5; 3]),
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            ior: 1.0,
+            normal_texture: Some(NormalMap { texture: TextureRef::new(map), scale: 1.0 }),
+        };
+        scene.add_light(Light::Directional { direction, irradiance: [PI as f32; 3] });
+        radiance_at(&scene, [0.1, 0.1, 5.0], [0.1, 0.1, 0.0], 1)[0]
+    };
+    assert_close(lit_from([0.0, 0.0, -1.0]), 0.5 * 0.8, 1e-2, "from above: the cosine of the map's normal");
+    assert_close(lit_from([-0.6, 0.0, -0.8]), 0.5, 1e-2, "from where the map leans to");
+    assert_close(lit_from([0.6, 0.0, -0.8]), 0.5 * (0.64 - 0.36), 2e-2, "from the other side");
+}
+
+#[test]
+fn textures_modulate_emission_seen_and_given() {
+    let mut scene = floor(0.6, 10.0);
+    let map = texture(&mut scene, 2, vec![[0.0, 0.0, 0.0, 1.0], [1.0, 0.5, 0.25, 1.0]]);
+    let light = emitter(&mut scene, [4.0; 3]);
+    scene.edit_material(light).emission_texture = Some(TextureRef::new(map));
+    // u runs along y, v along x; only y > 0 shines.
+    place(&mut scene, quad([-1.0, -1.0, 1.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
+    let seen = |y| radiance_at(&scene, [0.0, y, 0.5], [0.0, y + 0.01, 1.0], 1);
+    assert_eq!(seen(-0.5), [0.0; 3], "the black half");
+    assert_close(seen(0.5)[1], 2.0, 1e-5, "the bright half shows factor times texel");
+    let lit = radiance_at(&scene, [3.0, -3.0, 0.9], [0.0, 0.0, 0.0], 4096);
+    // Two corner rectangles of 1 x 1 at height 1.
+    let corner = 1.0_f64 / 2.0_f64.sqrt();
+    let wanted = 0.6 / PI * corner * corner.atan() * 2.0 * 4.0;
+    assert_close(lit[0], wanted, 1e-2, "half of the square lights the floor");
+    assert_close(lit[2], wanted / 4.0, 1e-2, "in the texel's colour");
+}
+
+/// Shows its two attributes and what it gets where there is none.
+struct Show(Vec<AttributeRequest>);
+
+impl SurfaceShader for Show {
+    fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        for i in 0..hits.len() {
+            let [triangle, vertex, missing] = [0, 1, 2].map(|a| &hits.attributes[a]);
+            // Two components per vertex: the second is what is shown.
+            out.set(i, Vec3::new(triangle[i], vertex[hits.len() + i], missing[i]));
+        }
+    }
+
+    fn attributes(&self) -> &[AttributeRequest] {
+        &self.0
+    }
+}
+
+#[test]
+fn attributes_change_per_triangle_and_per_vertex() {
+    let mut scene = floor(0.5, 1.0);
+    scene.edit_material(MaterialId(0)).surface = Surface::Shader(0);
+    scene.edit_mesh(MeshId(0)).attributes = vec![
+        Attribute { name: "cell".into(), rate: Rate::Triangle, components: 1, data: vec![10.0, 20.0] },
+        // The second component is x of the corner.
+        Attribute {
+            name: "place".into(),
+            rate: Rate::Vertex,
+            components: 2,
+            data: vec![9.0, -1.0, 9.0, 1.0, 9.0, 1.0, 9.0, -1.0],
+        },
+    ];
+    let want = |name: &str, components, default| AttributeRequest { name: name.into(), components, default };
+    let requests =
+        vec![want("cell", 1, vec![0.0]), want("place", 2, vec![0.0; 2]), want("none", 1, vec![7.0])];
+    let table = ShaderTable { surfaces: vec![Arc::new(Show(requests))], ..ShaderTable::default() };
+    let mut world = World::new();
+    world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+    // The first triangle lies below the diagonal from (-1, -1) to (1, 1), the second above it.
+    for (x, y, cell) in [(0.6, -0.2, 10.0), (-0.3, 0.4, 20.0), (0.1, -0.8, 10.0)] {
+        let camera = camera([x, y, 3.0], [x, y, 0.0], 0.01);
+        let frame = render(&world, &camera, &options(1, 1, 1), &pool(1), &Silent).expect("sound options");
+        let [shown, place, default, _] = frame.picture.color[0];
+        assert_eq!(shown, cell, "per triangle at {x}, {y}");
+        assert_close(f64::from(place), f64::from(x), 1e-2, "per vertex, interpolated");
+        assert_eq!(default, 7.0, "the default where the mesh has none");
+    }
+}
