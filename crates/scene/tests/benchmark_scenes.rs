@@ -7,9 +7,17 @@ use std::process::Command;
 
 /// File, triangles, vertices in the file, materials in its library (a PLY has one of its own).
 const SCENES: &[(&str, usize, usize, usize)] = &[
+    ("conference/conference.obj", 197_486, 120_683, 42),
     ("office/office.obj", 22_428, 10_870, 28),
+    ("soda/soda.obj", 117_676, 69_901, 26),
     ("graz/graz.obj", 26_928, 16_949, 63),
     ("classroom/classroom.obj", 9_253, 6_786, 26),
+    ("buddha-100k/buddha-100k.ply", 100_000, 49_950, 1),
+    ("armadillo/armadillo.ply", 86_482, 43_243, 1),
+    ("sponza/sponza.obj", 69_063, 36_160, 20),
+    ("veach-ajar/veach-ajar.obj", 23_441, 12_007, 13),
+    ("white-room/white-room.obj", 371_370, 188_244, 65),
+    ("breakfast-room/breakfast-room.obj", 269_538, 135_752, 15),
     ("cornell-box/cornell-box.obj", 36, 36, 8),
     ("veach-bidir/veach-bidir.obj", 11_544, 6_236, 6),
     ("modern-hall/modern-hall.obj", 28_655, 14_955, 21),
