@@ -7,6 +7,8 @@
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
 
+use gnurt::image::system_reason;
+
 use crate::failure::{Failure, Outcome};
 
 /// How much is said.
@@ -43,6 +45,11 @@ impl Messages {
     /// Whether a progress bar would be seen and is wanted.
     pub(crate) fn shows_progress(&self) -> bool {
         self.terminal && self.verbosity >= Verbosity::Normal
+    }
+
+    /// Whether success is to be silent.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.verbosity == Verbosity::Quiet
     }
 
     /// The reason of a failure.
@@ -97,7 +104,7 @@ pub(crate) fn print(text: impl fmt::Display) -> Outcome {
     let mut out = io::stdout().lock();
     writeln!(out, "{text}").and_then(|()| out.flush()).map_err(|error| match error.kind() {
         io::ErrorKind::BrokenPipe => Failure::Unheard,
-        _ => Failure::data(format_args!("standard output: {error}")),
+        _ => Failure::data(format_args!("standard output: {}", system_reason(&error))),
     })
 }
 

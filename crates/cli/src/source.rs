@@ -6,6 +6,7 @@ use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use gnurt::image::system_reason;
 use gnurt::scene::{Scene, io};
 use gnurt::{BUILTIN, load_scene};
 
@@ -24,7 +25,8 @@ pub(crate) struct Source {
 impl Source {
     /// Finds the scene without reading it.
     pub(crate) fn find(scene: &OsStr, environment: &Environment) -> Result<Self, Failure> {
-        if let Some(name) = scene.to_str().and_then(|text| text.strip_prefix(BUILTIN)) {
+        // The names are text, so that what is none is an unknown name.
+        if let Some(name) = scene.to_string_lossy().strip_prefix(BUILTIN) {
             let names = gnurt::builtin_names();
             return match names.contains(&name) {
                 true => Ok(Self { found: scene.to_owned() }),
@@ -82,7 +84,7 @@ fn missing(path: &Path, environment: &Environment) -> Failure {
         meant.map_or_else(|| "check the path".to_owned(), |name| format!("did you mean '{BUILTIN}{name}'?"));
     // A link to nowhere, a folder that may not be entered: the system knows best.
     let problem = match std::fs::metadata(path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => error.to_string(),
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => system_reason(&error),
         _ => "no such file".into(),
     };
     Failure::data(format_args!("{}: {problem}{looked}; {remedy}", path.display()))

@@ -2,7 +2,7 @@
 //! `gnurt diff A B`: how far two pictures are apart, and whether that is too far.
 //! Source: original, after `idiff` of OpenImageIO. `--fail T` bounds the largest absolute difference of a linear value.
 //! Opacity counts only between two PNG or two EXR files: a PNG is opaque where an EXR says what share was hit, and the
-//! other formats have none. Proof: `tests/program/differences.rs`.
+//! other formats have none. With `-q` only pictures that differ are worth a word. Proof: `tests/program/differences.rs`.
 
 use std::path::Path;
 
@@ -19,11 +19,14 @@ pub(crate) fn run(arguments: &DiffArguments, messages: Messages) -> Outcome {
     let comparison = image::compare(&a, &b).map_err(|error| {
         Failure::usage(format_args!("{}, {}: {error}", arguments.a.display(), arguments.b.display()))
     })?;
-    print(comparison.to_string().trim_end())?;
     let both_are = |format: &str| has_extension(&arguments.a, format) && has_extension(&arguments.b, format);
     let with_opacity = both_are("png") || both_are("exr");
     messages.detail(if with_opacity { "opacity counts" } else { "opacity does not count" });
-    if passes(&comparison, arguments.fail, with_opacity) { Ok(()) } else { Err(Failure::Differs) }
+    let passes = passes(&comparison, arguments.fail, with_opacity);
+    if !(passes && messages.is_quiet()) {
+        print(comparison.to_string().trim_end())?;
+    }
+    if passes { Ok(()) } else { Err(Failure::Differs) }
 }
 
 /// Whether no value differs by more than `tolerance`; a tolerance of 0 asks for equal bits.

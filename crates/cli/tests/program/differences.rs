@@ -23,6 +23,8 @@ fn statuses() {
         }
         run.status
     };
+    assert_eq!(folder.gnurt("diff -q a.pfm a.pfm").success().stdout, "", "no word about equal ones under -q");
+    assert_eq!(status("diff -q a.pfm b.pfm"), Some(1), "but about different ones");
     assert_eq!(status("diff a.pfm a.pfm"), Some(0), "equal");
     assert_eq!(status("diff a.pfm b.pfm"), Some(1), "different");
     assert_eq!(status("diff a.pfm b.pfm --fail 0.0625"), Some(0), "just within the tolerance");

@@ -72,6 +72,8 @@ fn file_names_need_not_be_text() {
     use std::ffi::OsStr;
     use std::os::unix::ffi::OsStrExt;
     let folder = Folder::new();
+    let unknown = [&b"render"[..], b"builtin:\xff"].map(OsStr::from_bytes);
+    folder.run(&unknown).fails(2, "unknown built-in scene");
     let name = OsStr::from_bytes(b"na\xffme.ply");
     std::fs::write(folder.path().join(name), samples::PLY).expect("a file");
     let words = ["render", "-r", "4x4", "--spp", "1"].map(OsStr::new);

@@ -28,6 +28,20 @@ fn quiet_runs_say_nothing() {
 }
 
 #[test]
+fn names_too_long_are_refused_before_the_work() {
+    let folder = Folder::new();
+    let long = "x".repeat(300);
+    let begin = std::time::Instant::now();
+    let run = folder.gnurt(&format!("render builtin:cornell -r 4000x4000 --spp 10000 -o {long}.png"));
+    run.fails(1, "file name too long");
+    assert!(begin.elapsed().as_secs() < 10, "no picture was made for it: {:?}", begin.elapsed());
+    assert!(folder.contents().is_empty(), "nothing is left");
+    let run = folder.gnurt(&format!("info {long}.obj"));
+    run.fails(1, "file name too long");
+    assert!(!run.stderr.contains("os error"), "words, no numbers: {}", run.stderr);
+}
+
+#[test]
 fn extensions_are_read_in_any_case() {
     let folder = Folder::new();
     for name in ["a.PNG", "b.Exr", "c.PFM", "d.hDr"] {
