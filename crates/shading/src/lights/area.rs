@@ -72,8 +72,10 @@ impl Shape {
         let ways = self.p.map(|q| q - p);
         let before = -self.normal.dot(ways[0]);
         let above = ways.iter().map(|way| normal.dot(*way).max(0.0)).sum::<f32>() / 3.0;
-        // The mean over the corners does not vanish when `p` comes close to a point within the triangle.
-        let distance2 = ways.iter().map(|way| way.length_squared()).sum::<f32>() / 3.0;
+        // Close to the triangle its nearest parts count most; its own size keeps the promise finite there.
+        let centre = (ways[0] + ways[1] + ways[2]) / 3.0;
+        let nearest = ways.iter().fold(centre.length_squared(), |least, way| least.min(way.length_squared()));
+        let distance2 = nearest.max(0.25 * self.area);
         if before > 0.0 && above > 0.0 {
             // Scaled step by step, so that it neither overflows nor vanishes in large or tiny scenes.
             let promise = (before / distance2) * (above / distance2) * self.power;
@@ -265,7 +267,8 @@ mod tests {
     }
 
     fn light_of(corners: &[[Vec3; 3]]) -> Option<TriangleLights> {
-        let shine = |factor| Arc::new(Emitter { emission: Emission { factor, texture: None }, coverage: None });
+        let shine =
+            |factor| Arc::new(Emitter { emission: Emission { factor, texture: None }, coverage: None });
         let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveTriangle {
             p,
             uv: [[0.0; 2]; 3],

@@ -215,7 +215,8 @@ mod tests {
                     albedo < if metallic < 1.0 { 1.1 } else { 1.0 },
                     "metallic {metallic}, roughness {roughness}: albedo {albedo}"
                 );
-                assert!(albedo > 0.4, "and little is lost: {albedo}");
+                // Light that leaves a facet once: at roughness 1, seen from above, 1 - ln 2 of it comes back.
+                assert!(albedo > 0.3, "and no more is lost than by one bounce alone: {albedo}");
             }
         }
     }
