@@ -12,7 +12,7 @@ use glam::Vec3;
 use gnurt_render::{CommitOptions, ShaderTable, Silent, World, render};
 use gnurt_scene::material::{Color, NormalMap, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
-use gnurt_scene::{Attribute, Light, Material, MaterialId, MeshId, Rate, Scene, Surface, TextureId};
+use gnurt_scene::{Attribute, Light, MaterialId, MeshId, Rate, Scene, Surface, TextureId};
 use gnurt_shading::{AttributeRequest, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 fn texture(scene: &mut Scene, width: u32, texels: Vec<[f32; 4]>) -> TextureId {

@@ -70,7 +70,12 @@ fn snapshots_share_arrays_until_they_are_edited() {
     update(&mut world, &scene);
     assert_eq!(snapshot.intersect(&ray), Some(before), "the snapshot sees the ball where it was");
     let after = world.intersect(&ray).expect("the ball's top");
-    assert!((before.t - after.t - 1.0).abs() < 1e-5, "the world sees it where it is: {} {}", before.t, after.t);
+    assert!(
+        (before.t - after.t - 1.0).abs() < 1e-5,
+        "the world sees it where it is: {} {}",
+        before.t,
+        after.t
+    );
 }
 
 #[test]

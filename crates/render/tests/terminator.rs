@@ -16,7 +16,8 @@ fn ball(smooth: bool) -> Scene {
     let material: MaterialId = matte(&mut scene, [1.0; 3]);
     let mesh = sphere([0.0; 3], 1.0, 7, material);
     place(&mut scene, if smooth { mesh } else { Mesh { normals: Vec::new(), ..mesh } });
-    scene.add_light(Light::Directional { direction: [-1.0, 0.0, 0.0], irradiance: [std::f32::consts::PI; 3] });
+    scene
+        .add_light(Light::Directional { direction: [-1.0, 0.0, 0.0], irradiance: [std::f32::consts::PI; 3] });
     scene
 }
 
@@ -42,7 +43,10 @@ fn coarse_balls_have_no_staircase() {
         // The last grey levels before the end may go to either side.
         let wrong = pixels.iter().filter(|(cos, light)| (*cos > 0.02) != (*light > 0.0) && cos.abs() > 0.02);
         let share = wrong.count() as f64 / pixels.len() as f64;
-        assert!(share < 0.005, "seen from {eye:?} {share} of the ball is lit where it should not be, or dark");
+        assert!(
+            share < 0.005,
+            "seen from {eye:?} {share} of the ball is lit where it should not be, or dark"
+        );
         let round = pixels.iter().filter(|(cos, _)| *cos > 0.0).count() as f64;
         let found = pixels.iter().filter(|(_, light)| *light > 0.0).count() as f64;
         assert_close(found, round, 0.02, "lit pixels, against the round ball");
