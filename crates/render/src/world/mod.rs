@@ -2,7 +2,7 @@
 //! The world: a committed scene that rays can be sent into.
 //! Source: original; two levels (a tree per object, a top tree over instances) after the paper's section 6 and [WBS03a].
 //! Space: world. Invariant: whatever a hit names is there; errors ended at commit.
-//! Proof: `commit::tests`, crates/render/tests/commit.rs.
+//! Proof: crates/render/tests/commit.rs.
 
 mod commit;
 mod instance;

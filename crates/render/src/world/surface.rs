@@ -3,7 +3,7 @@
 //! Source: [PJH23] section 6.8 (bounding the error of a hit point); [Hanika2021] (`lift`); original. Space: world.
 //! Points are computed from barycentric weights, not from `org + t dir`: they lie in their triangle's plane up to
 //! rounding, and `error` bounds that from the largest coordinate involved.
-//! Proof: `crates/render/tests/offsets.rs`.
+//! Proof: crates/render/tests/{offsets,terminator,appearance}.rs.
 
 use glam::{DVec3, Vec3};
 use gnurt_accel::{Hit, HitBatch, RayBatch};

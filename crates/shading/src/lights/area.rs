@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! All emissive triangles of a scene as one light: a triangle by what it may bring to the point, a place on it by area.
 //! Source: [TCE05] (resampled importance sampling), [SWZ96] (sampling many luminaires); [PJH23] section 6.5 (area to
-//! solid angle). Differs: candidates are stratified by power, and one number both chooses and places, see `sample`.
+//! solid angle). Differs: candidates are stratified by power, and one number both chooses and places, see `choose`.
 //! Space: world. One-sided: light leaves the side of the geometric normal. Textures and opacity modulate it.
 //! Proof: `tests::{rectangle_has_its_closed_form, many_lamps_add_up, nothing_is_wasted}`, crates/render/tests/lights.rs.
 
