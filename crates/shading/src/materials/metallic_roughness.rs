@@ -5,7 +5,7 @@
 //! drawn from the facets, and their coat ignores light samples of lights that such a ray can meet; rough lanes send no
 //! ray and weigh all light samples with coat and body. Lights without extent reach the coat by samples either way.
 //! What rough coats would mirror of other surfaces is left out: that is light scattered twice.
-//! Proof: `tests::energy_is_not_made`, crates/render/tests/materials.rs.
+//! Proof: `tests::energy_is_not_made`, crates/render/tests/appearance.rs.
 
 use std::f32::consts::FRAC_1_PI;
 
