@@ -60,7 +60,8 @@ struct Inventory {
 impl Inventory {
     fn of(scene: &Scene) -> Self {
         let meshes = scene.meshes();
-        let emits = |mesh: &&Arc<Mesh>| scene.materials().get(mesh.material.index()).is_some_and(|m| m.emits());
+        let emits =
+            |mesh: &&Arc<Mesh>| scene.materials().get(mesh.material.index()).is_some_and(|m| m.emits());
         let of_object = |object: &gnurt::scene::Object| -> usize {
             object.meshes.iter().filter_map(|id| meshes.get(id.index())).map(|mesh| mesh.indices.len()).sum()
         };
