@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Frames: the snapshot at their start, the thread that renders them, their end (rtStartRendering to rtSwapBuffers).
-//! Source: [DWBS03] (frame semantics). A frame owns the stage while it is in flight: edits wait for the next start.
+//! Source: \[DWBS03\] (frame semantics). A frame owns the stage while it is in flight: edits wait for the next start.
 //! Invariant: at most one frame is in flight; the program's memory is written only before its end returns.
 //! Proof: tests/c/scene.c, tests/c/errors.c.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Instances: objects put somewhere (rtUpdateInstance, rtDeleteInstance, rtClearInstances, rtGetInstanceMatrixf).
-//! Source: [DWBS03]; two levels after the paper's section 6. Space: an instance's matrix goes from object to world.
+//! Source: \[DWBS03\]; two levels after the paper's section 6. Space: an instance's matrix goes from object to world.
 //! Proof: tests/c/scene.c, tests/c/errors.c.
 
 use std::collections::BTreeMap;

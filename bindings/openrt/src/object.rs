@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Objects: ids, definition, re-definition and removal (rtGenObjects to rtEndObject, rtRemoveObject).
-//! Source: [DWBS03], the paper's Figure 1; display lists of OpenGL 1.x for what an id is.
+//! Source: \[DWBS03\], the paper's Figure 1; display lists of OpenGL 1.x for what an id is.
 //! Invariant: instances name objects by id; geometry waits here until the next frame takes it.
 //! Proof: tests/c/scene.c, tests/c/errors.c.
 

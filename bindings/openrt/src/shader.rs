@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders: instances of classes with their values, and what is bound (rtGenNewShader, rtBindShader, rtDeleteShader).
-//! Source: [DWBS03]; the paper's Figure 1. Invariant: `Bound`'s blocks are as long as its class says.
+//! Source: \[DWBS03\]; the paper's Figure 1. Invariant: `Bound`'s blocks are as long as its class says.
 //! Proof: tests/c/scene.c, tests/c/errors.c.
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shader classes: loading, binding, parameter handles (rtGenNewShaderClass, rtBindShaderClass, rtParameterHandle).
-//! Source: [DWBS03]; the paper's Figure 1. Invariant: ids and handles are positions plus 1 and never become invalid.
+//! Source: \[DWBS03\]; the paper's Figure 1. Invariant: ids and handles are positions plus 1 and never become invalid.
 //! Proof: tests/c/scene.c, tests/c/errors.c.
 
 use std::ffi::{CStr, CString};

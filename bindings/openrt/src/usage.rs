@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which shaders light, see and surround the scene (rtUseLight, rtUseCamera, rtUseEnvironmentShader, ...).
-//! Source: [DWBS03]. Invariant: the ids are of shaders of the right kind; a deleted one goes on working.
+//! Source: \[DWBS03\]. Invariant: the ids are of shaders of the right kind; a deleted one goes on working.
 //! Proof: tests/c/scene.c, tests/c/errors.c.
 
 use gnurt::shading::classes::Kind;

@@ -5,7 +5,7 @@
 /// Which ray-triangle test an object uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TriangleTest {
-    /// Watertight: no ray passes between triangles that share an edge or a vertex [WBW13]. 36 bytes per triangle.
+    /// Watertight: no ray passes between triangles that share an edge or a vertex \[WBW13\]. 36 bytes per triangle.
     #[default]
     Watertight,
     /// Badouel's test on triangles that are projected beforehand [Bad90, Wal04]: rays may slip through edges, and

@@ -19,7 +19,7 @@ pub enum Integrator {
     Eyelight,
     /// Shading normals as colours.
     Normals,
-    /// Direct light with shadows, mirrors and glass by recursion [Whi80].
+    /// Direct light with shadows, mirrors and glass by recursion \[Whi80\].
     #[default]
     Whitted,
 }

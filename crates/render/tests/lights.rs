@@ -25,6 +25,23 @@ fn point_light() {
 }
 
 #[test]
+fn a_lamp_on_a_ceiling_is_not_shadowed_by_it() {
+    let mut scene = floor(ALBEDO as f32, 10.0);
+    let white = matte(&mut scene, [0.5; 3]);
+    // A height that floats cannot hold exactly: the end of a shadow ray may round to either side of the ceiling.
+    let height = 2.1_f32;
+    place(&mut scene, quad([-10.0, 10.0, height], [20.0, 0.0, 0.0], [0.0, -20.0, 0.0], white));
+    scene.add_light(Light::Point { position: [1.0, 1.0, height], intensity: [7.0; 3] });
+    for step in 0..40 {
+        let x = 0.37 * step as f32 - 7.0;
+        let found = radiance_at(&scene, [x, -2.0, 1.5], [x, 0.25, 0.0], 1)[0];
+        let d2 = f64::from(x - 1.0).powi(2) + 0.5625 + f64::from(height).powi(2);
+        let wanted = ALBEDO / PI * 7.0 / d2 * (f64::from(height) / d2.sqrt());
+        assert_close(found, wanted, 2e-3, "I cos / d² below a lamp that lies on the ceiling");
+    }
+}
+
+#[test]
 fn spot_light() {
     let spot = |direction| Light::Spot {
         position: [0.5, 0.25, 2.0],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Materials as plain data.
-//! Source: glTF 2.0 section 3.9 and appendix B (metallic-roughness); Wavefront MTL; [DWBS03] for shader slots.
+//! Source: glTF 2.0 section 3.9 and appendix B (metallic-roughness); Wavefront MTL; \[DWBS03\] for shader slots.
 //! Conventions: surfaces scatter on both sides; emission leaves the side of the geometric normal only; colours are linear.
 
 use crate::id::TextureId;

@@ -178,16 +178,17 @@ impl SurfaceBatch {
     }
 
     /// A ray from the point of lane `i` that ends at `dist` along the unit direction `dir`, seen from the point itself:
-    /// what [`LightBatch`](crate::LightBatch) gives. Origins move off the surface, ends do not.
+    /// what [`LightBatch`](crate::LightBatch) gives. Its origin is off the surface, and it ends as much before the light:
+    /// that may lie on a surface, which must not shadow it.
     #[must_use]
     pub fn spawn_to(&self, i: usize, dir: Vec3, dist: f32) -> Ray {
         let (p, ng) = (self.p.get(i), self.ng.get(i));
-        ray_between(p, off_surface(p, ng, dir, self.error[i]), dir, dist)
+        ray_between(p, off_surface(p, ng, dir, self.error[i]), dir, dist, self.error[i])
     }
 
     /// The ray that decides whether light from the unit direction `dir`, `dist` away, reaches lane `i`; `None` where
     /// `dir` lies below the horizon. Where the mesh stands for a curved surface, the horizon is that of the shading normal
-    /// and the ray starts there [Hanika2021]; elsewhere both normals must see the light.
+    /// and the ray starts there \[Hanika2021\]; elsewhere both normals must see the light.
     #[must_use]
     pub fn shadow_ray(&self, i: usize, dir: Vec3, dist: f32) -> Option<Ray> {
         let (ng, ns, lift) = (self.facing_ng(i), self.facing_ns(i), self.lift.get(i));
@@ -199,7 +200,7 @@ impl SurfaceBatch {
         }
         let p = self.p.get(i);
         // Off to the side of the viewer, even where `dir` points below the facet.
-        Some(ray_between(p, off_surface(p + lift, ng, ng, self.error[i]), dir, dist))
+        Some(ray_between(p, off_surface(p + lift, ng, ng, self.error[i]), dir, dist, self.error[i]))
     }
 
     /// A batch of some of the lanes, in the order given.
@@ -234,15 +235,19 @@ impl SurfaceBatch {
     }
 }
 
-/// The ray from `from` to what is seen from `p` along `dir`, `dist` away.
-fn ray_between(p: Vec3, from: Vec3, dir: Vec3, dist: f32) -> Ray {
+/// How far rounding may move the end of a ray, as a multiple of its length.
+const END_ERROR: f32 = 8.0 * f32::EPSILON;
+
+/// The ray from `from` to what is seen from `p` along `dir`, `dist` away; it stops short by `error` and its rounding.
+fn ray_between(p: Vec3, from: Vec3, dir: Vec3, dist: f32, error: f32) -> Ray {
     if dist.is_infinite() {
         return Ray::new(from.into(), dir.into()).within(0.0, dist);
     }
     let way = p + dir * dist - from;
     let length = way.length();
     let dir = if length > 0.0 { way / length } else { dir };
-    Ray::new(from.into(), dir.into()).within(0.0, length)
+    let end = length * (1.0 - END_ERROR) - error;
+    Ray::new(from.into(), dir.into()).within(0.0, end.max(0.0))
 }
 
 /// Moves `p` along `normal` by `error`, to the side that `dir` points to, and then away from it by one float more in

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What shaders implement and what they may ask for: the seam between renderer, materials, OpenRT classes and plugins.
-//! Source: [DWBS03] (shader kinds); the paper's section 8 (no ray-by-ray prototypes); the batch form is original.
+//! Source: \[DWBS03\] (shader kinds); the paper's section 8 (no ray-by-ray prototypes); the batch form is original.
 //! All calls take whole batches; implementations hold no mutable state and are called from many threads at once.
 
 use glam::Vec3;

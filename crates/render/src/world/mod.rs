@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The world: a committed scene that rays can be sent into.
-//! Source: original; two levels (a tree per object, a top tree over instances) after the paper's section 6 and [WBS03a].
+//! Source: original; two levels (a tree per object, a top tree over instances) after the paper's section 6 and \[WBS03a\].
 //! Space: world. Invariant: whatever a hit names is there; errors ended at commit.
 //! Proof: crates/render/tests/commit.rs.
 

@@ -36,10 +36,6 @@ pub(super) enum Shadows {
     Traced,
 }
 
-/// How far rounding may move the end of a shadow ray, as a multiple of its length. Rays stop that much, and as much as
-/// they start off their surface, before the light: it may lie on a surface, which must not shadow it.
-const END_ERROR: f32 = 8.0 * f32::EPSILON;
-
 /// Sum over all lights of `E max(0, n·l)` for each point.
 pub(super) fn direct_light(
     tracer: &mut dyn Tracer,
@@ -61,9 +57,7 @@ pub(super) fn direct_light(
                 request.parent.clear();
                 request.key.clear();
                 for i in lit {
-                    let ray = hits.spawn_to(i, light.dir.get(i), light.dist[i]);
-                    let end = ray.t_far * (1.0 - END_ERROR) - hits.error[i];
-                    request.rays.push(ray.within(ray.t_near, end.max(ray.t_near)));
+                    request.rays.push(hits.spawn_to(i, light.dir.get(i), light.dist[i]));
                     request.parent.push(i as u32);
                     request.key.push(hits.key[i]);
                 }
