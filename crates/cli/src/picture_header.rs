@@ -26,6 +26,7 @@ pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f3
     picture.set_metadata("commandLine", command_line(std::env::args_os()));
     picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
     picture.set_metadata("renderTimeSeconds", seconds);
+    picture.set_metadata("depths", "depth.Z: distance along the ray; Z: along the view");
     if let Some([camera_from_world, ndc_from_world]) = matrices(camera, aspect) {
         picture.set_metadata("cameraFromWorld", numbers(&camera_from_world));
         picture.set_metadata("ndcFromWorld", numbers(&ndc_from_world));

@@ -19,7 +19,7 @@ pub struct Picture {
     pub color: Vec<[f32; 4]>,
     /// What else is known of each pixel: depth, normals, ids.
     pub layers: Vec<Layer>,
-    /// Names and values for the file's header, where the format has one (EXR, PNG).
+    /// Names and values for the file's header, where the format has one (EXR).
     pub metadata: Vec<(String, String)>,
 }
 

@@ -113,7 +113,7 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
         Layer::floats("albedo", [("R", albedo(0)), ("G", albedo(1)), ("B", albedo(2))]),
         Layer::floats("N", [("X", normal(0)), ("Y", normal(1)), ("Z", normal(2))]),
         Layer::floats("P", [("X", position(0)), ("Y", position(1)), ("Z", position(2))]),
-        Layer::floats("depth", [("distance", depth)]),
+        Layer::floats("depth", [("Z", depth)]),
         Layer::floats("", [("Z", z)]),
         Layer::ids(
             "id",
