@@ -48,9 +48,9 @@ pub(super) fn scene() -> Scene {
     append(&mut steps, &quad([-30.0, 0.35 * (ROWS - 1) as f32, back], [60.0, 0.0, 0.0], [0.0, 12.0, 0.0]));
     show(&mut scene, "stage", steps, stage);
 
-    add_lamp(&mut scene, [-4.5, 5.0, 2.5], [14.0, 12.6, 10.5]);
-    add_lamp(&mut scene, [0.5, 6.0, 4.5], [9.0, 9.0, 9.0]);
-    add_lamp(&mut scene, [5.0, 4.0, 1.5], [7.0, 8.4, 10.5]);
+    add_lamp(&mut scene, [-5.5, 5.5, 3.0], [2.9, 2.5, 2.1]);
+    add_lamp(&mut scene, [0.5, 7.0, 4.5], [1.8, 1.8, 1.8]);
+    add_lamp(&mut scene, [6.5, 4.5, 2.0], [1.45, 1.7, 2.1]);
     let world_from_light = Affine::IDENTITY;
     scene.add_light(Light::Environment { radiance: [0.10, 0.11, 0.13], texture: None, world_from_light });
     scene.add_camera(Camera {
@@ -63,7 +63,7 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// A square lamp that shines towards the middle row.
+/// A soft box that shines towards the middle row.
 fn add_lamp(scene: &mut Scene, at: [f32; 3], radiance: [f32; 3]) {
     let mut material = Material::matte("lamp", [0.0; 3]);
     material.emission = radiance;
@@ -73,7 +73,7 @@ fn add_lamp(scene: &mut Scene, at: [f32; 3], radiance: [f32; 3]) {
     let Some(frame) = view.frame() else {
         return;
     };
-    let half = 0.7;
+    let half = 2.1;
     let corner = [0, 1, 2].map(|k| at[k] + half * (frame.right[k] - frame.up[k]));
     // `left x up` looks forward.
     let panel = quad(corner, frame.right.map(|x| -2.0 * half * x), frame.up.map(|x| 2.0 * half * x));
