@@ -6,7 +6,7 @@
 //! Proof: crates/render/tests/{lights,mirrors,appearance,determinism}.rs.
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, HitBatch, Query, Ray, RayBatch, Record};
+use gnurt_accel::{Coherence, HitBatch, Query, RayBatch, Record};
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
@@ -14,7 +14,7 @@ use crate::cost::TileCosts;
 use crate::options::RenderOptions;
 use crate::pixel_trace::Log;
 use crate::stats::RenderStats;
-use crate::world::{ERROR_SCALE, HitLanes, World};
+use crate::world::{HitLanes, World};
 
 /// See-through surfaces that a shadow ray may pass; behind more it is dark.
 const MOST_LAYERS: usize = 256;
@@ -237,20 +237,5 @@ impl Tracer for BatchTracer<'_> {
 
     fn random(&self, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2] {
         sample_pair(self.options.seed, key, depth, purpose)
-    }
-
-    fn spawn(&self, p: Vec3, ng: Vec3, dir: Vec3, t_far: f32) -> Ray {
-        // The surface is unknown here, so its coordinates may be as large as the world's.
-        let reach = self.world.bounds().map_or(0.0, |(low, high)| {
-            low.into_iter().chain(high).fold(0.0_f32, |most, x| most.max(x.abs()))
-        });
-        let error = ERROR_SCALE * reach.max(p.abs().max_element()) + self.options.ray_epsilon;
-        let one = SurfaceBatch {
-            p: Vec3s::splat(1, p),
-            ng: Vec3s::splat(1, ng),
-            error: vec![error],
-            ..SurfaceBatch::default()
-        };
-        one.spawn(0, dir, t_far)
     }
 }

@@ -130,9 +130,4 @@ pub trait Tracer {
     ///
     /// [`purpose::LIGHT`]: crate::sampling::purpose::LIGHT
     fn random(&self, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2];
-
-    /// A ray from `p` that will not meet the surface it leaves: the origin is moved along `ng` (unit, any side)
-    /// to the side that `dir` points to. Where the point is a lane of a batch, [`SurfaceBatch::spawn`] knows its error
-    /// and moves it no farther than needed.
-    fn spawn(&self, p: Vec3, ng: Vec3, dir: Vec3, t_far: f32) -> gnurt_accel::Ray;
 }

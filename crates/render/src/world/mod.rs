@@ -20,7 +20,7 @@ use gnurt_simd::Level;
 
 use crate::error::CommitError;
 pub(crate) use instance::PlacedInstance;
-pub(crate) use surface::{ERROR_SCALE, HitLanes};
+pub(crate) use surface::HitLanes;
 
 /// Shaders that the description only names by number, or does not know at all.
 #[derive(Clone, Default)]

@@ -55,10 +55,6 @@ impl Tracer for Probe {
     fn random(&self, _key: SampleKey, _depth: u32, _purpose: u32) -> [f32; 2] {
         [0.5; 2]
     }
-
-    fn spawn(&self, p: Vec3, _ng: Vec3, dir: Vec3, t_far: f32) -> Ray {
-        Ray::new(p.into(), dir.into()).within(1e-4, t_far)
-    }
 }
 
 /// One point of a floor, normal upwards, seen from above.

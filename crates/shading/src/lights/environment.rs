@@ -8,6 +8,7 @@
 use std::f32::consts::{PI, TAU};
 
 use glam::{Mat3, Vec3};
+use gnurt_image::srgb::luminance;
 
 use crate::batch::Vec3s;
 use crate::sampling::{Basis, GridDistribution, cosine_hemisphere};
@@ -124,7 +125,7 @@ fn brightness_grid(texture: &TextureSampler) -> Option<GridDistribution> {
     // Enough places per cell that no texel is missed.
     let [across, down] =
         [0, 1].map(|k| 1 + (size[k] as usize).div_ceil([columns, rows][k]) * if size[k] > 1 { 2 } else { 1 });
-    let luminance = |[r, g, b, _]: [f32; 4]| f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b).max(0.0);
+    let brightness = |[r, g, b, _]: [f32; 4]| f64::from(luminance([r, g, b])).max(0.0);
     let mut weights = Vec::with_capacity(columns * rows);
     for row in 0..rows {
         let [upper, lower] = [0, 1].map(|k| (f64::from(PI) * (row + k) as f64 / rows as f64).cos());
@@ -133,7 +134,7 @@ fn brightness_grid(texture: &TextureSampler) -> Option<GridDistribution> {
             for (i, j) in (0..=across).flat_map(|i| (0..=down).map(move |j| (i, j))) {
                 let u = (column as f32 + i as f32 / across as f32) / columns as f32;
                 let v = 1.0 - (row as f32 + j as f32 / down as f32) / rows as f32;
-                sum += luminance(texture.sample([u, v]));
+                sum += brightness(texture.sample([u, v]));
             }
             weights.push(sum * (upper - lower));
         }

@@ -4,6 +4,7 @@
 //! Proof: `tests::coverage_modes`.
 
 use glam::Vec3;
+use gnurt_image::srgb::luminance;
 
 use crate::batch::SurfaceBatch;
 use crate::texture::TextureSampler;
@@ -63,7 +64,7 @@ impl Emission {
     #[must_use]
     pub fn mean_luminance(&self) -> f32 {
         let mean = self.texture.as_ref().map_or([1.0; 4], TextureSampler::mean);
-        (self.factor * Vec3::new(mean[0], mean[1], mean[2])).dot(Vec3::new(0.2126, 0.7152, 0.0722))
+        luminance((self.factor * Vec3::new(mean[0], mean[1], mean[2])).into())
     }
 }
 
