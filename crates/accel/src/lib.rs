@@ -34,7 +34,7 @@ pub use geometry::{BadPrimitives, LARGEST_COORDINATE, MOST_TRIANGLES, Triangles}
 pub use gnurt_simd::Level;
 pub use hit::{Hit, HitBatch, INVALID_ID};
 pub use object::ObjectTree;
-pub use options::{BuildOptions, Threads, TriangleTest};
+pub use options::{BuildOptions, Quality, Structure, Threads, TriangleTest};
 pub use query::{Coherence, Counters, Query, Record};
 pub use ray::{Ray, RayBatch};
 pub use scene::{Instance, SceneTree};

@@ -13,24 +13,53 @@ pub enum TriangleTest {
     Projected,
 }
 
-/// Settings of the kd-tree builder. The default suits almost everything.
+/// The acceleration structure of an object.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Structure {
+    /// A SAH kd-tree with nodes of 8 bytes: the paper's structure.
+    Kd,
+    /// A bounding volume hierarchy whose nodes have eight children.
+    #[default]
+    Bvh,
+}
+
+/// How much time a build may take for faster rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Quality {
+    /// The least: for what moves. Kd-trees are built from samples of the cost \[HMS06\].
+    Fast,
+    /// Binned surface area heuristic for BVHs, the exact sweep for kd-trees.
+    #[default]
+    Medium,
+    /// Spatial splits \[SFD09\] and optimisation after the build for BVHs; kd-trees as for medium.
+    High,
+}
+
+/// Settings of the builders. The default suits almost everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
-    /// The triangle test that queries use.
+    /// What is built.
+    pub structure: Structure,
+    /// How carefully.
+    pub quality: Quality,
+    /// The triangle test that queries use. A BVH always uses the watertight one.
     pub triangle_test: TriangleTest,
-    /// Cost of a triangle test in units of one step through a node.
+    /// Kd-tree: cost of a triangle test in units of one step through a node.
     pub triangle_cost: f32,
-    /// What the cost of a plane is multiplied with where one of its sides is empty.
+    /// Kd-tree: what the cost of a plane is multiplied with where one of its sides is empty.
     pub empty_factor: f32,
-    /// Leaves may hold at most this many references in all, as a multiple of the number of triangles.
+    /// Leaves of a kd-tree, or of a BVH with spatial splits, may hold at most this many references in all, as a multiple
+    /// of the number of triangles. A BVH stays below 2.
     pub reference_budget: f32,
-    /// Nodes may not lie deeper; capped by what a traversal stack holds.
+    /// Kd-tree: nodes may not lie deeper; capped by what a traversal stack holds.
     pub max_depth: u32,
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
         Self {
+            structure: Structure::default(),
+            quality: Quality::default(),
             triangle_test: TriangleTest::Watertight,
             triangle_cost: 0.5,
             empty_factor: 0.8,
