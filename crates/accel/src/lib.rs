@@ -16,6 +16,8 @@
 
 mod aabb;
 mod batch;
+#[expect(dead_code, unused_imports, reason = "objects and scenes do not use it yet")]
+mod bvh;
 mod geometry;
 mod hit;
 mod kd;

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Building a wide BVH by the surface area heuristic.
+//! Source: binned heuristic [Wald07].
+//! In: boxes of primitives. Out: [`Tree`]. Cost: O(n log n).
+//! Invariant: every primitive is in at least one leaf whose box, and that of all nodes above, holds (its part of) it;
+//! the tree does not depend on the number of threads. Proof: `tests`.
+
+mod bins;
+mod grow;
+mod reference;
+#[cfg(test)]
+mod tests;
+
+use super::node::{Node8, WIDTH};
+use crate::{Aabb, Quality, Threads};
+pub(crate) use grow::DEEPEST;
+use grow::Grower;
+use reference::{Part, Reference};
+
+/// What a tree is built over: boxes, by numbers from 0 on.
+pub(crate) trait Primitives: Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// The box of one.
+    fn bounds(&self, number: usize) -> Aabb;
+    /// Boxes of the parts of `number` within `cell` on both sides of a plane; `None` where it has no part. Those that
+    /// cannot be split (instances) answer with `None` for the whole.
+    fn split(&self, number: usize, cell: &Aabb, axis: usize, at: f32) -> Option<[Option<Aabb>; 2]>;
+}
+
+/// A tree without what it is built over.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Tree {
+    /// The root comes first; without primitives there is none. Children come after their parents.
+    pub(crate) nodes: Vec<Node8>,
+    /// Numbers of the primitives, leaf block by leaf block, eight to each; padded with `INVALID_ID`.
+    pub(crate) blocks: Vec<[u32; WIDTH]>,
+    /// Box around everything.
+    pub(crate) bounds: Aabb,
+}
+
+/// Builds over all primitives.
+pub(crate) fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
+    let _ = (quality, threads);
+    let number_and_box = |number: usize| Reference::new(number as u32, &primitives.bounds(number));
+    let mut references: Vec<Reference> = (0..primitives.count()).map(number_and_box).collect();
+    let root = Part::around(&references, 0, references.len());
+    let mut tree = Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: root.bounds };
+    if !references.is_empty() {
+        let longest = root.bounds.extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
+        let scale = (1.0 / longest) as f32;
+        Grower { references: &mut references, scale, tree: &mut tree }.grow(root, 0);
+    }
+    tree
+}

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The node of the wide BVH: the boxes of eight children side by side, so that one ray meets all eight at once.
+//! Source: [WBB08]; layout original. Space: that of what the tree is built over.
+//!
+//! ```text
+//!  byte 0     32     64     96     128    160    192        224      256
+//!       | x lo | x hi | y lo | y hi | z lo | z hi | children | unused |     one value for each child in every row
+//! ```
+//!
+//! Four cache lines. The two rows of an axis lie next to each other: a ray's nearer row is `2 * axis + backwards`.
+//! Children are the bits of floats and there are eight rows, so that `row & 7` needs no further check.
+//! Invariant: children that do not exist have the box from +inf to -inf, which no ray meets.
+//! Proof: `tests::children_say_what_they_are`.
+
+use crate::Aabb;
+
+/// Children per node and primitives per leaf block.
+pub(crate) const WIDTH: usize = 8;
+
+/// What hangs below a node at one of its eight places: a node, or a row of leaf blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Child(pub(crate) u32);
+
+/// Eight boxes and what is in them.
+#[derive(Clone, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub(crate) struct Node8 {
+    /// x lo, x hi, y lo, y hi, z lo, z hi, bits of the children, nothing.
+    pub(crate) rows: [[f32; WIDTH]; 8],
+}
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const COUNT_SHIFT: u32 = 27;
+    /// Most blocks of one leaf.
+    pub(crate) const MOST_BLOCKS: usize = 15;
+    /// No child.
+    pub(crate) const NONE: Self = Self(Self::LEAF);
+
+    /// Node `index`.
+    pub(crate) fn node(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    /// Leaf blocks `first..first + count`; `count` is 1 to [`MOST_BLOCKS`](Self::MOST_BLOCKS).
+    pub(crate) fn leaf(first: usize, count: usize) -> Self {
+        Self(Self::LEAF | (count as u32) << Self::COUNT_SHIFT | first as u32)
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    /// The node's index, where it is no leaf.
+    #[inline(always)]
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The leaf's blocks, where it is one.
+    #[inline(always)]
+    pub(crate) fn blocks(self) -> std::ops::Range<usize> {
+        let first = (self.0 & ((1 << Self::COUNT_SHIFT) - 1)) as usize;
+        first..first + (self.0 >> Self::COUNT_SHIFT & 15) as usize
+    }
+}
+
+impl Node8 {
+    /// A node without children.
+    pub(crate) const EMPTY: Self = {
+        let (lo, hi) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
+        let none = [f32::from_bits(Child::NONE.0); WIDTH];
+        Self { rows: [lo, hi, lo, hi, lo, hi, none, [0.0; WIDTH]] }
+    };
+
+    /// What hangs at `place`, which is below 8.
+    #[inline(always)]
+    pub(crate) fn child(&self, place: usize) -> Child {
+        Child(self.rows[6][place & 7].to_bits())
+    }
+
+    /// Puts a child at `place`.
+    pub(crate) fn set(&mut self, place: usize, bounds: &Aabb, child: Child) {
+        for k in 0..3 {
+            self.rows[2 * k][place] = bounds.min[k];
+            self.rows[2 * k + 1][place] = bounds.max[k];
+        }
+        self.rows[6][place] = f32::from_bits(child.0);
+    }
+
+    /// The box at `place`.
+    pub(crate) fn bounds(&self, place: usize) -> Aabb {
+        let row = |i: usize| self.rows[i][place];
+        Aabb { min: [row(0), row(2), row(4)], max: [row(1), row(3), row(5)] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn children_say_what_they_are() {
+        assert_eq!(size_of::<Node8>(), 256, "four cache lines");
+        let leaf = Child::leaf(77, 3);
+        assert!(leaf.is_leaf() && leaf.blocks() == (77..80), "{leaf:?} is three blocks");
+        let node = Child::node(12);
+        assert!(!node.is_leaf() && node.index() == 12, "{node:?} is a node");
+        assert!(Child::NONE.is_leaf() && Child::NONE.blocks().is_empty(), "nothing is a leaf without blocks");
+        let mut node = Node8::EMPTY;
+        let bounds = Aabb { min: [1.0, 2.0, 3.0], max: [4.0, 5.0, 6.0] };
+        node.set(5, &bounds, leaf);
+        assert_eq!((node.bounds(5), node.child(5)), (bounds, leaf), "what goes in comes out");
+        assert!(node.bounds(4).is_empty(), "its neighbour is still empty");
+    }
+}
