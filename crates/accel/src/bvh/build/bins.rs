@@ -2,89 +2,145 @@
 //! Where to divide references: the surface area heuristic at the borders of bins of their middles.
 //! Source: [Wald07]; the heuristic of [MB90]. Differs: counts blocks of eight, which cost the same however full.
 //! Space: that of the primitives; areas are scaled so that the root's sides are at most 1: a float would overflow.
-//! Proof: `super::tests`.
+//! Invariant: both sides of a split get something; their boxes are exact. Proof: `super::tests`.
 
-use super::reference::{Part, Reference};
-use crate::Aabb;
+use gnurt_simd::{Simd, f32x4, prelude::*};
+
+use super::reference::{Lanes, Part, Reference};
 use crate::bvh::WIDTH;
 
-/// Bins of each axis.
-const BINS: usize = 16;
+/// Bins of each axis, a power of two.
+pub(super) const BINS: usize = 16;
 
-/// References left of `border` bins along `axis` go left.
+/// References left of `border` bins along `axis` go left: `count` of them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
     pub(super) axis: usize,
     pub(super) border: usize,
+    pub(super) count: usize,
     pub(super) cost: f32,
 }
 
 /// Maps middles to bins.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Mapping {
-    origin: [f32; 3],
-    scale: [f32; 3],
-}
-
-#[derive(Clone, Copy)]
-struct Bin {
-    bounds: Aabb,
-    count: usize,
+    pub(super) origin: [f32; 4],
+    /// Zero where an axis has no extent: then all is in its first bin.
+    pub(super) scale: [f32; 4],
 }
 
 impl Mapping {
-    pub(super) fn new(middles: &Aabb) -> Self {
-        let scale = [0, 1, 2].map(|k| {
-            let scale = BINS as f32 * 0.9999 / (middles.max[k] - middles.min[k]);
-            // Where all lie in one place there is one bin.
-            if scale.is_finite() { scale } else { 0.0 }
-        });
-        Self { origin: middles.min, scale }
-    }
-
     #[inline(always)]
-    pub(super) fn bin(&self, reference: &Reference, axis: usize) -> usize {
-        let place = (reference.middle(axis) - self.origin[axis]) * self.scale[axis];
-        (place as usize).min(BINS - 1)
+    pub(super) fn new(middles: &Lanes) -> Self {
+        let mut mapping = Self { origin: [0.0; 4], scale: [0.0; 4] };
+        for axis in 0..3 {
+            // A bit less than all bins, so that rounding leads past none.
+            let scale = BINS as f32 * 0.9999 / middles.side(axis);
+            mapping.scale[axis] = if scale.is_finite() { scale } else { 0.0 };
+            mapping.origin[axis] = -middles.0[axis];
+        }
+        mapping
     }
 }
 
-/// Half the surface of a box, its sides multiplied with `scale`; zero for an empty one.
-pub(super) fn half_area(bounds: &Aabb, scale: f32) -> f32 {
-    let [x, y, z] = [0, 1, 2].map(|k| ((bounds.max[k] - bounds.min[k]) * scale).max(0.0));
-    x * y + y * z + z * x
+/// What is in the bins of all axes.
+#[derive(Clone)]
+pub(super) struct Bins {
+    bounds: [[Lanes; BINS]; 3],
+    counts: [[u32; BINS]; 3],
 }
 
-/// The cheapest split; `None` where all middles share one bin.
-pub(super) fn best_split(references: &[Reference], part: &Part, scale: f32) -> Option<Split> {
-    let mapping = Mapping::new(&part.middles);
-    let mut bins = [[Bin { bounds: Aabb::EMPTY, count: 0 }; BINS]; 3];
-    for reference in references {
-        for (axis, bins) in bins.iter_mut().enumerate() {
-            let bin = &mut bins[mapping.bin(reference, axis)];
-            bin.bounds = bin.bounds.union(&reference.bounds());
-            bin.count += 1;
+impl Bins {
+    pub(super) const EMPTY: Self = Self { bounds: [[Lanes::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
+
+    /// Sorts `references` in.
+    #[inline(always)]
+    pub(super) fn add<S: Simd>(&mut self, simd: S, references: &[Reference], mapping: &Mapping) {
+        let origin = f32x4::load_array(simd, mapping.origin);
+        let scale = f32x4::load_array(simd, mapping.scale);
+        let [x, y, z] = &mut self.bounds;
+        let [cx, cy, cz] = &mut self.counts;
+        for reference in references {
+            let reference = reference.load(simd);
+            let (low, high) = simd.split_f32x8(reference);
+            let place = simd.cvt_i32_f32x4((high - low - origin) * scale);
+            let place = place.as_array();
+            let [i, j, k] = [place[0] as usize % BINS, place[1] as usize % BINS, place[2] as usize % BINS];
+            x[i] = Lanes::store(x[i].load(simd).max(reference));
+            y[j] = Lanes::store(y[j].load(simd).max(reference));
+            z[k] = Lanes::store(z[k].load(simd).max(reference));
+            cx[i] += 1;
+            cy[j] += 1;
+            cz[k] += 1;
         }
     }
-    let mut best: Option<Split> = None;
-    for (axis, bins) in bins.iter().enumerate() {
-        let mut right_costs = [0.0; BINS];
-        let (mut bounds, mut count) = (Aabb::EMPTY, 0);
-        for border in (1..BINS).rev() {
-            bounds = bounds.union(&bins[border].bounds);
-            count += bins[border].count;
-            right_costs[border] = half_area(&bounds, scale) * count.div_ceil(WIDTH) as f32;
-        }
-        let (mut bounds, mut count) = (Aabb::EMPTY, 0);
-        for border in 1..BINS {
-            bounds = bounds.union(&bins[border - 1].bounds);
-            count += bins[border - 1].count;
-            let cost = half_area(&bounds, scale) * count.div_ceil(WIDTH) as f32 + right_costs[border];
-            let divides = count > 0 && count < references.len();
-            if divides && best.is_none_or(|best| cost < best.cost) {
-                best = Some(Split { axis, border, cost });
+
+    /// Adds what is in `other`.
+    pub(super) fn merge(&mut self, other: &Self) {
+        for axis in 0..3 {
+            for bin in 0..BINS {
+                self.bounds[axis][bin] = self.bounds[axis][bin].union(&other.bounds[axis][bin]);
+                self.counts[axis][bin] += other.counts[axis][bin];
             }
         }
     }
-    best
+
+    /// The cheapest split; `None` where all middles share one bin.
+    #[inline(always)]
+    pub(super) fn best_split<S: Simd>(&self, simd: S, scale: f32) -> Option<Split> {
+        let mut best = Split { axis: 0, border: 0, count: 0, cost: f32::INFINITY };
+        for axis in 0..3 {
+            let (bins, counts) = (&self.bounds[axis], &self.counts[axis]);
+            let mut right_costs = [0.0; BINS];
+            let (mut bounds, mut count) = (Lanes::EMPTY.load(simd), 0);
+            for border in (1..BINS).rev() {
+                bounds = bounds.max(bins[border].load(simd));
+                count += counts[border];
+                right_costs[border] = cost(simd, bounds, count, scale);
+            }
+            let (mut bounds, mut count) = (Lanes::EMPTY.load(simd), 0);
+            for border in 1..BINS {
+                bounds = bounds.max(bins[border - 1].load(simd));
+                count += counts[border - 1];
+                // NaN, and so never below, where a side is empty.
+                let cost = cost(simd, bounds, count, scale) + right_costs[border];
+                if cost < best.cost {
+                    best = Split { axis, border, count: count as usize, cost };
+                }
+            }
+        }
+        (best.border > 0).then_some(best)
+    }
+
+    /// The boxes on both sides of `split`.
+    #[inline(always)]
+    pub(super) fn sides<S: Simd>(&self, simd: S, split: &Split) -> [Lanes; 2] {
+        let (left, right) = self.bounds[split.axis].split_at(split.border);
+        let mut bounds = [Lanes::EMPTY.load(simd); 2];
+        for bin in left {
+            bounds[0] = bounds[0].max(bin.load(simd));
+        }
+        for bin in right {
+            bounds[1] = bounds[1].max(bin.load(simd));
+        }
+        [Lanes::store(bounds[0]), Lanes::store(bounds[1])]
+    }
+}
+
+/// Cost of one side: its area times its blocks; NaN without any reference.
+#[inline(always)]
+fn cost<S: Simd>(simd: S, bounds: gnurt_simd::f32x8<S>, count: u32, scale: f32) -> f32 {
+    let (low, high) = simd.split_f32x8(bounds);
+    let sides = (high + low) * f32x4::splat(simd, scale);
+    let [x, y, z, _] = *sides.as_array();
+    (x * y + y * z + z * x) * count.div_ceil(WIDTH as u32) as f32
+}
+
+/// The mapping, the bins of a whole part, and the best split among them.
+#[inline(always)]
+pub(super) fn bin<S: Simd>(simd: S, references: &[Reference], part: &Part, bins: &mut Bins) -> Mapping {
+    let mapping = Mapping::new(&part.middles);
+    bins.clone_from(&Bins::EMPTY);
+    bins.add(simd, references, &mapping);
+    mapping
 }

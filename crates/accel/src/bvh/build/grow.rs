@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Growing wide nodes: of a node's children the largest is divided until there are eight.
-//! Source: [WBB08] for the choice of the child; original in that no binary tree is made first.
-//! Invariant: no leaf lies deeper than [`DEEPEST`]. Proof: `super::tests`.
+//! Growing wide nodes: of a node's parts the largest is divided until there are eight.
+//! Source: [WBB08] for the choice of the part; original in that no binary tree is made first.
+//! Invariant: no leaf lies deeper than [`DEEPEST`]; nodes are in depth-first order. Proof: `super::tests`.
+
+use gnurt_simd::Simd;
 
 use super::Tree;
-use super::bins::{Mapping, best_split, half_area};
+use super::bins::{Bins, bin};
+use super::partition::{Buffer, partition};
 use super::reference::{Part, Reference};
 use crate::INVALID_ID;
 use crate::bvh::{Child, Node8, WIDTH};
@@ -12,94 +15,166 @@ use crate::bvh::{Child, Node8, WIDTH};
 /// From this depth on nodes divide by number alone.
 const BY_NUMBER: usize = 40;
 
-/// No leaf hangs at a node of this depth or a greater one; the root has depth 0.
+/// No node is of this depth or a greater one; the root has depth 0.
 pub(crate) const DEEPEST: usize = BY_NUMBER + 12;
 
-/// What nodes and blocks are made from.
-pub(super) struct Grower<'a> {
-    pub(super) references: &'a mut [Reference],
-    /// Sides of boxes are multiplied with this before their area is taken.
-    pub(super) scale: f32,
-    pub(super) tree: &'a mut Tree,
+/// The parts that become the children of a node.
+#[derive(Clone, Copy)]
+pub(super) struct Spread {
+    parts: [Part; WIDTH],
+    count: usize,
 }
 
-impl Grower<'_> {
-    /// Appends the node of `part` and all that is below; returns its index.
-    pub(super) fn grow(&mut self, part: Part, depth: usize) -> usize {
-        let mut parts = [Part::empty(0); WIDTH];
-        parts[0] = part;
-        let mut count = 1;
-        while count < WIDTH {
-            let Some(chosen) = self.largest(&parts[..count], depth) else { break };
-            let halves = self.divide(&parts[chosen], depth);
-            [parts[chosen], parts[count]] = halves;
-            count += 1;
-        }
-        let index = self.tree.nodes.len();
-        self.tree.nodes.push(Node8::EMPTY);
-        for (place, part) in parts[..count].iter().enumerate() {
-            let child =
-                if is_leaf(part) { self.leaf(part) } else { Child::node(self.grow(*part, depth + 1)) };
-            self.tree.nodes[index].set(place, &part.bounds, child);
-        }
-        index
+/// Memory that growing uses again and again.
+pub(super) struct Workspace {
+    bins: Bins,
+    buffer: Buffer,
+}
+
+impl Workspace {
+    pub(super) const EMPTY: Self = Self { bins: Bins::EMPTY, buffer: Buffer::EMPTY };
+}
+
+impl Spread {
+    pub(super) fn parts(&self) -> &[Part] {
+        &self.parts[..self.count]
     }
 
-    /// The part to divide next: that of the largest area, or of the greatest number where depth has run out.
-    fn largest(&self, parts: &[Part], depth: usize) -> Option<usize> {
-        let size = |part: &Part| match depth < BY_NUMBER {
-            true => half_area(&part.bounds, self.scale),
-            false => part.count() as f32,
+    /// Divides `part` until there are eight parts, or nothing left to divide; `divide` cuts one in two.
+    #[inline(always)]
+    pub(super) fn new(
+        part: Part,
+        depth: usize,
+        scale: f32,
+        mut divide: impl FnMut(&Part) -> [Part; 2],
+    ) -> Self {
+        let mut spread = Self { parts: [Part::EMPTY; WIDTH], count: 1 };
+        let mut sizes = [f32::NEG_INFINITY; WIDTH];
+        let size = |part: &Part| {
+            // Where depth has run out the fullest is divided.
+            let size = if depth < BY_NUMBER { part.bounds.half_area(scale) } else { part.count() as f32 };
+            if is_leaf(part) { f32::NEG_INFINITY } else { size }
         };
-        let divisible = parts.iter().enumerate().filter(|(_, part)| !is_leaf(part));
-        divisible.max_by(|a, b| size(a.1).total_cmp(&size(b.1))).map(|(i, _)| i)
-    }
-
-    fn divide(&mut self, part: &Part, depth: usize) -> [Part; 2] {
-        let Part { start, end, .. } = *part;
-        let references = &mut self.references[start..end];
-        let split = if depth < BY_NUMBER { best_split(references, part, self.scale) } else { None };
-        let left = match split {
-            Some(split) => {
-                let mapping = Mapping::new(&part.middles);
-                partition(references, |reference| mapping.bin(reference, split.axis) < split.border)
+        spread.parts[0] = part;
+        sizes[0] = size(&part);
+        while spread.count < WIDTH {
+            let mut largest = 0;
+            for i in 1..spread.count {
+                largest = if sizes[i] > sizes[largest] { i } else { largest };
             }
-            // Whole blocks go left.
-            None => references.len().div_ceil(2).next_multiple_of(WIDTH),
-        };
-        let border = start + left;
-        [Part::around(self.references, start, border), Part::around(self.references, border, end)]
-    }
-
-    fn leaf(&mut self, part: &Part) -> Child {
-        let first = self.tree.blocks.len();
-        for references in self.references[part.start..part.end].chunks(WIDTH) {
-            let mut block = [INVALID_ID; WIDTH];
-            for (slot, reference) in block.iter_mut().zip(references) {
-                *slot = reference.number;
+            if sizes[largest] == f32::NEG_INFINITY {
+                break;
             }
-            self.tree.blocks.push(block);
+            let [left, right] = divide(&spread.parts[largest]);
+            for (place, part) in [(largest, left), (spread.count, right)] {
+                spread.parts[place] = part;
+                sizes[place] = size(&part);
+            }
+            spread.count += 1;
         }
-        Child::leaf(first, self.tree.blocks.len() - first)
+        spread
     }
+}
+
+/// Cuts `part` of `references` in two.
+#[inline(always)]
+pub(super) fn divide<S: Simd>(
+    simd: S,
+    references: &mut [Reference],
+    part: &Part,
+    depth: usize,
+    scale: f32,
+    workspace: &mut Workspace,
+) -> [Part; 2] {
+    let Part { start, end, .. } = *part;
+    let inside = &mut references[start..end];
+    if depth < BY_NUMBER {
+        let Workspace { bins, buffer } = workspace;
+        let mapping = bin(simd, inside, part, bins);
+        if let Some(split) = bins.best_split(simd, scale) {
+            let [left, right] = bins.sides(simd, &split);
+            let parted = partition(simd, inside, &mapping, &split, buffer);
+            let border = start + parted.left;
+            let [left_middles, right_middles] = parted.middles;
+            return [
+                Part { start, end: border, bounds: left, middles: left_middles },
+                Part { start: border, end, bounds: right, middles: right_middles },
+            ];
+        }
+    }
+    let border = start + halfway(inside.len());
+    [Part::around(simd, references, start, border), Part::around(simd, references, border, end)]
+}
+
+/// Half of `count`, in whole blocks; less than `count`, which does not fit one block.
+pub(super) fn halfway(count: usize) -> usize {
+    (count / 2).next_multiple_of(WIDTH)
+}
+
+/// A node to be made of `part` of the references, to hang at `place` of node `parent`.
+#[derive(Clone, Copy)]
+struct Waiting {
+    part: Part,
+    parent: usize,
+    place: usize,
+    depth: usize,
+}
+
+/// Appends to `tree` the node of `part` of `references`, which has `depth`, and all that is below it.
+#[inline(always)]
+pub(super) fn grow<S: Simd>(
+    simd: S,
+    references: &mut [Reference],
+    part: Part,
+    depth: usize,
+    scale: f32,
+    tree: &mut Tree,
+) {
+    let mut workspace = Workspace::EMPTY;
+    let root = tree.nodes.len();
+    let mut waiting = vec![Waiting { part, parent: root, place: WIDTH, depth }];
+    while let Some(Waiting { part, parent, place, depth }) = waiting.pop() {
+        let index = tree.nodes.len();
+        if place < WIDTH {
+            tree.nodes[parent].set(place, &part.bounds.bounds(), Child::node(index));
+        }
+        let spread = Spread::new(part, depth, scale, |part| {
+            divide(simd, references, part, depth, scale, &mut workspace)
+        });
+        let mut node = Node8::EMPTY;
+        for (place, part) in spread.parts().iter().enumerate().rev() {
+            if is_leaf(part) {
+                let leaf = push_leaf(&mut tree.blocks, &references[part.start..part.end]);
+                node.set(place, &part.bounds.bounds(), leaf);
+            } else {
+                waiting.push(Waiting { part: *part, parent: index, place, depth: depth + 1 });
+            }
+        }
+        tree.nodes.push(node);
+    }
+}
+
+/// Appends the blocks of a leaf.
+#[inline(always)]
+pub(super) fn push_leaf(blocks: &mut Vec<[u32; WIDTH]>, references: &[Reference]) -> Child {
+    let first = blocks.len();
+    for references in references.chunks(WIDTH) {
+        let mut block = [INVALID_ID; WIDTH];
+        for (slot, reference) in block.iter_mut().zip(references) {
+            *slot = reference.number();
+        }
+        blocks.push(block);
+    }
+    Child::leaf(first, blocks.len() - first)
 }
 
 /// Whether a part is not to be divided: it fits a block, or nothing tells its primitives apart and it fits a leaf.
-fn is_leaf(part: &Part) -> bool {
-    let in_one_place = part.middles.min == part.middles.max;
-    part.count() <= WIDTH || in_one_place && part.count() <= WIDTH * Child::MOST_BLOCKS
-}
-
-/// Moves what belongs left to the front; returns how many that is.
-fn partition(references: &mut [Reference], goes_left: impl Fn(&Reference) -> bool) -> usize {
-    let (mut left, mut right) = (0, references.len());
-    while left < right {
-        if goes_left(&references[left]) {
-            left += 1;
-        } else {
-            right -= 1;
-            references.swap(left, right);
-        }
+#[inline(always)]
+pub(super) fn is_leaf(part: &Part) -> bool {
+    let count = part.count();
+    if count <= WIDTH {
+        return true;
     }
-    left
+    let in_one_place = (0..3).all(|axis| part.middles.side(axis) == 0.0);
+    in_one_place && count <= WIDTH * Child::MOST_BLOCKS
 }

@@ -7,14 +7,16 @@
 
 mod bins;
 mod grow;
+mod partition;
 mod reference;
 #[cfg(test)]
 mod tests;
 
 use super::node::{Node8, WIDTH};
 use crate::{Aabb, Quality, Threads};
+use gnurt_simd::Level;
 pub(crate) use grow::DEEPEST;
-use grow::Grower;
+use grow::grow;
 use reference::{Part, Reference};
 
 /// What a tree is built over: boxes, by numbers from 0 on.
@@ -42,14 +44,17 @@ pub(crate) struct Tree {
 /// Builds over all primitives.
 pub(crate) fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
     let _ = (quality, threads);
+    let level = Level::best();
     let number_and_box = |number: usize| Reference::new(number as u32, &primitives.bounds(number));
     let mut references: Vec<Reference> = (0..primitives.count()).map(number_and_box).collect();
-    let root = Part::around(&references, 0, references.len());
-    let mut tree = Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: root.bounds };
-    if !references.is_empty() {
-        let longest = root.bounds.extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
+    let count = references.len();
+    let root = gnurt_simd::dispatch!(level, simd => Part::around(simd, &references, 0, count));
+    let mut tree = Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Aabb::EMPTY };
+    if count > 0 {
+        tree.bounds = root.bounds.bounds();
+        let longest = tree.bounds.extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
         let scale = (1.0 / longest) as f32;
-        Grower { references: &mut references, scale, tree: &mut tree }.grow(root, 0);
+        gnurt_simd::dispatch!(level, simd => grow(simd, &mut references, root, 0, scale, &mut tree));
     }
     tree
 }
