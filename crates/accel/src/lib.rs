@@ -16,7 +16,6 @@
 
 mod aabb;
 mod batch;
-#[expect(dead_code, unused_imports, reason = "objects and scenes do not use it yet")]
 mod bvh;
 mod geometry;
 mod hit;
@@ -29,6 +28,7 @@ mod query;
 mod ray;
 mod scene;
 mod stats;
+mod tile;
 mod triangle;
 
 pub use aabb::Aabb;

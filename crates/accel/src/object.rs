@@ -3,58 +3,68 @@
 //! Source: original. Space: object; `inst_id` is 0 in all hits.
 //! Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::Simd;
+use gnurt_simd::{Level, Simd};
 
 use crate::batch::Traceable;
+use crate::bvh::BvhIndex;
 use crate::geometry::{Screened, mesh_of};
-use crate::kd::{KdTree, RaySlabs, Search};
-use crate::nearest::{AnyHit, Closest, Mode, Nearest};
-use crate::packet::{Heading, NearestPacket, RayPacket, WIDTH};
-use crate::triangle::{PreparedTriangles, ProjectedTriangles, WatertightTriangles};
+use crate::kd::KdIndex;
+use crate::nearest::{Mode, Nearest};
+use crate::tile::{NearestTile, RayTile};
 use crate::{
-    Aabb, BadPrimitives, BuildOptions, Counters, Hit, HitBatch, Query, Ray, RayBatch, Record, Threads,
-    TreeStats, TriangleTest, Triangles,
+    Aabb, BadPrimitives, BuildOptions, Counters, Hit, HitBatch, Query, Ray, RayBatch, Record, Structure,
+    Threads, TreeStats, Triangles,
 };
 
 /// A tree over the triangles of an object's meshes.
 #[derive(Debug)]
 pub struct ObjectTree {
-    tree: KdTree,
-    triangles: Prepared,
+    index: Index,
     /// First number of each mesh's triangles.
     starts: Vec<u32>,
-    reach: f32,
     bad: BadPrimitives,
     stats: TreeStats,
 }
 
-/// Triangles for the test that was chosen.
+/// What was built. To add a structure is to add a line here and in the three matches below.
 #[derive(Debug)]
-enum Prepared {
-    Watertight(WatertightTriangles),
-    Projected(ProjectedTriangles),
+enum Index {
+    Kd(KdIndex),
+    Bvh(BvhIndex),
 }
+
+/// Fewer rays of one heading go one by one.
+const WORTH_A_TILE: u32 = 8;
 
 impl ObjectTree {
     /// Builds over `meshes`. Triangles that cannot be traced are left out and counted; no triangle at all is fine.
     #[must_use]
     pub fn build(meshes: &[Triangles], options: &BuildOptions, threads: Threads) -> Self {
         let screened = Screened::new(meshes);
-        let tree = KdTree::build(&screened, options, threads);
-        let triangles = Prepared::new(&screened, options.triangle_test);
-        let stats = TreeStats {
-            primitives: screened.good.len() as u64,
-            primitive_bytes: triangles.memory_bytes() as u64,
-            ..tree.measure(options)
+        let (index, measured) = match options.structure {
+            Structure::Kd => {
+                let index = KdIndex::build(&screened, options, threads);
+                let primitive_bytes = index.triangle_bytes() as u64;
+                let stats = TreeStats { primitive_bytes, ..index.tree().measure(options) };
+                (Index::Kd(index), stats)
+            }
+            Structure::Bvh => {
+                let index = BvhIndex::build(&screened, options.quality, threads);
+                let stats = index.stats();
+                (Index::Bvh(index), stats)
+            }
         };
-        let reach = tree.bounds.reach();
-        Self { tree, triangles, starts: screened.starts, reach, bad: screened.bad, stats }
+        let stats = TreeStats { primitives: screened.good.len() as u64, ..measured };
+        Self { index, starts: screened.starts, bad: screened.bad, stats }
     }
 
     /// Box around all triangles, object space; [`Aabb::EMPTY`] without any.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.tree.bounds
+        match &self.index {
+            Index::Kd(index) => index.bounds(),
+            Index::Bvh(index) => index.bounds(),
+        }
     }
 
     /// What was left out at build.
@@ -72,19 +82,23 @@ impl ObjectTree {
     /// Whether two trees are the same, node for node.
     #[must_use]
     pub fn same_tree(&self, other: &Self) -> bool {
-        self.tree == other.tree
+        match (&self.index, &other.index) {
+            (Index::Kd(a), Index::Kd(b)) => a.tree() == b.tree(),
+            (Index::Bvh(a), Index::Bvh(b)) => a == b,
+            _ => false,
+        }
     }
 
     /// The closest hit.
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        crate::batch::closest(self, ray, &mut Counters::default())
+        crate::batch::closest(self, Level::best(), ray)
     }
 
     /// Whether anything is hit.
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        crate::batch::any(self, ray, &mut Counters::default())
+        crate::batch::any(self, Level::best(), ray)
     }
 
     /// Closest hits of a batch; `hits` is resized to it.
@@ -104,131 +118,138 @@ impl ObjectTree {
     }
 
     /// Improves `nearest`; the ray is sound, `slot` is noted with the hit.
-    pub(crate) fn search<M: Mode>(
-        &self,
-        ray: &Ray,
-        slot: u32,
-        nearest: &mut Nearest,
-        counters: &mut Counters,
-    ) {
-        if self.stats.primitives == 0 {
-            return;
-        }
-        if !(Ray::SHORTEST..=Ray::LONGEST).contains(&ray.longest()) {
-            return self.search_scaled::<M>(ray, slot, nearest, counters);
-        }
-        match &self.triangles {
-            Prepared::Watertight(triangles) => {
-                self.search_with::<M, _>(triangles, ray, slot, nearest, counters)
-            }
-            Prepared::Projected(triangles) => {
-                self.search_with::<M, _>(triangles, ray, slot, nearest, counters)
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn search_with<M: Mode, T: PreparedTriangles>(
-        &self,
-        triangles: &T,
-        ray: &Ray,
-        slot: u32,
-        nearest: &mut Nearest,
-        counters: &mut Counters,
-    ) {
-        let prepared = T::prepare(ray);
-        let slabs = RaySlabs::new(ray, &self.tree.bounds, self.reach);
-        let mut tested = 0;
-        let visited = self.tree.walk(&slabs, ray.t_near, nearest.t, |numbers| {
-            for &number in numbers {
-                tested += 1;
-                if let Some(meeting) = triangles.meet(number, &prepared, ray.t_near, nearest.t) {
-                    nearest.offer::<M>(meeting, number, slot);
-                    if M::ANY {
-                        break;
-                    }
-                }
-            }
-            nearest.t
-        });
-        counters.nodes += u64::from(visited);
-        counters.triangles += tested;
-    }
-
-    /// For directions so long or short that their inverse is of no use.
-    #[cold]
-    fn search_scaled<M: Mode>(&self, ray: &Ray, slot: u32, nearest: &mut Nearest, counters: &mut Counters) {
-        let (scaled, scale) = ray.within(ray.t_near, nearest.t).regular();
-        if !(Ray::SHORTEST..=Ray::LONGEST).contains(&scaled.longest()) {
-            return;
-        }
-        let mut found = Nearest { t: scaled.t_far, ..*nearest };
-        self.search::<M>(&scaled, slot, &mut found, counters);
-        if found.slot != nearest.slot || found.number != nearest.number {
-            *nearest = Nearest { t: if M::ANY { found.t } else { found.t * scale }, ..found };
-        }
-    }
-
-    /// [`search`](Self::search) in lanes. Lanes that do not go the same way go one by one.
     ///
-    /// A function of its own for the compiler, entered with the features of `S`: it is instantiated once per level
-    /// and mode, not once per caller.
+    /// A function of its own for the compiler, entered with the features of `S`.
     #[inline(always)]
-    pub(crate) fn search_packet<S: Simd, M: Mode>(
+    pub(crate) fn search<S: Simd, M: Mode>(
         &self,
         simd: S,
-        rays: &RayPacket<S>,
+        ray: &Ray,
         slot: u32,
-        nearest: &mut NearestPacket<S>,
+        nearest: &mut Nearest,
         counters: &mut Counters,
     ) {
         simd.vectorize(
             #[inline(always)]
-            || match rays.heading(simd) {
-                None => self.search_lanes::<S, M>(rays, slot, nearest, counters),
-                Some(heading) => self.search_together::<S, M>(simd, rays, heading, slot, nearest, counters),
+            || {
+                if self.stats.primitives == 0 {
+                    return;
+                }
+                if !(Ray::SHORTEST..=Ray::LONGEST).contains(&ray.longest()) {
+                    return self.search_scaled::<S, M>(simd, ray, slot, nearest, counters);
+                }
+                self.search_regular::<S, M>(simd, ray, slot, nearest, counters);
             },
         );
     }
 
     #[inline(always)]
-    fn search_together<S: Simd, M: Mode>(
+    fn search_regular<S: Simd, M: Mode>(
         &self,
         simd: S,
-        rays: &RayPacket<S>,
-        heading: Heading,
+        ray: &Ray,
         slot: u32,
-        nearest: &mut NearestPacket<S>,
+        nearest: &mut Nearest,
         counters: &mut Counters,
     ) {
-        let (tree, reach) = (&self.tree, self.reach);
-        if self.stats.primitives == 0 {
-            return;
-        }
-        match &self.triangles {
-            Prepared::Watertight(triangles) => {
-                Search { tree, reach, triangles, slot }.packet::<S, M>(simd, rays, heading, nearest, counters)
-            }
-            Prepared::Projected(triangles) => {
-                Search { tree, reach, triangles, slot }.packet::<S, M>(simd, rays, heading, nearest, counters)
-            }
+        match &self.index {
+            Index::Kd(index) => index.search::<S, M>(simd, ray, slot, nearest, counters),
+            Index::Bvh(index) => index.search::<S, M>(simd, ray, slot, nearest, counters),
         }
     }
 
-    #[inline(always)]
-    fn search_lanes<S: Simd, M: Mode>(
+    /// For directions so long or short that their inverse is of no use.
+    #[cold]
+    #[inline(never)]
+    fn search_scaled<S: Simd, M: Mode>(
         &self,
-        rays: &RayPacket<S>,
+        simd: S,
+        ray: &Ray,
         slot: u32,
-        nearest: &mut NearestPacket<S>,
+        nearest: &mut Nearest,
         counters: &mut Counters,
     ) {
-        let active = gnurt_simd::prelude::SimdMask::to_bitmask(rays.active);
-        for i in (0..WIDTH).filter(|i| active >> i & 1 == 1) {
-            let mut lane = nearest.get(i);
-            self.search::<M>(&rays.ray(i), slot, &mut lane, counters);
-            nearest.set(i, &lane);
+        let (scaled, scale) = ray.within(ray.t_near, nearest.t).regular();
+        if !(Ray::SHORTEST..=Ray::LONGEST).contains(&scaled.longest()) {
+            return;
         }
+        let mut found = Nearest { t: scaled.t_far, ..*nearest };
+        self.search::<S, M>(simd, &scaled, slot, &mut found, counters);
+        if found.slot != nearest.slot || found.number != nearest.number {
+            *nearest = Nearest { t: if M::ANY { found.t } else { found.t * scale }, ..found };
+        }
+    }
+
+    /// [`search`](Self::search) for the rays of a tile that are in `active`, all of them sound. Rays that go different
+    /// ways are parted first.
+    #[inline(always)]
+    pub(crate) fn search_tile<S: Simd, M: Mode>(
+        &self,
+        simd: S,
+        rays: &RayTile,
+        active: u64,
+        slot: u32,
+        nearest: &mut NearestTile,
+        counters: &mut Counters,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                if self.stats.primitives == 0 || active == 0 {
+                    return;
+                }
+                let ways = rays.headings(simd);
+                let regular = active & ways.regular;
+                if regular == u64::MAX {
+                    let (heading, bits) = ways.like(0, regular);
+                    if bits == u64::MAX {
+                        return self.sweep::<S, M>(simd, rays, 64, heading, slot, nearest, counters);
+                    }
+                }
+                let mut alone = active & !ways.regular;
+                let mut left = regular;
+                while left != 0 {
+                    let (heading, bits) = ways.like(left.trailing_zeros() as usize, left);
+                    left &= !bits;
+                    if bits.count_ones() < WORTH_A_TILE {
+                        alone |= bits;
+                        continue;
+                    }
+                    let (mut some, mut best) = (RayTile::EMPTY, NearestTile::EMPTY);
+                    let count = rays.gather(nearest, bits, &mut some, &mut best);
+                    self.sweep::<S, M>(simd, &some, count, heading, slot, &mut best, counters);
+                    nearest.scatter(bits, &best);
+                }
+                while alone != 0 {
+                    let i = alone.trailing_zeros() as usize;
+                    alone &= alone - 1;
+                    let mut lane = nearest.get(i);
+                    self.search::<S, M>(simd, &rays.ray(i, lane.t), slot, &mut lane, counters);
+                    nearest.set(i, &lane);
+                }
+            },
+        );
+    }
+
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
+    fn sweep<S: Simd, M: Mode>(
+        &self,
+        simd: S,
+        rays: &RayTile,
+        count: usize,
+        heading: crate::packet::Heading,
+        slot: u32,
+        nearest: &mut NearestTile,
+        counters: &mut Counters,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || match &self.index {
+                Index::Kd(index) => index.sweep::<S, M>(simd, rays, count, heading, slot, nearest, counters),
+                Index::Bvh(index) => index.sweep::<S, M>(simd, rays, count, heading, slot, nearest, counters),
+            },
+        );
     }
 
     /// Ids of a hit in this object.
@@ -246,48 +267,24 @@ impl ObjectTree {
 }
 
 impl Traceable for ObjectTree {
-    fn closest(&self, ray: &Ray, nearest: &mut Nearest, counters: &mut Counters) {
-        self.search::<Closest>(ray, 0, nearest, counters);
-    }
-
-    fn any(&self, ray: &Ray, nearest: &mut Nearest, counters: &mut Counters) {
-        self.search::<AnyHit>(ray, 0, nearest, counters);
+    #[inline(always)]
+    fn single<S: Simd, M: Mode>(&self, simd: S, ray: &Ray, nearest: &mut Nearest, counters: &mut Counters) {
+        self.search::<S, M>(simd, ray, 0, nearest, counters);
     }
 
     #[inline(always)]
-    fn packet<S: Simd, M: Mode>(
+    fn tile<S: Simd, M: Mode>(
         &self,
         simd: S,
-        rays: &RayPacket<S>,
-        nearest: &mut NearestPacket<S>,
+        rays: &RayTile,
+        active: u64,
+        nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        self.search_packet::<S, M>(simd, rays, 0, nearest, counters);
+        self.search_tile::<S, M>(simd, rays, active, 0, nearest, counters);
     }
 
     fn hit(&self, nearest: &Nearest) -> Hit {
         self.resolve(nearest, 0)
-    }
-}
-
-impl Prepared {
-    fn new(screened: &Screened, test: TriangleTest) -> Self {
-        // Dropped triangles keep their number; what stands in for them is never looked at.
-        let mut good = screened.good.iter().copied().peekable();
-        let corners = (0..screened.count() as u32).map(move |number| match good.next_if_eq(&number) {
-            Some(number) => screened.corners(number),
-            None => [[0.0; 3]; 3],
-        });
-        match test {
-            TriangleTest::Watertight => Self::Watertight(WatertightTriangles::new(corners.collect())),
-            TriangleTest::Projected => Self::Projected(ProjectedTriangles::new(corners)),
-        }
-    }
-
-    fn memory_bytes(&self) -> usize {
-        match self {
-            Self::Watertight(triangles) => triangles.memory_bytes(),
-            Self::Projected(triangles) => triangles.memory_bytes(),
-        }
     }
 }

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{TESTS, ask, assert_hits, batch, build};
+use common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
 use gnurt_accel::Ray;
 use gnurt_testkit::{OracleInstance, Soup, oracle, rays};
 
@@ -39,11 +39,13 @@ fn grids_of_axis_aligned_triangles() {
 
 #[test]
 fn degenerate_soups() {
-    for seed in 12..18 {
-        let soup = Soup::degenerate(seed, 120);
-        let bad = build(std::slice::from_ref(&soup), TESTS[0].0).bad_primitives();
-        assert!(bad.total() > 10, "bad triangles are counted: {bad:?}");
-        check("degenerate", &[soup], &rays::random(seed, 300));
+    for kind in WATERTIGHT {
+        for seed in 12..18 {
+            let soup = Soup::degenerate(seed, 120);
+            let bad = build(std::slice::from_ref(&soup), kind).bad_primitives();
+            assert!(bad.total() > 10, "bad triangles are counted: {bad:?}");
+            check("degenerate", &[soup], &rays::random(seed, 300));
+        }
     }
 }
 
@@ -139,35 +141,42 @@ fn slivers() {
 
 #[test]
 fn copies_of_one_triangle() {
-    let object = build(&[Soup::copies(1000)], TESTS[0].0);
-    let hits = ask(&object, &batch(&[([0.1, 0.0, 3.0], [0.0, 0.0, -1.0]), ([3.0; 3], [0.0, 1.0, 0.0])]));
-    let hit = hits[0].expect("it aims at all of them");
-    assert_eq!((hit.prim_id, hits[1]), (0, None), "the first of equals is reported");
-    assert!(object.stats().references <= 6000, "{:?} keeps the budget", object.stats());
+    for kind in WATERTIGHT {
+        let object = build(&[Soup::copies(1000)], kind);
+        let hits = ask(&object, &batch(&[([0.1, 0.0, 3.0], [0.0, 0.0, -1.0]), ([3.0; 3], [0.0, 1.0, 0.0])]));
+        let hit = hits[0].expect("it aims at all of them");
+        assert_eq!((hit.prim_id, hits[1]), (0, None), "the first of equals is reported");
+        assert!(object.stats().references <= 6000, "{:?} keeps the budget", object.stats());
+    }
 }
 
 #[test]
 fn nothing_is_hit_in_nothing() {
-    for meshes in [vec![], vec![Soup::default()], vec![Soup { positions: vec![], indices: vec![[0, 1, 2]] }]]
-    {
-        let object = build(&meshes, TESTS[0].0);
-        assert!(object.bounds().is_empty(), "no triangle, no box");
-        let hits = ask(&object, &batch(&rays::random(20, 20)));
-        assert!(hits.iter().all(Option::is_none), "and no hit");
+    for kind in WATERTIGHT {
+        for meshes in
+            [vec![], vec![Soup::default()], vec![Soup { positions: vec![], indices: vec![[0, 1, 2]] }]]
+        {
+            let object = build(&meshes, kind);
+            assert!(object.bounds().is_empty(), "no triangle, no box");
+            let hits = ask(&object, &batch(&rays::random(20, 20)));
+            assert!(hits.iter().all(Option::is_none), "and no hit");
+        }
     }
 }
 
 #[test]
 fn far_from_the_origin() {
-    // Coordinates near a million are multiples of 1/16: that is the soup which is traced, and the oracle sees it too.
-    let offset = [1e6, -1e6, 5e5];
-    let soup = Soup::random(21, 200, 30.0).moved(offset);
-    let rays: Vec<_> = rays::random(22, 200)
-        .into_iter()
-        .map(|(org, dir)| ([0, 1, 2].map(|k| 40.0 * org[k] + offset[k]), dir))
-        .collect();
-    let meshes = [soup];
-    let object = build(&meshes, TESTS[0].0);
-    let rays = batch(&rays);
-    assert_hits(&[OracleInstance::identity(&meshes)], &rays, &ask(&object, &rays), 1e-4);
+    for kind in WATERTIGHT {
+        // Coordinates near a million are multiples of 1/16: that is the soup which is traced, and the oracle sees it too.
+        let offset = [1e6, -1e6, 5e5];
+        let soup = Soup::random(21, 200, 30.0).moved(offset);
+        let rays: Vec<_> = rays::random(22, 200)
+            .into_iter()
+            .map(|(org, dir)| ([0, 1, 2].map(|k| 40.0 * org[k] + offset[k]), dir))
+            .collect();
+        let meshes = [soup];
+        let object = build(&meshes, kind);
+        let rays = batch(&rays);
+        assert_hits(&[OracleInstance::identity(&meshes)], &rays, &ask(&object, &rays), 1e-4);
+    }
 }

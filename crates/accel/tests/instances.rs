@@ -5,7 +5,7 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{TESTS, ask, assert_hits, batch, build};
+use common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
 use gnurt_accel::{Instance, ObjectTree, SceneTree};
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 
@@ -46,17 +46,19 @@ fn scenes_equal_brute_force() {
 
 #[test]
 fn instances_that_cannot_be_undone_are_counted() {
-    let object = Arc::new(build(&[closed::cube(1)], TESTS[0].0));
-    let mut instances = vec![Instance::identity(Arc::clone(&object)); 4];
-    instances[0].world_from_object[1] = [0.0; 3];
-    instances[2].world_from_object[3][0] = f64::NAN;
-    instances[3].world_from_object[3][2] = 5.0;
-    let scene = SceneTree::build(&instances);
-    assert_eq!(scene.dropped_instances(), 2, "one is flat, one is nowhere");
-    let hits =
-        ask(&scene, &batch(&[([0.1, 0.2, -3.0], [0.0, 0.0, 1.0]), ([0.1, 0.2, 9.0], [0.0, 0.0, -1.0])]));
-    let ids: Vec<_> = hits.iter().flatten().map(|hit| (hit.inst_id, hit.t)).collect();
-    assert_eq!(ids, [(1, 2.0), (3, 3.0)], "the others keep their ids");
+    for kind in WATERTIGHT {
+        let object = Arc::new(build(&[closed::cube(1)], kind));
+        let mut instances = vec![Instance::identity(Arc::clone(&object)); 4];
+        instances[0].world_from_object[1] = [0.0; 3];
+        instances[2].world_from_object[3][0] = f64::NAN;
+        instances[3].world_from_object[3][2] = 5.0;
+        let scene = SceneTree::build(&instances);
+        assert_eq!(scene.dropped_instances(), 2, "one is flat, one is nowhere");
+        let hits =
+            ask(&scene, &batch(&[([0.1, 0.2, -3.0], [0.0, 0.0, 1.0]), ([0.1, 0.2, 9.0], [0.0, 0.0, -1.0])]));
+        let ids: Vec<_> = hits.iter().flatten().map(|hit| (hit.inst_id, hit.t)).collect();
+        assert_eq!(ids, [(1, 2.0), (3, 3.0)], "the others keep their ids");
+    }
 }
 
 #[test]

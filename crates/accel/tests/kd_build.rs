@@ -4,14 +4,14 @@
 mod common;
 
 use common::build_with;
-use gnurt_accel::{BuildOptions, Threads};
+use gnurt_accel::{BuildOptions, Structure, Threads};
 use gnurt_testkit::{Soup, closed};
 
 #[test]
 fn any_number_of_threads_builds_the_same_tree() {
     for soup in [Soup::random(1, 20_000, 0.05), Soup::grid(2, 8_000), closed::torus(90)] {
         let meshes = [soup];
-        let options = BuildOptions::default();
+        let options = BuildOptions { structure: Structure::Kd, ..BuildOptions::default() };
         let alone = build_with(&meshes, &options, Threads::Single);
         for threads in [1, 2, 7] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
@@ -26,6 +26,7 @@ fn any_number_of_threads_builds_the_same_tree() {
 #[test]
 fn depth_and_references_are_bounded() {
     let options = BuildOptions {
+        structure: Structure::Kd,
         triangle_cost: 1e6,
         reference_budget: 2.0,
         max_depth: 1000,
@@ -41,7 +42,8 @@ fn depth_and_references_are_bounded() {
 
 #[test]
 fn a_tree_is_cheaper_than_no_tree() {
-    let stats = build_with(&[closed::sphere(60)], &BuildOptions::default(), Threads::Single).stats();
+    let options = BuildOptions { structure: Structure::Kd, ..BuildOptions::default() };
+    let stats = build_with(&[closed::sphere(60)], &options, Threads::Single).stats();
     let flat = f64::from(BuildOptions::default().triangle_cost) * stats.primitives as f64;
     assert!(stats.sah_cost < flat / 20.0, "{stats:?} against {flat} without a tree");
     assert!(stats.nodes == 2 * stats.leaves - 1, "{stats:?} is binary");

@@ -4,16 +4,18 @@
 
 mod common;
 
-use common::{TESTS, ask, batch, build_with, queries};
-use gnurt_accel::{BuildOptions, HitBatch, Ray, RayBatch, Record, Threads};
+use common::{Kind, TESTS, WATERTIGHT, ask, batch, build_with, options, queries};
+use gnurt_accel::{BuildOptions, HitBatch, Quality, Ray, RayBatch, Record, Structure, Threads};
 use gnurt_testkit::{Soup, closed, rays};
 
-/// The tree of a soup, deep enough that planes lie everywhere, and a single leaf that tests every triangle.
-fn trees(soup: &Soup, options: BuildOptions) -> [gnurt_accel::ObjectTree; 2] {
-    [40, 0].map(|max_depth| {
-        let options = BuildOptions { max_depth, triangle_cost: 4.0, ..options };
-        build_with(std::slice::from_ref(soup), &options, Threads::Single)
-    })
+/// The tree of a soup, a kd-tree deep enough that planes lie everywhere, and a single leaf that tests every triangle.
+fn trees(soup: &Soup, kind: Kind) -> [gnurt_accel::ObjectTree; 2] {
+    let build = |options| build_with(std::slice::from_ref(soup), &options, Threads::Single);
+    let flat = BuildOptions { structure: Structure::Kd, quality: Quality::Medium, ..options(kind) };
+    [
+        build(BuildOptions { max_depth: 40, triangle_cost: 4.0, ..options(kind) }),
+        build(BuildOptions { max_depth: 0, ..flat }),
+    ]
 }
 
 #[test]
@@ -23,13 +25,13 @@ fn a_tree_hits_what_testing_every_triangle_hits() {
     for (soup, distance) in soups.iter().flat_map(|soup| [(soup, 0.0), (soup, 30.0), (soup, 1000.0)]) {
         let offset = [distance, -distance, 0.5 * distance];
         let soup = soup.clone().moved(offset);
-        for (triangle_test, _) in TESTS {
-            let [tree, flat] = trees(&soup, BuildOptions { triangle_test, ..BuildOptions::default() });
-            assert!(tree.stats().depth > 5 && flat.stats().depth == 0, "{:?}", tree.stats());
+        for (kind, _) in TESTS {
+            let [tree, flat] = trees(&soup, kind);
+            assert!(tree.stats().depth > 1 && flat.stats().depth == 0, "{:?}", tree.stats());
             for from in [[0.1, 0.2, 0.05], [3.0, 1.0, -2.0], [-40.0, 90.0, 70.0]] {
                 let rays = batch(&rays::aimed(&soup, [0, 1, 2].map(|k| from[k] + offset[k]), 1));
                 for (i, (a, b)) in ask(&tree, &rays).iter().zip(&ask(&flat, &rays)).enumerate() {
-                    assert_eq!(a, b, "tree and plain list, {triangle_test:?}, {:?}", rays.get(i));
+                    assert_eq!(a, b, "tree and plain list, {kind:?}, {:?}", rays.get(i));
                 }
             }
         }
@@ -48,7 +50,7 @@ fn a_stack_of_walls_is_left_at_the_first() {
             };
             walls.push([at(-9.0, -9.0), at(20.0, -9.0), at(-9.0, 20.0)]);
         }
-        let [tree, _] = trees(&walls, BuildOptions::default());
+        let [tree, _] = trees(&walls, WATERTIGHT[3]);
         for (start, towards, first) in
             [(-5.0, 1.0, 0), (600.0, -1.0, 511), (100.5, 1.0, 101), (100.5, -1.0, 100)]
         {

@@ -6,8 +6,8 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{ask, batch, build};
-use gnurt_accel::{Instance, SceneTree, TriangleTest};
+use common::{WATERTIGHT, ask, batch, build};
+use gnurt_accel::{Instance, SceneTree};
 use gnurt_testkit::{Soup, closed, rays};
 
 /// Closed meshes, each with points that are well inside.
@@ -22,27 +22,11 @@ fn meshes() -> [(&'static str, Soup, Vec<[f32; 3]>); 4] {
 
 #[test]
 fn nothing_leaks_near_the_origin() {
-    for (name, mesh, inside) in meshes() {
-        let object = build(std::slice::from_ref(&mesh), TriangleTest::Watertight);
-        for from in inside {
-            let rays = batch(&rays::aimed(&mesh, from, 2));
-            let leaks = ask(&object, &rays).iter().filter(|hit| hit.is_none()).count();
-            assert_eq!(leaks, 0, "of {} rays from {from:?} in the {name}", rays.len());
-        }
-    }
-}
-
-#[test]
-fn nothing_leaks_far_away_in_the_mesh() {
-    for (distance, size) in [(1e3f32, 1.0f32), (1e6, 64.0)] {
-        let offset = [distance, -distance, 0.5 * distance];
-        for (name, mut mesh, inside) in meshes() {
-            mesh.positions.iter_mut().flatten().for_each(|x| *x *= size);
-            let mesh = mesh.moved(offset);
-            let object = build(std::slice::from_ref(&mesh), TriangleTest::Watertight);
+    for kind in WATERTIGHT {
+        for (name, mesh, inside) in meshes() {
+            let object = build(std::slice::from_ref(&mesh), kind);
             for from in inside {
-                let from = [0, 1, 2].map(|k| size * from[k] + offset[k]);
-                let rays = batch(&rays::aimed(&mesh, from, 1));
+                let rays = batch(&rays::aimed(&mesh, from, 2));
                 let leaks = ask(&object, &rays).iter().filter(|hit| hit.is_none()).count();
                 assert_eq!(leaks, 0, "of {} rays from {from:?} in the {name}", rays.len());
             }
@@ -51,24 +35,51 @@ fn nothing_leaks_far_away_in_the_mesh() {
 }
 
 #[test]
+fn nothing_leaks_far_away_in_the_mesh() {
+    for kind in WATERTIGHT {
+        for (distance, size) in [(1e3f32, 1.0f32), (1e6, 64.0)] {
+            let offset = [distance, -distance, 0.5 * distance];
+            for (name, mut mesh, inside) in meshes() {
+                mesh.positions.iter_mut().flatten().for_each(|x| *x *= size);
+                let mesh = mesh.moved(offset);
+                let object = build(std::slice::from_ref(&mesh), kind);
+                for from in inside {
+                    let from = [0, 1, 2].map(|k| size * from[k] + offset[k]);
+                    let rays = batch(&rays::aimed(&mesh, from, 1));
+                    let leaks = ask(&object, &rays).iter().filter(|hit| hit.is_none()).count();
+                    assert_eq!(leaks, 0, "of {} rays from {from:?} in the {name}", rays.len());
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn nothing_leaks_far_away_as_an_instance() {
-    for distance in [1e3, 1e6] {
-        let world_from_object =
-            [[0.6, 0.8, 0.0], [-1.6, 1.2, 0.0], [0.0, 0.0, 1.5], [distance, -distance, 0.5 * distance]];
-        for (name, mesh, inside) in meshes() {
-            let object = Arc::new(build(std::slice::from_ref(&mesh), TriangleTest::Watertight));
-            let scene = SceneTree::build(&[Instance { object, world_from_object }]);
-            let carry = |p: [f32; 3], w: f64| {
-                let p = p.map(f64::from);
-                let m = &world_from_object;
-                [0, 1, 2].map(|k| (m[0][k] * p[0] + m[1][k] * p[1] + m[2][k] * p[2] + w * m[3][k]) as f32)
-            };
-            for from in inside {
-                let plain = rays::aimed(&mesh, from, 1);
-                let world: Vec<_> =
-                    plain.into_iter().map(|(org, dir)| (carry(org, 1.0), carry(dir, 0.0))).collect();
-                let leaks = ask(&scene, &batch(&world)).iter().filter(|hit| hit.is_none()).count();
-                assert_eq!(leaks, 0, "of {} rays from {from:?} in the {name}, {distance} away", world.len());
+    for kind in WATERTIGHT {
+        for distance in [1e3, 1e6] {
+            let world_from_object =
+                [[0.6, 0.8, 0.0], [-1.6, 1.2, 0.0], [0.0, 0.0, 1.5], [distance, -distance, 0.5 * distance]];
+            for (name, mesh, inside) in meshes() {
+                let object = Arc::new(build(std::slice::from_ref(&mesh), kind));
+                let scene = SceneTree::build(&[Instance { object, world_from_object }]);
+                let carry = |p: [f32; 3], w: f64| {
+                    let p = p.map(f64::from);
+                    let m = &world_from_object;
+                    [0, 1, 2].map(|k| (m[0][k] * p[0] + m[1][k] * p[1] + m[2][k] * p[2] + w * m[3][k]) as f32)
+                };
+                for from in inside {
+                    let plain = rays::aimed(&mesh, from, 1);
+                    let world: Vec<_> =
+                        plain.into_iter().map(|(org, dir)| (carry(org, 1.0), carry(dir, 0.0))).collect();
+                    let leaks = ask(&scene, &batch(&world)).iter().filter(|hit| hit.is_none()).count();
+                    assert_eq!(
+                        leaks,
+                        0,
+                        "of {} rays from {from:?} in the {name}, {distance} away",
+                        world.len()
+                    );
+                }
             }
         }
     }

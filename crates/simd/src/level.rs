@@ -6,6 +6,7 @@
 
 use std::fmt;
 use std::str::FromStr;
+use std::sync::OnceLock;
 
 /// An instruction set that the kernels are compiled for, weakest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -26,10 +27,13 @@ impl Level {
     /// All levels, also those that this CPU lacks.
     pub const ALL: [Self; 5] = [Self::Scalar, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon];
 
-    /// The best level of this CPU.
+    /// The best level of this CPU; found once.
     #[must_use]
     pub fn best() -> Self {
-        Self::ALL.into_iter().rfind(|level| level.is_available()).unwrap_or(Self::Scalar)
+        static BEST: OnceLock<Level> = OnceLock::new();
+        *BEST.get_or_init(|| {
+            Self::ALL.into_iter().rfind(|level| level.is_available()).unwrap_or(Self::Scalar)
+        })
     }
 
     /// The levels that this CPU has, weakest first; [`Scalar`](Self::Scalar) is always among them.
@@ -58,7 +62,14 @@ impl Level {
 
     /// What [`dispatch!`](crate::dispatch) matches on: this level, or the best one below it that the CPU has.
     #[must_use]
+    #[inline]
     pub fn token(self) -> fearless_simd::Level {
+        static TOKENS: OnceLock<[fearless_simd::Level; 5]> = OnceLock::new();
+        // A single ray asks for it, too: after the first time it is a load.
+        TOKENS.get_or_init(|| Self::ALL.map(Self::best_token_up_to))[self as usize]
+    }
+
+    fn best_token_up_to(self) -> fearless_simd::Level {
         let not_above = Self::ALL.into_iter().filter(|&level| level <= self).rev();
         not_above
             .filter_map(Self::exact_token)

@@ -6,15 +6,22 @@
 //! token type and enters a function that is compiled for that CPU; in there every function that is generic over
 //! `S: Simd` is `#[inline(always)]`, or the lane operations become calls and the kernel six times slower.
 //!
-//! Invariant: kernels use plain `*` and `+`, never `mul_add`, so that every level gives the same bits.
-//! Proof: `level::tests`, `lanes::tests`.
+//! Invariant: kernels whose numbers are results use plain `*` and `+`, never `mul_add`, so that every level gives the
+//! same bits. What only has to be on the safe side (boxes that a ray may meet) is free to fuse.
+//! Proof: `level::tests`, `lanes::tests`, `stack::tests`.
 
 mod lanes;
 mod level;
+mod prefetch;
+mod stack;
 
-pub use fearless_simd::{Simd, f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16, prelude, u32x8};
+pub use fearless_simd::{
+    Simd, SimdFloat, f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16, prelude, u32x8, u32x16,
+};
 pub use lanes::{lane, load_or, select};
 pub use level::{Level, UnknownLevel};
+pub use prefetch::prefetch;
+pub use stack::Stack;
 
 #[doc(hidden)]
 pub use fearless_simd::Level as __Token;

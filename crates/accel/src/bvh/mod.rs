@@ -2,8 +2,18 @@
 //! The wide bounding volume hierarchy: eight children per node, leaves of blocks of eight primitives.
 //! Source: [WBB08]. The builder is in `build`, the nodes in `node`.
 
+mod beam;
+mod blocks;
 mod build;
+mod index;
+mod measure;
 mod node;
+mod slab;
+mod sweep;
+mod walk;
 
-pub(crate) use build::{DEEPEST, Primitives, Tree, build};
+pub(crate) use beam::{Beam, Slopes};
+pub(crate) use build::{Primitives, Tree, build};
+pub(crate) use index::BvhIndex;
 pub(crate) use node::{Child, Node8, WIDTH};
+pub(crate) use slab::NodeRay;

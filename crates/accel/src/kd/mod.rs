@@ -5,6 +5,7 @@
 mod build;
 mod clip;
 mod event;
+mod index;
 mod measure;
 #[cfg(test)]
 mod naive;
@@ -14,9 +15,12 @@ mod sah;
 mod single;
 mod slab;
 
-pub(crate) use node::KdTree;
-pub(crate) use packet::{PacketSlabs, Search};
-pub(crate) use slab::{RaySlabs, least, most};
+pub(crate) use clip::split_boxes;
+pub(crate) use index::KdIndex;
+use node::KdTree;
+use packet::Search;
+use slab::RaySlabs;
+pub(crate) use slab::{FLATTEST, least, most};
 
 /// Traversal stacks hold this many entries; the builder goes no deeper.
 pub(crate) const DEEPEST: usize = 64;

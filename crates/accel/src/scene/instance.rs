@@ -7,9 +7,9 @@
 
 use std::sync::Arc;
 
-use gnurt_simd::{Simd, f32x8, prelude::*};
+use gnurt_simd::{Simd, f32x16, prelude::*};
 
-use crate::packet::RayPacket;
+use crate::tile::{LANES, PerRay, RayTile, TILE};
 use crate::{Aabb, ObjectTree, Ray};
 
 /// An object and where it is.
@@ -67,22 +67,26 @@ impl ObjectFromWorld {
         [along(&self.rows[0]), along(&self.rows[1]), along(&self.rows[2])]
     }
 
-    /// The same in lanes; rays that do not survive the journey are no longer active.
+    /// The same for all rays of a tile.
     #[inline(always)]
-    pub(super) fn packet<S: Simd>(&self, simd: S, rays: &RayPacket<S>) -> RayPacket<S> {
+    pub(super) fn tile<S: Simd>(&self, simd: S, rays: &RayTile, inside: &mut RayTile) {
         let [high, low] = self.place;
-        let at = |value: f32| f32x8::splat(simd, value);
-        let from = [
-            (rays.org[0] - at(high[0])) - at(low[0]),
-            (rays.org[1] - at(high[1])) - at(low[1]),
-            (rays.org[2] - at(high[2])) - at(low[2]),
-        ];
-        let (mut inside, dir) = (*rays, rays.dir);
-        for (k, row) in self.rows.iter().enumerate() {
-            inside.org[k] = at(row[0]) * from[0] + at(row[1]) * from[1] + at(row[2]) * from[2];
-            inside.dir[k] = at(row[0]) * dir[0] + at(row[1]) * dir[1] + at(row[2]) * dir[2];
+        let at = |value: f32| f32x16::splat(simd, value);
+        for first in (0..TILE).step_by(LANES) {
+            let load = |values: &PerRay| f32x16::from_slice(simd, &values[first..first + LANES]);
+            let [ox, oy, oz] = [load(&rays.org[0]), load(&rays.org[1]), load(&rays.org[2])];
+            let [dx, dy, dz] = [load(&rays.dir[0]), load(&rays.dir[1]), load(&rays.dir[2])];
+            let fx = (ox - at(high[0])) - at(low[0]);
+            let fy = (oy - at(high[1])) - at(low[1]);
+            let fz = (oz - at(high[2])) - at(low[2]);
+            for (k, row) in self.rows.iter().enumerate() {
+                let org = at(row[0]) * fx + at(row[1]) * fy + at(row[2]) * fz;
+                let dir = at(row[0]) * dx + at(row[1]) * dy + at(row[2]) * dz;
+                org.store_slice(&mut inside.org[k][first..first + LANES]);
+                dir.store_slice(&mut inside.dir[k][first..first + LANES]);
+            }
         }
-        inside.sound(simd)
+        inside.t_near = rays.t_near;
     }
 }
 

@@ -6,14 +6,14 @@ mod instance;
 mod top;
 mod walk;
 
-use gnurt_simd::Simd;
+use gnurt_simd::{Level, Simd};
 pub use instance::Instance;
 use instance::Placed;
 use top::TopTree;
 
 use crate::batch::Traceable;
-use crate::nearest::{AnyHit, Closest, Mode, Nearest};
-use crate::packet::{NearestPacket, RayPacket};
+use crate::nearest::{Mode, Nearest};
+use crate::tile::{NearestTile, RayTile};
 use crate::{Aabb, Counters, Hit, HitBatch, Query, Ray, RayBatch, Record, TreeStats};
 
 /// A scene of instances; cheap to build anew when they move.
@@ -22,7 +22,6 @@ pub struct SceneTree {
     top: TopTree,
     /// Instances that can be hit, in the order of their ids.
     placed: Vec<Placed>,
-    reach: f32,
     dropped: u64,
 }
 
@@ -41,14 +40,13 @@ impl SceneTree {
         }
         let boxes: Vec<Aabb> = scene.placed.iter().map(|placed| placed.bounds).collect();
         scene.top = TopTree::build(&boxes);
-        scene.reach = scene.bounds().reach();
         scene
     }
 
     /// Box around everything, world space; [`Aabb::EMPTY`] without anything.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.top.nodes.first().map_or(Aabb::EMPTY, |root| root.bounds)
+        self.top.tree.bounds
     }
 
     /// Instances whose transform cannot be undone or is not finite.
@@ -66,13 +64,13 @@ impl SceneTree {
     /// The closest hit.
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        crate::batch::closest(self, ray, &mut Counters::default())
+        crate::batch::closest(self, Level::best(), ray)
     }
 
     /// Whether anything is hit.
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        crate::batch::any(self, ray, &mut Counters::default())
+        crate::batch::any(self, Level::best(), ray)
     }
 
     /// Closest hits of a batch; `hits` is resized to it.
@@ -93,23 +91,21 @@ impl SceneTree {
 }
 
 impl Traceable for SceneTree {
-    fn closest(&self, ray: &Ray, nearest: &mut Nearest, counters: &mut Counters) {
-        self.search::<Closest>(ray, nearest, counters);
-    }
-
-    fn any(&self, ray: &Ray, nearest: &mut Nearest, counters: &mut Counters) {
-        self.search::<AnyHit>(ray, nearest, counters);
+    #[inline(always)]
+    fn single<S: Simd, M: Mode>(&self, simd: S, ray: &Ray, nearest: &mut Nearest, counters: &mut Counters) {
+        self.search::<S, M>(simd, ray, nearest, counters);
     }
 
     #[inline(always)]
-    fn packet<S: Simd, M: Mode>(
+    fn tile<S: Simd, M: Mode>(
         &self,
         simd: S,
-        rays: &RayPacket<S>,
-        nearest: &mut NearestPacket<S>,
+        rays: &RayTile,
+        active: u64,
+        nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        self.search_packet::<S, M>(simd, rays, nearest, counters);
+        self.search_tile::<S, M>(simd, rays, active, nearest, counters);
     }
 
     fn hit(&self, nearest: &Nearest) -> Hit {

@@ -4,12 +4,14 @@
 //! Invariant: a test gives the same bits for one ray and for a lane of a packet, at every level: both do the same
 //! roundings in the same order. Proof: `tests/brute_force.rs` (`ask`).
 
+mod lanes;
 mod projected;
 mod watertight;
 
 use gnurt_simd::{Simd, f32x8, mask32x8};
+pub(crate) use lanes::{LanesMeeting, Sheared, meet_lanes};
 pub(crate) use projected::ProjectedTriangles;
-pub(crate) use watertight::WatertightTriangles;
+pub(crate) use watertight::{WatertightTriangles, axes_from};
 
 use crate::Ray;
 use crate::packet::{Heading, MeetingPacket, RayPacket};

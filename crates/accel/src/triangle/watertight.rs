@@ -12,15 +12,16 @@
 
 use gnurt_simd::{Simd, f32x8, mask32x8, prelude::*};
 
+use super::lanes::{LanesMeeting, Sheared, meet_lanes};
 use super::{Meeting, PreparedTriangles};
 use crate::Ray;
 use crate::kd::{least, most};
 use crate::packet::{Heading, MeetingPacket, RayPacket};
 
 /// Edge functions of a smaller magnitude are computed again in double precision.
-const TINY: f32 = 1e-30;
+pub(super) const TINY: f32 = 1e-30;
 /// Sums of edge functions of a greater magnitude likewise.
-const HUGE: f32 = 1e30;
+pub(super) const HUGE: f32 = 1e30;
 
 /// Three corners per triangle; those of dropped triangles are never looked at.
 #[derive(Debug)]
@@ -39,15 +40,13 @@ pub(crate) struct WatertightRay {
 /// Rays in lanes with the same `axes`.
 #[derive(Clone, Copy)]
 pub(crate) struct WatertightPacket<S: Simd> {
-    /// Origins along `axes`.
-    org: [f32x8<S>; 3],
     axes: [usize; 3],
-    shear: [f32x8<S>; 3],
+    sheared: Sheared<f32x8<S>>,
 }
 
 /// x, y and z of the sheared space, given its z.
 #[inline(always)]
-fn axes_from(z: usize) -> [usize; 3] {
+pub(crate) fn axes_from(z: usize) -> [usize; 3] {
     [(z + 1) % 3, (z + 2) % 3, z]
 }
 
@@ -79,7 +78,7 @@ impl PreparedTriangles for WatertightTriangles {
         let [x, y, z] = axes;
         let along = rays.dir[z];
         let shear = [rays.dir[x] / along, rays.dir[y] / along, f32x8::splat(simd, 1.0) / along];
-        WatertightPacket { org: [rays.org[x], rays.org[y], rays.org[z]], axes, shear }
+        WatertightPacket { axes, sheared: Sheared { org: [rays.org[x], rays.org[y], rays.org[z]], shear } }
     }
 
     #[inline(always)]
@@ -122,59 +121,13 @@ impl PreparedTriangles for WatertightTriangles {
         t_near: f32x8<S>,
         t_far: f32x8<S>,
     ) -> MeetingPacket<S> {
-        let WatertightPacket { org, axes: [x, y, z], shear } = *rays;
-        let [a, b, c] = &self.corners[number as usize];
+        let WatertightPacket { axes: [x, y, z], ref sheared } = *rays;
         let at = |value: f32| f32x8::splat(simd, value);
-        let depth = [at(a[z]) - org[2], at(b[z]) - org[2], at(c[z]) - org[2]];
-        let px = [
-            at(a[x]) - org[0] - shear[0] * depth[0],
-            at(b[x]) - org[0] - shear[0] * depth[1],
-            at(c[x]) - org[0] - shear[0] * depth[2],
-        ];
-        let py = [
-            at(a[y]) - org[1] - shear[1] * depth[0],
-            at(b[y]) - org[1] - shear[1] * depth[1],
-            at(c[y]) - org[1] - shear[1] * depth[2],
-        ];
-
-        let w0 = px[2] * py[1] - py[2] * px[1];
-        let w1 = px[0] * py[2] - py[0] * px[2];
-        let w2 = px[1] * py[0] - py[1] * px[0];
-        let zero = at(0.0);
-        let negative = w0.simd_lt(zero) | w1.simd_lt(zero) | w2.simd_lt(zero);
-        let positive = w0.simd_gt(zero) | w1.simd_gt(zero) | w2.simd_gt(zero);
-        let inside = active & !(negative & positive);
-        let mut meeting = MeetingPacket { t: zero, u: zero, v: zero, hit: inside };
-        if !inside.any_true() {
-            return meeting;
-        }
-
-        let ts = [shear[2] * depth[0], shear[2] * depth[1], shear[2] * depth[2]];
-        let sum = w0 + w1 + w2;
-        let tiny = at(TINY);
-        let certain = w0.abs().simd_ge(tiny)
-            & w1.abs().simd_ge(tiny)
-            & w2.abs().simd_ge(tiny)
-            & sum.abs().simd_le(at(HUGE));
-
-        let over = at(1.0) / sum;
-        meeting.u = w1 * over;
-        meeting.v = w2 * over;
-        let t = (w0 * over) * ts[0] + meeting.u * ts[1] + meeting.v * ts[2];
-        let (first, last) = (ts[0].min(ts[1]).min(ts[2]), ts[0].max(ts[1]).max(ts[2]));
-        meeting.t = t.max(first).min(last) + zero;
-        meeting.hit = inside & certain & meeting.t.simd_ge(t_near) & meeting.t.simd_le(t_far);
-
-        let mut uncertain = (inside & !certain).to_bitmask();
-        while uncertain != 0 {
-            let i = uncertain.trailing_zeros() as usize;
-            uncertain &= uncertain - 1;
-            let lane =
-                |v: [f32x8<S>; 3]| [v[0].as_array()[i & 7], v[1].as_array()[i & 7], v[2].as_array()[i & 7]];
-            let (t_near, t_far) = (t_near.as_array()[i & 7], t_far.as_array()[i & 7]);
-            meeting.set(i, meet_exactly(lane(px), lane(py), lane(ts), t_near, t_far));
-        }
-        meeting
+        let [a, b, c] = &self.corners[number as usize];
+        let corners =
+            [[at(a[x]), at(a[y]), at(a[z])], [at(b[x]), at(b[y]), at(b[z])], [at(c[x]), at(c[y]), at(c[z])]];
+        let LanesMeeting { t, u, v, hit } = meet_lanes(simd, corners, sheared, active, t_near, t_far);
+        MeetingPacket { t, u, v, hit }
     }
 }
 
@@ -188,7 +141,13 @@ fn sheared(corners: [f32; 3], org: f32, shear: f32, depth: [f32; 3]) -> [f32; 3]
 /// The same decision in double precision, from the sheared corners and their ray parameters. NaN misses.
 #[cold]
 #[inline(never)]
-fn meet_exactly(px: [f32; 3], py: [f32; 3], ts: [f32; 3], t_near: f32, t_far: f32) -> Option<Meeting> {
+pub(super) fn meet_exactly(
+    px: [f32; 3],
+    py: [f32; 3],
+    ts: [f32; 3],
+    t_near: f32,
+    t_far: f32,
+) -> Option<Meeting> {
     let (px, py, ts) = (px.map(f64::from), py.map(f64::from), ts.map(f64::from));
     let weight = |b: usize, c: usize| px[c] * py[b] - py[c] * px[b];
     let weights = [weight(1, 2), weight(2, 0), weight(0, 1)];

@@ -4,18 +4,42 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use gnurt_accel::{
-    BuildOptions, Coherence, Hit, HitBatch, Level, ObjectTree, Query, Ray, RayBatch, Record, Threads,
-    TriangleTest, Triangles,
+    BuildOptions, Coherence, Hit, HitBatch, Level, ObjectTree, Quality, Query, Ray, RayBatch, Record,
+    Structure, Threads, TriangleTest, Triangles,
 };
 use gnurt_testkit::{OracleInstance, Soup, oracle, rays::PlainRay};
 
-/// Both triangle tests, and how far their hits may be from the truth in barycentric weights.
-pub(crate) const TESTS: [(TriangleTest, f64); 2] =
-    [(TriangleTest::Watertight, 2e-5), (TriangleTest::Projected, 1e-3)];
+/// A structure with a triangle test.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Kind(pub(crate) Structure, pub(crate) Quality, pub(crate) TriangleTest);
+
+/// All that never leak.
+pub(crate) const WATERTIGHT: [Kind; 5] = [
+    Kind(Structure::Bvh, Quality::Medium, TriangleTest::Watertight),
+    Kind(Structure::Bvh, Quality::High, TriangleTest::Watertight),
+    Kind(Structure::Bvh, Quality::Fast, TriangleTest::Watertight),
+    Kind(Structure::Kd, Quality::Medium, TriangleTest::Watertight),
+    Kind(Structure::Kd, Quality::Fast, TriangleTest::Watertight),
+];
+
+/// All kinds, and how far their hits may be from the truth in barycentric weights.
+pub(crate) const TESTS: [(Kind, f64); 6] = [
+    (WATERTIGHT[0], 2e-5),
+    (Kind(Structure::Kd, Quality::Medium, TriangleTest::Projected), 1e-3),
+    (WATERTIGHT[1], 2e-5),
+    (WATERTIGHT[2], 2e-5),
+    (WATERTIGHT[3], 2e-5),
+    (WATERTIGHT[4], 2e-5),
+];
 
 /// A tree over meshes.
-pub(crate) fn build(meshes: &[Soup], triangle_test: TriangleTest) -> ObjectTree {
-    build_with(meshes, &BuildOptions { triangle_test, ..BuildOptions::default() }, Threads::Single)
+pub(crate) fn build(meshes: &[Soup], kind: Kind) -> ObjectTree {
+    build_with(meshes, &options(kind), Threads::Single)
+}
+
+/// The options that stand for a kind.
+pub(crate) fn options(Kind(structure, quality, triangle_test): Kind) -> BuildOptions {
+    BuildOptions { structure, quality, triangle_test, ..BuildOptions::default() }
 }
 
 /// A tree over meshes with given options.
@@ -30,10 +54,10 @@ pub(crate) fn batch(rays: &[PlainRay]) -> RayBatch {
     rays.iter().map(|&(org, dir)| Ray::new(org, dir)).collect()
 }
 
-/// Every way to ask: single rays, and packets at each level of this CPU.
+/// Every way to ask, at each level of this CPU: first all single rays, then all tiles.
 pub(crate) fn queries() -> Vec<Query> {
-    let packets = Level::available().into_iter().map(|level| Query { level, coherence: Coherence::Coherent });
-    std::iter::once(Query { level: Level::Scalar, coherence: Coherence::Incoherent }).chain(packets).collect()
+    let all = |coherence| Level::available().into_iter().map(move |level| Query { level, coherence });
+    all(Coherence::Incoherent).chain(all(Coherence::Coherent)).collect()
 }
 
 /// Asks an object or a scene in every way and insists on one answer, bit for bit.

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What many rays have in common, as intervals: one test tells which of eight boxes any of them may meet.
+//! Source: [RSH05] section 3 (inverse direction intervals), with an interval of origins as well, so that the rays need
+//! not start in one point.
+//! Parameters count steps along the axis on which all rays move most (the direction divided by its longest component):
+//! then slopes are intervals as narrow as the rays allow, whatever the lengths of the directions.
+//! Invariant: a box that one of the rays meets within its reach is among the bits. Proof: `tests/brute_force.rs`.
+
+use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
+
+use super::slab::SLACK;
+use super::{Node8, WIDTH};
+use crate::Aabb;
+use crate::kd::{FLATTEST, least, most};
+use crate::packet::Heading;
+use crate::tile::{LANES, NearestTile, PerRay, RayTile, TILE};
+use crate::triangle::axes_from;
+
+/// Chunks of a tile.
+pub(crate) const CHUNKS: usize = TILE / LANES;
+
+/// A tile's rays prepared for triangle tests: per-ray slopes, in the sheared space's axes.
+#[repr(C, align(64))]
+pub(crate) struct Slopes {
+    /// `dir / dir[z]` along x and y, and `1 / dir[z]`.
+    pub(super) shear: [PerRay; 3],
+    /// Length of the longest component: parameters times this are steps.
+    pub(super) stride: PerRay,
+}
+
+/// Least and greatest values of one chunk's or a whole tile's rays.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ranges {
+    org: [[f32; 2]; 3],
+    /// Along x and y of the sheared space.
+    slope: [[f32; 2]; 2],
+    pub(super) t_near: f32,
+}
+
+impl Ranges {
+    const NONE: Self = {
+        let none = [f32::INFINITY, f32::NEG_INFINITY];
+        Self { org: [none; 3], slope: [none; 2], t_near: f32::INFINITY }
+    };
+
+    #[inline(always)]
+    pub(super) fn union(&self, other: &Self) -> Self {
+        let both = |a: [f32; 2], b: [f32; 2]| [least(a[0], b[0]), most(a[1], b[1])];
+        Self {
+            org: [
+                both(self.org[0], other.org[0]),
+                both(self.org[1], other.org[1]),
+                both(self.org[2], other.org[2]),
+            ],
+            slope: [both(self.slope[0], other.slope[0]), both(self.slope[1], other.slope[1])],
+            t_near: least(self.t_near, other.t_near),
+        }
+    }
+}
+
+impl Slopes {
+    pub(crate) const EMPTY: Self = Self { shear: [[0.0; TILE]; 3], stride: [0.0; TILE] };
+
+    /// Prepares the chunks of the first `count` rays, all of one heading; ranges of each and of all.
+    #[inline(always)]
+    pub(crate) fn prepare<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &RayTile,
+        count: usize,
+        heading: Heading,
+    ) -> ([Ranges; CHUNKS], Ranges) {
+        let [x, y, z] = axes_from(heading.longest_axis);
+        let mut each = [Ranges::NONE; CHUNKS];
+        let mut whole = Ranges::NONE;
+        for (chunk, ranges) in each.iter_mut().enumerate().take(count.div_ceil(LANES)) {
+            let at = chunk * LANES;
+            let load = |values: &PerRay| f32x16::from_slice(simd, &values[at..at + LANES]);
+            let along = load(&rays.dir[z]);
+            let over = f32x16::splat(simd, 1.0) / along;
+            let (sx, sy) = (load(&rays.dir[x]) / along, load(&rays.dir[y]) / along);
+            let stride = along.abs();
+            sx.store_slice(&mut self.shear[0][at..at + LANES]);
+            sy.store_slice(&mut self.shear[1][at..at + LANES]);
+            over.store_slice(&mut self.shear[2][at..at + LANES]);
+            stride.store_slice(&mut self.stride[at..at + LANES]);
+            for k in 0..3 {
+                ranges.org[k] = range(load(&rays.org[k]));
+            }
+            ranges.slope = [range(sx), range(sy)];
+            ranges.t_near = smallest(load(&rays.t_near) * stride);
+            whole = whole.union(ranges);
+        }
+        (each, whole)
+    }
+
+    /// How far the farthest ray of a chunk still looks, in steps.
+    #[inline(always)]
+    pub(super) fn chunk_ahead<S: Simd>(&self, simd: S, nearest: &NearestTile, chunk: usize) -> f32 {
+        let at = chunk * LANES;
+        let load = |values: &PerRay| f32x16::from_slice(simd, &values[at..at + LANES]);
+        greatest(load(&nearest.t) * load(&self.stride))
+    }
+
+    /// The same for the first `count` rays.
+    #[inline(always)]
+    pub(crate) fn steps_ahead<S: Simd>(&self, simd: S, nearest: &NearestTile, count: usize) -> f32 {
+        let mut farthest = f32::NEG_INFINITY;
+        for chunk in 0..count.div_ceil(LANES) {
+            farthest = most(farthest, self.chunk_ahead(simd, nearest, chunk));
+        }
+        farthest
+    }
+}
+
+/// Least and greatest lane.
+#[inline(always)]
+fn range<S: Simd>(v: f32x16<S>) -> [f32; 2] {
+    [smallest(v), greatest(v)]
+}
+
+#[inline(always)]
+pub(super) fn smallest<S: Simd>(v: f32x16<S>) -> f32 {
+    -greatest(-v)
+}
+
+#[inline(always)]
+pub(super) fn greatest<S: Simd>(v: f32x16<S>) -> f32 {
+    let (a, b) = v.split();
+    let (a, b) = a.max(b).split();
+    let quarter = a.max(b);
+    most(most(quarter[0], quarter[1]), most(quarter[2], quarter[3]))
+}
+
+/// Ranges made ready for boxes.
+#[derive(Clone, Copy)]
+pub(crate) struct Beam<S: Simd> {
+    /// Bounds of the inverse slope along each axis.
+    inv: [[f32x8<S>; 2]; 3],
+    /// The origin's bound that lies nearer to planes ahead, and the one that lies farther.
+    near_org: [f32x8<S>; 3],
+    far_org: [f32x8<S>; 3],
+    pad: [f32x8<S>; 3],
+    rows: [usize; 3],
+    t_near: f32x8<S>,
+}
+
+impl<S: Simd> Beam<S> {
+    /// For a tree inside `bounds` whose greatest coordinate is `reach`.
+    #[inline(always)]
+    pub(crate) fn new(simd: S, ranges: &Ranges, heading: Heading, bounds: &Aabb, reach: f32) -> Self {
+        let at = |value: f32| f32x8::splat(simd, value);
+        let mut distance = 0.0f32;
+        for k in 0..3 {
+            distance =
+                most(distance, most(ranges.org[k][1] - bounds.min[k], bounds.max[k] - ranges.org[k][0]));
+        }
+        let slack = SLACK * (reach + distance);
+        let zero = at(0.0);
+        let mut beam = Self {
+            inv: [[zero; 2]; 3],
+            near_org: [zero; 3],
+            far_org: [zero; 3],
+            pad: [zero; 3],
+            rows: [0; 3],
+            t_near: at(ranges.t_near),
+        };
+        let [_, y, z] = axes_from(heading.longest_axis);
+        for k in 0..3 {
+            let backwards = heading.backwards[k];
+            // Magnitudes of the slopes, then the sign again: a slope of zero has one, too.
+            let size = if k == z {
+                [1.0, 1.0]
+            } else {
+                let [low, high] = ranges.slope[usize::from(k == y)];
+                let (low, high) = (low.abs(), high.abs());
+                [most(least(low, high), FLATTEST), most(most(low, high), FLATTEST)]
+            };
+            let sign = if backwards { -1.0 } else { 1.0 };
+            let inv = [sign / size[1], sign / size[0]];
+            beam.inv[k] = [at(inv[0]), at(inv[1])];
+            beam.pad[k] = at(slack / size[0]);
+            let [low, high] = ranges.org[k];
+            beam.near_org[k] = at(if backwards { low } else { high });
+            beam.far_org[k] = at(if backwards { high } else { low });
+            beam.rows[k] = 2 * k + usize::from(backwards);
+        }
+        beam
+    }
+
+    /// Where the first of the rays may enter slabs between two rows of planes, and the last may leave.
+    #[inline(always)]
+    fn slab(&self, k: usize, near: f32x8<S>, far: f32x8<S>) -> [f32x8<S>; 2] {
+        let (near, far) = (near - self.near_org[k], far - self.far_org[k]);
+        let [a, b] = self.inv[k];
+        [(near * a).min(near * b) - self.pad[k], (far * a).max(far * b) + self.pad[k]]
+    }
+
+    /// The boxes that some ray may meet before `reach` steps as bits, and where the first may enter them.
+    #[inline(always)]
+    pub(crate) fn meet(&self, simd: S, node: &Node8, reach: f32) -> (u32, f32x8<S>) {
+        let row = |i: usize| f32x8::from_slice(simd, &node.rows[i & (WIDTH - 1)]);
+        let [x, y, z] = self.rows;
+        let [nx, fx] = self.slab(0, row(x), row(x ^ 1));
+        let [ny, fy] = self.slab(1, row(y), row(y ^ 1));
+        let [nz, fz] = self.slab(2, row(z), row(z ^ 1));
+        self.overlap(simd, [nx, ny, nz], [fx, fy, fz], reach)
+    }
+
+    /// The same for boxes given by their extents along each axis.
+    #[inline(always)]
+    pub(super) fn meet_extents(&self, simd: S, extents: &[[f32x8<S>; 2]; 3], reach: f32) -> u32 {
+        let ends = |k: usize| {
+            let [low, high] = extents[k];
+            if self.rows[k] & 1 == 0 { self.slab(k, low, high) } else { self.slab(k, high, low) }
+        };
+        let ([nx, fx], [ny, fy], [nz, fz]) = (ends(0), ends(1), ends(2));
+        self.overlap(simd, [nx, ny, nz], [fx, fy, fz], reach).0
+    }
+
+    #[inline(always)]
+    fn overlap(&self, simd: S, near: [f32x8<S>; 3], far: [f32x8<S>; 3], reach: f32) -> (u32, f32x8<S>) {
+        let enter = near[0].max(near[1]).max(near[2].max(self.t_near));
+        let leave = far[0].min(far[1]).min(far[2].min(f32x8::splat(simd, reach)));
+        (enter.simd_le(leave).to_bitmask() as u32, enter)
+    }
+}

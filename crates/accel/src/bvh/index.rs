@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! An object's triangles under a wide BVH.
+//! Source: original. Space: object. Proof: `tests/brute_force.rs`.
+
+use gnurt_simd::{Simd, prelude::*};
+
+use super::blocks::{BlockRay, TriangleBlock};
+use super::slab::NodeRay;
+use super::sweep::Sweep;
+use super::{Primitives, Tree, build};
+use crate::geometry::Screened;
+use crate::kd::split_boxes;
+use crate::nearest::{Mode, Nearest};
+use crate::packet::Heading;
+use crate::tile::{NearestTile, RayTile};
+use crate::triangle::Meeting;
+use crate::{Aabb, Counters, Quality, Ray, Threads, TreeStats};
+
+/// Tree and triangles.
+#[derive(Debug, PartialEq)]
+pub(crate) struct BvhIndex {
+    tree: Tree,
+    blocks: Vec<TriangleBlock>,
+    reach: f32,
+    stats: TreeStats,
+}
+
+impl Primitives for Screened<'_> {
+    fn count(&self) -> usize {
+        self.good.len()
+    }
+
+    fn bounds(&self, i: usize) -> Aabb {
+        Aabb::around(&self.corners(self.good[i]))
+    }
+
+    fn split(&self, i: usize, cell: &Aabb, axis: usize, at: f32) -> Option<[Option<Aabb>; 2]> {
+        Some(split_boxes(&self.corners(self.good[i]), cell, axis, at))
+    }
+}
+
+impl BvhIndex {
+    /// Builds over the good triangles.
+    pub(crate) fn build(screened: &Screened, quality: Quality, threads: Threads) -> Self {
+        let mut tree = build(screened, quality, threads);
+        let stats = tree.measure();
+        let in_blocks = std::mem::take(&mut tree.blocks);
+        let number = |i: u32| screened.good.get(i as usize).copied().unwrap_or(crate::INVALID_ID);
+        let blocks =
+            in_blocks.iter().map(|places| TriangleBlock::new(screened, &places.map(number))).collect();
+        let reach = tree.bounds.reach();
+        Self { tree, blocks, reach, stats }
+    }
+
+    /// Box around all triangles.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.tree.bounds
+    }
+
+    pub(crate) fn stats(&self) -> TreeStats {
+        TreeStats {
+            tree_bytes: size_of_val(&self.tree.nodes[..]) as u64,
+            primitive_bytes: size_of_val(&self.blocks[..]) as u64,
+            ..self.stats
+        }
+    }
+
+    /// Improves `nearest`; the ray is sound and regular, the tree not empty.
+    #[inline(always)]
+    pub(crate) fn search<S: Simd, M: Mode>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        slot: u32,
+        nearest: &mut Nearest,
+        counters: &mut Counters,
+    ) {
+        let for_nodes = NodeRay::new(simd, ray, &self.tree.bounds, self.reach);
+        let for_blocks = BlockRay::new(simd, ray);
+        let mut tested = 0;
+        let visited = self.tree.walk(simd, &for_nodes, nearest.t, |blocks| {
+            for block in &self.blocks[blocks] {
+                tested += 1;
+                let met = block.meet(simd, &for_blocks, nearest.t);
+                let mut bits = met.hit.to_bitmask();
+                while bits != 0 {
+                    let i = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    let meeting = Meeting { t: met.t[i], u: met.u[i], v: met.v[i] };
+                    if meeting.t <= nearest.t {
+                        nearest.offer::<M>(meeting, block.numbers[i], slot);
+                    }
+                }
+            }
+            nearest.t
+        });
+        counters.nodes += u64::from(visited);
+        counters.triangles += tested * super::WIDTH as u64;
+    }
+
+    /// The same for the first `count` rays of a tile, all of one heading. Lanes beyond them up to the next multiple of
+    /// 16 hold copies of rays that look for nothing (`t` is -inf).
+    #[inline(always)]
+    pub(crate) fn sweep<S: Simd, M: Mode>(
+        &self,
+        simd: S,
+        rays: &RayTile,
+        count: usize,
+        heading: Heading,
+        slot: u32,
+        nearest: &mut NearestTile,
+        counters: &mut Counters,
+    ) {
+        let Self { tree, blocks, reach, .. } = self;
+        Sweep { simd, tree, blocks, reach: *reach, slot, rays, count, heading }.run::<M>(nearest, counters);
+    }
+}

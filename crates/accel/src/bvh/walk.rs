@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One ray through the tree: nearest children first, what lies beyond the best hit is skipped.
+//! Source: [WBB08]; the entries that wait are sorted as numbers, distance in the upper bits, child in the lower.
+//! Cost: a node is one test of eight boxes. Zero, one and two children met are by far the most frequent and go without
+//! any sorting. Proof: `tests/brute_force.rs`.
+
+use std::ops::Range;
+
+use gnurt_simd::{Simd, Stack, prelude::*};
+
+use super::beam::Beam;
+use super::build::DEEPEST;
+use super::slab::NodeRay;
+use super::{Child, Tree};
+
+/// What waits to be visited: at most seven children of each node on the way down, and a root.
+pub(crate) type Waiting = Stack<u64, 512>;
+const _: () = assert!(7 * DEEPEST < 512, "a stack holds what waits on the longest way down");
+
+/// An entry: where the ray enters, and what. Entries compare as their distances do, which are not negative.
+#[inline(always)]
+fn entry(t: f32, child: Child) -> u64 {
+    u64::from(t.to_bits()) << 32 | u64::from(child.0)
+}
+
+#[inline(always)]
+fn distance(entry: u64) -> f32 {
+    f32::from_bits((entry >> 32) as u32)
+}
+
+/// Puts a few entries in order.
+#[inline(always)]
+fn farthest_first(entries: &mut [u64]) {
+    for i in 1..entries.len() {
+        let moved = entries[i];
+        let mut at = i;
+        while at > 0 && entries[at - 1] < moved {
+            entries[at] = entries[at - 1];
+            at -= 1;
+        }
+        entries[at] = moved;
+    }
+}
+
+/// The nearest entry that still counts.
+#[inline(always)]
+fn next(waiting: &mut Waiting, reach: f32) -> Option<Child> {
+    while let Some(entry) = waiting.pop() {
+        if distance(entry) <= reach {
+            return Some(Child(entry as u32));
+        }
+    }
+    None
+}
+
+impl Tree {
+    /// Calls `leaf` with the blocks of each leaf that the ray meets before `reach`; it answers with the new reach.
+    /// Returns the number of nodes visited, leaves too. The tree is not empty.
+    #[inline(always)]
+    pub(crate) fn walk<S: Simd>(
+        &self,
+        simd: S,
+        ray: &NodeRay<S>,
+        mut reach: f32,
+        mut leaf: impl FnMut(Range<usize>) -> f32,
+    ) -> u32 {
+        let mut waiting = Waiting::new();
+        let mut visited = 0;
+        let mut child = Child::node(0);
+        loop {
+            visited += 1;
+            if child.is_leaf() {
+                reach = leaf(child.blocks());
+            } else {
+                let node = &self.nodes[child.index()];
+                let (mut bits, near) = ray.meet(simd, node, reach);
+                if bits != 0 {
+                    let place = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    if bits == 0 {
+                        child = node.child(place);
+                        continue;
+                    }
+                    let near = near.as_array();
+                    let mut nearest = entry(near[place & 7], node.child(place));
+                    let place = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    let second = entry(near[place & 7], node.child(place));
+                    let farther = nearest.max(second);
+                    nearest = nearest.min(second);
+                    waiting.push(farther);
+                    if bits != 0 {
+                        let mut count = 1;
+                        while bits != 0 {
+                            let place = bits.trailing_zeros() as usize;
+                            bits &= bits - 1;
+                            let other = entry(near[place & 7], node.child(place));
+                            waiting.push(nearest.max(other));
+                            nearest = nearest.min(other);
+                            count += 1;
+                        }
+                        farthest_first(waiting.top(count));
+                    }
+                    child = Child(nearest as u32);
+                    continue;
+                }
+            }
+            match next(&mut waiting, reach) {
+                Some(next) => child = next,
+                None => return visited,
+            }
+        }
+    }
+
+    /// The same for all rays of a beam at once: `reach` counts steps.
+    #[inline(always)]
+    pub(crate) fn sweep<S: Simd>(
+        &self,
+        simd: S,
+        beam: &Beam<S>,
+        mut reach: f32,
+        mut leaf: impl FnMut(Range<usize>) -> f32,
+    ) -> u32 {
+        let mut waiting = Waiting::new();
+        let mut visited = 0;
+        let mut child = Child::node(0);
+        loop {
+            visited += 1;
+            if child.is_leaf() {
+                reach = leaf(child.blocks());
+            } else {
+                let node = &self.nodes[child.index()];
+                let (mut bits, near) = beam.meet(simd, node, reach);
+                let near = near.as_array();
+                let count = bits.count_ones() as usize;
+                while bits != 0 {
+                    let place = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    waiting.push(entry(near[place & 7], node.child(place)));
+                }
+                farthest_first(waiting.top(count));
+            }
+            match next(&mut waiting, reach) {
+                Some(next) => child = next,
+                None => return visited,
+            }
+        }
+    }
+}

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Up to 64 rays that are traced together: what multi-level ray tracing descends with.
+//! Source: [RSH05]; structure of arrays after the paper's Figure 4.
+//! Space: as the rays that went in.
+//! Invariant: a tile's lanes are plain arrays, so that the same tile serves every SIMD level; `active` says which lanes
+//! hold a ray that can hit something. The others hold nothing that may be looked at.
+//! Proof: `tests::headings_part_a_tile`.
+
+use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
+
+use crate::nearest::Nearest;
+use crate::packet::Heading;
+use crate::{INVALID_ID, Ray, RayBatch};
+
+/// Rays per tile: one bit each in a word.
+pub(crate) const TILE: usize = 64;
+
+/// Rays per SIMD step.
+pub(crate) const LANES: usize = 16;
+
+/// One value for each ray.
+pub(crate) type PerRay = [f32; TILE];
+
+/// Rays.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct RayTile {
+    pub(crate) org: [PerRay; 3],
+    pub(crate) dir: [PerRay; 3],
+    pub(crate) t_near: PerRay,
+}
+
+/// Best hits of a tile's rays; see [`Nearest`].
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(crate) struct NearestTile {
+    pub(crate) t: PerRay,
+    pub(crate) u: PerRay,
+    pub(crate) v: PerRay,
+    pub(crate) number: [u32; TILE],
+    pub(crate) slot: [u32; TILE],
+}
+
+impl RayTile {
+    pub(crate) const EMPTY: Self = Self { org: [[0.0; TILE]; 3], dir: [[0.0; TILE]; 3], t_near: [0.0; TILE] };
+
+    /// Loads rays `first..first + 64` of a batch as far as it goes; bits of those that are sound.
+    #[inline(always)]
+    pub(crate) fn load<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &RayBatch,
+        first: usize,
+        nearest: &mut NearestTile,
+    ) -> u64 {
+        let count = (rays.len() - first).min(TILE);
+        for k in 0..3 {
+            self.org[k][..count].copy_from_slice(&rays.org[k][first..first + count]);
+            self.dir[k][..count].copy_from_slice(&rays.dir[k][first..first + count]);
+        }
+        self.t_near[..count].copy_from_slice(&rays.t_near[first..first + count]);
+        nearest.t[..count].copy_from_slice(&rays.t_far[first..first + count]);
+        nearest.number = [INVALID_ID; TILE];
+        nearest.slot = [INVALID_ID; TILE];
+        self.sound(simd, nearest) & all(count)
+    }
+
+    /// Bits of the rays that can hit something: [`Ray::is_sound`] for each.
+    #[inline(always)]
+    pub(crate) fn sound<S: Simd>(&self, simd: S, nearest: &NearestTile) -> u64 {
+        let (limit, most) = (f32x16::splat(simd, Ray::FARTHEST_ORIGIN), f32x16::splat(simd, f32::MAX));
+        let zero = f32x16::splat(simd, 0.0);
+        let mut bits = 0;
+        for first in (0..TILE).step_by(LANES) {
+            let load = |values: &PerRay| f32x16::from_slice(simd, &values[first..first + LANES]);
+            let mut sound = load(&self.t_near).simd_le(load(&nearest.t));
+            let mut moves = mask32x16::splat(simd, false);
+            for k in 0..3 {
+                let dir = load(&self.dir[k]);
+                sound &= load(&self.org[k]).abs().simd_le(limit) & dir.abs().simd_le(most);
+                moves |= dir.simd_ne(zero);
+            }
+            bits |= (sound & moves).to_bitmask() << first;
+        }
+        bits
+    }
+
+    /// Which ways the rays go.
+    #[inline(always)]
+    pub(crate) fn headings<S: Simd>(&self, simd: S) -> Headings {
+        let mut ways = Headings::default();
+        let (short, long) = (f32x16::splat(simd, Ray::SHORTEST), f32x16::splat(simd, Ray::LONGEST));
+        for first in (0..TILE).step_by(LANES) {
+            let load = |values: &PerRay| f32x16::from_slice(simd, &values[first..first + LANES]);
+            let dir = [load(&self.dir[0]), load(&self.dir[1]), load(&self.dir[2])];
+            let [x, y, z] = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
+            let longest = x.max(y).max(z);
+            let regular = longest.simd_ge(short) & longest.simd_le(long);
+            ways.regular |= regular.to_bitmask() << first;
+            ways.along_x |= (x.simd_ge(y) & x.simd_ge(z)).to_bitmask() << first;
+            ways.along_y |= y.simd_ge(z).to_bitmask() << first;
+            for k in 0..3 {
+                ways.backwards[k] |= dir[k].is_sign_negative().to_bitmask() << first;
+            }
+        }
+        ways
+    }
+
+    /// The rays in `bits` side by side, with their best hits; fills up to a multiple of 16 with copies of the first
+    /// that look for nothing. Returns how many there are.
+    #[inline(always)]
+    pub(crate) fn gather(
+        &self,
+        nearest: &NearestTile,
+        mut bits: u64,
+        rays: &mut Self,
+        best: &mut NearestTile,
+    ) -> usize {
+        let first = bits.trailing_zeros() as usize & (TILE - 1);
+        let mut count = 0;
+        while bits != 0 {
+            rays.copy(count, self, bits.trailing_zeros() as usize);
+            best.set(count, &nearest.get(bits.trailing_zeros() as usize));
+            bits &= bits - 1;
+            count += 1;
+        }
+        for lane in count..count.next_multiple_of(LANES) {
+            rays.copy(lane, self, first);
+            best.set(lane, &Nearest::none(f32::NEG_INFINITY));
+        }
+        count
+    }
+
+    #[inline(always)]
+    fn copy(&mut self, to: usize, other: &Self, from: usize) {
+        let (to, from) = (to & (TILE - 1), from & (TILE - 1));
+        for k in 0..3 {
+            self.org[k][to] = other.org[k][from];
+            self.dir[k][to] = other.dir[k][from];
+        }
+        self.t_near[to] = other.t_near[from];
+    }
+
+    /// One of the rays, up to `t_far`.
+    #[inline(always)]
+    pub(crate) fn ray(&self, i: usize, t_far: f32) -> Ray {
+        let at = |values: &PerRay| values[i & (TILE - 1)];
+        Ray {
+            org: [at(&self.org[0]), at(&self.org[1]), at(&self.org[2])],
+            t_near: at(&self.t_near),
+            dir: [at(&self.dir[0]), at(&self.dir[1]), at(&self.dir[2])],
+            t_far,
+        }
+    }
+}
+
+impl NearestTile {
+    pub(crate) const EMPTY: Self = Self {
+        t: [0.0; TILE],
+        u: [0.0; TILE],
+        v: [0.0; TILE],
+        number: [INVALID_ID; TILE],
+        slot: [INVALID_ID; TILE],
+    };
+
+    /// Bits of the rays that still look for something.
+    #[inline(always)]
+    pub(crate) fn looking<S: Simd>(&self, simd: S) -> u64 {
+        let done = f32x16::splat(simd, f32::NEG_INFINITY);
+        let mut bits = 0;
+        for first in (0..TILE).step_by(LANES) {
+            let t = f32x16::from_slice(simd, &self.t[first..first + LANES]);
+            bits |= t.simd_gt(done).to_bitmask() << first;
+        }
+        bits
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> Nearest {
+        let i = i & (TILE - 1);
+        Nearest { t: self.t[i], u: self.u[i], v: self.v[i], number: self.number[i], slot: self.slot[i] }
+    }
+
+    /// Puts back what [`RayTile::gather`] took out.
+    #[inline(always)]
+    pub(crate) fn scatter(&mut self, mut bits: u64, best: &Self) {
+        let mut from = 0;
+        while bits != 0 {
+            self.set(bits.trailing_zeros() as usize, &best.get(from));
+            bits &= bits - 1;
+            from += 1;
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, i: usize, nearest: &Nearest) {
+        let i = i & (TILE - 1);
+        self.t[i] = nearest.t;
+        self.u[i] = nearest.u;
+        self.v[i] = nearest.v;
+        self.number[i] = nearest.number;
+        self.slot[i] = nearest.slot;
+    }
+}
+
+/// The lowest `count` bits; `count` is at most 64.
+#[inline(always)]
+pub(crate) fn all(count: usize) -> u64 {
+    if count == TILE { u64::MAX } else { (1 << count) - 1 }
+}
+
+/// Which way each ray of a tile goes, as bits.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Headings {
+    backwards: [u64; 3],
+    along_x: u64,
+    along_y: u64,
+    /// Of a length that floats can divide by.
+    pub(crate) regular: u64,
+}
+
+impl Headings {
+    /// The heading of ray `i`, and the rays of `among` that share it.
+    #[inline(always)]
+    pub(crate) fn like(&self, i: usize, among: u64) -> (Heading, u64) {
+        let has = |bits: u64| bits >> i & 1 == 1;
+        let same = |bits: u64| if has(bits) { bits } else { !bits };
+        let [x, y, z] = self.backwards;
+        let mut bits = among & same(x) & same(y) & same(z) & same(self.along_x);
+        if !has(self.along_x) {
+            bits &= same(self.along_y);
+        }
+        let longest_axis = if has(self.along_x) { 0 } else { 2 - usize::from(has(self.along_y)) };
+        (Heading { backwards: [has(x), has(y), has(z)], longest_axis }, bits)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gnurt_simd::{Level, dispatch};
+
+    use super::*;
+
+    #[test]
+    fn headings_part_a_tile() {
+        let mut rays = RayBatch::default();
+        for i in 0..64 {
+            let sign = |bit: u32| if i >> bit & 1 == 1 { -1.0 } else { 1.0 };
+            let mut dir = [0.5 * sign(0), 0.25 * sign(1), 0.0 * sign(2)];
+            dir[i / 20 % 3] = 2.0 * sign(i as u32 / 20 % 3);
+            rays.push(Ray::new([i as f32, 0.0, 0.0], if i == 63 { [0.0; 3] } else { dir }));
+        }
+        for level in Level::available() {
+            let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
+            let (sound, ways) = dispatch!(level, simd => {
+                let sound = tile.load(simd, &rays, 0, &mut nearest);
+                (sound, tile.headings(simd))
+            });
+            assert_eq!(sound, u64::MAX >> 1, "one ray does not move, at {level}");
+            let mut left = sound;
+            while left != 0 {
+                let first = left.trailing_zeros() as usize;
+                let (heading, bits) = ways.like(first, left);
+                for i in (0..64).filter(|i| bits >> i & 1 == 1) {
+                    let ray = rays.get(i);
+                    let backwards = ray.dir.map(|x| x.is_sign_negative());
+                    let own = Heading { backwards, longest_axis: ray.longest_axis() };
+                    assert_eq!(own, heading, "ray {i} goes like ray {first}");
+                }
+                left &= !bits;
+            }
+            let (mut rays, mut best) = (RayTile::EMPTY, NearestTile::EMPTY);
+            assert_eq!(tile.gather(&nearest, 0b1_0110, &mut rays, &mut best), 3, "three of them");
+            assert_eq!(rays.org[0][..4], [1.0, 2.0, 4.0, 1.0], "side by side, then copies of the first");
+            assert!(best.t[2] > 0.0 && best.t[3] < 0.0, "copies look for nothing");
+        }
+    }
+}
