@@ -89,6 +89,21 @@ impl Node8 {
         self.rows[6][place] = f32::from_bits(child.0);
     }
 
+    /// The same node where others come before it: `nodes` and `blocks` are added to its children's.
+    pub(crate) fn moved(&self, nodes: usize, blocks: usize) -> Self {
+        let mut moved = self.clone();
+        for bits in &mut moved.rows[6] {
+            let child = Child(bits.to_bits());
+            let by = match child.is_leaf() {
+                true if child == Child::NONE => 0,
+                true => blocks,
+                false => nodes,
+            };
+            *bits = f32::from_bits(child.0 + by as u32);
+        }
+        moved
+    }
+
     /// The box at `place`.
     pub(crate) fn bounds(&self, place: usize) -> Aabb {
         let row = |i: usize| self.rows[i][place];

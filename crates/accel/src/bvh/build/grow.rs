@@ -13,7 +13,7 @@ use crate::INVALID_ID;
 use crate::bvh::{Child, Node8, WIDTH};
 
 /// From this depth on nodes divide by number alone.
-const BY_NUMBER: usize = 40;
+pub(super) const BY_NUMBER: usize = 40;
 
 /// No node is of this depth or a greater one; the root has depth 0.
 pub(crate) const DEEPEST: usize = BY_NUMBER + 12;
@@ -138,9 +138,13 @@ pub(super) fn grow<S: Simd>(
         if place < WIDTH {
             tree.nodes[parent].set(place, &part.bounds.bounds(), Child::node(index));
         }
-        let spread = Spread::new(part, depth, scale, |part| {
-            divide(simd, references, part, depth, scale, &mut workspace)
-        });
+        let spread = Spread::new(
+            part,
+            depth,
+            scale,
+            #[inline(always)]
+            |part| divide(simd, references, part, depth, scale, &mut workspace),
+        );
         let mut node = Node8::EMPTY;
         for (place, part) in spread.parts().iter().enumerate().rev() {
             if is_leaf(part) {

@@ -11,13 +11,15 @@ mod partition;
 mod reference;
 #[cfg(test)]
 mod tests;
+mod top;
 
 use super::node::{Node8, WIDTH};
 use crate::{Aabb, Quality, Threads};
 use gnurt_simd::Level;
 pub(crate) use grow::DEEPEST;
-use grow::grow;
-use reference::{Part, Reference};
+use rayon::prelude::*;
+use reference::Reference;
+use top::Crew;
 
 /// What a tree is built over: boxes, by numbers from 0 on.
 pub(crate) trait Primitives: Sync {
@@ -43,18 +45,26 @@ pub(crate) struct Tree {
 
 /// Builds over all primitives.
 pub(crate) fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
-    let _ = (quality, threads);
-    let level = Level::best();
-    let number_and_box = |number: usize| Reference::new(number as u32, &primitives.bounds(number));
-    let mut references: Vec<Reference> = (0..primitives.count()).map(number_and_box).collect();
-    let count = references.len();
-    let root = gnurt_simd::dispatch!(level, simd => Part::around(simd, &references, 0, count));
-    let mut tree = Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Aabb::EMPTY };
-    if count > 0 {
-        tree.bounds = root.bounds.bounds();
-        let longest = tree.bounds.extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
-        let scale = (1.0 / longest) as f32;
-        gnurt_simd::dispatch!(level, simd => grow(simd, &mut references, root, 0, scale, &mut tree));
+    let _ = quality;
+    match threads {
+        Threads::Single => build_with(primitives, false),
+        Threads::Pool(pool) => pool.install(|| build_with(primitives, true)),
     }
-    tree
+}
+
+fn build_with(primitives: &impl Primitives, parallel: bool) -> Tree {
+    let number_and_box = |number: usize| Reference::new(number as u32, &primitives.bounds(number));
+    let count = primitives.count();
+    let mut references: Vec<Reference> = if parallel {
+        (0..count).into_par_iter().with_min_len(1024).map(number_and_box).collect()
+    } else {
+        (0..count).map(number_and_box).collect()
+    };
+    if count == 0 {
+        return Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Aabb::EMPTY };
+    }
+    let crew = Crew { parallel, level: Level::best(), scale: 1.0 };
+    let root = crew.around(&references);
+    let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
+    Crew { scale: (1.0 / longest) as f32, ..crew }.build(&mut references, root)
 }
