@@ -56,6 +56,7 @@ fn run_command(command: Command, environment: &Environment, messages: Messages) 
         Command::Diff(arguments) => commands::diff::run(&arguments, messages),
         Command::Convert(arguments) => commands::convert::run(&arguments, environment, messages),
         Command::Trace(arguments) => commands::trace::run(&arguments, environment, messages),
+        Command::Bench(arguments) => commands::bench::run(&arguments, environment, messages),
         Command::Scenes(_) => commands::scenes::run(),
     }
 }

@@ -45,11 +45,19 @@ impl Source {
         }
     }
 
+    fn stem_or(&self, otherwise: &'static str) -> &OsStr {
+        let builtin = self.found.to_str().and_then(|text| text.strip_prefix(BUILTIN)).map(OsStr::new);
+        builtin.or_else(|| Path::new(&self.found).file_stem()).unwrap_or(OsStr::new(otherwise))
+    }
+
+    /// Its name alone, without folder and extension.
+    pub(crate) fn stem(&self) -> String {
+        self.stem_or("scene").to_string_lossy().into_owned()
+    }
+
     /// What a picture of it is called.
     pub(crate) fn picture_name(&self) -> PathBuf {
-        let builtin = self.found.to_str().and_then(|text| text.strip_prefix(BUILTIN)).map(OsStr::new);
-        let stem = builtin.or_else(|| Path::new(&self.found).file_stem()).unwrap_or(OsStr::new("picture"));
-        let mut name = stem.to_owned();
+        let mut name = self.stem_or("picture").to_owned();
         name.push(".png");
         name.into()
     }

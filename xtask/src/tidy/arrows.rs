@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 9] = [
+const ARROWS: [(&str, &[&str]); 10] = [
     ("simd", &[]),
     ("accel", &["simd"]),
     ("image", &[]),
@@ -12,7 +12,8 @@ const ARROWS: [(&str, &[&str]); 9] = [
     ("shading", &["simd", "image", "accel"]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
     ("gnurt", &["simd", "accel", "image", "scene", "shading", "render"]),
-    ("cli", &["gnurt"]),
+    ("bench", &["gnurt"]),
+    ("cli", &["gnurt", "bench"]),
     ("openrt", &["gnurt"]),
 ];
 
@@ -130,7 +131,7 @@ mod tests {
         assert_eq!(check_printed(&printed()), Vec::<String>::new(), "the same table");
         for (from, to) in [
             ("| scene | image |", "| scene | image, accel |"),
-            ("| cli | gnurt | x |\n", ""),
+            ("| openrt | gnurt | x |\n", ""),
             ("| cli |", "| jit |"),
             ("| crate |", "| x |"),
         ] {

@@ -3,6 +3,7 @@
 //! Source: original; names and rules are the contract of the command line.
 //! An option given twice: the last one wins. Values may start with a minus. Proof: `tests/program/arguments.rs`.
 
+mod bench;
 mod refusal;
 mod render;
 mod talk;
@@ -14,6 +15,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
+pub(crate) use bench::{BenchArguments, BenchCommand, BenchRaysArguments};
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::TalkArguments;
@@ -65,6 +67,9 @@ pub(crate) enum Command {
     /// Follow the light of one pixel and print each step
     #[command(args_override_self = true)]
     Trace(Box<TraceArguments>),
+    /// Measure how fast this machine traces rays
+    #[command(args_override_self = true)]
+    Bench(BenchArguments),
     /// List the built-in scenes
     #[command(args_override_self = true)]
     Scenes(ScenesArguments),
@@ -79,6 +84,7 @@ impl Command {
             Self::Diff(arguments) => &arguments.talk,
             Self::Convert(arguments) => &arguments.talk,
             Self::Trace(arguments) => &arguments.talk,
+            Self::Bench(arguments) => arguments.command.talk(),
             Self::Scenes(arguments) => &arguments.talk,
         }
     }
@@ -89,6 +95,7 @@ impl Command {
             Self::Render(arguments) => Some(&arguments.machine),
             Self::Info(arguments) => Some(&arguments.machine),
             Self::Trace(arguments) => Some(&arguments.machine),
+            Self::Bench(arguments) => Some(arguments.command.machine()),
             Self::Diff(_) | Self::Convert(_) | Self::Scenes(_) => None,
         }
     }

@@ -38,10 +38,12 @@ fn mistake(error: &clap::Error) -> String {
         ErrorKind::UnknownArgument => unknown_argument(&argument),
         ErrorKind::InvalidSubcommand => {
             let root = Arguments::command();
-            unknown("command", &text(error, ContextKind::InvalidSubcommand), &commands(&root))
+            let given = text(error, ContextKind::InvalidSubcommand);
+            unknown("command", &given, &commands(used_command(&root)))
         }
         ErrorKind::MissingSubcommand | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
-            format!("no command given; give one of: {}", commands(&Arguments::command()).join(", "))
+            let root = Arguments::command();
+            format!("no command given; give one of: {}", commands(used_command(&root)).join(", "))
         }
         ErrorKind::MissingRequiredArgument => {
             format!("{} is missing; see --help", argument.replace('\n', ", "))
@@ -57,8 +59,7 @@ fn unknown_argument(argument: &str) -> String {
         return format!("'{argument}' is one argument too many; see --help");
     }
     let root = Arguments::command();
-    let command = used_command(&root).unwrap_or(&root);
-    let options: Vec<String> = command
+    let options: Vec<String> = used_command(&root)
         .get_arguments()
         .flat_map(|option| option.get_long_and_visible_aliases().unwrap_or_default())
         .chain(["help"])
@@ -71,9 +72,9 @@ fn unknown_argument(argument: &str) -> String {
     unknown("option", written, &options)
 }
 
-/// The subcommand that the process was called with.
-fn used_command(root: &Command) -> Option<&Command> {
-    std::env::args_os().skip(1).find_map(|word| root.find_subcommand(word))
+/// The subcommand that the process was called with, or its subcommand.
+fn used_command(root: &Command) -> &Command {
+    std::env::args_os().skip(1).fold(root, |command, word| command.find_subcommand(word).unwrap_or(command))
 }
 
 fn commands(root: &Command) -> Vec<&str> {

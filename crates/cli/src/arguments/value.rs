@@ -10,6 +10,7 @@ use std::time::Duration;
 use gnurt::image::ToneCurve;
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::simd::Level;
+use gnurt_bench::{Class, ENGINES};
 
 use crate::nearest::unknown;
 
@@ -189,6 +190,31 @@ pub(crate) fn isa(name: &str) -> Result<Level, String> {
             Err(format!("{}; this CPU has: {}", unknown("instruction set", name, &names), here.join(", ")))
         }
     }
+}
+
+/// The name of a class of rays.
+pub(crate) fn ray_class(name: &str) -> Result<Class, String> {
+    by_name("class of rays", name, &Class::ALL)
+}
+
+/// The name of an engine.
+pub(crate) fn engine(name: &str) -> Result<String, String> {
+    by_name("engine", name, &ENGINES).map(str::to_owned)
+}
+
+/// Columns of primary rays.
+pub(crate) fn columns(text: &str) -> Result<u32, String> {
+    whole(text, 8, 8192)
+}
+
+/// How often something is measured.
+pub(crate) fn rounds(text: &str) -> Result<usize, String> {
+    whole(text, 1, 1000)
+}
+
+/// Rays per batch.
+pub(crate) fn batch(text: &str) -> Result<usize, String> {
+    whole(text, 1, 1 << 24)
 }
 
 fn by_name<T: Copy + Display>(what: &str, name: &str, all: &[T]) -> Result<T, String> {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The subcommands, one file each. Source: original. Each has `run`, which takes its arguments and says how it ended.
 
+pub(crate) mod bench;
 pub(crate) mod convert;
 pub(crate) mod diff;
 pub(crate) mod info;

@@ -99,8 +99,8 @@ impl Folder {
     pub(crate) fn command<S: AsRef<OsStr>>(&self, words: &[S]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_gnurt"));
         command.current_dir(self.path()).args(words).stdin(Stdio::null());
-        for (name, _) in std::env::vars_os().filter(|(name, _)| name.to_string_lossy().starts_with("GNURT_"))
-        {
+        let reaches_it = |name: &OsStr| name.to_string_lossy().starts_with("GNURT_") || name == "EMBREE4_LIB";
+        for (name, _) in std::env::vars_os().filter(|(name, _)| reaches_it(name)) {
             command.env_remove(name);
         }
         command

@@ -5,6 +5,7 @@
 #![expect(clippy::print_stdout, reason = "a failing table tells the row that it was at")]
 
 mod arguments;
+mod bench;
 mod broken_pictures;
 mod broken_scenes;
 mod cameras;

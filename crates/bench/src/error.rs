@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What ends a benchmark early. Source: original.
+
+/// Why there are no numbers.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The options leave nothing to do: the user's mistake.
+    #[error("no mode matches; valid are: {}", .valid.join(", "))]
+    NothingToDo {
+        /// Names of all that could be asked for.
+        valid: Vec<String>,
+    },
+    /// A library that is not there, not Embree 4, or that failed.
+    #[error("{library}: {why}")]
+    Embree {
+        /// The file that was named.
+        library: String,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// A scene that no ray can be sent into.
+    #[error("{scene}: {why}")]
+    Scene {
+        /// Its name.
+        scene: String,
+        /// What it lacks.
+        why: String,
+    },
+    /// Two engines answered the same rays differently: fast and wrong is not fast.
+    #[error("answers differ: {0}")]
+    Differ(String),
+}

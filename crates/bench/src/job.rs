@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What can be timed: an engine, what it builds and how it is asked; and which of that is wanted.
+//! Source: original. Proof: `tests`.
+
+use std::fmt;
+
+use gnurt::accel::{Coherence, Quality, Structure};
+
+use crate::Error;
+
+/// One thing to be timed. Its [`mode`](Self::mode) is its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Job {
+    /// One of our trees.
+    Own {
+        /// The structure.
+        structure: Structure,
+        /// How carefully it is built.
+        quality: Quality,
+        /// How it is asked.
+        asked: Asked,
+    },
+    /// A scene of Embree's.
+    Embree {
+        /// How it is built.
+        kind: EmbreeKind,
+        /// How it is asked.
+        packets: Packets,
+    },
+}
+
+/// How one of our trees is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Asked {
+    /// One ray per call.
+    One,
+    /// A batch per call, of which this is said.
+    Batch(Coherence),
+}
+
+/// How Embree builds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EmbreeKind {
+    /// Medium quality.
+    Medium,
+    /// High quality: spatial splits.
+    High,
+    /// Medium quality, watertight: what is fairly compared with our trees. (With high quality, robust scenes are the
+    /// same as these.)
+    Robust,
+}
+
+/// How Embree is asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Packets {
+    /// Rays per call: 1, 8 or 16.
+    pub size: usize,
+    /// Whether they are said to be coherent.
+    pub coherent: bool,
+}
+
+impl EmbreeKind {
+    /// What rays are traced through.
+    pub(crate) const TRACED: [Self; 3] = [Self::Medium, Self::High, Self::Robust];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Medium => "medium",
+            Self::High => "high",
+            Self::Robust => "robust",
+        }
+    }
+}
+
+pub(crate) const STRUCTURES: [Structure; 2] = [Structure::Bvh, Structure::Kd];
+pub(crate) const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Medium, Quality::High];
+
+pub(crate) fn structure_name(structure: Structure) -> &'static str {
+    match structure {
+        Structure::Bvh => "bvh",
+        Structure::Kd => "kd",
+    }
+}
+
+pub(crate) fn quality_name(quality: Quality) -> &'static str {
+    match quality {
+        Quality::Fast => "fast",
+        Quality::Medium => "medium",
+        Quality::High => "high",
+    }
+}
+
+impl Job {
+    /// `gnurt` or `embree4`.
+    #[must_use]
+    pub fn engine(&self) -> &'static str {
+        match self {
+            Self::Own { .. } => ENGINES[0],
+            Self::Embree { .. } => ENGINES[1],
+        }
+    }
+
+    /// `bvh-medium-coherent`, `kd-fast-one`, `robust-16-coherent`, ...
+    #[must_use]
+    pub fn mode(&self) -> String {
+        match self {
+            Self::Own { structure, quality, asked } => {
+                let asked = match asked {
+                    Asked::One => "one",
+                    Asked::Batch(Coherence::Coherent) => "coherent",
+                    Asked::Batch(Coherence::Incoherent) => "incoherent",
+                };
+                format!("{}-{}-{asked}", structure_name(*structure), quality_name(*quality))
+            }
+            Self::Embree { kind, packets } => {
+                let coherent = if packets.coherent { "-coherent" } else { "" };
+                format!("{}-{}{coherent}", kind.name(), packets.size)
+            }
+        }
+    }
+
+    /// All that there is, ours first. The coherent flag says nothing for single rays.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        let mut jobs = Vec::new();
+        for structure in STRUCTURES {
+            for quality in QUALITIES {
+                let batches = [Coherence::Coherent, Coherence::Incoherent].map(Asked::Batch);
+                let asked = [Asked::One].into_iter().chain(batches);
+                jobs.extend(asked.map(|asked| Self::Own { structure, quality, asked }));
+            }
+        }
+        for kind in EmbreeKind::TRACED {
+            for (size, coherent) in [(1, false), (8, false), (8, true), (16, false), (16, true)] {
+                jobs.push(Self::Embree { kind, packets: Packets { size, coherent } });
+            }
+        }
+        jobs
+    }
+
+    /// Whether it is timed when nobody says what: not fast builds, and kd-trees of one quality, since high is medium.
+    fn is_usual(&self) -> bool {
+        match self {
+            Self::Own { structure: Structure::Kd, quality, .. } => *quality == Quality::Medium,
+            Self::Own { quality, .. } => *quality != Quality::Fast,
+            Self::Embree { .. } => true,
+        }
+    }
+}
+
+impl fmt::Display for Job {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.engine(), self.mode())
+    }
+}
+
+/// Names of the engines.
+pub const ENGINES: [&str; 2] = ["gnurt", "embree4"];
+
+/// Which jobs are wanted.
+#[derive(Clone, Debug, Default)]
+pub struct Filter {
+    /// Names of engines; empty = all.
+    pub engines: Vec<String>,
+    /// Parts of names of modes, any of which will do; empty = the usual ones.
+    pub modes: Vec<String>,
+}
+
+impl Filter {
+    /// The jobs that are wanted.
+    ///
+    /// # Errors
+    /// [`Error::NothingToDo`] if a part of a name is in no mode of the engines that are wanted.
+    pub fn jobs(&self) -> Result<Vec<Job>, Error> {
+        let mut jobs = Job::all();
+        jobs.retain(|job| self.engines.is_empty() || self.engines.iter().any(|name| name == job.engine()));
+        let modes: Vec<String> = jobs.iter().map(Job::mode).collect();
+        if !self.modes.iter().all(|part| modes.iter().any(|mode| mode.contains(part))) {
+            return Err(Error::NothingToDo { valid: modes });
+        }
+        jobs.retain(|job| match self.modes.is_empty() {
+            true => job.is_usual(),
+            false => self.modes.iter().any(|part| job.mode().contains(part)),
+        });
+        Ok(jobs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique() {
+        let mut names: Vec<String> = Job::all().iter().map(ToString::to_string).collect();
+        let count = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!((count, names.len()), (18 + 15, 18 + 15), "one name each");
+    }
+
+    #[test]
+    fn filters() {
+        let modes = |engines: &[&str], modes: &[&str]| {
+            let list = |names: &[&str]| names.iter().map(ToString::to_string).collect();
+            let filter = Filter { engines: list(engines), modes: list(modes) };
+            filter.jobs().map(|jobs| jobs.iter().map(ToString::to_string).collect::<Vec<_>>())
+        };
+        let two = modes(&[], &["bvh-fast-one", "robust-1"]).expect("there are such");
+        assert_eq!(
+            two,
+            ["gnurt bvh-fast-one", "embree4 robust-1", "embree4 robust-16", "embree4 robust-16-coherent"],
+            "parts of names"
+        );
+        let usual = modes(&["gnurt"], &[]).expect("there are such");
+        assert_eq!(usual.len(), 9, "medium and high, and one kd-tree: {usual:?}");
+        assert!(modes(&["gnurt"], &["kd-medium", "robust"]).is_err(), "a name that is in none is a slip");
+    }
+}

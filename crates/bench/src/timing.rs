@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Times a job: threads take chunks of rays until none is left, each on the clock of its own processor time.
+//! Source: original. Proof: `tests::every_chunk_is_traced_once`.
+
+use std::hint::black_box;
+use std::sync::Barrier;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use gnurt::accel::{HitBatch, RayBatch, Record};
+
+use crate::clock::thread_seconds;
+
+/// Something that answers rays.
+pub(crate) trait Engine: Sync {
+    /// Closest hits: fills `t` and `prim_id` of `answers.hits`.
+    fn closest(&self, rays: &RayBatch, answers: &mut Answers);
+    /// Any hits: fills `answers.occluded`.
+    fn any(&self, rays: &RayBatch, answers: &mut Answers);
+}
+
+/// Where a thread's answers go: used again and again, as a program does.
+#[derive(Default)]
+pub(crate) struct Answers {
+    pub(crate) hits: HitBatch,
+    pub(crate) occluded: Vec<bool>,
+    pub(crate) record: Record,
+}
+
+impl Answers {
+    /// Room for `n` answers; what is in them does not matter.
+    pub(crate) fn resize(&mut self, n: usize) {
+        if self.hits.len() != n {
+            self.hits.reset(n);
+        }
+        self.occluded.resize(n, false);
+    }
+}
+
+/// The rays of a class, in chunks.
+pub(crate) struct Rays {
+    pub(crate) chunks: Vec<RayBatch>,
+    /// Whether any hit will do.
+    pub(crate) any: bool,
+}
+
+impl Rays {
+    pub(crate) fn len(&self) -> usize {
+        self.chunks.iter().map(RayBatch::len).sum()
+    }
+}
+
+/// Seconds of one run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seconds {
+    /// Mean over the threads of their processor time.
+    pub(crate) cpu: f64,
+    pub(crate) wall: f64,
+}
+
+fn ask(engine: &dyn Engine, any: bool, chunk: &RayBatch, answers: &mut Answers) {
+    if any {
+        engine.any(chunk, answers);
+        black_box(&answers.occluded);
+    } else {
+        engine.closest(chunk, answers);
+        black_box(&answers.hits);
+    }
+}
+
+/// One run over all rays.
+pub(crate) fn time(engine: &dyn Engine, rays: &Rays, threads: usize) -> Seconds {
+    let next = AtomicUsize::new(0);
+    let barrier = Barrier::new(threads);
+    let work = || {
+        let mut answers = Answers::default();
+        barrier.wait();
+        let (start, before) = (Instant::now(), thread_seconds());
+        while let Some(chunk) = rays.chunks.get(next.fetch_add(1, Ordering::Relaxed)) {
+            ask(engine, rays.any, chunk, &mut answers);
+        }
+        (thread_seconds() - before, start.elapsed().as_secs_f64())
+    };
+    let times: Vec<(f64, f64)> = if threads == 1 {
+        vec![work()]
+    } else {
+        std::thread::scope(|scope| {
+            let running: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+            // A panic of a thread is a bug: let it be seen.
+            let joined = running.into_iter().map(|thread| thread.join());
+            joined.map(|result| result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
+        })
+    };
+    let cpu = times.iter().map(|(cpu, _)| cpu).sum::<f64>() / threads as f64;
+    Seconds { cpu, wall: times.iter().fold(0.0, |longest, (_, wall)| wall.max(longest)) }
+}
+
+/// The answers to all rays, one number each: `t`, infinite for a miss; of any-hit rays 1, or infinite for a miss.
+pub(crate) fn answers(engine: &dyn Engine, rays: &Rays) -> Vec<f32> {
+    let mut all = Vec::with_capacity(rays.len());
+    let mut answers = Answers::default();
+    for chunk in &rays.chunks {
+        ask(engine, rays.any, chunk, &mut answers);
+        if rays.any {
+            all.extend(answers.occluded.iter().map(|&occluded| if occluded { 1.0 } else { f32::INFINITY }));
+        } else {
+            all.extend_from_slice(&answers.hits.t);
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gnurt::accel::Ray;
+
+    /// Counts rays; its "hits" are at the ray's own far end.
+    struct Counter(AtomicUsize);
+
+    impl Engine for Counter {
+        fn closest(&self, rays: &RayBatch, answers: &mut Answers) {
+            answers.resize(rays.len());
+            answers.hits.t.copy_from_slice(&rays.t_far);
+            self.0.fetch_add(rays.len(), Ordering::Relaxed);
+        }
+        fn any(&self, rays: &RayBatch, answers: &mut Answers) {
+            answers.resize(rays.len());
+            self.0.fetch_add(rays.len(), Ordering::Relaxed);
+        }
+    }
+
+    #[test]
+    fn every_chunk_is_traced_once() {
+        let ray = |i: usize| Ray::new([0.0; 3], [1.0; 3]).within(0.0, i as f32);
+        let chunks: Vec<RayBatch> = [0..100, 100..200, 200..207].map(|part| part.map(ray).collect()).into();
+        let rays = Rays { chunks, any: false };
+        for threads in [1, 2, 5] {
+            let counter = Counter(AtomicUsize::new(0));
+            let seconds = time(&counter, &rays, threads);
+            assert_eq!(counter.0.into_inner(), 207, "all rays by {threads} threads");
+            assert!(seconds.cpu >= 0.0 && seconds.wall > 0.0, "it takes time: {seconds:?}");
+        }
+        let t = answers(&Counter(AtomicUsize::new(0)), &rays);
+        assert!(t.iter().copied().eq((0..207).map(|i| i as f32)), "in the order of the rays");
+    }
+}

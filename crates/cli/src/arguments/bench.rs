@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Arguments of `bench`. Source: original. Proof: `tests/program/bench.rs`.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+use gnurt_bench::Class;
+
+use super::value;
+use super::{MachineArguments, TalkArguments};
+
+/// Arguments of `bench`.
+#[derive(Args, Debug)]
+pub(crate) struct BenchArguments {
+    /// What to measure
+    #[command(subcommand)]
+    pub(crate) command: BenchCommand,
+}
+
+/// What can be measured.
+#[derive(Debug, Subcommand)]
+pub(crate) enum BenchCommand {
+    /// Measure ray queries, beside Embree's where EMBREE4_LIB names a library of Embree 4
+    #[command(args_override_self = true)]
+    Rays(BenchRaysArguments),
+}
+
+impl BenchCommand {
+    pub(crate) fn talk(&self) -> &TalkArguments {
+        match self {
+            Self::Rays(arguments) => &arguments.talk,
+        }
+    }
+
+    pub(crate) fn machine(&self) -> &MachineArguments {
+        match self {
+            Self::Rays(arguments) => &arguments.machine,
+        }
+    }
+}
+
+/// Arguments of `bench rays`.
+#[derive(Args, Debug)]
+pub(crate) struct BenchRaysArguments {
+    /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is measured by itself
+    #[arg(value_name = "SCENE", default_value = "builtin:island")]
+    pub(crate) scenes: Vec<OsString>,
+    /// Classes of rays: primary, shadow, ao, diffuse, shuffled
+    #[arg(long = "class", value_name = "LIST", value_parser = value::ray_class, value_delimiter = ',')]
+    pub(crate) classes: Vec<Class>,
+    /// Engines: gnurt, embree4
+    #[arg(long = "engine", value_name = "LIST", value_parser = value::engine, value_delimiter = ',')]
+    pub(crate) engines: Vec<String>,
+    /// Parts of names of modes, like bvh-high,kd,coherent,robust-16
+    #[arg(long = "mode", value_name = "LIST", value_delimiter = ',')]
+    pub(crate) modes: Vec<String>,
+    /// Columns and rows of primary rays
+    #[arg(long, value_name = "N", value_parser = value::columns, allow_hyphen_values = true, default_value = "1024")]
+    pub(crate) size: u32,
+    /// Runs of each mode, in turns
+    #[arg(long, value_name = "N", value_parser = value::rounds, allow_hyphen_values = true, default_value = "5")]
+    pub(crate) rounds: usize,
+    /// Rays per batch
+    #[arg(long, value_name = "N", value_parser = value::batch, allow_hyphen_values = true, default_value = "4096")]
+    pub(crate) batch: usize,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}

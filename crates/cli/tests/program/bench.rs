@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `bench`: small runs without a rival, which check their answers as large ones do. Source: original.
+
+use super::harness::Folder;
+
+const CLASSES: [&str; 5] = ["primary", "shadow", "ao", "diffuse", "shuffled"];
+
+#[test]
+fn rays_are_measured_and_their_answers_agree() {
+    let folder = Folder::new();
+    let run = folder.gnurt("bench rays builtin:cornell --size 32 --rounds 2 --json rays.json").success();
+    assert!(run.lines("note: ").iter().any(|line| line.contains("EMBREE4_LIB")), "{}", run.stderr);
+    assert_eq!(run.lines("note: ").len(), 1, "our own trees agree in every ray: {}", run.stderr);
+    let rows: serde_json::Value = serde_json::from_slice(&folder.read("rays.json")).expect("JSON");
+    let rows = rows.as_array().expect("an array");
+    for class in CLASSES {
+        let of_class: Vec<_> = rows.iter().filter(|row| row["class"] == class).collect();
+        assert!(of_class.len() >= 9, "each mode of {class}: {}", of_class.len());
+        assert!(of_class.iter().all(|row| row["hits"] == of_class[0]["hits"]), "one answer: {of_class:?}");
+        assert!(of_class.iter().all(|row| row["mrays_cpu"].as_f64().is_some_and(|rate| rate > 0.0)), "rates");
+        assert!(run.stdout.contains(&format!("cornell {class}: ")), "a table of {class}: {}", run.stdout);
+    }
+}
+
+#[test]
+fn jobs_are_chosen() {
+    let folder = Folder::new();
+    let line = "bench rays builtin:cornell --size 16 --rounds 1 --class primary,ao --mode kd-medium -q -t 2";
+    let run = folder.gnurt(line).success();
+    assert_eq!(run.stderr, "", "quiet");
+    let modes = run.stdout.lines().filter(|line| line.trim_start().starts_with("gnurt"));
+    assert_eq!(modes.count(), 2 * 3, "three modes of two classes: {}", run.stdout);
+}
+
+#[test]
+fn bad_words_are_explained() {
+    let folder = Folder::new();
+    for (line, status, expected) in [
+        ("bench", 2, "give one of: rays"),
+        ("bench beams", 2, "unknown command 'beams'"),
+        ("bench rays --class primry", 2, "did you mean 'primary'?"),
+        ("bench rays --engine embree", 2, "did you mean 'embree4'?"),
+        ("bench rays --mode qbvh", 2, "no mode matches"),
+        ("bench rays --siz 8", 2, "did you mean '--size'?"),
+        ("bench rays --size 4", 2, "from 8 to 8192"),
+        ("bench rays --rounds 0", 2, "from 1 to 1000"),
+        ("bench rays no.obj", 1, "no such file"),
+        ("bench rays --json no/folder/a.json", 1, "no/folder/a.json"),
+    ] {
+        println!("gnurt {line}");
+        folder.gnurt(line).fails(status, expected);
+    }
+}
+
+#[test]
+fn a_library_that_is_no_embree_is_refused() {
+    let folder = Folder::new();
+    folder.write("no.so", "this is no library");
+    let mut command = folder.command(&["bench", "rays", "builtin:cornell", "--size", "8", "-q"]);
+    command.env("EMBREE4_LIB", folder.at("no.so"));
+    super::harness::finish(command).fails(1, "no.so");
+}
