@@ -119,8 +119,9 @@ impl ObjectTree {
 
     /// Improves `nearest`; the ray is sound, `slot` is noted with the hit.
     ///
-    /// A function of its own for the compiler, entered with the features of `S`.
-    #[inline(always)]
+    /// A function of its own for the compiler, entered with the features of `S`: kernels are compiled once per level
+    /// and mode, not once per caller.
+    #[inline(never)]
     pub(crate) fn search<S: Simd, M: Mode>(
         &self,
         simd: S,
@@ -182,7 +183,7 @@ impl ObjectTree {
 
     /// [`search`](Self::search) for the rays of a tile that are in `active`, all of them sound. Rays that go different
     /// ways are parted first.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn search_tile<S: Simd, M: Mode>(
         &self,
         simd: S,
@@ -231,7 +232,7 @@ impl ObjectTree {
         );
     }
 
-    #[inline(always)]
+    #[inline(never)]
     #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
     fn sweep<S: Simd, M: Mode>(
         &self,

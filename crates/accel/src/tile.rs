@@ -21,6 +21,12 @@ pub(crate) const LANES: usize = 16;
 /// One value for each ray.
 pub(crate) type PerRay = [f32; TILE];
 
+/// Sixteen of them from `first` on.
+#[inline(always)]
+pub(crate) fn chunk<S: Simd>(simd: S, values: &PerRay, first: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &values[first..first + LANES])
+}
+
 /// Rays.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
@@ -72,12 +78,11 @@ impl RayTile {
         let zero = f32x16::splat(simd, 0.0);
         let mut bits = 0;
         for first in (0..TILE).step_by(LANES) {
-            let load = |values: &PerRay| f32x16::from_slice(simd, &values[first..first + LANES]);
-            let mut sound = load(&self.t_near).simd_le(load(&nearest.t));
+            let mut sound = chunk(simd, &self.t_near, first).simd_le(chunk(simd, &nearest.t, first));
             let mut moves = mask32x16::splat(simd, false);
             for k in 0..3 {
-                let dir = load(&self.dir[k]);
-                sound &= load(&self.org[k]).abs().simd_le(limit) & dir.abs().simd_le(most);
+                let dir = chunk(simd, &self.dir[k], first);
+                sound &= chunk(simd, &self.org[k], first).abs().simd_le(limit) & dir.abs().simd_le(most);
                 moves |= dir.simd_ne(zero);
             }
             bits |= (sound & moves).to_bitmask() << first;
@@ -91,8 +96,11 @@ impl RayTile {
         let mut ways = Headings::default();
         let (short, long) = (f32x16::splat(simd, Ray::SHORTEST), f32x16::splat(simd, Ray::LONGEST));
         for first in (0..TILE).step_by(LANES) {
-            let load = |values: &PerRay| f32x16::from_slice(simd, &values[first..first + LANES]);
-            let dir = [load(&self.dir[0]), load(&self.dir[1]), load(&self.dir[2])];
+            let dir = [
+                chunk(simd, &self.dir[0], first),
+                chunk(simd, &self.dir[1], first),
+                chunk(simd, &self.dir[2], first),
+            ];
             let [x, y, z] = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
             let longest = x.max(y).max(z);
             let regular = longest.simd_ge(short) & longest.simd_le(long);

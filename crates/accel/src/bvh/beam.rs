@@ -13,7 +13,7 @@ use super::{Node8, WIDTH};
 use crate::Aabb;
 use crate::kd::{FLATTEST, least, most};
 use crate::packet::Heading;
-use crate::tile::{LANES, NearestTile, PerRay, RayTile, TILE};
+use crate::tile::{LANES, NearestTile, PerRay, RayTile, TILE, chunk};
 use crate::triangle::axes_from;
 
 /// Chunks of a tile.
@@ -73,22 +73,21 @@ impl Slopes {
         let [x, y, z] = axes_from(heading.longest_axis);
         let mut each = [Ranges::NONE; CHUNKS];
         let mut whole = Ranges::NONE;
-        for (chunk, ranges) in each.iter_mut().enumerate().take(count.div_ceil(LANES)) {
-            let at = chunk * LANES;
-            let load = |values: &PerRay| f32x16::from_slice(simd, &values[at..at + LANES]);
-            let along = load(&rays.dir[z]);
+        for (i, ranges) in each.iter_mut().enumerate().take(count.div_ceil(LANES)) {
+            let at = i * LANES;
+            let along = chunk(simd, &rays.dir[z], at);
             let over = f32x16::splat(simd, 1.0) / along;
-            let (sx, sy) = (load(&rays.dir[x]) / along, load(&rays.dir[y]) / along);
+            let (sx, sy) = (chunk(simd, &rays.dir[x], at) / along, chunk(simd, &rays.dir[y], at) / along);
             let stride = along.abs();
             sx.store_slice(&mut self.shear[0][at..at + LANES]);
             sy.store_slice(&mut self.shear[1][at..at + LANES]);
             over.store_slice(&mut self.shear[2][at..at + LANES]);
             stride.store_slice(&mut self.stride[at..at + LANES]);
             for k in 0..3 {
-                ranges.org[k] = range(load(&rays.org[k]));
+                ranges.org[k] = range(chunk(simd, &rays.org[k], at));
             }
             ranges.slope = [range(sx), range(sy)];
-            ranges.t_near = smallest(load(&rays.t_near) * stride);
+            ranges.t_near = smallest(chunk(simd, &rays.t_near, at) * stride);
             whole = whole.union(ranges);
         }
         (each, whole)
@@ -96,18 +95,17 @@ impl Slopes {
 
     /// How far the farthest ray of a chunk still looks, in steps.
     #[inline(always)]
-    pub(super) fn chunk_ahead<S: Simd>(&self, simd: S, nearest: &NearestTile, chunk: usize) -> f32 {
-        let at = chunk * LANES;
-        let load = |values: &PerRay| f32x16::from_slice(simd, &values[at..at + LANES]);
-        greatest(load(&nearest.t) * load(&self.stride))
+    pub(super) fn chunk_ahead<S: Simd>(&self, simd: S, nearest: &NearestTile, which: usize) -> f32 {
+        let at = which * LANES;
+        greatest(chunk(simd, &nearest.t, at) * chunk(simd, &self.stride, at))
     }
 
     /// The same for the first `count` rays.
     #[inline(always)]
     pub(crate) fn steps_ahead<S: Simd>(&self, simd: S, nearest: &NearestTile, count: usize) -> f32 {
         let mut farthest = f32::NEG_INFINITY;
-        for chunk in 0..count.div_ceil(LANES) {
-            farthest = most(farthest, self.chunk_ahead(simd, nearest, chunk));
+        for which in 0..count.div_ceil(LANES) {
+            farthest = most(farthest, self.chunk_ahead(simd, nearest, which));
         }
         farthest
     }
@@ -196,6 +194,12 @@ impl<S: Simd> Beam<S> {
         [(near * a).min(near * b) - self.pad[k], (far * a).max(far * b) + self.pad[k]]
     }
 
+    /// [`slab`](Self::slab) between the lower and the upper planes.
+    #[inline(always)]
+    fn ends(&self, k: usize, [low, high]: [f32x8<S>; 2]) -> [f32x8<S>; 2] {
+        if self.rows[k] & 1 == 0 { self.slab(k, low, high) } else { self.slab(k, high, low) }
+    }
+
     /// The boxes that some ray may meet before `reach` steps as bits, and where the first may enter them.
     #[inline(always)]
     pub(crate) fn meet(&self, simd: S, node: &Node8, reach: f32) -> (u32, f32x8<S>) {
@@ -210,11 +214,9 @@ impl<S: Simd> Beam<S> {
     /// The same for boxes given by their extents along each axis.
     #[inline(always)]
     pub(super) fn meet_extents(&self, simd: S, extents: &[[f32x8<S>; 2]; 3], reach: f32) -> u32 {
-        let ends = |k: usize| {
-            let [low, high] = extents[k];
-            if self.rows[k] & 1 == 0 { self.slab(k, low, high) } else { self.slab(k, high, low) }
-        };
-        let ([nx, fx], [ny, fy], [nz, fz]) = (ends(0), ends(1), ends(2));
+        let [nx, fx] = self.ends(0, extents[0]);
+        let [ny, fy] = self.ends(1, extents[1]);
+        let [nz, fz] = self.ends(2, extents[2]);
         self.overlap(simd, [nx, ny, nz], [fx, fy, fz], reach).0
     }
 

@@ -4,7 +4,7 @@
 //! Invariant: lanes that are left over repeat the block's first triangle, which changes no answer.
 //! Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::{Simd, f32x8, mask32x8, prelude::*};
+use gnurt_simd::{Simd, f32x8, f32x16, mask32x8, prelude::*};
 
 use super::WIDTH;
 use crate::geometry::Screened;
@@ -69,11 +69,10 @@ impl TriangleBlock {
     pub(crate) fn meet<S: Simd>(&self, simd: S, ray: &BlockRay<S>, t_far: f32) -> LanesMeeting<S, f32x8<S>> {
         let [x, y, z] = ray.axes;
         let [a, b, c] = &self.corners;
-        let at = |row: &[f32; WIDTH]| f32x8::from_slice(simd, row);
         let corners = [
-            [at(&a[x]), at(&a[y]), at(&a[z])],
-            [at(&b[x]), at(&b[y]), at(&b[z])],
-            [at(&c[x]), at(&c[y]), at(&c[z])],
+            [row(simd, &a[x]), row(simd, &a[y]), row(simd, &a[z])],
+            [row(simd, &b[x]), row(simd, &b[y]), row(simd, &b[z])],
+            [row(simd, &c[x]), row(simd, &c[y]), row(simd, &c[z])],
         ];
         meet_lanes(simd, corners, &ray.sheared, ray.all, ray.t_near, f32x8::splat(simd, t_far))
     }
@@ -81,14 +80,31 @@ impl TriangleBlock {
     /// Boxes of the triangles along one axis: least and greatest coordinates.
     #[inline(always)]
     pub(crate) fn extent<S: Simd>(&self, simd: S, axis: usize) -> [f32x8<S>; 2] {
-        let at = |corner: usize| f32x8::from_slice(simd, &self.corners[corner][axis]);
-        let (a, b, c) = (at(0), at(1), at(2));
+        let [a, b, c] = &self.corners;
+        let (a, b, c) = (row(simd, &a[axis]), row(simd, &b[axis]), row(simd, &c[axis]));
         [a.min(b).min(c), a.max(b).max(c)]
     }
 
-    /// Corners of one triangle, each along three axes.
+    /// One corner of one triangle along three axes, in all lanes.
     #[inline(always)]
-    pub(crate) fn corner(&self, lane: usize, corner: usize, axis: usize) -> f32 {
-        self.corners[corner][axis][lane & 7]
+    pub(crate) fn corner<S: Simd>(
+        &self,
+        simd: S,
+        lane: usize,
+        corner: usize,
+        axes: [usize; 3],
+    ) -> [f32x16<S>; 3] {
+        let [x, y, z] = axes;
+        let corner = &self.corners[corner];
+        [
+            f32x16::splat(simd, corner[x][lane & 7]),
+            f32x16::splat(simd, corner[y][lane & 7]),
+            f32x16::splat(simd, corner[z][lane & 7]),
+        ]
     }
+}
+
+#[inline(always)]
+fn row<S: Simd>(simd: S, values: &[f32; WIDTH]) -> f32x8<S> {
+    f32x8::from_slice(simd, values)
 }

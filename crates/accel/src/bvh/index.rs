@@ -78,22 +78,28 @@ impl BvhIndex {
         let for_nodes = NodeRay::new(simd, ray, &self.tree.bounds, self.reach);
         let for_blocks = BlockRay::new(simd, ray);
         let mut tested = 0;
-        let visited = self.tree.walk(simd, &for_nodes, nearest.t, |blocks| {
-            for block in &self.blocks[blocks] {
-                tested += 1;
-                let met = block.meet(simd, &for_blocks, nearest.t);
-                let mut bits = met.hit.to_bitmask();
-                while bits != 0 {
-                    let i = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    let meeting = Meeting { t: met.t[i], u: met.u[i], v: met.v[i] };
-                    if meeting.t <= nearest.t {
-                        nearest.offer::<M>(meeting, block.numbers[i], slot);
+        let visited = self.tree.walk(
+            simd,
+            &for_nodes,
+            nearest.t,
+            #[inline(always)]
+            |blocks| {
+                for block in &self.blocks[blocks] {
+                    tested += 1;
+                    let met = block.meet(simd, &for_blocks, nearest.t);
+                    let mut bits = met.hit.to_bitmask();
+                    while bits != 0 {
+                        let i = bits.trailing_zeros() as usize;
+                        bits &= bits - 1;
+                        let meeting = Meeting { t: met.t[i], u: met.u[i], v: met.v[i] };
+                        if meeting.t <= nearest.t {
+                            nearest.offer::<M>(meeting, block.numbers[i], slot);
+                        }
                     }
                 }
-            }
-            nearest.t
-        });
+                nearest.t
+            },
+        );
         counters.nodes += u64::from(visited);
         counters.triangles += tested * super::WIDTH as u64;
     }

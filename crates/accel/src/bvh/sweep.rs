@@ -15,7 +15,7 @@ use super::blocks::TriangleBlock;
 use crate::Counters;
 use crate::nearest::Mode;
 use crate::packet::Heading;
-use crate::tile::{LANES, NearestTile, PerRay, RayTile};
+use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_lanes};
 
 /// A tile on its way through one object's tree.
@@ -52,29 +52,35 @@ impl<S: Simd> Sweep<'_, S> {
         }
 
         let mut tested = 0;
-        let visited = tree.sweep(simd, &beam, farthest, |blocks| {
-            for block in &self.blocks[blocks] {
-                let extents = [block.extent(simd, 0), block.extent(simd, 1), block.extent(simd, 2)];
-                if beam.meet_extents(simd, &extents, farthest) == 0 {
-                    continue;
-                }
-                for chunk in 0..chunks {
-                    let mut bits = parts[chunk].meet_extents(simd, &extents, ahead[chunk]);
-                    let mut found = false;
-                    while bits != 0 {
-                        let place = bits.trailing_zeros() as usize;
-                        bits &= bits - 1;
-                        tested += 1;
-                        found |= self.meet::<M>(block, place, &slopes, chunk, nearest);
+        let visited = tree.sweep(
+            simd,
+            &beam,
+            farthest,
+            #[inline(always)]
+            |blocks| {
+                for block in &self.blocks[blocks] {
+                    let extents = [block.extent(simd, 0), block.extent(simd, 1), block.extent(simd, 2)];
+                    if beam.meet_extents(simd, &extents, farthest) == 0 {
+                        continue;
                     }
-                    if found {
-                        ahead[chunk] = slopes.chunk_ahead(simd, nearest, chunk);
+                    for chunk in 0..chunks {
+                        let mut bits = parts[chunk].meet_extents(simd, &extents, ahead[chunk]);
+                        let mut found = false;
+                        while bits != 0 {
+                            let place = bits.trailing_zeros() as usize;
+                            bits &= bits - 1;
+                            tested += 1;
+                            found |= self.meet::<M>(block, place, &slopes, chunk, nearest);
+                        }
+                        if found {
+                            ahead[chunk] = slopes.chunk_ahead(simd, nearest, chunk);
+                        }
                     }
+                    farthest = ahead[0].max(ahead[1]).max(ahead[2]).max(ahead[3]);
                 }
-                farthest = ahead[0].max(ahead[1]).max(ahead[2]).max(ahead[3]);
-            }
-            farthest
-        });
+                farthest
+            },
+        );
         counters.nodes += u64::from(visited) * (LANES * chunks) as u64;
         counters.triangles += tested * LANES as u64;
     }
@@ -86,26 +92,32 @@ impl<S: Simd> Sweep<'_, S> {
         block: &TriangleBlock,
         place: usize,
         slopes: &Slopes,
-        chunk: usize,
+        which: usize,
         nearest: &mut NearestTile,
     ) -> bool {
         let simd = self.simd;
-        let at = chunk * LANES;
-        let load = |values: &PerRay| f32x16::from_slice(simd, &values[at..at + LANES]);
+        let at = which * LANES;
         let [x, y, z] = axes_from(self.heading.longest_axis);
-        let corner = |corner: usize, axis: usize| f32x16::splat(simd, block.corner(place, corner, axis));
         let corners = [
-            [corner(0, x), corner(0, y), corner(0, z)],
-            [corner(1, x), corner(1, y), corner(1, z)],
-            [corner(2, x), corner(2, y), corner(2, z)],
+            block.corner(simd, place, 0, [x, y, z]),
+            block.corner(simd, place, 1, [x, y, z]),
+            block.corner(simd, place, 2, [x, y, z]),
         ];
         let sheared = Sheared {
-            org: [load(&self.rays.org[x]), load(&self.rays.org[y]), load(&self.rays.org[z])],
-            shear: [load(&slopes.shear[0]), load(&slopes.shear[1]), load(&slopes.shear[2])],
+            org: [
+                chunk(simd, &self.rays.org[x], at),
+                chunk(simd, &self.rays.org[y], at),
+                chunk(simd, &self.rays.org[z], at),
+            ],
+            shear: [
+                chunk(simd, &slopes.shear[0], at),
+                chunk(simd, &slopes.shear[1], at),
+                chunk(simd, &slopes.shear[2], at),
+            ],
         };
-        let best = load(&nearest.t);
+        let best = chunk(simd, &nearest.t, at);
         let everyone = mask32x16::splat(simd, true);
-        let met = meet_lanes(simd, corners, &sheared, everyone, load(&self.rays.t_near), best);
+        let met = meet_lanes(simd, corners, &sheared, everyone, chunk(simd, &self.rays.t_near, at), best);
         if !met.hit.any_true() {
             return false;
         }
@@ -120,15 +132,18 @@ impl<S: Simd> Sweep<'_, S> {
             let lower = slot.simd_lt(old_slot) | (slot.simd_eq(old_slot) & number.simd_lt(old_number));
             (t, hit & (t.simd_lt(best) | (t.simd_eq(best) & lower)))
         };
-        let store = |values: &mut PerRay, new: f32x16<S>| {
-            let old = f32x16::from_slice(simd, &values[at..at + LANES]);
-            better.select(new, old).store_slice(&mut values[at..at + LANES]);
-        };
-        store(&mut nearest.t, t);
-        store(&mut nearest.u, u);
-        store(&mut nearest.v, v);
+        store(simd, &mut nearest.t, at, better, t);
+        store(simd, &mut nearest.u, at, better, u);
+        store(simd, &mut nearest.v, at, better, v);
         better.select(number, old_number).store_slice(&mut nearest.number[at..at + LANES]);
         better.select(slot, old_slot).store_slice(&mut nearest.slot[at..at + LANES]);
         true
     }
+}
+
+/// Overwrites the lanes in `mask`.
+#[inline(always)]
+fn store<S: Simd>(simd: S, values: &mut PerRay, at: usize, mask: mask32x16<S>, new: f32x16<S>) {
+    let old = chunk(simd, values, at);
+    mask.select(new, old).store_slice(&mut values[at..at + LANES]);
 }

@@ -84,18 +84,24 @@ impl KdIndex {
         let prepared = T::prepare(ray);
         let slabs = RaySlabs::new(ray, &self.tree.bounds, self.reach);
         let mut tested = 0;
-        let visited = self.tree.walk(&slabs, ray.t_near, nearest.t, |numbers| {
-            for &number in numbers {
-                tested += 1;
-                if let Some(meeting) = triangles.meet(number, &prepared, ray.t_near, nearest.t) {
-                    nearest.offer::<M>(meeting, number, slot);
-                    if M::ANY {
-                        break;
+        let visited = self.tree.walk(
+            &slabs,
+            ray.t_near,
+            nearest.t,
+            #[inline(always)]
+            |numbers| {
+                for &number in numbers {
+                    tested += 1;
+                    if let Some(meeting) = triangles.meet(number, &prepared, ray.t_near, nearest.t) {
+                        nearest.offer::<M>(meeting, number, slot);
+                        if M::ANY {
+                            break;
+                        }
                     }
                 }
-            }
-            nearest.t
-        });
+                nearest.t
+            },
+        );
         counters.nodes += u64::from(visited);
         counters.triangles += tested;
     }

@@ -18,7 +18,7 @@ const WORTH_A_TILE: u32 = 8;
 
 impl SceneTree {
     /// Improves `nearest`; the ray is sound.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn search<S: Simd, M: Mode>(
         &self,
         simd: S,
@@ -53,22 +53,28 @@ impl SceneTree {
         let over_scale = 1.0 / scale;
         let top = &self.top;
         let for_nodes = NodeRay::new(simd, &scaled, &top.tree.bounds, top.reach);
-        let visited = top.tree.walk(simd, &for_nodes, nearest.t * over_scale, |blocks| {
-            for block in &top.blocks[blocks] {
-                let (mut bits, _) = for_nodes.meet(simd, block, nearest.t * over_scale);
-                while bits != 0 {
-                    let slot = block.child(bits.trailing_zeros() as usize).index();
-                    bits &= bits - 1;
-                    self.placed[slot].search::<S, M>(simd, ray, slot as u32, nearest, counters);
+        let visited = top.tree.walk(
+            simd,
+            &for_nodes,
+            nearest.t * over_scale,
+            #[inline(always)]
+            |blocks| {
+                for block in &top.blocks[blocks] {
+                    let (mut bits, _) = for_nodes.meet(simd, block, nearest.t * over_scale);
+                    while bits != 0 {
+                        let slot = block.child(bits.trailing_zeros() as usize).index();
+                        bits &= bits - 1;
+                        self.placed[slot].search::<S, M>(simd, ray, slot as u32, nearest, counters);
+                    }
                 }
-            }
-            nearest.t * over_scale
-        });
+                nearest.t * over_scale
+            },
+        );
         counters.nodes += u64::from(visited);
     }
 
     /// The same for the rays of a tile that are in `active`.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn search_tile<S: Simd, M: Mode>(
         &self,
         simd: S,
@@ -130,19 +136,32 @@ impl SceneTree {
         let (_, whole) = slopes.prepare(simd, rays, count, heading);
         let beam = Beam::new(simd, &whole, heading, &top.tree.bounds, top.reach);
         let mut farthest = slopes.steps_ahead(simd, nearest, count);
-        let visited = top.tree.sweep(simd, &beam, farthest, |blocks| {
-            for block in &top.blocks[blocks] {
-                let (mut bits, _) = beam.meet(simd, block, farthest);
-                while bits != 0 {
-                    let slot = block.child(bits.trailing_zeros() as usize).index();
-                    bits &= bits - 1;
-                    let active = all(count) & nearest.looking(simd);
-                    self.placed[slot].search_tile::<S, M>(simd, rays, active, slot as u32, nearest, counters);
+        let visited = top.tree.sweep(
+            simd,
+            &beam,
+            farthest,
+            #[inline(always)]
+            |blocks| {
+                for block in &top.blocks[blocks] {
+                    let (mut bits, _) = beam.meet(simd, block, farthest);
+                    while bits != 0 {
+                        let slot = block.child(bits.trailing_zeros() as usize).index();
+                        bits &= bits - 1;
+                        let active = all(count) & nearest.looking(simd);
+                        self.placed[slot].search_tile::<S, M>(
+                            simd,
+                            rays,
+                            active,
+                            slot as u32,
+                            nearest,
+                            counters,
+                        );
+                    }
                 }
-            }
-            farthest = slopes.steps_ahead(simd, nearest, count);
-            farthest
-        });
+                farthest = slopes.steps_ahead(simd, nearest, count);
+                farthest
+            },
+        );
         counters.nodes += u64::from(visited) * count as u64;
     }
 }
