@@ -8,40 +8,56 @@
 //! Invariant: the tree does not depend on the threads; its leaves hold at most `reference_budget` times n references,
 //! shared out to subtrees by their size. Proof: `tests/kd_build.rs`.
 
+use gnurt_simd::{Level, dispatch};
+use rayon::prelude::*;
+
 use super::DEEPEST;
-use super::clip::split_boxes;
-use super::event::{Event, Kind, push_events};
+use super::divide::{Scratch, Seen, Start};
+use super::event::{Event, push_events};
 use super::node::{EMPTY_LEAF, KdTree, Node};
-use super::sah::{Costs, Plane, Side, best_plane};
+use super::sah::{Costs, Plane, best_across, cheapest};
+use super::sampled::BoxRef;
 use crate::geometry::Screened;
-use crate::{Aabb, BuildOptions, Threads};
+use crate::{Aabb, BuildOptions, Quality, Threads};
 
 /// Nodes of fewer triangles are not worth another thread.
-const WORTH_A_THREAD: usize = 2048;
+pub(super) const WORTH_A_THREAD: usize = 2048;
+/// In nodes of more triangles than this each axis is worth a thread.
+const WORTH_THREE_THREADS: usize = 65_536;
 
-/// A node still to be built.
-struct Task {
-    bounds: Aabb,
-    /// Sorted, per axis; triangles by their place in `prims`.
-    events: [Vec<Event>; 3],
-    /// Numbers of the triangles in the object.
-    prims: Vec<u32>,
-    depth: usize,
+/// A node still to be built, but for its triangles.
+#[derive(Clone, Copy)]
+pub(super) struct Cell {
+    pub(super) bounds: Aabb,
+    pub(super) depth: usize,
     /// Most references that the leaves below may hold.
     budget: usize,
 }
 
+impl Cell {
+    /// The parts on both sides of a plane, given how many triangles each sees; `None` where the budget forbids it.
+    pub(super) fn children(&self, plane: &Plane, counts: [usize; 2]) -> Option<[Self; 2]> {
+        let references = counts[0] + counts[1];
+        let spare = self.budget.checked_sub(references)?;
+        let for_left = counts[0] + (spare as u128 * counts[0] as u128 / references.max(1) as u128) as usize;
+        let [left, right] = self.bounds.split(plane.axis, plane.at);
+        let child = |bounds: Aabb, budget: usize| Self { bounds, depth: self.depth + 1, budget };
+        Some([child(left, for_left), child(right, self.budget - for_left)])
+    }
+}
+
 /// What was built below one node: nodes and items with indices of their own.
-struct Subtree {
+pub(super) struct Subtree {
     nodes: Vec<Node>,
     items: Vec<u32>,
 }
 
-struct Builder<'a> {
+pub(super) struct Builder<'a> {
     screened: &'a Screened<'a>,
-    costs: Costs,
-    max_depth: usize,
-    parallel: bool,
+    pub(super) costs: Costs,
+    pub(super) max_depth: usize,
+    pub(super) parallel: bool,
+    pub(super) level: Level,
 }
 
 impl KdTree {
@@ -53,7 +69,7 @@ impl KdTree {
         };
         let max_depth = (options.max_depth as usize).min(DEEPEST - 1);
         let parallel = matches!(threads, Threads::Pool(_));
-        let builder = Builder { screened, costs, max_depth, parallel };
+        let builder = Builder { screened, costs, max_depth, parallel, level: Level::best() };
         match threads {
             Threads::Single => builder.run(options),
             Threads::Pool(pool) => pool.install(|| builder.run(options)),
@@ -66,20 +82,29 @@ impl Builder<'_> {
         let n = self.screened.good.len();
         let budget = (f64::from(options.reference_budget.max(1.0)) * n as f64) as usize;
         let bounds = self.screened.bounds;
-        let mut tree = Subtree { nodes: vec![EMPTY_LEAF], items: vec![0] };
+        let mut tree = Subtree::new();
         if n > 0 {
-            let task = Task {
-                bounds,
-                events: self.root_events(),
-                prims: self.screened.good.clone(),
-                depth: 0,
-                budget,
-            };
-            self.grow(task, &mut tree, 0);
+            let cell = Cell { bounds, depth: 0, budget };
+            if options.quality == Quality::Fast {
+                self.grow_sampled(self.root_boxes(), cell, &mut tree, 0);
+            } else {
+                let seen = Seen { events: self.root_events(), prims: self.screened.good.clone() };
+                self.grow_wide(seen, cell, &mut tree, 0);
+            }
         }
         tree.nodes.shrink_to_fit();
         tree.items.shrink_to_fit();
         KdTree { nodes: tree.nodes, items: tree.items, bounds }
+    }
+
+    /// All triangles' boxes.
+    fn root_boxes(&self) -> Vec<BoxRef> {
+        let one = |&number: &u32| BoxRef::new(&Aabb::around(&self.screened.corners(number)), number);
+        if self.parallel {
+            self.screened.good.par_iter().map(one).collect()
+        } else {
+            self.screened.good.iter().map(one).collect()
+        }
     }
 
     /// All triangles' events, sorted.
@@ -89,7 +114,11 @@ impl Builder<'_> {
             for (i, &number) in self.screened.good.iter().enumerate() {
                 push_events(&mut events, &Aabb::around(&self.screened.corners(number)), axis, i as u32);
             }
-            events.sort_unstable();
+            if self.parallel {
+                events.par_sort_unstable()
+            } else {
+                events.sort_unstable()
+            }
             events
         };
         let (x, (y, z)) = self.both(|| sorted(0), || self.both(|| sorted(1), || sorted(2)));
@@ -101,202 +130,110 @@ impl Builder<'_> {
         if self.parallel { rayon::join(a, b) } else { (a(), b()) }
     }
 
-    /// Builds `task` into node `slot` of `tree`, and what is below it behind all that is there.
-    fn grow(&self, task: Task, tree: &mut Subtree, slot: usize) {
-        let (n, depth) = (task.prims.len(), task.depth);
-        let plane = match self.plane_for(&task) {
-            Some(plane) => plane,
-            None => return tree.set_leaf(slot, &task.prims),
+    /// Builds a node and what is below it into `slot` of `tree`, by several threads as long as it is large enough.
+    fn grow_wide(&self, mut seen: Seen, cell: Cell, tree: &mut Subtree, slot: usize) {
+        let mut scratch = Scratch::default();
+        if !self.parallel || seen.prims.len() < WORTH_A_THREAD {
+            return self.grow(&mut seen, Start::default(), cell, &mut scratch, tree, slot);
+        }
+        let Some((plane, [left, right])) = self.step(&mut seen, Start::default(), cell, &mut scratch) else {
+            return tree.set_leaf(slot, seen.prims.iter().copied());
         };
-        let (axis, at) = (plane.axis, plane.at);
-        let [left, right] = match self.divide(task, plane) {
-            Ok(children) => children,
-            Err(prims) => return tree.set_leaf(slot, &prims),
+        let first = tree.set_inner(slot, &plane);
+        let lefts = scratch.into_left();
+        let apart = |seen: Seen, cell: Cell| {
+            let mut apart = Subtree::new();
+            self.grow_wide(seen, cell, &mut apart, 0);
+            apart
         };
-
-        let first = tree.nodes.len();
-        tree.nodes[slot] = Node::inner(first as u32, axis, at);
-        tree.nodes.extend([EMPTY_LEAF; 2]);
-        if self.parallel && n >= WORTH_A_THREAD && depth < self.max_depth {
-            let (left, right) = rayon::join(|| self.grow_apart(left), || self.grow_apart(right));
-            tree.attach(first, left);
-            tree.attach(first + 1, right);
-        } else {
-            self.grow(left, tree, first);
-            self.grow(right, tree, first + 1);
-        }
+        let (left, right) = rayon::join(|| apart(lefts, left), || apart(seen, right));
+        tree.attach(first, left);
+        tree.attach(first + 1, right);
     }
 
-    fn grow_apart(&self, task: Task) -> Subtree {
-        let mut apart = Subtree { nodes: vec![EMPTY_LEAF], items: vec![0] };
-        self.grow(task, &mut apart, 0);
-        apart
-    }
-
-    /// The plane to divide at, or `None` where a leaf is cheaper.
-    fn plane_for(&self, task: &Task) -> Option<Plane> {
-        let n = task.prims.len();
-        let as_leaf = self.costs.leaf(n);
-        if task.depth >= self.max_depth || as_leaf <= self.costs.cheapest_split() {
-            return None;
-        }
-        best_plane(&task.bounds, &task.events, n, &self.costs).filter(|plane| plane.cost < as_leaf)
-    }
-
-    /// The two children, or the triangles back where the budget forbids to divide.
-    fn divide(&self, task: Task, plane: Plane) -> Result<[Task; 2], Vec<u32>> {
-        let mut sides = classify(&task, plane);
-        let pieces = self.cut_across(&task, plane, &mut sides);
-        let new_numbers = renumber(&sides);
-        let counts = new_numbers.counts;
-        let references = counts[0] + counts[1];
-        if references > task.budget {
-            return Err(task.prims);
-        }
-
-        let mut children = task.bounds.split(plane.axis, plane.at).map(|bounds| Task {
-            bounds,
-            events: [const { Vec::new() }; 3],
-            prims: Vec::new(),
-            depth: task.depth + 1,
-            budget: 0,
-        });
-        let spare = task.budget - references;
-        children[0].budget =
-            counts[0] + (spare as u128 * counts[0] as u128 / references.max(1) as u128) as usize;
-        children[1].budget = task.budget - children[0].budget;
-        for (side, child) in children.iter_mut().enumerate() {
-            child.prims.reserve_exact(counts[side]);
-            let here = (0..sides.len()).filter(|&i| sides[i] & BITS[side] != 0);
-            child.prims.extend(here.map(|i| task.prims[i]));
-        }
-
-        // Axis by axis, so that the parent's events go as the children's come.
-        for (axis, old) in task.events.into_iter().enumerate() {
-            let [left, right] = split_events(old, axis, &sides, &pieces, &new_numbers);
-            children[0].events[axis] = left;
-            children[1].events[axis] = right;
-        }
-        Ok(children)
-    }
-
-    /// Cuts triangles that lie across the plane; `sides` learns where nothing is left of them.
-    fn cut_across(&self, task: &Task, plane: Plane, sides: &mut [u8]) -> Vec<Piece> {
-        let mut pieces = Vec::new();
-        for (i, side) in sides.iter_mut().enumerate().filter(|(_, side)| **side == BITS[0] | BITS[1]) {
-            let corners = self.screened.corners(task.prims[i]);
-            let boxes = split_boxes(&corners, &task.bounds, plane.axis, plane.at);
-            *side = CUT;
-            for (bit, bounds) in BITS.into_iter().zip(boxes) {
-                if let Some(bounds) = bounds {
-                    *side |= bit;
-                    pieces.push(Piece { prim: i as u32, bit, bounds });
-                }
+    /// Builds what is behind `start` in `seen` into `slot` of `tree`, and what is below it behind all that is there.
+    /// Only what lies before `start` is left in `seen`.
+    fn grow(
+        &self,
+        seen: &mut Seen,
+        start: Start,
+        cell: Cell,
+        scratch: &mut Scratch,
+        tree: &mut Subtree,
+        slot: usize,
+    ) {
+        match self.step(seen, start, cell, scratch) {
+            None => tree.set_leaf(slot, seen.prims[start.prims..].iter().copied()),
+            Some((plane, [left, right])) => {
+                let first = tree.set_inner(slot, &plane);
+                let behind = seen.end();
+                seen.append_left(scratch);
+                self.grow(seen, behind, left, scratch, tree, first);
+                self.grow(seen, start, right, scratch, tree, first + 1);
             }
         }
-        pieces
+        seen.truncate(start);
     }
-}
 
-/// Bits of a triangle's class: it is seen left, right; its old events are void.
-const BITS: [u8; 2] = [1, 2];
-const CUT: u8 = 4;
-
-/// What one side sees of a triangle that lies across the plane.
-struct Piece {
-    prim: u32,
-    bit: u8,
-    bounds: Aabb,
-}
-
-/// Places of a node's triangles in its children, and how many there are.
-struct NewNumbers {
-    of: [Vec<u32>; 2],
-    counts: [usize; 2],
-}
-
-/// For each triangle the sides that its box reaches.
-fn classify(task: &Task, plane: Plane) -> Vec<u8> {
-    let mut sides = vec![BITS[0] | BITS[1]; task.prims.len()];
-    let [left, right] = BITS;
-    let place = Event::new(plane.at, Kind::End, 0).place();
-    for event in &task.events[plane.axis] {
-        let side = &mut sides[event.prim()];
-        match event.kind() {
-            Kind::End if event.place() <= place => *side = left,
-            Kind::Start if event.place() >= place => *side = right,
-            Kind::Flat if event.place() < place => *side = left,
-            Kind::Flat if event.place() > place => *side = right,
-            Kind::Flat => *side = if plane.flat_side == Side::Left { left } else { right },
-            Kind::End | Kind::Start => {}
+    /// Divides what is behind `start`: the right child's triangles stay there, the left child's go to `scratch.left`.
+    /// `None` where a leaf is cheaper or the budget forbids to divide; then nothing is changed.
+    fn step(
+        &self,
+        seen: &mut Seen,
+        start: Start,
+        cell: Cell,
+        scratch: &mut Scratch,
+    ) -> Option<(Plane, [Cell; 2])> {
+        let n = seen.prims.len() - start.prims;
+        let as_leaf = self.costs.leaf(n);
+        if cell.depth >= self.max_depth || as_leaf <= self.costs.cheapest_split() {
+            return None;
         }
-    }
-    sides
-}
+        let across = |axis: usize| {
+            let events = &seen.events[axis][start.events[axis]..];
+            dispatch!(self.level, simd => best_across(simd, &cell.bounds, axis, events, n, &self.costs))
+        };
+        let planes = if n >= WORTH_THREE_THREADS {
+            let (x, (y, z)) = self.both(|| across(0), || self.both(|| across(1), || across(2)));
+            [x, y, z]
+        } else {
+            [across(0), across(1), across(2)]
+        };
+        let plane = cheapest(planes).filter(|plane| plane.cost < as_leaf)?;
 
-/// New numbers keep the order of the old ones, so filtered events stay sorted.
-fn renumber(sides: &[u8]) -> NewNumbers {
-    let mut new = NewNumbers { of: [vec![0; sides.len()], vec![0; sides.len()]], counts: [0; 2] };
-    for (i, &side) in sides.iter().enumerate() {
-        for (half, bit) in BITS.into_iter().enumerate() {
-            new.of[half][i] = new.counts[half] as u32;
-            new.counts[half] += usize::from(side & bit != 0);
-        }
+        let counts = seen.classify(start, self.screened, &cell.bounds, &plane, scratch);
+        let children = cell.children(&plane, counts)?;
+        seen.divide(start, scratch, self.parallel && n >= WORTH_THREE_THREADS);
+        Some((plane, children))
     }
-    new
-}
-
-/// The children's sorted events along `axis`: the old ones of uncut triangles, merged with those of the pieces.
-fn split_events(
-    old: Vec<Event>,
-    axis: usize,
-    sides: &[u8],
-    pieces: &[Piece],
-    new: &NewNumbers,
-) -> [Vec<Event>; 2] {
-    let mut fresh = [const { Vec::new() }; 2];
-    for piece in pieces {
-        let half = usize::from(piece.bit == BITS[1]);
-        push_events(&mut fresh[half], &piece.bounds, axis, new.of[half][piece.prim as usize]);
-    }
-    fresh.iter_mut().for_each(|events| events.sort_unstable());
-
-    let mut merged =
-        [0, 1].map(|half| Vec::with_capacity((2 * new.counts[half]).min(old.len() + fresh[half].len())));
-    let mut waiting = [0; 2];
-    for event in old {
-        let side = sides[event.prim()];
-        if side & CUT != 0 {
-            continue;
-        }
-        let half = usize::from(side == BITS[1]);
-        let event = event.renumbered(new.of[half][event.prim()]);
-        let (to, from, next) = (&mut merged[half], &fresh[half], &mut waiting[half]);
-        while *next < from.len() && from[*next] < event {
-            to.push(from[*next]);
-            *next += 1;
-        }
-        to.push(event);
-    }
-    for half in 0..2 {
-        merged[half].extend_from_slice(&fresh[half][waiting[half]..]);
-    }
-    merged
 }
 
 impl Subtree {
-    fn set_leaf(&mut self, slot: usize, prims: &[u32]) {
-        if prims.is_empty() {
+    /// An empty leaf.
+    pub(super) fn new() -> Self {
+        Self { nodes: vec![EMPTY_LEAF], items: vec![0] }
+    }
+
+    /// Two children for `slot`; the place of the first.
+    pub(super) fn set_inner(&mut self, slot: usize, plane: &Plane) -> usize {
+        let first = self.nodes.len();
+        self.nodes[slot] = Node::inner(first as u32, plane.axis, plane.at);
+        self.nodes.extend([EMPTY_LEAF; 2]);
+        first
+    }
+
+    pub(super) fn set_leaf(&mut self, slot: usize, prims: impl ExactSizeIterator<Item = u32>) {
+        if prims.len() == 0 {
             self.nodes[slot] = EMPTY_LEAF;
             return;
         }
         self.nodes[slot] = Node::leaf(self.items.len() as u32);
         self.items.push(prims.len() as u32);
-        self.items.extend_from_slice(prims);
+        self.items.extend(prims);
     }
 
     /// Puts a subtree's root into `slot` and the rest at the end; the empty leaf's list is there already.
-    fn attach(&mut self, slot: usize, below: Self) {
+    pub(super) fn attach(&mut self, slot: usize, below: Self) {
         let (nodes, items) = (self.nodes.len() as u32 - 1, self.items.len() as u32 - 1);
         let mut moved = below.nodes.into_iter().map(|node| node.moved(nodes, items));
         self.nodes[slot] = moved.next().unwrap_or(EMPTY_LEAF);

@@ -16,7 +16,7 @@ pub(crate) enum Kind {
 }
 
 /// An event; see the head of this file for its bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Event(u64);
 
 const PRIM_BITS: u32 = 30;
@@ -25,13 +25,17 @@ const PRIM_MASK: u64 = (1 << PRIM_BITS) - 1;
 impl Event {
     #[inline]
     pub(crate) fn new(at: f32, kind: Kind, prim: u32) -> Self {
-        // Adding zero turns -0.0 into 0.0, so that equal positions have equal bits.
-        let bits = (at + 0.0).to_bits();
-        let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
-        Self(u64::from(ordered) << 32 | (kind as u64) << PRIM_BITS | u64::from(prim))
+        Self(u64::from(Self::place_of(at)) << 32 | (kind as u64) << PRIM_BITS | u64::from(prim))
     }
 
     /// Equal for equal positions, ordered like them.
+    #[inline(always)]
+    pub(crate) fn place_of(at: f32) -> u32 {
+        // Adding zero turns -0.0 into 0.0, so that equal positions have equal bits.
+        let bits = (at + 0.0).to_bits();
+        if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+    }
+
     #[inline(always)]
     pub(crate) fn place(self) -> u32 {
         (self.0 >> 32) as u32
@@ -40,7 +44,8 @@ impl Event {
     #[inline(always)]
     pub(crate) fn at(self) -> f32 {
         let ordered = self.place();
-        f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
+        let not_negative = (ordered as i32 >> 31) as u32;
+        f32::from_bits(ordered ^ (!not_negative | 1 << 31))
     }
 
     #[inline(always)]
@@ -50,6 +55,17 @@ impl Event {
             1 => Kind::Flat,
             _ => Kind::Start,
         }
+    }
+
+    /// 1 where a box ends, 0 where one starts; not for flat ones.
+    #[inline(always)]
+    pub(crate) fn ends(self) -> i32 {
+        1 - (self.0 >> (PRIM_BITS + 1) & 1) as i32
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_flat(self) -> bool {
+        self.0 >> PRIM_BITS & 1 == 1
     }
 
     #[inline(always)]

@@ -4,6 +4,7 @@
 
 mod build;
 mod clip;
+mod divide;
 mod event;
 mod index;
 mod measure;
@@ -12,6 +13,7 @@ mod naive;
 mod node;
 mod packet;
 mod sah;
+mod sampled;
 mod single;
 mod slab;
 
