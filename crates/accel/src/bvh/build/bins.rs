@@ -12,13 +12,17 @@ use crate::bvh::WIDTH;
 /// Bins of each axis, a power of two.
 pub(super) const BINS: usize = 16;
 
-/// References left of `border` bins along `axis` go left: `count` of them.
+/// What is before bin `border` along `axis` goes left.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
     pub(super) axis: usize,
     pub(super) border: usize,
-    pub(super) count: usize,
     pub(super) cost: f32,
+}
+
+impl Split {
+    /// Anything is cheaper.
+    pub(super) const NONE: Self = Self { axis: 0, border: 0, cost: f32::INFINITY };
 }
 
 /// Maps middles to bins.
@@ -88,26 +92,10 @@ impl Bins {
     /// The cheapest split; `None` where all middles share one bin.
     #[inline(always)]
     pub(super) fn best_split<S: Simd>(&self, simd: S, scale: f32) -> Option<Split> {
-        let mut best = Split { axis: 0, border: 0, count: 0, cost: f32::INFINITY };
+        let mut best = Split::NONE;
         for axis in 0..3 {
-            let (bins, counts) = (&self.bounds[axis], &self.counts[axis]);
-            let mut right_costs = [0.0; BINS];
-            let (mut bounds, mut count) = (Lanes::EMPTY.load(simd), 0);
-            for border in (1..BINS).rev() {
-                bounds = bounds.max(bins[border].load(simd));
-                count += counts[border];
-                right_costs[border] = cost(simd, bounds, count, scale);
-            }
-            let (mut bounds, mut count) = (Lanes::EMPTY.load(simd), 0);
-            for border in 1..BINS {
-                bounds = bounds.max(bins[border - 1].load(simd));
-                count += counts[border - 1];
-                // NaN, and so never below, where a side is empty.
-                let cost = cost(simd, bounds, count, scale) + right_costs[border];
-                if cost < best.cost {
-                    best = Split { axis, border, count: count as usize, cost };
-                }
-            }
+            let counts = &self.counts[axis];
+            sweep(simd, &self.bounds[axis], counts, counts, axis, scale, &mut best);
         }
         (best.border > 0).then_some(best)
     }
@@ -124,6 +112,37 @@ impl Bins {
             bounds[1] = bounds[1].max(bin.load(simd));
         }
         [Lanes::store(bounds[0]), Lanes::store(bounds[1])]
+    }
+}
+
+/// Looks for a border along `axis` that is cheaper than `best`. What begins before the border is on its left, what ends
+/// behind it is on its right.
+#[inline(always)]
+pub(super) fn sweep<S: Simd>(
+    simd: S,
+    bounds: &[Lanes; BINS],
+    begins: &[u32; BINS],
+    ends: &[u32; BINS],
+    axis: usize,
+    scale: f32,
+    best: &mut Split,
+) {
+    let mut right_costs = [0.0; BINS];
+    let (mut around, mut count) = (Lanes::EMPTY.load(simd), 0);
+    for border in (1..BINS).rev() {
+        around = around.max(bounds[border].load(simd));
+        count += ends[border];
+        right_costs[border] = cost(simd, around, count, scale);
+    }
+    let (mut around, mut count) = (Lanes::EMPTY.load(simd), 0);
+    for border in 1..BINS {
+        around = around.max(bounds[border - 1].load(simd));
+        count += begins[border - 1];
+        // NaN, and so never below, where a side is empty.
+        let cost = cost(simd, around, count, scale) + right_costs[border];
+        if cost < best.cost {
+            *best = Split { axis, border, cost };
+        }
     }
 }
 

@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Building a wide BVH by the surface area heuristic.
-//! Source: binned heuristic [Wald07].
+//! Source: binned heuristic [Wald07]; with time to spare also spatial splits [SFD09], and nodes of the least cost [YKL17].
 //! In: boxes of primitives. Out: [`Tree`]. Cost: O(n log n).
 //! Invariant: every primitive is in at least one leaf whose box, and that of all nodes above, holds (its part of) it;
 //! the tree does not depend on the number of threads. Proof: `tests`.
 
+mod binary;
 mod bins;
+mod collapse;
 mod grow;
 mod partition;
 mod reference;
+mod spatial;
 #[cfg(test)]
 mod tests;
 mod top;
 
 use super::node::{Node8, WIDTH};
 use crate::{Aabb, Quality, Threads};
+use binary::Careful;
+use collapse::collapse;
 use gnurt_simd::Level;
 pub(crate) use grow::DEEPEST;
 use rayon::prelude::*;
@@ -45,26 +50,44 @@ pub(crate) struct Tree {
 
 /// Builds over all primitives.
 pub(crate) fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
-    let _ = quality;
     match threads {
-        Threads::Single => build_with(primitives, false),
-        Threads::Pool(pool) => pool.install(|| build_with(primitives, true)),
+        Threads::Single => build_with(primitives, quality, false),
+        Threads::Pool(pool) => pool.install(|| build_with(primitives, quality, true)),
     }
 }
 
-fn build_with(primitives: &impl Primitives, parallel: bool) -> Tree {
-    let number_and_box = |number: usize| Reference::new(number as u32, &primitives.bounds(number));
+fn build_with(primitives: &impl Primitives, quality: Quality, parallel: bool) -> Tree {
     let count = primitives.count();
-    let mut references: Vec<Reference> = if parallel {
-        (0..count).into_par_iter().with_min_len(1024).map(number_and_box).collect()
-    } else {
-        (0..count).map(number_and_box).collect()
-    };
     if count == 0 {
         return Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Aabb::EMPTY };
     }
+    let mut references = all_references(primitives, parallel);
     let crew = Crew { parallel, level: Level::best(), scale: 1.0 };
     let root = crew.around(&references);
     let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
-    Crew { scale: (1.0 / longest) as f32, ..crew }.build(&mut references, root)
+    let crew = Crew { scale: (1.0 / longest) as f32, ..crew };
+    if quality == Quality::High {
+        // What cannot be split needs no room for parts.
+        let first = primitives.bounds(0);
+        let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
+        if primitives.split(0, &first, 0, middle).is_some() {
+            references.resize(count + count / 2, Reference::ZERO);
+        }
+        let knots = Careful::new(primitives, crew, &root).build(&mut references, root);
+        if let Some(tree) = collapse(&knots, crew.scale) {
+            return tree;
+        }
+        references = all_references(primitives, parallel);
+    }
+    crew.build(&mut references, root)
+}
+
+fn all_references(primitives: &impl Primitives, parallel: bool) -> Vec<Reference> {
+    let number_and_box = |number: usize| Reference::new(number as u32, &primitives.bounds(number));
+    let count = primitives.count();
+    if parallel {
+        (0..count).into_par_iter().with_min_len(1024).map(number_and_box).collect()
+    } else {
+        (0..count).map(number_and_box).collect()
+    }
 }

@@ -120,7 +120,7 @@ mod tests {
         let mapping = Mapping { origin: [0.0; 4], scale: [8.0; 4] };
         for count in [1, 2, 31, 32, 33, 63, 64, 65, 95, 96, 97, 128, 1000] {
             for border in [1, 4, 8, 12, 15] {
-                let split = Split { axis: 1, border, count: 0, cost: 0.0 };
+                let split = Split { axis: 1, border, cost: 0.0 };
                 let corner = |random: &mut gnurt_testkit::Random| [0, 1, 2].map(|_: i32| random.unit());
                 let boxes: Vec<Aabb> =
                     (0..count).map(|_| Aabb::around(&[corner(&mut random), corner(&mut random)])).collect();

@@ -7,6 +7,21 @@ use crate::INVALID_ID;
 use crate::bvh::Child;
 use gnurt_testkit::Random;
 
+/// Corners of triangles.
+struct Corners(Vec<[[f32; 3]; 3]>);
+
+impl Primitives for Corners {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+    fn bounds(&self, number: usize) -> Aabb {
+        Aabb::around(&self.0[number])
+    }
+    fn split(&self, number: usize, cell: &Aabb, axis: usize, at: f32) -> Option<[Option<Aabb>; 2]> {
+        Some(crate::kd::split_boxes(&self.0[number], cell, axis, at))
+    }
+}
+
 struct Boxes(Vec<Aabb>);
 
 impl Primitives for Boxes {
@@ -135,4 +150,88 @@ fn piles_stay_shallow() {
     check_all(nested.map(|x| Aabb { min: [-x; 3], max: [x; 3] }).collect());
     let row = (0..2000).map(|i| 2.0f32.powi(i % 200 - 100));
     check_all(row.map(|x| Aabb { min: [x, 0.0, 0.0], max: [1.5 * x, x, x] }).collect());
+}
+
+/// Long triangles in all directions: what spatial splits are for.
+fn needles(random: &mut Random, count: usize) -> Corners {
+    let mut needle = || {
+        let (from, to, by) = (random.point(), random.point(), random.point());
+        [from, to, [0, 1, 2].map(|k| from[k] + 0.02 * by[k])]
+    };
+    Corners((0..count).map(|_| needle()).collect())
+}
+
+#[test]
+fn parts_cover_the_whole() {
+    let mut random = Random::new(3);
+    let triangles = needles(&mut random, 2000);
+    let tree = build(&triangles, Quality::High, Threads::Single);
+    // All boxes that a triangle is seen in: those of leaves, as far as the boxes above reach.
+    let mut seen: Vec<Vec<Aabb>> = vec![Vec::new(); triangles.count()];
+    let mut waiting = vec![(0, tree.bounds)];
+    let shared = |a: &Aabb, b: &Aabb| Aabb {
+        min: [0, 1, 2].map(|k| a.min[k].max(b.min[k])),
+        max: [0, 1, 2].map(|k| a.max[k].min(b.max[k])),
+    };
+    while let Some((at, bounds)) = waiting.pop() {
+        let node = &tree.nodes[at];
+        for place in (0..WIDTH).filter(|&place| !node.bounds(place).is_empty()) {
+            let (inner, child) = (shared(&bounds, &node.bounds(place)), node.child(place));
+            assert!(!inner.is_empty(), "{:?} meets {bounds:?}", node.bounds(place));
+            if !child.is_leaf() {
+                waiting.push((child.index(), inner));
+            }
+            for &number in child.blocks().flat_map(|block| &tree.blocks[block]) {
+                if number != INVALID_ID {
+                    seen[number as usize].push(inner);
+                }
+            }
+        }
+    }
+    let references: usize = seen.iter().map(Vec::len).sum();
+    assert!(references > 2100 && references <= 4000, "{references} parts: some are cut, within the budget");
+    for (number, [a, b, c]) in triangles.0.iter().enumerate() {
+        for _ in 0..50 {
+            let (u, v) = (random.unit(), random.unit());
+            let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+            let point = [0, 1, 2].map(|k| a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k]));
+            let near = |bounds: &Aabb| {
+                (0..3).all(|k| point[k] >= bounds.min[k] - 5e-7 && point[k] <= bounds.max[k] + 5e-7)
+            };
+            assert!(seen[number].iter().any(near), "{point:?} of {number} is in one of {:?}", seen[number]);
+        }
+    }
+}
+
+/// Expected steps and blocks of a ray, by areas.
+fn cost(tree: &Tree) -> f64 {
+    let children = |node: &Node8| -> f64 { (0..WIDTH).map(|place| node.bounds(place).half_area()).sum() };
+    tree.nodes.iter().map(children).sum::<f64>() / tree.bounds.half_area()
+}
+
+#[test]
+fn care_pays() {
+    let mut random = Random::new(4);
+    let triangles = needles(&mut random, 5000);
+    let [medium, high] =
+        [Quality::Medium, Quality::High].map(|quality| cost(&build(&triangles, quality, Threads::Single)));
+    assert!(high < 0.9 * medium, "{high} is well below {medium}");
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads start");
+    let same =
+        [Threads::Single, Threads::Pool(&pool)].map(|threads| build(&triangles, Quality::High, threads));
+    assert!(same[0] == same[1], "threads build the same tree");
+}
+
+#[test]
+fn halves_are_as_good_as_thirds() {
+    // The heuristic finds the two clusters, whatever their sizes.
+    let mut boxes = random_boxes(&mut Random::new(5), 300, 0.1);
+    for bounds in &mut boxes[..100] {
+        bounds.min[0] += 50.0;
+        bounds.max[0] += 50.0;
+    }
+    let tree = check_all(boxes);
+    let far = (0..WIDTH).filter(|&place| tree.nodes[0].bounds(place).min[0] > 40.0).count();
+    let near = (0..WIDTH).filter(|&place| tree.nodes[0].bounds(place).max[0] < 10.0).count();
+    assert_eq!(near + far, WIDTH, "no child of the root holds some of both");
 }

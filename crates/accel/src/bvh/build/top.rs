@@ -18,7 +18,7 @@ use crate::bvh::{Child, Node8, WIDTH};
 const PIECE: usize = 1 << 15;
 
 /// Subtrees over at most this many references are built by one thread.
-const SUBTREE: usize = 1 << 12;
+pub(super) const SUBTREE: usize = 1 << 12;
 
 /// Who builds, and how large things are.
 #[derive(Clone, Copy)]
