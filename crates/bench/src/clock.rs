@@ -14,6 +14,12 @@ pub(crate) fn thread_seconds() -> f64 {
     seconds(rustix::time::ClockId::ThreadCPUTime)
 }
 
+/// Seconds of all threads of this program.
+#[cfg(unix)]
+pub(crate) fn process_seconds() -> f64 {
+    seconds(rustix::time::ClockId::ProcessCPUTime)
+}
+
 #[cfg(not(unix))]
 fn wall_seconds() -> f64 {
     use std::sync::OnceLock;
@@ -25,6 +31,12 @@ fn wall_seconds() -> f64 {
 /// Seconds of the calling thread.
 #[cfg(not(unix))]
 pub(crate) fn thread_seconds() -> f64 {
+    wall_seconds()
+}
+
+/// Seconds of all threads of this program.
+#[cfg(not(unix))]
+pub(crate) fn process_seconds() -> f64 {
     wall_seconds()
 }
 

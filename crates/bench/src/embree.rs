@@ -40,9 +40,10 @@ impl EmbreeLibrary {
         Error::Embree { library: self.file.display().to_string(), why }
     }
 
-    /// A device that uses this instruction set.
-    pub(crate) fn device(&self, level: Level) -> Result<Device<'_>, Error> {
-        let settings = isa(level).map_or(String::new(), |isa| format!("isa={isa}"));
+    /// A device that uses this instruction set and this many threads (0: all) to build.
+    pub(crate) fn device(&self, level: Level, threads: usize) -> Result<Device<'_>, Error> {
+        let isa = isa(level).map_or(String::new(), |isa| format!(",isa={isa}"));
+        let settings = format!("threads={threads}{isa}");
         Device::open(&self.library, &settings).map_err(|why| self.failed(why))
     }
 }
@@ -61,11 +62,13 @@ fn isa(level: Level) -> Option<&'static str> {
 impl EmbreeKind {
     /// Quality of the build and flags of the scene.
     pub(crate) fn settings(self) -> (i32, i32) {
+        const COMPACT: i32 = 2;
         const ROBUST: i32 = 4;
         match self {
             Self::Medium => (1, 0),
             Self::High => (2, 0),
             Self::Robust => (1, ROBUST),
+            Self::Compact => (1, COMPACT),
         }
     }
 }
@@ -176,9 +179,9 @@ mod tests {
             return;
         };
         let library = EmbreeLibrary::open(Path::new(&file)).expect("Embree 4");
-        let device = library.device(Level::best()).expect("a device");
+        let device = library.device(Level::best(), 0).expect("a device");
         let padded = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]];
-        for kind in EmbreeKind::TRACED {
+        for kind in EmbreeKind::ALL {
             let (quality, flags) = kind.settings();
             let scene = Scene::build(&device, &padded, &[[0, 1, 2]], quality, flags).expect("it builds");
             // Nineteen rays: whole packets and a part of one.

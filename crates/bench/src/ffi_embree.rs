@@ -265,6 +265,12 @@ impl<'a> Device<'a> {
         }
     }
 
+    /// Bytes that the library holds for this device, and the most that it held since this was last asked.
+    pub(crate) fn memory(&self) -> (i64, i64) {
+        let now = self.memory.now.load(Ordering::Relaxed);
+        (now, self.memory.peak.swap(now, Ordering::Relaxed))
+    }
+
     fn check(&self) -> Result<(), String> {
         // SAFETY: the device is open.
         match unsafe { (self.library.device_error)(self.raw) } {

@@ -48,6 +48,8 @@ pub enum EmbreeKind {
     /// Medium quality, watertight: what is fairly compared with our trees. (With high quality, robust scenes are the
     /// same as these.)
     Robust,
+    /// Medium quality in less memory. Built only: it is slower than the others.
+    Compact,
 }
 
 /// How Embree is asked.
@@ -60,6 +62,8 @@ pub struct Packets {
 }
 
 impl EmbreeKind {
+    /// What is built.
+    pub(crate) const ALL: [Self; 4] = [Self::Medium, Self::High, Self::Robust, Self::Compact];
     /// What rays are traced through.
     pub(crate) const TRACED: [Self; 3] = [Self::Medium, Self::High, Self::Robust];
 
@@ -68,6 +72,7 @@ impl EmbreeKind {
             Self::Medium => "medium",
             Self::High => "high",
             Self::Robust => "robust",
+            Self::Compact => "compact",
         }
     }
 }
@@ -167,13 +172,19 @@ pub struct Filter {
 }
 
 impl Filter {
+    /// Whether an engine is wanted.
+    #[must_use]
+    pub fn has_engine(&self, engine: &str) -> bool {
+        self.engines.is_empty() || self.engines.iter().any(|name| name == engine)
+    }
+
     /// The jobs that are wanted.
     ///
     /// # Errors
     /// [`Error::NothingToDo`] if a part of a name is in no mode of the engines that are wanted.
     pub fn jobs(&self) -> Result<Vec<Job>, Error> {
         let mut jobs = Job::all();
-        jobs.retain(|job| self.engines.is_empty() || self.engines.iter().any(|name| name == job.engine()));
+        jobs.retain(|job| self.has_engine(job.engine()));
         let modes: Vec<String> = jobs.iter().map(Job::mode).collect();
         if !self.modes.iter().all(|part| modes.iter().any(|mode| mode.contains(part))) {
             return Err(Error::NothingToDo { valid: modes });

@@ -3,20 +3,27 @@
 //! Source: original; the classes of rays and what must be heeded are those of docs/benchmarks.md.
 //!
 //! The way of a run: a scene becomes a [`Subject`] (one mesh, a view, a light); [`rays::run`] makes the rays of each
-//! [`Class`], asks every [`Job`] once for its answers and compares them, then times all jobs in turns and gives a
-//! [`Row`] for each; [`table`] shows the rows.
+//! [`Class`], asks the [`Contestant`] of every [`Job`] once for its answers and compares them, then times all in turns and
+//! gives a [`Row`] for each; [`table`] and [`plot`] show the rows. [`builds`] and [`paper`] measure what their names say.
 //!
 //! Times are those of the thread on its processor: what other programs take does not count. Rates of several threads
 //! are what they reach if each has a core to itself.
 #![deny(unsafe_code)]
 
+pub mod builds;
 mod clock;
+mod contest;
 mod embree;
 mod error;
 #[allow(unsafe_code, reason = "the one door to the library of C")]
 mod ffi_embree;
+#[allow(unsafe_code, reason = "a call of the C library's allocator")]
+mod ffi_malloc;
 mod job;
+mod memory;
 mod own;
+pub mod paper;
+pub mod plot;
 mod random;
 mod ray_classes;
 pub mod rays;
@@ -24,12 +31,15 @@ mod row;
 mod subject;
 pub mod table;
 mod timing;
+mod trees;
 mod vector;
 mod verdict;
 
+pub use contest::Contestant;
 pub use embree::EmbreeLibrary;
 pub use error::Error;
 pub use job::{ENGINES, Filter, Job};
 pub use ray_classes::Class;
 pub use row::{Row, to_json};
 pub use subject::Subject;
+pub use timing::{Answers, Engine};

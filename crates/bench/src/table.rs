@@ -120,19 +120,19 @@ impl<'a> Comparison<'a> {
     }
 }
 
-fn is_own(row: &Row) -> bool {
+pub(crate) fn is_own(row: &Row) -> bool {
     row.engine == "gnurt"
 }
 
-fn is_embree(row: &Row) -> bool {
+pub(crate) fn is_embree(row: &Row) -> bool {
     row.engine == "embree4"
 }
 
-fn is_robust(row: &Row) -> bool {
+pub(crate) fn is_robust(row: &Row) -> bool {
     is_embree(row) && row.mode.starts_with("robust")
 }
 
-fn best(rows: &[Row], wanted: impl Fn(&Row) -> bool) -> Option<&Row> {
+pub(crate) fn best(rows: &[Row], wanted: impl Fn(&Row) -> bool) -> Option<&Row> {
     rows.iter().filter(|row| wanted(row)).max_by(|a, b| a.mrays_cpu.total_cmp(&b.mrays_cpu))
 }
 

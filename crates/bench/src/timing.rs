@@ -7,12 +7,12 @@ use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use gnurt::accel::{HitBatch, RayBatch, Record};
+use gnurt::accel::{HitBatch, Ray, RayBatch, Record};
 
 use crate::clock::thread_seconds;
 
 /// Something that answers rays.
-pub(crate) trait Engine: Sync {
+pub trait Engine: Sync {
     /// Closest hits: fills `t` and `prim_id` of `answers.hits`.
     fn closest(&self, rays: &RayBatch, answers: &mut Answers);
     /// Any hits: fills `answers.occluded`.
@@ -20,16 +20,18 @@ pub(crate) trait Engine: Sync {
 }
 
 /// Where a thread's answers go: used again and again, as a program does.
-#[derive(Default)]
-pub(crate) struct Answers {
-    pub(crate) hits: HitBatch,
-    pub(crate) occluded: Vec<bool>,
+#[derive(Debug, Default)]
+pub struct Answers {
+    /// Closest hits; only `t` and `prim_id` are looked at.
+    pub hits: HitBatch,
+    /// Whether anything is hit.
+    pub occluded: Vec<bool>,
     pub(crate) record: Record,
 }
 
 impl Answers {
     /// Room for `n` answers; what is in them does not matter.
-    pub(crate) fn resize(&mut self, n: usize) {
+    pub fn resize(&mut self, n: usize) {
         if self.hits.len() != n {
             self.hits.reset(n);
         }
@@ -47,6 +49,17 @@ pub(crate) struct Rays {
 impl Rays {
     pub(crate) fn len(&self) -> usize {
         self.chunks.iter().map(RayBatch::len).sum()
+    }
+
+    /// Ray `i`, counted through all chunks.
+    pub(crate) fn get(&self, mut i: usize) -> Option<Ray> {
+        for chunk in &self.chunks {
+            if i < chunk.len() {
+                return Some(chunk.get(i));
+            }
+            i -= chunk.len();
+        }
+        None
     }
 }
 
@@ -113,7 +126,6 @@ pub(crate) fn answers(engine: &dyn Engine, rays: &Rays) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gnurt::accel::Ray;
 
     /// Counts rays; its "hits" are at the ray's own far end.
     struct Counter(AtomicUsize);

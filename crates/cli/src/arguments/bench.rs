@@ -24,18 +24,28 @@ pub(crate) enum BenchCommand {
     /// Measure ray queries, beside Embree's where EMBREE4_LIB names a library of Embree 4
     #[command(args_override_self = true)]
     Rays(BenchRaysArguments),
+    /// Measure how long trees take to build and how large they are, beside Embree's
+    #[command(args_override_self = true)]
+    Build(BenchBuildArguments),
+    /// Measure what tables 1 and 2 of the paper say of kd-trees, with its figures beside ours
+    #[command(args_override_self = true)]
+    Paper(BenchPaperArguments),
 }
 
 impl BenchCommand {
     pub(crate) fn talk(&self) -> &TalkArguments {
         match self {
             Self::Rays(arguments) => &arguments.talk,
+            Self::Build(arguments) => &arguments.talk,
+            Self::Paper(arguments) => &arguments.talk,
         }
     }
 
-    pub(crate) fn machine(&self) -> &MachineArguments {
+    pub(crate) fn machine(&self) -> Option<&MachineArguments> {
         match self {
-            Self::Rays(arguments) => &arguments.machine,
+            Self::Rays(arguments) => Some(&arguments.machine),
+            Self::Build(arguments) => Some(&arguments.machine),
+            Self::Paper(_) => None,
         }
     }
 }
@@ -67,8 +77,54 @@ pub(crate) struct BenchRaysArguments {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    /// Write the best of each side as bars
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// Arguments of `bench build`.
+#[derive(Args, Debug)]
+pub(crate) struct BenchBuildArguments {
+    /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is measured by itself
+    #[arg(value_name = "SCENE", default_value = "builtin:island")]
+    pub(crate) scenes: Vec<OsString>,
+    /// Engines: gnurt, embree4
+    #[arg(long = "engine", value_name = "LIST", value_parser = value::engine, value_delimiter = ',')]
+    pub(crate) engines: Vec<String>,
+    /// Parts of names of modes, like bvh-high,kd,compact
+    #[arg(long = "mode", value_name = "LIST", value_delimiter = ',')]
+    pub(crate) modes: Vec<String>,
+    /// Runs of each mode, in turns
+    #[arg(long, value_name = "N", value_parser = value::rounds, allow_hyphen_values = true, default_value = "5")]
+    pub(crate) rounds: usize,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// Arguments of `bench paper`.
+#[derive(Args, Debug)]
+pub(crate) struct BenchPaperArguments {
+    /// Scene files: office, soda (for the paper's Theater), conference, dragon (for its Buddha), or any other
+    #[arg(value_name = "SCENE", required = true)]
+    pub(crate) scenes: Vec<OsString>,
+    /// Columns and rows of camera rays
+    #[arg(long, value_name = "N", value_parser = value::columns, allow_hyphen_values = true, default_value = "1024")]
+    pub(crate) size: u32,
+    /// Runs of each
+    #[arg(long, value_name = "N", value_parser = value::rounds, allow_hyphen_values = true, default_value = "5")]
+    pub(crate) rounds: usize,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

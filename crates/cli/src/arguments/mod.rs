@@ -15,7 +15,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 
-pub(crate) use bench::{BenchArguments, BenchCommand, BenchRaysArguments};
+pub(crate) use bench::{
+    BenchArguments, BenchBuildArguments, BenchCommand, BenchPaperArguments, BenchRaysArguments,
+};
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::TalkArguments;
@@ -95,7 +97,7 @@ impl Command {
             Self::Render(arguments) => Some(&arguments.machine),
             Self::Info(arguments) => Some(&arguments.machine),
             Self::Trace(arguments) => Some(&arguments.machine),
-            Self::Bench(arguments) => Some(arguments.command.machine()),
+            Self::Bench(arguments) => arguments.command.machine(),
             Self::Diff(_) | Self::Convert(_) | Self::Scenes(_) => None,
         }
     }

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt bench`: measures ray queries, beside Embree's where `EMBREE4_LIB` names a library of Embree 4.
+//! `gnurt bench`: measures ray queries and builds, beside Embree's where `EMBREE4_LIB` names a library of Embree 4.
 //! Source: original. Proof: `tests/program/bench.rs`.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use gnurt::image;
-use gnurt::simd::Level;
-use gnurt_bench::rays::{News, Options, run as measure};
-use gnurt_bench::{Class, EmbreeLibrary, Error, Filter, Subject, table, to_json};
+use gnurt_bench::rays::News;
+use gnurt_bench::{Class, EmbreeLibrary, Error, Filter, Subject, builds, paper, plot, rays, table, to_json};
 
-use crate::arguments::{BenchArguments, BenchCommand, BenchRaysArguments, MachineArguments};
+use crate::arguments::{
+    BenchArguments, BenchBuildArguments, BenchCommand, BenchPaperArguments, BenchRaysArguments,
+};
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
+use crate::program::machine;
 use crate::source::Source;
 
 /// The variable that names the rival.
@@ -21,30 +24,34 @@ const EMBREE: &str = "EMBREE4_LIB";
 /// Measures what was asked for.
 pub(crate) fn run(arguments: &BenchArguments, environment: &Environment, messages: Messages) -> Outcome {
     match &arguments.command {
-        BenchCommand::Rays(arguments) => rays(arguments, environment, messages),
+        BenchCommand::Rays(arguments) => measure_rays(arguments, environment, messages),
+        BenchCommand::Build(arguments) => measure_builds(arguments, environment, messages),
+        BenchCommand::Paper(arguments) => measure_paper(arguments, environment, messages),
     }
 }
 
-fn rays(arguments: &BenchRaysArguments, environment: &Environment, messages: Messages) -> Outcome {
+fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messages: Messages) -> Outcome {
     let filter = Filter { engines: arguments.engines.clone(), modes: arguments.modes.clone() };
     filter.jobs().map_err(failure)?;
-    check_output(arguments.json.as_deref())?;
-    let find = |scene| Source::find(scene, environment);
-    let sources: Vec<Source> = arguments.scenes.iter().map(|scene| find(scene)).collect::<Result<_, _>>()?;
-    let is_wanted = filter.engines.is_empty() || filter.engines.iter().any(|engine| engine == "embree4");
-    let embree = if is_wanted { rival(messages)? } else { None };
-    let (threads, level) = machine(&arguments.machine, environment);
-    let pool = gnurt::thread_pool(0).map_err(Failure::data)?;
-    let all = || Class::ALL.to_vec();
-    let options = Options {
-        classes: if arguments.classes.is_empty() { all() } else { arguments.classes.clone() },
+    check_outputs(&[&arguments.json, &arguments.svg])?;
+    let sources = find(&arguments.scenes, environment)?;
+    let embree = rival(&filter, messages)?;
+    // One thread if nobody says how many: what others do disturbs it least.
+    let threads = match arguments.machine.threads.or(environment.threads) {
+        Some(0) => gnurt::cores(),
+        given => given.unwrap_or(1),
+    };
+    let options = rays::Options {
+        classes: if arguments.classes.is_empty() { Class::ALL.to_vec() } else { arguments.classes.clone() },
         filter,
         size: arguments.size,
         rounds: arguments.rounds,
         batch: arguments.batch,
         threads,
-        level,
+        level: arguments.machine.isa.or(environment.isa).unwrap_or_default(),
+        ..rays::Options::default()
     };
+    let pool = gnurt::thread_pool(0).map_err(Failure::data)?;
     let mut rows = Vec::new();
     for source in sources {
         let subject = Subject::new(&source.stem(), &source.load(messages)?);
@@ -59,26 +66,66 @@ fn rays(arguments: &BenchRaysArguments, environment: &Environment, messages: Mes
                 }
             }
         };
-        rows.extend(measure(&subject, &options, embree.as_ref(), &pool, &mut tell).map_err(failure)?);
+        let measured = rays::run(&subject, &options, embree.as_ref(), Vec::new(), &pool, &mut tell);
+        rows.extend(measured.map_err(failure)?);
         heard?;
     }
-    if let Some(file) = &arguments.json {
-        write(file, to_json(&rows).to_string().as_bytes())?;
-    }
+    write(arguments.json.as_deref(), || to_json(&rows).to_string())?;
+    write(arguments.svg.as_deref(), || plot::svg(&rows))?;
     print(table::summary(&rows).trim_end())
 }
 
-/// Threads that trace, one if nobody says how many, and their instruction set.
-fn machine(arguments: &MachineArguments, environment: &Environment) -> (usize, Level) {
-    let threads = match arguments.threads.or(environment.threads) {
-        Some(0) => gnurt::cores(),
-        given => given.unwrap_or(1),
-    };
-    (threads, arguments.isa.or(environment.isa).unwrap_or_default())
+fn measure_builds(arguments: &BenchBuildArguments, environment: &Environment, messages: Messages) -> Outcome {
+    let filter = Filter { engines: arguments.engines.clone(), modes: arguments.modes.clone() };
+    builds::check_filter(&filter).map_err(failure)?;
+    check_outputs(&[&arguments.json])?;
+    let sources = find(&arguments.scenes, environment)?;
+    let embree = rival(&filter, messages)?;
+    let (pool, level) = machine(&arguments.machine, environment)?;
+    let options = builds::Options { filter, rounds: arguments.rounds, level };
+    let mut rows = Vec::new();
+    for source in sources {
+        let subject = Subject::new(&source.stem(), &source.load(messages)?);
+        let measured = builds::run(&subject, &options, embree.as_ref(), &pool, &mut quietly(messages));
+        let measured = measured.map_err(failure)?;
+        print(builds::table(&measured))?;
+        rows.extend(measured);
+    }
+    write(arguments.json.as_deref(), || builds::to_json(&rows).to_string())
 }
 
-/// Embree, if there is any.
-fn rival(messages: Messages) -> Result<Option<EmbreeLibrary>, Failure> {
+fn measure_paper(arguments: &BenchPaperArguments, environment: &Environment, messages: Messages) -> Outcome {
+    check_outputs(&[&arguments.json])?;
+    let sources = find(&arguments.scenes, environment)?;
+    let options =
+        rays::Options { size: arguments.size, rounds: arguments.rounds, ..rays::Options::default() };
+    let mut rows = Vec::new();
+    for source in sources {
+        let subject = Subject::new(&source.stem(), &source.load(messages)?);
+        rows.push(paper::run(&subject, &options, &mut quietly(messages)).map_err(failure)?);
+    }
+    write(arguments.json.as_deref(), || paper::to_json(&rows).to_string())?;
+    print(paper::tables(&rows).trim_end())
+}
+
+/// News without tables.
+fn quietly(messages: Messages) -> impl FnMut(News) {
+    move |news| match news {
+        News::Built(what) => messages.detail(what),
+        News::Differs(what) => messages.note(what),
+        News::Class(_) => {}
+    }
+}
+
+fn find(scenes: &[OsString], environment: &Environment) -> Result<Vec<Source>, Failure> {
+    scenes.iter().map(|scene| Source::find(scene, environment)).collect()
+}
+
+/// Embree, if it is wanted and there is any.
+fn rival(filter: &Filter, messages: Messages) -> Result<Option<EmbreeLibrary>, Failure> {
+    if !filter.has_engine("embree4") {
+        return Ok(None);
+    }
     let Some(file) = std::env::var_os(EMBREE).filter(|file| !file.is_empty()) else {
         messages.note(format_args!("embree: not found (set {EMBREE} to a library of Embree 4)"));
         return Ok(None);
@@ -95,10 +142,13 @@ fn failure(error: Error) -> Failure {
     }
 }
 
-fn check_output(file: Option<&Path>) -> Outcome {
-    file.map_or(Ok(()), |file| image::check_writable(file).map_err(Failure::data))
+fn check_outputs(files: &[&Option<PathBuf>]) -> Outcome {
+    files
+        .iter()
+        .filter_map(|file| file.as_deref())
+        .try_for_each(|file| image::check_writable(file).map_err(Failure::data))
 }
 
-fn write(file: &Path, bytes: &[u8]) -> Outcome {
-    image::replace_file(file, bytes).map_err(Failure::data)
+fn write(file: Option<&Path>, text: impl FnOnce() -> String) -> Outcome {
+    file.map_or(Ok(()), |file| image::replace_file(file, text().as_bytes()).map_err(Failure::data))
 }

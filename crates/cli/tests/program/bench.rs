@@ -8,9 +8,12 @@ const CLASSES: [&str; 5] = ["primary", "shadow", "ao", "diffuse", "shuffled"];
 #[test]
 fn rays_are_measured_and_their_answers_agree() {
     let folder = Folder::new();
-    let run = folder.gnurt("bench rays builtin:cornell --size 32 --rounds 2 --json rays.json").success();
+    let run = folder
+        .gnurt("bench rays builtin:cornell --size 32 --rounds 2 --json rays.json --svg rays.svg")
+        .success();
     assert!(run.lines("note: ").iter().any(|line| line.contains("EMBREE4_LIB")), "{}", run.stderr);
     assert_eq!(run.lines("note: ").len(), 1, "our own trees agree in every ray: {}", run.stderr);
+    assert!(folder.read("rays.svg").starts_with(b"<svg"), "a picture of bars");
     let rows: serde_json::Value = serde_json::from_slice(&folder.read("rays.json")).expect("JSON");
     let rows = rows.as_array().expect("an array");
     for class in CLASSES {
@@ -33,10 +36,35 @@ fn jobs_are_chosen() {
 }
 
 #[test]
+fn builds_are_measured() {
+    let folder = Folder::new();
+    let run = folder.gnurt("bench build builtin:cornell --rounds 1 -t 2 --json build.json").success();
+    assert!(run.stdout.contains("cornell: ") && run.stdout.contains("bvh-medium"), "{}", run.stdout);
+    let rows: serde_json::Value = serde_json::from_slice(&folder.read("build.json")).expect("JSON");
+    let rows = rows.as_array().expect("an array");
+    assert!(rows.iter().any(|row| row["threads"] == 2 && row["mode"] == "kd-medium"), "{rows:?}");
+    assert!(rows.iter().all(|row| row["bytes"].as_u64().is_some_and(|bytes| bytes > 0)), "{rows:?}");
+}
+
+#[test]
+fn the_papers_tables_are_made() {
+    let folder = Folder::new();
+    let run = folder.gnurt("bench paper builtin:cornell --size 32 --rounds 1 --json paper.json").success();
+    for word in ["Table 1", "Table 2", "cornell"] {
+        assert!(run.stdout.contains(word), "{word}: {}", run.stdout);
+    }
+    let rows: serde_json::Value = serde_json::from_slice(&folder.read("paper.json")).expect("JSON");
+    assert!(rows[0]["scalar_mrays"].as_f64().is_some_and(|rate| rate > 0.0), "{rows}");
+}
+
+#[test]
 fn bad_words_are_explained() {
     let folder = Folder::new();
     for (line, status, expected) in [
-        ("bench", 2, "give one of: rays"),
+        ("bench", 2, "give one of: rays, build, paper"),
+        ("bench paper", 2, "<SCENE>"),
+        ("bench build --mode compakt", 2, "no mode matches"),
+        ("bench build --size 8", 2, "unknown option '--size'"),
         ("bench beams", 2, "unknown command 'beams'"),
         ("bench rays --class primry", 2, "did you mean 'primary'?"),
         ("bench rays --engine embree", 2, "did you mean 'embree4'?"),

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Contestants over one set of rays: first their answers are compared, then they are timed in turns.
+//! Source: original. Turns, round by round, so that what else the machine does meets all of them alike.
+//! Proof: `tests::a_wrong_answer_ends_it`.
+
+use crate::rays::{News, Options};
+use crate::row::median;
+use crate::timing::{Engine, Rays, Seconds, answers, time};
+use crate::verdict::{Difference, Sums, compare};
+use crate::{Class, Error, Row};
+
+/// Somebody who answers rays, and how reports call them.
+pub struct Contestant<'a> {
+    /// The engine's name.
+    pub engine: &'static str,
+    /// What was built and how it is asked.
+    pub mode: String,
+    /// The instruction set.
+    pub isa: &'static str,
+    /// The one who is asked.
+    pub tracer: Box<dyn Engine + 'a>,
+}
+
+impl Contestant<'_> {
+    fn name(&self) -> String {
+        format!("{} {}", self.engine, self.mode)
+    }
+}
+
+/// Compares, then times. `scene` is for reports.
+pub(crate) fn hold(
+    scene: &str,
+    class: Class,
+    rays: &Rays,
+    contestants: &[Contestant],
+    options: &Options,
+    tell: &mut dyn FnMut(News),
+) -> Result<Vec<Row>, Error> {
+    let sums = check(&format!("{scene} {class}"), rays, contestants, options.tolerance, tell)?;
+    let mut seconds: Vec<Vec<Seconds>> = vec![Vec::new(); contestants.len()];
+    for _ in 0..options.rounds {
+        for (contestant, seconds) in contestants.iter().zip(&mut seconds) {
+            seconds.push(time(&*contestant.tracer, rays, options.threads));
+        }
+    }
+    let results = contestants.iter().zip(&sums).zip(&seconds);
+    let row = |((contestant, sums), seconds): ((&Contestant, &Sums), &Vec<Seconds>)| {
+        let millions = rays.len() as f64 / 1e6;
+        // A clock that stands still between two ticks says nothing: a nanosecond at least.
+        let rates = |of: fn(&Seconds) -> f64| -> Vec<f64> {
+            seconds.iter().map(|run| millions / of(run).max(1e-9)).collect()
+        };
+        let cpu = rates(|seconds| seconds.cpu);
+        Row {
+            scene: scene.to_owned(),
+            class,
+            engine: contestant.engine,
+            mode: contestant.mode.clone(),
+            isa: contestant.isa,
+            threads: options.threads,
+            rays: rays.len() as u64,
+            hits: sums.hits,
+            sum_t: sums.sum_t,
+            mrays_cpu: median(&cpu),
+            mrays_wall: median(&rates(|seconds| seconds.wall)),
+            min: cpu.iter().copied().fold(f64::INFINITY, f64::min),
+            max: cpu.iter().copied().fold(0.0, f64::max),
+            runs: seconds.len(),
+        }
+    };
+    Ok(results.map(row).collect())
+}
+
+/// Asks everybody once, and compares the answers with the first one's.
+pub(crate) fn check(
+    what: &str,
+    rays: &Rays,
+    contestants: &[Contestant],
+    tolerance: f64,
+    tell: &mut dyn FnMut(News),
+) -> Result<Vec<Sums>, Error> {
+    let Some((first, others)) = contestants.split_first() else { return Ok(Vec::new()) };
+    let expected = answers(&*first.tracer, rays);
+    let mut sums = vec![Sums::of(&expected, rays.any)];
+    // What is to be told, and of whom: several modes often have the same to tell.
+    let mut differences: Vec<(Difference, String)> = Vec::new();
+    for contestant in others {
+        let answers = answers(&*contestant.tracer, rays);
+        sums.push(Sums::of(&answers, rays.any));
+        let named = |difference: &Difference, who: &str| {
+            let example = rays.get(difference.ray).map(|ray| format!("; for instance {ray:?}"));
+            let example = example.unwrap_or_default();
+            format!("{what}: {who} against {}: {}{example}", first.name(), difference.what)
+        };
+        let compared = compare(&expected, &answers, rays.any, tolerance);
+        let compared = compared.map_err(|much| Error::Differ(named(&much, &contestant.name())))?;
+        let Some(difference) = compared else { continue };
+        match differences.iter_mut().find(|(known, _)| *known == difference) {
+            Some((_, who)) => *who += &format!(", {}", contestant.mode),
+            None => differences.push((difference, contestant.name())),
+        }
+    }
+    for (difference, who) in differences {
+        tell(News::Differs(format!("{what}: {who} against {}: {}", first.name(), difference.what)));
+    }
+    Ok(sums)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::timing::Answers;
+    use gnurt::accel::{Ray, RayBatch};
+
+    /// Says that all rays hit at this distance.
+    struct Liar(f32);
+
+    impl Engine for Liar {
+        fn closest(&self, rays: &RayBatch, answers: &mut Answers) {
+            answers.resize(rays.len());
+            answers.hits.t.fill(self.0);
+        }
+        fn any(&self, rays: &RayBatch, answers: &mut Answers) {
+            answers.resize(rays.len());
+        }
+    }
+
+    #[test]
+    fn a_wrong_answer_ends_it() {
+        let liar = |mode: &str, t| Contestant {
+            engine: "liar",
+            mode: mode.into(),
+            isa: "-",
+            tracer: Box::new(Liar(t)),
+        };
+        let ray = |i: usize| Ray::new([0.0; 3], [1.0, 0.0, i as f32]);
+        let rays = Rays { chunks: vec![(0..50).map(ray).collect()], any: false };
+        let options = Options { rounds: 3, ..Options::default() };
+        let hold = |liars: &[Contestant]| hold("a", Class::Diffuse, &rays, liars, &options, &mut |_| {});
+        let rows = hold(&[liar("a", 1.0), liar("b", 1.0)]).expect("they agree");
+        assert_eq!(rows.len(), 2, "a row each");
+        assert!(rows.iter().all(|row| row.hits == 50 && row.sum_t == 50.0 && row.runs == 3), "{rows:?}");
+        let refused = hold(&[liar("a", 1.0), liar("b", 1.5)]).expect_err("they do not agree").to_string();
+        assert!(refused.contains("a diffuse: liar b against liar a"), "{refused}");
+        assert!(refused.contains("50 hit elsewhere") && refused.contains("for instance"), "{refused}");
+    }
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How much memory this program takes at most while it does something. Source: original; proc(5).
+//! It is rough: pages are counted, and of all threads. Where free memory cannot be given back beforehand (other systems
+//! than Linux with glibc), what was freed earlier hides the same amount.
+//! Proof: `tests::a_large_array_is_seen`.
+
+use std::fs;
+
+use crate::ffi_malloc;
+
+/// What is resident, and the most that was, in bytes; `None` where the system does not tell.
+fn status() -> Option<(u64, u64)> {
+    let text = fs::read_to_string("/proc/self/status").ok()?;
+    let field = |name: &str| -> Option<u64> {
+        let line = text.lines().find_map(|line| line.strip_prefix(name))?;
+        line.split_whitespace().next()?.parse::<u64>().ok().map(|kibibytes| kibibytes * 1024)
+    };
+    Some((field("VmRSS:")?, field("VmHWM:")?))
+}
+
+/// Does it, from memory that is fresh, and says by how many bytes the program grew at most meanwhile.
+pub(crate) fn growth<T>(work: impl FnOnce() -> T) -> (T, Option<u64>) {
+    ffi_malloc::trim();
+    // 5 sets the greatest size back to the present one. Where that is not allowed, nothing is known.
+    let before = fs::write("/proc/self/clear_refs", "5").ok().and_then(|()| status());
+    let result = work();
+    let peak = before.and_then(|(resident, _)| Some(status()?.1.saturating_sub(resident)));
+    (result, peak)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_large_array_is_seen() {
+        let (sum, peak) =
+            growth(|| std::hint::black_box(vec![1u8; 64 << 20]).iter().map(|&x| u64::from(x)).sum::<u64>());
+        assert_eq!(sum, 64 << 20, "the work is done");
+        if let Some(peak) = peak {
+            assert!((60 << 20..200 << 20).contains(&peak), "64 MiB are seen as {peak} bytes");
+        }
+    }
+}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the jobs of a scene ask: our trees and Embree's scenes, each built once. Source: original.
+
+use gnurt::ThreadPool;
+use gnurt::accel::{BuildOptions, ObjectTree, Quality, Structure, Threads};
+use gnurt::simd::Level;
+
+use crate::contest::Contestant;
+use crate::embree::EmbreeEngine;
+use crate::ffi_embree::{Device, Scene};
+use crate::job::{Asked, EmbreeKind, quality_name, structure_name};
+use crate::own::OwnEngine;
+use crate::rays::News;
+use crate::{EmbreeLibrary, Error, Job, Subject};
+
+/// A library, and a device of it.
+pub(crate) type Rival<'a> = (&'a EmbreeLibrary, &'a Device<'a>);
+
+/// All that is asked.
+pub(crate) struct Trees<'a> {
+    own: Vec<(Structure, Quality, ObjectTree)>,
+    embree: Vec<(EmbreeKind, Scene<'a>)>,
+    device: Option<&'a Device<'a>>,
+}
+
+impl<'a> Trees<'a> {
+    /// Builds what the jobs need. Jobs of a rival who is not there need nothing.
+    pub(crate) fn build(
+        subject: &'a Subject,
+        jobs: &[Job],
+        rival: Option<Rival<'a>>,
+        pool: &ThreadPool,
+        tell: &mut dyn FnMut(News),
+    ) -> Result<Self, Error> {
+        let mut trees = Self { own: Vec::new(), embree: Vec::new(), device: rival.map(|(_, device)| device) };
+        // The tree that decides what primary rays see comes first: the same whatever is measured.
+        trees.add_own(subject, Structure::Bvh, Quality::Medium, pool, tell);
+        for job in jobs {
+            match *job {
+                Job::Own { structure, quality, .. } => {
+                    trees.add_own(subject, structure, quality, pool, tell);
+                }
+                Job::Embree { kind, .. } => trees.add_embree(subject, kind, rival, tell)?,
+            }
+        }
+        Ok(trees)
+    }
+
+    fn add_own(
+        &mut self,
+        subject: &Subject,
+        structure: Structure,
+        quality: Quality,
+        pool: &ThreadPool,
+        tell: &mut dyn FnMut(News),
+    ) {
+        if self.own(structure, quality).is_none() {
+            let options = BuildOptions { structure, quality, ..BuildOptions::default() };
+            let tree = ObjectTree::build(&[subject.triangles()], &options, Threads::Pool(pool));
+            let (structure_name, quality_name) = (structure_name(structure), quality_name(quality));
+            tell(News::Built(format!("{}: gnurt {structure_name}-{quality_name}", subject.name)));
+            self.own.push((structure, quality, tree));
+        }
+    }
+
+    fn add_embree(
+        &mut self,
+        subject: &'a Subject,
+        kind: EmbreeKind,
+        rival: Option<Rival<'a>>,
+        tell: &mut dyn FnMut(News),
+    ) -> Result<(), Error> {
+        let Some((library, device)) = rival else { return Ok(()) };
+        if self.embree.iter().any(|(known, _)| *known == kind) {
+            return Ok(());
+        }
+        let (quality, flags) = kind.settings();
+        let scene = Scene::build(device, &subject.padded, &subject.indices, quality, flags);
+        self.embree.push((kind, scene.map_err(|why| library.failed(why))?));
+        tell(News::Built(format!("{}: embree4 {}", subject.name, kind.name())));
+        Ok(())
+    }
+
+    fn own(&self, structure: Structure, quality: Quality) -> Option<&ObjectTree> {
+        let found = self.own.iter().find(|(s, q, _)| *s == structure && *q == quality);
+        found.map(|(_, _, tree)| tree)
+    }
+
+    /// The tree that decides what primary rays see.
+    pub(crate) fn reference(&self) -> &ObjectTree {
+        &self.own[0].2
+    }
+
+    /// Who does a job. Nobody does what this CPU has no code for, and single calls know the CPU's best level only.
+    pub(crate) fn contestant(&'a self, job: Job, level: Level) -> Option<Contestant<'a>> {
+        let (engine, mode, isa) = (job.engine(), job.mode(), level.name());
+        match job {
+            Job::Own { structure, quality, asked } => {
+                let is_possible = asked != Asked::One || level == Level::best();
+                let tree = self.own(structure, quality).filter(|_| is_possible)?;
+                Some(Contestant { engine, mode, isa, tracer: Box::new(OwnEngine { tree, asked, level }) })
+            }
+            Job::Embree { kind, packets } => {
+                let has_code = self.device.is_some_and(|device| device.has_packets(packets.size));
+                let (_, scene) = self.embree.iter().find(|(known, _)| has_code && *known == kind)?;
+                Some(Contestant { engine, mode, isa, tracer: Box::new(EmbreeEngine { scene, packets }) })
+            }
+        }
+    }
+}
