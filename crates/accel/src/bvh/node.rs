@@ -44,6 +44,7 @@ impl Child {
 
     /// Leaf blocks `first..first + count`; `count` is 1 to [`MOST_BLOCKS`](Self::MOST_BLOCKS).
     pub(crate) fn leaf(first: usize, count: usize) -> Self {
+        debug_assert!((1..=Self::MOST_BLOCKS).contains(&count), "{count} blocks make no leaf");
         Self(Self::LEAF | (count as u32) << Self::COUNT_SHIFT | first as u32)
     }
 
@@ -87,21 +88,6 @@ impl Node8 {
             self.rows[2 * k + 1][place] = bounds.max[k];
         }
         self.rows[6][place] = f32::from_bits(child.0);
-    }
-
-    /// The same node where others come before it: `nodes` and `blocks` are added to its children's.
-    pub(crate) fn moved(&self, nodes: usize, blocks: usize) -> Self {
-        let mut moved = self.clone();
-        for bits in &mut moved.rows[6] {
-            let child = Child(bits.to_bits());
-            let by = match child.is_leaf() {
-                true if child == Child::NONE => 0,
-                true => blocks,
-                false => nodes,
-            };
-            *bits = f32::from_bits(child.0 + by as u32);
-        }
-        moved
     }
 
     /// The box at `place`.

@@ -8,17 +8,18 @@
 use gnurt_simd::dispatch;
 
 use super::Primitives;
-use super::bins::{Bins, bin};
-use super::grow::halfway;
-use super::partition::{Buffer, partition};
+use super::bins::Bins;
+use super::collapse::{Costs, Shares, inner_costs, leaf_costs};
+use super::crew::Crew;
+use super::partition::Buffer;
 use super::reference::{Lanes, Part, Reference};
 use super::spatial::{Slabs, cut};
-use super::top::{Crew, SUBTREE};
+
 use crate::INVALID_ID;
 use crate::bvh::WIDTH;
 
-/// From this depth on references are divided by number alone.
-const BY_NUMBER: usize = 64;
+/// Subtrees over at most this many references are built by one thread.
+const SUBTREE: usize = 1 << 12;
 
 /// Space is divided only where the children would overlap by more than this share of the root's area,
 const LEAST_OVERLAP: f32 = 1e-5;
@@ -34,6 +35,8 @@ pub(super) struct Knot {
     pub(super) numbers: [u32; WIDTH],
     /// Primitives of a leaf; 0 if it is none.
     pub(super) count: u32,
+    /// How the children share the places of a wide node.
+    pub(super) shares: Shares,
 }
 
 /// Memory that is used again and again.
@@ -49,54 +52,59 @@ pub(super) struct Careful<'a, P> {
     pub(super) primitives: &'a P,
     pub(super) crew: Crew,
     /// Overlaps of children below this are good enough.
-    pub(super) least_overlap: f32,
+    least_overlap: f32,
+    /// From this depth on references are divided by number alone.
+    by_number: usize,
 }
 
 impl<'a, P: Primitives> Careful<'a, P> {
-    pub(super) fn new(primitives: &'a P, crew: Crew, root: &Part) -> Self {
-        Self { primitives, crew, least_overlap: LEAST_OVERLAP * root.bounds.half_area(crew.scale) }
+    pub(super) fn new(primitives: &'a P, crew: Crew, root: &Part, by_number: usize) -> Self {
+        let least_overlap = LEAST_OVERLAP * root.bounds.half_area(crew.scale);
+        Self { primitives, crew, least_overlap, by_number }
     }
 
     /// The tree over the references of `root`, which are the first of `references`.
     pub(super) fn build(&self, references: &mut [Reference], root: Part) -> Vec<Knot> {
-        let mut knots = Vec::new();
-        self.subtree(references, root, 0, &mut Workspace::new(), &mut knots);
-        knots
+        let mut pieces = vec![Vec::new()];
+        self.subtree(references, root, 0, &mut Workspace::new(), &mut pieces);
+        if pieces.len() == 1 { pieces.swap_remove(0) } else { pieces.concat() }
     }
 
+    /// Appends to the last of `pieces`, or as further pieces; returns the number of knots and what the last one costs.
     fn subtree(
         &self,
         references: &mut [Reference],
         part: Part,
         depth: usize,
         workspace: &mut Workspace,
-        knots: &mut Vec<Knot>,
-    ) {
+        pieces: &mut Vec<Vec<Knot>>,
+    ) -> (usize, Costs) {
         let count = part.count();
+        let area = part.bounds.half_area(self.crew.scale);
         if count <= WIDTH {
-            return knots.push(Knot::leaf(part.bounds, &references[..count]));
+            let last = pieces.len() - 1;
+            pieces[last].push(Knot::leaf(part.bounds, &references[..count]));
+            return (1, leaf_costs(area));
         }
         let [left, right] = self.divide(references, &part, depth, workspace);
         let (left_room, right_room) = references.split_at_mut(right.start);
         let right = Part { start: 0, end: right.count(), ..right };
-        let size = if count > SUBTREE {
-            let alone = |references, part| {
-                let mut knots = Vec::new();
-                self.subtree(references, part, depth + 1, &mut Workspace::new(), &mut knots);
-                knots
-            };
-            let (mut a, mut b) = self.crew.both(|| alone(left_room, left), || alone(right_room, right));
-            let size = b.len();
-            knots.append(&mut a);
-            knots.append(&mut b);
-            size
+        let ((left_size, left_costs), (right_size, right_costs)) = if self.crew.parallel && count > SUBTREE {
+            let mut apart = vec![Vec::new()];
+            let both = self.crew.both(
+                || self.subtree(left_room, left, depth + 1, workspace, pieces),
+                || self.subtree(right_room, right, depth + 1, &mut Workspace::new(), &mut apart),
+            );
+            pieces.append(&mut apart);
+            both
         } else {
-            self.subtree(left_room, left, depth + 1, workspace, knots);
-            let before = knots.len();
-            self.subtree(right_room, right, depth + 1, workspace, knots);
-            knots.len() - before
+            let left = self.subtree(left_room, left, depth + 1, workspace, pieces);
+            (left, self.subtree(right_room, right, depth + 1, workspace, pieces))
         };
-        knots.push(Knot::inner(part.bounds, size));
+        let last = pieces.len() - 1;
+        let (costs, shares) = inner_costs(area, &left_costs, &right_costs);
+        pieces[last].push(Knot::inner(part.bounds, right_size, shares));
+        (left_size + right_size + 1, costs)
     }
 
     /// Cuts `part`, the first of `references`, in two; the second starts where its room does.
@@ -113,25 +121,22 @@ impl<'a, P: Primitives> Careful<'a, P> {
         let Workspace { bins, slabs, buffer, right } = workspace;
         let inside = &mut references[..count];
         let share = |left: usize, right: usize| (room - left - right) * left / (left + right);
-        let around = |references: &[Reference], start: usize, end: usize| dispatch!(level, simd => Part::around(simd, references, start, end));
-        let found = if depth < BY_NUMBER {
-            dispatch!(level, simd => {
-                let mapping = bin(simd, inside, part, bins);
-                bins.best_split(simd, scale).map(|split| (mapping, split, bins.sides(simd, &split)))
-            })
-        } else {
-            None
+        let around = |references: &[Reference], start: usize, end: usize| {
+            let part = self.crew.around(&references[start..end]);
+            Part { start, end, ..part }
         };
-        let Some((mapping, split, bounds)) = found else {
-            let left = halfway(count);
+        let found = if depth < self.by_number { self.crew.find(inside, part, bins) } else { None };
+        let Some(found) = found else {
+            // Whole blocks, and not all of them: more than one block is there.
+            let left = (count / 2).next_multiple_of(WIDTH);
             let start = left + share(left, count - left);
             references.copy_within(left..count, start);
             return [around(references, 0, left), around(references, start, start + count - left)];
         };
         let least = self.least_overlap.max(LEAST_OWN_OVERLAP * part.bounds.half_area(scale));
-        if room > count && overlap(&bounds, scale) > least {
+        if room > count && overlap(&found.bounds, scale) > least {
             let plane = dispatch!(level, simd => slabs.best_plane(simd, inside, &part.bounds, scale));
-            if let Some(plane) = plane.filter(|plane| plane.cost < split.cost) {
+            if let Some(plane) = plane.filter(|plane| plane.cost < found.split.cost) {
                 let left = cut(self.primitives, inside, &plane, room - count, right);
                 if left > 0 && !right.is_empty() {
                     let start = left + share(left, right.len());
@@ -146,11 +151,13 @@ impl<'a, P: Primitives> Careful<'a, P> {
             }
         }
         let inside = &mut references[..count];
-        let parted = dispatch!(level, simd => partition(simd, inside, &mapping, &split, buffer));
+        let parted = self.crew.part(inside, &found, buffer);
         let left = parted.left;
         let start = left + share(left, count - left);
-        references.copy_within(left..count, start);
-        let [left_bounds, right_bounds] = bounds;
+        if start > left {
+            references.copy_within(left..count, start);
+        }
+        let [left_bounds, right_bounds] = found.bounds;
         [
             Part { start: 0, end: left, bounds: left_bounds, middles: parted.middles[0] },
             Part { start, end: start + count - left, bounds: right_bounds, middles: parted.middles[1] },
@@ -167,7 +174,7 @@ impl Workspace {
 impl Knot {
     /// Parts of one primitive count as one.
     fn leaf(bounds: Lanes, references: &[Reference]) -> Self {
-        let mut knot = Self { bounds, numbers: [INVALID_ID; WIDTH], count: 0 };
+        let mut knot = Self { bounds, numbers: [INVALID_ID; WIDTH], count: 0, shares: [0; WIDTH + 1] };
         for number in references.iter().map(Reference::number) {
             if !knot.numbers.contains(&number) {
                 knot.numbers[knot.count as usize] = number;
@@ -177,10 +184,10 @@ impl Knot {
         knot
     }
 
-    fn inner(bounds: Lanes, right: usize) -> Self {
+    fn inner(bounds: Lanes, right: usize, shares: Shares) -> Self {
         let mut numbers = [INVALID_ID; WIDTH];
         numbers[0] = right as u32;
-        Self { bounds, numbers, count: 0 }
+        Self { bounds, numbers, count: 0, shares }
     }
 }
 

@@ -6,7 +6,7 @@
 
 use gnurt_simd::{Simd, f32x4, prelude::*};
 
-use super::reference::{Lanes, Part, Reference};
+use super::reference::{Lanes, Reference};
 use crate::bvh::WIDTH;
 
 /// Bins of each axis, a power of two.
@@ -62,20 +62,27 @@ impl Bins {
     pub(super) fn add<S: Simd>(&mut self, simd: S, references: &[Reference], mapping: &Mapping) {
         let origin = f32x4::load_array(simd, mapping.origin);
         let scale = f32x4::load_array(simd, mapping.scale);
-        let [x, y, z] = &mut self.bounds;
-        let [cx, cy, cz] = &mut self.counts;
-        for reference in references {
-            let reference = reference.load(simd);
-            let (low, high) = simd.split_f32x8(reference);
-            let place = simd.cvt_i32_f32x4((high - low - origin) * scale);
-            let place = place.as_array();
-            let [i, j, k] = [place[0] as usize % BINS, place[1] as usize % BINS, place[2] as usize % BINS];
-            x[i] = Lanes::store(x[i].load(simd).max(reference));
-            y[j] = Lanes::store(y[j].load(simd).max(reference));
-            z[k] = Lanes::store(z[k].load(simd).max(reference));
-            cx[i] += 1;
-            cy[j] += 1;
-            cz[k] += 1;
+        // Neighbours often share a bin, and one would have to wait for the other: both halves take turns.
+        let (front, back) = references.split_at(references.len() / 2);
+        for (a, b) in front.iter().zip(back) {
+            self.put(simd, a, origin, scale);
+            self.put(simd, b, origin, scale);
+        }
+        if let Some(last) = back.get(front.len()) {
+            self.put(simd, last, origin, scale);
+        }
+    }
+
+    #[inline(always)]
+    fn put<S: Simd>(&mut self, simd: S, reference: &Reference, origin: f32x4<S>, scale: f32x4<S>) {
+        let reference = reference.load(simd);
+        let (low, high) = simd.split_f32x8(reference);
+        let place = simd.cvt_i32_f32x4((high - low - origin) * scale);
+        let place = place.as_array();
+        for ((bounds, counts), &place) in self.bounds.iter_mut().zip(&mut self.counts).zip(place) {
+            let bin = place as usize % BINS;
+            bounds[bin] = Lanes::store(bounds[bin].load(simd).max(reference));
+            counts[bin] += 1;
         }
     }
 
@@ -153,13 +160,4 @@ fn cost<S: Simd>(simd: S, bounds: gnurt_simd::f32x8<S>, count: u32, scale: f32) 
     let sides = (high + low) * f32x4::splat(simd, scale);
     let [x, y, z, _] = *sides.as_array();
     (x * y + y * z + z * x) * count.div_ceil(WIDTH as u32) as f32
-}
-
-/// The mapping, the bins of a whole part, and the best split among them.
-#[inline(always)]
-pub(super) fn bin<S: Simd>(simd: S, references: &[Reference], part: &Part, bins: &mut Bins) -> Mapping {
-    let mapping = Mapping::new(&part.middles);
-    bins.clone_from(&Bins::EMPTY);
-    bins.add(simd, references, &mapping);
-    mapping
 }

@@ -1,24 +1,55 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Makes nodes of eight children from a binary tree, at the least cost that it allows.
-//! Source: [YKL17] section 3.1: what `i` places at most cost for each knot, from the leaves to the root.
+//! Source: [YKL17] section 3.1: for each knot, from the leaves to the root, what it costs in so many places at most.
 //! Invariant: no node is deeper than [`DEEPEST`], or there is no tree. Proof: `super::tests`.
 
 use super::Tree;
 use super::binary::Knot;
-use super::grow::DEEPEST;
 use crate::bvh::{Child, Node8, WIDTH};
+
+/// No node is of this depth or a greater one; the root has depth 0.
+pub(crate) const DEEPEST: usize = 52;
 
 /// Cost of a step through a node, in blocks.
 const NODE: f32 = 1.0;
 
-/// How a knot is best represented in so many places of a node.
-#[derive(Clone, Copy)]
-struct Choice {
-    /// Least cost with at most 1, 2 ... 7 places; the first element is not used.
-    costs: [f32; WIDTH],
-    /// Of so many places, those for the left child; 0 where one place less does as well. With 8 it is the node made of
-    /// the knot itself that has them.
-    left: [u8; WIDTH + 1],
+/// Least costs of what represents a knot in at most 1, 2 ... 7 places of a node; the first element is not used.
+pub(super) type Costs = [f32; WIDTH];
+
+/// Of so many places, those for the left child; 0 where one place less does as well. With 8 it is the node made of the knot
+/// itself that has them.
+pub(super) type Shares = [u8; WIDTH + 1];
+
+/// Costs of a leaf of one block, given half its surface.
+pub(super) fn leaf_costs(area: f32) -> Costs {
+    [area; WIDTH]
+}
+
+/// Costs of a knot with two children, given half its surface, and how they share its places.
+pub(super) fn inner_costs(area: f32, left: &Costs, right: &Costs) -> (Costs, Shares) {
+    let (mut costs, mut shares) = ([f32::INFINITY; WIDTH], [0; WIDTH + 1]);
+    for places in (2..=WIDTH).rev() {
+        let (mut least, mut on_left) = (f32::INFINITY, 1);
+        for share in 1..places {
+            let cost = left[share] + right[places - share];
+            if cost < least {
+                (least, on_left) = (cost, share);
+            }
+        }
+        shares[places] = on_left as u8;
+        if places < WIDTH {
+            costs[places] = least;
+        } else {
+            costs[1] = least + NODE * area;
+        }
+    }
+    for places in 2..WIDTH {
+        if costs[places - 1] <= costs[places] {
+            costs[places] = costs[places - 1];
+            shares[places] = 0;
+        }
+    }
+    (costs, shares)
 }
 
 /// A node to be made of `knot`, to hang at `place` of node `parent`.
@@ -31,9 +62,8 @@ struct Waiting {
 }
 
 /// The wide tree; `None` where it would be too deep.
-pub(super) fn collapse(knots: &[Knot], scale: f32) -> Option<Tree> {
+pub(super) fn collapse(knots: &[Knot]) -> Option<Tree> {
     let root = knots.last()?;
-    let choices = choose(knots, scale);
     let mut tree = Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: root.bounds.bounds() };
     let mut waiting = vec![Waiting { knot: knots.len() - 1, parent: 0, place: WIDTH, depth: 0 }];
     while let Some(Waiting { knot, parent, place, depth }) = waiting.pop() {
@@ -45,7 +75,7 @@ pub(super) fn collapse(knots: &[Knot], scale: f32) -> Option<Tree> {
             tree.nodes[parent].set(place, &knots[knot].bounds.bounds(), Child::node(index));
         }
         let mut node = Node8::EMPTY;
-        let (children, count) = open(knots, &choices, knot);
+        let (children, count) = open(knots, knot);
         for (place, &child) in children[..count].iter().enumerate().rev() {
             let knot = &knots[child];
             if knot.count > 0 {
@@ -63,14 +93,14 @@ pub(super) fn collapse(knots: &[Knot], scale: f32) -> Option<Tree> {
 }
 
 /// The knots that become children of the node made of `knot`, and how many they are.
-fn open(knots: &[Knot], choices: &[Choice], knot: usize) -> ([usize; WIDTH], usize) {
+fn open(knots: &[Knot], knot: usize) -> ([usize; WIDTH], usize) {
     let (mut children, mut count) = ([0; WIDTH], 0);
     // What is not yet opened, with the places that it may take; these are eight in all.
     let (mut closed, mut left) = ([(knot, WIDTH); WIDTH], 1);
     while left > 0 {
         left -= 1;
         let (knot, mut places) = closed[left];
-        while places > 1 && choices[knot].left[places] == 0 {
+        while places > 1 && knots[knot].shares[places] == 0 {
             places -= 1;
         }
         if places == 1 {
@@ -78,7 +108,7 @@ fn open(knots: &[Knot], choices: &[Choice], knot: usize) -> ([usize; WIDTH], usi
             count += 1;
             continue;
         }
-        let on_left = choices[knot].left[places] as usize;
+        let on_left = knots[knot].shares[places] as usize;
         closed[left] = (right_of(knot), places - on_left);
         closed[left + 1] = (left_of(knots, knot), on_left);
         left += 2;
@@ -92,41 +122,4 @@ fn right_of(knot: usize) -> usize {
 
 fn left_of(knots: &[Knot], knot: usize) -> usize {
     knot - 1 - knots[knot].numbers[0] as usize
-}
-
-/// The costs of all knots; children come first.
-fn choose(knots: &[Knot], scale: f32) -> Vec<Choice> {
-    let mut choices: Vec<Choice> = Vec::with_capacity(knots.len());
-    for (i, knot) in knots.iter().enumerate() {
-        let area = knot.bounds.half_area(scale);
-        if knot.count > 0 {
-            choices.push(Choice { costs: [area; WIDTH], left: [0; WIDTH + 1] });
-            continue;
-        }
-        let (left, right) = (&choices[left_of(knots, i)], &choices[right_of(i)]);
-        let mut choice = Choice { costs: [f32::INFINITY; WIDTH], left: [0; WIDTH + 1] };
-        for places in (2..=WIDTH).rev() {
-            let (mut least, mut at) = (f32::INFINITY, 1);
-            for on_left in 1..places {
-                let cost = left.costs[on_left] + right.costs[places - on_left];
-                if cost < least {
-                    (least, at) = (cost, on_left);
-                }
-            }
-            choice.left[places] = at as u8;
-            if places < WIDTH {
-                choice.costs[places] = least;
-            } else {
-                choice.costs[1] = least + NODE * area;
-            }
-        }
-        for places in 2..WIDTH {
-            if choice.costs[places - 1] <= choice.costs[places] {
-                choice.costs[places] = choice.costs[places - 1];
-                choice.left[places] = 0;
-            }
-        }
-        choices.push(choice);
-    }
-    choices
 }

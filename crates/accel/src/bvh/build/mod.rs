@@ -8,23 +8,22 @@
 mod binary;
 mod bins;
 mod collapse;
-mod grow;
+mod crew;
 mod partition;
 mod reference;
 mod spatial;
 #[cfg(test)]
 mod tests;
-mod top;
 
 use super::node::{Node8, WIDTH};
 use crate::{Aabb, Quality, Threads};
 use binary::Careful;
+pub(crate) use collapse::DEEPEST;
 use collapse::collapse;
+use crew::Crew;
 use gnurt_simd::Level;
-pub(crate) use grow::DEEPEST;
 use rayon::prelude::*;
 use reference::Reference;
-use top::Crew;
 
 /// What a tree is built over: boxes, by numbers from 0 on.
 pub(crate) trait Primitives: Sync {
@@ -48,6 +47,12 @@ pub(crate) struct Tree {
     pub(crate) bounds: Aabb,
 }
 
+/// From this depth on a binary tree is divided by number alone.
+const BY_NUMBER: usize = 64;
+
+/// As above, where the wide tree became too deep: with 2^30 primitives halves of halves reach blocks after 28 more levels.
+const BY_NUMBER_WHEN_DEEP: usize = DEEPEST - 28;
+
 /// Builds over all primitives.
 pub(crate) fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
     match threads {
@@ -66,20 +71,19 @@ fn build_with(primitives: &impl Primitives, quality: Quality, parallel: bool) ->
     let root = crew.around(&references);
     let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
     let crew = Crew { scale: (1.0 / longest) as f32, ..crew };
-    if quality == Quality::High {
-        // What cannot be split needs no room for parts.
-        let first = primitives.bounds(0);
-        let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
-        if primitives.split(0, &first, 0, middle).is_some() {
-            references.resize(count + count / 2, Reference::ZERO);
-        }
-        let knots = Careful::new(primitives, crew, &root).build(&mut references, root);
-        if let Some(tree) = collapse(&knots, crew.scale) {
-            return tree;
-        }
-        references = all_references(primitives, parallel);
+    // What cannot be split needs no room for parts.
+    let first = primitives.bounds(0);
+    let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
+    if quality == Quality::High && primitives.split(0, &first, 0, middle).is_some() {
+        references.resize(count + count / 2, Reference::ZERO);
     }
-    crew.build(&mut references, root)
+    let knots = Careful::new(primitives, crew, &root, BY_NUMBER).build(&mut references, root);
+    collapse(&knots).unwrap_or_else(|| {
+        // A strange scene. A flat tree is not fast, but it is one.
+        references = all_references(primitives, parallel);
+        let knots = Careful::new(primitives, crew, &root, BY_NUMBER_WHEN_DEEP).build(&mut references, root);
+        collapse(&knots).expect("halving so early cannot lead deeper")
+    })
 }
 
 fn all_references(primitives: &impl Primitives, parallel: bool) -> Vec<Reference> {

@@ -101,9 +101,6 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// No reference.
-    pub(super) const EMPTY: Self = Self { start: 0, end: 0, bounds: Lanes::EMPTY, middles: Lanes::EMPTY };
-
     /// References `start..end` of `all`.
     #[inline(always)]
     pub(super) fn around<S: Simd>(simd: S, all: &[Reference], start: usize, end: usize) -> Self {
