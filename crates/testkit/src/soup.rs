@@ -86,6 +86,25 @@ impl Soup {
         soup
     }
 
+    /// Tables whose corners lie at one of two neighbouring floats in height: what modellers export as flat.
+    #[must_use]
+    pub fn flat_but_for_one_bit(seed: u64, n: usize) -> Self {
+        let mut random = Random::new(seed);
+        let mut soup = Self::default();
+        for _ in 0..n {
+            let axis = random.below(3);
+            let level = random.pick(&[-7.221_487_5_f32, 0.3, 2.0]);
+            let middle = random.point();
+            let mut corners = [random.point(), random.point(), random.point()];
+            for corner in &mut corners {
+                *corner = [0, 1, 2].map(|k| 4.0 * middle[k] + corner[k]);
+                corner[axis] = random.pick(&[level, level.next_up()]);
+            }
+            soup.push(corners);
+        }
+        soup
+    }
+
     /// Good triangles with bad ones among them: NaN, infinities, too large, no area, twice the same, indices that lead
     /// nowhere.
     #[must_use]

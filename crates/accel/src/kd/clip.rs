@@ -3,7 +3,7 @@
 //! Source: [WH06] section 4.1; polygons are clipped plane by plane [SH74], in double precision.
 //! Boxes are rounded to the nearest float: they may miss the polygon by half a unit in the last place, which the
 //! traversal's slack covers (`slab.rs`). Proof: `tests::{parts_cover_the_whole, outside_is_nothing,
-//! boxes_are_those_of_the_true_polygons}`.
+//! boxes_are_those_of_the_true_polygons}`, `tests/brute_force.rs` (`flat_but_for_one_bit`).
 
 use crate::Aabb;
 
@@ -109,8 +109,10 @@ pub(crate) fn split_boxes(triangle: &[[f32; 3]; 3], cell: &Aabb, axis: usize, at
     let mut seen = Polygon { corners: [[0.0; 3]; MOST_CORNERS], count: 0 };
     triangle.iter().for_each(|corner| seen.push(corner.map(f64::from)));
     for k in 0..3 {
-        seen.cut(k, f64::from(cell.min[k]), -1.0);
-        seen.cut(k, f64::from(cell.max[k]), 1.0);
+        // A unit in the last place outwards: the cell's faces may be rounded ones of this very triangle, and of one that
+        // is all but parallel to such a face half a unit is a large part.
+        seen.cut(k, f64::from(cell.min[k].next_down()), -1.0);
+        seen.cut(k, f64::from(cell.max[k].next_up()), 1.0);
     }
     seen.boxes_beside(axis, f64::from(at), cell.split(axis, at))
 }
