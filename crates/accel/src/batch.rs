@@ -109,19 +109,22 @@ fn singles<S: Simd, M: Mode, T: Traceable>(
         costs.clear();
         costs.reserve(rays.len());
     }
-    for i in 0..rays.len() {
-        let ray = rays.get(i);
-        let before = counters.nodes + counters.triangles;
-        if ray.is_sound() {
-            let mut nearest = Nearest::none(ray.t_far);
-            target.single::<S, M>(simd, &ray, &mut nearest, counters);
-            if nearest.is_hit() {
-                write(i, &nearest);
+    let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
+    for first in (0..rays.len()).step_by(TILE) {
+        let sound = tile.load(simd, rays, first, &mut nearest);
+        for i in 0..TILE.min(rays.len() - first) {
+            let before = counters.nodes + counters.triangles;
+            if sound >> i & 1 == 1 {
+                let mut found = Nearest::none(nearest.t[i]);
+                target.single::<S, M>(simd, &tile.ray(i, found.t), &mut found, counters);
+                if found.is_hit() {
+                    write(first + i, &found);
+                }
             }
-        }
-        if let Some(costs) = costs {
-            let spent = counters.nodes + counters.triangles - before;
-            costs.push(spent.min(u64::from(u32::MAX)) as u32);
+            if let Some(costs) = costs {
+                let spent = counters.nodes + counters.triangles - before;
+                costs.push(spent.min(u64::from(u32::MAX)) as u32);
+            }
         }
     }
 }

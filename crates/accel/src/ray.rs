@@ -4,6 +4,8 @@
 //! Space: that of the structure that is asked (world for a scene, object for an object's tree).
 //! Invariant: all vectors of a batch have the same length. Proof: `tests::push_and_get`.
 
+use crate::kd::most;
+
 /// A ray `org + t * dir` for `t` in `[t_near, t_far]`.
 ///
 /// `dir` need not be of unit length: `t` counts in multiples of it. A ray with a NaN, an infinite direction, an origin
@@ -58,22 +60,25 @@ impl Ray {
     /// Whether it can hit anything. Every comparison is false for a NaN.
     #[inline(always)]
     pub(crate) fn is_sound(&self) -> bool {
-        let near = self.org.iter().all(|x| x.abs() <= Self::FARTHEST_ORIGIN);
-        let moves = self.dir.iter().all(|x| x.is_finite()) && self.longest() > 0.0;
-        near && moves && self.t_near <= self.t_far
+        let limit = Self::FARTHEST_ORIGIN;
+        let ([x, y, z], [dx, dy, dz]) = (self.org, self.dir);
+        let near = (x.abs() <= limit) & (y.abs() <= limit) & (z.abs() <= limit);
+        let finite = (dx.abs() <= f32::MAX) & (dy.abs() <= f32::MAX) & (dz.abs() <= f32::MAX);
+        near & finite & (self.longest() > 0.0) & (self.t_near <= self.t_far)
     }
 
     /// The largest component of the direction, without its sign.
     #[inline(always)]
     pub(crate) fn longest(&self) -> f32 {
-        let [x, y, z] = self.dir.map(f32::abs);
-        x.max(y).max(z)
+        // Written out: `map` over an array may be a call, and `f32::max` minds NaNs, which sound rays have none of.
+        let [x, y, z] = [self.dir[0].abs(), self.dir[1].abs(), self.dir[2].abs()];
+        most(most(x, y), z)
     }
 
     /// The axis along which it moves most; the first of equals.
     #[inline(always)]
     pub(crate) fn longest_axis(&self) -> usize {
-        let [x, y, z] = self.dir.map(f32::abs);
+        let [x, y, z] = [self.dir[0].abs(), self.dir[1].abs(), self.dir[2].abs()];
         if x >= y && x >= z { 0 } else { 2 - usize::from(y >= z) }
     }
 
@@ -145,14 +150,14 @@ impl RayBatch {
     }
 
     /// Ray `i`. Panics if `i >= len()`.
+    #[inline]
     #[must_use]
     pub fn get(&self, i: usize) -> Ray {
-        Ray {
-            org: [0, 1, 2].map(|k| self.org[k][i]),
-            t_near: self.t_near[i],
-            dir: [0, 1, 2].map(|k| self.dir[k][i]),
-            t_far: self.t_far[i],
-        }
+        // Written out: `map` over an array may be a call.
+        let [x, y, z] = &self.org;
+        let [dx, dy, dz] = &self.dir;
+        let (org, dir) = ([x[i], y[i], z[i]], [dx[i], dy[i], dz[i]]);
+        Ray { org, t_near: self.t_near[i], dir, t_far: self.t_far[i] }
     }
 
     /// Removes all rays and keeps the memory.

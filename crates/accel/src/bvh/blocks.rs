@@ -4,11 +4,12 @@
 //! Invariant: lanes that are left over repeat the block's first triangle, which changes no answer.
 //! Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::{Simd, f32x8, f32x16, mask32x8, prelude::*};
+use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 
 use super::WIDTH;
 use crate::geometry::Screened;
-use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_lanes};
+use crate::nearest::{Mode, Nearest};
+use crate::triangle::{Meeting, Sheared, axes_from, meet_alone, pass_edges};
 use crate::{INVALID_ID, Ray};
 
 /// Eight triangles.
@@ -25,9 +26,9 @@ pub(crate) struct TriangleBlock {
 #[derive(Clone, Copy)]
 pub(crate) struct BlockRay<S: Simd> {
     axes: [usize; 3],
+    alone: Sheared<f32>,
     sheared: Sheared<f32x8<S>>,
     t_near: f32x8<S>,
-    all: mask32x8<S>,
 }
 
 impl<S: Simd> BlockRay<S> {
@@ -38,11 +39,13 @@ impl<S: Simd> BlockRay<S> {
         let axes = axes_from(ray.longest_axis());
         let [x, y, z] = axes;
         let along = ray.dir[z];
-        let sheared = Sheared {
-            org: [at(ray.org[x]), at(ray.org[y]), at(ray.org[z])],
-            shear: [at(ray.dir[x] / along), at(ray.dir[y] / along), at(1.0 / along)],
+        let alone = Sheared {
+            org: [ray.org[x], ray.org[y], ray.org[z]],
+            shear: [ray.dir[x] / along, ray.dir[y] / along, 1.0 / along],
         };
-        Self { axes, sheared, t_near: at(ray.t_near), all: mask32x8::splat(simd, true) }
+        let ([x, y, z], [sx, sy, sz]) = (alone.org, alone.shear);
+        let sheared = Sheared { org: [at(x), at(y), at(z)], shear: [at(sx), at(sy), at(sz)] };
+        Self { axes, alone, sheared, t_near: at(ray.t_near) }
     }
 }
 
@@ -64,17 +67,57 @@ impl TriangleBlock {
         block
     }
 
-    /// Where `ray` meets them up to `t_far`.
+    /// Offers `nearest` the meetings with `ray`.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(&self, simd: S, ray: &BlockRay<S>, t_far: f32) -> LanesMeeting<S, f32x8<S>> {
+    pub(crate) fn meet<S: Simd, M: Mode>(
+        &self,
+        simd: S,
+        ray: &BlockRay<S>,
+        slot: u32,
+        nearest: &mut Nearest,
+    ) {
         let [x, y, z] = ray.axes;
         let [a, b, c] = &self.corners;
-        let corners = [
-            [row(simd, &a[x]), row(simd, &a[y]), row(simd, &a[z])],
-            [row(simd, &b[x]), row(simd, &b[y]), row(simd, &b[z])],
-            [row(simd, &c[x]), row(simd, &c[y]), row(simd, &c[z])],
-        ];
-        meet_lanes(simd, corners, &ray.sheared, ray.all, ray.t_near, f32x8::splat(simd, t_far))
+        let a = [row(simd, &a[x]), row(simd, &a[y]), row(simd, &a[z])];
+        let b = [row(simd, &b[x]), row(simd, &b[y]), row(simd, &b[z])];
+        let c = [row(simd, &c[x]), row(simd, &c[y]), row(simd, &c[z])];
+        let edges = pass_edges(simd, [a, b, c], &ray.sheared);
+        if !edges.inside.any_true() {
+            return;
+        }
+        let t_far = f32x8::splat(simd, nearest.t);
+        let (met, uncertain) = edges.meet(simd, &ray.sheared, edges.inside, ray.t_near, t_far);
+        let mut bits = met.hit.to_bitmask();
+        if bits != 0 {
+            let (t, u, v) = (met.t.to_array(), met.u.to_array(), met.v.to_array());
+            while bits != 0 {
+                let i = bits.trailing_zeros() as usize & 7;
+                bits &= bits - 1;
+                if t[i] <= nearest.t {
+                    nearest.offer::<M>(Meeting { t: t[i], u: u[i], v: v[i] }, self.numbers[i], slot);
+                }
+            }
+        }
+        let mut bits = uncertain.to_bitmask();
+        while bits != 0 {
+            let i = bits.trailing_zeros() as usize & 7;
+            bits &= bits - 1;
+            if let Some(meeting) = self.meet_alone(i, ray, nearest.t) {
+                nearest.offer::<M>(meeting, self.numbers[i], slot);
+            }
+        }
+    }
+
+    /// One triangle, where lanes cannot decide: see [`meet_alone`].
+    #[cold]
+    #[inline(never)]
+    fn meet_alone<S: Simd>(&self, lane: usize, ray: &BlockRay<S>, t_far: f32) -> Option<Meeting> {
+        meet_alone(&self.corners_of(lane, ray.axes), &ray.alone, ray.t_near[0], t_far)
+    }
+
+    /// The corners of one triangle along three axes.
+    pub(crate) fn corners_of(&self, lane: usize, axes: [usize; 3]) -> [[f32; 3]; 3] {
+        [0, 1, 2].map(|corner: usize| axes.map(|axis| self.corners[corner][axis][lane & 7]))
     }
 
     /// Boxes of the triangles along one axis: least and greatest coordinates.

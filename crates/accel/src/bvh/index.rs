@@ -2,7 +2,7 @@
 //! An object's triangles under a wide BVH.
 //! Source: original. Space: object. Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::{Simd, prelude::*};
+use gnurt_simd::Simd;
 
 use super::blocks::{BlockRay, TriangleBlock};
 use super::slab::NodeRay;
@@ -13,7 +13,6 @@ use crate::kd::split_boxes;
 use crate::nearest::{Mode, Nearest};
 use crate::packet::Heading;
 use crate::tile::{NearestTile, RayTile};
-use crate::triangle::Meeting;
 use crate::{Aabb, Counters, Quality, Ray, Threads, TreeStats};
 
 /// Tree and triangles.
@@ -75,31 +74,41 @@ impl BvhIndex {
         nearest: &mut Nearest,
         counters: &mut Counters,
     ) {
-        let for_nodes = NodeRay::new(simd, ray, &self.tree.bounds, self.reach);
+        let for_nodes = NodeRay::new(simd, ray, self.reach);
         let for_blocks = BlockRay::new(simd, ray);
         let mut tested = 0;
-        let visited = self.tree.walk(
-            simd,
-            &for_nodes,
-            nearest.t,
-            #[inline(always)]
-            |blocks| {
-                for block in &self.blocks[blocks] {
-                    tested += 1;
-                    let met = block.meet(simd, &for_blocks, nearest.t);
-                    let mut bits = met.hit.to_bitmask();
-                    while bits != 0 {
-                        let i = bits.trailing_zeros() as usize;
-                        bits &= bits - 1;
-                        let meeting = Meeting { t: met.t[i], u: met.u[i], v: met.v[i] };
-                        if meeting.t <= nearest.t {
-                            nearest.offer::<M>(meeting, block.numbers[i], slot);
+        let visited = if M::ANY {
+            self.tree.walk_any(
+                simd,
+                &for_nodes,
+                nearest.t,
+                #[inline(always)]
+                |blocks| {
+                    for block in &self.blocks[blocks] {
+                        tested += 1;
+                        block.meet::<S, M>(simd, &for_blocks, slot, nearest);
+                        if nearest.t == f32::NEG_INFINITY {
+                            return false;
                         }
                     }
-                }
-                nearest.t
-            },
-        );
+                    true
+                },
+            )
+        } else {
+            self.tree.walk(
+                simd,
+                &for_nodes,
+                nearest.t,
+                #[inline(always)]
+                |blocks| {
+                    for block in &self.blocks[blocks] {
+                        tested += 1;
+                        block.meet::<S, M>(simd, &for_blocks, slot, nearest);
+                    }
+                    nearest.t
+                },
+            )
+        };
         counters.nodes += u64::from(visited);
         counters.triangles += tested * super::WIDTH as u64;
     }

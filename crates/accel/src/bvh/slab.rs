@@ -11,8 +11,8 @@
 use gnurt_simd::{Simd, f32x8, prelude::*};
 
 use super::{Node8, WIDTH};
+use crate::Ray;
 use crate::kd::{FLATTEST, most};
-use crate::{Aabb, Ray};
 
 /// 33 units of 2^-24: see the head.
 pub(super) const SLACK: f32 = 2e-6;
@@ -30,16 +30,14 @@ pub(crate) struct NodeRay<S: Simd> {
 }
 
 impl<S: Simd> NodeRay<S> {
-    /// For a tree inside `bounds`, not empty, whose greatest coordinate is `reach`; `ray` is sound and regular.
+    /// For a tree, not empty, whose greatest coordinate is `reach`; `ray` is sound and regular.
     #[inline(always)]
-    pub(crate) fn new(simd: S, ray: &Ray, bounds: &Aabb, reach: f32) -> Self {
+    pub(crate) fn new(simd: S, ray: &Ray, reach: f32) -> Self {
         let at = |value: f32| f32x8::splat(simd, value);
         let flattest = ray.longest() * FLATTEST;
-        let mut distance = 0.0f32;
-        for k in 0..3 {
-            distance = most(distance, most(ray.org[k] - bounds.min[k], bounds.max[k] - ray.org[k]));
-        }
-        let slack = SLACK * (reach + distance);
+        // No face is farther away than the origin's coordinates and the reach together.
+        let away = most(most(ray.org[0].abs(), ray.org[1].abs()), ray.org[2].abs());
+        let slack = SLACK * (2.0 * reach + away);
         let zero = at(0.0);
         let mut prepared =
             Self { inv: [zero; 3], near: [zero; 3], far: [zero; 3], rows: [0; 3], t_near: at(ray.t_near) };

@@ -16,7 +16,7 @@ use crate::Counters;
 use crate::nearest::Mode;
 use crate::packet::Heading;
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
-use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_lanes};
+use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_alone, pass_edges};
 
 /// A tile on its way through one object's tree.
 pub(super) struct Sweep<'a, S: Simd> {
@@ -115,13 +115,22 @@ impl<S: Simd> Sweep<'_, S> {
                 chunk(simd, &slopes.shear[2], at),
             ],
         };
-        let best = chunk(simd, &nearest.t, at);
-        let everyone = mask32x16::splat(simd, true);
-        let met = meet_lanes(simd, corners, &sheared, everyone, chunk(simd, &self.rays.t_near, at), best);
-        if !met.hit.any_true() {
+        let edges = pass_edges(simd, corners, &sheared);
+        if !edges.inside.any_true() {
             return false;
         }
+        let best = chunk(simd, &nearest.t, at);
+        let t_near = chunk(simd, &self.rays.t_near, at);
+        let (met, uncertain) = edges.meet(simd, &sheared, edges.inside, t_near, best);
+        let mut found = false;
+        if uncertain.any_true() {
+            found = self.meet_alone::<M>(block, place, slopes, at, uncertain.to_bitmask(), nearest);
+        }
+        if !met.hit.any_true() {
+            return found;
+        }
         let LanesMeeting { t, u, v, hit } = met;
+        let best = chunk(simd, &nearest.t, at);
         let number = u32x16::splat(simd, block.numbers[place & 7]);
         let slot = u32x16::splat(simd, self.slot);
         let old_number = u32x16::from_slice(simd, &nearest.number[at..at + LANES]);
@@ -138,6 +147,38 @@ impl<S: Simd> Sweep<'_, S> {
         better.select(number, old_number).store_slice(&mut nearest.number[at..at + LANES]);
         better.select(slot, old_slot).store_slice(&mut nearest.slot[at..at + LANES]);
         true
+    }
+
+    /// Lanes that floats cannot decide.
+    #[cold]
+    #[inline(never)]
+    fn meet_alone<M: Mode>(
+        &self,
+        block: &TriangleBlock,
+        place: usize,
+        slopes: &Slopes,
+        at: usize,
+        mut bits: u64,
+        nearest: &mut NearestTile,
+    ) -> bool {
+        let axes = axes_from(self.heading.longest_axis);
+        let corners = block.corners_of(place, axes);
+        let mut found = false;
+        while bits != 0 {
+            let i = at + bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let mut best = nearest.get(i);
+            let alone = Sheared {
+                org: axes.map(|k| self.rays.org[k][i]),
+                shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
+            };
+            if let Some(meeting) = meet_alone(&corners, &alone, self.rays.t_near[i], best.t) {
+                best.offer::<M>(meeting, block.numbers[place & 7], self.slot);
+                nearest.set(i, &best);
+                found = true;
+            }
+        }
+        found
     }
 }
 

@@ -112,6 +112,44 @@ impl Tree {
         }
     }
 
+    /// [`walk`](Self::walk) for any hit: children need no order, and `leaf` says whether to go on.
+    #[inline(always)]
+    pub(crate) fn walk_any<S: Simd>(
+        &self,
+        simd: S,
+        ray: &NodeRay<S>,
+        reach: f32,
+        mut leaf: impl FnMut(Range<usize>) -> bool,
+    ) -> u32 {
+        let mut waiting = Stack::<u32, 512>::new();
+        let mut visited = 0;
+        let mut child = Child::node(0);
+        loop {
+            visited += 1;
+            if child.is_leaf() {
+                if !leaf(child.blocks()) {
+                    return visited;
+                }
+            } else {
+                let node = &self.nodes[child.index()];
+                let (mut bits, _) = ray.meet(simd, node, reach);
+                if bits != 0 {
+                    child = node.child(bits.trailing_zeros() as usize);
+                    bits &= bits - 1;
+                    while bits != 0 {
+                        waiting.push(node.child(bits.trailing_zeros() as usize).0);
+                        bits &= bits - 1;
+                    }
+                    continue;
+                }
+            }
+            match waiting.pop() {
+                Some(next) => child = Child(next),
+                None => return visited,
+            }
+        }
+    }
+
     /// The same for all rays of a beam at once: `reach` counts steps.
     #[inline(always)]
     pub(crate) fn sweep<S: Simd>(

@@ -52,7 +52,7 @@ impl SceneTree {
         // Scales are powers of two: their inverses are exact.
         let over_scale = 1.0 / scale;
         let top = &self.top;
-        let for_nodes = NodeRay::new(simd, &scaled, &top.tree.bounds, top.reach);
+        let for_nodes = NodeRay::new(simd, &scaled, top.reach);
         let visited = top.tree.walk(
             simd,
             &for_nodes,

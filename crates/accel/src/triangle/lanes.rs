@@ -25,23 +25,31 @@ pub(crate) struct LanesMeeting<S: Simd, V: Lanes<S>> {
 
 /// Rays prepared for the test: origins along the axes of the sheared space (z is the axis along which the ray moves
 /// most, x and y follow it in cyclic order), and the shear.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Sheared<V> {
     pub(crate) org: [V; 3],
     pub(crate) shear: [V; 3],
 }
 
+/// Lanes that pass all three edges, and what that took.
+#[derive(Clone, Copy)]
+pub(crate) struct Edges<S: Simd, V: Lanes<S>> {
+    depth: [V; 3],
+    w: [V; 3],
+    /// Lanes whose ray passes inside.
+    pub(crate) inside: V::Mask,
+}
+
+/// The first half of the test: on which side of the edges rays pass. Most lanes end here, so callers look at `inside`
+/// before they go on to [`Edges::meet`]: a test that returned all at once would be merged from two ways by copies.
+///
 /// `corners` have their coordinates along the axes of the sheared space, corner by corner.
 #[inline(always)]
-pub(crate) fn meet_lanes<S: Simd, V: Lanes<S>>(
+pub(crate) fn pass_edges<S: Simd, V: Lanes<S>>(
     simd: S,
     [a, b, c]: [[V; 3]; 3],
     Sheared { org, shear }: &Sheared<V>,
-    active: V::Mask,
-    t_near: V,
-    t_far: V,
-) -> LanesMeeting<S, V> {
-    let at = |value: f32| V::splat(simd, value);
+) -> Edges<S, V> {
     let depth = [a[2] - org[2], b[2] - org[2], c[2] - org[2]];
     let px = [
         a[0] - org[0] - shear[0] * depth[0],
@@ -53,53 +61,67 @@ pub(crate) fn meet_lanes<S: Simd, V: Lanes<S>>(
         b[1] - org[1] - shear[1] * depth[1],
         c[1] - org[1] - shear[1] * depth[2],
     ];
-
     let w0 = px[2] * py[1] - py[2] * px[1];
     let w1 = px[0] * py[2] - py[0] * px[2];
     let w2 = px[1] * py[0] - py[1] * px[0];
-    let zero = at(0.0);
     // Least and greatest of the three: two operations each where signs would take five. A NaN on the way may be lost
     // or kept; lanes with one are not certain below.
     let least = w0.min(w1).min(w2);
     let most = w0.max(w1).max(w2);
-    let inside = active & !(least.simd_lt(zero) & most.simd_gt(zero));
-    let mut meeting = LanesMeeting { t: zero, u: zero, v: zero, hit: inside };
-    if !inside.any_true() {
-        return meeting;
-    }
+    let zero = V::splat(simd, 0.0);
+    let inside = !(least.simd_lt(zero) & most.simd_gt(zero));
+    Edges { depth, w: [w0, w1, w2], inside }
+}
 
+impl<S: Simd, V: Lanes<S>> Edges<S, V> {
+    /// The second half: where the lanes in `active`, all of them inside, meet the triangles; and the lanes that floats
+    /// cannot decide, which are for [`meet_alone`].
+    #[inline(always)]
+    pub(crate) fn meet(
+        &self,
+        simd: S,
+        sheared: &Sheared<V>,
+        active: V::Mask,
+        t_near: V,
+        t_far: V,
+    ) -> (LanesMeeting<S, V>, V::Mask) {
+        let Self { depth, w: [w0, w1, w2], .. } = *self;
+        let over_dir = sheared.shear[2];
+        let ts = [over_dir * depth[0], over_dir * depth[1], over_dir * depth[2]];
+        let sum = w0 + w1 + w2;
+        let tiny = V::splat(simd, TINY);
+        let certain = w0.abs().simd_ge(tiny)
+            & w1.abs().simd_ge(tiny)
+            & w2.abs().simd_ge(tiny)
+            & sum.abs().simd_le(V::splat(simd, HUGE));
+
+        let over = V::splat(simd, 1.0) / sum;
+        let (u, v) = (w1 * over, w2 * over);
+        let t = (w0 * over) * ts[0] + u * ts[1] + v * ts[2];
+        let (first, last) = (ts[0].min(ts[1]).min(ts[2]), ts[0].max(ts[1]).max(ts[2]));
+        let t = t.max(first).min(last) + V::splat(simd, 0.0);
+        let hit = active & certain & t.simd_ge(t_near) & t.simd_le(t_far);
+        (LanesMeeting { t, u, v, hit }, active & !certain)
+    }
+}
+
+/// One lane in double precision, from the start: `corners` of one triangle and one ray, along the sheared space's axes.
+#[cold]
+#[inline(never)]
+pub(crate) fn meet_alone(
+    [a, b, c]: &[[f32; 3]; 3],
+    Sheared { org, shear }: &Sheared<f32>,
+    t_near: f32,
+    t_far: f32,
+) -> Option<Meeting> {
+    let depth = [a[2] - org[2], b[2] - org[2], c[2] - org[2]];
+    let along = |k: usize| {
+        [
+            a[k] - org[k] - shear[k] * depth[0],
+            b[k] - org[k] - shear[k] * depth[1],
+            c[k] - org[k] - shear[k] * depth[2],
+        ]
+    };
     let ts = [shear[2] * depth[0], shear[2] * depth[1], shear[2] * depth[2]];
-    let sum = w0 + w1 + w2;
-    let tiny = at(TINY);
-    let certain = w0.abs().simd_ge(tiny)
-        & w1.abs().simd_ge(tiny)
-        & w2.abs().simd_ge(tiny)
-        & sum.abs().simd_le(at(HUGE));
-
-    let over = at(1.0) / sum;
-    meeting.u = w1 * over;
-    meeting.v = w2 * over;
-    let t = (w0 * over) * ts[0] + meeting.u * ts[1] + meeting.v * ts[2];
-    let (first, last) = (ts[0].min(ts[1]).min(ts[2]), ts[0].max(ts[1]).max(ts[2]));
-    meeting.t = t.max(first).min(last) + zero;
-    meeting.hit = inside & certain & meeting.t.simd_ge(t_near) & meeting.t.simd_le(t_far);
-
-    let mut uncertain = (inside & !certain).to_bitmask();
-    while uncertain != 0 {
-        let i = uncertain.trailing_zeros() as usize;
-        uncertain &= uncertain - 1;
-        let found = meet_exactly(
-            [px[0][i], px[1][i], px[2][i]],
-            [py[0][i], py[1][i], py[2][i]],
-            [ts[0][i], ts[1][i], ts[2][i]],
-            t_near[i],
-            t_far[i],
-        );
-        let Meeting { t, u, v } = found.unwrap_or(Meeting { t: 0.0, u: 0.0, v: 0.0 });
-        meeting.t[i] = t;
-        meeting.u[i] = u;
-        meeting.v[i] = v;
-        meeting.hit.set(i, found.is_some());
-    }
-    meeting
+    meet_exactly(along(0), along(1), ts, t_near, t_far)
 }

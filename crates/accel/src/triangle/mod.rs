@@ -9,7 +9,7 @@ mod projected;
 mod watertight;
 
 use gnurt_simd::{Simd, f32x8, mask32x8};
-pub(crate) use lanes::{LanesMeeting, Sheared, meet_lanes};
+pub(crate) use lanes::{LanesMeeting, Sheared, meet_alone, pass_edges};
 pub(crate) use projected::ProjectedTriangles;
 pub(crate) use watertight::{WatertightTriangles, axes_from};
 

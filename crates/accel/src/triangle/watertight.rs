@@ -12,7 +12,7 @@
 
 use gnurt_simd::{Simd, f32x8, mask32x8, prelude::*};
 
-use super::lanes::{LanesMeeting, Sheared, meet_lanes};
+use super::lanes::{LanesMeeting, Sheared, meet_alone, pass_edges};
 use super::{Meeting, PreparedTriangles};
 use crate::Ray;
 use crate::kd::{least, most};
@@ -126,8 +126,27 @@ impl PreparedTriangles for WatertightTriangles {
         let [a, b, c] = &self.corners[number as usize];
         let corners =
             [[at(a[x]), at(a[y]), at(a[z])], [at(b[x]), at(b[y]), at(b[z])], [at(c[x]), at(c[y]), at(c[z])]];
-        let LanesMeeting { t, u, v, hit } = meet_lanes(simd, corners, sheared, active, t_near, t_far);
-        MeetingPacket { t, u, v, hit }
+        let edges = pass_edges(simd, corners, sheared);
+        let inside = active & edges.inside;
+        if !inside.any_true() {
+            let zero = at(0.0);
+            return MeetingPacket { t: zero, u: zero, v: zero, hit: inside };
+        }
+        let (LanesMeeting { t, u, v, hit }, uncertain) = edges.meet(simd, sheared, inside, t_near, t_far);
+        let mut meeting = MeetingPacket { t, u, v, hit };
+        let mut bits = uncertain.to_bitmask();
+        while bits != 0 {
+            let i = bits.trailing_zeros() as usize & 7;
+            bits &= bits - 1;
+            let corners = [[a[x], a[y], a[z]], [b[x], b[y], b[z]], [c[x], c[y], c[z]]];
+            let Sheared { org, shear } = sheared;
+            let alone = Sheared {
+                org: [org[0][i], org[1][i], org[2][i]],
+                shear: [shear[0][i], shear[1][i], shear[2][i]],
+            };
+            meeting.set(i, meet_alone(&corners, &alone, t_near[i], t_far[i]));
+        }
+        meeting
     }
 }
 
