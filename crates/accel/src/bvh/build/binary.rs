@@ -9,6 +9,7 @@ use gnurt_simd::dispatch;
 
 use super::Primitives;
 use super::bins::Bins;
+use super::cluster::Cluster;
 use super::collapse::{Costs, Shares, inner_costs, leaf_costs};
 use super::crew::Crew;
 use super::partition::Buffer;
@@ -55,12 +56,25 @@ pub(super) struct Careful<'a, P> {
     least_overlap: f32,
     /// From this depth on references are divided by number alone.
     by_number: usize,
+    /// What references are of; none if they are of primitives.
+    clusters: &'a [Cluster<'a>],
 }
 
 impl<'a, P: Primitives> Careful<'a, P> {
     pub(super) fn new(primitives: &'a P, crew: Crew, root: &Part, by_number: usize) -> Self {
         let least_overlap = LEAST_OVERLAP * root.bounds.half_area(crew.scale);
-        Self { primitives, crew, least_overlap, by_number }
+        Self { primitives, crew, least_overlap, by_number, clusters: &[] }
+    }
+
+    /// As above, but references are of clusters.
+    pub(super) fn over(
+        clusters: &'a [Cluster<'a>],
+        primitives: &'a P,
+        crew: Crew,
+        root: &Part,
+        by_number: usize,
+    ) -> Self {
+        Self { clusters, ..Self::new(primitives, crew, root, by_number) }
     }
 
     /// The tree over the references of `root`, which are the first of `references`.
@@ -81,8 +95,14 @@ impl<'a, P: Primitives> Careful<'a, P> {
     ) -> (usize, Costs) {
         let count = part.count();
         let area = part.bounds.half_area(self.crew.scale);
-        if count <= WIDTH {
-            let last = pieces.len() - 1;
+        let last = pieces.len() - 1;
+        if !self.clusters.is_empty() {
+            if count == 1 {
+                let Cluster { knots, costs } = &self.clusters[references[0].number() as usize];
+                pieces[last].extend_from_slice(knots);
+                return (knots.len(), *costs);
+            }
+        } else if count <= WIDTH {
             pieces[last].push(Knot::leaf(part.bounds, &references[..count]));
             return (1, leaf_costs(area));
         }
@@ -128,7 +148,8 @@ impl<'a, P: Primitives> Careful<'a, P> {
         let found = if depth < self.by_number { self.crew.find(inside, part, bins) } else { None };
         let Some(found) = found else {
             // Whole blocks, and not all of them: more than one block is there.
-            let left = (count / 2).next_multiple_of(WIDTH);
+            let whole = if self.clusters.is_empty() { WIDTH } else { 1 };
+            let left = (count / 2).next_multiple_of(whole);
             let start = left + share(left, count - left);
             references.copy_within(left..count, start);
             return [around(references, 0, left), around(references, start, start + count - left)];
@@ -173,7 +194,7 @@ impl Workspace {
 
 impl Knot {
     /// Parts of one primitive count as one.
-    fn leaf(bounds: Lanes, references: &[Reference]) -> Self {
+    pub(super) fn leaf(bounds: Lanes, references: &[Reference]) -> Self {
         let mut knot = Self { bounds, numbers: [INVALID_ID; WIDTH], count: 0, shares: [0; WIDTH + 1] };
         for number in references.iter().map(Reference::number) {
             if !knot.numbers.contains(&number) {
@@ -184,7 +205,7 @@ impl Knot {
         knot
     }
 
-    fn inner(bounds: Lanes, right: usize, shares: Shares) -> Self {
+    pub(super) fn inner(bounds: Lanes, right: usize, shares: Shares) -> Self {
         let mut numbers = [INVALID_ID; WIDTH];
         numbers[0] = right as u32;
         Self { bounds, numbers, count: 0, shares }

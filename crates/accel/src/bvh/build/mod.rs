@@ -7,6 +7,7 @@
 
 mod binary;
 mod bins;
+mod cluster;
 mod collapse;
 mod crew;
 mod partition;
@@ -77,7 +78,10 @@ fn build_with(primitives: &impl Primitives, quality: Quality, parallel: bool) ->
     if quality == Quality::High && primitives.split(0, &first, 0, middle).is_some() {
         references.resize(count + count / 2, Reference::ZERO);
     }
-    let knots = Careful::new(primitives, crew, &root, BY_NUMBER).build(&mut references, root);
+    let knots = match quality {
+        Quality::Fast => cluster::build(primitives, crew, &references, &root),
+        _ => Careful::new(primitives, crew, &root, BY_NUMBER).build(&mut references, root),
+    };
     collapse(&knots).unwrap_or_else(|| {
         // A strange scene. A flat tree is not fast, but it is one.
         references = all_references(primitives, parallel);
