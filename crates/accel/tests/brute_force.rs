@@ -40,7 +40,8 @@ fn grids_of_axis_aligned_triangles() {
 #[test]
 fn flat_but_for_one_bit() {
     for seed in 30..33 {
-        let rays: Vec<_> = rays::random(seed, 600).into_iter().map(|(o, d)| (o.map(|x| 8.0 * x), d)).collect();
+        let rays: Vec<_> =
+            rays::random(seed, 600).into_iter().map(|(o, d)| (o.map(|x| 8.0 * x), d)).collect();
         check("flat but for one bit", &[Soup::flat_but_for_one_bit(seed, 600)], &rays);
     }
 }

@@ -128,12 +128,12 @@ mod tests {
         let [left, right] = split_boxes(&triangle, &cell, 0, 2.0);
         let left = left.expect("the triangle reaches left");
         let right = right.expect("and right");
-        assert_eq!((left.min, left.max), ([0.0; 3], [2.0, 3.0, 0.75]), "left part");
-        assert_eq!(
-            (right.min, right.max),
-            ([2.0, 0.0, 0.0], [3.0, 2.0, 0.5]),
-            "right part, tighter than the box"
-        );
+        let is = |found: Aabb, min: [f32; 3], max: [f32; 3]| {
+            let close = |a: f32, b: f32| (a - b).abs() < 1e-6;
+            (0..3).all(|k| close(found.min[k], min[k]) && close(found.max[k], max[k]))
+        };
+        assert!(is(left, [0.0; 3], [2.0, 3.0, 0.75]), "left part {left:?}");
+        assert!(is(right, [2.0, 0.0, 0.0], [3.0, 2.0, 0.5]), "right part {right:?}, tighter than the box");
     }
 
     #[test]
@@ -203,8 +203,9 @@ mod tests {
                     let most = points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k]));
                     let error =
                         (f64::from(found.min[k]) - least).abs().max((f64::from(found.max[k]) - most).abs());
-                    // Half a unit in the last place of a coordinate below 1.
-                    assert!(error < 3.1e-8, "{found:?} against {least} to {most} along {k}, {triangle:?}");
+                    // Cells are seen a unit in the last place larger, then coordinates below 1 are rounded; where an
+                    // edge crosses a face at a grazing angle that unit is a few along it.
+                    assert!(error < 1e-6, "{found:?} against {least} to {most} along {k}, {triangle:?}");
                 }
             }
         }
