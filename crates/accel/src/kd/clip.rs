@@ -196,16 +196,24 @@ mod tests {
                 }
                 let found = found.unwrap_or_else(|| panic!("{triangle:?} is in {half:?} at {points:?}"));
                 cut += 1;
+                // Cells are seen a unit in the last place larger.
+                let larger = Aabb { min: half.min.map(|x| x - 1.3e-7), max: half.max.map(|x| x + 1.3e-7) };
+                let more = true_corners(&triangle.map(|p| p.map(f64::from)), &larger);
                 for k in 0..3 {
                     let inside = found.min[k] >= half.min[k] && found.max[k] <= half.max[k];
                     assert!(inside, "{found:?} is in the cell {half:?}");
-                    let least = points.iter().fold(f64::INFINITY, |m, p| m.min(p[k]));
-                    let most = points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k]));
-                    let error =
-                        (f64::from(found.min[k]) - least).abs().max((f64::from(found.max[k]) - most).abs());
-                    // Cells are seen a unit in the last place larger, then coordinates below 1 are rounded; where an
-                    // edge crosses a face at a grazing angle that unit is a few along it.
-                    assert!(error < 1e-6, "{found:?} against {least} to {most} along {k}, {triangle:?}");
+                    let range = |points: &[[f64; 3]]| {
+                        let least = points.iter().fold(f64::INFINITY, |m, p| m.min(p[k]));
+                        (least, points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p[k])))
+                    };
+                    // Half a unit in the last place of a coordinate below 1.
+                    let half_unit = 3.1e-8;
+                    let ((least, most), (low, high)) = (range(&points), range(&more));
+                    let (min, max) = (f64::from(found.min[k]), f64::from(found.max[k]));
+                    let holds = min < least + half_unit && max > most - half_unit;
+                    let tight = min > low - half_unit && max < high + half_unit;
+                    assert!(holds, "{found:?} holds {least} to {most} along {k}, {triangle:?}");
+                    assert!(tight, "{found:?} is not beyond {low} to {high} along {k}, {triangle:?}");
                 }
             }
         }
