@@ -74,7 +74,8 @@ impl Subject {
     }
 
     /// Its triangles.
-    pub(crate) fn triangles(&self) -> Triangles<'_> {
+    #[must_use]
+    pub fn triangles(&self) -> Triangles<'_> {
         Triangles { positions: &self.padded[..self.padded.len() - 1], indices: &self.indices }
     }
 
