@@ -54,7 +54,7 @@ impl BenchCommand {
 #[derive(Args, Debug)]
 pub(crate) struct BenchRaysArguments {
     /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is measured by itself
-    #[arg(value_name = "SCENE", default_value = "builtin:island")]
+    #[arg(value_name = "SCENE", default_value = "builtin:materials")]
     pub(crate) scenes: Vec<OsString>,
     /// Classes of rays: primary, shadow, ao, diffuse, shuffled
     #[arg(long = "class", value_name = "LIST", value_parser = value::ray_class, value_delimiter = ',')]
@@ -90,7 +90,7 @@ pub(crate) struct BenchRaysArguments {
 #[derive(Args, Debug)]
 pub(crate) struct BenchBuildArguments {
     /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is measured by itself
-    #[arg(value_name = "SCENE", default_value = "builtin:island")]
+    #[arg(value_name = "SCENE", default_value = "builtin:materials")]
     pub(crate) scenes: Vec<OsString>,
     /// Engines: gnurt, embree4
     #[arg(long = "engine", value_name = "LIST", value_parser = value::engine, value_delimiter = ',')]
