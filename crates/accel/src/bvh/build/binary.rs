@@ -19,8 +19,8 @@ use super::spatial::{Slabs, cut};
 use crate::INVALID_ID;
 use crate::bvh::WIDTH;
 
-/// Subtrees over at most this many references are built by one thread.
-const SUBTREE: usize = 1 << 12;
+/// Subtrees over at most this many references are built by one thread. Tests have small scenes.
+const SUBTREE: usize = if cfg!(test) { 1 << 8 } else { 1 << 12 };
 
 /// Space is divided only where the children would overlap by more than this share of the root's area,
 const LEAST_OVERLAP: f32 = 1e-5;

@@ -10,8 +10,8 @@ use super::bins::{Bins, Mapping, Split};
 use super::partition::{Buffer, Parted, partition};
 use super::reference::{Lanes, Part, Reference};
 
-/// More references than this are binned and parted in pieces.
-const PIECE: usize = 1 << 15;
+/// More references than this are binned and parted in pieces. Tests have small scenes.
+const PIECE: usize = if cfg!(test) { 1 << 9 } else { 1 << 15 };
 
 /// Who builds, and how large things are.
 #[derive(Clone, Copy)]

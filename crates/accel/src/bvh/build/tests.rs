@@ -240,3 +240,35 @@ fn halves_are_as_good_as_thirds() {
     let near = (0..WIDTH).filter(|&place| tree.nodes[0].bounds(place).max[0] < 10.0).count();
     assert_eq!(near + far, WIDTH, "no child of the root holds some of both");
 }
+
+/// Least cost of a knot in so many places of a node, by trying everything; knots as in `binary`.
+fn least_cost(knots: &[binary::Knot], at: usize, places: usize) -> f64 {
+    let knot = &knots[at];
+    let area = knot.bounds.bounds().half_area();
+    if knot.count > 0 {
+        return area;
+    }
+    let (right, left) = (at - 1, at - 1 - knot.numbers[0] as usize);
+    let opened = |places: usize| {
+        let shared =
+            |on_left: usize| least_cost(knots, left, on_left) + least_cost(knots, right, places - on_left);
+        (1..places).map(shared).fold(f64::INFINITY, f64::min)
+    };
+    (area + opened(WIDTH)).min(opened(places))
+}
+
+#[test]
+fn no_other_collapse_is_cheaper() {
+    let mut random = Random::new(6);
+    for count in [9, 20, 35, 50] {
+        let boxes = Boxes(random_boxes(&mut random, count, 0.3));
+        let mut references = all_references(&boxes, false);
+        let crew = Crew { parallel: false, level: Level::best(), scale: 1.0 };
+        let root = crew.around(&references);
+        let knots = Careful::new(&boxes, crew, &root, 64).build(&mut references, root);
+        let tree = collapse(&knots).expect("it is not deep");
+        let found = (cost(&tree) + 1.0) * tree.bounds.half_area();
+        let least = least_cost(&knots, knots.len() - 1, 1);
+        assert!((found - least).abs() < 1e-5 * least, "{found} is the least of all, {least}");
+    }
+}
