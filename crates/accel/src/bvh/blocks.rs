@@ -35,7 +35,6 @@ impl<S: Simd> BlockRay<S> {
     /// `ray` must be sound and of regular length.
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &Ray) -> Self {
-        let at = |value: f32| f32x8::splat(simd, value);
         let axes = axes_from(ray.longest_axis());
         let [x, y, z] = axes;
         let along = ray.dir[z];
@@ -43,9 +42,18 @@ impl<S: Simd> BlockRay<S> {
             org: [ray.org[x], ray.org[y], ray.org[z]],
             shear: [ray.dir[x] / along, ray.dir[y] / along, 1.0 / along],
         };
+        Self::sheared(simd, axes, alone, ray.t_near)
+    }
+
+    /// From what is known of the ray in the space with these axes.
+    #[inline(always)]
+    pub(super) fn sheared(simd: S, axes: [usize; 3], alone: Sheared<f32>, t_near: f32) -> Self {
         let ([x, y, z], [sx, sy, sz]) = (alone.org, alone.shear);
-        let sheared = Sheared { org: [at(x), at(y), at(z)], shear: [at(sx), at(sy), at(sz)] };
-        Self { axes, alone, sheared, t_near: at(ray.t_near) }
+        let sheared = Sheared {
+            org: [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)],
+            shear: [f32x8::splat(simd, sx), f32x8::splat(simd, sy), f32x8::splat(simd, sz)],
+        };
+        Self { axes, alone, sheared, t_near: f32x8::splat(simd, t_near) }
     }
 }
 

@@ -7,7 +7,7 @@ use gnurt_simd::Simd;
 use super::blocks::{BlockRay, TriangleBlock};
 use super::slab::NodeRay;
 use super::sweep::Sweep;
-use super::{Primitives, Tree, build};
+use super::{Child, Primitives, Tree, WIDTH, build};
 use crate::geometry::Screened;
 use crate::kd::split_boxes;
 use crate::nearest::{Mode, Nearest};
@@ -76,41 +76,18 @@ impl BvhIndex {
     ) {
         let for_nodes = NodeRay::new(simd, ray, self.reach);
         let for_blocks = BlockRay::new(simd, ray);
-        let mut tested = 0;
-        let visited = if M::ANY {
-            self.tree.walk_any(
-                simd,
-                &for_nodes,
-                nearest.t,
-                #[inline(always)]
-                |blocks| {
-                    for block in &self.blocks[blocks] {
-                        tested += 1;
-                        block.meet::<S, M>(simd, &for_blocks, slot, nearest);
-                        if nearest.t == f32::NEG_INFINITY {
-                            return false;
-                        }
-                    }
-                    true
-                },
-            )
-        } else {
-            self.tree.walk(
-                simd,
-                &for_nodes,
-                nearest.t,
-                #[inline(always)]
-                |blocks| {
-                    for block in &self.blocks[blocks] {
-                        tested += 1;
-                        block.meet::<S, M>(simd, &for_blocks, slot, nearest);
-                    }
-                    nearest.t
-                },
-            )
-        };
-        counters.nodes += u64::from(visited);
-        counters.triangles += tested * super::WIDTH as u64;
+        let Self { tree, blocks, .. } = self;
+        walk_blocks::<S, M>(
+            simd,
+            tree,
+            blocks,
+            Child::node(0),
+            &for_nodes,
+            &for_blocks,
+            slot,
+            nearest,
+            counters,
+        );
     }
 
     /// The same for the first `count` rays of a tile, all of one heading. Lanes beyond them up to the next multiple of
@@ -129,4 +106,57 @@ impl BvhIndex {
         let Self { tree, blocks, reach, .. } = self;
         Sweep { simd, tree, blocks, reach: *reach, slot, rays, count, heading }.run::<M>(nearest, counters);
     }
+}
+
+/// One ray from `start` on through the tree and its blocks.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "tree, ray and result")]
+pub(super) fn walk_blocks<S: Simd, M: Mode>(
+    simd: S,
+    tree: &Tree,
+    blocks: &[TriangleBlock],
+    start: Child,
+    for_nodes: &NodeRay<S>,
+    for_blocks: &BlockRay<S>,
+    slot: u32,
+    nearest: &mut Nearest,
+    counters: &mut Counters,
+) {
+    let mut tested = 0;
+    let visited = if M::ANY {
+        tree.walk_any(
+            simd,
+            start,
+            for_nodes,
+            nearest.t,
+            #[inline(always)]
+            |range| {
+                for block in &blocks[range] {
+                    tested += 1;
+                    block.meet::<S, M>(simd, for_blocks, slot, nearest);
+                    if nearest.t == f32::NEG_INFINITY {
+                        return false;
+                    }
+                }
+                true
+            },
+        )
+    } else {
+        tree.walk(
+            simd,
+            start,
+            for_nodes,
+            nearest.t,
+            #[inline(always)]
+            |range| {
+                for block in &blocks[range] {
+                    tested += 1;
+                    block.meet::<S, M>(simd, for_blocks, slot, nearest);
+                }
+                nearest.t
+            },
+        )
+    };
+    counters.nodes += u64::from(visited);
+    counters.triangles += tested * WIDTH as u64;
 }

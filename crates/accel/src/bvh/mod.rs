@@ -8,6 +8,7 @@ mod build;
 mod index;
 mod measure;
 mod node;
+mod planes;
 mod slab;
 mod sweep;
 mod walk;

@@ -52,6 +52,16 @@ impl<S: Simd> NodeRay<S> {
         prepared
     }
 
+    /// From what a tile has prepared: `inv`, `near` and `far`, rows, near end.
+    #[inline(always)]
+    pub(super) fn from_parts(
+        [inv, near, far]: [[f32x8<S>; 3]; 3],
+        rows: [usize; 3],
+        t_near: f32x8<S>,
+    ) -> Self {
+        Self { inv, near, far, rows, t_near }
+    }
+
     /// The boxes that the ray meets before `t_far` as bits, and where it enters them.
     #[inline(always)]
     pub(crate) fn meet(&self, simd: S, node: &Node8, t_far: f32) -> (u32, f32x8<S>) {

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A tile of rays through the tree: multi-level ray tracing.
-//! Source: [RSH05]: subtrees, then triangles, are discarded for all rays at once; only what is left meets single rays,
-//! sixteen to a step. Differs: the interval test is made on the eight children of a node, then on the eight triangles
-//! of a block; the tree is searched front to back, so that a tile's common entry point is found on the way and what
-//! lies behind all hits is skipped.
+//! A tile of rays through the tree: multi-level ray tracing, and packets where it does not pay.
+//! Source: [RSH05]: subtrees, then triangles, are discarded for all rays at once. Differs: the interval test is made on
+//! the eight children of a node, then on the eight triangles of a block; the tree is searched front to back, so that a
+//! tile's common entry point is found on the way and what lies behind all hits is skipped. Where intervals leave
+//! [`MANY`] children or more, rays are tested against each child, sixteen to a step, and only those that meet it go on
+//! (masks, the paper's Figure 4); a few that are left go on alone ([BWW*12]).
 //! In: a tile whose first `count` rays have one heading. Each ray gets the hit that it would get alone.
 //! Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
+use gnurt_simd::{Simd, Stack, f32x16, mask32x16, prelude::*, u32x16};
 
-use super::Tree;
 use super::beam::{Beam, CHUNKS, Slopes};
-use super::blocks::TriangleBlock;
+use super::blocks::{BlockRay, TriangleBlock};
+use super::index::walk_blocks;
+use super::planes::TilePlanes;
+use super::{Child, Tree, WIDTH};
 use crate::Counters;
-use crate::nearest::Mode;
+use crate::nearest::{Mode, Nearest};
 use crate::packet::Heading;
-use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
+use crate::tile::{LANES, NearestTile, PerRay, RayTile, TILE, all, chunk};
 use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_alone, pass_edges};
 
 /// A tile on its way through one object's tree.
@@ -28,6 +31,19 @@ pub(super) struct Sweep<'a, S: Simd> {
     pub(super) rays: &'a RayTile,
     pub(super) count: usize,
     pub(super) heading: Heading,
+}
+
+/// Where intervals leave this many children of a node, rays are tested one by one.
+const MANY: u32 = 2;
+/// So many rays or fewer go on alone.
+const FEW: u32 = 2;
+
+/// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
+#[derive(Clone, Copy)]
+struct Waiting {
+    steps: f32,
+    child: Child,
+    rays: u64,
 }
 
 impl<S: Simd> Sweep<'_, S> {
@@ -43,6 +59,8 @@ impl<S: Simd> Sweep<'_, S> {
         for (part, ranges) in parts.iter_mut().zip(&each).take(chunks) {
             *part = Beam::new(simd, ranges, heading, &tree.bounds, self.reach);
         }
+        let mut planes = TilePlanes::EMPTY;
+        let mut planes_ready = false;
         // How many steps each chunk still looks ahead, and the tile.
         let mut ahead = [f32::NEG_INFINITY; CHUNKS];
         let mut farthest = f32::NEG_INFINITY;
@@ -51,25 +69,64 @@ impl<S: Simd> Sweep<'_, S> {
             farthest = farthest.max(ahead[chunk]);
         }
 
-        let mut tested = 0;
-        let visited = tree.sweep(
-            simd,
-            &beam,
-            farthest,
-            #[inline(always)]
-            |blocks| {
-                for block in &self.blocks[blocks] {
+        let mut stack = Stack::<Waiting, 512>::new();
+        stack.push(Waiting { steps: 0.0, child: Child::node(0), rays: all(count) });
+        while let Some(Waiting { steps, child, rays: mut bits }) = stack.pop() {
+            if steps > farthest {
+                continue;
+            }
+            if M::ANY {
+                bits &= nearest.looking(simd);
+                if bits == 0 {
+                    continue;
+                }
+            }
+            let here = u64::from(bits.count_ones());
+            counters.nodes += here;
+            if here as u32 <= FEW {
+                if !planes_ready {
+                    planes.prepare(simd, rays, count, self.reach);
+                    planes_ready = true;
+                }
+                let mut touched = 0;
+                while bits != 0 {
+                    let i = bits.trailing_zeros() as usize & (TILE - 1);
+                    bits &= bits - 1;
+                    let mut lane = nearest.get(i);
+                    let before = lane.t;
+                    self.alone::<M>(i, child, &planes, &slopes, &mut lane, counters);
+                    if lane.t != before {
+                        nearest.set(i, &lane);
+                        touched |= 1 << (i / LANES);
+                    }
+                }
+                if touched != 0 {
+                    for chunk in 0..chunks {
+                        if touched >> chunk & 1 == 1 {
+                            ahead[chunk] = slopes.chunk_ahead(simd, nearest, chunk);
+                        }
+                    }
+                    farthest = ahead[0].max(ahead[1]).max(ahead[2]).max(ahead[3]);
+                }
+                continue;
+            }
+            if child.is_leaf() {
+                for block in &self.blocks[child.blocks()] {
                     let extents = [block.extent(simd, 0), block.extent(simd, 1), block.extent(simd, 2)];
                     if beam.meet_extents(simd, &extents, farthest) == 0 {
                         continue;
                     }
                     for chunk in 0..chunks {
-                        let mut bits = parts[chunk].meet_extents(simd, &extents, ahead[chunk]);
+                        let active = bits >> (chunk * LANES) & 0xffff;
+                        if active == 0 {
+                            continue;
+                        }
+                        let mut places = parts[chunk].meet_extents(simd, &extents, ahead[chunk]);
                         let mut found = false;
-                        while bits != 0 {
-                            let place = bits.trailing_zeros() as usize;
-                            bits &= bits - 1;
-                            tested += 1;
+                        while places != 0 {
+                            let place = places.trailing_zeros() as usize;
+                            places &= places - 1;
+                            counters.triangles += u64::from(active.count_ones());
                             found |= self.meet::<M>(block, place, &slopes, chunk, nearest);
                         }
                         if found {
@@ -78,11 +135,83 @@ impl<S: Simd> Sweep<'_, S> {
                     }
                     farthest = ahead[0].max(ahead[1]).max(ahead[2]).max(ahead[3]);
                 }
-                farthest
-            },
+                continue;
+            }
+
+            let node = &tree.nodes[child.index()];
+            let (mut places, near) = beam.meet(simd, node, farthest);
+            let near = near.as_array();
+            let one_by_one = places.count_ones() >= MANY;
+            if one_by_one && !planes_ready {
+                planes.prepare(simd, rays, count, self.reach);
+                planes_ready = true;
+            }
+            let mut pushed = 0;
+            while places != 0 {
+                let place = places.trailing_zeros() as usize & (WIDTH - 1);
+                places &= places - 1;
+                let mut those = bits;
+                if one_by_one {
+                    those = 0;
+                    for chunk in 0..chunks {
+                        let at = chunk * LANES;
+                        if bits >> at & 0xffff != 0 {
+                            let meet = planes.meet(simd, node, place, heading, rays, nearest, at);
+                            those |= meet << at;
+                        }
+                    }
+                    those &= bits;
+                    if those == 0 {
+                        continue;
+                    }
+                }
+                stack.push(Waiting { steps: near[place], child: node.child(place), rays: those });
+                pushed += 1;
+            }
+            let waiting = stack.top(pushed);
+            for i in 1..waiting.len() {
+                let moved = waiting[i];
+                let mut at = i;
+                while at > 0 && waiting[at - 1].steps < moved.steps {
+                    waiting[at] = waiting[at - 1];
+                    at -= 1;
+                }
+                waiting[at] = moved;
+            }
+        }
+    }
+
+    /// One of the rays on its own, from `child` on.
+    #[inline(always)]
+    fn alone<M: Mode>(
+        &self,
+        i: usize,
+        child: Child,
+        planes: &TilePlanes,
+        slopes: &Slopes,
+        nearest: &mut Nearest,
+        counters: &mut Counters,
+    ) {
+        let Self { simd, rays, heading, slot, .. } = *self;
+        let for_nodes = planes.alone(simd, i, heading, rays.t_near[i]);
+        let axes = axes_from(heading.longest_axis);
+        let [x, y, z] = axes;
+        let sheared = Sheared {
+            org: [rays.org[x][i], rays.org[y][i], rays.org[z][i]],
+            shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
+        };
+        let for_blocks = BlockRay::sheared(simd, axes, sheared, rays.t_near[i]);
+        walk_blocks::<S, M>(
+            simd,
+            self.tree,
+            self.blocks,
+            child,
+            &for_nodes,
+            &for_blocks,
+            slot,
+            nearest,
+            counters,
         );
-        counters.nodes += u64::from(visited) * (LANES * chunks) as u64;
-        counters.triangles += tested * LANES as u64;
     }
 
     /// One triangle against one chunk; whether any ray hits.

@@ -54,19 +54,20 @@ fn next(waiting: &mut Waiting, reach: f32) -> Option<Child> {
 }
 
 impl Tree {
-    /// Calls `leaf` with the blocks of each leaf that the ray meets before `reach`; it answers with the new reach.
+    /// From `start` on, calls `leaf` with the blocks of each leaf that the ray meets before `reach`; it answers with the new reach.
     /// Returns the number of nodes visited, leaves too. The tree is not empty.
     #[inline(always)]
     pub(crate) fn walk<S: Simd>(
         &self,
         simd: S,
+        start: Child,
         ray: &NodeRay<S>,
         mut reach: f32,
         mut leaf: impl FnMut(Range<usize>) -> f32,
     ) -> u32 {
         let mut waiting = Waiting::new();
         let mut visited = 0;
-        let mut child = Child::node(0);
+        let mut child = start;
         loop {
             visited += 1;
             if child.is_leaf() {
@@ -117,13 +118,14 @@ impl Tree {
     pub(crate) fn walk_any<S: Simd>(
         &self,
         simd: S,
+        start: Child,
         ray: &NodeRay<S>,
         reach: f32,
         mut leaf: impl FnMut(Range<usize>) -> bool,
     ) -> u32 {
         let mut waiting = Stack::<u32, 512>::new();
         let mut visited = 0;
-        let mut child = Child::node(0);
+        let mut child = start;
         loop {
             visited += 1;
             if child.is_leaf() {

@@ -7,7 +7,7 @@ use gnurt_simd::Simd;
 
 use super::SceneTree;
 use super::instance::Placed;
-use crate::bvh::{Beam, NodeRay, Slopes};
+use crate::bvh::{Beam, Child, NodeRay, Slopes};
 use crate::nearest::{Mode, Nearest};
 use crate::packet::Heading;
 use crate::tile::{NearestTile, RayTile, TILE, all};
@@ -55,6 +55,7 @@ impl SceneTree {
         let for_nodes = NodeRay::new(simd, &scaled, top.reach);
         let visited = top.tree.walk(
             simd,
+            Child::node(0),
             &for_nodes,
             nearest.t * over_scale,
             #[inline(always)]
