@@ -8,11 +8,11 @@
 //! `ObjectTree::search` -> `search` of the index. Everything from `tiles` and `single` on is `#[inline(always)]` or
 //! entered by `vectorize`, or lanes become calls.
 
-use gnurt_simd::{Level, Simd, dispatch};
+use gnurt_simd::{Level, Simd, dispatch, f32x16, prelude::*, u32x16};
 
 use crate::nearest::{AnyHit, Closest, Mode, Nearest};
-use crate::tile::{NearestTile, RayTile, TILE};
-use crate::{Coherence, Counters, Hit, HitBatch, Query, Ray, RayBatch, Record};
+use crate::tile::{LANES, NearestTile, RayTile, TILE, chunk};
+use crate::{Coherence, Counters, Hit, HitBatch, INVALID_ID, Query, Ray, RayBatch, Record};
 
 /// What rays can be sent into: an object or a scene.
 pub(crate) trait Traceable {
@@ -29,6 +29,8 @@ pub(crate) trait Traceable {
     );
     /// Ids of what was hit.
     fn hit(&self, nearest: &Nearest) -> Hit;
+    /// The instance, where all hits have the same one and their numbers are `prim_id`s of its only mesh.
+    fn only_mesh(&self) -> Option<u32>;
 }
 
 /// One ray's closest hit.
@@ -60,8 +62,7 @@ pub(crate) fn intersect<T: Traceable>(
     record: &mut Record,
 ) {
     hits.reset(rays.len());
-    let write = |i: usize, nearest: &Nearest| hits.set(i, target.hit(nearest));
-    trace::<Closest, T>(target, query, rays, write, record);
+    trace::<Closest, T>(target, query, rays, &mut Found { target, hits }, record);
 }
 
 /// Which rays of a batch hit anything.
@@ -74,23 +75,94 @@ pub(crate) fn occluded<T: Traceable>(
 ) {
     occluded.clear();
     occluded.resize(rays.len(), false);
-    trace::<AnyHit, T>(target, query, rays, |i, _| occluded[i] = true, record);
+    trace::<AnyHit, T>(target, query, rays, &mut Flags(occluded), record);
 }
 
-/// `write` gets those that hit.
+/// Where answers go.
+trait Answers {
+    /// Ray `i` has hit.
+    fn one(&mut self, i: usize, nearest: &Nearest);
+    /// Rays from `first` on, those in `active`, have been traced.
+    fn tile<S: Simd>(&mut self, simd: S, first: usize, active: u64, nearest: &NearestTile);
+}
+
+/// Closest hits of a target.
+struct Found<'a, T> {
+    target: &'a T,
+    hits: &'a mut HitBatch,
+}
+
+/// One flag for each ray.
+struct Flags<'a>(&'a mut [bool]);
+
+impl<T: Traceable> Answers for Found<'_, T> {
+    #[inline(always)]
+    fn one(&mut self, i: usize, nearest: &Nearest) {
+        self.hits.set(i, self.target.hit(nearest));
+    }
+
+    #[inline(always)]
+    fn tile<S: Simd>(&mut self, simd: S, first: usize, active: u64, nearest: &NearestTile) {
+        match self.target.only_mesh() {
+            Some(inst_id) if active == u64::MAX => store(simd, self.hits, first, nearest, inst_id),
+            _ => each(active & nearest.hit(simd), |i| self.one(first + i, &nearest.get(i))),
+        }
+    }
+}
+
+impl Answers for Flags<'_> {
+    #[inline(always)]
+    fn one(&mut self, i: usize, _: &Nearest) {
+        self.0[i] = true;
+    }
+
+    #[inline(always)]
+    fn tile<S: Simd>(&mut self, simd: S, first: usize, active: u64, nearest: &NearestTile) {
+        each(active & nearest.hit(simd), |i| self.0[first + i] = true);
+    }
+}
+
+/// Calls `f` with the place of every bit.
+#[inline(always)]
+fn each(mut bits: u64, mut f: impl FnMut(usize)) {
+    while bits != 0 {
+        f(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
+    }
+}
+
+/// Writes a whole tile whose numbers are `prim_id`s.
+#[inline(always)]
+fn store<S: Simd>(simd: S, hits: &mut HitBatch, first: usize, nearest: &NearestTile, inst_id: u32) {
+    let (none, zero) = (u32x16::splat(simd, INVALID_ID), f32x16::splat(simd, 0.0));
+    for lane in (0..TILE).step_by(LANES) {
+        let at = first + lane..first + lane + LANES;
+        let number = u32x16::from_slice(simd, &nearest.number[lane..lane + LANES]);
+        let missed = number.simd_eq(none);
+        let t = missed.select(f32x16::splat(simd, f32::INFINITY), chunk(simd, &nearest.t, lane));
+        let u = missed.select(zero, chunk(simd, &nearest.u, lane));
+        let v = missed.select(zero, chunk(simd, &nearest.v, lane));
+        t.store_slice(&mut hits.t[at.clone()]);
+        u.store_slice(&mut hits.u[at.clone()]);
+        v.store_slice(&mut hits.v[at.clone()]);
+        number.store_slice(&mut hits.prim_id[at.clone()]);
+        missed.select(none, u32x16::splat(simd, 0)).store_slice(&mut hits.geom_id[at.clone()]);
+        missed.select(none, u32x16::splat(simd, inst_id)).store_slice(&mut hits.inst_id[at]);
+    }
+}
+
 fn trace<M: Mode, T: Traceable>(
     target: &T,
     query: &Query,
     rays: &RayBatch,
-    mut write: impl FnMut(usize, &Nearest),
+    answers: &mut impl Answers,
     record: &mut Record,
 ) {
     let Record { counters, costs } = record;
-    let write = &mut write;
     if query.coherence == Coherence::Coherent && costs.is_none() {
-        dispatch!(query.level, simd => tiles::<_, M, T>(simd, target, rays, write, counters));
+        dispatch!(query.level, simd => tiles::<_, M, T>(simd, target, rays, answers, counters));
     } else {
-        dispatch!(query.level, simd => singles::<_, M, T>(simd, target, rays, write, counters, costs));
+        dispatch!(query.level, simd => singles::<_, M, T>(simd, target, rays, answers, counters, costs));
     }
     counters.rays += rays.len() as u64;
 }
@@ -101,7 +173,7 @@ fn singles<S: Simd, M: Mode, T: Traceable>(
     simd: S,
     target: &T,
     rays: &RayBatch,
-    write: &mut impl FnMut(usize, &Nearest),
+    answers: &mut impl Answers,
     counters: &mut Counters,
     costs: &mut Option<Vec<u32>>,
 ) {
@@ -118,7 +190,7 @@ fn singles<S: Simd, M: Mode, T: Traceable>(
                 let mut found = Nearest::none(nearest.t[i]);
                 target.single::<S, M>(simd, &tile.ray(i, found.t), &mut found, counters);
                 if found.is_hit() {
-                    write(first + i, &found);
+                    answers.one(first + i, &found);
                 }
             }
             if let Some(costs) = costs {
@@ -135,20 +207,13 @@ fn tiles<S: Simd, M: Mode, T: Traceable>(
     simd: S,
     target: &T,
     rays: &RayBatch,
-    write: &mut impl FnMut(usize, &Nearest),
+    answers: &mut impl Answers,
     counters: &mut Counters,
 ) {
     let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
     for first in (0..rays.len()).step_by(TILE) {
-        let mut active = tile.load(simd, rays, first, &mut nearest);
+        let active = tile.load(simd, rays, first, &mut nearest);
         target.tile::<S, M>(simd, &tile, active, &mut nearest, counters);
-        while active != 0 {
-            let i = active.trailing_zeros() as usize;
-            active &= active - 1;
-            let nearest = nearest.get(i);
-            if nearest.is_hit() {
-                write(first + i, &nearest);
-            }
-        }
+        answers.tile(simd, first, active, &nearest);
     }
 }

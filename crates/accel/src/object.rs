@@ -253,6 +253,11 @@ impl ObjectTree {
         );
     }
 
+    /// Whether triangles' numbers are their `prim_id`s.
+    pub(crate) fn has_one_mesh(&self) -> bool {
+        self.starts.len() == 2
+    }
+
     /// Ids of a hit in this object.
     pub(crate) fn resolve(&self, nearest: &Nearest, inst_id: u32) -> Hit {
         let mesh = mesh_of(&self.starts, nearest.number);
@@ -287,5 +292,9 @@ impl Traceable for ObjectTree {
 
     fn hit(&self, nearest: &Nearest) -> Hit {
         self.resolve(nearest, 0)
+    }
+
+    fn only_mesh(&self) -> Option<u32> {
+        self.has_one_mesh().then_some(0)
     }
 }

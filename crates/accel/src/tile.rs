@@ -6,7 +6,7 @@
 //! hold a ray that can hit something. The others hold nothing that may be looked at.
 //! Proof: `tests::headings_part_a_tile`.
 
-use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
+use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 
 use crate::nearest::Nearest;
 use crate::packet::Heading;
@@ -170,6 +170,18 @@ impl NearestTile {
         number: [INVALID_ID; TILE],
         slot: [INVALID_ID; TILE],
     };
+
+    /// Bits of the rays that have hit something.
+    #[inline(always)]
+    pub(crate) fn hit<S: Simd>(&self, simd: S) -> u64 {
+        let none = u32x16::splat(simd, INVALID_ID);
+        let mut bits = 0;
+        for first in (0..TILE).step_by(LANES) {
+            let number = u32x16::from_slice(simd, &self.number[first..first + LANES]);
+            bits |= (!number.simd_eq(none)).to_bitmask() << first;
+        }
+        bits
+    }
 
     /// Bits of the rays that still look for something.
     #[inline(always)]

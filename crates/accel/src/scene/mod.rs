@@ -112,4 +112,11 @@ impl Traceable for SceneTree {
         let placed = &self.placed[nearest.slot as usize];
         placed.object.resolve(nearest, placed.inst_id)
     }
+
+    fn only_mesh(&self) -> Option<u32> {
+        match &self.placed[..] {
+            [only] if only.object.has_one_mesh() => Some(only.inst_id),
+            _ => None,
+        }
+    }
 }
