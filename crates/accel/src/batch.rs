@@ -11,7 +11,7 @@
 use gnurt_simd::{Level, Simd, dispatch, f32x16, prelude::*, u32x16};
 
 use crate::nearest::{AnyHit, Closest, Mode, Nearest};
-use crate::tile::{LANES, NearestTile, RayTile, TILE, chunk};
+use crate::tile::{Headings, LANES, NearestTile, RayTile, TILE, all, chunk};
 use crate::{Coherence, Counters, Hit, HitBatch, INVALID_ID, Query, Ray, RayBatch, Record};
 
 /// What rays can be sent into: an object or a scene.
@@ -159,10 +159,16 @@ fn trace<M: Mode, T: Traceable>(
     record: &mut Record,
 ) {
     let Record { counters, costs } = record;
-    if query.coherence == Coherence::Coherent && costs.is_none() {
-        dispatch!(query.level, simd => tiles::<_, M, T>(simd, target, rays, answers, counters));
-    } else {
-        dispatch!(query.level, simd => singles::<_, M, T>(simd, target, rays, answers, counters, costs));
+    match query.coherence {
+        Coherence::Coherent if costs.is_none() => {
+            dispatch!(query.level, simd => tiles::<_, M, T>(simd, target, rays, answers, counters));
+        }
+        Coherence::Fanned if costs.is_none() => {
+            dispatch!(query.level, simd => fans::<_, M, T>(simd, target, rays, answers, counters));
+        }
+        _ => {
+            dispatch!(query.level, simd => singles::<_, M, T>(simd, target, rays, answers, counters, costs));
+        }
     }
     counters.rays += rays.len() as u64;
 }
@@ -215,5 +221,59 @@ fn tiles<S: Simd, M: Mode, T: Traceable>(
         let active = tile.load(simd, rays, first, &mut nearest);
         target.tile::<S, M>(simd, &tile, active, &mut nearest, counters);
         answers.tile(simd, first, active, &nearest);
+    }
+}
+
+/// Rays that are sorted at a time.
+const FAN: usize = 2048;
+
+/// Sorts rays by where they are heading, then traces them in tiles.
+#[inline(always)]
+fn fans<S: Simd, M: Mode, T: Traceable>(
+    simd: S,
+    target: &T,
+    rays: &RayBatch,
+    answers: &mut impl Answers,
+    counters: &mut Counters,
+) {
+    let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
+    let (mut codes, mut order) = ([0u8; FAN], [0u32; FAN]);
+    for window in (0..rays.len()).step_by(FAN) {
+        let count = FAN.min(rays.len() - window);
+        let mut ends = [0u32; Headings::CODES + 1];
+        for first in (0..count).step_by(TILE) {
+            let sound = tile.load(simd, rays, window + first, &mut nearest);
+            let ways = tile.headings(simd);
+            for i in 0..TILE.min(count - first) {
+                let code = if sound >> i & 1 == 1 { ways.code(i) } else { Headings::CODES };
+                codes[first + i] = code as u8;
+                ends[code] += 1;
+            }
+        }
+        let mut sum = 0;
+        for end in &mut ends {
+            sum += *end;
+            *end = sum - *end;
+        }
+        for i in 0..count {
+            let place = &mut ends[codes[i] as usize % (Headings::CODES + 1)];
+            order[*place as usize % FAN] = (window + i) as u32;
+            *place += 1;
+        }
+        // The unsound ones come last and are left out.
+        let sound = ends[Headings::CODES - 1] as usize;
+        let mut from = 0;
+        for &end in &ends[..Headings::CODES] {
+            let end = end as usize;
+            while from < end {
+                let some = &order[from..end.min(from + TILE)];
+                tile.pick(rays, some, &mut nearest);
+                let active = all(some.len());
+                target.tile::<S, M>(simd, &tile, active, &mut nearest, counters);
+                each(active & nearest.hit(simd), |i| answers.one(some[i] as usize, &nearest.get(i)));
+                from += some.len();
+            }
+        }
+        debug_assert_eq!(from, sound, "every sound ray was traced");
     }
 }

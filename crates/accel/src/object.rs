@@ -34,7 +34,7 @@ enum Index {
 }
 
 /// Fewer rays of one heading go one by one.
-const WORTH_A_TILE: u32 = 8;
+const WORTH_A_TILE: u32 = 4;
 
 impl ObjectTree {
     /// Builds over `meshes`. Triangles that cannot be traced are left out and counted; no triangle at all is fine.

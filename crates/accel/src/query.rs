@@ -9,6 +9,9 @@ use gnurt_simd::Level;
 pub enum Coherence {
     /// Neighbours in the batch go much the same way (camera rays, shadow rays to one point): traced in packets.
     Coherent,
+    /// Neighbours in the batch start near each other but go different ways, and not far (ambient occlusion): sorted by
+    /// direction within the batch, then traced in packets.
+    Fanned,
     /// Nothing is known: traced one by one.
     #[default]
     Incoherent,

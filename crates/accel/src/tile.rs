@@ -71,6 +71,22 @@ impl RayTile {
         self.sound(simd, nearest) & all(count)
     }
 
+    /// Loads the rays of a batch with these numbers, 64 at most.
+    #[inline(always)]
+    pub(crate) fn pick(&mut self, rays: &RayBatch, numbers: &[u32], nearest: &mut NearestTile) {
+        for (lane, &number) in numbers.iter().enumerate().take(TILE) {
+            let from = number as usize;
+            for k in 0..3 {
+                self.org[k][lane] = rays.org[k][from];
+                self.dir[k][lane] = rays.dir[k][from];
+            }
+            self.t_near[lane] = rays.t_near[from];
+            nearest.t[lane] = rays.t_far[from];
+        }
+        nearest.number = [INVALID_ID; TILE];
+        nearest.slot = [INVALID_ID; TILE];
+    }
+
     /// Bits of the rays that can hit something: [`Ray::is_sound`] for each.
     #[inline(always)]
     pub(crate) fn sound<S: Simd>(&self, simd: S, nearest: &NearestTile) -> u64 {
@@ -240,6 +256,21 @@ pub(crate) struct Headings {
 }
 
 impl Headings {
+    /// How many different headings there are, and one for rays of irregular length.
+    pub(crate) const CODES: usize = 25;
+
+    /// The heading of ray `i` as a number below [`CODES`](Self::CODES).
+    #[inline(always)]
+    pub(crate) fn code(&self, i: usize) -> usize {
+        let bit = |bits: u64| (bits >> i & 1) as usize;
+        if bit(self.regular) == 0 {
+            return Self::CODES - 1;
+        }
+        let axis = if bit(self.along_x) == 1 { 0 } else { 2 - bit(self.along_y) };
+        let [x, y, z] = self.backwards;
+        8 * axis + 4 * bit(x) + 2 * bit(y) + bit(z)
+    }
+
     /// The heading of ray `i`, and the rays of `among` that share it.
     #[inline(always)]
     pub(crate) fn like(&self, i: usize, among: u64) -> (Heading, u64) {

@@ -95,8 +95,9 @@ impl<S: Simd> Sweep<'_, S> {
                     let mut lane = nearest.get(i);
                     let before = lane.t;
                     self.alone::<M>(i, child, &planes, &slopes, &mut lane, counters);
+                    // Also where `t` stays: a triangle with a lower number may lie there.
+                    nearest.set(i, &lane);
                     if lane.t != before {
-                        nearest.set(i, &lane);
                         touched |= 1 << (i / LANES);
                     }
                 }

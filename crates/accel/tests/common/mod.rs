@@ -54,10 +54,10 @@ pub(crate) fn batch(rays: &[PlainRay]) -> RayBatch {
     rays.iter().map(|&(org, dir)| Ray::new(org, dir)).collect()
 }
 
-/// Every way to ask, at each level of this CPU: first all single rays, then all tiles.
+/// Every way to ask, at each level of this CPU: first all single rays, then tiles, then sorted ones.
 pub(crate) fn queries() -> Vec<Query> {
     let all = |coherence| Level::available().into_iter().map(move |level| Query { level, coherence });
-    all(Coherence::Incoherent).chain(all(Coherence::Coherent)).collect()
+    all(Coherence::Incoherent).chain(all(Coherence::Coherent)).chain(all(Coherence::Fanned)).collect()
 }
 
 /// Asks an object or a scene in every way and insists on one answer, bit for bit.
