@@ -31,9 +31,8 @@ impl Level {
     #[must_use]
     pub fn best() -> Self {
         static BEST: OnceLock<Level> = OnceLock::new();
-        *BEST.get_or_init(|| {
-            Self::ALL.into_iter().rfind(|level| level.is_available()).unwrap_or(Self::Scalar)
-        })
+        *BEST
+            .get_or_init(|| Self::ALL.into_iter().rfind(|level| level.is_available()).unwrap_or(Self::Scalar))
     }
 
     /// The levels that this CPU has, weakest first; [`Scalar`](Self::Scalar) is always among them.

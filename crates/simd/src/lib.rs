@@ -12,6 +12,7 @@
 
 mod lanes;
 mod level;
+mod memory;
 mod prefetch;
 mod stack;
 
@@ -20,6 +21,7 @@ pub use fearless_simd::{
 };
 pub use lanes::{lane, load_or, select};
 pub use level::{Level, UnknownLevel};
+pub use memory::prefer_huge_pages;
 pub use prefetch::prefetch;
 pub use stack::Stack;
 

@@ -2,7 +2,7 @@
 //! An object's triangles under a wide BVH.
 //! Source: original. Space: object. Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::Simd;
+use gnurt_simd::{Simd, prefer_huge_pages};
 
 use super::blocks::{BlockRay, TriangleBlock};
 use super::slab::NodeRay;
@@ -45,8 +45,14 @@ impl BvhIndex {
         let stats = tree.measure();
         let in_blocks = std::mem::take(&mut tree.blocks);
         let number = |i: u32| screened.good.get(i as usize).copied().unwrap_or(crate::INVALID_ID);
-        let blocks =
-            in_blocks.iter().map(|places| TriangleBlock::new(screened, &places.map(number))).collect();
+        let mut blocks = Vec::with_capacity(in_blocks.len());
+        prefer_huge_pages(&blocks);
+        let block = |places: &[u32; WIDTH]| TriangleBlock::new(screened, &places.map(number));
+        blocks.extend(in_blocks.iter().map(block));
+        let mut nodes = Vec::with_capacity(tree.nodes.len());
+        prefer_huge_pages(&nodes);
+        nodes.append(&mut tree.nodes);
+        tree.nodes = nodes;
         let reach = tree.bounds.reach();
         Self { tree, blocks, reach, stats }
     }

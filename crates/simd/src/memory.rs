@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Asking the system for large pages under arrays that rays jump about in: fewer misses of the address cache.
+//! Source: madvise(2). Without effect where the system has none to give or is not Linux.
+
+/// Arrays below this many bytes are not worth a request.
+#[cfg(target_os = "linux")]
+const WORTH_IT: usize = 4 << 20;
+
+/// Requests large pages for the whole capacity of `values`. To be called before they are filled: pages that have been
+/// written to stay small.
+pub fn prefer_huge_pages<T>(values: &Vec<T>) {
+    #[cfg(target_os = "linux")]
+    {
+        use std::ffi::{c_int, c_void};
+        unsafe extern "C" {
+            fn madvise(address: *mut c_void, length: usize, advice: c_int) -> c_int;
+        }
+        const MADV_HUGEPAGE: c_int = 14;
+        const PAGE: usize = 4096;
+        let bytes = values.capacity() * size_of::<T>();
+        if bytes < WORTH_IT {
+            return;
+        }
+        let start = (values.as_ptr() as usize).next_multiple_of(PAGE);
+        let end = (values.as_ptr() as usize + bytes) / PAGE * PAGE;
+        // SAFETY: the range lies in the vector's own allocation, and the advice changes no contents. That it may be
+        // refused does not matter.
+        unsafe { madvise(start as *mut c_void, end - start, MADV_HUGEPAGE) };
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = values;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contents_stay() {
+        for count in [0, 1000, 3 << 20] {
+            let mut values: Vec<u32> = Vec::with_capacity(count);
+            prefer_huge_pages(&values);
+            values.extend(0..count as u32);
+            prefer_huge_pages(&values);
+            assert!(values.iter().enumerate().all(|(i, &x)| i as u32 == x), "{count} values are as written");
+        }
+    }
+}
