@@ -44,8 +44,7 @@ impl ObjectTree {
         let (index, measured) = match options.structure {
             Structure::Kd => {
                 let index = KdIndex::build(&screened, options, threads);
-                let primitive_bytes = index.triangle_bytes() as u64;
-                let stats = TreeStats { primitive_bytes, ..index.tree().measure(options) };
+                let stats = index.stats();
                 (Index::Kd(index), stats)
             }
             Structure::Bvh => {
@@ -83,7 +82,7 @@ impl ObjectTree {
     #[must_use]
     pub fn same_tree(&self, other: &Self) -> bool {
         match (&self.index, &other.index) {
-            (Index::Kd(a), Index::Kd(b)) => a.tree() == b.tree(),
+            (Index::Kd(a), Index::Kd(b)) => a == b,
             (Index::Bvh(a), Index::Bvh(b)) => a == b,
             _ => false,
         }

@@ -9,7 +9,6 @@ use gnurt_simd::{Simd, f32x8, mask32x8, prelude::*, u32x8};
 
 use crate::nearest::Mode;
 use crate::tile::{NearestTile, PerRay, RayTile};
-use crate::triangle::Meeting;
 
 /// Rays per packet.
 pub(crate) const WIDTH: usize = 8;
@@ -104,17 +103,5 @@ impl<S: Simd> NearestPacket<S> {
         self.v = better.select(meeting.v, self.v);
         self.number = better.select(number, self.number);
         self.slot = better.select(slot, self.slot);
-    }
-}
-
-impl<S: Simd> MeetingPacket<S> {
-    /// Writes lane `i`.
-    #[inline(always)]
-    pub(crate) fn set(&mut self, i: usize, meeting: Option<Meeting>) {
-        let found = meeting.unwrap_or(Meeting { t: 0.0, u: 0.0, v: 0.0 });
-        self.t.as_mut_array()[i & 7] = found.t;
-        self.u.as_mut_array()[i & 7] = found.u;
-        self.v.as_mut_array()[i & 7] = found.v;
-        self.hit.set(i & 7, meeting.is_some());
     }
 }

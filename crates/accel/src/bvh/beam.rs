@@ -95,7 +95,7 @@ impl Slopes {
 
     /// How far the farthest ray of a chunk still looks, in steps.
     #[inline(always)]
-    pub(super) fn chunk_ahead<S: Simd>(&self, simd: S, nearest: &NearestTile, which: usize) -> f32 {
+    pub(crate) fn chunk_ahead<S: Simd>(&self, simd: S, nearest: &NearestTile, which: usize) -> f32 {
         let at = which * LANES;
         greatest(chunk(simd, &nearest.t, at) * chunk(simd, &self.stride, at))
     }
@@ -143,6 +143,42 @@ pub(crate) struct Beam<S: Simd> {
     t_near: f32x8<S>,
 }
 
+/// [`Beam`] for one plane at a time. Arrays have four entries so that two bits of an axis need no check.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaneBeam {
+    inv: [[f32; 2]; 4],
+    /// The origins' bounds nearer to planes ahead and farther from them.
+    org: [[f32; 2]; 4],
+    pad: [f32; 4],
+    /// 1 where the rays go towards smaller coordinates.
+    pub(crate) back: [u32; 4],
+    t_near: f32,
+}
+
+impl PlaneBeam {
+    /// Where the first of the rays may meet a plane, and where the last, in steps.
+    #[inline(always)]
+    pub(crate) fn meet(&self, axis: usize, plane: f32) -> [f32; 2] {
+        let axis = axis & 3;
+        let (near, far) = (plane - self.org[axis][0], plane - self.org[axis][1]);
+        let [a, b] = self.inv[axis];
+        [least(near * a, near * b) - self.pad[axis], most(far * a, far * b) + self.pad[axis]]
+    }
+
+    /// Where the first may enter a box, and where the last may leave it before `reach`.
+    #[inline(always)]
+    pub(crate) fn clip(&self, bounds: &Aabb, reach: f32) -> [f32; 2] {
+        let (mut enter, mut leave) = (self.t_near, reach);
+        for k in 0..3 {
+            let faces = [bounds.min[k], bounds.max[k]];
+            let back = self.back[k] as usize & 1;
+            enter = most(enter, self.meet(k, faces[back])[0]);
+            leave = least(leave, self.meet(k, faces[1 - back])[1]);
+        }
+        [enter, leave]
+    }
+}
+
 impl<S: Simd> Beam<S> {
     /// For a tree inside `bounds` whose greatest coordinate is `reach`.
     #[inline(always)]
@@ -186,6 +222,25 @@ impl<S: Simd> Beam<S> {
         beam
     }
 
+    /// The beam for planes that come one by one.
+    #[inline(always)]
+    pub(crate) fn planes(&self) -> PlaneBeam {
+        let mut planes = PlaneBeam {
+            inv: [[1.0; 2]; 4],
+            org: [[0.0; 2]; 4],
+            pad: [0.0; 4],
+            back: [0; 4],
+            t_near: self.t_near[0],
+        };
+        for k in 0..3 {
+            planes.inv[k] = [self.inv[k][0][0], self.inv[k][1][0]];
+            planes.org[k] = [self.near_org[k][0], self.far_org[k][0]];
+            planes.pad[k] = self.pad[k][0];
+            planes.back[k] = self.rows[k] as u32 & 1;
+        }
+        planes
+    }
+
     /// Where the first of the rays may enter slabs between two rows of planes, and the last may leave.
     #[inline(always)]
     fn slab(&self, k: usize, near: f32x8<S>, far: f32x8<S>) -> [f32x8<S>; 2] {
@@ -213,7 +268,7 @@ impl<S: Simd> Beam<S> {
 
     /// The same for boxes given by their extents along each axis.
     #[inline(always)]
-    pub(super) fn meet_extents(&self, simd: S, extents: &[[f32x8<S>; 2]; 3], reach: f32) -> u32 {
+    pub(crate) fn meet_extents(&self, simd: S, extents: &[[f32x8<S>; 2]; 3], reach: f32) -> u32 {
         let [nx, fx] = self.ends(0, extents[0]);
         let [ny, fy] = self.ends(1, extents[1]);
         let [nz, fz] = self.ends(2, extents[2]);

@@ -13,8 +13,10 @@ mod slab;
 mod sweep;
 mod walk;
 
-pub(crate) use beam::{Beam, Slopes};
+pub(crate) use beam::{Beam, CHUNKS, Slopes};
+pub(crate) use blocks::{BlockRay, TriangleBlock};
 pub(crate) use build::{Primitives, Tree, build};
 pub(crate) use index::BvhIndex;
 pub(crate) use node::{Child, Node8, WIDTH};
 pub(crate) use slab::NodeRay;
+pub(crate) use sweep::Sweep;

@@ -22,15 +22,15 @@ use crate::tile::{LANES, NearestTile, PerRay, RayTile, TILE, all, chunk};
 use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_alone, pass_edges};
 
 /// A tile on its way through one object's tree.
-pub(super) struct Sweep<'a, S: Simd> {
-    pub(super) simd: S,
-    pub(super) tree: &'a Tree,
-    pub(super) blocks: &'a [TriangleBlock],
-    pub(super) reach: f32,
-    pub(super) slot: u32,
-    pub(super) rays: &'a RayTile,
-    pub(super) count: usize,
-    pub(super) heading: Heading,
+pub(crate) struct Sweep<'a, S: Simd, T> {
+    pub(crate) simd: S,
+    pub(crate) tree: &'a T,
+    pub(crate) blocks: &'a [TriangleBlock],
+    pub(crate) reach: f32,
+    pub(crate) slot: u32,
+    pub(crate) rays: &'a RayTile,
+    pub(crate) count: usize,
+    pub(crate) heading: Heading,
 }
 
 /// Where intervals leave this many children of a node, rays are tested one by one.
@@ -46,7 +46,7 @@ struct Waiting {
     rays: u64,
 }
 
-impl<S: Simd> Sweep<'_, S> {
+impl<S: Simd> Sweep<'_, S, Tree> {
     /// Improves the hits of the tile's rays.
     #[inline(always)]
     pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) {
@@ -214,10 +214,12 @@ impl<S: Simd> Sweep<'_, S> {
             counters,
         );
     }
+}
 
+impl<S: Simd, T> Sweep<'_, S, T> {
     /// One triangle against one chunk; whether any ray hits.
     #[inline(always)]
-    fn meet<M: Mode>(
+    pub(crate) fn meet<M: Mode>(
         &self,
         block: &TriangleBlock,
         place: usize,

@@ -4,36 +4,56 @@
 
 use gnurt_simd::{Simd, mask32x8, prelude::*};
 
+use super::leaves::Leaves;
+use super::sweep::Blocked;
 use super::{KdTree, RaySlabs, Search};
+use crate::bvh::{BlockRay, Sweep};
 use crate::geometry::Screened;
 use crate::nearest::{Mode, Nearest};
 use crate::packet::{Heading, NearestPacket, RayPacket, WIDTH};
 use crate::tile::{NearestTile, RayTile};
-use crate::triangle::{PreparedTriangles, ProjectedTriangles, WatertightTriangles};
-use crate::{Aabb, BuildOptions, Counters, Ray, Threads, TriangleTest};
+use crate::triangle::{ProjectedTriangles, ShearedRay};
+use crate::{Aabb, BuildOptions, Counters, Ray, Threads, TreeStats, TriangleTest};
 
 /// Tree and triangles.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(crate) struct KdIndex {
     tree: KdTree,
     triangles: Prepared,
     reach: f32,
+    stats: TreeStats,
 }
 
 /// Triangles for the test that was chosen.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 enum Prepared {
-    Watertight(WatertightTriangles),
+    /// In the leaves, in blocks.
+    Watertight(Leaves),
+    /// By number.
     Projected(ProjectedTriangles),
 }
 
 impl KdIndex {
     /// Builds over the good triangles.
     pub(crate) fn build(screened: &Screened, options: &BuildOptions, threads: Threads) -> Self {
-        let tree = KdTree::build(screened, options, threads);
-        let triangles = Prepared::new(screened, options.triangle_test);
+        let mut tree = KdTree::build(screened, options, threads);
+        let measured = tree.measure(options);
+        let (triangles, bytes) = match options.triangle_test {
+            TriangleTest::Watertight => {
+                let leaves = Leaves::take(&mut tree, screened);
+                let bytes = leaves.memory_bytes();
+                (Prepared::Watertight(leaves), bytes)
+            }
+            TriangleTest::Projected => {
+                let projected = ProjectedTriangles::new(numbered(screened));
+                let bytes = projected.memory_bytes();
+                (Prepared::Projected(projected), bytes)
+            }
+        };
+        let tree_bytes = tree.memory_bytes() as u64;
+        let stats = TreeStats { tree_bytes, primitive_bytes: bytes as u64, ..measured };
         let reach = tree.bounds.reach();
-        Self { tree, triangles, reach }
+        Self { tree, triangles, reach, stats }
     }
 
     /// Box around all triangles.
@@ -41,73 +61,70 @@ impl KdIndex {
         self.tree.bounds
     }
 
-    pub(crate) fn tree(&self) -> &KdTree {
-        &self.tree
-    }
-
-    pub(crate) fn triangle_bytes(&self) -> usize {
-        match &self.triangles {
-            Prepared::Watertight(triangles) => triangles.memory_bytes(),
-            Prepared::Projected(triangles) => triangles.memory_bytes(),
-        }
+    pub(crate) fn stats(&self) -> TreeStats {
+        self.stats
     }
 
     /// Improves `nearest`; the ray is sound and regular.
     #[inline(always)]
     pub(crate) fn search<S: Simd, M: Mode>(
         &self,
-        _simd: S,
+        simd: S,
         ray: &Ray,
         slot: u32,
         nearest: &mut Nearest,
         counters: &mut Counters,
     ) {
-        match &self.triangles {
-            Prepared::Watertight(triangles) => {
-                self.search_with::<M, _>(triangles, ray, slot, nearest, counters)
-            }
-            Prepared::Projected(triangles) => {
-                self.search_with::<M, _>(triangles, ray, slot, nearest, counters)
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn search_with<M: Mode, T: PreparedTriangles>(
-        &self,
-        triangles: &T,
-        ray: &Ray,
-        slot: u32,
-        nearest: &mut Nearest,
-        counters: &mut Counters,
-    ) {
-        let prepared = T::prepare(ray);
         let slabs = RaySlabs::new(ray, &self.tree.bounds, self.reach);
+        let t_near = ray.t_near;
         let mut tested = 0;
-        let visited = self.tree.walk(
-            &slabs,
-            ray.t_near,
-            nearest.t,
-            #[inline(always)]
-            |numbers| {
-                for &number in numbers {
-                    tested += 1;
-                    if let Some(meeting) = triangles.meet(number, &prepared, ray.t_near, nearest.t) {
-                        nearest.offer::<M>(meeting, number, slot);
-                        if M::ANY {
-                            break;
+        let visited = match &self.triangles {
+            Prepared::Watertight(leaves) => {
+                let (lanes, alone) = (BlockRay::new(simd, ray), ShearedRay::new(ray));
+                self.tree.walk(
+                    &slabs,
+                    t_near,
+                    nearest.t,
+                    #[inline(always)]
+                    |leaf| {
+                        for block in &leaves.blocks[leaves.of(leaf)] {
+                            tested += WIDTH as u64;
+                            if simd.level().is_fallback() {
+                                block.meet_in_turn::<M>(&alone, t_near, slot, nearest);
+                            } else {
+                                block.meet::<S, M>(simd, &lanes, slot, nearest);
+                            }
+                        }
+                        nearest.t
+                    },
+                )
+            }
+            Prepared::Projected(triangles) => self.tree.walk(
+                &slabs,
+                t_near,
+                nearest.t,
+                #[inline(always)]
+                |leaf| {
+                    for &number in self.tree.leaf_items(leaf) {
+                        tested += 1;
+                        if let Some(meeting) = triangles.meet(number, ray, t_near, nearest.t) {
+                            nearest.offer::<M>(meeting, number, slot);
+                            if M::ANY {
+                                break;
+                            }
                         }
                     }
-                }
-                nearest.t
-            },
-        );
+                    nearest.t
+                },
+            ),
+        };
         counters.nodes += u64::from(visited);
         counters.triangles += tested;
     }
 
     /// The same for the first `count` rays of a tile, all of one heading; see `BvhIndex::sweep`.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
     pub(crate) fn sweep<S: Simd, M: Mode>(
         &self,
         simd: S,
@@ -118,33 +135,31 @@ impl KdIndex {
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        for first in (0..count).step_by(WIDTH) {
-            let mut best = NearestPacket::load(simd, nearest, first);
-            let here = u64::MAX >> (64 - (count - first).min(WIDTH));
-            let packet = RayPacket::from_tile(simd, rays, first, mask32x8::from_bitmask(simd, here));
-            let (tree, reach) = (&self.tree, self.reach);
-            match &self.triangles {
-                Prepared::Watertight(triangles) => Search { tree, reach, triangles, slot }
-                    .packet::<S, M>(simd, &packet, heading, &mut best, counters),
-                Prepared::Projected(triangles) => Search { tree, reach, triangles, slot }
-                    .packet::<S, M>(simd, &packet, heading, &mut best, counters),
+        let (tree, reach) = (&self.tree, self.reach);
+        match &self.triangles {
+            Prepared::Watertight(leaves) => {
+                let (tree, blocks) = (&Blocked { tree, leaves }, &leaves.blocks[..]);
+                Sweep { simd, tree, blocks, reach, slot, rays, count, heading }.run::<M>(nearest, counters);
             }
-            best.store(nearest, first);
+            Prepared::Projected(triangles) => {
+                for first in (0..count).step_by(WIDTH) {
+                    let mut best = NearestPacket::load(simd, nearest, first);
+                    let here = u64::MAX >> (64 - (count - first).min(WIDTH));
+                    let packet = RayPacket::from_tile(simd, rays, first, mask32x8::from_bitmask(simd, here));
+                    Search { tree, reach, triangles, slot }
+                        .packet::<S, M>(simd, &packet, heading, &mut best, counters);
+                    best.store(nearest, first);
+                }
+            }
         }
     }
 }
 
-impl Prepared {
-    fn new(screened: &Screened, test: TriangleTest) -> Self {
-        // Dropped triangles keep their number; what stands in for them is never looked at.
-        let mut good = screened.good.iter().copied().peekable();
-        let corners = (0..screened.count() as u32).map(move |number| match good.next_if_eq(&number) {
-            Some(number) => screened.corners(number),
-            None => [[0.0; 3]; 3],
-        });
-        match test {
-            TriangleTest::Watertight => Self::Watertight(WatertightTriangles::new(corners.collect())),
-            TriangleTest::Projected => Self::Projected(ProjectedTriangles::new(corners)),
-        }
-    }
+/// The corners of all triangles. Dropped ones keep their number; what stands in for them is never looked at.
+fn numbered(screened: &Screened) -> impl Iterator<Item = [[f32; 3]; 3]> {
+    let mut good = screened.good.iter().copied().peekable();
+    (0..screened.count() as u32).map(move |number| match good.next_if_eq(&number) {
+        Some(number) => screened.corners(number),
+        None => [[0.0; 3]; 3],
+    })
 }

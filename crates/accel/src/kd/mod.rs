@@ -7,6 +7,7 @@ mod clip;
 mod divide;
 mod event;
 mod index;
+mod leaves;
 mod measure;
 #[cfg(test)]
 mod naive;
@@ -16,6 +17,7 @@ mod sah;
 mod sampled;
 mod single;
 mod slab;
+mod sweep;
 
 pub(crate) use clip::split_boxes;
 pub(crate) use index::KdIndex;

@@ -105,7 +105,12 @@ mod tests {
     #[test]
     fn the_built_tree_costs_what_the_naive_one_does() {
         // Without a limit on references, which the naive builder does not know.
-        let options = BuildOptions { reference_budget: 1e6, max_depth: 20, ..BuildOptions::default() };
+        let options = BuildOptions {
+            triangle_cost: 0.5,
+            reference_budget: 1e6,
+            max_depth: 20,
+            ..BuildOptions::default()
+        };
         let costs = Costs { triangle: 0.5, empty_factor: 0.8 };
         let soups = [
             ("random", Soup::random(1, 150, 0.3)),

@@ -88,6 +88,10 @@ pub(crate) struct KdTree {
 }
 
 impl KdTree {
+    pub(crate) fn memory_bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.items[..])
+    }
+
     /// The triangles of a leaf.
     #[inline(always)]
     pub(crate) fn leaf_items(&self, leaf: Node) -> &[u32] {

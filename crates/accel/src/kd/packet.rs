@@ -11,7 +11,7 @@ use super::slab::{FLATTEST, SLACK};
 use super::{DEEPEST, KdTree};
 use crate::nearest::Mode;
 use crate::packet::{Heading, NearestPacket, RayPacket};
-use crate::triangle::PreparedTriangles;
+use crate::triangle::ProjectedTriangles;
 use crate::{Aabb, Counters};
 
 /// [`RaySlabs`](super::RaySlabs) in lanes.
@@ -66,15 +66,15 @@ struct Waiting<S: Simd> {
 }
 
 /// A search through one object's tree.
-pub(crate) struct Search<'a, T> {
+pub(crate) struct Search<'a> {
     pub(crate) tree: &'a KdTree,
     pub(crate) reach: f32,
-    pub(crate) triangles: &'a T,
+    pub(crate) triangles: &'a ProjectedTriangles,
     /// Where the object stands in its scene.
     pub(crate) slot: u32,
 }
 
-impl<T: PreparedTriangles> Search<'_, T> {
+impl Search<'_> {
     /// Improves `nearest` in the active lanes. Counts what single rays would.
     #[inline(always)]
     pub(crate) fn packet<S: Simd, M: Mode>(
@@ -86,7 +86,6 @@ impl<T: PreparedTriangles> Search<'_, T> {
         counters: &mut Counters,
     ) {
         let slabs = PacketSlabs::new(simd, rays, &self.tree.bounds, self.reach);
-        let prepared = T::prepare_packet(simd, rays, heading);
         let beyond = f32x8::splat(simd, f32::NEG_INFINITY);
         let reach = rays.active.select(nearest.t, beyond);
         let [mut t_min, mut t_max] = slabs.clip(simd, &self.tree.bounds, rays.t_near, reach);
@@ -125,8 +124,7 @@ impl<T: PreparedTriangles> Search<'_, T> {
             }
             for &number in self.tree.leaf_items(node) {
                 counters.triangles += lanes(alive);
-                let meeting =
-                    self.triangles.meet_packet(simd, number, &prepared, alive, rays.t_near, nearest.t);
+                let meeting = self.triangles.meet_packet(simd, number, rays, alive, rays.t_near, nearest.t);
                 if meeting.hit.any_true() {
                     nearest.offer::<M>(simd, &meeting, number, self.slot);
                     if M::ANY {

@@ -292,7 +292,7 @@ fn evenly_changing(row: &[Sample; SAMPLES + 2], n: f32) -> [f32; SAMPLES] {
         }
         let (from, to) = (&row[next - 1], &row[next]);
         let share = (wanted - changed(from)) / (changed(to) - changed(from));
-        let share = if share >= 0.0 && share <= 1.0 { share } else { 0.5 };
+        let share = if (0.0..=1.0).contains(&share) { share } else { 0.5 };
         *at = from.at + share * (to.at - from.at);
     }
     at

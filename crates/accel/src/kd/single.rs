@@ -10,6 +10,7 @@
 //!
 //! Invariant: `packet.rs` visits the same leaves in the same order for each of its lanes.
 
+use super::node::Node;
 use super::slab::{RaySlabs, least, most};
 use super::{DEEPEST, KdTree};
 
@@ -22,7 +23,7 @@ struct Waiting {
 }
 
 impl KdTree {
-    /// Calls `visit` with the triangles of each leaf that the ray may meet before `t_max`. It returns how far the
+    /// Calls `visit` with each leaf that is not empty and that the ray may meet before `t_max`. It returns how far the
     /// ray still has to be followed: less after a hit, negative infinity to stop. Returns the nodes visited.
     #[inline(always)]
     pub(crate) fn walk(
@@ -30,7 +31,7 @@ impl KdTree {
         ray: &RaySlabs,
         t_near: f32,
         t_far: f32,
-        mut visit: impl FnMut(&[u32]) -> f32,
+        mut visit: impl FnMut(Node) -> f32,
     ) -> u32 {
         let Some([mut t_min, mut t_max]) = ray.clip(&self.bounds, t_near, t_far) else { return 0 };
         let mut waiting = [Waiting::default(); DEEPEST];
@@ -58,7 +59,7 @@ impl KdTree {
                 visited += 1;
             }
             if node.item() != 0 {
-                t_far = visit(self.leaf_items(node));
+                t_far = visit(node);
             }
             (at, t_min, t_max) = loop {
                 if top == 0 {

@@ -4,7 +4,7 @@
 //! Invariant: every lane does the roundings of the scalar form in its order: the same bits at any width and level.
 //! Proof: `tests/brute_force.rs` (`ask`).
 
-use gnurt_simd::{Simd, SimdFloat, prelude::*};
+use gnurt_simd::{Simd, SimdFloat};
 
 use super::Meeting;
 use super::watertight::{HUGE, TINY, meet_exactly};

@@ -7,12 +7,12 @@
 
 use gnurt_simd::{Simd, f32x8, mask32x8, prelude::*};
 
-use super::{Meeting, PreparedTriangles};
+use super::Meeting;
 use crate::Ray;
-use crate::packet::{Heading, MeetingPacket, RayPacket};
+use crate::packet::{MeetingPacket, RayPacket};
 
 /// 40 bytes of one triangle. With `n` its normal, `k` the axis where `n` is longest and `i`, `j` the next ones.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Projected {
     k: u32,
     /// First corner along `i`, `j` and `k`.
@@ -26,7 +26,7 @@ struct Projected {
 }
 
 /// Projected triangles by number; those of dropped ones are never looked at.
-#[derive(Debug)]
+#[derive(Debug, PartialEq)]
 pub(crate) struct ProjectedTriangles {
     triangles: Vec<Projected>,
 }
@@ -58,24 +58,10 @@ impl ProjectedTriangles {
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(&self.triangles[..])
     }
-}
 
-impl PreparedTriangles for ProjectedTriangles {
-    type Ray = Ray;
-    type Packet<S: Simd> = RayPacket<S>;
-
+    /// Where `ray` meets triangle `number` in `[t_near, t_far]`.
     #[inline(always)]
-    fn prepare(ray: &Ray) -> Ray {
-        *ray
-    }
-
-    #[inline(always)]
-    fn prepare_packet<S: Simd>(_: S, rays: &RayPacket<S>, _: Heading) -> RayPacket<S> {
-        *rays
-    }
-
-    #[inline(always)]
-    fn meet(&self, number: u32, ray: &Ray, t_near: f32, t_far: f32) -> Option<Meeting> {
+    pub(crate) fn meet(&self, number: u32, ray: &Ray, t_near: f32, t_far: f32) -> Option<Meeting> {
         let Projected { k, corner, normal, second, third } = self.triangles[number as usize];
         let k = k as usize;
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -92,8 +78,9 @@ impl PreparedTriangles for ProjectedTriangles {
         hit.then_some(Meeting { t, u, v })
     }
 
+    /// The same in lanes, for those in `active`.
     #[inline(always)]
-    fn meet_packet<S: Simd>(
+    pub(crate) fn meet_packet<S: Simd>(
         &self,
         simd: S,
         number: u32,

@@ -10,38 +10,21 @@
 //! is on neither side and goes to double precision too.
 //! Proof: `tests::agrees_with_double_precision`, `tests/watertight.rs`.
 
-use gnurt_simd::{Simd, f32x8, mask32x8, prelude::*};
-
-use super::lanes::{LanesMeeting, Sheared, meet_alone, pass_edges};
-use super::{Meeting, PreparedTriangles};
+use super::Meeting;
 use crate::Ray;
 use crate::kd::{least, most};
-use crate::packet::{Heading, MeetingPacket, RayPacket};
 
 /// Edge functions of a smaller magnitude are computed again in double precision.
 pub(super) const TINY: f32 = 1e-30;
 /// Sums of edge functions of a greater magnitude likewise.
 pub(super) const HUGE: f32 = 1e30;
 
-/// Three corners per triangle; those of dropped triangles are never looked at.
-#[derive(Debug)]
-pub(crate) struct WatertightTriangles {
-    corners: Vec<[[f32; 3]; 3]>,
-}
-
 /// A ray with its shear: `z` is the axis along which it moves most, `x` and `y` follow it in cyclic order.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct WatertightRay {
+pub(crate) struct ShearedRay {
     org: [f32; 3],
     axes: [usize; 3],
     shear: [f32; 3],
-}
-
-/// Rays in lanes with the same `axes`.
-#[derive(Clone, Copy)]
-pub(crate) struct WatertightPacket<S: Simd> {
-    axes: [usize; 3],
-    sheared: Sheared<f32x8<S>>,
 }
 
 /// x, y and z of the sheared space, given its z.
@@ -50,41 +33,20 @@ pub(crate) fn axes_from(z: usize) -> [usize; 3] {
     [(z + 1) % 3, (z + 2) % 3, z]
 }
 
-impl WatertightTriangles {
-    /// From the corners of each triangle by number.
-    pub(crate) fn new(corners: Vec<[[f32; 3]; 3]>) -> Self {
-        Self { corners }
-    }
-
-    pub(crate) fn memory_bytes(&self) -> usize {
-        size_of_val(&self.corners[..])
-    }
-}
-
-impl PreparedTriangles for WatertightTriangles {
-    type Ray = WatertightRay;
-    type Packet<S: Simd> = WatertightPacket<S>;
-
+impl ShearedRay {
+    /// `ray` must be sound and of regular length.
     #[inline(always)]
-    fn prepare(ray: &Ray) -> WatertightRay {
+    pub(crate) fn new(ray: &Ray) -> Self {
         let axes = axes_from(ray.longest_axis());
-        let [x, y, along] = axes.map(|k| ray.dir[k]);
-        WatertightRay { org: ray.org, axes, shear: [x / along, y / along, 1.0 / along] }
-    }
-
-    #[inline(always)]
-    fn prepare_packet<S: Simd>(simd: S, rays: &RayPacket<S>, heading: Heading) -> WatertightPacket<S> {
-        let axes = axes_from(heading.longest_axis);
         let [x, y, z] = axes;
-        let along = rays.dir[z];
-        let shear = [rays.dir[x] / along, rays.dir[y] / along, f32x8::splat(simd, 1.0) / along];
-        WatertightPacket { axes, sheared: Sheared { org: [rays.org[x], rays.org[y], rays.org[z]], shear } }
+        let along = ray.dir[z];
+        Self { org: ray.org, axes, shear: [ray.dir[x] / along, ray.dir[y] / along, 1.0 / along] }
     }
 
+    /// Where the ray meets a triangle in `[t_near, t_far]`.
     #[inline(always)]
-    fn meet(&self, number: u32, ray: &WatertightRay, t_near: f32, t_far: f32) -> Option<Meeting> {
-        let WatertightRay { org, axes: [x, y, z], shear } = *ray;
-        let [a, b, c] = &self.corners[number as usize];
+    pub(crate) fn meet(&self, [a, b, c]: &[[f32; 3]; 3], t_near: f32, t_far: f32) -> Option<Meeting> {
+        let Self { org, axes: [x, y, z], shear } = *self;
         let depth = [a[z] - org[z], b[z] - org[z], c[z] - org[z]];
         let px = sheared([a[x], b[x], c[x]], org[x], shear[0], depth);
         let py = sheared([a[y], b[y], c[y]], org[y], shear[1], depth);
@@ -109,44 +71,6 @@ impl PreparedTriangles for WatertightTriangles {
         let (first, last) = (least(least(ts[0], ts[1]), ts[2]), most(most(ts[0], ts[1]), ts[2]));
         let t = least(most(t, first), last) + 0.0;
         (t >= t_near && t <= t_far).then_some(Meeting { t, u, v })
-    }
-
-    #[inline(always)]
-    fn meet_packet<S: Simd>(
-        &self,
-        simd: S,
-        number: u32,
-        rays: &WatertightPacket<S>,
-        active: mask32x8<S>,
-        t_near: f32x8<S>,
-        t_far: f32x8<S>,
-    ) -> MeetingPacket<S> {
-        let WatertightPacket { axes: [x, y, z], ref sheared } = *rays;
-        let at = |value: f32| f32x8::splat(simd, value);
-        let [a, b, c] = &self.corners[number as usize];
-        let corners =
-            [[at(a[x]), at(a[y]), at(a[z])], [at(b[x]), at(b[y]), at(b[z])], [at(c[x]), at(c[y]), at(c[z])]];
-        let edges = pass_edges(simd, corners, sheared);
-        let inside = active & edges.inside;
-        if !inside.any_true() {
-            let zero = at(0.0);
-            return MeetingPacket { t: zero, u: zero, v: zero, hit: inside };
-        }
-        let (LanesMeeting { t, u, v, hit }, uncertain) = edges.meet(simd, sheared, inside, t_near, t_far);
-        let mut meeting = MeetingPacket { t, u, v, hit };
-        let mut bits = uncertain.to_bitmask();
-        while bits != 0 {
-            let i = bits.trailing_zeros() as usize & 7;
-            bits &= bits - 1;
-            let corners = [[a[x], a[y], a[z]], [b[x], b[y], b[z]], [c[x], c[y], c[z]]];
-            let Sheared { org, shear } = sheared;
-            let alone = Sheared {
-                org: [org[0][i], org[1][i], org[2][i]],
-                shear: [shear[0][i], shear[1][i], shear[2][i]],
-            };
-            meeting.set(i, meet_alone(&corners, &alone, t_near[i], t_far[i]));
-        }
-        meeting
     }
 }
 
@@ -213,9 +137,7 @@ mod tests {
         for _ in 0..20_000 {
             let corners = [point(), point(), point()];
             let ray = Ray::new(point(), point()).within(f32::NEG_INFINITY, f32::INFINITY);
-            let prepared = WatertightTriangles::prepare(&ray);
-            let met =
-                WatertightTriangles::new(vec![corners]).meet(0, &prepared, f32::NEG_INFINITY, f32::INFINITY);
+            let met = ShearedRay::new(&ray).meet(&corners, f32::NEG_INFINITY, f32::INFINITY);
             let (inside, close) = oracle(&ray, &corners, 1e-5);
             if !close {
                 clear += 1;
@@ -238,8 +160,7 @@ mod tests {
         for size in [1e-36f32, 1e-30, 1e-20, 1.0, 1e10, 1e18] {
             let corners = [[0.0, 0.0, size], [size, 0.0, size], [0.0, size, size]];
             let ray = Ray::new([size / 4.0, size / 4.0, 0.0], [0.0, 0.0, 1.0]);
-            let prepared = WatertightTriangles::prepare(&ray);
-            let met = WatertightTriangles::new(vec![corners]).meet(0, &prepared, 0.0, f32::INFINITY);
+            let met = ShearedRay::new(&ray).meet(&corners, 0.0, f32::INFINITY);
             assert_eq!(met, Some(Meeting { t: size, u: 0.25, v: 0.25 }), "a triangle of size {size:e}");
         }
     }
