@@ -130,17 +130,17 @@ pub(super) fn greatest<S: Simd>(v: f32x16<S>) -> f32 {
     most(most(quarter[0], quarter[1]), most(quarter[2], quarter[3]))
 }
 
-/// Ranges made ready for boxes.
+/// Ranges made ready for boxes. Plain numbers, not lanes: a test takes them from memory into all lanes for nothing.
 #[derive(Clone, Copy)]
-pub(crate) struct Beam<S: Simd> {
+pub(crate) struct Beam {
     /// Bounds of the inverse slope along each axis.
-    inv: [[f32x8<S>; 2]; 3],
+    inv: [[f32; 2]; 3],
     /// The origin's bound that lies nearer to planes ahead, and the one that lies farther.
-    near_org: [f32x8<S>; 3],
-    far_org: [f32x8<S>; 3],
-    pad: [f32x8<S>; 3],
+    near_org: [f32; 3],
+    far_org: [f32; 3],
+    pad: [f32; 3],
     rows: [usize; 3],
-    t_near: f32x8<S>,
+    t_near: f32,
 }
 
 /// [`Beam`] for one plane at a time. Arrays have four entries so that two bits of an axis need no check.
@@ -179,26 +179,26 @@ impl PlaneBeam {
     }
 }
 
-impl<S: Simd> Beam<S> {
-    /// For a tree inside `bounds` whose greatest coordinate is `reach`.
+impl Beam {
+    /// No rays.
+    pub(crate) const EMPTY: Self = Self {
+        inv: [[0.0; 2]; 3],
+        near_org: [0.0; 3],
+        far_org: [0.0; 3],
+        pad: [0.0; 3],
+        rows: [0; 3],
+        t_near: 0.0,
+    };
+
+    /// For a tree whose greatest coordinate is `reach`.
     #[inline(always)]
-    pub(crate) fn new(simd: S, ranges: &Ranges, heading: Heading, bounds: &Aabb, reach: f32) -> Self {
-        let at = |value: f32| f32x8::splat(simd, value);
-        let mut distance = 0.0f32;
+    pub(crate) fn new(ranges: &Ranges, heading: Heading, reach: f32) -> Self {
+        let mut away = 0.0f32;
         for k in 0..3 {
-            distance =
-                most(distance, most(ranges.org[k][1] - bounds.min[k], bounds.max[k] - ranges.org[k][0]));
+            away = most(away, most(ranges.org[k][0].abs(), ranges.org[k][1].abs()));
         }
-        let slack = SLACK * (reach + distance);
-        let zero = at(0.0);
-        let mut beam = Self {
-            inv: [[zero; 2]; 3],
-            near_org: [zero; 3],
-            far_org: [zero; 3],
-            pad: [zero; 3],
-            rows: [0; 3],
-            t_near: at(ranges.t_near),
-        };
+        let slack = SLACK * (2.0 * reach + away);
+        let mut beam = Self { t_near: ranges.t_near, ..Self::EMPTY };
         let [_, y, z] = axes_from(heading.longest_axis);
         for k in 0..3 {
             let backwards = heading.backwards[k];
@@ -211,12 +211,11 @@ impl<S: Simd> Beam<S> {
                 [most(least(low, high), FLATTEST), most(most(low, high), FLATTEST)]
             };
             let sign = if backwards { -1.0 } else { 1.0 };
-            let inv = [sign / size[1], sign / size[0]];
-            beam.inv[k] = [at(inv[0]), at(inv[1])];
-            beam.pad[k] = at(slack / size[0]);
+            beam.inv[k] = [sign / size[1], sign / size[0]];
+            beam.pad[k] = slack / size[0];
             let [low, high] = ranges.org[k];
-            beam.near_org[k] = at(if backwards { low } else { high });
-            beam.far_org[k] = at(if backwards { high } else { low });
+            beam.near_org[k] = if backwards { low } else { high };
+            beam.far_org[k] = if backwards { high } else { low };
             beam.rows[k] = 2 * k + usize::from(backwards);
         }
         beam
@@ -230,12 +229,12 @@ impl<S: Simd> Beam<S> {
             org: [[0.0; 2]; 4],
             pad: [0.0; 4],
             back: [0; 4],
-            t_near: self.t_near[0],
+            t_near: self.t_near,
         };
         for k in 0..3 {
-            planes.inv[k] = [self.inv[k][0][0], self.inv[k][1][0]];
-            planes.org[k] = [self.near_org[k][0], self.far_org[k][0]];
-            planes.pad[k] = self.pad[k][0];
+            planes.inv[k] = self.inv[k];
+            planes.org[k] = [self.near_org[k], self.far_org[k]];
+            planes.pad[k] = self.pad[k];
             planes.back[k] = self.rows[k] as u32 & 1;
         }
         planes
@@ -243,41 +242,49 @@ impl<S: Simd> Beam<S> {
 
     /// Where the first of the rays may enter slabs between two rows of planes, and the last may leave.
     #[inline(always)]
-    fn slab(&self, k: usize, near: f32x8<S>, far: f32x8<S>) -> [f32x8<S>; 2] {
-        let (near, far) = (near - self.near_org[k], far - self.far_org[k]);
-        let [a, b] = self.inv[k];
-        [(near * a).min(near * b) - self.pad[k], (far * a).max(far * b) + self.pad[k]]
+    fn slab<S: Simd>(&self, simd: S, k: usize, near: f32x8<S>, far: f32x8<S>) -> [f32x8<S>; 2] {
+        let near = near - f32x8::splat(simd, self.near_org[k]);
+        let far = far - f32x8::splat(simd, self.far_org[k]);
+        let (a, b) = (f32x8::splat(simd, self.inv[k][0]), f32x8::splat(simd, self.inv[k][1]));
+        let pad = f32x8::splat(simd, self.pad[k]);
+        [(near * a).min(near * b) - pad, (far * a).max(far * b) + pad]
     }
 
     /// [`slab`](Self::slab) between the lower and the upper planes.
     #[inline(always)]
-    fn ends(&self, k: usize, [low, high]: [f32x8<S>; 2]) -> [f32x8<S>; 2] {
-        if self.rows[k] & 1 == 0 { self.slab(k, low, high) } else { self.slab(k, high, low) }
+    fn ends<S: Simd>(&self, simd: S, k: usize, [low, high]: [f32x8<S>; 2]) -> [f32x8<S>; 2] {
+        if self.rows[k] & 1 == 0 { self.slab(simd, k, low, high) } else { self.slab(simd, k, high, low) }
     }
 
     /// The boxes that some ray may meet before `reach` steps as bits, and where the first may enter them.
     #[inline(always)]
-    pub(crate) fn meet(&self, simd: S, node: &Node8, reach: f32) -> (u32, f32x8<S>) {
+    pub(crate) fn meet<S: Simd>(&self, simd: S, node: &Node8, reach: f32) -> (u32, f32x8<S>) {
         let row = |i: usize| f32x8::from_slice(simd, &node.rows[i & (WIDTH - 1)]);
         let [x, y, z] = self.rows;
-        let [nx, fx] = self.slab(0, row(x), row(x ^ 1));
-        let [ny, fy] = self.slab(1, row(y), row(y ^ 1));
-        let [nz, fz] = self.slab(2, row(z), row(z ^ 1));
+        let [nx, fx] = self.slab(simd, 0, row(x), row(x ^ 1));
+        let [ny, fy] = self.slab(simd, 1, row(y), row(y ^ 1));
+        let [nz, fz] = self.slab(simd, 2, row(z), row(z ^ 1));
         self.overlap(simd, [nx, ny, nz], [fx, fy, fz], reach)
     }
 
     /// The same for boxes given by their extents along each axis.
     #[inline(always)]
-    pub(crate) fn meet_extents(&self, simd: S, extents: &[[f32x8<S>; 2]; 3], reach: f32) -> u32 {
-        let [nx, fx] = self.ends(0, extents[0]);
-        let [ny, fy] = self.ends(1, extents[1]);
-        let [nz, fz] = self.ends(2, extents[2]);
+    pub(crate) fn meet_extents<S: Simd>(&self, simd: S, extents: &[[f32x8<S>; 2]; 3], reach: f32) -> u32 {
+        let [nx, fx] = self.ends(simd, 0, extents[0]);
+        let [ny, fy] = self.ends(simd, 1, extents[1]);
+        let [nz, fz] = self.ends(simd, 2, extents[2]);
         self.overlap(simd, [nx, ny, nz], [fx, fy, fz], reach).0
     }
 
     #[inline(always)]
-    fn overlap(&self, simd: S, near: [f32x8<S>; 3], far: [f32x8<S>; 3], reach: f32) -> (u32, f32x8<S>) {
-        let enter = near[0].max(near[1]).max(near[2].max(self.t_near));
+    fn overlap<S: Simd>(
+        &self,
+        simd: S,
+        near: [f32x8<S>; 3],
+        far: [f32x8<S>; 3],
+        reach: f32,
+    ) -> (u32, f32x8<S>) {
+        let enter = near[0].max(near[1]).max(near[2].max(f32x8::splat(simd, self.t_near)));
         let leave = far[0].min(far[1]).min(far[2].min(f32x8::splat(simd, reach)));
         (enter.simd_le(leave).to_bitmask() as u32, enter)
     }

@@ -54,10 +54,10 @@ impl<S: Simd> Sweep<'_, S, Tree> {
         let chunks = count.div_ceil(LANES);
         let mut slopes = Slopes::EMPTY;
         let (each, whole) = slopes.prepare(simd, rays, count, heading);
-        let beam = Beam::new(simd, &whole, heading, &tree.bounds, self.reach);
-        let mut parts = [beam; CHUNKS];
+        let beam = Beam::new(&whole, heading, self.reach);
+        let mut parts = [Beam::EMPTY; CHUNKS];
         for (part, ranges) in parts.iter_mut().zip(&each).take(chunks) {
-            *part = Beam::new(simd, ranges, heading, &tree.bounds, self.reach);
+            *part = Beam::new(ranges, heading, self.reach);
         }
         let mut planes = TilePlanes::EMPTY;
         let mut planes_ready = false;

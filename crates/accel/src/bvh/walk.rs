@@ -157,7 +157,7 @@ impl Tree {
     pub(crate) fn sweep<S: Simd>(
         &self,
         simd: S,
-        beam: &Beam<S>,
+        beam: &Beam,
         mut reach: f32,
         mut leaf: impl FnMut(Range<usize>) -> f32,
     ) -> u32 {

@@ -51,14 +51,13 @@ impl<S: Simd> Sweep<'_, S, Blocked<'_>> {
     #[inline(always)]
     pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) {
         let Self { simd, tree, rays, count, heading, .. } = *self;
-        let bounds = &tree.tree.bounds;
         let chunks = count.div_ceil(LANES);
         let mut slopes = Slopes::EMPTY;
         let (each, whole) = slopes.prepare(simd, rays, count, heading);
-        let beam = Beam::new(simd, &whole, heading, bounds, self.reach);
-        let mut parts = [beam; CHUNKS];
+        let beam = Beam::new(&whole, heading, self.reach);
+        let mut parts = [Beam::EMPTY; CHUNKS];
         for (part, ranges) in parts.iter_mut().zip(&each).take(chunks) {
-            *part = Beam::new(simd, ranges, heading, bounds, self.reach);
+            *part = Beam::new(ranges, heading, self.reach);
         }
         // How many steps each chunk still looks ahead, and the tile.
         let mut ahead = [f32::NEG_INFINITY; CHUNKS];
@@ -108,9 +107,9 @@ impl Blocked<'_> {
     /// Calls `leaf` with the blocks of each leaf that the beam meets before `reach` steps, nearest first; it answers
     /// with the new reach.
     #[inline(always)]
-    fn walk_together<S: Simd>(
+    fn walk_together(
         &self,
-        beam: &Beam<S>,
+        beam: &Beam,
         mut reach: f32,
         visited: &mut u64,
         mut leaf: impl FnMut(std::ops::Range<usize>) -> f32,

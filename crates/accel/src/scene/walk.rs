@@ -135,7 +135,7 @@ impl SceneTree {
         let top = &self.top;
         let mut slopes = Slopes::EMPTY;
         let (_, whole) = slopes.prepare(simd, rays, count, heading);
-        let beam = Beam::new(simd, &whole, heading, &top.tree.bounds, top.reach);
+        let beam = Beam::new(&whole, heading, top.reach);
         let mut farthest = slopes.steps_ahead(simd, nearest, count);
         let visited = top.tree.sweep(
             simd,
