@@ -126,9 +126,12 @@ fn main() -> Result<(), String> {
                 cpu_and_peak().1
             );
             println!("  {stats:?}");
-            let single = Query { level: Level::Scalar, coherence: Coherence::Incoherent };
-            let packets =
-                Level::available().into_iter().map(|level| Query { level, coherence: Coherence::Coherent });
+            let single = Query { level: Level::Scalar, ..Query::default() };
+            let packets = Level::available().into_iter().map(|level| Query {
+                level,
+                coherence: Coherence::Coherent,
+                ..Query::default()
+            });
             for query in std::iter::once(single).chain(packets) {
                 let (mut hits, mut record) = (HitBatch::default(), Record::default());
                 let mut seconds = f64::INFINITY;

@@ -5,20 +5,29 @@
 //! The way of a coherent batch: `intersect` -> `dispatch!` -> `tiles` (one pass over the batch, 64 rays at a time) ->
 //! `Traceable::tile` (the scene's top tree) -> `ObjectTree::search_tile` (parts rays of different headings) -> `sweep` of
 //! the kd-tree or the BVH. The way of a single ray: `closest` -> `dispatch!` -> `Traceable::single` ->
-//! `ObjectTree::search` -> `search` of the index. Everything from `tiles` and `single` on is `#[inline(always)]` or
-//! entered by `vectorize`, or lanes become calls.
+//! `ObjectTree::search` -> `search` of the index; what it gathers on its way is a `Collect`. Everything from `tiles` and
+//! `single` on is `#[inline(always)]` or entered by `vectorize`, or lanes become calls.
 
-use gnurt_simd::{Level, Simd, dispatch, f32x16, prelude::*, u32x16};
+use gnurt_simd::{Simd, dispatch, f32x16, prelude::*, u32x16};
 
-use crate::nearest::{AnyHit, Closest, Mode, Nearest};
+use crate::candidates::Candidates;
+use crate::nearest::{AnyHit, Best, Closest, Collect, Mode, Nearest};
+use crate::point::{NearestPoint, PointHit, Probe};
 use crate::tile::{Headings, LANES, NearestTile, RayTile, TILE, all, chunk};
 use crate::{Coherence, Counters, Hit, HitBatch, INVALID_ID, Query, Ray, RayBatch, Record};
 
 /// What rays can be sent into: an object or a scene.
 pub(crate) trait Traceable {
-    /// Improves `nearest`; the ray is sound.
-    fn single<S: Simd, M: Mode>(&self, simd: S, ray: &Ray, nearest: &mut Nearest, counters: &mut Counters);
-    /// The same for those rays of a tile that are in `active`.
+    /// Offers what the ray meets; it is sound. `origin` is its own in double precision, where that is known.
+    fn single<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        origin: Option<&[f64; 3]>,
+        collect: &mut C,
+        counters: &mut Counters,
+    );
+    /// Improves the best hits of those rays of a tile that are in `active`.
     fn tile<S: Simd, M: Mode>(
         &self,
         simd: S,
@@ -31,26 +40,65 @@ pub(crate) trait Traceable {
     fn hit(&self, nearest: &Nearest) -> Hit;
     /// The instance, where all hits have the same one and their numbers are `prim_id`s of its only mesh.
     fn only_mesh(&self) -> Option<u32>;
+    /// Improves the nearest point.
+    fn point<S: Simd>(&self, simd: S, probe: &Probe, nearest: &mut NearestPoint);
 }
 
-/// One ray's closest hit.
-#[inline]
-pub(crate) fn closest<T: Traceable>(target: &T, level: Level, ray: &Ray) -> Option<Hit> {
-    let (mut nearest, mut counters) = (Nearest::none(ray.t_far), Counters::default());
-    if ray.is_sound() {
-        dispatch!(level, simd => target.single::<_, Closest>(simd, ray, &mut nearest, &mut counters));
+/// The nearest point of a surface.
+pub(crate) fn closest_point<T: Traceable>(
+    target: &T,
+    query: &Query,
+    point: [f64; 3],
+    radius: f64,
+) -> Option<PointHit> {
+    if !point.iter().all(|x| x.is_finite()) || radius.is_nan() {
+        return None;
     }
-    nearest.is_hit().then(|| target.hit(&nearest))
+    let (probe, mut nearest) = (Probe::new(point, query.mask), NearestPoint::within(radius));
+    dispatch!(query.level, simd => target.point(simd, &probe, &mut nearest));
+    nearest.hit(point, |nearest| target.hit(nearest))
 }
 
-/// Whether one ray hits anything.
-#[inline]
-pub(crate) fn any<T: Traceable>(target: &T, level: Level, ray: &Ray) -> bool {
-    let (mut nearest, mut counters) = (Nearest::none(ray.t_far), Counters::default());
-    if ray.is_sound() {
-        dispatch!(level, simd => target.single::<_, AnyHit>(simd, ray, &mut nearest, &mut counters));
+/// A single ray as it is asked for.
+#[derive(Clone, Copy)]
+pub(crate) struct One<'a> {
+    pub(crate) query: &'a Query,
+    pub(crate) ray: &'a Ray,
+    /// The ray's origin in double precision, where that is known.
+    pub(crate) origin: Option<&'a [f64; 3]>,
+}
+
+impl One<'_> {
+    #[inline(always)]
+    fn trace<T: Traceable, C: Collect>(self, target: &T, collect: &mut C) {
+        let ray = &Ray { mask: self.ray.mask & self.query.mask, ..*self.ray };
+        if ray.is_sound() {
+            let (origin, counters) = (self.origin, &mut Counters::default());
+            dispatch!(self.query.level, simd => target.single::<_, C>(simd, ray, origin, collect, counters));
+        }
     }
-    nearest.is_hit()
+
+    /// The closest hit.
+    #[inline(always)]
+    pub(crate) fn closest<T: Traceable>(self, target: &T) -> Option<Hit> {
+        let mut best = Best::<Closest>::new(Nearest::none(self.ray.t_far));
+        self.trace(target, &mut best);
+        best.0.is_hit().then(|| target.hit(&best.0))
+    }
+
+    /// Whether there is a hit.
+    #[inline(always)]
+    pub(crate) fn any<T: Traceable>(self, target: &T) -> bool {
+        let mut best = Best::<AnyHit>::new(Nearest::none(self.ray.t_far));
+        self.trace(target, &mut best);
+        best.0.is_hit()
+    }
+
+    /// Shows all hits to `judge`, in any order; it answers with how far the ray is still of interest.
+    pub(crate) fn candidates<T: Traceable>(self, target: &T, judge: &mut dyn FnMut(Hit) -> f32) {
+        let resolve = |nearest: &Nearest| target.hit(nearest);
+        self.trace(target, &mut Candidates::new(self.ray.t_far, &resolve, judge));
+    }
 }
 
 /// A batch's closest hits.
@@ -147,6 +195,7 @@ fn store<S: Simd>(simd: S, hits: &mut HitBatch, first: usize, nearest: &NearestT
         v.store_slice(&mut hits.v[at.clone()]);
         number.store_slice(&mut hits.prim_id[at.clone()]);
         missed.select(none, u32x16::splat(simd, 0)).store_slice(&mut hits.geom_id[at.clone()]);
+        missed.select(none, u32x16::splat(simd, 0)).store_slice(&mut hits.leaf_id[at.clone()]);
         missed.select(none, u32x16::splat(simd, inst_id)).store_slice(&mut hits.inst_id[at]);
     }
 }
@@ -158,19 +207,74 @@ fn trace<M: Mode, T: Traceable>(
     answers: &mut impl Answers,
     record: &mut Record,
 ) {
+    assert!(
+        rays.mask.is_empty() || rays.mask.len() == rays.len(),
+        "{} masks for {} rays",
+        rays.mask.len(),
+        rays.len()
+    );
     let Record { counters, costs } = record;
+    let masks = &Masks { own: &rays.mask, common: query.mask };
     match query.coherence {
         Coherence::Coherent if costs.is_none() => {
-            dispatch!(query.level, simd => tiles::<_, M, T>(simd, target, rays, answers, counters));
+            dispatch!(query.level, simd => tiles::<_, M, T>(simd, target, rays, masks, answers, counters));
         }
         Coherence::Fanned if costs.is_none() => {
-            dispatch!(query.level, simd => fans::<_, M, T>(simd, target, rays, answers, counters));
+            dispatch!(query.level, simd => fans::<_, M, T>(simd, target, rays, masks, answers, counters));
         }
         _ => {
-            dispatch!(query.level, simd => singles::<_, M, T>(simd, target, rays, answers, counters, costs));
+            dispatch!(query.level, simd => singles::<_, M, T>(simd, target, rays, masks, answers, counters, costs));
         }
     }
     counters.rays += rays.len() as u64;
+}
+
+/// What the rays of a batch see.
+struct Masks<'a> {
+    /// One for each ray, or none.
+    own: &'a [u32],
+    /// For all of them.
+    common: u32,
+}
+
+impl Masks<'_> {
+    #[inline(always)]
+    fn of(&self, i: usize) -> u32 {
+        if self.own.is_empty() { self.common } else { self.own[i] & self.common }
+    }
+
+    /// Traces a tile whose ray `i` is `place(i)` of the batch; rays that see the same go together.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "what a tile takes, and its masks")]
+    fn tile<S: Simd, M: Mode, T: Traceable>(
+        &self,
+        simd: S,
+        target: &T,
+        tile: &mut RayTile,
+        active: u64,
+        place: impl Fn(usize) -> usize,
+        nearest: &mut NearestTile,
+        counters: &mut Counters,
+    ) {
+        let mut left = active;
+        loop {
+            let mut same = left;
+            tile.mask = self.common;
+            if !self.own.is_empty() && left != 0 {
+                tile.mask = self.of(place(left.trailing_zeros() as usize));
+                each(left, |i| {
+                    if self.of(place(i)) != tile.mask {
+                        same &= !(1 << i);
+                    }
+                });
+            }
+            target.tile::<S, M>(simd, tile, same, nearest, counters);
+            left &= !same;
+            if left == 0 {
+                return;
+            }
+        }
+    }
 }
 
 /// Traces rays singly, and notes what each costs where the record asks for it.
@@ -179,6 +283,7 @@ fn singles<S: Simd, M: Mode, T: Traceable>(
     simd: S,
     target: &T,
     rays: &RayBatch,
+    masks: &Masks,
     answers: &mut impl Answers,
     counters: &mut Counters,
     costs: &mut Option<Vec<u32>>,
@@ -193,10 +298,11 @@ fn singles<S: Simd, M: Mode, T: Traceable>(
         for i in 0..TILE.min(rays.len() - first) {
             let before = counters.nodes + counters.triangles;
             if sound >> i & 1 == 1 {
-                let mut found = Nearest::none(nearest.t[i]);
-                target.single::<S, M>(simd, &tile.ray(i, found.t), &mut found, counters);
-                if found.is_hit() {
-                    answers.one(first + i, &found);
+                let mut best = Best::<M>::new(Nearest::none(nearest.t[i]));
+                let ray = Ray { mask: masks.of(first + i), ..tile.ray(i, best.reach()) };
+                target.single::<S, _>(simd, &ray, None, &mut best, counters);
+                if best.0.is_hit() {
+                    answers.one(first + i, &best.0);
                 }
             }
             if let Some(costs) = costs {
@@ -213,13 +319,14 @@ fn tiles<S: Simd, M: Mode, T: Traceable>(
     simd: S,
     target: &T,
     rays: &RayBatch,
+    masks: &Masks,
     answers: &mut impl Answers,
     counters: &mut Counters,
 ) {
     let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
     for first in (0..rays.len()).step_by(TILE) {
         let active = tile.load(simd, rays, first, &mut nearest);
-        target.tile::<S, M>(simd, &tile, active, &mut nearest, counters);
+        masks.tile::<S, M, T>(simd, target, &mut tile, active, |i| first + i, &mut nearest, counters);
         answers.tile(simd, first, active, &nearest);
     }
 }
@@ -233,6 +340,7 @@ fn fans<S: Simd, M: Mode, T: Traceable>(
     simd: S,
     target: &T,
     rays: &RayBatch,
+    masks: &Masks,
     answers: &mut impl Answers,
     counters: &mut Counters,
 ) {
@@ -269,7 +377,8 @@ fn fans<S: Simd, M: Mode, T: Traceable>(
                 let some = &order[from..end.min(from + TILE)];
                 tile.pick(rays, some, &mut nearest);
                 let active = all(some.len());
-                target.tile::<S, M>(simd, &tile, active, &mut nearest, counters);
+                let place = |i: usize| some[i] as usize;
+                masks.tile::<S, M, T>(simd, target, &mut tile, active, place, &mut nearest, counters);
                 each(active & nearest.hit(simd), |i| answers.one(some[i] as usize, &nearest.get(i)));
                 from += some.len();
             }

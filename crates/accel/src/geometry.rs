@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a tree is built over, and the screening of what cannot be traced.
-//! Source: original. Space: object. Invariant: what passes [`Screened::new`] has finite, in-range, non-flat triangles.
-//! Proof: `tests::each_fault_is_counted_once`.
+//! What a tree is built over: the kinds of geometry, and one numbering for all of their primitives.
+//! Source: original; the kinds and the two halves of a quad are Embree's. Space: object.
+//! Invariant: numbers ascend with the geometry, then with the primitive, so that they order hits as their ids do.
+//! Proof: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
 
-use crate::Aabb;
+use std::sync::Arc;
+
+use crate::UserGeometry;
+pub(crate) use crate::screened::Screened;
 
 /// Coordinates beyond this are dropped: squares of their differences still fit a float.
 pub const LARGEST_COORDINATE: f32 = 1.8e18;
 
-/// Most triangles of one object: what an event of the builder can number.
+/// Most triangles of one object: what an event of the builder can number. Quads count twice, spheres and primitives
+/// of user geometries once.
 pub const MOST_TRIANGLES: usize = (1 << 30) - 1;
 
 /// One mesh: borrowed arrays. Its `geom_id` is its place in the list that is built over.
@@ -20,7 +25,103 @@ pub struct Triangles<'a> {
     pub indices: &'a [[u32; 3]],
 }
 
-/// Triangles that were left out of a tree, by the first fault found.
+/// One mesh of quads: borrowed arrays.
+///
+/// A quad is two triangles, of its vertices 0, 1, 3 and 2, 3, 1, and need not be flat. Where vertices 2 and 3 are one
+/// it is a triangle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Quads<'a> {
+    /// Vertex positions, object space.
+    pub positions: &'a [[f32; 3]],
+    /// Vertices of each quad, around it; its place is its `prim_id`.
+    pub indices: &'a [[u32; 4]],
+}
+
+/// Spheres: borrowed arrays of the same length; what is longer is ignored. A sphere's place is its `prim_id`.
+///
+/// A ray meets a sphere's surface twice, from inside once. Radii are positive; others are left out and counted among
+/// the primitives of zero area.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spheres<'a> {
+    /// Centres, object space.
+    pub centers: &'a [[f32; 3]],
+    /// Radii.
+    pub radii: &'a [f32],
+}
+
+/// What a geometry consists of.
+#[derive(Clone, Debug)]
+pub enum GeometryKind<'a> {
+    /// A triangle mesh.
+    Triangles(Triangles<'a>),
+    /// A mesh of quads.
+    Quads(Quads<'a>),
+    /// Spheres.
+    Spheres(Spheres<'a>),
+    /// Primitives of the caller's own making; kept by the tree.
+    User(Arc<dyn UserGeometry>),
+}
+
+/// One geometry of an object. Its `geom_id` is its place in the list that is built over.
+#[derive(Clone, Debug)]
+pub struct Geometry<'a> {
+    /// What it consists of.
+    pub kind: GeometryKind<'a>,
+    /// Which rays see it: those whose mask has a bit in common with this one.
+    ///
+    /// An object has a tree for each mask and kind, so few different masks cost nothing and many cost speed.
+    pub mask: u32,
+}
+
+impl<'a> Geometry<'a> {
+    /// A geometry that all rays see.
+    #[must_use]
+    pub fn new(kind: GeometryKind<'a>) -> Self {
+        Self { kind, mask: u32::MAX }
+    }
+
+    /// Primitives of the caller's own making.
+    #[must_use]
+    pub fn user(geometry: Arc<dyn UserGeometry>) -> Self {
+        Self::new(GeometryKind::User(geometry))
+    }
+
+    /// The same geometry, seen by rays whose mask has a bit in common with `mask`.
+    #[must_use]
+    pub fn with_mask(self, mask: u32) -> Self {
+        Self { mask, ..self }
+    }
+
+    /// How many numbers its primitives take.
+    fn count(&self) -> usize {
+        match &self.kind {
+            GeometryKind::Triangles(mesh) => mesh.indices.len(),
+            GeometryKind::Quads(mesh) => 2 * mesh.indices.len(),
+            GeometryKind::Spheres(spheres) => spheres.centers.len().min(spheres.radii.len()),
+            GeometryKind::User(user) => user.count() as usize,
+        }
+    }
+}
+
+impl<'a> From<Triangles<'a>> for Geometry<'a> {
+    fn from(mesh: Triangles<'a>) -> Self {
+        Self::new(GeometryKind::Triangles(mesh))
+    }
+}
+
+impl<'a> From<Quads<'a>> for Geometry<'a> {
+    fn from(mesh: Quads<'a>) -> Self {
+        Self::new(GeometryKind::Quads(mesh))
+    }
+}
+
+impl<'a> From<Spheres<'a>> for Geometry<'a> {
+    fn from(spheres: Spheres<'a>) -> Self {
+        Self::new(GeometryKind::Spheres(spheres))
+    }
+}
+
+/// Primitives that were left out of a tree, by the first fault found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BadPrimitives {
     /// An index that is not below the number of positions.
@@ -31,7 +132,7 @@ pub struct BadPrimitives {
     pub infinite: u64,
     /// A coordinate beyond [`LARGEST_COORDINATE`].
     pub too_large: u64,
-    /// Corners on one line or in one point.
+    /// Corners on one line or in one point; spheres without a radius.
     pub zero_area: u64,
     /// More than [`MOST_TRIANGLES`] in one object.
     pub too_many: u64,
@@ -43,132 +144,91 @@ impl BadPrimitives {
     pub fn total(&self) -> u64 {
         self.bad_index + self.nan + self.infinite + self.too_large + self.zero_area + self.too_many
     }
-}
 
-/// The triangles of all meshes under one numbering; bad ones keep their number and have no corners.
-pub(crate) struct Screened<'a> {
-    meshes: &'a [Triangles<'a>],
-    /// First number of each mesh, and one past the last.
-    pub(crate) starts: Vec<u32>,
-    /// Numbers of the triangles that can be traced, ascending.
-    pub(crate) good: Vec<u32>,
-    pub(crate) bad: BadPrimitives,
-    pub(crate) bounds: Aabb,
-}
-
-impl<'a> Screened<'a> {
-    /// Looks at every triangle once.
-    pub(crate) fn new(meshes: &'a [Triangles<'a>]) -> Self {
-        let mut screened = Self {
-            meshes,
-            starts: vec![0],
-            good: Vec::new(),
-            bad: BadPrimitives::default(),
-            bounds: Aabb::EMPTY,
-        };
-        let total: usize = meshes.iter().map(|mesh| mesh.indices.len()).sum();
-        screened.good.reserve_exact(total.min(MOST_TRIANGLES));
-        let mut number = 0;
-        for mesh in meshes {
-            let room = MOST_TRIANGLES - number as usize;
-            let taken = &mesh.indices[..mesh.indices.len().min(room)];
-            screened.bad.too_many += (mesh.indices.len() - taken.len()) as u64;
-            for &corners in taken {
-                if let Some(triangle) = screened.check(mesh, corners) {
-                    screened.bounds = screened.bounds.union(&Aabb::around(&triangle));
-                    screened.good.push(number);
-                }
-                number += 1;
-            }
-            screened.starts.push(number);
-        }
-        screened
-    }
-
-    /// The corners of triangle `number`, which must be one of `good`.
-    #[inline]
-    pub(crate) fn corners(&self, number: u32) -> [[f32; 3]; 3] {
-        let mesh = mesh_of(&self.starts, number);
-        let Triangles { positions, indices } = self.meshes[mesh];
-        indices[(number - self.starts[mesh]) as usize].map(|i| positions[i as usize])
-    }
-
-    /// How many numbers there are.
-    pub(crate) fn count(&self) -> usize {
-        self.starts[self.starts.len() - 1] as usize
-    }
-
-    fn check(&mut self, mesh: &Triangles, corners: [u32; 3]) -> Option<[[f32; 3]; 3]> {
-        let bad = &mut self.bad;
-        if corners.iter().any(|&i| i as usize >= mesh.positions.len()) {
-            bad.bad_index += 1;
-            return None;
-        }
-        let triangle = corners.map(|i| mesh.positions[i as usize]);
-        let any = |test: fn(f32) -> bool| triangle.iter().flatten().any(|&x| test(x));
-        let fault = if any(f32::is_nan) {
-            &mut bad.nan
+    /// Where to count a primitive with these coordinates, if they have a fault.
+    pub(crate) fn fault(&mut self, coordinates: impl Iterator<Item = f32> + Clone) -> Option<&mut u64> {
+        let any = |test: fn(f32) -> bool| coordinates.clone().any(test);
+        if any(f32::is_nan) {
+            Some(&mut self.nan)
         } else if any(f32::is_infinite) {
-            &mut bad.infinite
+            Some(&mut self.infinite)
         } else if any(|x| x.abs() > LARGEST_COORDINATE) {
-            &mut bad.too_large
-        } else if is_flat(&triangle) {
-            &mut bad.zero_area
+            Some(&mut self.too_large)
         } else {
-            return Some(triangle);
-        };
-        *fault += 1;
-        None
+            None
+        }
     }
 }
 
-/// The mesh that holds triangle `number`, given where each mesh starts.
+impl std::ops::AddAssign for BadPrimitives {
+    fn add_assign(&mut self, other: Self) {
+        self.bad_index += other.bad_index;
+        self.nan += other.nan;
+        self.infinite += other.infinite;
+        self.too_large += other.too_large;
+        self.zero_area += other.zero_area;
+        self.too_many += other.too_many;
+    }
+}
+
+/// Numbers of all primitives of an object: triangles, halves of quads, spheres, user primitives.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Numbering {
+    /// First number of each geometry, and one past the last.
+    pub(crate) starts: Vec<u32>,
+    /// Which geometries are quads.
+    pub(crate) quads: Vec<bool>,
+    /// Primitives that got no number.
+    pub(crate) too_many: u64,
+}
+
+/// A number taken apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) geom_id: u32,
+    pub(crate) prim_id: u32,
+    /// The half of a quad that holds its vertices 1, 2 and 3.
+    pub(crate) second_half: bool,
+}
+
+impl Numbering {
+    pub(crate) fn new(geometries: &[Geometry]) -> Self {
+        let mut numbering = Self { starts: vec![0], ..Self::default() };
+        let mut next = 0;
+        for geometry in geometries {
+            let quads = matches!(geometry.kind, GeometryKind::Quads(_));
+            let (count, room) = (geometry.count(), MOST_TRIANGLES - next);
+            // Quads are taken whole.
+            let taken = count.min(if quads { room / 2 * 2 } else { room });
+            numbering.too_many += ((count - taken) >> u32::from(quads)) as u64;
+            next += taken;
+            numbering.starts.push(next as u32);
+            numbering.quads.push(quads);
+        }
+        numbering
+    }
+
+    /// Numbers of one geometry.
+    pub(crate) fn range(&self, geometry: usize) -> std::ops::Range<u32> {
+        self.starts[geometry]..self.starts[geometry + 1]
+    }
+
+    /// Which primitive has this number.
+    #[inline]
+    pub(crate) fn place(&self, number: u32) -> Place {
+        let geometry = geometry_of(&self.starts, number);
+        let within = number - self.starts[geometry];
+        let geom_id = geometry as u32;
+        if self.quads[geometry] {
+            Place { geom_id, prim_id: within / 2, second_half: within & 1 == 1 }
+        } else {
+            Place { geom_id, prim_id: within, second_half: false }
+        }
+    }
+}
+
+/// The geometry that holds `number`, given where each one starts.
 #[inline]
-pub(crate) fn mesh_of(starts: &[u32], number: u32) -> usize {
+pub(crate) fn geometry_of(starts: &[u32], number: u32) -> usize {
     if starts.len() == 2 { 0 } else { starts.partition_point(|&start| start <= number) - 1 }
-}
-
-/// Whether the corners span no area, in double precision.
-fn is_flat([a, b, c]: &[[f32; 3]; 3]) -> bool {
-    let edge = |p: &[f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(a[k]));
-    let ([ux, uy, uz], [vx, vy, vz]) = (edge(b), edge(c));
-    uy * vz == uz * vy && uz * vx == ux * vz && ux * vy == uy * vx
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn each_fault_is_counted_once() {
-        let positions = [
-            [0.0, 0.0, 0.0],
-            [1.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0],
-            [f32::NAN, 0.0, f32::INFINITY],
-            [0.0, f32::NEG_INFINITY, 0.0],
-            [2e18, 0.0, 0.0],
-            [2.0, 0.0, 0.0],
-        ];
-        let indices = [
-            [0, 1, 2],
-            [0, 1, 7],
-            [0, 1, 3],
-            [0, 1, 4],
-            [0, 2, 5],
-            [0, 1, 6],
-            [1, 1, 2],
-            [2, 1, 0],
-            [9, 3, 3],
-        ];
-        let meshes = [Triangles::default(), Triangles { positions: &positions, indices: &indices }];
-        let screened = Screened::new(&meshes);
-        let wanted =
-            BadPrimitives { bad_index: 2, nan: 1, infinite: 1, too_large: 1, zero_area: 2, too_many: 0 };
-        assert_eq!(screened.bad, wanted, "one count per bad triangle");
-        assert_eq!(screened.bad.total(), 7, "all of them");
-        assert_eq!(screened.good, [0, 7], "what is left keeps its number");
-        assert_eq!(screened.corners(7)[0], [0.0, 1.0, 0.0], "found through an empty mesh");
-        assert_eq!(mesh_of(&screened.starts, 0), 1, "the empty mesh holds nothing");
-    }
 }

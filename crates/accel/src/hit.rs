@@ -6,21 +6,53 @@
 /// The id of what is not there.
 pub const INVALID_ID: u32 = u32::MAX;
 
-/// The closest intersection of a ray.
+/// An intersection of a ray.
+///
+/// What `u` and `v` are depends on what was hit:
+///
+/// | kind | `u` | `v` |
+/// |---|---|---|
+/// | triangle | weight of the second vertex, in `[0, 1]` | weight of the third; the first one's is `1 - u - v` |
+/// | quad | from 0 on the edge of vertices 0 and 3 to 1 on that of 1 and 2 | from 0 on the edge of 0 and 1 to 1 on that of 3 and 2 |
+/// | sphere | 0 | 0; the normal is the point minus the centre |
+/// | user geometry | what it says | what it says |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Ray parameter, in multiples of the ray's `dir`.
     pub t: f32,
-    /// Barycentric weight of the triangle's second vertex, in `[0, 1]`.
+    /// First parameter on the primitive.
     pub u: f32,
-    /// Barycentric weight of the third vertex; the first one's is `1 - u - v`.
+    /// Second parameter on the primitive.
     pub v: f32,
-    /// Triangle within its mesh, counted from 0.
+    /// Primitive within its geometry, counted from 0.
     pub prim_id: u32,
-    /// Mesh within its object, counted from 0.
+    /// Geometry within its object, counted from 0.
     pub geom_id: u32,
-    /// Instance within the scene, counted from 0; 0 where an object's tree is asked directly.
+    /// Instance within the scene that was asked, counted from 0; 0 where an object's tree is asked directly.
     pub inst_id: u32,
+    /// The object's place among all objects of the scene, those of nested scenes too;
+    /// [`SceneTree::instance_path`](crate::SceneTree::instance_path) tells the instances on the way to it. 0 where an
+    /// object's tree is asked directly.
+    pub leaf_id: u32,
+}
+
+/// Which primitive a hit is on: two hits are on the same one where these are equal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PrimitiveId {
+    /// As [`Hit::leaf_id`].
+    pub leaf_id: u32,
+    /// As [`Hit::geom_id`].
+    pub geom_id: u32,
+    /// As [`Hit::prim_id`].
+    pub prim_id: u32,
+}
+
+impl Hit {
+    /// The primitive that was hit.
+    #[must_use]
+    pub fn primitive(&self) -> PrimitiveId {
+        PrimitiveId { leaf_id: self.leaf_id, geom_id: self.geom_id, prim_id: self.prim_id }
+    }
 }
 
 /// The hits of a [`RayBatch`](crate::RayBatch), lane by lane.
@@ -28,16 +60,18 @@ pub struct Hit {
 pub struct HitBatch {
     /// Ray parameters; infinite where a ray missed.
     pub t: Vec<f32>,
-    /// Barycentric weights of the second vertices.
+    /// First parameters on the primitives.
     pub u: Vec<f32>,
-    /// Barycentric weights of the third vertices.
+    /// Second parameters.
     pub v: Vec<f32>,
-    /// Triangles; [`INVALID_ID`] where a ray missed.
+    /// Primitives; [`INVALID_ID`] where a ray missed.
     pub prim_id: Vec<u32>,
-    /// Meshes.
+    /// Geometries.
     pub geom_id: Vec<u32>,
     /// Instances.
     pub inst_id: Vec<u32>,
+    /// Places among all objects.
+    pub leaf_id: Vec<u32>,
 }
 
 impl HitBatch {
@@ -53,6 +87,7 @@ impl HitBatch {
         fill(&mut self.prim_id, n, INVALID_ID);
         fill(&mut self.geom_id, n, INVALID_ID);
         fill(&mut self.inst_id, n, INVALID_ID);
+        fill(&mut self.leaf_id, n, INVALID_ID);
     }
 
     /// Number of lanes.
@@ -77,6 +112,7 @@ impl HitBatch {
             prim_id: self.prim_id[i],
             geom_id: self.geom_id[i],
             inst_id: self.inst_id[i],
+            leaf_id: self.leaf_id[i],
         })
     }
 
@@ -88,5 +124,6 @@ impl HitBatch {
         self.prim_id[i] = hit.prim_id;
         self.geom_id[i] = hit.geom_id;
         self.inst_id[i] = hit.inst_id;
+        self.leaf_id[i] = hit.leaf_id;
     }
 }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Ray queries: rays, hits, kd-trees and two-level scenes. Knows nothing of shading, materials, files or pixels.
+//! Ray queries: rays, hits, trees over objects and scenes of instances. Knows nothing of shading, materials, files or
+//! pixels.
 //! Source: see each file; the outline is the paper's section 4 (kd-tree) and 6 (two levels).
+//!
+//! Build an [`ObjectTree`] over geometry, place it in a [`SceneTree`] any number of times, ask. docs/queries.md says
+//! which call stands for which of Embree's.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -12,11 +16,111 @@
 //! let hit = scene.intersect(&Ray::new([0.25, 0.5, 1.0], [0.0, 0.0, -2.0])).expect("it aims at the triangle");
 //! assert_eq!((hit.t, hit.u, hit.v, hit.prim_id), (0.5, 0.25, 0.5, 0));
 //! ```
+//!
+//! # Kinds of geometry
+//!
+//! Triangles, quads, spheres and what implements [`UserGeometry`], mixed in one object:
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! let quad = Quads {
+//!     positions: &[[-9., -1., -9.], [9., -1., -9.], [9., -1., 9.], [-9., -1., 9.]],
+//!     indices: &[[0, 1, 2, 3]],
+//! };
+//! let balls = Spheres { centers: &[[0.0; 3], [3.0, 0.0, 0.0]], radii: &[1.0, 0.5] };
+//! let object = ObjectTree::build_from(&[quad.into(), balls.into()], &BuildOptions::default(), Threads::Single);
+//! let hit = object.intersect(&Ray::new([3.0, 2.0, 0.0], [0.0, -1.0, 0.0])).expect("a ball is above the quad");
+//! assert_eq!((hit.t, hit.geom_id, hit.prim_id), (1.5, 1, 1));
+//! ```
+//!
+//! # Any hit, all hits, some hits
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! # let balls = Spheres { centers: &[[0.0; 3], [3.0, 0.0, 0.0]], radii: &[1.0, 0.5] };
+//! # let tree = ObjectTree::build_from(&[balls.into()], &BuildOptions::default(), Threads::Single);
+//! let (query, ray) = (Query::default(), Ray::new([-2.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
+//! assert!(tree.occluded(&ray) && !tree.occluded(&ray.within(0.0, 0.9)));
+//!
+//! let mut hits = Vec::new();
+//! tree.all_hits(&query, &ray, &mut hits); // in order, each once; first_hits stops at n
+//! assert_eq!(hits.iter().map(|hit| hit.t).collect::<Vec<_>>(), [1.0, 3.0, 4.5, 5.5]);
+//!
+//! let leaving = tree.intersect_filtered(&query, &ray, |ray, hit| ray.at(hit.t)[0] > 0.0);
+//! assert_eq!(leaving.map(|hit| hit.t), Some(3.0));
+//! let other = tree.intersect_ignoring(&query, &ray, hits[0].primitive());
+//! assert_eq!(other.map(|hit| hit.t), Some(4.5));
+//! ```
+//!
+//! # Masks
+//!
+//! A ray sees an instance, and a geometry in it, where its mask and theirs have a bit in common:
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! # use std::sync::Arc;
+//! # let balls = Spheres { centers: &[[0.0; 3]], radii: &[1.0] };
+//! # let ball = Arc::new(ObjectTree::build_from(&[balls.into()], &BuildOptions::default(), Threads::Single));
+//! let scene = SceneTree::build(&[Instance::identity(ball).with_mask(0b01)]);
+//! let ray = Ray::new([-2.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+//! assert!(scene.occluded(&ray.with_mask(0b11)) && !scene.occluded(&ray.with_mask(0b10)));
+//! let query = Query { mask: 0b10, ..Query::default() }; // for all rays of a call or a batch
+//! assert!(!scene.occluded_with(&query, &ray));
+//! ```
+//!
+//! # Batches
+//!
+//! Many rays at once are faster, camera and shadow rays by far; the answers are the same, bit for bit:
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! # let balls = Spheres { centers: &[[0.0; 3]], radii: &[1.0] };
+//! # let tree = ObjectTree::build_from(&[balls.into()], &BuildOptions::default(), Threads::Single);
+//! let rays: RayBatch = (0..100).map(|i| Ray::new([0.05 * i as f32, 0.0, 3.0], [0.0, 0.0, -1.0])).collect();
+//! let query = Query { coherence: Coherence::Coherent, ..Query::default() };
+//! let (mut hits, mut record) = (HitBatch::default(), Record::default());
+//! tree.intersect_batch(&query, &rays, &mut hits, &mut record);
+//! assert!((0..100).all(|i| hits.get(i) == tree.intersect(&rays.get(i))));
+//! ```
+//!
+//! # Scenes in scenes, and far away
+//!
+//! Instances show objects or scenes, up to [`DEEPEST_SCENE`] in one another. Their places are in double precision, and a
+//! [`Ray64`] has its origin in it, too:
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! # use std::sync::Arc;
+//! # let balls = Spheres { centers: &[[0.0; 3]], radii: &[1.0] };
+//! # let ball = Arc::new(ObjectTree::build_from(&[balls.into()], &BuildOptions::default(), Threads::Single));
+//! let at = |x: f64| [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.0, 0.0]];
+//! let pair = Arc::new(SceneTree::build(&[Instance::new(ball.clone(), at(0.0)), Instance::new(ball, at(4.125))]));
+//! let scene = SceneTree::try_build(&[Instance::new(pair, at(1e7))])?;
+//! let hit = scene.intersect(&Ray64::new([1e7 + 9.0, 0.0, 0.0], [-1.0, 0.0, 0.0])).expect("the second ball");
+//! assert_eq!((hit.t, scene.instance_path(hit.leaf_id)), (3.875, Some(vec![0, 1])));
+//! # Ok::<(), SceneError>(())
+//! ```
+//!
+//! # Nearest points
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! # let balls = Spheres { centers: &[[0.0; 3], [5.0, 0.0, 0.0]], radii: &[1.0, 1.0] };
+//! # let tree = ObjectTree::build_from(&[balls.into()], &BuildOptions::default(), Threads::Single);
+//! let near = tree.closest_point([0.0, 3.0, 0.0], f64::INFINITY).expect("everything is near enough");
+//! assert_eq!((near.distance, near.point, near.prim_id), (2.0, [0.0, 1.0, 0.0], 0));
+//! assert_eq!(tree.closest_point([0.0, 3.0, 0.0], 1.9), None); // nothing within that radius
+//! ```
+//!
+//! # Limits today
+//!
+//! No motion, no curves, no subdivision. An object has at most [`MOST_TRIANGLES`] triangles.
 #![forbid(unsafe_code)]
 
 mod aabb;
 mod batch;
 mod bvh;
+mod candidates;
 mod geometry;
 mod hit;
 mod kd;
@@ -24,20 +128,28 @@ mod nearest;
 mod object;
 mod options;
 mod packet;
+mod point;
+mod queries;
 mod query;
 mod ray;
 mod scene;
+mod screened;
 mod stats;
 mod tile;
 mod triangle;
+mod user;
 
 pub use aabb::Aabb;
-pub use geometry::{BadPrimitives, LARGEST_COORDINATE, MOST_TRIANGLES, Triangles};
+pub use geometry::{
+    BadPrimitives, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES, Quads, Spheres, Triangles,
+};
 pub use gnurt_simd::Level;
-pub use hit::{Hit, HitBatch, INVALID_ID};
+pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
 pub use object::ObjectTree;
 pub use options::{BuildOptions, Quality, Structure, Threads, TriangleTest};
+pub use point::PointHit;
 pub use query::{Coherence, Counters, Query, Record};
-pub use ray::{Ray, RayBatch};
-pub use scene::{Instance, SceneTree};
+pub use ray::{AnyRay, Ray, Ray64, RayBatch};
+pub use scene::{DEEPEST_SCENE, Instance, SceneError, SceneTree, Shape};
 pub use stats::TreeStats;
+pub use user::{UserGeometry, UserHit};

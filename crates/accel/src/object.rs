@@ -1,69 +1,133 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One object's triangles, ready to be asked for rays: built once, never changed, shared through `Arc`.
-//! Source: original. Space: object; `inst_id` is 0 in all hits.
-//! Proof: `tests/brute_force.rs`.
+//! One object's geometry, ready to be asked for rays: built once, never changed, shared through `Arc`.
+//! Source: original; a tree for each kind of primitive, searched one after the other up to the best hit so far, is what
+//! Embree does. Space: object; `inst_id` is 0 in all hits.
+//! Invariant: primitives are numbered through all geometries, so what is best does not depend on the order of trees.
+//! Proof: `tests/brute_force.rs`, `tests/mixed.rs`.
 
-use gnurt_simd::{Level, Simd};
+use gnurt_simd::Simd;
 
 use crate::batch::Traceable;
-use crate::bvh::BvhIndex;
-use crate::geometry::{Screened, mesh_of};
+use crate::bvh::{BvhIndex, SphereIndex, UserIndex};
+use crate::geometry::Screened;
+use crate::geometry::{GeometryKind, Numbering};
 use crate::kd::KdIndex;
-use crate::nearest::{Mode, Nearest};
+use crate::nearest::{Best, Collect, Mode, Nearest, Relay};
+use crate::point::{NearestPoint, Probe};
 use crate::tile::{NearestTile, RayTile};
 use crate::{
-    Aabb, BadPrimitives, BuildOptions, Counters, Hit, HitBatch, Query, Ray, RayBatch, Record, Structure,
-    Threads, TreeStats, Triangles,
+    Aabb, BadPrimitives, BuildOptions, Counters, Geometry, Hit, Ray, Structure, Threads, TreeStats, Triangles,
 };
 
-/// A tree over the triangles of an object's meshes.
+/// Trees over an object's geometries.
 #[derive(Debug)]
 pub struct ObjectTree {
-    index: Index,
-    /// First number of each mesh's triangles.
-    starts: Vec<u32>,
+    /// None of them empty.
+    parts: Vec<Part>,
+    numbering: Numbering,
     bad: BadPrimitives,
+    bounds: Aabb,
     stats: TreeStats,
 }
 
-/// What was built. To add a structure is to add a line here and in the three matches below.
+/// A tree over all primitives of one kind and mask.
+#[derive(Debug)]
+struct Part {
+    mask: u32,
+    index: Index,
+}
+
+/// What was built. To add a structure is to add a line here and in the matches below.
 #[derive(Debug)]
 enum Index {
     Kd(KdIndex),
     Bvh(BvhIndex),
+    Spheres(SphereIndex),
+    User(UserIndex),
 }
 
 /// Fewer rays of one heading go one by one.
 const WORTH_A_TILE: u32 = 4;
 
+/// What trees are told apart by.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Surfaces,
+    Spheres,
+    User,
+}
+
+fn kind_of(geometry: &Geometry) -> Kind {
+    match geometry.kind {
+        GeometryKind::Triangles(_) | GeometryKind::Quads(_) => Kind::Surfaces,
+        GeometryKind::Spheres(_) => Kind::Spheres,
+        GeometryKind::User(_) => Kind::User,
+    }
+}
+
 impl ObjectTree {
-    /// Builds over `meshes`. Triangles that cannot be traced are left out and counted; no triangle at all is fine.
+    /// Builds over triangle meshes. Triangles that cannot be traced are left out and counted; no triangle at all is
+    /// fine.
     #[must_use]
     pub fn build(meshes: &[Triangles], options: &BuildOptions, threads: Threads) -> Self {
-        let screened = Screened::new(meshes);
-        let (index, measured) = match options.structure {
-            Structure::Kd => {
-                let index = KdIndex::build(&screened, options, threads);
-                let stats = index.stats();
-                (Index::Kd(index), stats)
-            }
-            Structure::Bvh => {
-                let index = BvhIndex::build(&screened, options.quality, threads);
-                let stats = index.stats();
-                (Index::Bvh(index), stats)
-            }
-        };
-        let stats = TreeStats { primitives: screened.good.len() as u64, ..measured };
-        Self { index, starts: screened.starts, bad: screened.bad, stats }
+        let geometries: Vec<Geometry> = meshes.iter().map(|&mesh| mesh.into()).collect();
+        Self::build_from(&geometries, options, threads)
     }
 
-    /// Box around all triangles, object space; [`Aabb::EMPTY`] without any.
+    /// Builds over geometries of any kinds. What cannot be traced is left out and counted; nothing at all is fine.
+    ///
+    /// Spheres and user geometry always get a BVH; `options.structure` is for triangles and quads.
+    #[must_use]
+    pub fn build_from(geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Self {
+        let numbering = Numbering::new(geometries);
+        let mut bad = BadPrimitives { too_many: numbering.too_many, ..BadPrimitives::default() };
+        let mut groups: Vec<(Kind, u32)> = Vec::new();
+        for group in geometries.iter().map(|geometry| (kind_of(geometry), geometry.mask)) {
+            if !groups.contains(&group) {
+                groups.push(group);
+            }
+        }
+        let mut parts = Vec::new();
+        let mut stats = TreeStats::default();
+        for (kind, mask) in groups {
+            let wanted = |geometry: &Geometry| (kind_of(geometry), geometry.mask) == (kind, mask);
+            let quality = options.quality;
+            let mut triangles = None;
+            let index = match kind {
+                Kind::Surfaces => {
+                    let screened = Screened::over(geometries, &numbering, wanted);
+                    bad += screened.bad;
+                    triangles = Some(screened.good.len() as u64);
+                    if screened.good.is_empty() {
+                        continue;
+                    }
+                    match options.structure {
+                        Structure::Kd => Index::Kd(KdIndex::build(&screened, options, threads)),
+                        Structure::Bvh => Index::Bvh(BvhIndex::build(&screened, quality, threads)),
+                    }
+                }
+                Kind::Spheres => Index::Spheres(SphereIndex::build(
+                    geometries, &numbering, wanted, &mut bad, quality, threads,
+                )),
+                Kind::User => {
+                    Index::User(UserIndex::build(geometries, &numbering, wanted, &mut bad, quality, threads))
+                }
+            };
+            if !index.bounds().is_empty() {
+                let measured = index.stats();
+                let primitives = triangles.unwrap_or(measured.primitives);
+                stats = both(stats, TreeStats { primitives, ..measured });
+                parts.push(Part { mask, index });
+            }
+        }
+        let bounds = parts.iter().fold(Aabb::EMPTY, |all, part| all.union(&part.index.bounds()));
+        Self { parts, numbering, bad, bounds, stats }
+    }
+
+    /// Box around everything, object space; [`Aabb::EMPTY`] without anything.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        match &self.index {
-            Index::Kd(index) => index.bounds(),
-            Index::Bvh(index) => index.bounds(),
-        }
+        self.bounds
     }
 
     /// What was left out at build.
@@ -72,111 +136,70 @@ impl ObjectTree {
         self.bad
     }
 
-    /// Size and shape of the tree.
+    /// Size and shape of the trees, added up.
     #[must_use]
     pub fn stats(&self) -> TreeStats {
         self.stats
     }
 
-    /// Whether two trees are the same, node for node.
+    /// Whether two objects have the same trees, node for node.
     #[must_use]
     pub fn same_tree(&self, other: &Self) -> bool {
-        match (&self.index, &other.index) {
-            (Index::Kd(a), Index::Kd(b)) => a == b,
-            (Index::Bvh(a), Index::Bvh(b)) => a == b,
-            _ => false,
-        }
+        let same = |(a, b): (&Part, &Part)| {
+            a.mask == b.mask
+                && match (&a.index, &b.index) {
+                    (Index::Kd(a), Index::Kd(b)) => a == b,
+                    (Index::Bvh(a), Index::Bvh(b)) => a == b,
+                    (Index::Spheres(a), Index::Spheres(b)) => a == b,
+                    (Index::User(a), Index::User(b)) => a.same_tree(b),
+                    _ => false,
+                }
+        };
+        self.parts.len() == other.parts.len() && self.parts.iter().zip(&other.parts).all(same)
     }
 
-    /// The closest hit.
-    #[must_use]
-    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        crate::batch::closest(self, Level::best(), ray)
-    }
-
-    /// Whether anything is hit.
-    #[must_use]
-    pub fn occluded(&self, ray: &Ray) -> bool {
-        crate::batch::any(self, Level::best(), ray)
-    }
-
-    /// Closest hits of a batch; `hits` is resized to it.
-    pub fn intersect_batch(&self, query: &Query, rays: &RayBatch, hits: &mut HitBatch, record: &mut Record) {
-        crate::batch::intersect(self, query, rays, hits, record);
-    }
-
-    /// Whether anything is hit, ray by ray; `occluded` is resized to the batch.
-    pub fn occluded_batch(
-        &self,
-        query: &Query,
-        rays: &RayBatch,
-        occluded: &mut Vec<bool>,
-        record: &mut Record,
-    ) {
-        crate::batch::occluded(self, query, rays, occluded, record);
-    }
-
-    /// Improves `nearest`; the ray is sound, `slot` is noted with the hit.
+    /// Offers what the ray meets; it is sound, `slot` is noted with each hit.
     ///
     /// A function of its own for the compiler, entered with the features of `S`: kernels are compiled once per level
     /// and mode, not once per caller.
     #[inline(never)]
-    pub(crate) fn search<S: Simd, M: Mode>(
+    pub(crate) fn search<S: Simd, C: Collect>(
         &self,
         simd: S,
         ray: &Ray,
         slot: u32,
-        nearest: &mut Nearest,
+        collect: &mut C,
         counters: &mut Counters,
     ) {
         simd.vectorize(
             #[inline(always)]
             || {
-                if self.stats.primitives == 0 {
-                    return;
-                }
                 if !(Ray::SHORTEST..=Ray::LONGEST).contains(&ray.longest()) {
-                    return self.search_scaled::<S, M>(simd, ray, slot, nearest, counters);
+                    return self.search_scaled::<S, C>(simd, ray, slot, collect, counters);
                 }
-                self.search_regular::<S, M>(simd, ray, slot, nearest, counters);
+                for part in &self.parts {
+                    if part.mask & ray.mask != 0 && !collect.is_done() {
+                        part.index.search::<S, C>(simd, ray, slot, collect, counters);
+                    }
+                }
             },
         );
-    }
-
-    #[inline(always)]
-    fn search_regular<S: Simd, M: Mode>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        slot: u32,
-        nearest: &mut Nearest,
-        counters: &mut Counters,
-    ) {
-        match &self.index {
-            Index::Kd(index) => index.search::<S, M>(simd, ray, slot, nearest, counters),
-            Index::Bvh(index) => index.search::<S, M>(simd, ray, slot, nearest, counters),
-        }
     }
 
     /// For directions so long or short that their inverse is of no use.
     #[cold]
     #[inline(never)]
-    fn search_scaled<S: Simd, M: Mode>(
+    fn search_scaled<S: Simd, C: Collect>(
         &self,
         simd: S,
         ray: &Ray,
         slot: u32,
-        nearest: &mut Nearest,
+        collect: &mut C,
         counters: &mut Counters,
     ) {
-        let (scaled, scale) = ray.within(ray.t_near, nearest.t).regular();
-        if !(Ray::SHORTEST..=Ray::LONGEST).contains(&scaled.longest()) {
-            return;
-        }
-        let mut found = Nearest { t: scaled.t_far, ..*nearest };
-        self.search::<S, M>(simd, &scaled, slot, &mut found, counters);
-        if found.slot != nearest.slot || found.number != nearest.number {
-            *nearest = Nearest { t: if M::ANY { found.t } else { found.t * scale }, ..found };
+        let (scaled, scale) = ray.within(ray.t_near, collect.reach()).regular();
+        if (Ray::SHORTEST..=Ray::LONGEST).contains(&scaled.longest()) {
+            collect.scaled(scale, |collect| self.search::<S, C>(simd, &scaled, slot, collect, counters));
         }
     }
 
@@ -195,7 +218,7 @@ impl ObjectTree {
         simd.vectorize(
             #[inline(always)]
             || {
-                if self.stats.primitives == 0 || active == 0 {
+                if self.parts.is_empty() || active == 0 {
                     return;
                 }
                 let ways = rays.headings(simd);
@@ -223,9 +246,9 @@ impl ObjectTree {
                 while alone != 0 {
                     let i = alone.trailing_zeros() as usize;
                     alone &= alone - 1;
-                    let mut lane = nearest.get(i);
-                    self.search::<S, M>(simd, &rays.ray(i, lane.t), slot, &mut lane, counters);
-                    nearest.set(i, &lane);
+                    let mut best = Best::<M>::new(nearest.get(i));
+                    self.search::<S, _>(simd, &rays.ray(i, best.reach()), slot, &mut best, counters);
+                    nearest.set(i, &best.0);
                 }
             },
         );
@@ -245,36 +268,164 @@ impl ObjectTree {
     ) {
         simd.vectorize(
             #[inline(always)]
-            || match &self.index {
-                Index::Kd(index) => index.sweep::<S, M>(simd, rays, count, heading, slot, nearest, counters),
-                Index::Bvh(index) => index.sweep::<S, M>(simd, rays, count, heading, slot, nearest, counters),
+            || {
+                for part in self.parts.iter().filter(|part| part.mask & rays.mask != 0) {
+                    match &part.index {
+                        Index::Kd(index) => {
+                            index.sweep::<S, M>(simd, rays, count, heading, slot, nearest, counters);
+                        }
+                        Index::Bvh(index) => {
+                            index.sweep::<S, M>(simd, rays, count, heading, slot, nearest, counters);
+                        }
+                        other => other.one_by_one::<S, M>(simd, rays, count, slot, nearest, counters),
+                    }
+                }
+            },
+        );
+    }
+
+    /// Improves `nearest`.
+    #[inline(never)]
+    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for part in self.parts.iter().filter(|part| part.mask & probe.mask != 0) {
+                    part.index.nearest(simd, probe, slot, nearest);
+                }
             },
         );
     }
 
     /// Whether triangles' numbers are their `prim_id`s.
     pub(crate) fn has_one_mesh(&self) -> bool {
-        self.starts.len() == 2
+        self.numbering.quads == [false]
     }
 
     /// Ids of a hit in this object.
-    pub(crate) fn resolve(&self, nearest: &Nearest, inst_id: u32) -> Hit {
-        let mesh = mesh_of(&self.starts, nearest.number);
-        Hit {
-            t: nearest.t,
-            u: nearest.u,
-            v: nearest.v,
-            prim_id: nearest.number - self.starts[mesh],
-            geom_id: mesh as u32,
-            inst_id,
+    #[inline]
+    pub(crate) fn resolve(&self, nearest: &Nearest, inst_id: u32, leaf_id: u32) -> Hit {
+        let Nearest { t, u, v, number, .. } = *nearest;
+        let place = self.numbering.place(number);
+        // The second half of a quad has its vertices 2, 3 and 1.
+        let (u, v) = if place.second_half { (1.0 - u, 1.0 - v) } else { (u, v) };
+        Hit { t, u, v, prim_id: place.prim_id, geom_id: place.geom_id, inst_id, leaf_id }
+    }
+}
+
+impl Index {
+    fn bounds(&self) -> Aabb {
+        match self {
+            Self::Kd(index) => index.bounds(),
+            Self::Bvh(index) => index.bounds(),
+            Self::Spheres(index) => index.bounds(),
+            Self::User(index) => index.bounds(),
         }
+    }
+
+    fn stats(&self) -> TreeStats {
+        match self {
+            Self::Kd(index) => index.stats(),
+            Self::Bvh(index) => index.stats(),
+            Self::Spheres(index) => index.stats(),
+            Self::User(index) => index.stats(),
+        }
+    }
+
+    #[inline(always)]
+    fn search<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        slot: u32,
+        collect: &mut C,
+        counters: &mut Counters,
+    ) {
+        match self {
+            Self::Kd(index) => index.search::<S, C>(simd, ray, slot, collect, counters),
+            Self::Bvh(index) => index.search::<S, C>(simd, ray, slot, collect, counters),
+            other => Relay::run(collect, |relay| other.search_others(simd, ray, slot, relay, counters)),
+        }
+    }
+
+    /// For indices that have no kernel for each collector, out of the way of those for triangles.
+    #[inline(never)]
+    fn search_others<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        slot: u32,
+        relay: &mut Relay,
+        counters: &mut Counters,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || match self {
+                Self::Spheres(index) => index.search::<S, Relay>(simd, ray, slot, relay, counters),
+                Self::User(index) => index.search::<S, Relay>(simd, ray, slot, relay, counters),
+                Self::Kd(_) | Self::Bvh(_) => unreachable!("triangles have kernels of their own"),
+            },
+        );
+    }
+
+    /// For indices that know no tiles: the first `count` rays of one, in turn.
+    fn one_by_one<S: Simd, M: Mode>(
+        &self,
+        simd: S,
+        rays: &RayTile,
+        count: usize,
+        slot: u32,
+        nearest: &mut NearestTile,
+        counters: &mut Counters,
+    ) {
+        for i in 0..count {
+            let mut best = Best::<M>::new(nearest.get(i));
+            if best.reach() > f32::NEG_INFINITY {
+                let ray = &rays.ray(i, best.reach());
+                Relay::run(&mut best, |relay| self.search_others(simd, ray, slot, relay, counters));
+                nearest.set(i, &best.0);
+            }
+        }
+    }
+
+    /// Improves `nearest`.
+    #[inline(always)]
+    fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+        match self {
+            Self::Kd(index) => index.nearest(probe, slot, nearest),
+            Self::Bvh(index) => index.nearest(simd, probe, slot, nearest),
+            Self::Spheres(index) => index.nearest(simd, probe, slot, nearest),
+            Self::User(index) => index.nearest(simd, probe, slot, nearest),
+        }
+    }
+}
+
+/// The sizes of two trees together.
+fn both(a: TreeStats, b: TreeStats) -> TreeStats {
+    TreeStats {
+        primitives: a.primitives + b.primitives,
+        nodes: a.nodes + b.nodes,
+        leaves: a.leaves + b.leaves,
+        empty_leaves: a.empty_leaves + b.empty_leaves,
+        references: a.references + b.references,
+        depth: a.depth.max(b.depth),
+        sah_cost: a.sah_cost + b.sah_cost,
+        tree_bytes: a.tree_bytes + b.tree_bytes,
+        primitive_bytes: a.primitive_bytes + b.primitive_bytes,
     }
 }
 
 impl Traceable for ObjectTree {
     #[inline(always)]
-    fn single<S: Simd, M: Mode>(&self, simd: S, ray: &Ray, nearest: &mut Nearest, counters: &mut Counters) {
-        self.search::<S, M>(simd, ray, 0, nearest, counters);
+    fn single<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        _: Option<&[f64; 3]>,
+        collect: &mut C,
+        counters: &mut Counters,
+    ) {
+        self.search::<S, C>(simd, ray, 0, collect, counters);
     }
 
     #[inline(always)]
@@ -290,7 +441,12 @@ impl Traceable for ObjectTree {
     }
 
     fn hit(&self, nearest: &Nearest) -> Hit {
-        self.resolve(nearest, 0)
+        self.resolve(nearest, 0, 0)
+    }
+
+    #[inline(always)]
+    fn point<S: Simd>(&self, simd: S, probe: &Probe, nearest: &mut NearestPoint) {
+        self.nearest(simd, probe, 0, nearest);
     }
 
     fn only_mesh(&self) -> Option<u32> {

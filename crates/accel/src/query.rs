@@ -17,13 +17,21 @@ pub enum Coherence {
     Incoherent,
 }
 
-/// How to trace a batch. The answers do not depend on it, only the speed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// How to trace: a ray, or a batch of them. Level and coherence change nothing but the speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Query {
     /// Instruction set; the default is the CPU's best.
     pub level: Level,
     /// Whether packets pay.
     pub coherence: Coherence,
+    /// What is seen: each ray's own mask counts only as far as it has bits in common with this one. All by default.
+    pub mask: u32,
+}
+
+impl Default for Query {
+    fn default() -> Self {
+        Self { level: Level::default(), coherence: Coherence::default(), mask: u32::MAX }
+    }
 }
 
 /// What tracing took.

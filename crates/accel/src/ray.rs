@@ -2,7 +2,8 @@
 //! Rays, one by one and in batches.
 //! Source: [SSM*05]; hot fields as structure of arrays after the paper's Figure 4.
 //! Space: that of the structure that is asked (world for a scene, object for an object's tree).
-//! Invariant: all vectors of a batch have the same length. Proof: `tests::push_and_get`.
+//! Invariant: all vectors of a batch have the same length, but for the masks, which may be missing altogether.
+//! Proof: `tests::push_and_get`.
 
 use crate::kd::most;
 
@@ -20,13 +21,23 @@ pub struct Ray {
     pub dir: [f32; 3],
     /// Largest parameter that counts as a hit, inclusive.
     pub t_far: f32,
+    /// It sees an instance or a geometry where its mask and theirs have a bit in common.
+    pub mask: u32,
 }
 
 impl Ray {
-    /// The ray from `org` towards `dir` over `[0, inf]`.
+    /// The ray from `org` towards `dir` over `[0, inf]`, which sees everything.
     #[must_use]
+    #[inline]
     pub fn new(org: [f32; 3], dir: [f32; 3]) -> Self {
-        Self { org, t_near: 0.0, dir, t_far: f32::INFINITY }
+        Self { org, t_near: 0.0, dir, t_far: f32::INFINITY, mask: u32::MAX }
+    }
+
+    /// The same ray, with a mask that says what it sees.
+    #[must_use]
+    #[inline]
+    pub fn with_mask(self, mask: u32) -> Self {
+        Self { mask, ..self }
     }
 
     /// The same ray, seen only in `[t_near, t_far]`.
@@ -101,6 +112,70 @@ impl Ray {
     }
 }
 
+/// A ray whose origin is in double precision, for scenes far from the world's origin.
+///
+/// The instances of a [`SceneTree`](crate::SceneTree) have their places in double precision, too: what reaches an
+/// object is the difference of the two, so nothing is lost where both are far away. Directions and parameters are as
+/// for a [`Ray`]. An object's tree that is asked directly rounds the origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray64 {
+    /// Origin.
+    pub org: [f64; 3],
+    /// Smallest parameter that counts as a hit, inclusive, `>= 0`.
+    pub t_near: f32,
+    /// Direction, any length but zero.
+    pub dir: [f32; 3],
+    /// Largest parameter that counts as a hit, inclusive.
+    pub t_far: f32,
+    /// See [`Ray::mask`].
+    pub mask: u32,
+}
+
+impl Ray64 {
+    /// The ray from `org` towards `dir` over `[0, inf]`, which sees everything.
+    #[must_use]
+    pub fn new(org: [f64; 3], dir: [f32; 3]) -> Self {
+        Self { org, t_near: 0.0, dir, t_far: f32::INFINITY, mask: u32::MAX }
+    }
+
+    /// The point at parameter `t`.
+    #[must_use]
+    pub fn at(&self, t: f32) -> [f64; 3] {
+        [0, 1, 2].map(|k| self.org[k] + f64::from(t) * f64::from(self.dir[k]))
+    }
+}
+
+/// What one-ray calls take: a [`Ray`] or a [`Ray64`].
+pub trait AnyRay {
+    /// The ray in single precision.
+    fn rounded(&self) -> Ray;
+    /// Its origin, where that is known in double precision.
+    fn origin64(&self) -> Option<[f64; 3]>;
+}
+
+impl AnyRay for Ray {
+    #[inline(always)]
+    fn rounded(&self) -> Ray {
+        *self
+    }
+
+    #[inline(always)]
+    fn origin64(&self) -> Option<[f64; 3]> {
+        None
+    }
+}
+
+impl AnyRay for Ray64 {
+    fn rounded(&self) -> Ray {
+        let Self { org, t_near, dir, t_far, mask } = *self;
+        Ray { org: org.map(|x| x as f32), t_near, dir, t_far, mask }
+    }
+
+    fn origin64(&self) -> Option<[f64; 3]> {
+        Some(self.org)
+    }
+}
+
 /// Many rays, one array per component: what a tile's queue holds and what kernels read.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayBatch {
@@ -112,6 +187,8 @@ pub struct RayBatch {
     pub t_near: Vec<f32>,
     /// Far ends.
     pub t_far: Vec<f32>,
+    /// Masks; empty as long as all rays see everything.
+    pub mask: Vec<u32>,
 }
 
 impl RayBatch {
@@ -124,6 +201,7 @@ impl RayBatch {
             dir: [array(), array(), array()],
             t_near: array(),
             t_far: array(),
+            mask: Vec::new(),
         }
     }
 
@@ -147,6 +225,10 @@ impl RayBatch {
         }
         self.t_near.push(ray.t_near);
         self.t_far.push(ray.t_far);
+        if ray.mask != u32::MAX || !self.mask.is_empty() {
+            self.mask.resize(self.t_near.len() - 1, u32::MAX);
+            self.mask.push(ray.mask);
+        }
     }
 
     /// Ray `i`. Panics if `i >= len()`.
@@ -157,7 +239,8 @@ impl RayBatch {
         let [x, y, z] = &self.org;
         let [dx, dy, dz] = &self.dir;
         let (org, dir) = ([x[i], y[i], z[i]], [dx[i], dy[i], dz[i]]);
-        Ray { org, t_near: self.t_near[i], dir, t_far: self.t_far[i] }
+        let mask = self.mask.get(i).copied().unwrap_or(u32::MAX);
+        Ray { org, t_near: self.t_near[i], dir, t_far: self.t_far[i], mask }
     }
 
     /// Removes all rays and keeps the memory.
@@ -168,6 +251,7 @@ impl RayBatch {
         }
         self.t_near.clear();
         self.t_far.clear();
+        self.mask.clear();
     }
 }
 
@@ -194,12 +278,16 @@ mod tests {
         let rays = [
             Ray::new([1.0, 2.0, 3.0], [0.0, 0.0, 1.0]),
             Ray::new([4.0, 5.0, 6.0], [1.0, 0.0, 0.0]).within(0.5, 2.0),
+            Ray::new([7.0, 8.0, 9.0], [1.0, 0.0, 0.0]).with_mask(5),
         ];
         let mut batch: RayBatch = rays.into_iter().collect();
-        assert_eq!(batch.len(), 2, "two rays went in");
-        assert_eq!([batch.get(0), batch.get(1)], rays, "what goes in comes out");
+        assert_eq!(batch.len(), 3, "three rays went in");
+        assert_eq!([0, 1, 2].map(|i| batch.get(i)), rays, "what goes in comes out");
+        assert_eq!(batch.mask, [u32::MAX, u32::MAX, 5], "masks are kept from the first that matters");
         assert_eq!(rays[1].at(2.0), [6.0, 5.0, 6.0], "a point on the ray");
         batch.clear();
-        assert!(batch.is_empty(), "nothing is left");
+        assert!(batch.is_empty() && batch.mask.is_empty(), "nothing is left");
+        batch.push(rays[0]);
+        assert!(batch.mask.is_empty(), "rays that see everything need no masks");
     }
 }

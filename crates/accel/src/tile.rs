@@ -34,6 +34,8 @@ pub(crate) struct RayTile {
     pub(crate) org: [PerRay; 3],
     pub(crate) dir: [PerRay; 3],
     pub(crate) t_near: PerRay,
+    /// What all of them see: rays of different masks go into different tiles.
+    pub(crate) mask: u32,
 }
 
 /// Best hits of a tile's rays; see [`Nearest`].
@@ -48,7 +50,8 @@ pub(crate) struct NearestTile {
 }
 
 impl RayTile {
-    pub(crate) const EMPTY: Self = Self { org: [[0.0; TILE]; 3], dir: [[0.0; TILE]; 3], t_near: [0.0; TILE] };
+    pub(crate) const EMPTY: Self =
+        Self { org: [[0.0; TILE]; 3], dir: [[0.0; TILE]; 3], t_near: [0.0; TILE], mask: u32::MAX };
 
     /// Loads rays `first..first + 64` of a batch as far as it goes; bits of those that are sound.
     #[inline(always)]
@@ -140,6 +143,7 @@ impl RayTile {
         rays: &mut Self,
         best: &mut NearestTile,
     ) -> usize {
+        rays.mask = self.mask;
         let first = bits.trailing_zeros() as usize & (TILE - 1);
         let mut count = 0;
         while bits != 0 {
@@ -174,6 +178,7 @@ impl RayTile {
             t_near: at(&self.t_near),
             dir: [at(&self.dir[0]), at(&self.dir[1]), at(&self.dir[2])],
             t_far,
+            mask: self.mask,
         }
     }
 }

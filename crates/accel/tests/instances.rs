@@ -34,7 +34,7 @@ fn scenes_equal_brute_force() {
             for i in 0..n {
                 let shape = i % shapes.len();
                 let world_from_object = any_transform(&mut random);
-                instances.push(Instance { object: Arc::clone(&objects[shape]), world_from_object });
+                instances.push(Instance::new(Arc::clone(&objects[shape]), world_from_object));
                 oracles.push(OracleInstance { meshes: &shapes[shape], world_from_object });
             }
             let scene = SceneTree::build(&instances);

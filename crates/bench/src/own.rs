@@ -16,7 +16,7 @@ pub(crate) struct OwnEngine<'a> {
 
 impl OwnEngine<'_> {
     fn query(&self, coherence: Coherence) -> Query {
-        Query { level: self.level, coherence }
+        Query { level: self.level, coherence, ..Query::default() }
     }
 }
 

@@ -7,7 +7,7 @@
 
 use std::fmt;
 
-use gnurt::accel::{Coherence, HitBatch, ObjectTree, Query, Ray, RayBatch, Record};
+use gnurt::accel::{HitBatch, ObjectTree, Query, Ray, RayBatch, Record};
 use gnurt::simd::Level;
 
 use crate::random::Random;
@@ -95,7 +95,7 @@ impl<'a> RayMaker<'a> {
             scene: subject.name.clone(),
             why: "its camera has no view".into(),
         })?;
-        let query = Query { level, coherence: Coherence::Incoherent };
+        let query = Query { level, ..Query::default() };
         let mut hits = HitBatch::default();
         tree.intersect_batch(&query, &primary.iter().copied().collect(), &mut hits, &mut Record::default());
         let seen = (0..hits.len()).filter_map(|i| hits.get(i).map(|hit| (primary[i], hit)));

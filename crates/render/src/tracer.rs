@@ -52,7 +52,7 @@ impl<'w> BatchTracer<'w> {
         keys: &[SampleKey],
         coherence: Coherence,
     ) -> HitBatch {
-        let query = Query { level: self.options.level, coherence };
+        let query = Query { level: self.options.level, coherence, ..Query::default() };
         let mut hits = HitBatch::default();
         self.world.tree().intersect_batch(&query, rays, &mut hits, &mut self.record);
         self.note_costs(keys);
@@ -117,7 +117,7 @@ impl<'w> BatchTracer<'w> {
 
     fn occluded_by_opaque(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
         // Rays of one batch start side by side and aim at one light.
-        let query = Query { level: self.options.level, coherence: Coherence::Coherent };
+        let query = Query { level: self.options.level, coherence: Coherence::Coherent, ..Query::default() };
         let mut blocked = Vec::new();
         self.world.tree().occluded_batch(&query, &request.rays, &mut blocked, &mut self.record);
         self.note_costs(&request.key);

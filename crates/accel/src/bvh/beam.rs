@@ -58,6 +58,16 @@ impl Ranges {
     }
 }
 
+impl Ranges {
+    /// The same rays where `origin` is the origin of space.
+    #[inline(always)]
+    pub(crate) fn relative_to(&self, origin: [f32; 3]) -> Self {
+        let [x, y, z] = self.org;
+        let moved = |[low, high]: [f32; 2], by: f32| [low - by, high - by];
+        Self { org: [moved(x, origin[0]), moved(y, origin[1]), moved(z, origin[2])], ..*self }
+    }
+}
+
 impl Slopes {
     pub(crate) const EMPTY: Self = Self { shear: [[0.0; TILE]; 3], stride: [0.0; TILE] };
 

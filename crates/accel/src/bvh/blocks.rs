@@ -8,7 +8,7 @@ use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 
 use super::WIDTH;
 use crate::geometry::Screened;
-use crate::nearest::{Mode, Nearest};
+use crate::nearest::Collect;
 use crate::triangle::{Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges};
 use crate::{INVALID_ID, Ray};
 
@@ -75,15 +75,9 @@ impl TriangleBlock {
         block
     }
 
-    /// Offers `nearest` the meetings with `ray`.
+    /// Offers the meetings with `ray`.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd, M: Mode>(
-        &self,
-        simd: S,
-        ray: &BlockRay<S>,
-        slot: u32,
-        nearest: &mut Nearest,
-    ) {
+    pub(crate) fn meet<S: Simd, C: Collect>(&self, simd: S, ray: &BlockRay<S>, slot: u32, collect: &mut C) {
         let [x, y, z] = ray.axes;
         let [a, b, c] = &self.corners;
         let a = [row(simd, &a[x]), row(simd, &a[y]), row(simd, &a[z])];
@@ -93,7 +87,7 @@ impl TriangleBlock {
         if !edges.inside.any_true() {
             return;
         }
-        let t_far = f32x8::splat(simd, nearest.t);
+        let t_far = f32x8::splat(simd, collect.reach());
         let (met, uncertain) = edges.meet(simd, &ray.sheared, edges.inside, ray.t_near, t_far);
         let mut bits = met.hit.to_bitmask();
         if bits != 0 {
@@ -101,8 +95,8 @@ impl TriangleBlock {
             while bits != 0 {
                 let i = bits.trailing_zeros() as usize & 7;
                 bits &= bits - 1;
-                if t[i] <= nearest.t {
-                    nearest.offer::<M>(Meeting { t: t[i], u: u[i], v: v[i] }, self.numbers[i], slot);
+                if t[i] <= collect.reach() {
+                    collect.offer(Meeting { t: t[i], u: u[i], v: v[i] }, self.numbers[i], slot);
                 }
             }
         }
@@ -110,8 +104,8 @@ impl TriangleBlock {
         while bits != 0 {
             let i = bits.trailing_zeros() as usize & 7;
             bits &= bits - 1;
-            if let Some(meeting) = self.meet_alone(i, ray, nearest.t) {
-                nearest.offer::<M>(meeting, self.numbers[i], slot);
+            if let Some(meeting) = self.meet_alone(i, ray, collect.reach()) {
+                collect.offer(meeting, self.numbers[i], slot);
             }
         }
     }
@@ -128,15 +122,9 @@ impl TriangleBlock {
         [0, 1, 2].map(|corner: usize| axes.map(|axis| self.corners[corner][axis][lane & 7]))
     }
 
-    /// Offers `nearest` the meetings with `ray`, one triangle after the other: faster where there are no lanes.
+    /// Offers the meetings with `ray`, one triangle after the other: faster where there are no lanes.
     #[inline(always)]
-    pub(crate) fn meet_in_turn<M: Mode>(
-        &self,
-        ray: &ShearedRay,
-        t_near: f32,
-        slot: u32,
-        nearest: &mut Nearest,
-    ) {
+    pub(crate) fn meet_in_turn<C: Collect>(&self, ray: &ShearedRay, t_near: f32, slot: u32, collect: &mut C) {
         for (lane, &number) in self.numbers.iter().enumerate() {
             if lane > 0 && number == self.numbers[0] {
                 return;
@@ -145,8 +133,8 @@ impl TriangleBlock {
                 let [x, y, z] = &self.corners[k];
                 [x[lane], y[lane], z[lane]]
             };
-            if let Some(meeting) = ray.meet(&[corner(0), corner(1), corner(2)], t_near, nearest.t) {
-                nearest.offer::<M>(meeting, number, slot);
+            if let Some(meeting) = ray.meet(&[corner(0), corner(1), corner(2)], t_near, collect.reach()) {
+                collect.offer(meeting, number, slot);
             }
         }
     }

@@ -10,7 +10,7 @@ use super::sweep::Sweep;
 use super::{Child, Primitives, Tree, WIDTH, build};
 use crate::geometry::Screened;
 use crate::kd::split_boxes;
-use crate::nearest::{Mode, Nearest};
+use crate::nearest::{Collect, Mode};
 use crate::packet::Heading;
 use crate::tile::{NearestTile, RayTile};
 use crate::{Aabb, Counters, Quality, Ray, Threads, TreeStats};
@@ -62,6 +62,11 @@ impl BvhIndex {
         self.tree.bounds
     }
 
+    /// Tree and triangles.
+    pub(super) fn parts(&self) -> (&Tree, &[TriangleBlock]) {
+        (&self.tree, &self.blocks)
+    }
+
     pub(crate) fn stats(&self) -> TreeStats {
         TreeStats {
             tree_bytes: size_of_val(&self.tree.nodes[..]) as u64,
@@ -70,30 +75,20 @@ impl BvhIndex {
         }
     }
 
-    /// Improves `nearest`; the ray is sound and regular, the tree not empty.
+    /// Offers what `ray` meets; it is sound and regular, the tree not empty.
     #[inline(always)]
-    pub(crate) fn search<S: Simd, M: Mode>(
+    pub(crate) fn search<S: Simd, C: Collect>(
         &self,
         simd: S,
         ray: &Ray,
         slot: u32,
-        nearest: &mut Nearest,
+        collect: &mut C,
         counters: &mut Counters,
     ) {
         let for_nodes = NodeRay::new(simd, ray, self.reach);
         let for_blocks = BlockRay::new(simd, ray);
         let Self { tree, blocks, .. } = self;
-        walk_blocks::<S, M>(
-            simd,
-            tree,
-            blocks,
-            Child::node(0),
-            &for_nodes,
-            &for_blocks,
-            slot,
-            nearest,
-            counters,
-        );
+        walk_blocks(simd, tree, blocks, Child::node(0), &for_nodes, &for_blocks, slot, collect, counters);
     }
 
     /// The same for the first `count` rays of a tile, all of one heading. Lanes beyond them up to the next multiple of
@@ -117,7 +112,7 @@ impl BvhIndex {
 /// One ray from `start` on through the tree and its blocks.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "tree, ray and result")]
-pub(super) fn walk_blocks<S: Simd, M: Mode>(
+pub(super) fn walk_blocks<S: Simd, C: Collect>(
     simd: S,
     tree: &Tree,
     blocks: &[TriangleBlock],
@@ -125,22 +120,22 @@ pub(super) fn walk_blocks<S: Simd, M: Mode>(
     for_nodes: &NodeRay<S>,
     for_blocks: &BlockRay<S>,
     slot: u32,
-    nearest: &mut Nearest,
+    collect: &mut C,
     counters: &mut Counters,
 ) {
     let mut tested = 0;
-    let visited = if M::ANY {
+    let visited = if C::ANY {
         tree.walk_any(
             simd,
             start,
             for_nodes,
-            nearest.t,
+            collect.reach(),
             #[inline(always)]
             |range| {
                 for block in &blocks[range] {
                     tested += 1;
-                    block.meet::<S, M>(simd, for_blocks, slot, nearest);
-                    if nearest.t == f32::NEG_INFINITY {
+                    block.meet(simd, for_blocks, slot, collect);
+                    if collect.is_done() {
                         return false;
                     }
                 }
@@ -152,14 +147,14 @@ pub(super) fn walk_blocks<S: Simd, M: Mode>(
             simd,
             start,
             for_nodes,
-            nearest.t,
+            collect.reach(),
             #[inline(always)]
             |range| {
                 for block in &blocks[range] {
                     tested += 1;
-                    block.meet::<S, M>(simd, for_blocks, slot, nearest);
+                    block.meet(simd, for_blocks, slot, collect);
                 }
-                nearest.t
+                collect.reach()
             },
         )
     };

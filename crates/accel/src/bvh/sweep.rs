@@ -16,7 +16,7 @@ use super::index::walk_blocks;
 use super::planes::TilePlanes;
 use super::{Child, Tree, WIDTH};
 use crate::Counters;
-use crate::nearest::{Mode, Nearest};
+use crate::nearest::{Best, Mode, Nearest};
 use crate::packet::Heading;
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, TILE, all, chunk};
 use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_alone, pass_edges};
@@ -202,17 +202,9 @@ impl<S: Simd> Sweep<'_, S, Tree> {
             shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
         };
         let for_blocks = BlockRay::sheared(simd, axes, sheared, rays.t_near[i]);
-        walk_blocks::<S, M>(
-            simd,
-            self.tree,
-            self.blocks,
-            child,
-            &for_nodes,
-            &for_blocks,
-            slot,
-            nearest,
-            counters,
-        );
+        let mut best = Best::<M>::new(*nearest);
+        walk_blocks(simd, self.tree, self.blocks, child, &for_nodes, &for_blocks, slot, &mut best, counters);
+        *nearest = best.0;
     }
 }
 

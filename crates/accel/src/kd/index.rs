@@ -9,8 +9,9 @@ use super::sweep::Blocked;
 use super::{KdTree, RaySlabs, Search};
 use crate::bvh::{BlockRay, Sweep};
 use crate::geometry::Screened;
-use crate::nearest::{Mode, Nearest};
+use crate::nearest::{Collect, Mode};
 use crate::packet::{Heading, NearestPacket, RayPacket, WIDTH};
+use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::tile::{NearestTile, RayTile};
 use crate::triangle::{ProjectedTriangles, ShearedRay};
 use crate::{Aabb, BuildOptions, Counters, Ray, Threads, TreeStats, TriangleTest};
@@ -65,14 +66,14 @@ impl KdIndex {
         self.stats
     }
 
-    /// Improves `nearest`; the ray is sound and regular.
+    /// Offers what `ray` meets; it is sound and regular.
     #[inline(always)]
-    pub(crate) fn search<S: Simd, M: Mode>(
+    pub(crate) fn search<S: Simd, C: Collect>(
         &self,
         simd: S,
         ray: &Ray,
         slot: u32,
-        nearest: &mut Nearest,
+        collect: &mut C,
         counters: &mut Counters,
     ) {
         let slabs = RaySlabs::new(ray, &self.tree.bounds, self.reach);
@@ -84,42 +85,63 @@ impl KdIndex {
                 self.tree.walk(
                     &slabs,
                     t_near,
-                    nearest.t,
+                    collect.reach(),
                     #[inline(always)]
                     |leaf| {
                         for block in &leaves.blocks[leaves.of(leaf)] {
                             tested += WIDTH as u64;
                             if simd.level().is_fallback() {
-                                block.meet_in_turn::<M>(&alone, t_near, slot, nearest);
+                                block.meet_in_turn(&alone, t_near, slot, collect);
                             } else {
-                                block.meet::<S, M>(simd, &lanes, slot, nearest);
+                                block.meet(simd, &lanes, slot, collect);
                             }
                         }
-                        nearest.t
+                        collect.reach()
                     },
                 )
             }
             Prepared::Projected(triangles) => self.tree.walk(
                 &slabs,
                 t_near,
-                nearest.t,
+                collect.reach(),
                 #[inline(always)]
                 |leaf| {
                     for &number in self.tree.leaf_items(leaf) {
                         tested += 1;
-                        if let Some(meeting) = triangles.meet(number, ray, t_near, nearest.t) {
-                            nearest.offer::<M>(meeting, number, slot);
-                            if M::ANY {
+                        if let Some(meeting) = triangles.meet(number, ray, t_near, collect.reach()) {
+                            collect.offer(meeting, number, slot);
+                            if collect.is_done() {
                                 break;
                             }
                         }
                     }
-                    nearest.t
+                    collect.reach()
                 },
             ),
         };
         counters.nodes += u64::from(visited);
         counters.triangles += tested;
+    }
+
+    /// Improves `nearest` by the triangles.
+    pub(crate) fn nearest(&self, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+        self.tree.near(&probe.point, probe.reach(nearest.distance), |leaf| {
+            match &self.triangles {
+                Prepared::Watertight(leaves) => {
+                    leaves.blocks[leaves.of(leaf)]
+                        .iter()
+                        .for_each(|block| block.nearest(probe, slot, nearest));
+                }
+                Prepared::Projected(triangles) => {
+                    for &number in self.tree.leaf_items(leaf) {
+                        let corners = triangles.corners(number).map(|corner| probe.offset(corner));
+                        let (offset, uv) = on_triangle(corners);
+                        nearest.offer(offset, uv, number, slot);
+                    }
+                }
+            }
+            probe.reach(nearest.distance)
+        });
     }
 
     /// The same for the first `count` rays of a tile, all of one heading; see `BvhIndex::sweep`.

@@ -13,6 +13,7 @@ mod measure;
 mod naive;
 mod node;
 mod packet;
+mod point;
 mod sah;
 mod sampled;
 mod single;

@@ -1,20 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Two levels: a top tree over instances of objects that have trees of their own.
-//! Source: [WBS03a]. Space: world. Proof: `tests/instances.rs`.
+//! Two levels and more: a top tree over instances of objects that have trees of their own, or of scenes.
+//! Source: [WBS03a]. Space: world; where the scene is far away for its size, the top tree is relative to a point near it,
+//! so that its boxes stay as precise as near the origin.
+//! Invariant: objects are numbered in the order of the instances on the way to them, so the lowest number is the lowest
+//! path. Proof: `tests/instances.rs`, `tests/nested.rs`, `tests/far_away.rs`.
 
+mod error;
 mod instance;
+mod point;
 mod top;
 mod walk;
 
-use gnurt_simd::{Level, Simd};
-pub use instance::Instance;
-use instance::Placed;
+pub use error::SceneError;
+use gnurt_simd::Simd;
+use instance::{Box64, Exact, Placed};
+pub use instance::{Instance, Shape};
 use top::TopTree;
+use walk::Seeker;
 
 use crate::batch::Traceable;
-use crate::nearest::{Mode, Nearest};
+use crate::nearest::{Collect, Mode, Nearest};
+use crate::point::{NearestPoint, Probe};
 use crate::tile::{NearestTile, RayTile};
-use crate::{Aabb, Counters, Hit, HitBatch, Query, Ray, RayBatch, Record, TreeStats};
+use crate::{Aabb, Counters, Hit, INVALID_ID, Ray, TreeStats};
+
+/// Most scenes that may lie in one another, the outermost included.
+pub const DEEPEST_SCENE: u32 = 16;
 
 /// A scene of instances; cheap to build anew when they move.
 #[derive(Debug, Default)]
@@ -22,78 +33,157 @@ pub struct SceneTree {
     top: TopTree,
     /// Instances that can be hit, in the order of their ids.
     placed: Vec<Placed>,
+    /// Their maps in double precision.
+    exact: Vec<Exact>,
+    bounds64: Box64,
     dropped: u64,
+    /// Scenes on the longest way down, this one included.
+    depth: u32,
+    /// Objects in all.
+    leaves: u32,
+    /// Whether all instances are objects.
+    flat: bool,
 }
 
 impl SceneTree {
-    /// Builds over `instances`; their places in the list are the `inst_id`s of hits. Those whose transform cannot
-    /// be undone in floats are left out and counted; no instance at all is fine.
+    /// Builds over `instances`; their places in the list are the `inst_id`s of hits. Those that
+    /// [`try_build`](Self::try_build) would refuse are left out and counted; no instance at all is fine.
     #[must_use]
     pub fn build(instances: &[Instance]) -> Self {
-        let mut scene = Self::default();
+        let mut scene = Self { flat: true, depth: 1, ..Self::default() };
         for (id, instance) in instances.iter().enumerate() {
-            match Placed::new(instance, id as u32) {
-                Some(placed) if !placed.bounds.is_empty() => scene.placed.push(placed),
-                Some(_) => {}
-                None => scene.dropped += 1,
-            }
+            scene.dropped += u64::from(scene.place(instance, id as u32).is_err());
         }
-        let boxes: Vec<Aabb> = scene.placed.iter().map(|placed| placed.bounds).collect();
-        scene.top = TopTree::build(&boxes);
+        scene.finish();
         scene
+    }
+
+    /// Builds over `instances`, all of them.
+    ///
+    /// # Errors
+    /// See [`SceneError`]: the first instance that cannot be placed.
+    pub fn try_build(instances: &[Instance]) -> Result<Self, SceneError> {
+        let mut scene = Self { flat: true, depth: 1, ..Self::default() };
+        for (id, instance) in instances.iter().enumerate() {
+            scene.place(instance, id as u32)?;
+        }
+        scene.finish();
+        Ok(scene)
+    }
+
+    fn place(&mut self, instance: &Instance, inst_id: u32) -> Result<(), SceneError> {
+        let depth = instance.shape.depth() + 1;
+        if depth > DEEPEST_SCENE {
+            return Err(SceneError::TooDeep { inst_id });
+        }
+        let (placed, exact, bounds) =
+            Placed::new(instance, inst_id).ok_or(SceneError::NoInverse { inst_id })?;
+        if bounds.is_empty() {
+            return Ok(());
+        }
+        // The greatest number is that of no object.
+        let leaves = self.leaves.checked_add(placed.shape.leaves()).filter(|&n| n < INVALID_ID);
+        let first_leaf = self.leaves;
+        self.leaves = leaves.ok_or(SceneError::TooManyObjects { inst_id })?;
+        self.flat &= matches!(placed.shape, Shape::Object(_));
+        self.depth = self.depth.max(depth);
+        self.bounds64 = self.bounds64.union(&bounds);
+        self.placed.push(Placed { first_leaf, ..placed });
+        self.exact.push(exact);
+        Ok(())
+    }
+
+    /// Builds the top tree.
+    fn finish(&mut self) {
+        let Box64 { min, max } = self.bounds64;
+        let size = (0..3).map(|k| max[k] - min[k]).fold(0.0, f64::max);
+        let middle = [0, 1, 2].map(|k| 0.5 * (min[k] + max[k]));
+        let far = middle.iter().any(|x| x.abs() > FAR * size);
+        let origin = if far { middle.map(|x| x as f32) } else { [0.0; 3] };
+        let boxes = self.placed.iter().zip(&self.exact);
+        let boxes: Vec<Aabb> = boxes.map(|(placed, exact)| placed.bounds_from(exact, origin)).collect();
+        self.top = TopTree::build(&boxes, origin);
     }
 
     /// Box around everything, world space; [`Aabb::EMPTY`] without anything.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.top.tree.bounds
+        if self.top.origin == [0.0; 3] { self.top.tree.bounds } else { self.bounds64.rounded() }
     }
 
-    /// Instances whose transform cannot be undone or is not finite.
+    /// Instances that could not be placed: see [`SceneError`].
     #[must_use]
     pub fn dropped_instances(&self) -> u64 {
         self.dropped
     }
 
+    /// Scenes on the longest way down, this one included.
+    #[must_use]
+    pub fn depth(&self) -> u32 {
+        self.depth
+    }
+
+    /// The instances on the way to the object that [`Hit::leaf_id`] stands for, outermost first: places in the lists
+    /// that the scenes were built from. `None` where there is no such object.
+    #[must_use]
+    pub fn instance_path(&self, leaf_id: u32) -> Option<Vec<u32>> {
+        let (mut scene, mut leaf, mut path) = (self, leaf_id, Vec::new());
+        if leaf >= scene.leaves {
+            return None;
+        }
+        loop {
+            let placed = scene.placed_at(leaf);
+            path.push(placed.inst_id);
+            match &placed.shape {
+                Shape::Object(_) => return Some(path),
+                Shape::Scene(inner) => (scene, leaf) = (inner, leaf - placed.first_leaf),
+            }
+        }
+    }
+
     /// Size and shape of the top tree.
     #[must_use]
     pub fn stats(&self) -> TreeStats {
-        TreeStats { primitive_bytes: size_of_val(&self.placed[..]) as u64, ..self.top.stats() }
+        let primitive_bytes = (size_of_val(&self.placed[..]) + size_of_val(&self.exact[..])) as u64;
+        TreeStats { primitive_bytes, ..self.top.stats() }
     }
 
-    /// The closest hit.
-    #[must_use]
-    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        crate::batch::closest(self, Level::best(), ray)
+    /// The instance that holds an object.
+    #[inline]
+    fn placed_at(&self, leaf: u32) -> &Placed {
+        if self.flat {
+            return &self.placed[leaf as usize];
+        }
+        let after = self.placed.partition_point(|placed| placed.first_leaf <= leaf);
+        &self.placed[after - 1]
     }
 
-    /// Whether anything is hit.
-    #[must_use]
-    pub fn occluded(&self, ray: &Ray) -> bool {
-        crate::batch::any(self, Level::best(), ray)
-    }
-
-    /// Closest hits of a batch; `hits` is resized to it.
-    pub fn intersect_batch(&self, query: &Query, rays: &RayBatch, hits: &mut HitBatch, record: &mut Record) {
-        crate::batch::intersect(self, query, rays, hits, record);
-    }
-
-    /// Whether anything is hit, ray by ray; `occluded` is resized to the batch.
-    pub fn occluded_batch(
-        &self,
-        query: &Query,
-        rays: &RayBatch,
-        occluded: &mut Vec<bool>,
-        record: &mut Record,
-    ) {
-        crate::batch::occluded(self, query, rays, occluded, record);
+    /// Ids of a hit on object `leaf` of this scene.
+    fn resolve(&self, nearest: &Nearest, leaf: u32) -> Hit {
+        let placed = self.placed_at(leaf);
+        match &placed.shape {
+            Shape::Object(object) => object.resolve(nearest, placed.inst_id, nearest.slot),
+            Shape::Scene(scene) => {
+                Hit { inst_id: placed.inst_id, ..scene.resolve(nearest, leaf - placed.first_leaf) }
+            }
+        }
     }
 }
 
+/// A scene whose middle is this many times its size away from the origin has a top tree relative to the middle.
+const FAR: f64 = 64.0;
+
 impl Traceable for SceneTree {
     #[inline(always)]
-    fn single<S: Simd, M: Mode>(&self, simd: S, ray: &Ray, nearest: &mut Nearest, counters: &mut Counters) {
-        self.search::<S, M>(simd, ray, nearest, counters);
+    fn single<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        origin: Option<&[f64; 3]>,
+        collect: &mut C,
+        counters: &mut Counters,
+    ) {
+        self.search::<S, C>(simd, Seeker { ray, origin, first_leaf: 0 }, collect, counters);
     }
 
     #[inline(always)]
@@ -105,18 +195,21 @@ impl Traceable for SceneTree {
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        self.search_tile::<S, M>(simd, rays, active, nearest, counters);
+        self.search_tile::<S, M>(simd, rays, active, 0, nearest, counters);
     }
 
+    #[inline]
     fn hit(&self, nearest: &Nearest) -> Hit {
-        let placed = &self.placed[nearest.slot as usize];
-        placed.object.resolve(nearest, placed.inst_id)
+        self.resolve(nearest, nearest.slot)
+    }
+
+    #[inline(always)]
+    fn point<S: Simd>(&self, simd: S, probe: &Probe, nearest: &mut NearestPoint) {
+        self.nearest(simd, probe, 0, nearest);
     }
 
     fn only_mesh(&self) -> Option<u32> {
-        match &self.placed[..] {
-            [only] if only.object.has_one_mesh() => Some(only.inst_id),
-            _ => None,
-        }
+        let [Placed { shape: Shape::Object(object), inst_id, .. }] = &self.placed[..] else { return None };
+        object.has_one_mesh().then_some(*inst_id)
     }
 }

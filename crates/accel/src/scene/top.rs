@@ -5,7 +5,7 @@
 //! that a ray meets eight instances in one test. Proof: `tests::every_instance_is_in_one_block`.
 
 use crate::bvh::{Child, Node8, Primitives, Tree, build};
-use crate::{Aabb, INVALID_ID, Quality, Threads, TreeStats};
+use crate::{Aabb, INVALID_ID, Quality, Ray, Threads, TreeStats};
 
 /// Tree over instances by their place in the scene.
 #[derive(Debug)]
@@ -13,6 +13,8 @@ pub(super) struct TopTree {
     pub(super) tree: Tree,
     pub(super) blocks: Vec<Node8>,
     pub(super) reach: f32,
+    /// Boxes are relative to it; zero, unless the scene is far away for its size.
+    pub(super) origin: [f32; 3],
     stats: TreeStats,
 }
 
@@ -34,8 +36,8 @@ impl Primitives for Boxes<'_> {
 }
 
 impl TopTree {
-    /// Over boxes, none of them empty.
-    pub(super) fn build(boxes: &[Aabb]) -> Self {
+    /// Over boxes relative to `origin`, none of them empty.
+    pub(super) fn build(boxes: &[Aabb], origin: [f32; 3]) -> Self {
         let mut tree = build(&Boxes(boxes), Quality::Medium, Threads::Single);
         let stats = tree.measure();
         let in_blocks = std::mem::take(&mut tree.blocks);
@@ -47,7 +49,20 @@ impl TopTree {
             block
         };
         let reach = tree.bounds.reach();
-        Self { blocks: in_blocks.iter().map(block).collect(), tree, reach, stats }
+        Self { blocks: in_blocks.iter().map(block).collect(), tree, reach, origin, stats }
+    }
+
+    /// A ray, whose parameters stay, relative to the origin of the boxes.
+    #[inline(always)]
+    pub(super) fn relative(&self, ray: &Ray, origin: Option<&[f64; 3]>) -> Ray {
+        let mut moved = *ray;
+        for k in 0..3 {
+            moved.org[k] = match origin {
+                None => ray.org[k] - self.origin[k],
+                Some(precise) => (precise[k] - f64::from(self.origin[k])) as f32,
+            };
+        }
+        moved
     }
 
     pub(super) fn stats(&self) -> TreeStats {
@@ -58,7 +73,7 @@ impl TopTree {
 
 impl Default for TopTree {
     fn default() -> Self {
-        Self::build(&[])
+        Self::build(&[], [0.0; 3])
     }
 }
 
@@ -74,7 +89,7 @@ mod tests {
                 Aabb { min: corner, max: corner.map(|x| x + (i % 3) as f32) }
             })
             .collect();
-        let top = TopTree::build(&boxes);
+        let top = TopTree::build(&boxes, [0.0; 3]);
         let mut seen = vec![0; boxes.len()];
         for block in &top.blocks {
             for lane in (0..8).filter(|&lane| !block.bounds(lane).is_empty()) {
@@ -84,6 +99,6 @@ mod tests {
             }
         }
         assert!(seen.iter().all(|&n| n == 1), "each instance is in one block");
-        assert!(TopTree::build(&[]).tree.nodes.is_empty(), "nothing to see");
+        assert!(TopTree::build(&[], [0.0; 3]).tree.nodes.is_empty(), "nothing to see");
     }
 }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One ray, or a tile of them, through the top tree and into the objects.
+//! One ray, or a tile of them, through the top tree and into objects and scenes.
 //! Source: [WBS03a] for the two levels; nearer boxes first, boxes beyond the best hit skipped.
 //! Space: world until an instance is entered. Proof: `tests/instances.rs`, `tests/brute_force.rs` (`ask`).
 
 use gnurt_simd::Simd;
 
 use super::SceneTree;
-use super::instance::Placed;
+use super::instance::{Placed, Shape};
 use crate::bvh::{Beam, Child, NodeRay, Slopes};
-use crate::nearest::{Mode, Nearest};
+use crate::nearest::{Best, Collect, Mode};
 use crate::packet::Heading;
 use crate::tile::{NearestTile, RayTile, TILE, all};
 use crate::{Counters, Ray};
@@ -16,62 +16,110 @@ use crate::{Counters, Ray};
 /// Fewer rays of one heading go one by one.
 const WORTH_A_TILE: u32 = 8;
 
+/// One ray in a scene's space.
+#[derive(Clone, Copy)]
+pub(super) struct Seeker<'a> {
+    pub(super) ray: &'a Ray,
+    /// Its origin in double precision, where that is known.
+    pub(super) origin: Option<&'a [f64; 3]>,
+    /// The number of the scene's first object in the whole.
+    pub(super) first_leaf: u32,
+}
+
 impl SceneTree {
-    /// Improves `nearest`; the ray is sound.
+    /// Offers what the ray meets; it is sound. A function of its own, since scenes may hold scenes.
     #[inline(never)]
-    pub(super) fn search<S: Simd, M: Mode>(
+    pub(super) fn search<S: Simd, C: Collect>(
         &self,
         simd: S,
-        ray: &Ray,
-        nearest: &mut Nearest,
+        seeker: Seeker,
+        collect: &mut C,
         counters: &mut Counters,
     ) {
-        if let [only] = &self.placed[..] {
-            return only.search::<S, M>(simd, ray, 0, nearest, counters);
+        if let [_] = &self.placed[..] {
+            return self.enter::<S, C>(simd, 0, seeker, collect, counters);
         }
         simd.vectorize(
             #[inline(always)]
-            || self.search_top::<S, M>(simd, ray, nearest, counters),
+            || self.search_top::<S, C>(simd, seeker, collect, counters),
         );
     }
 
     #[inline(always)]
-    fn search_top<S: Simd, M: Mode>(
+    fn search_top<S: Simd, C: Collect>(
         &self,
         simd: S,
-        ray: &Ray,
-        nearest: &mut Nearest,
+        seeker: Seeker,
+        collect: &mut C,
         counters: &mut Counters,
     ) {
         if self.placed.is_empty() {
             return;
         }
+        let ray = seeker.ray;
         let regular = (Ray::SHORTEST..=Ray::LONGEST).contains(&ray.longest());
         // Boxes are met by the regular ray; what is compared are its parameters.
-        let (scaled, scale) = if regular { (*ray, 1.0) } else { ray.within(ray.t_near, nearest.t).regular() };
+        let (scaled, scale) =
+            if regular { (*ray, 1.0) } else { ray.within(ray.t_near, collect.reach()).regular() };
         // Scales are powers of two: their inverses are exact.
         let over_scale = 1.0 / scale;
         let top = &self.top;
-        let for_nodes = NodeRay::new(simd, &scaled, top.reach);
+        let for_nodes = NodeRay::new(simd, &top.relative(&scaled, seeker.origin), top.reach);
         let visited = top.tree.walk(
             simd,
             Child::node(0),
             &for_nodes,
-            nearest.t * over_scale,
+            collect.reach() * over_scale,
             #[inline(always)]
             |blocks| {
                 for block in &top.blocks[blocks] {
-                    let (mut bits, _) = for_nodes.meet(simd, block, nearest.t * over_scale);
+                    let (mut bits, _) = for_nodes.meet(simd, block, collect.reach() * over_scale);
                     while bits != 0 {
-                        let slot = block.child(bits.trailing_zeros() as usize).index();
+                        let place = block.child(bits.trailing_zeros() as usize).index();
                         bits &= bits - 1;
-                        self.placed[slot].search::<S, M>(simd, ray, slot as u32, nearest, counters);
+                        self.enter::<S, C>(simd, place, seeker, collect, counters);
                     }
                 }
-                nearest.t * over_scale
+                collect.reach() * over_scale
             },
         );
         counters.nodes += u64::from(visited);
+    }
+
+    /// Into one instance.
+    #[inline(always)]
+    fn enter<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        place: usize,
+        seeker: Seeker,
+        collect: &mut C,
+        counters: &mut Counters,
+    ) {
+        let placed = &self.placed[place];
+        if placed.mask & seeker.ray.mask == 0 {
+            return;
+        }
+        let first_leaf = seeker.first_leaf + placed.first_leaf;
+        let (inside, precise);
+        let seeker = match (&placed.object_from_world, seeker.origin) {
+            (None, _) => Seeker { first_leaf, ..seeker },
+            (Some(map), None) => {
+                inside = map.ray(seeker.ray);
+                Seeker { ray: &inside, first_leaf, ..seeker }
+            }
+            (Some(_), Some(origin)) => {
+                (inside, precise) = self.exact[place].ray(seeker.ray, origin);
+                Seeker { ray: &inside, origin: Some(&precise), first_leaf }
+            }
+        };
+        if placed.object_from_world.is_some() && !seeker.ray.is_sound() {
+            return;
+        }
+        match &placed.shape {
+            Shape::Object(object) => object.search::<S, C>(simd, seeker.ray, first_leaf, collect, counters),
+            Shape::Scene(scene) => scene.search::<S, C>(simd, seeker, collect, counters),
+        }
     }
 
     /// The same for the rays of a tile that are in `active`.
@@ -81,11 +129,12 @@ impl SceneTree {
         simd: S,
         rays: &RayTile,
         active: u64,
+        first_leaf: u32,
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
         if let [only] = &self.placed[..] {
-            return only.search_tile::<S, M>(simd, rays, active, 0, nearest, counters);
+            return only.search_tile::<S, M>(simd, rays, active, first_leaf, nearest, counters);
         }
         if self.placed.is_empty() || active == 0 {
             return;
@@ -102,20 +151,21 @@ impl SceneTree {
                     if bits.count_ones() < WORTH_A_TILE {
                         alone |= bits;
                     } else if bits == u64::MAX {
-                        self.sweep_top::<S, M>(simd, rays, TILE, heading, nearest, counters);
+                        self.sweep_top::<S, M>(simd, rays, TILE, heading, first_leaf, nearest, counters);
                     } else {
                         let (mut some, mut best) = (RayTile::EMPTY, NearestTile::EMPTY);
                         let count = rays.gather(nearest, bits, &mut some, &mut best);
-                        self.sweep_top::<S, M>(simd, &some, count, heading, &mut best, counters);
+                        self.sweep_top::<S, M>(simd, &some, count, heading, first_leaf, &mut best, counters);
                         nearest.scatter(bits, &best);
                     }
                 }
                 while alone != 0 {
                     let i = alone.trailing_zeros() as usize;
                     alone &= alone - 1;
-                    let mut lane = nearest.get(i);
-                    self.search::<S, M>(simd, &rays.ray(i, lane.t), &mut lane, counters);
-                    nearest.set(i, &lane);
+                    let mut best = Best::<M>::new(nearest.get(i));
+                    let ray = &rays.ray(i, best.reach());
+                    self.search::<S, _>(simd, Seeker { ray, origin: None, first_leaf }, &mut best, counters);
+                    nearest.set(i, &best.0);
                 }
             },
         );
@@ -123,19 +173,21 @@ impl SceneTree {
 
     /// The first `count` rays have one heading.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
     fn sweep_top<S: Simd, M: Mode>(
         &self,
         simd: S,
         rays: &RayTile,
         count: usize,
         heading: Heading,
+        first_leaf: u32,
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
         let top = &self.top;
         let mut slopes = Slopes::EMPTY;
         let (_, whole) = slopes.prepare(simd, rays, count, heading);
-        let beam = Beam::new(&whole, heading, top.reach);
+        let beam = Beam::new(&whole.relative_to(top.origin), heading, top.reach);
         let mut farthest = slopes.steps_ahead(simd, nearest, count);
         let visited = top.tree.sweep(
             simd,
@@ -146,17 +198,11 @@ impl SceneTree {
                 for block in &top.blocks[blocks] {
                     let (mut bits, _) = beam.meet(simd, block, farthest);
                     while bits != 0 {
-                        let slot = block.child(bits.trailing_zeros() as usize).index();
+                        let place = block.child(bits.trailing_zeros() as usize).index();
                         bits &= bits - 1;
                         let active = all(count) & nearest.looking(simd);
-                        self.placed[slot].search_tile::<S, M>(
-                            simd,
-                            rays,
-                            active,
-                            slot as u32,
-                            nearest,
-                            counters,
-                        );
+                        let placed = &self.placed[place];
+                        placed.search_tile::<S, M>(simd, rays, active, first_leaf, nearest, counters);
                     }
                 }
                 farthest = slopes.steps_ahead(simd, nearest, count);
@@ -169,42 +215,46 @@ impl SceneTree {
 
 impl Placed {
     #[inline(always)]
-    fn search<S: Simd, M: Mode>(
+    fn search_tile<S: Simd, M: Mode>(
         &self,
         simd: S,
-        ray: &Ray,
-        slot: u32,
-        nearest: &mut Nearest,
+        rays: &RayTile,
+        active: u64,
+        first_leaf: u32,
+        nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
+        if self.mask & rays.mask == 0 {
+            return;
+        }
+        let leaf = first_leaf + self.first_leaf;
         match &self.object_from_world {
-            None => self.object.search::<S, M>(simd, ray, slot, nearest, counters),
+            None => self.shape.search_tile::<S, M>(simd, rays, active, leaf, nearest, counters),
             Some(map) => {
-                let inside = map.ray(ray);
-                if inside.is_sound() {
-                    self.object.search::<S, M>(simd, &inside, slot, nearest, counters);
-                }
+                let mut inside = RayTile::EMPTY;
+                map.tile(simd, rays, &mut inside);
+                let active = active & inside.sound(simd, nearest);
+                self.shape.search_tile::<S, M>(simd, &inside, active, leaf, nearest, counters);
             }
         }
     }
+}
 
+impl Shape {
     #[inline(always)]
     fn search_tile<S: Simd, M: Mode>(
         &self,
         simd: S,
         rays: &RayTile,
         active: u64,
-        slot: u32,
+        leaf: u32,
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        match &self.object_from_world {
-            None => self.object.search_tile::<S, M>(simd, rays, active, slot, nearest, counters),
-            Some(map) => {
-                let mut inside = RayTile::EMPTY;
-                map.tile(simd, rays, &mut inside);
-                let active = active & inside.sound(simd, nearest);
-                self.object.search_tile::<S, M>(simd, &inside, active, slot, nearest, counters);
+        match self {
+            Self::Object(object) => object.search_tile::<S, M>(simd, rays, active, leaf, nearest, counters),
+            Self::Scene(scene) => {
+                scene.search_tile::<S, M>(simd, rays, active, leaf, nearest, counters);
             }
         }
     }

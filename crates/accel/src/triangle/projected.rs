@@ -59,6 +59,23 @@ impl ProjectedTriangles {
         size_of_val(&self.triangles[..])
     }
 
+    /// The corners of triangle `number`, as well as they are known.
+    pub(crate) fn corners(&self, number: u32) -> [[f64; 3]; 3] {
+        let Projected { k, corner, normal, second, third } = self.triangles[number as usize];
+        let (corner, normal) = (corner.map(f64::from), normal.map(f64::from));
+        let (second, third) = (second.map(f64::from), third.map(f64::from));
+        // What weights of (1, 0) and (0, 1) take along `i` and `j`; the normal tells the rest.
+        let over = 1.0 / (second[0] * third[1] - second[1] * third[0]);
+        let edges = [[0.0; 2], [third[1] * over, -third[0] * over], [-second[1] * over, second[0] * over]];
+        edges.map(|[pi, pj]| {
+            let mut p = [0.0; 3];
+            let k = k as usize;
+            (p[(k + 1) % 3], p[(k + 2) % 3]) = (corner[0] + pi, corner[1] + pj);
+            p[k] = corner[2] - normal[0] * pi - normal[1] * pj;
+            p
+        })
+    }
+
     /// Where `ray` meets triangle `number` in `[t_near, t_far]`.
     #[inline(always)]
     pub(crate) fn meet(&self, number: u32, ray: &Ray, t_near: f32, t_far: f32) -> Option<Meeting> {
@@ -117,6 +134,7 @@ mod tests {
         for offset in [0.0f32, 1000.0] {
             let corners = [[0.0, 0.0, 4.0], [2.0, 0.0, 4.0], [0.0, 2.0, 6.0]].map(|p| p.map(|x| x + offset));
             let triangles = ProjectedTriangles::new([corners].into_iter());
+            assert_eq!(triangles.corners(0), corners.map(|p| p.map(f64::from)), "corners come back");
             let ray = Ray::new([0.5, 1.0, 0.0].map(|x| x + offset), [0.0, 0.0, 2.0]);
             let met = triangles.meet(0, &ray, 0.0, f32::INFINITY);
             assert_eq!(met, Some(Meeting { t: 2.5, u: 0.25, v: 0.5 }), "moved by {offset}");

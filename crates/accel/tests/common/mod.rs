@@ -56,7 +56,9 @@ pub(crate) fn batch(rays: &[PlainRay]) -> RayBatch {
 
 /// Every way to ask, at each level of this CPU: first all single rays, then tiles, then sorted ones.
 pub(crate) fn queries() -> Vec<Query> {
-    let all = |coherence| Level::available().into_iter().map(move |level| Query { level, coherence });
+    let all = |coherence| {
+        Level::available().into_iter().map(move |level| Query { level, coherence, ..Query::default() })
+    };
     all(Coherence::Incoherent).chain(all(Coherence::Coherent)).chain(all(Coherence::Fanned)).collect()
 }
 
@@ -87,6 +89,10 @@ pub(crate) fn ask<T: Ask>(target: &T, rays: &RayBatch) -> Vec<Option<Hit>> {
 pub(crate) trait Ask {
     /// Closest and any hits of a batch.
     fn ask(&self, query: &Query, rays: &RayBatch) -> (HitBatch, Vec<bool>);
+    /// The closest hit of one ray.
+    fn one(&self, query: &Query, ray: &Ray) -> Option<Hit>;
+    /// All hits of one ray.
+    fn all(&self, ray: &Ray) -> Vec<Hit>;
 }
 
 macro_rules! can_be_asked {
@@ -97,6 +103,16 @@ macro_rules! can_be_asked {
                 self.intersect_batch(query, rays, &mut hits, &mut record);
                 self.occluded_batch(query, rays, &mut occluded, &mut record);
                 (hits, occluded)
+            }
+
+            fn one(&self, query: &Query, ray: &Ray) -> Option<Hit> {
+                self.intersect_with(query, ray)
+            }
+
+            fn all(&self, ray: &Ray) -> Vec<Hit> {
+                let mut hits = Vec::new();
+                self.all_hits(&Query::default(), ray, &mut hits);
+                hits
             }
         }
     )*};

@@ -140,10 +140,7 @@ fn tree_instances(scene: &Scene, placed: &[Option<PlacedInstance>]) -> Vec<Insta
         .iter()
         .zip(scene.instances())
         .map(|(placed, instance)| match placed {
-            Some(placed) => Instance {
-                object: placed.object.tree.clone(),
-                world_from_object: instance.world_from_object.columns,
-            },
+            Some(placed) => Instance::new(placed.object.tree.clone(), instance.world_from_object.columns),
             None => Instance::identity(nothing.clone()),
         })
         .collect()

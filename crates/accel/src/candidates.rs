@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Hits shown to a callback one by one: what filters, lists of all hits and counting are made of.
+//! Source: original; filters and collecting all hits are what Embree's filter functions are used for.
+//! Cost: a call through a pointer for each candidate, so that the search is compiled once for all callbacks.
+//! Proof: `tests/filters.rs`, `tests/all_hits.rs`.
+
+use crate::Hit;
+use crate::nearest::{Collect, Nearest};
+use crate::triangle::Meeting;
+
+/// Shows candidates to a callback, which answers with how far the ray is still of interest.
+pub(crate) struct Candidates<'a> {
+    resolve: &'a dyn Fn(&Nearest) -> Hit,
+    judge: &'a mut dyn FnMut(Hit) -> f32,
+    reach: f32,
+    scale: f32,
+}
+
+impl<'a> Candidates<'a> {
+    /// `resolve` turns numbers into ids.
+    pub(crate) fn new(
+        t_far: f32,
+        resolve: &'a dyn Fn(&Nearest) -> Hit,
+        judge: &'a mut dyn FnMut(Hit) -> f32,
+    ) -> Self {
+        Self { resolve, judge, reach: t_far, scale: 1.0 }
+    }
+}
+
+impl Collect for Candidates<'_> {
+    const ANY: bool = false;
+    const CAN_END: bool = true;
+
+    #[inline(always)]
+    fn reach(&self) -> f32 {
+        self.reach
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn offer(&mut self, Meeting { t, u, v }: Meeting, number: u32, slot: u32) {
+        let hit = (self.resolve)(&Nearest { t: t * self.scale, u, v, number, slot });
+        self.reach = (self.judge)(hit) / self.scale;
+    }
+
+    fn scaled(&mut self, scale: f32, search: impl FnOnce(&mut Self)) {
+        self.reach /= scale;
+        self.scale = scale;
+        search(self);
+        self.reach *= scale;
+        self.scale = 1.0;
+    }
+}
+
+/// Whether `hit` is to be preferred to `best`: nearer, or of the lower primitive at the same `t`.
+pub(crate) fn is_better(hit: &Hit, best: Option<&Hit>) -> bool {
+    best.is_none_or(|best| (hit.t, hit.primitive()) < (best.t, best.primitive()))
+}
+
+/// Hits in the order of `t`, then of primitives, each one once, at most `most` of them.
+pub(crate) struct Sorted<'a> {
+    hits: &'a mut Vec<Hit>,
+    most: usize,
+    t_far: f32,
+}
+
+impl<'a> Sorted<'a> {
+    /// Empties `hits` and fills it.
+    pub(crate) fn new(hits: &'a mut Vec<Hit>, most: usize, t_far: f32) -> Self {
+        hits.clear();
+        Self { hits, most, t_far }
+    }
+
+    /// Takes a hit and says how far the ray is still of interest.
+    pub(crate) fn take(&mut self, hit: Hit) -> f32 {
+        // Without a bound a plain list is sorted in the end: far cheaper where there are thousands.
+        if self.most == usize::MAX {
+            self.hits.push(hit);
+            return self.t_far;
+        }
+        let start = self.hits.partition_point(|other| hit.t - other.t > nearness(hit.t));
+        let close = self.hits[start..].iter().take_while(|other| other.t - hit.t <= nearness(hit.t));
+        let twin = close.into_iter().position(|other| is_same(other, &hit)).map(|i| start + i);
+        if twin.is_none_or(|twin| is_better(&hit, Some(&self.hits[twin]))) {
+            twin.map(|twin| self.hits.remove(twin));
+            let at = self.hits.partition_point(|other| is_better(other, Some(&hit)));
+            self.hits.insert(at, hit);
+            self.hits.truncate(self.most);
+        }
+        match self.hits.last() {
+            Some(last) if self.hits.len() == self.most => last.t,
+            _ if self.most == 0 => f32::NEG_INFINITY,
+            _ => self.t_far,
+        }
+    }
+
+    /// Sorts what was not sorted yet.
+    pub(crate) fn finish(self) {
+        if self.most != usize::MAX {
+            return;
+        }
+        let hits = self.hits;
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive().cmp(&b.primitive())));
+        let mut kept = 0;
+        for i in 0..hits.len() {
+            let hit = hits[i];
+            let near = hits[..kept].iter().rev().take_while(|other| hit.t - other.t <= nearness(hit.t));
+            if !near.into_iter().any(|other| is_same(other, &hit)) {
+                hits[kept] = hit;
+                kept += 1;
+            }
+        }
+        hits.truncate(kept);
+    }
+}
+
+/// How far apart two parameters may be that rounding alone makes different.
+fn nearness(t: f32) -> f32 {
+    t.abs() * (4.0 * f32::EPSILON)
+}
+
+/// Whether two hits are one: a primitive that was met in several leaves, or a quad met on the diagonal of its two
+/// halves.
+fn is_same(a: &Hit, b: &Hit) -> bool {
+    let near = |a: f32, b: f32| (a - b).abs() <= 1e-5;
+    a.primitive() == b.primitive() && (a.t - b.t).abs() <= nearness(a.t) && near(a.u, b.u) && near(a.v, b.v)
+}
