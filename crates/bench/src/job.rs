@@ -113,6 +113,7 @@ impl Job {
                 let asked = match asked {
                     Asked::One => "one",
                     Asked::Batch(Coherence::Coherent) => "coherent",
+                    Asked::Batch(Coherence::Fanned) => "fanned",
                     Asked::Batch(Coherence::Incoherent) => "incoherent",
                 };
                 format!("{}-{}-{asked}", structure_name(*structure), quality_name(*quality))
@@ -130,7 +131,8 @@ impl Job {
         let mut jobs = Vec::new();
         for structure in STRUCTURES {
             for quality in QUALITIES {
-                let batches = [Coherence::Coherent, Coherence::Incoherent].map(Asked::Batch);
+                let batches =
+                    [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent].map(Asked::Batch);
                 let asked = [Asked::One].into_iter().chain(batches);
                 jobs.extend(asked.map(|asked| Self::Own { structure, quality, asked }));
             }
