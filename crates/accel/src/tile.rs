@@ -126,8 +126,8 @@ impl RayTile {
             ways.regular |= regular.to_bitmask() << first;
             ways.along_x |= (x.simd_ge(y) & x.simd_ge(z)).to_bitmask() << first;
             ways.along_y |= y.simd_ge(z).to_bitmask() << first;
-            for k in 0..3 {
-                ways.backwards[k] |= dir[k].is_sign_negative().to_bitmask() << first;
+            for (backwards, dir) in ways.backwards.iter_mut().zip(dir) {
+                *backwards |= dir.is_sign_negative().to_bitmask() << first;
             }
         }
         ways

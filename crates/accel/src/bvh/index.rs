@@ -94,6 +94,7 @@ impl BvhIndex {
     /// The same for the first `count` rays of a tile, all of one heading. Lanes beyond them up to the next multiple of
     /// 16 hold copies of rays that look for nothing (`t` is -inf).
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
     pub(crate) fn sweep<S: Simd, M: Mode>(
         &self,
         simd: S,

@@ -64,9 +64,9 @@ impl<S: Simd> Sweep<'_, S, Tree> {
         // How many steps each chunk still looks ahead, and the tile.
         let mut ahead = [f32::NEG_INFINITY; CHUNKS];
         let mut farthest = f32::NEG_INFINITY;
-        for chunk in 0..chunks {
-            ahead[chunk] = slopes.chunk_ahead(simd, nearest, chunk);
-            farthest = farthest.max(ahead[chunk]);
+        for (chunk, ahead) in ahead.iter_mut().enumerate().take(chunks) {
+            *ahead = slopes.chunk_ahead(simd, nearest, chunk);
+            farthest = farthest.max(*ahead);
         }
 
         let mut stack = Stack::<Waiting, 512>::new();
@@ -102,9 +102,9 @@ impl<S: Simd> Sweep<'_, S, Tree> {
                     }
                 }
                 if touched != 0 {
-                    for chunk in 0..chunks {
+                    for (chunk, ahead) in ahead.iter_mut().enumerate().take(chunks) {
                         if touched >> chunk & 1 == 1 {
-                            ahead[chunk] = slopes.chunk_ahead(simd, nearest, chunk);
+                            *ahead = slopes.chunk_ahead(simd, nearest, chunk);
                         }
                     }
                     farthest = ahead[0].max(ahead[1]).max(ahead[2]).max(ahead[3]);
