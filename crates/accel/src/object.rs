@@ -5,6 +5,8 @@
 //! Invariant: primitives are numbered through all geometries, so what is best does not depend on the order of trees.
 //! Proof: `tests/brute_force.rs`, `tests/mixed.rs`.
 
+mod store;
+
 use gnurt_simd::Simd;
 
 use crate::batch::Traceable;

@@ -2,6 +2,8 @@
 //! An object's triangles under a wide BVH.
 //! Source: original. Space: object. Proof: `tests/brute_force.rs`.
 
+mod store;
+
 use gnurt_simd::{Simd, prefer_huge_pages};
 
 use super::blocks::{BlockRay, TriangleBlock};

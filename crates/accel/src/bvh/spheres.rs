@@ -5,6 +5,8 @@
 //! Invariant: every level does the same roundings in the same order. The error of the test, about ten units of 2^-24
 //! across the ray, is within the slack of boxes (`slab.rs`). Proof: `tests/mixed.rs`.
 
+mod store;
+
 use gnurt_simd::{Simd, f32x8, prelude::*};
 
 use super::slab::NodeRay;

@@ -2,6 +2,8 @@
 //! An object's triangles under a kd-tree.
 //! Source: original. Space: object. Proof: `tests/brute_force.rs`.
 
+mod store;
+
 use gnurt_simd::{Simd, mask32x8, prelude::*};
 
 use super::leaves::Leaves;

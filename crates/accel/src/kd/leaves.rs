@@ -3,6 +3,8 @@
 //! Source: original. A triangle that lies in several leaves is copied into each: what a leaf tests lies together.
 //! Invariant: leaf 0 is the empty one. Proof: `tests/brute_force.rs`.
 
+mod store;
+
 use std::ops::Range;
 
 use super::node::{EMPTY_LEAF, KdTree, Node};

@@ -5,6 +5,8 @@
 //! Bound: corners and planes are rounded, so rays may pass between neighbours; a direction in the triangle's plane
 //! gives NaN or infinity and misses. Proof: `tests::precise_on_plain_triangles`, `tests/brute_force.rs`.
 
+mod store;
+
 use gnurt_simd::{Simd, f32x8, mask32x8, prelude::*};
 
 use super::Meeting;
@@ -38,7 +40,8 @@ impl Projected {
         let n = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
         let k = (0..3).fold(0, |most, k| if n[k].abs() > n[most].abs() { k } else { most });
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let over = 1.0 / n[k];
+        // What stands in for a dropped triangle has no normal, but is equal to itself.
+        let over = if n[k] == 0.0 { 0.0 } else { 1.0 / n[k] };
         Self {
             k: k as u32,
             corner: [a[i], a[j], a[k]],

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! An object's tree on its way into a file and back. Source: original; the format is that of `crate::store`.
+//! Proof: `tests/saved.rs`.
+
+use std::io::{self, Read, Write};
+
+use super::{Index, ObjectTree, Part};
+use crate::bvh::{BvhIndex, SphereIndex};
+use crate::geometry::Numbering;
+use crate::kd::KdIndex;
+use crate::store::{LoadError, Reader, Writer};
+use crate::{Aabb, BadPrimitives, MOST_TRIANGLES, TreeStats, TriangleTest};
+
+const BVH: u64 = 0;
+const KD_WATERTIGHT: u64 = 1;
+const KD_PROJECTED: u64 = 2;
+const SPHERES: u64 = 3;
+
+impl ObjectTree {
+    /// Writes the tree and its triangles, to be loaded instead of built; the same bytes on every machine.
+    /// It takes about as many bytes as in memory.
+    ///
+    /// # Errors
+    /// Those of `to`, and `Unsupported` where there is user geometry: it cannot be saved.
+    ///
+    /// ```
+    /// use gnurt_accel::{BuildOptions, ObjectTree, Ray, Threads, Triangles};
+    ///
+    /// let mesh = Triangles { positions: &[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], indices: &[[0, 1, 2]] };
+    /// let tree = ObjectTree::build(&[mesh], &BuildOptions::default(), Threads::Single);
+    /// let mut file = Vec::new();
+    /// tree.save(&mut file)?;
+    /// let loaded = ObjectTree::load(&mut &file[..])?;
+    /// let ray = Ray::new([0.25, 0.5, 1.0], [0.0, 0.0, -2.0]);
+    /// assert_eq!(loaded.intersect(&ray), tree.intersect(&ray));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn save(&self, to: &mut impl Write) -> io::Result<()> {
+        let mut writer = Writer::new(to)?;
+        let Numbering { starts, quads, too_many: _ } = &self.numbering;
+        writer.list(starts)?;
+        writer.list(&quads.iter().map(|&quads| u32::from(quads)).collect::<Vec<u32>>())?;
+        let BadPrimitives { bad_index, nan, infinite, too_large, zero_area, too_many } = self.bad;
+        for count in [bad_index, nan, infinite, too_large, zero_area, too_many] {
+            writer.number(count)?;
+        }
+        save_stats(&mut writer, &self.stats)?;
+        writer.number(self.parts.len() as u64)?;
+        for Part { mask, index } in &self.parts {
+            writer.number(u64::from(*mask))?;
+            writer.number(match index {
+                Index::Bvh(_) => BVH,
+                Index::Kd(index) => match index.triangle_test() {
+                    TriangleTest::Watertight => KD_WATERTIGHT,
+                    TriangleTest::Projected => KD_PROJECTED,
+                },
+                Index::Spheres(_) => SPHERES,
+                Index::User(_) => {
+                    return Err(io::Error::new(io::ErrorKind::Unsupported, "user geometry cannot be saved"));
+                }
+            })?;
+            save_stats(&mut writer, &index.stats())?;
+            writer.bounds(&index.bounds())?;
+            match index {
+                Index::Kd(index) => index.save(&mut writer)?,
+                Index::Bvh(index) => index.save(&mut writer)?,
+                Index::Spheres(index) => index.save(&mut writer)?,
+                Index::User(_) => {}
+            }
+        }
+        writer.end()
+    }
+
+    /// Reads what [`save`](Self::save) wrote, and nothing behind it. Reads in large pieces: `from` needs no buffer.
+    ///
+    /// What is damaged by accident is found by a checksum. Whatever a file holds, there is no panic, memory stays below
+    /// three times its length, and rays through a tree that was loaded come to an end; but hits are right only if it
+    /// was saved by this crate.
+    ///
+    /// # Errors
+    /// Whatever keeps it from being a tree: see [`LoadError`].
+    ///
+    /// ```
+    /// use gnurt_accel::{LoadError, ObjectTree};
+    ///
+    /// let error = ObjectTree::load(&mut &b"solid teapot"[..]).expect_err("no tree");
+    /// assert!(matches!(error, LoadError::NotATree));
+    /// ```
+    pub fn load(from: &mut impl Read) -> Result<Self, LoadError> {
+        let mut reader = Reader::new(from)?;
+        let starts: Vec<u32> = reader.list(u32::MAX as usize)?;
+        let quads: Vec<u32> = reader.list(u32::MAX as usize)?;
+        let mut counts = [0; 6];
+        for count in &mut counts {
+            *count = reader.number()?;
+        }
+        let [bad_index, nan, infinite, too_large, zero_area, too_many] = counts;
+        let bad = BadPrimitives { bad_index, nan, infinite, too_large, zero_area, too_many };
+        let stats = load_stats(&mut reader)?;
+        let count = reader.number()?;
+        if count > quads.len() as u64 {
+            return Err(LoadError::Damaged("there are more trees than geometries"));
+        }
+        let mut parts = Vec::new();
+        for _ in 0..count {
+            let (mask, kind) = (reader.number()? as u32, reader.number()?);
+            let stats = load_stats(&mut reader)?;
+            let bounds = reader.bounds()?;
+            let index = match kind {
+                BVH => Index::Bvh(BvhIndex::load(&mut reader, bounds, stats)?),
+                KD_WATERTIGHT => {
+                    Index::Kd(KdIndex::load(&mut reader, bounds, stats, TriangleTest::Watertight)?)
+                }
+                KD_PROJECTED => {
+                    Index::Kd(KdIndex::load(&mut reader, bounds, stats, TriangleTest::Projected)?)
+                }
+                SPHERES => Index::Spheres(SphereIndex::load(&mut reader, bounds, stats)?),
+                _ => return Err(LoadError::Damaged("a tree is of no kind")),
+            };
+            parts.push(Part { mask, index });
+        }
+        reader.end()?;
+
+        let count = starts.last().copied().unwrap_or(u32::MAX);
+        if starts.first() != Some(&0) || !starts.is_sorted() || count as usize > MOST_TRIANGLES {
+            return Err(LoadError::Damaged("its geometries are not in a row"));
+        }
+        if quads.len() + 1 != starts.len() || counts.iter().any(|&count| count > u64::MAX / 16) {
+            return Err(LoadError::Damaged("its counts do not add up"));
+        }
+        let (mut bounds, mut tree_bytes, mut primitive_bytes) = (Aabb::EMPTY, 0, 0);
+        for Part { index, .. } in &parts {
+            if index.bounds().is_empty() {
+                return Err(LoadError::Damaged("a tree is over nothing"));
+            }
+            match index {
+                Index::Kd(index) => index.check(count)?,
+                Index::Bvh(index) => index.check(count)?,
+                Index::Spheres(index) => index.check(count)?,
+                Index::User(_) => {}
+            }
+            bounds = bounds.union(&index.bounds());
+            let measured = index.stats();
+            tree_bytes += measured.tree_bytes;
+            primitive_bytes += measured.primitive_bytes;
+        }
+        let stats = TreeStats { tree_bytes, primitive_bytes, ..stats };
+        let quads = quads.into_iter().map(|quads| quads != 0).collect();
+        Ok(Self { parts, numbering: Numbering { starts, quads, too_many }, bad, bounds, stats })
+    }
+}
+
+/// But for bytes, which are counted anew.
+fn save_stats(writer: &mut Writer<'_, impl Write>, stats: &TreeStats) -> io::Result<()> {
+    let TreeStats { primitives, nodes, leaves, empty_leaves, references, depth, sah_cost, .. } = *stats;
+    for number in [primitives, nodes, leaves, empty_leaves, references, u64::from(depth), sah_cost.to_bits()]
+    {
+        writer.number(number)?;
+    }
+    Ok(())
+}
+
+fn load_stats(reader: &mut Reader<'_, impl Read>) -> Result<TreeStats, LoadError> {
+    let mut numbers = [0; 7];
+    for number in &mut numbers {
+        *number = reader.number()?;
+    }
+    let [primitives, nodes, leaves, empty_leaves, references, depth, sah_cost] = numbers;
+    let (depth, sah_cost) = (depth as u32, f64::from_bits(sah_cost));
+    let bytes = TreeStats::default();
+    Ok(TreeStats { primitives, nodes, leaves, empty_leaves, references, depth, sah_cost, ..bytes })
+}

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Built trees in files: what `ObjectTree::save` writes and `ObjectTree::load` accepts.
+//! Source: original.
+//!
+//! ```text
+//! "GNURTACC" | version | 0                                                        two words, one, one
+//! starts of geometries, which are quads | bad primitives | statistics             lists, 6 and 7 numbers
+//! number of trees; for each of them:
+//!     mask | kind | statistics | bounds                                           9 numbers, 6 floats
+//!     kind 0, 3: nodes, blocks of triangles, or of spheres                        lists
+//!     kind 1: nodes, no items, starts of leaves, blocks of triangles              lists
+//!     kind 2: nodes, items, projected triangles                                   lists
+//! checksum                                                                        a number
+//! ```
+//!
+//! All is made of words of 32 bits, lowest byte first on every machine. A number is two words, lower one first; a list
+//! is the number of its records, then the records, word for word as in memory.
+//! Cost: that of copying, and one look at each record.
+//! Invariant: nothing is allocated for records that have not arrived, and a tree is handed out only if no walk through
+//! it can leave its arrays, its stack, or go on for longer than its size explains. Whether boxes hold what is below
+//! them is not looked at: against accidents there is the checksum, and a file made with bad intent gives wrong hits.
+//! Proof: `tests/saved.rs`, and the fuzz target `accel_tree`.
+
+mod error;
+mod read;
+mod write;
+
+pub use error::LoadError;
+pub(crate) use read::{Reader, is_sound};
+pub(crate) use write::Writer;
+
+/// The first two words of a file.
+const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"GNUR"), u32::from_le_bytes(*b"TACC")];
+
+/// What is written. To be raised with every change of what any list of any kind holds.
+const VERSION: u32 = 1;
+
+/// Words that are read and written at a time.
+const PIECE: usize = 1 << 14;
+
+/// What a list consists of.
+pub(crate) trait Record: Sized {
+    /// How many words one takes.
+    const WORDS: usize;
+    /// Writes all of them.
+    fn put(&self, words: &mut [u32]);
+    /// From so many words, whatever they are.
+    fn get(words: &[u32]) -> Self;
+}
+
+impl Record for u32 {
+    const WORDS: usize = 1;
+
+    #[inline(always)]
+    fn put(&self, words: &mut [u32]) {
+        words[0] = *self;
+    }
+
+    #[inline(always)]
+    fn get(words: &[u32]) -> Self {
+        words[0]
+    }
+}
+
+/// Copies floats to words.
+#[inline(always)]
+pub(crate) fn put_floats(words: &mut [u32], floats: &[f32]) {
+    for (word, float) in words.iter_mut().zip(floats) {
+        *word = float.to_bits();
+    }
+}
+
+/// Copies words to floats.
+#[inline(always)]
+pub(crate) fn get_floats(floats: &mut [f32], words: &[u32]) {
+    for (float, word) in floats.iter_mut().zip(words) {
+        *float = f32::from_bits(*word);
+    }
+}
+
+/// A sum that no change within one word leaves as it is: each step is a bijection of the state and of the word.
+#[derive(Default)]
+struct Checksum {
+    lanes: [u32; 8],
+    count: usize,
+}
+
+impl Checksum {
+    fn step(lane: &mut u32, word: u32) {
+        *lane = (*lane ^ word).rotate_left(13).wrapping_mul(0x9e37_79b1);
+    }
+
+    fn add(&mut self, words: &[u32]) {
+        let ahead = (self.count.next_multiple_of(8) - self.count).min(words.len());
+        let (first, words) = words.split_at(ahead);
+        let at = self.count % 8;
+        self.count += first.len() + words.len();
+        self.lanes[at..].iter_mut().zip(first).for_each(|(lane, &word)| Self::step(lane, word));
+        let (rows, last) = words.as_chunks::<8>();
+        for row in rows {
+            self.lanes.iter_mut().zip(row).for_each(|(lane, &word)| Self::step(lane, word));
+        }
+        self.lanes.iter_mut().zip(last).for_each(|(lane, &word)| Self::step(lane, word));
+    }
+
+    fn value(&self) -> u64 {
+        self.lanes.iter().fold(self.count as u64, |sum, &lane| {
+            (sum ^ u64::from(lane)).rotate_left(27).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        })
+    }
+}

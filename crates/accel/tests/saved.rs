@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Trees that were saved and loaded are the same, and files that are no trees are refused. Source: original.
+
+mod common;
+#[path = "common/signed.rs"]
+mod signed;
+
+use common::{Ask, TESTS, ask, batch, build};
+use gnurt_accel::{Coherence, Level, LoadError, ObjectTree, Query, Ray, Structure};
+use gnurt_testkit::{Random, Soup, closed};
+
+/// Triangles of all kinds, bad ones too.
+fn mixed(n: usize) -> Soup {
+    Soup::degenerate(2, n)
+}
+
+fn save(tree: &ObjectTree) -> Vec<u8> {
+    let mut file = Vec::new();
+    tree.save(&mut file).expect("memory takes all");
+    file
+}
+
+#[test]
+fn what_is_loaded_is_what_was_saved() {
+    let meshes = [mixed(500), closed::torus(20), mixed(40)];
+    let mut random = Random::new(3);
+    let rays = batch(&(0..500).map(|_| (random.point(), random.point())).collect::<Vec<_>>());
+    for (kind, _) in TESTS {
+        for meshes in [&meshes[..], &meshes[1..2], &[]] {
+            let tree = build(meshes, kind);
+            let mut file = save(&tree);
+            file.push(77);
+            let mut rest = &file[..];
+            let loaded = ObjectTree::load(&mut rest).expect("it was saved");
+            assert_eq!(rest, [77], "{kind:?}: what lies behind it is not touched");
+            assert!(loaded.same_tree(&tree), "{kind:?}: node for node");
+            assert_eq!(loaded.stats(), tree.stats(), "{kind:?}: measured alike");
+            assert_eq!(loaded.bounds(), tree.bounds(), "{kind:?}: bounds");
+            assert_eq!(loaded.bad_primitives(), tree.bad_primitives(), "{kind:?}: what was left out");
+            assert_eq!(ask(&loaded, &rays), ask(&tree, &rays), "{kind:?}: hits");
+            assert_eq!(save(&loaded), file[..file.len() - 1], "{kind:?}: saved again");
+        }
+    }
+}
+
+#[test]
+fn no_part_of_a_file_is_a_tree() {
+    for (kind, _) in TESTS {
+        let file = save(&build(&[mixed(60)], kind));
+        for length in 0..file.len() {
+            match ObjectTree::load(&mut &file[..length]) {
+                Err(LoadError::Truncated) => {}
+                other => panic!("{kind:?}: {length} of {} bytes are {other:?}", file.len()),
+            }
+        }
+    }
+}
+
+#[test]
+fn any_change_is_found() {
+    let mut random = Random::new(4);
+    for (kind, _) in TESTS {
+        let file = save(&build(&[mixed(200)], kind));
+        for _ in 0..2000 {
+            let mut changed = file.clone();
+            let at = random.below(file.len());
+            changed[at] ^= 1 + random.below(255) as u8;
+            let error = ObjectTree::load(&mut &changed[..]).err();
+            assert!(error.is_some(), "{kind:?}: byte {at} was changed");
+        }
+    }
+}
+
+fn word(file: &[u8], at: usize) -> u32 {
+    u32::from_le_bytes([file[4 * at], file[4 * at + 1], file[4 * at + 2], file[4 * at + 3]])
+}
+
+fn set_word(file: &mut [u8], at: usize, word: u32) {
+    file[4 * at..4 * at + 4].copy_from_slice(&word.to_le_bytes());
+}
+
+#[test]
+fn signed_changes_are_found_or_harmless() {
+    let mut random = Random::new(11);
+    let rays = batch(&(0..64).map(|_| (random.point(), random.point())).collect::<Vec<_>>());
+    for (kind, _) in TESTS {
+        let file = save(&build(&[mixed(300), closed::torus(8)], kind));
+        let mut again = file.clone();
+        signed::sign(&mut again);
+        assert!(again == file, "a file has the checksum that it should have");
+        let (mut refused, mut taken) = (0, 0);
+        for round in 0..2000 {
+            let mut file = file.clone();
+            if round % 2 == 0 {
+                file[random.below(again.len() - 8)] ^= 1 << random.below(8);
+            } else {
+                // Copies of other words are what a tree takes for its own.
+                let [to, from] = [0; 2].map(|_: i32| random.below(again.len() / 4 - 2));
+                let copied = word(&file, from);
+                set_word(&mut file, to, copied);
+            }
+            signed::sign(&mut file);
+            match ObjectTree::load(&mut &file[..]) {
+                Ok(tree) => {
+                    for coherence in [Coherence::Incoherent, Coherence::Coherent] {
+                        tree.ask(&Query { level: Level::best(), coherence, mask: u32::MAX }, &rays);
+                    }
+                    assert!(tree.bad_primitives().total() < 1 << 63, "counts stay counts");
+                    taken += 1;
+                }
+                Err(LoadError::Checksum | LoadError::Io(_)) => panic!("neither is wrong in round {round}"),
+                Err(_) => refused += 1,
+            }
+        }
+        assert!(refused > 100 && taken > 100, "{refused} refused and {taken} taken of {kind:?}");
+    }
+}
+
+#[test]
+fn nodes_that_share_a_child_are_refused() {
+    // Words of head, starts, quads, counts, statistics, number of trees; mask, kind, statistics, bounds, number of nodes.
+    const NODES: usize = 4 + (2 + 2) + (2 + 1) + 12 + 14 + 2 + (2 + 2 + 14 + 6 + 2);
+    for (kind, _) in TESTS {
+        let mut file = save(&build(&[closed::torus(20)], kind));
+        match kind.0 {
+            Structure::Bvh => {
+                let inner = |&at: &usize| word(&file, at) >> 31 == 0;
+                let inner: Vec<usize> = (NODES + 48..NODES + 56).filter(inner).collect();
+                let child = word(&file, inner[0]);
+                set_word(&mut file, inner[1], child);
+            }
+            // The children of the root's left child become those of its right one.
+            Structure::Kd => {
+                let children = word(&file, NODES + 2);
+                assert!(children > 0 && word(&file, NODES + 4) > 0, "both are no leaves");
+                set_word(&mut file, NODES + 4, children);
+            }
+        }
+        signed::sign(&mut file);
+        let error = ObjectTree::load(&mut &file[..]).expect_err("no tree").to_string();
+        assert!(error.contains("child of several"), "{kind:?}: {error}");
+    }
+}
+
+#[test]
+fn what_a_file_claims_costs_no_memory() {
+    let mut file = save(&build(&[], TESTS[0].0));
+    // The number of geometries, which would be 16 GiB.
+    let at = 16;
+    file[at..at + 8].copy_from_slice(&((1u64 << 32) - 1).to_le_bytes());
+    let error = ObjectTree::load(&mut &file[..]).expect_err("they are not there");
+    assert!(matches!(error, LoadError::Truncated | LoadError::Damaged(_)), "{error}");
+    file[at..at + 8].fill(0xff);
+    assert!(matches!(ObjectTree::load(&mut &file[..]), Err(LoadError::Damaged(_))), "nobody has so many");
+}
+
+#[test]
+fn errors_say_what_is_wrong() {
+    let file = save(&build(&[closed::torus(5)], TESTS[0].0));
+    let load = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut file = file.clone();
+        change(&mut file);
+        ObjectTree::load(&mut &file[..]).expect_err("changed").to_string()
+    };
+    assert_eq!(load(&|file| file[0] = b'g'), "this is no saved tree", "the first word");
+    assert!(load(&|file| file[8] = 9).contains("version 9"), "of a later version");
+    assert!(load(&|file| file[700] ^= 64).contains("checksum"), "a bit flips");
+    let mut failing = std::io::Read::chain(&file[..100], Failing);
+    assert!(matches!(ObjectTree::load(&mut failing), Err(LoadError::Io(_))), "the disk's fault");
+    let tree = ObjectTree::load(&mut &file[..]).expect("as it was saved");
+    assert!(tree.intersect(&Ray::new([0.0, 0.0, 9.0], [1.0, 0.0, 0.0])).is_none(), "it can be asked");
+}
+
+struct Failing;
+
+impl std::io::Read for Failing {
+    fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
+        Err(std::io::Error::other("a scratch"))
+    }
+}
