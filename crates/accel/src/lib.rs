@@ -121,6 +121,7 @@ mod aabb;
 mod batch;
 mod bvh;
 mod candidates;
+mod control;
 mod geometry;
 mod hit;
 mod kd;
@@ -141,6 +142,7 @@ mod triangle;
 mod user;
 
 pub use aabb::Aabb;
+pub use control::{BuildControl, BuildError};
 pub use geometry::{
     BadPrimitives, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES, Quads, Spheres, Triangles,
 };

@@ -11,6 +11,7 @@ use gnurt_simd::Simd;
 
 use crate::batch::Traceable;
 use crate::bvh::{BvhIndex, SphereIndex, UserIndex};
+use crate::control::Watch;
 use crate::geometry::Screened;
 use crate::geometry::{GeometryKind, Numbering};
 use crate::kd::KdIndex;
@@ -18,7 +19,8 @@ use crate::nearest::{Best, Collect, Mode, Nearest, Relay};
 use crate::point::{NearestPoint, Probe};
 use crate::tile::{NearestTile, RayTile};
 use crate::{
-    Aabb, BadPrimitives, BuildOptions, Counters, Geometry, Hit, Ray, Structure, Threads, TreeStats, Triangles,
+    Aabb, BadPrimitives, BuildControl, BuildError, BuildOptions, Counters, Geometry, Hit, Ray, Structure,
+    Threads, TreeStats, Triangles,
 };
 
 /// Trees over an object's geometries.
@@ -76,11 +78,41 @@ impl ObjectTree {
         Self::build_from(&geometries, options, threads)
     }
 
+    /// The same under control: may be cancelled, tells how far it is and what memory it takes, and stays within a budget.
+    /// The tree does not depend on who listens.
+    ///
+    /// # Errors
+    /// That `control` stopped it: see [`BuildError`]. Bad triangles are no errors, but counted.
+    pub fn try_build(
+        meshes: &[Triangles],
+        options: &BuildOptions,
+        threads: Threads,
+        control: &dyn BuildControl,
+    ) -> Result<Self, BuildError> {
+        let geometries: Vec<Geometry> = meshes.iter().map(|&mesh| mesh.into()).collect();
+        Self::try_build_from(&geometries, options, threads, control)
+    }
+
     /// Builds over geometries of any kinds. What cannot be traced is left out and counted; nothing at all is fine.
     ///
     /// Spheres and user geometry always get a BVH; `options.structure` is for triangles and quads.
     #[must_use]
     pub fn build_from(geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Self {
+        Self::try_build_from(geometries, options, threads, &()).expect("nobody stops it")
+    }
+
+    /// The same under control, as [`try_build`](Self::try_build). Trees of spheres and of user geometry are built in one
+    /// go, and their memory is not counted.
+    ///
+    /// # Errors
+    /// That `control` stopped it: see [`BuildError`].
+    pub fn try_build_from(
+        geometries: &[Geometry],
+        options: &BuildOptions,
+        threads: Threads,
+        control: &dyn BuildControl,
+    ) -> Result<Self, BuildError> {
+        let watch = Watch::new(control);
         let numbering = Numbering::new(geometries);
         let mut bad = BadPrimitives { too_many: numbering.too_many, ..BadPrimitives::default() };
         let mut groups: Vec<(Kind, u32)> = Vec::new();
@@ -95,18 +127,26 @@ impl ObjectTree {
             let wanted = |geometry: &Geometry| (kind_of(geometry), geometry.mask) == (kind, mask);
             let quality = options.quality;
             let mut triangles = None;
+            watch.result()?;
             let index = match kind {
                 Kind::Surfaces => {
+                    let wanted_numbers = (0..geometries.len()).filter(|&i| wanted(&geometries[i]));
+                    let numbers: usize = wanted_numbers.map(|i| numbering.range(i).len()).sum();
+                    let bytes = size_of::<u32>() * numbers;
+                    watch.take(bytes);
+                    watch.result()?;
                     let screened = Screened::over(geometries, &numbering, wanted);
                     bad += screened.bad;
                     triangles = Some(screened.good.len() as u64);
                     if screened.good.is_empty() {
                         continue;
                     }
-                    match options.structure {
-                        Structure::Kd => Index::Kd(KdIndex::build(&screened, options, threads)),
-                        Structure::Bvh => Index::Bvh(BvhIndex::build(&screened, quality, threads)),
-                    }
+                    let index = match options.structure {
+                        Structure::Kd => Index::Kd(KdIndex::build(&screened, options, threads, &watch)?),
+                        Structure::Bvh => Index::Bvh(BvhIndex::build(&screened, quality, threads, &watch)?),
+                    };
+                    watch.give(bytes);
+                    index
                 }
                 Kind::Spheres => Index::Spheres(SphereIndex::build(
                     geometries, &numbering, wanted, &mut bad, quality, threads,
@@ -123,7 +163,9 @@ impl ObjectTree {
             }
         }
         let bounds = parts.iter().fold(Aabb::EMPTY, |all, part| all.union(&part.index.bounds()));
-        Self { parts, numbering, bad, bounds, stats }
+        watch.result()?;
+        watch.finish();
+        Ok(Self { parts, numbering, bad, bounds, stats })
     }
 
     /// Box around everything, object space; [`Aabb::EMPTY`] without anything.

@@ -6,7 +6,12 @@ mod common;
 mod signed;
 
 use common::{Ask, TESTS, ask, batch, build};
-use gnurt_accel::{Coherence, Level, LoadError, ObjectTree, Query, Ray, Structure};
+use std::sync::Arc;
+
+use gnurt_accel::{
+    Aabb, Coherence, Geometry, Level, LoadError, ObjectTree, Quads, Query, Ray, Spheres, Structure, Threads,
+    Triangles, UserGeometry, UserHit,
+};
 use gnurt_testkit::{Random, Soup, closed};
 
 /// Triangles of all kinds, bad ones too.
@@ -41,6 +46,60 @@ fn what_is_loaded_is_what_was_saved() {
             assert_eq!(save(&loaded), file[..file.len() - 1], "{kind:?}: saved again");
         }
     }
+}
+
+#[test]
+fn quads_and_spheres_are_saved_but_no_user_geometry() {
+    let mesh = closed::torus(12);
+    let triangles = Triangles { positions: &mesh.positions, indices: &mesh.indices };
+    let corners = [[-1.0, -1.0, 0.5], [1.0, -1.0, 0.5], [1.0, 1.0, 0.5], [-1.0, 1.0, 0.5]];
+    let quads = Quads { positions: &corners, indices: &[[0, 1, 2, 3]] };
+    let (centers, radii) = ([[0.0; 3], [0.5, 0.5, 0.5]], [0.25, 0.5]);
+    let spheres = Spheres { centers: &centers, radii: &radii };
+    let mut random = Random::new(5);
+    let rays = batch(&(0..500).map(|_| (random.point(), random.point())).collect::<Vec<_>>());
+    for (kind, _) in TESTS {
+        let geometries = [Geometry::from(triangles), quads.into(), spheres.into()];
+        let tree = ObjectTree::build_from(&geometries, &common::options(kind), Threads::Single);
+        let mut file = save(&tree);
+        let loaded = ObjectTree::load(&mut &file[..]).expect("it was saved");
+        assert!(loaded.same_tree(&tree), "{kind:?}: node for node");
+        assert_eq!(loaded.stats(), tree.stats(), "{kind:?}: measured alike");
+        assert_eq!(ask(&loaded, &rays), ask(&tree, &rays), "{kind:?}: hits");
+        for _ in 0..500 {
+            let mut file = file.clone();
+            let at = random.below(file.len() - 8);
+            file[at] ^= 1 << random.below(8);
+            signed::sign(&mut file);
+            if let Ok(tree) = ObjectTree::load(&mut &file[..]) {
+                tree.ask(
+                    &Query { level: Level::best(), coherence: Coherence::Coherent, mask: u32::MAX },
+                    &rays,
+                );
+            }
+        }
+        file.truncate(file.len() / 2);
+        assert!(matches!(ObjectTree::load(&mut &file[..]), Err(LoadError::Truncated)), "half of it");
+    }
+    let user = Geometry::user(Arc::new(Point));
+    let tree = ObjectTree::build_from(&[user], &common::options(TESTS[0].0), Threads::Single);
+    let error = tree.save(&mut Vec::new()).expect_err("nobody can save it");
+    assert_eq!(error.kind(), std::io::ErrorKind::Unsupported, "{error}");
+}
+
+#[derive(Debug)]
+struct Point;
+
+impl UserGeometry for Point {
+    fn count(&self) -> u32 {
+        1
+    }
+
+    fn bounds(&self, _: u32) -> Aabb {
+        Aabb::around(&[[0.0; 3]])
+    }
+
+    fn intersect(&self, _: u32, _: &Ray, _: &mut dyn FnMut(UserHit)) {}
 }
 
 #[test]

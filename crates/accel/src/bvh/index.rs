@@ -9,13 +9,14 @@ use gnurt_simd::{Simd, prefer_huge_pages};
 use super::blocks::{BlockRay, TriangleBlock};
 use super::slab::NodeRay;
 use super::sweep::Sweep;
-use super::{Child, Primitives, Tree, WIDTH, build};
+use super::{Child, Primitives, Tree, WIDTH, try_build};
+use crate::control::Watch;
 use crate::geometry::Screened;
 use crate::kd::split_boxes;
 use crate::nearest::{Collect, Mode};
 use crate::packet::Heading;
 use crate::tile::{NearestTile, RayTile};
-use crate::{Aabb, Counters, Quality, Ray, Threads, TreeStats};
+use crate::{Aabb, BuildError, Counters, Quality, Ray, Threads, TreeStats};
 
 /// Tree and triangles.
 #[derive(Debug, PartialEq)]
@@ -42,8 +43,15 @@ impl Primitives for Screened<'_> {
 
 impl BvhIndex {
     /// Builds over the good triangles.
-    pub(crate) fn build(screened: &Screened, quality: Quality, threads: Threads) -> Self {
-        let mut tree = build(screened, quality, threads);
+    pub(crate) fn build(
+        screened: &Screened,
+        quality: Quality,
+        threads: Threads,
+        watch: &Watch,
+    ) -> Result<Self, BuildError> {
+        let mut tree = try_build(screened, quality, threads, watch)?;
+        watch.take(tree.blocks.len() * size_of::<TriangleBlock>());
+        watch.result()?;
         let stats = tree.measure();
         let in_blocks = std::mem::take(&mut tree.blocks);
         let number = |i: u32| screened.good.get(i as usize).copied().unwrap_or(crate::INVALID_ID);
@@ -55,8 +63,9 @@ impl BvhIndex {
         prefer_huge_pages(&nodes);
         nodes.append(&mut tree.nodes);
         tree.nodes = nodes;
+        watch.give(size_of_val(&in_blocks[..]));
         let reach = tree.bounds.reach();
-        Self { tree, blocks, reach, stats }
+        Ok(Self { tree, blocks, reach, stats })
     }
 
     /// Box around all triangles.

@@ -18,7 +18,7 @@ mod walk;
 
 pub(crate) use beam::{Beam, CHUNKS, Slopes};
 pub(crate) use blocks::{BlockRay, TriangleBlock};
-pub(crate) use build::{Primitives, Tree, build};
+pub(crate) use build::{Primitives, Tree, build, try_build};
 pub(crate) use index::BvhIndex;
 pub(crate) use node::{Child, Node8, WIDTH};
 pub(crate) use point::{Around, square_of};

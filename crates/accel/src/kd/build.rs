@@ -17,8 +17,9 @@ use super::event::{Event, push_events};
 use super::node::{EMPTY_LEAF, KdTree, Node};
 use super::sah::{Costs, Plane, best_across, cheapest};
 use super::sampled::BoxRef;
+use crate::control::Watch;
 use crate::geometry::Screened;
-use crate::{Aabb, BuildOptions, Quality, Threads};
+use crate::{Aabb, BuildError, BuildOptions, Quality, Threads};
 
 /// Nodes of fewer triangles are not worth another thread.
 pub(super) const WORTH_A_THREAD: usize = 2048;
@@ -32,6 +33,8 @@ pub(super) struct Cell {
     pub(super) depth: usize,
     /// Most references that the leaves below may hold.
     budget: usize,
+    /// Whether this one or one above sees few triangles: nobody asks how far it is, and its memory is not counted.
+    pub(super) small: bool,
 }
 
 impl Cell {
@@ -41,8 +44,13 @@ impl Cell {
         let spare = self.budget.checked_sub(references)?;
         let for_left = counts[0] + (spare as u128 * counts[0] as u128 / references.max(1) as u128) as usize;
         let [left, right] = self.bounds.split(plane.axis, plane.at);
-        let child = |bounds: Aabb, budget: usize| Self { bounds, depth: self.depth + 1, budget };
-        Some([child(left, for_left), child(right, self.budget - for_left)])
+        let child = |bounds: Aabb, budget: usize, count: usize| Self {
+            bounds,
+            depth: self.depth + 1,
+            budget,
+            small: self.small || count < WORTH_A_THREAD,
+        };
+        Some([child(left, for_left, counts[0]), child(right, self.budget - for_left, counts[1])])
     }
 }
 
@@ -50,6 +58,8 @@ impl Cell {
 pub(super) struct Subtree {
     nodes: Vec<Node>,
     items: Vec<u32>,
+    /// Bytes that were counted while it grew, with those of the memory that the builder works in.
+    pub(super) counted: usize,
 }
 
 pub(super) struct Builder<'a> {
@@ -58,18 +68,26 @@ pub(super) struct Builder<'a> {
     pub(super) max_depth: usize,
     pub(super) parallel: bool,
     pub(super) level: Level,
+    pub(super) watch: &'a Watch<'a>,
 }
 
 impl KdTree {
     /// Builds over the good triangles of `screened`.
-    pub(crate) fn build(screened: &Screened, options: &BuildOptions, threads: Threads) -> Self {
+    ///
+    /// What the tree takes stays counted.
+    pub(crate) fn build(
+        screened: &Screened,
+        options: &BuildOptions,
+        threads: Threads,
+        watch: &Watch,
+    ) -> Result<Self, BuildError> {
         let costs = Costs {
             triangle: f64::from(options.triangle_cost.max(0.0)),
             empty_factor: f64::from(options.empty_factor.clamp(0.0, 1.0)),
         };
         let max_depth = (options.max_depth as usize).min(DEEPEST - 1);
         let parallel = matches!(threads, Threads::Pool(_));
-        let builder = Builder { screened, costs, max_depth, parallel, level: Level::best() };
+        let builder = Builder { screened, costs, max_depth, parallel, level: Level::best(), watch };
         match threads {
             Threads::Single => builder.run(options),
             Threads::Pool(pool) => pool.install(|| builder.run(options)),
@@ -78,13 +96,20 @@ impl KdTree {
 }
 
 impl Builder<'_> {
-    fn run(&self, options: &BuildOptions) -> KdTree {
+    fn run(&self, options: &BuildOptions) -> Result<KdTree, BuildError> {
         let n = self.screened.good.len();
         let budget = (f64::from(options.reference_budget.max(1.0)) * n as f64) as usize;
         let bounds = self.screened.bounds;
-        let mut tree = Subtree::new();
+        let (mut tree, mut held) = (Subtree::new(), 0);
         if n > 0 {
-            let cell = Cell { bounds, depth: 0, budget };
+            let cell = Cell { bounds, depth: 0, budget, small: n < WORTH_A_THREAD };
+            self.watch.start(budget);
+            let each = match options.quality {
+                Quality::Fast => size_of::<BoxRef>(),
+                _ => 6 * size_of::<Event>() + size_of::<u32>(),
+            };
+            self.watch.recount(&mut held, each * n);
+            self.watch.result()?;
             if options.quality == Quality::Fast {
                 self.grow_sampled(self.root_boxes(), cell, &mut tree, 0);
             } else {
@@ -92,9 +117,13 @@ impl Builder<'_> {
                 self.grow_wide(seen, cell, &mut tree, 0);
             }
         }
+        self.watch.result()?;
+        self.watch.recount(&mut held, 0);
+        self.watch.grown();
         tree.nodes.shrink_to_fit();
         tree.items.shrink_to_fit();
-        KdTree { nodes: tree.nodes, items: tree.items, bounds }
+        self.watch.take(tree.memory_bytes());
+        Ok(KdTree { nodes: tree.nodes, items: tree.items, bounds })
     }
 
     /// All triangles' boxes.
@@ -134,21 +163,48 @@ impl Builder<'_> {
     fn grow_wide(&self, mut seen: Seen, cell: Cell, tree: &mut Subtree, slot: usize) {
         let mut scratch = Scratch::default();
         if !self.parallel || seen.prims.len() < WORTH_A_THREAD {
-            return self.grow(&mut seen, Start::default(), cell, &mut scratch, tree, slot);
+            let before = seen.memory_bytes();
+            tree.counted = before;
+            self.grow(&mut seen, Start::default(), cell, &mut scratch, tree, slot);
+            self.watch.recount(&mut tree.counted, before);
+            return;
         }
         let Some((plane, [left, right])) = self.step(&mut seen, Start::default(), cell, &mut scratch) else {
             return tree.set_leaf(slot, seen.prims.iter().copied());
         };
         let first = tree.set_inner(slot, &plane);
         let lefts = scratch.into_left();
-        let apart = |seen: Seen, cell: Cell| {
+        let aside = lefts.memory_bytes();
+        self.watch.take(aside);
+        let apart = |seen: Seen, child: Cell| {
             let mut apart = Subtree::new();
-            self.grow_wide(seen, cell, &mut apart, 0);
+            self.grow_wide(seen, child, &mut apart, 0);
+            self.grown(&cell, &child, &apart);
             apart
         };
-        let (left, right) = rayon::join(|| apart(lefts, left), || apart(seen, right));
+        let on_left = || {
+            let grown = apart(lefts, left);
+            self.watch.give(aside);
+            grown
+        };
+        let (left, right) = rayon::join(on_left, || apart(seen, right));
         tree.attach(first, left);
         tree.attach(first + 1, right);
+    }
+
+    /// Tells of what was built below a large node, where it is small.
+    pub(super) fn advance(&self, cell: &Cell, child: &Cell) {
+        if child.small && !cell.small {
+            self.watch.advance(child.budget);
+        }
+    }
+
+    /// The same for a tree apart, which is counted.
+    pub(super) fn grown(&self, cell: &Cell, child: &Cell, tree: &Subtree) {
+        if child.small && !cell.small {
+            self.watch.grow(tree.memory_bytes());
+        }
+        self.advance(cell, child);
     }
 
     /// Builds what is behind `start` in `seen` into `slot` of `tree`, and what is below it behind all that is there.
@@ -168,8 +224,14 @@ impl Builder<'_> {
                 let first = tree.set_inner(slot, &plane);
                 let behind = seen.end();
                 seen.append_left(scratch);
+                if !cell.small {
+                    let now = seen.memory_bytes() + scratch.memory_bytes() + tree.memory_bytes();
+                    self.watch.recount(&mut tree.counted, now);
+                }
                 self.grow(seen, behind, left, scratch, tree, first);
+                self.advance(&cell, &left);
                 self.grow(seen, start, right, scratch, tree, first + 1);
+                self.advance(&cell, &right);
             }
         }
         seen.truncate(start);
@@ -187,6 +249,9 @@ impl Builder<'_> {
         let n = seen.prims.len() - start.prims;
         let as_leaf = self.costs.leaf(n);
         if cell.depth >= self.max_depth || as_leaf <= self.costs.cheapest_split() {
+            return None;
+        }
+        if !cell.small && !self.watch.go_on() {
             return None;
         }
         let across = |axis: usize| {
@@ -211,7 +276,11 @@ impl Builder<'_> {
 impl Subtree {
     /// An empty leaf.
     pub(super) fn new() -> Self {
-        Self { nodes: vec![EMPTY_LEAF], items: vec![0] }
+        Self { nodes: vec![EMPTY_LEAF], items: vec![0], counted: 0 }
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        size_of::<Node>() * self.nodes.capacity() + size_of::<u32>() * self.items.capacity()
     }
 
     /// Two children for `slot`; the place of the first.

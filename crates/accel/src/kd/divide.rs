@@ -96,6 +96,11 @@ impl Seen {
         Start { events: [0, 1, 2].map(|axis| self.events[axis].len()), prims: self.prims.len() }
     }
 
+    pub(crate) fn memory_bytes(&self) -> usize {
+        let events = self.events.iter().map(Vec::capacity).sum::<usize>();
+        size_of::<Event>() * events + size_of::<u32>() * self.prims.capacity()
+    }
+
     pub(crate) fn truncate(&mut self, end: Start) {
         for (events, end) in self.events.iter_mut().zip(end.events) {
             events.truncate(end);
@@ -170,6 +175,11 @@ impl Seen {
 }
 
 impl Scratch {
+    /// But for what few triangles across a plane take.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        self.left.memory_bytes() + self.sides.capacity() + size_of::<Code>() * self.codes.capacity()
+    }
+
     /// The left child of the last division by itself.
     pub(crate) fn into_left(mut self) -> Seen {
         self.left.truncate(self.left_end);

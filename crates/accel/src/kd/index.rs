@@ -10,13 +10,14 @@ use super::leaves::Leaves;
 use super::sweep::Blocked;
 use super::{KdTree, RaySlabs, Search};
 use crate::bvh::{BlockRay, Sweep};
+use crate::control::Watch;
 use crate::geometry::Screened;
 use crate::nearest::{Collect, Mode};
 use crate::packet::{Heading, NearestPacket, RayPacket, WIDTH};
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::tile::{NearestTile, RayTile};
 use crate::triangle::{ProjectedTriangles, ShearedRay};
-use crate::{Aabb, BuildOptions, Counters, Ray, Threads, TreeStats, TriangleTest};
+use crate::{Aabb, BuildError, BuildOptions, Counters, Ray, Threads, TreeStats, TriangleTest};
 
 /// Tree and triangles.
 #[derive(Debug, PartialEq)]
@@ -38,9 +39,19 @@ enum Prepared {
 
 impl KdIndex {
     /// Builds over the good triangles.
-    pub(crate) fn build(screened: &Screened, options: &BuildOptions, threads: Threads) -> Self {
-        let mut tree = KdTree::build(screened, options, threads);
+    pub(crate) fn build(
+        screened: &Screened,
+        options: &BuildOptions,
+        threads: Threads,
+        watch: &Watch,
+    ) -> Result<Self, BuildError> {
+        let mut tree = KdTree::build(screened, options, threads, watch)?;
         let measured = tree.measure(options);
+        watch.take(match options.triangle_test {
+            TriangleTest::Watertight => Leaves::memory_for(&tree),
+            TriangleTest::Projected => screened.count() * ProjectedTriangles::BYTES,
+        });
+        watch.result()?;
         let (triangles, bytes) = match options.triangle_test {
             TriangleTest::Watertight => {
                 let leaves = Leaves::take(&mut tree, screened);
@@ -56,7 +67,7 @@ impl KdIndex {
         let tree_bytes = tree.memory_bytes() as u64;
         let stats = TreeStats { tree_bytes, primitive_bytes: bytes as u64, ..measured };
         let reach = tree.bounds.reach();
-        Self { tree, triangles, reach, stats }
+        Ok(Self { tree, triangles, reach, stats })
     }
 
     /// Box around all triangles.

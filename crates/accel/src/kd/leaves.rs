@@ -23,11 +23,7 @@ pub(crate) struct Leaves {
 impl Leaves {
     /// Takes the triangles' numbers out of `tree`: its leaves name blocks afterwards.
     pub(crate) fn take(tree: &mut KdTree, screened: &Screened) -> Self {
-        let count = |node: &Node| {
-            if node.is_leaf() && node.item() != 0 { tree.leaf_items(*node).len().div_ceil(WIDTH) } else { 0 }
-        };
-        let mut leaves =
-            Self { starts: vec![0, 0], blocks: Vec::with_capacity(tree.nodes.iter().map(count).sum()) };
+        let mut leaves = Self { starts: vec![0, 0], blocks: Vec::with_capacity(blocks_of(tree)) };
         let mut nodes = std::mem::take(&mut tree.nodes);
         for node in &mut nodes {
             if !node.is_leaf() || *node == EMPTY_LEAF {
@@ -47,6 +43,11 @@ impl Leaves {
         leaves
     }
 
+    /// What [`take`](Self::take) will take for its blocks.
+    pub(crate) fn memory_for(tree: &KdTree) -> usize {
+        size_of::<TriangleBlock>() * blocks_of(tree)
+    }
+
     /// The blocks of a leaf.
     #[inline(always)]
     pub(crate) fn of(&self, leaf: Node) -> Range<usize> {
@@ -57,4 +58,12 @@ impl Leaves {
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(&self.starts[..]) + size_of_val(&self.blocks[..])
     }
+}
+
+/// How many blocks hold the triangles of all leaves.
+fn blocks_of(tree: &KdTree) -> usize {
+    let count = |node: &Node| {
+        if node.is_leaf() && node.item() != 0 { tree.leaf_items(*node).len().div_ceil(WIDTH) } else { 0 }
+    };
+    tree.nodes.iter().map(count).sum()
 }

@@ -124,7 +124,10 @@ mod tests {
         for (name, soup) in &soups {
             let meshes = [Triangles { positions: &soup.positions, indices: &soup.indices }];
             let screened = Screened::new(&meshes);
-            let built = KdTree::build(&screened, &options, Threads::Single).measure(&options).sah_cost;
+            let built = KdTree::build(&screened, &options, Threads::Single, &crate::control::Watch::new(&()))
+                .expect("nobody stops it")
+                .measure(&options)
+                .sah_cost;
             let seen: Vec<Seen> = screened
                 .good
                 .iter()

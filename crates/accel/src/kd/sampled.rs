@@ -55,7 +55,11 @@ impl Builder<'_> {
     pub(super) fn grow_sampled(&self, mut refs: Vec<BoxRef>, cell: Cell, tree: &mut Subtree, slot: usize) {
         let mut aside = Vec::new();
         if !self.parallel || refs.len() < WORTH_A_THREAD {
-            return self.grow_sampled_alone(&mut refs, 0, cell, &mut aside, tree, slot);
+            let before = size_of::<BoxRef>() * refs.capacity();
+            tree.counted = before;
+            self.grow_sampled_alone(&mut refs, 0, cell, &mut aside, tree, slot);
+            self.watch.recount(&mut tree.counted, before);
+            return;
         }
         let Some((plane, counts, cells)) = self.sampled_step(&refs, cell) else {
             return tree.set_leaf(slot, refs.iter().map(BoxRef::number));
@@ -63,12 +67,20 @@ impl Builder<'_> {
         part(&mut refs, 0, &plane, counts, &mut aside);
         aside.truncate(counts[0]);
         let first = tree.set_inner(slot, &plane);
-        let apart = |refs: Vec<BoxRef>, cell: Cell| {
+        let bytes = size_of::<BoxRef>() * aside.capacity();
+        self.watch.take(bytes);
+        let apart = |refs: Vec<BoxRef>, child: Cell| {
             let mut apart = Subtree::new();
-            self.grow_sampled(refs, cell, &mut apart, 0);
+            self.grow_sampled(refs, child, &mut apart, 0);
+            self.grown(&cell, &child, &apart);
             apart
         };
-        let (left, right) = rayon::join(|| apart(aside, cells[0]), || apart(refs, cells[1]));
+        let on_left = || {
+            let grown = apart(aside, cells[0]);
+            self.watch.give(bytes);
+            grown
+        };
+        let (left, right) = rayon::join(on_left, || apart(refs, cells[1]));
         tree.attach(first, left);
         tree.attach(first + 1, right);
     }
@@ -90,8 +102,15 @@ impl Builder<'_> {
                 part(refs, start, &plane, counts, aside);
                 let behind = refs.len();
                 refs.extend_from_slice(&aside[..counts[0]]);
+                if !cell.small {
+                    let boxes = refs.capacity() + aside.capacity();
+                    let now = size_of::<BoxRef>() * boxes + tree.memory_bytes();
+                    self.watch.recount(&mut tree.counted, now);
+                }
                 self.grow_sampled_alone(refs, behind, left, aside, tree, first);
+                self.advance(&cell, &left);
                 self.grow_sampled_alone(refs, start, right, aside, tree, first + 1);
+                self.advance(&cell, &right);
             }
         }
         refs.truncate(start);
@@ -101,6 +120,9 @@ impl Builder<'_> {
     fn sampled_step(&self, refs: &[BoxRef], cell: Cell) -> Option<(Plane, [usize; 2], [Cell; 2])> {
         let as_leaf = self.costs.leaf(refs.len());
         if cell.depth >= self.max_depth || as_leaf <= self.costs.cheapest_split() {
+            return None;
+        }
+        if !cell.small && !self.watch.go_on() {
             return None;
         }
         let plane = dispatch!(self.level, simd => cheapest(simd, refs, &cell.bounds, &self.costs));

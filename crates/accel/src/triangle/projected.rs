@@ -58,6 +58,9 @@ impl ProjectedTriangles {
         Self { triangles: corners.map(|corners| Projected::new(&corners)).collect() }
     }
 
+    /// Of one.
+    pub(crate) const BYTES: usize = size_of::<Projected>();
+
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(&self.triangles[..])
     }

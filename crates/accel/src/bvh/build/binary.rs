@@ -51,7 +51,7 @@ struct Workspace {
 /// What is built over, by whom.
 pub(super) struct Careful<'a, P> {
     pub(super) primitives: &'a P,
-    pub(super) crew: Crew,
+    pub(super) crew: Crew<'a>,
     /// Overlaps of children below this are good enough.
     least_overlap: f32,
     /// From this depth on references are divided by number alone.
@@ -61,7 +61,7 @@ pub(super) struct Careful<'a, P> {
 }
 
 impl<'a, P: Primitives> Careful<'a, P> {
-    pub(super) fn new(primitives: &'a P, crew: Crew, root: &Part, by_number: usize) -> Self {
+    pub(super) fn new(primitives: &'a P, crew: Crew<'a>, root: &Part, by_number: usize) -> Self {
         let least_overlap = LEAST_OVERLAP * root.bounds.half_area(crew.scale);
         Self { primitives, crew, least_overlap, by_number, clusters: &[] }
     }
@@ -70,7 +70,7 @@ impl<'a, P: Primitives> Careful<'a, P> {
     pub(super) fn over(
         clusters: &'a [Cluster<'a>],
         primitives: &'a P,
-        crew: Crew,
+        crew: Crew<'a>,
         root: &Part,
         by_number: usize,
     ) -> Self {
@@ -81,7 +81,14 @@ impl<'a, P: Primitives> Careful<'a, P> {
     pub(super) fn build(&self, references: &mut [Reference], root: Part) -> Vec<Knot> {
         let mut pieces = vec![Vec::new()];
         self.subtree(references, root, 0, &mut Workspace::new(), &mut pieces);
-        if pieces.len() == 1 { pieces.swap_remove(0) } else { pieces.concat() }
+        if pieces.len() == 1 {
+            return pieces.swap_remove(0);
+        }
+        let watch = self.crew.watch;
+        let bytes = pieces.iter().map(|knots| size_of_val(&knots[..])).sum();
+        let knots = if watch.take(bytes) { pieces.concat() } else { Vec::new() };
+        watch.give(bytes);
+        knots
     }
 
     /// Appends to the last of `pieces`, or as further pieces; returns the number of knots and what the last one costs.
@@ -106,10 +113,16 @@ impl<'a, P: Primitives> Careful<'a, P> {
             pieces[last].push(Knot::leaf(part.bounds, &references[..count]));
             return (1, leaf_costs(area));
         }
+        let large = count > SUBTREE;
+        if large && !self.crew.watch.go_on() {
+            pieces[last].push(Knot::leaf(part.bounds, &[]));
+            return (1, leaf_costs(area));
+        }
         let [left, right] = self.divide(references, &part, depth, workspace);
+        let counts = [left.count(), right.count()];
         let (left_room, right_room) = references.split_at_mut(right.start);
         let right = Part { start: 0, end: right.count(), ..right };
-        let ((left_size, left_costs), (right_size, right_costs)) = if self.crew.parallel && count > SUBTREE {
+        let ((left_size, left_costs), (right_size, right_costs)) = if self.crew.parallel && large {
             let mut apart = vec![Vec::new()];
             let both = self.crew.both(
                 || self.subtree(left_room, left, depth + 1, workspace, pieces),
@@ -121,6 +134,14 @@ impl<'a, P: Primitives> Careful<'a, P> {
             let left = self.subtree(left_room, left, depth + 1, workspace, pieces);
             (left, self.subtree(right_room, right, depth + 1, workspace, pieces))
         };
+        if large && self.clusters.is_empty() {
+            for (count, size) in counts.into_iter().zip([left_size, right_size]) {
+                if count <= SUBTREE {
+                    self.crew.watch.advance(count);
+                    self.crew.watch.grow(size * size_of::<Knot>());
+                }
+            }
+        }
         let last = pieces.len() - 1;
         let (costs, shares) = inner_costs(area, &left_costs, &right_costs);
         pieces[last].push(Knot::inner(part.bounds, right_size, shares));

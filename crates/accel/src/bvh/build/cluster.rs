@@ -48,6 +48,11 @@ pub(super) fn build(
     references: &[Reference],
     root: &Part,
 ) -> Vec<Knot> {
+    // References in order, codes, and those before they are sorted.
+    let bytes = references.len() * (size_of::<Reference>() + 2 * size_of::<u64>());
+    if !crew.watch.take(bytes) {
+        return Vec::new();
+    }
     let Clusters { along, codes, borders } = Clusters::new(references, root);
     let groups = grow(crew, &along, &codes, &borders);
     let mut clusters = Vec::with_capacity(borders.len());
@@ -61,7 +66,9 @@ pub(super) fn build(
         }
     }
     let root = crew.around(&tops);
-    Careful::over(&clusters, primitives, crew, &root, BY_NUMBER).build(&mut tops, root)
+    let knots = Careful::over(&clusters, primitives, crew, &root, BY_NUMBER).build(&mut tops, root);
+    crew.watch.give(bytes);
+    knots
 }
 
 /// Builds cluster by cluster; `borders` count from the first of all references, as `along` and `codes` do.
@@ -78,10 +85,15 @@ fn grow(crew: Crew, along: &[Reference], codes: &[u64], borders: &[usize]) -> Ve
     let inside = borders[borders.len() - 1] - borders[0];
     let mut group = Group { knots: Vec::with_capacity(inside / 2), ends: Vec::with_capacity(borders.len()) };
     for border in borders.windows(2) {
+        if !crew.watch.go_on() {
+            break;
+        }
         let range = border[0]..border[1];
         let grown = halve(crew, &along[range.clone()], &codes[range], BITS, &mut group.knots);
         group.ends.push((group.knots.len(), grown.costs));
     }
+    crew.watch.advance(inside);
+    crew.watch.grow(size_of_val(&group.knots[..]));
     vec![group]
 }
 
@@ -211,7 +223,8 @@ mod tests {
         boxes.extend([boxes[0]; 200]);
         let all = boxes.iter().enumerate();
         let references: Vec<Reference> = all.map(|(i, bounds)| Reference::new(i as u32, bounds)).collect();
-        let crew = Crew { parallel: false, level: gnurt_simd::Level::best(), scale: 1.0 };
+        let watch = crate::control::Watch::new(&());
+        let crew = Crew { parallel: false, level: gnurt_simd::Level::best(), scale: 1.0, watch: &watch };
         let root = crew.around(&references);
         let codes = codes(&references, &root);
         let mut expected = codes.clone();

@@ -9,17 +9,19 @@ use gnurt_simd::{Level, dispatch};
 use super::bins::{Bins, Mapping, Split};
 use super::partition::{Buffer, Parted, partition};
 use super::reference::{Lanes, Part, Reference};
+use crate::control::Watch;
 
 /// More references than this are binned and parted in pieces. Tests have small scenes.
 const PIECE: usize = if cfg!(test) { 1 << 9 } else { 1 << 15 };
 
 /// Who builds, and how large things are.
 #[derive(Clone, Copy)]
-pub(super) struct Crew {
+pub(super) struct Crew<'a> {
     pub(super) parallel: bool,
     pub(super) level: Level,
     /// Sides of boxes are multiplied with this before their area is taken.
     pub(super) scale: f32,
+    pub(super) watch: &'a Watch<'a>,
 }
 
 /// A split, how it was found, and the boxes on its sides.
@@ -30,7 +32,7 @@ pub(super) struct Found {
     pub(super) bounds: [Lanes; 2],
 }
 
-impl Crew {
+impl Crew<'_> {
     /// Runs two jobs, at the same time where there are threads.
     pub(super) fn both<A: Send, B: Send>(
         self,

@@ -17,8 +17,9 @@ mod spatial;
 mod tests;
 
 use super::node::{Node8, WIDTH};
-use crate::{Aabb, Quality, Threads};
-use binary::Careful;
+use crate::control::Watch;
+use crate::{Aabb, BuildError, Quality, Threads};
+use binary::{Careful, Knot};
 pub(crate) use collapse::DEEPEST;
 use collapse::collapse;
 use crew::Crew;
@@ -56,19 +57,42 @@ const BY_NUMBER_WHEN_DEEP: usize = DEEPEST - 28;
 
 /// Builds over all primitives.
 pub(crate) fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
+    try_build(primitives, quality, threads, &Watch::new(&())).expect("nobody stops it")
+}
+
+/// The same under control. What the tree takes stays counted.
+pub(crate) fn try_build(
+    primitives: &impl Primitives,
+    quality: Quality,
+    threads: Threads,
+    watch: &Watch,
+) -> Result<Tree, BuildError> {
     match threads {
-        Threads::Single => build_with(primitives, quality, false),
-        Threads::Pool(pool) => pool.install(|| build_with(primitives, quality, true)),
+        Threads::Single => build_with(primitives, quality, false, watch),
+        Threads::Pool(pool) => pool.install(|| build_with(primitives, quality, true, watch)),
     }
 }
 
-fn build_with(primitives: &impl Primitives, quality: Quality, parallel: bool) -> Tree {
+fn build_with(
+    primitives: &impl Primitives,
+    quality: Quality,
+    parallel: bool,
+    watch: &Watch,
+) -> Result<Tree, BuildError> {
     let count = primitives.count();
     if count == 0 {
-        return Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Aabb::EMPTY };
+        return Ok(Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Aabb::EMPTY });
     }
+    watch.start(count);
+    let mut held = 0;
+    let mut hold = |bytes| {
+        watch.recount(&mut held, bytes);
+        watch.result()
+    };
+    let in_references = |count: usize| count * size_of::<Reference>();
+    hold(in_references(count))?;
     let mut references = all_references(primitives, parallel);
-    let crew = Crew { parallel, level: Level::best(), scale: 1.0 };
+    let crew = Crew { parallel, level: Level::best(), scale: 1.0, watch };
     let root = crew.around(&references);
     let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
     let crew = Crew { scale: (1.0 / longest) as f32, ..crew };
@@ -76,18 +100,45 @@ fn build_with(primitives: &impl Primitives, quality: Quality, parallel: bool) ->
     let first = primitives.bounds(0);
     let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
     if quality == Quality::High && primitives.split(0, &first, 0, middle).is_some() {
+        hold(in_references(count + count / 2))?;
         references.resize(count + count / 2, Reference::ZERO);
     }
     let knots = match quality {
         Quality::Fast => cluster::build(primitives, crew, &references, &root),
         _ => Careful::new(primitives, crew, &root, BY_NUMBER).build(&mut references, root),
     };
-    collapse(&knots).unwrap_or_else(|| {
-        // A strange scene. A flat tree is not fast, but it is one.
-        references = all_references(primitives, parallel);
-        let knots = Careful::new(primitives, crew, &root, BY_NUMBER_WHEN_DEEP).build(&mut references, root);
-        collapse(&knots).expect("halving so early cannot lead deeper")
-    })
+    watch.grown();
+    hold(size_of_val(&references[..]) + size_of_val(&knots[..]))?;
+    if let Some(tree) = collapsed(&knots, watch)? {
+        hold(0)?;
+        return Ok(tree);
+    }
+    // A strange scene. A flat tree is not fast, but it is one.
+    drop(knots);
+    references = all_references(primitives, parallel);
+    let knots = Careful::new(primitives, crew, &root, BY_NUMBER_WHEN_DEEP).build(&mut references, root);
+    let tree = collapsed(&knots, watch)?;
+    hold(0)?;
+    Ok(tree.expect("halving so early cannot lead deeper"))
+}
+
+/// The wide tree, where it is not too deep; it is counted.
+fn collapsed(knots: &[Knot], watch: &Watch) -> Result<Option<Tree>, BuildError> {
+    // Every second knot is a leaf, and a node holds at least four of them on average.
+    let mut held = 0;
+    watch.recount(&mut held, knots.len() / 2 * (size_of::<[u32; WIDTH]>() + size_of::<Node8>() / 4));
+    watch.result()?;
+    let tree = collapse(knots);
+    watch.recount(&mut held, tree.as_ref().map_or(0, Tree::memory_bytes));
+    watch.result()?;
+    Ok(tree)
+}
+
+impl Tree {
+    /// Of nodes and of the numbers in blocks.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
+    }
 }
 
 fn all_references(primitives: &impl Primitives, parallel: bool) -> Vec<Reference> {

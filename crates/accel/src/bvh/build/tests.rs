@@ -263,7 +263,8 @@ fn no_other_collapse_is_cheaper() {
     for count in [9, 20, 35, 50] {
         let boxes = Boxes(random_boxes(&mut random, count, 0.3));
         let mut references = all_references(&boxes, false);
-        let crew = Crew { parallel: false, level: Level::best(), scale: 1.0 };
+        let watch = crate::control::Watch::new(&());
+        let crew = Crew { parallel: false, level: Level::best(), scale: 1.0, watch: &watch };
         let root = crew.around(&references);
         let knots = Careful::new(&boxes, crew, &root, 64).build(&mut references, root);
         let tree = collapse(&knots).expect("it is not deep");

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Builds that are cancelled, watched, and kept within a budget. Source: original.
+
+mod common;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
+use common::{TESTS, options};
+use gnurt_accel::{BuildControl, BuildError, ObjectTree, Threads, Triangles};
+use gnurt_testkit::{Soup, closed};
+
+/// Notes what it is told, and stops a build.
+#[derive(Default)]
+struct Notes {
+    told: Mutex<Vec<f32>>,
+    peak: AtomicU64,
+    last: AtomicU64,
+    asked: AtomicU64,
+    /// Says no when it is asked so often; 0 for never.
+    no: u64,
+    budget: Option<u64>,
+}
+
+impl BuildControl for Notes {
+    fn keep_going(&self) -> bool {
+        self.asked.fetch_add(1, Relaxed) + 1 != self.no
+    }
+
+    fn progress(&self, done: f32) {
+        self.told.lock().expect("nobody panics").push(done);
+    }
+
+    fn memory(&self, bytes: u64) {
+        self.peak.fetch_max(bytes, Relaxed);
+        self.last.store(bytes, Relaxed);
+    }
+
+    fn memory_budget(&self) -> u64 {
+        self.budget.unwrap_or(u64::MAX)
+    }
+}
+
+fn try_build(
+    mesh: &Soup,
+    kind: common::Kind,
+    threads: Threads,
+    notes: &Notes,
+) -> Result<ObjectTree, BuildError> {
+    let mesh = Triangles { positions: &mesh.positions, indices: &mesh.indices };
+    ObjectTree::try_build(&[mesh], &options(kind), threads, notes)
+}
+
+#[test]
+fn who_listens_does_not_change_the_tree() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
+    let mesh = closed::torus(60);
+    for (kind, _) in TESTS {
+        let plain = common::build(std::slice::from_ref(&mesh), kind);
+        for threads in [Threads::Single, Threads::Pool(&pool)] {
+            let notes = Notes::default();
+            let tree = try_build(&mesh, kind, threads, &notes).expect("nobody stops it");
+            assert!(tree.same_tree(&plain), "{kind:?}: node for node");
+            let told = notes.told.into_inner().expect("nobody panics");
+            assert!(told.len() > 1, "{kind:?}: {told:?} is not much");
+            assert!(told.is_sorted() && told.last() == Some(&1.0), "{kind:?}: {told:?} goes to 1");
+            let stats = tree.stats();
+            let (result, last) = (stats.tree_bytes + stats.primitive_bytes, notes.last.into_inner());
+            let peak = notes.peak.into_inner();
+            assert!(peak > result, "{kind:?}: {peak} at its peak for {result}");
+            let about = |part: f64| (part * result as f64) as u64;
+            assert!((about(0.9)..about(1.5)).contains(&last), "{kind:?}: {last} at the end for {result}");
+        }
+    }
+}
+
+#[test]
+fn any_no_ends_a_build() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
+    let mesh = closed::torus(60);
+    for (kind, _) in TESTS {
+        for threads in [Threads::Single, Threads::Pool(&pool)] {
+            let all = Notes::default();
+            try_build(&mesh, kind, threads, &all).expect("nobody stops it");
+            let all = all.asked.into_inner();
+            assert!(all > 4, "{kind:?}: asked {all} times only");
+            for no in [1, 2, 3, all / 2, all - 1] {
+                let notes = Notes { no, ..Notes::default() };
+                let error = try_build(&mesh, kind, threads, &notes).err();
+                assert_eq!(
+                    error,
+                    Some(BuildError::Cancelled),
+                    "{kind:?}: no, when asked for the {no}th time"
+                );
+                let told = notes.told.into_inner().expect("nobody panics");
+                assert!(told.last() != Some(&1.0), "{kind:?}: not finished");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_build_stays_within_its_budget() {
+    let mesh = closed::torus(60);
+    for (kind, _) in TESTS {
+        let free = Notes::default();
+        let tree = try_build(&mesh, kind, Threads::Single, &free).expect("nobody stops it");
+        let peak = free.peak.into_inner();
+        let with = |budget: u64| {
+            let notes = Notes { budget: Some(budget), ..Notes::default() };
+            let built = try_build(&mesh, kind, Threads::Single, &notes);
+            assert!(notes.peak.into_inner() <= budget, "{kind:?}: {budget} bytes and no more");
+            built
+        };
+        assert!(with(peak).is_ok_and(|same| same.same_tree(&tree)), "{kind:?}: {peak} bytes are enough");
+        for budget in [0, 1000, peak / 3, peak / 2, peak - 1] {
+            match with(budget).err() {
+                Some(BuildError::OutOfMemory { needed, budget: allowed }) => {
+                    assert_eq!(allowed, budget, "{kind:?}: as it was set");
+                    assert!(needed > budget && needed <= peak, "{kind:?}: {needed} of {peak} bytes");
+                }
+                other => panic!("{kind:?}: {other:?} with {budget} of {peak} bytes"),
+            }
+        }
+    }
+}
