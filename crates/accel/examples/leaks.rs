@@ -7,14 +7,18 @@
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Coherence, HitBatch, Instance, ObjectTree, Quality, Query, Ray, RayBatch, Record, SceneTree,
-    Structure, Threads, Triangles,
+    BuildOptions, Coherence, HitBatch, Instance, ObjectTree, Quality, Query, Ray, RayBatch, Record,
+    SceneTree, Structure, Threads, Triangles,
 };
 use gnurt_testkit::{Random, Soup, closed, rays};
 
 /// Closed meshes with the radius of a ball that is inside.
 fn meshes() -> [(&'static str, Soup, f32); 3] {
-    [("sphere", closed::sphere(24), 0.7), ("cube", closed::cube(6), 0.9), ("plain cube", closed::cube(1), 0.9)]
+    [
+        ("sphere", closed::sphere(24), 0.7),
+        ("cube", closed::cube(6), 0.9),
+        ("plain cube", closed::cube(1), 0.9),
+    ]
 }
 
 /// Every way to ask, as a scene `distance` units away along each axis; instances are moved by their transform, so that
@@ -60,7 +64,9 @@ fn main() -> Result<(), String> {
                         scene.intersect_batch(&query, &batch, &mut hits, &mut Record::default());
                         let missed = (0..hits.len()).filter(|&i| hits.get(i).is_none()).count() as u64;
                         if missed > 0 {
-                            println!("{missed} leaks: {name}, {structure:?}, {quality:?}, {coherence:?}, {distance}");
+                            println!(
+                                "{missed} leaks: {name}, {structure:?}, {quality:?}, {coherence:?}, {distance}"
+                            );
                         }
                         leaks += missed;
                         sent += batch.len() as u64;
