@@ -43,6 +43,14 @@ impl Ranges {
         Self { org: [none; 3], slope: [none; 2], t_near: f32::INFINITY }
     };
 
+    /// How wide the rays are together after `size` steps, along the widest axis.
+    #[inline(always)]
+    pub(crate) fn spread(&self, size: f32) -> f32 {
+        let wide = |range: [f32; 2]| range[1] - range[0];
+        let org = most(wide(self.org[0]), most(wide(self.org[1]), wide(self.org[2])));
+        org + most(wide(self.slope[0]), wide(self.slope[1])) * size
+    }
+
     #[inline(always)]
     pub(super) fn union(&self, other: &Self) -> Self {
         let both = |a: [f32; 2], b: [f32; 2]| [least(a[0], b[0]), most(a[1], b[1])];

@@ -12,7 +12,7 @@ use super::{KdTree, RaySlabs, Search};
 use crate::bvh::{BlockRay, Sweep};
 use crate::control::Watch;
 use crate::geometry::Screened;
-use crate::nearest::{Collect, Mode};
+use crate::nearest::{Best, Collect, Mode};
 use crate::packet::{Heading, NearestPacket, RayPacket, WIDTH};
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::tile::{NearestTile, RayTile};
@@ -174,7 +174,14 @@ impl KdIndex {
         match &self.triangles {
             Prepared::Watertight(leaves) => {
                 let (tree, blocks) = (&Blocked { tree, leaves }, &leaves.blocks[..]);
-                Sweep { simd, tree, blocks, reach, slot, rays, count, heading }.run::<M>(nearest, counters);
+                let sweep = Sweep { simd, tree, blocks, reach, slot, rays, count, heading };
+                if !sweep.run::<M>(nearest, counters) {
+                    for i in 0..count {
+                        let mut best = Best::<M>::new(nearest.get(i));
+                        self.search::<S, _>(simd, &rays.ray(i, best.reach()), slot, &mut best, counters);
+                        nearest.set(i, &best.0);
+                    }
+                }
             }
             Prepared::Projected(triangles) => {
                 for first in (0..count).step_by(WIDTH) {

@@ -46,14 +46,23 @@ impl Mailbox {
     }
 }
 
+/// Tiles may be this wide, as a part of the tree's size.
+const FARTHEST_SPREAD: f32 = 1.0 / 16.0;
+
 impl<S: Simd> Sweep<'_, S, Blocked<'_>> {
-    /// Improves the hits of the tile's rays.
+    /// Improves the hits of the tile's rays; or does nothing and says so, where they spread so far that one by one is
+    /// faster: an interval that most leaves lie in tells nothing.
     #[inline(always)]
-    pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) {
+    pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) -> bool {
         let Self { simd, tree, rays, count, heading, .. } = *self;
         let chunks = count.div_ceil(LANES);
         let mut slopes = Slopes::EMPTY;
         let (each, whole) = slopes.prepare(simd, rays, count, heading);
+        let [x, y, z] = tree.tree.bounds.extent();
+        let size = x.max(y).max(z) as f32;
+        if whole.spread(size) > FARTHEST_SPREAD * size {
+            return false;
+        }
         let beam = Beam::new(&whole, heading, self.reach);
         let mut parts = [Beam::EMPTY; CHUNKS];
         for (part, ranges) in parts.iter_mut().zip(&each).take(chunks) {
@@ -100,6 +109,7 @@ impl<S: Simd> Sweep<'_, S, Blocked<'_>> {
         );
         counters.nodes += visited * (LANES * chunks) as u64;
         counters.triangles += tested;
+        true
     }
 }
 
