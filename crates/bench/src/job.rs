@@ -209,7 +209,7 @@ mod tests {
         let count = names.len();
         names.sort();
         names.dedup();
-        assert_eq!((count, names.len()), (18 + 15, 18 + 15), "one name each");
+        assert_eq!((count, names.len()), (24 + 15, 24 + 15), "one name each");
     }
 
     #[test]
@@ -226,7 +226,7 @@ mod tests {
             "parts of names"
         );
         let usual = modes(&["gnurt"], &[]).expect("there are such");
-        assert_eq!(usual.len(), 9, "medium and high, and one kd-tree: {usual:?}");
+        assert_eq!(usual.len(), 12, "medium and high, and one kd-tree: {usual:?}");
         assert!(modes(&["gnurt"], &["kd-medium", "robust"]).is_err(), "a name that is in none is a slip");
     }
 }

@@ -117,7 +117,7 @@ mod tests {
         })
         .expect("it can be measured");
         assert_eq!(classes, Class::ALL, "each class is told");
-        assert_eq!(rows.len(), 5 * 9, "each job for each class");
+        assert_eq!(rows.len(), 5 * 12, "each job for each class");
         for row in &rows {
             assert!(row.mrays_cpu > 0.0 && row.min <= row.mrays_cpu && row.mrays_cpu <= row.max, "{row:?}");
             assert_eq!((row.runs, row.threads), (2, 2), "{row:?}");
