@@ -32,7 +32,7 @@ fn jobs_are_chosen() {
     let run = folder.gnurt(line).success();
     assert_eq!(run.stderr, "", "quiet");
     let modes = run.stdout.lines().filter(|line| line.trim_start().starts_with("gnurt"));
-    assert_eq!(modes.count(), 2 * 3, "three modes of two classes: {}", run.stdout);
+    assert_eq!(modes.count(), 2 * 4, "four modes of two classes: {}", run.stdout);
 }
 
 #[test]
