@@ -8,21 +8,17 @@
 //!
 //! Invariant: kernels whose numbers are results use plain `*` and `+`, never `mul_add`, so that every level gives the
 //! same bits. What only has to be on the safe side (boxes that a ray may meet) is free to fuse.
-//! Proof: `level::tests`, `lanes::tests`, `stack::tests`.
+//! Proof: `level::tests`, `stack::tests`.
 
-mod lanes;
 mod level;
 mod memory;
-mod prefetch;
 mod stack;
 
 pub use fearless_simd::{
     Simd, SimdFloat, f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16, prelude, u32x8, u32x16,
 };
-pub use lanes::{lane, load_or, select};
 pub use level::{Level, UnknownLevel};
 pub use memory::prefer_huge_pages;
-pub use prefetch::prefetch;
 pub use stack::Stack;
 
 #[doc(hidden)]

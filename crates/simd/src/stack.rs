@@ -43,12 +43,6 @@ impl<T: Copy, const N: usize> Stack<T, N> {
         // SAFETY: all entries below `len` have been written, and `MaybeUninit<T>` has the layout of `T`.
         unsafe { &mut *(std::ptr::from_mut(&mut written[from..]) as *mut [T]) }
     }
-
-    /// Removes all values.
-    #[inline(always)]
-    pub fn clear(&mut self) {
-        self.len = 0;
-    }
 }
 
 impl<T: Copy, const N: usize> Default for Stack<T, N> {
@@ -68,9 +62,6 @@ mod tests {
         [1, 5, 3].into_iter().for_each(|value| stack.push(value));
         stack.top(2).sort_unstable();
         assert_eq!([stack.pop(), stack.pop(), stack.pop(), stack.pop()], [Some(5), Some(3), Some(1), None]);
-        stack.push(9);
-        stack.clear();
-        assert_eq!(stack.pop(), None, "cleared");
     }
 
     #[test]

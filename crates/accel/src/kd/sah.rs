@@ -238,7 +238,7 @@ impl<S: Simd> Sweep<S> {
         let places_before = f32x8::from_slice(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
         let left = at(passed.left) + (places_before - (ended - here));
         let right = at(passed.right) - ended;
-        let all = gnurt_simd::lane(ended, BLOCK - 1) as i32;
+        let all = ended.as_array()[BLOCK - 1] as i32;
         passed.left += BLOCK as i32 - all;
         passed.right -= all;
 
