@@ -16,6 +16,8 @@ mod render;
 mod stats;
 mod tile;
 mod tracer;
+#[expect(dead_code, reason = "the integrators that scatter light themselves come next")]
+mod transport;
 pub mod world;
 
 pub use camera::PerspectiveCamera;

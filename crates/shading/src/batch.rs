@@ -6,6 +6,7 @@
 use glam::Vec3;
 use gnurt_accel::Ray;
 
+use crate::point::SurfacePoint;
 use crate::sampling::hash_combine;
 
 /// Three floats per lane: points, directions or colours.
@@ -169,38 +170,34 @@ impl SurfaceBatch {
         self.ng.get(i).dot(self.ray_dir.get(i)) <= 0.0
     }
 
-    /// A ray from the point of lane `i` towards `dir` that will not meet the surface it leaves: its origin is off the
-    /// surface by the point's error, on the side that `dir` points to.
+    /// What rays that leave lane `i` need to know.
+    #[must_use]
+    pub fn point(&self, i: usize) -> SurfacePoint {
+        SurfacePoint {
+            p: self.p.get(i),
+            error: self.error[i],
+            ng: self.facing_ng(i),
+            ns: self.facing_ns(i),
+            lift: self.lift.get(i),
+        }
+    }
+
+    /// See [`SurfacePoint::spawn`].
     #[must_use]
     pub fn spawn(&self, i: usize, dir: Vec3, t_far: f32) -> Ray {
-        let (p, ng) = (self.p.get(i), self.ng.get(i));
-        Ray::new(off_surface(p, ng, dir, self.error[i]).into(), dir.into()).within(0.0, t_far)
+        self.point(i).spawn(dir, t_far)
     }
 
-    /// A ray from the point of lane `i` that ends at `dist` along the unit direction `dir`, seen from the point itself:
-    /// what [`LightBatch`](crate::LightBatch) gives. Its origin is off the surface, and it ends as much before the light:
-    /// that may lie on a surface, which must not shadow it.
+    /// See [`SurfacePoint::spawn_to`].
     #[must_use]
     pub fn spawn_to(&self, i: usize, dir: Vec3, dist: f32) -> Ray {
-        let (p, ng) = (self.p.get(i), self.ng.get(i));
-        ray_between(p, off_surface(p, ng, dir, self.error[i]), dir, dist, self.error[i])
+        self.point(i).spawn_to(dir, dist)
     }
 
-    /// The ray that decides whether light from the unit direction `dir`, `dist` away, reaches lane `i`; `None` where
-    /// `dir` lies below the horizon. Where the mesh stands for a curved surface, the horizon is that of the shading normal
-    /// and the ray starts there \[Hanika2021\]; elsewhere both normals must see the light.
+    /// See [`SurfacePoint::shadow_ray`].
     #[must_use]
     pub fn shadow_ray(&self, i: usize, dir: Vec3, dist: f32) -> Option<Ray> {
-        let (ng, ns, lift) = (self.facing_ng(i), self.facing_ns(i), self.lift.get(i));
-        if ns.dot(dir) <= 0.0 {
-            return None;
-        }
-        if lift == Vec3::ZERO {
-            return (ng.dot(dir) > 0.0).then(|| self.spawn_to(i, dir, dist));
-        }
-        let p = self.p.get(i);
-        // Off to the side of the viewer, even where `dir` points below the facet.
-        Some(ray_between(p, off_surface(p + lift, ng, ng, self.error[i]), dir, dist, self.error[i]))
+        self.point(i).shadow_ray(dir, dist)
     }
 
     /// A batch of some of the lanes, in the order given.
@@ -233,31 +230,4 @@ impl SurfaceBatch {
             attributes: self.attributes.iter().map(components).collect(),
         }
     }
-}
-
-/// How far rounding may move the end of a ray, as a multiple of its length.
-const END_ERROR: f32 = 8.0 * f32::EPSILON;
-
-/// The ray from `from` to what is seen from `p` along `dir`, `dist` away; it stops short by `error` and its rounding.
-fn ray_between(p: Vec3, from: Vec3, dir: Vec3, dist: f32, error: f32) -> Ray {
-    if dist.is_infinite() {
-        return Ray::new(from.into(), dir.into()).within(0.0, dist);
-    }
-    let way = p + dir * dist - from;
-    let length = way.length();
-    let dir = if length > 0.0 { way / length } else { dir };
-    let end = length * (1.0 - END_ERROR) - error;
-    Ray::new(from.into(), dir.into()).within(0.0, end.max(0.0))
-}
-
-/// Moves `p` along `normal` by `error`, to the side that `dir` points to, and then away from it by one float more in
-/// each coordinate: adding a small number to a large one may have moved nothing.
-fn off_surface(p: Vec3, normal: Vec3, dir: Vec3, error: f32) -> Vec3 {
-    let offset = if normal.dot(dir) < 0.0 { -normal * error } else { normal * error };
-    let step = |x: f32, d: f32| match d {
-        d if d > 0.0 => (x + d).next_up(),
-        d if d < 0.0 => (x + d).next_down(),
-        _ => x,
-    };
-    Vec3::new(step(p.x, offset.x), step(p.y, offset.y), step(p.z, offset.z))
 }

@@ -4,14 +4,17 @@
 #![forbid(unsafe_code)]
 
 pub mod batch;
+pub mod bsdf;
 pub mod classes;
 pub mod lights;
 pub mod materials;
+mod point;
 pub mod sampling;
 pub mod shader;
 pub mod texture;
 
 pub use batch::{SampleKey, SurfaceBatch, Vec3s};
+pub use point::SurfacePoint;
 pub use shader::{
     AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, RayRequest, SurfaceShader,
     Tracer,

@@ -7,6 +7,7 @@ use glam::Vec3;
 use gnurt_accel::RayBatch;
 
 use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
+use crate::bsdf::Scattering;
 
 /// A value that a shader wants for each hit from its mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,6 +40,13 @@ pub trait SurfaceShader: Send + Sync {
     /// mid-grey.
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         let _ = (hits, out);
+    }
+
+    /// Appends what light does at each point, `hits.len()` values, and says so. `false` = only [`shade`](Self::shade)
+    /// knows: integrators that scatter light themselves take its radiance as if the surface emitted it, and end there.
+    fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {
+        let _ = (hits, out);
+        false
     }
 
     /// What it wants from the mesh, in the order of `SurfaceBatch::attributes`.

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use crate::batch::{SurfaceBatch, Vec3s};
+use crate::bsdf::Scattering;
 use crate::materials::color::{Coverage, Emission};
 use crate::materials::mirror::branch;
 use crate::shader::{AttributeRequest, RayRequest, SurfaceShader, Tracer};
@@ -79,6 +80,22 @@ impl SurfaceShader for Material {
 
     fn is_opaque(&self) -> bool {
         self.coverage.is_none() && self.surface.is_opaque()
+    }
+
+    fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {
+        let first = out.len();
+        if !self.surface.scatter(hits, out) {
+            return false;
+        }
+        for (i, point) in out[first..].iter_mut().enumerate() {
+            if let Some(emission) = self.emission.as_ref().filter(|_| hits.front(i)) {
+                point.emission += emission.at([hits.texcoord[0][i], hits.texcoord[1][i]]);
+            }
+            if let Some(coverage) = &self.coverage {
+                point.coverage *= coverage.at_hit(hits, i);
+            }
+        }
+        true
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -5,6 +5,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use crate::batch::{SurfaceBatch, Vec3s};
+use crate::bsdf::{Model, Scattering};
 use crate::materials::color::TexturedColor;
 use crate::materials::direct::direct_light;
 use crate::shader::{SurfaceShader, Tracer};
@@ -20,6 +21,12 @@ impl SurfaceShader for Matte {
     fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let albedo: Vec<_> = (0..hits.len()).map(|i| self.albedo.at_hit(hits, i) * FRAC_1_PI).collect();
         direct_light(tracer, hits, &|i, dir, _| albedo[i] * hits.facing_ns(i).dot(dir), out);
+    }
+
+    fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {
+        let lambert = |i| Model::Lambert { albedo: self.albedo.at_hit(hits, i) };
+        out.extend((0..hits.len()).map(|i| Scattering::new(hits, i, lambert(i))));
+        true
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {

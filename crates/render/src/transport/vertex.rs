@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The vertices of paths: hits with all that scattering needs, in the order of their rays.
+//! Source: original; batches by shader after the paper's section 8. Space: world.
+//! Proof: the integrators' tests.
+
+use glam::Vec3;
+use gnurt_shading::bsdf::{Bsdf, Scattering};
+use gnurt_shading::{SampleKey, SurfacePoint, Vec3s};
+
+use crate::tracer::BatchTracer;
+use crate::world::HitLanes;
+
+/// A point of a path on a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vertex {
+    /// Where rays leave it.
+    pub(crate) point: SurfacePoint,
+    /// Unit, to where the ray came from.
+    pub(crate) wo: Vec3,
+    /// What it does to light, what it gives off, how much of it is there.
+    pub(crate) scattering: Scattering,
+    /// Whether only its shader knows what it sends back: the emission then is all of that, and paths end here.
+    pub(crate) is_final: bool,
+    /// Whether the ray came to the side that its geometric normal points to.
+    pub(crate) front: bool,
+    /// How far the ray came.
+    pub(crate) t: f32,
+    /// What was hit: instance, mesh, triangle.
+    pub(crate) ids: [u32; 3],
+    /// Key of its random numbers.
+    pub(crate) key: SampleKey,
+}
+
+impl BatchTracer<'_> {
+    /// The vertex of each ray, `None` where it hit nothing.
+    pub(crate) fn vertices(&mut self, from: HitLanes) -> Vec<Option<Vertex>> {
+        let mut vertices = vec![None; from.rays.len()];
+        let mut scattering = Vec::new();
+        self.for_each_surface(from, |tracer, shader, lanes, points| {
+            scattering.clear();
+            let is_final = !shader.scatter(points, &mut scattering);
+            if is_final {
+                let mut radiance = Vec3s::splat(lanes.len(), Vec3::ZERO);
+                shader.shade(tracer, points, &mut radiance);
+                scattering.extend((0..lanes.len()).map(|k| Scattering {
+                    bsdf: Bsdf::black(points.facing_ns(k)),
+                    emission: radiance.get(k),
+                    coverage: 1.0,
+                }));
+            }
+            for (k, (&lane, &scattering)) in lanes.iter().zip(&scattering).enumerate() {
+                vertices[lane as usize] = Some(Vertex {
+                    point: points.point(k),
+                    wo: -points.ray_dir.get(k),
+                    scattering,
+                    is_final,
+                    front: points.front(k),
+                    t: points.t[k],
+                    ids: [points.inst_id[k], points.geom_id[k], points.prim_id[k]],
+                    key: points.key[k],
+                });
+            }
+        });
+        vertices
+    }
+}
