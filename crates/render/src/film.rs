@@ -2,7 +2,7 @@
 //! Sums per pixel of a tile, in double precision, in the order of the samples.
 //! Source: original. Memory does not depend on the number of samples.
 //! Invariant: all pixels of a tile have the same number of samples; sums do not depend on how samples were cut in passes.
-//! Proof: crates/render/tests/determinism.rs.
+//! Proof: crates/render/tests/{determinism,accumulation}.rs.
 
 use glam::Vec3;
 
@@ -41,6 +41,16 @@ impl TileFilm {
         let pixels = ((rect[2] - rect[0]) * (rect[3] - rect[1])) as usize;
         let sums = vec![[0.0; 4]; pixels];
         Self { rect, sums, samples: 0, aovs: aovs.then(|| TileAovs::new(pixels)), costs: Vec::new() }
+    }
+
+    /// Forgets all samples; keeps the memory.
+    pub(crate) fn clear(&mut self) {
+        self.sums.fill([0.0; 4]);
+        self.samples = 0;
+        self.costs.clear();
+        if let Some(aovs) = &mut self.aovs {
+            *aovs = TileAovs::new(self.sums.len());
+        }
     }
 
     /// Columns and rows of its pixels, row by row.

@@ -2,6 +2,7 @@
 //! From a scene description to a picture: worlds (committed scenes), integrators, tiles and progressive passes.
 #![forbid(unsafe_code)]
 
+mod accumulation;
 mod aov;
 mod camera;
 mod cost;
@@ -20,6 +21,7 @@ mod tracer;
 mod transport;
 pub mod world;
 
+pub use accumulation::Accumulation;
 pub use camera::PerspectiveCamera;
 pub use error::{CommitError, RenderError};
 pub use frame::Frame;

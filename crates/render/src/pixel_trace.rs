@@ -3,7 +3,6 @@
 //! Source: original. It runs the same code as a rendering, on a batch of one, with a log.
 
 use std::fmt;
-use std::time::Instant;
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Ray, RayBatch};
@@ -13,8 +12,7 @@ use crate::error::RenderError;
 use crate::integrators;
 use crate::options::RenderOptions;
 use crate::progress::Silent;
-use crate::render::job;
-use crate::tile::CameraBatch;
+use crate::tile::{CameraBatch, Job};
 use crate::tracer::BatchTracer;
 use crate::world::{HitLanes, World};
 
@@ -51,10 +49,11 @@ pub fn trace_pixel(
     y: u32,
 ) -> Result<PixelTrace, RenderError> {
     let options = RenderOptions { crop: None, heatmap: false, aovs: false, ..options.clone() };
-    let job = job(world, camera, &options, &Silent, Instant::now())?;
+    options.region()?;
     if x >= options.width || y >= options.height {
         return Err(RenderError::NoSuchPixel { x, y, width: options.width, height: options.height });
     }
+    let job = Job::new(world, camera, &options, &Silent);
     let mut tracer = BatchTracer::new(world, &options, None);
     tracer.log = Some(Log::default());
     let CameraBatch { rays, keys } = job.camera_rays(std::iter::once([x, y]), 0);

@@ -44,19 +44,38 @@ pub(crate) struct CameraBatch {
     pub(crate) keys: Vec<SampleKey>,
 }
 
-impl Job<'_> {
-    /// Adds samples `first..last` to a tile, or fewer if it is time to stop.
-    pub(crate) fn render_tile(&self, tile: &mut TileFilm, first: u32, last: u32) -> RenderStats {
+impl<'a> Job<'a> {
+    /// A job without deadline that has nothing done.
+    pub(crate) fn new(
+        world: &'a World,
+        camera: &'a dyn CameraShader,
+        options: &'a RenderOptions,
+        progress: &'a dyn Progress,
+    ) -> Self {
+        Self {
+            world,
+            camera,
+            options,
+            filter: Filter::new(options.filter),
+            progress,
+            deadline: None,
+            all_samples: 1,
+            samples_done: AtomicU64::new(0),
+            stopped: AtomicBool::new(false),
+            forward: forward(camera, options),
+        }
+    }
+
+    /// Brings a tile to `last` samples, or to fewer if it is time to stop.
+    pub(crate) fn render_tile(&self, tile: &mut TileFilm, last: u32) -> RenderStats {
         let costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
         let mut tracer = BatchTracer::new(self.world, self.options, costs);
-        // A tile that was cut short in an earlier pass stays as it is: samples are taken in order.
-        if tile.samples == first {
-            for sample in first..last {
-                if self.should_stop() {
-                    break;
-                }
-                self.render_sample(tile, &mut tracer, sample);
+        // Samples are taken in order, so that a tile that was cut short in an earlier pass goes on where it was.
+        for sample in tile.samples..last {
+            if self.should_stop() {
+                break;
             }
+            self.render_sample(tile, &mut tracer, sample);
         }
         if let Some(costs) = tracer.costs.take() {
             tile.costs.resize(costs.costs.len(), 0);
@@ -125,4 +144,11 @@ impl Job<'_> {
         }
         stop
     }
+}
+
+/// Where the middle of the picture looks.
+fn forward(camera: &dyn CameraShader, options: &RenderOptions) -> Vec3 {
+    let mut rays = RayBatch::default();
+    camera.rays(&[[0.5, 0.5]], options.width as f32 / options.height as f32, &mut rays);
+    if rays.is_empty() { Vec3::NEG_Z } else { Vec3::from(rays.get(0).dir) }
 }

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A picture that grows: samples are added to it pass by pass, for as long as somebody looks.
+//! Source: original. A pass that is stopped in the middle leaves tiles with different numbers of samples; the next one
+//! first takes what they lack. Memory: sums of all pixels, whatever the number of samples.
+//! Invariant: sample `s` of a pixel is the same whichever pass takes it, and sums are added in the order of the samples:
+//! after `n` samples the picture equals that of `render` with `spp = n`, bit for bit.
+//! Proof: crates/render/tests/accumulation.rs.
+
+use std::time::Instant;
+
+use gnurt_image::{Picture, heat_map};
+use gnurt_shading::CameraShader;
+use rayon::prelude::*;
+
+use crate::aov;
+use crate::error::RenderError;
+use crate::film::TileFilm;
+use crate::frame::Frame;
+use crate::options::RenderOptions;
+use crate::progress::Progress;
+use crate::stats::RenderStats;
+use crate::tile::Job;
+use crate::world::World;
+
+/// Samples taken so far of a picture of one world and one camera.
+///
+/// World and camera are not held but given to each pass, so that the caller may keep them wherever it likes; it gives
+/// the same ones until it calls [`restart`](Self::restart).
+///
+/// ```
+/// # use gnurt_render::{Accumulation, CommitOptions, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World};
+/// # let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
+/// # let scene = gnurt_scene::Scene::new();
+/// # let mut world = World::new();
+/// # world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool).expect("nothing is missing");
+/// # let camera = gnurt_scene::Camera { name: String::new(), eye: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov_y: 40.0 };
+/// # let camera = PerspectiveCamera::new(&camera).expect("a view");
+/// let options = RenderOptions { width: 64, height: 48, spp: 8, ..RenderOptions::default() };
+/// let mut seen = Accumulation::new(options).expect("sound options");
+/// while !seen.is_complete() {
+///     seen.pass(&world, &camera, 1, &pool, &Silent);
+///     let picture = seen.picture(); // show it
+/// #   assert_eq!(picture.pixel_count(), 64 * 48);
+/// }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Accumulation {
+    pub(crate) options: RenderOptions,
+    /// `[x0, y0, x1, y1]` in pixels: what is rendered of the frame.
+    pub(crate) region: [u32; 4],
+    pub(crate) tiles: Vec<TileFilm>,
+    pub(crate) stats: RenderStats,
+}
+
+impl Accumulation {
+    /// A picture without samples. `options.spp` is how many samples complete it; `options.time_limit` is not looked at.
+    ///
+    /// # Errors
+    /// [`RenderError`] if the options leave nothing to render.
+    pub fn new(options: RenderOptions) -> Result<Self, RenderError> {
+        let region = options.region()?;
+        let tiles = TileFilm::cover(region, options.aovs);
+        Ok(Self { options, region, tiles, stats: RenderStats::default() })
+    }
+
+    /// Forgets all samples: for another world, another camera or other options. Memory is used again where the size
+    /// stays, so that this may happen for every frame of an animation.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); nothing has changed then.
+    pub fn restart(&mut self, options: RenderOptions) -> Result<(), RenderError> {
+        let region = options.region()?;
+        if region == self.region && options.aovs == self.options.aovs {
+            self.tiles.iter_mut().for_each(TileFilm::clear);
+        } else {
+            self.tiles = TileFilm::cover(region, options.aovs);
+        }
+        (self.options, self.region, self.stats) = (options, region, RenderStats::default());
+        Ok(())
+    }
+
+    /// Brings every pixel to `samples` more than the one with the fewest has, at most to `options.spp`; fewer if
+    /// `progress` says stop. Says whether it came that far.
+    pub fn pass(
+        &mut self,
+        world: &World,
+        camera: &dyn CameraShader,
+        samples: u32,
+        pool: &rayon::ThreadPool,
+        progress: &dyn Progress,
+    ) -> bool {
+        self.pass_until(None, world, camera, samples, pool, progress)
+    }
+
+    /// As [`pass`](Self::pass), but ends at a moment, too.
+    pub(crate) fn pass_until(
+        &mut self,
+        deadline: Option<Instant>,
+        world: &World,
+        camera: &dyn CameraShader,
+        samples: u32,
+        pool: &rayon::ThreadPool,
+        progress: &dyn Progress,
+    ) -> bool {
+        let begin = Instant::now();
+        let last = self.samples().saturating_add(samples).min(self.options.spp);
+        let [x0, y0, x1, y1] = self.region;
+        let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
+        let mut job = Job::new(world, camera, &self.options, progress);
+        job.deadline = deadline;
+        job.all_samples = pixels * u64::from(self.options.spp);
+        *job.samples_done.get_mut() = self.stats.samples;
+        let of_tiles: Vec<RenderStats> = if job.should_stop() {
+            Vec::new()
+        } else {
+            pool.install(|| self.tiles.par_iter_mut().map(|tile| job.render_tile(tile, last)).collect())
+        };
+        of_tiles.iter().for_each(|tile| self.stats.add(tile));
+        self.stats.spp_min = self.samples();
+        self.stats.spp_max = self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);
+        self.stats.complete = self.is_complete();
+        self.stats.threads = pool.current_num_threads();
+        self.stats.seconds += begin.elapsed().as_secs_f64();
+        self.samples() == last
+    }
+
+    /// Fewest samples that a pixel has.
+    #[must_use]
+    pub fn samples(&self) -> u32 {
+        self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0)
+    }
+
+    /// Whether every pixel has all samples of the options.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.samples() >= self.options.spp
+    }
+
+    /// What it is rendered with.
+    #[must_use]
+    pub fn options(&self) -> &RenderOptions {
+        &self.options
+    }
+
+    /// Counters over all passes since the last restart; `seconds` is the time within passes.
+    #[must_use]
+    pub fn stats(&self) -> &RenderStats {
+        &self.stats
+    }
+
+    /// The mean of the samples so far, with the layers of the options; black and transparent where there is none.
+    #[must_use]
+    pub fn picture(&self) -> Picture {
+        let mut picture = Picture::new(self.options.width, self.options.height);
+        for tile in &self.tiles {
+            for (i, [x, y]) in tile.pixels().enumerate() {
+                picture.color[y as usize * self.options.width as usize + x as usize] = tile.mean(i);
+            }
+        }
+        if self.options.aovs {
+            aov::add_layers(&mut picture, &self.tiles);
+        }
+        picture
+    }
+
+    /// Writes the colours of [`picture`](Self::picture) into memory of the caller, row by row from the upper left
+    /// pixel, on the threads of `pool`. Pixels outside of the region, and those beyond the end of `out`, stay as they are.
+    pub fn write_colors(&self, out: &mut [[f32; 4]], pool: &rayon::ThreadPool) {
+        let width = self.options.width as usize;
+        let [_, y0, _, y1] = self.region;
+        let rows_end = (y1 as usize * width).min(out.len());
+        let mut rest = &mut out[(y0 as usize * width).min(rows_end)..rows_end];
+        // A row of tiles is a band of the picture: bands do not overlap.
+        let mut bands = Vec::new();
+        for tiles in self.tiles.chunk_by(|a, b| a.rect[1] == b.rect[1]) {
+            let [_, top, _, bottom] = tiles[0].rect;
+            let length = ((bottom - top) as usize * width).min(rest.len());
+            let (band, below) = rest.split_at_mut(length);
+            rest = below;
+            bands.push((tiles, band));
+        }
+        pool.install(|| {
+            bands.into_par_iter().for_each(|(tiles, band)| {
+                for tile in tiles {
+                    let top = tile.rect[1];
+                    for (i, [x, y]) in tile.pixels().enumerate() {
+                        if let Some(pixel) = band.get_mut((y - top) as usize * width + x as usize) {
+                            *pixel = tile.mean(i);
+                        }
+                    }
+                }
+            });
+        });
+    }
+
+    /// The cost of each pixel per sample in false colours, if the options ask for it.
+    #[must_use]
+    pub fn heatmap(&self) -> Option<Picture> {
+        self.options.heatmap.then(|| {
+            let (width, height) = (self.options.width, self.options.height);
+            let mut costs = vec![0.0; width as usize * height as usize];
+            for tile in &self.tiles {
+                let per_sample = 1.0 / f64::from(tile.samples.max(1));
+                for ([x, y], &cost) in tile.pixels().zip(&tile.costs) {
+                    costs[y as usize * width as usize + x as usize] = (cost as f64 * per_sample) as f32;
+                }
+            }
+            heat_map(width, height, &costs)
+        })
+    }
+
+    /// The picture as it is, with its counters and the time since `start`.
+    pub(crate) fn into_frame(self, start: Instant) -> Frame {
+        let (picture, heatmap) = (self.picture(), self.heatmap());
+        Frame {
+            picture,
+            heatmap,
+            stats: RenderStats { seconds: start.elapsed().as_secs_f64(), ..self.stats },
+        }
+    }
+}
