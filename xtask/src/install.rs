@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask install --prefix DIR [--destdir DIR]`: builds and installs the program, the library, its headers and
-//! its pkg-config file, as GNU's coding standards lay them out. Source: original.
+//! `cargo xtask install --prefix DIR [--destdir DIR]`: builds and installs the program, the libraries, their headers
+//! and pkg-config files, as GNU's coding standards lay them out. Source: original.
 //!
-//! Files go to DESTDIR/PREFIX, but speak of PREFIX: packagers move them there later. The library's soname is set where
-//! it is linked (`bindings/openrt/build.rs`) and equals the first link made here.
+//! Files go to DESTDIR/PREFIX, but speak of PREFIX: packagers move them there later. A library's soname is set where
+//! it is linked (`bindings/*/build.rs`) and equals the first link made here.
 
 use std::path::{Path, PathBuf};
 
@@ -11,10 +11,32 @@ use crate::workspace::Workspace;
 use crate::{Failure, command};
 
 const PROGRAM: &str = "gnurt";
-const LIBRARY: &str = "libOpenRT.so";
-/// Rises when programs must be linked anew.
-const SONAME: &str = "libOpenRT.so.0";
-const TEMPLATE: &str = "bindings/openrt/openrt.pc.in";
+
+/// A library with its run-time name, which rises when programs must be linked anew, and its pkg-config template.
+struct Library {
+    file: &'static str,
+    soname: &'static str,
+    headers: &'static str,
+    template: &'static str,
+    package: &'static str,
+}
+
+const LIBRARIES: [Library; 2] = [
+    Library {
+        file: "libOpenRT.so",
+        soname: "libOpenRT.so.0",
+        headers: "bindings/openrt/include/openrt",
+        template: "bindings/openrt/openrt.pc.in",
+        package: "lib/pkgconfig/openrt.pc",
+    },
+    Library {
+        file: "librtut.so",
+        soname: "librtut.so.0",
+        headers: "bindings/rtut/include/openrt",
+        template: "bindings/rtut/rtut.pc.in",
+        package: "lib/pkgconfig/rtut.pc",
+    },
+];
 const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "COPYING"];
 
 /// Where things go.
@@ -34,6 +56,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         "gnurt-cli",
         "--package",
         "openrt",
+        "--package",
+        "rtut",
     ]))?;
     let workspace = Workspace::load()?;
     let to = places.installed();
@@ -81,20 +105,21 @@ fn install(built: &Path, source: &Path, version: &str, places: &Places) -> Resul
     let to = places.installed();
     copy(&built.join(PROGRAM), &to.join("bin").join(PROGRAM))?;
 
-    let lib = to.join("lib");
-    let real = format!("{LIBRARY}.{version}");
-    copy(&built.join(LIBRARY), &lib.join(&real))?;
-    link(&real, &lib.join(SONAME))?;
-    link(SONAME, &lib.join(LIBRARY))?;
-
-    let headers = source.join("bindings/openrt/include/openrt");
-    for header in files_in(&headers)?.iter().filter(|path| path.extension().is_some_and(|e| e == "h")) {
-        copy(header, &to.join("include/openrt").join(header.file_name().unwrap_or_default()))?;
+    for library in &LIBRARIES {
+        let lib = to.join("lib");
+        let real = format!("{}.{version}", library.file);
+        copy(&built.join(library.file), &lib.join(&real))?;
+        link(&real, &lib.join(library.soname))?;
+        link(library.soname, &lib.join(library.file))?;
+        let headers = files_in(&source.join(library.headers))?;
+        for header in headers.iter().filter(|path| path.extension().is_some_and(|e| e == "h")) {
+            copy(header, &to.join("include/openrt").join(header.file_name().unwrap_or_default()))?;
+        }
+        let template = source.join(library.template);
+        let template =
+            std::fs::read_to_string(&template).map_err(|error| format!("{}: {error}", template.display()))?;
+        write(&to.join(library.package), &pkg_config(&template, &places.prefix, version))?;
     }
-    let template = source.join(TEMPLATE);
-    let template =
-        std::fs::read_to_string(&template).map_err(|error| format!("{}: {error}", template.display()))?;
-    write(&lib.join("pkgconfig/openrt.pc"), &pkg_config(&template, &places.prefix, version))?;
     for document in DOCUMENTS.iter().map(|name| source.join(name)).filter(|path| path.exists()) {
         copy(&document, &to.join("share/doc/gnurt").join(document.file_name().unwrap_or_default()))?;
     }
@@ -171,9 +196,12 @@ mod tests {
         for (path, text) in [
             (built.join("gnurt"), "program"),
             (built.join("libOpenRT.so"), "library"),
+            (built.join("librtut.so"), "shapes"),
             (source.join("COPYING"), "licence"),
-            (source.join(TEMPLATE), "prefix=@prefix@\nlibdir=@libdir@\nVersion: @version@\n"),
+            (source.join(LIBRARIES[0].template), "prefix=@prefix@\nlibdir=@libdir@\nVersion: @version@\n"),
+            (source.join(LIBRARIES[1].template), "prefix=@prefix@\nRequires: openrt\n"),
             (source.join("bindings/openrt/include/openrt/rt.h"), "header"),
+            (source.join("bindings/rtut/include/openrt/rtut.h"), "shapes' header"),
         ] {
             write(&path, text).expect("the temporary folder can be written");
         }
@@ -189,7 +217,11 @@ mod tests {
             ("lib/libOpenRT.so.1.2.3", "library"),
             ("lib/libOpenRT.so.0", "library"),
             ("lib/libOpenRT.so", "library"),
+            ("lib/librtut.so.1.2.3", "shapes"),
+            ("lib/librtut.so.0", "shapes"),
             ("include/openrt/rt.h", "header"),
+            ("include/openrt/rtut.h", "shapes' header"),
+            ("lib/pkgconfig/rtut.pc", "prefix=/opt/rt\nRequires: openrt\n"),
             ("share/doc/gnurt/COPYING", "licence"),
         ] {
             assert_eq!(read(path), text, "{path} is in its place");

@@ -27,6 +27,8 @@ use crate::usage::Usage;
 pub struct Context {
     /// The first error since the program last asked.
     error: Option<Error>,
+    /// Who wants to hear of every error.
+    pub(crate) listener: Option<crate::report::Listener>,
     /// Threads to render with; 0 = one per core.
     pub(crate) threads: usize,
     pub(crate) stacks: Stacks,
@@ -58,6 +60,7 @@ impl Default for Context {
     fn default() -> Self {
         Self {
             error: None,
+            listener: None,
             threads: 0,
             stacks: Stacks::default(),
             current: Current::default(),
@@ -100,12 +103,9 @@ impl Context {
     }
 
     /// rtGetError: the code of the noted error, which is forgotten.
-    pub fn take_error(&mut self) -> u32 {
-        if self.block.is_some() {
-            self.record(Error::InvalidOperation);
-            return Error::NONE_CODE;
-        }
-        self.error.take().map_or(Error::NONE_CODE, Error::code)
+    pub fn take_error(&mut self) -> Result<u32> {
+        self.outside_block()?;
+        Ok(self.error.take().map_or(Error::NONE_CODE, Error::code))
     }
 
     /// rtExit, before the context is dropped: waits for the frame in flight.

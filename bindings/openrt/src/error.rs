@@ -34,6 +34,19 @@ impl Error {
     /// The code of no error.
     pub const NONE_CODE: u32 = 0;
 
+    /// Its constant's name in C.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::InvalidEnum => "RT_INVALID_ENUM",
+            Self::InvalidValue => "RT_INVALID_VALUE",
+            Self::InvalidOperation => "RT_INVALID_OPERATION",
+            Self::StackOverflow => "RT_STACK_OVERFLOW",
+            Self::StackUnderflow => "RT_STACK_UNDERFLOW",
+            Self::OutOfMemory => "RT_OUT_OF_MEMORY",
+        }
+    }
+
     /// The number that C programs see.
     #[must_use]
     pub fn code(self) -> u32 {

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The door between C and the safe state machine: the one context behind a mutex, pointers, and context calls.
-//! Source: original. Every exported function goes through [`call`]: it takes the lock, makes the context if there is
+//! Source: original. Every exported function goes through [`perform`]: it takes the lock, makes the context if there is
 //! none, notes errors, and lets no panic cross to C. Pointers become options here; the state machine decides when a
 //! null pointer is an error, because other errors come first.
 //! Proof: the C programs of tests/c; bindings/openrt/tests/symbols.rs (exactly the functions of the header).
 
-use std::ffi::{CStr, c_char, c_int};
+use std::cell::Cell;
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
 use crate::context::Context;
 use crate::error::{Error, Result, Writer};
+use crate::report;
 
 static CONTEXT: Mutex<Option<Context>> = Mutex::new(None);
 
@@ -19,16 +21,55 @@ fn lock() -> MutexGuard<'static, Option<Context>> {
     CONTEXT.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Runs `work` on the context. An error, or a panic, is noted and `on_error` returned.
+/// Runs `work` on the context. An error, or a panic, is noted and reported, with the call as `shown` writes it, and
+/// `on_error` returned.
 #[inline]
-pub(crate) fn call<T>(on_error: T, work: impl FnOnce(&mut Context) -> Result<T>) -> T {
+pub(crate) fn perform<T>(
+    shown: impl FnOnce() -> String,
+    on_error: T,
+    work: impl FnOnce(&mut Context) -> Result<T>,
+) -> T {
     let mut guard = lock();
     let context = guard.get_or_insert_with(Context::default);
-    let outcome = catch_unwind(AssertUnwindSafe(|| work(context)));
-    outcome.unwrap_or_else(|_| Err(internal_error())).unwrap_or_else(|error| {
-        context.record(error);
-        on_error
-    })
+    match catch_unwind(AssertUnwindSafe(|| work(context))) {
+        Ok(Ok(value)) => value,
+        Ok(Err(error)) => fail(guard, error, shown, on_error),
+        Err(_) => fail(guard, internal_error(), shown, on_error),
+    }
+}
+
+/// Notes an error and reports it once the lock is free: who listens may call back.
+#[cold]
+fn fail<T>(
+    mut guard: MutexGuard<'static, Option<Context>>,
+    error: Error,
+    shown: impl FnOnce() -> String,
+    on_error: T,
+) -> T {
+    let context = guard.get_or_insert_with(Context::default);
+    context.record(error);
+    let listener = context.listener();
+    drop(guard);
+    if *PRINTS || listener.is_some() {
+        let call = shown();
+        if *PRINTS {
+            eprintln!("{}", report::line(error, &call));
+        }
+        if let Some(listener) = listener.filter(|_| !LISTENING.replace(true)) {
+            listener(error, &CString::new(call).unwrap_or_default());
+            LISTENING.set(false);
+        }
+    }
+    on_error
+}
+
+/// Whether OPENRT_DEBUG asks for errors on the standard error output.
+static PRINTS: LazyLock<bool> =
+    LazyLock::new(|| std::env::var_os("OPENRT_DEBUG").is_some_and(|value| !value.is_empty() && value != "0"));
+
+thread_local! {
+    /// Whether this thread's listener is being told of an error: it does not hear of errors of its own calls.
+    static LISTENING: Cell<bool> = const { Cell::new(false) };
 }
 
 /// What a panic becomes; its message has been printed by the panic itself.
@@ -38,12 +79,28 @@ fn internal_error() -> Error {
     Error::InvalidOperation
 }
 
+/// [`perform`] with the name and the arguments of the function that makes it.
+macro_rules! call {
+    ($name:ident($($argument:expr),*), $on_error:expr, |$context:ident| $work:expr) => {
+        $crate::ffi::perform(
+            || {
+                let arguments: &[String] =
+                    &[$($crate::report::Shown::text(&$argument, stringify!($argument))),*];
+                format!("{}({})", stringify!($name), arguments.join(", "))
+            },
+            $on_error,
+            |$context| $work,
+        )
+    };
+}
+pub(crate) use call;
+
 /// Exports functions that return nothing and take no pointers.
 macro_rules! procedures {
     ($($name:ident($($argument:ident: $type:ty),*) => |$context:ident| $work:expr;)*) => {$(
         #[unsafe(no_mangle)]
         extern "C" fn $name($($argument: $type),*) {
-            $crate::ffi::call((), |$context| $work);
+            $crate::ffi::call!($name($($argument),*), (), |$context| $work);
         }
     )*};
 }
@@ -54,7 +111,7 @@ macro_rules! id_functions {
     ($($name:ident($($argument:ident: $type:ty),*) => |$context:ident| $work:expr;)*) => {$(
         #[unsafe(no_mangle)]
         extern "C" fn $name($($argument: $type),*) -> u32 {
-            $crate::ffi::call($crate::ids::RT_INVALID, |$context| $work)
+            $crate::ffi::call!($name($($argument),*), $crate::ids::RT_INVALID, |$context| $work)
         }
     )*};
 }
@@ -127,18 +184,19 @@ unsafe fn take_arguments(count: *mut c_int, list: *mut *mut c_char) -> Vec<Vec<u
 /// As openrt/rt.h says: pointers are null or those of main.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn rtInit(count: *mut c_int, list: *mut *mut c_char) {
-    let mut guard = lock();
-    if let Some(context) = guard.as_mut() {
-        return context.record(Error::InvalidOperation);
+    let guard = lock();
+    if guard.is_some() {
+        return fail(guard, Error::InvalidOperation, || "rtInit()".to_owned(), ());
     }
     // SAFETY: the caller vouches for main's arguments.
     let taken = unsafe { take_arguments(count, list) };
+    let mut guard = guard;
     *guard = Some(Context::with_arguments(taken.iter().map(|argument| &argument[..])));
 }
 
 #[unsafe(no_mangle)]
 extern "C" fn rtExit() {
-    let may_leave = call(false, |context| context.exit().map(|()| true));
+    let may_leave = call!(rtExit(), false, |context| context.exit().map(|()| true));
     if may_leave {
         let context = lock().take();
         // Dropping frees everything; a panic in it must not cross to C, and there is no context left to note it.
@@ -149,12 +207,40 @@ extern "C" fn rtExit() {
 
 #[unsafe(no_mangle)]
 extern "C" fn rtGetError() -> u32 {
-    call(Error::NONE_CODE, |context| Ok(context.take_error()))
+    call!(rtGetError(), Error::NONE_CODE, |context| context.take_error())
+}
+
+/// What rtDebugCallback takes.
+type DebugFunction = unsafe extern "C" fn(u32, *const c_char, *mut c_void);
+
+/// A program's pointer, handed back to it.
+struct User(*mut c_void);
+
+// SAFETY: the pointer is never looked behind; the program knows that its function is called from any of its threads.
+unsafe impl Send for User {}
+// SAFETY: as above.
+unsafe impl Sync for User {}
+
+/// # Safety
+/// As openrt/rt.h says: `function` is null or may be called with `user` until it is replaced or the context is gone.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn rtDebugCallback(function: Option<DebugFunction>, user: *mut c_void) {
+    let user = User(user);
+    let listener = function.map(|function| -> report::Listener {
+        Arc::new(move |error: Error, call: &CStr| {
+            let User(user) = &user;
+            // SAFETY: the caller vouches for the function and what it takes; the text lives until it returns.
+            unsafe { function(error.code(), call.as_ptr(), *user) }
+        })
+    });
+    call!(rtDebugCallback(), (), |context| context.set_listener(listener));
 }
 
 #[unsafe(no_mangle)]
 extern "C" fn rtGetString(name: u32) -> *const u8 {
-    call(std::ptr::null(), |context| context.get_string(name).map(|text| text.as_ptr().cast()))
+    call!(rtGetString(name), std::ptr::null(), |context| context
+        .get_string(name)
+        .map(|text| text.as_ptr().cast()))
 }
 
 /// # Safety
@@ -163,7 +249,8 @@ extern "C" fn rtGetString(name: u32) -> *const u8 {
 unsafe extern "C" fn rtGetIntegerv(name: u32, values: *mut i32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(values) };
-    call((), |context| context.get_integers(name, write.as_mut().map(|w| w as Writer<'_, i32>)));
+    call!(rtGetIntegerv(name, values), (), |context| context
+        .get_integers(name, write.as_mut().map(|w| w as Writer<'_, i32>)));
 }
 
 /// # Safety
@@ -172,5 +259,6 @@ unsafe extern "C" fn rtGetIntegerv(name: u32, values: *mut i32) {
 unsafe extern "C" fn rtGetFloatv(name: u32, values: *mut f32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(values) };
-    call((), |context| context.get_floats(name, write.as_mut().map(|w| w as Writer<'_, f32>)));
+    call!(rtGetFloatv(name, values), (), |context| context
+        .get_floats(name, write.as_mut().map(|w| w as Writer<'_, f32>)));
 }

@@ -25,16 +25,20 @@ impl FrameMemory for ProgramMemory {
 }
 
 /// # Safety
-/// As openrt/rt.h says: `memory` is null or has room for the pixels until the frames that use it have ended.
+/// As openrt/rt.h says: `pixels` is null or has room for them until the frames that use it have ended.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtSetFrameBuffer(memory: *mut u8, width: u32, height: u32, format: u32) {
-    let memory = (!memory.is_null()).then(|| Arc::new(ProgramMemory(memory)) as Arc<dyn FrameMemory>);
-    call((), |context| context.set_frame_buffer(memory, [width, height], format));
+unsafe extern "C" fn rtSetFrameBuffer(pixels: *mut u8, width: u32, height: u32, format: u32) {
+    let memory = (!pixels.is_null()).then(|| Arc::new(ProgramMemory(pixels)) as Arc<dyn FrameMemory>);
+    call!(rtSetFrameBuffer(pixels, width, height, format), (), |context| context.set_frame_buffer(
+        memory,
+        [width, height],
+        format
+    ));
 }
 
 #[unsafe(no_mangle)]
 extern "C" fn rtGetRayEpsilon() -> f32 {
-    call(0.0, |context| context.ray_epsilon())
+    call!(rtGetRayEpsilon(), 0.0, |context| context.ray_epsilon())
 }
 
 procedures! {

@@ -45,7 +45,7 @@ macro_rules! for_type {
             // SAFETY: the caller vouches for 16 numbers.
             let elements: Option<[$type; 16]> = unsafe { array(elements) };
             let $matrix = elements.map(|elements| Matrix(elements.map(f64::from)));
-            call((), |$context| $work);
+            call!($name(elements), (), |$context| $work);
         }
     };
 }

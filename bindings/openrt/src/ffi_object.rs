@@ -28,14 +28,15 @@ procedures! {
 unsafe extern "C" fn rtGetInstanceMatrixf(instance: u32, matrix: *mut f32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(matrix) };
-    call((), |context| context.get_instance_matrix(instance, write.as_mut().map(|w| w as Writer<'_, f32>)));
+    call!(rtGetInstanceMatrixf(instance, matrix), (), |context| context
+        .get_instance_matrix(instance, write.as_mut().map(|w| w as Writer<'_, f32>)));
 }
 
 macro_rules! questions {
     ($($name:ident => $question:ident;)*) => {$(
         #[unsafe(no_mangle)]
         extern "C" fn $name(id: u32) -> u8 {
-            call(0, |context| context.$question(id).map(u8::from))
+            call!($name(id), 0, |context| context.$question(id).map(u8::from))
         }
     )*};
 }

@@ -25,7 +25,7 @@ procedures! {
 unsafe extern "C" fn rtGenNewShaderClass(name: *const c_char, file: *const c_char) -> u32 {
     // SAFETY: the caller vouches for the texts.
     let (name, file) = unsafe { (text(name), text(file)) };
-    call(RT_INVALID, |context| context.gen_new_shader_class(name, file))
+    call!(rtGenNewShaderClass(name, file), RT_INVALID, |context| context.gen_new_shader_class(name, file))
 }
 
 /// # Safety
@@ -34,12 +34,14 @@ unsafe extern "C" fn rtGenNewShaderClass(name: *const c_char, file: *const c_cha
 unsafe extern "C" fn rtParameterHandle(name: *const c_char) -> u32 {
     // SAFETY: the caller vouches for the text.
     let name = unsafe { text(name) };
-    call(RT_INVALID, |context| context.parameter_handle(name))
+    call!(rtParameterHandle(name), RT_INVALID, |context| context.parameter_handle(name))
 }
 
 #[unsafe(no_mangle)]
 extern "C" fn rtGetShaderClassInfoLog() -> *const c_char {
-    call(std::ptr::null(), |context| context.shader_class_info_log().map(|log| log.as_ptr()))
+    call!(rtGetShaderClassInfoLog(), std::ptr::null(), |context| context
+        .shader_class_info_log()
+        .map(|log| log.as_ptr()))
 }
 
 procedures! {
@@ -82,7 +84,7 @@ macro_rules! vector_forms {
         unsafe extern "C" fn $name(handle: u32, values: *const $type) {
             // SAFETY: the caller vouches for the numbers.
             let values: Option<[$type; $count]> = unsafe { array(values) };
-            call((), |context| {
+            call!($name(handle, values), (), |context| {
                 context.set_parameter(handle, values.as_ref().map(|values| Given::$given(values)))
             });
         }
@@ -107,7 +109,8 @@ unsafe extern "C" fn rtParameterRaw(handle: u32, value: *const c_void, size: u32
     let length = size as usize;
     // SAFETY: the caller vouches for the bytes; bytes have no alignment.
     let bytes = (!value.is_null()).then(|| unsafe { std::slice::from_raw_parts(value.cast::<u8>(), length) });
-    call((), |context| context.set_parameter(handle, bytes.map(Given::Bytes)));
+    call!(rtParameterRaw(handle, value, size), (), |context| context
+        .set_parameter(handle, bytes.map(Given::Bytes)));
 }
 
 /// # Safety
@@ -116,7 +119,8 @@ unsafe extern "C" fn rtParameterRaw(handle: u32, value: *const c_void, size: u32
 unsafe extern "C" fn rtParameterString(handle: u32, string: *const c_char) {
     // SAFETY: the caller vouches for the text.
     let string = unsafe { text(string) };
-    call((), |context| context.set_parameter(handle, string.map(|_| Given::String)));
+    call!(rtParameterString(handle, string), (), |context| context
+        .set_parameter(handle, string.map(|_| Given::String)));
 }
 
 /// # Safety
@@ -125,5 +129,6 @@ unsafe extern "C" fn rtParameterString(handle: u32, string: *const c_char) {
 unsafe extern "C" fn rtGetParameterfv(handle: u32, values: *mut f32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(values) };
-    call((), |context| context.get_parameter(handle, write.as_mut().map(|w| w as Writer<'_, f32>)));
+    call!(rtGetParameterfv(handle, values), (), |context| context
+        .get_parameter(handle, write.as_mut().map(|w| w as Writer<'_, f32>)));
 }

@@ -37,5 +37,9 @@ unsafe extern "C" fn rtTexImage2D(
     // SAFETY: the caller vouches for the texels, and the state machine asks for no more bytes than they have.
     let read = |length| unsafe { std::slice::from_raw_parts(texels.cast::<u8>(), length) }.to_vec();
     let read: Option<&dyn Fn(usize) -> Vec<u8>> = if texels.is_null() { None } else { Some(&read) };
-    call((), |context| context.tex_image(&description, read));
+    call!(
+        rtTexImage2D(target, level, internal_format, width, height, border, format, texel_type, texels),
+        (),
+        |context| context.tex_image(&description, read)
+    );
 }

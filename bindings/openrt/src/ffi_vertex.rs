@@ -13,8 +13,10 @@ macro_rules! family {
      $($by_value:ident $by_pointer:ident $type:ty: ($($given:ident),+) => [$($all:expr),+];)*) => {$(
         #[unsafe(no_mangle)]
         extern "C" fn $by_value($($given: $type),+) {
-            $(let $given = $number::from_c($given);)+
-            call((), |context| $set(context, [$($all),+]));
+            call!($by_value($($given),+), (), |context| {
+                $(let $given = $number::from_c($given);)+
+                $set(context, [$($all),+])
+            });
         }
 
         /// # Safety
@@ -22,9 +24,9 @@ macro_rules! family {
         #[unsafe(no_mangle)]
         unsafe extern "C" fn $by_pointer(numbers: *const $type) {
             // SAFETY: the caller vouches for the numbers.
-            let numbers = unsafe { array(numbers) };
-            call((), |context| {
-                let [$($given),+]: [$type; _] = numbers.ok_or(Error::InvalidValue)?;
+            let numbers: Option<[$type; [$(stringify!($given)),+].len()]> = unsafe { array(numbers) };
+            call!($by_pointer(numbers), (), |context| {
+                let [$($given),+] = numbers.ok_or(Error::InvalidValue)?;
                 $(let $given = $number::from_c($given);)+
                 $set(context, [$($all),+])
             });

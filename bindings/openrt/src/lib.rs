@@ -38,6 +38,7 @@ pub mod object;
 pub mod parameter;
 pub mod primitives;
 pub mod query;
+pub mod report;
 pub mod shader;
 pub mod shader_class;
 pub mod stacks;

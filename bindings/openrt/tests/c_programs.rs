@@ -21,6 +21,7 @@ macro_rules! programs {
 programs! {
     attributes
     closed_forms
+    debug
     errors
     fragment_model
     fragments
@@ -28,6 +29,7 @@ programs! {
     pixels
     primitives
     scene
+    threads
 }
 
 /// Figure 1 of the paper draws: a picture of n triangles, the colours of its parameters in it.
@@ -44,6 +46,24 @@ fn figure1() {
             pixels.expect("all pixels").chunks_exact(3).filter(|rgb| rgb.iter().any(|&c| c > 0)).count();
         assert_eq!(lit > 0, tri_nb != "0", "{tri_nb} triangles show {lit} pixels");
     }
+}
+
+/// OPENRT_DEBUG prints each error with the call and its arguments; without it nothing is printed.
+#[test]
+fn errors_are_printed_on_request() {
+    let workshop = Workshop::new();
+    let binary = workshop.build("cc", "c99", &source("tests/c/debug.c"));
+    let printed = |value: &str| {
+        let output =
+            std::process::Command::new(&binary).env("OPENRT_DEBUG", value).output().expect("it runs");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let text = printed("1");
+    let wanted = "libOpenRT: rtBegin(0x17): RT_INVALID_ENUM: a constant is none of those that the call takes";
+    assert!(text.lines().any(|line| line == wanted), "the first error, among\n{text}");
+    assert!(text.lines().count() > 8, "each of them:\n{text}");
+    assert_eq!(printed("0"), "", "silent");
+    assert_eq!(printed(""), "", "silent");
 }
 
 /// C++ sees both forms of rtNewObject as overloads.

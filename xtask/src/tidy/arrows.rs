@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 10] = [
+const ARROWS: [(&str, &[&str]); 11] = [
     ("simd", &[]),
     ("accel", &["simd"]),
     ("image", &[]),
@@ -15,6 +15,7 @@ const ARROWS: [(&str, &[&str]); 10] = [
     ("bench", &["gnurt"]),
     ("cli", &["gnurt", "bench"]),
     ("openrt", &["gnurt"]),
+    ("rtut", &[]),
 ];
 
 /// Packages without arrows of their own: tests and chores, which nobody may use in turn.

@@ -49,6 +49,12 @@ RTAPI void RTAPIENTRY rtExit(void);
  * recorded. */
 RTAPI RTenum RTAPIENTRY rtGetError(void);
 
+/* Extension. Calls `function` at every error of the calls of any thread, on that thread: with the error's code, the call
+ * with its arguments as text, which lives until the function returns, and `user`. It may call rt* functions; errors of
+ * those are not told again. NULL calls nobody. Beside this, every error is printed on the standard error output if the
+ * environment has OPENRT_DEBUG=1. BE. */
+RTAPI void RTAPIENTRY rtDebugCallback(RTdebugproc function, void *user);
+
 /* RT_VENDOR, RT_RENDERER, RT_VERSION or RT_EXTENSIONS as a string that lives as long as the library. NULL on
  * error: BE, IE. */
 RTAPI const RTubyte *RTAPIENTRY rtGetString(RTenum name);

@@ -44,6 +44,9 @@ typedef double RTclampd;            /* in [0, 1] */
 typedef long RTlong;                /* as large as the platform says: no function below uses these two */
 typedef unsigned long RTulong;
 
+/* What rtDebugCallback calls: the error, the call with its arguments, the program's pointer. */
+typedef void (*RTdebugproc)(RTenum error, const char *call, void *user);
+
 #define RT_FALSE 0u
 #define RT_TRUE 1u
 

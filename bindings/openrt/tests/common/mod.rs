@@ -8,6 +8,7 @@ use std::process::{Command, Output};
 /// A folder with the library under its link name and its run-time name, where programs are built.
 pub(crate) struct Workshop {
     folder: tempfile::TempDir,
+    libraries: &'static [&'static str],
 }
 
 /// Where the crate's sources are.
@@ -17,19 +18,33 @@ pub(crate) fn source(path: &str) -> PathBuf {
 
 /// The shared library of this build: cargo puts it beside the test program or one folder above.
 pub(crate) fn library() -> PathBuf {
+    built("libOpenRT.so")
+}
+
+/// A library of this build.
+pub(crate) fn built(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a running test has a path");
-    let beside = test.ancestors().skip(1).take(2).map(|folder| folder.join("libOpenRT.so"));
-    beside.into_iter().find(|path| path.exists()).expect("cargo builds libOpenRT.so with the tests")
+    let mut beside = test.ancestors().skip(1).take(2).map(|folder| folder.join(name));
+    beside.find(|path| path.exists()).unwrap_or_else(|| panic!("cargo builds {name} with the tests"))
 }
 
 impl Workshop {
     /// An empty workshop.
     pub(crate) fn new() -> Self {
+        Self::with(&["OpenRT"])
+    }
+
+    /// A workshop with these libraries, in the order in which programs are linked with them.
+    pub(crate) fn with(libraries: &'static [&'static str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder for programs");
-        for name in ["libOpenRT.so", "libOpenRT.so.0"] {
-            std::os::unix::fs::symlink(library(), folder.path().join(name)).expect("a link to the library");
+        for library in libraries {
+            let name = format!("lib{library}.so");
+            for link in [name.clone(), format!("{name}.0")] {
+                let link = folder.path().join(link);
+                std::os::unix::fs::symlink(built(&name), link).expect("a link to the library");
+            }
         }
-        Self { folder }
+        Self { folder, libraries }
     }
 
     /// A path in it.
@@ -45,10 +60,13 @@ impl Workshop {
             .arg(format!("-std={standard}"))
             .args(["-pedantic", "-Wall", "-Wextra", "-Werror", "-O1"])
             .arg("-I")
-            .arg(source("include"))
+            .arg(source("../openrt/include"))
+            .arg("-I")
+            .arg(source("../rtut/include"))
             .arg(program)
             .args([format!("-L{folder}"), format!("-Wl,-rpath,{folder}")])
-            .args(["-lOpenRT", "-lm", "-o"])
+            .args(self.libraries.iter().map(|library| format!("-l{library}")))
+            .args(["-lm", "-pthread", "-o"])
             .arg(&binary)
             .output()
             .unwrap_or_else(|error| panic!("{compiler} must be there to build C programs: {error}"));
