@@ -16,6 +16,7 @@ use crate::frame::{Frame, Limits};
 use crate::framebuffer::FrameBuffer;
 use crate::instance::Instances;
 use crate::object::{Objects, OpenObject};
+use crate::progressive::{Sampling, Seen};
 use crate::shader::{Bound, Shaders};
 use crate::shader_class::{Classes, LoadedClass};
 use crate::stacks::Stacks;
@@ -49,6 +50,9 @@ pub struct Context {
     pub(crate) view: View,
     pub(crate) scene_mode: SceneMode,
     pub(crate) limits: Limits,
+    pub(crate) sampling: Sampling,
+    /// What the last progressive frame showed.
+    pub(crate) seen: Option<Seen>,
     pub(crate) frame_buffer: Option<FrameBuffer>,
     /// Scene and world while no frame is in flight.
     pub(crate) stage: Stage,
@@ -77,6 +81,8 @@ impl Default for Context {
             view: View::default(),
             scene_mode: SceneMode::Retained,
             limits: Limits::default(),
+            sampling: Sampling::default(),
+            seen: None,
             frame_buffer: None,
             stage: Stage::default(),
             frame: None,

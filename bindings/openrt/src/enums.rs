@@ -87,6 +87,7 @@ codes! {
         ObjectCount = 0x0700,
         TriangleCount = 0x0701,
         InstanceCount = 0x0702,
+        SampleCount = 0x0703,
         CurrentColor = 0x0B00,
         CurrentNormal = 0x0B02,
         CurrentTextureCoords = 0x0B03,

@@ -41,12 +41,43 @@ extern "C" fn rtGetRayEpsilon() -> f32 {
     call!(rtGetRayEpsilon(), 0.0, |context| context.ray_epsilon())
 }
 
+/// Waits for the frame in flight without holding the lock: other threads go on meanwhile.
+fn wait_for_frame() {
+    if let Some(flight) = crate::ffi::perform(String::new, None, |context| Ok(context.flight())) {
+        flight.wait();
+    }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtEndRendering() {
+    wait_for_frame();
+    call!(rtEndRendering(), (), |context| context.end_rendering());
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtRender() {
+    if call!(rtRender(), false, |context| context.begin_render().map(|()| true)) {
+        wait_for_frame();
+        call!(rtRender(), (), |context| context.end_rendering());
+    }
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtRenderFrame() {
+    rtRender();
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtSwapBuffers() {
+    wait_for_frame();
+    call!(rtSwapBuffers(), (), |context| context.swap_buffers());
+}
+
 procedures! {
     rtStartRendering() => |context| context.start_rendering();
-    rtEndRendering() => |context| context.end_rendering();
-    rtRender() => |context| context.render();
-    rtRenderFrame() => |context| context.render();
-    rtSwapBuffers() => |context| context.swap_buffers();
+    rtCancelRendering() => |context| context.cancel_rendering();
+    rtSetSamplesPerPixel(samples: u32) => |context| context.set_samples_per_pixel(samples);
+    rtProgressive(on: u8) => |context| context.set_progressive(on != 0);
     rtSceneMode(mode: u32) => |context| context.set_scene_mode(mode);
     rtSetMaxRayRecursionDepth(depth: u32) => |context| context.set_max_depth(depth);
     rtSetRayEpsilon(epsilon: f32) => |context| context.set_ray_epsilon(epsilon);

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::thread::{Builder, JoinHandle};
 
-use gnurt::render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent, World, render};
+use gnurt::render::{Accumulation, CommitOptions, Integrator, RenderOptions, ShaderTable, World};
 use gnurt::scene::Affine;
 use gnurt::shading::CameraShader;
 use gnurt::shading::classes::Shader as Made;
@@ -17,7 +17,9 @@ use gnurt::shading::classes::Shader as Made;
 use crate::context::Context;
 use crate::enums::SceneMode;
 use crate::error::{Error, Result};
+use crate::flight::{Flight, Landing};
 use crate::framebuffer::FrameBuffer;
+use crate::progressive::Sampling;
 use crate::stage::{Stage, UNNAMED};
 
 /// Depths above this one are rendered as this one: shaders recurse, and a thread's stack is finite.
@@ -43,21 +45,28 @@ struct Job {
     shaders: ShaderTable,
     camera: Arc<dyn CameraShader>,
     limits: Limits,
+    sampling: Sampling,
+    /// Whether samples are added to those of the frame before.
+    continues: bool,
     target: FrameBuffer,
     pool: Arc<gnurt::ThreadPool>,
 }
 
 /// A frame in flight: a thread that gives the stage back.
-pub struct Frame(JoinHandle<(Stage, Result<()>)>);
+pub struct Frame {
+    thread: JoinHandle<(Stage, Result<()>)>,
+    flight: Arc<Flight>,
+}
 
 impl Job {
-    /// Renders into the program's memory.
-    fn run(&self, stage: &mut Stage) -> Result<()> {
+    /// Renders into the program's memory, which stays as it is if the frame is cancelled before each pixel has a sample.
+    fn run(&self, stage: &mut Stage, flight: &Flight) -> Result<()> {
+        let Sampling { samples, progressive } = self.sampling;
         let options = RenderOptions {
             width: self.target.width,
             height: self.target.height,
-            spp: 1,
-            pixel_centres: true,
+            spp: if progressive { u32::MAX } else { samples },
+            pixel_centres: samples == 1 && !progressive,
             integrator: Integrator::Whitted,
             max_depth: self.limits.max_depth.min(DEEPEST),
             ray_epsilon: self.limits.epsilon,
@@ -66,8 +75,25 @@ impl Job {
         let committed =
             stage.world.commit(&stage.scene, &self.shaders, &CommitOptions::default(), &self.pool);
         committed.map_err(|error| fail(&error))?;
-        let frame = render(&stage.world, &*self.camera, &options, &self.pool, &Silent);
-        self.target.show(&frame.map_err(|error| fail(&error))?.picture);
+        let accumulation = match &mut stage.accumulation {
+            Some(accumulation) if self.continues && *accumulation.options() == options => accumulation,
+            Some(accumulation) => {
+                accumulation.restart(options).map_err(|error| fail(&error))?;
+                accumulation
+            }
+            none => none.insert(Accumulation::new(options).map_err(|error| fail(&error))?),
+        };
+        // One sample of each pixel first: a frame that is cancelled later has something to show.
+        for pass in [1, samples - 1].into_iter().filter(|&pass| pass > 0) {
+            if !accumulation.pass(&stage.world, &*self.camera, pass, &self.pool, flight) {
+                break;
+            }
+        }
+        if accumulation.samples() > 0 {
+            stage.colors.resize(self.target.width as usize * self.target.height as usize, [0.0; 4]);
+            accumulation.write_colors(&mut stage.colors, &self.pool);
+            self.target.show(&stage.colors);
+        }
         Ok(())
     }
 }
@@ -83,18 +109,22 @@ impl Frame {
     fn start(stage: Stage, job: Job) -> std::result::Result<Self, Box<Stage>> {
         // The stage follows through a channel once the thread is there: a thread that is not would take it along.
         let (hand_over, take_over) = channel::<Stage>();
+        let flight = Arc::new(Flight::default());
+        let landing = Landing(flight.clone());
         let work = move || {
             let mut stage = take_over.recv().unwrap_or_default();
-            let outcome = catch_unwind(AssertUnwindSafe(|| job.run(&mut stage))).unwrap_or_else(|_| {
+            let run = || job.run(&mut stage, &landing.0);
+            let outcome = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| {
                 // A commit that broke off has left half a world: the next one begins from the scene.
                 stage.world = World::new();
+                stage.accumulation = None;
                 Err(Error::InvalidOperation)
             });
             (stage, outcome)
         };
         match Builder::new().name("openrt-frame".to_owned()).spawn(work) {
             Ok(thread) => match hand_over.send(stage) {
-                Ok(()) => Ok(Self(thread)),
+                Ok(()) => Ok(Self { thread, flight }),
                 Err(unsent) => Err(Box::new(unsent.0)),
             },
             Err(_) => Err(Box::new(stage)),
@@ -104,7 +134,7 @@ impl Frame {
     /// Waits for the picture.
     pub fn finish(self) -> (Stage, Result<()>) {
         // The thread catches all panics; losing it anyway loses the stage.
-        self.0.join().unwrap_or_else(|_| (Stage::default(), Err(Error::InvalidOperation)))
+        self.thread.join().unwrap_or_else(|_| (Stage::default(), Err(Error::InvalidOperation)))
     }
 }
 
@@ -123,11 +153,13 @@ impl Context {
         self.update(&mut stage);
         let shaders = self.shader_table(&mut stage);
         let camera = shaders.camera.clone().unwrap_or_else(|| self.default_camera());
+        let continues = self.continues(&stage, [target.width, target.height]);
         if self.scene_mode == SceneMode::Immediate {
             self.instances.clear();
             self.usage = Default::default();
         }
-        match Frame::start(stage, Job { shaders, camera, limits: self.limits, target, pool }) {
+        let (limits, sampling) = (self.limits, self.sampling);
+        match Frame::start(stage, Job { shaders, camera, limits, sampling, continues, target, pool }) {
             Ok(frame) => self.frame = Some(frame),
             Err(stage) => {
                 self.stage = *stage;
@@ -147,12 +179,25 @@ impl Context {
         outcome
     }
 
-    /// rtRender, rtRenderFrame.
-    pub fn render(&mut self) -> Result<()> {
-        if self.frame.is_none() {
-            self.start_rendering()?;
-        }
-        self.end_rendering()
+    /// The frame in flight, if the calls that end it are legal now: what callers wait for without keeping others out.
+    #[must_use]
+    pub fn flight(&self) -> Option<Arc<Flight>> {
+        self.outside_block().and(self.no_open_object()).ok()?;
+        self.frame.as_ref().map(|frame| frame.flight.clone())
+    }
+
+    /// rtCancelRendering.
+    pub fn cancel_rendering(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.frame.as_ref().ok_or(Error::InvalidOperation)?.flight.cancel();
+        Ok(())
+    }
+
+    /// The first half of rtRender: a frame is in flight afterwards.
+    pub fn begin_render(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.no_open_object()?;
+        if self.frame.is_none() { self.start_rendering() } else { Ok(()) }
     }
 
     /// rtSwapBuffers.

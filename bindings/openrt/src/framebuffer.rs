@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use gnurt::image::{Picture, srgb};
+use gnurt::image::srgb;
 
 use crate::context::Context;
 use crate::enums::FrameFormat;
@@ -67,10 +67,10 @@ fn encode(format: FrameFormat, rgba: [f32; 4], bytes: &mut Vec<u8>) {
 
 impl FrameBuffer {
     /// Writes a picture of the same size, whose first row is the top one.
-    pub fn show(&self, picture: &Picture) {
+    pub fn show(&self, colors: &[[f32; 4]]) {
         let row_size = self.width as usize * pixel_size(self.format);
         let mut bytes = Vec::with_capacity(row_size);
-        let rows = picture.color.chunks_exact(self.width as usize);
+        let rows = colors.chunks_exact(self.width as usize);
         for (row, colors) in rows.rev().take(self.height as usize).enumerate() {
             bytes.clear();
             colors.iter().for_each(|&rgba| encode(self.format, rgba, &mut bytes));

@@ -4,7 +4,7 @@
 //! `ffi*.rs` hold the exported functions and all of the `unsafe` code: they turn pointers into values and call the
 //! safe state machine, [`context::Context`], whose calls are in one file per noun. No panic crosses to C.
 //!
-//! Limits today: shader classes are the built-in ones; an updated object's tree is built anew; one sample per pixel.
+//! Limits today: shader classes are the built-in ones; an updated object's tree is built anew.
 #![deny(unsafe_code)]
 #![allow(non_snake_case, reason = "the library is called libOpenRT")]
 
@@ -28,6 +28,7 @@ mod ffi_shader;
 mod ffi_texture;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_vertex;
+pub mod flight;
 pub mod frame;
 pub mod framebuffer;
 pub mod geometry;
@@ -37,6 +38,7 @@ pub mod matrix;
 pub mod object;
 pub mod parameter;
 pub mod primitives;
+pub mod progressive;
 pub mod query;
 pub mod report;
 pub mod shader;

@@ -53,6 +53,11 @@ impl Context {
         Ok(())
     }
 
+    /// Samples that each pixel of the frame that ended last has.
+    fn sample_count(&self) -> u32 {
+        self.stage.accumulation.as_ref().map_or(0, gnurt::render::Accumulation::samples)
+    }
+
     fn state(&self, name: StateName) -> Vec<f64> {
         let matrix = |mode| self.stacks.top(mode).matrix.0.to_vec();
         let count = |n: usize| vec![n as f64];
@@ -60,6 +65,7 @@ impl Context {
             StateName::ObjectCount => count(self.objects.counts().0),
             StateName::TriangleCount => count(self.objects.counts().1),
             StateName::InstanceCount => count(self.instances.len()),
+            StateName::SampleCount => vec![f64::from(self.sample_count())],
             StateName::CurrentColor => self.current.color.map(f64::from).to_vec(),
             StateName::CurrentNormal => self.current.normal.to_vec(),
             StateName::CurrentTextureCoords => self.current.texcoord.to_vec(),

@@ -94,6 +94,11 @@ impl Shaders {
         self.all.get(&id)
     }
 
+    /// All that live, with their ids.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &Shader)> {
+        self.all.iter().map(|(&id, shader)| (id, shader))
+    }
+
     /// Frees deleted shaders that are not in `used`.
     pub fn prune(&mut self, used: &BTreeSet<u32>) {
         self.all.retain(|id, shader| !shader.deleted || used.contains(id));

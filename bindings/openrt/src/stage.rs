@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use gnurt::render::{ShaderTable, World};
+use gnurt::render::{Accumulation, ShaderTable, World};
 use gnurt::scene::{
     Affine, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, Scene, Surface,
 };
@@ -27,6 +27,10 @@ pub struct Stage {
     pub scene: Scene,
     /// What rays meet.
     pub world: World,
+    /// The samples of the last frame.
+    pub accumulation: Option<Accumulation>,
+    /// Their means, from the top row on: room that frames use again.
+    pub colors: Vec<[f32; 4]>,
     objects: BTreeMap<u32, ObjectId>,
     /// The first ones are visible, in the order of the instances' ids.
     instances: Vec<InstanceId>,

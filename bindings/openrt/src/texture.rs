@@ -36,6 +36,8 @@ pub struct Textures {
     /// Those that were changed since they were generated.
     changed: BTreeMap<u32, Texture>,
     bound: Option<u32>,
+    /// Counts changes.
+    revision: u64,
 }
 
 impl Textures {
@@ -48,8 +50,15 @@ impl Textures {
         Some(Arc::new(TextureSampler { texels, wrap: texture.wrap, linear, uv_from_mesh: FIRST_ROW_AT_0 }))
     }
 
+    /// Rises whenever a texture changes.
+    #[must_use]
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
     fn bound_mut(&mut self) -> Result<&mut Texture> {
         let id = self.bound.ok_or(Error::InvalidOperation)?;
+        self.revision += 1;
         Ok(self.changed.entry(id).or_default())
     }
 }
@@ -236,6 +245,7 @@ impl Context {
     pub fn delete_texture(&mut self, id: u32) -> Result<()> {
         self.outside_block()?;
         self.textures.ids.remove(id)?;
+        self.textures.revision += 1;
         self.textures.changed.remove(&id);
         if self.textures.bound == Some(id) {
             self.textures.bound = None;

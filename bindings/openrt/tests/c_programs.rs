@@ -25,6 +25,7 @@ programs! {
     errors
     fragment_model
     fragments
+    frames
     many_vertices
     pixels
     primitives
@@ -64,6 +65,16 @@ fn errors_are_printed_on_request() {
     assert!(text.lines().count() > 8, "each of them:\n{text}");
     assert_eq!(printed("0"), "", "silent");
     assert_eq!(printed(""), "", "silent");
+}
+
+/// Rendering goes on while the program edits. The times are printed; on a machine with other work they say little, so
+/// that only the program itself, run alone, checks them.
+#[test]
+fn overlap() {
+    let workshop = Workshop::new();
+    let binary = workshop.build("cc", "c99", &source("tests/c/overlap.c"));
+    let printed = workshop.run(&binary, &["--rt-threads=1", "1"]);
+    assert!(printed.contains("of the longer one"), "times: {printed}");
 }
 
 /// C++ sees both forms of rtNewObject as overloads.

@@ -60,7 +60,7 @@ impl FromStr for Integrator {
 pub struct UnknownIntegrator(pub String);
 
 /// Everything about a picture but the world and the camera.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
     /// Columns, at least 1.
     pub width: u32,

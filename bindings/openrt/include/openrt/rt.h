@@ -80,7 +80,8 @@ RTAPI void RTAPIENTRY rtSetFrameBuffer(RTubyte *memory, RTuint width, RTuint hei
  * once. BE; OBJ; IO if a frame is in flight or there is no frame buffer. */
 RTAPI void RTAPIENTRY rtStartRendering(void);
 
-/* Waits until the frame in flight is complete in its frame buffer. BE; OBJ; IO if none is in flight. */
+/* Waits until the frame in flight is complete in its frame buffer; other threads may call meanwhile. BE; OBJ; IO if
+ * none is in flight. */
 RTAPI void RTAPIENTRY rtEndRendering(void);
 
 /* Starts a frame if none is in flight, then ends it. BE; OBJ; IO without frame buffer. rtRenderFrame is the same. */
@@ -89,6 +90,20 @@ RTAPI void RTAPIENTRY rtRenderFrame(void);
 
 /* Ends the frame in flight, if any, then starts the next. BE; OBJ; IO without frame buffer. */
 RTAPI void RTAPIENTRY rtSwapBuffers(void);
+
+/* Extension. Asks the frame in flight to end early; rtEndRendering must follow as ever, and gives no error. The frame buffer
+ * then holds what samples there are, or its old pixels if not every pixel has one. May come from another thread than
+ * the one that waits in rtEndRendering. BE; IO if no frame is in flight. */
+RTAPI void RTAPIENTRY rtCancelRendering(void);
+
+/* Extension. Samples that each frame takes of each pixel, initially 1. A single one lies in the middle of the pixel;
+ * several are spread over it, and their mean is shown. BE; IV if 0. */
+RTAPI void RTAPIENTRY rtSetSamplesPerPixel(RTuint samples);
+
+/* Extension. RT_TRUE: while nothing changes that the picture depends on, a frame's samples are added to those of the
+ * frames before, so that the picture becomes smoother from frame to frame; after a change it begins anew. The count is that of
+ * RT_SAMPLE_COUNT. RT_FALSE (initial): each frame stands alone. BE. */
+RTAPI void RTAPIENTRY rtProgressive(RTboolean on);
 
 /* RT_RETAINED (initial): instances, lights, camera and environment persist. RT_IMMEDIATE: each start of a frame
  * takes them and leaves none. BE; IE. */

@@ -168,5 +168,6 @@ typedef void (*RTdebugproc)(RTenum error, const char *call, void *user);
 #define RT_OBJECT_COUNT 0x0700u /* 1: objects that have been defined */
 #define RT_TRIANGLE_COUNT 0x0701u /* 1: triangles of the objects that have been defined */
 #define RT_INSTANCE_COUNT 0x0702u /* 1: instances */
+#define RT_SAMPLE_COUNT 0x0703u /* 1: samples that each pixel of the frame that ended last has */
 
 #endif /* OPENRT_TYPES_H */
