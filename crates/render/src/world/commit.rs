@@ -5,9 +5,10 @@
 //! Proof: `crates/render/tests/commit.rs`.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
+use glam::Vec3;
 use gnurt_accel::{BuildOptions, Instance, ObjectTree, SceneTree, Threads, Triangles};
 use gnurt_scene::edit::Edit;
 use gnurt_scene::{Mesh, MeshId, ObjectId, Scene, Surface};
@@ -38,13 +39,23 @@ pub(super) fn commit(
     report.dropped_triangles = objects.iter().flatten().map(bad).sum();
 
     let surfaces = materials::surfaces(scene, shaders, options.force_diffuse);
-    let (lights, environment) = lights::lights(scene, &instances, shaders, options.force_diffuse);
+    let bounds = tree.bounds();
+    let lights =
+        lights::lights(scene, &instances, shaders, options, [bounds.min, bounds.max].map(Vec3::from));
     let all_opaque = surfaces.iter().all(|surface| surface.is_opaque());
     *world = World {
         objects: Arc::new(objects),
         instances: Arc::new(instances),
         tree: Arc::new(tree),
-        shading: Arc::new(Shading { surfaces, lights, environment, all_opaque }),
+        shading: Arc::new(Shading {
+            surfaces,
+            lights: lights.shaders,
+            plugin_lights: lights.plugins,
+            environment: lights.environment,
+            all_opaque,
+            parts: lights.parts,
+            light_set: OnceLock::new(),
+        }),
         face_normals: options.force_diffuse,
         follows: Some(Followed { cursor: scene.cursor(), options: *options }),
     };

@@ -10,11 +10,13 @@ mod lights;
 mod materials;
 mod surface;
 
-use std::sync::Arc;
+use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 use gnurt_accel::{Hit, ObjectTree, Ray, SceneTree};
 use gnurt_scene::edit::Cursor;
 use gnurt_scene::{Mesh, Scene};
+use gnurt_shading::lights::{LightParts, LightSet};
 use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, SurfaceShader};
 use gnurt_simd::Level;
 
@@ -111,9 +113,15 @@ pub(crate) struct Shading {
     /// By material id.
     pub(crate) surfaces: Vec<Arc<dyn SurfaceShader>>,
     pub(crate) lights: Vec<Arc<dyn LightShader>>,
+    /// Which of them are not in the light set, because they only know `illuminate`.
+    #[expect(dead_code, reason = "the integrators that scatter light themselves come next")]
+    pub(crate) plugin_lights: Range<usize>,
     pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
     /// Whether no surface lets light straight through.
     pub(crate) all_opaque: bool,
+    parts: LightParts,
+    /// Built for the first integrator that wants it.
+    light_set: OnceLock<LightSet>,
 }
 
 impl World {
@@ -180,6 +188,12 @@ impl World {
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.tree.occluded(ray)
+    }
+
+    /// All lights but those of shader plugins, with densities.
+    #[expect(dead_code, reason = "the integrators that scatter light themselves come next")]
+    pub(crate) fn light_set(&self) -> &LightSet {
+        self.shading.light_set.get_or_init(|| LightSet::new(self.shading.parts.clone()))
     }
 
     pub(crate) fn tree(&self) -> &SceneTree {

@@ -39,9 +39,9 @@ pub struct EmissiveTriangle {
 pub struct TriangleLights {
     triangles: Vec<EmissiveTriangle>,
     /// What choices are made by, for each triangle.
-    shapes: Vec<Shape>,
+    pub(super) shapes: Vec<Shape>,
     emitters: Vec<Arc<Emitter>>,
-    distribution: Distribution,
+    pub(super) distribution: Distribution,
 }
 
 /// Triangles that compete for each sample.
@@ -49,13 +49,13 @@ const CANDIDATES: usize = 8;
 
 /// A triangle as choices see it.
 #[derive(Clone, Copy, Debug)]
-struct Shape {
-    p: [Vec3; 3],
+pub(super) struct Shape {
+    pub(super) p: [Vec3; 3],
     /// Unit, on the side that shines.
-    normal: Vec3,
-    area: f32,
+    pub(super) normal: Vec3,
+    pub(super) area: f32,
     /// Area times brightness.
-    power: f32,
+    pub(super) power: f32,
 }
 
 impl Shape {
@@ -67,11 +67,12 @@ impl Shape {
     }
 
     /// About what it brings to a surface at `p` if nothing is in between; exactly 0 where it brings nothing: seen from
-    /// behind, or wholly below the horizon of `normal`.
-    fn promise(&self, p: Vec3, normal: Vec3) -> f32 {
+    /// behind, or wholly below the horizon of `normal`. A zero `normal` has no horizon.
+    pub(super) fn promise(&self, p: Vec3, normal: Vec3) -> f32 {
         let ways = self.p.map(|q| q - p);
         let before = -self.normal.dot(ways[0]);
-        let above = ways.iter().map(|way| normal.dot(*way).max(0.0)).sum::<f32>() / 3.0;
+        let above = |way: &Vec3| if normal == Vec3::ZERO { way.length() } else { normal.dot(*way).max(0.0) };
+        let above = ways.iter().map(above).sum::<f32>() / 3.0;
         // Close to the triangle its nearest parts count most; its own size keeps the promise finite there.
         let centre = (ways[0] + ways[1] + ways[2]) / 3.0;
         let nearest = ways.iter().fold(centre.length_squared(), |least, way| least.min(way.length_squared()));
@@ -83,6 +84,22 @@ impl Shape {
         } else {
             0.0
         }
+    }
+
+    /// The point at the barycentric weights of the second and third vertex.
+    pub(super) fn point(&self, [b1, b2]: [f32; 2]) -> Vec3 {
+        self.p[0] + (self.p[1] - self.p[0]) * b1 + (self.p[2] - self.p[0]) * b2
+    }
+
+    /// The same, but short of the triangle by what rounding may have moved it, so that it does not shade itself.
+    pub(super) fn seen_from(&self, p: Vec3, place: [f32; 2]) -> Vec3 {
+        self.point(place) + self.normal * self.rounding(p)
+    }
+
+    /// How far a point computed on the triangle and seen from `p` may be off, and some more.
+    pub(super) fn rounding(&self, p: Vec3) -> f32 {
+        let largest = self.p.iter().fold(p.abs().max_element(), |m, q| m.max(q.abs().max_element()));
+        16.0 * f32::EPSILON * largest
     }
 }
 
@@ -152,14 +169,9 @@ impl TriangleLights {
     /// A direction from `p` to a point on a triangle, its distance and the arriving light over its probability.
     fn sample(&self, p: Vec3, normal: Vec3, random: [f32; 2]) -> Option<(Vec3, f32, Vec3)> {
         let chosen = self.choose(p, normal, random)?;
-        let (triangle, shape) = (&self.triangles[chosen.index], &self.shapes[chosen.index]);
-        let [b1, b2] = sampling::triangle(chosen.random);
-        let q = {
-            let on_triangle = shape.p[0] + (shape.p[1] - shape.p[0]) * b1 + (shape.p[2] - shape.p[0]) * b2;
-            // Stop short of the triangle by what rounding may have moved the point, so that it does not shade itself.
-            on_triangle + shape.normal * rounding(shape, p)
-        };
-        let way = q - p;
+        let shape = &self.shapes[chosen.index];
+        let place = sampling::triangle(chosen.random);
+        let way = shape.seen_from(p, place) - p;
         let distance2 = way.length_squared();
         let dist = distance2.sqrt();
         let dir = way / dist;
@@ -167,13 +179,17 @@ impl TriangleLights {
         if !(cos > 0.0 && dist > 0.0) {
             return None;
         }
+        let radiance = self.radiance(chosen.index, place);
+        Some((dir, dist, radiance * (cos / distance2 * shape.area * chosen.weight)))
+    }
+
+    /// What leaves triangle `index` at the barycentric weights of its second and third vertex.
+    pub(super) fn radiance(&self, index: usize, [b1, b2]: [f32; 2]) -> Vec3 {
+        let triangle = &self.triangles[index];
         let emitter = &self.emitters[triangle.emitter as usize];
         let uv = interpolate(&triangle.uv, b1, b2);
-        let mut radiance = emitter.emission.at(uv);
-        if let Some(coverage) = &emitter.coverage {
-            radiance *= coverage.at(uv, 1.0);
-        }
-        Some((dir, dist, radiance * (cos / distance2 * shape.area * chosen.weight)))
+        let radiance = emitter.emission.at(uv);
+        emitter.coverage.as_ref().map_or(radiance, |coverage| radiance * coverage.at(uv, 1.0))
     }
 }
 
@@ -196,12 +212,6 @@ impl LightShader for TriangleLights {
 fn double_area(t: &EmissiveTriangle) -> f64 {
     let p = t.p.map(Vec3::as_dvec3);
     (p[1] - p[0]).cross(p[2] - p[0]).length()
-}
-
-/// How far a point computed on the triangle and seen from `p` may be off, and some more.
-fn rounding(shape: &Shape, p: Vec3) -> f32 {
-    let largest = shape.p.iter().fold(p.abs().max_element(), |m, q| m.max(q.abs().max_element()));
-    16.0 * f32::EPSILON * largest
 }
 
 fn interpolate(uv: &[[f32; 2]; 3], b1: f32, b2: f32) -> [f32; 2] {

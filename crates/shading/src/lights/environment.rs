@@ -71,20 +71,30 @@ impl PictureEnvironment {
         (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, grid })
     }
 
-    fn at(&self, world_dir: Vec3) -> Vec3 {
+    /// Radiance from a unit direction.
+    pub(super) fn at(&self, world_dir: Vec3) -> Vec3 {
         let dir = self.world_from_light.transpose() * world_dir;
         let [r, g, b, _] = self.texture.sample(uv_of(dir));
         self.radiance * Vec3::new(r, g, b).max(Vec3::ZERO)
     }
 
+    /// Density per solid angle with which [`sample`](Self::sample) chooses a unit direction.
+    pub(super) fn pdf(&self, world_dir: Vec3) -> f32 {
+        let [u, v] = uv_of(self.world_from_light.transpose() * world_dir);
+        let (columns, rows) = (self.grid.width(), self.grid.height());
+        let cell = |x: f32, n: usize| ((x * n as f32).max(0.0) as usize).min(n - 1);
+        let (column, row) = (cell(u, columns), cell(1.0 - v, rows));
+        self.grid.probability(column, row) / cell_solid_angle(row, columns, rows)
+    }
+
     /// A world direction and its density per solid angle.
-    fn sample(&self, random: [f32; 2]) -> (Vec3, f32) {
+    pub(super) fn sample(&self, random: [f32; 2]) -> (Vec3, f32) {
         let point = self.grid.sample(random);
         let (columns, rows) = (self.grid.width() as f32, self.grid.height() as f32);
         let azimuth = TAU * ((point.column as f32 + point.within[0]) / columns - 0.5);
         let [upper, lower] = [0, 1].map(|k| (PI * (point.row + k) as f32 / rows).cos());
         let y = upper + point.within[1] * (lower - upper);
-        let solid_angle = TAU / columns * (upper - lower);
+        let solid_angle = cell_solid_angle(point.row, self.grid.width(), self.grid.height());
         let radius = (1.0 - y * y).max(0.0).sqrt();
         let dir = Vec3::new(radius * azimuth.sin(), y, -radius * azimuth.cos());
         ((self.world_from_light * dir).normalize(), point.probability / solid_angle)
@@ -110,6 +120,11 @@ impl LightShader for PictureEnvironment {
     fn is_visible(&self) -> bool {
         true
     }
+}
+
+fn cell_solid_angle(row: usize, columns: usize, rows: usize) -> f32 {
+    let [upper, lower] = [0, 1].map(|k| (PI * (row + k) as f32 / rows as f32).cos());
+    TAU / columns as f32 * (upper - lower)
 }
 
 /// Texture coordinates of a unit direction of the light's space.

@@ -4,8 +4,15 @@
 
 mod area;
 mod environment;
+mod light_emission;
+mod light_set;
+#[cfg(test)]
+mod light_set_tests;
+mod light_tree;
 mod punctual;
 
 pub use area::{EmissiveTriangle, Emitter, TriangleLights};
 pub use environment::{ConstantEnvironment, PictureEnvironment};
+pub use light_emission::{LightRay, SurfaceSample};
+pub use light_set::{EnvironmentLight, LightId, LightKind, LightParts, LightSample, LightSet};
 pub use punctual::{DirectionalLight, PointLight, SpotLight};

@@ -21,10 +21,10 @@ pub struct PointLight {
 /// From a point into a cone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotLight {
-    position: Vec3,
-    axis: Vec3,
-    intensity: Vec3,
-    cos_outer: f32,
+    pub(super) position: Vec3,
+    pub(super) axis: Vec3,
+    pub(super) intensity: Vec3,
+    pub(super) cos_outer: f32,
     /// One over the difference of the cones' cosines.
     scale: f32,
 }
@@ -32,8 +32,8 @@ pub struct SpotLight {
 /// From infinitely far away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionalLight {
-    towards: Vec3,
-    irradiance: Vec3,
+    pub(super) towards: Vec3,
+    pub(super) irradiance: Vec3,
 }
 
 impl SpotLight {
@@ -54,7 +54,7 @@ impl SpotLight {
     }
 
     /// Share of the intensity at this cosine to the axis.
-    fn falloff(&self, cos: f32) -> f32 {
+    pub(super) fn falloff(&self, cos: f32) -> f32 {
         let share = ((cos - self.cos_outer) * self.scale).clamp(0.0, 1.0);
         share * share
     }

@@ -5,9 +5,9 @@
 pub(crate) mod distribution;
 mod grid;
 mod sobol;
-mod warp;
+pub(crate) mod warp;
 
 pub use distribution::{Choice, Distribution};
 pub use grid::{GridDistribution, GridPoint};
 pub use sobol::{hash_combine, purpose, sample_pair};
-pub use warp::{Basis, cosine_hemisphere, triangle};
+pub use warp::{Basis, cosine_hemisphere, triangle, uniform_sphere};

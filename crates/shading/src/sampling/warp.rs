@@ -3,7 +3,7 @@
 //! Source: [SC97] (concentric disk), Malley's method (cosine hemisphere), [Hei19] (triangle), [DBC*17] (frame).
 //! Proof: `tests::{hemisphere_follows_the_cosine, triangle_is_uniform, basis_is_orthonormal}`.
 
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{Vec2, Vec3};
 
@@ -59,6 +59,15 @@ pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
     Vec3::new(d.x, d.y, (1.0 - d.length_squared()).max(0.0).sqrt())
 }
 
+/// A direction to any side, uniform by solid angle.
+#[must_use]
+pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
+    let z = 1.0 - 2.0 * u[0];
+    let (sin, cos) = (2.0 * PI * u[1]).sin_cos();
+    let radius = (1.0 - z * z).max(0.0).sqrt();
+    Vec3::new(radius * cos, radius * sin, z).normalize()
+}
+
 /// A point of the unit disk, uniform by area.
 pub(crate) fn concentric_disk(u: [f32; 2]) -> Vec2 {
     let [x, y] = u.map(|u| 2.0 * u - 1.0);
@@ -86,8 +95,6 @@ pub fn triangle([mut a, mut b]: [f32; 2]) -> [f32; 2] {
 
 #[cfg(test)]
 mod tests {
-    use std::f32::consts::PI;
-
     use super::*;
     use crate::batch::SampleKey;
     use crate::sampling::sample_pair;

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Where paths that start at lights begin: a light by its power, a place on it, a direction.
+//! Source: [PJH23] sections 12.1 to 12.6 (emission of each kind of light); environments from a disk before the ball around
+//! all that can be lit. Space: world. Units: power in W per channel, densities per area and per solid angle.
+//! Invariant: the mean of `radiance_over_pdf` is the power of all lights (of what comes from far away, what the ball
+//! catches). Proof: `light_set_tests`.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::Vec3;
+
+use super::light_set::{LightId, LightKind, LightSet};
+use crate::point::SurfacePoint;
+use crate::sampling::warp::concentric_disk;
+use crate::sampling::{self, Basis, cosine_hemisphere, uniform_sphere};
+
+/// The first edge of a path from a light.
+#[derive(Clone, Copy, Debug)]
+pub struct LightRay {
+    /// Where it starts: on a surface, at a point light, or before the scene.
+    pub point: SurfacePoint,
+    /// Whether `point` lies on a surface: light leaves it by the cosine to `normal`.
+    pub is_surface: bool,
+    /// Unit; the direction itself where there is no surface.
+    pub normal: Vec3,
+    /// Unit, where it goes.
+    pub dir: Vec3,
+    /// The power that it carries: what leaves, times the cosine at a surface, over all densities.
+    pub radiance_over_pdf: Vec3,
+    /// What leaves along `dir`: radiance; intensity of lights without extent; irradiance of directional ones.
+    pub emitted: Vec3,
+    /// Density of the start, the choice of the light included: per area; for point lights the probability of the choice.
+    pub pdf_pos: f32,
+    /// Density of the direction per solid angle; 1 for directional lights.
+    pub pdf_dir: f32,
+    /// What kind of light it is.
+    pub kind: LightKind,
+    /// Which light.
+    pub light: LightId,
+}
+
+/// A point on a triangle that shines.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceSample {
+    /// Where, with the normal on the side that shines.
+    pub point: SurfacePoint,
+    /// What leaves to all directions of that side.
+    pub radiance: Vec3,
+    /// Density per area, the choice of the triangle included.
+    pub pdf_area: f32,
+    /// Number of the emissive triangle.
+    pub triangle: u32,
+}
+
+/// A point that lies on no surface.
+fn free_point(p: Vec3, dir: Vec3) -> SurfacePoint {
+    SurfacePoint { p, error: 0.0, ng: dir, ns: dir, lift: Vec3::ZERO }
+}
+
+impl LightSet {
+    /// Starts a path at a light: `u_choice` chooses it by power, `u_pos` the place, `u_dir` the direction, all in [0, 1).
+    /// `None` if nothing shines there.
+    #[must_use]
+    pub fn emit(&self, u_choice: f32, u_pos: [f32; 2], u_dir: [f32; 2]) -> Option<LightRay> {
+        let choice = self.power.as_ref()?.sample(u_choice);
+        let light = LightId(choice.index as u32);
+        let kind = self.kind(light);
+        let ray = match kind {
+            LightKind::Triangle(i) => self.emit_triangle(i, choice.probability, u_pos, u_dir),
+            LightKind::Point(i) => {
+                let point = &self.parts.points[i as usize];
+                let dir = uniform_sphere(u_dir);
+                Some(from_point(point.position, dir, point.intensity, choice.probability, 0.25 / PI))
+            }
+            LightKind::Spot(i) => {
+                let spot = &self.parts.spots[i as usize];
+                let cos = 1.0 - u_dir[0] * (1.0 - spot.cos_outer);
+                let (sin, azimuth) = ((1.0 - cos * cos).max(0.0).sqrt(), TAU * u_dir[1]);
+                let local = Vec3::new(sin * azimuth.cos(), sin * azimuth.sin(), cos);
+                let dir = Basis::around(spot.axis).to_world(local).normalize();
+                let intensity = spot.intensity * spot.falloff(cos);
+                let pdf_dir = 1.0 / (TAU * (1.0 - spot.cos_outer).max(f32::MIN_POSITIVE));
+                Some(from_point(spot.position, dir, intensity, choice.probability, pdf_dir))
+            }
+            LightKind::Directional(i) => {
+                let directional = &self.parts.directionals[i as usize];
+                Some(self.emit_from_far(
+                    -directional.towards,
+                    directional.irradiance,
+                    choice.probability,
+                    1.0,
+                    u_pos,
+                ))
+            }
+            LightKind::Environment => {
+                let environment = self.parts.environment.as_ref()?;
+                let (towards, pdf_dir) = environment.sample_any(u_dir);
+                Some(self.emit_from_far(
+                    -towards,
+                    environment.radiance(towards),
+                    choice.probability,
+                    pdf_dir,
+                    u_pos,
+                ))
+            }
+        }?;
+        let ray = LightRay { kind, light, ..ray };
+        (ray.radiance_over_pdf.is_finite() && ray.radiance_over_pdf != Vec3::ZERO).then_some(ray)
+    }
+
+    /// A point on a triangle that shines, chosen by power, and its density; for light that leaves its source.
+    #[must_use]
+    pub fn sample_surface(&self, u: [f32; 3]) -> Option<SurfaceSample> {
+        let triangles = self.parts.triangles.as_ref()?;
+        let choice = triangles.distribution.sample(u[0]);
+        let shape = &triangles.shapes[choice.index];
+        let place = sampling::triangle([u[1], u[2]]);
+        let point = SurfacePoint {
+            p: shape.point(place),
+            error: shape.rounding(Vec3::ZERO),
+            ng: shape.normal,
+            ns: shape.normal,
+            lift: Vec3::ZERO,
+        };
+        let radiance = triangles.radiance(choice.index, place);
+        Some(SurfaceSample {
+            point,
+            radiance,
+            pdf_area: choice.probability / shape.area,
+            triangle: choice.index as u32,
+        })
+    }
+
+    /// Density per area with which [`emit`](Self::emit) starts at a point of an emissive triangle.
+    #[must_use]
+    pub fn pdf_emit_position(&self, triangle: u32) -> f32 {
+        match (&self.power, &self.parts.triangles) {
+            (Some(power), Some(triangles)) => {
+                power.probability(triangle as usize) / triangles.shapes[triangle as usize].area
+            }
+            _ => 0.0,
+        }
+    }
+
+    fn emit_triangle(&self, index: u32, chosen: f32, u_pos: [f32; 2], u_dir: [f32; 2]) -> Option<LightRay> {
+        let triangles = self.parts.triangles.as_ref()?;
+        let shape = &triangles.shapes[index as usize];
+        let place = sampling::triangle(u_pos);
+        let (p, normal) = (shape.point(place), shape.normal);
+        let local = cosine_hemisphere(u_dir);
+        let dir = Basis::around(normal).to_world(local).normalize();
+        let emitted = triangles.radiance(index as usize, place);
+        Some(LightRay {
+            point: SurfacePoint {
+                p,
+                error: shape.rounding(Vec3::ZERO),
+                ng: normal,
+                ns: normal,
+                lift: Vec3::ZERO,
+            },
+            is_surface: true,
+            normal,
+            dir,
+            // The cosine is the density's times pi.
+            radiance_over_pdf: emitted * (PI * shape.area / chosen),
+            emitted,
+            pdf_pos: chosen / shape.area,
+            pdf_dir: local.z / PI,
+            kind: LightKind::Triangle(index),
+            light: LightId(index),
+        })
+    }
+
+    /// Light that goes along `dir`, from a disk before the ball around the scene.
+    fn emit_from_far(
+        &self,
+        dir: Vec3,
+        emitted: Vec3,
+        chosen: f32,
+        pdf_dir: f32,
+        u_pos: [f32; 2],
+    ) -> LightRay {
+        let (centre, radius) = self.ball;
+        let on_disk = concentric_disk(u_pos) * radius;
+        let p = centre - dir * radius + Basis::around(dir).to_world(on_disk.extend(0.0));
+        let pdf_pos = chosen / (PI * radius * radius);
+        LightRay {
+            point: free_point(p, dir),
+            is_surface: false,
+            normal: dir,
+            dir,
+            radiance_over_pdf: emitted / (pdf_pos * pdf_dir),
+            emitted,
+            pdf_pos,
+            pdf_dir,
+            kind: LightKind::Environment,
+            light: LightId(0),
+        }
+    }
+}
+
+fn from_point(p: Vec3, dir: Vec3, intensity: Vec3, chosen: f32, pdf_dir: f32) -> LightRay {
+    LightRay {
+        point: free_point(p, dir),
+        is_surface: false,
+        normal: dir,
+        dir,
+        radiance_over_pdf: intensity / (chosen * pdf_dir),
+        emitted: intensity,
+        pdf_pos: chosen,
+        pdf_dir,
+        kind: LightKind::Point(0),
+        light: LightId(0),
+    }
+}

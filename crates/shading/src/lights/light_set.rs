@@ -1,0 +1,410 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! All lights of a scene together, with the densities that light transport needs: sampled from a point, looked up where
+//! a ray met one. Paths that start at lights: `light_emission`.
+//! Source: [EK18] (light tree), [PJH23] sections 6.5.3 (area to solid angle) and 12.5 (environments).
+//! Space: world. Densities are per solid angle at the point that asks, the choice between lights included.
+//! Invariants: `pdf_triangle` and `pdf_environment` are the densities of `sample` for the same point and normal. A zero
+//! normal asks for all sides. Lights of shader plugins are not in here: they only know `illuminate`.
+//! Proof: `tests`, crates/render/tests/path.rs.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+use std::sync::Arc;
+
+use glam::Vec3;
+use gnurt_image::srgb::luminance;
+
+use super::light_tree::{LightBounds, LightTree};
+use super::{
+    ConstantEnvironment, DirectionalLight, PictureEnvironment, PointLight, SpotLight, TriangleLights,
+};
+use crate::batch::SampleKey;
+use crate::sampling::{self, Basis, Distribution, cosine_hemisphere, sample_pair, uniform_sphere};
+
+/// A light of a [`LightSet`]: triangles first, then points, spots, directional lights and the environment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct LightId(pub u32);
+
+/// What a light is, and its place among those of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightKind {
+    /// A triangle that shines to one side.
+    Triangle(u32),
+    /// From a point to all sides.
+    Point(u32),
+    /// From a point into a cone.
+    Spot(u32),
+    /// From infinitely far away.
+    Directional(u32),
+    /// From everywhere.
+    Environment,
+}
+
+/// Light from everywhere.
+#[derive(Clone)]
+pub enum EnvironmentLight {
+    /// The same from everywhere.
+    Constant(Arc<ConstantEnvironment>),
+    /// By direction.
+    Picture(Arc<PictureEnvironment>),
+}
+
+/// What a light set is made of.
+#[derive(Clone, Default)]
+pub struct LightParts {
+    /// Emissive triangles.
+    pub triangles: Option<Arc<TriangleLights>>,
+    /// Instance, mesh and triangle of each of them, ascending.
+    pub triangle_ids: Vec<[u32; 3]>,
+    /// Lights without extent.
+    pub points: Vec<PointLight>,
+    /// Lights without extent.
+    pub spots: Vec<SpotLight>,
+    /// Lights infinitely far away.
+    pub directionals: Vec<DirectionalLight>,
+    /// Light from everywhere.
+    pub environment: Option<EnvironmentLight>,
+    /// Lower and upper corner of what can be lit.
+    pub bounds: [Vec3; 2],
+}
+
+/// All lights.
+pub struct LightSet {
+    pub(super) parts: LightParts,
+    pub(super) tree: LightTree,
+    /// Tree, directional lights, environment: how often each is sampled.
+    choice: Option<Distribution>,
+    /// Centre and radius of a ball around all that can be lit.
+    pub(super) ball: (Vec3, f32),
+    /// By light: what paths that start at lights are shared out by.
+    pub(super) power: Option<Distribution>,
+}
+
+/// A direction to a light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSample {
+    /// Unit, towards the light.
+    pub dir: Vec3,
+    /// How far it is; infinite for lights without a place.
+    pub dist: f32,
+    /// Radiance against `dir`; for `delta` lights the irradiance of a surface that faces them.
+    pub radiance: Vec3,
+    /// Density per solid angle, the choice of the light included; for `delta` lights the probability of the choice.
+    pub pdf: f32,
+    /// Whether no scattered ray could meet it.
+    pub delta: bool,
+    /// Which light.
+    pub light: LightId,
+}
+
+impl EnvironmentLight {
+    pub(super) fn radiance(&self, dir: Vec3) -> Vec3 {
+        match self {
+            Self::Constant(constant) => constant.radiance,
+            Self::Picture(picture) => picture.at(dir),
+        }
+    }
+
+    /// Brightness summed over all directions.
+    fn total(&self) -> f32 {
+        match self {
+            Self::Constant(constant) => 4.0 * PI * luminance(constant.radiance.into()),
+            Self::Picture(picture) => {
+                const N: u32 = 256;
+                let share = |sample| {
+                    let u = sample_pair(0, SampleKey { pixel: 0, sample, branch: 0 }, 0, 0);
+                    let (dir, pdf) = picture.sample(u);
+                    luminance(picture.at(dir).into()) / pdf / N as f32
+                };
+                (0..N).map(share).filter(|x| x.is_finite()).sum()
+            }
+        }
+    }
+
+    /// A direction for a surface that faces `normal` (zero = any), and its density.
+    fn sample(&self, normal: Vec3, u: [f32; 2]) -> (Vec3, f32) {
+        match self {
+            Self::Constant(_) if normal == Vec3::ZERO => (uniform_sphere(u), 0.25 * FRAC_1_PI),
+            Self::Constant(_) => {
+                let local = cosine_hemisphere(u);
+                let dir = Basis::around(normal).to_world(local).normalize();
+                (dir, normal.dot(dir).max(0.0) * FRAC_1_PI)
+            }
+            Self::Picture(picture) => picture.sample(u),
+        }
+    }
+
+    pub(super) fn pdf(&self, normal: Vec3, dir: Vec3) -> f32 {
+        match self {
+            Self::Constant(_) if normal == Vec3::ZERO => 0.25 * FRAC_1_PI,
+            Self::Constant(_) => normal.dot(dir).max(0.0) * FRAC_1_PI,
+            Self::Picture(picture) => picture.pdf(dir),
+        }
+    }
+
+    /// A direction for any surface, and its density.
+    pub(super) fn sample_any(&self, u: [f32; 2]) -> (Vec3, f32) {
+        self.sample(Vec3::ZERO, u)
+    }
+}
+
+impl LightSet {
+    /// Builds the tree over them.
+    #[must_use]
+    pub fn new(parts: LightParts) -> Self {
+        let ball = ball(parts.bounds);
+        let tree = LightTree::new(&tree_lights(&parts));
+        let powers = powers(&parts, ball.1);
+        let finite = parts.finite_count();
+        let (near, far) = powers.split_at(finite);
+        let near: f64 = near.iter().sum();
+        let groups: Vec<f64> =
+            std::iter::once(if tree.is_empty() { 0.0 } else { near }).chain(far.iter().copied()).collect();
+        // Half by power, half evenly: what is dim on the whole may be all that there is at a point.
+        let shining = groups.iter().filter(|&&power| power > 0.0).count() as f64;
+        let total: f64 = groups.iter().sum();
+        let share = |&power: &f64| if power > 0.0 { power / total + 1.0 / shining } else { 0.0 };
+        let choice = Distribution::new(groups.iter().map(share));
+        Self { tree, choice, ball, power: Distribution::new(powers), parts }
+    }
+
+    /// How many lights.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.parts.finite_count()
+            + self.parts.directionals.len()
+            + usize::from(self.parts.environment.is_some())
+    }
+
+    /// Whether nothing shines.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// What a light is.
+    #[must_use]
+    pub fn kind(&self, light: LightId) -> LightKind {
+        type Kind = fn(u32) -> LightKind;
+        let mut i = light.0;
+        let kinds = [
+            (self.parts.triangle_count(), LightKind::Triangle as Kind),
+            (self.parts.points.len(), LightKind::Point),
+            (self.parts.spots.len(), LightKind::Spot),
+            (self.parts.directionals.len(), LightKind::Directional),
+        ];
+        for (count, kind) in kinds {
+            if (i as usize) < count {
+                return kind(i);
+            }
+            i -= count as u32;
+        }
+        LightKind::Environment
+    }
+
+    /// The number of the emissive triangle that a ray met.
+    #[must_use]
+    pub fn triangle(&self, instance: u32, mesh: u32, triangle: u32) -> Option<u32> {
+        self.parts.triangle_ids.binary_search(&[instance, mesh, triangle]).ok().map(|i| i as u32)
+    }
+
+    /// Chooses a light and a direction to it for a surface at `p` that faces the unit normal `ns`; zero asks for all
+    /// sides. `None` if no light reaches the point. The direction may still lie below the horizon.
+    #[must_use]
+    pub fn sample(&self, p: Vec3, ns: Vec3, u: [f32; 3]) -> Option<LightSample> {
+        let group = self.choice.as_ref()?.sample(u[0]);
+        let sample = if group.index == 0 {
+            let promise = |light| self.promise(light, p, ns);
+            let (light, probability) = self.tree.choose(p, ns, group.rest, promise)?;
+            self.sample_near(light, p, [u[1], u[2]], group.probability * probability)
+        } else {
+            self.sample_far(group.index - 1, ns, [u[1], u[2]], group.probability)
+        }?;
+        (sample.pdf > 0.0 && sample.pdf.is_finite() && sample.radiance.is_finite()).then_some(sample)
+    }
+
+    fn sample_near(&self, light: u32, p: Vec3, u: [f32; 2], probability: f32) -> Option<LightSample> {
+        let id = LightId(light);
+        let from_point = |position: Vec3, intensity: &dyn Fn(Vec3) -> Vec3| {
+            let way = position - p;
+            let dist = way.length();
+            let dir = way / dist;
+            let radiance = intensity(-dir) / (dist * dist);
+            (dist > 0.0).then_some(LightSample {
+                dir,
+                dist,
+                radiance,
+                pdf: probability,
+                delta: true,
+                light: id,
+            })
+        };
+        match self.kind(id) {
+            LightKind::Triangle(i) => {
+                let triangles = self.parts.triangles.as_ref()?;
+                let shape = &triangles.shapes[i as usize];
+                let place = sampling::triangle(u);
+                let way = shape.seen_from(p, place) - p;
+                let dist = way.length();
+                let dir = way / dist;
+                let pdf = probability * solid_angle_density(shape.normal, shape.area, dir, dist);
+                let radiance = triangles.radiance(i as usize, place);
+                (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
+            }
+            LightKind::Point(i) => {
+                let point = &self.parts.points[i as usize];
+                from_point(point.position, &|_| point.intensity)
+            }
+            LightKind::Spot(i) => {
+                let spot = &self.parts.spots[i as usize];
+                from_point(spot.position, &|away| spot.intensity * spot.falloff(away.dot(spot.axis)))
+            }
+            LightKind::Directional(_) | LightKind::Environment => None,
+        }
+    }
+
+    fn sample_far(&self, index: usize, ns: Vec3, u: [f32; 2], probability: f32) -> Option<LightSample> {
+        let light = LightId((self.parts.finite_count() + index) as u32);
+        if let Some(directional) = self.parts.directionals.get(index) {
+            return Some(LightSample {
+                dir: directional.towards,
+                dist: f32::INFINITY,
+                radiance: directional.irradiance,
+                pdf: probability,
+                delta: true,
+                light,
+            });
+        }
+        let environment = self.parts.environment.as_ref()?;
+        let (dir, pdf) = environment.sample(ns, u);
+        let radiance = environment.radiance(dir);
+        Some(LightSample { dir, dist: f32::INFINITY, radiance, pdf: probability * pdf, delta: false, light })
+    }
+
+    /// Density with which [`sample`](Self::sample) finds emissive triangle `triangle` along the unit direction `dir`,
+    /// `dist` away; 0 on its dark side.
+    #[must_use]
+    pub fn pdf_triangle(&self, p: Vec3, ns: Vec3, triangle: u32, dir: Vec3, dist: f32) -> f32 {
+        let (Some(choice), Some(triangles)) = (&self.choice, &self.parts.triangles) else { return 0.0 };
+        let shape = &triangles.shapes[triangle as usize];
+        let here = solid_angle_density(shape.normal, shape.area, dir, dist);
+        if here <= 0.0 {
+            return 0.0;
+        }
+        let promise = |light| self.promise(light, p, ns);
+        choice.probability(0) * self.tree.probability(triangle, p, ns, promise) * here
+    }
+
+    /// Density with which [`sample`](Self::sample) finds the environment along the unit direction `dir`.
+    #[must_use]
+    pub fn pdf_environment(&self, _p: Vec3, ns: Vec3, dir: Vec3) -> f32 {
+        let (Some(choice), Some(environment)) = (&self.choice, &self.parts.environment) else { return 0.0 };
+        choice.probability(1 + self.parts.directionals.len()) * environment.pdf(ns, dir)
+    }
+
+    /// Radiance of the environment from the unit direction `dir`.
+    #[must_use]
+    pub fn environment(&self, dir: Vec3) -> Vec3 {
+        self.parts.environment.as_ref().map_or(Vec3::ZERO, |environment| environment.radiance(dir))
+    }
+
+    /// About what a light of the tree brings to a surface; 0 if nothing.
+    pub(super) fn promise(&self, light: u32, p: Vec3, ns: Vec3) -> f32 {
+        let from_point = |position: Vec3, intensity: &dyn Fn(Vec3) -> f32| {
+            let way = position - p;
+            let distance2 = way.length_squared();
+            let dir = way / distance2.sqrt();
+            let cos = if ns == Vec3::ZERO { 1.0 } else { ns.dot(dir).max(0.0) };
+            let promise = intensity(-dir) * cos / distance2;
+            if promise.is_finite() { promise } else { 0.0 }
+        };
+        match self.kind(LightId(light)) {
+            LightKind::Triangle(i) => {
+                let shapes = self.parts.triangles.as_ref().map(|triangles| &triangles.shapes);
+                shapes.map_or(0.0, |shapes| shapes[i as usize].promise(p, ns))
+            }
+            LightKind::Point(i) => {
+                let point = &self.parts.points[i as usize];
+                from_point(point.position, &|_| luminance(point.intensity.into()))
+            }
+            LightKind::Spot(i) => {
+                let spot = &self.parts.spots[i as usize];
+                let brightness = luminance(spot.intensity.into());
+                from_point(spot.position, &|away| brightness * spot.falloff(away.dot(spot.axis)))
+            }
+            LightKind::Directional(_) | LightKind::Environment => 0.0,
+        }
+    }
+}
+
+impl LightParts {
+    pub(super) fn triangle_count(&self) -> usize {
+        self.triangles.as_ref().map_or(0, |triangles| triangles.len())
+    }
+
+    /// Lights that have a place.
+    pub(super) fn finite_count(&self) -> usize {
+        self.triangle_count() + self.points.len() + self.spots.len()
+    }
+}
+
+/// A uniform density over an area, seen along `dir` from `dist` away; 0 from behind.
+fn solid_angle_density(normal: Vec3, area: f32, dir: Vec3, dist: f32) -> f32 {
+    let cos = -normal.dot(dir);
+    if cos > 0.0 { dist * dist / (cos * area) } else { 0.0 }
+}
+
+/// Centre and radius of a ball around a box; never without extent.
+fn ball([low, high]: [Vec3; 2]) -> (Vec3, f32) {
+    let (centre, radius) = (0.5 * (low + high), 0.5 * (high - low).length());
+    if centre.is_finite() && radius > 0.0 && radius.is_finite() {
+        (centre, radius * 1.001)
+    } else {
+        (Vec3::ZERO, 1.0)
+    }
+}
+
+/// Lights with a place, as the tree sees them.
+fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
+    let triangle = |shape: &super::area::Shape| {
+        let [a, b, c] = shape.p;
+        LightBounds {
+            min: a.min(b).min(c),
+            max: a.max(b).max(c),
+            axis: shape.normal,
+            cos_normals: 1.0,
+            cos_emission: 0.0,
+            power: shape.power,
+        }
+    };
+    let at = |p: Vec3, intensity: Vec3| LightBounds {
+        min: p,
+        max: p,
+        axis: Vec3::Z,
+        cos_normals: -1.0,
+        cos_emission: 0.0,
+        power: luminance(intensity.into()),
+    };
+    let triangles = parts.triangles.iter().flat_map(|triangles| triangles.shapes.iter().map(triangle));
+    let points = parts.points.iter().map(|light| at(light.position, light.intensity));
+    let spots = parts.spots.iter().map(|light| LightBounds {
+        axis: light.axis,
+        cos_normals: 1.0,
+        cos_emission: light.cos_outer,
+        ..at(light.position, light.intensity)
+    });
+    triangles.chain(points).chain(spots).map(Some).collect()
+}
+
+/// Watts of each light, by brightness; of what comes from far away, those that a ball of radius `radius` catches.
+fn powers(parts: &LightParts, radius: f32) -> Vec<f64> {
+    let bright = |color: Vec3| f64::from(luminance(color.into()));
+    let pi = f64::from(PI);
+    let disk = pi * f64::from(radius).powi(2);
+    let triangles = parts.triangles.iter().flat_map(|t| t.shapes.iter().map(|s| pi * f64::from(s.power)));
+    let points = parts.points.iter().map(|light| 4.0 * pi * bright(light.intensity));
+    let spots =
+        parts.spots.iter().map(|light| 2.0 * pi * f64::from(1.0 - light.cos_outer) * bright(light.intensity));
+    let directionals = parts.directionals.iter().map(|light| disk * bright(light.irradiance));
+    let environment = parts.environment.iter().map(|light| disk * f64::from(light.total()));
+    triangles.chain(points).chain(spots).chain(directionals).chain(environment).collect()
+}

@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Densities of the light set against its samples, sums against closed forms, powers against integrals. Source: original.
+
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+use glam::{Mat3, Vec3};
+use gnurt_image::{TexelData, Texels};
+
+use super::*;
+use crate::batch::SampleKey;
+use crate::materials::Emission;
+use crate::sampling::sample_pair;
+use crate::texture::TextureSampler;
+
+fn numbers(sample: u32) -> [f32; 3] {
+    let draw = |purpose| sample_pair(11, SampleKey { pixel: 5, sample, branch: 0 }, 0, purpose);
+    let ([a, b], [c, _]) = (draw(0), draw(1));
+    [c, a, b]
+}
+
+fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<TriangleLights>> {
+    let emitter = |&x: &f32| {
+        let emission = Emission { factor: Vec3::new(x, 2.0 * x, 3.0 * x), texture: None };
+        Arc::new(Emitter { emission, coverage: None })
+    };
+    let list = corners.iter().enumerate().map(|(i, &p)| EmissiveTriangle {
+        p,
+        uv: [[0.0; 2]; 3],
+        emitter: (i % radiance.len()) as u32,
+    });
+    TriangleLights::new(list.collect(), radiance.iter().map(emitter).collect()).map(Arc::new)
+}
+
+fn set(parts: LightParts) -> LightSet {
+    let triangle_ids =
+        (0..parts.triangles.as_ref().map_or(0, |t| t.len() as u32)).map(|i| [0, 0, i]).collect();
+    LightSet::new(LightParts { triangle_ids, bounds: [Vec3::splat(-2.0), Vec3::splat(2.0)], ..parts })
+}
+
+/// A 2 x 2 square at height 1 that shines down.
+fn square() -> Vec<[Vec3; 3]> {
+    let corner = |x, y| Vec3::new(x, y, 1.0);
+    let [a, b, c, d] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
+    vec![[a, b, c], [a, c, d]]
+}
+
+fn picture() -> EnvironmentLight {
+    let texel = |i: u32| match (i % 16, i / 16) {
+        (12, 2) => [50.0, 20.0, 10.0, 1.0],
+        _ => [0.1, 0.1, 0.3, 1.0],
+    };
+    let data = TexelData::Float((0..128).map(texel).collect());
+    let texture = TextureSampler::new(Arc::new(Texels { width: 16, height: 8, data }));
+    let turn = Mat3::from_rotation_x(0.4) * Mat3::from_rotation_y(1.1);
+    EnvironmentLight::Picture(Arc::new(PictureEnvironment::new(texture, Vec3::ONE, turn).expect("it shines")))
+}
+
+fn irradiance(lights: &LightSet, p: Vec3, up: Vec3, n: u32) -> Vec3 {
+    let sum = (0..n).fold(Vec3::ZERO, |sum, i| {
+        let lit = lights.sample(p, up, numbers(i));
+        sum + lit.map_or(Vec3::ZERO, |s| s.radiance * s.dir.dot(up).max(0.0) / s.pdf)
+    });
+    sum / n as f32
+}
+
+/// Lamps of many sizes and directions, a lamp without extent of each kind, and the sky.
+fn everything() -> LightSet {
+    let lamp = |i: usize| {
+        let middle = Vec3::new((i % 8) as f32 - 3.5, (i / 8) as f32 - 3.0, [1.0, 2.0, -0.5][i % 3]);
+        let size = 0.1 + 0.1 * (i % 7) as f32;
+        let p = [middle, middle + Vec3::Y * size, middle + Vec3::X * size];
+        if i % 4 < 3 { p } else { [p[0], p[2], p[1]] }
+    };
+    let lamps: Vec<_> = (0..48).map(lamp).collect();
+    set(LightParts {
+        triangles: triangles(&lamps, &[1.0, 5.0, 20.0]),
+        points: vec![PointLight { position: Vec3::new(0.5, 0.0, 2.0), intensity: Vec3::ONE }],
+        spots: SpotLight::new(Vec3::new(0.0, 1.0, 2.0), -Vec3::Z, Vec3::ONE, 0.3, 0.6).into_iter().collect(),
+        directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
+        environment: Some(picture()),
+        ..LightParts::default()
+    })
+}
+
+#[test]
+fn rectangle_has_its_closed_form() {
+    let lights = set(LightParts { triangles: triangles(&square(), &[1.0]), ..LightParts::default() });
+    let corner = 1.0_f64 / 2.0_f64.sqrt();
+    let wanted = 4.0 * corner * corner.atan();
+    let found = irradiance(&lights, Vec3::ZERO, Vec3::Z, 1 << 14);
+    assert!((f64::from(found.x) / wanted - 1.0).abs() < 2e-3, "{} instead of {wanted}", found.x);
+    assert!((found.z / found.x - 3.0).abs() < 1e-4, "in all colours");
+    let behind = irradiance(&lights, Vec3::new(0.0, 0.0, 2.0), -Vec3::Z, 256);
+    assert_eq!(behind, Vec3::ZERO, "light leaves one side only");
+}
+
+#[test]
+fn lights_without_extent_and_constant_skies_have_closed_forms() {
+    let lights = set(LightParts {
+        points: vec![PointLight { position: Vec3::new(0.0, 0.0, 2.0), intensity: Vec3::splat(8.0) }],
+        directionals: DirectionalLight::new(-Vec3::Z, Vec3::splat(3.0)).into_iter().collect(),
+        environment: Some(EnvironmentLight::Constant(Arc::new(ConstantEnvironment { radiance: Vec3::ONE }))),
+        ..LightParts::default()
+    });
+    let found = irradiance(&lights, Vec3::ZERO, Vec3::Z, 1 << 14).x;
+    let wanted = 8.0 / 4.0 + 3.0 + PI;
+    assert!((found / wanted - 1.0).abs() < 2e-3, "{found} instead of {wanted}");
+}
+
+/// Each lamp alone is an oracle of a tree of one; all together must bring their sum.
+#[test]
+fn many_lamps_add_up() {
+    let lamp = |i: usize| {
+        let middle = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, [1.0, 3.0, -0.5][i % 3]);
+        let size = 0.05 + 0.02 * (i % 7) as f32;
+        let p = [middle, middle + Vec3::Y * size, middle + Vec3::X * size];
+        if i % 4 < 2 { p } else { [p[0], p[2], p[1]] }
+    };
+    let lamps: Vec<_> = (0..50).map(lamp).collect();
+    let radiance = [1.0, 5.0, 40.0, 2.0, 0.1];
+    for (p, up) in [(Vec3::ZERO, Vec3::Z), (Vec3::new(3.0, 1.0, 0.5), Vec3::new(0.6, 0.0, 0.8))] {
+        let all = set(LightParts { triangles: triangles(&lamps, &radiance), ..LightParts::default() });
+        let together = irradiance(&all, p, up, 1 << 15).x;
+        let one = |i: usize| {
+            let alone = triangles(&lamps[i..=i], &radiance[i % 5..=i % 5]);
+            irradiance(&set(LightParts { triangles: alone, ..LightParts::default() }), p, up, 1 << 10).x
+        };
+        let wanted: f32 = (0..50).map(one).sum();
+        assert!((together / wanted - 1.0).abs() < 5e-3, "{together} instead of {wanted}");
+        // The tree's worth: most samples reach a lamp that counts, and bring about the same.
+        let brought: Vec<f32> = (0..4096)
+            .map(|i| {
+                let lit = all.sample(p, up, numbers(i));
+                lit.map_or(0.0, |s| s.radiance.x * s.dir.dot(up).max(0.0) / s.pdf)
+            })
+            .collect();
+        let variance = brought.iter().map(|x| (x / wanted - 1.0).powi(2)).sum::<f32>() / 4096.0;
+        assert!(variance < 3.0, "relative variance {variance} of one sample at {p}");
+    }
+}
+
+/// Samples know their density, and it is the one that a ray that meets the light is told.
+#[test]
+fn densities_are_those_of_samples() {
+    let lights = everything();
+    for (p, n) in [(Vec3::ZERO, Vec3::Z), (Vec3::new(1.0, 0.0, 0.5), Vec3::ZERO), (Vec3::Y, Vec3::X)] {
+        let mut seen = [0_u32; 5];
+        for s in (0..4096).filter_map(|i| lights.sample(p, n, numbers(i))) {
+            let told = match lights.kind(s.light) {
+                LightKind::Triangle(i) => {
+                    seen[0] += 1;
+                    lights.pdf_triangle(p, n, i, s.dir, s.dist)
+                }
+                LightKind::Environment => {
+                    seen[1] += 1;
+                    // On the edge between two cells rounding may tell the other one's.
+                    let on_edge =
+                        [s.dir + 1e-5, s.dir - 1e-5].map(|d| lights.pdf_environment(p, n, d.normalize()));
+                    if (on_edge[0] - on_edge[1]).abs() > 1e-4 {
+                        s.pdf
+                    } else {
+                        lights.pdf_environment(p, n, s.dir)
+                    }
+                }
+                LightKind::Point(_) => {
+                    seen[2] += 1;
+                    s.pdf
+                }
+                LightKind::Spot(_) => {
+                    seen[3] += 1;
+                    s.pdf
+                }
+                LightKind::Directional(_) => {
+                    seen[4] += 1;
+                    s.pdf
+                }
+            };
+            assert!(
+                (told / s.pdf - 1.0).abs() < 1e-3,
+                "{:?}: {told}, sampled with {}",
+                lights.kind(s.light),
+                s.pdf
+            );
+        }
+        assert!(seen[..2].iter().all(|&count| count > 100), "all kinds are sampled: {seen:?}");
+    }
+}
+
+/// Chi-square: directions to a square of two triangles over a grid on the square, expected counts by quadrature.
+#[test]
+fn directions_follow_their_density() {
+    let lights = set(LightParts { triangles: triangles(&square(), &[1.0]), ..LightParts::default() });
+    let (p, n) = (Vec3::new(0.4, -0.3, 0.2), Vec3::new(0.0, 0.6, 0.8));
+    const CELLS: usize = 8;
+    const N: u32 = 40_000;
+    let mut counts = [0.0_f64; CELLS * CELLS];
+    let cell = |q: Vec3| {
+        let [i, j] = [q.x, q.y].map(|x| (((x + 1.0) * 0.5 * CELLS as f32) as usize).min(CELLS - 1));
+        CELLS * i + j
+    };
+    for s in (0..N).filter_map(|i| lights.sample(p, n, numbers(i))) {
+        counts[cell(p + s.dir * s.dist)] += 1.0;
+    }
+    let mut expected = [0.0_f64; CELLS * CELLS];
+    const STEPS: usize = 400;
+    for (i, j) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j))) {
+        let [x, y] = [i, j].map(|k| 2.0 * (k as f32 + 0.5) / STEPS as f32 - 1.0);
+        let way = Vec3::new(x, y, 1.0) - p;
+        let (dist, dir) = (way.length(), way.normalize());
+        // The first triangle has the corners with y > x; on the diagonal lies half of each.
+        let pdf_of = |triangle| lights.pdf_triangle(p, n, triangle, dir, dist);
+        let pdf = if i == j { 0.5 * (pdf_of(0) + pdf_of(1)) } else { pdf_of(u32::from(j < i)) };
+        let solid_angle = dir.z / (dist * dist) * (2.0 / STEPS as f32).powi(2);
+        expected[cell(Vec3::new(x, y, 1.0))] += f64::from(pdf * solid_angle) * f64::from(N);
+    }
+    let sum: f64 = expected.iter().sum();
+    assert!((sum / f64::from(N) - 1.0).abs() < 1e-3, "the density is one: {}", sum / f64::from(N));
+    let chi_square: f64 = counts.iter().zip(expected).map(|(c, e)| (c - e).powi(2) / e).sum();
+    // 63 degrees of freedom: random numbers exceed 104 once in a thousand runs, stratified ones stay far below.
+    assert!(chi_square < 104.0, "chi-square {chi_square}");
+}
+
+#[test]
+fn emission_adds_up_to_the_power() {
+    let far = (4.0 * 3.0_f32.sqrt() / 2.0 * 1.001).powi(2) * PI;
+    let spot = SpotLight::new(Vec3::Z, -Vec3::Z, Vec3::splat(2.0), 0.3, 0.6).expect("it points down");
+    // The falloff is a square between the cones: a third of the cosines' difference.
+    let (inner, outer) = (0.3_f32.cos(), 0.6_f32.cos());
+    let cases = [
+        (LightParts { triangles: triangles(&square(), &[1.0]), ..LightParts::default() }, 4.0 * PI, "square"),
+        (
+            LightParts {
+                points: vec![PointLight { position: Vec3::ONE, intensity: Vec3::splat(2.0) }],
+                ..LightParts::default()
+            },
+            8.0 * PI,
+            "point",
+        ),
+        (
+            LightParts { spots: vec![spot], ..LightParts::default() },
+            4.0 * PI * (1.0 - inner + (inner - outer) / 3.0),
+            "spot",
+        ),
+        (
+            LightParts {
+                directionals: DirectionalLight::new(Vec3::X, Vec3::ONE).into_iter().collect(),
+                ..LightParts::default()
+            },
+            far,
+            "sun",
+        ),
+        (
+            LightParts {
+                environment: Some(EnvironmentLight::Constant(Arc::new(ConstantEnvironment {
+                    radiance: Vec3::ONE,
+                }))),
+                ..LightParts::default()
+            },
+            4.0 * PI * far,
+            "sky",
+        ),
+    ];
+    const N: u32 = 1 << 13;
+    for (parts, wanted, name) in cases {
+        let lights = set(parts);
+        let sum = (0..N).fold(0.0, |sum, i| {
+            let [a, b, c] = numbers(i);
+            let d = sample_pair(3, SampleKey { pixel: 1, sample: i, branch: 0 }, 0, 0);
+            let Some(ray) = lights.emit(c, [a, b], d) else { return sum };
+            let cos = if ray.is_surface { ray.normal.dot(ray.dir) } else { 1.0 };
+            let again = ray.emitted.x * cos / (ray.pdf_pos * ray.pdf_dir);
+            assert!(
+                (again / ray.radiance_over_pdf.x - 1.0).abs() < 1e-3,
+                "{name}: the densities are its own"
+            );
+            sum + f64::from(ray.radiance_over_pdf.x) / f64::from(N)
+        });
+        assert!((sum as f32 / wanted - 1.0).abs() < 2e-3, "{name}: {sum} instead of {wanted}");
+    }
+}
+
+#[test]
+fn light_paths_share_out_by_power() {
+    let lights = everything();
+    const N: u32 = 1 << 14;
+    let mut counts = vec![0.0_f64; lights.len()];
+    for i in 0..N {
+        let [a, b, c] = numbers(i);
+        if let Some(ray) = lights.emit(c, [a, b], [a, b]) {
+            assert_eq!(ray.kind, lights.kind(ray.light), "the kind is the light's");
+            counts[ray.light.0 as usize] += 1.0 / f64::from(N);
+            if let LightKind::Triangle(i) = ray.kind {
+                assert!(
+                    (lights.pdf_emit_position(i) / ray.pdf_pos - 1.0).abs() < 1e-5,
+                    "its density is known"
+                );
+            }
+        }
+    }
+    let power = lights.power.as_ref().expect("it shines");
+    for (i, count) in counts.iter().enumerate() {
+        let wanted = f64::from(power.probability(i));
+        assert!((count - wanted).abs() < 2e-3, "light {i}: {count} instead of {wanted}");
+    }
+    let area: f32 =
+        (0..N).filter_map(|i| lights.sample_surface(numbers(i))).map(|s| 1.0 / s.pdf_area / N as f32).sum();
+    let wanted: f32 = lights.parts.triangles.iter().flat_map(|t| t.shapes.iter().map(|s| s.area)).sum();
+    assert!((area / wanted - 1.0).abs() < 0.02, "areas: {area} instead of {wanted}");
+}
+
+#[test]
+fn what_was_hit_is_found() {
+    let lights = everything();
+    assert_eq!(lights.triangle(0, 0, 17), Some(17), "a triangle that shines");
+    assert_eq!(lights.triangle(0, 1, 17), None, "one that does not");
+    assert_eq!(lights.kind(LightId(48)), LightKind::Point(0), "points come after triangles");
+    assert_eq!(lights.kind(LightId(51)), LightKind::Environment, "the environment comes last");
+    assert!(
+        set(LightParts::default()).sample(Vec3::ZERO, Vec3::Z, [0.5; 3]).is_none(),
+        "no light, no sample"
+    );
+}

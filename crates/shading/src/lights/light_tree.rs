@@ -1,0 +1,431 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A binary tree over lights with a place: one is chosen by what it may bring to a point, in log n steps.
+//! Source: [EK18] (bounds by box and cone, the surface area orientation heuristic); [PJH23] section 12.6.3 (importance
+//! of a node, walking down by one number). Differs: what a single light promises is judged by the light itself.
+//! Space: world. Importance of a node and promise of a light have one unit: intensity times cosine over distance squared.
+//! Invariants: `probability` is what `choose` chooses with, bit for bit; a node whose importance is 0 holds no light that
+//! reaches the point (but for rounding at grazing angles). A zero normal has no horizon.
+//! Proof: `tests`, and those of `light_set`.
+
+use glam::Vec3;
+
+use crate::sampling::distribution::ALMOST_ONE;
+
+/// Where a group of lights is, where it shines and how much.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LightBounds {
+    pub(super) min: Vec3,
+    pub(super) max: Vec3,
+    /// Middle of the cone that holds all normals.
+    pub(super) axis: Vec3,
+    /// Cosine of the half angle of that cone; -1 = all directions.
+    pub(super) cos_normals: f32,
+    /// Cosine of how far from its normal a light shines: 0 for surfaces.
+    pub(super) cos_emission: f32,
+    /// Largest intensity: area times radiance for surfaces, summed.
+    pub(super) power: f32,
+}
+
+impl LightBounds {
+    fn union(&self, other: &Self) -> Self {
+        let (axis, cos_normals) = cone_union((self.axis, self.cos_normals), (other.axis, other.cos_normals));
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+            axis,
+            cos_normals,
+            cos_emission: self.cos_emission.min(other.cos_emission),
+            power: self.power + other.power,
+        }
+    }
+
+    fn centre(&self) -> Vec3 {
+        0.5 * (self.min + self.max)
+    }
+
+    /// About the most that the group brings to a surface at `p`.
+    fn importance(&self, p: Vec3, normal: Vec3) -> f32 {
+        let way = self.centre() - p;
+        let radius2 = 0.25 * (self.max - self.min).length_squared();
+        let distance2 = way.length_squared();
+        let towards = way / distance2.sqrt();
+        if !towards.is_finite() {
+            return self.power / radius2.max(f32::MIN_POSITIVE);
+        }
+        // Wholly below the horizon: the box's highest corner is.
+        let highest = normal.dot(way) + normal.abs().dot(0.5 * (self.max - self.min));
+        if normal != Vec3::ZERO && highest <= 0.0 {
+            return 0.0;
+        }
+        // The cone in which the ball around the box is seen; from within it lies everywhere.
+        let cos_size = if distance2 > radius2 { (1.0 - radius2 / distance2).max(0.0).sqrt() } else { -1.0 };
+        let from_normal = angle_less(-self.axis.dot(towards), self.cos_normals);
+        let cos_light = angle_less(from_normal, cos_size);
+        let cos_surface = if normal == Vec3::ZERO { 1.0 } else { angle_less(normal.dot(towards), cos_size) };
+        // A little slack: rounding must not hide what grazes.
+        if cos_light < self.cos_emission - 1e-4 || cos_surface < -1e-4 {
+            return 0.0;
+        }
+        let importance = self.power * cos_light.max(1e-4) * cos_surface.max(1e-4) / distance2.max(radius2);
+        if importance.is_finite() { importance } else { f32::MAX.sqrt() }
+    }
+}
+
+/// Cosine of angle `a` less angle `b`, at least zero; both by their cosines.
+fn angle_less(cos_a: f32, cos_b: f32) -> f32 {
+    if cos_a >= cos_b {
+        return 1.0;
+    }
+    let sin = |cos: f32| (1.0 - cos * cos).max(0.0).sqrt();
+    cos_a * cos_b + sin(cos_a) * sin(cos_b)
+}
+
+/// The smallest cone around two cones, each an axis and the cosine of its half angle.
+fn cone_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
+    let all = (a.0, -1.0);
+    if a.1 <= -1.0 || b.1 <= -1.0 {
+        return all;
+    }
+    let (half_a, half_b) = (a.1.clamp(-1.0, 1.0).acos(), b.1.clamp(-1.0, 1.0).acos());
+    let between = a.0.dot(b.0).clamp(-1.0, 1.0).acos();
+    if (between + half_b).min(std::f32::consts::PI) <= half_a {
+        return a;
+    }
+    if (between + half_a).min(std::f32::consts::PI) <= half_b {
+        return b;
+    }
+    let half = 0.5 * (half_a + between + half_b);
+    let turn = a.0.cross(b.0);
+    if half >= std::f32::consts::PI || turn.length_squared() < 1e-12 {
+        return all;
+    }
+    // From a's axis towards b's until a's far side is reached.
+    let angle = half - half_a;
+    let side = turn.normalize().cross(a.0);
+    let axis = (a.0 * angle.cos() + side * angle.sin()).normalize();
+    // Wider by what rounding may have cost.
+    (axis, (half + 1e-3).min(std::f32::consts::PI).cos())
+}
+
+/// A node: a few lights, or two children of which the first comes next.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: LightBounds,
+    /// The first light's place in `order`, or the second child.
+    index: u32,
+    /// How many lights; 0 = inner node.
+    lights: u32,
+}
+
+/// The tree; empty if there is no light.
+#[derive(Debug, Default)]
+pub(super) struct LightTree {
+    nodes: Vec<Node>,
+    /// Lights by leaf.
+    order: Vec<u32>,
+    /// For each light which way leads to it: bit k = second child at depth k. `None` = it is not in the tree.
+    ways: Vec<Option<u64>>,
+}
+
+/// Deeper than this halves are cut evenly, so that ways fit in 64 bits.
+const UNEVEN_DEPTH: u32 = 30;
+/// Places along each feature where cuts are tried, plus one.
+const BUCKETS: usize = 12;
+/// Lights that are judged one by one.
+const LEAF: usize = 8;
+
+impl LightTree {
+    /// Lights without bounds or without power are left out: they are never chosen.
+    pub(super) fn new(lights: &[Option<LightBounds>]) -> Self {
+        let mut tree = Self { nodes: Vec::new(), order: Vec::new(), ways: vec![None; lights.len()] };
+        let sound = |b: &LightBounds| b.power > 0.0 && b.power.is_finite() && (b.min + b.max).is_finite();
+        let mut all: Vec<(u32, LightBounds)> = (0..)
+            .zip(lights)
+            .filter_map(|(i, bounds)| bounds.filter(sound).map(|bounds| (i, bounds)))
+            .collect();
+        if !all.is_empty() {
+            tree.build(&mut all, 0, 0);
+        }
+        tree
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    fn build(&mut self, lights: &mut [(u32, LightBounds)], depth: u32, way: u64) -> LightBounds {
+        let at = self.nodes.len();
+        if lights.len() <= LEAF {
+            let bounds = lights.iter().skip(1).fold(lights[0].1, |sum, light| sum.union(&light.1));
+            self.nodes.push(Node { bounds, index: self.order.len() as u32, lights: lights.len() as u32 });
+            for (light, _) in lights {
+                self.order.push(*light);
+                self.ways[*light as usize] = Some(way);
+            }
+            return bounds;
+        }
+        let middle = split(lights, depth);
+        self.nodes.push(Node { bounds: lights[0].1, index: 0, lights: 0 });
+        let (left, right) = lights.split_at_mut(middle);
+        let first = self.build(left, depth + 1, way);
+        self.nodes[at].index = self.nodes.len() as u32;
+        let second = self.build(right, depth + 1, way | 1 << depth);
+        self.nodes[at].bounds = first.union(&second);
+        self.nodes[at].bounds
+    }
+
+    /// What each light of a leaf promises; the rest is zero.
+    fn leaf(&self, node: &Node, exact: &impl Fn(u32) -> f32) -> [f32; LEAF] {
+        let mut promises = [0.0; LEAF];
+        let lights = &self.order[node.index as usize..(node.index + node.lights) as usize];
+        promises.iter_mut().zip(lights).for_each(|(promise, &light)| *promise = exact(light));
+        promises
+    }
+
+    /// The share of the first child of an inner node; `None` if neither promises anything.
+    fn first_share(&self, at: usize, p: Vec3, normal: Vec3, exact: &impl Fn(u32) -> f32) -> Option<f32> {
+        let children = [at + 1, self.nodes[at].index as usize].map(|child| &self.nodes[child]);
+        let [first, second] = if children.iter().all(|child| child.lights > 0) {
+            children.map(|child| self.leaf(child, exact).iter().sum::<f32>())
+        } else {
+            children.map(|child| child.bounds.importance(p, normal))
+        };
+        let sum = first + second;
+        (sum > 0.0).then(|| first / sum)
+    }
+
+    /// Chooses a light by a number in [0, 1): its number and the probability of that. `exact` tells what a light brings
+    /// to the point, zero if nothing.
+    pub(super) fn choose(
+        &self,
+        p: Vec3,
+        normal: Vec3,
+        mut u: f32,
+        exact: impl Fn(u32) -> f32,
+    ) -> Option<(u32, f32)> {
+        let (mut at, mut probability) = (0, 1.0);
+        loop {
+            let node = self.nodes.get(at)?;
+            if node.lights > 0 {
+                let promises = self.leaf(node, &exact);
+                let sum: f32 = promises.iter().sum();
+                let last = promises.iter().rposition(|&promise| promise > 0.0)?;
+                let mut rest = u * sum;
+                let chosen = (0..last).find(|&k| {
+                    rest -= promises[k];
+                    rest < 0.0
+                });
+                let chosen = chosen.unwrap_or(last);
+                let light = self.order[node.index as usize + chosen];
+                return Some((light, probability * (promises[chosen] / sum)));
+            }
+            let share = self.first_share(at, p, normal, &exact)?;
+            if u < share {
+                u = (u / share).min(ALMOST_ONE);
+                probability *= share;
+                at += 1;
+            } else {
+                u = ((u - share) / (1.0 - share)).min(ALMOST_ONE);
+                probability *= 1.0 - share;
+                at = node.index as usize;
+            }
+        }
+    }
+
+    /// The probability with which a light is chosen for a point.
+    pub(super) fn probability(&self, light: u32, p: Vec3, normal: Vec3, exact: impl Fn(u32) -> f32) -> f32 {
+        let Some(mut way) = self.ways[light as usize] else { return 0.0 };
+        let (mut at, mut probability) = (0, 1.0);
+        loop {
+            let node = &self.nodes[at];
+            if node.lights > 0 {
+                let sum: f32 = self.leaf(node, &exact).iter().sum();
+                let promise = exact(light);
+                return if promise > 0.0 { probability * (promise / sum) } else { 0.0 };
+            }
+            let Some(share) = self.first_share(at, p, normal, &exact) else { return 0.0 };
+            if way & 1 == 0 {
+                probability *= share;
+                at += 1;
+            } else {
+                probability *= 1.0 - share;
+                at = node.index as usize;
+            }
+            way >>= 1;
+        }
+    }
+}
+
+/// What lights are sorted by: three coordinates of the centre, three of the axis.
+fn feature(bounds: &LightBounds, k: usize) -> f32 {
+    if k < 3 { bounds.centre()[k] } else { bounds.axis[k - 3] }
+}
+
+/// A way to sort lights into two groups: what is below bucket `cut` of a feature, and the rest.
+struct Cut {
+    feature: usize,
+    low: f32,
+    size: f32,
+    cut: usize,
+}
+
+impl Cut {
+    fn bucket(&self, bounds: &LightBounds) -> usize {
+        let place = (feature(bounds, self.feature) - self.low) / self.size * BUCKETS as f32;
+        (place as usize).min(BUCKETS - 1)
+    }
+}
+
+/// Sorts lights into two groups that are not empty; where the second begins.
+fn split(lights: &mut [(u32, LightBounds)], depth: u32) -> usize {
+    let range = |k: usize| {
+        lights.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), light| {
+            let x = feature(&light.1, k);
+            (low.min(x), high.max(x))
+        })
+    };
+    let ranges: [(f32, f32); 6] = std::array::from_fn(range);
+    let size = |k: usize| ranges[k].1 - ranges[k].0;
+    let widest = (0..3).fold(0, |widest, k| if size(k) > size(widest) { k } else { widest });
+    let mut best: Option<(f32, Cut)> = None;
+    if depth < UNEVEN_DEPTH {
+        for k in (0..6).filter(|&k| size(k) > 0.0) {
+            // Thin cuts through long boxes make bad groups.
+            let shape = if k < 3 { size(widest) / size(k) } else { 1.0 };
+            let cut = Cut { feature: k, low: ranges[k].0, size: size(k), cut: 0 };
+            for (place, cost) in costs(lights, &cut) {
+                if best.as_ref().is_none_or(|(least, ..)| shape * cost < *least) {
+                    best = Some((shape * cost, Cut { cut: place, ..cut }));
+                }
+            }
+        }
+    }
+    if let Some((_, cut)) = best {
+        // Stable, so that the tree does not depend on how sorting is done.
+        lights.sort_by_key(|light| cut.bucket(&light.1) >= cut.cut);
+        let middle = lights.partition_point(|light| cut.bucket(&light.1) < cut.cut);
+        if middle > 0 && middle < lights.len() {
+            return middle;
+        }
+    }
+    lights.sort_by(|a, b| a.1.centre()[widest].total_cmp(&b.1.centre()[widest]));
+    lights.len() / 2
+}
+
+/// The cost of each cut along a feature that leaves lights on both sides.
+fn costs(lights: &[(u32, LightBounds)], along: &Cut) -> Vec<(usize, f32)> {
+    let mut buckets: [Option<LightBounds>; BUCKETS] = [None; BUCKETS];
+    for (_, bounds) in lights {
+        let slot = &mut buckets[along.bucket(bounds)];
+        *slot = Some(slot.map_or(*bounds, |sum| sum.union(bounds)));
+    }
+    let join = |part: &[Option<LightBounds>]| part.iter().flatten().copied().reduce(|a, b| a.union(&b));
+    (1..BUCKETS)
+        .filter_map(|cut| {
+            let (left, right) = (join(&buckets[..cut])?, join(&buckets[cut..])?);
+            Some((cut, weight(&left) + weight(&right)))
+        })
+        .collect()
+}
+
+/// The surface area orientation heuristic: power times how large the group is and into how much of the sphere it shines.
+fn weight(bounds: &LightBounds) -> f32 {
+    use std::f32::consts::{FRAC_PI_2, PI};
+    let normals = bounds.cos_normals.clamp(-1.0, 1.0).acos();
+    let reach = (normals + bounds.cos_emission.clamp(-1.0, 1.0).acos()).min(PI);
+    let (sin, cos) = (normals.sin(), normals.cos());
+    let solid_angle = 2.0 * PI * (1.0 - cos)
+        + FRAC_PI_2 * (2.0 * reach * sin - (normals - 2.0 * reach).cos() - 2.0 * normals * sin + cos);
+    let d = bounds.max - bounds.min;
+    let area = 2.0 * (d.x * d.y + d.y * d.z + d.z * d.x);
+    // Lights in a line have no area: their length counts a little.
+    bounds.power * solid_angle.max(1e-3) * (area + 1e-3 * d.length_squared())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid() -> Vec<Option<LightBounds>> {
+        (0..60)
+            .map(|i| {
+                let centre = Vec3::new((i % 5) as f32, (i / 5 % 4) as f32, (i / 20) as f32) * 2.0;
+                let axis = [Vec3::Z, -Vec3::Z, Vec3::X, Vec3::new(0.6, 0.0, 0.8)][i % 4];
+                (i != 7).then_some(LightBounds {
+                    min: centre - 0.1,
+                    max: centre + 0.1,
+                    axis,
+                    cos_normals: if i % 9 == 0 { -1.0 } else { 1.0 },
+                    cos_emission: 0.0,
+                    power: 1.0 + i as f32,
+                })
+            })
+            .collect()
+    }
+
+    #[test]
+    fn probabilities_are_those_of_choices_and_add_up() {
+        let lights = grid();
+        let tree = LightTree::new(&lights);
+        for (p, n) in [
+            (Vec3::new(1.0, 3.0, -2.0), Vec3::Z),
+            (Vec3::new(3.0, 3.0, 3.0), Vec3::ZERO),
+            (Vec3::new(20.0, 0.0, 1.0), -Vec3::X),
+        ] {
+            let exact = |i: u32| lights[i as usize].map_or(0.0, |bounds| bounds.importance(p, n));
+            let sum: f32 = (0..60).map(|i| tree.probability(i, p, n, exact)).sum();
+            // Less than one where a group promised what none of its lights keeps.
+            assert!(sum > 0.9 && sum < 1.0 + 1e-5, "from {p}: {sum}");
+            assert_eq!(tree.probability(7, p, n, exact), 0.0, "what is not there is not chosen");
+            const N: u32 = 100_000;
+            let mut counts = [0.0_f32; 60];
+            for k in 0..N {
+                let u = (k as f32 + 0.5) / N as f32;
+                let Some((light, probability)) = tree.choose(p, n, u, exact) else { continue };
+                assert_eq!(probability, tree.probability(light, p, n, exact), "the same bits");
+                counts[light as usize] += 1.0 / N as f32;
+            }
+            for (i, count) in (0..).zip(counts) {
+                let wanted = tree.probability(i, p, n, exact);
+                assert!((count - wanted).abs() < 1e-3 * (1.0 + wanted), "light {i}: {count}, not {wanted}");
+            }
+        }
+    }
+
+    /// Brute force: no light may bring anything where the importance of a node above it is zero.
+    #[test]
+    fn dark_nodes_hold_nothing() {
+        let lights = grid();
+        let tree = LightTree::new(&lights);
+        for k in 0..2000_u32 {
+            let part = |m: u32, s: f32| ((k.wrapping_mul(m) >> 7) % 1000) as f32 / 1000.0 * s - 2.0;
+            let p = Vec3::new(part(2_654_435_761, 14.0), part(40_503, 11.0), part(2_246_822_519, 9.0));
+            let n = [Vec3::Z, -Vec3::X, Vec3::new(0.0, 0.6, 0.8)][k as usize % 3];
+            let exact = |i: u32| {
+                let Some(light) = lights[i as usize] else { return 0.0 };
+                let towards = (light.centre() - p).normalize();
+                let lit = light.cos_normals < 0.0 || light.axis.dot(-towards) > 1e-3;
+                if lit && n.dot(towards) > 1e-3 { 1.0 } else { 0.0 }
+            };
+            for i in (0..60).filter(|&i| exact(i) > 0.0) {
+                assert!(tree.probability(i, p, n, exact) > 0.0, "light {i} reaches {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn many_lights_at_one_place_still_make_a_tree() {
+        let one = LightBounds {
+            min: Vec3::ONE,
+            max: Vec3::ONE,
+            axis: Vec3::Z,
+            cos_normals: 1.0,
+            cos_emission: 0.0,
+            power: 1.0,
+        };
+        let tree = LightTree::new(&vec![Some(one); 1000]);
+        let chosen = tree.choose(Vec3::new(1.0, 1.0, 5.0), -Vec3::Z, 0.3, |_| 1.0).expect("a light");
+        assert!((chosen.1 - 1e-3).abs() < 1e-4, "all alike: {}", chosen.1);
+        assert!(LightTree::new(&[None]).is_empty(), "no light, no tree");
+    }
+}
