@@ -5,10 +5,9 @@
 
 use std::sync::Arc;
 
-use gnurt::shading::classes::Kind;
-
 use crate::block::{Assembly, Block};
 use crate::camera::View;
+use crate::class::Kind;
 use crate::current::Current;
 use crate::enums::SceneMode;
 use crate::error::{Error, Result};
@@ -136,7 +135,7 @@ impl Context {
 
     /// The bound shader and its class, if it is of a surface.
     pub(crate) fn bound_surface(&self) -> Option<(u32, Arc<LoadedClass>)> {
-        let class = self.bound.class().filter(|class| class.class.kind == Kind::Surface)?;
+        let class = self.bound.class().filter(|class| class.kind == Kind::Surface)?;
         Some((self.bound.shader()?, class.clone()))
     }
 }

@@ -41,11 +41,13 @@ extern "C" fn rtGetRayEpsilon() -> f32 {
     call!(rtGetRayEpsilon(), 0.0, |context| context.ray_epsilon())
 }
 
-/// Waits for the frame in flight without holding the lock: other threads go on meanwhile.
-fn wait_for_frame() {
-    if let Some(flight) = crate::ffi::perform(String::new, None, |context| Ok(context.flight())) {
+/// Waits for the frame in flight without holding the lock: other threads go on meanwhile. False if there is none.
+fn wait_for_frame() -> bool {
+    let flight = crate::ffi::perform(String::new, None, |context| Ok(context.flight()));
+    flight.is_some_and(|flight| {
         flight.wait();
-    }
+        true
+    })
 }
 
 #[unsafe(no_mangle)]
@@ -56,8 +58,9 @@ extern "C" fn rtEndRendering() {
 
 #[unsafe(no_mangle)]
 extern "C" fn rtRender() {
-    if call!(rtRender(), false, |context| context.begin_render().map(|()| true)) {
-        wait_for_frame();
+    call!(rtRender(), (), |context| context.begin_render());
+    // A frame may have started although the call failed: it goes on without plugins that cannot take part.
+    if wait_for_frame() {
         call!(rtRender(), (), |context| context.end_rendering());
     }
 }

@@ -72,8 +72,7 @@ procedures! {
     rtParameter4i(handle: u32, x: i32, y: i32, z: i32, w: i32) => |context| {
         context.set_parameter(handle, Some(Given::Ints(&[x, y, z, w])))
     };
-    // No type of parameter is a double yet: the call's errors are all that it has.
-    rtParameter1d(handle: u32, _x: f64) => |context| context.set_parameter(handle, Some(Given::Double));
+    rtParameter1d(handle: u32, x: f64) => |context| context.set_parameter(handle, Some(Given::Double(x)));
 }
 
 macro_rules! vector_forms {
@@ -120,7 +119,7 @@ unsafe extern "C" fn rtParameterString(handle: u32, string: *const c_char) {
     // SAFETY: the caller vouches for the text.
     let string = unsafe { text(string) };
     call!(rtParameterString(handle, string), (), |context| context
-        .set_parameter(handle, string.map(|_| Given::String)));
+        .set_parameter(handle, string.map(Given::String)));
 }
 
 /// # Safety

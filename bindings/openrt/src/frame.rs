@@ -14,13 +14,18 @@ use gnurt::scene::Affine;
 use gnurt::shading::CameraShader;
 use gnurt::shading::classes::Shader as Made;
 
+use crate::class::Code;
 use crate::context::Context;
 use crate::enums::SceneMode;
 use crate::error::{Error, Result};
 use crate::flight::{Flight, Landing};
 use crate::framebuffer::FrameBuffer;
+use crate::plugin_frame::{FrameState, PluginFrame};
 use crate::progressive::Sampling;
+use crate::rendering_object::RenderingClass;
+use crate::shader::ParameterValue;
 use crate::stage::{Stage, UNNAMED};
+use crate::usage::Usage;
 
 /// Depths above this one are rendered as this one: shaders recurse, and a thread's stack is finite.
 const DEEPEST: u32 = 1024;
@@ -40,6 +45,9 @@ impl Default for Limits {
     }
 }
 
+/// A rendering object's class and values.
+type Rendering = (&'static RenderingClass, Vec<ParameterValue>);
+
 /// Everything that a frame needs beside the stage.
 struct Job {
     shaders: ShaderTable,
@@ -48,6 +56,8 @@ struct Job {
     sampling: Sampling,
     /// Whether samples are added to those of the frame before.
     continues: bool,
+    /// Changes options as a rendering object asks for.
+    rendering: Option<Rendering>,
     target: FrameBuffer,
     pool: Arc<gnurt::ThreadPool>,
 }
@@ -56,22 +66,28 @@ struct Job {
 pub struct Frame {
     thread: JoinHandle<(Stage, Result<()>)>,
     flight: Arc<Flight>,
+    /// The plugins that shade it.
+    plugins: PluginFrame,
 }
 
 impl Job {
     /// Renders into the program's memory, which stays as it is if the frame is cancelled before each pixel has a sample.
     fn run(&self, stage: &mut Stage, flight: &Flight) -> Result<()> {
         let Sampling { samples, progressive } = self.sampling;
-        let options = RenderOptions {
+        let mut options = RenderOptions {
             width: self.target.width,
             height: self.target.height,
             spp: if progressive { u32::MAX } else { samples },
             pixel_centres: samples == 1 && !progressive,
             integrator: Integrator::Whitted,
-            max_depth: self.limits.max_depth.min(DEEPEST),
+            max_depth: self.limits.max_depth,
             ray_epsilon: self.limits.epsilon,
             ..Default::default()
         };
+        if let Some((class, values)) = &self.rendering {
+            class.apply(values, &mut options);
+        }
+        options.max_depth = options.max_depth.min(DEEPEST);
         let committed =
             stage.world.commit(&stage.scene, &self.shaders, &CommitOptions::default(), &self.pool);
         committed.map_err(|error| fail(&error))?;
@@ -106,7 +122,7 @@ fn fail(error: &dyn std::fmt::Display) -> Error {
 
 impl Frame {
     /// Starts a thread for a job. The stage comes back if there is no thread to be had.
-    fn start(stage: Stage, job: Job) -> std::result::Result<Self, Box<Stage>> {
+    fn start(stage: Stage, job: Job, plugins: PluginFrame) -> std::result::Result<Self, Box<Stage>> {
         // The stage follows through a channel once the thread is there: a thread that is not would take it along.
         let (hand_over, take_over) = channel::<Stage>();
         let flight = Arc::new(Flight::default());
@@ -124,22 +140,24 @@ impl Frame {
         };
         match Builder::new().name("openrt-frame".to_owned()).spawn(work) {
             Ok(thread) => match hand_over.send(stage) {
-                Ok(()) => Ok(Self { thread, flight }),
+                Ok(()) => Ok(Self { thread, flight, plugins }),
                 Err(unsent) => Err(Box::new(unsent.0)),
             },
             Err(_) => Err(Box::new(stage)),
         }
     }
 
-    /// Waits for the picture.
-    pub fn finish(self) -> (Stage, Result<()>) {
+    /// Waits for the picture. Also returns what was wrong with plugins.
+    pub fn finish(self) -> (Stage, Result<()>, Vec<String>) {
         // The thread catches all panics; losing it anyway loses the stage.
-        self.thread.join().unwrap_or_else(|_| (Stage::default(), Err(Error::InvalidOperation)))
+        let joined = self.thread.join();
+        let (stage, outcome) = joined.unwrap_or_else(|_| (Stage::default(), Err(Error::InvalidOperation)));
+        (stage, outcome, self.plugins.faults())
     }
 }
 
 impl Context {
-    /// rtStartRendering.
+    /// rtStartRendering. Fails but starts a frame if a plugin cannot take part in it: it goes on without that one.
     pub fn start_rendering(&mut self) -> Result<()> {
         self.outside_block()?;
         self.no_open_object()?;
@@ -151,22 +169,39 @@ impl Context {
         self.prune();
         let mut stage = std::mem::take(&mut self.stage);
         self.update(&mut stage);
-        let shaders = self.shader_table(&mut stage);
+        let plugins = self.plugins(&stage);
+        let shaders = self.shader_table(&mut stage, &plugins);
         let camera = shaders.camera.clone().unwrap_or_else(|| self.default_camera());
         let continues = self.continues(&stage, [target.width, target.height]);
+        let rendering = self.rendering();
         if self.scene_mode == SceneMode::Immediate {
             self.instances.clear();
-            self.usage = Default::default();
+            self.usage = Usage { rendering_object: self.usage.rendering_object, ..Default::default() };
         }
-        let (limits, sampling) = (self.limits, self.sampling);
-        match Frame::start(stage, Job { shaders, camera, limits, sampling, continues, target, pool }) {
+        let told = self.tell(plugins.problems());
+        let sampling = match &rendering {
+            Some((class, values)) => class.sampling(values, self.sampling),
+            None => self.sampling,
+        };
+        let job = Job { shaders, camera, limits: self.limits, sampling, continues, rendering, target, pool };
+        match Frame::start(stage, job, plugins) {
             Ok(frame) => self.frame = Some(frame),
             Err(stage) => {
                 self.stage = *stage;
                 return Err(Error::OutOfMemory);
             }
         }
-        Ok(())
+        told
+    }
+
+    /// Tells what was wrong with plugins: an error if anything was.
+    fn tell(&mut self, lines: &[String]) -> Result<()> {
+        if lines.is_empty() {
+            return Ok(());
+        }
+        lines.iter().for_each(|line| eprintln!("libOpenRT: {line}"));
+        self.classes.set_info_log(&lines.join("\n"));
+        Err(Error::InvalidOperation)
     }
 
     /// rtEndRendering.
@@ -174,9 +209,9 @@ impl Context {
         self.outside_block()?;
         self.no_open_object()?;
         let frame = self.frame.take().ok_or(Error::InvalidOperation)?;
-        let (stage, outcome) = frame.finish();
+        let (stage, outcome, faults) = frame.finish();
         self.stage = stage;
-        outcome
+        outcome.and(self.tell(&faults))
     }
 
     /// The frame in flight, if the calls that end it are legal now: what callers wait for without keeping others out.
@@ -270,17 +305,43 @@ impl Context {
     }
 
     /// All shaders in use, with their present values.
-    fn shader_table(&self, stage: &mut Stage) -> ShaderTable {
-        let mut table = stage.surfaces(&self.shaders, &self.textures);
-        for shader in self.usage.ids().filter_map(|id| self.shaders.in_use(id)) {
-            match shader.make(&self.textures) {
-                Made::Light(light) => table.lights.push(light),
-                Made::Camera(camera) => table.camera = Some(camera),
-                Made::Environment(environment) => table.environment = Some(environment),
-                Made::Surface(_) => {}
+    fn shader_table(&self, stage: &mut Stage, plugins: &PluginFrame) -> ShaderTable {
+        let mut table = stage.surfaces(&self.shaders, &self.textures, plugins);
+        for id in self.usage.ids() {
+            match self.shaders.in_use(id).and_then(|shader| shader.make(id, &self.textures, plugins)) {
+                Some(Made::Light(light)) => table.lights.push(light),
+                Some(Made::Camera(camera)) => table.camera = Some(camera),
+                Some(Made::Environment(environment)) => table.environment = Some(environment),
+                Some(Made::Surface(_)) | None => {}
             }
         }
         table
+    }
+
+    /// The plugins among the shaders in use, prepared for a frame.
+    fn plugins(&self, stage: &Stage) -> PluginFrame {
+        let ids = stage.shader_ids().chain(self.usage.ids());
+        let blocks = ids.filter_map(|id| Some((id, self.shaders.in_use(id)?.block.as_ref()?)));
+        PluginFrame::new(blocks, || {
+            let sampler = |id: u32| Some((id, self.textures.sampler(i32::try_from(id).ok()?)?));
+            let textures = self.textures.ids().filter_map(sampler).collect();
+            let shown = self.instances.entries().filter(|(_, instance)| stage.has_object(instance.object));
+            let mut ids = Vec::new();
+            for (place, [object, instance]) in stage.places().zip(shown.map(|(id, i)| [i.object, id])) {
+                ids.resize(ids.len().max(place + 1), [UNNAMED; 2]);
+                ids[place] = [object, instance];
+            }
+            FrameState { textures, ids }
+        })
+    }
+
+    /// The rendering object in use.
+    fn rendering(&self) -> Option<Rendering> {
+        let shader = self.shaders.in_use(self.usage.rendering_object?)?;
+        match &shader.class.code {
+            Code::Rendering(class) => Some((class, shader.values.clone())),
+            _ => None,
+        }
     }
 
     /// The threads, made when the first frame needs them.

@@ -223,7 +223,7 @@ fn attributes_of(class: &LoadedClass, block: &Block, rate: Rate, values: Vec<f32
         blocks.flat_map(|b| b[offset..offset + components].iter().copied()).collect()
     };
     let attribute = |slot: &crate::shader_class::Slot| Attribute {
-        name: class.class.parameters[slot.parameter].name.to_owned(),
+        name: class.parameters[slot.parameter].name.clone(),
         rate,
         components: slot.components as u32,
         data: gather(slot.offset, slot.components),

@@ -31,6 +31,11 @@ impl Instances {
         self.all.values()
     }
 
+    /// All of them with their ids, in that order.
+    pub fn entries(&self) -> impl Iterator<Item = (u32, &Instance)> {
+        self.all.iter().map(|(&id, instance)| (id, instance))
+    }
+
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -34,7 +34,7 @@ impl Default for Sampling {
 #[derive(Clone, PartialEq)]
 pub struct Seen {
     scene: Cursor,
-    shaders: Vec<(u32, Vec<ParameterValue>)>,
+    shaders: Vec<(u32, Vec<ParameterValue>, Option<u64>)>,
     textures: u64,
     usage: Usage,
     view: View,
@@ -69,7 +69,13 @@ impl Context {
         }
         let now = Seen {
             scene: stage.scene.cursor(),
-            shaders: self.shaders.iter().map(|(id, shader)| (id, shader.values.clone())).collect(),
+            shaders: self
+                .shaders
+                .iter()
+                .map(|(id, shader)| {
+                    (id, shader.values.clone(), shader.block.as_ref().map(|block| block.version()))
+                })
+                .collect(),
             textures: self.textures.revision(),
             usage: self.usage.clone(),
             view: self.view,

@@ -6,10 +6,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use gnurt::shading::classes::{Kind, ParameterType, Shader as Made, Value, Values};
+use gnurt::shading::classes::{Shader as Made, Value, Values};
 
+use crate::class::{Code, DataType, Kind, Parameter};
 use crate::context::Context;
 use crate::error::{Error, Result};
+use crate::ffi_plugin_block::PluginBlock;
+use crate::plugin_frame::PluginFrame;
 use crate::shader_class::LoadedClass;
 use crate::texture::Textures;
 
@@ -18,8 +21,8 @@ use crate::texture::Textures;
 pub enum ParameterValue {
     /// Numbers.
     Floats(Vec<f32>),
-    /// Id of a texture; 0, a negative or an unknown one is white.
-    Texture(i32),
+    /// An integer; as a texture, 0, a negative or an unknown one is white.
+    Integer(i32),
 }
 
 /// A shader.
@@ -29,36 +32,46 @@ pub struct Shader {
     pub class_id: u32,
     /// Its class.
     pub class: Arc<LoadedClass>,
-    /// One value per parameter of the class.
+    /// One value per parameter of the class; none if it is a plugin's.
     pub values: Vec<ParameterValue>,
+    /// What a plugin keeps its parameters in.
+    pub block: Option<Arc<PluginBlock>>,
     /// Its id is gone; it lives on while something uses it.
     deleted: bool,
 }
 
 impl Shader {
     fn new(class_id: u32, class: Arc<LoadedClass>) -> Self {
-        let value = |p: &gnurt::shading::classes::Parameter| match p.kind {
-            ParameterType::Float => ParameterValue::Floats(p.default.to_vec()),
-            ParameterType::Texture => ParameterValue::Texture(0),
+        let value = |p: &Parameter| match p.kind {
+            DataType::F32 => ParameterValue::Floats(p.default.clone()),
+            _ => ParameterValue::Integer(p.default.first().map_or(0, |&x| x as i32)),
         };
-        let values = class.class.parameters.iter().map(value).collect();
-        Self { class_id, class, values, deleted: false }
+        let (values, block) = match &class.code {
+            Code::Plugin(plugin) => (Vec::new(), Some(PluginBlock::new(plugin))),
+            _ => (class.parameters.iter().map(value).collect(), None),
+        };
+        Self { class_id, class, values, block, deleted: false }
     }
 
     /// What it is for.
     #[must_use]
     pub fn kind(&self) -> Kind {
-        self.class.class.kind
+        self.class.kind
     }
 
-    /// The shader as the renderer takes it, with its present values.
+    /// The shader as the renderer takes it, with its present values; `None` if it shades nothing: a rendering object, or
+    /// a plugin that cannot take part in the frame.
     #[must_use]
-    pub fn make(&self, textures: &Textures) -> Made {
+    pub fn make(&self, id: u32, textures: &Textures, plugins: &PluginFrame) -> Option<Made> {
         let value = |value: &ParameterValue| match value {
             ParameterValue::Floats(floats) => Value::Floats(floats.clone()),
-            ParameterValue::Texture(id) => Value::Texture(textures.sampler(*id)),
+            ParameterValue::Integer(id) => Value::Texture(textures.sampler(*id)),
         };
-        self.class.class.make(&Values(self.values.iter().map(value).collect()))
+        match &self.class.code {
+            Code::BuiltIn(class) => Some(class.make(&Values(self.values.iter().map(value).collect()))),
+            Code::Plugin(_) => plugins.made(id),
+            Code::Rendering(_) => None,
+        }
     }
 }
 

@@ -6,17 +6,23 @@
 use std::ffi::{CStr, CString};
 use std::sync::Arc;
 
-use gnurt::shading::classes::{self, ParameterRate, ShaderClass};
+use gnurt::shading::classes::ParameterRate;
 
+use crate::class::{Code, Kind, Parameter};
 use crate::context::Context;
 use crate::error::{Error, Result, not_null};
+use crate::plugin_load::{LoadError, load, suggestion};
 
 /// A class with the places of its varying parameters.
 pub struct LoadedClass {
     /// Name of the library it came from; empty for built-in classes.
     file: String,
-    /// What it says about itself.
-    pub class: &'static ShaderClass,
+    /// Where its code is.
+    pub code: Code,
+    /// What its shaders are for.
+    pub kind: Kind,
+    /// Its parameters.
+    pub parameters: Vec<Parameter>,
     /// Parameters that vary per triangle.
     pub triangle: Block,
     /// Parameters that vary per vertex.
@@ -44,13 +50,13 @@ pub struct Slot {
 }
 
 impl Block {
-    fn of(class: &ShaderClass, rate: ParameterRate) -> Self {
+    fn of(parameters: &[Parameter], rate: ParameterRate) -> Self {
         let mut block = Self::default();
-        for (parameter, description) in class.parameters.iter().enumerate() {
+        for (parameter, description) in parameters.iter().enumerate() {
             if description.rate == rate {
                 let components = description.default.len();
                 block.slots.push(Slot { parameter, offset: block.defaults.len(), components });
-                block.defaults.extend_from_slice(description.default);
+                block.defaults.extend_from_slice(&description.default);
             }
         }
         block
@@ -64,10 +70,11 @@ impl Block {
 }
 
 impl LoadedClass {
-    fn new(class: &'static ShaderClass) -> Self {
-        let block = |rate| Block::of(class, rate);
+    fn new(code: Code, file: &str) -> Self {
+        let (kind, parameters) = (code.kind(), code.parameters());
+        let block = |rate| Block::of(&parameters, rate);
         let (triangle, vertex) = (block(ParameterRate::Triangle), block(ParameterRate::Vertex));
-        Self { file: String::new(), class, triangle, vertex }
+        Self { file: file.to_owned(), code, kind, parameters, triangle, vertex }
     }
 }
 
@@ -85,7 +92,7 @@ pub struct Handle {
 pub struct Classes {
     loaded: Vec<Arc<LoadedClass>>,
     handles: Vec<Handle>,
-    /// Why the last load failed; empty if it did not.
+    /// Why the last load failed, or what was wrong with plugins in a frame since; empty if nothing was.
     info_log: CString,
 }
 
@@ -103,23 +110,28 @@ impl Classes {
     }
 
     /// Finds or loads a class and returns its id, or says why it cannot.
-    fn load(&mut self, name: &str, file: &str) -> std::result::Result<u32, String> {
-        let known = self.loaded.iter().position(|class| class.class.name == name && class.file == file);
+    fn load(&mut self, name: &str, file: &str) -> std::result::Result<u32, LoadError> {
+        let known = self.loaded.iter().position(|class| class.code.name() == name && class.file == file);
         if let Some(known) = known {
             return Ok(known as u32 + 1);
         }
-        if !file.is_empty() {
-            return Err(format!(
-                "shader class \"{name}\": cannot load library \"{file}\": this version of libOpenRT has built-in \
-                 classes only; give NULL or \"\" as the file"
-            ));
-        }
-        let Some(class) = classes::find(name) else {
-            let names: Vec<_> = classes::ALL.iter().map(|class| class.name).collect();
-            return Err(format!("no built-in shader class \"{name}\"; there are {}", names.join(", ")));
+        let code = if file.is_empty() {
+            Code::built_in(name).ok_or_else(|| {
+                let names = Code::built_in_names();
+                let (list, hint) = (names.join(", "), suggestion(name, &names));
+                LoadError::missing(format!("no built-in shader class \"{name}\"; there are {list}{hint}"))
+            })?
+        } else {
+            Code::Plugin(Arc::new(load(name, file)?))
         };
-        self.loaded.push(Arc::new(LoadedClass::new(class)));
+        self.loaded.push(Arc::new(LoadedClass::new(code, file)));
         Ok(self.loaded.len() as u32)
+    }
+
+    /// Lets [`Context::shader_class_info_log`] say something.
+    pub fn set_info_log(&mut self, text: &str) {
+        // A C string ends at its first zero byte: texts of plugins hold none, nor do those that came from C.
+        self.info_log = CString::new(text).unwrap_or_default();
     }
 
     /// The handle of a parameter, made if it is new.
@@ -139,13 +151,11 @@ impl Context {
         self.outside_block()?;
         let text = |s: &CStr| s.to_string_lossy().into_owned();
         let outcome = match name {
-            None => Err("no shader class name: the name is NULL".to_owned()),
+            None => Err(LoadError::missing("no shader class name: the name is NULL".to_owned())),
             Some(name) => self.classes.load(&text(name), &file.map(text).unwrap_or_default()),
         };
-        let failure = outcome.as_ref().err().cloned().unwrap_or_default();
-        // A C string ends at its first zero byte, so names that came from C hold none.
-        self.classes.info_log = CString::new(failure).unwrap_or_default();
-        let id = outcome.map_err(|_| Error::InvalidValue)?;
+        self.classes.set_info_log(outcome.as_ref().err().map_or("", |failure| &failure.text));
+        let id = outcome.map_err(|failure| failure.code)?;
         self.bind_class(id);
         Ok(id)
     }
@@ -164,7 +174,7 @@ impl Context {
         let name = not_null(name)?;
         let class = self.bound.class_id().ok_or(Error::InvalidOperation)?;
         let loaded = self.classes.get(class).ok_or(Error::InvalidOperation)?;
-        let mut parameters = loaded.class.parameters.iter();
+        let mut parameters = loaded.parameters.iter();
         let parameter = parameters.position(|p| p.name.as_bytes() == name.to_bytes());
         let parameter = parameter.ok_or(Error::InvalidValue)?;
         Ok(self.classes.handle_of(Handle { class, parameter }))

@@ -11,9 +11,10 @@ use gnurt::render::{Accumulation, ShaderTable, World};
 use gnurt::scene::{
     Affine, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, Scene, Surface,
 };
-use gnurt::shading::classes::Shader as Made;
+use gnurt::shading::classes::{Shader as Made, Value, Values};
 
 use crate::geometry::ShaderMesh;
+use crate::plugin_frame::PluginFrame;
 use crate::shader::Shaders;
 use crate::texture::Textures;
 
@@ -85,18 +86,35 @@ impl Stage {
         }
     }
 
-    /// The surface shaders with their present values, each at its number. Frees the numbers of those that are gone.
-    pub fn surfaces(&mut self, shaders: &Shaders, textures: &Textures) -> ShaderTable {
+    /// Ids of the shaders of all meshes.
+    pub fn shader_ids(&self) -> impl Iterator<Item = u32> + '_ {
+        self.shader_slots.keys().copied()
+    }
+
+    /// Whether an object has been defined, so that its instances are shown.
+    #[must_use]
+    pub fn has_object(&self, id: u32) -> bool {
+        self.objects.contains_key(&id)
+    }
+
+    /// The scene's numbers of the instances that were shown, in their order.
+    pub fn places(&self) -> impl Iterator<Item = usize> + '_ {
+        self.instances.iter().map(|id| id.index())
+    }
+
+    /// The surface shaders with their present values, each at its number; mid-grey where one cannot take part in the
+    /// frame. Frees the numbers of those that are gone.
+    pub fn surfaces(&mut self, shaders: &Shaders, textures: &Textures, plugins: &PluginFrame) -> ShaderTable {
         let is_alive = |id: u32| shaders.in_use(id).is_some();
         let gone = self.shader_slots.iter().filter(|&(&id, _)| !is_alive(id));
         self.free_slots.extend(gone.map(|(_, &slot)| slot));
         self.shader_slots.retain(|&id, _| is_alive(id));
         let by_slot: BTreeMap<u32, u32> = self.shader_slots.iter().map(|(&id, &slot)| (slot, id)).collect();
         let constant = gnurt::shading::classes::find("ConstantShader").expect("a built-in class");
-        let unused = constant.make(&constant.defaults());
+        let unused = constant.make(&Values(vec![Value::Floats(vec![0.5; 3])]));
         let made = |slot: u32| {
-            let shader = by_slot.get(&slot).and_then(|&id| shaders.in_use(id));
-            shader.map_or_else(|| unused.clone(), |shader| shader.make(textures))
+            let made = by_slot.get(&slot).and_then(|&id| shaders.in_use(id)?.make(id, textures, plugins));
+            made.unwrap_or_else(|| unused.clone())
         };
         let surface = |made| match made {
             Made::Surface(surface) => Some(surface),

@@ -56,6 +56,11 @@ impl Textures {
         self.revision
     }
 
+    /// Ids of all that may have a picture.
+    pub fn ids(&self) -> impl Iterator<Item = u32> + '_ {
+        self.changed.keys().copied()
+    }
+
     fn bound_mut(&mut self) -> Result<&mut Texture> {
         let id = self.bound.ok_or(Error::InvalidOperation)?;
         self.revision += 1;

@@ -3,8 +3,7 @@
 //! Source: \[DWBS03\]. Invariant: the ids are of shaders of the right kind; a deleted one goes on working.
 //! Proof: tests/c/scene.c, tests/c/errors.c.
 
-use gnurt::shading::classes::Kind;
-
+use crate::class::Kind;
 use crate::context::Context;
 use crate::error::{Error, Result};
 
@@ -17,12 +16,15 @@ pub struct Usage {
     pub camera: Option<u32>,
     /// The environment; black if none.
     pub environment: Option<u32>,
+    /// How pictures are made; `Whitted` with the context's limits if none.
+    pub rendering_object: Option<u32>,
 }
 
 impl Usage {
     /// All ids.
     pub fn ids(&self) -> impl Iterator<Item = u32> + '_ {
-        self.lights.iter().copied().chain(self.camera).chain(self.environment)
+        let lights = self.lights.iter().copied();
+        lights.chain(self.camera).chain(self.environment).chain(self.rendering_object)
     }
 }
 
@@ -71,10 +73,9 @@ impl Context {
         Ok(())
     }
 
-    /// rtUseRenderingObject: no class is of that kind, so it never succeeds.
+    /// rtUseRenderingObject.
     pub fn use_rendering_object(&mut self, id: u32) -> Result<()> {
-        self.outside_block()?;
-        self.shaders.get(id).ok_or(Error::InvalidValue)?;
-        Err(Error::InvalidOperation)
+        self.usage.rendering_object = Some(self.shader_of_kind(id, Kind::RenderingObject)?);
+        Ok(())
     }
 }

@@ -3,6 +3,11 @@
  * it that draw. Usage: figure1 TRIANGLES PICTURE.ppm */
 #include "check.h"
 
+/* The library with the class "sample"; NULL = the built-in one. */
+#ifndef SHADER_FILE
+#define SHADER_FILE NULL
+#endif
+
 static float picture_data[120][160][3];
 
 static void write_ppm(const char *path, const RTubyte *pixels, int width, int height)
@@ -26,7 +31,7 @@ int main(int argc, char **argv)
 
     /* Creation d'un shader */
     shaderClassId =
-        rtGenNewShaderClass("sample", NULL);
+        rtGenNewShaderClass("sample", SHADER_FILE);
     /* Le shader est instancié une fois */
     Id = rtGenNewShader();
     /* On récupère 3 paramètres de shader */

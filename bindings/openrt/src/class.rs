@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a shader class is to the API, wherever its code is: kind, and parameters with type, rate and default.
+//! Source: \[DWBS03\]; the paper's Figure 1 for rates. Invariant: a class keeps the number and order of its parameters.
+//! Proof: tests/c/scene.c, tests/plugins.rs.
+
+use std::sync::Arc;
+
+use gnurt::shading::classes::{self, ParameterRate, ParameterType, ShaderClass};
+
+use crate::plugin_class::PluginClass;
+use crate::rendering_object::RenderingClass;
+
+/// What a shader of a class is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The look of a surface.
+    Surface,
+    /// What rays see that hit nothing.
+    Environment,
+    /// A light.
+    Light,
+    /// A camera.
+    Camera,
+    /// How a picture is made.
+    RenderingObject,
+}
+
+/// The type of a parameter's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DataType {
+    /// RT_BYTE.
+    I8,
+    /// RT_UNSIGNED_BYTE.
+    U8,
+    /// RT_SHORT.
+    I16,
+    /// RT_UNSIGNED_SHORT.
+    U16,
+    /// RT_INT: also the number of a texture.
+    I32,
+    /// RT_UNSIGNED_INT.
+    U32,
+    /// RT_FLOAT.
+    F32,
+    /// RT_DOUBLE.
+    F64,
+    /// RT_STRING.
+    Text,
+}
+
+/// Codes of `openrt/types.h`.
+const CODES: [(u32, DataType); 9] = [
+    (0x1400, DataType::I8),
+    (0x1401, DataType::U8),
+    (0x1402, DataType::I16),
+    (0x1403, DataType::U16),
+    (0x1404, DataType::I32),
+    (0x1405, DataType::U32),
+    (0x1406, DataType::F32),
+    (0x140A, DataType::F64),
+    (0x140B, DataType::Text),
+];
+
+impl DataType {
+    /// The type of this code, if parameters can have it.
+    #[must_use]
+    pub fn from_code(code: u32) -> Option<Self> {
+        CODES.iter().find(|(known, _)| *known == code).map(|(_, kind)| *kind)
+    }
+
+    /// Bytes of one.
+    #[must_use]
+    pub fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+            Self::Text => size_of::<*const u8>(),
+        }
+    }
+
+    /// A number from as many bytes as it has; texts are 0.
+    #[must_use]
+    pub fn decode(self, bytes: &[u8]) -> f64 {
+        fn take<const N: usize>(bytes: &[u8]) -> [u8; N] {
+            bytes.first_chunk().copied().unwrap_or([0; N])
+        }
+        match self {
+            Self::I8 => f64::from(i8::from_ne_bytes(take(bytes))),
+            Self::U8 => f64::from(u8::from_ne_bytes(take(bytes))),
+            Self::I16 => f64::from(i16::from_ne_bytes(take(bytes))),
+            Self::U16 => f64::from(u16::from_ne_bytes(take(bytes))),
+            Self::I32 => f64::from(i32::from_ne_bytes(take(bytes))),
+            Self::U32 => f64::from(u32::from_ne_bytes(take(bytes))),
+            Self::F32 => f64::from(f32::from_ne_bytes(take(bytes))),
+            Self::F64 => f64::from_ne_bytes(take(bytes)),
+            Self::Text => 0.0,
+        }
+    }
+
+    /// The bytes of an integer; `None` if the type does not hold it or is of another sort.
+    #[must_use]
+    pub fn encode_integer(self, value: i32) -> Option<Vec<u8>> {
+        Some(match self {
+            Self::I8 => i8::try_from(value).ok()?.to_ne_bytes().to_vec(),
+            Self::U8 => u8::try_from(value).ok()?.to_ne_bytes().to_vec(),
+            Self::I16 => i16::try_from(value).ok()?.to_ne_bytes().to_vec(),
+            Self::U16 => u16::try_from(value).ok()?.to_ne_bytes().to_vec(),
+            // No call takes unsigned integers: their bits come through the signed ones, as in OpenGL 1.x.
+            Self::I32 | Self::U32 => value.to_ne_bytes().to_vec(),
+            Self::F32 | Self::F64 | Self::Text => return None,
+        })
+    }
+
+    /// Whether it is one of the integers.
+    #[must_use]
+    pub fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64 | Self::Text)
+    }
+}
+
+/// A parameter of a class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// How often it changes.
+    pub rate: ParameterRate,
+    /// What it is made of.
+    pub kind: DataType,
+    /// How many of them.
+    pub count: usize,
+    /// What it starts with if it varies, or is of a class without a block: `count` numbers.
+    pub default: Vec<f32>,
+}
+
+/// Where the code of a class is.
+#[derive(Clone)]
+pub enum Code {
+    /// In the renderer.
+    BuiltIn(&'static ShaderClass),
+    /// In a shared library.
+    Plugin(Arc<PluginClass>),
+    /// It chooses among the renderer's integrators.
+    Rendering(&'static RenderingClass),
+}
+
+impl Code {
+    /// The built-in class of this name.
+    #[must_use]
+    pub fn built_in(name: &str) -> Option<Self> {
+        let rendering = || RenderingClass::find(name).map(Self::Rendering);
+        classes::find(name).map(Self::BuiltIn).or_else(rendering)
+    }
+
+    /// Names of all built-in classes.
+    #[must_use]
+    pub fn built_in_names() -> Vec<&'static str> {
+        classes::ALL.iter().map(|class| class.name).chain(RenderingClass::names()).collect()
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::BuiltIn(class) => class.name,
+            Self::Plugin(class) => &class.name,
+            Self::Rendering(class) => class.name,
+        }
+    }
+
+    /// What its shaders are for.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::BuiltIn(class) => match class.kind {
+                classes::Kind::Surface => Kind::Surface,
+                classes::Kind::Environment => Kind::Environment,
+                classes::Kind::Light => Kind::Light,
+                classes::Kind::Camera => Kind::Camera,
+            },
+            Self::Plugin(class) => class.kind,
+            Self::Rendering(_) => Kind::RenderingObject,
+        }
+    }
+
+    /// Its parameters.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<Parameter> {
+        match self {
+            Self::BuiltIn(class) => class.parameters.iter().map(built_in_parameter).collect(),
+            Self::Plugin(class) => class.parameters.iter().map(|p| p.description.clone()).collect(),
+            Self::Rendering(_) => RenderingClass::parameters(),
+        }
+    }
+}
+
+fn built_in_parameter(p: &classes::Parameter) -> Parameter {
+    let kind = match p.kind {
+        ParameterType::Float => DataType::F32,
+        ParameterType::Texture => DataType::I32,
+    };
+    let (count, default) = (p.components as usize, p.default.to_vec());
+    Parameter { name: p.name.to_owned(), rate: p.rate, kind, count, default }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_fit_or_are_refused() {
+        let back = |kind: DataType, value| kind.encode_integer(value).map(|bytes| kind.decode(&bytes));
+        assert_eq!(back(DataType::I8, -128), Some(-128.0), "the least byte");
+        assert_eq!(back(DataType::I8, 128), None, "one more than the greatest");
+        assert_eq!(back(DataType::U16, 65535), Some(65535.0), "the greatest");
+        assert_eq!(back(DataType::U16, -1), None, "no sign");
+        assert_eq!(back(DataType::U32, -1), Some(4_294_967_295.0), "its bits");
+        assert_eq!(back(DataType::F32, 1), None, "a float is no integer");
+    }
+
+    #[test]
+    fn codes_are_those_of_the_header() {
+        assert_eq!(DataType::from_code(0x140A), Some(DataType::F64), "RT_DOUBLE");
+        assert_eq!(DataType::from_code(0x1407), None, "RT_2_BYTES is no parameter's");
+        assert_eq!(CODES.map(|(_, kind)| kind.size())[..8], [1, 1, 2, 2, 4, 4, 4, 8], "bytes");
+    }
+}

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shared libraries of plugins: opening them and taking the one symbol that they export.
+//! Source: original, on the system's loader (dlopen). Invariant: a library is closed when the last class of it is gone.
+//! Proof: tests/plugins.rs.
+
+use std::ffi::{CStr, CString};
+use std::path::Path;
+
+use crate::ffi_rts::{Class, Module, ModuleFn, RTS_ABI, read_sized};
+
+/// Name of the symbol.
+const SYMBOL: &CStr = c"rts_module";
+
+/// An open library.
+pub(crate) struct Library(*mut libc::c_void);
+
+// SAFETY: a handle is a number to the loader, which takes it from any thread.
+unsafe impl Send for Library {}
+// SAFETY: as above.
+unsafe impl Sync for Library {}
+
+impl Drop for Library {
+    fn drop(&mut self) {
+        // SAFETY: the handle came from dlopen and is closed once; classes hold the library while their code may run.
+        unsafe { libc::dlclose(self.0) };
+    }
+}
+
+/// What the loader has to say about the last thing that went wrong.
+fn loader_error() -> String {
+    // SAFETY: the text is the loader's and stays until its next call on this thread.
+    let text = unsafe { libc::dlerror() };
+    if text.is_null() {
+        return "the system's loader does not say why".to_owned();
+    }
+    // SAFETY: it is not null, so it is a text.
+    unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+}
+
+impl Library {
+    /// Opens a library by its path, or by a bare name that the system's loader looks for; all its symbols must be
+    /// found, and none of them are shown to others.
+    pub(crate) fn open(path: &Path) -> Result<Self, String> {
+        let name = CString::new(path.to_string_lossy().into_owned());
+        let name = name.map_err(|_| "its name has a zero byte".to_owned())?;
+        // SAFETY: the name is a text. The library's constructors run: the program asked for that.
+        let handle = unsafe { libc::dlopen(name.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL) };
+        if handle.is_null() { Err(loader_error()) } else { Ok(Self(handle)) }
+    }
+
+    /// What it says about itself; an error tells which version it was asked for.
+    pub(crate) fn module(&self) -> Result<ModuleReply, String> {
+        // SAFETY: the handle is open and the symbol a text.
+        let symbol = unsafe { libc::dlsym(self.0, SYMBOL.as_ptr()) };
+        if symbol.is_null() {
+            return Err(format!("it exports no function rts_module: {}", loader_error()));
+        }
+        // SAFETY: rts.h says which type the function of this name has; a pointer to data fits one to a function
+        // wherever dlsym does.
+        let function = unsafe { std::mem::transmute_copy::<*mut libc::c_void, ModuleFn>(&symbol) };
+        // SAFETY: as rts.h says, it takes the host's version and returns NULL or a module.
+        let module = unsafe { function(RTS_ABI) };
+        if module.is_null() {
+            return Ok(ModuleReply::Refuses);
+        }
+        // SAFETY: it is not null, so it points to as many bytes as it says.
+        Ok(ModuleReply::Offers(unsafe { read_sized(module) }))
+    }
+}
+
+/// What rts_module returns.
+pub(crate) enum ModuleReply {
+    /// NULL: it cannot serve our version.
+    Refuses,
+    /// A module.
+    Offers(Module),
+}
+
+/// A class as the plugin has it, and its name.
+pub(crate) struct RawClass {
+    pub(crate) name: String,
+    pub(crate) class: Class,
+}
+
+/// The classes of a module that have a name; the others cannot be asked for.
+pub(crate) fn classes(module: &Module) -> Vec<RawClass> {
+    if module.classes.is_null() {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for i in 0..module.class_count as usize {
+        // SAFETY: the module says that there are `class_count` pointers.
+        let class = unsafe { module.classes.add(i).read_unaligned() };
+        if class.is_null() {
+            continue;
+        }
+        // SAFETY: it is not null, so it points to as many bytes as it says.
+        let class: Class = unsafe { read_sized(class) };
+        // SAFETY: a name that is not null is a text, as rts.h says.
+        if let Some(name) = unsafe { crate::ffi::text(class.name) } {
+            found.push(RawClass { name: name.to_string_lossy().into_owned(), class });
+        }
+    }
+    found
+}
+
+/// A parameter as the plugin describes it.
+pub(crate) struct RawParameter {
+    /// `None`: NULL.
+    pub(crate) name: Option<String>,
+    pub(crate) kind: u32,
+    pub(crate) count: u32,
+    pub(crate) rate: u32,
+    pub(crate) offset: u32,
+}
+
+/// The parameters of a class; none if the pointer is null.
+pub(crate) fn parameters(class: &Class) -> Vec<RawParameter> {
+    if class.params.is_null() {
+        return Vec::new();
+    }
+    let parameter = |i: u32| {
+        // SAFETY: the class says that there are `param_count` of them.
+        let p = unsafe { class.params.add(i as usize).read_unaligned() };
+        // SAFETY: a name that is not null is a text, as rts.h says.
+        let name = unsafe { crate::ffi::text(p.name) }.map(|name| name.to_string_lossy().into_owned());
+        RawParameter { name, kind: p.kind, count: p.count, rate: p.rate, offset: p.offset }
+    };
+    (0..class.param_count).map(parameter).collect()
+}

@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Plugins as shaders of the renderer: batches out to C, results back, checked lane by lane.
+//! Source: original. Space: world. Invariant: what a plugin leaves unwritten, or fills with NaN or infinities, becomes
+//! black, unlit or a ray that sees nothing, and is counted. Proof: tests/plugins.rs.
+
+use std::sync::Arc;
+
+use gnurt::accel::{Ray, RayBatch};
+use gnurt::shading::classes::{ParameterRate, Shader as Made};
+use gnurt::shading::{
+    AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, SurfaceBatch, SurfaceShader,
+    Tracer, Vec3s,
+};
+
+use crate::class::Kind;
+use crate::ffi_plugin_block::Snapshot;
+use crate::ffi_plugin_host::Call;
+use crate::ffi_plugin_lanes::Lanes;
+use crate::ffi_rts::{Hits, Rays, ShadeFn, Vec3In, Vec3Out};
+use crate::plugin_class::PluginClass;
+use crate::plugin_frame::{Faults, FrameState};
+
+/// A plugin's shader in one frame.
+pub(crate) struct PluginShader {
+    pub(crate) snapshot: Snapshot,
+    pub(crate) frame: Arc<FrameState>,
+    pub(crate) faults: Arc<Faults>,
+    /// One per parameter that varies, in the order of the parameters.
+    attributes: Vec<AttributeRequest>,
+    /// The attribute of each parameter.
+    attribute_of: Vec<Option<usize>>,
+}
+
+/// The shader of a frame's copy of a block.
+pub(crate) fn make(snapshot: Snapshot, frame: &Arc<FrameState>, faults: Arc<Faults>) -> Made {
+    let class = snapshot.block.class().clone();
+    let (mut attributes, mut attribute_of) = (Vec::new(), Vec::new());
+    for p in class.parameters.iter().map(|p| &p.description) {
+        let varies = p.rate != ParameterRate::Shader;
+        attribute_of.push(varies.then_some(attributes.len()));
+        if varies {
+            let (name, components, default) = (p.name.clone(), p.count as u32, p.default.clone());
+            attributes.push(AttributeRequest { name, components, default });
+        }
+    }
+    let frame = frame.clone();
+    let shader = Arc::new(PluginShader { snapshot, frame, faults, attributes, attribute_of });
+    match class.kind {
+        Kind::Surface | Kind::RenderingObject => Made::Surface(shader),
+        Kind::Environment => Made::Environment(shader),
+        Kind::Light => Made::Light(shader),
+        Kind::Camera => Made::Camera(shader),
+    }
+}
+
+/// Arrays of a surface batch, results included.
+const SURFACE_ARRAYS: usize = 12 + 3 + 6 + 1 + 4 + 1 + 3;
+
+impl PluginShader {
+    pub(crate) fn class(&self) -> &Arc<PluginClass> {
+        self.snapshot.block.class()
+    }
+
+    /// Where the attribute of a parameter that varies is among those of a batch.
+    pub(crate) fn attribute(&self, parameter: usize) -> Option<usize> {
+        self.attribute_of.get(parameter).copied().flatten()
+    }
+
+    /// Calls `shade` or `transmit`.
+    fn call_surface(&self, function: ShadeFn, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let n = hits.len();
+        if n == 0 {
+            return;
+        }
+        let mut call = Call::of_surface(self, tracer, hits);
+        let mut arrays = call.buffers.arrays(n, SURFACE_ARRAYS);
+        let batch = self.hits(hits, &mut arrays);
+        let result = arrays.unwritten_vectors();
+        // SAFETY: the function is the class's; batch and result are as openrt/rts.h says and live through the call.
+        call.run(|host, ctx| unsafe { function(host, ctx, &raw const batch, result) });
+        self.take(&arrays, result, out);
+        call.finish();
+    }
+
+    /// The batch as plugins see it.
+    fn hits(&self, hits: &SurfaceBatch, arrays: &mut Lanes) -> Hits {
+        let n = hits.len();
+        let id =
+            |which: usize, i: usize| self.frame.ids.get(hits.inst_id[i] as usize).map_or(0, |ids| ids[which]);
+        Hits {
+            struct_size: size_of::<Hits>() as u32,
+            n: n as u32,
+            shader: self.snapshot.pointer(),
+            p: arrays.vectors(&hits.p),
+            ng: arrays.vectors(&hits.ng),
+            ns: arrays.vectors(&hits.ns),
+            ray_dir: arrays.vectors(&hits.ray_dir),
+            t: arrays.floats(&hits.t),
+            b1: arrays.floats(&hits.u),
+            b2: arrays.floats(&hits.v),
+            color: arrays.vectors(&hits.color),
+            texcoord: Vec3In {
+                x: arrays.floats(&hits.texcoord[0]),
+                y: arrays.floats(&hits.texcoord[1]),
+                z: arrays.floats_by(|_| 0.0),
+            },
+            alpha: arrays.floats(&hits.alpha),
+            object: arrays.integers_by(|i| id(0, i)),
+            instance: arrays.integers_by(|i| id(1, i)),
+            triangle: arrays.integers_by(|i| hits.prim_id[i]),
+            depth: arrays.integers_by(|_| hits.depth),
+            back: arrays.bytes_by(|i| u8::from(!hits.front(i))),
+        }
+    }
+
+    /// Takes a plugin's colours; what is none becomes black and is counted.
+    fn take(&self, arrays: &Lanes, result: Vec3Out, out: &mut Vec3s) {
+        // SAFETY: the result is of these arrays, and the plugin's call is over.
+        let [x, y, z] = [result.x, result.y, result.z].map(|array| unsafe { arrays.written(array) });
+        let is_bad = |i: usize| !(x[i].is_finite() & y[i].is_finite() & z[i].is_finite());
+        let bad: Vec<usize> = (0..x.len()).filter(|&i| is_bad(i)).collect();
+        for (array, values) in [(&mut out.x, x), (&mut out.y, y), (&mut out.z, z)] {
+            array.clear();
+            array.extend_from_slice(values);
+            bad.iter().for_each(|&i| array[i] = 0.0);
+        }
+        self.faults.add(bad.len() as u64);
+    }
+}
+
+impl SurfaceShader for PluginShader {
+    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        if let Some(shade) = self.class().calls.shade {
+            self.call_surface(shade, tracer, hits, out);
+        }
+    }
+
+    fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        if let Some(transmit) = self.class().calls.transmit {
+            self.call_surface(transmit, tracer, hits, out);
+        }
+    }
+
+    fn is_opaque(&self) -> bool {
+        self.class().calls.transmit.is_none()
+    }
+
+    fn attributes(&self) -> &[AttributeRequest] {
+        &self.attributes
+    }
+}
+
+impl LightShader for PluginShader {
+    fn illuminate(&self, p: &Vec3s, _: &Vec3s, _: &[[f32; 2]], out: &mut LightBatch) {
+        let Some(function) = self.class().calls.illuminate.filter(|_| !p.is_empty()) else { return };
+        let mut call = Call::new(self);
+        let mut arrays = call.buffers.arrays(p.len(), 3 + 3 + 1 + 3 + 1);
+        let points = arrays.vectors(p);
+        let (dir, dist, radiance) =
+            (arrays.unwritten_vectors(), arrays.unwritten(), arrays.unwritten_vectors());
+        let lit = arrays.bytes_by(|_| 0);
+        let (block, n) = (self.snapshot.pointer(), p.len() as u32);
+        // SAFETY: the function is the class's; all arrays are as openrt/rts.h says and live through the call.
+        call.run(|host, ctx| unsafe { function(host, ctx, block, n, points, dir, dist, radiance, lit) });
+        // SAFETY: the plugin's call is over.
+        let written = |array| unsafe { arrays.written(array) };
+        let [dir, radiance] = [dir, radiance].map(|v| [written(v.x), written(v.y), written(v.z)]);
+        let dist = written(dist);
+        // SAFETY: one byte per lane, all of them written.
+        let lit = unsafe { std::slice::from_raw_parts(lit, p.len()) };
+        let mut bad = 0;
+        for i in (0..p.len()).filter(|&i| lit[i] != 0) {
+            let [towards, arriving] = [dir, radiance].map(|v| v.map(|array| array[i]));
+            // The distance may be infinite.
+            let good = arriving.iter().all(|x| x.is_finite()) && dist[i] >= 0.0;
+            match unit(towards).filter(|_| good) {
+                Some(towards) => {
+                    out.dir.set(i, towards.into());
+                    out.dist[i] = dist[i];
+                    out.radiance.set(i, arriving.into());
+                }
+                None => bad += 1,
+            }
+        }
+        self.faults.add(bad);
+        call.finish();
+    }
+}
+
+impl CameraShader for PluginShader {
+    fn rays(&self, xy: &[[f32; 2]], _aspect: f32, out: &mut RayBatch) {
+        let Some(function) = self.class().calls.camera.filter(|_| !xy.is_empty()) else { return };
+        let mut call = Call::new(self);
+        let mut arrays = call.buffers.arrays(xy.len(), 2 + 6);
+        let [x, y] = [0, 1].map(|k| arrays.floats_by(|i| xy[i][k]));
+        let (org, dir) = (arrays.unwritten_vectors(), arrays.unwritten_vectors());
+        let (block, n) = (self.snapshot.pointer(), xy.len() as u32);
+        // SAFETY: the function is the class's; all arrays are as openrt/rts.h says and live through the call.
+        call.run(|host, ctx| unsafe { function(host, ctx, block, n, x, y, org, dir) });
+        // SAFETY: the plugin's call is over.
+        let written = |v: Vec3Out| [v.x, v.y, v.z].map(|array| unsafe { arrays.written(array) });
+        let (org, dir) = (written(org), written(dir));
+        let mut bad = 0;
+        for i in 0..xy.len() {
+            let org = org.map(|array| array[i]);
+            let dir = unit(dir.map(|array| array[i])).filter(|_| org.iter().all(|x| x.is_finite()));
+            bad += u64::from(dir.is_none());
+            // A ray without direction hits nothing.
+            out.push(dir.map_or(Ray::new([0.0; 3], [0.0; 3]), |dir| Ray::new(org, dir)));
+        }
+        self.faults.add(bad);
+        call.finish();
+    }
+}
+
+impl EnvironmentShader for PluginShader {
+    fn miss(&self, dir: &Vec3s, out: &mut Vec3s) {
+        let Some(function) = self.class().calls.miss.filter(|_| !dir.is_empty()) else { return };
+        let mut call = Call::new(self);
+        let mut arrays = call.buffers.arrays(dir.len(), 3 + 3 + 5);
+        let zeros = arrays.floats_by(|_| 0.0);
+        let rays = Rays {
+            struct_size: size_of::<Rays>() as u32,
+            n: dir.len() as u32,
+            org: Vec3In { x: zeros, y: zeros, z: zeros },
+            dir: arrays.vectors(dir),
+            tmin: zeros,
+            tmax: arrays.floats_by(|_| f32::INFINITY),
+            parent: arrays.integers_by(|i| i as u32),
+            weight: arrays.floats_by(|_| 1.0),
+        };
+        let result = arrays.unwritten_vectors();
+        let block = self.snapshot.pointer();
+        // SAFETY: the function is the class's; rays and result are as openrt/rts.h says and live through the call.
+        call.run(|host, ctx| unsafe { function(host, ctx, block, &raw const rays, result) });
+        self.take(&arrays, result, out);
+        call.finish();
+    }
+}
+
+/// A direction of length 1; `None` if it is none. One that has length 1 already stays as it is.
+fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
+    let square = v.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>();
+    if (square - 1.0).abs() < 1e-6 {
+        return Some(v);
+    }
+    let length = square.sqrt();
+    (length > 0.0 && length.is_finite()).then(|| v.map(|x| (f64::from(x) / length) as f32))
+}
