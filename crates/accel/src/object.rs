@@ -15,9 +15,9 @@ use crate::control::Watch;
 use crate::geometry::Screened;
 use crate::geometry::{GeometryKind, Numbering};
 use crate::kd::KdIndex;
-use crate::nearest::{Best, Collect, Mode, Nearest, Relay};
+use crate::nearest::{Collect, Mode, Nearest, Relay};
 use crate::point::{NearestPoint, Probe};
-use crate::tile::{NearestTile, RayTile};
+use crate::tile::{NearestTile, RayTile, all};
 use crate::{
     Aabb, BadPrimitives, BuildControl, BuildError, BuildOptions, Counters, Geometry, Hit, Ray, Structure,
     Threads, TreeStats, Triangles,
@@ -49,9 +49,6 @@ enum Index {
     Spheres(SphereIndex),
     User(UserIndex),
 }
-
-/// Fewer rays of one heading go one by one.
-const WORTH_A_TILE: u32 = 4;
 
 /// What trees are told apart by.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -265,35 +262,21 @@ impl ObjectTree {
                 if self.parts.is_empty() || active == 0 {
                     return;
                 }
-                let ways = rays.headings(simd);
-                let regular = active & ways.regular;
-                if regular == u64::MAX {
-                    let (heading, bits) = ways.like(0, regular);
-                    if bits == u64::MAX {
-                        return self.sweep::<S, M>(simd, rays, 64, heading, slot, nearest, counters);
-                    }
-                }
-                let mut alone = active & !ways.regular;
-                let mut left = regular;
-                while left != 0 {
-                    let (heading, bits) = ways.like(left.trailing_zeros() as usize, left);
-                    left &= !bits;
-                    if bits.count_ones() < WORTH_A_TILE {
-                        alone |= bits;
-                        continue;
-                    }
-                    let (mut some, mut best) = (RayTile::EMPTY, NearestTile::EMPTY);
-                    let count = rays.gather(nearest, bits, &mut some, &mut best);
-                    self.sweep::<S, M>(simd, &some, count, heading, slot, &mut best, counters);
-                    nearest.scatter(bits, &best);
-                }
-                while alone != 0 {
-                    let i = alone.trailing_zeros() as usize;
-                    alone &= alone - 1;
-                    let mut best = Best::<M>::new(nearest.get(i));
-                    self.search::<S, _>(simd, &rays.ray(i, best.reach()), slot, &mut best, counters);
-                    nearest.set(i, &best.0);
-                }
+                let alone = rays.part(
+                    simd,
+                    active,
+                    nearest,
+                    #[inline(always)]
+                    |rays, count, heading, best| {
+                        self.sweep::<S, M>(simd, rays, count, heading, slot, best, counters);
+                    },
+                );
+                nearest.one_by_one::<M>(
+                    rays,
+                    alone,
+                    #[inline(always)]
+                    |ray, best| self.search::<S, _>(simd, ray, slot, best, counters),
+                );
             },
         );
     }
@@ -422,14 +405,9 @@ impl Index {
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        for i in 0..count {
-            let mut best = Best::<M>::new(nearest.get(i));
-            if best.reach() > f32::NEG_INFINITY {
-                let ray = &rays.ray(i, best.reach());
-                Relay::run(&mut best, |relay| self.search_others(simd, ray, slot, relay, counters));
-                nearest.set(i, &best.0);
-            }
-        }
+        nearest.one_by_one::<M>(rays, all(count), |ray, best| {
+            Relay::run(best, |relay| self.search_others(simd, ray, slot, relay, counters));
+        });
     }
 
     /// Improves `nearest`.

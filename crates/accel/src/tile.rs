@@ -8,7 +8,7 @@
 
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 
-use crate::nearest::Nearest;
+use crate::nearest::{Best, Collect, Mode, Nearest};
 use crate::packet::Heading;
 use crate::{INVALID_ID, Ray, RayBatch};
 
@@ -17,6 +17,9 @@ pub(crate) const TILE: usize = 64;
 
 /// Rays per SIMD step.
 pub(crate) const LANES: usize = 16;
+
+/// Fewer rays of one heading go one by one.
+const WORTH_A_TILE: u32 = 4;
 
 /// One value for each ray.
 pub(crate) type PerRay = [f32; TILE];
@@ -133,6 +136,36 @@ impl RayTile {
         ways
     }
 
+    /// Parts the rays in `active`, which are sound, by heading: calls `sweep(rays, count, heading, their best hits)` for
+    /// each heading that is worth it, and returns the bits of the rays that go one by one.
+    #[inline(always)]
+    pub(crate) fn part<S: Simd>(
+        &self,
+        simd: S,
+        active: u64,
+        nearest: &mut NearestTile,
+        mut sweep: impl FnMut(&Self, usize, Heading, &mut NearestTile),
+    ) -> u64 {
+        let ways = self.headings(simd);
+        let mut alone = active & !ways.regular;
+        let mut left = active & ways.regular;
+        while left != 0 {
+            let (heading, bits) = ways.like(left.trailing_zeros() as usize, left);
+            left &= !bits;
+            if bits.count_ones() < WORTH_A_TILE {
+                alone |= bits;
+            } else if bits == u64::MAX {
+                sweep(self, TILE, heading, nearest);
+            } else {
+                let (mut some, mut best) = (Self::EMPTY, NearestTile::EMPTY);
+                let count = self.gather(nearest, bits, &mut some, &mut best);
+                sweep(&some, count, heading, &mut best);
+                nearest.scatter(bits, &best);
+            }
+        }
+        alone
+    }
+
     /// The rays in `bits` side by side, with their best hits; fills up to a multiple of 16 with copies of the first
     /// that look for nothing. Returns how many there are.
     #[inline(always)]
@@ -220,6 +253,25 @@ impl NearestTile {
     pub(crate) fn get(&self, i: usize) -> Nearest {
         let i = i & (TILE - 1);
         Nearest { t: self.t[i], u: self.u[i], v: self.v[i], number: self.number[i], slot: self.slot[i] }
+    }
+
+    /// Calls `search(ray, its best hit)` for each ray in `bits` that still looks for something, one after the other.
+    #[inline(always)]
+    pub(crate) fn one_by_one<M: Mode>(
+        &mut self,
+        rays: &RayTile,
+        mut bits: u64,
+        mut search: impl FnMut(&Ray, &mut Best<M>),
+    ) {
+        while bits != 0 {
+            let i = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let mut best = Best::<M>::new(self.get(i));
+            if best.reach() > f32::NEG_INFINITY {
+                search(&rays.ray(i, best.reach()), &mut best);
+                self.set(i, &best.0);
+            }
+        }
     }
 
     /// Puts back what [`RayTile::gather`] took out.

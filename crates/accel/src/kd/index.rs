@@ -12,10 +12,10 @@ use super::{KdTree, RaySlabs, Search};
 use crate::bvh::{BlockRay, Sweep};
 use crate::control::Watch;
 use crate::geometry::Screened;
-use crate::nearest::{Best, Collect, Mode};
+use crate::nearest::{Collect, Mode};
 use crate::packet::{Heading, NearestPacket, RayPacket, WIDTH};
 use crate::point::{NearestPoint, Probe, on_triangle};
-use crate::tile::{NearestTile, RayTile};
+use crate::tile::{NearestTile, RayTile, all};
 use crate::triangle::{ProjectedTriangles, ShearedRay};
 use crate::{Aabb, BuildError, BuildOptions, Counters, Ray, Threads, TreeStats, TriangleTest};
 
@@ -176,11 +176,12 @@ impl KdIndex {
                 let (tree, blocks) = (&Blocked { tree, leaves }, &leaves.blocks[..]);
                 let sweep = Sweep { simd, tree, blocks, reach, slot, rays, count, heading };
                 if !sweep.run::<M>(nearest, counters) {
-                    for i in 0..count {
-                        let mut best = Best::<M>::new(nearest.get(i));
-                        self.search::<S, _>(simd, &rays.ray(i, best.reach()), slot, &mut best, counters);
-                        nearest.set(i, &best.0);
-                    }
+                    nearest.one_by_one::<M>(
+                        rays,
+                        all(count),
+                        #[inline(always)]
+                        |ray, best| self.search::<S, _>(simd, ray, slot, best, counters),
+                    );
                 }
             }
             Prepared::Projected(triangles) => {

@@ -8,13 +8,10 @@ use gnurt_simd::Simd;
 use super::SceneTree;
 use super::instance::{Placed, Shape};
 use crate::bvh::{Beam, Child, NodeRay, Slopes};
-use crate::nearest::{Best, Collect, Mode};
+use crate::nearest::{Collect, Mode};
 use crate::packet::Heading;
-use crate::tile::{NearestTile, RayTile, TILE, all};
+use crate::tile::{NearestTile, RayTile, all};
 use crate::{Counters, Ray};
-
-/// Fewer rays of one heading go one by one.
-const WORTH_A_TILE: u32 = 8;
 
 /// One ray in a scene's space.
 #[derive(Clone, Copy)]
@@ -142,31 +139,23 @@ impl SceneTree {
         simd.vectorize(
             #[inline(always)]
             || {
-                let ways = rays.headings(simd);
-                let mut alone = active & !ways.regular;
-                let mut left = active & ways.regular;
-                while left != 0 {
-                    let (heading, bits) = ways.like(left.trailing_zeros() as usize, left);
-                    left &= !bits;
-                    if bits.count_ones() < WORTH_A_TILE {
-                        alone |= bits;
-                    } else if bits == u64::MAX {
-                        self.sweep_top::<S, M>(simd, rays, TILE, heading, first_leaf, nearest, counters);
-                    } else {
-                        let (mut some, mut best) = (RayTile::EMPTY, NearestTile::EMPTY);
-                        let count = rays.gather(nearest, bits, &mut some, &mut best);
-                        self.sweep_top::<S, M>(simd, &some, count, heading, first_leaf, &mut best, counters);
-                        nearest.scatter(bits, &best);
-                    }
-                }
-                while alone != 0 {
-                    let i = alone.trailing_zeros() as usize;
-                    alone &= alone - 1;
-                    let mut best = Best::<M>::new(nearest.get(i));
-                    let ray = &rays.ray(i, best.reach());
-                    self.search::<S, _>(simd, Seeker { ray, origin: None, first_leaf }, &mut best, counters);
-                    nearest.set(i, &best.0);
-                }
+                let alone = rays.part(
+                    simd,
+                    active,
+                    nearest,
+                    #[inline(always)]
+                    |rays, count, heading, best| {
+                        self.sweep_top::<S, M>(simd, rays, count, heading, first_leaf, best, counters);
+                    },
+                );
+                nearest.one_by_one::<M>(
+                    rays,
+                    alone,
+                    #[inline(always)]
+                    |ray, best| {
+                        self.search::<S, _>(simd, Seeker { ray, origin: None, first_leaf }, best, counters);
+                    },
+                );
             },
         );
     }
