@@ -5,6 +5,7 @@
 mod beam;
 mod blocks;
 mod build;
+mod chunks;
 mod index;
 mod measure;
 mod node;
@@ -16,9 +17,10 @@ mod sweep;
 mod user;
 mod walk;
 
-pub(crate) use beam::{Beam, CHUNKS, Slopes};
+pub(crate) use beam::{Beam, CHUNKS, Ranges, Slopes};
 pub(crate) use blocks::{BlockRay, TriangleBlock};
 pub(crate) use build::{Primitives, Tree, build, try_build};
+pub(crate) use chunks::Chunks;
 pub(crate) use index::BvhIndex;
 pub(crate) use node::{Child, Node8, WIDTH};
 pub(crate) use point::{Around, square_of};

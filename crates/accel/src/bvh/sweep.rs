@@ -10,10 +10,12 @@
 
 use gnurt_simd::{Simd, Stack, f32x16, mask32x16, prelude::*, u32x16};
 
-use super::beam::{Beam, CHUNKS, Slopes};
+use super::beam::Slopes;
 use super::blocks::{BlockRay, TriangleBlock};
+use super::chunks::Chunks;
 use super::index::walk_blocks;
 use super::planes::TilePlanes;
+use super::walk::farthest_first;
 use super::{Child, Tree, WIDTH};
 use crate::Counters;
 use crate::nearest::{Best, Mode, Nearest};
@@ -51,28 +53,25 @@ impl<S: Simd> Sweep<'_, S, Tree> {
     #[inline(always)]
     pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) {
         let Self { simd, tree, rays, count, heading, .. } = *self;
-        let chunks = count.div_ceil(LANES);
-        let mut slopes = Slopes::EMPTY;
-        let (each, whole) = slopes.prepare(simd, rays, count, heading);
-        let beam = Beam::new(&whole, heading, self.reach);
-        let mut parts = [Beam::EMPTY; CHUNKS];
-        for (part, ranges) in parts.iter_mut().zip(&each).take(chunks) {
-            *part = Beam::new(ranges, heading, self.reach);
-        }
+        let Some(mut chunks) = Chunks::new(
+            simd,
+            rays,
+            count,
+            heading,
+            self.reach,
+            nearest,
+            #[inline(always)]
+            |_| false,
+        ) else {
+            return;
+        };
         let mut planes = TilePlanes::EMPTY;
         let mut planes_ready = false;
-        // How many steps each chunk still looks ahead, and the tile.
-        let mut ahead = [f32::NEG_INFINITY; CHUNKS];
-        let mut farthest = f32::NEG_INFINITY;
-        for (chunk, ahead) in ahead.iter_mut().enumerate().take(chunks) {
-            *ahead = slopes.chunk_ahead(simd, nearest, chunk);
-            farthest = farthest.max(*ahead);
-        }
 
         let mut stack = Stack::<Waiting, 512>::new();
         stack.push(Waiting { steps: 0.0, child: Child::node(0), rays: all(count) });
         while let Some(Waiting { steps, child, rays: mut bits }) = stack.pop() {
-            if steps > farthest {
+            if steps > chunks.farthest {
                 continue;
             }
             if M::ANY {
@@ -94,7 +93,7 @@ impl<S: Simd> Sweep<'_, S, Tree> {
                     bits &= bits - 1;
                     let mut lane = nearest.get(i);
                     let before = lane.t;
-                    self.alone::<M>(i, child, &planes, &slopes, &mut lane, counters);
+                    self.alone::<M>(i, child, &planes, &chunks.slopes, &mut lane, counters);
                     // Also where `t` stays: a triangle with a lower number may lie there.
                     nearest.set(i, &lane);
                     if lane.t != before {
@@ -102,45 +101,30 @@ impl<S: Simd> Sweep<'_, S, Tree> {
                     }
                 }
                 if touched != 0 {
-                    for (chunk, ahead) in ahead.iter_mut().enumerate().take(chunks) {
-                        if touched >> chunk & 1 == 1 {
-                            *ahead = slopes.chunk_ahead(simd, nearest, chunk);
-                        }
-                    }
-                    farthest = ahead[0].max(ahead[1]).max(ahead[2]).max(ahead[3]);
+                    chunks.look_again(simd, nearest, touched);
                 }
                 continue;
             }
             if child.is_leaf() {
                 for block in &self.blocks[child.blocks()] {
-                    let extents = [block.extent(simd, 0), block.extent(simd, 1), block.extent(simd, 2)];
-                    if beam.meet_extents(simd, &extents, farthest) == 0 {
-                        continue;
-                    }
-                    for chunk in 0..chunks {
-                        let active = bits >> (chunk * LANES) & 0xffff;
-                        if active == 0 {
-                            continue;
-                        }
-                        let mut places = parts[chunk].meet_extents(simd, &extents, ahead[chunk]);
-                        let mut found = false;
-                        while places != 0 {
-                            let place = places.trailing_zeros() as usize;
-                            places &= places - 1;
-                            counters.triangles += u64::from(active.count_ones());
-                            found |= self.meet::<M>(block, place, &slopes, chunk, nearest);
-                        }
-                        if found {
-                            ahead[chunk] = slopes.chunk_ahead(simd, nearest, chunk);
-                        }
-                    }
-                    farthest = ahead[0].max(ahead[1]).max(ahead[2]).max(ahead[3]);
+                    chunks.block(
+                        simd,
+                        block,
+                        bits,
+                        nearest,
+                        #[inline(always)]
+                        |place, chunk, slopes, nearest| {
+                            let tested = bits >> (chunk * LANES) & 0xffff;
+                            counters.triangles += u64::from(tested.count_ones());
+                            self.meet::<M>(block, place, slopes, chunk, nearest)
+                        },
+                    );
                 }
                 continue;
             }
 
             let node = &tree.nodes[child.index()];
-            let (mut places, near) = beam.meet(simd, node, farthest);
+            let (mut places, near) = chunks.beam.meet(simd, node, chunks.farthest);
             let near = near.as_array();
             let one_by_one = places.count_ones() >= MANY;
             if one_by_one && !planes_ready {
@@ -154,8 +138,7 @@ impl<S: Simd> Sweep<'_, S, Tree> {
                 let mut those = bits;
                 if one_by_one {
                     those = 0;
-                    for chunk in 0..chunks {
-                        let at = chunk * LANES;
+                    for at in (0..count).step_by(LANES) {
                         if bits >> at & 0xffff != 0 {
                             let meet = planes.meet(simd, node, place, heading, rays, nearest, at);
                             those |= meet << at;
@@ -169,16 +152,7 @@ impl<S: Simd> Sweep<'_, S, Tree> {
                 stack.push(Waiting { steps: near[place], child: node.child(place), rays: those });
                 pushed += 1;
             }
-            let waiting = stack.top(pushed);
-            for i in 1..waiting.len() {
-                let moved = waiting[i];
-                let mut at = i;
-                while at > 0 && waiting[at - 1].steps < moved.steps {
-                    waiting[at] = waiting[at - 1];
-                    at -= 1;
-                }
-                waiting[at] = moved;
-            }
+            farthest_first(stack.top(pushed), |waiting: &Waiting| waiting.steps);
         }
     }
 

@@ -28,13 +28,13 @@ fn distance(entry: u64) -> f32 {
     f32::from_bits((entry >> 32) as u32)
 }
 
-/// Puts a few entries in order.
+/// Puts a few entries in order: by insertion, which for at most eight is the fastest.
 #[inline(always)]
-fn farthest_first(entries: &mut [u64]) {
+pub(super) fn farthest_first<T: Copy, K: PartialOrd>(entries: &mut [T], distance: impl Fn(&T) -> K) {
     for i in 1..entries.len() {
         let moved = entries[i];
         let mut at = i;
-        while at > 0 && entries[at - 1] < moved {
+        while at > 0 && distance(&entries[at - 1]) < distance(&moved) {
             entries[at] = entries[at - 1];
             at -= 1;
         }
@@ -100,7 +100,7 @@ impl Tree {
                             nearest = nearest.min(other);
                             count += 1;
                         }
-                        farthest_first(waiting.top(count));
+                        farthest_first(waiting.top(count), |&entry| entry);
                     }
                     child = Child(nearest as u32);
                     continue;
@@ -178,7 +178,7 @@ impl Tree {
                     bits &= bits - 1;
                     waiting.push(entry(near[place & 7], node.child(place)));
                 }
-                farthest_first(waiting.top(count));
+                farthest_first(waiting.top(count), |&entry| entry);
             }
             match next(&mut waiting, reach) {
                 Some(next) => child = next,

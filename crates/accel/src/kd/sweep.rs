@@ -11,9 +11,9 @@ use gnurt_simd::{Simd, Stack};
 use super::leaves::Leaves;
 use super::slab::{least, most};
 use super::{DEEPEST, KdTree};
-use crate::bvh::{Beam, CHUNKS, Slopes, Sweep};
+use crate::bvh::{Beam, CHUNKS, Chunks, Ranges, Sweep};
 use crate::nearest::Mode;
-use crate::tile::{LANES, NearestTile};
+use crate::tile::{LANES, NearestTile, all};
 use crate::{Counters, INVALID_ID};
 
 /// A tree and its leaves.
@@ -55,59 +55,40 @@ impl<S: Simd> Sweep<'_, S, Blocked<'_>> {
     #[inline(always)]
     pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) -> bool {
         let Self { simd, tree, rays, count, heading, .. } = *self;
-        let chunks = count.div_ceil(LANES);
-        let mut slopes = Slopes::EMPTY;
-        let (each, whole) = slopes.prepare(simd, rays, count, heading);
         let [x, y, z] = tree.tree.bounds.extent();
         let size = x.max(y).max(z) as f32;
-        if whole.spread(size) > FARTHEST_SPREAD * size {
+        let too_wide = |whole: &Ranges| whole.spread(size) > FARTHEST_SPREAD * size;
+        let chunks = Chunks::new(simd, rays, count, heading, self.reach, nearest, too_wide);
+        let Some(mut chunks) = chunks else {
             return false;
-        }
-        let beam = Beam::new(&whole, heading, self.reach);
-        let mut parts = [Beam::EMPTY; CHUNKS];
-        for (part, ranges) in parts.iter_mut().zip(&each).take(chunks) {
-            *part = Beam::new(ranges, heading, self.reach);
-        }
-        // How many steps each chunk still looks ahead, and the tile.
-        let mut ahead = [f32::NEG_INFINITY; CHUNKS];
-        for (which, ahead) in ahead.iter_mut().enumerate().take(chunks) {
-            *ahead = slopes.chunk_ahead(simd, nearest, which);
-        }
-        let farthest = |ahead: &[f32; CHUNKS]| ahead[0].max(ahead[1]).max(ahead[2]).max(ahead[3]);
-
+        };
         let mut mailboxes = [Mailbox::EMPTY; CHUNKS];
         let (mut visited, mut tested) = (0u64, 0u64);
+        let (beam, farthest) = (chunks.beam, chunks.farthest);
         tree.walk_together(
             &beam,
-            farthest(&ahead),
+            farthest,
             &mut visited,
             #[inline(always)]
             |blocks| {
                 for block in &self.blocks[blocks] {
-                    let extents = [block.extent(simd, 0), block.extent(simd, 1), block.extent(simd, 2)];
-                    if beam.meet_extents(simd, &extents, farthest(&ahead)) == 0 {
-                        continue;
-                    }
-                    for which in 0..chunks {
-                        let mut places = parts[which].meet_extents(simd, &extents, ahead[which]);
-                        let mut found = false;
-                        while places != 0 {
-                            let place = places.trailing_zeros() as usize;
-                            places &= places - 1;
-                            if !mailboxes[which].has(block.numbers[place & 7]) {
-                                tested += LANES as u64;
-                                found |= self.meet::<M>(block, place, &slopes, which, nearest);
-                            }
-                        }
-                        if found {
-                            ahead[which] = slopes.chunk_ahead(simd, nearest, which);
-                        }
-                    }
+                    chunks.block(
+                        simd,
+                        block,
+                        all(count),
+                        nearest,
+                        #[inline(always)]
+                        |place, which, slopes, nearest| {
+                            let known = mailboxes[which].has(block.numbers[place & 7]);
+                            tested += if known { 0 } else { LANES as u64 };
+                            !known && self.meet::<M>(block, place, slopes, which, nearest)
+                        },
+                    );
                 }
-                farthest(&ahead)
+                chunks.farthest
             },
         );
-        counters.nodes += visited * (LANES * chunks) as u64;
+        counters.nodes += visited * count as u64;
         counters.triangles += tested;
         true
     }
