@@ -36,9 +36,9 @@ impl Default for Query {
 
 /// What tracing took.
 ///
-/// Sums over rays: a packet adds one for each ray that is alive in a node or tests a triangle. In an object packets
-/// count exactly what single rays do, at every level. In a scene all levels count the same, but packets a little more
-/// than single rays, since their rays go through the top tree in one common order. Proof: `tests/counters.rs`.
+/// Sums over rays: a tile adds one for each of its rays that may meet a node or is tested against a triangle. Rays of a
+/// tile go through the tree in one order, so a tile counts more than its rays would one by one; every level counts
+/// the same. Proof: `tests/counters.rs`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Rays asked for.
