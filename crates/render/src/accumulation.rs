@@ -16,6 +16,7 @@ use crate::aov;
 use crate::error::RenderError;
 use crate::film::TileFilm;
 use crate::frame::Frame;
+use crate::many_lights::PassLights;
 use crate::options::RenderOptions;
 use crate::progress::Progress;
 use crate::stats::RenderStats;
@@ -110,12 +111,19 @@ impl Accumulation {
         job.deadline = deadline;
         job.all_samples = pixels * u64::from(self.options.spp);
         *job.samples_done.get_mut() = self.stats.samples;
-        let of_tiles: Vec<RenderStats> = if job.should_stop() {
-            Vec::new()
-        } else {
-            pool.install(|| self.tiles.par_iter_mut().map(|tile| job.render_tile(tile, last)).collect())
-        };
-        of_tiles.iter().for_each(|tile| self.stats.add(tile));
+        // Virtual lights are one sample's.
+        let at_once = if self.options.integrator.has_virtual_lights() { 1 } else { u32::MAX };
+        let mut done = self.samples();
+        while done < last && !job.should_stop() {
+            done = done.saturating_add(at_once).min(last);
+            job.pass = pool.install(|| PassLights::new(&job, done - 1));
+            if let Some(pass) = &job.pass {
+                self.stats.add(&pass.stats);
+            }
+            let of_tiles: Vec<RenderStats> =
+                pool.install(|| self.tiles.par_iter_mut().map(|tile| job.render_tile(tile, done)).collect());
+            of_tiles.iter().for_each(|tile| self.stats.add(tile));
+        }
         self.stats.spp_min = self.samples();
         self.stats.spp_max = self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);
         self.stats.complete = self.is_complete();

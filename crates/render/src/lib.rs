@@ -10,6 +10,7 @@ mod error;
 mod film;
 mod frame;
 mod integrators;
+mod many_lights;
 mod options;
 mod pixel_trace;
 mod progress;
@@ -17,7 +18,7 @@ mod render;
 mod stats;
 mod tile;
 mod tracer;
-#[expect(dead_code, reason = "the integrators that scatter light themselves come next")]
+#[expect(dead_code, reason = "not all integrators that scatter light themselves are there")]
 mod transport;
 pub mod world;
 

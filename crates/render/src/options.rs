@@ -22,11 +22,19 @@ pub enum Integrator {
     /// Direct light with shadows, mirrors and glass by recursion \[Whi80\].
     #[default]
     Whitted,
+    /// Virtual lights where light paths meet surfaces \[Kel97\]; converges to what paths show.
+    InstantRadiosity,
 }
 
 impl Integrator {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Eyelight, Self::Normals, Self::Whitted];
+    pub const ALL: [Self; 4] = [Self::Eyelight, Self::Normals, Self::Whitted, Self::InstantRadiosity];
+
+    /// Whether samples are taken with virtual lights, a fresh set for each.
+    #[must_use]
+    pub fn has_virtual_lights(self) -> bool {
+        matches!(self, Self::InstantRadiosity)
+    }
 
     /// The name on the command line.
     #[must_use]
@@ -35,6 +43,7 @@ impl Integrator {
             Self::Eyelight => "eyelight",
             Self::Normals => "normals",
             Self::Whitted => "whitted",
+            Self::InstantRadiosity => "ir",
         }
     }
 }
@@ -81,6 +90,11 @@ pub struct RenderOptions {
     pub crop: Option<[u32; 4]>,
     /// How many bounces a ray may have behind it; deeper ones see the environment.
     pub max_depth: u32,
+    /// Virtual lights of a pass, about; for the integrators that have them.
+    pub vpls: u32,
+    /// The largest geometry term, one over area, that virtual lights bring light over; rays bring the rest. `None` =
+    /// from the scene's size and the number of virtual lights.
+    pub clamp: Option<f32>,
     /// World units that origins move off a surface on top of the computed error bound.
     pub ray_epsilon: f32,
     /// CPU level of the kernels.
@@ -105,6 +119,8 @@ impl Default for RenderOptions {
             pixel_centres: false,
             crop: None,
             max_depth: 16,
+            vpls: 1024,
+            clamp: None,
             ray_epsilon: 0.0,
             level: Level::default(),
             time_limit: None,
@@ -147,7 +163,7 @@ mod tests {
         let error = "witted".parse::<Integrator>().expect_err("no such integrator");
         assert_eq!(
             error.to_string(),
-            "unknown integrator 'witted': expected eyelight, normals, whitted",
+            "unknown integrator 'witted': expected eyelight, normals, whitted, ir",
             "the message says what there is"
         );
     }

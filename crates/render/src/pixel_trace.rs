@@ -10,6 +10,7 @@ use gnurt_shading::{CameraShader, LightBatch, SurfaceBatch, Vec3s};
 
 use crate::error::RenderError;
 use crate::integrators;
+use crate::many_lights::PassLights;
 use crate::options::RenderOptions;
 use crate::progress::Silent;
 use crate::tile::{CameraBatch, Job};
@@ -53,8 +54,10 @@ pub fn trace_pixel(
     if x >= options.width || y >= options.height {
         return Err(RenderError::NoSuchPixel { x, y, width: options.width, height: options.height });
     }
-    let job = Job::new(world, camera, &options, &Silent);
+    let mut job = Job::new(world, camera, &options, &Silent);
+    job.pass = PassLights::new(&job, 0);
     let mut tracer = BatchTracer::new(world, &options, None);
+    tracer.pass = job.pass.as_ref();
     tracer.log = Some(Log::default());
     let CameraBatch { rays, keys } = job.camera_rays(std::iter::once([x, y]), 0);
     let hits = tracer.intersect(&rays, &keys, Coherence::Coherent);

@@ -15,6 +15,7 @@ use gnurt_shading::{CameraShader, SampleKey, Vec3s};
 use crate::cost::TileCosts;
 use crate::film::TileFilm;
 use crate::integrators;
+use crate::many_lights::PassLights;
 use crate::options::RenderOptions;
 use crate::progress::Progress;
 use crate::stats::RenderStats;
@@ -36,6 +37,8 @@ pub(crate) struct Job<'a> {
     pub(crate) stopped: AtomicBool,
     /// Unit direction of view, for depths along it.
     pub(crate) forward: Vec3,
+    /// Virtual lights of the sample that is taken, if the integrator has any.
+    pub(crate) pass: Option<PassLights>,
 }
 
 /// Camera rays of one sample.
@@ -63,6 +66,7 @@ impl<'a> Job<'a> {
             samples_done: AtomicU64::new(0),
             stopped: AtomicBool::new(false),
             forward: forward(camera, options),
+            pass: None,
         }
     }
 
@@ -70,6 +74,7 @@ impl<'a> Job<'a> {
     pub(crate) fn render_tile(&self, tile: &mut TileFilm, last: u32) -> RenderStats {
         let costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
         let mut tracer = BatchTracer::new(self.world, self.options, costs);
+        tracer.pass = self.pass.as_ref();
         // Samples are taken in order, so that a tile that was cut short in an earlier pass goes on where it was.
         for sample in tile.samples..last {
             if self.should_stop() {

@@ -11,6 +11,7 @@ use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 use crate::cost::TileCosts;
+use crate::many_lights::PassLights;
 use crate::options::RenderOptions;
 use crate::pixel_trace::Log;
 use crate::stats::RenderStats;
@@ -28,13 +29,15 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) costs: Option<TileCosts>,
     /// What happens on the way, if somebody wants to read it.
     pub(crate) log: Option<Log>,
+    /// Virtual lights of the sample that is taken, if the integrator has any.
+    pub(crate) pass: Option<&'w PassLights>,
     record: Record,
 }
 
 impl<'w> BatchTracer<'w> {
     pub(crate) fn new(world: &'w World, options: &'w RenderOptions, costs: Option<TileCosts>) -> Self {
         let record = if costs.is_some() { Record::with_costs() } else { Record::default() };
-        Self { world, options, stats: RenderStats::default(), costs, log: None, record }
+        Self { world, options, stats: RenderStats::default(), costs, log: None, pass: None, record }
     }
 
     /// The counters so far; starts again from zero.
@@ -115,12 +118,17 @@ impl<'w> BatchTracer<'w> {
         seen
     }
 
+    /// Whether rays with these keys, neighbours of each other, hit anything.
+    pub(crate) fn occluded_batch(&mut self, rays: &RayBatch, keys: &[SampleKey], blocked: &mut Vec<bool>) {
+        let query = Query { level: self.options.level, coherence: Coherence::Coherent, ..Query::default() };
+        self.world.tree().occluded_batch(&query, rays, blocked, &mut self.record);
+        self.note_costs(keys);
+    }
+
     fn occluded_by_opaque(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
         // Rays of one batch start side by side and aim at one light.
-        let query = Query { level: self.options.level, coherence: Coherence::Coherent, ..Query::default() };
         let mut blocked = Vec::new();
-        self.world.tree().occluded_batch(&query, &request.rays, &mut blocked, &mut self.record);
-        self.note_costs(&request.key);
+        self.occluded_batch(&request.rays, &request.key, &mut blocked);
         for (i, _) in blocked.iter().enumerate().filter(|&(_, &blocked)| blocked) {
             transmittance.set(i, Vec3::ZERO);
         }

@@ -136,6 +136,17 @@ pub(crate) fn depth(text: &str) -> Result<u32, String> {
     whole(text, 0, 1000)
 }
 
+/// 1 to 2^20.
+pub(crate) fn virtual_lights(text: &str) -> Result<u32, String> {
+    whole(text, 1, 1 << 20)
+}
+
+/// A number, at least 0; `inf` is one.
+pub(crate) fn clamp(text: &str) -> Result<f32, String> {
+    let value = text.parse::<f32>().ok().filter(|value| *value >= 0.0);
+    value.ok_or_else(|| "give a number that is not negative, like 2.5".into())
+}
+
 /// 0 to 1024.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     whole(text, 0, MOST_THREADS)

@@ -36,7 +36,7 @@ pub(crate) struct FrameArguments {
     /// Seed of the random numbers: the same seed gives the same picture
     #[arg(long, value_name = "N", value_parser = value::seed, allow_hyphen_values = true, default_value = "0")]
     pub(crate) seed: u64,
-    /// How light is computed: eyelight, normals or whitted
+    /// How light is computed: eyelight, normals, whitted or ir
     #[arg(
         long,
         value_name = "NAME",
@@ -57,6 +57,13 @@ pub(crate) struct FrameArguments {
     /// How often light may be mirrored or refracted
     #[arg(long, value_name = "N", value_parser = value::depth, allow_hyphen_values = true, default_value = "16")]
     pub(crate) max_depth: u32,
+    /// Virtual lights of each sample per pixel, about (ir)
+    #[arg(long, value_name = "N", value_parser = value::virtual_lights, allow_hyphen_values = true, default_value = "1024")]
+    pub(crate) vpls: u32,
+    /// Largest geometry term, one over area, that virtual lights bring light over; rays bring the rest. Without it the
+    /// scene's size decides
+    #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
+    pub(crate) clamp: Option<f32>,
     /// Make every material a Lambertian reflector of its base colour
     #[arg(long)]
     pub(crate) force_diffuse: bool,

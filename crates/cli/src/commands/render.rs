@@ -185,6 +185,8 @@ pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptio
         integrator: frame.integrator,
         filter: frame.filter,
         max_depth: frame.max_depth,
+        vpls: frame.vpls,
+        clamp: frame.clamp,
         level,
         ..RenderOptions::default()
     }

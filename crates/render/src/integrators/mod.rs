@@ -7,6 +7,7 @@ mod whitted;
 
 use gnurt_shading::Vec3s;
 
+use crate::many_lights;
 use crate::options::Integrator;
 use crate::tracer::BatchTracer;
 use crate::world::HitLanes;
@@ -21,6 +22,13 @@ pub(crate) fn radiance(
     match integrator {
         Integrator::Eyelight => eyelight::radiance(tracer, camera, radiance),
         Integrator::Normals => normals::radiance(tracer, camera, radiance),
+        Integrator::InstantRadiosity => {
+            if let Some(pass) = tracer.pass {
+                many_lights::radiance(tracer, pass, camera, radiance);
+            } else {
+                radiance.reset(camera.rays.len(), glam::Vec3::ZERO);
+            }
+        }
         Integrator::Whitted => whitted::radiance(tracer, camera, radiance),
     }
 }

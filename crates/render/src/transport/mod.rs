@@ -4,5 +4,4 @@
 
 mod vertex;
 
-#[expect(unused_imports, reason = "the integrators that scatter light themselves come next")]
 pub(crate) use vertex::Vertex;

@@ -191,7 +191,6 @@ impl World {
     }
 
     /// All lights but those of shader plugins, with densities.
-    #[expect(dead_code, reason = "the integrators that scatter light themselves come next")]
     pub(crate) fn light_set(&self) -> &LightSet {
         self.shading.light_set.get_or_init(|| LightSet::new(self.shading.parts.clone()))
     }

@@ -110,6 +110,15 @@ impl Bsdf {
         }
     }
 
+    /// The albedo of a point that scatters alike to all sides, and does nothing else.
+    #[must_use]
+    pub fn lambertian(&self) -> Option<Vec3> {
+        match self.model {
+            Model::Lambert { albedo } => Some(albedo),
+            Model::Black => Some(Vec3::ZERO),
+        }
+    }
+
     /// Whether light samples can bring anything: some lobe is not a delta.
     #[must_use]
     pub fn is_smooth(&self) -> bool {

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Who brings the light of an edge between two surfaces: virtual lights, or rays that the eye's BSDF chooses.
+//! Source: [KK06] bounds the geometry term G and gives the rest to rays. Differs: what is bounded is the density, per
+//! area, with which either end's BSDF would choose the other: for two Lambertian surfaces that is G / pi, on glossy ones
+//! it is large where their peak is, too. Both sides of the split ask the same function, so nothing is lost or twice.
+//! Proof: crates/render/tests/many_lights.rs.
+
+use std::f32::consts::PI;
+
+/// The largest density that virtual lights take wholly.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bound {
+    /// Per area.
+    density: f32,
+}
+
+impl Bound {
+    /// From a bound on the geometry term G, one over area; infinite = virtual lights bring everything.
+    pub(crate) fn on_geometry_term(g: f32) -> Self {
+        Self { density: g / PI }
+    }
+
+    /// A bound for `vpls` lights within a box: on average there is one light per area where its density begins to
+    /// matter.
+    pub(crate) fn for_scene([lower, upper]: [[f32; 3]; 2], vpls: u32) -> Self {
+        let [x, y, z] = [0, 1, 2].map(|k| upper[k] - lower[k]);
+        let area = 2.0 * (x * y + y * z + z * x);
+        Self { density: if area > 0.0 { vpls as f32 / area } else { f32::INFINITY } }
+    }
+
+    /// Largest G, one over area.
+    pub(crate) fn geometry_term(&self) -> f32 {
+        self.density * PI
+    }
+
+    /// Share of virtual lights, given the densities per area with which the ends choose each other.
+    pub(crate) fn share(&self, pdf_eye: f32, pdf_vpl: f32) -> f32 {
+        let pdf = pdf_eye.max(pdf_vpl);
+        if pdf > self.density { self.density / pdf } else { 1.0 }
+    }
+}

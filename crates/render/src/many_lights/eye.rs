@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Points that the eye sees, at the end of nothing but mirrors and glass: what virtual lights shine on.
+//! Source: [Kel97]. Space: world. Proof: crates/render/tests/many_lights.rs.
+
+use glam::Vec3;
+use gnurt_shading::SurfacePoint;
+use gnurt_shading::bsdf::Bsdf;
+
+use crate::transport::Vertex;
+
+/// A point that light is gathered at.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EyePoint {
+    pub(crate) point: SurfacePoint,
+    /// Unit, towards the eye.
+    pub(crate) wo: Vec3,
+    pub(crate) bsdf: Bsdf,
+    /// What its light is multiplied with on the way to the eye.
+    pub(crate) throughput: Vec3,
+    /// Edges of the path from the eye to it.
+    pub(crate) edges: u32,
+    /// Which lane of the batch it belongs to.
+    pub(crate) lane: u32,
+}
+
+impl EyePoint {
+    pub(crate) fn new(vertex: &Vertex, throughput: Vec3, edges: u32, lane: u32) -> Self {
+        let Vertex { point, wo, scattering, .. } = *vertex;
+        Self { point, wo, bsdf: scattering.bsdf, throughput, edges, lane }
+    }
+}

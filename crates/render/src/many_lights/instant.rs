@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Instant radiosity: virtual lights are the vertices of quasi-random light paths, as many paths as give about the number
+//! of lights that was asked for.
+//! Source: [Kel97]; hash-scrambled Sobol' points [Bur20] in place of Halton's. Space: world.
+//! Proof: crates/render/tests/many_lights.rs.
+
+use gnurt_shading::SampleKey;
+use gnurt_shading::sampling::{hash_combine, sample_pair};
+
+use super::light_path::{self, LightVertex};
+use super::pass::in_chunks;
+use super::vpl::Vpl;
+use crate::stats::RenderStats;
+use crate::tile::Job;
+
+/// Says that a number is for light paths.
+const LIGHT_PATHS: u32 = 0x1166_7700;
+/// Paths that the mean number of vertices per path is learned from.
+const PILOTS: u32 = 256;
+
+/// Random numbers of the light paths of a set: a (0, 2)-sequence over the paths for each pair.
+pub(super) fn numbers(seed: u64, set: u32) -> impl Fn(u32, u32, u32) -> [f32; 2] + Sync {
+    let pixel = hash_combine(LIGHT_PATHS, set);
+    move |path, edge, pair| {
+        sample_pair(seed, SampleKey { pixel, sample: path, branch: LIGHT_PATHS }, edge, pair)
+    }
+}
+
+/// Vertices of the first `paths` light paths of a set, path by path, edge by edge.
+pub(super) fn vertices(job: &Job, set: u32, paths: u32, stats: &mut RenderStats) -> Vec<LightVertex> {
+    let numbers = numbers(job.options.seed, set);
+    // The eye's own edge and the one to the virtual light are not the path's.
+    let max_edges = job.options.max_depth.saturating_sub(2);
+    let chunks =
+        in_chunks(job, paths, stats, |tracer, range| light_path::trace(tracer, range, &numbers, max_edges));
+    let mut all: Vec<LightVertex> = chunks.into_iter().flatten().filter(|v| v.vpl.shines()).collect();
+    all.sort_by_key(|v| (v.path, v.vpl.edges));
+    all
+}
+
+/// How many paths have about `vertices` vertices that shine: a property of world and options alone.
+pub(super) fn paths_for(job: &Job, count: u32, stats: &mut RenderStats) -> u32 {
+    let found = vertices(job, u32::MAX, PILOTS, stats).len().max(1);
+    let paths = f64::from(count) * f64::from(PILOTS) / found as f64;
+    (paths.ceil() as u32).clamp(1, count.max(1) * 64)
+}
+
+/// The virtual lights of a pass.
+pub(super) fn virtual_lights(job: &Job, sample: u32, stats: &mut RenderStats) -> Vec<Vpl> {
+    let paths = paths_for(job, job.options.vpls, stats);
+    let found = vertices(job, sample, paths, stats);
+    found.iter().map(|v| v.vpl.scaled(1.0 / paths as f32)).collect()
+}

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The virtual lights of one pass: a fresh set for each sample per pixel, the same for all tiles.
+//! Source: original; independent sets make the mean of passes converge [Kel97].
+//! Invariant: a function of world, camera, options and the number of the sample, whatever threads do.
+//! Proof: crates/render/tests/many_lights.rs.
+
+use gnurt_image::srgb::luminance;
+use gnurt_shading::sampling::Distribution;
+use rayon::prelude::*;
+
+use super::bound::Bound;
+use super::instant;
+use super::vpl::Vpl;
+use crate::options::{Integrator, RenderOptions};
+use crate::stats::RenderStats;
+use crate::tile::Job;
+use crate::tracer::BatchTracer;
+use crate::world::World;
+
+/// The virtual lights of a pass, and how they share the work with rays.
+#[derive(Clone, Debug)]
+pub(crate) struct PassLights {
+    pub(crate) vpls: Vec<Vpl>,
+    pub(crate) bound: Bound,
+    /// By strength, for where only a few are asked; `None` if there are none.
+    pub(crate) choice: Option<Distribution>,
+    /// How many are asked there.
+    pub(crate) few: u32,
+    /// Light samples at each point that the eye sees.
+    light_samples: u32,
+    /// What it took to put them there.
+    pub(crate) stats: RenderStats,
+}
+
+impl PassLights {
+    /// The lights of sample `sample`, made on the threads of the pool that it is called in. `None` if the integrator
+    /// needs none.
+    pub(crate) fn new(job: &Job, sample: u32) -> Option<Self> {
+        let (world, options) = (job.world, job.options);
+        let bound = bound(world, options);
+        let mut stats = RenderStats::default();
+        let vpls = match options.integrator {
+            Integrator::InstantRadiosity => instant::virtual_lights(job, sample, &mut stats),
+            _ => return None,
+        };
+        let strength = |vpl: &Vpl| {
+            let sent = vpl.diffuse.unwrap_or_else(|| vpl.power * vpl.bsdf.albedo(vpl.from));
+            f64::from(luminance(sent.into()))
+        };
+        let choice = Distribution::new(vpls.iter().map(strength));
+        let share = (options.vpls / 64).clamp(1, 16);
+        Some(Self { vpls, bound, choice, few: share, light_samples: share, stats })
+    }
+
+    /// How many light samples a point gets: many where the eye sees it.
+    pub(crate) fn light_samples(&self, is_seen: bool) -> u32 {
+        if is_seen { self.light_samples } else { 1 }
+    }
+}
+
+fn bound(world: &World, options: &RenderOptions) -> Bound {
+    match (options.clamp, world.bounds()) {
+        (Some(g), _) => Bound::on_geometry_term(g),
+        (None, Some((lower, upper))) => Bound::for_scene([lower, upper], options.vpls),
+        (None, None) => Bound::on_geometry_term(f32::INFINITY),
+    }
+}
+
+/// Paths that one thread follows at a time.
+const CHUNK: u32 = 256;
+
+/// Results of `of_chunk` for chunks of `0..count`, in order; on all threads of the current pool, if there is one.
+pub(super) fn in_chunks<T: Send>(
+    job: &Job,
+    count: u32,
+    stats: &mut RenderStats,
+    of_chunk: impl Fn(&mut BatchTracer, std::ops::Range<u32>) -> T + Sync,
+) -> Vec<T> {
+    let one = |n: u32| {
+        let mut tracer = BatchTracer::new(job.world, job.options, None);
+        let result = of_chunk(&mut tracer, n * CHUNK..((n + 1) * CHUNK).min(count));
+        (result, tracer.take_stats())
+    };
+    let chunks = 0..count.div_ceil(CHUNK);
+    let results: Vec<_> = if rayon::current_thread_index().is_some() {
+        chunks.into_par_iter().map(one).collect()
+    } else {
+        chunks.map(one).collect()
+    };
+    results
+        .into_iter()
+        .map(|(result, spent)| {
+            stats.add(&spent);
+            result
+        })
+        .collect()
+}

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Virtual point lights: where a light path met a surface, and what it brought there.
+//! Source: [Kel97]; glossy ones send light by their BSDF, both ends count. Space: world.
+//! Invariant: the light that a point gets from a path's vertex, over the density of that path, is
+//! `eye BSDF |cos| * vpl BSDF |cos| * adjoint correction * power / distance^2` where both see each other.
+//! Proof: crates/render/tests/many_lights.rs.
+
+use glam::Vec3;
+use gnurt_shading::SurfacePoint;
+use gnurt_shading::bsdf::Bsdf;
+
+use super::bound::Bound;
+use super::eye::EyePoint;
+
+/// A virtual point light.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vpl {
+    /// Where it is; its normals are on the side that its light came from.
+    pub(crate) point: SurfacePoint,
+    pub(crate) bsdf: Bsdf,
+    /// Unit, to where its light came from.
+    pub(crate) from: Vec3,
+    /// Light that arrives, over the density of its path.
+    pub(crate) power: Vec3,
+    /// Edges of its path, from the lamp to it.
+    pub(crate) edges: u32,
+    /// For Lambertian surfaces, what a cosine of the geometric normal and the distance have to be applied to.
+    pub(crate) diffuse: Option<Vec3>,
+}
+
+impl Vpl {
+    pub(crate) fn new(point: SurfacePoint, bsdf: Bsdf, from: Vec3, power: Vec3, edges: u32) -> Self {
+        let tilt = point.ns.dot(from).abs() / point.ng.dot(from).abs().max(f32::MIN_POSITIVE);
+        let diffuse = bsdf.lambertian().map(|albedo| {
+            let lit = point.ns.dot(from) > 0.0 && point.ng.dot(from) > 0.0;
+            if lit { albedo * power * (std::f32::consts::FRAC_1_PI * tilt) } else { Vec3::ZERO }
+        });
+        Self { point, bsdf, from, power, edges, diffuse }
+    }
+
+    /// The same light, `share` times as strong.
+    pub(crate) fn scaled(&self, share: f32) -> Self {
+        Self { power: self.power * share, diffuse: self.diffuse.map(|d| d * share), ..*self }
+    }
+
+    /// Whether any light may come from it.
+    pub(crate) fn shines(&self) -> bool {
+        self.diffuse
+            .map_or(self.bsdf.is_smooth() && self.power != Vec3::ZERO, |diffuse| diffuse != Vec3::ZERO)
+    }
+
+    /// What leaves towards `to` (unit) per solid angle and projected area of the geometric surface.
+    pub(crate) fn sent(&self, to: Vec3) -> Vec3 {
+        if !same_side(&self.point, to) {
+            return Vec3::ZERO;
+        }
+        match self.diffuse {
+            Some(diffuse) if self.point.ns.dot(to) > 0.0 => diffuse * self.point.ng.dot(to),
+            Some(_) => Vec3::ZERO,
+            None => self.bsdf.eval(self.from, to) * self.power * adjoint(&self.point, self.from, to),
+        }
+    }
+
+    /// What it brings to a point seen from the eye if nothing is in between, and its share that virtual lights are to
+    /// bring; `None` if it brings nothing.
+    pub(crate) fn brings(&self, eye: &EyePoint, bound: &Bound, max_edges: u32) -> Option<Vec3> {
+        if self.edges + 1 + eye.edges > max_edges {
+            return None;
+        }
+        let way = self.point.p - eye.point.p;
+        let distance2 = way.length_squared();
+        let to = way / distance2.sqrt();
+        if !(distance2 > 0.0 && to.is_finite() && same_side(&eye.point, to)) {
+            return None;
+        }
+        let got = eye.bsdf.eval(eye.wo, to);
+        if got == Vec3::ZERO {
+            return None;
+        }
+        let sent = self.sent(-to);
+        if sent == Vec3::ZERO {
+            return None;
+        }
+        let pdf_eye = eye.bsdf.pdf(eye.wo, to) * self.point.ng.dot(to).abs() / distance2;
+        let pdf_vpl = pdf_of_other_end(&self.point, &self.bsdf, self.from, -to) * eye.point.ng.dot(to).abs()
+            / distance2;
+        Some(eye.throughput * got * sent * (bound.share(pdf_eye, pdf_vpl) / distance2))
+    }
+}
+
+/// Density per solid angle with which a light path from `from` would have gone on to `to`, where both are on one side
+/// of the surface; 0 elsewhere, so that it can be asked from either side.
+pub(crate) fn pdf_of_other_end(point: &SurfacePoint, bsdf: &Bsdf, from: Vec3, to: Vec3) -> f32 {
+    if point.ng.dot(from) * point.ng.dot(to) > 0.0 { bsdf.pdf(from, to) } else { 0.0 }
+}
+
+/// Whether both normals of a point agree on which side a direction is.
+pub(crate) fn same_side(point: &SurfacePoint, dir: Vec3) -> bool {
+    point.ng.dot(dir) * point.ns.dot(dir) > 0.0
+}
+
+/// What makes shading normals scatter particles as they scatter what is seen [Vea97] section 5.3.
+pub(crate) fn adjoint(point: &SurfacePoint, from: Vec3, to: Vec3) -> f32 {
+    let seen = (point.ns.dot(to) * point.ng.dot(from)).abs();
+    let sent = (point.ns.dot(from) * point.ng.dot(to)).abs();
+    if seen > 1e-6 { (sent / seen).min(1e3) } else { 0.0 }
+}

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Integrators of many virtual lights: the same pictures as by rays alone, edges counted alike, the same bits for any
+//! number of threads.
+//! Source: original. With a bound of 0 virtual lights bring nothing and all light comes by rays.
+
+mod common;
+
+use common::*;
+use gnurt_image::Picture;
+use gnurt_render::{Integrator, PerspectiveCamera, RenderOptions, Silent, World, render};
+use gnurt_scene::Scene;
+
+/// Edge of the picture and of its tiles.
+const SIZE: u32 = 24;
+const TILE: u32 = 8;
+
+fn cornell() -> (World, PerspectiveCamera) {
+    view(&gnurt_scene::builtin::load("cornell").expect("it is built in"), true)
+}
+
+fn view(scene: &Scene, force_diffuse: bool) -> (World, PerspectiveCamera) {
+    let camera = PerspectiveCamera::new(&scene.cameras()[0]).expect("a view");
+    (world_of(scene, force_diffuse), camera)
+}
+
+/// Means of tiles and channels, once for each of some independent renderings.
+fn tiles(view: &(World, PerspectiveCamera), options: &RenderOptions, batches: u64) -> Vec<Vec<f64>> {
+    let threads = pool(2);
+    let of_picture = |picture: &Picture| {
+        let mut means = vec![0.0; ((SIZE / TILE) * (SIZE / TILE) * 3) as usize];
+        for y in 0..SIZE {
+            for x in 0..SIZE {
+                let tile = (y / TILE) * (SIZE / TILE) + x / TILE;
+                let pixel = picture.pixel(x, y).expect("inside");
+                for k in 0..3 {
+                    means[tile as usize * 3 + k] += f64::from(pixel[k]) / f64::from(TILE * TILE);
+                }
+            }
+        }
+        means
+    };
+    (0..batches)
+        .map(|seed| {
+            let options = RenderOptions { seed: 1000 + seed, width: SIZE, height: SIZE, ..options.clone() };
+            of_picture(&render(&view.0, &view.1, &options, &threads, &Silent).expect("sound options").picture)
+        })
+        .collect()
+}
+
+/// Mean and squared standard error of a value over batches.
+fn mean_and_error(batches: &[Vec<f64>], i: usize) -> (f64, f64) {
+    let n = batches.len() as f64;
+    let mean = batches.iter().map(|b| b[i]).sum::<f64>() / n;
+    (mean, batches.iter().map(|b| (b[i] - mean).powi(2)).sum::<f64>() / (n * (n - 1.0)))
+}
+
+/// Asserts that two ways of rendering have the same mean: the whole picture within `tolerance`, tiles within their noise.
+fn assert_same(found: &[Vec<f64>], wanted: &[Vec<f64>], tolerance: f64, what: &str) {
+    let count = found[0].len();
+    let (mut worst, mut squares, mut sums) = (0.0_f64, 0.0, [0.0; 2]);
+    for i in 0..count {
+        let ((a, va), (b, vb)) = (mean_and_error(found, i), mean_and_error(wanted, i));
+        let z = (a - b) / (va + vb).sqrt().max(1e-9);
+        worst = worst.max(z.abs());
+        squares += z * z / count as f64;
+        sums = [sums[0] + a, sums[1] + b];
+    }
+    let off = sums[0] / sums[1] - 1.0;
+    eprintln!("{what}: mean {off:+.4}, worst z {worst:.2}, rms z {:.2}", squares.sqrt());
+    assert!(off.abs() < tolerance, "{what}: the mean is off by {off:+.4}");
+    assert!(worst < 4.5 && squares.sqrt() < 1.8, "{what}: worst z {worst:.2}, rms {:.2}", squares.sqrt());
+}
+
+fn by(integrator: Integrator, spp: u32, vpls: u32, clamp: Option<f32>) -> RenderOptions {
+    RenderOptions { integrator, spp, vpls, clamp, max_depth: 6, ..RenderOptions::default() }
+}
+
+const WITH_VIRTUAL_LIGHTS: [Integrator; 1] = [Integrator::InstantRadiosity];
+
+#[test]
+fn virtual_lights_and_rays_agree() {
+    let view = cornell();
+    let rays = tiles(&view, &by(Integrator::InstantRadiosity, 64, 1, Some(0.0)), 12);
+    for integrator in WITH_VIRTUAL_LIGHTS {
+        let lights = tiles(&view, &by(integrator, 8, 128, None), 12);
+        assert_same(&lights, &rays, 0.01, integrator.name());
+    }
+}
+
+#[test]
+fn edges_are_counted_alike() {
+    let view = cornell();
+    for depth in [1, 2, 3] {
+        let with = |integrator, spp, vpls, clamp| {
+            let options = RenderOptions { max_depth: depth, ..by(integrator, spp, vpls, clamp) };
+            tiles(&view, &options, 8)
+        };
+        let rays = with(Integrator::InstantRadiosity, 32, 1, Some(0.0));
+        for integrator in WITH_VIRTUAL_LIGHTS {
+            let what = format!("{integrator}, {depth} edges");
+            assert_same(&with(integrator, 32, 32, None), &rays, 0.015, &what);
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_show() {
+    let view = cornell();
+    for integrator in WITH_VIRTUAL_LIGHTS {
+        let options = RenderOptions { width: 20, height: 20, ..by(integrator, 2, 300, None) };
+        let one = render(&view.0, &view.1, &options, &pool(1), &Silent).expect("sound options");
+        let seven = render(&view.0, &view.1, &options, &pool(7), &Silent).expect("sound options");
+        assert_eq!(one.picture.color, seven.picture.color, "{integrator}: bit for bit");
+        assert_eq!(one.stats.shadow_rays, seven.stats.shadow_rays, "{integrator}: the same work");
+    }
+}
