@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::batch::{SurfaceBatch, Vec3s};
 use crate::bsdf::Scattering;
 use crate::materials::color::{Coverage, Emission};
-use crate::materials::mirror::branch;
+use crate::materials::whitted::branch;
 use crate::shader::{AttributeRequest, RayRequest, SurfaceShader, Tracer};
 
 /// A surface with emission and holes.

@@ -2,12 +2,10 @@
 //! Lambertian reflectors: alike from everywhere, on both sides.
 //! Source: [Lam60]; references/README point 2. Proof: crates/render/tests/lights.rs (closed forms, furnace).
 
-use std::f32::consts::FRAC_1_PI;
-
 use crate::batch::{SurfaceBatch, Vec3s};
 use crate::bsdf::{Model, Scattering};
 use crate::materials::color::TexturedColor;
-use crate::materials::direct::direct_light;
+use crate::materials::whitted;
 use crate::shader::{SurfaceShader, Tracer};
 
 /// A Lambertian reflector.
@@ -19,8 +17,7 @@ pub struct Matte {
 
 impl SurfaceShader for Matte {
     fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
-        let albedo: Vec<_> = (0..hits.len()).map(|i| self.albedo.at_hit(hits, i) * FRAC_1_PI).collect();
-        direct_light(tracer, hits, &|i, dir, _| albedo[i] * hits.facing_ns(i).dot(dir), out);
+        whitted::shade(tracer, hits, self, out);
     }
 
     fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {

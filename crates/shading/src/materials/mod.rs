@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The built-in surfaces, as shaders: each scatters; [`Material`] adds emission and holes around any of them.
+//! The built-in surfaces, as shaders: each says what BSDF its points have, and what Whitted's renderer shows follows from
+//! that alone (`whitted.rs`); [`Material`] adds emission and holes around any of them.
 //! Source: see each file. One model, one file.
 
 mod color;
 mod dielectric;
 mod direct;
-mod ggx;
 mod material;
 mod matte;
 mod metallic_roughness;
 mod mirror;
+mod whitted;
 
 pub use color::{Coverage, Emission, OpacityChannel, TexturedColor};
 pub use dielectric::Dielectric;
 pub use direct::direct_light;
 pub use material::Material;
 pub use matte::Matte;
-pub use metallic_roughness::{MetallicRoughness, NormalMap, SMOOTH};
+pub use metallic_roughness::{MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
+pub use whitted::SMOOTH;

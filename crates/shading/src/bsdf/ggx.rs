@@ -8,8 +8,11 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
+/// Below this the lobe is a mirror's for a float, and its peak would overflow.
+const SMALLEST_ALPHA: f32 = 1e-3;
+
 /// Facets of one roughness.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ggx {
     alpha: f32,
 }
@@ -17,8 +20,17 @@ pub(crate) struct Ggx {
 impl Ggx {
     /// `roughness` is glTF's perceptual one; alpha is its square.
     pub(crate) fn new(roughness: f32) -> Self {
-        // Below this the lobe is a mirror's for a float, and its peak would overflow.
-        Self { alpha: (roughness * roughness).clamp(1e-3, 1.0) }
+        Self::from_alpha(roughness * roughness)
+    }
+
+    /// Facets whose slopes have the width `alpha`.
+    pub(crate) fn from_alpha(alpha: f32) -> Self {
+        Self { alpha: alpha.clamp(SMALLEST_ALPHA, 1.0) }
+    }
+
+    /// Width of the slopes, in [1e-3, 1].
+    pub(crate) fn alpha(self) -> f32 {
+        self.alpha
     }
 
     /// Facets facing `h` per solid angle and ground area.
@@ -66,6 +78,11 @@ impl Ggx {
         let cap = Vec3::new(radius * azimuth.cos(), radius * azimuth.sin(), z);
         let h = cap + stretched;
         Vec3::new(h.x * self.alpha, h.y * self.alpha, h.z.max(1e-7)).normalize()
+    }
+
+    /// Density per solid angle of `wi`, mirrored at a facet `h` that [`sample_visible`](Self::sample_visible) chose.
+    pub(crate) fn mirrored_pdf(self, wo: Vec3, h: Vec3) -> f32 {
+        self.density(h) * self.visible_from(wo) / (4.0 * wo.z)
     }
 
     /// What a light seen in the direction of a sampled facet counts: all but Fresnel's factor.

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How much light rough facets send back after one bounce, and a lobe for what they send back after more.
+//! Source: [KC17] (the lobe, from the albedo after one bounce; colour by the sum over bounces), tables over the cosine of
+//! the view and the roughness, split as in [Kar13] so that they are linear in Schlick's two reflectances.
+//! Invariant: averages are those of the interpolated tables, so that one bounce and the lobe sum to 1 for white facets
+//! up to the rounding of floats. The tables are the same on all machines: they are sums in a fixed order.
+//! Proof: `tests::{tables_hold_the_lobe, white_keeps_all_light}`.
+
+use std::f32::consts::FRAC_1_PI;
+use std::sync::OnceLock;
+
+use glam::{Vec2, Vec3};
+
+use super::fresnel::{schlick_average, schlick_rise};
+use super::ggx::Ggx;
+
+/// Steps of the cosine and of the roughness (the root of alpha), both in [0, 1].
+const COSINES: usize = 48;
+const ROUGHNESSES: usize = 32;
+/// Facets drawn per entry: the square of this.
+const STRATA: usize = 16;
+
+/// Parts of an albedo that belong to the reflectance at normal (x) and at grazing incidence (y).
+type Split = Vec2;
+
+struct Table {
+    albedo: [[Split; COSINES]; ROUGHNESSES],
+    average: [Split; ROUGHNESSES],
+}
+
+/// What facets of one roughness do to light on the whole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Energy {
+    row: (usize, f32),
+    average: Split,
+}
+
+impl Energy {
+    pub(super) fn of(ggx: Ggx) -> Self {
+        let row = place(ggx.alpha().sqrt(), ROUGHNESSES);
+        let average = mix(table().average[row.0], table().average[row.0 + 1], row.1);
+        Self { row, average }
+    }
+
+    /// What comes back of light from cosine `cos` after one bounce, by reflectance at normal and grazing incidence.
+    fn split(self, cos: f32) -> Split {
+        let (column, t) = place(cos, COSINES);
+        let at = |row: usize| {
+            let row = &table().albedo[row];
+            mix(row[column], row[column + 1], t)
+        };
+        mix(at(self.row.0), at(self.row.0 + 1), self.row.1)
+    }
+
+    /// Albedo after one bounce, for Schlick's reflectances `f0` and `f90`.
+    pub(super) fn once(self, cos: f32, f0: Vec3, f90: f32) -> Vec3 {
+        let split = self.split(cos);
+        f0 * split.x + Vec3::splat(f90 * split.y)
+    }
+
+    /// Albedo after one bounce of facets that mirror all.
+    pub(super) fn white(self, cos: f32) -> f32 {
+        self.split(cos).element_sum()
+    }
+
+    /// Share of what a first bounce leaves between the facets that comes out in the end, for facets that mirror
+    /// `average` of the light, averaged over all angles.
+    pub(super) fn more(self, average: Vec3) -> Vec3 {
+        let white = self.average.element_sum();
+        average * average * white / (Vec3::ONE - average * (1.0 - white))
+    }
+
+    /// The lobe of all bounces but the first, times the cosine of `wi`, before [`more`](Self::more) colours it.
+    pub(super) fn more_cos(self, cos_o: f32, cos_i: f32) -> f32 {
+        let lost = 1.0 - self.average.element_sum();
+        if lost < 1e-6 {
+            return 0.0;
+        }
+        (1.0 - self.white(cos_o)) * (1.0 - self.white(cos_i)) * FRAC_1_PI * cos_i / lost
+    }
+
+    /// Albedo after all bounces.
+    pub(super) fn all(self, cos: f32, f0: Vec3, f90: f32) -> Vec3 {
+        self.once(cos, f0, f90) + self.more(schlick_average(f0, f90)) * (1.0 - self.white(cos))
+    }
+
+    /// [`all`](Self::all), averaged over a cosine-weighted hemisphere.
+    pub(super) fn all_average(self, f0: Vec3, f90: f32) -> Vec3 {
+        let once = f0 * self.average.x + Vec3::splat(f90 * self.average.y);
+        once + self.more(schlick_average(f0, f90)) * (1.0 - self.average.element_sum())
+    }
+}
+
+fn mix(a: Split, b: Split, t: f32) -> Split {
+    a + (b - a) * t
+}
+
+/// The entry at or before `x` of [0, 1] cut into `n` entries, and how far `x` is beyond it.
+pub(super) fn place(x: f32, n: usize) -> (usize, f32) {
+    let scaled = x.clamp(0.0, 1.0) * (n - 1) as f32;
+    let entry = (scaled as usize).min(n - 2);
+    (entry, scaled - entry as f32)
+}
+
+fn table() -> &'static Table {
+    static TABLE: OnceLock<Box<Table>> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        let mut table = Box::new(Table {
+            albedo: [[Split::ZERO; COSINES]; ROUGHNESSES],
+            average: [Split::ZERO; ROUGHNESSES],
+        });
+        for r in 0..ROUGHNESSES {
+            let ggx = Ggx::new(r as f32 / (ROUGHNESSES - 1) as f32);
+            for c in 0..COSINES {
+                table.albedo[r][c] = albedo(ggx, (c as f32 / (COSINES - 1) as f32).max(1e-4));
+            }
+            table.average[r] = average(&table.albedo[r]);
+        }
+        table
+    })
+}
+
+/// One bounce of light from cosine `cos`, by facets drawn at the middles of equal strata.
+fn albedo(ggx: Ggx, cos: f32) -> Split {
+    let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+    let mut sum = Split::ZERO;
+    for (i, j) in (0..STRATA).flat_map(|i| (0..STRATA).map(move |j| (i, j))) {
+        let u = [i, j].map(|k| (k as f32 + 0.5) / STRATA as f32);
+        let h = ggx.sample_visible(wo, u);
+        let weight = ggx.sample_weight(wo, (-wo).reflect(h));
+        let rise = schlick_rise(wo.dot(h));
+        sum += Split::new(weight * (1.0 - rise), weight * rise);
+    }
+    sum / (STRATA * STRATA) as f32
+}
+
+/// The integral of `2 cos f(cos)` over [0, 1] for `f` linear between its entries.
+fn average(entries: &[Split; COSINES]) -> Split {
+    let step = 1.0 / (COSINES - 1) as f32;
+    let segment = |k: usize| {
+        let (a, b, x) = (entries[k], entries[k + 1], k as f32 * step);
+        // Of 2 (x + s t) (a + (b - a) t) over t in [0, 1], times the step s.
+        let linear = (a + b) * x;
+        let rest = (a + 2.0 * b) * (step / 3.0);
+        (linear + rest) * step
+    };
+    (0..COSINES - 1).map(segment).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_hold_the_lobe() {
+        for (roughness, cos) in [(0.33, 0.9_f32), (0.5, 0.31), (0.77, 0.62), (1.0, 0.14), (1.0, 1.0)] {
+            let ggx = Ggx::new(roughness);
+            let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            // Midpoint rule over the hemisphere, apart from the sampling that the table is made with.
+            let (rings, sectors) = (1000, 200);
+            let mut sum = 0.0_f64;
+            for (ring, sector) in (0..rings).flat_map(|r| (0..sectors).map(move |s| (r, s))) {
+                let z = (ring as f32 + 0.5) / rings as f32;
+                let (sin, azimuth) = ((1.0 - z * z).sqrt(), (sector as f32 + 0.5) / sectors as f32);
+                let (s, c) = (azimuth * std::f32::consts::TAU).sin_cos();
+                let wi = Vec3::new(sin * c, sin * s, z);
+                let h = (wo + wi).normalize();
+                sum += f64::from(ggx.lobe_cos(wo, wi, h) * (0.1 + 0.9 * schlick_rise(wo.dot(h))));
+            }
+            let wanted = sum * std::f64::consts::TAU / f64::from(rings * sectors);
+            let found = Energy::of(ggx).once(cos, Vec3::splat(0.1), 1.0).x;
+            assert!((f64::from(found) - wanted).abs() < 4e-3, "{roughness} {cos}: {found}, not {wanted}");
+        }
+        // A sanity bound: the value itself is compared above.
+        assert!(Energy::of(Ggx::new(1.0)).white(1.0) < 0.75, "one bounce loses light");
+    }
+
+    #[test]
+    fn white_keeps_all_light() {
+        for roughness in [0.0, 0.1, 0.45, 0.8, 1.0] {
+            let energy = Energy::of(Ggx::new(roughness));
+            for cos in [0.02, 0.4, 0.97] {
+                assert!((energy.all(cos, Vec3::ONE, 1.0).x - 1.0).abs() < 1e-5, "by the closed form");
+                let n = 4000;
+                let more: f32 = (0..n)
+                    .map(|i| (i as f32 + 0.5) / n as f32)
+                    .map(|cos_i| std::f32::consts::TAU * energy.more_cos(cos, cos_i) / n as f32)
+                    .sum();
+                let wanted = 1.0 - energy.white(cos);
+                assert!((more - wanted).abs() < 2e-3 + 2e-3 * wanted, "{roughness} {cos}: {more} {wanted}");
+            }
+            assert!((energy.all_average(Vec3::ONE, 1.0).x - 1.0).abs() < 1e-5, "and on average");
+        }
+    }
+}

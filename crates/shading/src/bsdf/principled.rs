@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! glTF's layered surface: a coat, over plastic or metal or a mix, over a diffuse body.
+//! Source: glTF 2.0 appendix B.3, KHR_materials_{ior, specular, clearcoat}; facets and further bounces as in
+//! `conductor.rs`; what a layer mirrors is taken from what lies below in the reciprocal form of [KC17].
+//! Space: the shading frame. Differs from glTF's sample code: the body gets what the layers above leave on the whole,
+//! in both directions, not Fresnel's share at the half vector, so that white plastic keeps all light.
+//! Proof: `tests` of `bsdf`.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+
+use super::energy::Energy;
+use super::ggx::Ggx;
+use super::{BsdfSample, Lobes, fresnel};
+use crate::sampling::cosine_hemisphere;
+
+/// Reflectance of a clear coat at normal incidence: an index of 1.5.
+const COAT_F0: Vec3 = Vec3::splat(0.04);
+
+/// glTF's layered surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Principled {
+    /// Albedo of the body, reflectance of the metal at normal incidence, in [0, 1].
+    pub base: Vec3,
+    /// 0 = plastic, 1 = metal.
+    pub metallic: f32,
+    /// Width of the facets' slopes, in (0, 1]: the square of glTF's roughness.
+    pub alpha: f32,
+    /// Reflectance of the plastic at normal incidence, in [0, 1].
+    pub f0: Vec3,
+    /// Reflectance of the plastic at grazing incidence, in [0, 1].
+    pub f90: f32,
+    /// How much of a coat there is, in [0, 1].
+    pub coat: f32,
+    /// Width of the slopes of the coat's facets, in (0, 1].
+    pub coat_alpha: f32,
+    pub(super) lobes: Lobes,
+}
+
+impl Principled {
+    /// Plastic or metal without a coat; `roughness` and `metallic` are glTF's, in [0, 1].
+    #[must_use]
+    pub fn new(base: Vec3, metallic: f32, roughness: f32, ior: f32) -> Self {
+        Self {
+            // More than all light would come back without end between the facets.
+            base: base.clamp(Vec3::ZERO, Vec3::ONE),
+            metallic,
+            alpha: roughness * roughness,
+            f0: Vec3::splat(fresnel::normal_reflectance(ior)),
+            f90: 1.0,
+            coat: 0.0,
+            coat_alpha: 0.0,
+            lobes: Lobes::ALL,
+        }
+    }
+}
+
+impl Principled {
+    /// The lobes with facets narrower than `alpha`, and the rest.
+    pub(super) fn split_at(self, alpha: f32) -> [Option<Self>; 2] {
+        let narrow = |is: bool, lobe: Lobes| if is { lobe } else { Lobes(0) };
+        let coat = narrow(self.coat > 0.0 && self.coat_alpha < alpha, Lobes::COAT);
+        let gloss = narrow(self.alpha < alpha, Lobes::GLOSS);
+        let narrow = Lobes((coat.0 | gloss.0) & self.lobes.0);
+        let part = |lobes: Lobes| (lobes.0 != 0).then_some(Self { lobes, ..self });
+        [part(narrow), part(self.lobes.without(narrow))]
+    }
+}
+
+/// What the layers send back on the whole of light from one direction.
+struct Above {
+    coat: f32,
+    /// The plastic below the coat.
+    plastic: Vec3,
+}
+
+impl Above {
+    /// What all of them send back.
+    fn sum(&self) -> Vec3 {
+        Vec3::splat(self.coat) + (1.0 - self.coat) * self.plastic
+    }
+}
+
+/// Probabilities with which directions are drawn from the lobes.
+#[derive(Clone, Copy)]
+struct Shares {
+    coat: f32,
+    gloss: f32,
+    /// Body and further bounces, by the cosine.
+    body: f32,
+}
+
+impl Principled {
+    fn gloss(&self) -> Ggx {
+        Ggx::from_alpha(self.alpha)
+    }
+
+    fn coat(&self) -> Ggx {
+        Ggx::from_alpha(self.coat_alpha)
+    }
+
+    /// Reflectances of plastic and metal mixed, at normal and grazing incidence.
+    fn mixed(&self) -> (Vec3, f32) {
+        (self.f0.lerp(self.base, self.metallic), self.f90 + (1.0 - self.f90) * self.metallic)
+    }
+
+    fn above(&self, cos: f32) -> Above {
+        let coat =
+            if self.coat > 0.0 { self.coat * Energy::of(self.coat()).all(cos, COAT_F0, 1.0).x } else { 0.0 };
+        Above { coat, plastic: Energy::of(self.gloss()).all(cos, self.f0, self.f90) }
+    }
+
+    /// [`Above::sum`], averaged over a cosine-weighted hemisphere.
+    fn above_average(&self) -> Vec3 {
+        if self.coat == 0.0 {
+            return Energy::of(self.gloss()).all_average(self.f0, self.f90);
+        }
+        // Gauss's rule with four points for the measure 2 cos dcos on [0, 1].
+        const RULE: [(f32, f32); 4] = [
+            (0.139_759_86, 0.062_361_94),
+            (0.416_409_57, 0.259_695_1),
+            (0.723_156_99, 0.406_929_14),
+            (0.942_895_8, 0.271_013_83),
+        ];
+        RULE.iter().map(|&(cos, weight)| self.above(cos).sum() * weight).sum()
+    }
+
+    /// Albedo of the body without what lies above.
+    fn body(&self) -> Vec3 {
+        self.base * (1.0 - self.metallic)
+    }
+
+    pub(super) fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
+        if wi.z <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let h = (wo + wi).normalize_or(Vec3::Z);
+        let rise = fresnel::schlick_rise(wo.dot(h));
+        let schlick = |f0: Vec3, f90: f32| f0 + (Vec3::splat(f90) - f0) * rise;
+        let (from, to) = (self.above(wo.z), self.above(wi.z));
+        let mut sum = Vec3::ZERO;
+        if self.coat > 0.0 {
+            let (ggx, energy) = (self.coat(), Energy::of(self.coat()));
+            if self.lobes.has(Lobes::COAT) {
+                sum += schlick(COAT_F0, 1.0) * (self.coat * ggx.lobe_cos(wo, wi, h));
+            }
+            if self.lobes.has(Lobes::BODY) {
+                let more = energy.more(fresnel::schlick_average(COAT_F0, 1.0));
+                sum += more * (self.coat * energy.more_cos(wo.z, wi.z));
+            }
+        }
+        let below_coat = (1.0 - from.coat).min(1.0 - to.coat);
+        let ((f0, f90), energy) = (self.mixed(), Energy::of(self.gloss()));
+        if self.lobes.has(Lobes::GLOSS) {
+            sum += schlick(f0, f90) * (below_coat * self.gloss().lobe_cos(wo, wi, h));
+        }
+        if self.lobes.has(Lobes::BODY) {
+            let more = energy.more(fresnel::schlick_average(f0, f90));
+            sum += more * (below_coat * energy.more_cos(wo.z, wi.z));
+            sum += self.body() * self.entering(&from, &to) * (FRAC_1_PI * wi.z);
+        }
+        sum
+    }
+
+    /// Share of light that reaches the body and comes out again, such that a white one sends back all that the layers
+    /// above do not.
+    fn entering(&self, from: &Above, to: &Above) -> Vec3 {
+        let left = (Vec3::ONE - self.above_average()).max(Vec3::splat(1e-6));
+        (Vec3::ONE - from.sum()) * (Vec3::ONE - to.sum()) / left
+    }
+
+    fn shares(&self, wo: Vec3) -> Shares {
+        let above = self.above(wo.z);
+        let (f0, f90) = self.mixed();
+        let energy = Energy::of(self.gloss());
+        let below_coat = 1.0 - above.coat;
+        let once = energy.once(wo.z, f0, f90).max_element();
+        let more = energy.all(wo.z, f0, f90).max_element() - once;
+        let body = (self.body() * (Vec3::ONE - above.sum())).max_element();
+        let part = |lobe, weight: f32| if self.lobes.has(lobe) { weight.max(0.0) } else { 0.0 };
+        let shares = Shares {
+            coat: part(Lobes::COAT, above.coat),
+            gloss: part(Lobes::GLOSS, below_coat * once),
+            // The coat's further bounces are drawn here, too.
+            body: part(Lobes::BODY, body + below_coat * more + 0.1 * above.coat * self.coat_alpha),
+        };
+        let sum = shares.coat + shares.gloss + shares.body;
+        if sum <= 0.0 {
+            return shares;
+        }
+        Shares { coat: shares.coat / sum, gloss: shares.gloss / sum, body: shares.body / sum }
+    }
+
+    fn pdf_of(&self, shares: Shares, wo: Vec3, wi: Vec3) -> f32 {
+        if wi.z <= 0.0 {
+            return 0.0;
+        }
+        let h = (wo + wi).normalize_or(Vec3::Z);
+        let mut pdf = shares.body * FRAC_1_PI * wi.z;
+        if shares.coat > 0.0 {
+            pdf += shares.coat * self.coat().mirrored_pdf(wo, h);
+        }
+        if shares.gloss > 0.0 {
+            pdf += shares.gloss * self.gloss().mirrored_pdf(wo, h);
+        }
+        pdf
+    }
+
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
+        self.pdf_of(self.shares(wo), wo, wi)
+    }
+
+    pub(super) fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+        let shares = self.shares(wo);
+        let pair = [u[1], u[2]];
+        let wi = if u[0] < shares.coat {
+            (-wo).reflect(self.coat().sample_visible(wo, pair))
+        } else if u[0] < shares.coat + shares.gloss {
+            (-wo).reflect(self.gloss().sample_visible(wo, pair))
+        } else {
+            cosine_hemisphere(pair)
+        };
+        let pdf = self.pdf_of(shares, wo, wi);
+        (pdf > 0.0).then(|| BsdfSample {
+            wi,
+            weight: self.eval(wo, wi) / pdf,
+            pdf,
+            delta: false,
+            transmitted: false,
+        })
+    }
+
+    pub(super) fn albedo(&self, wo: Vec3) -> Vec3 {
+        let above = self.above(wo.z);
+        let (f0, f90) = self.mixed();
+        let mirrored = Energy::of(self.gloss()).all(wo.z, f0, f90);
+        Vec3::splat(above.coat) + (1.0 - above.coat) * mirrored + self.body() * (Vec3::ONE - above.sum())
+    }
+}
