@@ -200,7 +200,7 @@ impl Bsdf {
             Model::Mix { a, b, share_b } => sample_mix(a, b, *share_b, wo, u),
             Model::Principled(principled) => principled.sample(wo, u),
         }?;
-        self.to_world(local)
+        self.in_world(local)
     }
 
     /// What leaves by delta lobes, mirrored and through the surface, each with its share of the light.
@@ -215,10 +215,10 @@ impl Bsdf {
             }
             _ => [None; 2],
         };
-        branches.map(|branch| self.to_world(branch?))
+        branches.map(|branch| self.in_world(branch?))
     }
 
-    fn to_world(&self, local: BsdfSample) -> Option<BsdfSample> {
+    fn in_world(&self, local: BsdfSample) -> Option<BsdfSample> {
         let wi = self.basis.to_world(local.wi).normalize();
         (wi.is_finite() && local.weight.is_finite()).then_some(BsdfSample { wi, ..local })
     }

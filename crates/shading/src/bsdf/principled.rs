@@ -105,6 +105,13 @@ impl Principled {
         (self.f0.lerp(self.base, self.metallic), self.f90 + (1.0 - self.f90) * self.metallic)
     }
 
+    /// Colour of all bounces but the first, of plastic and metal mixed.
+    fn more(&self, energy: Energy) -> Vec3 {
+        let plastic = energy.more(fresnel::schlick_average(self.f0, self.f90));
+        let metal = energy.more(fresnel::schlick_average(self.base, 1.0));
+        plastic.lerp(metal, self.metallic)
+    }
+
     fn above(&self, cos: f32) -> Above {
         let coat =
             if self.coat > 0.0 { self.coat * Energy::of(self.coat()).all(cos, COAT_F0, 1.0).x } else { 0.0 };
@@ -120,7 +127,7 @@ impl Principled {
         const RULE: [(f32, f32); 4] = [
             (0.139_759_86, 0.062_361_94),
             (0.416_409_57, 0.259_695_1),
-            (0.723_156_99, 0.406_929_14),
+            (0.723_157, 0.406_929_14),
             (0.942_895_8, 0.271_013_83),
         ];
         RULE.iter().map(|&(cos, weight)| self.above(cos).sum() * weight).sum()
@@ -156,8 +163,7 @@ impl Principled {
             sum += schlick(f0, f90) * (below_coat * self.gloss().lobe_cos(wo, wi, h));
         }
         if self.lobes.has(Lobes::BODY) {
-            let more = energy.more(fresnel::schlick_average(f0, f90));
-            sum += more * (below_coat * energy.more_cos(wo.z, wi.z));
+            sum += self.more(energy) * (below_coat * energy.more_cos(wo.z, wi.z));
             sum += self.body() * self.entering(&from, &to) * (FRAC_1_PI * wi.z);
         }
         sum
@@ -176,7 +182,7 @@ impl Principled {
         let energy = Energy::of(self.gloss());
         let below_coat = 1.0 - above.coat;
         let once = energy.once(wo.z, f0, f90).max_element();
-        let more = energy.all(wo.z, f0, f90).max_element() - once;
+        let more = self.more(energy).max_element() * (1.0 - energy.white(wo.z));
         let body = (self.body() * (Vec3::ONE - above.sum())).max_element();
         let part = |lobe, weight: f32| if self.lobes.has(lobe) { weight.max(0.0) } else { 0.0 };
         let shares = Shares {
@@ -234,7 +240,8 @@ impl Principled {
     pub(super) fn albedo(&self, wo: Vec3) -> Vec3 {
         let above = self.above(wo.z);
         let (f0, f90) = self.mixed();
-        let mirrored = Energy::of(self.gloss()).all(wo.z, f0, f90);
+        let energy = Energy::of(self.gloss());
+        let mirrored = energy.once(wo.z, f0, f90) + self.more(energy) * (1.0 - energy.white(wo.z));
         Vec3::splat(above.coat) + (1.0 - above.coat) * mirrored + self.body() * (Vec3::ONE - above.sum())
     }
 }
