@@ -241,6 +241,7 @@ impl Bsdf {
     pub fn lambertian(&self) -> Option<Vec3> {
         match self.model {
             Model::Lambert { albedo } => Some(albedo),
+            Model::Lobe(_) | Model::Mix { .. } | Model::Principled(_) => None,
             Model::Black => Some(Vec3::ZERO),
         }
     }
