@@ -69,8 +69,7 @@
 //!
 //! # Limits today
 //!
-//! * Light that was scattered by more than one rough surface is not computed: the integrators are `eyelight`, `normals`
-//!   and `whitted` (direct light, mirrors, glass).
+//! * The integrators are `eyelight`, `normals`, `whitted` (direct light, mirrors, glass) and `path` (all light).
 //! * Geometry is triangles and instances of them; no curves, no subdivision, no motion blur, no volumes.
 //! * The only camera of descriptions is a pinhole; other cameras are [`CameraShader`](shading::CameraShader)s.
 //! * The API may change until version 1.0.

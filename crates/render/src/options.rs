@@ -24,11 +24,14 @@ pub enum Integrator {
     Whitted,
     /// Virtual lights where light paths meet surfaces \[Kel97\]; converges to what paths show.
     InstantRadiosity,
+    /// All light, by scattered rays: the reference \[Kaj86\].
+    Path,
 }
 
 impl Integrator {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Eyelight, Self::Normals, Self::Whitted, Self::InstantRadiosity];
+    pub const ALL: [Self; 5] =
+        [Self::Eyelight, Self::Normals, Self::Whitted, Self::InstantRadiosity, Self::Path];
 
     /// Whether samples are taken with virtual lights, a fresh set for each.
     #[must_use]
@@ -44,6 +47,7 @@ impl Integrator {
             Self::Normals => "normals",
             Self::Whitted => "whitted",
             Self::InstantRadiosity => "ir",
+            Self::Path => "path",
         }
     }
 }
@@ -88,12 +92,15 @@ pub struct RenderOptions {
     /// `[x0, y0, x1, y1]` in pixels, upper left origin, `x1` and `y1` exclusive; the picture keeps its size and is
     /// black with alpha 0 outside.
     pub crop: Option<[u32; 4]>,
-    /// How many bounces a ray may have behind it; deeper ones see the environment.
+    /// How deep light is followed. `Whitted`: how many bounces a ray may have behind it; deeper ones see the
+    /// environment. `Path`: how many edges a path may have, as Mitsuba counts: 1 = emission seen directly, 2 = direct light.
     pub max_depth: u32,
     /// Virtual lights of a pass, about; for the integrators that have them.
     pub vpls: u32,
-    /// The largest geometry term, one over area, that virtual lights bring light over; rays bring the rest. `None` =
-    /// from the scene's size and the number of virtual lights.
+    /// `InstantRadiosity`: the largest geometry term, one over area, that virtual lights bring light over; rays bring the
+    /// rest. `None` = from the scene's size and the number of virtual lights. `Path`: light that was scattered more than
+    /// once counts no more than this, in any channel and sample: less noise, but the picture becomes too dark. `None` =
+    /// unbiased.
     pub clamp: Option<f32>,
     /// World units that origins move off a surface on top of the computed error bound.
     pub ray_epsilon: f32,
@@ -163,7 +170,7 @@ mod tests {
         let error = "witted".parse::<Integrator>().expect_err("no such integrator");
         assert_eq!(
             error.to_string(),
-            "unknown integrator 'witted': expected eyelight, normals, whitted, ir",
+            "unknown integrator 'witted': expected eyelight, normals, whitted, ir, path",
             "the message says what there is"
         );
     }

@@ -108,7 +108,7 @@ impl<'w> BatchTracer<'w> {
     }
 
     /// What some of the rays would see if nothing were in their way.
-    fn environment(&mut self, rays: &RayBatch, lanes: &[usize]) -> Vec3s {
+    pub(crate) fn environment(&mut self, rays: &RayBatch, lanes: &[usize]) -> Vec3s {
         let mut seen = Vec3s::splat(lanes.len(), Vec3::ZERO);
         if let Some(environment) = self.world.shading().environment.as_ref().filter(|_| !lanes.is_empty()) {
             let mut dirs = Vec3s::default();

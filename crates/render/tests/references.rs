@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Direct light with `--force-diffuse` against another renderer's pictures of the benchmark scenes.
+//! Direct light and path tracing with `--force-diffuse` against another renderer's pictures of the benchmark scenes.
 //! Source: the reference images beside the repository (../shared/references), whose README says how to compare: means
 //! within 0.5 %, and tiles of 8 x 8 pixels within 3 standard errors + 0.5 %, less than 2 % of them off.
 //! Needs python3 to unpack the scenes; skipped, loudly, where they are not.
@@ -11,7 +11,7 @@ use std::process::Command;
 
 use common::*;
 use gnurt_image::Picture;
-use gnurt_render::{PerspectiveCamera, RenderOptions, Silent, render};
+use gnurt_render::{Integrator, PerspectiveCamera, RenderOptions, Silent, render};
 use gnurt_scene::Camera;
 
 struct Reference {
@@ -84,7 +84,7 @@ fn unpack(scene: &str) -> Option<PathBuf> {
 
 /// Renders one scene several times with different seeds: the spread tells the standard error. Many batches, because
 /// three standard errors estimated from a few are exceeded far more often than from many.
-fn render_batches(reference: &Reference, folder: &Path, spp: u32, batches: u64) -> Vec<Picture> {
+fn render_batches(reference: &Reference, folder: &Path, like: &RenderOptions, batches: u64) -> Vec<Picture> {
     let loaded = gnurt_scene::io::load(folder.join(format!("{}.obj", reference.scene))).expect("it loads");
     let world = world_of(&loaded.scene, true);
     let Reference { eye, target, up, fov_y, width, .. } = *reference;
@@ -92,7 +92,7 @@ fn render_batches(reference: &Reference, folder: &Path, spp: u32, batches: u64) 
     let camera = PerspectiveCamera::new(&camera).expect("a view");
     let threads = pool(std::thread::available_parallelism().map_or(2, usize::from));
     let one = |seed| {
-        let options = RenderOptions { seed, ..options(width, HEIGHT, spp) };
+        let options = RenderOptions { seed, width, height: HEIGHT, ..like.clone() };
         render(&world, &camera, &options, &threads, &Silent).expect("sound options").picture
     };
     (0..batches).map(one).collect()
@@ -150,7 +150,8 @@ fn compare(batches: &[Picture], reference: &Picture, variance: &Picture) -> Verd
     verdict
 }
 
-fn check(scenes: &[&str], spp: u32, batches: u64, mean_tolerance: f64) {
+/// `kind` is "direct" or "path9". Different batches must differ by more than luck: enough of them, enough samples.
+fn check(scenes: &[&str], kind: &str, like: &RenderOptions, batches: u64, mean_tolerance: f64) {
     let references = shared().join("references");
     if !references.is_dir() {
         eprintln!("SKIPPED: no reference images in {}", references.display());
@@ -165,9 +166,11 @@ fn check(scenes: &[&str], spp: u32, batches: u64, mean_tolerance: f64) {
         let read =
             |name: String| gnurt_image::read(&references.join(name)).expect("the reference can be read");
         let (wanted, variance) =
-            (read(format!("{scene}-direct.exr")), read(format!("{scene}-direct-var.exr")));
-        let verdict = compare(&render_batches(reference, &folder, spp, batches), &wanted, &variance);
-        eprintln!("{scene}: {verdict:?}");
+            (read(format!("{scene}-{kind}.exr")), read(format!("{scene}-{kind}-var.exr")));
+        let start = std::time::Instant::now();
+        let verdict = compare(&render_batches(reference, &folder, like, batches), &wanted, &variance);
+        let spp = u64::from(like.spp) * batches;
+        eprintln!("{scene}-{kind}, {spp} spp, {:.1} s: {verdict:?}", start.elapsed().as_secs_f64());
         assert!(
             verdict.mean_error.iter().all(|e| e.abs() < mean_tolerance),
             "{scene}: means are off: {verdict:?}"
@@ -176,13 +179,40 @@ fn check(scenes: &[&str], spp: u32, batches: u64, mean_tolerance: f64) {
     }
 }
 
+fn path(spp: u32, max_depth: u32) -> RenderOptions {
+    RenderOptions { integrator: Integrator::Path, max_depth, ..options(1, 1, spp) }
+}
+
+const ALL: [&str; 5] = ["cornell-box", "office", "conference", "modern-hall", "veach-bidir"];
+
 #[test]
 fn direct_light_is_right() {
-    check(&["cornell-box", "office", "modern-hall"], 1, 40, 0.005);
+    check(&["cornell-box", "office", "modern-hall"], "direct", &options(1, 1, 1), 40, 0.005);
+}
+
+#[test]
+fn path_tracing_is_right() {
+    check(&["cornell-box"], "path9", &path(1, 9), 40, 0.005);
 }
 
 #[test]
 #[ignore = "minutes; run with --ignored after changes to light transport"]
 fn direct_light_is_right_everywhere() {
-    check(&["cornell-box", "office", "conference", "modern-hall", "veach-bidir"], 8, 48, 0.005);
+    check(&ALL, "direct", &options(1, 1, 8), 48, 0.005);
+}
+
+#[test]
+#[ignore = "minutes; run with --ignored after changes to light transport"]
+fn path_tracing_is_right_everywhere() {
+    for kind in [("direct", 2), ("path9", 9)] {
+        check(&ALL[..4], kind.0, &path(8, kind.1), 48, 0.005);
+    }
+}
+
+#[test]
+#[ignore = "ten minutes: rare bright paths want many samples"]
+fn path_tracing_is_right_where_it_is_hard() {
+    for kind in [("direct", 2), ("path9", 9)] {
+        check(&ALL[4..], kind.0, &path(32, kind.1), 64, 0.005);
+    }
 }

@@ -3,6 +3,7 @@
 
 pub(crate) mod eyelight;
 mod normals;
+mod path;
 mod whitted;
 
 use gnurt_shading::Vec3s;
@@ -29,6 +30,7 @@ pub(crate) fn radiance(
                 radiance.reset(camera.rays.len(), glam::Vec3::ZERO);
             }
         }
+        Integrator::Path => path::radiance(tracer, camera, radiance),
         Integrator::Whitted => whitted::radiance(tracer, camera, radiance),
     }
 }

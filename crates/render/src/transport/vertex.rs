@@ -37,6 +37,9 @@ impl BatchTracer<'_> {
         let mut vertices = vec![None; from.rays.len()];
         let mut scattering = Vec::new();
         self.for_each_surface(from, |tracer, shader, lanes, points| {
+            if let Some(log) = &mut tracer.log {
+                log.surface(points);
+            }
             scattering.clear();
             let is_final = !shader.scatter(points, &mut scattering);
             if is_final {

@@ -114,7 +114,6 @@ pub(crate) struct Shading {
     pub(crate) surfaces: Vec<Arc<dyn SurfaceShader>>,
     pub(crate) lights: Vec<Arc<dyn LightShader>>,
     /// Which of them are not in the light set, because they only know `illuminate`.
-    #[expect(dead_code, reason = "the integrators that scatter light themselves come next")]
     pub(crate) plugin_lights: Range<usize>,
     pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
     /// Whether no surface lets light straight through.

@@ -15,6 +15,12 @@ pub mod purpose {
     pub const DIRECTION: u32 = 1;
     /// Choice between mirrored and refracted.
     pub const CHOICE: u32 = 2;
+    /// Place on the light that was chosen.
+    pub const LIGHT_PLACE: u32 = 3;
+    /// Choice between lights.
+    pub const LIGHT_CHOICE: u32 = 4;
+    /// Whether a surface that is there in part is met.
+    pub const COVERAGE: u32 = 5;
     /// First of those that shaders outside this crate may use.
     pub const SHADER: u32 = 0x100;
     /// Point on light 0; light i has `LIGHT + i`.

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The path tracer against closed forms: furnaces, lights over a floor, a lamp in a hollow sphere, holes. Source: original;
+//! the integrating sphere is a textbook's.
+
+mod common;
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use common::*;
+use gnurt_image::Picture;
+use gnurt_render::{
+    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+};
+use gnurt_scene::material::{Alpha, Opacity, OpacityChannel};
+use gnurt_scene::{Light, Material, MaterialId, Mesh, Scene};
+use gnurt_shading::lights::PointLight;
+
+const ALBEDO: f32 = 0.6;
+
+fn path(width: u32, height: u32, spp: u32, max_depth: u32) -> RenderOptions {
+    RenderOptions { integrator: Integrator::Path, max_depth, ..options(width, height, spp) }
+}
+
+fn seen(scene: &Scene, eye: [f32; 3], target: [f32; 3], spp: u32, max_depth: u32) -> [f64; 3] {
+    mean(&frame(scene, &camera(eye, target, 0.01), &path(8, 8, spp, max_depth)).picture)
+}
+
+/// A closed cube from -1 to 1 whose sides look inward.
+fn cube(scene: &mut Scene, material: MaterialId) {
+    let (a, b) = (-1.0_f32, 2.0_f32);
+    let sides: [[[f32; 3]; 3]; 6] = [
+        [[a, a, a], [b, 0.0, 0.0], [0.0, b, 0.0]],
+        [[a, a, 1.0], [0.0, b, 0.0], [b, 0.0, 0.0]],
+        [[a, a, a], [0.0, b, 0.0], [0.0, 0.0, b]],
+        [[1.0, a, a], [0.0, 0.0, b], [0.0, b, 0.0]],
+        [[a, a, a], [0.0, 0.0, b], [b, 0.0, 0.0]],
+        [[a, 1.0, a], [b, 0.0, 0.0], [0.0, 0.0, b]],
+    ];
+    for [corner, s, t] in sides {
+        place(scene, quad(corner, s, t, material));
+    }
+}
+
+#[test]
+fn a_shining_box_is_a_geometric_series() {
+    let (radiance, rho) = (2.0, 0.7_f64);
+    let mut scene = Scene::new();
+    let material = scene
+        .add_material(Material { emission: [radiance as f32; 3], ..Material::matte("", [rho as f32; 3]) });
+    cube(&mut scene, material);
+    for (edges, spp, tolerance) in [(1, 1, 1e-5), (2, 64, 5e-3), (5, 64, 5e-3), (64, 64, 1e-2)] {
+        let found = seen(&scene, [0.1, 0.2, 0.3], [1.0, 0.4, -0.2], spp, edges)[0];
+        let wanted = radiance * (1.0 - rho.powi(edges as i32)) / (1.0 - rho);
+        assert_close(found, wanted, tolerance, &format!("{edges} edges"));
+    }
+}
+
+#[test]
+fn white_things_vanish_under_a_white_sky() {
+    let mut scene = floor(1.0, 3.0);
+    let white = matte(&mut scene, [1.0; 3]);
+    place(&mut scene, sphere([0.0, 0.0, 1.0], 0.9, 24, white));
+    place(&mut scene, quad([1.5, -2.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0], white));
+    scene.add_light(environment([1.0; 3]));
+    let view = camera([-6.0, -4.0, 3.0], [0.0, 0.0, 0.8], 40.0);
+    // Face normals: interpolated ones are no closed system, their facets neither keep nor lose light exactly.
+    let world = world_of(&scene, true);
+    let frame = render(&world, &view, &path(24, 24, 64, 1000), &pool(2), &Silent).expect("sound options");
+    assert_close(mean(&frame.picture)[0], 1.0, 3e-3, "all light is scattered on");
+}
+
+#[test]
+fn lights_without_extent_and_rectangles() {
+    let (eye, target) = ([0.5, -2.0, 3.0], [0.5, 0.25, 0.0]);
+    let albedo = f64::from(ALBEDO);
+    let lit = |light: Light| {
+        let mut scene = floor(ALBEDO, 10.0);
+        scene.add_light(light);
+        seen(&scene, eye, target, 1, 8)[0]
+    };
+    let d2 = 0.25 + 0.5625 + 4.0_f64;
+    let point = Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3] };
+    assert_close(lit(point), albedo / PI * 7.0 / d2 * (2.0 / d2.sqrt()), 1e-3, "I cos / d²");
+    let sun = Light::Directional { direction: [3.0, 0.0, -4.0], irradiance: [2.0; 3] };
+    assert_close(lit(sun), albedo / PI * 2.0 * 0.8, 1e-4, "E cos");
+
+    // From far above the floor to grazing: light samples find the first, scattered rays the last.
+    for height in [3.0_f64, 1.0, 0.05] {
+        let mut scene = floor(ALBEDO, 10.0);
+        let light = emitter(&mut scene, [5.0, 1.0, 2.0]);
+        let h = height as f32;
+        place(&mut scene, quad([0.0, 0.0, h], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], light));
+        let found = seen(&scene, [-0.1 * h, -0.1 * h, 0.5 * h], [0.0; 3], 512, 2);
+        let (a, b) = (1.0 / height, 2.0 / height);
+        let (x, y) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
+        let form = (a / x * (b / x).atan() + b / y * (a / y).atan()) / (2.0 * PI);
+        assert_close(found[0], albedo * 5.0 * form, 1e-2, &format!("a corner below, at height {height}"));
+        assert_close(found[2] / found[1], 2.0, 1e-4, "colours keep their ratio");
+    }
+}
+
+/// A lamp in a hollow white sphere: scattered light is the same everywhere, `Le f rho / (1 - rho (1 - f))` with the lamp's
+/// share `f` of the surface.
+#[test]
+fn a_lamp_in_a_hollow_sphere() {
+    let rho = 0.8_f64;
+    let mut scene = Scene::new();
+    let (wall, lamp) = (matte(&mut scene, [rho as f32; 3]), emitter(&mut scene, [10.0; 3]));
+    let whole = sphere([0.0; 3], 1.0, 48, wall);
+    // Wound to look inward; face normals; the lamp is the cap around +z.
+    let part = |lit: bool, material| {
+        let is_lit = |t: &&[u32; 3]| t.iter().all(|&i| whole.positions[i as usize][2] > 0.97) == lit;
+        let indices = whole.indices.iter().filter(is_lit).map(|[a, b, c]| [*a, *c, *b]).collect();
+        Mesh { indices, normals: Vec::new(), material, ..whole.clone() }
+    };
+    let (lamp, wall) = (part(true, lamp), part(false, wall));
+    let area = |mesh: &Mesh| -> f64 {
+        let at = |i: u32| glam::DVec3::from(mesh.positions[i as usize].map(f64::from));
+        mesh.indices.iter().map(|[a, b, c]| (at(*b) - at(*a)).cross(at(*c) - at(*a)).length() / 2.0).sum()
+    };
+    let share = area(&lamp) / (area(&lamp) + area(&wall));
+    place(&mut scene, lamp);
+    place(&mut scene, wall);
+    let wanted = 10.0 * share * rho / (1.0 - rho * (1.0 - share));
+    for target in [[1.0, 0.3, -0.4], [0.2, 0.1, -1.0]] {
+        let found = seen(&scene, [0.0, 0.1, -0.1], target, 256, 200)[0];
+        assert_close(found, wanted, 1e-2, "light is even");
+    }
+}
+
+#[test]
+fn holes_let_light_through() {
+    let opacity = Opacity { factor: 0.25, texture: None, channel: OpacityChannel::Alpha };
+    let veil = |scene: &mut Scene, emission: f32| {
+        let material = scene.add_material(Material {
+            alpha: Alpha::Blend { opacity },
+            emission: [emission; 3],
+            ..Material::matte("veil", [0.0; 3])
+        });
+        place(scene, quad([-9.0, -9.0, 1.0], [0.0, 18.0, 0.0], [18.0, 0.0, 0.0], material));
+    };
+    // A light behind a veil, by light samples.
+    let mut scene = floor(ALBEDO, 10.0);
+    veil(&mut scene, 0.0);
+    scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
+    let found = seen(&scene, [0.5, 0.0, 0.9], [0.0; 3], 16, 2)[0];
+    assert_close(found, f64::from(ALBEDO) / PI * 0.75, 1e-3, "three quarters of it");
+    // The sky behind it, by both kinds of sample; two veils in a row.
+    let mut scene = floor(ALBEDO, 10.0);
+    veil(&mut scene, 0.0);
+    scene.add_light(environment([1.0; 3]));
+    let found = seen(&scene, [0.1, 0.0, 0.05], [0.0; 3], 1024, 2)[0];
+    assert_close(found, f64::from(ALBEDO) * 0.75, 0.02, "three quarters of the sky");
+    // A veil that shines itself.
+    let mut scene = floor(ALBEDO, 1000.0);
+    veil(&mut scene, 2.0);
+    let found = seen(&scene, [0.01, 0.0, 0.05], [0.0; 3], 1024, 2)[0];
+    let (a, x) = (9.0_f64, (1.0 + 81.0_f64).sqrt());
+    let form = 4.0 * (2.0 * a / x * (a / x).atan()) / (2.0 * PI);
+    assert_close(found, f64::from(ALBEDO) * 0.25 * 2.0 * form, 0.02, "a quarter of its radiance");
+}
+
+#[test]
+fn lights_of_plugins_count_as_those_of_the_scene() {
+    let mut scene = floor(ALBEDO, 10.0);
+    let light = Arc::new(PointLight { position: [0.0, 0.0, 2.0].into(), intensity: [4.0; 3].into() });
+    let table = ShaderTable { lights: vec![light], ..ShaderTable::default() };
+    let by_table = {
+        let mut world = World::new();
+        world.commit(&scene, &table, &CommitOptions::default(), &pool(2)).expect("sound");
+        let view = camera([0.5, 0.0, 1.0], [0.0; 3], 0.01);
+        mean(&render(&world, &view, &path(4, 4, 1, 3), &pool(2), &Silent).expect("sound").picture)
+    };
+    scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
+    assert_close(by_table[0], seen(&scene, [0.5, 0.0, 1.0], [0.0; 3], 1, 3)[0], 1e-5, "the same light");
+}
+
+/// A room of many things: mirrors, glass, holes, lamps, sky.
+fn room() -> (Scene, PerspectiveCamera) {
+    let mut scene = floor(ALBEDO, 4.0);
+    let red = matte(&mut scene, [0.7, 0.2, 0.1]);
+    place(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 12, red));
+    let lamp = emitter(&mut scene, [8.0, 7.0, 6.0]);
+    place(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], lamp));
+    let opacity = Opacity { factor: 0.5, texture: None, channel: OpacityChannel::Alpha };
+    let veil = scene
+        .add_material(Material { alpha: Alpha::Blend { opacity }, ..Material::matte("", [0.1, 0.5, 0.1]) });
+    place(&mut scene, quad([-2.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0], veil));
+    scene.add_light(environment([0.2, 0.3, 0.5]));
+    scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3] });
+    (scene, camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0))
+}
+
+#[test]
+fn threads_and_neighbours_do_not_matter() {
+    let (scene, view) = room();
+    let world = world_of(&scene, false);
+    let picture = |options: &RenderOptions, threads| -> Picture {
+        render(&world, &view, options, &pool(threads), &Silent).expect("sound options").picture
+    };
+    let options = path(45, 33, 5, 8);
+    let one = picture(&options, 1);
+    let bits = |p: &Picture| p.color.iter().map(|c| c.map(f32::to_bits)).collect::<Vec<_>>();
+    assert!(bits(&one) == bits(&picture(&options, 7)), "7 threads give other bits");
+    let crop = [20, 9, 31, 24];
+    let cropped = picture(&RenderOptions { crop: Some(crop), ..options }, 2);
+    for (x, y) in (crop[0]..crop[2]).flat_map(|x| (crop[1]..crop[3]).map(move |y| (x, y))) {
+        assert_eq!(one.pixel(x, y), cropped.pixel(x, y), "pixel {x},{y} of a crop");
+    }
+}
+
+#[test]
+fn clamping_only_takes_light_away() {
+    let (scene, view) = room();
+    let world = world_of(&scene, false);
+    let with = |clamp| {
+        let options = RenderOptions { clamp, ..path(32, 24, 8, 8) };
+        render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture
+    };
+    let (all, less, direct) = (with(None), with(Some(0.05)), with(Some(0.0)));
+    let sums = [&all, &less, &direct].map(|picture| mean(picture)[0]);
+    assert!(sums[0] > sums[1] && sums[1] > sums[2], "less and less: {sums:?}");
+    let options = path(32, 24, 8, 2);
+    let wanted = render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture;
+    assert_close(sums[2], mean(&wanted)[0], 1e-5, "direct light is never clamped");
+}
