@@ -199,7 +199,7 @@ impl Code {
 fn built_in_parameter(p: &classes::Parameter) -> Parameter {
     let kind = match p.kind {
         ParameterType::Float => DataType::F32,
-        ParameterType::Texture => DataType::I32,
+        ParameterType::Texture | ParameterType::Int => DataType::I32,
     };
     let (count, default) = (p.components as usize, p.default.to_vec());
     Parameter { name: p.name.to_owned(), rate: p.rate, kind, count, default }

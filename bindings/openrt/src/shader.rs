@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use gnurt::shading::classes::{Shader as Made, Value, Values};
+use gnurt::shading::classes::{self, ParameterType, Shader as Made, Value, Values};
 
 use crate::class::{Code, DataType, Kind, Parameter};
 use crate::context::Context;
@@ -63,12 +63,16 @@ impl Shader {
     /// a plugin that cannot take part in the frame.
     #[must_use]
     pub fn make(&self, id: u32, textures: &Textures, plugins: &PluginFrame) -> Option<Made> {
-        let value = |value: &ParameterValue| match value {
+        let value = |(value, parameter): (&ParameterValue, &classes::Parameter)| match value {
             ParameterValue::Floats(floats) => Value::Floats(floats.clone()),
+            ParameterValue::Integer(value) if parameter.kind == ParameterType::Int => Value::Int(*value),
             ParameterValue::Integer(id) => Value::Texture(textures.sampler(*id)),
         };
         match &self.class.code {
-            Code::BuiltIn(class) => Some(class.make(&Values(self.values.iter().map(value).collect()))),
+            Code::BuiltIn(class) => {
+                let values = self.values.iter().zip(class.parameters).map(value).collect();
+                Some(class.make(&Values(values)))
+            }
             Code::Plugin(_) => plugins.made(id),
             Code::Rendering(_) => None,
         }

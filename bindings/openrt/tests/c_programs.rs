@@ -27,6 +27,7 @@ programs! {
     fragments
     frames
     many_vertices
+    materials
     pixels
     primitives
     scene

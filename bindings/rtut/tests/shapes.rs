@@ -18,6 +18,36 @@ fn shapes() {
     workshop.run(&binary, &[]);
 }
 
+/// The larger programs of examples/c build, run at a small size without errors, and their pictures show something.
+#[test]
+fn examples() {
+    let workshop = Workshop::with(LIBRARIES);
+    let build = |name: &str| workshop.build("cc", "c99", &source(&format!("../../examples/c/{name}.c")));
+    let varied = |name: &str| {
+        let picture = std::fs::read(workshop.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let pixels = &picture[picture.len() - 3 * 48 * 32..];
+        let colors: std::collections::BTreeSet<&[u8]> = pixels.chunks_exact(3).collect();
+        assert!(colors.len() > 100, "{name} shows {} colours", colors.len());
+    };
+    for program in ["islands", "arena"] {
+        let frame = workshop.path(program).display().to_string() + "-";
+        workshop.run(&build(program), &[&frame, "2", "48", "32"]);
+        varied(&format!("{program}-000.ppm"));
+        varied(&format!("{program}-001.ppm"));
+    }
+    let scene = workshop.path("scene.obj");
+    let obj = "mtllib scene.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0.5\nv 0 0 1\ng a\nusemtl red\nf 1 2 3 4\n\
+               g b\nusemtl blue\nf 1//1 2//1 5//1\nf -4/1 3 5\nf 9 9 9\nvn 0 0 1\ng empty\n";
+    std::fs::write(&scene, obj).expect("a scene");
+    std::fs::write(workshop.path("scene.mtl"), "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\nd 0.5\n")
+        .expect("materials");
+    let picture = workshop.path("objview.ppm").display().to_string();
+    let said =
+        workshop.run(&build("objview"), &[&scene.display().to_string(), &picture, "--size", "48", "32"]);
+    assert_eq!(said, "2 nodes, 4 triangles, 3 materials, seen from a corner\n", "what it read");
+    varied("objview.ppm");
+}
+
 #[test]
 fn dialects() {
     let workshop = Workshop::with(LIBRARIES);

@@ -41,6 +41,8 @@ pub enum ParameterType {
     Float,
     /// The number of a texture; 0 = none, which is white.
     Texture,
+    /// A single whole number.
+    Int,
 }
 
 /// A parameter of a class.
@@ -71,6 +73,12 @@ impl Parameter {
         Self { name, rate, kind, components: 1, default: &[0.0] }
     }
 
+    /// A whole number that every point of a shader shares; `default` holds just one.
+    pub(super) const fn int(name: &'static str, default: &'static [f32]) -> Self {
+        let (rate, kind) = (ParameterRate::Shader, ParameterType::Int);
+        Self { name, rate, kind, components: 1, default }
+    }
+
     /// The same parameter with another rate.
     pub(super) const fn at(self, rate: ParameterRate) -> Self {
         Self { rate, ..self }
@@ -93,6 +101,8 @@ pub enum Value {
     Floats(Vec<f32>),
     /// A texture, or none.
     Texture(Option<Arc<TextureSampler>>),
+    /// A whole number.
+    Int(i32),
 }
 
 /// The values of all parameters of a shader; those of other rates than per shader are not looked at.
@@ -113,6 +123,14 @@ impl Values {
         match self.0.get(parameter) {
             Some(Value::Floats(v)) if v.len() >= 3 => Vec3::from_slice(v),
             _ => Vec3::ZERO,
+        }
+    }
+
+    /// Number `parameter` as a whole number; 0 if it is none.
+    pub(super) fn int(&self, parameter: usize) -> i32 {
+        match self.0.get(parameter) {
+            Some(Value::Int(value)) => *value,
+            _ => 0,
         }
     }
 
@@ -163,6 +181,7 @@ impl ShaderClass {
         let value = |parameter: &Parameter| match parameter.kind {
             ParameterType::Float => Value::Floats(parameter.default.to_vec()),
             ParameterType::Texture => Value::Texture(None),
+            ParameterType::Int => Value::Int(parameter.default.first().map_or(0, |&x| x as i32)),
         };
         Values(self.parameters.iter().map(value).collect())
     }

@@ -50,7 +50,7 @@ impl SurfaceShader for Mirror {
 
 /// Direction of the mirrored ray of lane `i`. Where an interpolated normal would send it through the surface,
 /// the geometric one is used.
-fn reflection(hits: &SurfaceBatch, i: usize, normal: Vec3) -> Vec3 {
+pub(super) fn reflection(hits: &SurfaceBatch, i: usize, normal: Vec3) -> Vec3 {
     let (ray, facing) = (hits.ray_dir.get(i), hits.facing_ng(i));
     let mirrored = ray.reflect(normal);
     let outside = mirrored.dot(facing) > 0.0;

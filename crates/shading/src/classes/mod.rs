@@ -8,9 +8,14 @@ mod class;
 mod constant;
 mod constant_environment;
 mod diffuse;
+mod emissive;
+mod glass;
 mod infinite_light;
 mod lambert;
+mod matte;
+mod metallic_roughness;
 mod mirror;
+mod phong;
 mod pinhole_camera;
 mod projection_camera;
 mod sample;
@@ -32,6 +37,11 @@ pub static ALL: &[&ShaderClass] = &[
     &textured_diffuse::CLASS,
     &texture::CLASS,
     &mirror::CLASS,
+    &phong::CLASS,
+    &matte::CLASS,
+    &metallic_roughness::CLASS,
+    &glass::CLASS,
+    &emissive::CLASS,
     &sample::CLASS,
     &spot_light::CLASS,
     &infinite_light::CLASS,
@@ -47,7 +57,37 @@ pub fn find(name: &str) -> Option<&'static ShaderClass> {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
+    use super::probe::{Probe, floor, shade};
     use super::*;
+    use crate::batch::Vec3s;
+
+    /// The physical materials by name, under a light from above, at their defaults: the closed forms.
+    #[test]
+    fn materials_by_name() {
+        let seen = |name: &str, edit: &[(usize, Value)], probe: &mut Probe| {
+            let class = find(name).expect("a class");
+            let mut values = class.defaults();
+            edit.iter().for_each(|(place, value)| values.0[*place] = value.clone());
+            let Shader::Surface(surface) = class.make(&values) else { panic!("{name} is of surfaces") };
+            let mut hits = floor();
+            hits.color = Vec3s::splat(1, Vec3::ONE);
+            shade(&*surface, probe, &hits)
+        };
+        let pi = std::f32::consts::PI;
+        let matte = seen("MatteShader", &[], &mut Probe::lit(Vec3::Y, Vec3::ONE));
+        assert!((matte - Vec3::splat(0.8 / pi)).length() < 1e-6, "E color / pi: {matte}");
+        let lamp = seen("EmissiveShader", &[], &mut Probe::dark());
+        assert_eq!(lamp, Vec3::ONE, "its radiance");
+        let mut around = Probe { seen: Vec3::splat(2.0), ..Probe::dark() };
+        let glass = seen("GlassShader", &[], &mut around);
+        assert!((glass - Vec3::splat(2.0)).length() < 1e-5, "all of what is around: {glass}");
+        assert_eq!(around.traced.len(), 2, "mirrored and refracted");
+        let black = (0, Value::Floats(vec![0.0; 3]));
+        let plastic = seen("MetallicRoughnessShader", &[black], &mut Probe::lit(Vec3::Y, Vec3::ONE));
+        assert!(plastic.x > 0.0 && plastic.x < 0.2, "only the coat's highlight: {plastic}");
+    }
 
     #[test]
     fn descriptions_are_consistent() {

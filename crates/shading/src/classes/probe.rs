@@ -10,7 +10,7 @@ use crate::shader::{LightBatch, RayRequest, SurfaceShader, Tracer};
 
 /// Answers of a renderer.
 pub(super) struct Probe {
-    lights: Vec<(Vec3, Vec3)>,
+    pub(super) lights: Vec<(Vec3, Vec3)>,
     /// What shadow rays let through.
     pub(super) transmittance: Vec3,
     /// What traced rays see.
