@@ -109,8 +109,8 @@ impl Phong {
         for number in 0..tracer.light_count() {
             tracer.illuminate(number, hits, &mut light);
             let (mut request, mut scattered) = (RayRequest::default(), Vec::new());
-            for i in 0..hits.len() {
-                let (dir, normal) = (light.dir.get(i), normals[i]);
+            for (i, &normal) in normals.iter().enumerate() {
+                let dir = light.dir.get(i);
                 let cos = normal.dot(dir);
                 if cos <= 0.0 || light.radiance.get(i) == Vec3::ZERO {
                     continue;
