@@ -14,7 +14,7 @@ use gnurt::accel::Ray;
 use gnurt::shading::classes::ParameterRate;
 use gnurt::shading::{SurfaceBatch, Tracer};
 
-use crate::ffi_plugin_lanes::{Buffers, Scratch};
+use crate::ffi_plugin_lanes::Buffers;
 use crate::ffi_plugin_shader::PluginShader;
 use crate::ffi_rts::{Ctx, Hits, Host, RTS_ABI, Rays, Vec3In, Vec3Out, read_sized};
 
@@ -36,6 +36,8 @@ pub(crate) static HOST: Host = Host {
 pub(crate) struct Surface<'a> {
     pub(crate) tracer: &'a mut (dyn Tracer + 'a),
     pub(crate) hits: &'a SurfaceBatch,
+    /// Where the plugin sees the points of `hits`.
+    points: *const f32,
     /// Rays that each lane has sent: no two get the same random numbers.
     sent: Vec<u32>,
 }
@@ -45,13 +47,12 @@ pub(crate) struct Call<'a> {
     pub(crate) shader: &'a PluginShader,
     pub(crate) surface: Option<Surface<'a>>,
     pub(crate) buffers: Buffers,
-    scratch: Scratch,
     panic: Option<Box<dyn Any + Send>>,
 }
 
 impl<'a> Call<'a> {
     pub(crate) fn new(shader: &'a PluginShader) -> Self {
-        Self { shader, surface: None, buffers: Buffers::take(), scratch: Scratch::default(), panic: None }
+        Self { shader, surface: None, buffers: Buffers::take(), panic: None }
     }
 
     pub(crate) fn of_surface(
@@ -59,7 +60,17 @@ impl<'a> Call<'a> {
         tracer: &'a mut (dyn Tracer + 'a),
         hits: &'a SurfaceBatch,
     ) -> Self {
-        Self { surface: Some(Surface { tracer, hits, sent: Vec::new() }), ..Self::new(shader) }
+        Self {
+            surface: Some(Surface { tracer, hits, points: std::ptr::null(), sent: Vec::new() }),
+            ..Self::new(shader)
+        }
+    }
+
+    /// Where the plugin sees the points of its batch.
+    pub(crate) fn points_at(&mut self, points: Vec3In) {
+        if let Some(surface) = &mut self.surface {
+            surface.points = points.x;
+        }
     }
 
     /// Calls a plugin's function, which gets this as its context.
@@ -187,9 +198,8 @@ unsafe extern "C" fn illuminate(
                 return;
             }
             let out = &mut call.buffers.light;
-            let own = surface.hits.len() == n
-                && (0..n).all(|i| lane(p, i) == <[f32; 3]>::from(surface.hits.p.get(i)));
-            if own {
+            // Its own points: a plugin may not change them.
+            if surface.hits.len() == n && p.x == surface.points {
                 surface.tracer.illuminate(light as usize, surface.hits, out);
             } else {
                 let lanes: Vec<u32> = (0..n).map(|i| (i % surface.hits.len()) as u32).collect();
@@ -209,9 +219,10 @@ unsafe extern "C" fn illuminate(
                 put(array, values);
             }
             if !lit.is_null() {
-                for i in 0..n {
-                    let [r, g, b] = [arriving.x[i], arriving.y[i], arriving.z[i]];
-                    *lit.add(i) = u8::from(r != 0.0 || g != 0.0 || b != 0.0);
+                let lit = std::slice::from_raw_parts_mut(lit, n);
+                let colors = arriving.x.iter().zip(&arriving.y).zip(&arriving.z);
+                for (lit, ((r, g), b)) in lit.iter_mut().zip(colors) {
+                    *lit = u8::from((*r != 0.0) | (*g != 0.0) | (*b != 0.0));
                 }
             }
         });
@@ -367,7 +378,7 @@ unsafe extern "C" fn texture(
 /// As openrt/rts.h says.
 unsafe extern "C" fn scratch(ctx: *mut Ctx, bytes: usize) -> *mut c_void {
     // SAFETY: the plugin vouches for its context.
-    unsafe { serve(ctx, std::ptr::null_mut(), |call| call.scratch.bytes(bytes).cast()) }
+    unsafe { serve(ctx, std::ptr::null_mut(), |call| call.buffers.scratch.bytes(bytes).cast()) }
 }
 
 thread_local! {

@@ -27,6 +27,8 @@ pub(crate) struct Buffers {
     pub(crate) request: RayRequest,
     /// What comes back.
     pub(crate) answer: Vec3s,
+    /// For the plugin.
+    pub(crate) scratch: Scratch,
 }
 
 thread_local! {
@@ -41,7 +43,8 @@ impl Buffers {
     }
 
     /// For the next call of this thread.
-    pub(crate) fn give_back(self) {
+    pub(crate) fn give_back(mut self) {
+        self.scratch.reset();
         FREE.with(|free| free.borrow_mut().push(self));
     }
 
@@ -94,24 +97,21 @@ impl Lanes {
         array
     }
 
-    /// The same for integers.
-    pub(crate) fn integers_by(&mut self, value: impl Fn(usize) -> u32) -> *const u32 {
+    /// An array of integers, one per lane.
+    pub(crate) fn integers(&mut self, values: impl Iterator<Item = u32>) -> *const u32 {
         let array = self.array().cast::<u32>();
-        for i in 0..self.lanes {
-            // SAFETY: as above; integers are as large as floats.
-            unsafe { array.add(i).write(value(i)) };
-        }
+        // SAFETY: an array has `stride` floats, at least `lanes`, all of them written; integers are as large as floats.
+        let lanes = unsafe { std::slice::from_raw_parts_mut(array, self.lanes) };
+        lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = value);
         array
     }
 
-    /// The same for bytes.
-    pub(crate) fn bytes_by(&mut self, value: impl Fn(usize) -> u8) -> *mut u8 {
+    /// An array of bytes, one per lane.
+    pub(crate) fn bytes(&mut self, values: impl Iterator<Item = u8>) -> *mut u8 {
         let array = self.array().cast::<u8>();
-        for i in 0..self.stride {
-            let byte = if i < self.lanes { value(i) } else { 0 };
-            // SAFETY: an array has four times as many bytes as floats.
-            unsafe { array.add(i).write(byte) };
-        }
+        // SAFETY: an array has four times as many bytes as floats, all of them written.
+        let lanes = unsafe { std::slice::from_raw_parts_mut(array, self.lanes) };
+        lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = value);
         array
     }
 
@@ -147,19 +147,35 @@ impl Lanes {
 
 /// Memory for a plugin's own use, until its callback returns.
 #[derive(Default)]
-pub(crate) struct Scratch(Vec<Vec<Line>>);
+pub(crate) struct Scratch {
+    blocks: Vec<Vec<Line>>,
+    /// Blocks that the present call has; the others are from earlier ones.
+    used: usize,
+}
 
 impl Scratch {
     /// So many bytes at a multiple of 64; null if there is no such memory.
     pub(crate) fn bytes(&mut self, bytes: usize) -> *mut u8 {
         let lines = bytes.div_ceil(size_of::<Line>()).max(1);
-        let mut memory = Vec::new();
-        if memory.try_reserve_exact(lines).is_err() {
-            return std::ptr::null_mut();
+        if self.used == self.blocks.len() {
+            self.blocks.push(Vec::new());
         }
-        memory.resize(lines, Line([0.0; WIDTH]));
-        self.0.push(memory);
-        self.0.last_mut().map_or(std::ptr::null_mut(), |memory| memory.as_mut_ptr().cast())
+        let block = &mut self.blocks[self.used];
+        if block.len() < lines {
+            if block.try_reserve_exact(lines - block.len()).is_err() {
+                return std::ptr::null_mut();
+            }
+            block.resize(lines, Line([0.0; WIDTH]));
+        }
+        self.used += 1;
+        block.as_mut_ptr().cast()
+    }
+
+    /// The call is over; large blocks are freed, so that one call does not keep memory for ever.
+    fn reset(&mut self) {
+        const MOST: usize = 1 << 14;
+        self.used = 0;
+        self.blocks.retain(|block| block.len() <= MOST);
     }
 }
 

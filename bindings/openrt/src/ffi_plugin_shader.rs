@@ -75,6 +75,7 @@ impl PluginShader {
         let mut call = Call::of_surface(self, tracer, hits);
         let mut arrays = call.buffers.arrays(n, SURFACE_ARRAYS);
         let batch = self.hits(hits, &mut arrays);
+        call.points_at(batch.p);
         let result = arrays.unwritten_vectors();
         // SAFETY: the function is the class's; batch and result are as openrt/rts.h says and live through the call.
         call.run(|host, ctx| unsafe { function(host, ctx, &raw const batch, result) });
@@ -85,8 +86,6 @@ impl PluginShader {
     /// The batch as plugins see it.
     fn hits(&self, hits: &SurfaceBatch, arrays: &mut Lanes) -> Hits {
         let n = hits.len();
-        let id =
-            |which: usize, i: usize| self.frame.ids.get(hits.inst_id[i] as usize).map_or(0, |ids| ids[which]);
         Hits {
             struct_size: size_of::<Hits>() as u32,
             n: n as u32,
@@ -105,27 +104,56 @@ impl PluginShader {
                 z: arrays.floats_by(|_| 0.0),
             },
             alpha: arrays.floats(&hits.alpha),
-            object: arrays.integers_by(|i| id(0, i)),
-            instance: arrays.integers_by(|i| id(1, i)),
-            triangle: arrays.integers_by(|i| hits.prim_id[i]),
-            depth: arrays.integers_by(|_| hits.depth),
-            back: arrays.bytes_by(|i| u8::from(!hits.front(i))),
+            object: arrays.integers(self.api_ids(hits, 0)),
+            instance: arrays.integers(self.api_ids(hits, 1)),
+            triangle: arrays.integers(hits.prim_id.iter().copied()),
+            depth: arrays.integers(std::iter::repeat_n(hits.depth, n)),
+            back: arrays.bytes(backs(&hits.ng, &hits.ray_dir)),
         }
+    }
+
+    /// Ids of objects (0) or instances (1) in the API.
+    fn api_ids(&self, hits: &SurfaceBatch, which: usize) -> impl Iterator<Item = u32> {
+        let id = move |inst_id: u32| self.frame.ids.get(inst_id as usize).map_or(0, |ids| ids[which]);
+        // Neighbours are of one instance most of the time.
+        let mut last = hits.inst_id.first().map_or((0, 0), |&inst_id| (inst_id, id(inst_id)));
+        hits.inst_id.iter().map(move |&inst_id| {
+            if inst_id != last.0 {
+                last = (inst_id, id(inst_id));
+            }
+            last.1
+        })
     }
 
     /// Takes a plugin's colours; what is none becomes black and is counted.
     fn take(&self, arrays: &Lanes, result: Vec3Out, out: &mut Vec3s) {
         // SAFETY: the result is of these arrays, and the plugin's call is over.
         let [x, y, z] = [result.x, result.y, result.z].map(|array| unsafe { arrays.written(array) });
-        let is_bad = |i: usize| !(x[i].is_finite() & y[i].is_finite() & z[i].is_finite());
-        let bad: Vec<usize> = (0..x.len()).filter(|&i| is_bad(i)).collect();
         for (array, values) in [(&mut out.x, x), (&mut out.y, y), (&mut out.z, z)] {
             array.clear();
             array.extend_from_slice(values);
-            bad.iter().for_each(|&i| array[i] = 0.0);
         }
-        self.faults.add(bad.len() as u64);
+        if [x, y, z].into_iter().all(all_finite) {
+            return;
+        }
+        let is_bad = |i: usize| !(x[i].is_finite() & y[i].is_finite() & z[i].is_finite());
+        let bad = (0..x.len()).filter(|&i| is_bad(i));
+        self.faults.add(bad.map(|i| out.set(i, [0.0; 3].into())).count() as u64);
     }
+}
+
+/// 1 where a normal points the way the ray goes.
+fn backs(ng: &Vec3s, ray_dir: &Vec3s) -> impl Iterator<Item = u8> {
+    let x = ng.x.iter().zip(&ray_dir.x).map(|(a, b)| a * b);
+    let y = ng.y.iter().zip(&ray_dir.y).map(|(a, b)| a * b);
+    let z = ng.z.iter().zip(&ray_dir.z).map(|(a, b)| a * b);
+    x.zip(y).zip(z).map(|((x, y), z)| u8::from(x + y + z > 0.0))
+}
+
+/// Whether there is neither NaN nor infinity. By bits and without branches: many at a time.
+fn all_finite(values: &[f32]) -> bool {
+    const EXPONENT: u32 = 0x7F80_0000;
+    values.iter().fold(0, |bad, x| bad | u32::from(x.to_bits() & EXPONENT == EXPONENT)) == 0
 }
 
 impl SurfaceShader for PluginShader {
@@ -158,7 +186,7 @@ impl LightShader for PluginShader {
         let points = arrays.vectors(p);
         let (dir, dist, radiance) =
             (arrays.unwritten_vectors(), arrays.unwritten(), arrays.unwritten_vectors());
-        let lit = arrays.bytes_by(|_| 0);
+        let lit = arrays.bytes(std::iter::repeat_n(0, p.len()));
         let (block, n) = (self.snapshot.pointer(), p.len() as u32);
         // SAFETY: the function is the class's; all arrays are as openrt/rts.h says and live through the call.
         call.run(|host, ctx| unsafe { function(host, ctx, block, n, points, dir, dist, radiance, lit) });
@@ -226,7 +254,7 @@ impl EnvironmentShader for PluginShader {
             dir: arrays.vectors(dir),
             tmin: zeros,
             tmax: arrays.floats_by(|_| f32::INFINITY),
-            parent: arrays.integers_by(|i| i as u32),
+            parent: arrays.integers(0..dir.len() as u32),
             weight: arrays.floats_by(|_| 1.0),
         };
         let result = arrays.unwritten_vectors();

@@ -53,6 +53,8 @@ pub mod matrix;
 pub mod object;
 pub mod parameter;
 pub mod plugin_class;
+#[cfg(test)]
+mod plugin_cost;
 pub mod plugin_frame;
 pub mod plugin_load;
 mod plugin_search;
