@@ -52,9 +52,8 @@ impl Assembly {
     /// The block's primitive number `i` of vertices is complete: its triangles are added.
     #[inline]
     fn complete(&mut self, block: &Block, part: usize, i: u32, values: &[f32]) {
-        let part = self.geometry.part_mut(part);
         for triangle in block.mode.completed_by(i).iter() {
-            part.push_triangle(triangle.map(|k| block.first as u32 + k), values);
+            self.geometry.push_triangle(part, triangle.map(|k| block.first as u32 + k), values);
         }
     }
 
@@ -75,10 +74,9 @@ impl Assembly {
         if waiting.vertices.len() >= size_waiting {
             let vertices: Vec<u32> = waiting.vertices.drain(..size_waiting).collect();
             let values: Vec<f32> = waiting.values.drain(..size_waiting * stride).collect();
-            let part = self.geometry.part_mut(part);
             for triangle in block.mode.completed_by(size - 1).iter() {
                 let at_last_vertex = &values[(size_waiting - 1) * stride..];
-                part.push_triangle(triangle.map(|k| vertices[k as usize]), at_last_vertex);
+                self.geometry.push_triangle(part, triangle.map(|k| vertices[k as usize]), at_last_vertex);
             }
         }
     }

@@ -17,6 +17,7 @@ use crate::ffi_plugin_block::Snapshot;
 use crate::ffi_plugin_host::Call;
 use crate::ffi_plugin_lanes::Lanes;
 use crate::ffi_rts::{Hits, Rays, ShadeFn, Vec3In, Vec3Out};
+use crate::geometry::TRIANGLE_NUMBER;
 use crate::plugin_class::PluginClass;
 use crate::plugin_frame::{Faults, FrameState};
 
@@ -25,7 +26,7 @@ pub(crate) struct PluginShader {
     pub(crate) snapshot: Snapshot,
     pub(crate) frame: Arc<FrameState>,
     pub(crate) faults: Arc<Faults>,
-    /// One per parameter that varies, in the order of the parameters.
+    /// One per parameter that varies, in the order of the parameters; then the numbers of triangles.
     attributes: Vec<AttributeRequest>,
     /// The attribute of each parameter.
     attribute_of: Vec<Option<usize>>,
@@ -42,6 +43,11 @@ pub(crate) fn make(snapshot: Snapshot, frame: &Arc<FrameState>, faults: Arc<Faul
             let (name, components, default) = (p.name.clone(), p.count as u32, p.default.clone());
             attributes.push(AttributeRequest { name, components, default });
         }
+    }
+    if class.kind == Kind::Surface {
+        // Less than 0 = the mesh's own numbers.
+        let (name, default) = (TRIANGLE_NUMBER.to_owned(), vec![-1.0; 2]);
+        attributes.push(AttributeRequest { name, components: 2, default });
     }
     let frame = frame.clone();
     let shader = Arc::new(PluginShader { snapshot, frame, faults, attributes, attribute_of });
@@ -106,7 +112,7 @@ impl PluginShader {
             alpha: arrays.floats(&hits.alpha),
             object: arrays.integers(self.api_ids(hits, 0)),
             instance: arrays.integers(self.api_ids(hits, 1)),
-            triangle: arrays.integers(hits.prim_id.iter().copied()),
+            triangle: arrays.integers((0..n).map(triangle_of(hits))),
             depth: arrays.integers(std::iter::repeat_n(hits.depth, n)),
             back: arrays.bytes(backs(&hits.ng, &hits.ray_dir)),
         }
@@ -139,6 +145,15 @@ impl PluginShader {
         let is_bad = |i: usize| !(x[i].is_finite() & y[i].is_finite() & z[i].is_finite());
         let bad = (0..x.len()).filter(|&i| is_bad(i));
         self.faults.add(bad.map(|i| out.set(i, [0.0; 3].into())).count() as u64);
+    }
+}
+
+/// The number of each lane's triangle in its object.
+fn triangle_of(hits: &SurfaceBatch) -> impl Fn(usize) -> u32 {
+    let numbers = hits.attributes.last().filter(|numbers| numbers.len() == 2 * hits.len());
+    move |i| match numbers {
+        Some(halves) if halves[i] >= 0.0 => halves[i] as u32 | ((halves[hits.len() + i] as u32) << 16),
+        _ => hits.prim_id[i],
     }
 }
 

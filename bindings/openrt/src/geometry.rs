@@ -9,6 +9,7 @@ use std::sync::Arc;
 use gnurt::scene::{Attribute, Mesh, Rate};
 use gnurt::shading::classes::NORMALS_GIVEN;
 
+use crate::class::Code;
 use crate::shader_class::{Block, LoadedClass};
 
 /// A vertex as it is stored.
@@ -23,6 +24,10 @@ pub struct Vertex {
     /// Red, green, blue, alpha.
     pub color: [f32; 4],
 }
+
+/// Name of the mesh attribute, two floats per triangle, that says where it is among those of its object: the low and the
+/// high 16 bits.
+pub const TRIANGLE_NUMBER: &str = "openrt.triangle_number";
 
 const NO_NORMAL: [f32; 3] = [0.0; 3];
 const WHITE: [f32; 4] = [1.0; 4];
@@ -41,6 +46,8 @@ pub struct Part {
     indices: Vec<[u32; 3]>,
     /// One block per triangle, if the class has parameters per triangle.
     triangle_values: Vec<f32>,
+    /// Number of each triangle in the object, if a plugin may ask for it.
+    numbers: Vec<u32>,
 }
 
 /// The mesh of a finished part.
@@ -55,6 +62,8 @@ pub struct ShaderMesh {
 #[derive(Default)]
 pub struct Geometry {
     parts: Vec<Part>,
+    /// Triangles of all parts.
+    triangles: u32,
     /// Vertices that the program gave, whether they made triangles or not.
     pub vertices_given: usize,
 }
@@ -67,6 +76,14 @@ impl Geometry {
             self.parts.push(Part::new(shader, class.clone()));
             self.parts.len() - 1
         })
+    }
+
+    /// Adds a triangle to a part, with the block of its per-triangle parameters. One without area, or with a coordinate
+    /// that is not finite, is left out.
+    pub fn push_triangle(&mut self, part: usize, vertices: [u32; 3], values: &[f32]) {
+        if self.parts[part].push_triangle(vertices, values, self.triangles) {
+            self.triangles += 1;
+        }
     }
 
     /// A part, to be added to.
@@ -111,6 +128,7 @@ impl Part {
             vertex_values: Vec::new(),
             indices: Vec::new(),
             triangle_values: Vec::new(),
+            numbers: Vec::new(),
         }
     }
 
@@ -133,11 +151,16 @@ impl Part {
 
     /// Adds a triangle with the block of its per-triangle parameters. One without area, or with a coordinate that is
     /// not finite, is left out.
-    pub fn push_triangle(&mut self, vertices: [u32; 3], values: &[f32]) {
-        if has_area(vertices.map(|i| self.positions[i as usize])) {
+    fn push_triangle(&mut self, vertices: [u32; 3], values: &[f32], number: u32) -> bool {
+        let is_kept = has_area(vertices.map(|i| self.positions[i as usize]));
+        if is_kept {
             self.indices.push(vertices);
             self.triangle_values.extend_from_slice(values);
+            if matches!(self.class.code, Code::Plugin(_)) {
+                self.numbers.push(number);
+            }
         }
+        is_kept
     }
 
     fn finish(mut self) -> ShaderMesh {
@@ -149,6 +172,13 @@ impl Part {
             Rate::Triangle,
             self.triangle_values,
         ));
+        // The only part of an object has its triangles in their order.
+        if self.numbers.iter().zip(0..).any(|(&number, i)| number != i) {
+            // Two halves: floats hold integers up to 2^24.
+            let data = self.numbers.iter().flat_map(|&n| [(n & 0xFFFF) as f32, (n >> 16) as f32]).collect();
+            let name = TRIANGLE_NUMBER.to_owned();
+            attributes.push(Attribute { name, rate: Rate::Triangle, components: 2, data });
+        }
         if !self.normals.is_empty() {
             let normals = &self.normals;
             let given = |triangle: &[u32; 3]| triangle.iter().all(|&i| normals[i as usize] != NO_NORMAL);

@@ -6,8 +6,8 @@
 //! |---|---|---|
 //! | samplesPerPixel | 0 | samples of each pixel; 0 = as rtSetSamplesPerPixel says |
 //! | maxDepth | -1 | bounces of a path; negative = that of rtSetMaxRayRecursionDepth |
-//! | vplCount | 0 | virtual point lights; 0 = the renderer's own number |
-//! | clamp | 0 | greatest contribution of one light; 0 = no limit |
+//! | vplCount | 0 | virtual lights of a pass; 0 = the renderer's own number |
+//! | clamp | 0 | largest geometry term, one over area, that virtual lights bring light over; 0 = the renderer's own |
 //! | seed | 0 | of the random numbers |
 //!
 //! A class is there as soon as the renderer has its integrator. Proof: tests/c/rendering_objects.c.
@@ -79,6 +79,12 @@ impl RenderingClass {
         if let Ok(depth) = u32::try_from(integer(values, 1)) {
             options.max_depth = depth;
         }
+        if let Some(vpls) = u32::try_from(integer(values, 2)).ok().filter(|&vpls| vpls > 0) {
+            options.vpls = vpls;
+        }
+        if let Some(ParameterValue::Floats(clamp)) = values.get(3) {
+            options.clamp = clamp.first().copied().filter(|&clamp| clamp > 0.0 && clamp.is_finite());
+        }
         options.seed = u64::from(integer(values, 4).cast_unsigned());
     }
 
@@ -113,6 +119,11 @@ mod tests {
         class.apply(&values(4, -1), &mut options);
         assert_eq!(options.integrator.name(), "eyelight", "its integrator");
         assert_eq!((options.max_depth, options.seed), (7, 3), "its values");
+        assert_eq!((options.vpls, options.clamp), (1024, None), "the renderer's own");
+        let mut many = values(4, -1);
+        (many[2], many[3]) = (ParameterValue::Integer(9), ParameterValue::Floats(vec![0.5]));
+        class.apply(&many, &mut options);
+        assert_eq!((options.vpls, options.clamp), (9, Some(0.5)), "its own");
         class.apply(&values(4, 2), &mut options);
         assert_eq!(options.max_depth, 2, "its own depth");
         let context = Sampling { samples: 5, progressive: true };

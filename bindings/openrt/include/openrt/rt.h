@@ -77,11 +77,12 @@ RTAPI RTboolean RTAPIENTRY rtIsTexture(RTuint id);
 RTAPI void RTAPIENTRY rtSetFrameBuffer(RTubyte *memory, RTuint width, RTuint height, RTenum format);
 
 /* Takes a snapshot of scene and parameters and starts to render it in the background; the scene may be edited at
- * once. BE; OBJ; IO if a frame is in flight or there is no frame buffer. */
+ * once. BE; OBJ; IO if a frame is in flight or there is no frame buffer. IO, too, if `prepare` of a plugin fails: the
+ * frame starts and goes on without that shader, see rtGetShaderClassInfoLog. */
 RTAPI void RTAPIENTRY rtStartRendering(void);
 
 /* Waits until the frame in flight is complete in its frame buffer; other threads may call meanwhile. BE; OBJ; IO if
- * none is in flight. */
+ * none is in flight. IO, too, if plugins gave NaN or infinities, which are shown black, see rtGetShaderClassInfoLog. */
 RTAPI void RTAPIENTRY rtEndRendering(void);
 
 /* Starts a frame if none is in flight, then ends it. BE; OBJ; IO without frame buffer. rtRenderFrame is the same. */
@@ -337,9 +338,10 @@ RTAPI void RTAPIENTRY rtColor4dv(const RTdouble *v);
 
 /* ---- Shader classes, shaders and parameters ------------------------------------------------------------------ */
 
-/* Loads the shader class `name` from the shared library `file`, or the built-in one if `file` is NULL or empty;
- * binds the class, unbinds the shader and returns the class's id. BE; IV if name, file or class is missing, see
- * rtGetShaderClassInfoLog; IO if the library does not fit. */
+/* Loads the shader class `name` from the shared library `file` (openrt/rts.h says how to write one), or the built-in
+ * one if `file` is NULL or empty; binds the class, unbinds the shader and returns the class's id. A `file` without '/'
+ * is looked for in the folders of $OPENRT_SHADER_PATH, by the system's loader, and in the working directory. BE; IV if
+ * name, file or class is missing, see rtGetShaderClassInfoLog; IO if the library does not fit. */
 RTAPI RTuint RTAPIENTRY rtGenNewShaderClass(const char *name, const char *file);
 
 /* Binds a class and unbinds the shader. BE; IO unknown id. */
@@ -395,8 +397,8 @@ RTAPI void RTAPIENTRY rtGetParameterfv(RTuint handle, RTfloat *values);
 /* Deletes a shader's id; geometry, camera and lights that use it keep it. Unbinds it if it is bound. BE; IV. */
 RTAPI void RTAPIENTRY rtDeleteShader(RTuint shader);
 
-/* Why the last rtGenNewShaderClass failed; empty if it did not. Valid until the next call of that function or
- * rtExit. NULL on error: BE. */
+/* Why the last rtGenNewShaderClass failed, or what plugins did wrong in a frame since; empty if nothing went wrong.
+ * Valid until the next call of that function, of one that starts or ends a frame, or of rtExit. NULL on error: BE. */
 RTAPI const char *RTAPIENTRY rtGetShaderClassInfoLog(void);
 
 /* ---- Textures ------------------------------------------------------------------------------------------------ */
@@ -439,7 +441,8 @@ RTAPI void RTAPIENTRY rtUseCamera(RTuint shader);
 /* Sets what rays see that hit nothing; black without. BE; IV; IO if it is no environment shader. */
 RTAPI void RTAPIENTRY rtUseEnvironmentShader(RTuint shader);
 
-/* Sets the rendering object. BE; IV; IO if it is none: no built-in class is one. */
+/* Sets how pictures are made: a shader of class Whitted, Eyelight or another rendering object, see docs/openrt.md. BE;
+ * IV; IO if it is none. */
 RTAPI void RTAPIENTRY rtUseRenderingObject(RTuint shader);
 
 /* Places the default camera, initially at the origin, looking along -z, y upwards. BE; IV if eye and centre

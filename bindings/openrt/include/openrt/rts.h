@@ -177,7 +177,8 @@ typedef struct {
     /* Surfaces: the share of light that goes straight through. NULL: none. */
     void (*transmit)(const RTShost *host, RTSctx *ctx, const RTShits *hits, RTSvecm out);
 
-    /* Environment: the radiance that comes against each ray that hits nothing. */
+    /* Environment: the radiance that comes against each ray that hits nothing. It is infinitely far away: the rays'
+     * origins are 0, tmax is infinite. */
     void (*miss)(const RTShost *host, RTSctx *ctx, const void *block, const RTSrays *rays, RTSvecm out);
 
     /* Lights: direction towards the light (any length), distance (infinity if it is nowhere), what arrives there at a

@@ -30,7 +30,7 @@ int main(void)
     const RTfloat three_four[2] = { 3, 4 };
     const double pair[2] = { 1.5, 2.5 };
     RTfloat read[16];
-    RTuint object, instance, class_id, h;
+    RTuint object, instance, class_id, h, first;
     char text[8] = "a text";
     int row, column;
 
@@ -39,7 +39,7 @@ int main(void)
     rtGenObjects(3);
     class_id = rtGenNewShaderClass("probe", "./tricky.so");
     CHECK(class_id != RT_INVALID);
-    rtGenNewShader();
+    first = rtGenNewShader();
     v_weight = of("v_weight");
     EXPECT(rtGetParameterfv(of("f32"), read), OK);
     CHECK(read[0] == 0.5f);
@@ -78,8 +78,15 @@ int main(void)
     EXPECT(rtParameterString(of("f32"), "0.5"), IO);
     EXPECT(rtParameterHandle("no such parameter"), IV);
 
-    /* Two rectangles, four triangles, with values of each rate. */
+    /* A rectangle with values of each rate, behind three triangles of another shader. */
     object = rtNewObject(RT_COMPILE);
+    constant_shader(1, 0, 0);
+    rectangle(-1, -1, 1, 1, -3);
+    rtBegin(RT_TRIANGLES);
+    rtVertex3f(0, 0, -4), rtVertex3f(1, 0, -4), rtVertex3f(0, 1, -4);
+    rtVertex3f(0, 0, -4), rtVertex3f(1, 1, -4), rtVertex3f(2, 2, -4); /* no area: it does not count */
+    rtEnd();
+    rtBindShader(first);
     h = of("t_number");
     EXPECT(rtGetParameterfv(h, read), OK);
     CHECK(read[0] == 0);
@@ -91,7 +98,7 @@ int main(void)
     corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1);
     rtEnd();
     instance = rtInstantiateObject(object);
-    EXPECT(rtParameter3i(of("expected"), (RTint)object, (RTint)instance, 0), OK);
+    EXPECT(rtParameter3i(of("expected"), (RTint)object, (RTint)instance, 3), OK);
     CHECK(object > 3 && instance >= 1);
 
     EXPECT(rtRender(), OK);
