@@ -24,19 +24,33 @@ pub enum Integrator {
     Whitted,
     /// Virtual lights where light paths meet surfaces \[Kel97\]; converges to what paths show.
     InstantRadiosity,
+    /// The same with virtual lights on paths from both sides, the most important of them \[SIMP06\].
+    BidirectionalInstantRadiosity,
+    /// The same with virtual lights from Markov chains over paths from lamps to the camera \[SIP07\].
+    MetropolisInstantRadiosity,
     /// All light, by scattered rays: the reference \[Kaj86\].
     Path,
 }
 
 impl Integrator {
     /// All of them.
-    pub const ALL: [Self; 5] =
-        [Self::Eyelight, Self::Normals, Self::Whitted, Self::InstantRadiosity, Self::Path];
+    pub const ALL: [Self; 7] = [
+        Self::Eyelight,
+        Self::Normals,
+        Self::Whitted,
+        Self::Path,
+        Self::InstantRadiosity,
+        Self::BidirectionalInstantRadiosity,
+        Self::MetropolisInstantRadiosity,
+    ];
 
     /// Whether samples are taken with virtual lights, a fresh set for each.
     #[must_use]
     pub fn has_virtual_lights(self) -> bool {
-        matches!(self, Self::InstantRadiosity)
+        matches!(
+            self,
+            Self::InstantRadiosity | Self::BidirectionalInstantRadiosity | Self::MetropolisInstantRadiosity
+        )
     }
 
     /// The name on the command line.
@@ -47,6 +61,8 @@ impl Integrator {
             Self::Normals => "normals",
             Self::Whitted => "whitted",
             Self::InstantRadiosity => "ir",
+            Self::BidirectionalInstantRadiosity => "bir",
+            Self::MetropolisInstantRadiosity => "mir",
             Self::Path => "path",
         }
     }
@@ -170,7 +186,7 @@ mod tests {
         let error = "witted".parse::<Integrator>().expect_err("no such integrator");
         assert_eq!(
             error.to_string(),
-            "unknown integrator 'witted': expected eyelight, normals, whitted, ir, path",
+            "unknown integrator 'witted': expected eyelight, normals, whitted, path, ir, bir, mir",
             "the message says what there is"
         );
     }

@@ -36,7 +36,7 @@ pub(crate) struct FrameArguments {
     /// Seed of the random numbers: the same seed gives the same picture
     #[arg(long, value_name = "N", value_parser = value::seed, allow_hyphen_values = true, default_value = "0")]
     pub(crate) seed: u64,
-    /// How light is computed: eyelight, normals, whitted, ir or path
+    /// How light is computed: eyelight, normals, whitted, path, ir, bir or mir
     #[arg(
         long,
         value_name = "NAME",
@@ -58,10 +58,10 @@ pub(crate) struct FrameArguments {
     /// seen directly, 2 = direct light
     #[arg(long, value_name = "N", value_parser = value::depth, allow_hyphen_values = true, default_value = "16")]
     pub(crate) max_depth: u32,
-    /// Virtual lights of each sample per pixel, about (ir)
+    /// Virtual lights of each sample per pixel, about (ir, bir, mir)
     #[arg(long, value_name = "N", value_parser = value::virtual_lights, allow_hyphen_values = true, default_value = "1024")]
     pub(crate) vpls: u32,
-    /// ir: largest geometry term, one over area, that virtual lights bring light over; rays bring the rest; without it
+    /// ir, bir, mir: largest geometry term, one over area, that virtual lights bring light over; rays bring the rest; without it
     /// the scene's size decides. path: light scattered more than once counts no more than this per sample (too dark)
     #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,

@@ -155,7 +155,7 @@ fn regions_and_pixels() {
 #[test]
 fn names() {
     check(&[
-        ("render ok.obj --integrator paths", 2, "valid are: eyelight, normals, whitted, ir, path"),
+        ("render ok.obj --integrator paths", 2, "valid are: eyelight, normals, whitted, path, ir, bir, mir"),
         ("render ok.obj --integrator Whited", 2, "did you mean 'whitted'?"),
         ("render ok.obj --integrator=", 2, "--integrator"),
         ("render ok.obj --filter gauss", 2, "did you mean 'gaussian'?"),

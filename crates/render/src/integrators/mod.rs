@@ -23,7 +23,9 @@ pub(crate) fn radiance(
     match integrator {
         Integrator::Eyelight => eyelight::radiance(tracer, camera, radiance),
         Integrator::Normals => normals::radiance(tracer, camera, radiance),
-        Integrator::InstantRadiosity => {
+        Integrator::InstantRadiosity
+        | Integrator::BidirectionalInstantRadiosity
+        | Integrator::MetropolisInstantRadiosity => {
             if let Some(pass) = tracer.pass {
                 many_lights::radiance(tracer, pass, camera, radiance);
             } else {

@@ -13,9 +13,9 @@ use gnurt_shading::sampling::sample_pair;
 use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 
 use super::eye::EyePoint;
-use super::gather::{END, gather, outside};
+use super::gather::{END, gather};
 use super::pass::PassLights;
-use super::vpl::{pdf_of_other_end, same_side};
+use super::vpl::{self, pdf_of_other_end};
 use crate::tracer::BatchTracer;
 use crate::transport::Vertex;
 use crate::world::HitLanes;
@@ -156,7 +156,7 @@ fn arrive(
             });
             radiance.add(lane, walk.throughput * emission * share(pdf));
         }
-        if vertex.is_final || walk.edges >= tracer.options.max_depth || !same_side(&vertex.point, vertex.wo) {
+        if vertex.is_final || walk.edges >= tracer.options.max_depth {
             continue;
         }
         let stop = Stop { walk: *walk, eye: EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane) };
@@ -212,9 +212,6 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
             let [u, v] = sample_pair(seed, key, walk.edges, purpose::PLACE);
             let side = lamp_side(eye);
             let Some(sample) = lights.sample(eye.point.p, side, [lamp, u, v]) else { continue };
-            if !same_side(&eye.point, sample.dir) {
-                continue;
-            }
             let scattered = eye.bsdf.eval(eye.wo, sample.dir);
             if scattered == Vec3::ZERO {
                 continue;
@@ -227,10 +224,10 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
             };
             let offer = eye.throughput * scattered * sample.radiance * (share / (count * sample.pdf));
             let offer = offer * stop.rest(pass, sample.dir);
-            let ray = if eye.point.lift != Vec3::ZERO && eye.point.ns.dot(sample.dir) > 0.0 {
+            let ray = if eye.point.ns.dot(sample.dir) > 0.0 {
                 eye.point.shadow_ray(sample.dir, sample.dist)
             } else {
-                Some(eye.point.spawn_to(sample.dir, sample.dist))
+                eye.point.shadow_ray_through(sample.dir, sample.dist)
             };
             if let Some(ray) = ray {
                 offers.push(ray, walk, offer);
@@ -257,8 +254,8 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
             let way = vpl.point.p - stop.eye.point.p;
             let rest = stop.rest(pass, way.normalize());
             let offer = brought * (rest / (pass.few as f32 * chosen.probability));
-            let start = outside(&stop.eye.point, way);
-            let way = outside(&vpl.point, -way) - start;
+            let Some(start) = vpl::start(&stop.eye.point, way) else { continue };
+            let way = vpl::end(&vpl.point, -way) - start;
             let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
             offers.push(ray, &stop.walk, offer);
         }
@@ -280,9 +277,7 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> (RayBatch
         let [u, v] = sample_pair(seed, walk.key, walk.edges, purpose::DIRECTION);
         let [lobe, end] = sample_pair(seed, walk.key, walk.edges, purpose::LOBE);
         let Some(sample) = eye.bsdf.sample(eye.wo, [lobe, u, v]) else { continue };
-        if !same_side(&eye.point, sample.wi) {
-            continue;
-        }
+        let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) else { continue };
         let rest = if sample.delta { 1.0 } else { stop.rest(pass, sample.wi) };
         let mut throughput = walk.throughput * sample.weight * rest;
         if walk.edges > 2 && !walk.is_seen {
@@ -296,7 +291,7 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> (RayBatch
             continue;
         }
         let light_samples = pass.light_samples(walk.is_seen) as f32;
-        rays.push(eye.point.spawn(sample.wi, f32::INFINITY));
+        rays.push(ray);
         walks.push(Walk {
             throughput,
             edges: walk.edges + 1,

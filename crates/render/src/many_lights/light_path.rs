@@ -7,8 +7,9 @@
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_shading::SampleKey;
+use gnurt_shading::lights::LightKind;
 
-use super::vpl::{Vpl, adjoint, same_side};
+use super::vpl::{Vpl, is_open};
 use crate::tracer::BatchTracer;
 
 /// Where a path's random numbers come from: path, edge (0 = the lamp), and which pair of that edge.
@@ -25,6 +26,8 @@ pub(crate) struct LightVertex {
     pub(crate) pdf: f32,
     /// Whether other ways of making the same path can: its lamp has an extent, no mirror sent it here.
     pub(crate) connectable: bool,
+    /// Density with which a lamp's sampling would have chosen the path's start, seen from here; 1 after the first edge.
+    pub(crate) reverse: f32,
     /// Probability that the path goes on from here.
     pub(crate) survival: f32,
 }
@@ -44,6 +47,8 @@ struct Walk {
     smooth: bool,
     origin: Vec3,
     is_far: bool,
+    /// The lamp's triangle and normal, on the first edge.
+    lamp: Option<(u32, Vec3)>,
 }
 
 /// Follows `paths` (numbers of paths) up to `max_edges`; vertices come edge by edge, in the order of the paths.
@@ -75,6 +80,10 @@ pub(crate) fn trace(
             smooth: ray.is_surface,
             origin: ray.point.p,
             is_far: !ray.is_surface,
+            lamp: match ray.kind {
+                LightKind::Triangle(triangle) => Some((triangle, ray.normal)),
+                _ => None,
+            },
         });
     }
     let mut out = Vec::new();
@@ -85,7 +94,7 @@ pub(crate) fn trace(
         for (walk, vertex) in walks.iter().zip(found) {
             let Some(vertex) = vertex.filter(|vertex| !vertex.is_final) else { continue };
             let (point, bsdf, from) = (vertex.point, vertex.scattering.bsdf, vertex.wo);
-            if !same_side(&point, from) {
+            if !(is_open(&point, from) && point.ng.dot(from) > 0.0) {
                 continue;
             }
             let per_area = if walk.is_far {
@@ -103,16 +112,22 @@ pub(crate) fn trace(
                 vpl,
                 pdf: per_area,
                 connectable: walk.smooth && per_area.is_finite(),
+                reverse: walk.lamp.map_or(1.0, |(triangle, normal)| {
+                    let dist = (walk.origin - point.p).length();
+                    let seen = lights.pdf_triangle(point.p, Vec3::ZERO, triangle, from, dist);
+                    seen * normal.dot(from).abs() / (dist * dist)
+                }),
                 survival,
             });
             if walk.edges >= max_edges || end >= survival {
                 continue;
             }
             let Some(sample) = bsdf.sample(from, [lobe, direction[0], direction[1]]) else { continue };
-            if !same_side(&point, sample.wi) {
+            if (point.ng.dot(sample.wi) > 0.0) == sample.transmitted {
                 continue;
             }
-            let power = walk.power * sample.weight * (adjoint(&point, from, sample.wi) / survival);
+            let adjoint = bsdf.adjoint_correction(from, sample.wi, point.ng);
+            let power = walk.power * sample.weight * (adjoint / survival);
             if power == Vec3::ZERO || !power.is_finite() {
                 continue;
             }
@@ -126,6 +141,7 @@ pub(crate) fn trace(
                 smooth: !sample.delta,
                 origin: point.p,
                 is_far: false,
+                lamp: None,
             });
         }
         (rays, keys, walks) = (next_rays, next_keys, next_walks);

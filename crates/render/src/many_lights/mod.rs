@@ -2,15 +2,18 @@
 //! Light transport by many virtual lights: where they are put, how they shine, how what they cannot bring comes back.
 //! Source: see each file.
 
+mod bidirectional;
 mod bound;
+mod candidates;
 mod estimate;
 mod eye;
 mod follow;
 mod gather;
 mod instant;
-#[expect(dead_code, reason = "bidirectional instant radiosity comes next")]
 mod light_path;
+mod metropolis;
 mod pass;
+mod pilots;
 mod vpl;
 
 pub(crate) use estimate::radiance;

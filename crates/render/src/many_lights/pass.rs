@@ -4,13 +4,12 @@
 //! Invariant: a function of world, camera, options and the number of the sample, whatever threads do.
 //! Proof: crates/render/tests/many_lights.rs.
 
-use gnurt_image::srgb::luminance;
 use gnurt_shading::sampling::Distribution;
 use rayon::prelude::*;
 
 use super::bound::Bound;
-use super::instant;
 use super::vpl::Vpl;
+use super::{bidirectional, instant, metropolis};
 use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
 use crate::tile::Job;
@@ -41,13 +40,15 @@ impl PassLights {
         let mut stats = RenderStats::default();
         let vpls = match options.integrator {
             Integrator::InstantRadiosity => instant::virtual_lights(job, sample, &mut stats),
+            Integrator::BidirectionalInstantRadiosity => {
+                bidirectional::virtual_lights(job, sample, bound, &mut stats)
+            }
+            Integrator::MetropolisInstantRadiosity => {
+                metropolis::virtual_lights(job, sample, bound, &mut stats)
+            }
             _ => return None,
         };
-        let strength = |vpl: &Vpl| {
-            let sent = vpl.diffuse.unwrap_or_else(|| vpl.power * vpl.bsdf.albedo(vpl.from));
-            f64::from(luminance(sent.into()))
-        };
-        let choice = Distribution::new(vpls.iter().map(strength));
+        let choice = Distribution::new(vpls.iter().map(|vpl| f64::from(vpl.strength())));
         let share = (options.vpls / 64).clamp(1, 16);
         Some(Self { vpls, bound, choice, few: share, light_samples: share, stats })
     }
@@ -76,12 +77,23 @@ pub(super) fn in_chunks<T: Send>(
     stats: &mut RenderStats,
     of_chunk: impl Fn(&mut BatchTracer, std::ops::Range<u32>) -> T + Sync,
 ) -> Vec<T> {
+    in_chunks_of(CHUNK, job, count, stats, of_chunk)
+}
+
+/// The same, for chunks of a chosen size.
+pub(super) fn in_chunks_of<T: Send>(
+    size: u32,
+    job: &Job,
+    count: u32,
+    stats: &mut RenderStats,
+    of_chunk: impl Fn(&mut BatchTracer, std::ops::Range<u32>) -> T + Sync,
+) -> Vec<T> {
     let one = |n: u32| {
         let mut tracer = BatchTracer::new(job.world, job.options, None);
-        let result = of_chunk(&mut tracer, n * CHUNK..((n + 1) * CHUNK).min(count));
+        let result = of_chunk(&mut tracer, n * size..((n + 1) * size).min(count));
         (result, tracer.take_stats())
     };
-    let chunks = 0..count.div_ceil(CHUNK);
+    let chunks = 0..count.div_ceil(size);
     let results: Vec<_> = if rayon::current_thread_index().is_some() {
         chunks.into_par_iter().map(one).collect()
     } else {

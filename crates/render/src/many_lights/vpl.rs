@@ -6,6 +6,7 @@
 //! Proof: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
+use gnurt_image::srgb::luminance;
 use gnurt_shading::SurfacePoint;
 use gnurt_shading::bsdf::Bsdf;
 
@@ -15,7 +16,7 @@ use super::eye::EyePoint;
 /// A virtual point light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vpl {
-    /// Where it is; its normals are on the side that its light came from.
+    /// Where it is; its geometric normal is on the side that its light came from.
     pub(crate) point: SurfacePoint,
     pub(crate) bsdf: Bsdf,
     /// Unit, to where its light came from.
@@ -30,17 +31,19 @@ pub(crate) struct Vpl {
 
 impl Vpl {
     pub(crate) fn new(point: SurfacePoint, bsdf: Bsdf, from: Vec3, power: Vec3, edges: u32) -> Self {
-        let tilt = point.ns.dot(from).abs() / point.ng.dot(from).abs().max(f32::MIN_POSITIVE);
-        let diffuse = bsdf.lambertian().map(|albedo| {
-            let lit = point.ns.dot(from) > 0.0 && point.ng.dot(from) > 0.0;
-            if lit { albedo * power * (std::f32::consts::FRAC_1_PI * tilt) } else { Vec3::ZERO }
-        });
+        let tilt = bsdf.normal().dot(from).max(0.0) / point.ng.dot(from).max(f32::MIN_POSITIVE);
+        let diffuse = bsdf.lambertian().map(|albedo| albedo * power * (std::f32::consts::FRAC_1_PI * tilt));
         Self { point, bsdf, from, power, edges, diffuse }
     }
 
     /// The same light, `share` times as strong.
     pub(crate) fn scaled(&self, share: f32) -> Self {
         Self { power: self.power * share, diffuse: self.diffuse.map(|d| d * share), ..*self }
+    }
+
+    /// About how much light it sends.
+    pub(crate) fn strength(&self) -> f32 {
+        luminance(self.diffuse.unwrap_or_else(|| self.power * self.bsdf.albedo(self.from)).into())
     }
 
     /// Whether any light may come from it.
@@ -51,13 +54,21 @@ impl Vpl {
 
     /// What leaves towards `to` (unit) per solid angle and projected area of the geometric surface.
     pub(crate) fn sent(&self, to: Vec3) -> Vec3 {
-        if !same_side(&self.point, to) {
-            return Vec3::ZERO;
+        let (sent, came) = (self.point.ng.dot(to), self.point.ng.dot(self.from));
+        if sent < 0.0 {
+            // Through the surface: the frame is that of the side that light came from.
+            let through = self.bsdf.lambertian().is_none() && self.point.ns.dot(to) < 0.0;
+            return if through {
+                let adjoint = self.bsdf.adjoint_correction(self.from, to, self.point.ng);
+                self.bsdf.eval(self.from, to) * self.power * adjoint
+            } else {
+                Vec3::ZERO
+            };
         }
+        // Seen from `to`, so that it counts as paths from the eye count it.
         match self.diffuse {
-            Some(diffuse) if self.point.ns.dot(to) > 0.0 => diffuse * self.point.ng.dot(to),
-            Some(_) => Vec3::ZERO,
-            None => self.bsdf.eval(self.from, to) * self.power * adjoint(&self.point, self.from, to),
+            Some(diffuse) => diffuse * sent,
+            None => self.bsdf.eval(to, self.from) * self.power * (sent / came),
         }
     }
 
@@ -70,7 +81,7 @@ impl Vpl {
         let way = self.point.p - eye.point.p;
         let distance2 = way.length_squared();
         let to = way / distance2.sqrt();
-        if !(distance2 > 0.0 && to.is_finite() && same_side(&eye.point, to)) {
+        if !(distance2 > 0.0 && to.is_finite() && is_open(&eye.point, to)) {
             return None;
         }
         let got = eye.bsdf.eval(eye.wo, to);
@@ -94,14 +105,18 @@ pub(crate) fn pdf_of_other_end(point: &SurfacePoint, bsdf: &Bsdf, from: Vec3, to
     if point.ng.dot(from) * point.ng.dot(to) > 0.0 { bsdf.pdf(from, to) } else { 0.0 }
 }
 
-/// Whether both normals of a point agree on which side a direction is.
-pub(crate) fn same_side(point: &SurfacePoint, dir: Vec3) -> bool {
-    point.ng.dot(dir) * point.ns.dot(dir) > 0.0
+/// Whether light from `dir` (any length) counts at a point that is seen: above the horizon, or through the surface.
+pub(crate) fn is_open(point: &SurfacePoint, dir: Vec3) -> bool {
+    let (above_ns, above_ng) = (point.ns.dot(dir), point.ng.dot(dir));
+    if above_ns > 0.0 { above_ng > 0.0 || point.lift != Vec3::ZERO } else { above_ns < 0.0 && above_ng < 0.0 }
 }
 
-/// What makes shading normals scatter particles as they scatter what is seen [Vea97] section 5.3.
-pub(crate) fn adjoint(point: &SurfacePoint, from: Vec3, to: Vec3) -> f32 {
-    let seen = (point.ns.dot(to) * point.ng.dot(from)).abs();
-    let sent = (point.ns.dot(from) * point.ng.dot(to)).abs();
-    if seen > 1e-6 { (sent / seen).min(1e3) } else { 0.0 }
+/// Where shadow rays towards `dir` (any length) leave a point that is seen, if its light counts.
+pub(crate) fn start(point: &SurfacePoint, dir: Vec3) -> Option<Vec3> {
+    point.scatter_ray(dir, point.ns.dot(dir) < 0.0, 1.0).map(|ray| ray.org.into())
+}
+
+/// Where they end at a virtual light that sends to `dir` (any length).
+pub(crate) fn end(point: &SurfacePoint, dir: Vec3) -> Vec3 {
+    point.spawn(dir, 1.0).org.into()
 }

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Complete paths from a lamp to the camera, and the virtual lights on them: standard ones, where a light path meets a
+//! surface, and reverse ones, where a ray from a point that the camera sees does; the latter are joined to all vertices
+//! of the light path, and to a lamp.
+//! Source: [SIMP06]; the two ways are weighted by the balance heuristic [VG95]. Differs: densities of reverse virtual lights
+//! are exact, see `pilots`. Space: world.
+//! Invariant: for uniform numbers the sum over a path's virtual lights of what they bring has the mean of all light that
+//! virtual lights may bring, whatever the pilots. Proof: crates/render/tests/many_lights.rs.
+
+use std::f32::consts::FRAC_1_PI;
+use std::ops::Range;
+
+use glam::Vec3;
+use gnurt_accel::{Coherence, RayBatch};
+use gnurt_shading::lights::LightKind;
+use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
+
+use super::gather::END;
+use super::light_path::{self, LightVertex, Numbers};
+use super::pilots::Pilots;
+use super::vpl::{self, Vpl, is_open};
+use crate::tracer::BatchTracer;
+use crate::transport::Vertex;
+
+/// The number of the edge from the camera's side, among the numbers of a path.
+pub(super) const EYE_EDGE: u32 = 1;
+/// Pairs of that edge: which pilot, two for a direction, two for a lamp. Others of edge 1 belong to the light path.
+mod pair {
+    pub(super) const PILOT: u32 = 4;
+    pub(super) const DIRECTION: u32 = 5;
+    pub(super) const LAMP: u32 = 6;
+    pub(super) const PLACE: u32 = 7;
+}
+
+/// A virtual light and how much it matters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    pub(super) vpl: Vpl,
+    pub(super) importance: f32,
+}
+
+/// Two surfaces, or a surface and a lamp, that shall see each other.
+struct Join {
+    ray: gnurt_accel::Ray,
+    path: usize,
+    vpl: Vpl,
+    seen: u64,
+}
+
+/// The virtual lights of some paths, path by path; their powers make sums of estimates, not means.
+pub(super) fn candidates(
+    tracer: &mut BatchTracer,
+    pilots: &Pilots,
+    paths: Range<u32>,
+    numbers: &Numbers,
+) -> Vec<Vec<Candidate>> {
+    let max_edges = pilots.max_depth.saturating_sub(2);
+    let mut found = vec![Vec::new(); paths.len()];
+    let first = paths.start;
+    let light = light_path::trace(tracer, paths.clone(), numbers, max_edges);
+    let points: Vec<_> = light.iter().map(|v| v.vpl.point).collect();
+    let seen = pilots.seen_from(tracer, &points);
+    // What only covers a share of the light makes the densities of the reverse way unknown.
+    let both_ways = tracer.world.shading().all_opaque && !pilots.points.is_empty() && max_edges > 0;
+    for (vertex, &seen) in light.iter().zip(&seen) {
+        if !vertex.vpl.shines() {
+            continue;
+        }
+        let share = if both_ways && vertex.connectable {
+            let reverse = pilots.pdf(&vertex.vpl.point, seen) * vertex.reverse;
+            vertex.pdf / (vertex.pdf + reverse)
+        } else {
+            1.0
+        };
+        push(&mut found[(vertex.path - first) as usize], pilots, vertex.vpl.scaled(share), seen);
+    }
+    if both_ways {
+        reverse(tracer, pilots, paths, numbers, &light, &mut found);
+    }
+    found
+}
+
+fn push(found: &mut Vec<Candidate>, pilots: &Pilots, vpl: Vpl, seen: u64) {
+    let importance = pilots.importance(&vpl, seen);
+    if importance > 0.0 && vpl.power.is_finite() {
+        found.push(Candidate { vpl, importance });
+    }
+}
+
+/// Adds reverse virtual lights.
+fn reverse(
+    tracer: &mut BatchTracer,
+    pilots: &Pilots,
+    paths: Range<u32>,
+    numbers: &Numbers,
+    light: &[LightVertex],
+    found: &mut [Vec<Candidate>],
+) {
+    let first = paths.start;
+    let (ends, pilot_of) = ends(tracer, pilots, paths, numbers);
+    let points: Vec<_> = ends.iter().map(|(_, vertex)| vertex.point).collect();
+    let mut seen = pilots.seen_from(tracer, &points);
+    // By rounding a ray may meet what a shadow ray between the same points does not.
+    seen.iter_mut().zip(&pilot_of).for_each(|(seen, &k)| *seen |= 1 << k);
+    let mut joins = Vec::new();
+    let mut end_of = vec![None; found.len()];
+    for (n, (path, vertex)) in ends.iter().enumerate() {
+        end_of[(path - first) as usize] = Some(n);
+        let density = pilots.pdf(&vertex.point, seen[n]);
+        if density > 0.0 {
+            joins.extend(to_lamp(tracer, *path, first, vertex, density, seen[n], numbers));
+        }
+    }
+    let max_edges = pilots.max_depth - 2;
+    for z in light.iter().filter(|z| z.vpl.edges < max_edges && z.vpl.bsdf.is_smooth()) {
+        let path = (z.path - first) as usize;
+        if let Some(n) = end_of[path] {
+            let vertex = &ends[n].1;
+            let density = pilots.pdf(&vertex.point, seen[n]);
+            joins.extend(to_vertex(path, z, vertex, density, seen[n]));
+        }
+    }
+    let mut request = RayRequest::default();
+    joins.iter().for_each(|join| request.rays.push(join.ray));
+    request.key.resize(joins.len(), SampleKey::default());
+    let mut through = Vec3s::default();
+    tracer.occluded(&request, &mut through);
+    for (i, join) in joins.iter().enumerate() {
+        if through.get(i) != Vec3::ZERO && join.vpl.shines() {
+            push(&mut found[join.path], pilots, join.vpl, join.seen);
+        }
+    }
+}
+
+/// Where a ray from a pilot ends, for each path that has one, and which pilot it came from.
+fn ends(
+    tracer: &mut BatchTracer,
+    pilots: &Pilots,
+    paths: Range<u32>,
+    numbers: &Numbers,
+) -> (Vec<(u32, Vertex)>, Vec<usize>) {
+    let (mut rays, mut keys, mut from) = (RayBatch::default(), Vec::new(), Vec::new());
+    for path in paths {
+        let [which, lobe] = numbers(path, EYE_EDGE, pair::PILOT);
+        let k = ((which * pilots.points.len() as f32) as usize).min(pilots.points.len() - 1);
+        let eye = &pilots.points[k];
+        let [u, v] = numbers(path, EYE_EDGE, pair::DIRECTION);
+        let sample = eye.bsdf.sample(eye.wo, [lobe, u, v]);
+        let Some(sample) = sample.filter(|sample| !sample.delta) else { continue };
+        if let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) {
+            rays.push(ray);
+            keys.push(SampleKey { pixel: path, sample: 0, branch: 0xeee });
+            from.push((path, k));
+        }
+    }
+    let met = tracer.follow(&rays, &keys, 1, Coherence::Incoherent);
+    let (mut ends, mut pilot_of) = (Vec::new(), Vec::new());
+    for ((path, k), vertex) in from.into_iter().zip(met) {
+        let lit = |v: &Vertex| !v.is_final && v.scattering.bsdf.is_smooth();
+        if let Some(vertex) = vertex.filter(lit) {
+            ends.push((path, vertex));
+            pilot_of.push(k);
+        }
+    }
+    (ends, pilot_of)
+}
+
+/// The reverse virtual light that a lamp shines on.
+fn to_lamp(
+    tracer: &BatchTracer,
+    path: u32,
+    first: u32,
+    vertex: &Vertex,
+    density: f32,
+    seen: u64,
+    numbers: &Numbers,
+) -> Option<Join> {
+    let lights = tracer.world.light_set();
+    let [lamp, _] = numbers(path, EYE_EDGE, pair::LAMP);
+    let [u, v] = numbers(path, EYE_EDGE, pair::PLACE);
+    let point = vertex.point;
+    let sample = lights.sample(point.p, Vec3::ZERO, [lamp, u, v])?;
+    let LightKind::Triangle(triangle) = lights.kind(sample.light) else { return None };
+    if !is_lit(&point, sample.dir) {
+        return None;
+    }
+    let cos = point.ng.dot(sample.dir);
+    // Per solid angle of the lamp, and per area of the virtual light.
+    let standard = lights.pdf_emit_position(triangle) * cos * FRAC_1_PI;
+    let power = sample.radiance * (cos / (standard + density * sample.pdf));
+    let vpl = Vpl::new(point, vertex.scattering.bsdf, sample.dir, power, 1);
+    let ray = point.spawn_to(sample.dir, sample.dist);
+    Some(Join { ray, path: (path - first) as usize, vpl, seen })
+}
+
+/// The reverse virtual light that a vertex of the light path shines on.
+fn to_vertex(path: usize, z: &LightVertex, vertex: &Vertex, density: f32, seen: u64) -> Option<Join> {
+    let way = vertex.point.p - z.vpl.point.p;
+    let distance2 = way.length_squared();
+    let to = way / distance2.sqrt();
+    let point = vertex.point;
+    // A light path goes on to either side, but does not cheat its facet.
+    let through = z.vpl.point.ng.dot(to) < 0.0;
+    if !(distance2 > 0.0 && to.is_finite() && is_lit(&point, -to))
+        || through != (z.vpl.bsdf.normal().dot(to) < 0.0)
+    {
+        return None;
+    }
+    let adjoint = z.vpl.bsdf.adjoint_correction(z.vpl.from, to, z.vpl.point.ng);
+    let scattered = z.vpl.bsdf.eval(z.vpl.from, to) * adjoint;
+    if scattered == Vec3::ZERO {
+        return None;
+    }
+    let per_area = point.ng.dot(to).abs() / distance2;
+    let standard = z.vpl.bsdf.pdf(z.vpl.from, to) * z.survival * per_area;
+    let power = z.vpl.power * scattered * (per_area / (standard + density));
+    let vpl = Vpl::new(point, vertex.scattering.bsdf, -to, power, z.vpl.edges + 1);
+    let start = vpl::end(&z.vpl.point, to);
+    let way = vpl::end(&point, -to) - start;
+    let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
+    Some(Join { ray, path, vpl, seen })
+}
+
+/// Whether light from `from` shines on the side of a point that was met.
+fn is_lit(point: &SurfacePoint, from: Vec3) -> bool {
+    is_open(point, from) && point.ng.dot(from) > 0.0
+}
