@@ -23,12 +23,10 @@ use crate::stats::RenderStats;
 use crate::tile::Job;
 use crate::tracer::BatchTracer;
 
-/// Virtual lights of a chain.
+/// Steps of a chain, each with a virtual light.
 const STEPS: u32 = 16;
 /// Tries of a step.
 const TRIES: u32 = 3;
-/// Steps per virtual light.
-const THIN: u32 = 1;
 /// Share of steps that forget where they were.
 const LARGE: f32 = 0.2;
 /// Smallest and largest change of a number by a small step.
@@ -92,11 +90,9 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
         };
         let mut chains: Vec<Chain> = range.map(begin).collect();
         let mut out = Vec::new();
-        for step in 0..STEPS * THIN {
+        for step in 0..STEPS {
             advance(tracer, &pilots, &mut chains, step, &dice, &fresh);
-            if (step + 1) % THIN == 0 {
-                out.extend(chains.iter().filter_map(|chain| chain.virtual_light(step, &dice, share)));
-            }
+            out.extend(chains.iter().filter_map(|chain| chain.virtual_light(step, &dice, share)));
         }
         out
     };

@@ -72,11 +72,11 @@ impl Pilots {
                 }
                 let [u, v] = sample_pair(options.seed, key, edges, PURPOSE + 1);
                 let [lobe, _] = sample_pair(options.seed, key, edges, PURPOSE + 2);
-                if let Some(sample) = eye.bsdf.sample(eye.wo, [lobe, u, v]) {
-                    if let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) {
-                        next_rays.push(ray);
-                        next.push((key, throughput * sample.weight));
-                    }
+                if let Some(sample) = eye.bsdf.sample(eye.wo, [lobe, u, v])
+                    && let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)
+                {
+                    next_rays.push(ray);
+                    next.push((key, throughput * sample.weight));
                 }
             }
             (rays, lanes) = (next_rays, next);
