@@ -3,6 +3,7 @@
 //! Source: original; samples placed by the filter [EST06].
 //! A batch is always one sample of all pixels of a tile, whatever passes and threads do.
 
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -15,7 +16,7 @@ use gnurt_shading::{CameraShader, SampleKey, Vec3s};
 use crate::cost::TileCosts;
 use crate::film::TileFilm;
 use crate::integrators;
-use crate::many_lights::PassLights;
+use crate::many_lights::{LampChoice, PassLights};
 use crate::options::RenderOptions;
 use crate::progress::Progress;
 use crate::stats::RenderStats;
@@ -39,6 +40,8 @@ pub(crate) struct Job<'a> {
     pub(crate) forward: Vec3,
     /// Virtual lights of the sample that is taken, if the integrator has any.
     pub(crate) pass: Option<PassLights>,
+    /// Lamps that matter, once somebody has asked.
+    lamps: OnceLock<Option<LampChoice>>,
 }
 
 /// Camera rays of one sample.
@@ -67,7 +70,13 @@ impl<'a> Job<'a> {
             stopped: AtomicBool::new(false),
             forward: forward(camera, options),
             pass: None,
+            lamps: OnceLock::new(),
         }
+    }
+
+    /// Which lamps light paths are to start at, if that is worth asking; learned once.
+    pub(crate) fn lamp_choice(&self, stats: &mut RenderStats) -> Option<&LampChoice> {
+        self.lamps.get_or_init(|| LampChoice::new(self, stats)).as_ref()
     }
 
     /// Brings a tile to `last` samples, or to fewer if it is time to stop.

@@ -10,6 +10,7 @@ use gnurt_shading::sampling::{hash_combine, sample_pair};
 
 use super::bound::Bound;
 use super::candidates::{Candidate, candidates};
+use super::cut::resample;
 use super::instant;
 use super::pass::in_chunks;
 use super::pilots::Pilots;
@@ -28,24 +29,11 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
     let (pilots, paths, found) = all_candidates(job, sample, bound, stats);
     drop(pilots);
     let found: Vec<Candidate> = found.into_iter().flatten().collect();
-    let total: f64 = found.iter().map(|c| f64::from(c.importance)).sum();
-    let count = job.options.vpls;
+    let count = job.options.vpls as usize;
     let key = SampleKey { pixel: hash_combine(RESAMPLING, sample), sample: 0, branch: RESAMPLING };
     let [start, _] = sample_pair(job.options.seed, key, 0, 0);
-    let mut out = Vec::new();
-    // Evenly spaced along the sum of importances: each is chosen as often as its share, up to one.
-    let (mut before, mut chosen) = (0.0, 0.0);
-    for candidate in &found {
-        before += f64::from(candidate.importance) / total * f64::from(count);
-        let until = (before - f64::from(start)).ceil().clamp(chosen, f64::from(count));
-        let times = until - chosen;
-        chosen = until;
-        if times > 0.0 {
-            let share = times * total / (f64::from(count) * f64::from(candidate.importance));
-            out.push(candidate.vpl.scaled((share / f64::from(paths)) as f32));
-        }
-    }
-    out
+    let chosen = resample(found.iter().map(|c| f64::from(c.importance)), count, start);
+    chosen.into_iter().map(|(i, weight)| found[i].vpl.scaled(weight / paths as f32)).collect()
 }
 
 /// Pilots of a pass, the number of paths, and the candidates on each of them.

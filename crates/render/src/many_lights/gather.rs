@@ -9,16 +9,21 @@
 
 use glam::Vec3;
 use gnurt_accel::RayBatch;
+use gnurt_shading::sampling::sample_pair;
 use gnurt_shading::{RayRequest, SampleKey, Tracer, Vec3s};
 use gnurt_simd::dispatch;
 
 use super::bound::Bound;
+use super::cut::{MOST, cut};
 use super::eye::EyePoint;
 use super::vpl::{self, Vpl};
 use crate::tracer::BatchTracer;
 
 /// Points per block: as many as rays that the tree takes at a time.
 const BLOCK: usize = 64;
+
+/// Purpose of the number that chooses virtual lights for a tile.
+const CUT: u32 = 0x6000;
 
 type Lanes = [f32; BLOCK];
 
@@ -173,6 +178,9 @@ pub(crate) fn gather(
         return;
     }
     let max_edges = tracer.options.max_depth;
+    let [u, _] = sample_pair(tracer.options.seed, keys[points[0].lane as usize], 0, CUT);
+    let fewer = cut(points, vpls, MOST, u);
+    let vpls = fewer.as_deref().unwrap_or(vpls);
     let blocks: Vec<Block> = points.chunks(BLOCK).map(|chunk| Block::new(chunk, max_edges)).collect();
     let mut sums = vec![Vec3::ZERO; points.len()];
     let zero = [[0.0; BLOCK]; 3];

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Instant radiosity: virtual lights are the vertices of quasi-random light paths, as many paths as give about the number
 //! of lights that was asked for.
-//! Source: [Kel97]; hash-scrambled Sobol' points [Bur20] in place of Halton's. Space: world.
+//! Source: [Kel97]; paths start at lamps that matter to the camera [WBS03b], see `lamps`; hash-scrambled Sobol' points [Bur20] in place of Halton's. Space: world.
 //! Proof: crates/render/tests/many_lights.rs.
 
 use gnurt_shading::SampleKey;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
 
-use super::light_path::{self, LightVertex};
+use super::light_path::{self, LightVertex, pair};
 use super::pass::in_chunks;
 use super::vpl::Vpl;
 use crate::stats::RenderStats;
@@ -28,13 +28,24 @@ pub(super) fn numbers(seed: u64, set: u32) -> impl Fn(u32, u32, u32) -> [f32; 2]
 
 /// Vertices of the first `paths` light paths of a set, path by path, edge by edge.
 pub(super) fn vertices(job: &Job, set: u32, paths: u32, stats: &mut RenderStats) -> Vec<LightVertex> {
-    let numbers = numbers(job.options.seed, set);
+    let plain = numbers(job.options.seed, set);
+    let lamps = job.lamp_choice(stats);
+    // Only the number that chooses a lamp is bent towards those that matter.
+    let bent = |path: u32| {
+        let [choice, rest] = plain(path, 0, pair::LOBE);
+        let (choice, weight) = lamps.map_or((choice, 1.0), |lamps| lamps.bend(choice));
+        ([choice, rest], weight)
+    };
+    let numbers = |path: u32, edge: u32, which: u32| {
+        if (edge, which) == (0, pair::LOBE) { bent(path).0 } else { plain(path, edge, which) }
+    };
     // The eye's own edge and the one to the virtual light are not the path's.
     let max_edges = job.options.max_depth.saturating_sub(2);
     let chunks =
         in_chunks(job, paths, stats, |tracer, range| light_path::trace(tracer, range, &numbers, max_edges));
     let mut all: Vec<LightVertex> = chunks.into_iter().flatten().filter(|v| v.vpl.shines()).collect();
     all.sort_by_key(|v| (v.path, v.vpl.edges));
+    all.iter_mut().for_each(|v| v.vpl = v.vpl.scaled(bent(v.path).1));
     all
 }
 

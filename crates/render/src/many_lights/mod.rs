@@ -5,11 +5,13 @@
 mod bidirectional;
 mod bound;
 mod candidates;
+mod cut;
 mod estimate;
 mod eye;
 mod follow;
 mod gather;
 mod instant;
+mod lamps;
 mod light_path;
 mod metropolis;
 mod pass;
@@ -17,4 +19,5 @@ mod pilots;
 mod vpl;
 
 pub(crate) use estimate::radiance;
+pub(crate) use lamps::LampChoice;
 pub(crate) use pass::PassLights;

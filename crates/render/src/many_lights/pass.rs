@@ -36,7 +36,7 @@ impl PassLights {
     /// needs none.
     pub(crate) fn new(job: &Job, sample: u32) -> Option<Self> {
         let (world, options) = (job.world, job.options);
-        let bound = bound(world, options);
+        let bound = bound_of(world, options);
         let mut stats = RenderStats::default();
         let vpls = match options.integrator {
             Integrator::InstantRadiosity => instant::virtual_lights(job, sample, &mut stats),
@@ -59,7 +59,8 @@ impl PassLights {
     }
 }
 
-fn bound(world: &World, options: &RenderOptions) -> Bound {
+/// The bound that options ask for, or one that fits the scene.
+pub(crate) fn bound_of(world: &World, options: &RenderOptions) -> Bound {
     match (options.clamp, world.bounds()) {
         (Some(g), _) => Bound::on_geometry_term(g),
         (None, Some((lower, upper))) => Bound::for_scene([lower, upper], options.vpls),

@@ -9,6 +9,7 @@ mod materials;
 mod noise;
 mod shapes;
 mod sky;
+mod slit;
 mod spheres;
 mod textures;
 
@@ -50,6 +51,11 @@ pub const ALL: &[Builtin] = &[
         name: "textures",
         description: "how textures repeat, mirror, clamp and are filtered, on four panels",
         make: textures::scene,
+    },
+    Builtin {
+        name: "slit",
+        description: "two rooms with a slit between them: the camera is in the one without the lamp",
+        make: slit::scene,
     },
 ];
 
