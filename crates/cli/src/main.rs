@@ -7,6 +7,7 @@
 
 mod arguments;
 mod commands;
+mod display;
 mod environment;
 mod failure;
 mod machine;

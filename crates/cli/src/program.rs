@@ -52,6 +52,7 @@ fn parse_and_run() -> ExitCode {
 fn run_command(command: Command, environment: &Environment, messages: Messages) -> Outcome {
     match command {
         Command::Render(arguments) => commands::render::run(&arguments, environment, messages),
+        Command::View(arguments) => commands::view::run(&arguments, environment, messages),
         Command::Info(arguments) => commands::info::run(&arguments, environment, messages),
         Command::Diff(arguments) => commands::diff::run(&arguments, messages),
         Command::Convert(arguments) => commands::convert::run(&arguments, environment, messages),

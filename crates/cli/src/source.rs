@@ -69,6 +69,11 @@ impl Source {
 
     /// Reads it; oddities are told as warnings.
     pub(crate) fn load(&self, messages: Messages) -> Result<Scene, Failure> {
+        Ok(self.load_with_files(messages)?.0)
+    }
+
+    /// As [`load`](Self::load), and tells the files that it was read from.
+    pub(crate) fn load_with_files(&self, messages: Messages) -> Result<(Scene, Vec<PathBuf>), Failure> {
         let begin = Instant::now();
         let loaded = load_scene(&self.found).map_err(|error| match error.kind {
             io::ErrorKind::UnknownName => Failure::usage(error),
@@ -80,7 +85,7 @@ impl Source {
         let held: usize = loaded.scene.meshes().iter().map(|mesh| mesh.memory_bytes()).sum();
         let seconds = begin.elapsed().as_secs_f64();
         messages.detail(format_args!("{}: {} of meshes in {seconds:.2} s", self.name(), bytes(held as u64)));
-        Ok(loaded.scene)
+        Ok((loaded.scene, loaded.files))
     }
 }
 

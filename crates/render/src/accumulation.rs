@@ -129,6 +129,7 @@ impl Accumulation {
         self.stats.complete = self.is_complete();
         self.stats.threads = pool.current_num_threads();
         self.stats.seconds += begin.elapsed().as_secs_f64();
+        progress.passed(self);
         self.samples() == last
     }
 
@@ -159,14 +160,21 @@ impl Accumulation {
     /// The mean of the samples so far, with the layers of the options; black and transparent where there is none.
     #[must_use]
     pub fn picture(&self) -> Picture {
+        let mut picture = self.colors();
+        if self.options.aovs {
+            aov::add_layers(&mut picture, &self.tiles);
+        }
+        picture
+    }
+
+    /// As [`picture`](Self::picture), without layers.
+    #[must_use]
+    pub fn colors(&self) -> Picture {
         let mut picture = Picture::new(self.options.width, self.options.height);
         for tile in &self.tiles {
             for (i, [x, y]) in tile.pixels().enumerate() {
                 picture.color[y as usize * self.options.width as usize + x as usize] = tile.mean(i);
             }
-        }
-        if self.options.aovs {
-            aov::add_layers(&mut picture, &self.tiles);
         }
         picture
     }

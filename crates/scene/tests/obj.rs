@@ -102,3 +102,15 @@ fn broken_lines_and_textures_are_warnings() {
     let material = loaded.scene.material(loaded.scene.meshes()[0].material);
     assert_eq!(material.diffuse_color().factor, [0.2; 3], "the good line counts");
 }
+
+#[test]
+fn all_files_are_told() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    let obj = format!("mtllib t.mtl\nmtllib gone.mtl\n{V}usemtl a\nf 1 2 3\n");
+    std::fs::write(at("t.obj"), obj).expect("a file");
+    std::fs::write(at("t.mtl"), "newmtl a\nmap_Kd gone.png\nmap_Ke gone.png\n").expect("a file");
+    let loaded = gnurt_scene::io::load(at("t.obj")).expect("a missing picture is no error");
+    let wanted = ["t.obj", "gone.mtl", "gone.png", "t.mtl"].map(at);
+    assert_eq!(loaded.files, wanted, "the file itself first, and those that are missing");
+}

@@ -13,7 +13,8 @@ const ARROWS: [(&str, &[&str]); 11] = [
     ("render", &["simd", "accel", "image", "scene", "shading"]),
     ("gnurt", &["simd", "accel", "image", "scene", "shading", "render"]),
     ("bench", &["gnurt"]),
-    ("cli", &["gnurt", "bench"]),
+    ("view", &["gnurt"]),
+    ("cli", &["gnurt", "bench", "view"]),
     ("openrt", &["gnurt"]),
     ("rtut", &[]),
 ];

@@ -9,6 +9,7 @@ mod render;
 mod talk;
 pub(crate) mod value;
 mod view;
+mod window;
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -23,6 +24,7 @@ pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::TalkArguments;
 pub(crate) use value::{Pixel, Resolution};
 pub(crate) use view::{FrameArguments, LightArguments, MachineArguments, ViewArguments};
+pub(crate) use window::WindowArguments;
 
 /// Ray tracing from the command line.
 #[derive(Debug, Parser)]
@@ -57,6 +59,14 @@ pub(crate) enum Command {
     /// Render a scene to a picture
     #[command(args_override_self = true)]
     Render(Box<RenderArguments>),
+    /// Fly through a scene in a window
+    #[command(
+        args_override_self = true,
+        after_help = gnurt_view::KEYS,
+        // Who looks waits for as long as it gets better; frames that are timed are single samples.
+        mut_arg("spp", |spp| spp.default_value("1024").default_value_if("headless", "true", "1"))
+    )]
+    View(Box<WindowArguments>),
     /// Say what is in a scene
     #[command(args_override_self = true)]
     Info(InfoArguments),
@@ -82,6 +92,7 @@ impl Command {
     pub(crate) fn talk(&self) -> &TalkArguments {
         match self {
             Self::Render(arguments) => &arguments.talk,
+            Self::View(arguments) => &arguments.talk,
             Self::Info(arguments) => &arguments.talk,
             Self::Diff(arguments) => &arguments.talk,
             Self::Convert(arguments) => &arguments.talk,
@@ -95,6 +106,7 @@ impl Command {
     pub(crate) fn machine(&self) -> Option<&MachineArguments> {
         match self {
             Self::Render(arguments) => Some(&arguments.machine),
+            Self::View(arguments) => Some(&arguments.machine),
             Self::Info(arguments) => Some(&arguments.machine),
             Self::Trace(arguments) => Some(&arguments.machine),
             Self::Bench(arguments) => arguments.command.machine(),

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
 use super::{FrameArguments, LightArguments, MachineArguments, TalkArguments, ViewArguments};
@@ -27,6 +28,9 @@ pub(crate) struct RenderArguments {
     /// Stop after this time and keep the picture so far: 90, 90s, 1.5m, 2h
     #[arg(long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true)]
     pub(crate) time: Option<Duration>,
+    /// Also show the picture while it is rendered, in tev: tev:HOST:PORT
+    #[arg(long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
+    pub(crate) display: Option<TevAddress>,
     /// Say what was counted and measured: a table on standard error, or json on standard output
     #[arg(
         long,
@@ -59,7 +63,7 @@ pub(crate) enum StatisticsForm {
 }
 
 impl StatisticsForm {
-    fn parse(name: &str) -> Result<Self, String> {
+    pub(super) fn parse(name: &str) -> Result<Self, String> {
         match name {
             "table" => Ok(Self::Table),
             "json" => Ok(Self::Json),

@@ -11,6 +11,7 @@ use gnurt::image::ToneCurve;
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::simd::Level;
 use gnurt_bench::{Class, ENGINES};
+use gnurt_view::TevAddress;
 
 use crate::nearest::unknown;
 
@@ -173,6 +174,17 @@ pub(crate) fn time(text: &str) -> Result<Duration, String> {
     let seconds = digits.trim_end().parse::<f64>().map_err(|_| form())? * unit;
     let time = Duration::try_from_secs_f64(seconds).map_err(|_| form())?;
     if time.is_zero() { Err(form()) } else { Ok(time) }
+}
+
+/// Degrees, both ways around.
+pub(crate) fn orbit(text: &str) -> Result<f64, String> {
+    let degrees = f64::from(number(text)?);
+    if degrees.abs() <= 1e6 { Ok(degrees) } else { Err("give degrees from -1000000 to 1000000".into()) }
+}
+
+/// `tev:HOST:PORT`.
+pub(crate) fn display(text: &str) -> Result<TevAddress, String> {
+    text.parse()
 }
 
 /// An integrator's name.

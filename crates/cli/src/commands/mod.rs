@@ -8,3 +8,4 @@ pub(crate) mod info;
 pub(crate) mod render;
 pub(crate) mod scenes;
 pub(crate) mod trace;
+pub(crate) mod view;

@@ -10,8 +10,10 @@ use gnurt::image::Picture;
 use gnurt::render::{CommitOptions, CommitReport, Frame, RenderOptions, ShaderTable, World, render};
 use gnurt::scene::Scene;
 use gnurt::simd::Level;
+use gnurt_view::TevImage;
 
 use crate::arguments::{FrameArguments, RenderArguments, StatisticsForm};
+use crate::display::Displayed;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::machine::{bytes, free_memory};
@@ -45,9 +47,17 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     drop(scene);
 
     let options = options(arguments, &targets, level);
+    let size = [options.width, options.height];
+    let tev = arguments.display.as_ref().map(|address| TevImage::create(address, &source.name(), size));
+    let tev = tev.transpose().map_err(Failure::data)?;
     let watcher = Watcher::begin(messages.shows_progress());
-    let outcome = render(&world, &rays, &options, &pool, &watcher);
+    let displayed = Displayed::new(&watcher, tev);
+    let outcome = render(&world, &rays, &options, &pool, &displayed);
+    let lost = displayed.end();
     watcher.end();
+    if let Some(why) = lost {
+        messages.warning(format_args!("the picture is no longer shown: {why}"));
+    }
     let mut frame = outcome.map_err(Failure::usage)?;
     tell(&frame, arguments, messages);
 

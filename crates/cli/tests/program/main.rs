@@ -20,3 +20,6 @@ mod output;
 mod recoverable;
 mod samples;
 mod statistics;
+mod viewing;
+#[cfg(target_os = "linux")]
+mod window;

@@ -17,7 +17,7 @@ mod textures;
 mod warnings;
 
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(crate) use clean::drop_unused_vertices;
 pub use error::{Error, ErrorKind};
@@ -33,6 +33,8 @@ pub struct Loaded {
     pub scene: Scene,
     /// What was odd about its file.
     pub warnings: Warnings,
+    /// All files that it was read from, those included that are missing; empty for built-in scenes.
+    pub files: Vec<PathBuf>,
 }
 
 /// Scene formats.
@@ -102,5 +104,5 @@ pub fn load_source(source: impl AsRef<OsStr>) -> Result<Loaded, Error> {
         let remedy = crate::builtin::suggestion(name);
         Error { kind: ErrorKind::UnknownName, ..Error::data(Path::new(source), None, problem, remedy) }
     })?;
-    Ok(Loaded { scene, warnings: Warnings::default() })
+    Ok(Loaded { scene, ..Loaded::default() })
 }

@@ -51,6 +51,14 @@ impl Pictures {
         loaded
     }
 
+    /// The files that were asked for, those that could not be read included.
+    pub(crate) fn paths(&self) -> Vec<PathBuf> {
+        let mut paths: Vec<PathBuf> = self.files.keys().map(|(path, _)| path.clone()).collect();
+        paths.sort_unstable();
+        paths.dedup();
+        paths
+    }
+
     /// Decodes the bytes of a picture file of any format; `name` is for messages.
     pub(crate) fn decode(
         &mut self,

@@ -148,6 +148,14 @@ impl Document {
         Ok(Buffer { bytes, length })
     }
 
+    /// The document's own file and those that it names.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let buffers = self.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+        let images = self.root.images.iter().filter_map(|image| image.uri.as_deref());
+        let named = buffers.chain(images).filter(|uri| !uri.starts_with("data:"));
+        std::iter::once(self.path.clone()).chain(named.map(|uri| source::resolve(&self.path, uri))).collect()
+    }
+
     /// The most bytes that a buffer declares: no file beside the document is read further.
     fn longest_buffer(&self) -> u64 {
         self.root.buffers.iter().map(|buffer| buffer.byte_length.0).max().unwrap_or(0)

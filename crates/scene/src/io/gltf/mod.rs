@@ -40,5 +40,6 @@ pub(super) fn load(path: &Path, format: Format) -> Result<Loaded, Error> {
     nodes::add_all(&document, &materials, &mut scene, &mut warnings)?;
     let animations = document.root.animations.len() as u64;
     warnings.note_many(Oddity::NotShown, animations, path, None, "animation, shown in its rest pose");
-    Ok(Loaded { scene, warnings })
+    let files = document.files();
+    Ok(Loaded { scene, warnings, files })
 }

@@ -30,15 +30,21 @@ const DEFAULT_ALBEDO: f32 = 0.6;
 /// From this exponent on a highlight is a mirror image.
 const MIRROR_EXPONENT: f32 = 1000.0;
 
-/// Adds the default material and those of the library to the scene, in the order of their numbers.
-pub(super) fn add_all(library: &Library, scene: &mut Scene, warnings: &mut Warnings) -> Vec<MaterialId> {
+/// Adds the default material and those of the library to the scene, in the order of their numbers; tells the files of
+/// their textures, too.
+pub(super) fn add_all(
+    library: &Library,
+    scene: &mut Scene,
+    warnings: &mut Warnings,
+) -> (Vec<MaterialId>, Vec<PathBuf>) {
     let mut textures = Textures { pictures: Pictures::default(), known: HashMap::new() };
     let default = scene.add_material(Material::matte("default", [DEFAULT_ALBEDO; 3]));
     let rest = library.entries.iter().map(|entry| {
         let material = convert(entry, scene, &mut textures, warnings);
         scene.add_material(material)
     });
-    std::iter::once(default).chain(rest).collect()
+    let materials = std::iter::once(default).chain(rest).collect();
+    (materials, textures.pictures.paths())
 }
 
 fn convert(entry: &Entry, scene: &mut Scene, textures: &mut Textures, warnings: &mut Warnings) -> Material {

@@ -44,7 +44,7 @@ pub(super) fn load(path: &Path) -> Result<Loaded, Error> {
     let (models, _) = parsed.map_err(|e| Error::data(path, None, e.to_string(), ""))?;
 
     let mut scene = Scene::new();
-    let materials = material::add_all(&library, &mut scene, &mut warnings);
+    let (materials, pictures) = material::add_all(&library, &mut scene, &mut warnings);
     let mut assembler = Assembler::new(materials.len());
     assembler.reserve(&models);
     for model in models {
@@ -60,5 +60,9 @@ pub(super) fn load(path: &Path) -> Result<Loaded, Error> {
         let object = scene.add_object_of(name, meshes);
         scene.instantiate(object, Affine::IDENTITY);
     }
-    Ok(Loaded { scene, warnings })
+    let mut files = vec![path.to_owned()];
+    files.extend(library.read);
+    files.extend(pictures);
+    files[1..].sort_unstable();
+    Ok(Loaded { scene, warnings, files })
 }

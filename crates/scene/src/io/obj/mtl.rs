@@ -25,7 +25,8 @@ pub(super) struct Library {
     /// Material `k` of the file is `entries[k - 1]`.
     pub(super) entries: Vec<Entry>,
     by_name: HashMap<String, usize>,
-    read: HashSet<PathBuf>,
+    /// The libraries' files, those that could not be read included.
+    pub(super) read: HashSet<PathBuf>,
 }
 
 impl Library {

@@ -49,5 +49,5 @@ pub(super) fn load(path: &Path) -> Result<Loaded, Error> {
         let object = scene.add_object_of(name, vec![mesh]);
         scene.instantiate(object, Affine::IDENTITY);
     }
-    Ok(Loaded { scene, warnings })
+    Ok(Loaded { scene, warnings, files: vec![path.to_owned()] })
 }

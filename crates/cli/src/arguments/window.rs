@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Arguments of `view`. Source: original; what `render` has, too, is called the same.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::Args;
+use gnurt_view::TevAddress;
+
+use super::value;
+use super::{FrameArguments, LightArguments, MachineArguments, StatisticsForm, TalkArguments, ViewArguments};
+
+/// Arguments of `view`.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct WindowArguments {
+    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    pub(crate) scene: OsString,
+    /// Leave after this many pictures; without a window 1 unless given
+    #[arg(long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true)]
+    pub(crate) frames: Option<u32>,
+    /// Render without a window, and say how fast that is
+    #[arg(long)]
+    pub(crate) headless: bool,
+    /// Degrees that the camera goes around its target in all frames; only without a window, 360 for several frames
+    #[arg(long, value_name = "DEGREES", value_parser = value::orbit, allow_hyphen_values = true)]
+    pub(crate) orbit: Option<f64>,
+    /// Picture to write of the last frame: .png, .exr, .hdr or .pfm; only without a window
+    #[arg(short, long, value_name = "FILE", allow_hyphen_values = true)]
+    pub(crate) output: Option<PathBuf>,
+    /// Show the pictures in tev instead of a window: tev:HOST:PORT
+    #[arg(long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
+    pub(crate) display: Option<TevAddress>,
+    /// Say how long frames took: a table on standard error, or json on standard output; only without a window
+    #[arg(
+        long,
+        value_name = "FORM",
+        value_parser = StatisticsForm::parse,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "table"
+    )]
+    pub(crate) stats: Option<StatisticsForm>,
+    #[command(flatten)]
+    pub(crate) frame: FrameArguments,
+    #[command(flatten)]
+    pub(crate) view: ViewArguments,
+    #[command(flatten)]
+    pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}

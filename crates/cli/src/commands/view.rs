@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt view SCENE`: a window to fly through a scene; with `--headless` or `--display` frames without a window.
+//! Source: original. Proof: `tests/program/viewing.rs`, `tests/program/window.rs`.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use gnurt::ThreadPool;
+use gnurt::image::Picture;
+use gnurt::scene::Camera;
+use gnurt::simd::Level;
+use gnurt_view::{
+    Exposure, FrameTimes, HeadlessOptions, Listener, Stage, TevImage, ViewError, WindowOptions, run_headless,
+    run_window,
+};
+use serde_json::json;
+
+use super::render::{commit, frame_options};
+use crate::arguments::{StatisticsForm, WindowArguments};
+use crate::environment::Environment;
+use crate::failure::{Failure, Outcome};
+use crate::messages::{Messages, print};
+use crate::output::Output;
+use crate::program::machine;
+use crate::progress::Watcher;
+use crate::signals::{self, FirstSignal};
+use crate::source::Source;
+use crate::view;
+
+/// Looks at a scene.
+pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messages: Messages) -> Outcome {
+    let windowless = arguments.headless || arguments.display.is_some();
+    view::check(&arguments.view)?;
+    for (name, given) in [
+        ("--orbit", arguments.orbit.is_some()),
+        ("--output", arguments.output.is_some()),
+        ("--stats", arguments.stats.is_some()),
+    ] {
+        if given && !windowless {
+            return Err(Failure::usage(format_args!(
+                "{name} is for frames without a window; give --headless, too"
+            )));
+        }
+    }
+    let output = arguments.output.as_deref().map(Output::named).transpose()?;
+    let source = Source::find(&arguments.scene, environment)?;
+    output.iter().try_for_each(Output::check)?;
+    let (pool, level) = machine(&arguments.machine, environment)?;
+    if windowless {
+        return run_windowless(arguments, &source, output.as_ref(), &pool, level, messages);
+    }
+    signals::listen(FirstSignal::Leaves, messages)?;
+    let (stage, camera) = stage(&source, arguments, level, &pool, messages)?;
+    let options = WindowOptions {
+        render: frame_options(&arguments.frame, level),
+        camera,
+        exposure: exposure(arguments),
+        title: format!("{} - GNU RT", source.stem()),
+        frames: arguments.frames.map(u64::from),
+        folder: PathBuf::from("."),
+    };
+    let again = (source, arguments.clone());
+    let loader = Box::new(move |pool: &ThreadPool| {
+        let (source, arguments) = &again;
+        let stage = stage(source, arguments, level, pool, messages).map(|(stage, _)| stage);
+        stage.map_err(|failure| failure.message().unwrap_or("it cannot be read").to_owned())
+    });
+    run_window(options, stage, pool, loader, Arc::new(Speaker { messages })).map_err(Failure::data)
+}
+
+fn exposure(arguments: &WindowArguments) -> Exposure {
+    Exposure { stops: arguments.light.exposure, tone: arguments.light.tone }
+}
+
+/// The scene, committed, and the camera it is looked at from.
+fn stage(
+    source: &Source,
+    arguments: &WindowArguments,
+    level: Level,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Result<(Stage, Camera), Failure> {
+    let (mut scene, files) = source.load_with_files(messages)?;
+    let (camera, _) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
+    let (world, _) = commit(&scene, &arguments.frame, level, pool, messages)?;
+    Ok((Stage { scene, world, files }, camera))
+}
+
+fn run_windowless(
+    arguments: &WindowArguments,
+    source: &Source,
+    output: Option<&Output>,
+    pool: &ThreadPool,
+    level: Level,
+    messages: Messages,
+) -> Outcome {
+    signals::listen(FirstSignal::Saves, messages)?;
+    let (stage, camera) = stage(source, arguments, level, pool, messages)?;
+    let resolution = arguments.frame.resolution;
+    let size = [resolution.width, resolution.height];
+    let address = arguments.display.as_ref();
+    let mut tev = address
+        .map(|address| TevImage::create(address, &source.name(), size))
+        .transpose()
+        .map_err(Failure::data)?;
+    let frames = arguments.frames.unwrap_or(1);
+    let options = HeadlessOptions {
+        render: frame_options(&arguments.frame, level),
+        camera,
+        exposure: exposure(arguments),
+        frames,
+        orbit: arguments.orbit.unwrap_or(if frames > 1 { 360.0 } else { 0.0 }),
+    };
+    let watcher = Watcher::begin(false);
+    let mut last: Option<Picture> = None;
+    let times = run_headless(&options, &stage, pool, &watcher, &mut |number, picture| {
+        if output.is_some() && (number + 1 == options.frames || signals::is_stopped()) {
+            match &mut last {
+                Some(last) => last.color.clone_from(&picture.color),
+                None => last = Some(picture.clone()),
+            }
+        }
+        tev.as_mut().map_or(Ok(()), |tev| tev.update(picture))
+    });
+    watcher.end();
+    let times = times.map_err(|error| match error {
+        ViewError::NoView | ViewError::Render(_) => Failure::usage(error),
+        _ => Failure::data(error),
+    })?;
+    if let (Some(output), Some(mut picture)) = (output, last) {
+        // On a screen the background is part of the picture.
+        picture.color.iter_mut().for_each(|pixel| pixel[3] = 1.0);
+        output.write(&picture, arguments.light)?;
+    }
+    report(&times, arguments, &options, source, messages)
+}
+
+/// How fast it was.
+fn report(
+    times: &FrameTimes,
+    arguments: &WindowArguments,
+    options: &HeadlessOptions,
+    source: &Source,
+    messages: Messages,
+) -> Outcome {
+    let milliseconds = [0.0, 0.5, 0.95, 1.0].map(|share| times.percentile(share) * 1e3);
+    let rays_per_second = times.rays as f64 / times.total().max(1e-9);
+    let frames = times.seconds.len();
+    let text = format!(
+        "{frames} frames of {} by {}: {:.2} fps, {:.2} ms (median {:.2}, longest {:.2}), {:.2} million rays per second on {} threads",
+        arguments.frame.resolution,
+        arguments.frame.integrator,
+        times.fps(),
+        times.total() * 1e3 / (frames as f64).max(1.0),
+        milliseconds[1],
+        milliseconds[3],
+        rays_per_second * 1e-6,
+        times.threads
+    );
+    match arguments.stats {
+        Some(StatisticsForm::Json) => print(json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "scene": source.name(),
+            "width": options.render.width,
+            "height": options.render.height,
+            "integrator": options.render.integrator.name(),
+            "spp": options.render.spp,
+            "isa": options.render.level.name(),
+            "threads": times.threads,
+            "frames": frames,
+            "orbit_degrees": options.orbit,
+            "seconds": times.total(),
+            "fps": times.fps(),
+            "ms": {
+                "mean": times.total() * 1e3 / (frames as f64).max(1.0),
+                "min": milliseconds[0],
+                "median": milliseconds[1],
+                "p95": milliseconds[2],
+                "max": milliseconds[3],
+            },
+            "rays": times.rays,
+            "rays_per_second": rays_per_second,
+        })),
+        Some(StatisticsForm::Table) => {
+            messages.table(text);
+            Ok(())
+        }
+        None => {
+            messages.note(text);
+            Ok(())
+        }
+    }
+}
+
+/// What the window says goes where the program says things.
+struct Speaker {
+    messages: Messages,
+}
+
+impl Listener for Speaker {
+    fn camera(&self, options: &str) {
+        // Who closed standard output does not want to know.
+        let _ = print(options);
+    }
+
+    fn note(&self, text: &str) {
+        self.messages.note(text);
+    }
+
+    fn warning(&self, text: &str) {
+        self.messages.warning(text);
+    }
+}

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A real window on a display without screen (Xvfb), with real keys and a real mouse (xdotool).
+//! Source: original. Skipped, with a line that says so, where one of these programs is missing; `.ci/run` installs them.
+
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use gnurt::image::{Picture, compare};
+
+use super::harness::Folder;
+use super::samples;
+
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A display of its own, taken away at the end.
+struct Display {
+    server: Child,
+    name: String,
+}
+
+impl Display {
+    /// `None` if there is no Xvfb or no xdotool here.
+    fn new() -> Option<Self> {
+        let works = |name: &str| Command::new(name).arg("-help").output().is_ok();
+        if !(works("Xvfb") && works("xdotool")) {
+            eprintln!("SKIPPED: Xvfb or xdotool is missing; .ci/run installs them");
+            return None;
+        }
+        let mut server = Command::new("Xvfb")
+            .args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("Xvfb starts");
+        let mut number = String::new();
+        let said = server.stdout.as_mut().expect("a pipe");
+        BufReader::new(said).read_line(&mut number).expect("it says its number");
+        Some(Self { server, name: format!(":{}", number.trim()) })
+    }
+
+    /// Lets hands act.
+    fn act(&self, words: &str) {
+        let mut command = Command::new("xdotool");
+        command.env("DISPLAY", &self.name).args(words.split_whitespace());
+        let output = command.output().expect("xdotool starts");
+        assert!(output.status.success(), "xdotool {words}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+impl Drop for Display {
+    fn drop(&mut self) {
+        // It may be gone already.
+        let _ = self.server.kill();
+        let _ = self.server.wait();
+    }
+}
+
+/// The program with its window.
+struct Viewer<'a> {
+    display: &'a Display,
+    folder: &'a Folder,
+    child: Child,
+    said: Receiver<String>,
+    pictures: u32,
+}
+
+impl<'a> Viewer<'a> {
+    fn open(display: &'a Display, folder: &'a Folder, line: &str) -> Self {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        let mut command = folder.command(&words);
+        command.env("DISPLAY", &display.name).env_remove("WAYLAND_DISPLAY");
+        let mut child =
+            command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let (sender, said) = channel();
+        let pipes: [Box<dyn Read + Send>; 2] = [
+            Box::new(child.stdout.take().expect("a pipe")),
+            Box::new(child.stderr.take().expect("a pipe")),
+        ];
+        for pipe in pipes {
+            let sender = sender.clone();
+            std::thread::spawn(move || {
+                BufReader::new(pipe).lines().map_while(Result::ok).for_each(|line| drop(sender.send(line)));
+            });
+        }
+        let viewer = Self { display, folder, child, said, pictures: 0 };
+        display.act("search --sync --onlyvisible --name GNU");
+        viewer
+    }
+
+    /// Waits for a line that contains this.
+    #[track_caller]
+    fn hears(&self, part: &str) -> String {
+        let begin = Instant::now();
+        let mut others = Vec::new();
+        while let Ok(line) = self.said.recv_timeout(PATIENCE.saturating_sub(begin.elapsed())) {
+            if line.contains(part) {
+                return line;
+            }
+            others.push(line);
+        }
+        panic!("'{part}' was not said, but: {others:#?}");
+    }
+
+    /// The picture that a key writes.
+    #[track_caller]
+    fn picture(&mut self) -> Picture {
+        self.display.act("key F12");
+        self.pictures += 1;
+        let name = format!("view-{:04}.png", self.pictures);
+        self.hears(&format!("wrote ./{name}"));
+        gnurt::image::read(&self.folder.at(&name)).expect("a picture")
+    }
+
+    #[track_caller]
+    fn ends(mut self, status: i32) {
+        let begin = Instant::now();
+        while begin.elapsed() < PATIENCE {
+            if let Some(ended) = self.child.try_wait().expect("it can be waited for") {
+                assert_eq!(ended.code(), Some(status), "its status");
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        panic!("the window is still there");
+    }
+}
+
+impl Drop for Viewer<'_> {
+    fn drop(&mut self) {
+        // It has ended, unless the test has failed.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn differ(a: &Picture, b: &Picture) -> bool {
+    compare(a, b).map_or(true, |comparison| comparison.mse > 1e-5)
+}
+
+#[test]
+fn hands_move_the_camera() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    let mut viewer = Viewer::open(&display, &folder, "view builtin:materials -r 320x240 --spp 2 -t 2");
+    let first = viewer.picture();
+    assert_eq!((first.width, first.height), (320, 240), "the size that was asked for");
+    display.act("key c");
+    let home = viewer.hears("--eye");
+    display.act("mousemove 160 120 mousedown 1 mousemove 200 130 mousemove 240 140 mouseup 1");
+    let orbited = viewer.picture();
+    assert!(differ(&first, &orbited), "a drag with the left button shows another side");
+    display.act("mousemove 160 120 mousedown 3 mousemove 180 125 mousemove 200 130 mouseup 3");
+    let panned = viewer.picture();
+    assert!(differ(&orbited, &panned), "a drag with the right button moves it aside");
+    display.act("click 4 click 4 click 4");
+    let nearer = viewer.picture();
+    assert!(differ(&panned, &nearer), "the wheel brings it nearer");
+    display.act("keydown w sleep 0.3 keyup w");
+    let flown = viewer.picture();
+    assert!(differ(&nearer, &flown), "a key that is held flies");
+    display.act("key c");
+    let away = viewer.hears("--eye");
+    assert_ne!(home, away, "the camera is elsewhere");
+    display.act("key r");
+    assert!(viewer.picture() == first, "home is where it was, bit for bit");
+    display.act("key c");
+    assert_eq!(viewer.hears("--eye"), home, "in numbers, too");
+    // What was printed leads there from the command line.
+    display.act("key Escape");
+    viewer.ends(0);
+    let words = format!("render builtin:materials -r 320x240 --spp 2 -o there.png {away}");
+    folder.gnurt(&words).success();
+    let there = gnurt::image::read(&folder.at("there.png")).expect("a picture");
+    assert!(there.color == flown.color, "the pixels that were seen");
+}
+
+#[test]
+fn keys_switch_what_is_shown() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    let mut viewer = Viewer::open(&display, &folder, "view builtin:cornell -r 200x200 --spp 1");
+    let mut pictures = vec![viewer.picture()];
+    for keys in ["key b key b", "key t key t", "key r key 1", "key Tab", "key ctrl+s key 9"] {
+        display.act(keys);
+        if keys.contains("ctrl") {
+            viewer.pictures += 1;
+            viewer.hears(&format!("view-{:04}.png", viewer.pictures));
+        }
+        pictures.push(viewer.picture());
+    }
+    for (i, a) in pictures.iter().enumerate() {
+        for (j, b) in pictures.iter().enumerate().skip(i + 1) {
+            assert!(differ(a, b), "pictures {i} and {j} are the same");
+        }
+    }
+    display.act("mousemove 100 150 click 1");
+    let line = viewer.hears("pixel 100,150");
+    for word in ["instance", "object", "triangle", "material"] {
+        assert!(line.contains(word), "'{word}' is told: {line}");
+    }
+    display.act("key h key g key p key p key f key f key ctrl+q");
+    viewer.ends(0);
+}
+
+/// Saves a file as editors do.
+fn save(path: &Path, text: &str) {
+    let beside = path.with_extension("new");
+    std::fs::write(&beside, text).expect("a file");
+    std::fs::rename(&beside, path).expect("a file");
+}
+
+#[test]
+fn files_that_change_are_read_again() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    let mtl = folder.write("scene.mtl", samples::MTL);
+    let obj = folder.write("scene.obj", samples::OBJ);
+    let mut viewer = Viewer::open(
+        &display,
+        &folder,
+        "view scene.obj -r 120x90 --spp 1 --integrator eyelight --eye 0,1,3 --target 0,1,0 --frames 100000",
+    );
+    let red = viewer.picture();
+    save(&mtl, "newmtl red\nKd 0.1 0.8 0.1\n");
+    viewer.hears("read again");
+    let green = viewer.picture();
+    assert!(differ(&red, &green), "another colour");
+    save(&obj, "v 1 2 3\nf 1 2 3\n");
+    viewer.hears("warning: scene.obj:2");
+    assert!(viewer.picture() == green, "the old scene stays while the new one is broken");
+    save(&obj, samples::OBJ);
+    viewer.hears("read again");
+    assert!(viewer.picture() == green, "mended");
+    display.act("key Escape");
+    viewer.ends(0);
+}
+
+#[test]
+fn windows_close_by_themselves() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    let viewer = Viewer::open(&display, &folder, "view builtin:cornell -r 64x64 --spp 64 --frames 3");
+    viewer.ends(0);
+}

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What keys and mouse mean: state and event make the next state, and perhaps something to do outside of it.
+//! Source: original; keys after pbrt, Embree, Cycles, OSPRay and tev where those agree. `docs/viewer.md` lists them.
+//! Q and S fly, as games have it: leaving is Escape or Ctrl-Q, a picture is F12 or Ctrl-S.
+//! Proof: `tests`, and `crates/cli/tests/program/window.rs` with a real window.
+
+use std::f64::consts::PI;
+
+use gnurt::scene::Camera;
+
+use crate::exposure::Exposure;
+use crate::flight::Flight;
+use crate::input::{Button, Input, Key};
+use crate::shown::Shown;
+
+/// What the controls ask of the world around them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Effect {
+    /// Leave.
+    Quit,
+    /// Say what is seen at this pixel.
+    Pick([u32; 2]),
+    /// Write the picture to a file.
+    Screenshot,
+    /// Print the camera as options of the command line.
+    PrintCamera,
+    /// Fill the screen, or no longer.
+    Fullscreen(bool),
+}
+
+/// All that people can change.
+#[derive(Clone, Debug)]
+pub struct Controls {
+    /// Where it is seen from.
+    pub flight: Flight,
+    /// What is shown.
+    pub shown: Shown,
+    /// From light to bytes.
+    pub exposure: Exposure,
+    /// Whether numbers are shown.
+    pub hud: bool,
+    /// Whether the keys are explained.
+    pub help: bool,
+    /// Whether no samples are added.
+    pub paused: bool,
+    home: Flight,
+    home_exposure: Exposure,
+    fullscreen: bool,
+    /// Units of the world per second.
+    speed: f64,
+    /// Keys that are down and move something; at most one of each.
+    held: Vec<Key>,
+    shift: bool,
+    control: bool,
+    drag: Option<Drag>,
+    cursor: [f64; 2],
+    size: [u32; 2],
+}
+
+/// A button that is held.
+#[derive(Clone, Copy, Debug)]
+struct Drag {
+    button: Button,
+    pans: bool,
+    /// How far the cursor went so far, in pixels.
+    way: f64,
+}
+
+/// A button that goes up before the cursor went this many pixels was clicked.
+const CLICK: f64 = 4.0;
+/// The target's distance is flown in so many seconds, at first.
+const SECONDS_TO_TARGET: f64 = 2.0;
+/// Radians per second of an arrow key.
+const TURNING: f64 = 1.0;
+/// What a notch of the wheel leaves of the distance.
+const NOTCH: f64 = 0.9;
+const FASTER: f64 = 1.5;
+const STOPS: f32 = 0.25;
+const MOST_STOPS: f32 = 64.0;
+
+/// Keys that do something for as long as they are held.
+const MOVING: [Key; 10] = [
+    Key::Char('w'),
+    Key::Char('a'),
+    Key::Char('s'),
+    Key::Char('d'),
+    Key::Char('q'),
+    Key::Char('e'),
+    Key::Left,
+    Key::Right,
+    Key::Up,
+    Key::Down,
+];
+
+impl Controls {
+    /// In the beginning; `None` if the camera has no view.
+    #[must_use]
+    pub fn new(camera: &Camera, shown: Shown, exposure: Exposure, size: [u32; 2]) -> Option<Self> {
+        let flight = Flight::new(camera)?;
+        Some(Self {
+            speed: flight.distance() / SECONDS_TO_TARGET,
+            home: flight.clone(),
+            flight,
+            shown,
+            exposure,
+            home_exposure: exposure,
+            hud: true,
+            help: false,
+            paused: false,
+            fullscreen: false,
+            held: Vec::new(),
+            shift: false,
+            control: false,
+            drag: None,
+            cursor: [0.0; 2],
+            size,
+        })
+    }
+
+    /// Columns and rows of the window.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Whether something moves as long as nothing happens.
+    #[must_use]
+    pub fn is_flying(&self) -> bool {
+        !self.held.is_empty()
+    }
+
+    /// Whether a drag or a key holds the camera: it will probably move on.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.drag.is_some() || self.is_flying()
+    }
+
+    /// Takes note of what happened.
+    pub fn handle(&mut self, input: Input) -> Option<Effect> {
+        match input {
+            Input::Modifiers { shift, control } => (self.shift, self.control) = (shift, control),
+            Input::Cursor(at) => self.move_cursor(at),
+            Input::ButtonDown(button) => {
+                let pans = button == Button::Right || (button == Button::Left && self.shift);
+                self.drag = Some(Drag { button, pans, way: 0.0 });
+            }
+            Input::ButtonUp(button) => {
+                let drag = self.drag.take_if(|drag| drag.button == button)?;
+                let clicked = drag.way < CLICK && button != Button::Right;
+                return if clicked { self.pixel().map(Effect::Pick) } else { None };
+            }
+            Input::Wheel(notches) => self.flight.dolly(NOTCH.powf(notches.clamp(-50.0, 50.0))),
+            Input::Size(size) => self.size = size,
+            Input::FocusLost => {
+                self.held.clear();
+                self.drag = None;
+            }
+            Input::Close => return Some(Effect::Quit),
+            Input::KeyUp(key) => self.held.retain(|&held| held != lower(key)),
+            Input::KeyDown { key, repeat } => return self.press(key, repeat),
+        }
+        None
+    }
+
+    /// Lets time pass: keys that are held move the camera.
+    pub fn pass_time(&mut self, seconds: f64) {
+        let held = |key: Key| f64::from(u8::from(self.held.contains(&key)));
+        let between = |plus: Key, minus: Key| (held(plus) - held(minus)) * seconds;
+        let [right, up, forward] = [('d', 'a'), ('e', 'q'), ('w', 's')]
+            .map(|(plus, minus)| between(Key::Char(plus), Key::Char(minus)) * self.speed);
+        let turn = [between(Key::Left, Key::Right), between(Key::Up, Key::Down)].map(|x| x * TURNING);
+        if [right, up, forward] != [0.0; 3] {
+            self.flight.fly([right, up, forward]);
+        }
+        if turn != [0.0; 2] {
+            self.flight.turn(turn[0], turn[1]);
+        }
+    }
+
+    fn move_cursor(&mut self, at: [f64; 2]) {
+        let [dx, dy] = [at[0] - self.cursor[0], at[1] - self.cursor[1]];
+        self.cursor = at;
+        let height = f64::from(self.size[1].max(1));
+        if let Some(drag) = &mut self.drag {
+            let before = drag.way;
+            drag.way += dx.hypot(dy);
+            // A hand that shakes while it clicks moves nothing.
+            if drag.way < CLICK || drag.button == Button::Middle {
+                return;
+            }
+            let [dx, dy] = if before < CLICK {
+                [dx, dy].map(|d| d * drag.way / dx.hypot(dy).max(1e-9))
+            } else {
+                [dx, dy]
+            };
+            if drag.pans {
+                self.flight.pan([dx, dy], height);
+            } else {
+                // The whole height is half a turn; the scene follows the hand.
+                self.flight.orbit(-dx / height * PI, dy / height * PI);
+            }
+        }
+    }
+
+    fn press(&mut self, key: Key, repeat: bool) -> Option<Effect> {
+        if self.control {
+            return match lower(key) {
+                Key::Char('s') if !repeat => Some(Effect::Screenshot),
+                Key::Char('q' | 'c') => Some(Effect::Quit),
+                _ => None,
+            };
+        }
+        if MOVING.contains(&lower(key)) {
+            if !self.held.contains(&lower(key)) {
+                self.held.push(lower(key));
+            }
+            return None;
+        }
+        match key {
+            Key::Char('+' | '=') => self.speed = (self.speed * FASTER).min(1e12),
+            Key::Char('-' | '_') => self.speed = (self.speed / FASTER).max(1e-12),
+            Key::Char('b') => self.expose(STOPS),
+            Key::Char('B') => self.expose(-STOPS),
+            _ if repeat => {}
+            Key::Escape => return Some(Effect::Quit),
+            Key::F(12) => return Some(Effect::Screenshot),
+            Key::Char('c' | 'C') => return Some(Effect::PrintCamera),
+            Key::Char('f' | 'F') | Key::F(11) => {
+                self.fullscreen = !self.fullscreen;
+                return Some(Effect::Fullscreen(self.fullscreen));
+            }
+            Key::Char('h' | 'H' | '?') | Key::F(1) => self.help = !self.help,
+            Key::Char('g' | 'G') => self.hud = !self.hud,
+            Key::Char('p' | 'P') => self.paused = !self.paused,
+            Key::Char('t' | 'T') => self.exposure.tone = self.exposure.next_tone(),
+            Key::Char('r' | 'R') => {
+                self.flight = self.home.clone();
+                self.exposure = self.home_exposure;
+            }
+            Key::Tab => self.shown = self.shown.beside(if self.shift { -1 } else { 1 }),
+            Key::Char(digit @ '0'..='9') => {
+                // The keyboard's order: 0 comes behind 9.
+                let place = (digit.to_digit(10).unwrap_or(0) as usize + 9) % 10;
+                self.shown = Shown::all().get(place).copied().unwrap_or(self.shown);
+            }
+            _ => {}
+        }
+        None
+    }
+
+    fn expose(&mut self, stops: f32) {
+        self.exposure.stops = (self.exposure.stops + stops).clamp(-MOST_STOPS, MOST_STOPS);
+    }
+
+    /// The pixel under the cursor.
+    fn pixel(&self) -> Option<[u32; 2]> {
+        let inside = (0..2).all(|k| self.cursor[k] >= 0.0 && self.cursor[k] < f64::from(self.size[k]));
+        inside.then(|| self.cursor.map(|at| at as u32))
+    }
+}
+
+/// Shift changes characters, not what a key that is held means.
+fn lower(key: Key) -> Key {
+    match key {
+        Key::Char(c) => Key::Char(c.to_ascii_lowercase()),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn controls() -> Controls {
+        let camera = Camera {
+            name: String::new(),
+            eye: [0.0, 0.0, 4.0],
+            target: [0.0; 3],
+            up: [0.0, 1.0, 0.0],
+            fov_y: 45.0,
+        };
+        Controls::new(&camera, Shown::all()[0], Exposure::default(), [400, 200]).expect("a view")
+    }
+
+    fn down(key: Key) -> Input {
+        Input::KeyDown { key, repeat: false }
+    }
+
+    /// All effects of some events.
+    fn feed(controls: &mut Controls, inputs: &[Input]) -> Vec<Effect> {
+        inputs.iter().filter_map(|&input| controls.handle(input)).collect()
+    }
+
+    #[test]
+    fn drags_move_the_camera_and_clicks_pick() {
+        use Input::{ButtonDown, ButtonUp, Cursor};
+        let mut c = controls();
+        let before = c.flight.clone();
+        let click =
+            [Cursor([10.0, 20.0]), ButtonDown(Button::Left), Cursor([11.0, 20.0]), ButtonUp(Button::Left)];
+        assert_eq!(feed(&mut c, &click), [Effect::Pick([11, 20])], "a click, though the hand shakes");
+        assert_eq!(c.flight, before, "moves nothing");
+        let drag =
+            [ButtonDown(Button::Left), Cursor([61.0, 20.0]), Cursor([111.0, 20.0]), ButtonUp(Button::Left)];
+        assert_eq!(feed(&mut c, &drag), [], "a drag is no click");
+        let camera = c.flight.camera();
+        assert!(
+            (camera.eye[0] + 4.0).abs() < 1e-5,
+            "half the height is a quarter turn to the left: {camera:?}"
+        );
+        assert_eq!(camera.target, [0.0; 3], "around the target");
+        for (button, shift) in [(Button::Right, false), (Button::Left, true)] {
+            let mut c = controls();
+            let pan = [
+                Input::Modifiers { shift, control: false },
+                Cursor([0.0, 0.0]),
+                ButtonDown(button),
+                Cursor([50.0, 0.0]),
+                ButtonUp(button),
+            ];
+            assert_eq!(feed(&mut c, &pan), [], "a drag is no click");
+            assert!(c.flight.camera().target[0] < -0.5, "{button:?}: the target went along");
+        }
+        assert_eq!(feed(&mut c, &[ButtonDown(Button::Middle), ButtonUp(Button::Middle)]).len(), 1, "a pick");
+        let outside = [Cursor([-1.0, 20.0]), ButtonDown(Button::Left), ButtonUp(Button::Left)];
+        assert_eq!(feed(&mut c, &outside), [], "there is nothing outside");
+    }
+
+    #[test]
+    fn held_keys_fly_until_they_are_let_go() {
+        let mut c = controls();
+        feed(&mut c, &[down(Key::Char('w')), Input::KeyDown { key: Key::Char('w'), repeat: true }]);
+        assert!(c.is_flying(), "it is held");
+        c.pass_time(0.5);
+        assert!((c.flight.camera().eye[2] - 3.0).abs() < 1e-6, "half a second forward: {:?}", c.flight);
+        // Shift came in between: the system speaks of another character now.
+        feed(&mut c, &[Input::KeyUp(Key::Char('W'))]);
+        assert!(!c.is_flying(), "let go");
+        feed(&mut c, &[down(Key::Char('+')), down(Key::Char('d')), down(Key::Char('q'))]);
+        c.pass_time(1.0);
+        let eye = c.flight.camera().eye;
+        assert!(
+            (eye[0] - 3.0).abs() < 1e-5 && (eye[1] + 3.0).abs() < 1e-5,
+            "right and down, faster: {eye:?}"
+        );
+        feed(&mut c, &[Input::FocusLost]);
+        assert!(!c.is_flying(), "nobody holds the keys any more");
+        feed(&mut c, &[down(Key::Left)]);
+        c.pass_time(0.1);
+        assert_eq!(c.flight.camera().eye, eye, "arrows turn the head only");
+        feed(&mut c, &[down(Key::Char('r'))]);
+        assert_eq!(c.flight.camera(), controls().flight.camera(), "home again");
+    }
+
+    #[test]
+    fn keys_switch() {
+        let mut c = controls();
+        feed(&mut c, &[down(Key::Char('b')), down(Key::Char('b')), down(Key::Char('B'))]);
+        assert_eq!(c.exposure.stops, STOPS, "brighter, brighter, darker");
+        feed(&mut c, &[down(Key::Char('2'))]);
+        assert_eq!(c.shown, Shown::all()[1], "the second one");
+        feed(&mut c, &[down(Key::Tab)]);
+        assert_eq!(c.shown, Shown::all()[2], "the one behind it");
+        feed(&mut c, &[down(Key::Char('g')), down(Key::Char('h')), down(Key::Char('p'))]);
+        assert!(!c.hud && c.help && c.paused, "all three");
+        let tone = c.exposure.tone;
+        feed(&mut c, &[down(Key::Char('t'))]);
+        assert_ne!(c.exposure.tone, tone, "another curve");
+        let distance = c.flight.distance();
+        feed(&mut c, &[Input::Wheel(1.0)]);
+        assert!(c.flight.distance() < distance, "nearer");
+    }
+
+    #[test]
+    fn keys_ask() {
+        let mut c = controls();
+        let asked = [
+            down(Key::F(12)),
+            down(Key::Char('c')),
+            down(Key::Char('f')),
+            down(Key::Char('f')),
+            down(Key::Escape),
+        ];
+        let effects = feed(&mut c, &asked);
+        let wanted = [
+            Effect::Screenshot,
+            Effect::PrintCamera,
+            Effect::Fullscreen(true),
+            Effect::Fullscreen(false),
+            Effect::Quit,
+        ];
+        assert_eq!(effects, wanted, "one each");
+        feed(&mut c, &[Input::Modifiers { shift: false, control: true }]);
+        let effects =
+            feed(&mut c, &[down(Key::Char('s')), down(Key::Char('q')), down(Key::Char('w')), Input::Close]);
+        assert_eq!(effects, [Effect::Screenshot, Effect::Quit, Effect::Quit], "with control");
+        assert!(!c.is_flying(), "control and a letter do not fly");
+    }
+}

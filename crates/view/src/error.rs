@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What may go wrong between a picture and the eye. Source: original.
+
+/// Why nothing is seen.
+#[derive(Debug, thiserror::Error)]
+pub enum ViewError {
+    /// No display can be reached, or its libraries are missing.
+    #[error("no window can be opened: {0}; set DISPLAY or WAYLAND_DISPLAY, or use --headless")]
+    NoDisplay(String),
+    /// The scene cannot be read.
+    #[error("{0}")]
+    Scene(String),
+    /// Nothing to render, or a picture that is too large.
+    #[error(transparent)]
+    Render(#[from] gnurt::render::RenderError),
+    /// The camera has no view.
+    #[error("the camera has no view: eye and target coincide, or a number is too large")]
+    NoView,
+    /// A thread cannot be started.
+    #[error("a thread cannot be started: {0}")]
+    Thread(std::io::Error),
+    /// The other program does not answer, or hung up.
+    #[error("tev at {address}: {why}; is it running, and does it listen there?")]
+    Tev {
+        /// Host and port.
+        address: String,
+        /// The system's words.
+        why: String,
+    },
+}

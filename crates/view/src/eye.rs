@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A picture in the making, as somebody looks at it: samples, then colours of what is shown.
+//! Source: original. Memory is used again from picture to picture.
+
+use gnurt::ThreadPool;
+use gnurt::render::{Accumulation, PerspectiveCamera, Progress, RenderOptions, World};
+use gnurt::scene::Camera;
+
+use crate::error::ViewError;
+use crate::shown::Shown;
+
+/// What is looked at, from where.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Sight {
+    pub(crate) camera: Camera,
+    pub(crate) shown: Shown,
+    /// Columns and rows to render.
+    pub(crate) size: [u32; 2],
+    /// A look in passing: one sample in the middle of each pixel.
+    pub(crate) fleeting: bool,
+}
+
+/// A picture in the making.
+pub(crate) struct Eye {
+    /// What does not change from sight to sight.
+    options: RenderOptions,
+    making: Option<Making>,
+    pub(crate) colors: Vec<[f32; 4]>,
+}
+
+struct Making {
+    accumulation: Accumulation,
+    rays: PerspectiveCamera,
+    shown: Shown,
+    /// Distance from eye to target.
+    reach: f32,
+}
+
+impl Eye {
+    pub(crate) fn new(options: RenderOptions) -> Self {
+        Self { options, making: None, colors: Vec::new() }
+    }
+
+    /// Begins a picture.
+    pub(crate) fn begin(&mut self, sight: &Sight) -> Result<(), ViewError> {
+        let [width, height] = sight.size;
+        let options = RenderOptions {
+            width,
+            height,
+            integrator: sight.shown.integrator(),
+            aovs: sight.shown.needs_layers(),
+            pixel_centres: sight.fleeting || self.options.pixel_centres,
+            spp: if sight.fleeting { 1 } else { self.options.spp },
+            crop: None,
+            heatmap: false,
+            ..self.options.clone()
+        };
+        let rays = PerspectiveCamera::new(&sight.camera).ok_or(ViewError::NoView)?;
+        let accumulation = match self.making.take() {
+            Some(mut making) => making.accumulation.restart(options).map(|()| making.accumulation),
+            None => Accumulation::new(options),
+        };
+        let reach =
+            (0..3).map(|k| (sight.camera.target[k] - sight.camera.eye[k]).powi(2)).sum::<f32>().sqrt();
+        self.making = Some(Making { accumulation: accumulation?, rays, shown: sight.shown, reach });
+        Ok(())
+    }
+
+    /// Adds samples; says whether nobody stopped it.
+    pub(crate) fn pass(
+        &mut self,
+        world: &World,
+        samples: u32,
+        pool: &ThreadPool,
+        progress: &dyn Progress,
+    ) -> bool {
+        let Some(Making { accumulation, rays, .. }) = &mut self.making else { return true };
+        accumulation.pass(world, rays, samples, pool, progress)
+    }
+
+    /// Samples of each pixel so far.
+    pub(crate) fn samples(&self) -> u32 {
+        self.making.as_ref().map_or(0, |making| making.accumulation.samples())
+    }
+
+    /// Samples of each pixel when it is done.
+    pub(crate) fn target_samples(&self) -> u32 {
+        self.making.as_ref().map_or(0, |making| making.accumulation.options().spp)
+    }
+
+    /// Rays so far.
+    pub(crate) fn rays(&self) -> u64 {
+        self.making.as_ref().map_or(0, |making| making.accumulation.stats().rays())
+    }
+
+    pub(crate) fn is_complete(&self) -> bool {
+        self.making.as_ref().is_none_or(|making| making.accumulation.is_complete())
+    }
+
+    /// Brings `colors` up to date with the samples.
+    pub(crate) fn develop(&mut self, pool: &ThreadPool) {
+        let Some(Making { accumulation, shown, reach, .. }) = &self.making else { return };
+        let options = accumulation.options();
+        self.colors.resize(options.width as usize * options.height as usize, [0.0; 4]);
+        if shown.needs_layers() {
+            shown.colors(&accumulation.picture(), *reach, &mut self.colors);
+        } else {
+            accumulation.write_colors(&mut self.colors, pool);
+        }
+    }
+}

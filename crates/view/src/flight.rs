@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How a camera moves: around its target, sideways, nearer, straight on, by turning its head.
+//! Source: original (turntable orbit: yaw about a fixed up, pitch between the poles). Space: world; double precision, so
+//! that thousands of small moves add no drift that is seen.
+//! Invariants: eye and target never meet; the view never reaches the poles; what goes there and back ends where it began
+//! within rounding. Proof: `tests`.
+
+use glam::{DQuat, DVec3};
+use gnurt::scene::Camera;
+
+/// A camera in motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flight {
+    eye: DVec3,
+    target: DVec3,
+    /// Unit; yaw turns about it.
+    up: DVec3,
+    fov_y: f32,
+    name: String,
+    /// The camera that it began with, while nothing has moved: what was given is printed and rendered as it was.
+    untouched: Option<Camera>,
+}
+
+/// The view comes no nearer to straight up or down than this, in radians.
+const POLE: f64 = 0.002;
+/// Eye and target come no nearer than this share of their distance in the beginning, nor farther than its inverse.
+const NEAREST: f64 = 1e-5;
+
+impl Flight {
+    /// Begins at a camera; `None` if that has no view.
+    #[must_use]
+    pub fn new(camera: &Camera) -> Option<Self> {
+        let frame = camera.frame()?;
+        let up = DVec3::from(camera.up.map(f64::from)).try_normalize();
+        // The up of the picture, where the camera's own says nothing.
+        let up = up.filter(|_| !frame.up_replaced).unwrap_or(DVec3::from(frame.up.map(f64::from)));
+        Some(Self {
+            eye: DVec3::from(camera.eye.map(f64::from)),
+            target: DVec3::from(camera.target.map(f64::from)),
+            up,
+            fov_y: camera.fov_y,
+            name: camera.name.clone(),
+            untouched: Some(camera.clone()),
+        })
+    }
+
+    /// The camera where it is now.
+    #[must_use]
+    pub fn camera(&self) -> Camera {
+        let single = |v: DVec3| v.to_array().map(|x| x as f32);
+        self.untouched.clone().unwrap_or_else(|| Camera {
+            name: self.name.clone(),
+            eye: single(self.eye),
+            target: single(self.target),
+            up: single(self.up),
+            fov_y: self.fov_y,
+        })
+    }
+
+    /// Distance from eye to target.
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        self.eye.distance(self.target)
+    }
+
+    /// Moves the eye around the target: to the right by `yaw` radians, upwards by `pitch`.
+    pub fn orbit(&mut self, yaw: f64, pitch: f64) {
+        let arm = self.turned(self.eye - self.target, yaw, pitch);
+        self.place(self.target + arm, self.target);
+    }
+
+    /// Turns the head: the view goes to the left by `yaw` radians, upwards by `pitch`.
+    pub fn turn(&mut self, yaw: f64, pitch: f64) {
+        let view = self.turned(self.target - self.eye, yaw, pitch);
+        self.place(self.eye, self.eye + view);
+    }
+
+    /// `arm` turned about the up and towards it, but not over the poles.
+    fn turned(&self, arm: DVec3, yaw: f64, pitch: f64) -> DVec3 {
+        let length = arm.length();
+        let elevation = (arm.dot(self.up) / length).clamp(-1.0, 1.0).asin();
+        let most = std::f64::consts::FRAC_PI_2 - POLE;
+        let pitch = (elevation + pitch).clamp(-most, most) - elevation;
+        let arm = DQuat::from_axis_angle(self.up, yaw) * arm;
+        match arm.cross(self.up).try_normalize() {
+            Some(axis) => DQuat::from_axis_angle(axis, pitch) * arm,
+            None => arm,
+        }
+    }
+
+    /// Moves the eye to `factor` times its distance from the target.
+    pub fn dolly(&mut self, factor: f64) {
+        let farthest = 1.0 / NEAREST;
+        let scale = self.scale();
+        let distance = (self.distance() * factor).clamp(NEAREST * scale, farthest * scale);
+        let arm = (self.eye - self.target) / self.distance() * distance;
+        self.place(self.target + arm, self.target);
+    }
+
+    /// Moves eye and target in units of the world: to the right, up in the picture, forward.
+    pub fn fly(&mut self, [right, up, forward]: [f64; 3]) {
+        let axes = self.axes();
+        let way = axes[0] * right + axes[1] * up + axes[2] * forward;
+        self.place(self.eye + way, self.target + way);
+    }
+
+    /// Moves eye and target so that what is at the target's distance follows a cursor that moves by `pixels` (right, down)
+    /// in a picture of `height` pixels.
+    pub fn pan(&mut self, pixels: [f64; 2], height: f64) {
+        let unit = 2.0 * self.distance() * (f64::from(self.fov_y).to_radians() / 2.0).tan() / height.max(1.0);
+        self.fly([-pixels[0] * unit, pixels[1] * unit, 0.0]);
+    }
+
+    /// A size to measure limits with: how large the numbers are that have to tell eye and target apart.
+    fn scale(&self) -> f64 {
+        self.target.abs().max_element().max(self.distance()).clamp(1e-12, 1e12)
+    }
+
+    fn axes(&self) -> [DVec3; 3] {
+        let forward = (self.target - self.eye).normalize_or(DVec3::NEG_Z);
+        let right = forward.cross(self.up).normalize_or(DVec3::X);
+        [right, right.cross(forward), forward]
+    }
+
+    fn place(&mut self, eye: DVec3, target: DVec3) {
+        let distinct = eye.as_vec3().distance(target.as_vec3()) > 0.0;
+        let moved = eye != self.eye || target != self.target;
+        if moved && distinct && eye.is_finite() && target.is_finite() {
+            (self.eye, self.target, self.untouched) = (eye, target, None);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    fn camera() -> Camera {
+        Camera { name: "a".into(), eye: [0.0, 0.0, 4.0], target: [0.0; 3], up: [0.0, 2.0, 0.0], fov_y: 90.0 }
+    }
+
+    fn flight() -> Flight {
+        Flight::new(&camera()).expect("a view")
+    }
+
+    fn near(found: [f32; 3], wanted: [f32; 3]) -> bool {
+        (0..3).all(|k| (found[k] - wanted[k]).abs() < 1e-5)
+    }
+
+    #[test]
+    fn it_begins_where_the_camera_is() {
+        assert_eq!(flight().camera(), camera(), "not a bit is changed, not even the length of up");
+        let mut still = flight();
+        still.fly([0.0; 3]);
+        assert_eq!(still.camera(), camera(), "nor by no move");
+        assert_eq!(Flight::new(&Camera { target: [0.0, 0.0, 4.0], ..camera() }), None, "no view");
+    }
+
+    #[test]
+    fn orbits_keep_the_distance() {
+        let mut flight = flight();
+        flight.orbit(FRAC_PI_2, 0.0);
+        assert!(near(flight.camera().eye, [4.0, 0.0, 0.0]), "a quarter to the right: {flight:?}");
+        flight.orbit(0.0, PI / 6.0);
+        assert!(near(flight.camera().eye, [12.0_f32.sqrt(), 2.0, 0.0]), "30 degrees up: {flight:?}");
+        assert_eq!(flight.camera().target, [0.0; 3], "the target stays");
+        for _ in 0..1000 {
+            flight.orbit(2.0 * PI / 1000.0, 0.0);
+        }
+        assert!(near(flight.camera().eye, [12.0_f32.sqrt(), 2.0, 0.0]), "once around: {flight:?}");
+        flight.orbit(0.0, 100.0);
+        let eye = flight.camera().eye;
+        assert!(eye[1] > 3.99 && (eye[0] > 0.0), "it stops before the pole: {eye:?}");
+        assert!((flight.distance() - 4.0).abs() < 1e-9, "at the same distance");
+        assert!(flight.camera().frame().is_some_and(|frame| !frame.up_replaced), "up is still up");
+    }
+
+    #[test]
+    fn heads_turn_and_legs_walk() {
+        let mut turning = flight();
+        turning.turn(FRAC_PI_2, 0.0);
+        assert!(near(turning.camera().target, [-4.0, 0.0, 4.0]), "to the left: {turning:?}");
+        assert_eq!(turning.camera().eye, [0.0, 0.0, 4.0], "the eye stays");
+        turning.turn(0.0, PI / 6.0);
+        assert!(turning.camera().target[1] > 1.9, "up: {turning:?}");
+        let mut flying = flight();
+        flying.fly([1.0, 2.0, 3.0]);
+        assert!(near(flying.camera().eye, [1.0, 2.0, 1.0]), "right, up, forward: {flying:?}");
+        assert!(near(flying.camera().target, [1.0, 2.0, -3.0]), "the target goes with it");
+    }
+
+    #[test]
+    fn pans_follow_the_cursor() {
+        let mut flight = flight();
+        // 90 degrees at distance 4 are 8 units over the whole height.
+        flight.pan([100.0, 50.0], 800.0);
+        assert!(
+            near(flight.camera().target, [-1.0, 0.5, 0.0]),
+            "what was in the middle moved along: {flight:?}"
+        );
+    }
+
+    #[test]
+    fn dollies_never_arrive() {
+        let mut flight = flight();
+        flight.dolly(0.5);
+        assert!(near(flight.camera().eye, [0.0, 0.0, 2.0]), "half as far: {flight:?}");
+        for factor in [1e-3, 1e3] {
+            for _ in 0..50 {
+                flight.dolly(factor);
+            }
+            let view = flight.camera().frame();
+            assert!(view.is_some() && flight.distance() > 0.0, "there is still a view: {flight:?}");
+        }
+    }
+}

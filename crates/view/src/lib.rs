@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Looking at pictures while they grow: a window to fly through a scene, a turntable without a window, and tev.
+//!
+//! Flow: window events -> [`Input`] -> [`Controls`] (pure) -> what to look at -> a thread that renders -> bytes of the
+//! screen -> window. Nothing here is known to the renderer; nothing but `window` knows that there are displays, and
+//! display libraries are opened only when a window is.
+#![forbid(unsafe_code)]
+
+mod controls;
+mod error;
+mod exposure;
+mod eye;
+mod flight;
+mod headless;
+mod hud;
+mod input;
+mod looker;
+mod memory;
+mod pace;
+mod pick;
+mod screen;
+mod screenshot;
+mod shown;
+mod stage;
+mod tev;
+mod text;
+mod watch;
+mod window;
+
+pub use controls::{Controls, Effect};
+pub use error::ViewError;
+pub use exposure::Exposure;
+pub use flight::Flight;
+pub use headless::{FrameTimes, HeadlessOptions, run_headless};
+pub use hud::KEYS;
+pub use input::{Button, Input, Key};
+pub use pick::Pick;
+pub use shown::Shown;
+pub use stage::{Listener, Loader, Stage};
+pub use tev::{TevAddress, TevImage};
+pub use window::{WindowOptions, run_window};

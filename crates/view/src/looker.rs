@@ -1,0 +1,499 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The thread that renders what the window wants to see: coarse while the camera moves, then finer, then more samples.
+//! Source: original, after the habits of Cycles and OSPRay. A new view is first shown at the resolution that keeps the
+//! picture moving; when it rests, resolution doubles until it is full, then samples are added until there are enough.
+//! Frames of a camera that moves are finished, so that something is seen; all other work is stopped as soon as the view
+//! changes. Invariant: pixels and samples of a finished picture are those of `gnurt::render::render`.
+//! Proof: `tests`, and `crates/cli/tests/program/window.rs`.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use gnurt::ThreadPool;
+use gnurt::render::{Progress, RenderOptions};
+use gnurt::scene::Camera;
+
+use crate::error::ViewError;
+use crate::exposure::Exposure;
+use crate::eye::{Eye, Sight};
+use crate::hud::Readings;
+use crate::pace::{Pace, divided};
+use crate::screen;
+use crate::shown::Shown;
+use crate::stage::{Loader, Stage};
+
+/// What the window wants to see.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Wish {
+    pub(crate) camera: Camera,
+    pub(crate) shown: Shown,
+    pub(crate) size: [u32; 2],
+    pub(crate) exposure: Exposure,
+    /// Whether the camera will probably have moved on by the next frame.
+    pub(crate) moving: bool,
+    pub(crate) paused: bool,
+}
+
+/// A picture that can be shown.
+#[derive(Default)]
+pub(crate) struct Front {
+    /// Rises with each picture.
+    pub(crate) number: u64,
+    /// Pixels of the window.
+    pub(crate) size: [u32; 2],
+    pub(crate) screen: Vec<u32>,
+    /// Linear colours of what was rendered, `readings.rendered` pixels.
+    pub(crate) colors: Vec<[f32; 4]>,
+    pub(crate) exposure: Exposure,
+    pub(crate) readings: Readings,
+    /// Whether each pixel of the window was rendered with samples that count.
+    pub(crate) whole: bool,
+    /// Which change of the view it shows.
+    pub(crate) view: u64,
+}
+
+/// What the window and the thread share.
+struct Shared {
+    wish: Mutex<Wanted>,
+    bell: Condvar,
+    /// The wish's `view`, for those who may not wait.
+    view: AtomicU64,
+    leaving: AtomicBool,
+    front: Mutex<Front>,
+    stage: Mutex<Arc<Stage>>,
+}
+
+struct Wanted {
+    wish: Wish,
+    /// Rises when another picture is wanted, not only another exposure.
+    view: u64,
+    reload: bool,
+}
+
+/// What the thread tells the window.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum News {
+    /// There is another front.
+    Picture,
+    /// The scene was read again.
+    Reloaded(Vec<std::path::PathBuf>),
+    /// It could not be read or rendered; what was there stays.
+    Trouble(String),
+}
+
+/// Renders beside the window; stops when dropped.
+pub(crate) struct Looker {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+/// What a looker works with.
+pub(crate) struct LookerParts {
+    pub(crate) stage: Stage,
+    pub(crate) options: RenderOptions,
+    pub(crate) pool: ThreadPool,
+    pub(crate) loader: Loader,
+    /// Called from the thread.
+    pub(crate) tell: Box<dyn Fn(News) + Send>,
+}
+
+/// Seconds that a frame of a moving camera may take.
+const FRAME: f64 = 0.033;
+/// Seconds that a pass of a resting one may take before it is shown.
+const PASS: f64 = 0.2;
+const MOST_SAMPLES: u32 = 16;
+
+impl Looker {
+    /// Begins to look.
+    pub(crate) fn begin(parts: LookerParts, wish: Wish) -> Result<Self, ViewError> {
+        let LookerParts { stage, options, pool, loader, tell } = parts;
+        let shared = Arc::new(Shared {
+            wish: Mutex::new(Wanted { wish, view: 1, reload: false }),
+            bell: Condvar::new(),
+            view: AtomicU64::new(1),
+            leaving: AtomicBool::new(false),
+            front: Mutex::new(Front::default()),
+            stage: Mutex::new(Arc::new(stage)),
+        });
+        let work = Work {
+            shared: shared.clone(),
+            pool,
+            loader,
+            tell,
+            eye: Eye::new(options),
+            pace: Pace::new(FRAME),
+            back: Front::default(),
+            number: 0,
+            per_sample: PASS,
+        };
+        let thread = std::thread::Builder::new().name("gnurt-looker".into()).spawn(move || work.run());
+        Ok(Self { shared, thread: Some(thread.map_err(ViewError::Thread)?) })
+    }
+
+    /// Wants to see this from now on.
+    pub(crate) fn want(&self, wish: &Wish) {
+        let mut wanted = lock(&self.shared.wish);
+        if wanted.wish == *wish {
+            return;
+        }
+        let old = &wanted.wish;
+        if (&old.camera, old.shown, old.size) != (&wish.camera, wish.shown, wish.size) {
+            wanted.view += 1;
+            self.shared.view.store(wanted.view, Ordering::Relaxed);
+        }
+        wanted.wish.clone_from(wish);
+        self.shared.bell.notify_all();
+    }
+
+    /// Reads the scene again.
+    pub(crate) fn reload(&self) {
+        lock(&self.shared.wish).reload = true;
+        // Whatever is being rendered is of no interest any more.
+        self.shared.view.store(0, Ordering::Relaxed);
+        self.shared.bell.notify_all();
+    }
+
+    /// The latest picture. The thread waits while somebody holds it.
+    pub(crate) fn front(&self) -> MutexGuard<'_, Front> {
+        lock(&self.shared.front)
+    }
+
+    /// Whether a picture shows what is wanted now.
+    pub(crate) fn is_current(&self, front: &Front) -> bool {
+        let wanted = lock(&self.shared.wish);
+        front.view == wanted.view && front.exposure == wanted.wish.exposure && !wanted.reload
+    }
+
+    /// What is looked at.
+    pub(crate) fn stage(&self) -> Arc<Stage> {
+        lock(&self.shared.stage).clone()
+    }
+}
+
+impl Drop for Looker {
+    fn drop(&mut self) {
+        self.shared.leaving.store(true, Ordering::Relaxed);
+        drop(lock(&self.shared.wish));
+        self.shared.bell.notify_all();
+        if let Some(thread) = self.thread.take() {
+            // It has told about its panic already.
+            let _ = thread.join();
+        }
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+struct Work {
+    shared: Arc<Shared>,
+    pool: ThreadPool,
+    loader: Loader,
+    tell: Box<dyn Fn(News) + Send>,
+    eye: Eye,
+    pace: Pace,
+    back: Front,
+    number: u64,
+    /// Seconds that a sample of each pixel took in the last pass.
+    per_sample: f64,
+}
+
+/// What the eye has in the making.
+#[derive(Clone, Debug, PartialEq)]
+struct Present {
+    view: u64,
+    shown: Shown,
+    divisor: u32,
+    fleeting: bool,
+    /// Whether nothing can be added until something changes.
+    done: bool,
+}
+
+/// Stops a pass when another picture is wanted.
+struct Cancel<'a> {
+    shared: &'a Shared,
+    view: u64,
+    finishes: bool,
+}
+
+impl Progress for Cancel<'_> {
+    fn should_stop(&self) -> bool {
+        let moved_on = !self.finishes && self.shared.view.load(Ordering::Relaxed) != self.view;
+        moved_on || self.shared.leaving.load(Ordering::Relaxed)
+    }
+}
+
+impl Work {
+    fn run(mut self) {
+        let mut present: Option<Present> = None;
+        loop {
+            let (wish, view) = {
+                let mut wanted = lock(&self.shared.wish);
+                loop {
+                    if self.shared.leaving.load(Ordering::Relaxed) {
+                        return;
+                    }
+                    let idle = present.as_ref().is_some_and(|present| self.is_idle(present, &wanted));
+                    if !idle || wanted.reload {
+                        break;
+                    }
+                    wanted = self.shared.bell.wait(wanted).unwrap_or_else(PoisonError::into_inner);
+                }
+                if std::mem::take(&mut wanted.reload) {
+                    self.shared.view.store(wanted.view, Ordering::Relaxed);
+                    drop(wanted);
+                    if self.reload() {
+                        present = None;
+                    }
+                    continue;
+                }
+                (wanted.wish.clone(), wanted.view)
+            };
+            if wish.size.contains(&0) {
+                // A window that is folded away shows nothing.
+                present = Some(Present { view, shown: wish.shown, divisor: 1, fleeting: false, done: true });
+                continue;
+            }
+            let next = match self.next(present.take(), &wish, view) {
+                Ok(next) => next,
+                Err(error) => {
+                    (self.tell)(News::Trouble(error.to_string()));
+                    present =
+                        Some(Present { view, shown: wish.shown, divisor: 1, fleeting: false, done: true });
+                    continue;
+                }
+            };
+            present = Some(self.look(next, &wish));
+        }
+    }
+
+    /// Whether there is nothing to do for what is wanted.
+    fn is_idle(&self, present: &Present, wanted: &Wanted) -> bool {
+        let same = present.view == wanted.view && self.back.exposure == wanted.wish.exposure;
+        let waits = if present.fleeting { wanted.wish.moving } else { wanted.wish.paused };
+        let rests = present.done || waits;
+        same && rests
+    }
+
+    /// What to render now: what is in the making, or a new picture.
+    fn next(&mut self, present: Option<Present>, wish: &Wish, view: u64) -> Result<Present, ViewError> {
+        let next = match present {
+            Some(present) if present.view == view => {
+                if !present.fleeting || wish.moving {
+                    return Ok(present);
+                }
+                // It rests: finer, and at last with samples that count.
+                let divisor = present.divisor / 2;
+                Present { divisor: divisor.max(1), fleeting: divisor > 1, ..present }
+            }
+            old => {
+                if old.is_some_and(|old| old.shown != wish.shown) {
+                    self.pace.forget();
+                }
+                let divisor = self.pace.divisor(wish.size);
+                let fleeting = wish.moving || divisor > 1;
+                Present { view, shown: wish.shown, divisor, fleeting, done: false }
+            }
+        };
+        let size = divided(wish.size, next.divisor);
+        let sight = Sight { camera: wish.camera.clone(), shown: wish.shown, size, fleeting: next.fleeting };
+        self.eye.begin(&sight)?;
+        Ok(next)
+    }
+
+    /// Adds samples, and shows what came out.
+    fn look(&mut self, mut present: Present, wish: &Wish) -> Present {
+        let begin = Instant::now();
+        let size = divided(wish.size, present.divisor);
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        let (rays, taken) = (self.eye.rays(), self.eye.samples());
+        let idle = self.eye.is_complete() || (wish.paused && taken > 0);
+        if !idle {
+            let samples = if taken == 0 { 1 } else { self.samples_per_pass() };
+            let stage = lock(&self.shared.stage).clone();
+            // The first picture of a moving camera is seen whatever happens.
+            let finishes = wish.moving && present.fleeting;
+            let cancel = Cancel { shared: &self.shared, view: present.view, finishes };
+            if !self.eye.pass(&stage.world, samples, &self.pool, &cancel) {
+                return present;
+            }
+        }
+        self.eye.develop(&self.pool);
+        let colors = &self.eye.colors;
+        screen::develop(wish.exposure, colors, size, wish.size, &mut self.back.screen, Some(&self.pool));
+        let seconds = begin.elapsed().as_secs_f64();
+        let new_samples = self.eye.samples() - taken;
+        if new_samples > 0 {
+            self.per_sample = seconds / f64::from(new_samples);
+            self.pace.note(pixels * u64::from(new_samples), seconds);
+            self.back.readings = Readings {
+                seconds,
+                rays: self.eye.rays() - rays,
+                samples: [self.eye.samples(), self.eye.target_samples()],
+                rendered: size,
+            };
+        }
+        self.number += 1;
+        (self.back.number, self.back.size, self.back.exposure) = (self.number, wish.size, wish.exposure);
+        (self.back.whole, self.back.view) = (!present.fleeting, present.view);
+        std::mem::swap(&mut self.back.colors, &mut self.eye.colors);
+        present.done = !present.fleeting && self.eye.is_complete();
+        self.publish();
+        (self.tell)(News::Picture);
+        present
+    }
+
+    /// Gives the back to the window and takes its old front.
+    fn publish(&mut self) {
+        let mut front = lock(&self.shared.front);
+        let (readings, exposure) = (self.back.readings, self.back.exposure);
+        std::mem::swap(&mut *front, &mut self.back);
+        // What is compared with later is what is shown, not what was shown before.
+        (self.back.readings, self.back.exposure) = (readings, exposure);
+    }
+
+    /// As many as take about as long as people like to wait for the next picture.
+    fn samples_per_pass(&self) -> u32 {
+        ((PASS / self.per_sample.max(1e-4)) as u32).clamp(1, MOST_SAMPLES).min(self.eye.samples().max(1))
+    }
+
+    /// Reads the scene again; says whether there is a new one.
+    fn reload(&mut self) -> bool {
+        match (self.loader)(&self.pool) {
+            Ok(stage) => {
+                let files = stage.files.clone();
+                *lock(&self.shared.stage) = Arc::new(stage);
+                self.pace.forget();
+                (self.tell)(News::Reloaded(files));
+                true
+            }
+            Err(why) => {
+                (self.tell)(News::Trouble(why));
+                false
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gnurt::render::{CommitOptions, Integrator, PerspectiveCamera, ShaderTable, Silent, World, render};
+    use std::sync::mpsc::{Receiver, channel};
+    use std::time::Duration;
+
+    fn load(pool: &ThreadPool) -> Result<Stage, String> {
+        let mut scene = gnurt::load_scene("builtin:cornell").map_err(|error| error.to_string())?.scene;
+        gnurt::defaults::complete(&mut scene, 1.0);
+        let mut world = World::new();
+        let report = world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), pool);
+        report.map_err(|error| error.to_string())?;
+        Ok(Stage { scene, world, files: Vec::new() })
+    }
+
+    fn options() -> RenderOptions {
+        RenderOptions { spp: 6, seed: 5, ..RenderOptions::default() }
+    }
+
+    fn begin(loader: Loader) -> (Looker, Receiver<News>, Wish) {
+        let pool = gnurt::thread_pool(2).expect("two threads");
+        let stage = load(&pool).expect("the box is built in");
+        let wish = Wish {
+            camera: stage.scene.cameras()[0].clone(),
+            shown: Shown::Light(Integrator::Whitted),
+            size: [61, 47],
+            exposure: Exposure::default(),
+            moving: false,
+            paused: false,
+        };
+        let (sender, news) = channel();
+        let tell = Box::new(move |what| drop(sender.send(what)));
+        let parts = LookerParts { stage, options: options(), pool, loader, tell };
+        (Looker::begin(parts, wish.clone()).expect("a thread"), news, wish)
+    }
+
+    /// Waits until the front is as it should be.
+    #[track_caller]
+    fn wait_for(looker: &Looker, what: &str, is_there: impl Fn(&Front) -> bool) {
+        let begin = Instant::now();
+        while !is_there(&looker.front()) {
+            assert!(begin.elapsed() < Duration::from_secs(60), "no {what}: {:?}", looker.front().readings);
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    fn is_finished(front: &Front) -> bool {
+        front.whole && front.readings.samples == [6, 6]
+    }
+
+    #[test]
+    fn what_is_seen_at_last_is_what_render_makes() {
+        let (looker, _news, mut wish) = begin(Box::new(load));
+        // Restless: views come faster than pictures.
+        for step in 0..30 {
+            wish.camera.eye[0] += 0.001;
+            wish.moving = step % 3 != 0;
+            looker.want(&wish);
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        wish.moving = false;
+        looker.want(&wish);
+        let view = lock(&looker.shared.wish).view;
+        wait_for(&looker, "finished picture", |front| is_finished(front) && front.view == view);
+        let pool = gnurt::thread_pool(1).expect("a thread");
+        let stage = load(&pool).expect("the box");
+        let camera = PerspectiveCamera::new(&wish.camera).expect("a view");
+        let options = RenderOptions { width: 61, height: 47, ..options() };
+        let frame = render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options");
+        assert!(looker.front().colors == frame.picture.color, "the same bits");
+        wish.exposure.stops = 2.0;
+        looker.want(&wish);
+        wait_for(&looker, "brighter picture", |front| front.exposure.stops == 2.0);
+        assert!(is_finished(&looker.front()), "with the samples that were there");
+    }
+
+    #[test]
+    fn moving_pictures_are_coarse_and_rest_makes_them_whole() {
+        let (looker, _news, mut wish) = begin(Box::new(load));
+        wait_for(&looker, "finished picture", is_finished);
+        wish.moving = true;
+        wish.camera.eye[0] += 0.01;
+        looker.want(&wish);
+        wait_for(&looker, "passing look", |front| !front.whole && front.view == 2);
+        std::thread::sleep(Duration::from_millis(50));
+        assert!(!looker.front().whole, "as long as it moves");
+        (wish.moving, wish.shown) = (false, Shown::Depth);
+        looker.want(&wish);
+        wait_for(&looker, "finished picture of depths", |front| is_finished(front) && front.view == 3);
+        let [r, g, b, _] = looker.front().colors[30];
+        assert!(r == g && g == b && r > 0.0, "grey: {r} {g} {b}");
+        (wish.paused, wish.shown) = (true, Shown::Light(Integrator::Normals));
+        looker.want(&wish);
+        wait_for(&looker, "first look", |front| front.view == 4);
+        std::thread::sleep(Duration::from_millis(50));
+        assert!(!is_finished(&looker.front()), "no samples are added");
+    }
+
+    #[test]
+    fn scenes_are_read_again_or_stay() {
+        let count = AtomicU64::new(0);
+        let (looker, news, _) = begin(Box::new(move |pool| match count.fetch_add(1, Ordering::Relaxed) {
+            0 => Err("line 3 is broken".into()),
+            _ => load(pool),
+        }));
+        wait_for(&looker, "finished picture", is_finished);
+        let number = looker.front().number;
+        let told = |looker: &Looker| {
+            looker.reload();
+            let mut news = news.iter().filter(|news| *news != News::Picture);
+            news.next().expect("it is told")
+        };
+        assert_eq!(told(&looker), News::Trouble("line 3 is broken".into()), "what is wrong");
+        assert_eq!(looker.front().number, number, "the picture stays");
+        assert_eq!(told(&looker), News::Reloaded(Vec::new()), "mended");
+        wait_for(&looker, "new picture", |front| is_finished(front) && front.number > number);
+    }
+}

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! From linear light to the pixels of a screen, fast: the bytes that PNG files get, exactly, without a power function.
+//! Source: original. A table over the float's exponent and upper mantissa bits gives the byte at the bottom of each bin;
+//! bins are narrower than bytes are apart, so that one comparison with the next byte's threshold makes it exact.
+//! Pixels are `0x00RRGGBB`. Invariant: equals `gnurt::image::screen_bytes`. Proof: `tests`.
+
+use std::sync::LazyLock;
+
+use gnurt::ThreadPool;
+use gnurt::image::ToneCurve;
+use gnurt::image::srgb::encode_u8;
+use rayon::prelude::*;
+
+use crate::exposure::Exposure;
+
+/// Mantissa bits that a bin is chosen by.
+const BITS: u32 = 8;
+/// Below this value all bytes are 0.
+const LEAST: f32 = 1.0 / 8192.0;
+const FIRST: u32 = LEAST.to_bits() >> (23 - BITS);
+
+struct Table {
+    /// The byte at the lower end of each bin, from `LEAST` on.
+    bins: Vec<u8>,
+    /// The smallest value that becomes each byte; infinite beyond 255.
+    thresholds: [f32; 257],
+}
+
+static TABLE: LazyLock<Table> = LazyLock::new(|| {
+    let threshold = |byte: usize| {
+        // Positive floats are ordered as their bits are.
+        let (mut below, mut above) = (0, 1.0_f32.to_bits());
+        while above - below > 1 {
+            let middle = below.midpoint(above);
+            let reaches = usize::from(encode_u8(f32::from_bits(middle))) >= byte;
+            *(if reaches { &mut above } else { &mut below }) = middle;
+        }
+        f32::from_bits(above)
+    };
+    let thresholds = std::array::from_fn(|byte| match byte {
+        0 => f32::NEG_INFINITY,
+        256 => f32::INFINITY,
+        byte => threshold(byte),
+    });
+    let last = 1.0_f32.to_bits() >> (23 - BITS);
+    let bins = (FIRST..=last).map(|bin| encode_u8(f32::from_bits(bin << (23 - BITS)))).collect();
+    Table { bins, thresholds }
+});
+
+impl Table {
+    /// The byte of a value in 0..=1; NaN is 0.
+    #[inline]
+    fn byte(&self, value: f32) -> u32 {
+        let bin = (value.max(LEAST).min(1.0).to_bits() >> (23 - BITS)) - FIRST;
+        let byte = self.bins[bin as usize];
+        u32::from(byte) + u32::from(value >= self.thresholds[usize::from(byte) + 1])
+    }
+
+    #[inline]
+    fn row(&self, curve: impl Fn(f32) -> f32, gain: f32, colors: &[[f32; 4]], out: &mut [u32]) {
+        for (out, color) in out.iter_mut().zip(colors) {
+            let [r, g, b] = [color[0], color[1], color[2]].map(|x| self.byte(curve(x * gain)));
+            *out = r << 16 | g << 8 | b;
+        }
+    }
+}
+
+/// Writes the pixels of a `from[0]` x `from[1]` picture into a screen of `to[0]` x `to[1]` pixels; each becomes as many as are
+/// needed. On the threads of `pool`, if there is one.
+pub(crate) fn develop(
+    exposure: Exposure,
+    colors: &[[f32; 4]],
+    from: [u32; 2],
+    to: [u32; 2],
+    out: &mut Vec<u32>,
+    pool: Option<&ThreadPool>,
+) {
+    let [columns, rows] = to.map(|x| x as usize);
+    let [from_columns, from_rows] = from.map(|x| x as usize);
+    out.resize(columns * rows, 0);
+    if out.is_empty() || from_columns == 0 || colors.len() < from_columns * from_rows {
+        return;
+    }
+    let table = &*TABLE;
+    let gain = exposure.stops.exp2();
+    let tone = |colors: &[[f32; 4]], out: &mut [u32]| match exposure.tone {
+        ToneCurve::Clamp => table.row(|x| x, gain, colors, out),
+        ToneCurve::Reinhard => table.row(|x| ToneCurve::Reinhard.apply(x), gain, colors, out),
+        ToneCurve::Filmic => table.row(|x| ToneCurve::Filmic.apply(x), gain, colors, out),
+    };
+    // A band: the rows of the screen that show one row of the picture.
+    let source = |y: usize| y * from_rows / rows;
+    let band = |y: usize, band: &mut [u32]| {
+        let colors = &colors[y * from_columns..(y + 1) * from_columns];
+        if from_columns == columns {
+            tone(colors, &mut band[..columns]);
+        } else {
+            let mut line = vec![0; from_columns];
+            tone(colors, &mut line);
+            for (x, out) in band[..columns].iter_mut().enumerate() {
+                *out = line[x * from_columns / columns];
+            }
+        }
+        let (first, others) = band.split_at_mut(columns);
+        others.chunks_exact_mut(columns).for_each(|row| row.copy_from_slice(first));
+    };
+    let mut bands = Vec::with_capacity(from_rows.min(rows));
+    let mut rest = &mut out[..];
+    let mut y = 0;
+    while y < rows {
+        let end = (y + 1..rows).find(|&other| source(other) != source(y)).unwrap_or(rows);
+        let (first, below) = rest.split_at_mut((end - y) * columns);
+        bands.push((source(y), first));
+        (rest, y) = (below, end);
+    }
+    match pool {
+        Some(pool) => {
+            pool.install(|| bands.into_par_iter().with_min_len(8).for_each(|(y, out)| band(y, out)))
+        }
+        None => bands.into_iter().for_each(|(y, out)| band(y, out)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gnurt::image::screen_bytes;
+
+    #[test]
+    fn bytes_are_those_of_files() {
+        let bits = (0..=1.5_f32.to_bits()).step_by(997).chain(
+            // Both sides of each threshold.
+            TABLE.thresholds[1..256].iter().flat_map(|t| [t.to_bits() - 1, t.to_bits(), t.to_bits() + 1]),
+        );
+        let mut values: Vec<f32> = bits.map(f32::from_bits).collect();
+        values.extend([-1.0, -0.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, 300.0]);
+        let colors: Vec<[f32; 4]> = values.iter().map(|&x| [x, 0.5 * x, 2.0 * x, 1.0]).collect();
+        let size = [colors.len() as u32, 1];
+        let pool = gnurt::thread_pool(2).expect("two threads");
+        for (tone, stops) in ToneCurve::ALL.into_iter().flat_map(|tone| [(tone, 0.0), (tone, -2.5)]) {
+            let mut out = Vec::new();
+            develop(Exposure { stops, tone }, &colors, size, size, &mut out, Some(&pool));
+            for (&color, &found) in colors.iter().zip(&out) {
+                let [r, g, b, _] = screen_bytes(color, tone, stops).map(u32::from);
+                assert_eq!(found, r << 16 | g << 8 | b, "{tone} {stops} of {color:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn few_pixels_fill_any_screen() {
+        let colors: Vec<[f32; 4]> = (0..6).map(|i| [i as f32 / 5.0; 4]).collect();
+        for to in [[3, 2], [7, 5], [2, 1], [1, 9], [600, 4]] {
+            let mut out = vec![7; 3];
+            develop(Exposure::default(), &colors, [3, 2], to, &mut out, None);
+            assert_eq!(out.len() as u32, to[0] * to[1], "the whole screen");
+            for (x, y) in [(0, 0), (to[0] - 1, 0), (to[0] / 2, to[1] - 1)] {
+                let from = colors[((y * 2 / to[1]) * 3 + x * 3 / to[0]) as usize];
+                let [r, g, b, _] = screen_bytes(from, ToneCurve::Clamp, 0.0).map(u32::from);
+                let found = out[(y * to[0] + x) as usize];
+                assert_eq!(found, r << 16 | g << 8 | b, "{to:?}: pixel {x},{y}");
+            }
+        }
+        let mut out = vec![1; 4];
+        develop(Exposure::default(), &[], [0, 0], [2, 2], &mut out, None);
+        develop(Exposure::default(), &[], [3, 2], [0, 0], &mut out, None);
+        assert!(out.is_empty(), "no screen at all");
+    }
+}

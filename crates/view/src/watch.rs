@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Notices when files change, by looking at their times and sizes again and again.
+//! Source: original. Polling sees files on any file system, and those that editors replace instead of writing into them.
+//! A change counts only once two looks agree: what is still being written is not read. Proof: `tests`.
+
+use std::path::PathBuf;
+use std::time::SystemTime;
+
+/// Time and size of a file; `None` if it is not there.
+type Mark = Option<(SystemTime, u64)>;
+
+/// Files that are looked at.
+#[derive(Debug, Default)]
+pub(crate) struct Watch {
+    files: Vec<PathBuf>,
+    /// As they were when they were read.
+    known: Vec<Mark>,
+    /// As they were at the last look.
+    seen: Vec<Mark>,
+}
+
+impl Watch {
+    /// Looks at these files from now on, and takes them as they are.
+    pub(crate) fn new(files: Vec<PathBuf>) -> Self {
+        let marks: Vec<Mark> = files.iter().map(mark).collect();
+        Self { files, known: marks.clone(), seen: marks }
+    }
+
+    /// Looks; tells each change once, when it has come to rest.
+    pub(crate) fn has_changed(&mut self) -> bool {
+        let now: Vec<Mark> = self.files.iter().map(mark).collect();
+        let rests = now == self.seen;
+        self.seen = now;
+        let changed = rests && self.seen != self.known;
+        if changed {
+            self.known.clone_from(&self.seen);
+        }
+        changed
+    }
+}
+
+fn mark(path: &PathBuf) -> Mark {
+    let data = std::fs::metadata(path).ok()?;
+    Some((data.modified().ok()?, data.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_change_is_told_once_it_rests() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let [a, b] = ["a", "b"].map(|name| folder.path().join(name));
+        std::fs::write(&a, "1").expect("a file");
+        let mut watch = Watch::new(vec![a.clone(), b.clone()]);
+        assert!(!watch.has_changed() && !watch.has_changed(), "nothing happens");
+        std::fs::write(&a, "12").expect("a file");
+        assert!(!watch.has_changed(), "it may still be written");
+        std::fs::write(&a, "123").expect("a file");
+        assert!(!watch.has_changed(), "as it was");
+        assert!(watch.has_changed(), "now it rests");
+        assert!(!watch.has_changed(), "told once");
+        std::fs::write(&b, "new").expect("a file");
+        assert!(!watch.has_changed() && watch.has_changed(), "a file that comes");
+        std::fs::remove_file(&a).expect("it is there");
+        assert!(!watch.has_changed() && watch.has_changed(), "a file that goes");
+    }
+}

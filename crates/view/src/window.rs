@@ -1,0 +1,423 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The window: events in, pixels out. Everything else is decided elsewhere.
+//! Source: original, on winit and softbuffer, which open the display's libraries when a window is asked for.
+//! Proof: `crates/cli/tests/program/window.rs`.
+
+use std::num::NonZeroU32;
+use std::path::PathBuf;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use gnurt::ThreadPool;
+use gnurt::render::RenderOptions;
+use gnurt::scene::Camera;
+use softbuffer::{Context, Surface};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{ElementState, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy};
+use winit::keyboard::{Key as WinitKey, NamedKey};
+use winit::window::{Fullscreen, Window, WindowId};
+
+use crate::controls::{Controls, Effect};
+use crate::error::ViewError;
+use crate::exposure::Exposure;
+use crate::hud;
+use crate::input::{Button, Input, Key};
+use crate::looker::{Looker, LookerParts, News, Wish};
+use crate::memory;
+use crate::pick::Pick;
+use crate::screenshot;
+use crate::shown::Shown;
+use crate::stage::{Listener, Loader, Stage};
+use crate::watch::Watch;
+
+/// What a window begins with.
+pub struct WindowOptions {
+    /// Size, samples, seed, integrator, filter, level: as `render` takes them.
+    pub render: RenderOptions,
+    /// Where it is seen from at first.
+    pub camera: Camera,
+    /// From light to bytes.
+    pub exposure: Exposure,
+    /// The window's title.
+    pub title: String,
+    /// Leave after this many pictures.
+    pub frames: Option<u64>,
+    /// Where pictures are written.
+    pub folder: PathBuf,
+}
+
+/// How long a camera that nobody holds counts as moving.
+const REST: Duration = Duration::from_millis(120);
+/// Between two steps of a flight.
+const STEP: Duration = Duration::from_millis(10);
+/// Between two looks at files.
+const WATCHED: Duration = Duration::from_millis(250);
+/// How long a message is shown.
+const SAID: Duration = Duration::from_secs(12);
+/// Pixels of a touch pad per notch of a wheel.
+const NOTCH: f64 = 40.0;
+
+/// Shows a window until somebody closes it.
+///
+/// # Errors
+/// [`ViewError::NoDisplay`] if there is nowhere to show it; others if there is nothing to show.
+pub fn run_window(
+    options: WindowOptions,
+    stage: Stage,
+    pool: ThreadPool,
+    loader: Loader,
+    listener: Arc<dyn Listener>,
+) -> Result<(), ViewError> {
+    options.render.region()?;
+    let size = [options.render.width, options.render.height];
+    let shown = Shown::Light(options.render.integrator);
+    let controls = Controls::new(&options.camera, shown, options.exposure, size).ok_or(ViewError::NoView)?;
+    let no_display = |error: &dyn std::fmt::Display| ViewError::NoDisplay(error.to_string());
+    let events = EventLoop::<News>::with_user_event().build().map_err(|error| no_display(&error))?;
+    let proxy = events.create_proxy();
+    let watch = Watch::new(stage.files.clone());
+    let mut app = App {
+        begin: Some((
+            LookerParts { stage, options: options.render.clone(), pool, loader, tell: tell(proxy) },
+            size,
+        )),
+        options,
+        controls,
+        listener,
+        watch,
+        open: None,
+        failure: None,
+        now: Instant::now(),
+        moved: Instant::now(),
+        watched: Instant::now(),
+        said: None,
+        wants_screenshot: false,
+        drawn: Vec::new(),
+        seen: 0,
+    };
+    events.run_app(&mut app).map_err(|error| no_display(&error))?;
+    app.failure.map_or(Ok(()), Err)
+}
+
+fn tell(proxy: EventLoopProxy<News>) -> Box<dyn Fn(News) + Send> {
+    // A loop that has ended needs no news.
+    Box::new(move |news| drop(proxy.send_event(news)))
+}
+
+struct App {
+    /// What the looker needs, until there is a window.
+    begin: Option<(LookerParts, [u32; 2])>,
+    options: WindowOptions,
+    controls: Controls,
+    listener: Arc<dyn Listener>,
+    watch: Watch,
+    open: Option<Open>,
+    failure: Option<ViewError>,
+    /// Up to when keys that are held have moved the camera.
+    now: Instant,
+    /// When the camera moved last.
+    moved: Instant,
+    watched: Instant,
+    said: Option<(Instant, Vec<String>)>,
+    wants_screenshot: bool,
+    /// When pictures reached the screen, within the last second.
+    drawn: Vec<Instant>,
+    /// Pictures that reached the screen.
+    seen: u64,
+}
+
+/// A window that is there.
+struct Open {
+    window: Rc<Window>,
+    surface: Surface<Rc<Window>, Rc<Window>>,
+    looker: Looker,
+    /// The number of the picture that was drawn last.
+    number: u64,
+}
+
+impl App {
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<(), ViewError> {
+        let Some((parts, [width, height])) = self.begin.take() else { return Ok(()) };
+        let failed = |error: &dyn std::fmt::Display| ViewError::NoDisplay(error.to_string());
+        let attributes = Window::default_attributes()
+            .with_title(&self.options.title)
+            .with_inner_size(PhysicalSize::new(width, height));
+        let window = Rc::new(events.create_window(attributes).map_err(|error| failed(&error))?);
+        let context = Context::new(window.clone()).map_err(|error| failed(&error))?;
+        let surface = Surface::new(&context, window.clone()).map_err(|error| failed(&error))?;
+        self.controls.handle(Input::Size(window.inner_size().into()));
+        let looker = Looker::begin(parts, self.wish())?;
+        window.request_redraw();
+        self.open = Some(Open { window, surface, looker, number: 0 });
+        Ok(())
+    }
+
+    fn fail(&mut self, events: &ActiveEventLoop, failure: ViewError) {
+        self.failure = Some(failure);
+        events.exit();
+    }
+
+    fn wish(&self) -> Wish {
+        Wish {
+            camera: self.controls.flight.camera(),
+            shown: self.controls.shown,
+            size: self.controls.size(),
+            exposure: self.controls.exposure,
+            moving: self.moved.elapsed() < REST,
+            paused: self.controls.paused,
+        }
+    }
+
+    /// Lets held keys move the camera up to now.
+    fn catch_up(&mut self) {
+        let seconds = self.now.elapsed().as_secs_f64();
+        self.now = Instant::now();
+        if self.controls.is_flying() {
+            self.controls.pass_time(seconds.min(0.25));
+            self.moved = self.now;
+        }
+    }
+
+    fn handle(&mut self, events: &ActiveEventLoop, input: Input) {
+        self.catch_up();
+        let before = self.controls.flight.clone();
+        let effect = self.controls.handle(input);
+        if self.controls.flight != before {
+            self.moved = self.now;
+        }
+        match effect {
+            Some(Effect::Quit) => events.exit(),
+            Some(Effect::Pick(pixel)) => self.pick(pixel),
+            Some(Effect::Screenshot) => self.wants_screenshot = true,
+            Some(Effect::PrintCamera) => self.print_camera(),
+            Some(Effect::Fullscreen(fills)) => {
+                if let Some(open) = &self.open {
+                    open.window.set_fullscreen(fills.then_some(Fullscreen::Borderless(None)));
+                }
+            }
+            None => {}
+        }
+        let wish = self.wish();
+        if let Some(open) = &self.open {
+            open.looker.want(&wish);
+            open.window.request_redraw();
+        }
+        self.take_screenshot();
+    }
+
+    fn say(&mut self, lines: Vec<String>) {
+        self.said = Some((Instant::now(), lines));
+        if let Some(open) = &self.open {
+            open.window.request_redraw();
+        }
+    }
+
+    fn pick(&mut self, pixel: [u32; 2]) {
+        let Some(open) = &self.open else { return };
+        let stage = open.looker.stage();
+        let pick = Pick::at(&stage, &self.controls.flight.camera(), pixel, self.controls.size());
+        let [x, y] = pixel;
+        match pick {
+            Some(pick) => {
+                self.listener.note(&format!("pixel {x},{y}: {pick}"));
+                self.say(pick.lines().to_vec());
+            }
+            None => {
+                self.listener.note(&format!("pixel {x},{y}: nothing"));
+                self.say(vec!["nothing".into()]);
+            }
+        }
+    }
+
+    fn print_camera(&mut self) {
+        let Camera { eye, target, up, fov_y, .. } = self.controls.flight.camera();
+        let point = |[x, y, z]: [f32; 3]| format!("{x},{y},{z}");
+        let options =
+            format!("--eye {} --target {} --up {} --fov {fov_y}", point(eye), point(target), point(up));
+        self.listener.camera(&options);
+        self.say(vec![format!("--eye {}", point(eye)), format!("--target {}", point(target))]);
+    }
+
+    /// Writes the picture that was asked for, as soon as there is one with all its pixels.
+    fn take_screenshot(&mut self) {
+        let Some(open) = self.open.as_ref().filter(|_| self.wants_screenshot) else { return };
+        let written = {
+            let front = open.looker.front();
+            let size = front.readings.rendered;
+            if !front.whole || !open.looker.is_current(&front) {
+                return;
+            }
+            screenshot::write(&self.options.folder, &front.colors, size, front.exposure)
+        };
+        self.wants_screenshot = false;
+        match written {
+            Ok(path) => {
+                self.listener.note(&format!("wrote {}", path.display()));
+                self.say(vec![format!("wrote {}", path.display())]);
+            }
+            Err(why) => {
+                self.listener.warning(&why);
+                self.say(vec![why]);
+            }
+        }
+    }
+
+    fn draw(&mut self) -> Result<(), softbuffer::SoftBufferError> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        let size: [u32; 2] = open.window.inner_size().into();
+        let [Some(columns), Some(rows)] = size.map(NonZeroU32::new) else { return Ok(()) };
+        open.surface.resize(columns, rows)?;
+        let mut buffer = open.surface.buffer_mut()?;
+        let front = open.looker.front();
+        if front.size == size && front.screen.len() == buffer.len() {
+            buffer.copy_from_slice(&front.screen);
+        } else {
+            // A picture of another size: what of it fits, until there is one.
+            buffer.fill(0);
+            let [width, height] = front.size.map(|side| side as usize);
+            let rows = buffer.chunks_exact_mut(size[0] as usize).zip(front.screen.chunks_exact(width.max(1)));
+            rows.take(height).for_each(|(to, from)| {
+                let shared = to.len().min(from.len());
+                to[..shared].copy_from_slice(&from[..shared]);
+            });
+        }
+        let (readings, number) = (front.readings, front.number);
+        drop(front);
+        let is_new = number != open.number;
+        open.number = number;
+        if is_new {
+            let now = Instant::now();
+            self.drawn.retain(|&at| now - at < Duration::from_secs(1));
+            self.drawn.push(now);
+            self.seen += 1;
+        }
+        if self.controls.hud || self.controls.help {
+            self.said.take_if(|(since, _)| since.elapsed() > SAID);
+            let said = self.said.as_ref().map(|(_, lines)| &lines[..]).unwrap_or_default();
+            let drawn = self.drawn.len() as f64;
+            let lines = hud::lines(&self.controls, &readings, drawn, memory::resident(), said);
+            hud::draw(&mut buffer, size, &self.controls, &lines);
+        }
+        open.window.pre_present_notify();
+        buffer.present()
+    }
+}
+
+impl ApplicationHandler<News> for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if let Err(failure) = self.open(events) {
+            self.fail(events, failure);
+        }
+    }
+
+    fn user_event(&mut self, _: &ActiveEventLoop, news: News) {
+        match news {
+            News::Picture => self.take_screenshot(),
+            News::Reloaded(files) => {
+                self.watch = Watch::new(files);
+                self.listener.note("the scene was read again");
+                self.say(vec!["the scene was read again".into()]);
+            }
+            News::Trouble(why) => {
+                self.listener.warning(&why);
+                self.say(vec!["not read again, the old scene stays:".into(), why]);
+            }
+        }
+        if let Some(open) = &self.open {
+            open.window.request_redraw();
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        if let WindowEvent::RedrawRequested = event {
+            if let Err(error) = self.draw() {
+                self.fail(events, ViewError::NoDisplay(error.to_string()));
+            }
+            if self.options.frames.is_some_and(|frames| self.seen >= frames) {
+                events.exit();
+            }
+            return;
+        }
+        if let Some(input) = input(&event) {
+            self.handle(events, input);
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        self.catch_up();
+        if self.watched.elapsed() >= WATCHED {
+            self.watched = Instant::now();
+            if let Some(open) = self.open.as_ref().filter(|_| self.watch.has_changed()) {
+                open.looker.reload();
+            }
+        }
+        let wish = self.wish();
+        if let Some(open) = &self.open {
+            open.looker.want(&wish);
+        }
+        let busy = wish.moving || self.controls.is_held();
+        events.set_control_flow(ControlFlow::wait_duration(if busy { STEP } else { WATCHED }));
+    }
+}
+
+/// An event in our words; nothing if it is none of our business.
+fn input(event: &WindowEvent) -> Option<Input> {
+    let button = |button: &MouseButton| match button {
+        MouseButton::Left => Some(Button::Left),
+        MouseButton::Middle => Some(Button::Middle),
+        MouseButton::Right => Some(Button::Right),
+        _ => None,
+    };
+    match event {
+        WindowEvent::CloseRequested => Some(Input::Close),
+        WindowEvent::Resized(size) => Some(Input::Size((*size).into())),
+        WindowEvent::Focused(false) => Some(Input::FocusLost),
+        WindowEvent::ModifiersChanged(modifiers) => {
+            let state = modifiers.state();
+            Some(Input::Modifiers { shift: state.shift_key(), control: state.control_key() })
+        }
+        WindowEvent::CursorMoved { position, .. } => Some(Input::Cursor([position.x, position.y])),
+        WindowEvent::MouseInput { state: ElementState::Pressed, button: pressed, .. } => {
+            button(pressed).map(Input::ButtonDown)
+        }
+        WindowEvent::MouseInput { state: ElementState::Released, button: released, .. } => {
+            button(released).map(Input::ButtonUp)
+        }
+        WindowEvent::MouseWheel { delta, .. } => Some(Input::Wheel(match delta {
+            MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
+            MouseScrollDelta::PixelDelta(pixels) => pixels.y / NOTCH,
+        })),
+        WindowEvent::KeyboardInput { event, is_synthetic, .. } => {
+            let key = key(&event.logical_key);
+            match event.state {
+                // Keys that were down before the window had the focus are not meant for it.
+                ElementState::Pressed if *is_synthetic => None,
+                ElementState::Pressed => key.map(|key| Input::KeyDown { key, repeat: event.repeat }),
+                ElementState::Released => key.map(Input::KeyUp),
+            }
+        }
+        _ => None,
+    }
+}
+
+fn key(key: &WinitKey) -> Option<Key> {
+    match key {
+        WinitKey::Character(text) => text.chars().next().map(Key::Char),
+        WinitKey::Named(named) => match named {
+            NamedKey::ArrowLeft => Some(Key::Left),
+            NamedKey::ArrowRight => Some(Key::Right),
+            NamedKey::ArrowUp => Some(Key::Up),
+            NamedKey::ArrowDown => Some(Key::Down),
+            NamedKey::Escape => Some(Key::Escape),
+            NamedKey::Tab => Some(Key::Tab),
+            NamedKey::F1 => Some(Key::F(1)),
+            NamedKey::F11 => Some(Key::F(11)),
+            NamedKey::F12 => Some(Key::F(12)),
+            _ => None,
+        },
+        _ => None,
+    }
+}
