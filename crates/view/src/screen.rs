@@ -22,7 +22,7 @@ const FIRST: u32 = LEAST.to_bits() >> (23 - BITS);
 struct Table {
     /// The byte at the lower end of each bin, from `LEAST` on.
     bins: Vec<u8>,
-    /// The smallest value that becomes each byte; infinite beyond 255.
+    /// The smallest value that becomes each byte; NaN beyond 255.
     thresholds: [f32; 257],
 }
 
@@ -39,7 +39,8 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
     };
     let thresholds = std::array::from_fn(|byte| match byte {
         0 => f32::NEG_INFINITY,
-        256 => f32::INFINITY,
+        // Nothing reaches it, infinity neither.
+        256 => f32::NAN,
         byte => threshold(byte),
     });
     let last = 1.0_f32.to_bits() >> (23 - BITS);
