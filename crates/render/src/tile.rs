@@ -125,8 +125,8 @@ impl<'a> Job<'a> {
     /// One ray through each pixel, at its centre or placed by the filter.
     pub(crate) fn camera_rays(&self, pixels: impl Iterator<Item = [u32; 2]>, sample: u32) -> CameraBatch {
         let (width, height) = (self.options.width, self.options.height);
-        let mut keys = Vec::new();
-        let mut places = Vec::new();
+        let count = pixels.size_hint().0;
+        let (mut keys, mut places) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for [x, y] in pixels {
             let key = SampleKey { pixel: y * width + x, sample, branch: 0 };
             let [dx, dy] = if self.options.pixel_centres {

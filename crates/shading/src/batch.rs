@@ -27,6 +27,13 @@ impl Vec3s {
         Self { x: vec![value.x; n], y: vec![value.y; n], z: vec![value.z; n] }
     }
 
+    /// No lanes yet, but memory for `n`.
+    #[must_use]
+    pub fn with_capacity(n: usize) -> Self {
+        let [x, y, z] = [(); 3].map(|()| Vec::with_capacity(n));
+        Self { x, y, z }
+    }
+
     /// Number of lanes.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -138,6 +145,34 @@ pub struct SurfaceBatch {
 }
 
 impl SurfaceBatch {
+    /// No lanes yet, but memory for `n`.
+    #[must_use]
+    pub fn with_capacity(n: usize) -> Self {
+        let [p, ng, ns, lift, ray_dir, dp_du, color] = [(); 7].map(|()| Vec3s::with_capacity(n));
+        let [error, t, u, v, s, r, alpha] = [(); 7].map(|()| Vec::with_capacity(n));
+        let [prim_id, geom_id, inst_id] = [(); 3].map(|()| Vec::with_capacity(n));
+        Self {
+            p,
+            error,
+            ng,
+            ns,
+            lift,
+            ray_dir,
+            t,
+            u,
+            v,
+            texcoord: [s, r],
+            dp_du,
+            color,
+            alpha,
+            prim_id,
+            geom_id,
+            inst_id,
+            key: Vec::with_capacity(n),
+            ..Self::default()
+        }
+    }
+
     /// Number of lanes.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -52,7 +52,9 @@ impl Table {
     /// The byte of a value in 0..=1; NaN is 0.
     #[inline]
     fn byte(&self, value: f32) -> u32 {
-        let bin = (value.max(LEAST).min(1.0).to_bits() >> (23 - BITS)) - FIRST;
+        // `max` answers the number where the other side is NaN.
+        let lit = value.max(LEAST);
+        let bin = (lit.min(1.0).to_bits() >> (23 - BITS)) - FIRST;
         let byte = self.bins[bin as usize];
         u32::from(byte) + u32::from(value >= self.thresholds[usize::from(byte) + 1])
     }

@@ -50,7 +50,7 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
         return run_windowless(arguments, &source, output.as_ref(), &pool, level, messages);
     }
     signals::listen(FirstSignal::Leaves, messages)?;
-    let (stage, camera) = stage(&source, arguments, level, &pool, messages)?;
+    let (stage, camera) = prepare(&source, arguments, level, &pool, messages)?;
     let options = WindowOptions {
         render: frame_options(&arguments.frame, level),
         camera,
@@ -62,7 +62,7 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     let again = (source, arguments.clone());
     let loader = Box::new(move |pool: &ThreadPool| {
         let (source, arguments) = &again;
-        let stage = stage(source, arguments, level, pool, messages).map(|(stage, _)| stage);
+        let stage = prepare(source, arguments, level, pool, messages).map(|(stage, _)| stage);
         stage.map_err(|failure| failure.message().unwrap_or("it cannot be read").to_owned())
     });
     run_window(options, stage, pool, loader, Arc::new(Speaker { messages })).map_err(Failure::data)
@@ -73,7 +73,7 @@ fn exposure(arguments: &WindowArguments) -> Exposure {
 }
 
 /// The scene, committed, and the camera it is looked at from.
-fn stage(
+fn prepare(
     source: &Source,
     arguments: &WindowArguments,
     level: Level,
@@ -95,7 +95,7 @@ fn run_windowless(
     messages: Messages,
 ) -> Outcome {
     signals::listen(FirstSignal::Saves, messages)?;
-    let (stage, camera) = stage(source, arguments, level, pool, messages)?;
+    let (stage, camera) = prepare(source, arguments, level, pool, messages)?;
     let resolution = arguments.frame.resolution;
     let size = [resolution.width, resolution.height];
     let address = arguments.display.as_ref();

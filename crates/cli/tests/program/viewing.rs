@@ -14,13 +14,19 @@ fn frames_are_rendered_and_timed() {
         "view builtin:cornell --headless --frames 5 -r 48x32 --integrator eyelight --stats=json -o last.png -t 2",
     );
     let json: serde_json::Value = serde_json::from_str(&run.success().stdout).expect("JSON alone");
-    assert_eq!((&json["frames"], &json["spp"], &json["threads"]), (&5.into(), &1.into(), &2.into()), "{json}");
+    assert_eq!(
+        (&json["frames"], &json["spp"], &json["threads"]),
+        (&5.into(), &1.into(), &2.into()),
+        "{json}"
+    );
     assert_eq!(json["rays"], 5 * 48 * 32, "a ray per pixel and frame: {json}");
     let ms = |name: &str| json["ms"][name].as_f64().expect("a number");
     assert!(ms("min") > 0.0 && ms("min") <= ms("median") && ms("median") <= ms("max"), "{json}");
     assert!(json["fps"].as_f64().is_some_and(|fps| fps > 0.0), "{json}");
     let last = folder.read("last.png");
-    folder.gnurt("view builtin:cornell --headless --frames 5 -r 48x32 --integrator eyelight -o again.png -t 1").success();
+    folder
+        .gnurt("view builtin:cornell --headless --frames 5 -r 48x32 --integrator eyelight -o again.png -t 1")
+        .success();
     assert!(last == folder.read("again.png"), "the same bytes each time");
     folder.gnurt("view builtin:cornell --headless -r 48x32 --integrator eyelight -o first.png").success();
     assert!(last != folder.read("first.png"), "the camera went around");
@@ -114,7 +120,11 @@ fn another_program_shows_the_picture() {
         );
         folder.gnurt(&line).success();
         let (kinds, last) = decode(&server.join().expect("the server ends"), 20 * 100);
-        assert_eq!(kinds, [4, 6, 6, 6, 6, 6, 6], "{command}: created, then two bands for each of three passes");
+        assert_eq!(
+            kinds,
+            [4, 6, 6, 6, 6, 6, 6],
+            "{command}: created, then two bands for each of three passes"
+        );
         let picture = gnurt::image::read(&folder.at(&format!("{command}.pfm"))).expect("a picture");
         let wanted: Vec<f32> = picture.color.iter().flat_map(|pixel| pixel[..3].to_vec()).collect();
         assert!(last == wanted, "{command}: what was shown at last is what was written");

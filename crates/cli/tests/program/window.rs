@@ -75,10 +75,8 @@ impl<'a> Viewer<'a> {
         let mut child =
             command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
         let (sender, said) = channel();
-        let pipes: [Box<dyn Read + Send>; 2] = [
-            Box::new(child.stdout.take().expect("a pipe")),
-            Box::new(child.stderr.take().expect("a pipe")),
-        ];
+        let pipes: [Box<dyn Read + Send>; 2] =
+            [Box::new(child.stdout.take().expect("a pipe")), Box::new(child.stderr.take().expect("a pipe"))];
         for pipe in pipes {
             let sender = sender.clone();
             std::thread::spawn(move || {
@@ -87,6 +85,8 @@ impl<'a> Viewer<'a> {
         }
         let viewer = Self { display, folder, child, said, pictures: 0 };
         display.act("search --sync --onlyvisible --name GNU");
+        // Nobody manages windows here: keys go to the one under the cursor.
+        display.act("mousemove 30 30");
         viewer
     }
 

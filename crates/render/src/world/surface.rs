@@ -36,7 +36,7 @@ impl World {
         lanes: &[u32],
         attributes: &[AttributeRequest],
     ) -> SurfaceBatch {
-        let mut points = SurfaceBatch { depth: from.depth, ..SurfaceBatch::default() };
+        let mut points = SurfaceBatch { depth: from.depth, ..SurfaceBatch::with_capacity(lanes.len()) };
         for &lane in lanes {
             let hit = from.hits.get(lane as usize).expect("the lane hit something");
             points.ray_dir.push(Vec3::from(from.rays.get(lane as usize).dir));
