@@ -29,7 +29,8 @@ impl Default for Current {
 /// The matrices that a block's vertices go through.
 #[derive(Clone, Debug)]
 pub struct Transforms {
-    point: Matrix,
+    /// None where it is the identity, as in most objects: the point stays as it is.
+    point: Option<Matrix>,
     normal: [[f64; 3]; 3],
     /// None where it is the identity.
     texture: Option<Matrix>,
@@ -42,7 +43,8 @@ impl Transforms {
         let point = stacks.top(MatrixMode::Modelview).matrix;
         let texture = stacks.top(MatrixMode::Texture).matrix;
         let texture = Some(texture).filter(|matrix| *matrix != Matrix::IDENTITY);
-        Self { point, normal: point.normal_matrix(), texture }
+        let normal = point.normal_matrix();
+        Self { point: Some(point).filter(|matrix| *matrix != Matrix::IDENTITY), normal, texture }
     }
 }
 
@@ -51,7 +53,7 @@ impl Current {
     #[inline]
     #[must_use]
     pub fn vertex(&self, transforms: &Transforms, position: [f64; 4], has_normal: bool) -> Vertex {
-        let [x, y, z, w] = transforms.point.apply(position);
+        let [x, y, z, w] = transforms.point.map_or(position, |matrix| matrix.apply(position));
         let position = if w == 1.0 { [x, y, z] } else { [x / w, y / w, z / w] };
         let normal = if has_normal { self.unit_normal(&transforms.normal) } else { [0.0; 3] };
         let [s, t, _, q] = transforms.texture.map_or(self.texcoord, |matrix| matrix.apply(self.texcoord));
@@ -69,7 +71,12 @@ impl Current {
     fn unit_normal(&self, [a, b, c]: &[[f64; 3]; 3]) -> [f32; 3] {
         let n = self.normal;
         let moved = [0, 1, 2].map(|k| a[k] * n[0] + b[k] * n[1] + c[k] * n[2]);
-        let length = moved.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let squared = moved.iter().map(|x| x * x).sum::<f64>();
+        // Most programs give unit normals: one step of Newton's method is exact to single precision there, and cheaper.
+        if (squared - 1.0).abs() < 1e-6 {
+            return moved.map(|x| (x * (1.5 - 0.5 * squared)) as f32);
+        }
+        let length = squared.sqrt();
         let is_direction = length > 0.0 && length.is_finite();
         if is_direction { moved.map(|x| (x / length) as f32) } else { [0.0; 3] }
     }

@@ -35,3 +35,34 @@ fn run_time_name() {
     let dynamic = output_of("readelf", &["-d"]);
     assert!(dynamic.contains("libOpenRT.so.0"), "the soname is libOpenRT.so.0:\n{dynamic}");
 }
+
+/// Functions that a text declares: what stands before a parenthesis and begins with rt and a capital.
+fn functions(text: &str) -> BTreeSet<String> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let before = |part: &str| part.rsplit(|c| !is_part(c)).next().unwrap_or_default().to_owned();
+    let parts: Vec<&str> = text.split('(').collect();
+    let names = parts[..parts.len() - 1].iter().map(|part| before(part));
+    names.filter(|name| name.starts_with("rt") && name.len() > 2 && !name[2..3].contains('_')).collect()
+}
+
+#[test]
+fn the_reference_has_every_function() {
+    let read =
+        |path: &str| std::fs::read_to_string(common::source(path)).unwrap_or_else(|e| panic!("{path}: {e}"));
+    let declared: BTreeSet<String> = ["include/openrt/rt.h", "../rtut/include/openrt/rtut.h"]
+        .iter()
+        .flat_map(|path| {
+            let header = read(path);
+            let declarations = header.split("RTAPIENTRY ").skip(1);
+            declarations.map(|rest| rest.split('(').next().unwrap_or_default().to_owned()).collect::<Vec<_>>()
+        })
+        .collect();
+    let reference = read("../../docs/openrt-reference.md");
+    // Synopses are the fenced parts.
+    let synopses: String = reference.split("```").skip(1).step_by(2).collect();
+    let explained = functions(&synopses);
+    let missing: Vec<_> = declared.difference(&explained).collect();
+    let extra: Vec<_> = explained.difference(&declared).collect();
+    assert!(missing.is_empty(), "not in docs/openrt-reference.md: {missing:?}");
+    assert!(extra.is_empty(), "in docs/openrt-reference.md, but in no header: {extra:?}");
+}
