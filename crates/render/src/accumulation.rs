@@ -60,7 +60,7 @@ impl Accumulation {
     /// [`RenderError`] if the options leave nothing to render.
     pub fn new(options: RenderOptions) -> Result<Self, RenderError> {
         let region = options.region()?;
-        let tiles = TileFilm::cover(region, options.aovs);
+        let tiles = TileFilm::cover(region, &options);
         Ok(Self { options, region, tiles, stats: RenderStats::default() })
     }
 
@@ -71,10 +71,12 @@ impl Accumulation {
     /// As [`new`](Self::new); nothing has changed then.
     pub fn restart(&mut self, options: RenderOptions) -> Result<(), RenderError> {
         let region = options.region()?;
-        if region == self.region && options.aovs == self.options.aovs {
+        if region == self.region
+            && (options.aovs, options.heatmap) == (self.options.aovs, self.options.heatmap)
+        {
             self.tiles.iter_mut().for_each(TileFilm::clear);
         } else {
-            self.tiles = TileFilm::cover(region, options.aovs);
+            self.tiles = TileFilm::cover(region, &options);
         }
         (self.options, self.region, self.stats) = (options, region, RenderStats::default());
         Ok(())
@@ -124,25 +126,27 @@ impl Accumulation {
                 pool.install(|| self.tiles.par_iter_mut().map(|tile| job.render_tile(tile, done)).collect());
             of_tiles.iter().for_each(|tile| self.stats.add(tile));
         }
-        self.stats.spp_min = self.samples();
+        self.stats.spp_min = self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
         self.stats.spp_max = self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);
         self.stats.complete = self.is_complete();
         self.stats.threads = pool.current_num_threads();
         self.stats.seconds += begin.elapsed().as_secs_f64();
         progress.passed(self);
-        self.samples() == last
+        self.samples() >= last
     }
 
-    /// Fewest samples that a pixel has.
+    /// Fewest samples that a pixel has which shall get more; all samples if none shall.
     #[must_use]
     pub fn samples(&self) -> u32 {
-        self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0)
+        let spp = self.options.spp;
+        let lacking = self.tiles.iter().filter(|tile| tile.samples < tile.wanted(spp));
+        lacking.map(|tile| tile.samples).min().unwrap_or(spp)
     }
 
-    /// Whether every pixel has all samples of the options.
+    /// Whether every pixel has all samples that the options ask for.
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        self.samples() >= self.options.spp
+        self.tiles.iter().all(|tile| tile.samples >= tile.wanted(self.options.spp))
     }
 
     /// What it is rendered with.

@@ -2,13 +2,14 @@
 //! Layers beside the colour: what the camera's rays hit.
 //! Source: original; names of layers and channels as EXR files of the field have them.
 //! Albedo and normals are means over the samples; position, depths and ids are those of the first sample, because a
-//! mean of places or numbers is none. Space: world. Depth is the distance from the eye, Z the one along the view.
+//! mean of places or numbers is none. `variance` is that of the colour's mean. Space: world. Depth is the distance from the eye, Z the one along the view.
 
 use glam::Vec3;
 use gnurt_accel::INVALID_ID;
 use gnurt_image::{Layer, Picture};
 use gnurt_shading::Vec3s;
 
+use crate::checkpoint::{Words, word_f32, word_f64, word_u32};
 use crate::film::TileFilm;
 use crate::integrators::eyelight::MID_GREY;
 use crate::tracer::BatchTracer;
@@ -79,6 +80,23 @@ impl TileAovs {
     }
 }
 
+impl Words for TileAovs {
+    fn words(&mut self, with: &mut dyn FnMut(&mut u64)) {
+        for sums in [&mut self.albedo, &mut self.normal] {
+            sums.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
+        }
+        for hit in &mut self.first {
+            let FirstHit { position, depth, z, object, instance, prim, material } = hit;
+            for x in [&mut position.x, &mut position.y, &mut position.z, depth, z] {
+                word_f32(x, with);
+            }
+            for id in [object, instance, prim, material] {
+                word_u32(id, with);
+            }
+        }
+    }
+}
+
 /// Adds the layers of all tiles to the picture.
 pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
     let width = picture.width as usize;
@@ -107,10 +125,12 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
     let albedo = |c: usize| plane(&|tile, aovs, i| mean(aovs.albedo[i][c], tile), 0.0);
     let normal = |c: usize| plane(&|tile, aovs, i| mean(aovs.normal[i][c], tile), 0.0);
     let position = |c: usize| plane(&|_, aovs, i| aovs.first[i].position[c], 0.0);
+    let variance = |c: usize| plane(&|tile, _, i| tile.variance(i)[c], 0.0);
     let depth = plane(&|_, aovs, i| aovs.first[i].depth, f32::INFINITY);
     let z = plane(&|_, aovs, i| aovs.first[i].z, f32::INFINITY);
     picture.layers.extend([
         Layer::floats("albedo", [("R", albedo(0)), ("G", albedo(1)), ("B", albedo(2))]),
+        Layer::floats("variance", [("R", variance(0)), ("G", variance(1)), ("B", variance(2))]),
         Layer::floats("N", [("X", normal(0)), ("Y", normal(1)), ("Z", normal(2))]),
         Layer::floats("P", [("X", position(0)), ("Y", position(1)), ("Z", position(2))]),
         Layer::floats("depth", [("Z", depth)]),

@@ -32,6 +32,31 @@ pub enum CommitError {
     TooLarge(String),
 }
 
+/// A checkpoint that a rendering cannot go on from.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CheckpointError {
+    /// The bytes are something else.
+    #[error("it is no checkpoint of a rendering")]
+    NoCheckpoint,
+    /// Another version of this program wrote it.
+    #[error("another version of the program wrote it")]
+    OtherVersion,
+    /// It was cut off or changed.
+    #[error("it is damaged")]
+    Damaged,
+    /// Scene, camera or options are not those that it was made with.
+    #[error("it is of another picture: scene, camera or options differ")]
+    OtherPicture,
+    /// The picture already has more samples than it shall get.
+    #[error("it holds {has} samples per pixel already, {asked} are asked for")]
+    MoreSamples {
+        /// How many it holds.
+        has: u32,
+        /// How many are wanted.
+        asked: u32,
+    },
+}
+
 /// A picture that cannot be made. All are mistakes of the caller.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RenderError {

@@ -3,11 +3,14 @@
 #![forbid(unsafe_code)]
 
 mod accumulation;
+mod adaptive;
 mod aov;
 mod camera;
+mod checkpoint;
 mod cost;
 mod error;
 mod film;
+mod fingerprint;
 mod frame;
 mod integrators;
 mod many_lights;
@@ -24,11 +27,12 @@ pub mod world;
 
 pub use accumulation::Accumulation;
 pub use camera::PerspectiveCamera;
-pub use error::{CommitError, RenderError};
+pub use error::{CheckpointError, CommitError, RenderError};
+pub use fingerprint::fingerprint;
 pub use frame::Frame;
 pub use options::{Integrator, ReconstructionFilter, RenderOptions, UnknownIntegrator};
 pub use pixel_trace::{PixelTrace, trace_pixel};
 pub use progress::{Progress, Silent};
-pub use render::render;
+pub use render::{render, render_on};
 pub use stats::RenderStats;
 pub use world::{CommitOptions, CommitReport, ShaderTable, World, WorldStats};

@@ -124,7 +124,10 @@ pub struct RenderOptions {
     pub level: Level,
     /// Render no longer than this: the picture so far is kept.
     pub time_limit: Option<Duration>,
-    /// Add layers: albedo, normal, position, depth, ids.
+    /// Tiles get as many samples as bring their noise below this share of their radiance: at least 16, at most `spp`.
+    /// Not for integrators with virtual lights, whose pixels share their noise. `None` = `spp` samples everywhere.
+    pub noise: Option<f32>,
+    /// Add layers: albedo, variance, normal, position, depth, ids.
     pub aovs: bool,
     /// Make a picture of the cost per pixel.
     pub heatmap: bool,
@@ -147,6 +150,7 @@ impl Default for RenderOptions {
             ray_epsilon: 0.0,
             level: Level::default(),
             time_limit: None,
+            noise: None,
             aovs: false,
             heatmap: false,
         }

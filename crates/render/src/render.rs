@@ -3,7 +3,7 @@
 //! Source: original. Invariant: the picture depends on world, camera, options and the samples taken, bit for bit; neither
 //! on threads nor on passes. Proof: crates/render/tests/determinism.rs.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use gnurt_shading::CameraShader;
 
@@ -25,36 +25,46 @@ pub fn render(
     pool: &rayon::ThreadPool,
     progress: &dyn Progress,
 ) -> Result<Frame, RenderError> {
+    let accumulation = Accumulation::new(options.clone())?;
+    Ok(render_on(accumulation, world, camera, pool, progress, None, &mut |_| {}))
+}
+
+/// Goes on with a picture until it is complete, its time limit is over or `progress` says stop. Every `every`, and at the
+/// end, `at_rest` is called with the picture so far while nothing is added to it: the place to save it.
+pub fn render_on(
+    mut accumulation: Accumulation,
+    world: &World,
+    camera: &dyn CameraShader,
+    pool: &rayon::ThreadPool,
+    progress: &dyn Progress,
+    every: Option<Duration>,
+    at_rest: &mut dyn FnMut(&Accumulation),
+) -> Frame {
     let start = Instant::now();
     // A limit beyond the end of time is none.
-    let deadline = options.time_limit.and_then(|limit| start.checked_add(limit));
-    let mut accumulation = Accumulation::new(options.clone())?;
-    for [first, last] in passes(options.spp) {
-        if !accumulation.pass_until(deadline, world, camera, last - first, pool, progress) {
+    let deadline = accumulation.options().time_limit.and_then(|limit| start.checked_add(limit));
+    let mut saved = start;
+    while !accumulation.is_complete() {
+        let save_at = every.and_then(|every| saved.checked_add(every));
+        let until = [deadline, save_at].into_iter().flatten().min();
+        let samples = next_pass(accumulation.samples());
+        let whole = accumulation.pass_until(until, world, camera, samples, pool, progress);
+        if save_at.is_some_and(|moment| Instant::now() >= moment) {
+            at_rest(&accumulation);
+            saved = Instant::now();
+        }
+        let is_over = progress.should_stop() || deadline.is_some_and(|end| Instant::now() >= end);
+        if is_over || (!whole && save_at.is_none()) {
             break;
         }
     }
-    Ok(accumulation.into_frame(start))
+    at_rest(&accumulation);
+    accumulation.into_frame(start)
 }
 
-/// Samples of each pass: 1, 1, 2, 4, 8, 16, 16, ...: the first picture comes soon, later passes keep threads busy.
-fn passes(spp: u32) -> impl Iterator<Item = [u32; 2]> {
+/// Samples of the pass after `taken`: 1, 1, 2, 4, 8, 16, 16, ...: the first picture comes soon, later passes keep threads
+/// busy.
+fn next_pass(taken: u32) -> u32 {
     const MOST: u32 = 16;
-    let next = move |&[_, last]: &[u32; 2]| (last < spp).then(|| [last, (last + last.min(MOST)).min(spp)]);
-    std::iter::successors(Some([0, 1.min(spp)]), next)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn passes_take_each_sample_once() {
-        for spp in [1, 2, 3, 7, 16, 100] {
-            let passes: Vec<_> = passes(spp).collect();
-            assert_eq!(passes[0], [0, 1], "the first picture comes soon");
-            assert_eq!(passes[passes.len() - 1][1], spp, "all of them");
-            assert!(passes.windows(2).all(|w| w[0][1] == w[1][0]), "one after the other: {passes:?}");
-        }
-    }
+    taken.clamp(1, MOST)
 }

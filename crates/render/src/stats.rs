@@ -2,6 +2,8 @@
 //! Counters of a rendering: what was traced, what it cost. Source: original.
 //! Counters are per tile and added at the end, in tile order: no thread waits for another one.
 
+use crate::checkpoint::{Words, word_f64, word_u32};
+
 /// What a rendering did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderStats {
@@ -47,5 +49,24 @@ impl RenderStats {
         self.triangles_tested += other.triangles_tested;
         self.samples += other.samples;
         self.bad_samples += other.bad_samples;
+    }
+}
+
+impl Words for RenderStats {
+    fn words(&mut self, with: &mut dyn FnMut(&mut u64)) {
+        for counter in [
+            &mut self.camera_rays,
+            &mut self.shadow_rays,
+            &mut self.secondary_rays,
+            &mut self.nodes_visited,
+            &mut self.triangles_tested,
+            &mut self.samples,
+            &mut self.bad_samples,
+        ] {
+            with(counter);
+        }
+        word_u32(&mut self.spp_min, with);
+        word_u32(&mut self.spp_max, with);
+        word_f64(&mut self.seconds, with);
     }
 }

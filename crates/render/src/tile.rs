@@ -13,6 +13,7 @@ use gnurt_image::Filter;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{CameraShader, SampleKey, Vec3s};
 
+use crate::adaptive::samples_needed;
 use crate::cost::TileCosts;
 use crate::film::TileFilm;
 use crate::integrators;
@@ -81,6 +82,14 @@ impl<'a> Job<'a> {
 
     /// Brings a tile to `last` samples, or to fewer if it is time to stop.
     pub(crate) fn render_tile(&self, tile: &mut TileFilm, last: u32) -> RenderStats {
+        let mut pilot = RenderStats::default();
+        if let Some(noise) = self.options.noise.filter(|_| tile.target == 0) {
+            if self.should_stop() {
+                return pilot;
+            }
+            tile.target = samples_needed(self, tile.rect, noise, &mut pilot);
+        }
+        let last = last.min(tile.wanted(last));
         let costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
         let mut tracer = BatchTracer::new(self.world, self.options, costs);
         tracer.pass = self.pass.as_ref();
@@ -95,13 +104,14 @@ impl<'a> Job<'a> {
             tile.costs.resize(costs.costs.len(), 0);
             tile.costs.iter_mut().zip(costs.costs).for_each(|(sum, cost)| *sum += cost);
         }
-        let stats = tracer.take_stats();
+        let mut stats = tracer.take_stats();
+        stats.add(&pilot);
         let done = self.samples_done.fetch_add(stats.samples, Ordering::Relaxed) + stats.samples;
         self.progress.update(done as f64 / self.all_samples as f64, done);
         stats
     }
 
-    fn render_sample(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, sample: u32) {
+    pub(crate) fn render_sample(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, sample: u32) {
         let CameraBatch { rays, keys } = self.camera_rays(tile.pixels(), sample);
         let hits = tracer.intersect(&rays, &keys, Coherence::Coherent);
         let epsilon = self.options.ray_epsilon;

@@ -31,6 +31,12 @@ pub(crate) struct RenderArguments {
     /// Also show the picture while it is rendered, in tev: tev:HOST:PORT
     #[arg(long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
     pub(crate) display: Option<TevAddress>,
+    /// Keep the rendering's state in this file and go on from it if it is there: a program that was killed loses little
+    #[arg(long, value_name = "FILE", allow_hyphen_values = true)]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Time between two checkpoints
+    #[arg(long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true, default_value = "60s", requires = "checkpoint")]
+    pub(crate) checkpoint_every: Duration,
     /// Say what was counted and measured: a table on standard error, or json on standard output
     #[arg(
         long,

@@ -148,6 +148,12 @@ pub(crate) fn clamp(text: &str) -> Result<f32, String> {
     value.ok_or_else(|| "give a number that is not negative, like 2.5".into())
 }
 
+/// A share above 0.
+pub(crate) fn noise(text: &str) -> Result<f32, String> {
+    let value = text.parse::<f32>().ok().filter(|value| value.is_finite() && *value > 0.0);
+    value.ok_or_else(|| "give a share above 0, like 0.02 for two per cent".into())
+}
+
 /// 0 to 1024.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     whole(text, 0, MOST_THREADS)

@@ -65,6 +65,9 @@ pub(crate) struct FrameArguments {
     /// the scene's size decides. path: light scattered more than once counts no more than this per sample (too dark)
     #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,
+    /// Take as many samples of each tile as bring its noise below this share of its radiance: 16 at least, --spp at most
+    #[arg(long, value_name = "X", value_parser = value::noise, allow_hyphen_values = true)]
+    pub(crate) noise: Option<f32>,
     /// Make every material a Lambertian reflector of its base colour
     #[arg(long)]
     pub(crate) force_diffuse: bool,

@@ -7,12 +7,16 @@ use std::time::Instant;
 
 use gnurt::ThreadPool;
 use gnurt::image::Picture;
-use gnurt::render::{CommitOptions, CommitReport, Frame, RenderOptions, ShaderTable, World, render};
+use gnurt::render::{
+    Accumulation, CommitOptions, CommitReport, Frame, RenderOptions, ShaderTable, World, fingerprint,
+    render_on,
+};
 use gnurt::scene::Scene;
 use gnurt::simd::Level;
 use gnurt_view::TevImage;
 
 use crate::arguments::{FrameArguments, RenderArguments, StatisticsForm};
+use crate::checkpoint::Checkpoint;
 use crate::display::Displayed;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
@@ -44,21 +48,35 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     let (camera, rays) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
     let loaded = begin.elapsed();
     let (world, report) = commit(&scene, &arguments.frame, level, &pool, messages)?;
-    drop(scene);
 
     let options = options(arguments, &targets, level);
+    let checkpoint = arguments.checkpoint.as_deref().map(|path| {
+        let print = fingerprint(&scene, arguments.frame.force_diffuse, &rays, &options);
+        Checkpoint::new(path, print, arguments.checkpoint_every)
+    });
+    drop(scene);
+    let begun = match &checkpoint {
+        Some(checkpoint) => checkpoint.begin(&options, messages)?,
+        None => Accumulation::new(options.clone()).map_err(Failure::usage)?,
+    };
     let size = [options.width, options.height];
     let tev = arguments.display.as_ref().map(|address| TevImage::create(address, &source.name(), size));
     let tev = tev.transpose().map_err(Failure::data)?;
     let watcher = Watcher::begin(messages.shows_progress());
     let displayed = Displayed::new(&watcher, tev);
-    let outcome = render(&world, &rays, &options, &pool, &displayed);
+    let every = checkpoint.as_ref().map(|checkpoint| checkpoint.every);
+    let mut saved = Ok(());
+    let mut frame = render_on(begun, &world, &rays, &pool, &displayed, every, &mut |picture| {
+        if let Some(checkpoint) = &checkpoint {
+            saved = checkpoint.save(picture);
+        }
+    });
     let lost = displayed.end();
     watcher.end();
     if let Some(why) = lost {
         messages.warning(format_args!("the picture is no longer shown: {why}"));
     }
-    let mut frame = outcome.map_err(Failure::usage)?;
+    saved?;
     tell(&frame, arguments, messages);
 
     if !targets.picture.has_layers() {
@@ -106,6 +124,22 @@ fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Sour
     let picture = given.map_or_else(|| Output::named(&source.picture_name()), Ok)?;
     if heatmap.as_ref().is_some_and(|heatmap| is_same_file(heatmap.path(), picture.path())) {
         return Err(Failure::usage("--heatmap and --output are the same file; give two"));
+    }
+    if let Some(checkpoint) = &arguments.checkpoint {
+        if [Some(&picture), heatmap.as_ref()]
+            .into_iter()
+            .flatten()
+            .any(|o| is_same_file(o.path(), checkpoint))
+        {
+            return Err(Failure::usage("--checkpoint is the file of a picture; give another"));
+        }
+        gnurt::image::check_writable(checkpoint).map_err(Failure::data)?;
+    }
+    if arguments.frame.noise.is_some() && arguments.frame.integrator.has_virtual_lights() {
+        return Err(Failure::usage(format_args!(
+            "--noise does not go with --integrator {}: its pixels share their noise; give --spp or --time",
+            arguments.frame.integrator
+        )));
     }
     picture.check()?;
     heatmap.iter().try_for_each(Output::check)?;
@@ -197,6 +231,7 @@ pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptio
         max_depth: frame.max_depth,
         vpls: frame.vpls,
         clamp: frame.clamp,
+        noise: frame.noise,
         level,
         ..RenderOptions::default()
     }

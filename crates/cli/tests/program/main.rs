@@ -9,6 +9,7 @@ mod bench;
 mod broken_pictures;
 mod broken_scenes;
 mod cameras;
+mod checkpoint;
 mod conversion;
 mod determinism;
 mod differences;

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How many samples a tile needs so that its noise falls below a target.
+//! Source: original; two-stage sampling after Stein [Ste45]. The number is decided by a pilot rendering under another seed,
+//! which is then thrown away: it is independent of the samples that make the picture, whose means so stay unbiased, as
+//! they would not if samples were taken until they look quiet.
+//! Noise of a tile: root of the mean variance of its pixels' means, over its mean radiance. Cost: the pilot is 16 samples,
+//! and beyond that at most about an eighth of what is to come.
+//! Proof: `tests`, crates/render/tests/checkpoint.rs.
+
+use crate::film::TileFilm;
+use crate::options::RenderOptions;
+use crate::stats::RenderStats;
+use crate::tile::Job;
+use crate::tracer::BatchTracer;
+
+/// No tile gets fewer samples, and no pilot is smaller.
+pub(crate) const FEWEST: u32 = 16;
+/// The seed of pilots differs in these bits.
+const PILOT: u64 = 0x5851_f42d_4c95_7f2d;
+
+/// Samples that bring the noise of a tile to `noise`, between [`FEWEST`] and all that the options allow.
+pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut RenderStats) -> u32 {
+    let most = job.options.spp;
+    let options =
+        RenderOptions { seed: job.options.seed ^ PILOT, aovs: false, heatmap: false, ..job.options.clone() };
+    let pilot = Job::new(job.world, job.camera, &options, job.progress);
+    let mut tile = TileFilm::new(rect, false, true);
+    let mut tracer = BatchTracer::new(job.world, &options, None);
+    let mut taken = FEWEST;
+    let needed = loop {
+        for sample in tile.samples..taken {
+            pilot.render_sample(&mut tile, &mut tracer, sample);
+        }
+        let needed = needed(&tile, noise).clamp(FEWEST.min(most), most);
+        if taken.saturating_mul(8) >= needed {
+            break needed;
+        }
+        taken *= 4;
+    };
+    // Its rays were traced; its samples are not in the picture.
+    stats.add(&RenderStats { samples: 0, bad_samples: 0, ..tracer.take_stats() });
+    needed
+}
+
+fn needed(tile: &TileFilm, noise: f32) -> u32 {
+    let n = f64::from(tile.samples);
+    let (mut variance, mut mean) = (0.0, 0.0);
+    for (sum, squares) in tile.sums.iter().zip(&tile.squares) {
+        for k in 0..3 {
+            variance += (squares[k] - sum[k] * sum[k] / n).max(0.0) / (n - 1.0);
+            mean += sum[k] / n;
+        }
+    }
+    let values = 3.0 * tile.sums.len() as f64;
+    let (variance, wanted) = (variance / values, f64::from(noise) * mean / values);
+    if variance > 0.0 { (variance / (wanted * wanted)).ceil().min(f64::from(u32::MAX)) as u32 } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn noise_falls_with_the_root() {
+        let mut tile = TileFilm::new([0, 0, 2, 1], false, true);
+        // Mean 1, variance 1 (with n - 1: 100 / 99).
+        for i in 0..100 {
+            (0..2)
+                .for_each(|pixel| tile.add(pixel, Vec3::splat(f32::from(u8::from(i % 2 == 0)) * 2.0), true));
+            tile.samples += 1;
+        }
+        let at = needed(&tile, 0.1);
+        assert!((100..=102).contains(&at), "1 / 0.1² = {at}");
+        assert_eq!(needed(&tile, 1e-20), u32::MAX, "no overflow");
+        assert_eq!(
+            needed(&TileFilm { samples: 4, ..TileFilm::new([0, 0, 2, 1], false, true) }, 0.1),
+            0,
+            "dark"
+        );
+    }
+}

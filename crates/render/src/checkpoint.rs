@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A picture in the making as bytes, so that a rendering goes on where it was, with the same bits.
+//! Source: original. Layout, little-endian 64-bit words: magic, version, fingerprint, rectangle, flags, counters, then per
+//! tile its samples and sums; last a checksum of all words before it. One function walks over all words for both ways.
+//! Invariants: whatever the bytes are, reading returns or fails, it never panics; nothing is read into other sizes.
+//! Proof: crates/render/tests/checkpoint.rs; a killed program: crates/cli/tests/program/checkpoint.rs.
+
+use crate::accumulation::Accumulation;
+use crate::error::CheckpointError;
+use crate::options::RenderOptions;
+
+const MAGIC: u64 = u64::from_le_bytes(*b"GNURTchk");
+const VERSION: u64 = 1;
+
+/// Something made of words that can be read and written.
+pub(crate) trait Words {
+    /// Calls `with` for each word, always in the same order; sizes do not change.
+    fn words(&mut self, with: &mut dyn FnMut(&mut u64));
+}
+
+/// A number as a word.
+pub(crate) fn word_f64(x: &mut f64, with: &mut dyn FnMut(&mut u64)) {
+    let mut word = x.to_bits();
+    with(&mut word);
+    *x = f64::from_bits(word);
+}
+
+/// A number as a word.
+pub(crate) fn word_f32(x: &mut f32, with: &mut dyn FnMut(&mut u64)) {
+    let mut word = u64::from(x.to_bits());
+    with(&mut word);
+    *x = f32::from_bits(word as u32);
+}
+
+/// A number as a word.
+pub(crate) fn word_u32(x: &mut u32, with: &mut dyn FnMut(&mut u64)) {
+    let mut word = u64::from(*x);
+    with(&mut word);
+    *x = word as u32;
+}
+
+impl Accumulation {
+    /// All that it holds; `fingerprint` says of what, see [`fingerprint`](crate::fingerprint()).
+    #[must_use]
+    pub fn to_bytes(&self, fingerprint: u64) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut sum = 0;
+        let mut put = |word: &mut u64| {
+            sum = checksum(sum, *word);
+            bytes.extend(word.to_le_bytes());
+        };
+        self.header(fingerprint).iter_mut().for_each(&mut put);
+        self.stats.clone().words(&mut put);
+        for tile in &self.tiles {
+            tile.clone().words(&mut put);
+        }
+        bytes.extend(sum.to_le_bytes());
+        bytes
+    }
+
+    /// What [`to_bytes`](Self::to_bytes) wrote, to go on under `options`: those it was made with, but for the number of
+    /// samples.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] if the bytes are no checkpoint, damaged, of another picture, or hold more samples than
+    /// `options` ask for.
+    pub fn from_bytes(
+        options: RenderOptions,
+        fingerprint: u64,
+        bytes: &[u8],
+    ) -> Result<Self, CheckpointError> {
+        let mut accumulation = Self::new(options).map_err(|_| CheckpointError::OtherPicture)?;
+        let (words, rest) = bytes.as_chunks::<8>();
+        let word = |i: usize| words.get(i).map(|word| u64::from_le_bytes(*word));
+        if word(0) != Some(MAGIC) {
+            return Err(CheckpointError::NoCheckpoint);
+        }
+        if word(1) != Some(VERSION) {
+            return Err(CheckpointError::OtherVersion);
+        }
+        let (Some(last), true) = (words.len().checked_sub(1), rest.is_empty()) else {
+            return Err(CheckpointError::Damaged);
+        };
+        let sum = words[..last].iter().fold(0, |sum, word| checksum(sum, u64::from_le_bytes(*word)));
+        if word(last) != Some(sum) {
+            return Err(CheckpointError::Damaged);
+        }
+        let header = accumulation.header(fingerprint);
+        if (0..header.len()).any(|i| word(i) != Some(header[i])) {
+            return Err(CheckpointError::OtherPicture);
+        }
+        let mut at = header.len();
+        let mut enough = true;
+        let mut get = |slot: &mut u64| match word(at).filter(|_| at < last) {
+            Some(word) => {
+                *slot = word;
+                at += 1;
+            }
+            None => enough = false,
+        };
+        accumulation.stats.words(&mut get);
+        for tile in &mut accumulation.tiles {
+            tile.words(&mut get);
+        }
+        if !enough || at != last {
+            return Err(CheckpointError::Damaged);
+        }
+        let most = accumulation.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);
+        if most > accumulation.options.spp {
+            return Err(CheckpointError::MoreSamples { has: most, asked: accumulation.options.spp });
+        }
+        Ok(accumulation)
+    }
+
+    fn header(&self, fingerprint: u64) -> [u64; 9] {
+        let [x0, y0, x1, y1] = self.region.map(u64::from);
+        let flags = u64::from(self.options.aovs) | u64::from(self.options.heatmap) << 1;
+        [MAGIC, VERSION, fingerprint, x0, y0, x1, y1, flags, self.tiles.len() as u64]
+    }
+}
+
+fn checksum(sum: u64, word: u64) -> u64 {
+    (sum ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23)
+}
