@@ -99,12 +99,18 @@ fn textures(material: &Material) -> [Option<TextureRef>; 6] {
         Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
             (*metallic_roughness_texture, normal_texture.map(|n| n.texture))
         }
+        Surface::Principled(p) => (p.metallic_roughness_texture, p.normal_texture.map(|n| n.texture)),
         _ => (None, None),
     };
     let base = match &material.surface {
         Surface::Matte { base_color } | Surface::MetallicRoughness { base_color, .. } => base_color.texture,
+        Surface::RoughMatte { base_color, .. } => base_color.texture,
+        Surface::Principled(p) => p.base_color.texture,
         Surface::Mirror { reflectance } => reflectance.texture,
-        Surface::Dielectric { .. } | Surface::Shader(_) => None,
+        Surface::Metal { .. }
+        | Surface::Dielectric { .. }
+        | Surface::RoughDielectric { .. }
+        | Surface::Shader(_) => None,
     };
     let opacity = match material.alpha {
         Alpha::Opaque => None,

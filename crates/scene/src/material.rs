@@ -80,6 +80,37 @@ pub enum Surface {
         /// Tangent-space normals: red, green along the texture's u and v.
         normal_texture: Option<NormalMap>,
     },
+    /// glTF's metal and plastic with what its extensions add.
+    Principled(Box<Principled>),
+    /// Rough diffuse reflector.
+    RoughMatte {
+        /// Albedo.
+        base_color: Color,
+        /// In `[0, 1]`; 0 is a Lambertian reflector.
+        roughness: f32,
+    },
+    /// Metal by its complex index of refraction.
+    Metal {
+        /// Index of refraction per channel, > 0.
+        eta: [f32; 3],
+        /// Extinction coefficient per channel, >= 0.
+        k: [f32; 3],
+        /// Perceptual roughness in `[0, 1]`.
+        roughness: f32,
+    },
+    /// Rough glass; the geometric normal points out of it.
+    RoughDielectric {
+        /// Index of refraction inside over outside, > 0.
+        ior: f32,
+        /// Perceptual roughness in `[0, 1]`.
+        roughness: f32,
+        /// Tint of what is mirrored.
+        reflectance: [f32; 3],
+        /// Tint of what goes through.
+        transmittance: [f32; 3],
+        /// Whether it is a pane that does not bend light.
+        thin: bool,
+    },
     /// Perfect mirror.
     Mirror {
         /// Reflectance.
@@ -96,6 +127,61 @@ pub enum Surface {
     },
     /// Whatever a shader of the renderer's shader table does; the number is its place there.
     Shader(u32),
+}
+
+/// glTF's metal and plastic with what its extensions add. Textures of the extensions are not known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Principled {
+    /// Albedo of the dielectric part, tint of its glass, normal reflectance of the metal part.
+    pub base_color: Color,
+    /// 0 = dielectric, 1 = metal.
+    pub metallic: f32,
+    /// Perceptual roughness in `[0, 1]`.
+    pub roughness: f32,
+    /// Green times roughness, blue times metallic.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normals.
+    pub normal_texture: Option<NormalMap>,
+    /// KHR_materials_ior: index of refraction of the dielectric part.
+    pub ior: f32,
+    /// KHR_materials_specular: multiplied to the dielectric part's reflectance, in `[0, 1]`.
+    pub specular: f32,
+    /// KHR_materials_specular: colour of that reflectance at normal incidence.
+    pub specular_color: [f32; 3],
+    /// KHR_materials_clearcoat: how much of it there is, in `[0, 1]`.
+    pub clearcoat: f32,
+    /// KHR_materials_clearcoat: its perceptual roughness.
+    pub clearcoat_roughness: f32,
+    /// KHR_materials_sheen: its colour; black = none.
+    pub sheen_color: [f32; 3],
+    /// KHR_materials_sheen: its perceptual roughness.
+    pub sheen_roughness: f32,
+    /// KHR_materials_transmission: share of the dielectric part's body that is glass, in `[0, 1]`.
+    pub transmission: f32,
+    /// Whether that glass is a pane that does not bend light, as it is without KHR_materials_volume.
+    pub thin: bool,
+}
+
+impl Default for Principled {
+    /// glTF's defaults: a white rough metal without layers.
+    fn default() -> Self {
+        Self {
+            base_color: Color::constant([1.0; 3]),
+            metallic: 1.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            ior: 1.5,
+            specular: 1.0,
+            specular_color: [1.0; 3],
+            clearcoat: 0.0,
+            clearcoat_roughness: 0.0,
+            sheen_color: [0.0; 3],
+            sheen_roughness: 0.0,
+            transmission: 0.0,
+            thin: true,
+        }
+    }
 }
 
 /// A normal map.
@@ -173,8 +259,16 @@ impl Material {
     pub fn diffuse_color(&self) -> Color {
         self.diffuse.unwrap_or(match &self.surface {
             Surface::Matte { base_color } | Surface::MetallicRoughness { base_color, .. } => *base_color,
+            Surface::RoughMatte { base_color, .. } => *base_color,
+            Surface::Principled(principled) => principled.base_color,
             Surface::Mirror { reflectance } => *reflectance,
-            Surface::Dielectric { .. } | Surface::Shader(_) => Color::constant([0.0; 3]),
+            Surface::Metal { eta, k, .. } => Color::constant(std::array::from_fn(|c| {
+                let (less, more) = ((eta[c] - 1.0).powi(2), (eta[c] + 1.0).powi(2));
+                (less + k[c] * k[c]) / (more + k[c] * k[c])
+            })),
+            Surface::Dielectric { .. } | Surface::RoughDielectric { .. } | Surface::Shader(_) => {
+                Color::constant([0.0; 3])
+            }
         })
     }
 

@@ -61,6 +61,20 @@ fn materials_become_ours() {
         r#""pbrMetallicRoughness":{"roughnessFactor":0},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1},"KHR_materials_ior":{"ior":1.25}}"#,
     );
     assert!(matches!(glass.surface, Surface::Dielectric { ior: 1.25, .. }), "glass: {:?}", glass.surface);
+    let cloth = material(
+        r#""pbrMetallicRoughness":{"metallicFactor":0},"extensions":{"KHR_materials_sheen":{"sheenColorFactor":[0.5,0.25,1],"sheenRoughnessFactor":0.25},"KHR_materials_clearcoat":{"clearcoatFactor":0.5,"clearcoatRoughnessFactor":0.125},"KHR_materials_specular":{"specularFactor":0.75}}"#,
+    );
+    let Surface::Principled(cloth) = &cloth.surface else { panic!("layers: {:?}", cloth.surface) };
+    assert_eq!((cloth.sheen_color, cloth.sheen_roughness), ([0.5, 0.25, 1.0], 0.25), "sheen");
+    assert_eq!((cloth.clearcoat, cloth.clearcoat_roughness, cloth.specular), (0.5, 0.125, 0.75), "coat");
+    assert!(cloth.thin && cloth.transmission == 0.0, "nothing is glass");
+    for (volume, thin) in [("", true), (r#","KHR_materials_volume":{"thicknessFactor":0.5}"#, false)] {
+        let frosted = material(&format!(
+            r#""pbrMetallicRoughness":{{"roughnessFactor":0.5,"metallicFactor":0}},"extensions":{{"KHR_materials_transmission":{{"transmissionFactor":0.75}}{volume}}}"#
+        ));
+        let Surface::Principled(frosted) = &frosted.surface else { panic!("{:?}", frosted.surface) };
+        assert_eq!((frosted.transmission, frosted.thin), (0.75, thin), "with {volume}");
+    }
     let lamp = material(
         r#""emissiveFactor":[1,0.5,0],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}}"#,
     );

@@ -4,6 +4,7 @@
 
 use gnurt_scene::builtin;
 use gnurt_scene::io::{load, save};
+use gnurt_scene::material::{Color, Principled};
 use gnurt_scene::{Scene, Surface};
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
@@ -104,4 +105,27 @@ fn glass_and_mirrors_come_back() {
     assert!(matches!(surface("mirror"), Surface::Mirror { .. }), "a mirror");
     assert!(matches!(surface("glass"), Surface::Dielectric { ior: 1.5, .. }), "glass");
     assert!(matches!(surface("gold"), Surface::MetallicRoughness { metallic: 1.0, .. }), "metal");
+}
+
+#[test]
+fn layers_come_back() {
+    let mut scene = Scene::new();
+    let layered = Principled {
+        base_color: Color::constant([0.5, 0.25, 0.75]),
+        metallic: 0.25,
+        roughness: 0.5,
+        specular: 0.5,
+        specular_color: [1.0, 0.5, 0.25],
+        clearcoat: 0.75,
+        clearcoat_roughness: 0.125,
+        sheen_color: [0.25, 0.5, 0.75],
+        sheen_roughness: 0.375,
+        transmission: 0.625,
+        thin: false,
+        ..Principled::default()
+    };
+    let surface = Surface::Principled(Box::new(layered));
+    scene.add_material(gnurt_scene::Material::of("layered", surface.clone()));
+    let back = there_and_back(&scene, "a.glb");
+    assert_eq!(back.materials()[0].surface, surface, "all of it");
 }

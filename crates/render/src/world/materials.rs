@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
+use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, Wrap};
 use gnurt_scene::{Material, Scene, Surface, TextureId};
 use gnurt_shading::SurfaceShader;
@@ -56,17 +56,63 @@ fn surface(scene: &Scene, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
             normal_map: normal_texture
                 .as_ref()
                 .map(|map| shading::NormalMap { texture: sampler(scene, &map.texture), scale: map.scale }),
+            layers: shading::Layers::default(),
         }),
+        Surface::Principled(principled) => Arc::new(self::principled(scene, principled)),
+        Surface::RoughMatte { base_color, roughness } => {
+            Arc::new(shading::rough_matte(color(scene, base_color), roughness.clamp(0.0, 1.0)))
+        }
+        Surface::Metal { eta, k, roughness } => {
+            let eta = Vec3::from(*eta).max(Vec3::splat(1e-3));
+            Arc::new(shading::metal(eta, Vec3::from(*k).max(Vec3::ZERO), roughness.clamp(0.0, 1.0)))
+        }
+        Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin } => {
+            Arc::new(shading::rough_glass(
+                index(*ior),
+                roughness.clamp(0.0, 1.0),
+                Vec3::from(*reflectance),
+                Vec3::from(*transmittance),
+                *thin,
+            ))
+        }
         Surface::Mirror { reflectance } => {
             Arc::new(shading::Mirror { reflectance: color(scene, reflectance) })
         }
         Surface::Dielectric { ior, reflectance, transmittance } => Arc::new(shading::Dielectric {
-            // An index that means nothing bends nothing.
-            ior: if *ior > 0.0 && ior.is_finite() { *ior } else { 1.0 },
+            ior: index(*ior),
             reflectance: Vec3::from(*reflectance),
             transmittance: Vec3::from(*transmittance),
         }),
         Surface::Shader(number) => shaders.surfaces[*number as usize].clone(),
+    }
+}
+
+/// An index that means nothing bends nothing.
+fn index(ior: f32) -> f32 {
+    if ior > 0.0 && ior.is_finite() { ior } else { 1.0 }
+}
+
+fn principled(scene: &Scene, from: &Principled) -> shading::MetallicRoughness {
+    shading::MetallicRoughness {
+        base_color: color(scene, &from.base_color),
+        metallic: from.metallic,
+        roughness: from.roughness,
+        metallic_roughness_texture: from.metallic_roughness_texture.as_ref().map(|t| sampler(scene, t)),
+        ior: index(from.ior),
+        normal_map: from
+            .normal_texture
+            .as_ref()
+            .map(|map| shading::NormalMap { texture: sampler(scene, &map.texture), scale: map.scale }),
+        layers: shading::Layers {
+            specular: from.specular,
+            specular_color: Vec3::from(from.specular_color),
+            coat: from.clearcoat,
+            coat_roughness: from.clearcoat_roughness,
+            sheen: Vec3::from(from.sheen_color),
+            sheen_roughness: from.sheen_roughness,
+            transmission: from.transmission,
+            thin: from.thin,
+        },
     }
 }
 
@@ -126,7 +172,14 @@ pub(super) fn textures_of(material: &Material) -> impl Iterator<Item = TextureId
         Surface::MetallicRoughness { base_color, metallic_roughness_texture, normal_texture, .. } => {
             [base_color.texture, *metallic_roughness_texture, normal_texture.map(|map| map.texture)]
         }
-        Surface::Dielectric { .. } | Surface::Shader(_) => [None; 3],
+        Surface::RoughMatte { base_color, .. } => [base_color.texture, None, None],
+        Surface::Principled(p) => {
+            [p.base_color.texture, p.metallic_roughness_texture, p.normal_texture.map(|map| map.texture)]
+        }
+        Surface::Metal { .. }
+        | Surface::Dielectric { .. }
+        | Surface::RoughDielectric { .. }
+        | Surface::Shader(_) => [None; 3],
     };
     let opacity = match &material.alpha {
         Alpha::Opaque => None,

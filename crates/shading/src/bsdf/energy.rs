@@ -63,6 +63,11 @@ impl Energy {
         self.split(cos).element_sum()
     }
 
+    /// [`white`](Self::white), averaged over a cosine-weighted hemisphere.
+    pub(super) fn white_average(self) -> f32 {
+        self.average.element_sum()
+    }
+
     /// Share of what a first bounce leaves between the facets that comes out in the end, for facets that mirror
     /// `average` of the light, averaged over all angles.
     pub(super) fn more(self, average: Vec3) -> Vec3 {

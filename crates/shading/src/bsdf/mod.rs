@@ -19,7 +19,10 @@ pub(crate) mod fresnel;
 mod ggx;
 mod lambert;
 mod mirror;
+mod oren_nayar;
 mod principled;
+mod rough_dielectric;
+mod sheen;
 #[cfg(test)]
 mod tests;
 
@@ -31,6 +34,7 @@ use crate::sampling::Basis;
 pub use conductor::{Conductor, Reflectance};
 pub use dielectric::Dielectric;
 pub use principled::Principled;
+pub use rough_dielectric::RoughDielectric;
 
 /// The BSDF of one point. Plain data: it outlives the batch that it was made from.
 #[derive(Clone, Copy, Debug)]
@@ -74,6 +78,13 @@ pub enum Lobe {
         /// Share of light that is scattered.
         albedo: Vec3,
     },
+    /// Rough and diffuse: more light goes back to where it came from.
+    OrenNayar {
+        /// What white would be all of, in [0, 1].
+        albedo: Vec3,
+        /// In [0, 1]; 0 is Lambert's reflector.
+        roughness: f32,
+    },
     /// A perfect mirror.
     Mirror {
         /// Share of light that is mirrored.
@@ -83,6 +94,8 @@ pub enum Lobe {
     Dielectric(Dielectric),
     /// A rough metal.
     Conductor(Conductor),
+    /// Rough glass.
+    RoughDielectric(RoughDielectric),
 }
 
 /// A direction that a BSDF chose.
@@ -108,7 +121,8 @@ impl Lobes {
     const COAT: Self = Self(1);
     const GLOSS: Self = Self(2);
     const BODY: Self = Self(4);
-    const ALL: Self = Self(7);
+    const GLASS: Self = Self(8);
+    const ALL: Self = Self(15);
 
     fn has(self, part: Self) -> bool {
         self.0 & part.0 != 0
@@ -311,6 +325,18 @@ impl Bsdf {
         (so * gi / (go * si)).abs() * eta * eta
     }
 
+    /// Whether light samples from behind the surface can bring anything.
+    #[must_use]
+    pub fn is_translucent(&self) -> bool {
+        let rough = |lobe: &Lobe| matches!(lobe, Lobe::RoughDielectric(_));
+        match &self.model {
+            Model::Lobe(lobe) => rough(lobe),
+            Model::Mix { a, b, .. } => rough(a) || rough(b),
+            Model::Principled(p) => p.transmission > 0.0 && p.metallic < 1.0,
+            Model::Black | Model::Lambert { .. } => false,
+        }
+    }
+
     /// Index of refraction on the side of the first ray over the index beyond; 1 where nothing is refracted.
     #[must_use]
     pub fn eta(&self) -> f32 {
@@ -323,6 +349,7 @@ impl Bsdf {
                     a.eta()
                 }
             }
+            Model::Principled(p) if p.transmission > 0.0 && !p.thin => p.eta,
             _ => 1.0,
         }
     }
@@ -333,15 +360,18 @@ impl Lobe {
         match self {
             Self::Black | Self::Mirror { .. } | Self::Dielectric(_) => Vec3::ZERO,
             Self::Lambert { albedo } => lambert::eval(*albedo, wi.z),
+            Self::OrenNayar { albedo, roughness } => oren_nayar::eval(*albedo, *roughness, wo, wi),
             Self::Conductor(conductor) => conductor.eval(wo, wi),
+            Self::RoughDielectric(glass) => glass.eval(wo, wi),
         }
     }
 
     fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         match self {
             Self::Black | Self::Mirror { .. } | Self::Dielectric(_) => 0.0,
-            Self::Lambert { .. } => lambert::pdf(wi.z),
+            Self::Lambert { .. } | Self::OrenNayar { .. } => lambert::pdf(wi.z),
             Self::Conductor(conductor) => conductor.pdf(wo, wi),
+            Self::RoughDielectric(glass) => glass.pdf(wo, wi),
         }
     }
 
@@ -351,7 +381,13 @@ impl Lobe {
             Self::Lambert { albedo } => lambert::sample(*albedo, [u[1], u[2]]),
             Self::Mirror { reflectance } => mirror::sample(*reflectance, wo),
             Self::Dielectric(dielectric) => dielectric.sample(wo, u[0]),
+            Self::OrenNayar { albedo, roughness } => {
+                let sample = lambert::sample(Vec3::ONE, [u[1], u[2]])?;
+                let value = oren_nayar::eval(*albedo, *roughness, wo, sample.wi);
+                Some(BsdfSample { weight: value / sample.pdf, ..sample })
+            }
             Self::Conductor(conductor) => conductor.sample(wo, u),
+            Self::RoughDielectric(glass) => glass.sample(wo, u),
         }
     }
 
@@ -369,7 +405,9 @@ impl Lobe {
             Self::Lambert { albedo } => *albedo,
             Self::Mirror { reflectance } => *reflectance,
             Self::Dielectric(dielectric) => dielectric.albedo(wo),
+            Self::OrenNayar { albedo, roughness } => oren_nayar::albedo(*albedo, *roughness, wo),
             Self::Conductor(conductor) => conductor.albedo(wo),
+            Self::RoughDielectric(glass) => glass.albedo(wo),
         }
     }
 
@@ -379,15 +417,17 @@ impl Lobe {
 
     fn is_narrow(&self, alpha: f32) -> bool {
         match self {
-            Self::Black | Self::Lambert { .. } => false,
+            Self::Black | Self::Lambert { .. } | Self::OrenNayar { .. } => false,
             Self::Mirror { .. } | Self::Dielectric(_) => true,
             Self::Conductor(conductor) => conductor.alpha() < alpha,
+            Self::RoughDielectric(glass) => glass.alpha() < alpha,
         }
     }
 
     fn eta(&self) -> f32 {
         match self {
             Self::Dielectric(dielectric) if !dielectric.thin => dielectric.eta,
+            Self::RoughDielectric(glass) => glass.eta(),
             _ => 1.0,
         }
     }
@@ -451,5 +491,20 @@ impl Scattering {
     #[must_use]
     pub fn around(ns: Vec3, model: Model) -> Self {
         Self { bsdf: Bsdf::new(ns, model), emission: Vec3::ZERO, coverage: 1.0 }
+    }
+}
+
+/// [`Bsdf::eval`] of many points, with the densities: `out[i]` = value and density of `bsdfs[i]` from `wo[i]` to `wi[i]`.
+/// All slices are of one length; what is beyond the shortest is left as it is.
+pub fn eval_all(bsdfs: &[Bsdf], wo: &[Vec3], wi: &[Vec3], out: &mut [(Vec3, f32)]) {
+    for (((bsdf, &wo), &wi), out) in bsdfs.iter().zip(wo).zip(wi).zip(out) {
+        *out = (bsdf.eval(wo, wi), bsdf.pdf(wo, wi));
+    }
+}
+
+/// [`Bsdf::sample`] of many points; the slices as in [`eval_all`].
+pub fn sample_all(bsdfs: &[Bsdf], wo: &[Vec3], u: &[[f32; 3]], out: &mut [Option<BsdfSample>]) {
+    for (((bsdf, &wo), &u), out) in bsdfs.iter().zip(wo).zip(u).zip(out) {
+        *out = bsdf.sample(wo, u);
     }
 }

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! glTF's metal and plastic: a diffuse body under a rough coat, or a rough metal, or a mix.
-//! Source: glTF 2.0 section 3.9; the model itself is `bsdf/principled.rs`.
+//! glTF's metal and plastic with its layers: a diffuse body or glass under a rough boundary, or a rough metal, or a mix,
+//! under sheen and a clear coat.
+//! Source: glTF 2.0 section 3.9, KHR_materials_{specular, clearcoat, sheen, transmission}; the model itself is `bsdf/principled.rs`.
 //! Proof: crates/render/tests/appearance.rs, `tests` of `bsdf`.
 
 use glam::Vec3;
 
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::bsdf::{Model, Principled, Scattering};
+use crate::bsdf::{Model, Principled, Scattering, fresnel};
 use crate::materials::color::TexturedColor;
-use crate::materials::whitted;
+use crate::materials::whitted::{self, SMOOTH};
 use crate::sampling::Basis;
 use crate::shader::{SurfaceShader, Tracer};
 use crate::texture::TextureSampler;
@@ -28,6 +29,45 @@ pub struct MetallicRoughness {
     pub ior: f32,
     /// Normals.
     pub normal_map: Option<NormalMap>,
+    /// What lies above the body or instead of it.
+    pub layers: Layers,
+}
+
+/// What glTF's extensions add to metal and plastic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layers {
+    /// Multiplied to the plastic's reflectance, in [0, 1].
+    pub specular: f32,
+    /// Colour of the plastic's reflectance at normal incidence.
+    pub specular_color: Vec3,
+    /// How much of a clear coat there is, in [0, 1].
+    pub coat: f32,
+    /// Perceptual roughness of the coat.
+    pub coat_roughness: f32,
+    /// Colour of the sheen; black = none.
+    pub sheen: Vec3,
+    /// Perceptual roughness of the sheen.
+    pub sheen_roughness: f32,
+    /// Share of the plastic's body that is glass, in [0, 1].
+    pub transmission: f32,
+    /// Whether that glass is a pane that does not bend light.
+    pub thin: bool,
+}
+
+impl Default for Layers {
+    /// Nothing added.
+    fn default() -> Self {
+        Self {
+            specular: 1.0,
+            specular_color: Vec3::ONE,
+            coat: 0.0,
+            coat_roughness: 0.0,
+            sheen: Vec3::ZERO,
+            sheen_roughness: 0.0,
+            transmission: 0.0,
+            thin: true,
+        }
+    }
 }
 
 /// Normals from a texture.
@@ -75,9 +115,37 @@ impl SurfaceShader for MetallicRoughness {
             let metallic = (self.metallic * texel[2]).clamp(0.0, 1.0);
             let base = self.base_color.at_hit(hits, i);
             let ns = hits.point(i).bent_normal(self.normal(hits, i), -hits.ray_dir.get(i));
-            Scattering::around(ns, Model::Principled(Principled::new(base, metallic, roughness, self.ior)))
+            let mut model = Principled::new(base, metallic, roughness, self.ior);
+            let layers = &self.layers;
+            model.f0 = (model.f0 * layers.specular_color * layers.specular).clamp(Vec3::ZERO, Vec3::ONE);
+            model.f90 = layers.specular.clamp(0.0, 1.0);
+            model.coat = layers.coat.clamp(0.0, 1.0);
+            model.coat_alpha = layers.coat_roughness * layers.coat_roughness;
+            model.sheen = layers.sheen.clamp(Vec3::ZERO, Vec3::ONE);
+            model.sheen_roughness = layers.sheen_roughness.clamp(0.0, 1.0);
+            model.transmission = layers.transmission.clamp(0.0, 1.0);
+            model.eta = if hits.front(i) { 1.0 / self.ior } else { self.ior };
+            model.thin = layers.thin;
+            Scattering::around(ns, Model::Principled(model))
         }));
         true
+    }
+
+    fn transmit(&self, _tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        if self.roughness >= SMOOTH {
+            return;
+        }
+        for i in 0..hits.len() {
+            // Straight on, as if the glass were thin: see `dielectric.rs`.
+            let cos = hits.ray_dir.get(i).dot(hits.facing_ng(i)).abs();
+            let share = fresnel::dielectric(cos, (1.0 / self.ior).min(self.ior));
+            let glass = self.layers.transmission * (1.0 - self.metallic);
+            out.set(i, self.base_color.at_hit(hits, i) * (glass * (1.0 - share)));
+        }
+    }
+
+    fn is_opaque(&self) -> bool {
+        self.layers.transmission == 0.0 || self.roughness >= SMOOTH
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -10,6 +10,7 @@ mod material;
 mod matte;
 mod metallic_roughness;
 mod mirror;
+mod points;
 mod whitted;
 
 pub use color::{Coverage, Emission, OpacityChannel, TexturedColor};
@@ -17,6 +18,7 @@ pub use dielectric::Dielectric;
 pub use direct::direct_light;
 pub use material::Material;
 pub use matte::Matte;
-pub use metallic_roughness::{MetallicRoughness, NormalMap};
+pub use metallic_roughness::{Layers, MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
+pub use points::{FromPoints, metal, rough_glass, rough_matte};
 pub use whitted::SMOOTH;

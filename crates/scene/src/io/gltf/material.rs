@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF materials and their textures.
-//! Source: glTF 2.0 section 3.9; KHR_materials_{emissive_strength, ior, specular, transmission, unlit}, KHR_texture_transform.
+//! Source: glTF 2.0 section 3.9; KHR_materials_{clearcoat, emissive_strength, ior, sheen, specular, transmission, unlit},
+//! KHR_texture_transform.
 //!
-//! Of KHR_materials_specular only a factor of 0 is obeyed: without metal it makes a surface matte.
-//! Unlit surfaces shine with their base colour and scatter nothing. Smooth surfaces that let through more than half of
-//! the light are glass, tinted by the base colour. glTF's v runs downwards, ours upwards: [`uv_from_mesh`].
+//! Textures of these extensions are not shown, and say so. A specular factor of 0 without metal makes a surface matte.
+//! Unlit surfaces shine with their base colour and scatter nothing. Smooth surfaces that let through all light that they
+//! do not mirror are solid glass, tinted by the base colour; other glass is a pane unless KHR_materials_volume gives it
+//! a thickness. glTF's v runs downwards, ours upwards: [`uv_from_mesh`].
 //! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
 
 use std::collections::HashMap;
@@ -15,18 +17,23 @@ use gltf::json::material::AlphaMode;
 use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 use gltf::json::{self, Index};
+use serde_json::Value;
 
 use super::base64::data_uri;
 use super::document::Document;
 use crate::id::{MaterialId, TextureId};
 use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Oddity, Warnings, source};
-use crate::material::{Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Surface, TextureRef};
+use crate::material::{
+    Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface, TextureRef,
+};
 use crate::scene::Scene;
 use crate::texture::{Filter, Texels, Texture, Wrap};
 
-/// Below this roughness a surface that lets light through is glass.
-const GLASS_ROUGHNESS: f32 = 0.3;
+/// Below this roughness glass is smooth.
+const GLASS_ROUGHNESS: f32 = 0.05;
+/// From this factor on all light goes through.
+const CLEAR: f32 = 0.99;
 
 /// A material of the scene, and which texture coordinates of the mesh it reads.
 #[derive(Clone, Copy)]
@@ -89,34 +96,89 @@ impl Converter<'_> {
             material.diffuse = Some(base_color);
             return material;
         }
-        let transmission =
-            extensions.and_then(|e| e.transmission.as_ref()).map_or(0.0, |t| t.transmission_factor.0);
         let ior = extensions.and_then(|e| e.ior.as_ref()).map_or(1.5, |i| i.ior.0);
         let ior = if ior > 0.0 && ior.is_finite() { ior } else { 1.5 };
         let roughness = pbr.roughness_factor.0.clamp(0.0, 1.0);
-        if transmission > 0.5 && roughness < GLASS_ROUGHNESS {
+        let layers = self.layers(extensions);
+        let plain =
+            Principled { transmission: layers.transmission, thin: layers.thin, ..Principled::default() };
+        if layers == plain && layers.transmission >= CLEAR && roughness < GLASS_ROUGHNESS {
             material.surface =
                 Surface::Dielectric { ior, reflectance: [1.0; 3], transmittance: base_color.factor };
             material.diffuse = Some(base_color);
             return material;
         }
-        let specular = extensions.and_then(|e| e.specular.as_ref()).map_or(1.0, |s| s.specular_factor.0);
-        if specular == 0.0 && pbr.metallic_factor.0 == 0.0 && from.normal_texture.is_none() {
+        let matte =
+            Principled { specular: 0.0, specular_color: layers.specular_color, ..Principled::default() };
+        if layers == matte && pbr.metallic_factor.0 == 0.0 && from.normal_texture.is_none() {
             // What neither mirrors nor conducts is Lambertian, as the material is so far.
             return material;
         }
-        material.surface = Surface::MetallicRoughness {
-            base_color,
-            metallic: pbr.metallic_factor.0.clamp(0.0, 1.0),
-            roughness,
-            metallic_roughness_texture: self.info(pbr.metallic_roughness_texture.as_ref(), Meaning::Data),
-            ior,
-            normal_texture: from.normal_texture.as_ref().and_then(|normal| {
-                let texture = self.texture(normal.index, normal.tex_coord, None, Meaning::Data)?;
-                Some(NormalMap { texture, scale: normal.scale })
-            }),
+        let metallic = pbr.metallic_factor.0.clamp(0.0, 1.0);
+        let metallic_roughness_texture = self.info(pbr.metallic_roughness_texture.as_ref(), Meaning::Data);
+        let normal_texture = from.normal_texture.as_ref().and_then(|normal| {
+            let texture = self.texture(normal.index, normal.tex_coord, None, Meaning::Data)?;
+            Some(NormalMap { texture, scale: normal.scale })
+        });
+        material.surface = if layers == Principled::default() {
+            Surface::MetallicRoughness {
+                base_color,
+                metallic,
+                roughness,
+                metallic_roughness_texture,
+                ior,
+                normal_texture,
+            }
+        } else {
+            Surface::Principled(Box::new(Principled {
+                base_color,
+                metallic,
+                roughness,
+                metallic_roughness_texture,
+                ior,
+                normal_texture,
+                ..layers
+            }))
         };
         material
+    }
+
+    /// What the extensions add, over glTF's defaults for the rest.
+    fn layers(&mut self, extensions: Option<&json::extensions::material::Material>) -> Principled {
+        let mut to = Principled::default();
+        let Some(extensions) = extensions else {
+            return to;
+        };
+        let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 };
+        if let Some(specular) = &extensions.specular {
+            to.specular = unit(specular.specular_factor.0);
+            to.specular_color = specular.specular_color_factor.0.map(positive);
+        }
+        to.transmission = extensions.transmission.as_ref().map_or(0.0, |t| unit(t.transmission_factor.0));
+        // The crate has no types for these; numbers that are none count as the extension's defaults.
+        let other = |name: &str| extensions.others.get(name);
+        let number = |value: &Value| value.as_f64().map_or(0.0, |x| unit(x as f32));
+        if let Some(coat) = other("KHR_materials_clearcoat") {
+            to.clearcoat = number(&coat["clearcoatFactor"]);
+            to.clearcoat_roughness = number(&coat["clearcoatRoughnessFactor"]);
+        }
+        if let Some(sheen) = other("KHR_materials_sheen") {
+            to.sheen_color = [0, 1, 2].map(|c| number(&sheen["sheenColorFactor"][c]));
+            to.sheen_roughness = number(&sheen["sheenRoughnessFactor"]);
+        }
+        let volume = other("KHR_materials_volume");
+        to.thin = volume.is_none_or(|volume| number(&volume["thicknessFactor"]) == 0.0);
+        if to.transmission == 0.0 {
+            to.thin = true;
+        }
+        let textured = ["KHR_materials_clearcoat", "KHR_materials_sheen"].into_iter().find(|name| {
+            let is_texture = |key: &String| key.ends_with("Texture");
+            other(name).and_then(Value::as_object).is_some_and(|object| object.keys().any(is_texture))
+        });
+        if let Some(name) = textured {
+            self.warnings.note(Oddity::NotShown, &self.document.path, None, format!("textures of {name}"));
+        }
+        to
     }
 
     fn name(&self, i: usize, from: &json::Material) -> String {

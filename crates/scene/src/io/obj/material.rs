@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `illum` 4, 6, 7, 9; or `d` < 1 with `Kd` 0 and `Ni` > 1 or `Tf` | glass of `Ni`, tinted by `Tf` |
 //! | `illum` 3 or 5 with `Ks` above `Kd`; or `Kd` 0 and `Ks` >= 0.2 | metal of `Ks`; a mirror if `Ns` is absent or >= 1000 |
-//! | `Pm` or `Pr` (the PBR extension) | metallic-roughness as given |
+//! | `Pm`, `Pr`, `Ps`, `Pc` or `Pcr` (the PBR extension) | metallic-roughness as given, with sheen and clear coat |
 //! | `Kd` and `Ks` with `Ns` | plastic whose normal reflectance is the mean of `Ks` |
 //! | otherwise | matte |
 //!
@@ -21,12 +21,14 @@ use super::mtl::{Entry, Library};
 use crate::id::{MaterialId, TextureId};
 use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Oddity, Warnings, source};
-use crate::material::{Alpha, Color, Material, Opacity, OpacityChannel, Surface, TextureRef};
+use crate::material::{Alpha, Color, Material, Opacity, OpacityChannel, Principled, Surface, TextureRef};
 use crate::scene::Scene;
 use crate::texture::{Filter, Texture, Wrap};
 
 /// Albedo of faces without a material.
 const DEFAULT_ALBEDO: f32 = 0.6;
+/// Roughness of sheen, of which MTL says only how much there is.
+const SHEEN_ROUGHNESS: f32 = 0.5;
 /// From this exponent on a highlight is a mirror image.
 const MIRROR_EXPONENT: f32 = 1000.0;
 
@@ -86,6 +88,9 @@ struct Phong {
     illum: u8,
     metallic: Option<f32>,
     roughness: Option<f32>,
+    sheen: Option<f32>,
+    coat: Option<f32>,
+    coat_roughness: Option<f32>,
 }
 
 impl Phong {
@@ -118,6 +123,9 @@ impl Phong {
             illum: mtl.illumination_model.unwrap_or(2),
             metallic: number("Pm").map(|x| x.clamp(0.0, 1.0)),
             roughness: number("Pr").map(|x| x.clamp(0.0, 1.0)),
+            sheen: number("Ps").map(|x| x.clamp(0.0, 1.0)),
+            coat: number("Pc").map(|x| x.clamp(0.0, 1.0)),
+            coat_roughness: number("Pcr").map(|x| x.clamp(0.0, 1.0)),
         }
     }
 
@@ -132,6 +140,19 @@ impl Phong {
                 reflectance: [1.0; 3],
                 transmittance: self.tf.unwrap_or([1.0; 3]),
             };
+        }
+        let layers = [self.sheen, self.coat].map(|x| x.unwrap_or(0.0));
+        if layers != [0.0; 2] {
+            return Surface::Principled(Box::new(Principled {
+                base_color: diffuse,
+                metallic: self.metallic.unwrap_or(0.0),
+                roughness: self.roughness.unwrap_or(0.5),
+                sheen_color: [layers[0]; 3],
+                sheen_roughness: if layers[0] > 0.0 { SHEEN_ROUGHNESS } else { 0.0 },
+                clearcoat: layers[1],
+                clearcoat_roughness: self.coat_roughness.unwrap_or(0.0),
+                ..Principled::default()
+            }));
         }
         if self.metallic.is_some() || self.roughness.is_some() {
             return metallic_roughness(

@@ -104,7 +104,7 @@ fn statement(keyword: &str, rest: &str) -> Result<Option<String>, String> {
                 color(rest).ok_or_else(|| format!("{keyword} {}: expected 3 numbers", quoted(rest)))?;
             format!("{keyword} {r} {g} {b}")
         }
-        "Ns" | "Ni" | "d" | "Tr" | "Pr" | "Pm" => {
+        "Ns" | "Ni" | "d" | "Tr" | "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" => {
             // `d -halo 0.5` fades towards edges; its number is the opacity in the middle.
             let token = rest.trim_start_matches("-halo").split_whitespace().next().unwrap_or("");
             let x = finite(token).ok_or_else(|| format!("{keyword} {}: expected a number", quoted(rest)))?;

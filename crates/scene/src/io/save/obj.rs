@@ -115,11 +115,25 @@ fn push_material(text: &mut String, material: &Material, stem: &str) {
         Surface::MetallicRoughness { metallic, roughness, .. } => {
             writeln!(text, "Pm {metallic}\nPr {roughness}")
         }
+        Surface::Principled(p) => {
+            let [r, g, b] = p.sheen_color;
+            let (sheen, coat) = (r.max(g).max(b), p.clearcoat);
+            let more = if sheen > 0.0 || coat > 0.0 {
+                format!("\nPs {sheen}\nPc {coat}\nPcr {}", p.clearcoat_roughness)
+            } else {
+                String::new()
+            };
+            writeln!(text, "Pm {}\nPr {}{more}", p.metallic, p.roughness)
+        }
+        Surface::Metal { roughness, .. } => writeln!(text, "Pm 1\nPr {roughness}"),
+        Surface::RoughDielectric { ior, transmittance, .. } => {
+            writeln!(text, "Ni {ior}\nTf {}\nillum 7", triple(*transmittance))
+        }
         Surface::Mirror { reflectance } => writeln!(text, "Ks {}\nillum 3", triple(reflectance.factor)),
         Surface::Dielectric { ior, transmittance, .. } => {
             writeln!(text, "Ni {ior}\nTf {}\nillum 7", triple(*transmittance))
         }
-        Surface::Matte { .. } | Surface::Shader(_) => Ok(()),
+        Surface::Matte { .. } | Surface::RoughMatte { .. } | Surface::Shader(_) => Ok(()),
     };
     if material.emits() {
         let _ = writeln!(text, "Ke {}", triple(material.emission));

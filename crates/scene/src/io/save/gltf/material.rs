@@ -4,16 +4,19 @@
 
 use serde_json::{Value, json};
 
-use crate::material::{Alpha, Color, Material, Surface, TextureRef};
+use crate::material::{Alpha, Color, Material, Principled, Surface, TextureRef};
 use crate::texture::{Filter, Texture, Wrap};
 
 /// Extensions that a written file may use.
 pub(super) const EXTENSIONS: &[&str] = &[
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
+    "KHR_materials_volume",
     "KHR_texture_transform",
 ];
 
@@ -27,6 +30,24 @@ pub(super) fn material(material: &Material) -> Value {
         Surface::MetallicRoughness { base_color, metallic, roughness, ior, .. } => {
             extensions["KHR_materials_ior"] = json!({ "ior": ior });
             (*base_color, *metallic, *roughness)
+        }
+        Surface::Principled(p) => {
+            extensions["KHR_materials_ior"] = json!({ "ior": p.ior });
+            layers(p, &mut extensions);
+            (p.base_color, p.metallic, p.roughness)
+        }
+        Surface::RoughMatte { base_color, .. } => {
+            extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 });
+            (*base_color, 0.0, 1.0)
+        }
+        Surface::Metal { roughness, .. } => (material.diffuse_color(), 1.0, *roughness),
+        Surface::RoughDielectric { ior, roughness, transmittance, thin, .. } => {
+            extensions["KHR_materials_ior"] = json!({ "ior": ior });
+            extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
+            if !thin {
+                extensions["KHR_materials_volume"] = json!({ "thicknessFactor": 1.0 });
+            }
+            (Color::constant(*transmittance), 0.0, *roughness)
         }
         Surface::Mirror { reflectance } => (*reflectance, 1.0, 0.0),
         Surface::Dielectric { ior, transmittance, .. } => {
@@ -47,7 +68,14 @@ pub(super) fn material(material: &Material) -> Value {
     });
     set_texture(&mut pbr, "baseColorTexture", base.texture);
     let mut to = json!({ "name": material.name, "alphaMode": mode, "doubleSided": true });
-    if let Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } = &material.surface {
+    let details = match &material.surface {
+        Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
+            Some((metallic_roughness_texture, normal_texture))
+        }
+        Surface::Principled(p) => Some((&p.metallic_roughness_texture, &p.normal_texture)),
+        _ => None,
+    };
+    if let Some((metallic_roughness_texture, normal_texture)) = details {
         set_texture(&mut pbr, "metallicRoughnessTexture", *metallic_roughness_texture);
         if let Some(normal) = normal_texture {
             set_texture(&mut to, "normalTexture", Some(normal.texture));
@@ -67,6 +95,28 @@ pub(super) fn material(material: &Material) -> Value {
     }
     to["extensions"] = extensions;
     to
+}
+
+/// What lies above the body or instead of it; nothing is said that is glTF's default.
+fn layers(p: &Principled, extensions: &mut Value) {
+    if p.specular != 1.0 || p.specular_color != [1.0; 3] {
+        extensions["KHR_materials_specular"] =
+            json!({ "specularFactor": p.specular, "specularColorFactor": p.specular_color });
+    }
+    if p.clearcoat > 0.0 {
+        extensions["KHR_materials_clearcoat"] =
+            json!({ "clearcoatFactor": p.clearcoat, "clearcoatRoughnessFactor": p.clearcoat_roughness });
+    }
+    if p.sheen_color != [0.0; 3] {
+        extensions["KHR_materials_sheen"] =
+            json!({ "sheenColorFactor": p.sheen_color, "sheenRoughnessFactor": p.sheen_roughness });
+    }
+    if p.transmission > 0.0 {
+        extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": p.transmission });
+        if !p.thin {
+            extensions["KHR_materials_volume"] = json!({ "thicknessFactor": 1.0 });
+        }
+    }
 }
 
 fn set_texture(to: &mut Value, key: &str, texture: Option<TextureRef>) {
