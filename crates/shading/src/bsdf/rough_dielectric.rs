@@ -64,7 +64,7 @@ impl RoughDielectric {
 
     /// The same glass met from the other side.
     #[cfg(test)]
-    pub(super) fn from_behind(&self) -> Self {
+    pub(super) fn turned_over(&self) -> Self {
         let eta = if self.thin { self.eta } else { 1.0 / self.eta };
         Self::new(self.ggx.alpha(), eta, self.reflectance, self.transmittance, self.thin)
     }

@@ -193,7 +193,7 @@ fn light_may_go_both_ways() {
         // The same surface met from the other side, in the same frame.
         let behind = around_z(match model {
             Model::Lobe(Lobe::RoughDielectric(glass)) => {
-                Model::Lobe(Lobe::RoughDielectric(glass.from_behind()))
+                Model::Lobe(Lobe::RoughDielectric(glass.turned_over()))
             }
             Model::Principled(p) => Model::Principled(Principled { eta: 1.0 / p.eta, ..p }),
             other => other,
