@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use super::class::{Kind, Parameter, Shader, ShaderClass};
 use super::matte::textured;
-use crate::materials::{MetallicRoughness, NormalMap};
+use crate::materials::{Layers, MetallicRoughness, NormalMap};
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "MetallicRoughnessShader",
@@ -42,6 +42,7 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
             ior: values.float(3).max(1.0),
             metallic_roughness_texture: values.texture(5).as_deref().cloned(),
             normal_map: values.texture(6).map(|texture| NormalMap { texture: (*texture).clone(), scale }),
+            layers: Layers::default(),
         }))
     },
 };
