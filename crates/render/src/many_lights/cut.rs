@@ -41,6 +41,9 @@ pub(super) fn cut(points: &[EyePoint], vpls: &[Vpl], most: usize, u: f32) -> Opt
 pub(super) fn resample(weights: impl Iterator<Item = f64>, count: usize, u: f32) -> Vec<(usize, f32)> {
     let weights: Vec<f64> = weights.map(|w| if w > 0.0 && w.is_finite() { w } else { 0.0 }).collect();
     let total: f64 = weights.iter().sum();
+    if !(total > 0.0 && total.is_finite()) {
+        return Vec::new();
+    }
     let count = count as f64;
     let (mut sum, mut chosen) = (0.0, 0.0);
     let mut out = Vec::new();
