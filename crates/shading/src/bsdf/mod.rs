@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What surfaces do to light, as plain values: a BSDF per point that can be evaluated, sampled and asked for densities.
-//! Source: [PJH23] chapter 9 (interface), [Vea97] section 5.3 (shading normals and light-carrying paths); one lobe, one
+//! Source: \[PJH23\] chapter 9 (interface), \[Vea97\] section 5.3 (shading normals and light-carrying paths); one lobe, one
 //! file; docs/materials.md tells the models.
 //! Space: world outside, the shading frame inside (z = the shading normal on the side that the first ray came from).
 //! `wo` points to where the path came from, `wi` to where it goes; both unit and away from the surface.
