@@ -78,6 +78,15 @@ codes! {
     TextureParameter { MagFilter = 0x2800, MinFilter = 0x2801, WrapS = 0x2802, WrapT = 0x2803 }
     /// How points between texel centres are read.
     TextureFilter { Nearest = 0x2600, Linear = 0x2601 }
+    /// How points that stand for more than a texel are read.
+    MinifyFilter {
+        Nearest = 0x2600,
+        Linear = 0x2601,
+        NearestMipmapNearest = 0x2700,
+        LinearMipmapNearest = 0x2701,
+        NearestMipmapLinear = 0x2702,
+        LinearMipmapLinear = 0x2703,
+    }
     /// What happens outside a texture.
     TextureWrap { Clamp = 0x2900, Repeat = 0x2901, ClampToEdge = 0x812F, MirroredRepeat = 0x8370 }
     /// Strings that can be asked for.

@@ -7,10 +7,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use gnurt::image::{TexelData, Texels};
+use gnurt::shading::mipmap::{Minify, MipMap};
 use gnurt::shading::texture::{TextureSampler, Wrap};
 
 use crate::context::Context;
-use crate::enums::{TexelFormat, TexelType, TextureFilter, TextureParameter, TextureTarget, TextureWrap};
+use crate::enums::{
+    MinifyFilter, TexelFormat, TexelType, TextureFilter, TextureParameter, TextureTarget, TextureWrap,
+};
 use crate::error::{Error, Result, not_null};
 use crate::ids::Ids;
 
@@ -25,8 +28,12 @@ const MAX_SIZE: i32 = 1 << 15;
 struct Texture {
     image: Option<Arc<Texels>>,
     wrap: [Wrap; 2],
+    /// Smaller copies of the image.
+    mips: Option<Arc<MipMap>>,
     /// Linear if the program has not said.
     filter: Option<TextureFilter>,
+    /// Linear if the program has not said.
+    minify: Option<MinifyFilter>,
 }
 
 /// All textures and which of them is bound.
@@ -47,7 +54,11 @@ impl Textures {
         let texture = self.changed.get(&u32::try_from(id).ok()?)?;
         let texels = texture.image.clone()?;
         let linear = texture.filter != Some(TextureFilter::Nearest);
-        Some(Arc::new(TextureSampler { texels, wrap: texture.wrap, linear, uv_from_mesh: FIRST_ROW_AT_0 }))
+        let minify = texture.minify.unwrap_or(MinifyFilter::Linear).minify();
+        // Levels between are made when a ray first wants one: on the frame's threads.
+        let minify = texture.mips.clone().map(|mips| (minify, mips));
+        let (wrap, uv_from_mesh) = (texture.wrap, FIRST_ROW_AT_0);
+        Some(Arc::new(TextureSampler { texels, wrap, linear, minify, uv_from_mesh }))
     }
 
     /// Rises whenever a texture changes.
@@ -127,6 +138,21 @@ impl TexelFormat {
                 Some(Ok(format @ (Self::Luminance | Self::Rgb | Self::Rgba))) => Ok(format),
                 _ => Err(Error::InvalidValue),
             },
+        }
+    }
+}
+
+impl MinifyFilter {
+    /// What the sampler does.
+    fn minify(self) -> Minify {
+        let mipmap = |linear, between_levels| Minify::Mipmap { linear, between_levels };
+        match self {
+            Self::Nearest => Minify::Nearest,
+            Self::Linear => Minify::Linear,
+            Self::NearestMipmapNearest => mipmap(false, false),
+            Self::LinearMipmapNearest => mipmap(true, false),
+            Self::NearestMipmapLinear => mipmap(false, true),
+            Self::LinearMipmapLinear => mipmap(true, true),
         }
     }
 }
@@ -215,6 +241,7 @@ impl Context {
             let bytes = read(texel_count * format.components() * kind.size());
             Arc::new(Texels { width, height, data: decode_texels(&bytes, format, kind, internal) })
         });
+        texture.mips = texture.image.clone().map(|image| Arc::new(MipMap::new(image)));
         Ok(())
     }
 
@@ -225,13 +252,13 @@ impl Context {
         let name = TextureParameter::from_code(name)?;
         let value = u32::try_from(value).map_err(|_| Error::InvalidEnum)?;
         match name {
-            TextureParameter::MagFilter | TextureParameter::MinFilter => {
+            TextureParameter::MagFilter => {
                 let filter = TextureFilter::from_code(value)?;
-                let texture = self.textures.bound_mut()?;
-                // One filter serves both directions: there are no mip levels to choose between.
-                if name == TextureParameter::MagFilter {
-                    texture.filter = Some(filter);
-                }
+                self.textures.bound_mut()?.filter = Some(filter);
+            }
+            TextureParameter::MinFilter => {
+                let filter = MinifyFilter::from_code(value)?;
+                self.textures.bound_mut()?.minify = Some(filter);
             }
             TextureParameter::WrapS | TextureParameter::WrapT => {
                 let wrap = match TextureWrap::from_code(value)? {

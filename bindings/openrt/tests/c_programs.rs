@@ -28,6 +28,7 @@ programs! {
     frames
     many_vertices
     materials
+    mipmaps
     pixels
     primitives
     scene

@@ -7,6 +7,7 @@ mod adaptive;
 mod aov;
 mod camera;
 mod checkpoint;
+mod cone;
 mod cost;
 mod error;
 mod film;

@@ -14,6 +14,7 @@ use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{CameraShader, SampleKey, Vec3s};
 
 use crate::adaptive::samples_needed;
+use crate::cone::Cone;
 use crate::cost::TileCosts;
 use crate::film::TileFilm;
 use crate::integrators;
@@ -39,6 +40,8 @@ pub(crate) struct Job<'a> {
     pub(crate) stopped: AtomicBool,
     /// Unit direction of view, for depths along it.
     pub(crate) forward: Vec3,
+    /// What pixels stand for.
+    pub(crate) cone: Cone,
     /// Virtual lights of the sample that is taken, if the integrator has any.
     pub(crate) pass: Option<PassLights>,
     /// Lamps that matter, once somebody has asked.
@@ -70,6 +73,7 @@ impl<'a> Job<'a> {
             samples_done: AtomicU64::new(0),
             stopped: AtomicBool::new(false),
             forward: forward(camera, options),
+            cone: Cone::of(camera, options),
             pass: None,
             lamps: OnceLock::new(),
         }
@@ -92,6 +96,7 @@ impl<'a> Job<'a> {
         let last = last.min(tile.wanted(last));
         let costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
         let mut tracer = BatchTracer::new(self.world, self.options, costs);
+        tracer.cone = self.cone;
         tracer.pass = self.pass.as_ref();
         // Samples are taken in order, so that a tile that was cut short in an earlier pass goes on where it was.
         for sample in tile.samples..last {

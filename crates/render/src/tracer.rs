@@ -10,6 +10,7 @@ use gnurt_accel::{Coherence, HitBatch, Query, RayBatch, Record};
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
+use crate::cone::Cone;
 use crate::cost::TileCosts;
 use crate::many_lights::PassLights;
 use crate::options::RenderOptions;
@@ -31,13 +32,27 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) log: Option<Log>,
     /// Virtual lights of the sample that is taken, if the integrator has any.
     pub(crate) pass: Option<&'w PassLights>,
+    /// What pixels stand for.
+    pub(crate) cone: Cone,
+    /// How wide the rays that are shaded next began; empty if nobody knows.
+    widths: Vec<f32>,
     record: Record,
 }
 
 impl<'w> BatchTracer<'w> {
     pub(crate) fn new(world: &'w World, options: &'w RenderOptions, costs: Option<TileCosts>) -> Self {
         let record = if costs.is_some() { Record::with_costs() } else { Record::default() };
-        Self { world, options, stats: RenderStats::default(), costs, log: None, pass: None, record }
+        Self {
+            world,
+            options,
+            stats: RenderStats::default(),
+            costs,
+            log: None,
+            pass: None,
+            cone: Cone::default(),
+            widths: Vec::new(),
+            record,
+        }
     }
 
     /// The counters so far; starts again from zero.
@@ -68,7 +83,7 @@ impl<'w> BatchTracer<'w> {
         from: HitLanes,
         mut with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
     ) {
-        let world = self.world;
+        let (world, widths) = (self.world, std::mem::take(&mut self.widths));
         let mut lanes: Vec<(u32, u32)> = (0..from.hits.len())
             .filter_map(|i| {
                 from.hits.get(i).map(|hit| (world.material_of(hit.inst_id, hit.geom_id), i as u32))
@@ -78,7 +93,8 @@ impl<'w> BatchTracer<'w> {
         for group in lanes.chunk_by(|a, b| a.0 == b.0) {
             let shader = &*world.shading().surfaces[group[0].0 as usize];
             let lanes: Vec<u32> = group.iter().map(|lane| lane.1).collect();
-            let points = world.surface_points(from, &lanes, shader.attributes());
+            let mut points = world.surface_points(from, &lanes, shader.attributes());
+            self.cone.widen(&mut points, &lanes, &widths);
             with(self, shader, &lanes, &points);
         }
     }
@@ -240,6 +256,7 @@ impl Tracer for BatchTracer<'_> {
             depth,
             epsilon: self.options.ray_epsilon,
         };
+        self.widths.clone_from(&request.width);
         self.shade(from, radiance);
     }
 

@@ -126,6 +126,12 @@ pub struct SurfaceBatch {
     pub texcoord: [Vec<f32>; 2],
     /// Change of the position per texture u, world units, not unit; zero where the mesh has no texture coordinates.
     pub dp_du: Vec3s,
+    /// Widths of the rays' cones at the points, across the rays, world units: what a pixel stands for. Empty or 0 where
+    /// nobody knows.
+    pub footprint: Vec<f32>,
+    /// Change of texture coordinates per world unit along the surface, the mean of all directions; empty or 0 where the
+    /// mesh has none.
+    pub uv_per_length: Vec<f32>,
     /// Vertex colours, linear; white where the mesh has none.
     pub color: Vec3s,
     /// Vertex opacities; 1 where the mesh has none.
@@ -199,6 +205,15 @@ impl SurfaceBatch {
         if ns.dot(self.facing_ng(i)) < 0.0 { -ns } else { ns }
     }
 
+    /// Width of what lane `i` stands for, in texture coordinates, along the direction in which it is longest; 0 where
+    /// nobody knows.
+    #[must_use]
+    pub fn texture_width(&self, i: usize) -> f32 {
+        let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
+        let cos = self.ng.get(i).dot(self.ray_dir.get(i)).abs();
+        known(&self.footprint) * known(&self.uv_per_length) / cos.max(1e-4)
+    }
+
     /// Whether the ray of lane `i` came from the side that the geometric normal points to.
     #[must_use]
     pub fn front(&self, i: usize) -> bool {
@@ -242,6 +257,8 @@ impl SurfaceBatch {
             lanes.iter().map(|&i| values[i as usize]).collect()
         }
         let vectors = |v: &Vec3s| Vec3s { x: pick(&v.x, lanes), y: pick(&v.y, lanes), z: pick(&v.z, lanes) };
+        // Lanes that nobody knew stay unknown.
+        let known = |values: &Vec<f32>| if values.is_empty() { Vec::new() } else { pick(values, lanes) };
         let components = |values: &Vec<f32>| values.chunks(self.len()).flat_map(|c| pick(c, lanes)).collect();
         Self {
             p: vectors(&self.p),
@@ -255,6 +272,8 @@ impl SurfaceBatch {
             v: pick(&self.v, lanes),
             texcoord: [pick(&self.texcoord[0], lanes), pick(&self.texcoord[1], lanes)],
             dp_du: vectors(&self.dp_du),
+            footprint: known(&self.footprint),
+            uv_per_length: known(&self.uv_per_length),
             color: vectors(&self.color),
             alpha: pick(&self.alpha, lanes),
             prim_id: pick(&self.prim_id, lanes),

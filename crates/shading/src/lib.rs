@@ -8,6 +8,7 @@ pub mod bsdf;
 pub mod classes;
 pub mod lights;
 pub mod materials;
+pub mod mipmap;
 mod point;
 pub mod sampling;
 pub mod shader;

@@ -111,6 +111,9 @@ pub struct RayRequest {
     pub parent: Vec<u32>,
     /// Keys of the rays' random numbers.
     pub key: Vec<SampleKey>,
+    /// Widths of the rays' cones where they begin, world units; empty = all 0. Mirrored and straight rays begin as wide
+    /// as the point that sends them.
+    pub width: Vec<f32>,
 }
 
 /// What a shader may ask the renderer for.

@@ -8,6 +8,8 @@ use std::sync::{Arc, LazyLock};
 
 use gnurt_image::{TexelData, Texels};
 
+use crate::mipmap::{Minify, MipMap};
+
 /// What happens outside of [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
@@ -29,6 +31,8 @@ pub struct TextureSampler {
     pub wrap: [Wrap; 2],
     /// Interpolate between texel centres, or take the nearest one.
     pub linear: bool,
+    /// What is read instead where a pixel stands for more than a texel; `None` = the same.
+    pub minify: Option<(Minify, Arc<MipMap>)>,
     /// `uv' = (a u + c v + e, b u + d v + f)` as `[a, b, c, d, e, f]`.
     pub uv_from_mesh: [f32; 6],
 }
@@ -37,18 +41,44 @@ impl TextureSampler {
     /// Repeating, bilinear, under the mesh's own coordinates.
     #[must_use]
     pub fn new(texels: Arc<Texels>) -> Self {
-        Self { texels, wrap: [Wrap::Repeat; 2], linear: true, uv_from_mesh: [1.0, 0.0, 0.0, 1.0, 0.0, 0.0] }
+        let uv_from_mesh = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+        Self { texels, wrap: [Wrap::Repeat; 2], linear: true, minify: None, uv_from_mesh }
     }
 
     /// Linear red, green, blue and opacity at the mesh's coordinates `uv`.
     #[must_use]
     pub fn sample(&self, [u, v]: [f32; 2]) -> [f32; 4] {
+        self.read(self.own([u, v]), self.linear)
+    }
+
+    /// The same for a point that stands for `width` of the mesh's coordinates in every direction: read as
+    /// [`minify`](Self::minify) says where that is more than a texel.
+    #[must_use]
+    pub fn sample_wide(&self, uv: [f32; 2], width: f32) -> [f32; 4] {
+        let Some((minify, mips)) = &self.minify else { return self.sample(uv) };
+        let [a, b, c, d, ..] = self.uv_from_mesh;
+        let texels = self.texels.width as f32 * self.texels.height as f32;
+        let level = (width * ((a * d - b * c).abs() * texels).sqrt()).log2();
+        // A width of 0 is far below, one that is no number is not looked at.
+        if level.is_nan() || level <= 0.0 {
+            return self.sample(uv);
+        }
+        let uv = self.own(uv);
+        let linear = !matches!(minify, Minify::Nearest | Minify::Mipmap { linear: false, .. });
+        mips.sample(uv, self.wrap, level, *minify, self.read(uv, linear))
+    }
+
+    /// The texture's own coordinates.
+    fn own(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let [a, b, c, d, e, f] = self.uv_from_mesh;
-        let (u, v) = (a * u + c * v + e, b * u + d * v + f);
+        [a * u + c * v + e, b * u + d * v + f]
+    }
+
+    fn read(&self, [u, v]: [f32; 2], linear: bool) -> [f32; 4] {
         let size = [self.texels.width, self.texels.height];
         // From the upper left corner, in texels.
         let place = [fold(u, self.wrap[0]) * size[0] as f32, (1.0 - fold(v, self.wrap[1])) * size[1] as f32];
-        if self.linear { self.bilinear(place) } else { self.texel(place.map(|x| x.floor() as i64)) }
+        if linear { self.bilinear(place) } else { self.texel(place.map(|x| x.floor() as i64)) }
     }
 
     /// Mean of all texels: what a far-away viewer sees.
@@ -81,16 +111,20 @@ impl TextureSampler {
     fn texel(&self, [column, row]: [i64; 2]) -> [f32; 4] {
         let column = wrap_index(column, self.texels.width, self.wrap[0]);
         let row = wrap_index(row, self.texels.height, self.wrap[1]);
-        let i = row * self.texels.width as usize + column;
-        match &self.texels.data {
-            TexelData::Srgb8(texels) => {
-                let [r, g, b, a] = texels[i];
-                let decode = |x: u8| SRGB[usize::from(x)];
-                [decode(r), decode(g), decode(b), f32::from(a) / 255.0]
-            }
-            TexelData::Linear8(texels) => texels[i].map(|x| f32::from(x) / 255.0),
-            TexelData::Float(texels) => texels[i],
+        texel_of(&self.texels, row * self.texels.width as usize + column)
+    }
+}
+
+/// Texel number `i`, decoded.
+pub(crate) fn texel_of(texels: &Texels, i: usize) -> [f32; 4] {
+    match &texels.data {
+        TexelData::Srgb8(texels) => {
+            let [r, g, b, a] = texels[i];
+            let decode = |x: u8| SRGB[usize::from(x)];
+            [decode(r), decode(g), decode(b), f32::from(a) / 255.0]
         }
+        TexelData::Linear8(texels) => texels[i].map(|x| f32::from(x) / 255.0),
+        TexelData::Float(texels) => texels[i],
     }
 }
 
@@ -103,7 +137,7 @@ static SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
 });
 
 /// Brings a coordinate to [0, 1].
-fn fold(x: f32, wrap: Wrap) -> f32 {
+pub(crate) fn fold(x: f32, wrap: Wrap) -> f32 {
     if !x.is_finite() {
         return 0.0;
     }
@@ -118,7 +152,7 @@ fn fold(x: f32, wrap: Wrap) -> f32 {
 }
 
 /// Brings the index of a neighbour, at most one outside, back into the picture.
-fn wrap_index(i: i64, n: u32, wrap: Wrap) -> usize {
+pub(crate) fn wrap_index(i: i64, n: u32, wrap: Wrap) -> usize {
     let n = i64::from(n);
     let inside = match wrap {
         Wrap::Repeat => i.rem_euclid(n),
@@ -165,6 +199,28 @@ mod tests {
         assert_eq!(grey(&with(Wrap::Mirror), -0.25, 0.5), 1.0, "mirrored below 0");
         assert_eq!(grey(&with(Wrap::Mirror), 0.0, 0.5), 1.0, "no seam at the mirror");
         assert!(grey(&sampler, f32::NAN, f32::INFINITY).is_finite(), "no panic");
+    }
+
+    #[test]
+    fn wide_points_read_smaller_copies() {
+        let sharp = picture(4, 4, &std::array::from_fn::<f32, 16, _>(|i| ((i / 4 + i) % 2) as f32));
+        let minify = Minify::Mipmap { linear: true, between_levels: true };
+        let mips = Arc::new(MipMap::new(sharp.texels.clone()));
+        let wide = TextureSampler { minify: Some((minify, mips)), ..sharp.clone() };
+        let at = |sampler: &TextureSampler, width| sampler.sample_wide([0.125, 0.125], width)[0];
+        assert_eq!(at(&sharp, 0.9), 1.0, "no copies, as ever");
+        assert_eq!(
+            [0.0, 0.2, 0.25].map(|width| at(&wide, width)),
+            [1.0; 3],
+            "up to a texel the picture itself"
+        );
+        assert_eq!(at(&wide, 0.5), 0.5, "two texels wide: their mean");
+        let between = at(&wide, 0.25 * 2.0_f32.sqrt());
+        assert!((between - 0.75).abs() < 1e-5, "half-way between: {between}");
+        assert_eq!([9.0, f32::INFINITY].map(|width| at(&wide, width)), [0.5; 2], "all of it");
+        assert_eq!(at(&wide, f32::NAN), 1.0, "no number");
+        let scaled = TextureSampler { uv_from_mesh: [4.0, 0.0, 0.0, 4.0, 0.0, 0.0], ..wide };
+        assert_eq!(scaled.sample_wide([0.031_25; 2], 0.125)[0], 0.5, "the texture's own scale counts");
     }
 
     #[test]

@@ -416,9 +416,10 @@ RTAPI void RTAPIENTRY rtBindTexture(RTenum target, RTuint texture);
 RTAPI void RTAPIENTRY rtTexImage2D(RTenum target, RTint level, RTint internal_format, RTsizei width, RTsizei height,
     RTint border, RTenum format, RTenum type, const void *texels);
 
-/* RT_TEXTURE_MAG_FILTER, RT_TEXTURE_MIN_FILTER (accepted, the MAG filter serves both): RT_NEAREST, RT_LINEAR
- * (initial). RT_TEXTURE_WRAP_S, RT_TEXTURE_WRAP_T: RT_REPEAT (initial), RT_CLAMP = RT_CLAMP_TO_EDGE,
- * RT_MIRRORED_REPEAT. BE; IE; IO without bound texture. */
+/* RT_TEXTURE_MAG_FILTER: RT_NEAREST, RT_LINEAR (initial). RT_TEXTURE_MIN_FILTER, for points that stand for more than a texel:
+ * RT_NEAREST, RT_LINEAR (initial), RT_NEAREST_MIPMAP_NEAREST, RT_LINEAR_MIPMAP_NEAREST, RT_NEAREST_MIPMAP_LINEAR,
+ * RT_LINEAR_MIPMAP_LINEAR; smaller copies are made of level 0. RT_TEXTURE_WRAP_S, RT_TEXTURE_WRAP_T: RT_REPEAT (initial),
+ * RT_CLAMP = RT_CLAMP_TO_EDGE, RT_MIRRORED_REPEAT. BE; IE; IO without bound texture. */
 RTAPI void RTAPIENTRY rtTexParameteri(RTenum target, RTenum name, RTint value);
 
 /* Deletes a texture; shaders that name it see white from the next frame on. BE; IV. */

@@ -146,6 +146,10 @@ typedef void (*RTdebugproc)(RTenum error, const char *call, void *user);
 #define RT_TEXTURE_WRAP_T 0x2803u
 #define RT_NEAREST 0x2600u
 #define RT_LINEAR 0x2601u
+#define RT_NEAREST_MIPMAP_NEAREST 0x2700u
+#define RT_LINEAR_MIPMAP_NEAREST 0x2701u
+#define RT_NEAREST_MIPMAP_LINEAR 0x2702u
+#define RT_LINEAR_MIPMAP_LINEAR 0x2703u
 #define RT_CLAMP 0x2900u
 #define RT_REPEAT 0x2901u
 #define RT_CLAMP_TO_EDGE 0x812Fu

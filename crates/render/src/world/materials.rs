@@ -153,6 +153,8 @@ pub(super) fn coverage(scene: &Scene, alpha: &Alpha) -> Option<shading::Coverage
 pub(super) fn sampler(scene: &Scene, reference: &TextureRef) -> TextureSampler {
     let texture = scene.texture(reference.texture);
     TextureSampler {
+        // Scene files are filtered by samples alone, as the reference pictures are.
+        minify: None,
         texels: texture.texels.clone(),
         wrap: texture.wrap.map(|wrap| match wrap {
             Wrap::Repeat => SamplerWrap::Repeat,

@@ -81,6 +81,7 @@ impl World {
         let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
         let texcoord = [0, 1].map(|k| (0..3).map(|c| weights[c] * uv[c][k]).sum::<f32>());
         out.texcoord.iter_mut().zip(texcoord).for_each(|(array, value)| array.push(value));
+        out.uv_per_length.push(uv_per_length(&positions.map(|q| instance.point(q)), &uv));
         out.dp_du.push(instance.linear * change_per_u(&positions, &uv));
         let color = vertex_color(mesh, corners, weights);
         out.color.push(Vec3::new(color[0], color[1], color[2]));
@@ -167,6 +168,14 @@ fn change_per_u(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> Vec3 {
     let area = du1 * dv2 - du2 * dv1;
     let change = ((p[1] - p[0]) * dv2 - (p[2] - p[0]) * dv1) / area;
     if change.is_finite() { change } else { Vec3::ZERO }
+}
+
+/// Root of the triangle's area in texture coordinates over that in the world; zero where it has none.
+fn uv_per_length(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> f32 {
+    let [du1, dv1] = [0, 1].map(|k| uv[1][k] - uv[0][k]);
+    let [du2, dv2] = [0, 1].map(|k| uv[2][k] - uv[0][k]);
+    let ratio = (du1 * dv2 - du2 * dv1).abs() / (p[1] - p[0]).cross(p[2] - p[0]).length();
+    if ratio.is_finite() { ratio.sqrt() } else { 0.0 }
 }
 
 /// Red, green, blue and opacity; white where the mesh has none.

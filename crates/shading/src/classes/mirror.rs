@@ -38,6 +38,7 @@ impl SurfaceShader for Mirror {
             request.rays.push(hits.spawn(i, dir, f32::INFINITY));
             request.parent.push(i as u32);
             request.key.push(hits.key[i].fork(0));
+            request.width.push(hits.footprint.get(i).copied().unwrap_or(0.0));
         }
         tracer.trace(hits.depth, &request, out);
         (0..hits.len()).for_each(|i| out.set(i, self.attenuation * out.get(i)));

@@ -142,6 +142,7 @@ impl Phong {
             request.rays.push(hits.spawn(i, dir, f32::INFINITY));
             request.parent.push(i as u32);
             request.key.push(hits.key[i].fork(branch));
+            request.width.push(hits.footprint.get(i).copied().unwrap_or(0.0));
         }
         tracer.trace(hits.depth, &request, &mut seen);
         (0..hits.len()).for_each(|i| out.add(i, weight * seen.get(i)));

@@ -39,7 +39,8 @@ pub(super) fn texel_colors(texture: Option<&TextureSampler>, hits: &SurfaceBatch
         return out.reset(hits.len(), Vec3::ONE);
     };
     for i in 0..hits.len() {
-        let [r, g, b, _] = texture.sample([hits.texcoord[0][i], hits.texcoord[1][i]]);
+        let [r, g, b, _] =
+            texture.sample_wide([hits.texcoord[0][i], hits.texcoord[1][i]], hits.texture_width(i));
         out.set(i, Vec3::new(r, g, b));
     }
 }

@@ -37,7 +37,12 @@ impl TexturedColor {
     /// At lane `i` of a batch, times the mesh's own colour there.
     #[must_use]
     pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
-        self.at([hits.texcoord[0][i], hits.texcoord[1][i]]) * hits.color.get(i)
+        let color = self.texture.as_ref().map_or(self.factor, |texture| {
+            let uv = [hits.texcoord[0][i], hits.texcoord[1][i]];
+            let [r, g, b, _] = texture.sample_wide(uv, hits.texture_width(i));
+            self.factor * Vec3::new(r, g, b)
+        });
+        color * hits.color.get(i)
     }
 }
 

@@ -58,6 +58,7 @@ impl SurfaceShader for Material {
                 request.rays.push(hits.spawn(i as usize, dir, f32::INFINITY));
                 request.parent.push(i);
                 request.key.push(hits.key[i as usize].fork(branch::STRAIGHT));
+                request.width.push(hits.footprint.get(i as usize).copied().unwrap_or(0.0));
             }
             let mut behind = Vec3s::default();
             tracer.trace(hits.depth, &request, &mut behind);

@@ -86,6 +86,7 @@ impl Branches {
         self.request.rays.push(ray);
         self.request.parent.push(i as u32);
         self.request.key.push(hits.key[i].fork(number));
+        self.request.width.push(hits.footprint.get(i).copied().unwrap_or(0.0));
         self.weight.push(sample.weight);
     }
 
