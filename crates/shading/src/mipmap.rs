@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Smaller copies of textures, so that a point that stands for many texels reads few.
-//! Source: [Wil83] (pyramids, interpolation between levels); OpenGL 1.4 section 3.8.8 for filters and sizes (half, rounded
+//! Source: \[Wil83\] (pyramids, interpolation between levels); OpenGL 1.4 section 3.8.8 for filters and sizes (half, rounded
 //! down). Each texel is the mean of the area that it covers, in linear light: odd sizes weigh the texels at its edges.
 //! Invariant: every level has the mean of the picture. Memory: a third of the picture as floats, made when first asked for.
 //! Proof: `tests`; the binding's tests/c/mipmaps.c.
