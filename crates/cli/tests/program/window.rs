@@ -176,7 +176,7 @@ fn hands_move_the_camera() {
     folder.gnurt(&words).success();
     let there = gnurt::image::read(&folder.at("there.png")).expect("a picture");
     // Not bit for bit: the window computes the camera's axes from angles, the command line from what was printed.
-    let close = compare(&there, &flown).map_or(false, |comparison| comparison.mse < 1e-3);
+    let close = compare(&there, &flown).is_ok_and(|comparison| comparison.mse < 1e-3);
     assert!(close, "the picture that was seen");
 }
 
