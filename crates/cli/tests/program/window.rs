@@ -41,12 +41,36 @@ impl Display {
         Some(Self { server, name: format!(":{}", number.trim()) })
     }
 
-    /// Lets hands act.
-    fn act(&self, words: &str) {
+    /// What xdotool says, if it succeeds. Never with its `--sync`: that waits for ever for a window that has gone.
+    fn ask(&self, words: &str) -> Result<String, String> {
         let mut command = Command::new("xdotool");
         command.env("DISPLAY", &self.name).args(words.split_whitespace());
         let output = command.output().expect("xdotool starts");
-        assert!(output.status.success(), "xdotool {words}: {}", String::from_utf8_lossy(&output.stderr));
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        if output.status.success() { Ok(text(&output.stdout)) } else { Err(text(&output.stderr)) }
+    }
+
+    /// Lets hands act.
+    #[track_caller]
+    fn act(&self, words: &str) {
+        if let Err(said) = self.ask(words) {
+            panic!("xdotool {words}: {said}");
+        }
+    }
+
+    /// Gives the keys to the window as soon as it is there: nobody manages windows here, so nobody else does.
+    #[track_caller]
+    fn focus(&self) {
+        let begin = Instant::now();
+        while begin.elapsed() < PATIENCE {
+            // Refused while the window is not yet to be seen.
+            let _ = self.ask("search --onlyvisible --name GNU windowfocus");
+            if self.ask("getwindowfocus getwindowname").is_ok_and(|name| name.contains("GNU")) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        panic!("no window came");
     }
 }
 
@@ -68,7 +92,16 @@ struct Viewer<'a> {
 }
 
 impl<'a> Viewer<'a> {
+    /// With a window that hears the keys.
+    #[track_caller]
     fn open(display: &'a Display, folder: &'a Folder, line: &str) -> Self {
+        let viewer = Self::start(display, folder, line);
+        display.focus();
+        display.act("mousemove 30 30");
+        viewer
+    }
+
+    fn start(display: &'a Display, folder: &'a Folder, line: &str) -> Self {
         let words: Vec<&str> = line.split_whitespace().collect();
         let mut command = folder.command(&words);
         command.env("DISPLAY", &display.name).env_remove("WAYLAND_DISPLAY");
@@ -83,11 +116,7 @@ impl<'a> Viewer<'a> {
                 BufReader::new(pipe).lines().map_while(Result::ok).for_each(|line| drop(sender.send(line)));
             });
         }
-        let viewer = Self { display, folder, child, said, pictures: 0 };
-        // Nobody manages windows here, so nobody gives this one the keys.
-        display.act("search --sync --onlyvisible --name GNU windowfocus --sync");
-        display.act("mousemove 30 30");
-        viewer
+        Self { display, folder, child, said, pictures: 0 }
     }
 
     /// Waits for a line that contains this.
@@ -141,11 +170,11 @@ fn differ(a: &Picture, b: &Picture) -> bool {
 }
 
 #[test]
-#[ignore = "hangs now and then beside other windows: run it alone, with --ignored"]
 fn hands_move_the_camera() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
-    let mut viewer = Viewer::open(&display, &folder, "view builtin:materials -r 320x240 --spp 2 -t 2");
+    // One sample: a screenshot holds the samples that are there, which with more might be the first only.
+    let mut viewer = Viewer::open(&display, &folder, "view builtin:materials -r 320x240 --spp 1 -t 2");
     let first = viewer.picture();
     assert_eq!((first.width, first.height), (320, 240), "the size that was asked for");
     display.act("key c");
@@ -172,12 +201,10 @@ fn hands_move_the_camera() {
     // What was printed leads there from the command line.
     display.act("key Escape");
     viewer.ends(0);
-    let words = format!("render builtin:materials -r 320x240 --spp 2 -o there.png {away}");
+    let words = format!("render builtin:materials -r 320x240 --spp 1 -o there.png {away}");
     folder.gnurt(&words).success();
     let there = gnurt::image::read(&folder.at("there.png")).expect("a picture");
-    // Not bit for bit: the window computes the camera's axes from angles, the command line from what was printed.
-    let close = compare(&there, &flown).is_ok_and(|comparison| comparison.mse < 1e-3);
-    assert!(close, "the picture that was seen");
+    assert!(there.color == flown.color, "the pixels that were seen");
 }
 
 #[test]
@@ -216,7 +243,6 @@ fn save(path: &Path, text: &str) {
 }
 
 #[test]
-#[ignore = "hangs now and then beside other windows: run it alone, with --ignored"]
 fn files_that_change_are_read_again() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
@@ -246,6 +272,7 @@ fn files_that_change_are_read_again() {
 fn windows_close_by_themselves() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
-    let viewer = Viewer::open(&display, &folder, "view builtin:cornell -r 64x64 --spp 64 --frames 3");
+    // It may have gone before anybody finds it.
+    let viewer = Viewer::start(&display, &folder, "view builtin:cornell -r 64x64 --spp 64 --frames 3");
     viewer.ends(0);
 }
