@@ -69,7 +69,8 @@
 //!
 //! # Limits today
 //!
-//! * The integrators are `eyelight`, `normals`, `whitted` (direct light, mirrors, glass) and `path` (all light).
+//! * The integrators are `eyelight`, `normals`, `whitted` (direct light, mirrors, glass), `path` (all light) and `ir`, `bir`
+//!   and `mir` (all light by virtual lights).
 //! * Geometry is triangles and instances of them; no curves, no subdivision, no motion blur, no volumes.
 //! * The only camera of descriptions is a pinhole; other cameras are [`CameraShader`](shading::CameraShader)s.
 //! * The API may change until version 1.0.
@@ -78,6 +79,7 @@
 pub mod defaults;
 mod error;
 mod load;
+mod surroundings;
 mod threads;
 
 pub use error::Error;
@@ -89,4 +91,5 @@ pub use gnurt_shading as shading;
 pub use gnurt_simd as simd;
 pub use load::{BUILTIN, Loaded, builtin_names, builtin_scenes, load_scene};
 pub use rayon::ThreadPool;
+pub use surroundings::Surroundings;
 pub use threads::{cores, thread_pool};

@@ -9,7 +9,9 @@ use clap::Args;
 use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
-use super::{FrameArguments, LightArguments, MachineArguments, TalkArguments, ViewArguments};
+use super::{
+    FrameArguments, LightArguments, MachineArguments, SurroundingsArguments, TalkArguments, ViewArguments,
+};
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
@@ -51,6 +53,8 @@ pub(crate) struct RenderArguments {
     pub(crate) frame: FrameArguments,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
+    #[command(flatten)]
+    pub(crate) surroundings: SurroundingsArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
     #[command(flatten)]

@@ -9,7 +9,9 @@ use std::time::Duration;
 
 use gnurt::image::ToneCurve;
 use gnurt::render::{Integrator, ReconstructionFilter};
+use gnurt::scene::builtin::SKIES;
 use gnurt::simd::Level;
+use gnurt::{BUILTIN, Surroundings};
 use gnurt_bench::{Class, ENGINES};
 use gnurt_view::TevAddress;
 
@@ -183,9 +185,27 @@ pub(crate) fn time(text: &str) -> Result<Duration, String> {
 }
 
 /// Degrees, both ways around.
-pub(crate) fn orbit(text: &str) -> Result<f64, String> {
+pub(crate) fn turn(text: &str) -> Result<f64, String> {
     let degrees = f64::from(number(text)?);
     if degrees.abs() <= 1e6 { Ok(degrees) } else { Err("give degrees from -1000000 to 1000000".into()) }
+}
+
+/// A radiance, a sky of the program, or a file.
+pub(crate) fn surroundings(text: &str) -> Result<Surroundings, String> {
+    if let Some(name) = text.strip_prefix(BUILTIN) {
+        let names: Vec<&str> = SKIES.iter().map(|sky| sky.name).collect();
+        return Surroundings::sky(name).ok_or_else(|| unknown("built-in sky", name, &names));
+    }
+    if text.is_empty() {
+        return Err("give a picture, a radiance like 1,1,1 or builtin:day".into());
+    }
+    match point(text) {
+        Ok(radiance) if radiance.iter().any(|&x| x < 0.0) => {
+            Err("light is not negative; give R,G,B of 0 or more".into())
+        }
+        Ok(radiance) => Ok(Surroundings::Uniform(radiance)),
+        Err(_) => Ok(Surroundings::Picture(text.into())),
+    }
 }
 
 /// `tev:HOST:PORT`.

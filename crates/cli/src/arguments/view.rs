@@ -3,6 +3,7 @@
 //! Source: original; names after pbrt, Mitsuba and appleseed.
 
 use clap::Args;
+use gnurt::Surroundings;
 use gnurt::image::ToneCurve;
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::simd::Level;
@@ -92,6 +93,19 @@ pub(crate) struct ViewArguments {
     /// Vertical angle of view in degrees
     #[arg(long, value_name = "DEGREES", value_parser = value::angle_of_view, allow_hyphen_values = true)]
     pub(crate) fov: Option<f32>,
+}
+
+/// What is around the scene.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Surroundings")]
+pub(crate) struct SurroundingsArguments {
+    /// What rays see that leave the scene, and light from there: a latitude-longitude picture (.hdr, .exr, .pfm, .png, .jpg), a
+    /// radiance R,G,B, or builtin:day, builtin:evening, builtin:overcast; its up is --up, or else +y
+    #[arg(long, value_name = "FILE|R,G,B|SKY", value_parser = value::surroundings, allow_hyphen_values = true)]
+    pub(crate) environment: Option<Surroundings>,
+    /// Degrees that it is turned by around what is up
+    #[arg(long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true, default_value = "0", requires = "environment")]
+    pub(crate) environment_turn: f64,
 }
 
 /// What it is computed with.

@@ -8,7 +8,10 @@ use clap::Args;
 use gnurt_view::TevAddress;
 
 use super::value;
-use super::{FrameArguments, LightArguments, MachineArguments, StatisticsForm, TalkArguments, ViewArguments};
+use super::{
+    FrameArguments, LightArguments, MachineArguments, StatisticsForm, SurroundingsArguments, TalkArguments,
+    ViewArguments,
+};
 
 /// Arguments of `view`.
 #[derive(Args, Clone, Debug)]
@@ -22,7 +25,7 @@ pub(crate) struct WindowArguments {
     #[arg(long)]
     pub(crate) headless: bool,
     /// Degrees that the camera goes around its target in all frames; only without a window, 360 for several frames
-    #[arg(long, value_name = "DEGREES", value_parser = value::orbit, allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true)]
     pub(crate) orbit: Option<f64>,
     /// Picture to write of the last frame: .png, .exr, .hdr or .pfm; only without a window
     #[arg(short, long, value_name = "FILE", allow_hyphen_values = true)]
@@ -44,6 +47,8 @@ pub(crate) struct WindowArguments {
     pub(crate) frame: FrameArguments,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
+    #[command(flatten)]
+    pub(crate) surroundings: SurroundingsArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
     #[command(flatten)]

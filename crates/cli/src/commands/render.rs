@@ -45,7 +45,13 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     let (pool, level) = machine(&arguments.machine, environment)?;
 
     let mut scene = source.load(messages)?;
-    let (camera, rays) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
+    let (camera, rays) = view::choose(
+        &mut scene,
+        &arguments.view,
+        &arguments.surroundings,
+        arguments.frame.resolution,
+        messages,
+    )?;
     let loaded = begin.elapsed();
     let (world, report) = commit(&scene, &arguments.frame, level, &pool, messages)?;
 
@@ -111,7 +117,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
 
 /// Everything that can be refused before any work.
 fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Source, Targets), Failure> {
-    view::check(&arguments.view)?;
+    view::check(&arguments.view, &arguments.surroundings)?;
     let resolution = arguments.frame.resolution;
     if let Some(crop) = arguments.crop.filter(|crop| crop.within(resolution).is_none()) {
         return Err(Failure::usage(format_args!(

@@ -5,10 +5,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use gnurt::ThreadPool;
 use gnurt::image::Picture;
 use gnurt::scene::Camera;
 use gnurt::simd::Level;
+use gnurt::{Surroundings, ThreadPool};
 use gnurt_view::{
     Exposure, FrameTimes, HeadlessOptions, Listener, Stage, TevImage, ViewError, WindowOptions, run_headless,
     run_window,
@@ -30,7 +30,7 @@ use crate::view;
 /// Looks at a scene.
 pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messages: Messages) -> Outcome {
     let windowless = arguments.headless || arguments.display.is_some();
-    view::check(&arguments.view)?;
+    view::check(&arguments.view, &arguments.surroundings)?;
     for (name, given) in [
         ("--orbit", arguments.orbit.is_some()),
         ("--output", arguments.output.is_some()),
@@ -80,8 +80,15 @@ fn prepare(
     pool: &ThreadPool,
     messages: Messages,
 ) -> Result<(Stage, Camera), Failure> {
-    let (mut scene, files) = source.load_with_files(messages)?;
-    let (camera, _) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
+    let (mut scene, mut files) = source.load_with_files(messages)?;
+    files.extend(arguments.surroundings.environment.as_ref().and_then(Surroundings::file).map(PathBuf::from));
+    let (camera, _) = view::choose(
+        &mut scene,
+        &arguments.view,
+        &arguments.surroundings,
+        arguments.frame.resolution,
+        messages,
+    )?;
     let (world, _) = commit(&scene, &arguments.frame, level, pool, messages)?;
     Ok((Stage { scene, world, files }, camera))
 }

@@ -21,6 +21,7 @@ mod output;
 mod recoverable;
 mod samples;
 mod statistics;
+mod surroundings;
 mod viewing;
 #[cfg(target_os = "linux")]
 mod window;

@@ -15,7 +15,7 @@ use terrain::Terrain;
 
 use super::noise::hash;
 use super::shapes::{quad, show};
-use super::sky::Sky;
+use super::sky::EVENING;
 use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::id::ObjectId;
@@ -36,7 +36,7 @@ pub(super) fn scene() -> Scene {
     lighthouse::add(&mut scene, &terrain);
     let plants = plants::add_objects(&mut scene);
     scatter(&mut scene, &terrain, &plants);
-    sky().add_to(&mut scene);
+    EVENING.add_to(&mut scene, Affine::IDENTITY);
     scene.add_camera(Camera {
         name: "from a boat".into(),
         eye: [1.6, 0.62, 11.4],
@@ -51,18 +51,6 @@ fn add_sea(scene: &mut Scene) {
     let water = Surface::Dielectric { ior: 1.333, reflectance: [1.0; 3], transmittance: [1.0; 3] };
     let water = scene.add_material(Material::of("water", water));
     show(scene, "sea", quad([-SEA, 0.0, SEA], [2.0 * SEA, 0.0, 0.0], [0.0, 0.0, -2.0 * SEA]), water);
-}
-
-/// A low sun to the left, behind the one who looks, and a sky that turns warm towards it.
-fn sky() -> Sky {
-    Sky {
-        zenith: [0.10, 0.20, 0.46],
-        horizon: [0.62, 0.56, 0.58],
-        glow: [0.95, 0.50, 0.22],
-        ground: [0.012, 0.050, 0.062],
-        sun: [-0.8387, 0.3172, 0.4427],
-        sunlight: [4.1, 2.75, 1.65],
-    }
 }
 
 /// Puts trees where there is grass and rocks where there is sand or scree, at hashed places of a fine grid.

@@ -14,6 +14,7 @@ mod spheres;
 mod textures;
 
 use crate::scene::Scene;
+pub use sky::{BuiltinSky, SKIES};
 
 /// A scene that can be asked for by name.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A sky with a sun's glow, painted into an environment texture.
+//! Skies with a sun's glow, painted into an environment texture; some that any scene can be put under.
 //! Source: original; a gradient after the look, not the physics, of clear skies. Space: that of
 //! [`Light::Environment`]: the middle of the picture lies along -z, its upper edge at +y. Radiance is linear.
 
@@ -12,11 +12,67 @@ use crate::light::Light;
 use crate::scene::Scene;
 use crate::texture::{Filter, TexelData, Texels, Texture, Wrap};
 
+/// A sky that can be asked for by name.
+#[derive(Clone, Copy, Debug)]
+pub struct BuiltinSky {
+    /// What to write after `builtin:`.
+    pub name: &'static str,
+    /// What it looks like, in one line.
+    pub description: &'static str,
+    sky: Sky,
+}
+
+/// All skies.
+pub const SKIES: &[BuiltinSky] = &[
+    BuiltinSky {
+        name: "day",
+        description: "a clear day, the sun high on the left behind who looks along -z",
+        sky: Sky {
+            zenith: [0.17, 0.33, 0.75],
+            horizon: [0.75, 0.86, 1.0],
+            glow: [0.8, 0.75, 0.65],
+            ground: [0.16, 0.15, 0.13],
+            sun: [-0.5, 0.7071, 0.5],
+            sunlight: [4.4, 4.1, 3.7],
+        },
+    },
+    BuiltinSky { name: "evening", description: "a low warm sun on the left", sky: EVENING },
+    BuiltinSky {
+        name: "overcast",
+        description: "clouds without a sun, three times as bright above as at the horizon",
+        sky: Sky {
+            zenith: [1.2, 1.23, 1.28],
+            horizon: [0.4, 0.41, 0.43],
+            glow: [0.0; 3],
+            ground: [0.1, 0.1, 0.1],
+            sun: [0.0, 1.0, 0.0],
+            sunlight: [0.0; 3],
+        },
+    },
+];
+
+/// A low sun to the left, behind the one who looks, and a sky that turns warm towards it.
+pub(super) const EVENING: Sky = Sky {
+    zenith: [0.10, 0.20, 0.46],
+    horizon: [0.62, 0.56, 0.58],
+    glow: [0.95, 0.50, 0.22],
+    ground: [0.012, 0.050, 0.062],
+    sun: [-0.8387, 0.3172, 0.4427],
+    sunlight: [4.1, 2.75, 1.65],
+};
+
+impl BuiltinSky {
+    /// Puts a scene under this sky; `world_from_sky` is a rotation: what it makes of +y is up.
+    pub fn add_to(&self, scene: &mut Scene, world_from_sky: Affine) {
+        self.sky.add_to(scene, world_from_sky);
+    }
+}
+
 const WIDTH: u32 = 512;
 const HEIGHT: u32 = 256;
 
 /// The colours of a sky.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Sky {
     pub(super) zenith: [f32; 3],
     pub(super) horizon: [f32; 3],
@@ -32,7 +88,7 @@ pub(super) struct Sky {
 
 impl Sky {
     /// Adds the sky and its sun to a scene.
-    pub(super) fn add_to(&self, scene: &mut Scene) {
+    pub(super) fn add_to(&self, scene: &mut Scene, world_from_light: Affine) {
         let direction_of = |x: u32, y: u32| {
             let phi = ((x as f32 + 0.5) / WIDTH as f32 - 0.5) * TAU;
             let theta = (y as f32 + 0.5) / HEIGHT as f32 * PI;
@@ -50,10 +106,11 @@ impl Sky {
             wrap: [Wrap::Repeat, Wrap::ClampToEdge],
             filter: Filter::Linear,
         });
-        let world_from_light = Affine::IDENTITY;
         scene.add_light(Light::Environment { radiance: [1.0; 3], texture: Some(texture), world_from_light });
-        let direction = self.sun.map(|x| -x);
-        scene.add_light(Light::Directional { direction, irradiance: self.sunlight });
+        if self.sunlight != [0.0; 3] {
+            let direction = world_from_light.vector(self.sun.map(|x| -f64::from(x))).map(|x| x as f32);
+            scene.add_light(Light::Directional { direction, irradiance: self.sunlight });
+        }
     }
 
     /// What comes from a direction, a unit vector.

@@ -4,6 +4,7 @@
 
 use super::shapes::{moved, quad, show, sphere};
 use super::sky::Sky;
+use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::id::MaterialId;
 use crate::material::{Color, Material, Surface, TextureRef};
@@ -49,7 +50,7 @@ pub(super) fn scene() -> Scene {
         sun: [-0.594, 0.653, 0.470],
         sunlight: [2.6, 2.4, 2.0],
     }
-    .add_to(&mut scene);
+    .add_to(&mut scene, Affine::IDENTITY);
     scene.add_camera(Camera {
         name: "front".into(),
         eye: [0.4, 1.75, 6.2],

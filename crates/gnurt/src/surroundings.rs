@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What surrounds a scene, and lights it from there: one colour, a sky that the program carries with it, or a picture.
+//! Source: original; pictures are latitude-longitude ones, as the field's collections of skies have them.
+//! Proof: `tests`, and the command line's `tests/program/surroundings.rs`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::image;
+use crate::load::BUILTIN;
+use crate::scene::builtin::{BuiltinSky, SKIES};
+use crate::scene::texture::{Filter, Wrap};
+use crate::scene::{Affine, Light, Scene, Texture};
+
+/// What rays see that leave a scene.
+#[derive(Clone, Debug)]
+pub enum Surroundings {
+    /// The same radiance from everywhere: linear red, green, blue.
+    Uniform([f32; 3]),
+    /// A sky with its sun.
+    Sky(&'static BuiltinSky),
+    /// A latitude-longitude picture: radiance, its upper edge above, its middle along -z.
+    Picture(PathBuf),
+}
+
+impl Surroundings {
+    /// The sky of this name, with or without `builtin:`.
+    #[must_use]
+    pub fn sky(name: &str) -> Option<Self> {
+        let name = name.strip_prefix(BUILTIN).unwrap_or(name);
+        SKIES.iter().find(|sky| sky.name == name).map(Self::Sky)
+    }
+
+    /// The file that they are read from.
+    #[must_use]
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::Picture(path) => Some(path),
+            Self::Uniform(_) | Self::Sky(_) => None,
+        }
+    }
+
+    /// Puts them around a scene, whose own environment then counts no more; its other lights do. `up` is what is above, of any length,
+    /// +y if it is no direction; `turn` turns them around it, in degrees, counter-clockwise seen from above.
+    ///
+    /// # Errors
+    /// [`image::Error`] if the picture cannot be read; the scene stays as it was.
+    pub fn put_around(&self, scene: &mut Scene, up: [f32; 3], turn: f64) -> Result<(), image::Error> {
+        let texels = self.file().map(image::read_texture).transpose()?;
+        let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], turn.to_radians());
+        let (radiance, texture) = match (self, texels) {
+            (Self::Sky(sky), _) => {
+                sky.add_to(scene, world_from_light);
+                return Ok(());
+            }
+            (Self::Uniform(radiance), _) => (*radiance, None),
+            (Self::Picture(path), texels) => {
+                let texture = texels.map(|texels| Texture {
+                    name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+                    texels: Arc::new(texels),
+                    wrap: [Wrap::Repeat, Wrap::ClampToEdge],
+                    filter: Filter::Linear,
+                });
+                ([1.0; 3], texture.map(|texture| scene.add_texture(texture)))
+            }
+        };
+        scene.add_light(Light::Environment { radiance, texture, world_from_light });
+        Ok(())
+    }
+}
+
+/// The smallest rotation that takes +y to `up`.
+fn upright(up: [f32; 3]) -> Affine {
+    let up = up.map(f64::from);
+    let length = up.iter().map(|x| x * x).sum::<f64>().sqrt();
+    if !(length > 0.0 && length.is_finite()) {
+        return Affine::IDENTITY;
+    }
+    let [x, y, z] = up.map(|x| x / length);
+    let across = (x * x + z * z).sqrt();
+    // y cross up; upside down, any axis in the plane will do.
+    let axis = if across > 0.0 { [z, 0.0, -x] } else { [1.0, 0.0, 0.0] };
+    Affine::rotation(axis, across.atan2(y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where the environment's up and middle are in the world.
+    fn orientation(up: [f32; 3], turn: f64) -> [[f64; 3]; 2] {
+        let mut scene = Scene::new();
+        Surroundings::Uniform([1.0; 3]).put_around(&mut scene, up, turn).expect("no file is read");
+        let [Light::Environment { world_from_light, .. }] = scene.lights() else { panic!("one environment") };
+        [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]].map(|v| world_from_light.vector(v))
+    }
+
+    #[track_caller]
+    fn assert_near(found: [[f64; 3]; 2], wanted: [[f64; 3]; 2]) {
+        let near = found.iter().flatten().zip(wanted.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(near, "{found:?} instead of {wanted:?}");
+    }
+
+    #[test]
+    fn they_stand_upright_and_turn() {
+        assert_near(orientation([0.0, 2.0, 0.0], 0.0), [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
+        assert_near(orientation([0.0, 0.0, 1.0], 0.0), [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]);
+        assert_near(orientation([0.0, -1.0, 0.0], 0.0), [[0.0, -1.0, 0.0], [0.0, 0.0, 1.0]]);
+        assert_near(orientation([0.0, 1.0, 0.0], 90.0), [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]);
+        assert_near(orientation([0.0; 3], 0.0), [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
+    }
+
+    #[test]
+    fn they_replace_an_environment_and_no_lamp() {
+        let mut scene = Scene::new();
+        scene.add_light(Light::Environment {
+            radiance: [9.0; 3],
+            texture: None,
+            world_from_light: Affine::IDENTITY,
+        });
+        let lamp = Light::Point { position: [0.0; 3], intensity: [1.0; 3] };
+        scene.add_light(lamp.clone());
+        let missing = Surroundings::Picture("no/such/sky.hdr".into());
+        let before = scene.lights().to_vec();
+        assert!(missing.put_around(&mut scene, [0.0, 1.0, 0.0], 0.0).is_err(), "there is no such file");
+        assert_eq!(scene.lights(), before, "nothing has changed");
+        Surroundings::sky("builtin:day")
+            .expect("a sky")
+            .put_around(&mut scene, [0.0, 1.0, 0.0], 0.0)
+            .expect("no file");
+        let environments = scene.lights().iter().filter(|light| matches!(light, Light::Environment { .. }));
+        let last = environments.last().expect("an environment");
+        assert!(matches!(last, Light::Environment { texture: Some(_), .. }), "the last one counts: {last:?}");
+        assert!(scene.lights().contains(&lamp), "the lamp stays");
+    }
+
+    #[test]
+    fn skies_have_names() {
+        for sky in SKIES {
+            assert!(
+                matches!(Surroundings::sky(sky.name), Some(Surroundings::Sky(found)) if found.name == sky.name)
+            );
+        }
+        assert!(Surroundings::sky("night").is_none(), "not one of them");
+    }
+}
