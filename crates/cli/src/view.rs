@@ -14,14 +14,14 @@ use crate::nearest::nearest;
 
 /// What can be refused before the scene is read.
 pub(crate) fn check(view: &ViewArguments, surroundings: &SurroundingsArguments) -> Result<(), Failure> {
-    if let Some(path) = surroundings.environment.as_ref().and_then(Surroundings::file) {
-        if let Err(error) = std::fs::metadata(path) {
-            return Err(Failure::data(format_args!(
-                "--environment {}: {}; give a picture, a radiance like 1,1,1 or builtin:day",
-                path.display(),
-                system_reason(&error)
-            )));
-        }
+    if let Some(path) = surroundings.environment.as_ref().and_then(Surroundings::file)
+        && let Err(error) = std::fs::metadata(path)
+    {
+        return Err(Failure::data(format_args!(
+            "--environment {}: {}; give a picture, a radiance like 1,1,1 or builtin:day",
+            path.display(),
+            system_reason(&error)
+        )));
     }
     match (view.eye, view.target) {
         (Some(eye), Some(target)) if eye == target => Err(same_place()),

@@ -128,8 +128,9 @@ mod tests {
             .expect("a sky")
             .put_around(&mut scene, [0.0, 1.0, 0.0], 0.0)
             .expect("no file");
-        let environments = scene.lights().iter().filter(|light| matches!(light, Light::Environment { .. }));
-        let last = environments.last().expect("an environment");
+        let mut environments =
+            scene.lights().iter().filter(|light| matches!(light, Light::Environment { .. }));
+        let last = environments.next_back().expect("an environment");
         assert!(matches!(last, Light::Environment { texture: Some(_), .. }), "the last one counts: {last:?}");
         assert!(scene.lights().contains(&lamp), "the lamp stays");
     }
