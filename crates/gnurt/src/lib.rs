@@ -4,7 +4,7 @@
 //! This crate is the door: it re-exports the rooms of the house and adds what a program needs to get from a name to a
 //! picture. The rooms: [`scene`] describes, [`accel`] answers ray queries, [`shading`] says how light leaves surfaces,
 //! [`render`] commits a description to a [`World`](render::World) and makes pictures of it, [`image`] keeps pictures and
-//! their files, [`simd`] chooses the CPU's instructions.
+//! their files, [`denoise`] takes the noise out of them, [`simd`] chooses the CPU's instructions.
 //!
 //! # A picture
 //!
@@ -84,6 +84,7 @@ mod threads;
 
 pub use error::Error;
 pub use gnurt_accel as accel;
+pub use gnurt_denoise as denoise;
 pub use gnurt_image as image;
 pub use gnurt_render as render;
 pub use gnurt_scene as scene;

@@ -4,14 +4,15 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 12] = [
+const ARROWS: [(&str, &[&str]); 13] = [
     ("simd", &[]),
     ("accel", &["simd"]),
     ("image", &[]),
+    ("denoise", &["image"]),
     ("scene", &["image"]),
     ("shading", &["simd", "image", "accel"]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
-    ("gnurt", &["simd", "accel", "image", "scene", "shading", "render"]),
+    ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render"]),
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),
     ("cli", &["gnurt", "bench", "view"]),

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use gnurt::denoise::Method;
 use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
@@ -30,6 +31,17 @@ pub(crate) struct RenderArguments {
     /// Stop after this time and keep the picture so far: 90, 90s, 1.5m, 2h
     #[arg(long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true)]
     pub(crate) time: Option<Duration>,
+    /// Take the noise out of the picture: auto (OIDN where its library is found or OIDN_LIB names it, else built-in),
+    /// built-in, oidn
+    #[arg(
+        long,
+        value_name = "HOW",
+        value_parser = value::denoiser,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "auto"
+    )]
+    pub(crate) denoise: Option<Method>,
     /// Also show the picture while it is rendered, in tev: tev:HOST:PORT
     #[arg(long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
     pub(crate) display: Option<TevAddress>,

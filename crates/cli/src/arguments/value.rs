@@ -7,6 +7,7 @@ use std::fmt::Display;
 use std::str::FromStr;
 use std::time::Duration;
 
+use gnurt::denoise::Method;
 use gnurt::image::ToneCurve;
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::scene::builtin::SKIES;
@@ -216,6 +217,12 @@ pub(crate) fn display(text: &str) -> Result<TevAddress, String> {
 /// An integrator's name.
 pub(crate) fn integrator(name: &str) -> Result<Integrator, String> {
     by_name("integrator", name, &Integrator::ALL[..])
+}
+
+/// A denoiser's name.
+pub(crate) fn denoiser(name: &str) -> Result<Method, String> {
+    let names = Method::ALL.map(Method::name);
+    name.parse().map_err(|_| unknown("denoiser", name, &names))
 }
 
 /// A reconstruction filter's name.

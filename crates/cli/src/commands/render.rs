@@ -6,6 +6,7 @@
 use std::time::Instant;
 
 use gnurt::ThreadPool;
+use gnurt::denoise::{self, denoise};
 use gnurt::image::Picture;
 use gnurt::render::{
     Accumulation, CommitOptions, CommitReport, Frame, RenderOptions, ShaderTable, World, fingerprint,
@@ -84,6 +85,11 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     }
     saved?;
     tell(&frame, arguments, messages);
+    if let Some(how) = denoiser(arguments, options.crop) {
+        let used = denoise(&mut frame.picture, &how, &pool).map_err(Failure::data)?;
+        messages.note(&used);
+        frame.picture.set_metadata("denoiser", used.name());
+    }
 
     if !targets.picture.has_layers() {
         make_opaque(&mut frame.picture, options.crop);
@@ -113,6 +119,15 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
         }
         None => Ok(()),
     }
+}
+
+/// Names the library of Open Image Denoise.
+const OIDN: &str = "OIDN_LIB";
+
+/// How the picture is to be denoised, if at all.
+fn denoiser(arguments: &RenderArguments, region: Option<[u32; 4]>) -> Option<denoise::Options> {
+    let library = std::env::var_os(OIDN).filter(|file| !file.is_empty()).map(Into::into);
+    arguments.denoise.map(|method| denoise::Options { method, region, library })
 }
 
 /// Everything that can be refused before any work.
@@ -147,6 +162,9 @@ fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Sour
             arguments.frame.integrator
         )));
     }
+    if let Some(how) = denoiser(arguments, None) {
+        denoise::check(&how).map_err(Failure::data)?;
+    }
     picture.check()?;
     heatmap.iter().try_for_each(Output::check)?;
     let targets = Targets { picture, heatmap };
@@ -163,9 +181,13 @@ fn check_memory(arguments: &RenderArguments, targets: &Targets) -> Outcome {
     /// Costs and their colours.
     const HEAT_PER_PIXEL: u64 = 40;
     let resolution = arguments.frame.resolution;
-    let layers = if targets.picture.has_layers() { LAYERS_PER_PIXEL } else { 0 };
+    /// What a denoiser makes of them.
+    const CLEAN_PER_PIXEL: u64 = 160;
+    let layers = if needs_layers(arguments, targets) { LAYERS_PER_PIXEL } else { 0 };
+    let clean = if arguments.denoise.is_some() { CLEAN_PER_PIXEL } else { 0 };
     let heat = if targets.heatmap.is_some() { HEAT_PER_PIXEL } else { 0 };
-    let needed = u64::from(resolution.width) * u64::from(resolution.height) * (PER_PIXEL + layers + heat);
+    let needed =
+        u64::from(resolution.width) * u64::from(resolution.height) * (PER_PIXEL + layers + clean + heat);
     match free_memory().filter(|&free| needed > free) {
         Some(free) => Err(Failure::data(format_args!(
             "--resolution {resolution}: the picture takes {} of memory and {} are free; ask for a smaller one",
@@ -215,11 +237,15 @@ pub(super) fn commit(
     Ok((world, report))
 }
 
+fn needs_layers(arguments: &RenderArguments, targets: &Targets) -> bool {
+    targets.picture.has_layers() || arguments.denoise.is_some()
+}
+
 fn options(arguments: &RenderArguments, targets: &Targets, level: Level) -> RenderOptions {
     RenderOptions {
         crop: arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution)),
         time_limit: arguments.time,
-        aovs: targets.picture.has_layers(),
+        aovs: needs_layers(arguments, targets),
         heatmap: targets.heatmap.is_some(),
         ..frame_options(&arguments.frame, level)
     }

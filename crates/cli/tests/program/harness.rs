@@ -99,7 +99,10 @@ impl Folder {
     pub(crate) fn command<S: AsRef<OsStr>>(&self, words: &[S]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_gnurt"));
         command.current_dir(self.path()).args(words).stdin(Stdio::null());
-        let reaches_it = |name: &OsStr| name.to_string_lossy().starts_with("GNURT_") || name == "EMBREE4_LIB";
+        let reaches_it = |name: &OsStr| {
+            name.to_string_lossy().starts_with("GNURT_")
+                || ["EMBREE4_LIB", "OIDN_LIB"].iter().any(|other| name == *other)
+        };
         for (name, _) in std::env::vars_os().filter(|(name, _)| reaches_it(name)) {
             command.env_remove(name);
         }

@@ -11,6 +11,7 @@ mod broken_scenes;
 mod cameras;
 mod checkpoint;
 mod conversion;
+mod denoising;
 mod determinism;
 mod differences;
 mod harness;

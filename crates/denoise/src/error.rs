@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Why a picture cannot be denoised. Source: original.
+
+use crate::Method;
+
+/// Why a picture cannot be denoised.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Error {
+    /// A name that is none of [`Method::ALL`].
+    #[error("unknown denoiser '{0}': expected {names}", names = Method::ALL.map(Method::name).join(", "))]
+    UnknownMethod(String),
+    /// The picture lacks what its camera rays met.
+    #[error("the picture has no channel '{0}': denoising needs the layers albedo, N, P and variance")]
+    NoChannel(String),
+    /// The region is empty or not within the picture.
+    #[error("the region {region:?} is no part of a picture of {width} x {height} pixels")]
+    Region {
+        /// As it was given.
+        region: [u32; 4],
+        /// Columns of the picture.
+        width: u32,
+        /// Rows of the picture.
+        height: u32,
+    },
+    /// Values and pixels differ in number.
+    #[error("{0}")]
+    Shape(String),
+    /// The library cannot be loaded, or does not do what it should.
+    #[error("Open Image Denoise cannot be used: {0}")]
+    Oidn(String),
+}

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a denoiser looks at: the colours of a region, their variance, and what camera rays met first.
+//! Source: original. Invariant: all values are finite, whatever the picture held. Proof: `built_in::tests`.
+
+use gnurt_image::{ChannelData, Picture};
+
+use crate::Error;
+
+/// Three values.
+pub(crate) type Triple = [f32; 3];
+
+/// A part of a picture, row by row.
+pub(crate) struct Noisy {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    /// Linear light.
+    pub(crate) color: Vec<Triple>,
+    /// Of each pixel's mean; 0 where it is not known.
+    pub(crate) variance: Vec<Triple>,
+    /// In 0..1; black where nothing was met.
+    pub(crate) albedo: Vec<Triple>,
+    /// Means of unit vectors towards the eye; 0 where nothing was met.
+    pub(crate) normal: Vec<Triple>,
+    /// World space; 0 where nothing was met.
+    pub(crate) position: Vec<Triple>,
+}
+
+impl Noisy {
+    /// Cuts the region out of a picture; what is not finite becomes 0.
+    pub(crate) fn of(picture: &Picture, region: [u32; 4]) -> Result<Self, Error> {
+        picture.check().map_err(|error| Error::Shape(error.to_string()))?;
+        let [x0, y0, x1, y1] = region;
+        let (columns, rows) = (picture.width, picture.height);
+        if x0 >= x1 || y0 >= y1 || x1 > columns || y1 > rows {
+            return Err(Error::Region { region, width: columns, height: rows });
+        }
+        let cut = |value: &dyn Fn(usize) -> Triple| -> Vec<Triple> {
+            let pixels =
+                (y0..y1).flat_map(|y| (x0..x1).map(move |x| y as usize * columns as usize + x as usize));
+            pixels.map(|i| value(i).map(finite)).collect()
+        };
+        let layer = |name: &str, channels: [&str; 3]| -> Result<Vec<Triple>, Error> {
+            let missing = |channel: &str| Error::NoChannel(format!("{name}.{channel}"));
+            let find = |channel: &str| {
+                let found = picture.layer(name).and_then(|layer| layer.channel(channel));
+                match found.map(|channel| &channel.data) {
+                    Some(ChannelData::F32(values)) => Ok(values),
+                    _ => Err(missing(channel)),
+                }
+            };
+            let [a, b, c] = channels.map(find);
+            let (a, b, c) = (a?, b?, c?);
+            Ok(cut(&|i| [a[i], b[i], c[i]]))
+        };
+        let (rgb, xyz) = (["R", "G", "B"], ["X", "Y", "Z"]);
+        Ok(Self {
+            width: (x1 - x0) as usize,
+            height: (y1 - y0) as usize,
+            color: cut(&|i| [picture.color[i][0], picture.color[i][1], picture.color[i][2]]),
+            variance: layer("variance", rgb)?,
+            albedo: layer("albedo", rgb)?,
+            normal: layer("N", xyz)?,
+            position: layer("P", xyz)?,
+        })
+    }
+}
+
+fn finite(x: f32) -> f32 {
+    if x.is_finite() { x } else { 0.0 }
+}

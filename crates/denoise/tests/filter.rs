@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The built-in denoiser on pictures whose truth is known.
+//! Source: original; noise is uniform with the variance that the layer says.
+
+use gnurt_denoise::{Error, Method, Options, denoise};
+use gnurt_image::{ChannelData, Layer, Picture};
+use gnurt_testkit::Random;
+use proptest::prelude::*;
+
+const SIZE: u32 = 48;
+
+/// What a pixel is: irradiance, albedo, normal, position.
+struct Pixel {
+    light: f32,
+    albedo: [f32; 3],
+    normal: [f32; 3],
+}
+
+fn pool(threads: usize) -> rayon::ThreadPool {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads")
+}
+
+fn built_in() -> Options {
+    Options { method: Method::BuiltIn, ..Options::default() }
+}
+
+/// Radiance of a pixel; `wave` is in -1..1.
+fn radiance(pixel: &Pixel, noise: f32, wave: [f32; 3]) -> [f32; 4] {
+    let value = |k: usize| pixel.light * pixel.albedo[k] * (1.0 + noise * wave[k]);
+    [value(0), value(1), value(2), 1.0]
+}
+
+/// The truth, and what noise of this relative size makes of it.
+fn pictures(noise: f32, at: impl Fn(u32, u32) -> Pixel) -> [Picture; 2] {
+    let mut random = Random::new(11);
+    let pixels: Vec<Pixel> = (0..SIZE * SIZE).map(|i| at(i % SIZE, i / SIZE)).collect();
+    let mut truth = Picture::new(SIZE, SIZE);
+    let mut noisy = truth.clone();
+    for (i, pixel) in pixels.iter().enumerate() {
+        truth.color[i] = radiance(pixel, 0.0, [0.0; 3]);
+        noisy.color[i] = radiance(pixel, noise, [0; 3].map(|_| random.between(-1.0, 1.0)));
+    }
+    let plane = |value: &dyn Fn(usize) -> f32| (0..pixels.len()).map(value).collect::<Vec<f32>>();
+    let albedo = |k: usize| plane(&|i| pixels[i].albedo[k]);
+    let normal = |k: usize| plane(&|i| pixels[i].normal[k]);
+    // The variance of a uniform number in -1..1 is a third.
+    let variance = |k: usize| plane(&|i| (noise * truth.color[i][k]).powi(2) / 3.0);
+    let column = plane(&|i| (i as u32 % SIZE) as f32);
+    let row = plane(&|i| (i as u32 / SIZE) as f32);
+    noisy.layers = vec![
+        Layer::floats("albedo", [("R", albedo(0)), ("G", albedo(1)), ("B", albedo(2))]),
+        Layer::floats("variance", [("R", variance(0)), ("G", variance(1)), ("B", variance(2))]),
+        Layer::floats("N", [("X", normal(0)), ("Y", normal(1)), ("Z", normal(2))]),
+        Layer::floats("P", [("X", column), ("Y", row), ("Z", plane(&|_| 0.0))]),
+    ];
+    [truth, noisy]
+}
+
+fn clean(noisy: &Picture) -> Picture {
+    let mut picture = noisy.clone();
+    denoise(&mut picture, &built_in(), &pool(2)).expect("all layers are there");
+    picture
+}
+
+/// Root of the mean square error, relative to the truth.
+fn error(picture: &Picture, truth: &Picture) -> f32 {
+    let squares = picture
+        .color
+        .iter()
+        .zip(&truth.color)
+        .map(|(a, b)| (0..3).map(|k| ((a[k] - b[k]) / b[k].max(1e-3)).powi(2)).sum::<f32>() / 3.0);
+    (squares.sum::<f32>() / picture.color.len() as f32).sqrt()
+}
+
+fn flat(_: u32, _: u32) -> Pixel {
+    Pixel { light: 0.7, albedo: [0.8, 0.5, 0.2], normal: [0.0, 0.0, 1.0] }
+}
+
+#[test]
+fn a_constant_stays_what_it_is() {
+    let [truth, noisy] = pictures(0.0, flat);
+    assert!(error(&clean(&noisy), &truth) < 1e-5, "there is nothing to take out");
+}
+
+#[test]
+fn noise_goes_and_the_mean_stays() {
+    let [truth, noisy] = pictures(0.5, flat);
+    let after = clean(&noisy);
+    let (before, left) = (error(&noisy, &truth), error(&after, &truth));
+    assert!(left < 0.15 * before, "of {before} there is left {left}");
+    let mean = |picture: &Picture| picture.color.iter().map(|p| p[0]).sum::<f32>();
+    let (mean_before, mean_after) = (mean(&noisy), mean(&after));
+    assert!((mean_after / mean_before - 1.0).abs() < 0.005, "{mean_before} became {mean_after}");
+    assert_eq!(after.layer("noisy").map(|l| l.channels.len()), Some(3), "the noisy picture is kept");
+}
+
+/// Largest relative error left and right of the middle, beyond which one would see an edge blurred.
+fn at_the_edge(picture: &Picture, truth: &Picture) -> f32 {
+    let columns = [SIZE / 2 - 2, SIZE / 2 - 1, SIZE / 2, SIZE / 2 + 1];
+    let mean = |picture: &Picture, x: u32| {
+        (0..SIZE).map(|y| picture.pixel(x, y).expect("inside")[1]).sum::<f32>() / SIZE as f32
+    };
+    columns.into_iter().map(|x| (mean(picture, x) / mean(truth, x) - 1.0).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn edges_of_albedo_are_kept() {
+    let [truth, noisy] = pictures(0.5, |x, _| {
+        let albedo = if x < SIZE / 2 { [0.8, 0.6, 0.4] } else { [0.2, 0.3, 0.1] };
+        Pixel { albedo, ..flat(0, 0) }
+    });
+    let after = clean(&noisy);
+    assert!(error(&after, &truth) < 0.15 * error(&noisy, &truth), "the light is one on both sides");
+    let off = at_the_edge(&after, &truth);
+    assert!(off < 0.05, "the edge is off by {off}");
+}
+
+#[test]
+fn edges_of_normals_are_kept() {
+    // Differences of light below the noise, which only the normal tells apart.
+    let [truth, noisy] = pictures(0.5, |x, _| {
+        let (light, normal) = if x < SIZE / 2 { (0.8, [1.0, 0.0, 0.0]) } else { (0.55, [0.0, 0.0, 1.0]) };
+        Pixel { light, normal, ..flat(0, 0) }
+    });
+    let after = clean(&noisy);
+    assert!(error(&after, &truth) < 0.2 * error(&noisy, &truth), "noise goes on both sides");
+    let off = at_the_edge(&after, &truth);
+    assert!(off < 0.06, "the edge is off by {off}");
+}
+
+#[test]
+fn shadows_are_kept() {
+    // No layer tells of a shadow: only colours do.
+    let [truth, noisy] = pictures(0.3, |x, _| {
+        let light = if x < SIZE / 2 { 1.0 } else { 0.2 };
+        Pixel { light, ..flat(0, 0) }
+    });
+    let after = clean(&noisy);
+    let off = at_the_edge(&after, &truth);
+    assert!(off < 0.1, "the edge is off by {off}");
+    assert!(error(&after, &truth) < 0.3 * error(&noisy, &truth), "and noise goes");
+}
+
+#[test]
+fn a_picture_of_one_sample_is_denoised_too() {
+    let [truth, mut noisy] = pictures(0.5, flat);
+    noisy.layers[1].channels.iter_mut().for_each(|c| c.data = ChannelData::F32(vec![0.0; noisy.color.len()]));
+    let (before, left) = (error(&noisy, &truth), error(&clean(&noisy), &truth));
+    assert!(left < 0.5 * before, "of {before} there is left {left}");
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bits() {
+    let [_, noisy] = pictures(0.5, |x, y| Pixel { light: 1.0 + (x * y % 17) as f32, ..flat(x, y) });
+    let [one, two, seven] = [1, 2, 7].map(|threads| {
+        let mut picture = noisy.clone();
+        denoise(&mut picture, &built_in(), &pool(threads)).expect("all layers are there");
+        picture
+    });
+    assert!(one == two && one == seven, "threads must not show");
+}
+
+#[test]
+fn only_the_region_changes() {
+    let [_, noisy] = pictures(0.5, flat);
+    let mut part = noisy.clone();
+    let region = Some([5, 6, 31, 17]);
+    denoise(&mut part, &Options { region, ..built_in() }, &pool(2)).expect("the region is inside");
+    for y in 0..SIZE {
+        for x in 0..SIZE {
+            let inside = (5..31).contains(&x) && (6..17).contains(&y);
+            assert_eq!(part.pixel(x, y) != noisy.pixel(x, y), inside, "pixel {x}, {y}");
+        }
+    }
+    for region in [[0, 0, 0, 4], [0, 0, SIZE + 1, 4], [3, 9, 8, 9]] {
+        let options = Options { region: Some(region), ..built_in() };
+        let refused = denoise(&mut noisy.clone(), &options, &pool(1));
+        assert!(matches!(refused, Err(Error::Region { .. })), "{region:?}: {refused:?}");
+    }
+}
+
+#[test]
+fn a_missing_layer_is_named() {
+    let [_, mut noisy] = pictures(0.5, flat);
+    noisy.layers.remove(2);
+    let message = denoise(&mut noisy, &built_in(), &pool(1)).expect_err("no normals").to_string();
+    assert!(message.contains("'N.X'"), "{message}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn whatever_comes_in_what_goes_out_is_light(seed in any::<u64>(), width in 1u32..24, height in 1u32..24) {
+        let mut random = Random::new(seed);
+        let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.0, f32::MAX, 1e30, f32::MIN_POSITIVE, 1e-30];
+        let mut value = || if random.below(8) == 0 { random.pick(&odd) } else { random.between(0.0, 2.0) };
+        let mut picture = Picture::new(width, height);
+        picture.color.iter_mut().for_each(|pixel| *pixel = [value(), value(), value(), 1.0]);
+        let pixels = picture.pixel_count();
+        for (name, channels) in [("albedo", ["R", "G", "B"]), ("variance", ["R", "G", "B"]), ("N", ["X", "Y", "Z"]), ("P", ["X", "Y", "Z"])] {
+            let channels = channels.map(|channel| (channel, (0..pixels).map(|_| value()).collect()));
+            picture.layers.push(Layer::floats(name, channels));
+        }
+        denoise(&mut picture, &built_in(), &pool(1)).expect("all layers are there");
+        for pixel in &picture.color {
+            prop_assert!(pixel[..3].iter().all(|x| x.is_finite() && *x >= 0.0), "{pixel:?}");
+        }
+    }
+}

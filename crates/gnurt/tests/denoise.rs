@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The built-in denoiser on rendered pictures: the error against many samples must fall clearly. Source: original.
+
+use gnurt::denoise::{Method, Options, denoise};
+use gnurt::image::{Picture, compare};
+use gnurt::render::{
+    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+};
+
+/// A room with lamps of its own or by default, `spp` samples per pixel.
+fn room(name: &str, spp: u32, pool: &gnurt::ThreadPool) -> Picture {
+    let mut scene = gnurt::load_scene(name).expect("a built-in scene").scene;
+    gnurt::defaults::complete(&mut scene, 1.0);
+    let mut world = World::new();
+    world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), pool).expect("a sound scene");
+    let camera = PerspectiveCamera::new(&scene.cameras()[0]).expect("a view");
+    let options = RenderOptions {
+        width: 64,
+        height: 64,
+        spp,
+        seed: u64::from(spp),
+        integrator: Integrator::Path,
+        max_depth: 5,
+        aovs: true,
+        ..RenderOptions::default()
+    };
+    render(&world, &camera, &options, pool, &Silent).expect("sound options").picture
+}
+
+#[test]
+fn denoised_pictures_are_nearer_to_the_truth() {
+    let pool = gnurt::thread_pool(2).expect("threads");
+    let mut truth = room("builtin:cornell", 512, &pool);
+    truth.layers.clear();
+    let noisy = room("builtin:cornell", 8, &pool);
+    let error = |picture: &Picture| compare(picture, &truth).expect("equal sizes").rel_mse;
+    let mut clean = noisy.clone();
+    let options = Options { method: Method::BuiltIn, ..Options::default() };
+    denoise(&mut clean, &options, &pool).expect("the layers are there");
+    let (before, after) = (error(&noisy), error(&clean));
+    eprintln!("relMSE {before} became {after}");
+    assert!(after < before / 5.0, "relMSE {before} became {after}");
+    let mean = |picture: &Picture| picture.color.iter().map(|p| f64::from(p[0] + p[1] + p[2])).sum::<f64>();
+    let shift = mean(&clean) / mean(&noisy) - 1.0;
+    assert!(shift.abs() < 0.01, "the mean moves by {shift}");
+}
