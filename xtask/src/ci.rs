@@ -15,12 +15,28 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     command::run(command::cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     let doc = ["doc", "--workspace", "--no-deps"];
     command::run(command::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))?;
+    for target in OTHER_MACHINES {
+        check_for(target)?;
+    }
 
     let promises = readme::promises()?;
     run_words(&promises.test)?;
     first_command(&promises)?;
     eprintln!("all checks passed");
     Ok(())
+}
+
+/// What the libraries must compile for, beside the machine that this runs on.
+const OTHER_MACHINES: [&str; 2] = ["aarch64-unknown-linux-gnu", "wasm32-unknown-unknown"];
+
+/// Checks the libraries for another machine, if its standard library is installed.
+fn check_for(target: &str) -> Result<(), Failure> {
+    if !command::has_target(target) {
+        eprintln!("SKIPPED: the check for {target}; `rustup target add {target}` installs what it needs");
+        return Ok(());
+    }
+    // Its dependencies are all the libraries that know no window, file lock or signal.
+    command::run(command::cargo().args(["check", "-p", "gnurt", "--target", target]))
 }
 
 /// Runs the README's first command and looks for its picture.

@@ -30,3 +30,10 @@ pub(crate) fn run(command: &mut Command) -> Result<(), Failure> {
         Err(error) => Err(format!("'{line}' cannot be run: {error}")),
     }
 }
+
+/// Whether the standard library of another machine is installed.
+pub(crate) fn has_target(target: &str) -> bool {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(rustc).args(["--print", "target-libdir", "--target", target]).output();
+    output.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
+}
