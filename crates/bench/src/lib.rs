@@ -20,6 +20,8 @@ mod ffi_embree;
 #[allow(unsafe_code, reason = "a call of the C library's allocator")]
 mod ffi_malloc;
 mod job;
+pub mod light;
+pub mod light_plot;
 mod memory;
 mod own;
 pub mod paper;

@@ -13,7 +13,7 @@ use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShad
 use crate::cone::Cone;
 use crate::cost::TileCosts;
 use crate::many_lights::PassLights;
-use crate::options::RenderOptions;
+use crate::options::{Integrator, RenderOptions};
 use crate::pixel_trace::Log;
 use crate::stats::RenderStats;
 use crate::world::{HitLanes, World};
@@ -168,7 +168,12 @@ impl<'w> BatchTracer<'w> {
                 (RayBatch::default(), Vec::new(), Vec::new());
             self.for_each_surface(from, |tracer, shader, lanes, points| {
                 let mut through = Vec3s::splat(lanes.len(), Vec3::ZERO);
-                if !shader.is_opaque() && layer < MOST_LAYERS {
+                if layer >= MOST_LAYERS {
+                } else if tracer.scatters() {
+                    if !shader.is_solid() {
+                        shader.gaps(tracer, points, &mut through);
+                    }
+                } else if !shader.is_opaque() {
                     shader.transmit(tracer, points, &mut through);
                 }
                 for (k, &lane) in lanes.iter().enumerate() {
@@ -187,6 +192,12 @@ impl<'w> BatchTracer<'w> {
                 return;
             }
         }
+    }
+
+    /// Whether the integrator finds light through glass by scattered rays.
+    fn scatters(&self) -> bool {
+        let integrator = self.options.integrator;
+        integrator == Integrator::Path || integrator.has_virtual_lights()
     }
 
     fn note_costs(&mut self, keys: &[SampleKey]) {
@@ -223,7 +234,9 @@ impl Tracer for BatchTracer<'_> {
             return;
         }
         self.stats.shadow_rays += request.rays.len() as u64;
-        if self.world.shading().all_opaque {
+        let shading = self.world.shading();
+        let all_stop = if self.scatters() { shading.all_solid } else { shading.all_opaque };
+        if all_stop {
             self.occluded_by_opaque(request, transmittance);
         } else {
             self.occluded_by_layers(request, transmittance);

@@ -151,6 +151,39 @@ fn edges_are_counted_alike() {
     }
 }
 
+/// Glass that bends nothing is one edge more, and nothing else: what passes it is found by scattered rays, and only by
+/// them.
+#[test]
+fn light_through_glass_counts_once() {
+    let mut scene = gnurt_scene::builtin::load("cornell").expect("it is built in");
+    let clear = Surface::Dielectric { ior: 1.0001, reflectance: [1.0; 3], transmittance: [1.0; 3] };
+    let clear = scene.add_material(Material::of("clear", clear));
+    let (low, high) = bounds_of_lamp(&scene);
+    let below = low[1] - 0.02 * (high[0] - low[0]);
+    let corner = [2.0 * low[0] - high[0], below, 2.0 * low[2] - high[2]];
+    let edge = |k: usize| 3.0 * (high[k] - low[k]);
+    place(&mut scene, quad(corner, [edge(0), 0.0, 0.0], [0.0, 0.0, edge(2)], clear));
+    let (bare, glazed) = (cornell(), view(&scene, false));
+    let with = |integrator, max_depth, spp| RenderOptions { max_depth, ..by(integrator, spp, 32, None) };
+    let wanted = tiles(&bare, &with(Integrator::Path, 2, 16), 8);
+    for integrator in [Integrator::Path].into_iter().chain(WITH_VIRTUAL_LIGHTS) {
+        let found = tiles(&glazed, &with(integrator, 3, 96), 8);
+        assert_same(&found, &wanted, 0.02, &format!("{integrator} through glass"));
+    }
+}
+
+/// Corners of the box around all that shines.
+fn bounds_of_lamp(scene: &Scene) -> ([f32; 3], [f32; 3]) {
+    let shines = |mesh: &&std::sync::Arc<gnurt_scene::Mesh>| {
+        scene.materials()[mesh.material.0 as usize].emission != [0.0; 3]
+    };
+    let corners = || scene.meshes().iter().filter(shines).flat_map(|mesh| mesh.positions.iter());
+    let bound = |pick: fn(f32, f32) -> f32, from: f32| {
+        [0, 1, 2].map(|k| corners().fold(from, |bound, corner| pick(bound, corner[k])))
+    };
+    (bound(f32::min, f32::INFINITY), bound(f32::max, f32::NEG_INFINITY))
+}
+
 #[test]
 fn threads_do_not_show() {
     let view = cornell();

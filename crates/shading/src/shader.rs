@@ -36,6 +36,18 @@ pub trait SurfaceShader: Send + Sync {
         true
     }
 
+    /// Writes the share of light that passes without meeting the surface: holes. For integrators that scatter light
+    /// themselves: what glass lets through they find by scattered rays, and must not count here as well. `out` has
+    /// `hits.len()` lanes, all zero; called only if [`is_solid`](Self::is_solid) says no.
+    fn gaps(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        self.transmit(tracer, hits, out);
+    }
+
+    /// Whether it has no holes anywhere; smooth glass has none.
+    fn is_solid(&self) -> bool {
+        self.is_opaque()
+    }
+
     /// Writes the share of light that the surface scatters, for previews and denoisers; `out` has `hits.len()` lanes of
     /// mid-grey.
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -3,12 +3,15 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::{Args, Subcommand};
+use gnurt::render::Integrator;
 use gnurt_bench::Class;
 
 use super::value;
-use super::{MachineArguments, TalkArguments};
+use super::value::Resolution;
+use super::{MachineArguments, SurroundingsArguments, TalkArguments, ViewArguments};
 
 /// Arguments of `bench`.
 #[derive(Args, Debug)]
@@ -30,6 +33,9 @@ pub(crate) enum BenchCommand {
     /// Measure what tables 1 and 2 of the paper say of kd-trees, with its figures beside ours
     #[command(args_override_self = true)]
     Paper(BenchPaperArguments),
+    /// Measure how fast integrators come near the truth, in seconds of the processor
+    #[command(args_override_self = true)]
+    Light(BenchLightArguments),
 }
 
 impl BenchCommand {
@@ -38,6 +44,7 @@ impl BenchCommand {
             Self::Rays(arguments) => &arguments.talk,
             Self::Build(arguments) => &arguments.talk,
             Self::Paper(arguments) => &arguments.talk,
+            Self::Light(arguments) => &arguments.talk,
         }
     }
 
@@ -46,6 +53,7 @@ impl BenchCommand {
             Self::Rays(arguments) => Some(&arguments.machine),
             Self::Build(arguments) => Some(&arguments.machine),
             Self::Paper(_) => None,
+            Self::Light(arguments) => Some(&arguments.machine),
         }
     }
 }
@@ -125,6 +133,61 @@ pub(crate) struct BenchPaperArguments {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// Arguments of `bench light`.
+#[derive(Args, Debug)]
+pub(crate) struct BenchLightArguments {
+    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    #[arg(value_name = "SCENE", default_value = "builtin:slit")]
+    pub(crate) scene: OsString,
+    /// Integrators that are compared
+    #[arg(long = "integrator", value_name = "LIST", value_parser = value::integrator, value_delimiter = ',', default_value = "ir,bir,mir")]
+    pub(crate) integrators: Vec<Integrator>,
+    /// Size of the pictures in pixels
+    #[arg(short, long, value_name = "WxH", value_parser = value::resolution, allow_hyphen_values = true, default_value = "160x120")]
+    pub(crate) resolution: Resolution,
+    /// Seconds of all processors together for each picture
+    #[arg(long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true, default_value = "10s")]
+    pub(crate) time: Duration,
+    /// Pictures by each integrator, under other seeds
+    #[arg(long, value_name = "N", value_parser = value::rounds, allow_hyphen_values = true, default_value = "5")]
+    pub(crate) rounds: usize,
+    /// Samples per pixel of each of the two pictures by paths that stand for the truth
+    #[arg(long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true, default_value = "1024")]
+    pub(crate) truth_spp: u32,
+    /// Keep the two pictures here, the second with a 2 before its extension, and take them from there if they are there
+    #[arg(long, value_name = "FILE")]
+    pub(crate) truth: Option<PathBuf>,
+    /// Write the last picture of each integrator's first seed as FOLDER/NAME.exr
+    #[arg(long, value_name = "FOLDER")]
+    pub(crate) pictures: Option<PathBuf>,
+    /// How deep light is followed: edges of a path
+    #[arg(long, value_name = "N", value_parser = value::depth, allow_hyphen_values = true, default_value = "8")]
+    pub(crate) max_depth: u32,
+    /// Virtual lights of each sample per pixel, about
+    #[arg(long, value_name = "N", value_parser = value::virtual_lights, allow_hyphen_values = true, default_value = "1024")]
+    pub(crate) vpls: u32,
+    /// Largest geometry term, one over area, that virtual lights bring light over
+    #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
+    pub(crate) clamp: Option<f32>,
+    /// Make every material a Lambertian reflector of its base colour
+    #[arg(long)]
+    pub(crate) force_diffuse: bool,
+    /// Write all points as comma-separated values
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
+    /// Write errors over samples as curves
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) view: ViewArguments,
+    #[command(flatten)]
+    pub(crate) surroundings: SurroundingsArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

@@ -17,7 +17,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 pub(crate) use bench::{
-    BenchArguments, BenchBuildArguments, BenchCommand, BenchPaperArguments, BenchRaysArguments,
+    BenchArguments, BenchBuildArguments, BenchCommand, BenchLightArguments, BenchPaperArguments,
+    BenchRaysArguments,
 };
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};

@@ -9,6 +9,7 @@ use gnurt::image;
 use gnurt_bench::rays::News;
 use gnurt_bench::{Class, EmbreeLibrary, Error, Filter, Subject, builds, paper, plot, rays, table, to_json};
 
+use super::bench_light;
 use crate::arguments::{
     BenchArguments, BenchBuildArguments, BenchCommand, BenchPaperArguments, BenchRaysArguments,
 };
@@ -27,6 +28,7 @@ pub(crate) fn run(arguments: &BenchArguments, environment: &Environment, message
         BenchCommand::Rays(arguments) => measure_rays(arguments, environment, messages),
         BenchCommand::Build(arguments) => measure_builds(arguments, environment, messages),
         BenchCommand::Paper(arguments) => measure_paper(arguments, environment, messages),
+        BenchCommand::Light(arguments) => bench_light::run(arguments, environment, messages),
     }
 }
 
@@ -142,13 +144,13 @@ fn failure(error: Error) -> Failure {
     }
 }
 
-fn check_outputs(files: &[&Option<PathBuf>]) -> Outcome {
+pub(super) fn check_outputs(files: &[&Option<PathBuf>]) -> Outcome {
     files
         .iter()
         .filter_map(|file| file.as_deref())
         .try_for_each(|file| image::check_writable(file).map_err(Failure::data))
 }
 
-fn write(file: Option<&Path>, text: impl FnOnce() -> String) -> Outcome {
+pub(super) fn write(file: Option<&Path>, text: impl FnOnce() -> String) -> Outcome {
     file.map_or(Ok(()), |file| image::replace_file(file, text().as_bytes()).map_err(Failure::data))
 }

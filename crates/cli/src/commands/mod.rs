@@ -2,6 +2,7 @@
 //! The subcommands, one file each. Source: original. Each has `run`, which takes its arguments and says how it ended.
 
 pub(crate) mod bench;
+mod bench_light;
 pub(crate) mod convert;
 pub(crate) mod diff;
 pub(crate) mod info;

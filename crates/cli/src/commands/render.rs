@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
         messages,
     )?;
     let loaded = begin.elapsed();
-    let (world, report) = commit(&scene, &arguments.frame, level, &pool, messages)?;
+    let (world, report) = commit(&scene, arguments.frame.force_diffuse, level, &pool, messages)?;
 
     let options = options(arguments, &targets, level);
     let checkpoint = arguments.checkpoint.as_deref().map(|path| {
@@ -201,13 +201,13 @@ fn check_memory(arguments: &RenderArguments, targets: &Targets) -> Outcome {
 /// Builds the trees, and tells what had to be left out.
 pub(super) fn commit(
     scene: &Scene,
-    frame: &FrameArguments,
+    force_diffuse: bool,
     level: Level,
     pool: &ThreadPool,
     messages: Messages,
 ) -> Result<(World, CommitReport), Failure> {
     let mut world = World::new();
-    let options = CommitOptions { force_diffuse: frame.force_diffuse, level };
+    let options = CommitOptions { force_diffuse, level };
     let report = world.commit(scene, &ShaderTable::default(), &options, pool).map_err(Failure::data)?;
     if report.dropped_triangles > 0 {
         messages

@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
     let (_, rays) = view::choose(&mut scene, &arguments.view, &arguments.surroundings, resolution, messages)?;
-    let (world, _) = commit(&scene, &arguments.frame, level, &pool, messages)?;
+    let (world, _) = commit(&scene, arguments.frame.force_diffuse, level, &pool, messages)?;
     let options = frame_options(&arguments.frame, level);
     print(trace_pixel(&world, &rays, &options, pixel.x, pixel.y).map_err(Failure::usage)?)
 }

@@ -89,7 +89,7 @@ fn prepare(
         arguments.frame.resolution,
         messages,
     )?;
-    let (world, _) = commit(&scene, &arguments.frame, level, pool, messages)?;
+    let (world, _) = commit(&scene, arguments.frame.force_diffuse, level, pool, messages)?;
     Ok((Stage { scene, world, files }, camera))
 }
 

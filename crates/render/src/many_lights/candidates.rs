@@ -61,7 +61,7 @@ pub(super) fn candidates(
     let points: Vec<_> = light.iter().map(|v| v.vpl.point).collect();
     let seen = pilots.seen_from(tracer, &points);
     // What only covers a share of the light makes the densities of the reverse way unknown.
-    let both_ways = tracer.world.shading().all_opaque && !pilots.points.is_empty() && max_edges > 0;
+    let both_ways = tracer.world.shading().all_solid && !pilots.points.is_empty() && max_edges > 0;
     for (vertex, &seen) in light.iter().zip(&seen) {
         if !vertex.vpl.shines() {
             continue;

@@ -230,7 +230,7 @@ pub(crate) fn gather(
         }
         let rays = &request.rays;
         tracer.stats.shadow_rays += rays.t_far.iter().filter(|&&far| far > 0.0).count() as u64;
-        if tracer.world.shading().all_opaque {
+        if tracer.world.shading().all_solid {
             let cost_keys = if tracer.costs.is_some() { keys } else { &[] };
             tracer.occluded_batch(rays, &cost_keys_of(cost_keys, points, &lit_blocks), &mut blocked);
             let mut at = 0;

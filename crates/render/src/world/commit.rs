@@ -43,6 +43,7 @@ pub(super) fn commit(
     let lights =
         lights::lights(scene, &instances, shaders, options, [bounds.min, bounds.max].map(Vec3::from));
     let all_opaque = surfaces.iter().all(|surface| surface.is_opaque());
+    let all_solid = surfaces.iter().all(|surface| surface.is_solid());
     *world = World {
         objects: Arc::new(objects),
         instances: Arc::new(instances),
@@ -53,6 +54,7 @@ pub(super) fn commit(
             plugin_lights: lights.plugins,
             environment: lights.environment,
             all_opaque,
+            all_solid,
             parts: lights.parts,
             light_set: OnceLock::new(),
         }),

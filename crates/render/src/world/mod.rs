@@ -118,6 +118,8 @@ pub(crate) struct Shading {
     pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
     /// Whether no surface lets light straight through.
     pub(crate) all_opaque: bool,
+    /// Whether no surface has holes; one that lets light through by scattering it has none.
+    pub(crate) all_solid: bool,
     parts: LightParts,
     /// Built for the first integrator that wants it.
     light_set: OnceLock<LightSet>,

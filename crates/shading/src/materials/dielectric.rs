@@ -56,6 +56,10 @@ impl SurfaceShader for Dielectric {
         self.transmittance == Vec3::ZERO
     }
 
+    fn is_solid(&self) -> bool {
+        true
+    }
+
     fn albedo(&self, _hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..out.len()).for_each(|i| out.set(i, self.transmittance.max(self.reflectance)));
     }

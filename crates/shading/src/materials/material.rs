@@ -23,6 +23,15 @@ pub struct Material {
 }
 
 impl Material {
+    /// Adds what passes the holes to what the surface lets through.
+    fn open(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let Some(coverage) = &self.coverage else { return };
+        for i in 0..hits.len() {
+            let c = coverage.at_hit(hits, i);
+            out.set(i, out.get(i) * c + glam::Vec3::splat(1.0 - c));
+        }
+    }
+
     fn shade_solid(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         self.surface.shade(tracer, hits, out);
         let Some(emission) = &self.emission else { return };
@@ -72,11 +81,18 @@ impl SurfaceShader for Material {
         if !self.surface.is_opaque() {
             self.surface.transmit(tracer, hits, out);
         }
-        let Some(coverage) = &self.coverage else { return };
-        for i in 0..hits.len() {
-            let c = coverage.at_hit(hits, i);
-            out.set(i, out.get(i) * c + glam::Vec3::splat(1.0 - c));
+        self.open(hits, out);
+    }
+
+    fn gaps(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        if !self.surface.is_solid() {
+            self.surface.gaps(tracer, hits, out);
         }
+        self.open(hits, out);
+    }
+
+    fn is_solid(&self) -> bool {
+        self.coverage.is_none() && self.surface.is_solid()
     }
 
     fn is_opaque(&self) -> bool {

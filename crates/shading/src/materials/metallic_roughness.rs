@@ -148,6 +148,10 @@ impl SurfaceShader for MetallicRoughness {
         self.layers.transmission == 0.0 || self.roughness >= SMOOTH
     }
 
+    fn is_solid(&self) -> bool {
+        true
+    }
+
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, self.base_color.at_hit(hits, i)));
     }

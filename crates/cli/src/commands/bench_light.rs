@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt bench light`: errors of integrators over samples and time. Source: original; see `gnurt_bench::light`.
+//! Proof: `tests/program/bench.rs`.
+
+use std::path::Path;
+
+use gnurt::image::{self, WriteOptions};
+use gnurt::render::{PerspectiveCamera, RenderOptions, World};
+use gnurt_bench::light::{self, Truth};
+use gnurt_bench::light_plot;
+
+use super::bench::{check_outputs, write};
+use super::render::commit;
+use crate::arguments::BenchLightArguments;
+use crate::environment::Environment;
+use crate::failure::{Failure, Outcome};
+use crate::messages::{Messages, print};
+use crate::program::machine;
+use crate::source::Source;
+use crate::view;
+
+/// Measures.
+pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, messages: Messages) -> Outcome {
+    view::check(&arguments.view, &arguments.surroundings)?;
+    check_outputs(&[&arguments.csv, &arguments.svg, &arguments.truth])?;
+    let source = Source::find(&arguments.scene, environment)?;
+    let (pool, level) = machine(&arguments.machine, environment)?;
+    let mut scene = source.load(messages)?;
+    let (_, camera) =
+        view::choose(&mut scene, &arguments.view, &arguments.surroundings, arguments.resolution, messages)?;
+    let (world, _) = commit(&scene, arguments.force_diffuse, level, &pool, messages)?;
+    let picture = RenderOptions {
+        width: arguments.resolution.width,
+        height: arguments.resolution.height,
+        max_depth: arguments.max_depth,
+        vpls: arguments.vpls,
+        clamp: arguments.clamp,
+        level,
+        ..RenderOptions::default()
+    };
+    let truth = truth(arguments, &world, &camera, &picture, &pool, messages)?;
+    let seconds = arguments.time.as_secs_f64();
+    let options = light::Options {
+        integrators: arguments.integrators.clone(),
+        picture,
+        seconds,
+        seeds: arguments.rounds as u64,
+    };
+    let mut kept = Ok(());
+    let mut keep = |point: &light::Point, picture: &image::Picture| {
+        messages.detail(format_args!(
+            "{} {}: {} samples, {:.2} s, relMSE {:.6}, mean {:+.4}",
+            point.integrator, point.seed, point.samples, point.seconds, point.rel_mse, point.mean_error
+        ));
+        if let Some(folder) = arguments.pictures.as_deref().filter(|_| point.seed == 0 && kept.is_ok()) {
+            let file = folder.join(format!("{}.exr", point.integrator));
+            kept = image::write(picture, &file, &WriteOptions::default()).map_err(Failure::data);
+        }
+    };
+    let points = light::run(&world, &camera, &options, &truth, &pool, &mut keep).map_err(Failure::usage)?;
+    kept?;
+    let name = source.stem();
+    write(arguments.csv.as_deref(), || light::csv(&name, &points))?;
+    write(arguments.svg.as_deref(), || light_plot::svg(&name, &points))?;
+    messages.detail(format_args!("the means of both truths are {:.3} % apart", 100.0 * truth.doubt()));
+    print(light::table(&light::summaries(&points, seconds)).trim_end())
+}
+
+/// The truth: from files if they are there, else rendered, and kept if a file is named.
+fn truth(
+    arguments: &BenchLightArguments,
+    world: &World,
+    camera: &PerspectiveCamera,
+    options: &RenderOptions,
+    pool: &gnurt::ThreadPool,
+    messages: Messages,
+) -> Result<Truth, Failure> {
+    let files = arguments.truth.as_deref().map(|first| [first.to_owned(), second(first)]);
+    if let Some([first, second]) = files.as_ref().filter(|files| files.iter().all(|file| file.exists())) {
+        let read = |file: &Path| image::read(file).map_err(Failure::data);
+        let pictures = [read(first)?, read(second)?];
+        let fits = pictures.iter().all(|p| (p.width, p.height) == (options.width, options.height));
+        let no_truth = || {
+            let (file, size) = (first.display(), arguments.resolution);
+            Failure::data(format_args!(
+                "{file}: both pictures of the truth must be {size}, as --resolution says"
+            ))
+        };
+        return Truth::new(pictures).filter(|_| fits).ok_or_else(no_truth);
+    }
+    messages.detail(format_args!("two pictures by paths, {} samples per pixel each", arguments.truth_spp));
+    let truth = Truth::by_paths(world, camera, options, arguments.truth_spp, pool).map_err(Failure::usage)?;
+    for (file, picture) in files.iter().flatten().zip(truth.pictures()) {
+        image::write(picture, file, &WriteOptions::default()).map_err(Failure::data)?;
+    }
+    Ok(truth)
+}
+
+/// The name of the second picture.
+fn second(first: &Path) -> std::path::PathBuf {
+    let mut name = first.file_stem().unwrap_or_default().to_owned();
+    name.push("2");
+    first.with_file_name(name).with_extension(first.extension().unwrap_or_default())
+}
