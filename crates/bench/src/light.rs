@@ -298,12 +298,8 @@ mod tests {
     fn picture(value: f32, noisy: f32, seed: u32) -> Picture {
         let mut picture = Picture::new(64, 64);
         for (i, pixel) in picture.color.iter_mut().enumerate() {
-            *pixel = [value + noisy * noise(i as u32 + seed * 100_000); 3]
-                .into_iter()
-                .chain([1.0])
-                .collect::<Vec<_>>()[..]
-                .try_into()
-                .expect("four");
+            let grey = value + noisy * noise(i as u32 + seed * 100_000);
+            *pixel = [grey, grey, grey, 1.0];
         }
         picture
     }

@@ -15,6 +15,9 @@ const LEFT: f64 = 60.0;
 const TOP: f64 = 50.0;
 const STEP: f64 = SIDE + 90.0;
 
+/// What of a point is shown.
+type Value = fn(&Point) -> f64;
+
 /// Colours that the colour-blind can tell apart.
 fn color(integrator: Integrator) -> &'static str {
     match integrator {
@@ -26,7 +29,7 @@ fn color(integrator: Integrator) -> &'static str {
 }
 
 /// Root of the mean square over seeds, by samples, for what all seeds have.
-fn curve(points: &[Point], integrator: Integrator, value: fn(&Point) -> f64) -> Vec<(f64, f64)> {
+fn curve(points: &[Point], integrator: Integrator, value: Value) -> Vec<(f64, f64)> {
     let own: Vec<&Point> =
         points.iter().filter(|p| p.integrator == integrator && p.samples.is_power_of_two()).collect();
     let most = own.iter().filter(|p| p.samples == 1).count();
@@ -50,7 +53,7 @@ pub fn svg(scene: &str, points: &[Point]) -> String {
             integrators.push(i);
         }
     });
-    let values: [(&str, fn(&Point) -> f64); 2] = [
+    let values: [(&str, Value); 2] = [
         ("root of relMSE", |p| p.rel_mse.max(0.0).sqrt()),
         ("error of the picture's mean", |p| p.mean_error),
     ];
