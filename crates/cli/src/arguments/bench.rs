@@ -35,7 +35,7 @@ pub(crate) enum BenchCommand {
     Paper(BenchPaperArguments),
     /// Measure how fast integrators come near the truth, in seconds of the processor
     #[command(args_override_self = true)]
-    Light(BenchLightArguments),
+    Light(Box<BenchLightArguments>),
 }
 
 impl BenchCommand {
