@@ -14,13 +14,14 @@ use rayon::prelude::*;
 
 use crate::aov;
 use crate::error::RenderError;
-use crate::film::TileFilm;
+use crate::film::{self, TileFilm};
 use crate::frame::Frame;
 use crate::many_lights::PassLights;
 use crate::options::RenderOptions;
 use crate::progress::Progress;
 use crate::stats::RenderStats;
 use crate::tile::Job;
+use crate::tracer::BatchTracer;
 use crate::world::World;
 
 /// Samples taken so far of a picture of one world and one camera.
@@ -122,8 +123,9 @@ impl Accumulation {
             if let Some(pass) = &job.pass {
                 self.stats.add(&pass.stats);
             }
+            let render = |tracer: &mut BatchTracer, tile| job.render_tile(tile, tracer, done);
             let of_tiles: Vec<RenderStats> =
-                pool.install(|| self.tiles.par_iter_mut().map(|tile| job.render_tile(tile, done)).collect());
+                pool.install(|| self.tiles.par_iter_mut().map_init(|| job.tracer(), render).collect());
             of_tiles.iter().for_each(|tile| self.stats.add(tile));
         }
         self.stats.spp_min = self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
@@ -202,10 +204,15 @@ impl Accumulation {
         pool.install(|| {
             bands.into_par_iter().for_each(|(tiles, band)| {
                 for tile in tiles {
-                    let top = tile.rect[1];
-                    for (i, [x, y]) in tile.pixels().enumerate() {
-                        if let Some(pixel) = band.get_mut((y - top) as usize * width + x as usize) {
-                            *pixel = tile.mean(i);
+                    let (top, mut begin) = (tile.rect[1], 0);
+                    for [x0, y0, x1, y1] in film::blocks(tile.rect) {
+                        for y in y0..y1 {
+                            let row = (y - top) as usize * width;
+                            let end = (row + x1 as usize).min(band.len());
+                            if let Some(row) = band.get_mut(row + x0 as usize..end) {
+                                tile.write_means(begin, row);
+                            }
+                            begin += (x1 - x0) as usize;
                         }
                     }
                 }
@@ -221,7 +228,9 @@ impl Accumulation {
             let mut costs = vec![0.0; width as usize * height as usize];
             for tile in &self.tiles {
                 let per_sample = 1.0 / f64::from(tile.samples.max(1));
-                for ([x, y], &cost) in tile.pixels().zip(&tile.costs) {
+                let [x0, y0, x1, y1] = tile.rect;
+                let pixels = (y0..y1).flat_map(|y| (x0..x1).map(move |x| [x, y]));
+                for ([x, y], &cost) in pixels.zip(&tile.costs) {
                     costs[y as usize * width as usize + x as usize] = (cost as f64 * per_sample) as f32;
                 }
             }

@@ -25,7 +25,7 @@ pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut 
         RenderOptions { seed: job.options.seed ^ PILOT, aovs: false, heatmap: false, ..job.options.clone() };
     let pilot = Job::new(job.world, job.camera, &options, job.progress);
     let mut tile = TileFilm::new(rect, false, true);
-    let mut tracer = BatchTracer::new(job.world, &options, None);
+    let mut tracer = BatchTracer::new(job.world, &options, false);
     let mut taken = FEWEST;
     let needed = loop {
         for sample in tile.samples..taken {
@@ -60,15 +60,18 @@ fn needed(tile: &TileFilm, noise: f32) -> u32 {
 mod tests {
     use super::*;
     use glam::Vec3;
+    use gnurt_accel::HitBatch;
+    use gnurt_shading::Vec3s;
 
     #[test]
     fn noise_falls_with_the_root() {
         let mut tile = TileFilm::new([0, 0, 2, 1], false, true);
         // Mean 1, variance 1 (with n - 1: 100 / 99).
         for i in 0..100 {
-            (0..2)
-                .for_each(|pixel| tile.add(pixel, Vec3::splat(f32::from(u8::from(i % 2 == 0)) * 2.0), true));
-            tile.samples += 1;
+            let radiance = Vec3s::splat(2, Vec3::splat(f32::from(u8::from(i % 2 == 0)) * 2.0));
+            let mut hits = HitBatch::default();
+            hits.reset(2);
+            tile.add_sample(&radiance, &hits);
         }
         let at = needed(&tile, 0.1);
         assert!((100..=102).contains(&at), "1 / 0.1² = {at}");

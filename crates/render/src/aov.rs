@@ -12,7 +12,7 @@ use gnurt_shading::Vec3s;
 use crate::checkpoint::{Words, word_f32, word_f64, word_u32};
 use crate::film::TileFilm;
 use crate::integrators::eyelight::MID_GREY;
-use crate::tracer::BatchTracer;
+use crate::tracer::{BatchTracer, Wanted};
 use crate::world::HitLanes;
 
 /// The layers of a tile.
@@ -54,7 +54,7 @@ impl TileAovs {
     /// Adds what a sample of each pixel hit. `forward` is the unit direction of view.
     pub(crate) fn add(&mut self, tracer: &mut BatchTracer, camera: HitLanes, sample: u32, forward: Vec3) {
         let world = tracer.world;
-        tracer.for_each_surface(camera, |_, shader, lanes, points| {
+        tracer.for_each_surface(camera, Wanted::Albedo, |_, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
             shader.albedo(points, &mut albedo);
             for (k, &lane) in lanes.iter().enumerate() {

@@ -4,7 +4,7 @@
 //! Proof: `tests::{corners_and_centre, degenerate_cameras_see_nothing}`.
 
 use glam::Vec3;
-use gnurt_accel::{Ray, RayBatch};
+use gnurt_accel::RayBatch;
 use gnurt_scene::Camera;
 use gnurt_shading::CameraShader;
 
@@ -54,10 +54,21 @@ impl PerspectiveCamera {
 impl CameraShader for PerspectiveCamera {
     fn rays(&self, xy: &[[f32; 2]], aspect: f32, out: &mut RayBatch) {
         let (right, up) = (self.right * (self.half_height * aspect), self.up * self.half_height);
-        out.extend(xy.iter().map(|[x, y]| {
+        let first = out.len();
+        let end = first + xy.len();
+        let [dx, dy, dz] = &mut out.dir;
+        [&mut *dx, &mut *dy, &mut *dz].into_iter().for_each(|array| array.resize(end, 0.0));
+        let places = dx[first..].iter_mut().zip(&mut dy[first..]).zip(&mut dz[first..]);
+        for (((dx, dy), dz), [x, y]) in places.zip(xy) {
             let dir = self.forward + right * (2.0 * x - 1.0) + up * (2.0 * y - 1.0);
-            Ray::new(self.eye.into(), dir.normalize().into())
-        }));
+            [*dx, *dy, *dz] = dir.normalize().into();
+        }
+        out.org.iter_mut().zip(self.eye.to_array()).for_each(|(array, x)| array.resize(end, x));
+        out.t_near.resize(end, 0.0);
+        out.t_far.resize(end, f32::INFINITY);
+        if !out.mask.is_empty() {
+            out.mask.resize(end, u32::MAX);
+        }
     }
 }
 

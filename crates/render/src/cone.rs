@@ -47,7 +47,8 @@ impl Cone {
             |lane: u32| if points.depth == 0 { Some(self.width) } else { begin.get(lane as usize).copied() };
         let widths =
             lanes.iter().zip(&points.t).map(|(&lane, t)| from(lane).unwrap_or(0.0) + self.spread * t);
-        points.footprint = widths.collect();
+        points.footprint.clear();
+        points.footprint.extend(widths);
     }
 }
 

@@ -5,6 +5,8 @@
 //! Proof: crates/render/tests/{determinism,accumulation}.rs.
 
 use glam::Vec3;
+use gnurt_accel::{HitBatch, INVALID_ID};
+use gnurt_shading::Vec3s;
 
 use crate::aov::TileAovs;
 use crate::checkpoint::{Words, word_f64, word_u32};
@@ -15,7 +17,10 @@ use crate::options::RenderOptions;
 pub(crate) struct TileFilm {
     /// Left, upper, right and lower edge in pixels; the latter two exclusive.
     pub(crate) rect: [u32; 4],
-    /// Red, green, blue and opacity, summed over samples, row by row.
+    /// Red, green, blue and opacity of the first sample, in the order of [`pixels`](Self::pixels): what most frames of
+    /// a moving camera end with.
+    pub(crate) first: Vec<[f32; 4]>,
+    /// The same summed over samples, from the second one on; empty before.
     pub(crate) sums: Vec<[f64; 4]>,
     /// Samples of each pixel so far.
     pub(crate) samples: u32,
@@ -30,7 +35,9 @@ pub(crate) struct TileFilm {
 }
 
 /// Tiles are square, this many pixels wide, and lie on a grid from the picture's upper left corner.
-pub(crate) const TILE: u32 = 16;
+const TILE: u32 = 16;
+/// So are blocks within a tile: their 64 pixels follow each other, so that rays traced together are a narrow bundle.
+const BLOCK: u32 = 8;
 
 impl TileFilm {
     /// The parts of the tile grid that lie in a region.
@@ -43,7 +50,7 @@ impl TileFilm {
             .map(|rect| {
                 let mut tile = Self::new(rect, options.aovs, options.aovs);
                 if options.heatmap {
-                    tile.costs = vec![0; tile.sums.len()];
+                    tile.costs = vec![0; tile.first.len()];
                 }
                 tile
             })
@@ -52,41 +59,57 @@ impl TileFilm {
 
     pub(crate) fn new(rect: [u32; 4], aovs: bool, squares: bool) -> Self {
         let pixels = ((rect[2] - rect[0]) * (rect[3] - rect[1])) as usize;
-        let sums = vec![[0.0; 4]; pixels];
+        let first = vec![[0.0; 4]; pixels];
         let squares = if squares { vec![[0.0; 3]; pixels] } else { Vec::new() };
         let aovs = aovs.then(|| TileAovs::new(pixels));
-        Self { rect, sums, samples: 0, aovs, costs: Vec::new(), squares, target: 0 }
+        Self { rect, first, sums: Vec::new(), samples: 0, aovs, costs: Vec::new(), squares, target: 0 }
     }
 
-    /// Forgets all samples; keeps the memory.
+    /// Forgets all samples; keeps the memory. The first sample will overwrite what is there.
     pub(crate) fn clear(&mut self) {
-        self.sums.fill([0.0; 4]);
-        self.squares.fill([0.0; 3]);
+        self.sums.clear();
         (self.samples, self.target) = (0, 0);
         self.costs.fill(0);
         if let Some(aovs) = &mut self.aovs {
-            *aovs = TileAovs::new(self.sums.len());
+            *aovs = TileAovs::new(self.first.len());
         }
     }
 
-    /// Columns and rows of its pixels, row by row.
+    /// Columns and rows of its pixels, block by block, each row by row.
     pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
-        let [x0, y0, x1, y1] = self.rect;
-        (y0..y1).flat_map(move |y| (x0..x1).map(move |x| [x, y]))
+        let rows = |[x0, y0, x1, y1]: [u32; 4]| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| [x, y]));
+        blocks(self.rect).flat_map(rows)
     }
 
-    /// Adds one sample to a pixel.
-    pub(crate) fn add(&mut self, i: usize, radiance: Vec3, hit: bool) {
-        let sum = &mut self.sums[i];
-        for k in 0..3 {
-            sum[k] += f64::from(radiance[k]);
+    /// Adds one sample to each pixel; returns how many of them were no numbers, and count as black.
+    pub(crate) fn add_sample(&mut self, radiance: &Vec3s, hits: &HitBatch) -> u64 {
+        let mut bad = 0;
+        let lanes = radiance.x.iter().zip(&radiance.y).zip(&radiance.z).zip(&hits.prim_id);
+        let samples = lanes.map(|(((&x, &y), &z), &prim_id)| {
+            let good = Vec3::new(x, y, z).is_finite();
+            bad += u64::from(!good);
+            let opacity = f32::from(u8::from(prim_id != INVALID_ID));
+            // Negative zeros become positive, as in sums.
+            if good { [x + 0.0, y + 0.0, z + 0.0, opacity] } else { [0.0, 0.0, 0.0, opacity] }
+        });
+        let is_first = self.samples == 0;
+        if !is_first && self.sums.is_empty() {
+            self.sums.extend(self.first.iter().map(|first| first.map(f64::from)));
         }
-        sum[3] += f64::from(u8::from(hit));
-        if let Some(squares) = self.squares.get_mut(i) {
-            for k in 0..3 {
-                squares[k] += f64::from(radiance[k]) * f64::from(radiance[k]);
+        for (i, sample) in samples.enumerate() {
+            if is_first {
+                self.first[i] = sample;
+            } else {
+                let sum = &mut self.sums[i];
+                (0..4).for_each(|k| sum[k] += f64::from(sample[k]));
+            }
+            if let Some(squares) = self.squares.get_mut(i) {
+                let before = if is_first { [0.0; 3] } else { *squares };
+                *squares = [0, 1, 2].map(|k| before[k] + f64::from(sample[k]) * f64::from(sample[k]));
             }
         }
+        self.samples += 1;
+        bad
     }
 
     /// Samples that it shall get, where the options say `spp`.
@@ -107,16 +130,46 @@ impl TileFilm {
 
     /// The mean of a pixel; black and transparent without samples.
     pub(crate) fn mean(&self, i: usize) -> [f32; 4] {
-        let scale = 1.0 / f64::from(self.samples.max(1));
-        self.sums[i].map(|sum| (sum * scale) as f32)
+        let mut mean = [[0.0; 4]];
+        self.write_means(i, &mut mean);
+        mean[0]
     }
+
+    /// The means of pixels from `begin` on.
+    pub(crate) fn write_means(&self, begin: usize, out: &mut [[f32; 4]]) {
+        match self.samples {
+            0 => out.fill([0.0; 4]),
+            1 => out.iter_mut().zip(&self.first[begin..]).for_each(|(out, first)| *out = *first),
+            samples => {
+                let scale = 1.0 / f64::from(samples);
+                for (out, sum) in out.iter_mut().zip(&self.sums[begin..]) {
+                    *out = sum.map(|sum| (sum * scale) as f32);
+                }
+            }
+        }
+    }
+}
+
+/// The parts of a tile whose pixels follow each other.
+pub(crate) fn blocks([x0, y0, x1, y1]: [u32; 4]) -> impl Iterator<Item = [u32; 4]> {
+    let starts = |low: u32, high: u32| (low..high).step_by(BLOCK as usize);
+    starts(y0, y1)
+        .flat_map(move |y| starts(x0, x1).map(move |x| [x, y, (x + BLOCK).min(x1), (y + BLOCK).min(y1)]))
 }
 
 impl Words for TileFilm {
     fn words(&mut self, with: &mut dyn FnMut(&mut u64)) {
         word_u32(&mut self.samples, with);
         word_u32(&mut self.target, with);
-        self.sums.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
+        let mut sums = if self.samples > 1 && !self.sums.is_empty() {
+            std::mem::take(&mut self.sums)
+        } else {
+            self.first.iter().map(|first| first.map(f64::from)).collect()
+        };
+        sums.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
+        // One sample's values are floats, whoever wrote them.
+        self.first = sums.iter().map(|sum| sum.map(|x| x as f32)).collect();
+        self.sums = if self.samples > 1 { sums } else { Vec::new() };
         self.squares.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
         self.costs.iter_mut().for_each(&mut *with);
         if let Some(aovs) = &mut self.aovs {

@@ -56,10 +56,12 @@ pub fn trace_pixel(
     }
     let mut job = Job::new(world, camera, &options, &Silent);
     job.pass = PassLights::new(&job, 0);
-    let mut tracer = BatchTracer::new(world, &options, None);
+    let mut tracer = BatchTracer::new(world, &options, false);
     tracer.pass = job.pass.as_ref();
     tracer.log = Some(Log::default());
-    let CameraBatch { rays, keys } = job.camera_rays(std::iter::once([x, y]), 0);
+    let mut batch = CameraBatch::default();
+    job.camera_rays(std::iter::once([x, y]), 0, &mut batch);
+    let CameraBatch { rays, keys, .. } = batch;
     let hits = tracer.intersect(&rays, &keys, Coherence::Coherent);
     if let Some(log) = &mut tracer.log {
         log.rays(0, &rays, &hits);

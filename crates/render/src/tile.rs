@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, Ray, RayBatch};
+use gnurt_accel::{Coherence, HitBatch, Ray, RayBatch};
 use gnurt_image::Filter;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{CameraShader, SampleKey, Vec3s};
@@ -48,10 +48,15 @@ pub(crate) struct Job<'a> {
     lamps: OnceLock<Option<LampChoice>>,
 }
 
-/// Camera rays of one sample.
+/// Camera rays of one sample, and memory for what becomes of them.
+#[derive(Default)]
 pub(crate) struct CameraBatch {
     pub(crate) rays: RayBatch,
     pub(crate) keys: Vec<SampleKey>,
+    /// Where they go through the picture.
+    places: Vec<[f32; 2]>,
+    hits: HitBatch,
+    radiance: Vec3s,
 }
 
 impl<'a> Job<'a> {
@@ -84,8 +89,21 @@ impl<'a> Job<'a> {
         self.lamps.get_or_init(|| LampChoice::new(self, stats)).as_ref()
     }
 
+    /// What renders one tile after another.
+    pub(crate) fn tracer(&self) -> BatchTracer<'_> {
+        let mut tracer = BatchTracer::new(self.world, self.options, self.options.heatmap);
+        tracer.cone = self.cone;
+        tracer.pass = self.pass.as_ref();
+        tracer
+    }
+
     /// Brings a tile to `last` samples, or to fewer if it is time to stop.
-    pub(crate) fn render_tile(&self, tile: &mut TileFilm, last: u32) -> RenderStats {
+    pub(crate) fn render_tile(
+        &self,
+        tile: &mut TileFilm,
+        tracer: &mut BatchTracer,
+        last: u32,
+    ) -> RenderStats {
         let mut pilot = RenderStats::default();
         if let Some(noise) = self.options.noise.filter(|_| tile.target == 0) {
             if self.should_stop() {
@@ -94,16 +112,13 @@ impl<'a> Job<'a> {
             tile.target = samples_needed(self, tile.rect, noise, &mut pilot);
         }
         let last = last.min(tile.wanted(last));
-        let costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
-        let mut tracer = BatchTracer::new(self.world, self.options, costs);
-        tracer.cone = self.cone;
-        tracer.pass = self.pass.as_ref();
+        tracer.costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
         // Samples are taken in order, so that a tile that was cut short in an earlier pass goes on where it was.
         for sample in tile.samples..last {
             if self.should_stop() {
                 break;
             }
-            self.render_sample(tile, &mut tracer, sample);
+            self.render_sample(tile, tracer, sample);
         }
         if let Some(costs) = tracer.costs.take() {
             tile.costs.resize(costs.costs.len(), 0);
@@ -117,31 +132,35 @@ impl<'a> Job<'a> {
     }
 
     pub(crate) fn render_sample(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, sample: u32) {
-        let CameraBatch { rays, keys } = self.camera_rays(tile.pixels(), sample);
-        let hits = tracer.intersect(&rays, &keys, Coherence::Coherent);
+        let mut batch = std::mem::take(&mut tracer.camera);
+        self.camera_rays(tile.pixels(), sample, &mut batch);
+        let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
+        tracer.intersect_into(rays, keys, Coherence::Coherent, hits);
         let epsilon = self.options.ray_epsilon;
-        let camera = HitLanes { rays: &rays, keys: &keys, hits: &hits, depth: 0, epsilon };
-        let mut radiance = Vec3s::default();
-        integrators::radiance(self.options.integrator, tracer, camera, &mut radiance);
+        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon };
+        integrators::radiance(self.options.integrator, tracer, camera, radiance);
         if let Some(aovs) = &mut tile.aovs {
             aovs.add(tracer, camera, sample, self.forward);
         }
-        for i in 0..rays.len() {
-            let seen = radiance.get(i);
-            let good = seen.is_finite();
-            tracer.stats.bad_samples += u64::from(!good);
-            tile.add(i, if good { seen } else { Vec3::ZERO }, hits.get(i).is_some());
-        }
-        tile.samples += 1;
+        tracer.stats.bad_samples += tile.add_sample(radiance, hits);
         tracer.stats.camera_rays += rays.len() as u64;
         tracer.stats.samples += rays.len() as u64;
+        tracer.camera = batch;
     }
 
     /// One ray through each pixel, at its centre or placed by the filter.
-    pub(crate) fn camera_rays(&self, pixels: impl Iterator<Item = [u32; 2]>, sample: u32) -> CameraBatch {
+    pub(crate) fn camera_rays(
+        &self,
+        pixels: impl Iterator<Item = [u32; 2]>,
+        sample: u32,
+        batch: &mut CameraBatch,
+    ) {
         let (width, height) = (self.options.width, self.options.height);
-        let count = pixels.size_hint().0;
-        let (mut keys, mut places) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let CameraBatch { rays, keys, places, .. } = batch;
+        rays.clear();
+        keys.clear();
+        places.clear();
+        let mut row = (u32::MAX, 0.0);
         for [x, y] in pixels {
             let key = SampleKey { pixel: y * width + x, sample, branch: 0 };
             let [dx, dy] = if self.options.pixel_centres {
@@ -150,17 +169,17 @@ impl<'a> Job<'a> {
                 self.filter.sample(sample_pair(self.options.seed, key, 0, purpose::PIXEL))
             };
             let across = (f64::from(x) + 0.5 + f64::from(dx)) / f64::from(width);
-            let down = (f64::from(y) + 0.5 + f64::from(dy)) / f64::from(height);
-            places.push([across as f32, (1.0 - down) as f32]);
+            if row.0 != y || !self.options.pixel_centres {
+                row = (y, 1.0 - (f64::from(y) + 0.5 + f64::from(dy)) / f64::from(height));
+            }
+            places.push([across as f32, row.1 as f32]);
             keys.push(key);
         }
-        let mut rays = RayBatch::with_capacity(keys.len());
-        self.camera.rays(&places, width as f32 / height as f32, &mut rays);
+        self.camera.rays(places, width as f32 / height as f32, rays);
         // A camera that gives too few rays leaves the rest dark: a ray without direction hits nothing.
         while rays.len() < keys.len() {
             rays.push(Ray::new([0.0; 3], [0.0; 3]));
         }
-        CameraBatch { rays, keys }
     }
 
     /// Whether to finish now; once yes, always yes.

@@ -8,7 +8,7 @@
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Query, RayBatch, Record};
 use gnurt_shading::sampling::{purpose, sample_pair};
-use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_shading::{Detail, LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 use crate::cone::Cone;
 use crate::cost::TileCosts;
@@ -16,12 +16,13 @@ use crate::many_lights::PassLights;
 use crate::options::{Integrator, RenderOptions};
 use crate::pixel_trace::Log;
 use crate::stats::RenderStats;
+use crate::tile::CameraBatch;
 use crate::world::{HitLanes, World};
 
 /// See-through surfaces that a shadow ray may pass; behind more it is dark.
 const MOST_LAYERS: usize = 256;
 
-/// Traces for one tile.
+/// Traces for one tile at a time.
 pub(crate) struct BatchTracer<'w> {
     pub(crate) world: &'w World,
     pub(crate) options: &'w RenderOptions,
@@ -37,21 +38,48 @@ pub(crate) struct BatchTracer<'w> {
     /// How wide the rays that are shaded next began; empty if nobody knows.
     widths: Vec<f32>,
     record: Record,
+    /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
+    spare: Vec<Group>,
+    /// Memory of the camera rays, likewise.
+    pub(crate) camera: CameraBatch,
+}
+
+/// What the points of a batch are looked at for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wanted {
+    /// All that shaders can do.
+    Light,
+    /// Base colours, places and normals.
+    Albedo,
+    /// Places and normals.
+    Normals,
+}
+
+/// Memory of a batch of points.
+#[derive(Default)]
+struct Group {
+    /// Lanes that hit something, in order of materials: material in the upper half, lane in the lower one.
+    order: Vec<u64>,
+    lanes: Vec<u32>,
+    points: SurfaceBatch,
 }
 
 impl<'w> BatchTracer<'w> {
-    pub(crate) fn new(world: &'w World, options: &'w RenderOptions, costs: Option<TileCosts>) -> Self {
-        let record = if costs.is_some() { Record::with_costs() } else { Record::default() };
+    /// A tracer that can note the cost of each ray, or not.
+    pub(crate) fn new(world: &'w World, options: &'w RenderOptions, costs: bool) -> Self {
+        let record = if costs { Record::with_costs() } else { Record::default() };
         Self {
             world,
             options,
             stats: RenderStats::default(),
-            costs,
+            costs: None,
             log: None,
             pass: None,
             cone: Cone::default(),
             widths: Vec::new(),
             record,
+            spare: Vec::new(),
+            camera: CameraBatch::default(),
         }
     }
 
@@ -70,40 +98,58 @@ impl<'w> BatchTracer<'w> {
         keys: &[SampleKey],
         coherence: Coherence,
     ) -> HitBatch {
-        let query = Query { level: self.options.level, coherence, ..Query::default() };
         let mut hits = HitBatch::default();
-        self.world.tree().intersect_batch(&query, rays, &mut hits, &mut self.record);
-        self.note_costs(keys);
+        self.intersect_into(rays, keys, coherence, &mut hits);
         hits
     }
 
-    /// Calls `with(tracer, material's shader, lanes, their points)` for each material that was hit.
+    /// As [`intersect`](Self::intersect), into memory that is there.
+    pub(crate) fn intersect_into(
+        &mut self,
+        rays: &RayBatch,
+        keys: &[SampleKey],
+        coherence: Coherence,
+        hits: &mut HitBatch,
+    ) {
+        let query = Query { level: self.options.level, coherence, ..Query::default() };
+        self.world.tree().intersect_batch(&query, rays, hits, &mut self.record);
+        self.note_costs(keys);
+    }
+
+    /// Calls `with(tracer, material's shader, lanes, their points)` for each material that was hit; the points are as the
+    /// shader's methods that are `wanted` need them.
     pub(crate) fn for_each_surface(
         &mut self,
         from: HitLanes,
+        wanted: Wanted,
         mut with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
     ) {
         let (world, widths) = (self.world, std::mem::take(&mut self.widths));
-        let mut lanes: Vec<(u32, u32)> = (0..from.hits.len())
-            .filter_map(|i| {
-                from.hits.get(i).map(|hit| (world.material_of(hit.inst_id, hit.geom_id), i as u32))
-            })
-            .collect();
-        lanes.sort_unstable();
-        for group in lanes.chunk_by(|a, b| a.0 == b.0) {
-            let shader = &*world.shading().surfaces[group[0].0 as usize];
-            let lanes: Vec<u32> = group.iter().map(|lane| lane.1).collect();
-            let mut points = world.surface_points(from, &lanes, shader.attributes());
-            self.cone.widen(&mut points, &lanes, &widths);
-            with(self, shader, &lanes, &points);
+        let mut group = self.spare.pop().unwrap_or_default();
+        let mut order = std::mem::take(&mut group.order);
+        world.sort_by_material(from.hits, &mut order);
+        for same in order.chunk_by(|a, b| a >> 32 == b >> 32) {
+            let shader = &*world.shading().surfaces[(same[0] >> 32) as usize];
+            let Group { lanes, points, .. } = &mut group;
+            lanes.clear();
+            lanes.extend(same.iter().map(|&lane| lane as u32));
+            let detail = match wanted {
+                Wanted::Light => Detail::Full,
+                Wanted::Albedo => shader.albedo_detail(),
+                Wanted::Normals => Detail::Color,
+            };
+            world.surface_points(from, lanes, detail, shader.attributes(), points);
+            self.cone.widen(points, lanes, &widths);
+            with(self, shader, lanes, points);
         }
+        self.spare.push(Group { order, ..group });
     }
 
     /// Radiance against each ray, given what it hit.
     pub(crate) fn shade(&mut self, from: HitLanes, radiance: &mut Vec3s) {
         radiance.reset(from.rays.len(), Vec3::ZERO);
         self.shade_misses(from, radiance);
-        self.for_each_surface(from, |tracer, shader, lanes, points| {
+        self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
             if let Some(log) = &mut tracer.log {
                 log.surface(points);
             }
@@ -166,7 +212,7 @@ impl<'w> BatchTracer<'w> {
             };
             let (mut next_rays, mut next_keys, mut next_serves) =
                 (RayBatch::default(), Vec::new(), Vec::new());
-            self.for_each_surface(from, |tracer, shader, lanes, points| {
+            self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
                 let mut through = Vec3s::splat(lanes.len(), Vec3::ZERO);
                 if layer >= MOST_LAYERS {
                 } else if tracer.scatters() {

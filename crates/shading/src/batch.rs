@@ -47,12 +47,14 @@ impl Vec3s {
     }
 
     /// Lane `i`.
+    #[inline]
     #[must_use]
     pub fn get(&self, i: usize) -> Vec3 {
         Vec3::new(self.x[i], self.y[i], self.z[i])
     }
 
     /// Writes lane `i`.
+    #[inline]
     pub fn set(&mut self, i: usize, value: Vec3) {
         self.x[i] = value.x;
         self.y[i] = value.y;
@@ -65,10 +67,16 @@ impl Vec3s {
     }
 
     /// Appends a lane.
+    #[inline]
     pub fn push(&mut self, value: Vec3) {
         self.x.push(value.x);
         self.y.push(value.y);
         self.z.push(value.z);
+    }
+
+    /// Makes it `n` lanes of any value and keeps the memory: for those who will write all of them.
+    pub fn resize(&mut self, n: usize) {
+        [&mut self.x, &mut self.y, &mut self.z].into_iter().for_each(|array| array.resize(n, 0.0));
     }
 
     /// Makes it `n` lanes of `value` and keeps the memory.
@@ -98,6 +106,15 @@ impl SampleKey {
     pub fn fork(self, n: u32) -> Self {
         Self { branch: hash_combine(self.branch, n.wrapping_add(1)), ..self }
     }
+}
+
+/// How much of a batch is filled in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Detail {
+    /// All of it.
+    Full,
+    /// What base colours are made of: all but `error`, `lift` and `dp_du`, which are empty.
+    Color,
 }
 
 /// Surface points that share one shader, world space.
@@ -151,32 +168,22 @@ pub struct SurfaceBatch {
 }
 
 impl SurfaceBatch {
-    /// No lanes yet, but memory for `n`.
-    #[must_use]
-    pub fn with_capacity(n: usize) -> Self {
-        let [p, ng, ns, lift, ray_dir, dp_du, color] = [(); 7].map(|()| Vec3s::with_capacity(n));
-        let [error, t, u, v, s, r, alpha] = [(); 7].map(|()| Vec::with_capacity(n));
-        let [prim_id, geom_id, inst_id] = [(); 3].map(|()| Vec::with_capacity(n));
-        Self {
-            p,
-            error,
-            ng,
-            ns,
-            lift,
-            ray_dir,
-            t,
-            u,
-            v,
-            texcoord: [s, r],
-            dp_du,
-            color,
-            alpha,
-            prim_id,
-            geom_id,
-            inst_id,
-            key: Vec::with_capacity(n),
-            ..Self::default()
-        }
+    /// Makes it `n` lanes of any value and keeps the memory, for one who will write them. What `detail` leaves out becomes
+    /// empty, as do widths and attributes.
+    pub fn resize(&mut self, n: usize, detail: Detail) {
+        let Self { p, ng, ns, ray_dir, color, .. } = self;
+        [p, ng, ns, ray_dir, color].into_iter().for_each(|array| array.resize(n));
+        let Self { t, u, v, texcoord: [s, r], uv_per_length, alpha, .. } = self;
+        [t, u, v, s, r, uv_per_length, alpha].into_iter().for_each(|array| array.resize(n, 0.0));
+        [&mut self.prim_id, &mut self.geom_id, &mut self.inst_id]
+            .into_iter()
+            .for_each(|array| array.resize(n, 0));
+        self.key.resize(n, SampleKey::default());
+        let moving = if detail == Detail::Full { n } else { 0 };
+        self.error.resize(moving, 0.0);
+        [&mut self.lift, &mut self.dp_du].into_iter().for_each(|array| array.resize(moving));
+        self.footprint.clear();
+        self.attributes.clear();
     }
 
     /// Number of lanes.
@@ -192,6 +199,7 @@ impl SurfaceBatch {
     }
 
     /// Geometric normal of lane `i`, turned towards where the ray came from.
+    #[inline]
     #[must_use]
     pub fn facing_ng(&self, i: usize) -> Vec3 {
         let ng = self.ng.get(i);
@@ -199,6 +207,7 @@ impl SurfaceBatch {
     }
 
     /// Shading normal of lane `i`, turned to the side of [`facing_ng`](Self::facing_ng).
+    #[inline]
     #[must_use]
     pub fn facing_ns(&self, i: usize) -> Vec3 {
         let ns = self.ns.get(i);
@@ -207,6 +216,7 @@ impl SurfaceBatch {
 
     /// Width of what lane `i` stands for, in texture coordinates, along the direction in which it is longest; 0 where
     /// nobody knows.
+    #[inline]
     #[must_use]
     pub fn texture_width(&self, i: usize) -> f32 {
         let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
@@ -215,6 +225,7 @@ impl SurfaceBatch {
     }
 
     /// Whether the ray of lane `i` came from the side that the geometric normal points to.
+    #[inline]
     #[must_use]
     pub fn front(&self, i: usize) -> bool {
         self.ng.get(i).dot(self.ray_dir.get(i)) <= 0.0

@@ -14,7 +14,7 @@ pub mod sampling;
 pub mod shader;
 pub mod texture;
 
-pub use batch::{SampleKey, SurfaceBatch, Vec3s};
+pub use batch::{Detail, SampleKey, SurfaceBatch, Vec3s};
 pub use point::SurfacePoint;
 pub use shader::{
     AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, RayRequest, SurfaceShader,

@@ -6,7 +6,7 @@
 use glam::Vec3;
 use gnurt_accel::RayBatch;
 
-use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
+use crate::batch::{Detail, SampleKey, SurfaceBatch, Vec3s};
 use crate::bsdf::Scattering;
 
 /// A value that a shader wants for each hit from its mesh.
@@ -52,6 +52,11 @@ pub trait SurfaceShader: Send + Sync {
     /// mid-grey.
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         let _ = (hits, out);
+    }
+
+    /// What [`albedo`](Self::albedo) reads of a batch: those who only look at colours need not compute the rest.
+    fn albedo_detail(&self) -> Detail {
+        Detail::Full
     }
 
     /// Appends what light does at each point, `hits.len()` values, and says so. `false` = only [`shade`](Self::shade)

@@ -61,9 +61,15 @@ impl Table {
 
     #[inline]
     fn row(&self, curve: impl Fn(f32) -> f32, gain: f32, colors: &[[f32; 4]], out: &mut [u32]) {
-        for (out, color) in out.iter_mut().zip(colors) {
-            let [r, g, b] = [color[0], color[1], color[2]].map(|x| self.byte(curve(x * gain)));
-            *out = r << 16 | g << 8 | b;
+        let byte = |x: f32| self.byte(curve(x * gain));
+        let (mut last, mut pixel) = ([f32::NAN; 3], 0);
+        for (out, &[r, g, b, _]) in out.iter_mut().zip(colors) {
+            // Neighbours are often alike: what nothing is seen at, flat colours.
+            if last != [r, g, b] {
+                last = [r, g, b];
+                pixel = byte(r) << 16 | byte(g) << 8 | byte(b);
+            }
+            *out = pixel;
         }
     }
 }

@@ -43,7 +43,7 @@ pub(super) fn all_candidates(
     bound: Bound,
     stats: &mut RenderStats,
 ) -> (Pilots, u32, Vec<Vec<Candidate>>) {
-    let mut tracer = BatchTracer::new(job.world, job.options, None);
+    let mut tracer = BatchTracer::new(job.world, job.options, false);
     let pilots = Pilots::new(job, &mut tracer, sample, bound);
     stats.add(&tracer.take_stats());
     let paths = (job.options.vpls * PATHS_PER_LIGHT).max(64);

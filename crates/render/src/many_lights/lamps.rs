@@ -35,7 +35,7 @@ impl LampChoice {
         if job.world.light_set().len() <= FEW {
             return None;
         }
-        let mut tracer = BatchTracer::new(job.world, job.options, None);
+        let mut tracer = BatchTracer::new(job.world, job.options, false);
         let pilots = Pilots::new(job, &mut tracer, u32::MAX, bound_of(job.world, job.options));
         stats.add(&tracer.take_stats());
         let numbers = instant::numbers(job.options.seed, u32::MAX - 1);

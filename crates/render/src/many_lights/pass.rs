@@ -90,7 +90,7 @@ pub(super) fn in_chunks_of<T: Send>(
     of_chunk: impl Fn(&mut BatchTracer, std::ops::Range<u32>) -> T + Sync,
 ) -> Vec<T> {
     let one = |n: u32| {
-        let mut tracer = BatchTracer::new(job.world, job.options, None);
+        let mut tracer = BatchTracer::new(job.world, job.options, false);
         let result = of_chunk(&mut tracer, n * size..((n + 1) * size).min(count));
         (result, tracer.take_stats())
     };

@@ -7,7 +7,7 @@ use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, Scattering};
 use gnurt_shading::{SampleKey, SurfacePoint, Vec3s};
 
-use crate::tracer::BatchTracer;
+use crate::tracer::{BatchTracer, Wanted};
 use crate::world::HitLanes;
 
 /// A point of a path on a surface.
@@ -36,7 +36,7 @@ impl BatchTracer<'_> {
     pub(crate) fn vertices(&mut self, from: HitLanes) -> Vec<Option<Vertex>> {
         let mut vertices = vec![None; from.rays.len()];
         let mut scattering = Vec::new();
-        self.for_each_surface(from, |tracer, shader, lanes, points| {
+        self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
             if let Some(log) = &mut tracer.log {
                 log.surface(points);
             }

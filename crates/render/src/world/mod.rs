@@ -13,7 +13,7 @@ mod surface;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-use gnurt_accel::{Hit, ObjectTree, Ray, SceneTree};
+use gnurt_accel::{Hit, HitBatch, INVALID_ID, ObjectTree, Ray, SceneTree};
 use gnurt_scene::edit::Cursor;
 use gnurt_scene::{Mesh, Scene};
 use gnurt_shading::lights::{LightParts, LightSet};
@@ -207,6 +207,28 @@ impl World {
     /// The material of what was hit: its place among the surface shaders.
     pub(crate) fn material_of(&self, inst_id: u32, geom_id: u32) -> u32 {
         self.instance(inst_id).object.meshes[geom_id as usize].material.0
+    }
+
+    /// Writes the lanes that hit something in order of their materials: material in the upper half of each word, lane in
+    /// the lower one.
+    pub(crate) fn sort_by_material(&self, hits: &HitBatch, order: &mut Vec<u64>) {
+        order.clear();
+        let (mut last, mut material) = ([INVALID_ID; 2], 0);
+        let mut in_order = true;
+        for (lane, (&inst_id, &geom_id)) in hits.inst_id.iter().zip(&hits.geom_id).enumerate() {
+            if hits.prim_id[lane] == INVALID_ID {
+                continue;
+            }
+            if last != [inst_id, geom_id] {
+                let next = self.material_of(inst_id, geom_id);
+                in_order &= order.is_empty() || next >= material;
+                (last, material) = ([inst_id, geom_id], next);
+            }
+            order.push(u64::from(material) << 32 | lane as u64);
+        }
+        if !in_order {
+            order.sort_unstable();
+        }
     }
 
     /// The object that an instance shows.

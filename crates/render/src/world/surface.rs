@@ -6,9 +6,9 @@
 //! Proof: crates/render/tests/{offsets,terminator,appearance}.rs.
 
 use glam::{DVec3, Vec3};
-use gnurt_accel::{Hit, HitBatch, RayBatch};
+use gnurt_accel::{HitBatch, RayBatch};
 use gnurt_scene::{Attribute, Mesh, Rate};
-use gnurt_shading::{AttributeRequest, SampleKey, SurfaceBatch};
+use gnurt_shading::{AttributeRequest, Detail, SampleKey, SurfaceBatch};
 
 use super::{PlacedInstance, World};
 
@@ -28,69 +28,88 @@ pub(crate) struct HitLanes<'a> {
     pub(crate) epsilon: f32,
 }
 
+/// All that the points of one triangle have in common.
+struct Triangle<'w> {
+    /// Primitive, geometry and instance, as hits name them.
+    ids: [u32; 3],
+    instance: &'w PlacedInstance,
+    mesh: &'w Mesh,
+    corners: [usize; 3],
+    /// Object space.
+    positions: [Vec3; 3],
+    /// Unit, object space; `None` where it is flat.
+    normals: Option<[Vec3; 3]>,
+    ng: Vec3,
+    uv: [[f32; 2]; 3],
+    uv_per_length: f32,
+    /// What only points need that rays leave from.
+    more: Option<Surroundings>,
+}
+
+/// World space.
+struct Surroundings {
+    error: f32,
+    dp_du: Vec3,
+    corners: [Vec3; 3],
+    /// Unit normals of the corners, where it has any.
+    normals: [Vec3; 3],
+}
+
 impl World {
-    /// The points of some lanes, all of which hit something.
+    /// Writes the points of some lanes, all of which hit something: others panic.
     pub(crate) fn surface_points(
         &self,
         from: HitLanes,
         lanes: &[u32],
+        detail: Detail,
         attributes: &[AttributeRequest],
-    ) -> SurfaceBatch {
-        let mut points = SurfaceBatch { depth: from.depth, ..SurfaceBatch::with_capacity(lanes.len()) };
-        for &lane in lanes {
-            let hit = from.hits.get(lane as usize).expect("the lane hit something");
-            points.ray_dir.push(Vec3::from(from.rays.get(lane as usize).dir));
-            points.key.push(from.keys[lane as usize]);
-            points.t.push(hit.t);
-            self.push_point(&hit, from.epsilon, Vec3::from(from.rays.get(lane as usize).dir), &mut points);
+        points: &mut SurfaceBatch,
+    ) {
+        points.resize(lanes.len(), detail);
+        points.depth = from.depth;
+        let (hits, [x, y, z]) = (from.hits, &from.rays.dir);
+        let mut last: Option<Triangle> = None;
+        for (i, &lane) in lanes.iter().enumerate() {
+            let lane = lane as usize;
+            let (t, u, v) = (hits.t[lane], hits.u[lane], hits.v[lane]);
+            let ids = [hits.prim_id[lane], hits.geom_id[lane], hits.inst_id[lane]];
+            // Neighbours often hit the same triangle.
+            let triangle = match &last {
+                Some(triangle) if triangle.ids == ids => triangle,
+                _ => last.insert(self.triangle(ids, from.epsilon, detail)),
+            };
+            let ray_dir = Vec3::new(x[lane], y[lane], z[lane]);
+            points.ray_dir.set(i, ray_dir);
+            points.key[i] = from.keys[lane];
+            (points.t[i], points.u[i], points.v[i]) = (t, u, v);
+            (points.prim_id[i], points.geom_id[i], points.inst_id[i]) = (ids[0], ids[1], ids[2]);
+            triangle.write_point(i, [u, v], ray_dir, points);
         }
-        points.attributes = attributes.iter().map(|request| self.attribute(request, &points)).collect();
-        points
+        points.attributes = attributes.iter().map(|request| self.attribute(request, points)).collect();
     }
 
-    fn push_point(&self, hit: &Hit, epsilon: f32, ray_dir: Vec3, out: &mut SurfaceBatch) {
-        let instance = self.instance(hit.inst_id);
-        let mesh = &*instance.object.meshes[hit.geom_id as usize];
-        let corners = mesh.indices[hit.prim_id as usize].map(|i| i as usize);
-        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+    fn triangle(&self, ids: [u32; 3], epsilon: f32, detail: Detail) -> Triangle<'_> {
+        let [prim_id, geom_id, inst_id] = ids;
+        let instance = self.instance(inst_id);
+        let mesh = &*instance.object.meshes[geom_id as usize];
+        let corners = mesh.indices[prim_id as usize].map(|i| i as usize);
         let positions = corners.map(|i| Vec3::from(mesh.positions[i]));
-        let reach = positions[0].abs().max(positions[1].abs()).max(positions[2].abs());
-        let ng = geometric_normal(instance, &positions);
-
-        let p = instance.point(mix3(&positions, weights));
         let normals = self.vertex_normals(mesh, corners);
-
-        out.p.push(p);
-        out.error.push(ERROR_SCALE * instance.magnitude(reach) + epsilon);
-        out.ng.push(ng);
-        let ns = normals.and_then(|n| (instance.normals * mix3(&n, weights)).try_normalize());
-        out.ns.push(ns.unwrap_or(ng));
-        out.lift.push(match (normals, ns) {
-            (Some(normals), Some(ns)) => {
-                let corners = positions.map(|q| instance.point(q));
-                let seen_normals = normals.map(|n| {
-                    let n = (instance.normals * n).normalize_or_zero();
-                    // On the side that the ray comes from, as the facing shading normal is.
-                    let to_viewer = if ng.dot(ray_dir) <= 0.0 { ng } else { -ng };
-                    if ns.dot(to_viewer) < 0.0 { -n } else { n }
-                });
-                lift(p, &corners, &seen_normals, weights)
-            }
-            _ => Vec3::ZERO,
-        });
         let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
-        let texcoord = [0, 1].map(|k| (0..3).map(|c| weights[c] * uv[c][k]).sum::<f32>());
-        out.texcoord.iter_mut().zip(texcoord).for_each(|(array, value)| array.push(value));
-        out.uv_per_length.push(uv_per_length(&positions.map(|q| instance.point(q)), &uv));
-        out.dp_du.push(instance.linear * change_per_u(&positions, &uv));
-        let color = vertex_color(mesh, corners, weights);
-        out.color.push(Vec3::new(color[0], color[1], color[2]));
-        out.alpha.push(color[3]);
-        out.u.push(hit.u);
-        out.v.push(hit.v);
-        out.prim_id.push(hit.prim_id);
-        out.geom_id.push(hit.geom_id);
-        out.inst_id.push(hit.inst_id);
+        let in_world = || positions.map(|q| instance.point(q));
+        let more = (detail == Detail::Full).then(|| {
+            let reach = positions[0].abs().max(positions[1].abs()).max(positions[2].abs());
+            Surroundings {
+                error: ERROR_SCALE * instance.magnitude(reach) + epsilon,
+                dp_du: instance.linear * change_per_u(&positions, &uv),
+                corners: in_world(),
+                normals: normals.unwrap_or_default().map(|n| (instance.normals * n).normalize_or_zero()),
+            }
+        });
+        // Without coordinates nothing changes with them.
+        let uv_per_length = if mesh.texcoords.is_empty() { 0.0 } else { uv_per_length(&in_world(), &uv) };
+        let ng = geometric_normal(instance, &positions);
+        Triangle { ids, instance, mesh, corners, positions, normals, ng, uv, uv_per_length, more }
     }
 
     /// Unit, in the object; `None` where the triangle is flat.
@@ -122,6 +141,40 @@ impl World {
             }
         }
         values
+    }
+}
+
+impl Triangle<'_> {
+    /// Writes what follows from the place on the triangle.
+    #[inline]
+    fn write_point(&self, i: usize, [u, v]: [f32; 2], ray_dir: Vec3, out: &mut SurfaceBatch) {
+        let (instance, ng, weights) = (self.instance, self.ng, [1.0 - u - v, u, v]);
+        let p = instance.point(mix3(&self.positions, weights));
+        let ns = self.normals.and_then(|n| (instance.normals * mix3(&n, weights)).try_normalize());
+        out.p.set(i, p);
+        out.ng.set(i, ng);
+        out.ns.set(i, ns.unwrap_or(ng));
+        let texcoord = if self.mesh.texcoords.is_empty() {
+            [0.0; 2]
+        } else {
+            [0, 1].map(|k| (0..3).map(|c| weights[c] * self.uv[c][k]).sum::<f32>())
+        };
+        (out.texcoord[0][i], out.texcoord[1][i]) = (texcoord[0], texcoord[1]);
+        out.uv_per_length[i] = self.uv_per_length;
+        let color = vertex_color(self.mesh, self.corners, weights);
+        out.color.set(i, Vec3::new(color[0], color[1], color[2]));
+        out.alpha[i] = color[3];
+        if let Some(more) = &self.more {
+            out.error[i] = more.error;
+            out.dp_du.set(i, more.dp_du);
+            let lift = ns.map_or(Vec3::ZERO, |ns| {
+                // On the side that the ray comes from, as the facing shading normal is.
+                let to_viewer = if ng.dot(ray_dir) <= 0.0 { ng } else { -ng };
+                let seen = if ns.dot(to_viewer) < 0.0 { more.normals.map(|n| -n) } else { more.normals };
+                lift(p, &more.corners, &seen, weights)
+            });
+            out.lift.set(i, lift);
+        }
     }
 }
 

@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use crate::batch::{SurfaceBatch, Vec3s};
+use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{self, Lobe, Model, Scattering, fresnel};
 use crate::materials::whitted;
 use crate::shader::{SurfaceShader, Tracer};
@@ -62,5 +62,9 @@ impl SurfaceShader for Dielectric {
 
     fn albedo(&self, _hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..out.len()).for_each(|i| out.set(i, self.transmittance.max(self.reflectance)));
+    }
+
+    fn albedo_detail(&self) -> Detail {
+        Detail::Color
     }
 }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use crate::batch::{SurfaceBatch, Vec3s};
+use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::Scattering;
 use crate::materials::color::{Coverage, Emission};
 use crate::materials::whitted::branch;
@@ -117,6 +117,10 @@ impl SurfaceShader for Material {
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         self.surface.albedo(hits, out);
+    }
+
+    fn albedo_detail(&self) -> Detail {
+        self.surface.albedo_detail()
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

@@ -2,7 +2,7 @@
 //! Lambertian reflectors: alike from everywhere, on both sides.
 //! Source: [Lam60]; references/README point 2. Proof: crates/render/tests/lights.rs (closed forms, furnace).
 
-use crate::batch::{SurfaceBatch, Vec3s};
+use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{Model, Scattering};
 use crate::materials::color::TexturedColor;
 use crate::materials::whitted;
@@ -28,5 +28,9 @@ impl SurfaceShader for Matte {
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, self.albedo.at_hit(hits, i)));
+    }
+
+    fn albedo_detail(&self) -> Detail {
+        Detail::Color
     }
 }

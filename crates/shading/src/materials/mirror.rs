@@ -2,7 +2,7 @@
 //! Perfect mirrors, on both sides.
 //! Source: [Whi80]. Proof: crates/render/tests/mirrors.rs.
 
-use crate::batch::{SurfaceBatch, Vec3s};
+use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{Lobe, Model, Scattering};
 use crate::materials::color::TexturedColor;
 use crate::materials::whitted;
@@ -31,5 +31,9 @@ impl SurfaceShader for Mirror {
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, self.reflectance.at_hit(hits, i)));
+    }
+
+    fn albedo_detail(&self) -> Detail {
+        Detail::Color
     }
 }
