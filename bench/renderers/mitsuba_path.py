@@ -4,14 +4,15 @@
     python3 mitsuba_path.py SCENES REFERENCES GNURT [--variant llvm_ad_rgb] [--spp 64] [--threads 2] [SCENE ...]
 
 SCENES is the folder of unpacked scenes, REFERENCES that of the reference pictures, GNURT the program. Needs `pip install
-mitsuba numpy`, and for llvm variants a libLLVM (DRJIT_LIBLLVM_PATH). Times are those of rendering alone: neither reading,
-nor building trees, nor compiling kernels counts (Mitsuba renders once before it is timed). Both errors fall as one over
+mitsuba numpy`, and for llvm variants a libLLVM (DRJIT_LIBLLVM_PATH). Times are seconds of processors, over all threads, so
+that a busy machine may be used, and those of rendering alone: neither reading, nor building trees, nor compiling kernels
+counts (Mitsuba renders once before it is timed; of gnurt, the time of a run with one sample is taken off). Both errors fall as one over
 the samples, so error times seconds is what a renderer is worth, whatever the number of samples.
 Source: original.
 """
 import argparse
-import json
 import os
+import resource
 import subprocess
 import tempfile
 import time
@@ -93,18 +94,26 @@ def read_exr(path):
 
 def run_mitsuba(scene, spp):
     mi.render(scene, spp=spp, seed=1).numpy()  # compiles
-    start = time.perf_counter()
+    start = time.process_time()
     picture = mi.render(scene, spp=spp, seed=2).numpy().astype(np.float64)
-    return picture, time.perf_counter() - start
+    return picture, time.process_time() - start
 
 
 def run_gnurt(program, path, scene, spp, threads, folder):
     output = os.path.join(folder, "own.pfm")
-    words = [program, "render", path, *interiors.gnurt_arguments(scene), "--force-diffuse", "--integrator=path"]
-    words += ["--max-depth=9", f"--spp={spp}", f"-t={threads}", "--stats=json", "-q", "-o", output]
-    said = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
-    bitmap = np.array(mi.Bitmap(output)).astype(np.float64)[..., :3]
-    return bitmap, said["seconds"]["render"]
+
+    def run(spp):
+        words = [program, "render", path, *interiors.gnurt_arguments(scene), "--force-diffuse", "--integrator=path"]
+        words += ["--max-depth=9", f"--spp={spp}", f"-t={threads}", "-q", "-o", output]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(words, check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+    # What one sample costs holds all that is done once.
+    once, all_of_it = run(1), run(spp + 1)
+    picture = np.array(mi.Bitmap(output)).astype(np.float64)[..., :3]
+    return picture, (all_of_it - once) * (spp + 1) / spp
 
 
 def main():
@@ -118,7 +127,7 @@ def main():
     parser.add_argument("--threads", type=int, default=2)
     arguments = parser.parse_intermixed_args()
     mi.set_variant(arguments.variant)
-    print("| scene | renderer | spp | seconds | relMSE | trimmed | mean error % | relMSE x s | trimmed x s |")
+    print("| scene | renderer | spp | CPU seconds | relMSE | trimmed | mean error % | relMSE x s | trimmed x s |")
     print("|---|---|---|---|---|---|---|---|---|")
     for scene in arguments.only or interiors.CAMERAS:
         reference = read_exr(os.path.join(arguments.references, f"{scene}-path9.exr"))
