@@ -182,7 +182,12 @@ impl<'w> BatchTracer<'w> {
 
     /// Whether rays with these keys, neighbours of each other, hit anything.
     pub(crate) fn occluded_batch(&mut self, rays: &RayBatch, keys: &[SampleKey], blocked: &mut Vec<bool>) {
-        let query = Query { level: self.options.level, coherence: Coherence::Coherent, ..Query::default() };
+        // Those of paths start wherever paths were scattered to.
+        let coherence = match self.options.integrator {
+            Integrator::Path => Coherence::Incoherent,
+            _ => Coherence::Coherent,
+        };
+        let query = Query { level: self.options.level, coherence, ..Query::default() };
         self.world.tree().occluded_batch(&query, rays, blocked, &mut self.record);
         self.note_costs(keys);
     }

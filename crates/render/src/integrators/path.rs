@@ -11,7 +11,7 @@ use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Ray, RayBatch};
 use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::lights::LightSet;
-use gnurt_shading::sampling::{purpose, sample_pair};
+use gnurt_shading::sampling::{Draws, purpose, sample_pair};
 use gnurt_shading::{LightBatch, RayRequest, SampleKey, Tracer, Vec3s};
 
 use crate::tracer::BatchTracer;
@@ -110,12 +110,12 @@ impl Step {
         let options = tracer.options;
         self.environment(tracer, from, radiance);
         let vertices = tracer.vertices(from);
-        let mut alive: Vec<(Path, Vertex)> = Vec::with_capacity(self.paths.len());
+        let mut alive: Vec<(Path, &Vertex)> = Vec::with_capacity(self.paths.len());
         self.rays = RayBatch::with_capacity(self.paths.len());
         let mut straight = Vec::new();
-        for (mut path, vertex) in self.paths.drain(..).zip(vertices) {
+        for (mut path, vertex) in self.paths.drain(..).zip(&vertices) {
             let Some(vertex) = vertex else { continue };
-            if !is_there(&vertex, &path, options.seed) {
+            if !is_there(vertex, &path, options.seed) {
                 path.layers += 1;
                 path.key = path.key.fork(STRAIGHT);
                 if path.layers <= MOST_LAYERS {
@@ -125,7 +125,7 @@ impl Step {
             }
             let found = vertex.scattering.emission;
             if found != Vec3::ZERO {
-                let weight = emission_weight(tracer.world.light_set(), &path, &vertex);
+                let weight = emission_weight(tracer.world.light_set(), &path, vertex);
                 add(radiance, &path, path.throughput * found * weight, path.edges, options.clamp);
             }
             if !vertex.is_final && path.edges < options.max_depth {
@@ -134,7 +134,7 @@ impl Step {
         }
         self.sample_lights(tracer, &alive, radiance);
         for (path, vertex) in alive {
-            if let Some((path, ray)) = scatter(path, &vertex, options.seed) {
+            if let Some((path, ray)) = scatter(path, vertex, options.seed) {
                 self.paths.push(path);
                 self.rays.push(ray);
             }
@@ -161,7 +161,7 @@ impl Step {
     }
 
     /// Light that reaches vertices without a further one.
-    fn sample_lights(&self, tracer: &mut BatchTracer, alive: &[(Path, Vertex)], radiance: &mut Vec3s) {
+    fn sample_lights(&self, tracer: &mut BatchTracer, alive: &[(Path, &Vertex)], radiance: &mut Vec3s) {
         let (world, options) = (tracer.world, tracer.options);
         let lights = world.light_set();
         let mut unshadowed = Unshadowed::default();
@@ -169,8 +169,8 @@ impl Step {
             if !vertex.scattering.bsdf.is_smooth() {
                 continue;
             }
-            let draw = |purpose| sample_pair(options.seed, path.key, path.edges, purpose);
-            let ([x, y], [choice, _]) = (draw(purpose::LIGHT_PLACE), draw(purpose::LIGHT_CHOICE));
+            let draws = Draws::new(options.seed, path.key, path.edges);
+            let ([x, y], [choice, _]) = (draws.pair(purpose::LIGHT_PLACE), draws.pair(purpose::LIGHT_CHOICE));
             let bsdf = &vertex.scattering.bsdf;
             let Some(light) = lights.sample(vertex.point.p, asking_normal(vertex), [choice, x, y]) else {
                 continue;
@@ -196,7 +196,7 @@ impl Step {
     }
 
     /// Lights that only know `illuminate`.
-    fn ask_plugins(&self, tracer: &mut BatchTracer, alive: &[(Path, Vertex)], unshadowed: &mut Unshadowed) {
+    fn ask_plugins(&self, tracer: &mut BatchTracer, alive: &[(Path, &Vertex)], unshadowed: &mut Unshadowed) {
         let shading = tracer.world.shading();
         if shading.plugin_lights.is_empty() || alive.is_empty() {
             return;
@@ -208,7 +208,7 @@ impl Step {
         }
         let mut arriving = LightBatch::default();
         for light in shading.plugin_lights.clone() {
-            let draw = |(path, _): &(Path, Vertex)| {
+            let draw = |(path, _): &(Path, &Vertex)| {
                 tracer.random(path.key, path.edges, purpose::LIGHT + light as u32)
             };
             let random: Vec<_> = alive.iter().map(draw).collect();
@@ -259,8 +259,8 @@ fn shadow_ray(vertex: &Vertex, dir: Vec3, dist: f32) -> Option<Ray> {
 
 /// The path after its vertex, and its ray; `None` where it ends.
 fn scatter(mut path: Path, vertex: &Vertex, seed: u64) -> Option<(Path, Ray)> {
-    let draw = |purpose| sample_pair(seed, path.key, path.edges, purpose);
-    let ([x, y], [choice, survival]) = (draw(purpose::DIRECTION), draw(purpose::CHOICE));
+    let draws = Draws::new(seed, path.key, path.edges);
+    let ([x, y], [choice, survival]) = (draws.pair(purpose::DIRECTION), draws.pair(purpose::CHOICE));
     let bsdf: &Bsdf = &vertex.scattering.bsdf;
     let sample = bsdf.sample(vertex.wo, [choice, x, y])?;
     path.throughput *= sample.weight;

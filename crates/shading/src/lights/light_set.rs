@@ -317,11 +317,12 @@ impl LightSet {
             let promise = intensity(-dir) * cos / distance2;
             if promise.is_finite() { promise } else { 0.0 }
         };
+        if let Some(triangles) = &self.parts.triangles
+            && let Some(shape) = triangles.shapes.get(light as usize)
+        {
+            return shape.promise(p, ns);
+        }
         match self.kind(LightId(light)) {
-            LightKind::Triangle(i) => {
-                let shapes = self.parts.triangles.as_ref().map(|triangles| &triangles.shapes);
-                shapes.map_or(0.0, |shapes| shapes[i as usize].promise(p, ns))
-            }
             LightKind::Point(i) => {
                 let point = &self.parts.points[i as usize];
                 from_point(point.position, &|_| luminance(point.intensity.into()))
@@ -331,7 +332,8 @@ impl LightSet {
                 let brightness = luminance(spot.intensity.into());
                 from_point(spot.position, &|away| brightness * spot.falloff(away.dot(spot.axis)))
             }
-            LightKind::Directional(_) | LightKind::Environment => 0.0,
+            // Triangles were above; the others have no place.
+            LightKind::Triangle(_) | LightKind::Directional(_) | LightKind::Environment => 0.0,
         }
     }
 }

@@ -134,6 +134,9 @@ const BUCKETS: usize = 12;
 /// Lights that are judged one by one.
 const LEAF: usize = 8;
 
+/// What each light of a leaf promises to a point; the rest is zero.
+type Promises = [f32; LEAF];
+
 impl LightTree {
     /// Lights without bounds or without power are left out: they are never chosen.
     pub(super) fn new(lights: &[Option<LightBounds>]) -> Self {
@@ -175,23 +178,31 @@ impl LightTree {
     }
 
     /// What each light of a leaf promises; the rest is zero.
-    fn leaf(&self, node: &Node, exact: &impl Fn(u32) -> f32) -> [f32; LEAF] {
+    fn leaf(&self, node: &Node, exact: &impl Fn(u32) -> f32) -> Promises {
         let mut promises = [0.0; LEAF];
         let lights = &self.order[node.index as usize..(node.index + node.lights) as usize];
         promises.iter_mut().zip(lights).for_each(|(promise, &light)| *promise = exact(light));
         promises
     }
 
-    /// The share of the first child of an inner node; `None` if neither promises anything.
-    fn first_share(&self, at: usize, p: Vec3, normal: Vec3, exact: &impl Fn(u32) -> f32) -> Option<f32> {
+    /// The share of the first child of an inner node, and what the lights of both promise if they are leaves; `None` if
+    /// neither child promises anything.
+    fn first_share(
+        &self,
+        at: usize,
+        p: Vec3,
+        normal: Vec3,
+        exact: &impl Fn(u32) -> f32,
+    ) -> Option<(f32, Option<[Promises; 2]>)> {
         let children = [at + 1, self.nodes[at].index as usize].map(|child| &self.nodes[child]);
-        let [first, second] = if children.iter().all(|child| child.lights > 0) {
-            children.map(|child| self.leaf(child, exact).iter().sum::<f32>())
-        } else {
-            children.map(|child| child.bounds.importance(p, normal))
+        let leaves = children.iter().all(|child| child.lights > 0);
+        let leaves = leaves.then(|| children.map(|child| self.leaf(child, exact)));
+        let [first, second] = match &leaves {
+            Some(leaves) => leaves.each_ref().map(|promises| promises.iter().sum::<f32>()),
+            None => children.map(|child| child.bounds.importance(p, normal)),
         };
         let sum = first + second;
-        (sum > 0.0).then(|| first / sum)
+        (sum > 0.0).then(|| (first / sum, leaves))
     }
 
     /// Chooses a light by a number in [0, 1): its number and the probability of that. `exact` tells what a light brings
@@ -204,10 +215,11 @@ impl LightTree {
         exact: impl Fn(u32) -> f32,
     ) -> Option<(u32, f32)> {
         let (mut at, mut probability) = (0, 1.0);
+        let mut known = None;
         loop {
             let node = self.nodes.get(at)?;
             if node.lights > 0 {
-                let promises = self.leaf(node, &exact);
+                let promises = known.unwrap_or_else(|| self.leaf(node, &exact));
                 let sum: f32 = promises.iter().sum();
                 let last = promises.iter().rposition(|&promise| promise > 0.0)?;
                 let mut rest = u * sum;
@@ -219,7 +231,8 @@ impl LightTree {
                 let light = self.order[node.index as usize + chosen];
                 return Some((light, probability * (promises[chosen] / sum)));
             }
-            let share = self.first_share(at, p, normal, &exact)?;
+            let (share, leaves) = self.first_share(at, p, normal, &exact)?;
+            known = leaves.map(|[first, second]| if u < share { first } else { second });
             if u < share {
                 u = (u / share).min(ALMOST_ONE);
                 probability *= share;
@@ -236,14 +249,16 @@ impl LightTree {
     pub(super) fn probability(&self, light: u32, p: Vec3, normal: Vec3, exact: impl Fn(u32) -> f32) -> f32 {
         let Some(mut way) = self.ways[light as usize] else { return 0.0 };
         let (mut at, mut probability) = (0, 1.0);
+        let mut known: Option<Promises> = None;
         loop {
             let node = &self.nodes[at];
             if node.lights > 0 {
-                let sum: f32 = self.leaf(node, &exact).iter().sum();
+                let sum: f32 = known.unwrap_or_else(|| self.leaf(node, &exact)).iter().sum();
                 let promise = exact(light);
                 return if promise > 0.0 { probability * (promise / sum) } else { 0.0 };
             }
-            let Some(share) = self.first_share(at, p, normal, &exact) else { return 0.0 };
+            let Some((share, leaves)) = self.first_share(at, p, normal, &exact) else { return 0.0 };
+            known = leaves.map(|[first, second]| if way & 1 == 0 { first } else { second });
             if way & 1 == 0 {
                 probability *= share;
                 at += 1;

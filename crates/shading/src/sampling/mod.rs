@@ -9,5 +9,5 @@ pub(crate) mod warp;
 
 pub use distribution::{Choice, Distribution};
 pub use grid::{GridDistribution, GridPoint};
-pub use sobol::{hash_combine, purpose, sample_pair};
+pub use sobol::{Draws, hash_combine, purpose, sample_pair};
 pub use warp::{Basis, cosine_hemisphere, triangle, uniform_sphere};

@@ -30,21 +30,47 @@ pub mod purpose {
 /// Two numbers in [0, 1) for one sample, stratified over the samples of its pixel.
 #[must_use]
 pub fn sample_pair(seed: u64, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2] {
-    let words = [seed as u32, (seed >> 32) as u32, key.pixel, key.branch, depth, purpose];
-    let set = words.into_iter().fold(0x9e37_79b9, hash_combine);
-    // Shuffling the order keeps every aligned block of 2^k samples together, so progressive pictures stay stratified.
-    let index = owen_scramble(key.sample, set);
-    let [x, y] = sobol(index);
-    [owen_scramble(x, hash_combine(set, 1)), owen_scramble(y, hash_combine(set, 2))].map(unit_interval)
+    Draws::new(seed, key, depth).pair(purpose)
+}
+
+/// All pairs of one sample at one depth: cheaper than [`sample_pair`] where several are needed.
+#[derive(Clone, Copy, Debug)]
+pub struct Draws {
+    sample: u32,
+    /// Hash of all but the purpose.
+    set: u32,
+}
+
+impl Draws {
+    /// Those of this sample.
+    #[must_use]
+    #[inline]
+    pub fn new(seed: u64, key: SampleKey, depth: u32) -> Self {
+        let words = [seed as u32, (seed >> 32) as u32, key.pixel, key.branch, depth];
+        Self { sample: key.sample, set: words.into_iter().fold(0x9e37_79b9, hash_combine) }
+    }
+
+    /// The pair for this [`purpose`].
+    #[must_use]
+    #[inline]
+    pub fn pair(self, purpose: u32) -> [f32; 2] {
+        let set = hash_combine(self.set, purpose);
+        // Shuffling the order keeps every aligned block of 2^k samples together, so progressive pictures stay stratified.
+        let index = owen_scramble(self.sample, set);
+        let [x, y] = sobol(index);
+        [owen_scramble(x, hash_combine(set, 1)), owen_scramble(y, hash_combine(set, 2))].map(unit_interval)
+    }
 }
 
 /// A well-mixed function of two words.
 #[must_use]
+#[inline]
 pub fn hash_combine(a: u32, b: u32) -> u32 {
     mix(a ^ mix(b.wrapping_add(0x9e37_79b9)).wrapping_add(a << 6).wrapping_add(a >> 2))
 }
 
 /// A bijection of words in which every input bit reaches every output bit.
+#[inline]
 fn mix(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x21f0_aaad);
@@ -54,21 +80,21 @@ fn mix(mut x: u32) -> u32 {
 }
 
 /// Point `index` of the two-dimensional Sobol' sequence, as fractions of 2^32.
-fn sobol(mut index: u32) -> [u32; 2] {
-    let x = index.reverse_bits();
-    let (mut y, mut column) = (0, 1 << 31);
-    while index != 0 {
-        if index & 1 != 0 {
-            y ^= column;
-        }
-        index >>= 1;
-        // Columns of the second dimension's matrix are the rows of Pascal's triangle modulo 2.
-        column ^= column >> 1;
+#[inline]
+fn sobol(index: u32) -> [u32; 2] {
+    // Columns of the second dimension's matrix are the rows of Pascal's triangle modulo 2: by Lucas, bit j of the
+    // mirrored number is the sum of all bits of the index whose place holds the bits of j, a sum that doubles in reach.
+    let mut sums = index;
+    for (shift, mask) in
+        [(1, 0x5555_5555), (2, 0x3333_3333), (4, 0x0f0f_0f0f), (8, 0x00ff_00ff), (16, 0x0000_ffff)]
+    {
+        sums ^= (sums >> shift) & mask;
     }
-    [x, y]
+    [index.reverse_bits(), sums.reverse_bits()]
 }
 
 /// Permutes the tree of nested halves: each bit is flipped by a hash of the bits above it.
+#[inline]
 fn owen_scramble(x: u32, seed: u32) -> u32 {
     let mut x = x.reverse_bits().wrapping_add(seed);
     // In a product with an even number each bit only reaches higher bits; reversed, only lower ones.
@@ -150,6 +176,26 @@ mod tests {
             let expected = f64::from(N) / 256.0;
             let chi_square: f64 = counts.iter().map(|c| (c - expected).powi(2) / expected).sum();
             assert!((160.0..360.0).contains(&chi_square), "sample {sample}: chi-square {chi_square}");
+        }
+    }
+
+    /// Column by column, as the matrix is defined.
+    fn sobol_by_columns(mut index: u32) -> [u32; 2] {
+        let x = index.reverse_bits();
+        let (mut y, mut column) = (0, 1 << 31);
+        while index != 0 {
+            y ^= if index & 1 != 0 { column } else { 0 };
+            index >>= 1;
+            column ^= column >> 1;
+        }
+        [x, y]
+    }
+
+    #[test]
+    fn points_are_those_of_the_matrices() {
+        for i in 0..100_000_u32 {
+            let index = if i < 1000 { i } else { mix(i) };
+            assert_eq!(sobol(index), sobol_by_columns(index), "point {index}");
         }
     }
 
