@@ -7,6 +7,9 @@
 
 use std::f32::consts::PI;
 
+/// Virtual lights that share the least area over which one may bring its light wholly.
+const CROWD: f32 = 3.0;
+
 /// The largest density that virtual lights take wholly.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bound {
@@ -20,12 +23,12 @@ impl Bound {
         Self { density: g / PI }
     }
 
-    /// A bound for `vpls` lights within a box: on average there is one light per area where its density begins to
-    /// matter.
+    /// A bound for `vpls` lights within a box: on average there are `CROWD` lights per area where its density begins to
+    /// matter, so that no single one is seen.
     pub(crate) fn for_scene([lower, upper]: [[f32; 3]; 2], vpls: u32) -> Self {
         let [x, y, z] = [0, 1, 2].map(|k| upper[k] - lower[k]);
         let area = 2.0 * (x * y + y * z + z * x);
-        Self { density: if area > 0.0 { vpls as f32 / area } else { f32::INFINITY } }
+        Self { density: if area > 0.0 { vpls as f32 / (CROWD * area) } else { f32::INFINITY } }
     }
 
     /// Largest G, one over area.

@@ -24,6 +24,8 @@ use crate::transport::Vertex;
 
 /// The number of the edge from the camera's side, among the numbers of a path.
 pub(super) const EYE_EDGE: u32 = 1;
+/// Pairs of it that choose the camera's side of a path.
+pub(super) const EYE_PAIRS: Range<u32> = pair::PILOT..pair::PLACE + 1;
 /// Pairs of that edge: which pilot, two for a direction, two for a lamp. Others of edge 1 belong to the light path.
 mod pair {
     pub(super) const PILOT: u32 = 4;
@@ -47,6 +49,9 @@ struct Join {
     seen: u64,
 }
 
+/// The vertices of a light path, and the pilots that each sees.
+pub(super) type LightSide = Vec<(LightVertex, u64)>;
+
 /// The virtual lights of some paths, path by path; their powers make sums of estimates, not means.
 pub(super) fn candidates(
     tracer: &mut BatchTracer,
@@ -54,28 +59,53 @@ pub(super) fn candidates(
     paths: Range<u32>,
     numbers: &Numbers,
 ) -> Vec<Vec<Candidate>> {
-    let max_edges = pilots.max_depth.saturating_sub(2);
-    let mut found = vec![Vec::new(); paths.len()];
     let first = paths.start;
-    let light = light_path::trace(tracer, paths.clone(), numbers, max_edges);
-    let points: Vec<_> = light.iter().map(|v| v.vpl.point).collect();
+    let light = light_sides(tracer, pilots, paths, numbers);
+    let light: Vec<&LightSide> = light.iter().collect();
+    joined(tracer, pilots, &light, &|path, edge, pair| numbers(first + path, edge, pair))
+}
+
+/// The parts of some paths that come from lamps.
+pub(super) fn light_sides(
+    tracer: &mut BatchTracer,
+    pilots: &Pilots,
+    paths: Range<u32>,
+    numbers: &Numbers,
+) -> Vec<LightSide> {
+    let first = paths.start;
+    let mut sides = vec![LightSide::new(); paths.len()];
+    let light = light_path::trace(tracer, paths, numbers, pilots.max_depth.saturating_sub(2));
+    let points: Vec<_> = light.iter().map(|v| (v.vpl.point, v.vpl.bsdf)).collect();
     let seen = pilots.seen_from(tracer, &points);
+    for (vertex, seen) in light.into_iter().zip(seen) {
+        sides[(vertex.path - first) as usize].push((vertex, seen));
+    }
+    sides
+}
+
+/// The virtual lights of paths whose parts from lamps are known. `numbers` counts the paths from 0.
+pub(super) fn joined(
+    tracer: &mut BatchTracer,
+    pilots: &Pilots,
+    light: &[&LightSide],
+    numbers: &Numbers,
+) -> Vec<Vec<Candidate>> {
+    let mut found = vec![Vec::new(); light.len()];
     // What only covers a share of the light makes the densities of the reverse way unknown.
-    let both_ways = tracer.world.shading().all_solid && !pilots.points.is_empty() && max_edges > 0;
-    for (vertex, &seen) in light.iter().zip(&seen) {
-        if !vertex.vpl.shines() {
-            continue;
+    let both_ways = tracer.world.shading().all_solid && !pilots.points.is_empty() && pilots.max_depth > 2;
+    for (of_path, found) in light.iter().zip(&mut found) {
+        for (vertex, seen) in of_path.iter().filter(|(vertex, _)| vertex.vpl.shines()) {
+            let share = if both_ways && vertex.connectable {
+                let reverse = pilots.pdf(&vertex.vpl.point, *seen) * vertex.reverse;
+                vertex.pdf / (vertex.pdf + reverse)
+            } else {
+                1.0
+            };
+            push(found, pilots, vertex.vpl.scaled(share), *seen);
         }
-        let share = if both_ways && vertex.connectable {
-            let reverse = pilots.pdf(&vertex.vpl.point, seen) * vertex.reverse;
-            vertex.pdf / (vertex.pdf + reverse)
-        } else {
-            1.0
-        };
-        push(&mut found[(vertex.path - first) as usize], pilots, vertex.vpl.scaled(share), seen);
     }
     if both_ways {
-        reverse(tracer, pilots, paths, numbers, &light, &mut found);
+        reverse(tracer, pilots, light, numbers, &mut found);
     }
     found
 }
@@ -91,33 +121,26 @@ fn push(found: &mut Vec<Candidate>, pilots: &Pilots, vpl: Vpl, seen: u64) {
 fn reverse(
     tracer: &mut BatchTracer,
     pilots: &Pilots,
-    paths: Range<u32>,
+    light: &[&LightSide],
     numbers: &Numbers,
-    light: &[LightVertex],
     found: &mut [Vec<Candidate>],
 ) {
-    let first = paths.start;
-    let (ends, pilot_of) = ends(tracer, pilots, paths, numbers);
-    let points: Vec<_> = ends.iter().map(|(_, vertex)| vertex.point).collect();
+    let (ends, pilot_of) = ends(tracer, pilots, 0..light.len() as u32, numbers);
+    let points: Vec<_> = ends.iter().map(|(_, vertex)| (vertex.point, vertex.scattering.bsdf)).collect();
     let mut seen = pilots.seen_from(tracer, &points);
     // By rounding a ray may meet what a shadow ray between the same points does not.
     seen.iter_mut().zip(&pilot_of).for_each(|(seen, &k)| *seen |= 1 << k);
     let mut joins = Vec::new();
-    let mut end_of = vec![None; found.len()];
-    for (n, (path, vertex)) in ends.iter().enumerate() {
-        end_of[(path - first) as usize] = Some(n);
-        let density = pilots.pdf(&vertex.point, seen[n]);
-        if density > 0.0 {
-            joins.extend(to_lamp(tracer, *path, first, vertex, density, seen[n], numbers));
-        }
-    }
     let max_edges = pilots.max_depth - 2;
-    for z in light.iter().filter(|z| z.vpl.edges < max_edges && z.vpl.bsdf.is_smooth()) {
-        let path = (z.path - first) as usize;
-        if let Some(n) = end_of[path] {
-            let vertex = &ends[n].1;
-            let density = pilots.pdf(&vertex.point, seen[n]);
-            joins.extend(to_vertex(path, z, vertex, density, seen[n]));
+    for ((path, vertex), &seen) in ends.iter().zip(&seen) {
+        let density = pilots.pdf(&vertex.point, seen);
+        if density > 0.0 {
+            joins.extend(to_lamp(tracer, *path, vertex, density, seen, numbers));
+        }
+        let can_go_on = |z: &&LightVertex| z.vpl.edges < max_edges && z.vpl.bsdf.is_smooth();
+        let path = *path as usize;
+        for z in light[path].iter().map(|(z, _)| z).filter(can_go_on) {
+            joins.extend(to_vertex(path, z, vertex, density, seen));
         }
     }
     let mut request = RayRequest::default();
@@ -169,7 +192,6 @@ fn ends(
 fn to_lamp(
     tracer: &BatchTracer,
     path: u32,
-    first: u32,
     vertex: &Vertex,
     density: f32,
     seen: u64,
@@ -190,7 +212,7 @@ fn to_lamp(
     let power = sample.radiance * (cos / (standard + density * sample.pdf));
     let vpl = Vpl::new(point, vertex.scattering.bsdf, sample.dir, power, 1);
     let ray = point.spawn_to(sample.dir, sample.dist);
-    Some(Join { ray, path: (path - first) as usize, vpl, seen })
+    Some(Join { ray, path: path as usize, vpl, seen })
 }
 
 /// The reverse virtual light that a vertex of the light path shines on.

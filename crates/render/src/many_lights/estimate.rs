@@ -12,6 +12,9 @@ use gnurt_accel::{Coherence, RayBatch};
 use gnurt_shading::sampling::sample_pair;
 use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 
+use gnurt_image::srgb::luminance;
+
+use super::cut::resample;
 use super::eye::EyePoint;
 use super::gather::{END, gather};
 use super::pass::PassLights;
@@ -28,6 +31,9 @@ mod purpose {
     pub(super) const PLACE: u32 = 0x5003;
     pub(super) const CHOICE: u32 = 0x5004;
 }
+
+/// Virtual lights of which those few are chosen that promise most.
+const ASKED: u32 = 128;
 
 /// The last smooth scattering of a path from the eye.
 #[derive(Clone, Copy)]
@@ -237,15 +243,19 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
     offers.settle(tracer, radiance);
 }
 
-/// Light from a few virtual lights, chosen by their strength, on what scattered rays met.
+/// Light from a few virtual lights on what scattered rays met: chosen from many by what they bring if nothing is in
+/// between [TCE05].
 fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], radiance: &mut Vec3s) {
     let Some(choice) = &pass.choice else { return };
     let seed = tracer.options.seed;
     let mut offers = Offers::default();
+    let mut found: Vec<(&super::vpl::Vpl, Vec3)> = Vec::new();
     for stop in stops.iter().filter(|stop| !stop.walk.is_seen && stop.eye.bsdf.is_smooth()) {
-        let [first, _] = sample_pair(seed, stop.walk.key, stop.walk.edges, purpose::CHOICE);
-        for n in 0..pass.few {
-            let at = (n as f32 + first) / pass.few as f32;
+        let [first, second] = sample_pair(seed, stop.walk.key, stop.walk.edges, purpose::CHOICE);
+        found.clear();
+        let asked = ASKED.max(pass.few);
+        for n in 0..asked {
+            let at = (n as f32 + first) / asked as f32;
             let chosen = choice.sample(at);
             let vpl = &pass.vpls[chosen.index];
             let Some(brought) = vpl.brings(&stop.eye, &pass.bound, tracer.options.max_depth) else {
@@ -253,7 +263,12 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
             };
             let way = vpl.point.p - stop.eye.point.p;
             let rest = stop.rest(pass, way.normalize());
-            let offer = brought * (rest / (pass.few as f32 * chosen.probability));
+            found.push((vpl, brought * (rest / (asked as f32 * chosen.probability))));
+        }
+        let promise = found.iter().map(|(_, offer)| f64::from(luminance((*offer).into())));
+        for (k, weight) in resample(promise, pass.few as usize, second) {
+            let (vpl, offer) = (found[k].0, found[k].1 * weight);
+            let way = vpl.point.p - stop.eye.point.p;
             let Some(start) = vpl::start(&stop.eye.point, way) else { continue };
             let way = vpl::end(&vpl.point, -way) - start;
             let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);

@@ -42,7 +42,7 @@ impl LampChoice {
         let max_edges = job.options.max_depth.saturating_sub(2);
         let found = in_chunks(job, PARTICLES, stats, |tracer, range| {
             let vertices = light_path::trace(tracer, range, &numbers, max_edges);
-            let points: Vec<_> = vertices.iter().map(|v| v.vpl.point).collect();
+            let points: Vec<_> = vertices.iter().map(|v| (v.vpl.point, v.vpl.bsdf)).collect();
             let seen = pilots.seen_from(tracer, &points);
             let importance = |(v, &seen): (&light_path::LightVertex, &u64)| {
                 (v.path, f64::from(pilots.importance(&v.vpl, seen)))

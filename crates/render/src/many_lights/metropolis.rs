@@ -5,17 +5,22 @@
 //! Source: [SIP07]; multiple tries [LLW00]; mutations of the numbers that a path is made of, small and large [KSKAC02];
 //! chains start at paths resampled from those that estimate the total, so that no start-up bias is left [Vea97] section
 //! 11.3.1. Differs: a state's light is summed over all pilots and over all virtual lights on its path, of which one is
-//! chosen in proportion afterwards; both ways of making a path share a state.
+//! chosen in proportion afterwards; both ways of making a path share a state. Mutations of the camera's side alone,
+//! small (as lens mutations of [VG97]) or whole (as their bidirectional ones), keep the path from the lamp, which then is
+//! not traced again.
 //! Invariant: the mean over passes is that of instant radiosity. Chains know nothing of each other and of threads.
 //! Proof: crates/render/tests/many_lights.rs.
+
+use std::sync::Arc;
 
 use gnurt_shading::SampleKey;
 use gnurt_shading::sampling::{Distribution, hash_combine, sample_pair};
 
 use super::bidirectional::{RESAMPLING, all_candidates};
 use super::bound::Bound;
-use super::candidates::{Candidate, candidates};
+use super::candidates::{Candidate, EYE_EDGE, EYE_PAIRS, LightSide, joined, light_sides};
 use super::instant;
+use super::light_path;
 use super::pass::in_chunks_of;
 use super::pilots::Pilots;
 use super::vpl::Vpl;
@@ -23,25 +28,34 @@ use crate::stats::RenderStats;
 use crate::tile::Job;
 use crate::tracer::BatchTracer;
 
-/// Steps of a chain, each with a virtual light.
-const STEPS: u32 = 16;
+/// Steps of a chain, each with a virtual light: few, so that there are many chains and their starts spread.
+const STEPS: u32 = 4;
 /// Tries of a step.
 const TRIES: u32 = 3;
-/// Share of steps that forget where they were.
-const LARGE: f32 = 0.2;
 /// Smallest and largest change of a number by a small step.
 const SMALL: [f32; 2] = [1.0 / 1024.0, 1.0 / 32.0];
 /// Chains that go on together, in one thread.
 const TOGETHER: u32 = 16;
-/// Edges whose numbers are changed; those beyond keep what the chain started with.
+/// Edges whose numbers are changed, at most; those beyond keep what the chain started with.
 const EDGES: u32 = 24;
-/// Pairs of each edge.
-const PAIRS: u32 = 8;
+/// Pairs of each edge of a light path.
+const PAIRS: u32 = light_path::pair::PLACE + 1;
+/// Pairs of the camera's side: a state begins with them.
+const OF_EYE: usize = (EYE_PAIRS.end - EYE_PAIRS.start) as usize;
 /// Says that a number is for chains.
 const CHAINS: u32 = 0x3e70_5c00;
 
-/// The numbers that a path is made of.
+/// The numbers that a path is made of: the camera's side, then the edges from the lamp on.
 type State = Vec<[f32; 2]>;
+
+/// Where a state has a pair; the place may lie beyond its end.
+fn place(edge: u32, pair: u32) -> usize {
+    if edge == EYE_EDGE && EYE_PAIRS.contains(&pair) {
+        (pair - EYE_PAIRS.start) as usize
+    } else {
+        OF_EYE + (edge * PAIRS + pair) as usize
+    }
+}
 
 /// A chain: numbers, the virtual lights that they make, the light these bring to the pilots.
 struct Chain {
@@ -49,6 +63,8 @@ struct Chain {
     /// Path of the set whose numbers it started with.
     seed: u32,
     state: State,
+    /// Its path from the lamp, once somebody has traced it.
+    side: Option<Arc<LightSide>>,
     found: Vec<Candidate>,
     light: f32,
 }
@@ -80,13 +96,17 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
     let key = SampleKey { pixel: hash_combine(RESAMPLING, sample), sample: 0, branch: RESAMPLING };
     let [start, _] = sample_pair(seed, key, 0, 1);
     let share = (mean / f64::from(chains * STEPS)) as f32;
+    // The last one's numbers decide about an end that comes anyway.
+    let edges = job.options.max_depth.saturating_sub(1).min(EDGES);
     let run = |tracer: &mut BatchTracer, range: std::ops::Range<u32>| {
         let begin = |number: u32| {
             let at = (f64::from(number) + f64::from(start)) / f64::from(chains);
             let path = choice.sample(at).index as u32;
-            let state = (0..EDGES * PAIRS).map(|i| fresh(path, i / PAIRS, i % PAIRS)).collect();
+            let of_eye = EYE_PAIRS.map(|pair| fresh(path, EYE_EDGE, pair));
+            let of_light = (0..edges * PAIRS).map(|i| fresh(path, i / PAIRS, i % PAIRS));
+            let state = of_eye.chain(of_light).collect();
             let found = found[path as usize].clone();
-            Chain { number, seed: path, state, light: total(&found), found }
+            Chain { number, seed: path, state, side: None, light: total(&found), found }
         };
         let mut chains: Vec<Chain> = range.map(begin).collect();
         let mut out = Vec::new();
@@ -113,6 +133,52 @@ impl Chain {
     }
 }
 
+/// What a step changes: chosen without a look at the state, so that steps can be taken back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mutation {
+    /// All numbers, to any value.
+    Large,
+    /// All numbers, a little.
+    Small,
+    /// The numbers on the camera's side, a little.
+    Lens,
+    /// The numbers on the camera's side, to any value.
+    Eye,
+}
+
+impl Mutation {
+    /// By a number in [0, 1).
+    fn of(u: f32) -> Self {
+        match u {
+            u if u < 0.1 => Self::Large,
+            u if u < 0.45 => Self::Lens,
+            u if u < 0.65 => Self::Eye,
+            _ => Self::Small,
+        }
+    }
+
+    /// Whether the path from the lamp stays as it is.
+    fn keeps_light(self) -> bool {
+        matches!(self, Self::Lens | Self::Eye)
+    }
+
+    /// A number's next value, given a fresh one.
+    fn change(self, old: f32, fresh: f32) -> f32 {
+        match self {
+            Self::Large | Self::Eye => fresh,
+            Self::Small | Self::Lens => small_step(old, fresh),
+        }
+    }
+}
+
+/// A state that was tried, and what it brings.
+struct Tried {
+    state: State,
+    side: Arc<LightSide>,
+    found: Vec<Candidate>,
+    light: f32,
+}
+
 /// One step of all chains: several tries each, one of them chosen, as many tries back, and the decision [LLW00].
 fn advance(
     tracer: &mut BatchTracer,
@@ -122,72 +188,132 @@ fn advance(
     dice: &Dice,
     fresh: &(impl Fn(u32, u32, u32) -> [f32; 2] + Sync),
 ) {
-    let is_large = |chain: u32| dice.pair(chain, step, 1)[0] < LARGE;
-    let mutate = |chain: &Chain, from: &State, attempt: u32| -> State {
-        let large = is_large(chain.number);
+    let kinds: Vec<Mutation> =
+        chains.iter().map(|chain| Mutation::of(dice.pair(chain.number, step, 1)[0])).collect();
+    let mutate = |chain: &Chain, kind: Mutation, from: &State, attempt: u32| -> State {
         let changed = |(i, &old): (usize, &[f32; 2])| {
-            let purpose = 16 + attempt * EDGES * PAIRS + i as u32;
+            if kind.keeps_light() && i >= OF_EYE {
+                return old;
+            }
+            let purpose = 16 + attempt * 4 * EDGES + i as u32;
             let new = dice.pair(chain.number, step, purpose);
-            if large { new } else { [0, 1].map(|k| small_step(old[k], new[k])) }
+            [0, 1].map(|k| kind.change(old[k], new[k]))
         };
         from.iter().enumerate().map(changed).collect()
     };
-    let tries: Vec<State> = chains
+    // A chain's own light path, where one is kept that nobody has traced yet.
+    let missing: Vec<usize> =
+        (0..chains.len()).filter(|&n| kinds[n].keeps_light() && chains[n].side.is_none()).collect();
+    let states: Vec<(&State, u32)> = missing.iter().map(|&n| (&chains[n].state, chains[n].seed)).collect();
+    let sides = trace(tracer, pilots, &states, fresh);
+    missing.into_iter().zip(sides).for_each(|(n, side)| chains[n].side = Some(side));
+    let kept = |n: usize, chains: &[Chain]| chains[n].side.clone().filter(|_| kinds[n].keeps_light());
+
+    let asks: Vec<Ask> = chains
         .iter()
-        .flat_map(|chain| (0..TRIES).map(|attempt| mutate(chain, &chain.state, attempt)).collect::<Vec<_>>())
+        .enumerate()
+        .flat_map(|(n, chain)| (0..TRIES).map(move |attempt| (n, chain, attempt)))
+        .map(|(n, chain, attempt)| Ask {
+            state: mutate(chain, kinds[n], &chain.state, attempt),
+            seed: chain.seed,
+            side: kept(n, chains),
+        })
         .collect();
-    let seeds: Vec<u32> = chains.iter().map(|chain| chain.seed).collect();
-    let mut tried = evaluate(tracer, pilots, &tries, &seeds, TRIES, fresh);
-    let lights: Vec<f32> = tried.iter().map(|found| total(found)).collect();
+    let mut tried: Vec<Option<Tried>> = evaluate(tracer, pilots, asks, fresh).into_iter().map(Some).collect();
+    let tries_of = |n: usize| n * TRIES as usize..(n + 1) * TRIES as usize;
+    let lights: Vec<f32> = tried.iter().flatten().map(|tried| tried.light).collect();
     // Which of the tries each chain may go to.
     let chosen: Vec<Option<usize>> = chains
         .iter()
         .enumerate()
         .map(|(n, chain)| {
-            let of_chain = &lights[n * TRIES as usize..(n + 1) * TRIES as usize];
-            let choice = Distribution::new(of_chain.iter().map(|&light| f64::from(light)))?;
+            let choice = Distribution::new(lights[tries_of(n)].iter().map(|&light| f64::from(light)))?;
             Some(n * TRIES as usize + choice.sample(dice.pair(chain.number, step, 2)[0]).index)
         })
         .collect();
-    let back: Vec<State> = chains
+    let moving: Vec<(usize, usize)> =
+        chosen.iter().enumerate().filter_map(|(n, chosen)| Some((n, (*chosen)?))).collect();
+    let asks: Vec<Ask> = moving
         .iter()
-        .zip(&chosen)
-        .flat_map(|(chain, chosen)| {
-            let from = chosen.map_or(&chain.state, |chosen| &tries[chosen]);
-            (1..TRIES).map(|attempt| mutate(chain, from, TRIES + attempt)).collect::<Vec<_>>()
+        .flat_map(|&(n, chosen)| (1..TRIES).map(move |attempt| (n, chosen, attempt)))
+        .map(|(n, chosen, attempt)| {
+            let from = tried[chosen].as_ref().map_or(&chains[n].state, |tried| &tried.state);
+            Ask {
+                state: mutate(&chains[n], kinds[n], from, TRIES + attempt),
+                seed: chains[n].seed,
+                side: kept(n, chains),
+            }
         })
         .collect();
-    let backward = evaluate(tracer, pilots, &back, &seeds, TRIES - 1, fresh);
-    for (n, chain) in chains.iter_mut().enumerate() {
-        let Some(chosen) = chosen[n] else { continue };
-        let forward: f32 = lights[n * TRIES as usize..(n + 1) * TRIES as usize].iter().sum();
-        let references = &backward[n * (TRIES as usize - 1)..(n + 1) * (TRIES as usize - 1)];
-        let backward: f32 = chain.light + references.iter().map(|found| total(found)).sum::<f32>();
-        if dice.pair(chain.number, step, 3)[0] * backward < forward {
-            chain.light = lights[chosen];
-            chain.state.clone_from(&tries[chosen]);
-            chain.found = std::mem::take(&mut tried[chosen]);
+    let backward = evaluate(tracer, pilots, asks, fresh);
+    for (references, (n, chosen)) in backward.chunks(TRIES as usize - 1).zip(moving) {
+        let chain = &mut chains[n];
+        let forward: f32 = lights[tries_of(n)].iter().sum();
+        let backward: f32 = chain.light + references.iter().map(|tried| tried.light).sum::<f32>();
+        if dice.pair(chain.number, step, 3)[0] * backward < forward
+            && let Some(tried) = tried[chosen].take()
+        {
+            chain.light = tried.light;
+            chain.state = tried.state;
+            chain.found = tried.found;
+            chain.side = Some(tried.side);
         }
     }
 }
 
-/// Virtual lights of some states; `each` consecutive states belong to one chain.
+/// A state that is to be evaluated.
+struct Ask {
+    state: State,
+    seed: u32,
+    /// Its path from the lamp, if that is known.
+    side: Option<Arc<LightSide>>,
+}
+
+/// Virtual lights of some states.
 fn evaluate(
     tracer: &mut BatchTracer,
     pilots: &Pilots,
-    states: &[State],
-    seeds: &[u32],
-    each: u32,
+    mut asks: Vec<Ask>,
     fresh: &(impl Fn(u32, u32, u32) -> [f32; 2] + Sync),
-) -> Vec<Vec<Candidate>> {
+) -> Vec<Tried> {
+    let unknown: Vec<usize> = (0..asks.len()).filter(|&i| asks[i].side.is_none()).collect();
+    let states: Vec<(&State, u32)> = unknown.iter().map(|&i| (&asks[i].state, asks[i].seed)).collect();
+    let sides = trace(tracer, pilots, &states, fresh);
+    unknown.into_iter().zip(sides).for_each(|(i, side)| asks[i].side = Some(side));
+    let light: Vec<&LightSide> = asks.iter().filter_map(|ask| ask.side.as_deref()).collect();
     let numbers = |path: u32, edge: u32, pair: u32| {
-        if edge < EDGES {
-            states[path as usize][(edge * PAIRS + pair) as usize]
-        } else {
-            fresh(seeds[(path / each) as usize], edge, pair)
-        }
+        let ask = &asks[path as usize];
+        number(&ask.state, ask.seed, fresh, [edge, pair])
     };
-    candidates(tracer, pilots, 0..states.len() as u32, &numbers)
+    let found = joined(tracer, pilots, &light, &numbers);
+    let tried = |(ask, found): (Ask, Vec<Candidate>)| {
+        Some(Tried { state: ask.state, side: ask.side?, light: total(&found), found })
+    };
+    asks.into_iter().zip(found).filter_map(tried).collect()
+}
+
+/// Paths from lamps of some states, each with the path whose numbers its chain started with.
+fn trace(
+    tracer: &mut BatchTracer,
+    pilots: &Pilots,
+    states: &[(&State, u32)],
+    fresh: &(impl Fn(u32, u32, u32) -> [f32; 2] + Sync),
+) -> Vec<Arc<LightSide>> {
+    let numbers = |path: u32, edge: u32, pair: u32| {
+        let (state, seed) = states[path as usize];
+        number(state, seed, fresh, [edge, pair])
+    };
+    light_sides(tracer, pilots, 0..states.len() as u32, &numbers).into_iter().map(Arc::new).collect()
+}
+
+/// A number of a state; those beyond its edges are what the chain started with.
+fn number(
+    state: &State,
+    seed: u32,
+    fresh: &(impl Fn(u32, u32, u32) -> [f32; 2] + Sync),
+    [edge, pair]: [u32; 2],
+) -> [f32; 2] {
+    state.get(place(edge, pair)).copied().unwrap_or_else(|| fresh(seed, edge, pair))
 }
 
 /// A number near `old`, by a symmetric change whose size is spread evenly over orders of magnitude.

@@ -48,7 +48,7 @@ impl PassLights {
             }
             _ => return None,
         };
-        let choice = Distribution::new(vpls.iter().map(|vpl| f64::from(vpl.strength())));
+        let choice = choice(&vpls, options.integrator);
         let share = (options.vpls / 64).clamp(1, 16);
         Some(Self { vpls, bound, choice, few: share, light_samples: share, stats })
     }
@@ -57,6 +57,21 @@ impl PassLights {
     pub(crate) fn light_samples(&self, is_seen: bool) -> u32 {
         if is_seen { self.light_samples } else { 1 }
     }
+}
+
+/// Share of the choice that does not look at strength, for lights that were chosen for what they bring.
+const EVENLY: f64 = 0.5;
+
+/// How lights are chosen where only a few are asked. Those that were chosen for what they bring to the camera count alike:
+/// a strong one is strong because it brings little.
+fn choice(vpls: &[Vpl], integrator: Integrator) -> Option<Distribution> {
+    let strength: Vec<f64> = vpls.iter().map(|vpl| f64::from(vpl.strength())).collect();
+    let total: f64 = strength.iter().sum();
+    let evenly = if integrator == Integrator::InstantRadiosity { 0.0 } else { EVENLY };
+    let alike = evenly / vpls.len() as f64;
+    Distribution::new(
+        strength.iter().map(|s| if *s > 0.0 { alike + (1.0 - evenly) * s / total } else { 0.0 }),
+    )
 }
 
 /// The bound that options ask for, or one that fits the scene.

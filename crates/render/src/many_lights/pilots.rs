@@ -8,8 +8,9 @@
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_image::srgb::luminance;
+use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
-use gnurt_shading::{RayRequest, SampleKey, Tracer, Vec3s};
+use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
@@ -25,7 +26,7 @@ const PURPOSE: u32 = 0x9107_0000;
 /// Mirrors that a pilot's path may meet.
 const MOST_MIRRORS: u32 = 8;
 /// Share of a virtual light's importance that does not ask whether any pilot sees it.
-const DEFENSIVE: f32 = 0.05;
+const DEFENSIVE: f32 = 0.005;
 
 /// Points that the camera sees.
 pub(super) struct Pilots {
@@ -90,18 +91,18 @@ impl Pilots {
         Self { points, bound, max_depth: options.max_depth, anywhere }
     }
 
-    /// Which pilots each point sees, one bit per pilot. `points`: position off its surface towards a pilot.
-    pub(super) fn seen_from(
-        &self,
-        tracer: &mut BatchTracer,
-        points: &[gnurt_shading::SurfacePoint],
-    ) -> Vec<u64> {
+    /// Which pilots each point sees, one bit per pilot; those behind surfaces that send nothing there do not count.
+    pub(super) fn seen_from(&self, tracer: &mut BatchTracer, points: &[(SurfacePoint, Bsdf)]) -> Vec<u64> {
         let mut seen = vec![0_u64; points.len()];
         let mut request = RayRequest::default();
         let mut lanes = Vec::new();
-        for (n, point) in points.iter().enumerate() {
+        for (n, (point, bsdf)) in points.iter().enumerate() {
+            let one_sided = bsdf.lambertian().is_some();
             for (k, eye) in self.points.iter().enumerate() {
                 let way = point.p - eye.point.p;
+                if one_sided && point.ng.dot(way) >= 0.0 {
+                    continue;
+                }
                 if let Some(start) = vpl::start(&eye.point, way) {
                     let way = vpl::end(point, -way) - start;
                     request.rays.push(gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END));
@@ -122,7 +123,7 @@ impl Pilots {
 
     /// Density per area with which a ray from a pilot, chosen by its BSDF, meets the front of a point that these pilots
     /// see.
-    pub(super) fn pdf(&self, point: &gnurt_shading::SurfacePoint, seen: u64) -> f32 {
+    pub(super) fn pdf(&self, point: &SurfacePoint, seen: u64) -> f32 {
         let mut sum = 0.0;
         for eye in self.seeing(seen) {
             let way = point.p - eye.point.p;
