@@ -23,11 +23,12 @@ import numpy as np
 import interiors
 
 
-def load_scene(parts, camera, folder):
+def load_scene(parts, camera, folder, bsdfs={}, max_depth=9):
+    """The parts as a Mitsuba scene; `bsdfs` by name of the part replace the matte one."""
     eye, target, up, fov, width, height = camera
     scene = {
         "type": "scene",
-        "integrator": {"type": "path", "max_depth": 9},
+        "integrator": {"type": "path", "max_depth": max_depth},
         "sensor": {
             "type": "perspective",
             "fov": fov,
@@ -48,7 +49,6 @@ def load_scene(parts, camera, folder):
         path = os.path.join(folder, f"part{i}.ply")
         write_ply(path, part)
         if part.texture:
-            texel = {"type": "bitmap", "filename": part.texture, "filter_type": "bilinear", "wrap_mode": "repeat"}
             # Kd times the texture: decoded texels are scaled.
             bitmap = mi.Bitmap(part.texture).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
             data = np.array(bitmap) * np.array(part.reflectance, np.float32)
@@ -60,7 +60,8 @@ def load_scene(parts, camera, folder):
             "type": "ply",
             "filename": path,
             "face_normals": True,
-            "bsdf": {"type": "twosided", "nested": {"type": "diffuse", "reflectance": reflectance}},
+            "bsdf": bsdfs.get(part.name)
+            or {"type": "twosided", "nested": {"type": "diffuse", "reflectance": reflectance}},
         }
         if any(part.emission):
             shape["emitter"] = {"type": "area", "radiance": {"type": "rgb", "value": list(part.emission)}}
@@ -148,4 +149,5 @@ def main():
         print(f"| {scene} | **times faster at equal error** | | | | | | {ratios[0]:.2f} | {ratios[1]:.2f} |", flush=True)
 
 
-main()
+if __name__ == "__main__":
+    main()
