@@ -8,13 +8,15 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use common::*;
+use glam::Vec3;
 use gnurt_image::Picture;
 use gnurt_render::{
     CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
 };
 use gnurt_scene::material::{Alpha, Opacity, OpacityChannel};
-use gnurt_scene::{Light, Material, MaterialId, Mesh, Scene};
+use gnurt_scene::{Light, Material, MaterialId, Mesh, Scene, Surface};
 use gnurt_shading::lights::PointLight;
+use gnurt_shading::{SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 const ALBEDO: f32 = 0.6;
 
@@ -98,6 +100,33 @@ fn lights_without_extent_and_rectangles() {
         assert_close(found[0], albedo * 5.0 * form, 1e-2, &format!("a corner below, at height {height}"));
         assert_close(found[2] / found[1], 2.0, 1e-4, "colours keep their ratio");
     }
+}
+
+/// Sends the same radiance to all sides, and does not say how it scatters.
+struct Tells(f32);
+
+impl SurfaceShader for Tells {
+    fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        (0..hits.len()).for_each(|i| out.set(i, Vec3::splat(self.0)));
+    }
+}
+
+/// What the description lets shine is found by light samples, too; the shader's own radiance by scattered rays alone.
+#[test]
+fn a_shader_may_shine_beside_what_it_tells() {
+    let lit = |surface: Surface, radiance: f32| {
+        let mut scene = floor(ALBEDO, 10.0);
+        let lamp = scene.add_material(Material { emission: [radiance; 3], ..Material::of("", surface) });
+        place(&mut scene, quad([0.0, 0.0, 0.5], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], lamp));
+        let table = ShaderTable { surfaces: vec![Arc::new(Tells(3.0))], ..ShaderTable::default() };
+        let mut world = World::new();
+        world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+        let view = camera([-0.05, -0.05, 0.25], [0.0; 3], 0.01);
+        mean(&render(&world, &view, &path(8, 8, 512, 2), &pool(2), &Silent).expect("sound options").picture)
+            [0]
+    };
+    let whole = lit(Material::matte("", [0.0; 3]).surface, 5.0);
+    assert_close(lit(Surface::Shader(0), 2.0), whole, 1e-2, "2 that shine and 3 that are told are 5");
 }
 
 /// A lamp in a hollow white sphere: scattered light is the same everywhere, `Le f rho / (1 - rho (1 - f))` with the lamp's

@@ -125,8 +125,8 @@ impl Step {
             }
             let found = vertex.scattering.emission;
             if found != Vec3::ZERO {
-                let weight = emission_weight(tracer.world.light_set(), &path, vertex);
-                add(radiance, &path, path.throughput * found * weight, path.edges, options.clamp);
+                let found = weigh(found, tracer.world.light_set(), &path, vertex);
+                add(radiance, &path, path.throughput * found, path.edges, options.clamp);
             }
             if !vertex.is_final && path.edges < options.max_depth {
                 alive.push((path, vertex));
@@ -235,15 +235,21 @@ fn is_there(vertex: &Vertex, path: &Path, seed: u64) -> bool {
     coverage >= 1.0 || sample_pair(seed, path.key, path.edges, purpose::COVERAGE)[0] < coverage
 }
 
-/// How much light counts that was met by a scattered ray: light samples find it, too.
-fn emission_weight(lights: &LightSet, path: &Path, vertex: &Vertex) -> f32 {
+/// What counts of the light that a scattered ray met: light samples find it, too. Of surfaces that only tell their
+/// radiance, they find what the description lets shine.
+fn weigh(found: Vec3, lights: &LightSet, path: &Path, vertex: &Vertex) -> Vec3 {
     let [instance, mesh, triangle] = vertex.ids;
     let (Some(origin), Some(triangle)) = (path.from, lights.triangle(instance, mesh, triangle)) else {
-        return 1.0;
+        return found;
     };
     let dist = (vertex.point.p - origin.p).length();
     let pdf = lights.pdf_triangle(origin.p, origin.ns, triangle, -vertex.wo, dist);
-    power_heuristic(origin.pdf, pdf)
+    let weight = power_heuristic(origin.pdf, pdf);
+    if vertex.is_final && vertex.front {
+        let shines = lights.radiance_of_triangle(triangle, vertex.place);
+        return found - shines * (1.0 - weight);
+    }
+    found * weight
 }
 
 /// The normal that lights are asked with. No lobe that light samples can meet lets light through: glass is smooth.

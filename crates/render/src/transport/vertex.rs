@@ -27,6 +27,8 @@ pub(crate) struct Vertex {
     pub(crate) t: f32,
     /// What was hit: instance, mesh, triangle.
     pub(crate) ids: [u32; 3],
+    /// Where on the triangle: weights of its second and third corner.
+    pub(crate) place: [f32; 2],
     /// Key of its random numbers.
     pub(crate) key: SampleKey,
 }
@@ -60,6 +62,7 @@ impl BatchTracer<'_> {
                     front: points.front(k),
                     t: points.t[k],
                     ids: [points.inst_id[k], points.geom_id[k], points.prim_id[k]],
+                    place: [points.u[k], points.v[k]],
                     key: points.key[k],
                 });
             }

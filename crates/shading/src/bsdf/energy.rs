@@ -60,7 +60,8 @@ impl Energy {
 
     /// Albedo after one bounce of facets that mirror all.
     pub(super) fn white(self, cos: f32) -> f32 {
-        self.split(cos).element_sum()
+        // Rounding must not make light.
+        self.split(cos).element_sum().min(1.0)
     }
 
     /// [`white`](Self::white), averaged over a cosine-weighted hemisphere.

@@ -16,8 +16,15 @@ const ROUGHNESSES: usize = 24;
 /// Smallest roughness: below it the lobe is a ring too thin to sample.
 const SMOOTHEST: f32 = 0.07;
 
-/// The lobe of white fibres times the cosine of `wi`; `roughness` is glTF's, in [0, 1].
+/// The lobe of white fibres times the cosine of `wi`; `roughness` is glTF's, in [0, 1]. Where the model sends back more than
+/// all, for either direction, it is scaled down: that keeps it reciprocal, and no light is made.
 pub(super) fn lobe_cos(roughness: f32, wo: Vec3, wi: Vec3) -> f32 {
+    let most = whole(roughness, wo.z).max(whole(roughness, wi.z)).max(1.0);
+    model_cos(roughness, wo, wi) / most
+}
+
+/// The lobe as the model has it.
+fn model_cos(roughness: f32, wo: Vec3, wi: Vec3) -> f32 {
     let h = (wo + wi).normalize_or(Vec3::Z);
     let sin = (h.x * h.x + h.y * h.y).sqrt();
     let power = 1.0 / alpha(roughness);
@@ -25,16 +32,20 @@ pub(super) fn lobe_cos(roughness: f32, wo: Vec3, wi: Vec3) -> f32 {
     density * wi.z / (4.0 * (wo.z + wi.z - wo.z * wi.z))
 }
 
-/// Share of light that white fibres send back, seen at the cosine `cos`.
+/// Share of light that white fibres send back, seen at the cosine `cos`; about, next to where the model makes light.
 pub(super) fn albedo(roughness: f32, cos: f32) -> f32 {
+    whole(roughness, cos).clamp(0.0, 1.0)
+}
+
+/// What the model sends back on light of 1: more than all at grazing views.
+fn whole(roughness: f32, cos: f32) -> f32 {
     let (row, t) = place(roughness, ROUGHNESSES);
     let (column, s) = place(cos, COSINES);
     let at = |row: usize| {
         let row = &table()[row];
         row[column] + (row[column + 1] - row[column]) * s
     };
-    // A little more than all at grazing views of rough cloth is the model's, not light's.
-    (at(row) + (at(row + 1) - at(row)) * t).clamp(0.0, 1.0)
+    at(row) + (at(row + 1) - at(row)) * t
 }
 
 fn alpha(roughness: f32) -> f32 {
@@ -69,7 +80,7 @@ fn integral(roughness: f32, cos: f32, rings: usize, sectors: usize) -> f32 {
         // Half of the circle, twice.
         for sector in 0..sectors {
             let (s, c) = (0.5 * TAU * (sector as f32 + 0.5) / sectors as f32).sin_cos();
-            sum += lobe_cos(roughness, wo, Vec3::new(r * c, r * s, z)) * (b - a) * TAU / sectors as f32;
+            sum += model_cos(roughness, wo, Vec3::new(r * c, r * s, z)) * (b - a) * TAU / sectors as f32;
         }
     }
     sum

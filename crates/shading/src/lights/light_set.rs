@@ -294,6 +294,13 @@ impl LightSet {
         choice.probability(0) * self.tree.probability(triangle, p, ns, promise) * here
     }
 
+    /// What leaves the front of emissive triangle `triangle` at the weights of its second and third corner.
+    #[must_use]
+    pub fn radiance_of_triangle(&self, triangle: u32, place: [f32; 2]) -> Vec3 {
+        let triangles = self.parts.triangles.as_ref();
+        triangles.map_or(Vec3::ZERO, |triangles| triangles.radiance(triangle as usize, place))
+    }
+
     /// Density with which [`sample`](Self::sample) finds the environment along the unit direction `dir`.
     #[must_use]
     pub fn pdf_environment(&self, _p: Vec3, ns: Vec3, dir: Vec3) -> f32 {

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What holds for BSDFs with any parameters, between any two directions: values and densities are numbers and not negative,
+//! samples say what `eval` and `pdf` say, reflection goes both ways, and nothing gives off more light than it gets.
+//! Source: original. What holds on average (chi-square, furnaces) is in `bsdf::tests`, for chosen parameters.
+
+use glam::Vec3;
+use gnurt_shading::bsdf::{
+    Bsdf, BsdfSample, Conductor, Dielectric, Lobe, Model, Principled, Reflectance, RoughDielectric,
+};
+use proptest::prelude::*;
+
+fn color() -> impl Strategy<Value = Vec3> {
+    [0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0].prop_map(Vec3::from)
+}
+
+fn metal() -> impl Strategy<Value = Lobe> {
+    let schlick = color().prop_map(|f0| Reflectance::Schlick { f0 });
+    let index =
+        (color(), color()).prop_map(|(eta, k)| Reflectance::Index { eta: eta * 4.0 + 0.05, k: k * 8.0 });
+    (0.001_f32..=1.0, prop_oneof![schlick, index])
+        .prop_map(|(alpha, reflectance)| Lobe::Conductor(Conductor::new(alpha, reflectance)))
+}
+
+fn lobe() -> impl Strategy<Value = Lobe> {
+    let rough =
+        (color(), 0.0_f32..=1.0).prop_map(|(albedo, roughness)| Lobe::OrenNayar { albedo, roughness });
+    let glass = (0.001_f32..=1.0, 0.3_f32..3.0, color(), color(), any::<bool>()).prop_map(
+        |(alpha, eta, r, t, thin)| Lobe::RoughDielectric(RoughDielectric::new(alpha, eta, r, t, thin)),
+    );
+    let smooth = (0.3_f32..3.0, color(), color(), any::<bool>()).prop_map(
+        |(eta, reflectance, transmittance, thin)| {
+            Lobe::Dielectric(Dielectric { eta, reflectance, transmittance, thin })
+        },
+    );
+    prop_oneof![
+        color().prop_map(|albedo| Lobe::Lambert { albedo }),
+        color().prop_map(|reflectance| Lobe::Mirror { reflectance }),
+        rough,
+        metal(),
+        glass,
+        smooth
+    ]
+}
+
+fn layered() -> impl Strategy<Value = Model> {
+    let base = (color(), 0.0_f32..=1.0, 0.0_f32..=1.0, 1.0_f32..2.5);
+    let coat = (0.0_f32..=1.0, 0.001_f32..=1.0);
+    let sheen = (color(), 0.0_f32..=1.0);
+    (base, coat, sheen, 0.0_f32..=1.0, any::<bool>()).prop_map(
+        |(
+            (base, metallic, roughness, ior),
+            (coat, coat_alpha),
+            (sheen, sheen_roughness),
+            transmission,
+            thin,
+        )| {
+            let mut layers = Principled::new(base, metallic, roughness, ior);
+            (layers.coat, layers.coat_alpha) = (coat, coat_alpha);
+            (layers.sheen, layers.sheen_roughness) = (sheen, sheen_roughness);
+            (layers.transmission, layers.thin) = (transmission, thin);
+            Model::Principled(layers)
+        },
+    )
+}
+
+fn model() -> impl Strategy<Value = Model> {
+    let mix = (lobe(), lobe(), 0.0_f32..=1.0).prop_map(|(a, b, share_b)| Model::Mix { a, b, share_b });
+    prop_oneof![
+        color().prop_map(|albedo| Model::Lambert { albedo }),
+        lobe().prop_map(Model::Lobe),
+        mix,
+        layered()
+    ]
+}
+
+/// A unit vector; for views only the upper half is meant.
+fn direction() -> impl Strategy<Value = Vec3> {
+    (-1.0_f32..=1.0, 0.0_f32..std::f32::consts::TAU).prop_map(|(z, turn)| {
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        Vec3::new(r * turn.cos(), r * turn.sin(), z)
+    })
+}
+
+fn numbers() -> impl Strategy<Value = [f32; 3]> {
+    [0.0_f32..1.0, 0.0_f32..1.0, 0.0_f32..1.0]
+}
+
+fn is_light(value: Vec3) -> bool {
+    value.is_finite() && value.min_element() >= 0.0
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4000))]
+
+    #[test]
+    fn values_and_densities_are_sound(model in model(), wo in direction(), wi in direction()) {
+        let bsdf = Bsdf::new(Vec3::Z, model);
+        let (value, pdf) = (bsdf.eval(wo, wi), bsdf.pdf(wo, wi));
+        prop_assert!(is_light(value), "value {value}");
+        prop_assert!(pdf.is_finite() && pdf >= 0.0, "density {pdf}");
+        let albedo = bsdf.albedo(wo);
+        prop_assert!(is_light(albedo) && albedo.max_element() <= 1.01, "albedo {albedo}");
+    }
+
+    #[test]
+    fn samples_say_what_values_and_densities_say(model in model(), wo in direction(), u in numbers()) {
+        let bsdf = Bsdf::new(Vec3::Z, model);
+        let Some(BsdfSample { wi, weight, pdf, delta, transmitted }) = bsdf.sample(wo, u) else { return Ok(()) };
+        prop_assert!((wi.length() - 1.0).abs() < 1e-4, "unit: {wi}");
+        prop_assert!(is_light(weight), "weight {weight}");
+        prop_assert!(transmitted == (wi.z < 0.0) || wi.z.abs() < 1e-5, "which side: {wi}");
+        if delta {
+            prop_assert!(pdf.is_infinite(), "a delta says so");
+            // A mix chooses its parts by their brightest channels.
+            prop_assert!(weight.max_element() <= 3.001, "weight {weight}");
+        } else {
+            prop_assert!(pdf > 0.0 && pdf.is_finite(), "density {pdf}");
+            // What lies in the narrowest peaks turns on the last bits of directions.
+            let again = bsdf.pdf(wo, wi);
+            prop_assert!(pdf > 1e3 || (pdf - again).abs() <= 0.02 * pdf + 1e-5, "{pdf}, and asked again {again}");
+            let (value, wanted) = (bsdf.eval(wo, wi), weight * pdf);
+            let off = (value - wanted).abs().max_element();
+            prop_assert!(pdf > 1e3 || off <= 0.02 * wanted.max_element() + 1e-5, "{value}, by the sample {wanted}");
+        }
+    }
+
+    #[test]
+    fn reflection_goes_both_ways(model in model(), wo in direction(), wi in direction()) {
+        let (wo, wi) = (wo.with_z(wo.z.abs()), wi.with_z(wi.z.abs()));
+        prop_assume!(wo.z > 0.01 && wi.z > 0.01);
+        let bsdf = Bsdf::new(Vec3::Z, model);
+        let (there, back) = (bsdf.eval(wo, wi) / wi.z, bsdf.eval(wi, wo) / wo.z);
+        let off = (there - back).abs().max_element();
+        prop_assert!(off <= 0.01 * there.max_element() + 1e-4, "{there} and {back}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn no_light_is_made(model in model(), wo in direction(), shift in numbers()) {
+        let bsdf = Bsdf::new(Vec3::Z, model);
+        // Cloth seen at grazing angles is drawn by the cosine, which does not know its narrow rim;
+        // and its table is coarse there.
+        let has_rim = matches!(model, Model::Principled(layers) if layers.sheen != Vec3::ZERO);
+        let (most, all) = if has_rim { (1000.0, 1.3) } else { (50.0, 1.03) };
+        let n = 4096_u32;
+        let mut sum = Vec3::ZERO;
+        for i in 0..n {
+            // A lattice of low discrepancy, shifted.
+            let step = [0.819_172_5_f64, 0.671_043_6, 0.549_700_5];
+            let u = [0, 1, 2].map(|k| ((f64::from(i) * step[k] + f64::from(shift[k])).fract() as f32).min(0.999_999_9));
+            if let Some(sample) = bsdf.sample(wo, u) {
+                prop_assert!(sample.weight.max_element() < most, "weight {}", sample.weight);
+                sum += sample.weight / n as f32;
+            }
+        }
+        prop_assert!(sum.max_element() < all, "{sum} of 1 comes back");
+    }
+}
