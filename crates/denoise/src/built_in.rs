@@ -41,6 +41,7 @@ pub(crate) fn filter(noisy: &Noisy, pool: &rayon::ThreadPool) -> Vec<Triple> {
     } else {
         variance
     };
+    let floor = floor(&color, &variance, width, height);
     let variance = smooth(&variance, width, height);
     let signal = Signal { width, height, color: &color, variance: &variance };
 
@@ -68,7 +69,7 @@ pub(crate) fn filter(noisy: &Noisy, pool: &rayon::ThreadPool) -> Vec<Triple> {
     let clean = |(i, sum): (usize, &[f32; 4])| {
         [0, 1, 2].map(|k| {
             let light = sum[k] / sum[3];
-            let light = if light.is_finite() { light } else { color[i][k] };
+            let light = if light.is_finite() { light.max(floor[i][k]) } else { color[i][k] };
             (light * albedo[i][k]).clamp(0.0, f32::MAX)
         })
     };
@@ -105,6 +106,7 @@ impl Explained {
             let p = y * noisy.width + x;
             neighbours.clear();
             let mut regression = Regression::new();
+            let mut range = [[f32::MAX; 3], [f32::MIN; 3]];
             for o in 0..OFFSETS {
                 let weight = weights.of[o * pixels + i];
                 if weight > LEAST {
@@ -113,7 +115,12 @@ impl Explained {
                     let qy = y + o / (2 * REACH + 1) - REACH;
                     let q = qy * noisy.width + qx;
                     let features = features(noisy, p, q);
-                    regression.add(weight, &features, &signal.color[q]);
+                    let color = &signal.color[q];
+                    regression.add(weight, &features, color);
+                    for k in 0..3 {
+                        range[0][k] = range[0][k].min(color[k]);
+                        range[1][k] = range[1][k].max(color[k]);
+                    }
                     neighbours.push(((qy - rect[1]) * wide + qx - rect[0], weight, features));
                 }
             }
@@ -121,7 +128,8 @@ impl Explained {
                 for (place, weight, features) in &neighbours {
                     let color = fit.at(features);
                     let sum = &mut sums[*place];
-                    (0..3).for_each(|k| sum[k] += weight * color[k]);
+                    // A slope that noise made overshoots beside bright edges: nothing is darker or brighter than all it is made of.
+                    (0..3).for_each(|k| sum[k] += weight * color[k].max(range[0][k]).min(range[1][k]));
                     sum[3] += weight;
                 }
             }
@@ -139,6 +147,23 @@ fn features(noisy: &Noisy, p: usize, q: usize) -> Features {
         features[7 + k] = noisy.position[q][k] - noisy.position[p][k];
     }
     features
+}
+
+/// What a pixel and those around it are at least, by all likelihood: slopes overshoot beside bright edges, and would draw dark
+/// rims there. There is no such ceiling: what rare bright samples bring must stay.
+fn floor(color: &[Triple], variance: &[Triple], width: usize, height: usize) -> Vec<Triple> {
+    let least = |i: usize, k: usize| color[i][k] - 2.0 * variance[i][k].max(0.0).sqrt();
+    let around = |at: usize, length: usize| at.saturating_sub(1)..(at + 2).min(length);
+    let at = |i: usize| {
+        let mut floor = [f32::MAX; 3];
+        for y in around(i / width, height) {
+            for x in around(i % width, width) {
+                (0..3).for_each(|k| floor[k] = floor[k].min(least(y * width + x, k)));
+            }
+        }
+        floor
+    };
+    (0..color.len()).map(at).collect()
 }
 
 /// Variances that were found with few samples are noisy themselves: means over 5 x 5 pixels.

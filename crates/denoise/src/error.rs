@@ -10,7 +10,9 @@ pub enum Error {
     #[error("unknown denoiser '{0}': expected {names}", names = Method::ALL.map(Method::name).join(", "))]
     UnknownMethod(String),
     /// The picture lacks what its camera rays met.
-    #[error("the picture has no channel '{0}': denoising needs the layers albedo, N, P and variance")]
+    #[error(
+        "the picture has no channel '{0}': denoising needs the layers albedo, N, P and variance, which EXR files of renderings have"
+    )]
     NoChannel(String),
     /// The region is empty or not within the picture.
     #[error("the region {region:?} is no part of a picture of {width} x {height} pixels")]

@@ -4,6 +4,7 @@
 //! An option given twice: the last one wins. Values may start with a minus. Proof: `tests/program/arguments.rs`.
 
 mod bench;
+mod denoiser;
 mod refusal;
 mod render;
 mod talk;
@@ -20,6 +21,7 @@ pub(crate) use bench::{
     BenchArguments, BenchBuildArguments, BenchCommand, BenchLightArguments, BenchPaperArguments,
     BenchRaysArguments,
 };
+pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::TalkArguments;
@@ -158,6 +160,8 @@ pub(crate) struct ConvertArguments {
     /// The file to write: the extension says the format
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) denoiser: DenoiserArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
     #[command(flatten)]

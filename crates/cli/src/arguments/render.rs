@@ -6,12 +6,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use gnurt::denoise::Method;
 use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
 use super::{
-    FrameArguments, LightArguments, MachineArguments, SurroundingsArguments, TalkArguments, ViewArguments,
+    DenoiserArguments, FrameArguments, LightArguments, MachineArguments, SurroundingsArguments,
+    TalkArguments, ViewArguments,
 };
 
 /// Arguments of `render`.
@@ -31,17 +31,8 @@ pub(crate) struct RenderArguments {
     /// Stop after this time and keep the picture so far: 90, 90s, 1.5m, 2h
     #[arg(long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true)]
     pub(crate) time: Option<Duration>,
-    /// Take the noise out of the picture: auto (OIDN where its library is found or OIDN_LIB names it, else built-in),
-    /// built-in, oidn
-    #[arg(
-        long,
-        value_name = "HOW",
-        value_parser = value::denoiser,
-        num_args = 0..=1,
-        require_equals = true,
-        default_missing_value = "auto"
-    )]
-    pub(crate) denoise: Option<Method>,
+    #[command(flatten)]
+    pub(crate) denoiser: DenoiserArguments,
     /// Also show the picture while it is rendered, in tev: tev:HOST:PORT
     #[arg(long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
     pub(crate) display: Option<TevAddress>,

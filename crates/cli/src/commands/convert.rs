@@ -5,6 +5,7 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
+use gnurt::denoise::denoise;
 use gnurt::image;
 use gnurt::scene::io;
 
@@ -35,7 +36,10 @@ pub(crate) fn run(arguments: &ConvertArguments, environment: &Environment, messa
     }
     signals::listen(FirstSignal::Leaves, messages)?;
     match (kind(&arguments.input), written_kind(output)?) {
-        (Kind::Picture, Kind::Picture) => convert_picture(arguments, messages),
+        (Kind::Picture, Kind::Picture) => convert_picture(arguments, environment, messages),
+        (Kind::Scene, Kind::Scene) if arguments.denoiser.denoise.is_some() => {
+            Err(Failure::usage("--denoise is for pictures; scenes have no noise"))
+        }
         (Kind::Scene, Kind::Scene) => convert_scene(arguments, environment, messages),
         (Kind::Scene, Kind::Picture) => Err(Failure::usage(format_args!(
             "{} is a scene and {} a picture; `gnurt render` makes pictures of scenes",
@@ -69,10 +73,18 @@ fn written_kind(output: &Path) -> Result<Kind, Failure> {
     })
 }
 
-fn convert_picture(arguments: &ConvertArguments, messages: Messages) -> Outcome {
+fn convert_picture(arguments: &ConvertArguments, environment: &Environment, messages: Messages) -> Outcome {
     let output = Output::named(&arguments.output)?;
     output.check()?;
-    let picture = image::read(Path::new(&arguments.input)).map_err(Failure::data)?;
+    let mut picture = image::read(Path::new(&arguments.input)).map_err(Failure::data)?;
+    if let Some(how) = arguments.denoiser.options(None) {
+        let pool = gnurt::thread_pool(environment.threads.unwrap_or(0)).map_err(Failure::data)?;
+        let used = denoise(&mut picture, &how, &pool).map_err(|error| {
+            Failure::data(format_args!("{}: {error}", Path::new(&arguments.input).display()))
+        })?;
+        messages.note(&used);
+        picture.set_metadata("denoiser", used.name());
+    }
     output.write(&picture, arguments.light)?;
     messages.detail(format_args!("wrote {}, {}x{}", output.path().display(), picture.width, picture.height));
     Ok(())

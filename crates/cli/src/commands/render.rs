@@ -85,7 +85,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     }
     saved?;
     tell(&frame, arguments, messages);
-    if let Some(how) = denoiser(arguments, options.crop) {
+    if let Some(how) = arguments.denoiser.options(options.crop) {
         let used = denoise(&mut frame.picture, &how, &pool).map_err(Failure::data)?;
         messages.note(&used);
         frame.picture.set_metadata("denoiser", used.name());
@@ -121,15 +121,6 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     }
 }
 
-/// Names the library of Open Image Denoise.
-const OIDN: &str = "OIDN_LIB";
-
-/// How the picture is to be denoised, if at all.
-fn denoiser(arguments: &RenderArguments, region: Option<[u32; 4]>) -> Option<denoise::Options> {
-    let library = std::env::var_os(OIDN).filter(|file| !file.is_empty()).map(Into::into);
-    arguments.denoise.map(|method| denoise::Options { method, region, library })
-}
-
 /// Everything that can be refused before any work.
 fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Source, Targets), Failure> {
     view::check(&arguments.view, &arguments.surroundings)?;
@@ -162,7 +153,7 @@ fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Sour
             arguments.frame.integrator
         )));
     }
-    if let Some(how) = denoiser(arguments, None) {
+    if let Some(how) = arguments.denoiser.options(None) {
         denoise::check(&how).map_err(Failure::data)?;
     }
     picture.check()?;
@@ -184,7 +175,7 @@ fn check_memory(arguments: &RenderArguments, targets: &Targets) -> Outcome {
     /// What a denoiser makes of them.
     const CLEAN_PER_PIXEL: u64 = 160;
     let layers = if needs_layers(arguments, targets) { LAYERS_PER_PIXEL } else { 0 };
-    let clean = if arguments.denoise.is_some() { CLEAN_PER_PIXEL } else { 0 };
+    let clean = if arguments.denoiser.denoise.is_some() { CLEAN_PER_PIXEL } else { 0 };
     let heat = if targets.heatmap.is_some() { HEAT_PER_PIXEL } else { 0 };
     let needed =
         u64::from(resolution.width) * u64::from(resolution.height) * (PER_PIXEL + layers + clean + heat);
@@ -238,7 +229,7 @@ pub(super) fn commit(
 }
 
 fn needs_layers(arguments: &RenderArguments, targets: &Targets) -> bool {
-    targets.picture.has_layers() || arguments.denoise.is_some()
+    targets.picture.has_layers() || arguments.denoiser.denoise.is_some()
 }
 
 fn options(arguments: &RenderArguments, targets: &Targets, level: Level) -> RenderOptions {

@@ -45,3 +45,23 @@ fn a_library_that_is_none_is_an_error_or_a_reason() {
 fn unknown_denoisers_are_refused_with_the_names_of_others() {
     Folder::new().run(&words(&["--denoise=oidm"])).fails(2, "did you mean 'oidn'?");
 }
+
+#[test]
+fn files_with_layers_are_denoised_as_renderings_are() {
+    let folder = Folder::new();
+    folder.run(&words(&["-q", "-o", "noisy.exr"])).success();
+    folder.run(&words(&["-q", "--denoise=built-in", "-o", "direct.exr"])).success();
+    folder.gnurt("convert -q noisy.exr later.exr --denoise=built-in").success();
+    let [noisy, direct, later] = ["noisy", "direct", "later"]
+        .map(|name| gnurt::image::read(&folder.at(&format!("{name}.exr"))).expect("a picture"));
+    let apart = |a, b| gnurt::image::compare(a, b).expect("of one size").mse;
+    assert!(
+        apart(&direct, &later) < 0.01 * apart(&direct, &noisy),
+        "files keep less than memory, but enough"
+    );
+    folder.run(&words(&["-q", "-o", "flat.png"])).success();
+    folder
+        .gnurt("convert flat.png later.png --denoise=built-in")
+        .fails(1, "flat.png: the picture has no channel");
+    folder.gnurt("convert builtin:cornell box.obj --denoise").fails(2, "scenes have no noise");
+}
