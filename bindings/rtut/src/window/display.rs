@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The main loop with a window. Source: original, on winit and softbuffer. Proof: tests/window.rs.
+
+use std::num::NonZeroU32;
+use std::rc::Rc;
+
+use softbuffer::{Context, Surface};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::keyboard::{Key, NamedKey};
+use winit::window::{Window, WindowId};
+
+use super::plain::keep;
+use super::{Program, Settings};
+
+/// Shows the window until somebody closes it or the program wants to leave.
+pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
+    let events = EventLoop::new().map_err(|error| error.to_string())?;
+    let mut app =
+        App { program, settings, open: None, failure: None, pointer: [0; 2], buttons: 0, seen: 0, drawn: 0 };
+    events.run_app(&mut app).map_err(|error| error.to_string())?;
+    app.failure.map_or(Ok(()), Err)
+}
+
+struct App<'a> {
+    program: &'a dyn Program,
+    settings: &'a Settings,
+    open: Option<Open>,
+    failure: Option<String>,
+    /// Pixel that the pointer is at.
+    pointer: [i32; 2],
+    /// Buttons that are down.
+    buttons: u32,
+    /// Pictures that were kept, and drawn.
+    seen: u64,
+    drawn: u64,
+}
+
+struct Open {
+    window: Rc<Window>,
+    surface: Surface<Rc<Window>, Rc<Window>>,
+}
+
+/// Buttons as GLUT numbers them; a notch of the wheel is a press of 3 or 4.
+fn number(button: MouseButton) -> Option<i32> {
+    match button {
+        MouseButton::Left => Some(0),
+        MouseButton::Middle => Some(1),
+        MouseButton::Right => Some(2),
+        _ => None,
+    }
+}
+
+/// Keys without a character, as GLUT numbers them.
+fn special(key: NamedKey) -> Option<i32> {
+    const FUNCTION: [NamedKey; 12] = [
+        NamedKey::F1,
+        NamedKey::F2,
+        NamedKey::F3,
+        NamedKey::F4,
+        NamedKey::F5,
+        NamedKey::F6,
+        NamedKey::F7,
+        NamedKey::F8,
+        NamedKey::F9,
+        NamedKey::F10,
+        NamedKey::F11,
+        NamedKey::F12,
+    ];
+    const OTHERS: [NamedKey; 9] = [
+        NamedKey::ArrowLeft,
+        NamedKey::ArrowUp,
+        NamedKey::ArrowRight,
+        NamedKey::ArrowDown,
+        NamedKey::PageUp,
+        NamedKey::PageDown,
+        NamedKey::Home,
+        NamedKey::End,
+        NamedKey::Insert,
+    ];
+    let place = |keys: &[NamedKey], first: i32| {
+        keys.iter().position(|&other| other == key).map(|place| first + place as i32)
+    };
+    place(&FUNCTION, 1).or_else(|| place(&OTHERS, 100))
+}
+
+/// The character of a key, if it is one byte.
+fn character(event: &KeyEvent) -> Option<u8> {
+    match &event.logical_key {
+        Key::Named(NamedKey::Escape) => Some(27),
+        Key::Named(NamedKey::Enter) => Some(13),
+        Key::Named(NamedKey::Backspace) => Some(8),
+        Key::Named(NamedKey::Delete) => Some(127),
+        Key::Named(NamedKey::Tab) => Some(9),
+        Key::Named(NamedKey::Space) => Some(b' '),
+        Key::Character(text) => text.chars().next().and_then(|c| u8::try_from(c).ok()),
+        _ => None,
+    }
+}
+
+impl App<'_> {
+    fn open(&mut self, events: &ActiveEventLoop) -> Result<(), String> {
+        let (mut title, mut size) = (String::new(), [0; 2]);
+        self.program.stage(&mut |stage| (title, size) = (stage.title.clone(), stage.size));
+        let attributes = Window::default_attributes()
+            .with_title(title)
+            .with_inner_size(PhysicalSize::new(size[0], size[1]));
+        let window = Rc::new(events.create_window(attributes).map_err(|error| error.to_string())?);
+        let context = Context::new(window.clone()).map_err(|error| error.to_string())?;
+        let surface = Surface::new(&context, window.clone()).map_err(|error| error.to_string())?;
+        self.resize(window.inner_size().into());
+        self.open = Some(Open { window, surface });
+        Ok(())
+    }
+
+    fn resize(&mut self, size: [u32; 2]) {
+        if size.contains(&0) {
+            return;
+        }
+        self.program.stage(&mut |stage| {
+            stage.size = size.map(|side| side.min(super::stage::LARGEST));
+            stage.is_stale = true;
+        });
+        self.program.reshape(size);
+    }
+
+    /// Puts the picture on the screen, or what of it fits.
+    fn draw(&mut self) -> Result<(), String> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        let size: [u32; 2] = open.window.inner_size().into();
+        let [Some(columns), Some(rows)] = size.map(NonZeroU32::new) else { return Ok(()) };
+        open.surface.resize(columns, rows).map_err(|error| error.to_string())?;
+        let mut buffer = open.surface.buffer_mut().map_err(|error| error.to_string())?;
+        buffer.fill(0);
+        let drawn = &mut self.drawn;
+        self.program.stage(&mut |stage| {
+            *drawn = stage.pictures;
+            let [width, height] = stage.screen_size.map(|side| side as usize);
+            let from = stage.screen.chunks_exact(width.max(1)).take(height);
+            for (to, from) in buffer.chunks_exact_mut(size[0] as usize).zip(from) {
+                let shared = to.len().min(from.len());
+                to[..shared].copy_from_slice(&from[..shared]);
+            }
+        });
+        open.window.pre_present_notify();
+        buffer.present().map_err(|error| error.to_string())
+    }
+
+    fn fail(&mut self, events: &ActiveEventLoop, failure: String) {
+        self.failure = Some(failure);
+        events.exit();
+    }
+
+    /// What comes after each of the program's functions: pictures are kept, and the end is seen.
+    fn settle(&mut self, events: &ActiveEventLoop) {
+        if let Err(failure) = keep(self.program, self.settings, &mut self.seen) {
+            self.fail(events, failure);
+        }
+        let mut is_over = self.settings.is_enough(self.seen);
+        self.program.stage(&mut |stage| is_over |= stage.is_leaving);
+        if is_over {
+            events.exit();
+        }
+    }
+}
+
+impl ApplicationHandler for App<'_> {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.open.is_none()
+            && let Err(failure) = self.open(events)
+        {
+            self.fail(events, failure);
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match event {
+            WindowEvent::CloseRequested => return events.exit(),
+            WindowEvent::Resized(size) => self.resize(size.into()),
+            WindowEvent::RedrawRequested => {
+                if let Err(failure) = self.draw() {
+                    return self.fail(events, failure);
+                }
+            }
+            WindowEvent::CursorMoved { position, .. } => {
+                self.pointer = [position.x as i32, position.y as i32];
+                self.program.motion(self.pointer, self.buttons > 0);
+            }
+            WindowEvent::MouseInput { state, button, .. } => {
+                let is_up = state == ElementState::Released;
+                self.buttons = if is_up { self.buttons.saturating_sub(1) } else { self.buttons + 1 };
+                if let Some(button) = number(button) {
+                    self.program.mouse(button, is_up, self.pointer);
+                }
+            }
+            WindowEvent::MouseWheel { delta, .. } => {
+                let up = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => lines > 0.0,
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y > 0.0,
+                };
+                for is_up in [false, true] {
+                    self.program.mouse(if up { 3 } else { 4 }, is_up, self.pointer);
+                }
+            }
+            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } if event.state.is_pressed() => {
+                if let Some(key) = character(&event) {
+                    self.program.keyboard(key, self.pointer);
+                } else if let Key::Named(named) = event.logical_key
+                    && let Some(key) = special(named)
+                {
+                    self.program.special(key, self.pointer);
+                }
+            }
+            _ => return,
+        }
+        self.settle(events);
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        let Some(open) = &self.open else { return };
+        let window = open.window.clone();
+        let mut is_stale = false;
+        self.program.stage(&mut |stage| is_stale = std::mem::take(&mut stage.is_stale));
+        if is_stale {
+            self.program.display();
+        }
+        let animates = self.program.idle();
+        let mut pictures = 0;
+        self.program.stage(&mut |stage| {
+            // Nobody will swap soon: the last frame is shown, too.
+            if !stage.is_stale && !animates {
+                stage.finish();
+            }
+            (is_stale, pictures) = (stage.is_stale, stage.pictures);
+        });
+        if pictures != self.drawn {
+            window.request_redraw();
+        }
+        events.set_control_flow(if is_stale || animates { ControlFlow::Poll } else { ControlFlow::Wait });
+        self.settle(events);
+    }
+}

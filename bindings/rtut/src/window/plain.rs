@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The main loop without a window: frames as fast as they come, to files. Source: original. Proof: tests/window.rs.
+
+use super::{Program, Settings};
+use crate::window::pixels::write_ppm;
+
+/// Asks for frames until there are enough, or none comes any more.
+pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
+    let mut size = [0; 2];
+    program.stage(&mut |stage| size = stage.size);
+    program.reshape(size);
+    let mut seen = 0;
+    loop {
+        let (mut is_stale, mut is_leaving) = (false, false);
+        program.stage(&mut |stage| {
+            (is_stale, is_leaving) = (std::mem::take(&mut stage.is_stale), stage.is_leaving);
+        });
+        if is_leaving {
+            break;
+        }
+        if is_stale {
+            program.display();
+        }
+        let mut is_over = false;
+        keep(program, settings, &mut seen)?;
+        program.stage(&mut |stage| is_over = settings.is_enough(stage.pictures));
+        if is_over {
+            break;
+        }
+        let animates = program.idle();
+        // Nothing would ever change again.
+        let mut is_still = false;
+        program.stage(&mut |stage| is_still = !stage.is_stale && !stage.is_leaving && !animates);
+        if is_still {
+            break;
+        }
+    }
+    program.stage(&mut |stage| {
+        if !settings.is_enough(stage.pictures) {
+            stage.finish();
+        }
+    });
+    keep(program, settings, &mut seen)
+}
+
+/// Writes the picture if it is a new one.
+pub(super) fn keep(program: &dyn Program, settings: &Settings, seen: &mut u64) -> Result<(), String> {
+    let mut outcome = Ok(());
+    program.stage(&mut |stage| {
+        if stage.pictures == *seen {
+            return;
+        }
+        let path = settings.file(*seen);
+        *seen = stage.pictures;
+        if let Some(path) = path {
+            let mut bytes = Vec::new();
+            let written = write_ppm(&mut bytes, stage.screen_size, &stage.screen);
+            let written = written.and_then(|()| std::fs::write(&path, bytes));
+            outcome = written.map_err(|error| format!("cannot write {}: {error}", path.display()));
+        }
+    });
+    outcome
+}
