@@ -9,7 +9,7 @@ use std::sync::Once;
 
 use clap::Parser;
 
-use crate::arguments::{Arguments, Command, MachineArguments, Refusal, explain};
+use crate::arguments::{Arguments, Command, MachineArguments, Refusal, explain, talk_behind_command};
 use crate::commands;
 use crate::environment::{Environment, Overridden};
 use crate::failure::{Failure, Outcome};
@@ -23,7 +23,7 @@ pub(crate) fn run() -> ExitCode {
 }
 
 fn parse_and_run() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let arguments = match Arguments::try_parse_from(talk_behind_command(std::env::args_os().collect())) {
         Ok(arguments) => arguments,
         Err(error) => {
             return match explain(&error) {

@@ -24,7 +24,7 @@ pub(crate) use bench::{
 pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
-pub(crate) use talk::TalkArguments;
+pub(crate) use talk::{TalkArguments, talk_behind_command};
 pub(crate) use value::{Pixel, Resolution};
 pub(crate) use view::{
     FrameArguments, LightArguments, MachineArguments, SurroundingsArguments, ViewArguments,

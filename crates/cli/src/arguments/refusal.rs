@@ -69,6 +69,14 @@ fn unknown_argument(argument: &str) -> String {
     options.dedup();
     // `--sppp=4` means the option before the sign.
     let written = argument.split('=').next().unwrap_or(argument);
+    let short = written.strip_prefix('-').and_then(|letters| letters.chars().next());
+    let is_short = |option: &clap::Arg| option.get_short().is_some() && option.get_short() == short;
+    // It is known, but not where it stands.
+    if options.contains(&written) || used_command(&root).get_arguments().any(is_short) {
+        return format!(
+            "{written}: options stand behind the command, as in 'gnurt render SCENE {written} ...'"
+        );
+    }
     unknown("option", written, &options)
 }
 

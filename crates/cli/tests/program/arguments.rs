@@ -56,6 +56,8 @@ fn commands_and_their_words() {
         ("render ok.obj -o", 2, "--output: a value is missing"),
         ("render ok.obj --eye", 2, "--eye: a value is missing"),
         ("render ok.obj --quiet=yes", 2, "--quiet"),
+        ("--threads 2 render ok.obj", 2, "--threads: options stand behind the command"),
+        ("-r 4x4 render ok.obj", 2, "-r: options stand behind the command"),
         ("render ok.obj --stats=xml", 2, "unknown form 'xml'"),
         ("render ok.obj --stats=jsn", 2, "did you mean 'json'?"),
     ]);
@@ -281,6 +283,8 @@ fn the_last_of_repeated_options_wins() {
         let run = folder.gnurt(&format!("render ok.obj -r 4x2 --spp 1 -o p.png {options}")).success();
         assert_eq!(run.stderr.is_empty(), is_quiet, "the later of {options} wins: {}", run.stderr);
     }
+    let run = folder.gnurt("-v -q render ok.obj -r 4x2 --spp 1 -o p.png").success();
+    assert_eq!(run.stderr, "", "they may stand before the command");
 }
 
 #[test]
