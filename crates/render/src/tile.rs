@@ -160,7 +160,8 @@ impl<'a> Job<'a> {
         rays.clear();
         keys.clear();
         places.clear();
-        let mut row = (u32::MAX, 0.0);
+        // Centres of neighbours share columns and rows.
+        let (mut columns, mut row) = ([(u32::MAX, 0.0); 16], (u32::MAX, 0.0));
         for [x, y] in pixels {
             let key = SampleKey { pixel: y * width + x, sample, branch: 0 };
             let [dx, dy] = if self.options.pixel_centres {
@@ -168,11 +169,14 @@ impl<'a> Job<'a> {
             } else {
                 self.filter.sample(sample_pair(self.options.seed, key, 0, purpose::PIXEL))
             };
-            let across = (f64::from(x) + 0.5 + f64::from(dx)) / f64::from(width);
-            if row.0 != y || !self.options.pixel_centres {
-                row = (y, 1.0 - (f64::from(y) + 0.5 + f64::from(dy)) / f64::from(height));
+            let column = &mut columns[x as usize % 16];
+            if column.0 != x || !self.options.pixel_centres {
+                *column = (x, ((f64::from(x) + 0.5 + f64::from(dx)) / f64::from(width)) as f32);
             }
-            places.push([across as f32, row.1 as f32]);
+            if row.0 != y || !self.options.pixel_centres {
+                row = (y, (1.0 - (f64::from(y) + 0.5 + f64::from(dy)) / f64::from(height)) as f32);
+            }
+            places.push([column.1, row.1]);
             keys.push(key);
         }
         self.camera.rays(places, width as f32 / height as f32, rays);

@@ -42,11 +42,9 @@ struct Triangle<'w> {
     ng: Vec3,
     uv: [[f32; 2]; 3],
     uv_per_length: f32,
-    /// What only points need that rays leave from.
-    more: Option<Surroundings>,
 }
 
-/// World space.
+/// What only points need that rays leave from; world space.
 struct Surroundings {
     error: f32,
     dp_du: Vec3,
@@ -68,7 +66,7 @@ impl World {
         points.resize(lanes.len(), detail);
         points.depth = from.depth;
         let (hits, [x, y, z]) = (from.hits, &from.rays.dir);
-        let mut last: Option<Triangle> = None;
+        let (mut last, mut around): (Option<Triangle>, _) = (None, None);
         for (i, &lane) in lanes.iter().enumerate() {
             let lane = lane as usize;
             let (t, u, v) = (hits.t[lane], hits.u[lane], hits.v[lane]);
@@ -76,40 +74,41 @@ impl World {
             // Neighbours often hit the same triangle.
             let triangle = match &last {
                 Some(triangle) if triangle.ids == ids => triangle,
-                _ => last.insert(self.triangle(ids, from.epsilon, detail)),
+                _ => {
+                    let triangle = last.insert(self.triangle(ids));
+                    if detail == Detail::Full {
+                        around = Some(triangle.surroundings(from.epsilon));
+                    }
+                    triangle
+                }
             };
             let ray_dir = Vec3::new(x[lane], y[lane], z[lane]);
             points.ray_dir.set(i, ray_dir);
             points.key[i] = from.keys[lane];
             (points.t[i], points.u[i], points.v[i]) = (t, u, v);
             (points.prim_id[i], points.geom_id[i], points.inst_id[i]) = (ids[0], ids[1], ids[2]);
-            triangle.write_point(i, [u, v], ray_dir, points);
+            triangle.write_point(i, [u, v], ray_dir, around.as_ref(), points);
         }
         points.attributes = attributes.iter().map(|request| self.attribute(request, points)).collect();
     }
 
-    fn triangle(&self, ids: [u32; 3], epsilon: f32, detail: Detail) -> Triangle<'_> {
+    #[inline]
+    fn triangle(&self, ids: [u32; 3]) -> Triangle<'_> {
         let [prim_id, geom_id, inst_id] = ids;
         let instance = self.instance(inst_id);
         let mesh = &*instance.object.meshes[geom_id as usize];
         let corners = mesh.indices[prim_id as usize].map(|i| i as usize);
         let positions = corners.map(|i| Vec3::from(mesh.positions[i]));
         let normals = self.vertex_normals(mesh, corners);
-        let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
-        let in_world = || positions.map(|q| instance.point(q));
-        let more = (detail == Detail::Full).then(|| {
-            let reach = positions[0].abs().max(positions[1].abs()).max(positions[2].abs());
-            Surroundings {
-                error: ERROR_SCALE * instance.magnitude(reach) + epsilon,
-                dp_du: instance.linear * change_per_u(&positions, &uv),
-                corners: in_world(),
-                normals: normals.unwrap_or_default().map(|n| (instance.normals * n).normalize_or_zero()),
-            }
-        });
-        // Without coordinates nothing changes with them.
-        let uv_per_length = if mesh.texcoords.is_empty() { 0.0 } else { uv_per_length(&in_world(), &uv) };
         let ng = geometric_normal(instance, &positions);
-        Triangle { ids, instance, mesh, corners, positions, normals, ng, uv, uv_per_length, more }
+        // Without coordinates nothing changes with them.
+        let (uv, uv_per_length) = if mesh.texcoords.is_empty() {
+            ([[0.0; 2]; 3], 0.0)
+        } else {
+            let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
+            (uv, uv_per_length(&positions.map(|q| instance.point(q)), &uv))
+        };
+        Triangle { ids, instance, mesh, corners, positions, normals, ng, uv, uv_per_length }
     }
 
     /// Unit, in the object; `None` where the triangle is flat.
@@ -145,9 +144,28 @@ impl World {
 }
 
 impl Triangle<'_> {
+    fn surroundings(&self, epsilon: f32) -> Surroundings {
+        let Self { instance, positions, .. } = self;
+        let reach = positions[0].abs().max(positions[1].abs()).max(positions[2].abs());
+        let normals = self.normals.unwrap_or_default();
+        Surroundings {
+            error: ERROR_SCALE * instance.magnitude(reach) + epsilon,
+            dp_du: instance.linear * change_per_u(positions, &self.uv),
+            corners: positions.map(|q| instance.point(q)),
+            normals: normals.map(|n| (instance.normals * n).normalize_or_zero()),
+        }
+    }
+
     /// Writes what follows from the place on the triangle.
     #[inline]
-    fn write_point(&self, i: usize, [u, v]: [f32; 2], ray_dir: Vec3, out: &mut SurfaceBatch) {
+    fn write_point(
+        &self,
+        i: usize,
+        [u, v]: [f32; 2],
+        ray_dir: Vec3,
+        around: Option<&Surroundings>,
+        out: &mut SurfaceBatch,
+    ) {
         let (instance, ng, weights) = (self.instance, self.ng, [1.0 - u - v, u, v]);
         let p = instance.point(mix3(&self.positions, weights));
         let ns = self.normals.and_then(|n| (instance.normals * mix3(&n, weights)).try_normalize());
@@ -164,14 +182,14 @@ impl Triangle<'_> {
         let color = vertex_color(self.mesh, self.corners, weights);
         out.color.set(i, Vec3::new(color[0], color[1], color[2]));
         out.alpha[i] = color[3];
-        if let Some(more) = &self.more {
-            out.error[i] = more.error;
-            out.dp_du.set(i, more.dp_du);
+        if let Some(around) = around {
+            out.error[i] = around.error;
+            out.dp_du.set(i, around.dp_du);
             let lift = ns.map_or(Vec3::ZERO, |ns| {
                 // On the side that the ray comes from, as the facing shading normal is.
                 let to_viewer = if ng.dot(ray_dir) <= 0.0 { ng } else { -ng };
-                let seen = if ns.dot(to_viewer) < 0.0 { more.normals.map(|n| -n) } else { more.normals };
-                lift(p, &more.corners, &seen, weights)
+                let seen = if ns.dot(to_viewer) < 0.0 { around.normals.map(|n| -n) } else { around.normals };
+                lift(p, &around.corners, &seen, weights)
             });
             out.lift.set(i, lift);
         }
