@@ -84,12 +84,13 @@ impl Vpl {
         if !(distance2 > 0.0 && to.is_finite() && is_open(&eye.point, to)) {
             return None;
         }
-        let got = eye.bsdf.eval(eye.wo, to);
-        if got == Vec3::ZERO {
-            return None;
-        }
+        // What is cheap comes first: a Lambertian light shines to its front only.
         let sent = self.sent(-to);
         if sent == Vec3::ZERO {
+            return None;
+        }
+        let got = eye.bsdf.eval(eye.wo, to);
+        if got == Vec3::ZERO {
             return None;
         }
         let pdf_eye = eye.bsdf.pdf(eye.wo, to) * self.point.ng.dot(to).abs() / distance2;
