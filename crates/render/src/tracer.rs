@@ -49,6 +49,8 @@ pub(crate) struct BatchTracer<'w> {
 pub(crate) enum Wanted {
     /// All that shaders can do.
     Light,
+    /// Base colours and shading normals, of either side.
+    Color,
     /// Base colours, places and normals.
     Albedo,
     /// Places and normals.
@@ -135,8 +137,9 @@ impl<'w> BatchTracer<'w> {
             lanes.extend(same.iter().map(|&lane| lane as u32));
             let detail = match wanted {
                 Wanted::Light => Detail::Full,
-                Wanted::Albedo => shader.albedo_detail(),
-                Wanted::Normals => Detail::Color,
+                Wanted::Color => shader.albedo_detail(),
+                Wanted::Albedo => shader.albedo_detail().min(Detail::Sides),
+                Wanted::Normals => Detail::Sides,
             };
             world.surface_points(from, lanes, detail, shader.attributes(), points);
             self.cone.widen(points, lanes, &widths);

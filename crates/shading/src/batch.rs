@@ -109,11 +109,13 @@ impl SampleKey {
 }
 
 /// How much of a batch is filled in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Detail {
     /// All of it.
     Full,
-    /// What base colours are made of: all but `error`, `lift` and `dp_du`, which are empty.
+    /// Places and normals: all but `error`, `lift` and `dp_du`, which are empty.
+    Sides,
+    /// What base colours are made of: as `Sides`, but `ng` is `ns` where there are vertex normals and no texture coordinates.
     Color,
 }
 

@@ -10,7 +10,7 @@ use crate::world::HitLanes;
 
 pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
     radiance.reset(camera.rays.len(), Vec3::ZERO);
-    tracer.for_each_surface(camera, Wanted::Albedo, |_, shader, lanes, points| {
+    tracer.for_each_surface(camera, Wanted::Color, |_, shader, lanes, points| {
         let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
         shader.albedo(points, &mut albedo);
         for (k, &lane) in lanes.iter().enumerate() {

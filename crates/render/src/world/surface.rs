@@ -39,7 +39,8 @@ struct Triangle<'w> {
     positions: [Vec3; 3],
     /// Unit, object space; `None` where it is flat.
     normals: Option<[Vec3; 3]>,
-    ng: Vec3,
+    /// `None` where vertex normals are enough.
+    ng: Option<Vec3>,
     uv: [[f32; 2]; 3],
     uv_per_length: f32,
 }
@@ -75,7 +76,7 @@ impl World {
             let triangle = match &last {
                 Some(triangle) if triangle.ids == ids => triangle,
                 _ => {
-                    let triangle = last.insert(self.triangle(ids));
+                    let triangle = last.insert(self.triangle(ids, detail));
                     if detail == Detail::Full {
                         around = Some(triangle.surroundings(from.epsilon));
                     }
@@ -93,14 +94,15 @@ impl World {
     }
 
     #[inline]
-    fn triangle(&self, ids: [u32; 3]) -> Triangle<'_> {
+    fn triangle(&self, ids: [u32; 3], detail: Detail) -> Triangle<'_> {
         let [prim_id, geom_id, inst_id] = ids;
         let instance = self.instance(inst_id);
         let mesh = &*instance.object.meshes[geom_id as usize];
         let corners = mesh.indices[prim_id as usize].map(|i| i as usize);
         let positions = corners.map(|i| Vec3::from(mesh.positions[i]));
         let normals = self.vertex_normals(mesh, corners);
-        let ng = geometric_normal(instance, &positions);
+        let is_enough = detail == Detail::Color && normals.is_some() && mesh.texcoords.is_empty();
+        let ng = (!is_enough).then(|| geometric_normal(instance, &positions));
         // Without coordinates nothing changes with them.
         let (uv, uv_per_length) = if mesh.texcoords.is_empty() {
             ([[0.0; 2]; 3], 0.0)
@@ -166,9 +168,10 @@ impl Triangle<'_> {
         around: Option<&Surroundings>,
         out: &mut SurfaceBatch,
     ) {
-        let (instance, ng, weights) = (self.instance, self.ng, [1.0 - u - v, u, v]);
+        let (instance, weights) = (self.instance, [1.0 - u - v, u, v]);
         let p = instance.point(mix3(&self.positions, weights));
         let ns = self.normals.and_then(|n| (instance.normals * mix3(&n, weights)).try_normalize());
+        let ng = self.ng.or(ns).unwrap_or_else(|| geometric_normal(instance, &self.positions));
         out.p.set(i, p);
         out.ng.set(i, ng);
         out.ns.set(i, ns.unwrap_or(ng));

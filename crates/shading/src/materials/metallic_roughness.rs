@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use crate::batch::{SurfaceBatch, Vec3s};
+use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{Model, Principled, Scattering, fresnel};
 use crate::materials::color::TexturedColor;
 use crate::materials::whitted::{self, SMOOTH};
@@ -154,5 +154,9 @@ impl SurfaceShader for MetallicRoughness {
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, self.base_color.at_hit(hits, i)));
+    }
+
+    fn albedo_detail(&self) -> Detail {
+        Detail::Color
     }
 }
