@@ -9,6 +9,8 @@
 #define SIZE 256
 #define GRID 160
 #define OBJECTS 4
+/* Objects that a frame's edit defines, the same four again and again: about as long as the rendering takes. */
+#define ROUNDS 40
 
 static RTubyte pixels[2][SIZE * SIZE * 3];
 static RTuint objects[OBJECTS];
@@ -81,14 +83,14 @@ int main(int argc, char **argv)
     look_at_square();
     rtSetSamplesPerPixel(4);
     frames(1, 1, 1);
-    editing = frames(count, 4, 0);
+    editing = frames(count, ROUNDS, 0);
     /* What the edits cost the renderer, new trees, belongs to the rendering: the same edits, then nothing beside it. */
     render = 0;
     for (i = 0; i < count; i++) {
-        edit(i, 4);
+        edit(i, ROUNDS);
         render += frames(1, 0, 1) / count;
     }
-    both = frames(count, 4, 1);
+    both = frames(count, ROUNDS, 1);
     longer = render > editing ? render : editing;
     printf("render %.1f ms, edit %.1f ms, both %.1f ms: %.2f of the longer one\n", 1e3 * render, 1e3 * editing,
            1e3 * both, both / longer);
