@@ -140,6 +140,10 @@ proptest! {
 
     #[test]
     fn no_light_is_made(model in model(), wo in direction(), shift in numbers()) {
+        // Nearer to the horizon a sample of a rough diffuse surface weighs up to one over the cosine: too few of them would be
+        // too many.
+        let wo = wo.with_z(wo.z.abs());
+        prop_assume!(wo.z > 0.05);
         let bsdf = Bsdf::new(Vec3::Z, model);
         // Cloth seen at grazing angles is drawn by the cosine, which does not know its narrow rim;
         // and its table is coarse there.
