@@ -2,19 +2,19 @@
 //! The camera of a picture: the scene's, the one that was asked for, or a default one, each part of it replaceable.
 //! Source: original; the rules are the contract of the command line. Proof: `tests/program/cameras.rs`.
 
+use gnurt::defaults;
 use gnurt::image::system_reason;
 use gnurt::render::PerspectiveCamera;
 use gnurt::scene::{Camera, Scene};
-use gnurt::{Surroundings, defaults};
 
-use crate::arguments::{Resolution, SurroundingsArguments, ViewArguments};
+use crate::arguments::{Resolution, ViewArguments};
 use crate::failure::Failure;
 use crate::messages::Messages;
 use crate::nearest::nearest;
 
 /// What can be refused before the scene is read.
-pub(crate) fn check(view: &ViewArguments, surroundings: &SurroundingsArguments) -> Result<(), Failure> {
-    if let Some(path) = surroundings.environment.as_ref().and_then(Surroundings::file)
+pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
+    if let Some(path) = view.surroundings.file()
         && let Err(error) = std::fs::metadata(path)
     {
         return Err(Failure::data(format_args!(
@@ -33,7 +33,6 @@ pub(crate) fn check(view: &ViewArguments, surroundings: &SurroundingsArguments) 
 pub(crate) fn choose(
     scene: &mut Scene,
     view: &ViewArguments,
-    surroundings: &SurroundingsArguments,
     resolution: Resolution,
     messages: Messages,
 ) -> Result<(Camera, PerspectiveCamera), Failure> {
@@ -54,9 +53,9 @@ pub(crate) fn choose(
     if frame.up_replaced {
         messages.warning("the camera's up is parallel to its view; another up is used");
     }
-    if let Some(environment) = &surroundings.environment {
+    if let Some(environment) = &view.surroundings.environment {
         let up = view.up.unwrap_or([0.0, 1.0, 0.0]);
-        environment.put_around(scene, up, surroundings.environment_turn).map_err(Failure::data)?;
+        environment.put_around(scene, up, view.surroundings.environment_turn).map_err(Failure::data)?;
     }
     if let Some(note) = defaults::complete_lights(scene, &camera) {
         messages.note(note);

@@ -11,7 +11,7 @@ use gnurt_bench::Class;
 
 use super::value;
 use super::value::Resolution;
-use super::{MachineArguments, SurroundingsArguments, TalkArguments, ViewArguments};
+use super::{MachineArguments, TalkArguments, ViewArguments};
 
 /// Arguments of `bench`.
 #[derive(Args, Debug)]
@@ -184,8 +184,6 @@ pub(crate) struct BenchLightArguments {
     pub(crate) svg: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
-    #[command(flatten)]
-    pub(crate) surroundings: SurroundingsArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
     #[command(flatten)]

@@ -26,9 +26,7 @@ pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::{TalkArguments, talk_behind_command};
 pub(crate) use value::{Pixel, Resolution};
-pub(crate) use view::{
-    FrameArguments, LightArguments, MachineArguments, SurroundingsArguments, ViewArguments,
-};
+pub(crate) use view::{FrameArguments, LightArguments, MachineArguments, ViewArguments};
 pub(crate) use window::WindowArguments;
 
 /// Ray tracing from the command line.
@@ -180,8 +178,6 @@ pub(crate) struct TraceArguments {
     pub(crate) frame: FrameArguments,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
-    #[command(flatten)]
-    pub(crate) surroundings: SurroundingsArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
     #[command(flatten)]

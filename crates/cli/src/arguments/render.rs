@@ -10,8 +10,7 @@ use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
 use super::{
-    DenoiserArguments, FrameArguments, LightArguments, MachineArguments, SurroundingsArguments,
-    TalkArguments, ViewArguments,
+    DenoiserArguments, FrameArguments, LightArguments, MachineArguments, TalkArguments, ViewArguments,
 };
 
 /// Arguments of `render`.
@@ -56,8 +55,6 @@ pub(crate) struct RenderArguments {
     pub(crate) frame: FrameArguments,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
-    #[command(flatten)]
-    pub(crate) surroundings: SurroundingsArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
     #[command(flatten)]

@@ -2,6 +2,8 @@
 //! Options that several commands share: the frame, the camera, the machine, the way from light to screen.
 //! Source: original; names after pbrt, Mitsuba and appleseed.
 
+use std::path::Path;
+
 use clap::Args;
 use gnurt::Surroundings;
 use gnurt::image::ToneCurve;
@@ -93,6 +95,8 @@ pub(crate) struct ViewArguments {
     /// Vertical angle of view in degrees
     #[arg(long, value_name = "DEGREES", value_parser = value::angle_of_view, allow_hyphen_values = true)]
     pub(crate) fov: Option<f32>,
+    #[command(flatten)]
+    pub(crate) surroundings: SurroundingsArguments,
 }
 
 /// What is around the scene.
@@ -106,6 +110,13 @@ pub(crate) struct SurroundingsArguments {
     /// Degrees that it is turned by around what is up
     #[arg(long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true, default_value = "0", requires = "environment")]
     pub(crate) environment_turn: f64,
+}
+
+impl SurroundingsArguments {
+    /// The file that they are read from.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.environment.as_ref().and_then(Surroundings::file)
+    }
 }
 
 /// What it is computed with.

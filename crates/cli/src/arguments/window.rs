@@ -8,10 +8,7 @@ use clap::Args;
 use gnurt_view::TevAddress;
 
 use super::value;
-use super::{
-    FrameArguments, LightArguments, MachineArguments, StatisticsForm, SurroundingsArguments, TalkArguments,
-    ViewArguments,
-};
+use super::{FrameArguments, LightArguments, MachineArguments, StatisticsForm, TalkArguments, ViewArguments};
 
 /// Arguments of `view`.
 #[derive(Args, Clone, Debug)]
@@ -47,8 +44,6 @@ pub(crate) struct WindowArguments {
     pub(crate) frame: FrameArguments,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
-    #[command(flatten)]
-    pub(crate) surroundings: SurroundingsArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
     #[command(flatten)]

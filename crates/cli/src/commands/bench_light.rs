@@ -21,13 +21,12 @@ use crate::view;
 
 /// Measures.
 pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, messages: Messages) -> Outcome {
-    view::check(&arguments.view, &arguments.surroundings)?;
+    view::check(&arguments.view)?;
     check_outputs(&[&arguments.csv, &arguments.svg, &arguments.truth])?;
     let source = Source::find(&arguments.scene, environment)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
-    let (_, camera) =
-        view::choose(&mut scene, &arguments.view, &arguments.surroundings, arguments.resolution, messages)?;
+    let (_, camera) = view::choose(&mut scene, &arguments.view, arguments.resolution, messages)?;
     let (world, _) = commit(&scene, arguments.force_diffuse, level, &pool, messages)?;
     let picture = RenderOptions {
         width: arguments.resolution.width,

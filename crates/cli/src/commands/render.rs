@@ -46,13 +46,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     let (pool, level) = machine(&arguments.machine, environment)?;
 
     let mut scene = source.load(messages)?;
-    let (camera, rays) = view::choose(
-        &mut scene,
-        &arguments.view,
-        &arguments.surroundings,
-        arguments.frame.resolution,
-        messages,
-    )?;
+    let (camera, rays) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
     let loaded = begin.elapsed();
     let (world, report) = commit(&scene, arguments.frame.force_diffuse, level, &pool, messages)?;
 
@@ -123,7 +117,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
 
 /// Everything that can be refused before any work.
 fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Source, Targets), Failure> {
-    view::check(&arguments.view, &arguments.surroundings)?;
+    view::check(&arguments.view)?;
     let resolution = arguments.frame.resolution;
     if let Some(crop) = arguments.crop.filter(|crop| crop.within(resolution).is_none()) {
         return Err(Failure::usage(format_args!(

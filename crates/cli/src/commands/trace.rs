@@ -15,7 +15,7 @@ use crate::view;
 
 /// Follows one pixel.
 pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, messages: Messages) -> Outcome {
-    view::check(&arguments.view, &arguments.surroundings)?;
+    view::check(&arguments.view)?;
     let (pixel, resolution) = (arguments.pixel, arguments.frame.resolution);
     if pixel.x >= resolution.width || pixel.y >= resolution.height {
         return Err(Failure::usage(format_args!(
@@ -29,7 +29,7 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
     let source = Source::find(&arguments.scene, environment)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
-    let (_, rays) = view::choose(&mut scene, &arguments.view, &arguments.surroundings, resolution, messages)?;
+    let (_, rays) = view::choose(&mut scene, &arguments.view, resolution, messages)?;
     let (world, _) = commit(&scene, arguments.frame.force_diffuse, level, &pool, messages)?;
     let options = frame_options(&arguments.frame, level);
     print(trace_pixel(&world, &rays, &options, pixel.x, pixel.y).map_err(Failure::usage)?)

@@ -5,10 +5,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use gnurt::ThreadPool;
 use gnurt::image::Picture;
 use gnurt::scene::Camera;
 use gnurt::simd::Level;
-use gnurt::{Surroundings, ThreadPool};
 use gnurt_view::{
     Exposure, FrameTimes, HeadlessOptions, Listener, Stage, TevImage, ViewError, WindowOptions, run_headless,
     run_window,
@@ -30,7 +30,7 @@ use crate::view;
 /// Looks at a scene.
 pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messages: Messages) -> Outcome {
     let windowless = arguments.headless || arguments.display.is_some();
-    view::check(&arguments.view, &arguments.surroundings)?;
+    view::check(&arguments.view)?;
     for (name, given) in [
         ("--orbit", arguments.orbit.is_some()),
         ("--output", arguments.output.is_some()),
@@ -81,14 +81,8 @@ fn prepare(
     messages: Messages,
 ) -> Result<(Stage, Camera), Failure> {
     let (mut scene, mut files) = source.load_with_files(messages)?;
-    files.extend(arguments.surroundings.environment.as_ref().and_then(Surroundings::file).map(PathBuf::from));
-    let (camera, _) = view::choose(
-        &mut scene,
-        &arguments.view,
-        &arguments.surroundings,
-        arguments.frame.resolution,
-        messages,
-    )?;
+    files.extend(arguments.view.surroundings.file().map(PathBuf::from));
+    let (camera, _) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
     let (world, _) = commit(&scene, arguments.frame.force_diffuse, level, pool, messages)?;
     Ok((Stage { scene, world, files }, camera))
 }
