@@ -88,3 +88,23 @@ fn a_library_that_is_no_embree_is_refused() {
     command.env("EMBREE4_LIB", folder.at("no.so"));
     super::harness::finish(command).fails(1, "no.so");
 }
+
+#[test]
+fn light_is_measured_against_a_truth_that_is_kept() {
+    let folder = Folder::new();
+    let line = "bench light builtin:cornell -r 8x6 --integrator ir,bir --vpls 16 --max-depth 3 --rounds 1 --time 0.05s \
+                --truth-spp 2 --truth truth.exr --csv light.csv --svg light.svg";
+    let run = folder.gnurt(line).success();
+    assert!(run.stdout.contains("ir") && run.stdout.contains("bir"), "a table: {}", run.stdout);
+    let points = String::from_utf8(folder.read("light.csv")).expect("text");
+    assert!(points.lines().count() >= 3, "a head, and points of both: {points}");
+    assert!(folder.read("light.svg").starts_with(b"<svg"), "curves");
+    let truth = [folder.read("truth.exr"), folder.read("truth2.exr")];
+    folder.gnurt(line).success();
+    assert_eq!(
+        truth,
+        [folder.read("truth.exr"), folder.read("truth2.exr")],
+        "what is kept is not made again"
+    );
+    folder.gnurt("bench light builtin:cornell -r 9x6 --truth truth.exr").fails(1, "must be 9x6");
+}
