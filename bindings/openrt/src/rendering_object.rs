@@ -9,6 +9,7 @@
 //! | vplCount | 0 | virtual lights of a pass; 0 = the renderer's own number |
 //! | clamp | 0 | largest geometry term, one over area, that virtual lights bring light over; 0 = the renderer's own |
 //! | seed | 0 | of the random numbers |
+//! | white | 1 | what a white diffuse surface of a shader that loops over lights shows where light 1 arrives |
 //!
 //! A class is there as soon as the renderer has its integrator. Proof: tests/c/rendering_objects.c.
 
@@ -70,6 +71,7 @@ impl RenderingClass {
             parameter("vplCount", DataType::I32, 0.0),
             parameter("clamp", DataType::F32, 0.0),
             parameter("seed", DataType::I32, 0.0),
+            parameter("white", DataType::F32, 1.0),
         ]
     }
 
@@ -84,6 +86,10 @@ impl RenderingClass {
         }
         if let Some(ParameterValue::Floats(clamp)) = values.get(3) {
             options.clamp = clamp.first().copied().filter(|&clamp| clamp > 0.0 && clamp.is_finite());
+        }
+        if let Some(ParameterValue::Floats(white)) = values.get(5) {
+            let white = white.first().copied().filter(|&white| white > 0.0 && white.is_finite());
+            options.white = white.unwrap_or(options.white);
         }
         options.seed = u64::from(integer(values, 4).cast_unsigned());
     }
@@ -114,12 +120,13 @@ mod tests {
         let mut options = RenderOptions { max_depth: 7, ..Default::default() };
         let values = |spp, depth| {
             let [a, b, c, d] = [spp, depth, 0, 3].map(ParameterValue::Integer);
-            [a, b, c, ParameterValue::Floats(vec![0.0]), d]
+            [a, b, c, ParameterValue::Floats(vec![0.0]), d, ParameterValue::Floats(vec![0.5])]
         };
         class.apply(&values(4, -1), &mut options);
         assert_eq!(options.integrator.name(), "eyelight", "its integrator");
         assert_eq!((options.max_depth, options.seed), (7, 3), "its values");
         assert_eq!((options.vpls, options.clamp), (1024, None), "the renderer's own");
+        assert_eq!(options.white, 0.5, "its light model");
         let mut many = values(4, -1);
         (many[2], many[3]) = (ParameterValue::Integer(9), ParameterValue::Floats(vec![0.5]));
         class.apply(&many, &mut options);

@@ -231,6 +231,14 @@ fn rendering_objects() {
     must(&mut in_workshop(&workshop, &program(&workshop, "rendering_objects.c")));
 }
 
+/// Shaders that loop over lights meet virtual ones among them: the picture is that of a material.
+#[test]
+fn virtual_lights() {
+    let workshop = Workshop::new();
+    plugin(&workshop, "../../examples/plugins/c/diffuse.c", "diffuse.so", &[]);
+    must(&mut in_workshop(&workshop, &program(&workshop, "virtual_lights.c")));
+}
+
 /// The header compiles in every dialect that may include it, alone; its structures have the layout that we read.
 #[test]
 fn dialects() {

@@ -22,7 +22,6 @@ mod render;
 mod stats;
 mod tile;
 mod tracer;
-#[expect(dead_code, reason = "not all integrators that scatter light themselves are there")]
 mod transport;
 pub mod world;
 

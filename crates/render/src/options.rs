@@ -118,6 +118,9 @@ pub struct RenderOptions {
     /// once counts no more than this, in any channel and sample: less noise, but the picture becomes too dark. `None` =
     /// unbiased.
     pub clamp: Option<f32>,
+    /// For the integrators with virtual lights: what a white diffuse surface shows where light 1 arrives, if its shader only
+    /// knows `shade`. 1 in the light model of OpenRT (light times colour times cosine), 1 / pi in radiometry.
+    pub white: f32,
     /// World units that origins move off a surface on top of the computed error bound.
     pub ray_epsilon: f32,
     /// CPU level of the kernels.
@@ -147,6 +150,7 @@ impl Default for RenderOptions {
             max_depth: 16,
             vpls: 1024,
             clamp: None,
+            white: 1.0,
             ray_epsilon: 0.0,
             level: Level::default(),
             time_limit: None,

@@ -12,7 +12,7 @@ use gnurt_shading::{Detail, LightBatch, RayRequest, SampleKey, SurfaceBatch, Sur
 
 use crate::cone::Cone;
 use crate::cost::TileCosts;
-use crate::many_lights::PassLights;
+use crate::many_lights::{self, PassLights};
 use crate::options::{Integrator, RenderOptions};
 use crate::pixel_trace::Log;
 use crate::stats::RenderStats;
@@ -33,6 +33,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) log: Option<Log>,
     /// Virtual lights of the sample that is taken, if the integrator has any.
     pub(crate) pass: Option<&'w PassLights>,
+    /// Whether surfaces whose shaders only know `shade` are asked what they do to light, in place of what they show.
+    pub(crate) probes: bool,
     /// What pixels stand for.
     pub(crate) cone: Cone,
     /// How wide the rays that are shaded next began; empty if nobody knows.
@@ -77,6 +79,7 @@ impl<'w> BatchTracer<'w> {
             costs: None,
             log: None,
             pass: None,
+            probes: options.integrator.has_virtual_lights(),
             cone: Cone::default(),
             widths: Vec::new(),
             record,
@@ -263,15 +266,19 @@ impl<'w> BatchTracer<'w> {
 
 impl Tracer for BatchTracer<'_> {
     fn light_count(&self) -> usize {
-        self.world.shading().lights.len()
+        self.world.shading().lights.len() + many_lights::light_count(self)
     }
 
     fn light_is_visible(&self, light: usize) -> bool {
-        self.world.shading().lights[light].is_visible()
+        self.world.shading().lights.get(light).is_some_and(|light| light.is_visible())
     }
 
     fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch) {
         out.reset(hits.len());
+        if let Some(number) = light.checked_sub(self.world.shading().lights.len()) {
+            many_lights::illuminate(self, number, hits, out);
+            return;
+        }
         let mut normal = Vec3s::default();
         (0..hits.len()).for_each(|i| normal.push(hits.facing_ns(i)));
         let random: Vec<_> =

@@ -208,8 +208,9 @@ fn to_lamp(
     }
     let cos = point.ng.dot(sample.dir);
     // Per solid angle of the lamp, and per area of the virtual light.
-    let standard = lights.pdf_emit_position(triangle) * cos * FRAC_1_PI;
-    let power = sample.radiance * (cos / (standard + density * sample.pdf));
+    let share = light_path::share_of_light_set(tracer.world);
+    let standard = share * lights.pdf_emit_position(triangle) * cos * FRAC_1_PI;
+    let power = sample.radiance * (vertex.lamp_gain * cos / (standard + density * sample.pdf));
     let vpl = Vpl::new(point, vertex.scattering.bsdf, sample.dir, power, 1);
     let ray = point.spawn_to(sample.dir, sample.dist);
     Some(Join { ray, path: path as usize, vpl, seen })

@@ -7,10 +7,12 @@
 //! same again, with few virtual lights chosen by chance. Mirrors and smooth glass are followed: no virtual light is there.
 //! Proof: crates/render/tests/many_lights.rs.
 
+use std::f32::consts::FRAC_1_PI;
+
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
-use gnurt_shading::sampling::sample_pair;
-use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
+use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
+use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
 
 use gnurt_image::srgb::luminance;
 
@@ -59,12 +61,16 @@ struct Walk {
     last: Option<Last>,
     /// Whether all edges so far do.
     is_seen: bool,
+    /// What light straight from lamps counts where it left.
+    lamp_gain: f32,
 }
 
 /// Where a walk arrived and goes on from.
 struct Stop {
     walk: Walk,
     eye: EyePoint,
+    /// What light straight from lamps counts here.
+    lamp_gain: f32,
 }
 
 impl Stop {
@@ -93,7 +99,7 @@ pub(crate) fn radiance(tracer: &mut BatchTracer, pass: &PassLights, camera: HitL
     if tracer.options.max_depth == 0 {
         return;
     }
-    let mut walks: Vec<Walk> = camera
+    let walks: Vec<Walk> = camera
         .keys
         .iter()
         .enumerate()
@@ -104,30 +110,119 @@ pub(crate) fn radiance(tracer: &mut BatchTracer, pass: &PassLights, camera: HitL
             edges: 1,
             last: None,
             is_seen: true,
+            lamp_gain: 1.0,
         })
         .collect();
+    // What the eye sees of shaders that only know `shade` is what they show.
+    let probes = std::mem::replace(&mut tracer.probes, false);
     let mut vertices = tracer.vertices(camera);
     tracer.pass_on(&mut vertices, 0);
-    let mut rays = camera.rays.clone();
-    for depth in 1.. {
+    tracer.probes = probes;
+    go_on(tracer, pass, (camera.rays.clone(), walks, vertices), camera.keys, 1, radiance);
+}
+
+/// Follows walks from what they met to their ends. `keys` are those of the camera rays, `depth` the bounces so far.
+fn go_on(
+    tracer: &mut BatchTracer,
+    pass: &PassLights,
+    (mut rays, mut walks, mut vertices): (RayBatch, Vec<Walk>, Vec<Option<Vertex>>),
+    keys: &[SampleKey],
+    depth: u32,
+    radiance: &mut Vec3s,
+) {
+    for depth in depth.. {
         let stops = arrive(tracer, pass, &walks, &vertices, &rays, radiance);
         light_samples(tracer, pass, &stops, radiance);
         let seen: Vec<EyePoint> =
             stops.iter().filter(|stop| stop.walk.is_seen).map(|stop| stop.eye).collect();
-        gather(tracer, &seen, camera.keys, &pass.vpls, &pass.bound, radiance);
+        gather(tracer, &seen, keys, &pass.vpls, &pass.bound, radiance);
         few_virtual_lights(tracer, pass, &stops, radiance);
         (rays, walks) = scatter(tracer, pass, &stops);
         if walks.is_empty() {
             return;
         }
-        let keys: Vec<SampleKey> = walks.iter().map(|walk| walk.key).collect();
-        vertices = tracer.follow(&rays, &keys, depth, Coherence::Incoherent);
+        vertices = next(tracer, &rays, &walks, depth);
     }
+}
+
+/// What walks meet: where the eye sees it by mirrors alone, shaders that only know `shade` show what they show.
+fn next(tracer: &mut BatchTracer, rays: &RayBatch, walks: &[Walk], depth: u32) -> Vec<Option<Vertex>> {
+    let mut vertices = vec![None; walks.len()];
+    for is_seen in [true, false] {
+        let lanes: Vec<usize> = (0..walks.len()).filter(|&i| walks[i].is_seen == is_seen).collect();
+        if lanes.is_empty() {
+            continue;
+        }
+        let keys: Vec<SampleKey> = lanes.iter().map(|&i| walks[i].key).collect();
+        let mut some = RayBatch::with_capacity(lanes.len());
+        lanes.iter().for_each(|&i| some.push(rays.get(i)));
+        let probes = std::mem::replace(&mut tracer.probes, !is_seen);
+        let found = tracer.follow(&some, &keys, depth, Coherence::Incoherent);
+        tracer.probes = probes;
+        lanes.into_iter().zip(found).for_each(|(i, vertex)| vertices[i] = vertex);
+    }
+    vertices
+}
+
+/// What virtual lights leave to rays, found by one ray.
+pub(super) struct Rest {
+    /// Unit, where it was found; chosen by the cosine.
+    pub(super) dir: Vec3,
+    /// To the shading normal.
+    pub(super) cos: f32,
+    /// How far it was; infinite where there is nothing.
+    pub(super) dist: f32,
+    pub(super) radiance: Vec3,
+}
+
+/// One ray from each point of a shader that loops over lights itself, and the light against it that neither lamps nor
+/// virtual lights bring there.
+pub(super) fn rest_at(tracer: &mut BatchTracer, points: &SurfaceBatch) -> Vec<Option<Rest>> {
+    let mut found: Vec<Option<Rest>> = (0..points.len()).map(|_| None).collect();
+    let (Some(pass), edges) = (tracer.pass, points.depth + 1) else { return found };
+    if edges >= tracer.options.max_depth {
+        return found;
+    }
+    let (mut rays, mut walks) = (RayBatch::default(), Vec::new());
+    for (i, found) in found.iter_mut().enumerate() {
+        let (point, key) = (points.point(i), points.key[i]);
+        let local = cosine_hemisphere(sample_pair(tracer.options.seed, key, edges, purpose::DIRECTION));
+        let dir = Basis::around(point.ns).to_world(local).normalize();
+        let cos = point.ns.dot(dir);
+        let Some(ray) = point.scatter_ray(dir, false, f32::INFINITY).filter(|_| cos > 0.0) else { continue };
+        rays.push(ray);
+        let last = Last { point, pdf: cos * FRAC_1_PI, side: point.ns, light_samples: 1.0 };
+        walks.push(Walk {
+            lane: i as u32,
+            key,
+            throughput: Vec3::ONE,
+            edges: edges + 1,
+            last: Some(last),
+            is_seen: false,
+            // The shader asks lamps itself.
+            lamp_gain: 0.0,
+        });
+        *found = Some(Rest { dir, cos, dist: f32::INFINITY, radiance: Vec3::ZERO });
+    }
+    let vertices = next(tracer, &rays, &walks, edges);
+    for (walk, vertex) in walks.iter().zip(&vertices) {
+        if let (Some(found), Some(vertex)) = (&mut found[walk.lane as usize], vertex) {
+            found.dist = vertex.t;
+        }
+    }
+    let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
+    go_on(tracer, pass, (rays, walks, vertices), &points.key, edges + 1, &mut radiance);
+    for (i, found) in found.iter_mut().enumerate() {
+        if let Some(found) = found {
+            found.radiance = radiance.get(i);
+        }
+    }
+    found
 }
 
 /// Adds what is met at the end of each ray, and says which walks may go on.
 fn arrive(
-    tracer: &BatchTracer,
+    tracer: &mut BatchTracer,
     pass: &PassLights,
     walks: &[Walk],
     vertices: &[Option<Vertex>],
@@ -136,6 +231,7 @@ fn arrive(
 ) -> Vec<Stop> {
     let lights = tracer.world.light_set();
     let mut stops = Vec::new();
+    environment_of_shaders(tracer, walks, vertices, rays, radiance);
     for (i, (walk, vertex)) in walks.iter().zip(vertices).enumerate() {
         let lane = walk.lane as usize;
         let share = |pdf_light: f32| {
@@ -146,26 +242,28 @@ fn arrive(
             let seen = lights.environment(dir);
             if seen != Vec3::ZERO {
                 let pdf = walk.last.map_or(0.0, |last| lights.pdf_environment(last.point.p, last.side, dir));
-                radiance.add(lane, walk.throughput * seen * share(pdf));
+                radiance.add(lane, walk.throughput * seen * (walk.lamp_gain * share(pdf)));
             }
             continue;
         };
         let emission = vertex.scattering.emission;
         if emission != Vec3::ZERO {
             let [instance, mesh, triangle] = vertex.ids;
+            let light = lights.triangle(instance, mesh, triangle);
             let pdf = walk.last.map_or(0.0, |last| {
-                let light = lights.triangle(instance, mesh, triangle).filter(|_| !vertex.is_final);
                 let dist = (vertex.point.p - last.point.p).length();
-                light.map_or(0.0, |light| {
+                light.filter(|_| !vertex.is_final).map_or(0.0, |light| {
                     lights.pdf_triangle(last.point.p, last.side, light, -vertex.wo, dist)
                 })
             });
-            radiance.add(lane, walk.throughput * emission * share(pdf));
+            let gain = if light.is_some() { walk.lamp_gain } else { 1.0 };
+            radiance.add(lane, walk.throughput * emission * (gain * share(pdf)));
         }
         if vertex.is_final || walk.edges >= tracer.options.max_depth {
             continue;
         }
-        let stop = Stop { walk: *walk, eye: EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane) };
+        let eye = EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane);
+        let stop = Stop { walk: *walk, eye, lamp_gain: vertex.lamp_gain };
         if !stop.is_spent(pass) {
             stops.push(stop);
         }
@@ -207,8 +305,8 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
     let most = stops.iter().map(|stop| pass.light_samples(stop.walk.is_seen)).max().unwrap_or(0);
     // Sample by sample, so that neighbouring rays are neighbours.
     for n in 0..most {
-        for Stop { walk, eye } in stops {
-            let stop = Stop { walk: *walk, eye: *eye };
+        for stop in stops {
+            let Stop { walk, eye, lamp_gain } = stop;
             let count = pass.light_samples(walk.is_seen);
             if n >= count || !eye.bsdf.is_smooth() {
                 continue;
@@ -229,7 +327,7 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
                 count * sample.pdf / (count * sample.pdf + eye.bsdf.pdf(eye.wo, sample.dir))
             };
             let offer = eye.throughput * scattered * sample.radiance * (share / (count * sample.pdf));
-            let offer = offer * stop.rest(pass, sample.dir);
+            let offer = offer * (lamp_gain * stop.rest(pass, sample.dir));
             let ray = if eye.point.ns.dot(sample.dir) > 0.0 {
                 eye.point.shadow_ray(sample.dir, sample.dist)
             } else {
@@ -240,7 +338,65 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
             }
         }
     }
+    ask_plugins(tracer, pass, stops, &mut offers);
     offers.settle(tracer, radiance);
+}
+
+/// Lights that only know `illuminate`.
+fn ask_plugins(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop], offers: &mut Offers) {
+    let shading = tracer.world.shading();
+    if shading.plugin_lights.is_empty() || stops.is_empty() {
+        return;
+    }
+    let [mut p, mut normal] = [(); 2].map(|()| Vec3s::default());
+    for Stop { eye, .. } in stops {
+        p.push(eye.point.p);
+        normal.push(eye.point.ns);
+    }
+    let mut arriving = LightBatch::default();
+    for light in shading.plugin_lights.clone() {
+        let draw = |stop: &Stop| {
+            tracer.random(
+                stop.walk.key,
+                stop.walk.edges,
+                gnurt_shading::sampling::purpose::LIGHT + light as u32,
+            )
+        };
+        let random: Vec<_> = stops.iter().map(draw).collect();
+        arriving.reset(stops.len());
+        shading.lights[light].illuminate(&p, &normal, &random, &mut arriving);
+        for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.eye.bsdf.is_smooth()) {
+            let (eye, dir) = (&stop.eye, arriving.dir.get(i));
+            let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving.radiance.get(i);
+            let dist = arriving.dist[i];
+            let ray = if eye.point.ns.dot(dir) > 0.0 {
+                eye.point.shadow_ray(dir, dist)
+            } else {
+                eye.point.shadow_ray_through(dir, dist)
+            };
+            if let Some(ray) = ray {
+                offers.push(ray, &stop.walk, scattered * (stop.lamp_gain * stop.rest(pass, dir)));
+            }
+        }
+    }
+}
+
+/// What walks see that left the scene, where a shader alone knows it.
+fn environment_of_shaders(
+    tracer: &mut BatchTracer,
+    walks: &[Walk],
+    vertices: &[Option<Vertex>],
+    rays: &RayBatch,
+    radiance: &mut Vec3s,
+) {
+    if tracer.world.light_set().has_environment() || tracer.world.shading().environment.is_none() {
+        return;
+    }
+    let missed: Vec<usize> = (0..walks.len()).filter(|&i| vertices[i].is_none()).collect();
+    let seen = tracer.environment(rays, &missed);
+    for (k, &i) in missed.iter().enumerate() {
+        radiance.add(walks[i].lane as usize, walks[i].throughput * seen.get(k));
+    }
 }
 
 /// Light from a few virtual lights on what scattered rays met: chosen from many by what they bring if nothing is in
@@ -288,7 +444,7 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> (RayBatch
     let seed = tracer.options.seed;
     let (mut rays, mut walks) = (RayBatch::default(), Vec::new());
     for stop in stops {
-        let Stop { walk, eye } = stop;
+        let Stop { walk, eye, .. } = stop;
         let [u, v] = sample_pair(seed, walk.key, walk.edges, purpose::DIRECTION);
         let [lobe, end] = sample_pair(seed, walk.key, walk.edges, purpose::LOBE);
         let Some(sample) = eye.bsdf.sample(eye.wo, [lobe, u, v]) else { continue };
@@ -317,6 +473,7 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> (RayBatch
                 light_samples,
             }),
             is_seen: walk.is_seen && sample.delta,
+            lamp_gain: stop.lamp_gain,
             ..*walk
         });
     }

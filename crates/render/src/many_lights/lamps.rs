@@ -32,7 +32,7 @@ pub(crate) struct LampChoice {
 impl LampChoice {
     /// Learned by particles; `None` where all paths may start by power.
     pub(crate) fn new(job: &Job, stats: &mut RenderStats) -> Option<Self> {
-        if job.world.light_set().len() <= FEW {
+        if job.world.light_set().len() + job.world.shader_lamps().len() <= FEW {
             return None;
         }
         let mut tracer = BatchTracer::new(job.world, job.options, false);

@@ -5,12 +5,15 @@
 //! Proof: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, RayBatch};
-use gnurt_shading::SampleKey;
+use gnurt_accel::{Coherence, Ray, RayBatch};
 use gnurt_shading::lights::LightKind;
+use gnurt_shading::{SampleKey, Vec3s};
 
+use super::shader_lamps::{self, Source, Start};
 use super::vpl::{Vpl, is_open};
 use crate::tracer::BatchTracer;
+use crate::transport::Vertex;
+use crate::world::World;
 
 /// Where a path's random numbers come from: path, edge (0 = the lamp), and which pair of that edge.
 pub(crate) type Numbers<'a> = dyn Fn(u32, u32, u32) -> [f32; 2] + 'a;
@@ -49,6 +52,66 @@ struct Walk {
     is_far: bool,
     /// The lamp's triangle and normal, on the first edge.
     lamp: Option<(u32, Vec3)>,
+    /// On the first edge from a light of a shader plugin: which one; `power` then is what its light is multiplied with.
+    plugin: Option<Source>,
+    /// Whether it comes straight from a lamp, by nothing but mirrors and smooth glass.
+    is_lamplight: bool,
+}
+
+/// Share of paths that start at lights of shader plugins where there are others.
+const OF_PLUGINS: f32 = 0.5;
+
+/// Share of paths that start at lights of the light set.
+pub(super) fn share_of_light_set(world: &World) -> f32 {
+    match (world.shader_lamps().len(), world.light_set().len()) {
+        (0, _) => 1.0,
+        (_, 0) => 0.0,
+        _ => 1.0 - OF_PLUGINS,
+    }
+}
+
+/// The start of a path at a light of a shader plugin, if that is where its numbers put it; else the number that chooses a
+/// lamp, and one over the probability that it is not at a plugin's.
+fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Start, (f32, f32)> {
+    let [choice, _] = numbers(path, 0, pair::LOBE);
+    let share = 1.0 - share_of_light_set(world);
+    if choice >= share {
+        return Err(((choice - share) / (1.0 - share), 1.0 / (1.0 - share)));
+    }
+    let start = world.shader_lamps().start(
+        choice / share,
+        numbers(path, 0, pair::PLACE),
+        numbers(path, 0, pair::DIRECTION),
+    );
+    start.map(|start| Start { weight: start.weight / share, ..start }).ok_or((choice, 1.0))
+}
+
+/// What arrives at the ends of first edges from lights and environments of shader plugins.
+fn ask_plugins(world: &World, rays: &RayBatch, walks: &mut [Walk], vertices: &[Option<Vertex>]) {
+    let of = |source: Source, walks: &[Walk]| -> Vec<usize> {
+        (0..walks.len()).filter(|&i| walks[i].plugin == Some(source) && vertices[i].is_some()).collect()
+    };
+    let lanes = of(Source::Environment, walks);
+    if let Some(environment) = world.shading().environment.as_ref().filter(|_| !lanes.is_empty()) {
+        let mut dirs = Vec3s::default();
+        lanes.iter().for_each(|&i| dirs.push(-Vec3::from(rays.get(i).dir)));
+        let mut seen = Vec3s::splat(lanes.len(), Vec3::ZERO);
+        environment.miss(&dirs, &mut seen);
+        lanes.into_iter().enumerate().for_each(|(k, i)| walks[i].power *= seen.get(k));
+    }
+    for (light, shader) in world.shading().lights[world.shading().plugin_lights.clone()].iter().enumerate() {
+        let lanes = of(Source::Light(light), walks);
+        if lanes.is_empty() {
+            continue;
+        }
+        let [mut p, mut normal] = [(); 2].map(|()| Vec3s::default());
+        for vertex in lanes.iter().filter_map(|&i| vertices[i].as_ref()) {
+            p.push(vertex.point.p);
+            normal.push(vertex.point.ns);
+        }
+        let arriving = shader_lamps::arriving(&**shader, &p, &normal);
+        lanes.into_iter().zip(arriving).for_each(|(i, arriving)| walks[i].power *= arriving);
+    }
 }
 
 /// Follows `paths` (numbers of paths) up to `max_edges`; vertices come edge by edge, in the order of the paths.
@@ -65,7 +128,27 @@ pub(crate) fn trace(
         return Vec::new();
     }
     for path in paths {
-        let [choice, _] = numbers(path, 0, pair::LOBE);
+        let (choice, weight) = match start(world, path, numbers) {
+            Err(choice) => choice,
+            Ok(start) => {
+                rays.push(Ray::new(start.org.into(), start.dir.into()));
+                keys.push(key(path));
+                walks.push(Walk {
+                    path,
+                    power: Vec3::splat(start.weight),
+                    edges: 1,
+                    pdf: 1.0,
+                    smooth: false,
+                    origin: start.org,
+                    is_far: true,
+                    lamp: None,
+                    plugin: Some(start.source),
+                    // Shaders do not ask what is around the scene.
+                    is_lamplight: start.source != Source::Environment,
+                });
+                continue;
+            }
+        };
         let Some(ray) = lights.emit(choice, numbers(path, 0, pair::PLACE), numbers(path, 0, pair::DIRECTION))
         else {
             continue;
@@ -74,9 +157,9 @@ pub(crate) fn trace(
         keys.push(key(path));
         walks.push(Walk {
             path,
-            power: ray.radiance_over_pdf,
+            power: ray.radiance_over_pdf * weight,
             edges: 1,
-            pdf: ray.pdf_pos * ray.pdf_dir,
+            pdf: ray.pdf_pos * ray.pdf_dir / weight,
             smooth: ray.is_surface,
             origin: ray.point.p,
             is_far: !ray.is_surface,
@@ -84,12 +167,15 @@ pub(crate) fn trace(
                 LightKind::Triangle(triangle) => Some((triangle, ray.normal)),
                 _ => None,
             },
+            plugin: None,
+            is_lamplight: true,
         });
     }
     let mut out = Vec::new();
     while !rays.is_empty() {
         let coherence = Coherence::Incoherent;
         let found = tracer.follow(&rays, &keys, walks[0].edges, coherence);
+        ask_plugins(world, &rays, &mut walks, &found);
         let (mut next_rays, mut next_keys, mut next_walks) = (RayBatch::default(), Vec::new(), Vec::new());
         for (walk, vertex) in walks.iter().zip(found) {
             let Some(vertex) = vertex.filter(|vertex| !vertex.is_final) else { continue };
@@ -103,7 +189,9 @@ pub(crate) fn trace(
             } else {
                 walk.pdf * point.ng.dot(from).abs() / (point.p - walk.origin).length_squared()
             };
-            let vpl = Vpl::new(point, bsdf, from, walk.power, walk.edges);
+            let gain = if walk.is_lamplight { vertex.lamp_gain } else { 1.0 };
+            let power = walk.power * gain;
+            let vpl = Vpl::new(point, bsdf, from, power, walk.edges);
             let [lobe, end] = numbers(walk.path, walk.edges, pair::LOBE);
             let direction = numbers(walk.path, walk.edges, pair::DIRECTION);
             let survival = survival(bsdf.albedo(from), walk.edges);
@@ -127,7 +215,7 @@ pub(crate) fn trace(
                 continue;
             }
             let adjoint = bsdf.adjoint_correction(from, sample.wi, point.ng);
-            let power = walk.power * sample.weight * (adjoint / survival);
+            let power = power * sample.weight * (adjoint / survival);
             if power == Vec3::ZERO || !power.is_finite() {
                 continue;
             }
@@ -142,6 +230,8 @@ pub(crate) fn trace(
                 origin: point.p,
                 is_far: false,
                 lamp: None,
+                plugin: None,
+                is_lamplight: walk.is_lamplight && sample.delta,
             });
         }
         (rays, keys, walks) = (next_rays, next_keys, next_walks);

@@ -7,6 +7,7 @@ use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, Scattering};
 use gnurt_shading::{SampleKey, SurfacePoint, Vec3s};
 
+use crate::many_lights::finals;
 use crate::tracer::{BatchTracer, Wanted};
 use crate::world::HitLanes;
 
@@ -21,6 +22,8 @@ pub(crate) struct Vertex {
     pub(crate) scattering: Scattering,
     /// Whether only its shader knows what it sends back: the emission then is all of that, and paths end here.
     pub(crate) is_final: bool,
+    /// What light straight from lamps counts here more than other light; 1 where shaders tell what they do to light.
+    pub(crate) lamp_gain: f32,
     /// Whether the ray came to the side that its geometric normal points to.
     pub(crate) front: bool,
     /// How far the ray came.
@@ -43,7 +46,14 @@ impl BatchTracer<'_> {
                 log.surface(points);
             }
             scattering.clear();
-            let is_final = !shader.scatter(points, &mut scattering);
+            let is_known = shader.scatter(points, &mut scattering);
+            let is_final = !(is_known || tracer.probes);
+            let mut lamp_gain = 1.0;
+            if !is_known && tracer.probes {
+                let white = tracer.options.white;
+                finals::probe(shader, points, white, &mut scattering);
+                lamp_gain = std::f32::consts::PI * white;
+            }
             if is_final {
                 let mut radiance = Vec3s::splat(lanes.len(), Vec3::ZERO);
                 shader.shade(tracer, points, &mut radiance);
@@ -59,6 +69,7 @@ impl BatchTracer<'_> {
                     wo: -points.ray_dir.get(k),
                     scattering,
                     is_final,
+                    lamp_gain,
                     front: points.front(k),
                     t: points.t[k],
                     ids: [points.inst_id[k], points.geom_id[k], points.prim_id[k]],

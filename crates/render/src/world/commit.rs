@@ -57,6 +57,7 @@ pub(super) fn commit(
             all_solid,
             parts: lights.parts,
             light_set: OnceLock::new(),
+            shader_lamps: OnceLock::new(),
         }),
         face_normals: options.force_diffuse,
         follows: Some(Followed { cursor: scene.cursor(), options: *options }),

@@ -21,6 +21,7 @@ use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, SurfaceShader}
 use gnurt_simd::Level;
 
 use crate::error::CommitError;
+use crate::many_lights::ShaderLamps;
 pub(crate) use instance::PlacedInstance;
 pub(crate) use surface::HitLanes;
 
@@ -123,6 +124,8 @@ pub(crate) struct Shading {
     parts: LightParts,
     /// Built for the first integrator that wants it.
     light_set: OnceLock<LightSet>,
+    /// Likewise: where light paths start at lights that only know `illuminate`.
+    shader_lamps: OnceLock<ShaderLamps>,
 }
 
 impl World {
@@ -194,6 +197,14 @@ impl World {
     /// All lights but those of shader plugins, with densities.
     pub(crate) fn light_set(&self) -> &LightSet {
         self.shading.light_set.get_or_init(|| LightSet::new(self.shading.parts.clone()))
+    }
+
+    /// Where light paths start at lights of shader plugins.
+    pub(crate) fn shader_lamps(&self) -> &ShaderLamps {
+        let shading = &*self.shading;
+        let lights = &shading.lights[shading.plugin_lights.clone()];
+        let environment = shading.environment.as_deref().filter(|_| shading.parts.environment.is_none());
+        shading.shader_lamps.get_or_init(|| ShaderLamps::new(lights, environment, self.bounds()))
     }
 
     pub(crate) fn tree(&self) -> &SceneTree {

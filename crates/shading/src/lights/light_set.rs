@@ -308,6 +308,12 @@ impl LightSet {
         choice.probability(1 + self.parts.directionals.len()) * environment.pdf(ns, dir)
     }
 
+    /// Whether light comes from everywhere.
+    #[must_use]
+    pub fn has_environment(&self) -> bool {
+        self.parts.environment.is_some()
+    }
+
     /// Radiance of the environment from the unit direction `dir`.
     #[must_use]
     pub fn environment(&self, dir: Vec3) -> Vec3 {

@@ -10,4 +10,4 @@ pub(crate) mod warp;
 pub use distribution::{Choice, Distribution};
 pub use grid::{GridDistribution, GridPoint};
 pub use sobol::{Draws, hash_combine, purpose, sample_pair};
-pub use warp::{Basis, cosine_hemisphere, triangle, uniform_sphere};
+pub use warp::{Basis, concentric_disk, cosine_hemisphere, triangle, uniform_sphere};

@@ -69,7 +69,7 @@ pub fn uniform_sphere(u: [f32; 2]) -> Vec3 {
 }
 
 /// A point of the unit disk, uniform by area.
-pub(crate) fn concentric_disk(u: [f32; 2]) -> Vec2 {
+pub fn concentric_disk(u: [f32; 2]) -> Vec2 {
     let [x, y] = u.map(|u| 2.0 * u - 1.0);
     if x == 0.0 && y == 0.0 {
         return Vec2::ZERO;

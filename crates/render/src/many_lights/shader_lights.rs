@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Virtual lights as surface shaders meet them that loop over lights themselves: behind the lamps of the scene come the
+//! virtual lights of the pass, one by one, and at last one light that stands for what their bound leaves to rays.
+//! Source: [Kel97], as the paper's section 7 has it in OpenRT; the bound [KK06]. Space: world.
+//! The surface counts as Lambertian where the bound is concerned: any other share would do, as long as both ask the same.
+//! Invariant: for diffuse shaders the sum over all lights has the mean of what paths show, whatever the bound.
+//! Proof: bindings/openrt/tests/plugins.rs, crates/render/tests/shader_lights.rs.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use glam::Vec3;
+use gnurt_shading::{LightBatch, SurfaceBatch, SurfacePoint};
+
+use super::bound::Bound;
+use super::estimate;
+use super::vpl::{Vpl, is_open, pdf_of_other_end};
+use crate::tracer::BatchTracer;
+
+/// How many lights shaders meet beside those of the scene.
+pub(crate) fn light_count(tracer: &BatchTracer) -> usize {
+    tracer.pass.map_or(0, |pass| pass.vpls.len() + 1)
+}
+
+/// What light `number` of those brings to points.
+pub(crate) fn illuminate(
+    tracer: &mut BatchTracer,
+    number: usize,
+    points: &SurfaceBatch,
+    out: &mut LightBatch,
+) {
+    let Some(pass) = tracer.pass else { return };
+    let Some(vpl) = pass.vpls.get(number) else {
+        if number == pass.vpls.len() {
+            the_rest(tracer, points, out);
+        }
+        return;
+    };
+    let edges = vpl.edges + points.depth + 2;
+    if edges > tracer.options.max_depth {
+        return;
+    }
+    let scale = FRAC_1_PI / tracer.options.white;
+    for i in 0..points.len() {
+        if let Some((dir, dist, arriving)) = brings(vpl, &points.point(i), &pass.bound) {
+            out.dir.set(i, dir);
+            out.dist[i] = dist;
+            out.radiance.set(i, arriving * scale);
+        }
+    }
+}
+
+/// Direction, distance and what arrives at a surface that faces a virtual light, its bound applied; `None` if nothing.
+fn brings(vpl: &Vpl, point: &SurfacePoint, bound: &Bound) -> Option<(Vec3, f32, Vec3)> {
+    let way = vpl.point.p - point.p;
+    let distance2 = way.length_squared();
+    let distance = distance2.sqrt();
+    let to = way / distance;
+    if !(distance2 > 0.0 && to.is_finite() && is_open(point, to)) {
+        return None;
+    }
+    let sent = vpl.sent(-to);
+    if sent == Vec3::ZERO {
+        return None;
+    }
+    let pdf_eye = point.ns.dot(to).max(0.0) * FRAC_1_PI * vpl.point.ng.dot(to).abs() / distance2;
+    let pdf_vpl = pdf_of_other_end(&vpl.point, &vpl.bsdf, vpl.from, -to) * point.ng.dot(to).abs() / distance2;
+    let arriving = sent * (bound.share(pdf_eye, pdf_vpl) / distance2);
+    arriving.is_finite().then_some((to, distance, arriving))
+}
+
+/// A ray by the cosine from each point: what virtual lights do not bring of the light that it finds.
+fn the_rest(tracer: &mut BatchTracer, points: &SurfaceBatch, out: &mut LightBatch) {
+    for (i, found) in estimate::rest_at(tracer, points).into_iter().enumerate() {
+        let Some(found) = found.filter(|found| found.radiance != Vec3::ZERO) else { continue };
+        out.dir.set(i, found.dir);
+        out.dist[i] = found.dist;
+        // The density is the cosine over pi.
+        let arriving = found.radiance * (PI / found.cos);
+        out.radiance.set(i, arriving * (FRAC_1_PI / tracer.options.white));
+    }
+}

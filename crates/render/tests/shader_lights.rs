@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shaders that only know `shade` and `illuminate` under integrators with virtual lights: the same pictures as by
+//! materials that tell what they do to light, under the same lamps.
+//! Source: original.
+
+mod common;
+
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+use common::*;
+use glam::Vec3;
+use gnurt_render::{
+    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+};
+use gnurt_scene::{Material, MaterialId, Scene, Surface};
+use gnurt_shading::{
+    EnvironmentShader, LightBatch, LightShader, RayRequest, SurfaceBatch, SurfaceShader, Tracer, Vec3s,
+};
+
+const SIZE: u32 = 16;
+const ALL: [Integrator; 3] = [
+    Integrator::InstantRadiosity,
+    Integrator::BidirectionalInstantRadiosity,
+    Integrator::MetropolisInstantRadiosity,
+];
+
+/// A light at a point that sends more upwards, or one far away.
+struct Lamp {
+    place: Vec3,
+    is_far: bool,
+    strength: f32,
+}
+
+impl LightShader for Lamp {
+    fn illuminate(&self, p: &Vec3s, _: &Vec3s, _: &[[f32; 2]], out: &mut LightBatch) {
+        for i in 0..p.len() {
+            let way = if self.is_far { self.place } else { self.place - p.get(i) };
+            let dir = way.normalize();
+            out.dir.set(i, dir);
+            out.dist[i] = if self.is_far { f32::INFINITY } else { way.length() };
+            let falls = if self.is_far { 1.0 } else { (1.5 - dir.z) / way.length_squared() };
+            out.radiance.set(i, Vec3::splat(self.strength * falls));
+        }
+    }
+}
+
+/// What an old program's shader does: light times colour times cosine, one light after the other, with shadows.
+struct Diffuse(Vec3);
+
+impl SurfaceShader for Diffuse {
+    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        let (mut light, mut through) = (LightBatch::default(), Vec3s::default());
+        for number in 0..tracer.light_count() {
+            tracer.illuminate(number, hits, &mut light);
+            let mut request = RayRequest::default();
+            for i in 0..hits.len() {
+                request.rays.push(hits.spawn_to(i, light.dir.get(i), light.dist[i]));
+                request.parent.push(i as u32);
+                request.key.push(hits.key[i]);
+            }
+            tracer.occluded(&request, &mut through);
+            for i in 0..hits.len() {
+                let cos = hits.facing_ns(i).dot(light.dir.get(i)).max(0.0);
+                out.add(i, self.0 * light.radiance.get(i) * through.get(i) * cos);
+            }
+        }
+    }
+}
+
+/// A dim sky that only misses see.
+struct Sky;
+
+impl EnvironmentShader for Sky {
+    fn miss(&self, dir: &Vec3s, out: &mut Vec3s) {
+        (0..dir.len()).for_each(|i| out.set(i, Vec3::new(0.1, 0.2, 0.3) * (1.0 + dir.get(i).z)));
+    }
+}
+
+/// How a scene is described.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum By {
+    Materials,
+    Shaders,
+    /// Every second one.
+    Both,
+}
+
+/// A room without a front, two blocks in it, and a lamp in a corner; `white` is what a white surface shows under light 1.
+fn view(by: By, white: f32, is_far: bool) -> (World, PerspectiveCamera) {
+    let mut scene = Scene::new();
+    let mut shaders = ShaderTable::default();
+    let mut matter = |scene: &mut Scene, color: [f32; 3]| -> MaterialId {
+        let number = shaders.surfaces.len() as u32;
+        shaders.surfaces.push(Arc::new(Diffuse(Vec3::from(color) * white)));
+        if by == By::Materials || by == By::Both && number % 2 == 0 {
+            return scene.add_material(Material::matte("", color));
+        }
+        scene.add_material(Material::of("", Surface::Shader(number)))
+    };
+    let (x, y, z) = ([2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]);
+    let walls = [
+        ([0.8; 3], [-1.0, -1.0, 0.0], x, y),
+        ([0.7; 3], [-1.0, -1.0, 2.0], y, x),
+        ([0.8, 0.2, 0.1], [-1.0, -1.0, 0.0], y, z),
+        ([0.2, 0.7, 0.1], [1.0, -1.0, 0.0], z, y),
+        ([0.8; 3], [-1.0, 1.0, 0.0], x, z),
+        ([0.5, 0.5, 0.9], [-0.7, 0.0, 0.7], [0.9, 0.3, 0.0], [0.0, 0.6, 0.2]),
+        ([0.9; 3], [0.1, -0.6, 0.3], [0.6, 0.2, 0.2], [0.0, 0.5, 0.0]),
+    ];
+    for (color, corner, a, b) in walls {
+        let material = matter(&mut scene, color);
+        place(&mut scene, quad(corner, a, b, material));
+    }
+    let place = if is_far { Vec3::new(0.3, -1.0, 0.6) } else { Vec3::new(-0.5, -0.3, 1.6) };
+    // In a light model without pi the same lamp is said to be weaker.
+    let strength = if by == By::Materials { 3.0 } else { 3.0 / (PI * white) };
+    shaders.lights.push(Arc::new(Lamp { place, is_far, strength }));
+    shaders.environment = Some(Arc::new(Sky));
+    let mut world = World::new();
+    world.commit(&scene, &shaders, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
+    (world, camera([0.0, -3.5, 1.0], [0.0, 0.0, 1.0], 38.0))
+}
+
+/// Means of four parts of the picture and three channels, and their standard errors.
+fn parts((world, camera): &(World, PerspectiveCamera), options: &RenderOptions) -> Vec<[f64; 2]> {
+    const BATCHES: u64 = 16;
+    let batch = |seed| {
+        let options = RenderOptions { seed, width: SIZE, height: SIZE, max_depth: 5, ..options.clone() };
+        let picture = render(world, camera, &options, &pool(2), &Silent).expect("sound options").picture;
+        let mut means = vec![0.0; 12];
+        for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
+            let part = (2 * y / SIZE * 2 + 2 * x / SIZE) as usize;
+            let pixel = picture.pixel(x, y).expect("inside");
+            (0..3).for_each(|k| means[part * 3 + k] += f64::from(pixel[k]) * 4.0 / f64::from(SIZE * SIZE));
+        }
+        means
+    };
+    let batches: Vec<Vec<f64>> = (100..100 + BATCHES).map(batch).collect();
+    (0..12)
+        .map(|i| {
+            let n = BATCHES as f64;
+            let mean = batches.iter().map(|b| b[i]).sum::<f64>() / n;
+            let variance = batches.iter().map(|b| (b[i] - mean).powi(2)).sum::<f64>() / (n * (n - 1.0));
+            [mean, variance]
+        })
+        .collect()
+}
+
+#[track_caller]
+fn assert_same(found: &[[f64; 2]], wanted: &[[f64; 2]], what: &str) {
+    let sums = [found, wanted].map(|parts| parts.iter().map(|[mean, _]| mean).sum::<f64>());
+    // Few batches say little about small errors: those do not count below one per cent.
+    let z = |([a, va], [b, vb]): (&[f64; 2], &[f64; 2])| ((a - b) / (va + vb).sqrt().max(0.01 * b)).abs();
+    let worst = found.iter().zip(wanted).map(z).fold(0.0, f64::max);
+    let off = sums[0] / sums[1] - 1.0;
+    eprintln!("{what}: mean {off:+.4}, worst z {worst:.2}");
+    assert!(off.abs() < 0.02 && worst < 5.0, "{what}: mean off by {off:+.4}, worst z {worst:.2}");
+}
+
+fn by(integrator: Integrator, spp: u32) -> RenderOptions {
+    RenderOptions { integrator, spp, vpls: 48, pixel_centres: true, ..RenderOptions::default() }
+}
+
+#[test]
+fn shaders_show_what_materials_show() {
+    for is_far in [false, true] {
+        let paths = parts(&view(By::Materials, 1.0, is_far), &by(Integrator::Path, 64));
+        let ways = [(By::Materials, 1.0), (By::Shaders, 1.0), (By::Shaders, 1.0 / PI), (By::Both, 1.0 / PI)];
+        for (integrator, ways) in ALL.into_iter().zip([&ways[..], &ways[1..2], &ways[2..3]]) {
+            for &(way, white) in ways {
+                let options = RenderOptions { white, ..by(integrator, 8) };
+                let found = parts(&view(way, white, is_far), &options);
+                let place = if is_far { "far away" } else { "near" };
+                assert_same(
+                    &found,
+                    &paths,
+                    &format!("{integrator}, a lamp {place}: {way:?}, white shows {white}"),
+                );
+            }
+        }
+    }
+}
+
+/// Whatever the bound leaves to rays comes back.
+#[test]
+fn the_bound_takes_nothing_away() {
+    let wanted = parts(&view(By::Materials, 1.0, false), &by(Integrator::Path, 64));
+    let shaders = view(By::Shaders, 1.0, false);
+    for (clamp, spp) in [(0.0, 40), (0.3, 8), (30.0, 8)] {
+        let options = RenderOptions { clamp: Some(clamp), ..by(Integrator::InstantRadiosity, spp) };
+        assert_same(&parts(&shaders, &options), &wanted, &format!("bound {clamp}"));
+    }
+}
+
+#[test]
+fn threads_do_not_show() {
+    let (world, camera) = view(By::Both, 1.0, false);
+    for integrator in ALL {
+        let options = RenderOptions { width: 20, height: 20, ..by(integrator, 2) };
+        let [one, seven] =
+            [1, 7].map(|n| render(&world, &camera, &options, &pool(n), &Silent).expect("sound options"));
+        assert_eq!(one.picture.color, seven.picture.color, "{integrator}: bit for bit");
+    }
+}
