@@ -93,7 +93,7 @@ fn view(by: By, white: f32, is_far: bool) -> (World, PerspectiveCamera) {
     let mut matter = |scene: &mut Scene, color: [f32; 3]| -> MaterialId {
         let number = shaders.surfaces.len() as u32;
         shaders.surfaces.push(Arc::new(Diffuse(Vec3::from(color) * white)));
-        if by == By::Materials || by == By::Both && number % 2 == 0 {
+        if by == By::Materials || by == By::Both && number.is_multiple_of(2) {
             return scene.add_material(Material::matte("", color));
         }
         scene.add_material(Material::of("", Surface::Shader(number)))
