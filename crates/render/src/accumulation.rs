@@ -188,36 +188,33 @@ impl Accumulation {
     /// Writes the colours of [`picture`](Self::picture) into memory of the caller, row by row from the upper left
     /// pixel, on the threads of `pool`. Pixels outside of the region, and those beyond the end of `out`, stay as they are.
     pub fn write_colors(&self, out: &mut [[f32; 4]], pool: &rayon::ThreadPool) {
+        let bands = self.color_bands(out);
+        pool.install(|| {
+            bands.into_par_iter().for_each(|band| {
+                band.write();
+            });
+        });
+    }
+
+    /// The same in parts, from the upper one to the lower one: whoever goes on with the colours does so part by part,
+    /// while they are in the cache.
+    #[must_use]
+    pub fn color_bands<'a>(&'a self, out: &'a mut [[f32; 4]]) -> Vec<ColorBand<'a>> {
         let width = self.options.width as usize;
         let [_, y0, _, y1] = self.region;
         let rows_end = (y1 as usize * width).min(out.len());
         let mut rest = &mut out[(y0 as usize * width).min(rows_end)..rows_end];
         // A row of tiles is a band of the picture: bands do not overlap.
-        let mut bands = Vec::new();
-        for tiles in self.tiles.chunk_by(|a, b| a.rect[1] == b.rect[1]) {
-            let [_, top, _, bottom] = tiles[0].rect;
-            let length = ((bottom - top) as usize * width).min(rest.len());
-            let (band, below) = rest.split_at_mut(length);
-            rest = below;
-            bands.push((tiles, band));
-        }
-        pool.install(|| {
-            bands.into_par_iter().for_each(|(tiles, band)| {
-                for tile in tiles {
-                    let (top, mut begin) = (tile.rect[1], 0);
-                    for [x0, y0, x1, y1] in film::blocks(tile.rect) {
-                        for y in y0..y1 {
-                            let row = (y - top) as usize * width;
-                            let end = (row + x1 as usize).min(band.len());
-                            if let Some(row) = band.get_mut(row + x0 as usize..end) {
-                                tile.write_means(begin, row);
-                            }
-                            begin += (x1 - x0) as usize;
-                        }
-                    }
-                }
-            });
-        });
+        let rows_of_tiles = self.tiles.chunk_by(|a, b| a.rect[1] == b.rect[1]);
+        rows_of_tiles
+            .map(|tiles| {
+                let [_, top, _, bottom] = tiles[0].rect;
+                let length = ((bottom - top) as usize * width).min(rest.len());
+                let (colors, below) = std::mem::take(&mut rest).split_at_mut(length);
+                rest = below;
+                ColorBand { tiles, colors, width }
+            })
+            .collect()
     }
 
     /// The cost of each pixel per sample in false colours, if the options ask for it.
@@ -246,5 +243,41 @@ impl Accumulation {
             heatmap,
             stats: RenderStats { seconds: start.elapsed().as_secs_f64(), ..self.stats },
         }
+    }
+}
+
+/// Some rows of a picture that are still to be written; see [`Accumulation::color_bands`].
+#[derive(Debug)]
+pub struct ColorBand<'a> {
+    tiles: &'a [TileFilm],
+    colors: &'a mut [[f32; 4]],
+    width: usize,
+}
+
+impl<'a> ColorBand<'a> {
+    /// Which rows of the picture.
+    #[must_use]
+    pub fn rows(&self) -> std::ops::Range<u32> {
+        let [_, top, _, bottom] = self.tiles[0].rect;
+        top..bottom
+    }
+
+    /// Writes the colours, and shows them: whole rows, from the upper one on.
+    pub fn write(self) -> &'a [[f32; 4]] {
+        let top = self.rows().start;
+        for tile in self.tiles {
+            let mut begin = 0;
+            for [x0, y0, x1, y1] in film::blocks(tile.rect) {
+                for y in y0..y1 {
+                    let row = (y - top) as usize * self.width;
+                    let end = (row + x1 as usize).min(self.colors.len());
+                    if let Some(row) = self.colors.get_mut(row + x0 as usize..end) {
+                        tile.write_means(begin, row);
+                    }
+                    begin += (x1 - x0) as usize;
+                }
+            }
+        }
+        self.colors
     }
 }

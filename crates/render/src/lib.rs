@@ -25,7 +25,7 @@ mod tracer;
 mod transport;
 pub mod world;
 
-pub use accumulation::Accumulation;
+pub use accumulation::{Accumulation, ColorBand};
 pub use camera::PerspectiveCamera;
 pub use error::{CheckpointError, CommitError, RenderError};
 pub use fingerprint::fingerprint;

@@ -7,6 +7,8 @@ use gnurt::render::{Accumulation, PerspectiveCamera, Progress, RenderOptions, Wo
 use gnurt::scene::Camera;
 
 use crate::error::ViewError;
+use crate::exposure::Exposure;
+use crate::screen::{self, Part};
 use crate::shown::Shown;
 
 /// What is looked at, from where.
@@ -97,15 +99,23 @@ impl Eye {
         self.making.as_ref().is_none_or(|making| making.accumulation.is_complete())
     }
 
-    /// Brings `colors` up to date with the samples.
-    pub(crate) fn develop(&mut self, pool: &ThreadPool) {
+    /// Brings `colors` up to date with the samples, and a screen of that size with them.
+    pub(crate) fn develop(
+        &mut self,
+        exposure: Exposure,
+        size: [u32; 2],
+        screen: &mut Vec<u32>,
+        pool: &ThreadPool,
+    ) {
         let Some(Making { accumulation, shown, reach, .. }) = &self.making else { return };
-        let options = accumulation.options();
-        self.colors.resize(options.width as usize * options.height as usize, [0.0; 4]);
-        if shown.needs_layers() {
+        let RenderOptions { width, height, .. } = *accumulation.options();
+        self.colors.resize(width as usize * height as usize, [0.0; 4]);
+        let parts = if shown.needs_layers() {
             shown.colors(&accumulation.picture(), *reach, &mut self.colors);
+            Part::all_of(&self.colors, [width, height])
         } else {
-            accumulation.write_colors(&mut self.colors, pool);
-        }
+            accumulation.color_bands(&mut self.colors).into_iter().map(Part::Film).collect()
+        };
+        screen::develop(exposure, parts, [width, height], size, screen, Some(pool));
     }
 }

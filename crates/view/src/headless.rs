@@ -15,7 +15,6 @@ use crate::error::ViewError;
 use crate::exposure::Exposure;
 use crate::eye::{Eye, Sight};
 use crate::flight::Flight;
-use crate::screen;
 use crate::shown::Shown;
 use crate::stage::Stage;
 
@@ -99,8 +98,7 @@ pub fn run_headless(
         let (mut seconds, mut finished) = (0.0, true);
         while finished && !eye.is_complete() {
             finished = eye.pass(&stage.world, eye.samples().clamp(1, MOST_SAMPLES), pool, progress);
-            eye.develop(pool);
-            screen::develop(options.exposure, &eye.colors, size, size, &mut screen, Some(pool));
+            eye.develop(options.exposure, size, &mut screen, pool);
             seconds += begin.elapsed().as_secs_f64();
             std::mem::swap(&mut picture.color, &mut eye.colors);
             seen(frame, &picture)?;

@@ -20,7 +20,6 @@ use crate::exposure::Exposure;
 use crate::eye::{Eye, Sight};
 use crate::hud::Readings;
 use crate::pace::{Pace, divided};
-use crate::screen;
 use crate::shown::Shown;
 use crate::stage::{Loader, Stage};
 
@@ -321,9 +320,7 @@ impl Work {
                 return present;
             }
         }
-        self.eye.develop(&self.pool);
-        let colors = &self.eye.colors;
-        screen::develop(wish.exposure, colors, size, wish.size, &mut self.back.screen, Some(&self.pool));
+        self.eye.develop(wish.exposure, wish.size, &mut self.back.screen, &self.pool);
         let seconds = begin.elapsed().as_secs_f64();
         let new_samples = self.eye.samples() - taken;
         if new_samples > 0 {

@@ -4,11 +4,13 @@
 //! bins are narrower than bytes are apart, so that one comparison with the next byte's threshold makes it exact.
 //! Pixels are `0x00RRGGBB`. Invariant: equals `gnurt::image::screen_bytes`. Proof: `tests`.
 
+use std::ops::Range;
 use std::sync::LazyLock;
 
 use gnurt::ThreadPool;
 use gnurt::image::ToneCurve;
 use gnurt::image::srgb::encode_u8;
+use gnurt::render::ColorBand;
 use rayon::prelude::*;
 
 use crate::exposure::Exposure;
@@ -74,11 +76,45 @@ impl Table {
     }
 }
 
+/// Some rows of a picture, from the upper ones to the lower ones.
+pub(crate) enum Part<'a> {
+    /// These are there.
+    Colors { rows: Range<u32>, colors: &'a [[f32; 4]] },
+    /// These come from the film first.
+    Film(ColorBand<'a>),
+}
+
+impl<'a> Part<'a> {
+    /// A picture of that many columns in parts that are worth a thread's while.
+    pub(crate) fn all_of(colors: &'a [[f32; 4]], [columns, rows]: [u32; 2]) -> Vec<Self> {
+        let part = |first: u32| {
+            let rows = first..(first + 16).min(rows);
+            let [begin, end] = [rows.start, rows.end].map(|row| row as usize * columns as usize);
+            colors.get(begin..end).map(|colors| Self::Colors { rows, colors })
+        };
+        (0..rows).step_by(16).map_while(part).collect()
+    }
+
+    fn rows(&self) -> Range<u32> {
+        match self {
+            Self::Colors { rows, .. } => rows.clone(),
+            Self::Film(band) => band.rows(),
+        }
+    }
+
+    fn colors(self) -> &'a [[f32; 4]] {
+        match self {
+            Self::Colors { colors, .. } => colors,
+            Self::Film(band) => band.write(),
+        }
+    }
+}
+
 /// Writes the pixels of a `from[0]` x `from[1]` picture into a screen of `to[0]` x `to[1]` pixels; each becomes as many as are
-/// needed. On the threads of `pool`, if there is one.
+/// needed. On the threads of `pool`, if there is one. What no part shows is black.
 pub(crate) fn develop(
     exposure: Exposure,
-    colors: &[[f32; 4]],
+    parts: Vec<Part>,
     from: [u32; 2],
     to: [u32; 2],
     out: &mut Vec<u32>,
@@ -87,7 +123,7 @@ pub(crate) fn develop(
     let [columns, rows] = to.map(|x| x as usize);
     let [from_columns, from_rows] = from.map(|x| x as usize);
     out.resize(columns * rows, 0);
-    if out.is_empty() || from_columns == 0 || colors.len() < from_columns * from_rows {
+    if out.is_empty() || from_columns == 0 || from_rows == 0 {
         return;
     }
     let table = &*TABLE;
@@ -97,36 +133,44 @@ pub(crate) fn develop(
         ToneCurve::Reinhard => table.row(|x| ToneCurve::Reinhard.apply(x), gain, colors, out),
         ToneCurve::Filmic => table.row(|x| ToneCurve::Filmic.apply(x), gain, colors, out),
     };
-    // A band: the rows of the screen that show one row of the picture.
-    let source = |y: usize| y * from_rows / rows;
-    let band = |y: usize, band: &mut [u32]| {
-        let colors = &colors[y * from_columns..(y + 1) * from_columns];
+    // The first row of the screen that shows this row of the picture or one below it.
+    let shown_from = |source: usize| (source * rows).div_ceil(from_rows);
+    let row = |colors: &[[f32; 4]], line: &mut Vec<u32>, out: &mut [u32]| {
         if from_columns == columns {
-            tone(colors, &mut band[..columns]);
-        } else {
-            let mut line = vec![0; from_columns];
-            tone(colors, &mut line);
-            for (x, out) in band[..columns].iter_mut().enumerate() {
-                *out = line[x * from_columns / columns];
+            return tone(colors, out);
+        }
+        line.resize(from_columns, 0);
+        tone(colors, line);
+        for (x, out) in out.iter_mut().enumerate() {
+            *out = line[x * from_columns / columns];
+        }
+    };
+    let write = |(part, out): (Part, &mut [u32])| {
+        let Range { start, end } = part.rows();
+        let first = shown_from(start as usize);
+        let (mut line, colors) = (Vec::new(), part.colors());
+        for (source, colors) in (start as usize..end as usize).zip(colors.chunks_exact(from_columns)) {
+            let [begin, end] = [source, source + 1].map(|row| (shown_from(row) - first) * columns);
+            // Few pixels fill several rows of the screen; of many some rows are not seen.
+            if let Some((top, others)) = out[begin..end].split_at_mut_checked(columns) {
+                row(colors, &mut line, top);
+                others.chunks_exact_mut(columns).for_each(|row| row.copy_from_slice(top));
             }
         }
-        let (first, others) = band.split_at_mut(columns);
-        others.chunks_exact_mut(columns).for_each(|row| row.copy_from_slice(first));
     };
-    let mut bands = Vec::with_capacity(from_rows.min(rows));
-    let mut rest = &mut out[..];
-    let mut y = 0;
-    while y < rows {
-        let end = (y + 1..rows).find(|&other| source(other) != source(y)).unwrap_or(rows);
-        let (first, below) = rest.split_at_mut((end - y) * columns);
-        bands.push((source(y), first));
-        (rest, y) = (below, end);
+    let (mut rest, mut next, mut shares) = (&mut out[..], 0, Vec::with_capacity(parts.len()));
+    for part in parts {
+        let [begin, end] = [part.rows().start, part.rows().end].map(|row| shown_from(row as usize) * columns);
+        let (skipped, below) = std::mem::take(&mut rest).split_at_mut(begin - next);
+        skipped.fill(0);
+        let (share, below) = below.split_at_mut(end - begin);
+        shares.push((part, share));
+        (rest, next) = (below, end);
     }
+    rest.fill(0);
     match pool {
-        Some(pool) => {
-            pool.install(|| bands.into_par_iter().with_min_len(8).for_each(|(y, out)| band(y, out)))
-        }
-        None => bands.into_iter().for_each(|(y, out)| band(y, out)),
+        Some(pool) => pool.install(|| shares.into_par_iter().for_each(write)),
+        None => shares.into_iter().for_each(write),
     }
 }
 
@@ -148,7 +192,7 @@ mod tests {
         let pool = gnurt::thread_pool(2).expect("two threads");
         for (tone, stops) in ToneCurve::ALL.into_iter().flat_map(|tone| [(tone, 0.0), (tone, -2.5)]) {
             let mut out = Vec::new();
-            develop(Exposure { stops, tone }, &colors, size, size, &mut out, Some(&pool));
+            develop(Exposure { stops, tone }, Part::all_of(&colors, size), size, size, &mut out, Some(&pool));
             for (&color, &found) in colors.iter().zip(&out) {
                 let [r, g, b, _] = screen_bytes(color, tone, stops).map(u32::from);
                 assert_eq!(found, r << 16 | g << 8 | b, "{tone} {stops} of {color:?}");
@@ -161,7 +205,7 @@ mod tests {
         let colors: Vec<[f32; 4]> = (0..6).map(|i| [i as f32 / 5.0; 4]).collect();
         for to in [[3, 2], [7, 5], [2, 1], [1, 9], [600, 4]] {
             let mut out = vec![7; 3];
-            develop(Exposure::default(), &colors, [3, 2], to, &mut out, None);
+            develop(Exposure::default(), Part::all_of(&colors, [3, 2]), [3, 2], to, &mut out, None);
             assert_eq!(out.len() as u32, to[0] * to[1], "the whole screen");
             for (x, y) in [(0, 0), (to[0] - 1, 0), (to[0] / 2, to[1] - 1)] {
                 let from = colors[((y * 2 / to[1]) * 3 + x * 3 / to[0]) as usize];
@@ -171,8 +215,8 @@ mod tests {
             }
         }
         let mut out = vec![1; 4];
-        develop(Exposure::default(), &[], [0, 0], [2, 2], &mut out, None);
-        develop(Exposure::default(), &[], [3, 2], [0, 0], &mut out, None);
+        develop(Exposure::default(), Vec::new(), [0, 0], [2, 2], &mut out, None);
+        develop(Exposure::default(), Vec::new(), [3, 2], [0, 0], &mut out, None);
         assert!(out.is_empty(), "no screen at all");
     }
 }
