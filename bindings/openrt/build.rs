@@ -2,6 +2,7 @@
 //! Gives the shared library the name that programs remember it by: libOpenRT.so.0. Source: original.
 
 fn main() {
+    println!("cargo::rustc-check-cfg=cfg(gnurt_plain_lock)");
     println!("cargo:rerun-if-changed=build.rs");
     if std::env::var("CARGO_CFG_TARGET_OS").is_ok_and(|os| os == "linux") {
         println!("cargo:rustc-cdylib-link-arg=-Wl,-soname,libOpenRT.so.0");

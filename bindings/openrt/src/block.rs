@@ -122,7 +122,9 @@ impl Context {
         assembly.geometry.vertices_given += 1;
         block.count += 1;
         match block.mode.independent_size() {
-            Some(size) if i + 1 < size => block.values.extend_from_slice(&self.bound.triangle),
+            Some(size) if i + 1 < size && !self.bound.triangle.is_empty() => {
+                block.values.extend_from_slice(&self.bound.triangle);
+            }
             Some(size) if i + 1 == size => assembly.waiting = None,
             _ => {}
         }

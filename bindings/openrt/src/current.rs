@@ -26,13 +26,11 @@ impl Default for Current {
     }
 }
 
-/// The matrices that a block's vertices go through.
+/// The matrices that a block's vertices go through; `None` where one is the identity, as in most objects.
 #[derive(Clone, Debug)]
 pub struct Transforms {
-    /// None where it is the identity, as in most objects: the point stays as it is.
     point: Option<Matrix>,
-    normal: [[f64; 3]; 3],
-    /// None where it is the identity.
+    normal: Option<[[f64; 3]; 3]>,
     texture: Option<Matrix>,
 }
 
@@ -40,11 +38,9 @@ impl Transforms {
     /// The present tops of the stacks.
     #[must_use]
     pub fn of(stacks: &Stacks) -> Self {
-        let point = stacks.top(MatrixMode::Modelview).matrix;
-        let texture = stacks.top(MatrixMode::Texture).matrix;
-        let texture = Some(texture).filter(|matrix| *matrix != Matrix::IDENTITY);
-        let normal = point.normal_matrix();
-        Self { point: Some(point).filter(|matrix| *matrix != Matrix::IDENTITY), normal, texture }
+        let top = |mode| Some(stacks.top(mode).matrix).filter(|matrix| *matrix != Matrix::IDENTITY);
+        let point = top(MatrixMode::Modelview);
+        Self { point, normal: point.map(|matrix| matrix.normal_matrix()), texture: top(MatrixMode::Texture) }
     }
 }
 
@@ -53,33 +49,43 @@ impl Current {
     #[inline]
     #[must_use]
     pub fn vertex(&self, transforms: &Transforms, position: [f64; 4], has_normal: bool) -> Vertex {
-        let [x, y, z, w] = transforms.point.map_or(position, |matrix| matrix.apply(position));
-        let position = if w == 1.0 { [x, y, z] } else { [x / w, y / w, z / w] };
-        let normal = if has_normal { self.unit_normal(&transforms.normal) } else { [0.0; 3] };
-        let [s, t, _, q] = transforms.texture.map_or(self.texcoord, |matrix| matrix.apply(self.texcoord));
-        let texcoord = if q == 1.0 { [s, t] } else { [s / q, t / q] };
+        let [x, y, z] = homogeneous(transforms.point.as_ref(), position);
+        let normal = if has_normal { self.unit_normal(transforms.normal.as_ref()) } else { [0.0; 3] };
+        let [s, t, _] = homogeneous(transforms.texture.as_ref(), self.texcoord);
         Vertex {
-            position: position.map(|x| x as f32),
+            position: [x as f32, y as f32, z as f32],
             normal,
-            texcoord: texcoord.map(|x| x as f32),
+            texcoord: [s as f32, t as f32],
             color: self.color,
         }
     }
 
     /// The normal in object space, of unit length; zero if it has no direction.
     #[inline]
-    fn unit_normal(&self, [a, b, c]: &[[f64; 3]; 3]) -> [f32; 3] {
-        let n = self.normal;
-        let moved = [0, 1, 2].map(|k| a[k] * n[0] + b[k] * n[1] + c[k] * n[2]);
-        let squared = moved.iter().map(|x| x * x).sum::<f64>();
-        // Most programs give unit normals: one step of Newton's method is exact to single precision there, and cheaper.
-        if (squared - 1.0).abs() < 1e-6 {
-            return moved.map(|x| (x * (1.5 - 0.5 * squared)) as f32);
+    fn unit_normal(&self, matrix: Option<&[[f64; 3]; 3]>) -> [f32; 3] {
+        let mut n = self.normal;
+        if let Some([a, b, c]) = matrix {
+            let along = |k: usize| a[k] * n[0] + b[k] * n[1] + c[k] * n[2];
+            n = [along(0), along(1), along(2)];
         }
-        let length = squared.sqrt();
-        let is_direction = length > 0.0 && length.is_finite();
-        if is_direction { moved.map(|x| (x / length) as f32) } else { [0.0; 3] }
+        let [x, y, z] = n;
+        let squared = x * x + y * y + z * z;
+        // Most programs give unit normals: one step of Newton's method is exact to single precision there, and cheaper.
+        let scale = if (squared - 1.0).abs() < 1e-6 { 1.5 - 0.5 * squared } else { 1.0 / squared.sqrt() };
+        // No direction: zero, or too long for a number.
+        if scale > 0.0 && scale.is_finite() {
+            [(x * scale) as f32, (y * scale) as f32, (z * scale) as f32]
+        } else {
+            [0.0; 3]
+        }
     }
+}
+
+/// The point with w = 1.
+#[inline]
+fn homogeneous(matrix: Option<&Matrix>, point: [f64; 4]) -> [f64; 3] {
+    let [x, y, z, w] = matrix.map_or(point, |matrix| matrix.apply(point));
+    if w == 1.0 { [x, y, z] } else { [x / w, y / w, z / w] }
 }
 
 impl Context {

@@ -1,25 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The door between C and the safe state machine: the one context behind a mutex, pointers, and context calls.
 //! Source: original. Every exported function goes through [`perform`]: it takes the lock, makes the context if there is
-//! none, notes errors, and lets no panic cross to C. Pointers become options here; the state machine decides when a
+//! none, notes errors, and lets no panic cross to C. A shader that calls the library while the library waits for it is
+//! turned away. Pointers become options here; the state machine decides when a
 //! null pointer is an error, because other errors come first.
 //! Proof: the C programs of tests/c; bindings/openrt/tests/symbols.rs (exactly the functions of the header).
 
 use std::cell::Cell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, LazyLock};
 
 use crate::context::Context;
 use crate::error::{Error, Result, Writer};
+use crate::ffi_lock::{Biased, Guard};
 use crate::report;
 
-static CONTEXT: Mutex<Option<Context>> = Mutex::new(None);
-
-fn lock() -> MutexGuard<'static, Option<Context>> {
-    // Panics are caught while the lock is held, so it is never poisoned; and if it were, the context is still there.
-    CONTEXT.lock().unwrap_or_else(PoisonError::into_inner)
-}
+static CONTEXT: Biased<Option<Context>> = Biased::new(None);
 
 /// Runs `work` on the context. An error, or a panic, is noted and reported, with the call as `shown` writes it, and
 /// `on_error` returned.
@@ -29,8 +26,11 @@ pub(crate) fn perform<T>(
     on_error: T,
     work: impl FnOnce(&mut Context) -> Result<T>,
 ) -> T {
-    let mut guard = lock();
-    let context = guard.get_or_insert_with(Context::default);
+    let Some(mut guard) = CONTEXT.enter() else { return turn_away(shown, on_error) };
+    let context = match &mut *guard {
+        Some(context) => context,
+        none => none.insert(Context::default()),
+    };
     match catch_unwind(AssertUnwindSafe(|| work(context))) {
         Ok(Ok(value)) => value,
         Ok(Err(error)) => fail(guard, error, shown, on_error),
@@ -38,10 +38,20 @@ pub(crate) fn perform<T>(
     }
 }
 
+/// A call from within a call of the same thread: it would wait for itself, and nothing can be noted meanwhile.
+#[cold]
+fn turn_away<T>(shown: impl FnOnce() -> String, on_error: T) -> T {
+    eprintln!(
+        "libOpenRT: {} was called by a shader while the library waits for that shader: ignored",
+        shown()
+    );
+    on_error
+}
+
 /// Notes an error and reports it once the lock is free: who listens may call back.
 #[cold]
 fn fail<T>(
-    mut guard: MutexGuard<'static, Option<Context>>,
+    mut guard: Guard<'static, Option<Context>>,
     error: Error,
     shown: impl FnOnce() -> String,
     on_error: T,
@@ -184,13 +194,13 @@ unsafe fn take_arguments(count: *mut c_int, list: *mut *mut c_char) -> Vec<Vec<u
 /// As openrt/rt.h says: pointers are null or those of main.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn rtInit(count: *mut c_int, list: *mut *mut c_char) {
-    let guard = lock();
+    let shown = || "rtInit()".to_owned();
+    let Some(mut guard) = CONTEXT.enter() else { return turn_away(shown, ()) };
     if guard.is_some() {
-        return fail(guard, Error::InvalidOperation, || "rtInit()".to_owned(), ());
+        return fail(guard, Error::InvalidOperation, shown, ());
     }
     // SAFETY: the caller vouches for main's arguments.
     let taken = unsafe { take_arguments(count, list) };
-    let mut guard = guard;
     *guard = Some(Context::with_arguments(taken.iter().map(|argument| &argument[..])));
 }
 
@@ -198,7 +208,7 @@ unsafe extern "C" fn rtInit(count: *mut c_int, list: *mut *mut c_char) {
 extern "C" fn rtExit() {
     let may_leave = call!(rtExit(), false, |context| context.exit().map(|()| true));
     if may_leave {
-        let context = lock().take();
+        let context = CONTEXT.enter().and_then(|mut guard| guard.take());
         // Dropping frees everything; a panic in it must not cross to C, and there is no context left to note it.
         let dropped = catch_unwind(AssertUnwindSafe(|| drop(context)));
         dropped.unwrap_or_else(|_| eprintln!("libOpenRT: this is a bug in libOpenRT; rtExit did not finish"));

@@ -39,6 +39,8 @@ pub struct Part {
     class: Arc<LoadedClass>,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
+    /// Whether some of the normals are none.
+    lacks_normals: bool,
     texcoords: Vec<[f32; 2]>,
     colors: Vec<[f32; 4]>,
     /// One block per vertex, if the class has parameters per vertex.
@@ -123,6 +125,7 @@ impl Part {
             class,
             positions: Vec::new(),
             normals: Vec::new(),
+            lacks_normals: false,
             texcoords: Vec::new(),
             colors: Vec::new(),
             vertex_values: Vec::new(),
@@ -144,9 +147,12 @@ impl Part {
         let n = self.positions.len();
         self.positions.push(vertex.position);
         push_unless_default(&mut self.normals, n, vertex.normal, NO_NORMAL);
+        self.lacks_normals |= vertex.normal == NO_NORMAL;
         push_unless_default(&mut self.texcoords, n, vertex.texcoord, [0.0; 2]);
         push_unless_default(&mut self.colors, n, vertex.color, WHITE);
-        self.vertex_values.extend_from_slice(values);
+        if !values.is_empty() {
+            self.vertex_values.extend_from_slice(values);
+        }
     }
 
     /// Adds a triangle with the block of its per-triangle parameters. One without area, or with a coordinate that is
@@ -155,7 +161,9 @@ impl Part {
         let is_kept = has_area(vertices.map(|i| self.positions[i as usize]));
         if is_kept {
             self.indices.push(vertices);
-            self.triangle_values.extend_from_slice(values);
+            if !values.is_empty() {
+                self.triangle_values.extend_from_slice(values);
+            }
             if matches!(self.class.code, Code::Plugin(_)) {
                 self.numbers.push(number);
             }
@@ -182,7 +190,11 @@ impl Part {
         if !self.normals.is_empty() {
             let normals = &self.normals;
             let given = |triangle: &[u32; 3]| triangle.iter().all(|&i| normals[i as usize] != NO_NORMAL);
-            let data = self.indices.iter().map(|triangle| f32::from(u8::from(given(triangle)))).collect();
+            let data = if self.lacks_normals {
+                self.indices.iter().map(|triangle| f32::from(u8::from(given(triangle)))).collect()
+            } else {
+                vec![1.0; self.indices.len()]
+            };
             let name = NORMALS_GIVEN.to_owned();
             attributes.push(Attribute { name, rate: Rate::Triangle, components: 1, data });
         }
@@ -202,6 +214,11 @@ impl Part {
     /// Removes vertices that no triangle uses, and keeps the order of the others.
     fn drop_unused_vertices(&mut self) {
         let n = self.positions.len();
+        // Each vertex for a triangle of its own: the commonest case.
+        let are_own = |(i, triangle): (usize, &[u32; 3])| *triangle == [0, 1, 2].map(|k| 3 * i as u32 + k);
+        if n == 3 * self.indices.len() && self.indices.iter().enumerate().all(are_own) {
+            return;
+        }
         let mut used = vec![false; n];
         self.indices.iter().flatten().for_each(|&i| used[i as usize] = true);
         if used.iter().all(|&is_used| is_used) {
@@ -262,14 +279,14 @@ fn attributes_of(class: &LoadedClass, block: &Block, rate: Rate, values: Vec<f32
 }
 
 /// Whether a triangle has an area that is a positive finite number.
-fn has_area(corners: [[f32; 3]; 3]) -> bool {
-    let [a, b, c] = corners.map(|p| p.map(f64::from));
-    let edge = |p: [f64; 3]| [0, 1, 2].map(|k| p[k] - a[k]);
-    let (u, v) = (edge(b), edge(c));
-    let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    // NaN and infinite coordinates make the sum NaN or infinite.
-    let twice_area_squared = normal.iter().map(|x| x * x).sum::<f64>();
-    twice_area_squared > 0.0 && corners.iter().flatten().all(|x| x.is_finite())
+#[inline]
+fn has_area([a, b, c]: [[f32; 3]; 3]) -> bool {
+    let edge = |p: [f32; 3], k: usize| f64::from(p[k]) - f64::from(a[k]);
+    // NaN and infinite coordinates make a component NaN or infinite, and the sum with it.
+    let component = |i: usize, j: usize| edge(b, i) * edge(c, j) - edge(b, j) * edge(c, i);
+    let normal = [component(1, 2), component(2, 0), component(0, 1)];
+    let twice_area_squared = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+    twice_area_squared > 0.0 && [a, b, c].as_flattened().iter().all(|x| x.is_finite())
 }
 
 #[cfg(test)]

@@ -19,6 +19,8 @@ pub mod error;
 mod ffi;
 #[expect(unsafe_code, reason = "C calls in")]
 mod ffi_frame;
+#[expect(unsafe_code, reason = "one value, many threads")]
+mod ffi_lock;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_matrix;
 #[expect(unsafe_code, reason = "C calls in")]
