@@ -17,10 +17,11 @@ use crate::error::RenderError;
 use crate::film::{self, TileFilm};
 use crate::frame::Frame;
 use crate::many_lights::PassLights;
+use crate::many_lights::interleave::Seen;
 use crate::options::RenderOptions;
 use crate::progress::Progress;
 use crate::stats::RenderStats;
-use crate::tile::Job;
+use crate::tile::{Apart, Job};
 use crate::tracer::BatchTracer;
 use crate::world::World;
 
@@ -74,6 +75,7 @@ impl Accumulation {
         let region = options.region()?;
         if region == self.region
             && (options.aovs, options.heatmap) == (self.options.aovs, self.options.heatmap)
+            && film::tile_size(&options) == film::tile_size(&self.options)
         {
             self.tiles.iter_mut().for_each(TileFilm::clear);
         } else {
@@ -123,9 +125,16 @@ impl Accumulation {
             if let Some(pass) = &job.pass {
                 self.stats.add(&pass.stats);
             }
-            let render = |tracer: &mut BatchTracer, tile| job.render_tile(tile, tracer, done);
-            let of_tiles: Vec<RenderStats> =
-                pool.install(|| self.tiles.par_iter_mut().map_init(|| job.tracer(), render).collect());
+            let of_tiles: Vec<RenderStats> = if let Some(n) = self.options.pattern() {
+                let Some(of_tiles) = add_interleaved(&job, &mut self.tiles, self.region, done - 1, n, pool)
+                else {
+                    break;
+                };
+                of_tiles
+            } else {
+                let render = |tracer: &mut BatchTracer, tile| job.render_tile(tile, tracer, done);
+                pool.install(|| self.tiles.par_iter_mut().map_init(|| job.tracer(), render).collect())
+            };
             of_tiles.iter().for_each(|tile| self.stats.add(tile));
         }
         self.stats.spp_min = self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
@@ -280,4 +289,28 @@ impl<'a> ColorBand<'a> {
         }
         self.colors
     }
+}
+
+/// Adds sample `sample` to all tiles, which is averaged over neighbours; to none, and `None`, if it is time to stop.
+fn add_interleaved(
+    job: &Job,
+    tiles: &mut [TileFilm],
+    region: [u32; 4],
+    sample: u32,
+    n: u32,
+    pool: &rayon::ThreadPool,
+) -> Option<Vec<RenderStats>> {
+    let take = |tracer: &mut BatchTracer, tile: &TileFilm| {
+        (!job.should_stop()).then(|| job.sample_apart(tile, tracer, sample))
+    };
+    let taken: Option<Vec<Apart>> =
+        pool.install(|| tiles.par_iter().map_init(|| job.tracer(), take).collect());
+    let taken = taken?;
+    let rects: Vec<[u32; 4]> = tiles.iter().map(|tile| tile.rect).collect();
+    let seen = rects.iter().zip(taken.iter().map(|apart| apart.texels.as_slice()));
+    let seen = Seen::new(seen, region, film::tile_size(job.options), n);
+    let add = |tracer: &mut BatchTracer, (tile, apart): (&mut TileFilm, &Apart)| {
+        job.add_apart(tile, tracer, sample, apart, &seen)
+    };
+    Some(pool.install(|| tiles.par_iter_mut().zip(&taken).map_init(|| job.tracer(), add).collect()))
 }

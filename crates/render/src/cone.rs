@@ -37,6 +37,11 @@ impl Cone {
         }
     }
 
+    /// How wide it is `distance` away from a camera.
+    pub(crate) fn width_at(self, distance: f32) -> f32 {
+        self.width + self.spread * distance
+    }
+
     /// Writes the widths at points that the rays of `lanes` met. `begin` holds how wide each ray began, if anybody knows
     /// that; rays of depth 0 began at the camera.
     pub(crate) fn widen(self, points: &mut SurfaceBatch, lanes: &[u32], begin: &[f32]) {

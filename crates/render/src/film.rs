@@ -34,7 +34,12 @@ pub(crate) struct TileFilm {
     pub(crate) target: u32,
 }
 
-/// Tiles are square, this many pixels wide, and lie on a grid from the picture's upper left corner.
+/// Tiles are square, so many pixels wide, and lie on a grid from the picture's upper left corner. Where pixels with the
+/// same virtual lights lie apart, there are a block of them in each tile.
+pub(crate) fn tile_size(options: &RenderOptions) -> u32 {
+    options.pattern().map_or(TILE, |n| n * BLOCK)
+}
+
 const TILE: u32 = 16;
 /// So are blocks within a tile: their 64 pixels follow each other, so that rays traced together are a narrow bundle.
 const BLOCK: u32 = 8;
@@ -43,10 +48,11 @@ impl TileFilm {
     /// The parts of the tile grid that lie in a region.
     pub(crate) fn cover(region: [u32; 4], options: &RenderOptions) -> Vec<Self> {
         let [x0, y0, x1, y1] = region;
-        let starts = |low: u32, high: u32| (low / TILE * TILE..high).step_by(TILE as usize);
+        let size = tile_size(options);
+        let starts = |low: u32, high: u32| (low / size * size..high).step_by(size as usize);
         starts(y0, y1)
             .flat_map(|y| starts(x0, x1).map(move |x| [x, y]))
-            .map(|[x, y]| [x.max(x0), y.max(y0), (x + TILE).min(x1), (y + TILE).min(y1)])
+            .map(|[x, y]| [x.max(x0), y.max(y0), (x + size).min(x1), (y + size).min(y1)])
             .map(|rect| {
                 let mut tile = Self::new(rect, options.aovs, options.aovs);
                 if options.heatmap {

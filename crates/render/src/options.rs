@@ -121,6 +121,10 @@ pub struct RenderOptions {
     /// For the integrators with virtual lights: what a white diffuse surface shows where light 1 arrives, if its shader only
     /// knows `shade`. 1 in the light model of OpenRT (light times colour times cosine), 1 / pi in radiometry.
     pub white: f32,
+    /// For the integrators with virtual lights: each pixel of a pattern of so many by so many gathers its share of the virtual
+    /// lights, then light is averaged over as many pixels of a surface \[WKB*02\]. Much faster, slightly blurred: **biased**.
+    /// 1 = every pixel gathers from all; 3, 5 and 7 are patterns with a middle, others count as the next of these.
+    pub interleave: u32,
     /// World units that origins move off a surface on top of the computed error bound.
     pub ray_epsilon: f32,
     /// CPU level of the kernels.
@@ -151,6 +155,7 @@ impl Default for RenderOptions {
             vpls: 1024,
             clamp: None,
             white: 1.0,
+            interleave: 1,
             ray_epsilon: 0.0,
             level: Level::default(),
             time_limit: None,
@@ -162,6 +167,12 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
+    /// Width of the pattern of interleaved pixels, if there is one.
+    pub(crate) fn pattern(&self) -> Option<u32> {
+        let n = self.interleave.min(WIDEST) | 1;
+        (n > 1 && self.integrator.has_virtual_lights()).then_some(n)
+    }
+
     /// The crop clipped to the frame, or the whole frame; an error if nothing is left or a size is 0.
     pub fn region(&self) -> Result<[u32; 4], RenderError> {
         if self.width == 0 || self.height == 0 || self.spp == 0 {
@@ -178,6 +189,9 @@ impl RenderOptions {
         Ok(clipped)
     }
 }
+
+/// No pattern is wider: its tiles would be few.
+const WIDEST: u32 = 7;
 
 /// No picture is larger: 2^31 pixels, so that a pixel has a 32-bit number.
 const MAX_PIXELS: u64 = 1 << 31;

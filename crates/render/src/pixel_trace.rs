@@ -49,7 +49,7 @@ pub fn trace_pixel(
     x: u32,
     y: u32,
 ) -> Result<PixelTrace, RenderError> {
-    let options = RenderOptions { crop: None, heatmap: false, aovs: false, ..options.clone() };
+    let options = RenderOptions { crop: None, heatmap: false, aovs: false, interleave: 1, ..options.clone() };
     options.region()?;
     if x >= options.width || y >= options.height {
         return Err(RenderError::NoSuchPixel { x, y, width: options.width, height: options.height });

@@ -18,7 +18,8 @@ use crate::cone::Cone;
 use crate::cost::TileCosts;
 use crate::film::TileFilm;
 use crate::integrators;
-use crate::many_lights::{LampChoice, PassLights};
+use crate::many_lights::interleave::{Seen, Texel};
+use crate::many_lights::{self, LampChoice, PassLights};
 use crate::options::RenderOptions;
 use crate::progress::Progress;
 use crate::stats::RenderStats;
@@ -57,6 +58,15 @@ pub(crate) struct CameraBatch {
     places: Vec<[f32; 2]>,
     hits: HitBatch,
     radiance: Vec3s,
+}
+
+/// A sample of each pixel of a tile, light and surfaces apart.
+pub(crate) struct Apart {
+    /// Row by row.
+    pub(crate) texels: Vec<Texel>,
+    batch: CameraBatch,
+    costs: Vec<u64>,
+    stats: RenderStats,
 }
 
 impl<'a> Job<'a> {
@@ -146,6 +156,56 @@ impl<'a> Job<'a> {
         tracer.stats.camera_rays += rays.len() as u64;
         tracer.stats.samples += rays.len() as u64;
         tracer.camera = batch;
+    }
+
+    /// A sample of each pixel of a part of the film, light and surfaces apart; nothing is added to the film.
+    pub(crate) fn sample_apart(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> Apart {
+        let mut batch = CameraBatch::default();
+        self.camera_rays(tile.pixels(), sample, &mut batch);
+        tracer.costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
+        let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
+        tracer.intersect_into(rays, keys, Coherence::Coherent, hits);
+        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.options.ray_epsilon };
+        let mut lanes = vec![Texel::default(); keys.len()];
+        if let Some(pass) = tracer.pass {
+            many_lights::radiance_apart(tracer, pass, camera, radiance, &mut lanes);
+        }
+        tracer.stats.camera_rays += keys.len() as u64;
+        tracer.stats.samples += keys.len() as u64;
+        let [x0, y0, x1, _] = tile.rect;
+        let mut texels = lanes.clone();
+        for ([x, y], texel) in tile.pixels().zip(lanes) {
+            texels[((y - y0) * (x1 - x0) + (x - x0)) as usize] = texel;
+        }
+        let costs = tracer.costs.take().map_or_else(Vec::new, |costs| costs.costs);
+        Apart { texels, batch, costs, stats: tracer.take_stats() }
+    }
+
+    /// Adds a sample that was taken apart to the film; `filter` brings its parts together.
+    pub(crate) fn add_apart(
+        &self,
+        tile: &mut TileFilm,
+        tracer: &mut BatchTracer,
+        sample: u32,
+        apart: &Apart,
+        seen: &Seen,
+    ) -> RenderStats {
+        let mut radiance = Vec3s::default();
+        seen.filtered(tile, &mut radiance);
+        let CameraBatch { rays, keys, hits, .. } = &apart.batch;
+        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.options.ray_epsilon };
+        if let Some(aovs) = &mut tile.aovs {
+            aovs.add(tracer, camera, sample, self.forward);
+        }
+        tile.costs.resize(apart.costs.len(), 0);
+        tile.costs.iter_mut().zip(&apart.costs).for_each(|(sum, cost)| *sum += cost);
+        let bad_samples = tile.add_sample(&radiance, hits);
+        let mut stats = tracer.take_stats();
+        stats.add(&apart.stats);
+        stats.bad_samples += bad_samples;
+        let done = self.samples_done.fetch_add(stats.samples, Ordering::Relaxed) + stats.samples;
+        self.progress.update(done as f64 / self.all_samples as f64, done);
+        stats
     }
 
     /// One ray through each pixel, at its centre or placed by the filter.

@@ -22,6 +22,9 @@ pub(crate) struct Sight {
     pub(crate) fleeting: bool,
 }
 
+/// Width of the pattern of interleaved pixels while the camera moves.
+const FLEETING: u32 = 3;
+
 /// A picture in the making.
 pub(crate) struct Eye {
     /// What does not change from sight to sight.
@@ -53,6 +56,12 @@ impl Eye {
             aovs: sight.shown.needs_layers(),
             pixel_centres: sight.fleeting || self.options.pixel_centres,
             spp: if sight.fleeting { 1 } else { self.options.spp },
+            // For integrators with virtual lights.
+            interleave: if sight.fleeting {
+                self.options.interleave.max(FLEETING)
+            } else {
+                self.options.interleave
+            },
             crop: None,
             heatmap: false,
             ..self.options.clone()

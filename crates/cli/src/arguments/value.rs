@@ -145,6 +145,12 @@ pub(crate) fn virtual_lights(text: &str) -> Result<u32, String> {
     whole(text, 1, 1 << 20)
 }
 
+/// 1, 3, 5 or 7.
+pub(crate) fn interleave(text: &str) -> Result<u32, String> {
+    let n = whole(text, 1, 7).ok().filter(|n| n % 2 == 1);
+    n.ok_or_else(|| "give 1, 3, 5 or 7".into())
+}
+
 /// A number, at least 0; `inf` is one.
 pub(crate) fn clamp(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|value| *value >= 0.0);

@@ -68,6 +68,10 @@ pub(crate) struct FrameArguments {
     /// the scene's size decides. path: light scattered more than once counts no more than this per sample (too dark)
     #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,
+    /// ir, bir, mir: each pixel of a pattern of NxN gathers its share of the virtual lights, then light is averaged over as
+    /// many pixels of a surface: N^2 times fewer rays, slightly blurred. 1, 3, 5 or 7; 1 = every pixel gathers from all
+    #[arg(long, value_name = "N", value_parser = value::interleave, allow_hyphen_values = true, default_value = "1")]
+    pub(crate) interleave: u32,
     /// Take as many samples of each tile as bring its noise below this share of its radiance: 16 at least, --spp at most
     #[arg(long, value_name = "X", value_parser = value::noise, allow_hyphen_values = true)]
     pub(crate) noise: Option<f32>,

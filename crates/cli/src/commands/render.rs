@@ -249,6 +249,7 @@ pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptio
         vpls: frame.vpls,
         clamp: frame.clamp,
         noise: frame.noise,
+        interleave: frame.interleave,
         level,
         ..RenderOptions::default()
     }

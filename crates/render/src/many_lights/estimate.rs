@@ -10,7 +10,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, RayBatch};
+use gnurt_accel::{Coherence, INVALID_ID, RayBatch};
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
 use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
 
@@ -19,6 +19,7 @@ use gnurt_image::srgb::luminance;
 use super::cut::resample;
 use super::eye::EyePoint;
 use super::gather::{END, gather};
+use super::interleave::{Texel, key_of_place, place_of};
 use super::pass::PassLights;
 use super::vpl::{self, pdf_of_other_end};
 use crate::tracer::BatchTracer;
@@ -71,6 +72,9 @@ struct Stop {
     eye: EyePoint,
     /// What light straight from lamps counts here.
     lamp_gain: f32,
+    /// What was met, and how far the last edge was.
+    instance: u32,
+    distance: f32,
 }
 
 impl Stop {
@@ -95,17 +99,29 @@ impl Stop {
 
 /// Writes the radiance against each camera ray.
 pub(crate) fn radiance(tracer: &mut BatchTracer, pass: &PassLights, camera: HitLanes, radiance: &mut Vec3s) {
+    all_radiance(tracer, pass, camera, radiance, None);
+}
+
+fn all_radiance(
+    tracer: &mut BatchTracer,
+    pass: &PassLights,
+    camera: HitLanes,
+    radiance: &mut Vec3s,
+    texels: Option<&mut [Texel]>,
+) {
     radiance.reset(camera.rays.len(), Vec3::ZERO);
     if tracer.options.max_depth == 0 {
         return;
     }
+    let options = tracer.options;
+    let pattern = options.pattern().filter(|_| texels.is_some());
     let walks: Vec<Walk> = camera
         .keys
         .iter()
         .enumerate()
         .map(|(lane, &key)| Walk {
             lane: lane as u32,
-            key,
+            key: pattern.map_or(key, |n| key_of_place(key, options.width, n)),
             throughput: Vec3::ONE,
             edges: 1,
             last: None,
@@ -118,7 +134,29 @@ pub(crate) fn radiance(tracer: &mut BatchTracer, pass: &PassLights, camera: HitL
     let mut vertices = tracer.vertices(camera);
     tracer.pass_on(&mut vertices, 0);
     tracer.probes = probes;
-    go_on(tracer, pass, (camera.rays.clone(), walks, vertices), camera.keys, 1, radiance);
+    let begin = (camera.rays.clone(), walks, vertices);
+    go_on(tracer, pass, begin, camera.keys, 1, (radiance, texels));
+}
+
+/// The same, light and surfaces apart, each pixel with its share of the virtual lights.
+pub(crate) fn radiance_apart(
+    tracer: &mut BatchTracer,
+    pass: &PassLights,
+    camera: HitLanes,
+    radiance: &mut Vec3s,
+    texels: &mut [Texel],
+) {
+    all_radiance(tracer, pass, camera, radiance, Some(&mut *texels));
+    for (lane, texel) in texels.iter_mut().enumerate() {
+        let seen = radiance.get(lane);
+        if texel.instance == INVALID_ID {
+            texel.plain = seen;
+            continue;
+        }
+        for k in 0..3 {
+            texel.light[k] = if texel.share[k] > 0.0 { seen[k] / texel.share[k] } else { 0.0 };
+        }
+    }
 }
 
 /// Follows walks from what they met to their ends. `keys` are those of the camera rays, `depth` the bounces so far.
@@ -128,20 +166,53 @@ fn go_on(
     (mut rays, mut walks, mut vertices): (RayBatch, Vec<Walk>, Vec<Option<Vertex>>),
     keys: &[SampleKey],
     depth: u32,
-    radiance: &mut Vec3s,
+    (radiance, mut texels): (&mut Vec3s, Option<&mut [Texel]>),
 ) {
     for depth in depth.. {
         let stops = arrive(tracer, pass, &walks, &vertices, &rays, radiance);
+        if let Some(texels) = &mut texels {
+            take_apart(tracer, &stops, radiance, texels);
+        }
         light_samples(tracer, pass, &stops, radiance);
         let seen: Vec<EyePoint> =
             stops.iter().filter(|stop| stop.walk.is_seen).map(|stop| stop.eye).collect();
-        gather(tracer, &seen, keys, &pass.vpls, &pass.bound, radiance);
+        if texels.is_none() {
+            gather(tracer, &seen, keys, &pass.vpls, &pass.bound, radiance);
+        } else if let Some(n) = tracer.options.pattern() {
+            let place = |eye: &&EyePoint| place_of(keys[eye.lane as usize].pixel, tracer.options.width, n);
+            for (number, share) in pass.shares.iter().enumerate() {
+                let there: Vec<EyePoint> = seen.iter().filter(|eye| place(eye) == number).copied().collect();
+                gather(tracer, &there, keys, share, &pass.bound, radiance);
+            }
+        }
         few_virtual_lights(tracer, pass, &stops, radiance);
         (rays, walks) = scatter(tracer, pass, &stops);
         if walks.is_empty() {
             return;
         }
         vertices = next(tracer, &rays, &walks, depth);
+    }
+}
+
+/// From the first surface on that scatters smoothly, what a pixel sees is light on that surface.
+fn take_apart(tracer: &BatchTracer, stops: &[Stop], radiance: &mut Vec3s, texels: &mut [Texel]) {
+    for stop in stops.iter().filter(|stop| stop.walk.is_seen && stop.eye.bsdf.is_smooth()) {
+        let lane = stop.walk.lane as usize;
+        if texels[lane].instance != INVALID_ID {
+            continue;
+        }
+        let eye = &stop.eye;
+        texels[lane] = Texel {
+            plain: radiance.get(lane),
+            share: eye.throughput * eye.bsdf.albedo(eye.wo),
+            light: Vec3::ZERO,
+            p: eye.point.p,
+            ns: eye.point.ns,
+            width: tracer.cone.width_at(stop.distance),
+            instance: stop.instance,
+            is_diffuse: eye.bsdf.lambertian().is_some(),
+        };
+        radiance.set(lane, Vec3::ZERO);
     }
 }
 
@@ -211,7 +282,7 @@ pub(super) fn rest_at(tracer: &mut BatchTracer, points: &SurfaceBatch) -> Vec<Op
         }
     }
     let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
-    go_on(tracer, pass, (rays, walks, vertices), &points.key, edges + 1, &mut radiance);
+    go_on(tracer, pass, (rays, walks, vertices), &points.key, edges + 1, (&mut radiance, None));
     for (i, found) in found.iter_mut().enumerate() {
         if let Some(found) = found {
             found.radiance = radiance.get(i);
@@ -263,7 +334,8 @@ fn arrive(
             continue;
         }
         let eye = EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane);
-        let stop = Stop { walk: *walk, eye, lamp_gain: vertex.lamp_gain };
+        let Vertex { lamp_gain, ids: [instance, ..], t: distance, .. } = *vertex;
+        let stop = Stop { walk: *walk, eye, lamp_gain, instance, distance };
         if !stop.is_spent(pass) {
             stops.push(stop);
         }
@@ -306,7 +378,7 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
     // Sample by sample, so that neighbouring rays are neighbours.
     for n in 0..most {
         for stop in stops {
-            let Stop { walk, eye, lamp_gain } = stop;
+            let Stop { walk, eye, lamp_gain, .. } = stop;
             let count = pass.light_samples(walk.is_seen);
             if n >= count || !eye.bsdf.is_smooth() {
                 continue;

@@ -12,6 +12,7 @@ pub(crate) mod finals;
 mod follow;
 mod gather;
 mod instant;
+pub(crate) mod interleave;
 mod lamps;
 mod light_path;
 mod metropolis;
@@ -21,7 +22,7 @@ mod shader_lamps;
 mod shader_lights;
 mod vpl;
 
-pub(crate) use estimate::radiance;
+pub(crate) use estimate::{radiance, radiance_apart};
 pub(crate) use lamps::LampChoice;
 pub(crate) use pass::PassLights;
 pub(crate) use shader_lamps::ShaderLamps;

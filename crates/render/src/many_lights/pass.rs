@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::bound::Bound;
 use super::vpl::Vpl;
-use super::{bidirectional, instant, metropolis};
+use super::{bidirectional, instant, interleave, metropolis};
 use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
 use crate::tile::Job;
@@ -20,6 +20,8 @@ use crate::world::World;
 #[derive(Clone, Debug)]
 pub(crate) struct PassLights {
     pub(crate) vpls: Vec<Vpl>,
+    /// By place in the pattern of interleaved pixels; empty if there is none.
+    pub(crate) shares: Vec<Vec<Vpl>>,
     pub(crate) bound: Bound,
     /// By strength, for where only a few are asked; `None` if there are none.
     pub(crate) choice: Option<Distribution>,
@@ -49,8 +51,11 @@ impl PassLights {
             _ => return None,
         };
         let choice = choice(&vpls, options.integrator);
-        let share = (options.vpls / 64).clamp(1, 16);
-        Some(Self { vpls, bound, choice, few: share, light_samples: share, stats })
+        let few = (options.vpls / 64).clamp(1, 16);
+        let pattern = options.pattern();
+        let shares = pattern.map_or_else(Vec::new, |n| interleave::shares(&vpls, n));
+        let light_samples = pattern.map_or(few, |n| few.div_ceil(n * n));
+        Some(Self { vpls, shares, bound, choice, few, light_samples, stats })
     }
 
     /// How many light samples a point gets: many where the eye sees it.

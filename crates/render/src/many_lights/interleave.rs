@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Interleaved sampling: each pixel of an N x N pattern gathers its own share of the virtual lights, then light is averaged
+//! over N x N pixels where they show the same surface, so that each pixel has light of all of them.
+//! Source: [WKB*02] (interleaved sampling with a discontinuity buffer), [KH01] (the pattern). Light is taken without the
+//! share that the surface scatters, so that textures stay sharp. Differs: light straight from lamps and by scattered rays is
+//! averaged, too, and takes fewer samples, with numbers that belong to places of the pattern: no noise, and the same numbers
+//! from frame to frame.
+//! Space: world. Biased: light is blurred over N pixels of a surface, and next to edges it lacks some of the virtual lights.
+//! Invariant: pixels that see other surfaces, or none, bring nothing to a pixel.
+//! Proof: `tests`, crates/render/tests/interleave.rs.
+
+use glam::Vec3;
+use gnurt_accel::INVALID_ID;
+use gnurt_shading::{SampleKey, Vec3s};
+
+use super::vpl::Vpl;
+use crate::film::TileFilm;
+
+/// Says that a number is for a place of the pattern.
+const PATTERN: u32 = 0x1e4f_0000;
+/// Cosine between normals of one surface, at least.
+const SAME_NORMAL: f32 = 0.95;
+/// Sine of the angle between a surface and the way to another of its points, at most.
+const SAME_PLANE: f32 = 0.2;
+/// Distance of neighbouring pixels on one surface, at most, in widths of pixels: it is foreshortened.
+const NEAR: f32 = 16.0;
+
+/// What a pixel sees, light and surface apart.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Texel {
+    /// What counts as it is: what is seen of lamps, and of surfaces that are not averaged.
+    pub(crate) plain: Vec3,
+    /// Share of light that goes from the surface to the eye.
+    pub(crate) share: Vec3,
+    /// Light on the surface, averaged over directions as the surface scatters them.
+    pub(crate) light: Vec3,
+    pub(crate) p: Vec3,
+    /// Unit, towards the eye.
+    pub(crate) ns: Vec3,
+    /// Width of the pixel there.
+    pub(crate) width: f32,
+    /// `INVALID_ID` = nothing to average.
+    pub(crate) instance: u32,
+    /// Whether it scatters light alike to all sides.
+    pub(crate) is_diffuse: bool,
+}
+
+impl Default for Texel {
+    fn default() -> Self {
+        Self {
+            plain: Vec3::ZERO,
+            share: Vec3::ZERO,
+            light: Vec3::ZERO,
+            p: Vec3::ZERO,
+            ns: Vec3::ZERO,
+            width: 0.0,
+            instance: INVALID_ID,
+            is_diffuse: true,
+        }
+    }
+}
+
+impl Texel {
+    fn is_surface(&self) -> bool {
+        self.instance != INVALID_ID
+    }
+
+    /// Whether light of two pixels may be averaged.
+    fn agrees(&self, other: &Self) -> bool {
+        let way = other.p - self.p;
+        let distance = way.length();
+        let is_in_plane = |normal: Vec3| way.dot(normal).abs() <= SAME_PLANE * distance;
+        self.instance == other.instance
+            && self.is_diffuse == other.is_diffuse
+            && self.ns.dot(other.ns) >= SAME_NORMAL
+            && is_in_plane(self.ns)
+            && is_in_plane(other.ns)
+            && (self.width <= 0.0 || distance <= NEAR * self.width)
+    }
+}
+
+/// The share of the virtual lights that a pixel gathers: the number of its place in the pattern.
+pub(crate) fn place_of(pixel: u32, width: u32, n: u32) -> usize {
+    (pixel % width % n + pixel / width % n * n) as usize
+}
+
+/// The key of a pixel's random numbers: all pixels at one place of the pattern have the same, so that neighbours differ by
+/// their places alone, which are averaged, and not by noise; together the places are one stratified set.
+pub(super) fn key_of_place(key: SampleKey, width: u32, n: u32) -> SampleKey {
+    let place = place_of(key.pixel, width, n) as u32;
+    SampleKey { pixel: PATTERN, sample: key.sample.wrapping_mul(n * n).wrapping_add(place), ..key }
+}
+
+/// The virtual lights of each place in the pattern, as strong as all of them.
+pub(super) fn shares(vpls: &[Vpl], n: u32) -> Vec<Vec<Vpl>> {
+    let places = (n * n) as usize;
+    let share =
+        |place: usize| vpls.iter().skip(place).step_by(places).map(|vpl| vpl.scaled(places as f32)).collect();
+    (0..places).map(share).collect()
+}
+
+/// What the pixels of a picture's part saw, by tiles of the film.
+pub(crate) struct Seen<'a> {
+    /// Row by row in each tile.
+    tiles: Vec<(&'a [u32; 4], &'a [Texel])>,
+    /// Tiles beside each other.
+    columns: usize,
+    /// Width of tiles, and number of the first tile's column and row.
+    grid: [u32; 3],
+    region: [u32; 4],
+    n: u32,
+}
+
+impl<'a> Seen<'a> {
+    /// `tiles` cover `region` in rows, on a grid of `size` pixels from the picture's corner.
+    pub(crate) fn new(
+        tiles: impl Iterator<Item = (&'a [u32; 4], &'a [Texel])>,
+        region: [u32; 4],
+        size: u32,
+        n: u32,
+    ) -> Self {
+        let [x0, y0, x1, _] = region;
+        let columns = (x1.div_ceil(size) - x0 / size) as usize;
+        Self { tiles: tiles.collect(), columns, grid: [size, x0 / size, y0 / size], region, n }
+    }
+
+    fn at(&self, x: u32, y: u32) -> &Texel {
+        let [size, column, row] = self.grid;
+        let tile = (y / size - row) as usize * self.columns + (x / size - column) as usize;
+        let ([x0, y0, x1, _], texels) = self.tiles[tile];
+        &texels[((y - y0) * (x1 - x0) + (x - x0)) as usize]
+    }
+
+    /// Writes the radiance of a tile's pixels, in the film's order.
+    pub(crate) fn filtered(&self, tile: &TileFilm, radiance: &mut Vec3s) {
+        let [x0, y0, x1, y1] = self.region;
+        let n = self.n;
+        // The window lies inside, so that it has each place of the pattern.
+        let window = |at: u32, low: u32, high: u32| {
+            let begin = at.saturating_sub(n / 2).clamp(low, high.saturating_sub(n).max(low));
+            begin..(begin + n).min(high)
+        };
+        radiance.reset(tile.first.len(), Vec3::ZERO);
+        for (lane, [x, y]) in tile.pixels().enumerate() {
+            let middle = self.at(x, y);
+            let mut seen = middle.plain;
+            if middle.is_surface() {
+                let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+                for row in window(y, y0, y1) {
+                    for column in window(x, x0, x1) {
+                        let other = self.at(column, row);
+                        if (column, row) == (x, y) || middle.agrees(other) {
+                            sum += other.light;
+                            count += 1.0;
+                        }
+                    }
+                }
+                seen += middle.share * sum / count;
+            }
+            radiance.set(lane, seen);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::RenderOptions;
+
+    /// A floor left of `edge`, and beside it another thing.
+    fn texel(x: u32, y: u32, edge: u32, beside: fn(&mut Texel)) -> Texel {
+        let light = if x < edge { 1.0 } else { 100.0 };
+        let mut texel = Texel {
+            share: Vec3::splat(0.5),
+            // Nine times as much at one place of the pattern.
+            light: Vec3::splat(if (x % 3, y % 3) == (1, 2) { 9.0 * light } else { 0.0 }),
+            p: Vec3::new(x as f32, y as f32, 0.0),
+            ns: Vec3::Z,
+            width: 1.0,
+            instance: 0,
+            ..Texel::default()
+        };
+        if x >= edge {
+            beside(&mut texel);
+        }
+        texel
+    }
+
+    fn filtered(edge: u32, beside: fn(&mut Texel)) -> Vec<([u32; 2], f32)> {
+        let region = [5, 3, 60, 40];
+        let options = RenderOptions { interleave: 3, ..RenderOptions::default() };
+        let tiles = TileFilm::cover(region, &options);
+        let texels: Vec<Vec<Texel>> = tiles
+            .iter()
+            .map(|tile| {
+                let [x0, y0, x1, y1] = tile.rect;
+                (y0..y1).flat_map(|y| (x0..x1).map(move |x| texel(x, y, edge, beside))).collect()
+            })
+            .collect();
+        let rects = tiles.iter().map(|tile| &tile.rect).zip(texels.iter().map(Vec::as_slice));
+        let seen = Seen::new(rects, region, crate::film::tile_size(&options), 3);
+        let of_tile = |tile: &TileFilm| {
+            let mut radiance = Vec3s::default();
+            seen.filtered(tile, &mut radiance);
+            tile.pixels().enumerate().map(|(i, pixel)| (pixel, radiance.x[i])).collect::<Vec<_>>()
+        };
+        tiles.iter().flat_map(of_tile).collect()
+    }
+
+    #[test]
+    fn all_places_of_the_pattern_come_together() {
+        for (pixel, light) in filtered(99, |_| ()) {
+            assert!((light - 0.5).abs() < 1e-6, "pixel {pixel:?}: {light}");
+        }
+    }
+
+    #[test]
+    fn nothing_comes_over_edges() {
+        let others: [fn(&mut Texel); 4] = [
+            |texel| texel.instance = 1,
+            |texel| texel.ns = Vec3::X,
+            |texel| texel.p.z += 2.0,
+            |texel| texel.p.x += 20.0,
+        ];
+        for beside in others {
+            // The first column beyond has light.
+            let all = filtered(31, beside);
+            let near = |pixel: &&([u32; 2], f32)| pixel.0[0] < 31;
+            let brightest = all.iter().filter(near).map(|(_, light)| *light).fold(0.0, f32::max);
+            assert!(brightest < 2.0, "a hundred times brighter, but next door: {brightest}");
+            let mean = all.iter().filter(near).map(|(_, light)| light / 962.0).sum::<f32>();
+            assert!((mean - 0.5).abs() < 0.02, "all in all no light is lost: {mean}");
+        }
+    }
+}
