@@ -6,6 +6,7 @@
 pub mod batch;
 pub mod bsdf;
 pub mod classes;
+pub mod lanes;
 pub mod lights;
 pub mod materials;
 pub mod mipmap;

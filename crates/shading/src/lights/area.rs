@@ -183,6 +183,13 @@ impl TriangleLights {
         Some((dir, dist, radiance * (cos / distance2 * shape.area * chosen.weight)))
     }
 
+    /// What leaves triangle `index` wherever it is looked at; `None` where that depends on the place.
+    pub(super) fn even_radiance(&self, index: usize) -> Option<Vec3> {
+        let emitter = &self.emitters[self.triangles[index].emitter as usize];
+        let even = emitter.emission.texture.is_none() && emitter.coverage.is_none();
+        even.then_some(emitter.emission.factor)
+    }
+
     /// What leaves triangle `index` at the barycentric weights of its second and third vertex.
     pub(super) fn radiance(&self, index: usize, [b1, b2]: [f32; 2]) -> Vec3 {
         let triangle = &self.triangles[index];

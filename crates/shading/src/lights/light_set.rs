@@ -13,6 +13,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
+use super::light_lanes::{LightLanes, is_sound};
 use super::light_tree::{LightBounds, LightTree};
 use super::{
     ConstantEnvironment, DirectionalLight, PictureEnvironment, PointLight, SpotLight, TriangleLights,
@@ -71,8 +72,10 @@ pub struct LightParts {
 pub struct LightSet {
     pub(super) parts: LightParts,
     pub(super) tree: LightTree,
+    /// The tree for many points at once, where all its lights are triangles.
+    pub(super) lanes: Option<LightLanes>,
     /// Tree, directional lights, environment: how often each is sampled.
-    choice: Option<Distribution>,
+    pub(super) choice: Option<Distribution>,
     /// Centre and radius of a ball around all that can be lit.
     pub(super) ball: (Vec3, f32),
     /// By light: what paths that start at lights are shared out by.
@@ -153,6 +156,7 @@ impl LightSet {
     pub fn new(parts: LightParts) -> Self {
         let ball = ball(parts.bounds);
         let tree = LightTree::new(&tree_lights(&parts));
+        let lanes = LightLanes::new(&parts, &tree);
         let powers = powers(&parts, ball.1);
         let finite = parts.finite_count();
         let (near, far) = powers.split_at(finite);
@@ -164,7 +168,7 @@ impl LightSet {
         let total: f64 = groups.iter().sum();
         let share = |&power: &f64| if power > 0.0 { power / total + 1.0 / shining } else { 0.0 };
         let choice = Distribution::new(groups.iter().map(share));
-        Self { tree, choice, ball, power: Distribution::new(powers), parts }
+        Self { tree, lanes, choice, ball, power: Distribution::new(powers), parts }
     }
 
     /// How many lights.
@@ -219,10 +223,16 @@ impl LightSet {
         } else {
             self.sample_far(group.index - 1, ns, [u[1], u[2]], group.probability)
         }?;
-        (sample.pdf > 0.0 && sample.pdf.is_finite() && sample.radiance.is_finite()).then_some(sample)
+        Some(sample).filter(is_sound)
     }
 
-    fn sample_near(&self, light: u32, p: Vec3, u: [f32; 2], probability: f32) -> Option<LightSample> {
+    pub(super) fn sample_near(
+        &self,
+        light: u32,
+        p: Vec3,
+        u: [f32; 2],
+        probability: f32,
+    ) -> Option<LightSample> {
         let id = LightId(light);
         let from_point = |position: Vec3, intensity: &dyn Fn(Vec3) -> Vec3| {
             let way = position - p;
@@ -262,7 +272,13 @@ impl LightSet {
         }
     }
 
-    fn sample_far(&self, index: usize, ns: Vec3, u: [f32; 2], probability: f32) -> Option<LightSample> {
+    pub(super) fn sample_far(
+        &self,
+        index: usize,
+        ns: Vec3,
+        u: [f32; 2],
+        probability: f32,
+    ) -> Option<LightSample> {
         let light = LightId((self.parts.finite_count() + index) as u32);
         if let Some(directional) = self.parts.directionals.get(index) {
             return Some(LightSample {

@@ -6,11 +6,13 @@ use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
 use gnurt_image::{TexelData, Texels};
+use gnurt_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 
 use super::*;
 use crate::batch::SampleKey;
+use crate::lanes::{LANES, Mask, Vec3x16};
 use crate::materials::Emission;
-use crate::sampling::sample_pair;
+use crate::sampling::{sample_pair, uniform_sphere};
 use crate::texture::TextureSampler;
 
 fn numbers(sample: u32) -> [f32; 3] {
@@ -320,4 +322,74 @@ fn what_was_hit_is_found() {
         set(LightParts::default()).sample(Vec3::ZERO, Vec3::Z, [0.5; 3]).is_none(),
         "no light, no sample"
     );
+}
+
+type Asked = [(Vec3, Vec3, [f32; 3]); LANES];
+
+#[inline(always)]
+fn in_lanes<S: Simd>(simd: S, lights: &LightSet, asked: &Asked, active: u64) -> [Option<LightSample>; LANES] {
+    let lanes = |f: &dyn Fn(usize) -> f32| f32x16::from_fn(simd, f);
+    let vectors = |f: &dyn Fn(usize) -> Vec3| {
+        let [x, y, z] = [0, 1, 2].map(|k| lanes(&|i| f(i)[k]));
+        Vec3x16::new(x, y, z)
+    };
+    let (p, ns) = (vectors(&|i| asked[i].0), vectors(&|i| asked[i].1));
+    let u = [0, 1, 2].map(|k| lanes(&|i| asked[i].2[k]));
+    let found = lights.sample_x16(Mask::from_bitmask(simd, active), p, ns, u);
+    std::array::from_fn(|i| {
+        let bit = |mask: Mask<S>| mask.to_bitmask() >> i & 1 == 1;
+        bit(found.found).then(|| LightSample {
+            dir: found.dir.get(i),
+            dist: found.dist[i],
+            radiance: found.radiance.get(i),
+            pdf: found.pdf[i],
+            delta: bit(found.delta),
+            light: LightId(0),
+        })
+    })
+}
+
+#[test]
+fn lanes_choose_as_points_do() {
+    let lamp = |i: usize| {
+        let spread = |m: usize| ((i * m) % 101) as f32 / 25.0 - 2.0;
+        let middle = Vec3::new(spread(37), spread(53), spread(71));
+        let size = 0.1 + 0.1 * (i % 7) as f32;
+        [middle, middle + Vec3::new(0.0, size, 0.3), middle + Vec3::new(size, -0.2, 0.1)]
+    };
+    let lamps = |n: usize| triangles(&(0..n).map(lamp).collect::<Vec<_>>(), &[1.0, 5.0, 20.0]);
+    let of = |n| set(LightParts { triangles: lamps(n), ..LightParts::default() });
+    let with_sky = set(LightParts {
+        triangles: lamps(30),
+        directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
+        environment: Some(picture()),
+        ..LightParts::default()
+    });
+    let sets = [of(0), of(1), of(7), of(11), of(60), of(500), with_sky, everything()];
+    for (which, lights) in sets.iter().enumerate() {
+        let (mut lit, mut dark) = (0, 0);
+        for round in 0..200_u32 {
+            let active = u64::from(round.wrapping_mul(2_654_435_761) >> 7) & 0xffff;
+            let asked: Asked = std::array::from_fn(|i| {
+                let draw = |n| {
+                    sample_pair(3, SampleKey { pixel: round, sample: i as u32, branch: 0 }, which as u32, n)
+                };
+                let ([a, b], [c, d]) = (draw(7), draw(8));
+                // Some at one place, some at a lamp's corner.
+                let near = if round % 3 == 0 { 0.0 } else { 4.0 };
+                let p = Vec3::new(a - 0.5, b - 0.5, c - 0.5) * near;
+                let n = uniform_sphere([d, (a * 17.0).fract()]);
+                let [u, v, w] = numbers(16 * round + i as u32);
+                (if i == 3 { lamp(0)[0] } else { p }, n, [u, v, w])
+            });
+            let found = dispatch!(Level::default(), simd => in_lanes(simd, lights, &asked, active));
+            for (i, (&(p, n, u), found)) in asked.iter().zip(found).enumerate() {
+                let wanted = lights.sample(p, n, u).filter(|_| active >> i & 1 == 1);
+                let wanted = wanted.map(|sample| LightSample { light: LightId(0), ..sample });
+                assert_eq!(found, wanted, "set {which}, from {p} facing {n} with {u:?}");
+                if wanted.is_some() { lit += 1 } else { dark += 1 }
+            }
+        }
+        assert!(dark > 100 && (lit > 500 || which < 2), "set {which}: {lit} lit, {dark} not");
+    }
 }

@@ -39,7 +39,7 @@ impl LightBounds {
         }
     }
 
-    fn centre(&self) -> Vec3 {
+    pub(super) fn centre(&self) -> Vec3 {
         0.5 * (self.min + self.max)
     }
 
@@ -109,20 +109,20 @@ fn cone_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
 
 /// A node: a few lights, or two children of which the first comes next.
 #[derive(Clone, Copy, Debug)]
-struct Node {
-    bounds: LightBounds,
+pub(super) struct Node {
+    pub(super) bounds: LightBounds,
     /// The first light's place in `order`, or the second child.
-    index: u32,
+    pub(super) index: u32,
     /// How many lights; 0 = inner node.
-    lights: u32,
+    pub(super) lights: u32,
 }
 
 /// The tree; empty if there is no light.
 #[derive(Debug, Default)]
 pub(super) struct LightTree {
-    nodes: Vec<Node>,
+    pub(super) nodes: Vec<Node>,
     /// Lights by leaf.
-    order: Vec<u32>,
+    pub(super) order: Vec<u32>,
     /// For each light which way leads to it: bit k = second child at depth k. `None` = it is not in the tree.
     ways: Vec<Option<u64>>,
 }
@@ -132,7 +132,7 @@ const UNEVEN_DEPTH: u32 = 30;
 /// Places along each feature where cuts are tried, plus one.
 const BUCKETS: usize = 12;
 /// Lights that are judged one by one.
-const LEAF: usize = 8;
+pub(super) const LEAF: usize = 8;
 
 /// What each light of a leaf promises to a point; the rest is zero.
 type Promises = [f32; LEAF];

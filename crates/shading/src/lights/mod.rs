@@ -5,6 +5,7 @@
 mod area;
 mod environment;
 mod light_emission;
+mod light_lanes;
 mod light_set;
 #[cfg(test)]
 mod light_set_tests;
@@ -14,5 +15,6 @@ mod punctual;
 pub use area::{EmissiveTriangle, Emitter, TriangleLights};
 pub use environment::{ConstantEnvironment, PictureEnvironment};
 pub use light_emission::{LightRay, SurfaceSample};
+pub use light_lanes::LightSampleX16;
 pub use light_set::{EnvironmentLight, LightId, LightKind, LightParts, LightSample, LightSet};
 pub use punctual::{DirectionalLight, PointLight, SpotLight};

@@ -5,9 +5,13 @@
 pub(crate) mod distribution;
 mod grid;
 mod sobol;
+mod sobol_lanes;
 pub(crate) mod warp;
+mod warp_lanes;
 
 pub use distribution::{Choice, Distribution};
 pub use grid::{GridDistribution, GridPoint};
 pub use sobol::{Draws, hash_combine, purpose, sample_pair};
+pub use sobol_lanes::DrawsX16;
 pub use warp::{Basis, concentric_disk, cosine_hemisphere, triangle, uniform_sphere};
+pub use warp_lanes::{cosine_hemisphere_x16, to_world_x16, triangle_x16};

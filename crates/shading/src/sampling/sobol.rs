@@ -71,7 +71,7 @@ pub fn hash_combine(a: u32, b: u32) -> u32 {
 
 /// A bijection of words in which every input bit reaches every output bit.
 #[inline]
-fn mix(mut x: u32) -> u32 {
+pub(super) fn mix(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x21f0_aaad);
     x ^= x >> 15;

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Sixteen points at once: vectors and rows of lanes, for code that is written once and compiled for each CPU level.
+//! Source: original. Space: whatever the caller's.
+//! Invariant: every lane does the roundings of `glam`'s scalar form in its order, so that lanes and scalar code give the
+//! same bits. All of it is inlined into what `gnurt_simd::dispatch!` enters.
+//! Proof: `tests`, and those of who uses it.
+
+use glam::Vec3;
+use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
+
+/// How many points.
+pub const LANES: usize = 16;
+
+/// Floats.
+pub type Floats<S> = f32x16<S>;
+/// Words.
+pub type Words<S> = u32x16<S>;
+/// Which lanes.
+pub type Mask<S> = mask32x16<S>;
+
+/// Three floats in each lane.
+#[derive(Clone, Copy, Debug)]
+pub struct Vec3x16<S: Simd> {
+    /// First components.
+    pub x: Floats<S>,
+    /// Second components.
+    pub y: Floats<S>,
+    /// Third components.
+    pub z: Floats<S>,
+}
+
+impl<S: Simd> Vec3x16<S> {
+    /// From its components.
+    #[inline(always)]
+    pub fn new(x: Floats<S>, y: Floats<S>, z: Floats<S>) -> Self {
+        Self { x, y, z }
+    }
+
+    /// The same in all lanes.
+    #[inline(always)]
+    pub fn splat(simd: S, v: Vec3) -> Self {
+        Self { x: f32x16::splat(simd, v.x), y: f32x16::splat(simd, v.y), z: f32x16::splat(simd, v.z) }
+    }
+
+    /// Sixteen values of three arrays, from place `at` on. Panics if an array ends before.
+    #[inline(always)]
+    pub fn load(simd: S, [x, y, z]: [&[f32]; 3], at: usize) -> Self {
+        let part = |array: &[f32]| f32x16::from_slice(simd, &array[at..at + LANES]);
+        Self { x: part(x), y: part(y), z: part(z) }
+    }
+
+    /// Lane `i`.
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Vec3 {
+        Vec3::new(self.x[i], self.y[i], self.z[i])
+    }
+
+    /// Each component by itself.
+    #[inline(always)]
+    pub fn map(self, f: impl Fn(Floats<S>) -> Floats<S>) -> Self {
+        Self { x: f(self.x), y: f(self.y), z: f(self.z) }
+    }
+
+    /// Each component with its counterpart.
+    #[inline(always)]
+    pub fn zip(self, other: Self, f: impl Fn(Floats<S>, Floats<S>) -> Floats<S>) -> Self {
+        Self { x: f(self.x, other.x), y: f(self.y, other.y), z: f(self.z, other.z) }
+    }
+
+    /// Dot product.
+    #[inline(always)]
+    pub fn dot(self, other: Self) -> Floats<S> {
+        self.x * other.x + self.y * other.y + self.z * other.z
+    }
+
+    /// Square of the length.
+    #[inline(always)]
+    pub fn length_squared(self) -> Floats<S> {
+        self.dot(self)
+    }
+
+    /// Divided by its length, as `Vec3::normalize` does it.
+    #[inline(always)]
+    pub fn normalize(self) -> Self {
+        let length = self.length_squared().sqrt();
+        self * (f32x16::splat(length.token(), 1.0) / length)
+    }
+
+    /// Each component over the divisor, as `Vec3 / f32` does it.
+    #[inline(always)]
+    pub fn over(self, divisor: Floats<S>) -> Self {
+        self.map(|a| a / divisor)
+    }
+
+    /// Largest component.
+    #[inline(always)]
+    pub fn max_element(self) -> Floats<S> {
+        self.x.max(self.y).max(self.z)
+    }
+
+    /// Lanes in which all components are finite.
+    #[inline(always)]
+    pub fn is_finite(self) -> Mask<S> {
+        self.x.is_finite() & self.y.is_finite() & self.z.is_finite()
+    }
+
+    /// Lanes in which all components are zero.
+    #[inline(always)]
+    pub fn is_zero(self) -> Mask<S> {
+        let zero = f32x16::splat(self.x.token(), 0.0);
+        self.x.simd_eq(zero) & self.y.simd_eq(zero) & self.z.simd_eq(zero)
+    }
+}
+
+impl<S: Simd> std::ops::Add for Vec3x16<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl<S: Simd> std::ops::Sub for Vec3x16<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl<S: Simd> std::ops::Mul for Vec3x16<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+
+impl<S: Simd> std::ops::Mul<Floats<S>> for Vec3x16<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, scale: Floats<S>) -> Self {
+        self.map(|a| a * scale)
+    }
+}
+
+impl<S: Simd> std::ops::Neg for Vec3x16<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|a| -a)
+    }
+}
+
+/// `a` where `mask` says so, else `b`.
+#[inline(always)]
+pub fn select3<S: Simd>(mask: Mask<S>, a: Vec3x16<S>, b: Vec3x16<S>) -> Vec3x16<S> {
+    a.zip(b, |a, b| mask.select(a, b))
+}
+
+/// Rows to columns: lane `i` of result `k` is lane `k` of row `i`.
+#[inline(always)]
+pub fn transpose<S: Simd>(rows: [Floats<S>; LANES]) -> [Floats<S>; LANES] {
+    // Each round sends place (row, lane) of eight bits to the place whose bits are turned by one: row bits become lane bits.
+    let mut now = rows;
+    for _ in 0..4 {
+        let mut next = now;
+        for i in 0..LANES / 2 {
+            next[2 * i] = now[i].zip_low(now[i + LANES / 2]);
+            next[2 * i + 1] = now[i].zip_high(now[i + LANES / 2]);
+        }
+        now = next;
+    }
+    now
+}
+
+/// Calls `f` with each lane of `bits`, ascending.
+#[inline(always)]
+pub fn each_lane(mut bits: u64, mut f: impl FnMut(usize)) {
+    while bits != 0 {
+        // Bounded for the compiler, too.
+        f(bits.trailing_zeros() as usize % LANES);
+        bits &= bits - 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gnurt_simd::{Level, dispatch};
+
+    #[inline(always)]
+    fn transposed<S: Simd>(simd: S) -> [[f32; LANES]; LANES] {
+        let rows = std::array::from_fn(|i| f32x16::from_fn(simd, |k| (100 * i + k) as f32));
+        transpose(rows).map(Into::into)
+    }
+
+    #[test]
+    fn rows_become_columns() {
+        let columns = dispatch!(Level::default(), simd => transposed(simd));
+        for (k, column) in columns.iter().enumerate() {
+            assert_eq!(*column, std::array::from_fn(|i| (100 * i + k) as f32), "column {k}");
+        }
+    }
+
+    #[inline(always)]
+    fn in_lanes<S: Simd>(simd: S, a: &[Vec3; LANES], b: &[Vec3; LANES]) -> [(f32, Vec3, Vec3); LANES] {
+        let lanes = |v: &[Vec3; LANES]| {
+            let part = |k: usize| f32x16::from_fn(simd, |i| v[i][k]);
+            Vec3x16::new(part(0), part(1), part(2))
+        };
+        let (a, b) = (lanes(a), lanes(b));
+        let (dot, unit, over) = (a.dot(b), a.normalize(), a.over(b.x));
+        std::array::from_fn(|i| (dot[i], unit.get(i), over.get(i)))
+    }
+
+    #[test]
+    fn lanes_have_the_bits_of_scalars() {
+        let vectors = |m: f32| {
+            std::array::from_fn(|i| Vec3::new(0.3 + m * i as f32, 7.1 / (m + i as f32), -1.7 * m).fract())
+        };
+        let (a, b) = (vectors(0.37), vectors(1.93));
+        let found = dispatch!(Level::default(), simd => in_lanes(simd, &a, &b));
+        for (i, found) in found.into_iter().enumerate() {
+            assert_eq!(found, (a[i].dot(b[i]), a[i].normalize(), a[i] / b[i].x), "lane {i}");
+        }
+    }
+}

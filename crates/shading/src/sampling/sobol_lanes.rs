@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! [`Draws`](super::Draws) for sixteen samples at once.
+//! Source: as `sobol`, whose numbers these are, bit for bit. Differs: turning words around is the slow part in lanes, and
+//! most turns of the scalar form cancel each other.
+//! Proof: `tests::the_same_numbers`.
+
+use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
+
+use super::sobol::mix;
+use crate::lanes::{Floats, Words};
+
+/// All pairs of sixteen samples.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawsX16<S: Simd> {
+    /// The number of the sample within its pixel, turned around.
+    sample: Words<S>,
+    /// Hash of all but the purpose.
+    set: Words<S>,
+}
+
+impl<S: Simd> DrawsX16<S> {
+    /// Those of these samples; see [`SampleKey`](crate::SampleKey).
+    #[inline(always)]
+    #[must_use]
+    pub fn new(simd: S, seed: u64, [pixel, sample, branch]: [Words<S>; 3], depth: Words<S>) -> Self {
+        let seeded = [seed as u32, (seed >> 32) as u32].into_iter().fold(0x9e37_79b9, super::hash_combine);
+        let mut set = u32x16::splat(simd, seeded);
+        for word in [pixel, branch, depth] {
+            set = combine(set, mix_lanes(word + 0x9e37_79b9));
+        }
+        Self { sample: reverse(sample), set }
+    }
+
+    /// The pair for this [`purpose`](super::purpose).
+    #[inline(always)]
+    #[must_use]
+    pub fn pair(self, purpose: u32) -> [Floats<S>; 2] {
+        let (set, index) = self.index(purpose);
+        [scrambled(index, set, 1), scrambled(second_dimension(index), set, 2)]
+    }
+
+    /// The first number of the pair.
+    #[inline(always)]
+    #[must_use]
+    pub fn first(self, purpose: u32) -> Floats<S> {
+        let (set, index) = self.index(purpose);
+        scrambled(index, set, 1)
+    }
+
+    /// The second number of the pair.
+    #[inline(always)]
+    #[must_use]
+    pub fn second(self, purpose: u32) -> Floats<S> {
+        let (set, index) = self.index(purpose);
+        scrambled(second_dimension(index), set, 2)
+    }
+
+    /// The set's hash and the shuffled number of the sample.
+    #[inline(always)]
+    fn index(self, purpose: u32) -> (Words<S>, Words<S>) {
+        let set = combine_known(self.set, purpose);
+        (set, reverse(owen(self.sample + set)))
+    }
+}
+
+/// `hash_combine` of `a` and a word that is mixed already.
+#[inline(always)]
+fn combine<S: Simd>(a: Words<S>, mixed: Words<S>) -> Words<S> {
+    mix_lanes(a ^ (mixed + (a << 6) + (a >> 2)))
+}
+
+/// `hash_combine` with a word that all lanes share.
+#[inline(always)]
+fn combine_known<S: Simd>(a: Words<S>, b: u32) -> Words<S> {
+    combine(a, u32x16::splat(a.token(), mix(b.wrapping_add(0x9e37_79b9))))
+}
+
+#[inline(always)]
+fn mix_lanes<S: Simd>(x: Words<S>) -> Words<S> {
+    let x = x ^ (x >> 16);
+    let x = x * 0x21f0_aaad;
+    let x = x ^ (x >> 15);
+    let x = x * 0xd35a_2d97;
+    x ^ (x >> 15)
+}
+
+/// The second coordinate of a Sobol' point, turned around.
+#[inline(always)]
+fn second_dimension<S: Simd>(index: Words<S>) -> Words<S> {
+    let mut sums = index;
+    for (shift, mask) in
+        [(1, 0x5555_5555), (2, 0x3333_3333), (4, 0x0f0f_0f0f), (8, 0x00ff_00ff), (16, 0x0000_ffff)]
+    {
+        sums ^= (sums >> shift) & mask;
+    }
+    sums
+}
+
+/// A coordinate that is given turned around, scrambled by the set's hash with `n`, as a number in [0, 1).
+#[inline(always)]
+fn scrambled<S: Simd>(turned: Words<S>, set: Words<S>, n: u32) -> Floats<S> {
+    let word = reverse(owen(turned + combine_known(set, n))) >> 8;
+    Floats::<S>::float_from(word) * f32x16::splat(turned.token(), 1.0 / 16_777_216.0)
+}
+
+/// What `owen_scramble` does between its two turns, but for the first sum.
+#[inline(always)]
+fn owen<S: Simd>(mut x: Words<S>) -> Words<S> {
+    for factor in [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6] {
+        x ^= x * factor;
+    }
+    x
+}
+
+/// The bits of each word, last one first.
+#[inline(always)]
+fn reverse<S: Simd>(mut x: Words<S>) -> Words<S> {
+    for (shift, mask) in [(1, 0x5555_5555), (2, 0x3333_3333), (4, 0x0f0f_0f0f), (8, 0x00ff_00ff)] {
+        x = ((x >> shift) & mask) | ((x & mask) << shift);
+    }
+    (x >> 16) | (x << 16)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Draws, purpose};
+    use super::*;
+    use crate::batch::SampleKey;
+    use crate::lanes::LANES;
+    use gnurt_simd::{Level, dispatch};
+
+    type Pairs = [[f32; 2]; 3];
+
+    #[inline(always)]
+    fn in_lanes<S: Simd>(simd: S, seed: u64, keys: &[SampleKey; LANES], depth: u32) -> [Pairs; LANES] {
+        let words = |word: fn(&SampleKey) -> u32| u32x16::from_fn(simd, |i| word(&keys[i]));
+        let key = [words(|key| key.pixel), words(|key| key.sample), words(|key| key.branch)];
+        let draws = DrawsX16::new(simd, seed, key, u32x16::splat(simd, depth));
+        let (light, direction) = (draws.pair(purpose::LIGHT_PLACE), draws.pair(purpose::DIRECTION));
+        let alone = [draws.first(purpose::CHOICE), draws.second(purpose::CHOICE)];
+        std::array::from_fn(|i| [light, direction, alone].map(|pair| pair.map(|numbers| numbers[i])))
+    }
+
+    #[test]
+    fn the_same_numbers() {
+        for round in 0..64_u32 {
+            let (seed, depth) = (u64::from(round) * 0x1_2345_6789, round % 11);
+            let keys = std::array::from_fn(|i| {
+                let pixel = round * 977 + i as u32;
+                SampleKey {
+                    pixel,
+                    sample: pixel.wrapping_mul(2_654_435_761) >> (round % 32),
+                    branch: round / 2,
+                }
+            });
+            let found = dispatch!(Level::default(), simd => in_lanes(simd, seed, &keys, depth));
+            for (key, found) in keys.into_iter().zip(found) {
+                let draws = Draws::new(seed, key, depth);
+                let wanted =
+                    [purpose::LIGHT_PLACE, purpose::DIRECTION, purpose::CHOICE].map(|p| draws.pair(p));
+                assert_eq!(found, wanted, "{key:?}");
+            }
+        }
+    }
+}
