@@ -7,6 +7,7 @@
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Query, RayBatch, Record};
+use gnurt_shading::bsdf::Scattering;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{Detail, LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
@@ -17,6 +18,7 @@ use crate::options::{Integrator, RenderOptions};
 use crate::pixel_trace::Log;
 use crate::stats::RenderStats;
 use crate::tile::CameraBatch;
+use crate::transport::Wavefront;
 use crate::world::{HitLanes, World};
 
 /// See-through surfaces that a shadow ray may pass; behind more it is dark.
@@ -44,6 +46,12 @@ pub(crate) struct BatchTracer<'w> {
     spare: Vec<Group>,
     /// Memory of the camera rays, likewise.
     pub(crate) camera: CameraBatch,
+    /// And of paths.
+    pub(crate) wavefront: Wavefront,
+    /// And of what vertices do to light.
+    pub(crate) scattering: Vec<Scattering>,
+    /// And of what shadow rays hit.
+    blocked: Vec<bool>,
 }
 
 /// What the points of a batch are looked at for.
@@ -85,6 +93,9 @@ impl<'w> BatchTracer<'w> {
             record,
             spare: Vec::new(),
             camera: CameraBatch::default(),
+            wavefront: Wavefront::default(),
+            scattering: Vec::new(),
+            blocked: Vec::new(),
         }
     }
 
@@ -127,12 +138,28 @@ impl<'w> BatchTracer<'w> {
         &mut self,
         from: HitLanes,
         wanted: Wanted,
+        with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
+    ) {
+        let mut group = self.spare.pop().unwrap_or_default();
+        let mut order = std::mem::take(&mut group.order);
+        self.world.sort_by_material(from.hits, &mut order);
+        self.spare.push(group);
+        self.for_each_surface_of(&order, from, wanted, with);
+        if let Some(group) = self.spare.last_mut() {
+            group.order = order;
+        }
+    }
+
+    /// The same for some of the lanes, in order of their materials: material in the upper half, lane in the lower one.
+    pub(crate) fn for_each_surface_of(
+        &mut self,
+        order: &[u64],
+        from: HitLanes,
+        wanted: Wanted,
         mut with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
     ) {
         let (world, widths) = (self.world, std::mem::take(&mut self.widths));
         let mut group = self.spare.pop().unwrap_or_default();
-        let mut order = std::mem::take(&mut group.order);
-        world.sort_by_material(from.hits, &mut order);
         for same in order.chunk_by(|a, b| a >> 32 == b >> 32) {
             let shader = &*world.shading().surfaces[(same[0] >> 32) as usize];
             let Group { lanes, points, .. } = &mut group;
@@ -148,7 +175,7 @@ impl<'w> BatchTracer<'w> {
             self.cone.widen(points, lanes, &widths);
             with(self, shader, lanes, points);
         }
-        self.spare.push(Group { order, ..group });
+        self.spare.push(group);
     }
 
     /// Radiance against each ray, given what it hit.
@@ -200,11 +227,12 @@ impl<'w> BatchTracer<'w> {
 
     fn occluded_by_opaque(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
         // Rays of one batch start side by side and aim at one light.
-        let mut blocked = Vec::new();
+        let mut blocked = std::mem::take(&mut self.blocked);
         self.occluded_batch(&request.rays, &request.key, &mut blocked);
         for (i, _) in blocked.iter().enumerate().filter(|&(_, &blocked)| blocked) {
             transmittance.set(i, Vec3::ZERO);
         }
+        self.blocked = blocked;
     }
 
     /// From surface to surface, multiplying what each lets through, until all light or all way is used up.

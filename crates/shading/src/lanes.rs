@@ -2,7 +2,8 @@
 //! Sixteen points at once: vectors and rows of lanes, for code that is written once and compiled for each CPU level.
 //! Source: original. Space: whatever the caller's.
 //! Invariant: every lane does the roundings of `glam`'s scalar form in its order, so that lanes and scalar code give the
-//! same bits. All of it is inlined into what `gnurt_simd::dispatch!` enters.
+//! same bits. All of it is inlined into what `gnurt_simd::dispatch!` enters: loops over lanes are written out, because a
+//! closure that is handed to an adapter of arrays or iterators may become a call, and with it each operation in it.
 //! Proof: `tests`, and those of who uses it.
 
 use glam::Vec3;
@@ -17,6 +18,12 @@ pub type Floats<S> = f32x16<S>;
 pub type Words<S> = u32x16<S>;
 /// Which lanes.
 pub type Mask<S> = mask32x16<S>;
+
+/// `x` in all lanes.
+#[inline(always)]
+pub fn floats<S: Simd>(simd: S, x: f32) -> Floats<S> {
+    f32x16::splat(simd, x)
+}
 
 /// Three floats in each lane.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +52,11 @@ impl<S: Simd> Vec3x16<S> {
     /// Sixteen values of three arrays, from place `at` on. Panics if an array ends before.
     #[inline(always)]
     pub fn load(simd: S, [x, y, z]: [&[f32]; 3], at: usize) -> Self {
-        let part = |array: &[f32]| f32x16::from_slice(simd, &array[at..at + LANES]);
-        Self { x: part(x), y: part(y), z: part(z) }
+        Self {
+            x: f32x16::from_slice(simd, &x[at..at + LANES]),
+            y: f32x16::from_slice(simd, &y[at..at + LANES]),
+            z: f32x16::from_slice(simd, &z[at..at + LANES]),
+        }
     }
 
     /// Lane `i`.
@@ -55,16 +65,22 @@ impl<S: Simd> Vec3x16<S> {
         Vec3::new(self.x[i], self.y[i], self.z[i])
     }
 
-    /// Each component by itself.
+    /// Lane `i` in all lanes.
     #[inline(always)]
-    pub fn map(self, f: impl Fn(Floats<S>) -> Floats<S>) -> Self {
-        Self { x: f(self.x), y: f(self.y), z: f(self.z) }
+    pub fn spread(self, i: usize) -> Self {
+        Self::splat(self.x.token(), self.get(i))
     }
 
-    /// Each component with its counterpart.
+    /// Without signs.
     #[inline(always)]
-    pub fn zip(self, other: Self, f: impl Fn(Floats<S>, Floats<S>) -> Floats<S>) -> Self {
-        Self { x: f(self.x, other.x), y: f(self.y, other.y), z: f(self.z, other.z) }
+    pub fn abs(self) -> Self {
+        Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
+    }
+
+    /// The larger of each pair of components.
+    #[inline(always)]
+    pub fn max(self, other: Self) -> Self {
+        Self { x: self.x.max(other.x), y: self.y.max(other.y), z: self.z.max(other.z) }
     }
 
     /// Dot product.
@@ -89,7 +105,7 @@ impl<S: Simd> Vec3x16<S> {
     /// Each component over the divisor, as `Vec3 / f32` does it.
     #[inline(always)]
     pub fn over(self, divisor: Floats<S>) -> Self {
-        self.map(|a| a / divisor)
+        Self { x: self.x / divisor, y: self.y / divisor, z: self.z / divisor }
     }
 
     /// Largest component.
@@ -116,7 +132,7 @@ impl<S: Simd> std::ops::Add for Vec3x16<S> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.zip(other, |a, b| a + b)
+        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
     }
 }
 
@@ -124,7 +140,7 @@ impl<S: Simd> std::ops::Sub for Vec3x16<S> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self.zip(other, |a, b| a - b)
+        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
     }
 }
 
@@ -132,7 +148,7 @@ impl<S: Simd> std::ops::Mul for Vec3x16<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.zip(other, |a, b| a * b)
+        Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
     }
 }
 
@@ -140,7 +156,7 @@ impl<S: Simd> std::ops::Mul<Floats<S>> for Vec3x16<S> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, scale: Floats<S>) -> Self {
-        self.map(|a| a * scale)
+        Self { x: self.x * scale, y: self.y * scale, z: self.z * scale }
     }
 }
 
@@ -148,14 +164,14 @@ impl<S: Simd> std::ops::Neg for Vec3x16<S> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        self.map(|a| -a)
+        Self { x: -self.x, y: -self.y, z: -self.z }
     }
 }
 
 /// `a` where `mask` says so, else `b`.
 #[inline(always)]
 pub fn select3<S: Simd>(mask: Mask<S>, a: Vec3x16<S>, b: Vec3x16<S>) -> Vec3x16<S> {
-    a.zip(b, |a, b| mask.select(a, b))
+    Vec3x16 { x: mask.select(a.x, b.x), y: mask.select(a.y, b.y), z: mask.select(a.z, b.z) }
 }
 
 /// Rows to columns: lane `i` of result `k` is lane `k` of row `i`.
@@ -174,13 +190,22 @@ pub fn transpose<S: Simd>(rows: [Floats<S>; LANES]) -> [Floats<S>; LANES] {
     now
 }
 
-/// Calls `f` with each lane of `bits`, ascending.
-#[inline(always)]
-pub fn each_lane(mut bits: u64, mut f: impl FnMut(usize)) {
-    while bits != 0 {
+/// The lanes of a set, ascending.
+#[derive(Clone, Copy, Debug)]
+pub struct LanesOf(pub u64);
+
+impl Iterator for LanesOf {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
         // Bounded for the compiler, too.
-        f(bits.trailing_zeros() as usize % LANES);
-        bits &= bits - 1;
+        let lane = self.0.trailing_zeros() as usize % LANES;
+        self.0 &= self.0 - 1;
+        Some(lane)
     }
 }
 

@@ -11,6 +11,7 @@ pub mod lights;
 pub mod materials;
 pub mod mipmap;
 mod point;
+pub mod point_lanes;
 pub mod sampling;
 pub mod shader;
 pub mod texture;

@@ -5,6 +5,7 @@
 //! Horizon: light and scattered rays obey one rule, so that the two ways to meet a light agree. On the side that the
 //! path came from, a direction must be above the shading normal's horizon and, where the mesh is flat or hollow, above
 //! the facet's; through the surface it must be below both.
+//! Sixteen at once: `point_lanes`.
 //! Proof: `tests`, crates/render/tests/{offsets,terminator}.rs.
 
 use glam::Vec3;
@@ -106,7 +107,7 @@ impl SurfacePoint {
 const LOWEST_MIRROR_IMAGE: f32 = 1e-3;
 
 /// How far rounding may move the end of a ray, as a multiple of its length.
-const END_ERROR: f32 = 8.0 * f32::EPSILON;
+pub(crate) const END_ERROR: f32 = 8.0 * f32::EPSILON;
 
 /// The ray from `from` to what is seen from `p` along `dir`, `dist` away; it stops short by `error` and its rounding.
 fn ray_between(p: Vec3, from: Vec3, dir: Vec3, dist: f32, error: f32) -> Ray {

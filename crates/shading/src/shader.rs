@@ -8,6 +8,7 @@ use gnurt_accel::RayBatch;
 
 use crate::batch::{Detail, SampleKey, SurfaceBatch, Vec3s};
 use crate::bsdf::Scattering;
+use crate::materials::Lambertian;
 
 /// A value that a shader wants for each hit from its mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +65,12 @@ pub trait SurfaceShader: Send + Sync {
     fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {
         let _ = (hits, out);
         false
+    }
+
+    /// What it is, if it is Lambert's reflector everywhere and nothing but that: integrators may then scatter light
+    /// themselves, by lanes, without asking for each batch.
+    fn lambertian(&self) -> Option<Lambertian> {
+        None
     }
 
     /// What it wants from the mesh, in the order of `SurfaceBatch::attributes`.

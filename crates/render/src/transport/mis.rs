@@ -3,6 +3,11 @@
 //! Invariant: `power_heuristic(a, b) + power_heuristic(b, a)` is 1 where either density is above zero and both finite.
 //! Proof: `tests::weights_add_up`.
 
+use glam::Vec3;
+use gnurt_shading::lights::LightSet;
+
+use super::paths::Path;
+
 /// Weight of what was sampled with density `own` and might have been with `other`.
 pub(crate) fn power_heuristic(own: f32, other: f32) -> f32 {
     if own.is_infinite() {
@@ -11,6 +16,23 @@ pub(crate) fn power_heuristic(own: f32, other: f32) -> f32 {
     // The ratio is squared, not the densities: these may be huge or tiny.
     let ratio = other / own;
     if own > 0.0 { 1.0 / (1.0 + ratio * ratio) } else { 0.0 }
+}
+
+/// How much the light counts that a path's ray along `dir` found on triangle `ids` (instance, mesh, triangle) at `p`:
+/// light samples find it, too.
+pub(crate) fn weigh(
+    lights: &LightSet,
+    path: &Path,
+    [instance, mesh, triangle]: [u32; 3],
+    p: Vec3,
+    dir: Vec3,
+) -> f32 {
+    let (Some(origin), Some(triangle)) = (path.from, lights.triangle(instance, mesh, triangle)) else {
+        return 1.0;
+    };
+    let dist = (p - origin.p).length();
+    let pdf = lights.pdf_triangle(origin.p, origin.ns, triangle, dir, dist);
+    power_heuristic(origin.pdf, pdf)
 }
 
 #[cfg(test)]

@@ -1,9 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What integrators that scatter light themselves share: the vertices of paths, weights of samples.
-//! Source: see each file.
+//! What integrators that scatter light themselves share: the vertices of paths, weights of samples; and the lanes of the
+//! path tracer.
+//! Source: see each file; [AK90] (Russian roulette).
 
+pub(crate) mod lambert;
 mod mis;
+mod paths;
 mod vertex;
 
-pub(crate) use mis::power_heuristic;
+use glam::Vec3;
+use gnurt_shading::Vec3s;
+
+pub(crate) use mis::{power_heuristic, weigh};
+pub(crate) use paths::{Origin, Path, Unshadowed, Wavefront};
 pub(crate) use vertex::Vertex;
+
+/// Paths of fewer edges are never ended by chance.
+pub(crate) const ROULETTE_FROM: u32 = 4;
+/// No path goes on with more than this probability, once chance decides.
+pub(crate) const SURVIVAL: f32 = 0.95;
+
+/// Adds light that came over `edges` edges; no more than `clamp` in any channel if it was scattered more than once.
+pub(crate) fn add(radiance: &mut Vec3s, lane: u32, mut light: Vec3, edges: u32, clamp: Option<f32>) {
+    if let Some(most) = clamp.filter(|&most| edges > 2 && light.max_element() > most) {
+        light *= most / light.max_element();
+    }
+    radiance.add(lane as usize, light);
+}

@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, Scattering};
-use gnurt_shading::{SampleKey, SurfacePoint, Vec3s};
+use gnurt_shading::{SampleKey, SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
 
 use crate::many_lights::finals;
 use crate::tracer::{BatchTracer, Wanted};
@@ -40,44 +40,57 @@ impl BatchTracer<'_> {
     /// The vertex of each ray, `None` where it hit nothing.
     pub(crate) fn vertices(&mut self, from: HitLanes) -> Vec<Option<Vertex>> {
         let mut vertices = vec![None; from.rays.len()];
-        let mut scattering = Vec::new();
         self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
             if let Some(log) = &mut tracer.log {
                 log.surface(points);
             }
-            scattering.clear();
-            let is_known = shader.scatter(points, &mut scattering);
-            let is_final = !(is_known || tracer.probes);
-            let mut lamp_gain = 1.0;
-            if !is_known && tracer.probes {
-                let white = tracer.options.white;
-                finals::probe(shader, points, white, &mut scattering);
-                lamp_gain = std::f32::consts::PI * white;
-            }
-            if is_final {
-                let mut radiance = Vec3s::splat(lanes.len(), Vec3::ZERO);
-                shader.shade(tracer, points, &mut radiance);
-                scattering.extend((0..lanes.len()).map(|k| Scattering {
-                    bsdf: Bsdf::black(points.facing_ns(k)),
-                    emission: radiance.get(k),
-                    coverage: 1.0,
-                }));
-            }
-            for (k, (&lane, &scattering)) in lanes.iter().zip(&scattering).enumerate() {
-                vertices[lane as usize] = Some(Vertex {
-                    point: points.point(k),
-                    wo: -points.ray_dir.get(k),
-                    scattering,
-                    is_final,
-                    lamp_gain,
-                    front: points.front(k),
-                    t: points.t[k],
-                    ids: [points.inst_id[k], points.geom_id[k], points.prim_id[k]],
-                    place: [points.u[k], points.v[k]],
-                    key: points.key[k],
-                });
-            }
+            tracer.vertices_of(shader, lanes, points, &mut |lane, vertex| vertices[lane] = Some(vertex));
         });
         vertices
+    }
+
+    /// Calls `with(lane, vertex)` for each point of a batch.
+    pub(crate) fn vertices_of(
+        &mut self,
+        shader: &dyn SurfaceShader,
+        lanes: &[u32],
+        points: &SurfaceBatch,
+        with: &mut dyn FnMut(usize, Vertex),
+    ) {
+        let mut scattering = std::mem::take(&mut self.scattering);
+        scattering.clear();
+        let is_known = shader.scatter(points, &mut scattering);
+        let is_final = !(is_known || self.probes);
+        let mut lamp_gain = 1.0;
+        if !is_known && self.probes {
+            let white = self.options.white;
+            finals::probe(shader, points, white, &mut scattering);
+            lamp_gain = std::f32::consts::PI * white;
+        }
+        if is_final {
+            let mut radiance = Vec3s::splat(lanes.len(), Vec3::ZERO);
+            shader.shade(self, points, &mut radiance);
+            scattering.extend((0..lanes.len()).map(|k| Scattering {
+                bsdf: Bsdf::black(points.facing_ns(k)),
+                emission: radiance.get(k),
+                coverage: 1.0,
+            }));
+        }
+        for (k, (&lane, &scattering)) in lanes.iter().zip(&scattering).enumerate() {
+            let vertex = Vertex {
+                point: points.point(k),
+                wo: -points.ray_dir.get(k),
+                scattering,
+                is_final,
+                lamp_gain,
+                front: points.front(k),
+                t: points.t[k],
+                ids: [points.inst_id[k], points.geom_id[k], points.prim_id[k]],
+                place: [points.u[k], points.v[k]],
+                key: points.key[k],
+            };
+            with(lane as usize, vertex);
+        }
+        self.scattering = scattering;
     }
 }

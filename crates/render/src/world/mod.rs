@@ -5,6 +5,7 @@
 //! Proof: crates/render/tests/commit.rs.
 
 mod commit;
+mod flat;
 mod instance;
 mod lights;
 mod materials;
@@ -17,11 +18,13 @@ use gnurt_accel::{Hit, HitBatch, INVALID_ID, ObjectTree, Ray, SceneTree};
 use gnurt_scene::edit::Cursor;
 use gnurt_scene::{Mesh, Scene};
 use gnurt_shading::lights::{LightParts, LightSet};
+use gnurt_shading::materials::Lambertian;
 use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, SurfaceShader};
 use gnurt_simd::Level;
 
 use crate::error::CommitError;
 use crate::many_lights::ShaderLamps;
+pub(crate) use flat::FlatLanes;
 pub(crate) use instance::PlacedInstance;
 pub(crate) use surface::HitLanes;
 
@@ -113,6 +116,8 @@ pub(crate) struct WorldObject {
 pub(crate) struct Shading {
     /// By material id.
     pub(crate) surfaces: Vec<Arc<dyn SurfaceShader>>,
+    /// Likewise: those that are Lambert's reflector, as lanes need them.
+    pub(crate) lambertian: Vec<Option<Lambertian>>,
     pub(crate) lights: Vec<Arc<dyn LightShader>>,
     /// Which of them are not in the light set, because they only know `illuminate`.
     pub(crate) plugin_lights: Range<usize>,

@@ -14,7 +14,7 @@ use super::{PlacedInstance, World};
 
 /// Rounding errors of the point, of its transform, and of the test that the next ray makes against the same triangle,
 /// as a multiple of the largest coordinate.
-const ERROR_SCALE: f32 = 8.0 * f32::EPSILON;
+pub(super) const ERROR_SCALE: f32 = 8.0 * f32::EPSILON;
 
 /// What a batch of points is made from.
 #[derive(Clone, Copy)]

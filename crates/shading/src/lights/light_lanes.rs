@@ -12,7 +12,7 @@ use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 use super::area::Shape;
 use super::light_set::{LightParts, LightSample, LightSet};
 use super::light_tree::{LEAF, LightTree, Node};
-use crate::lanes::{Floats, LANES, Mask, Vec3x16, Words, each_lane, select3, transpose};
+use crate::lanes::{Floats, LANES, LanesOf, Mask, Vec3x16, Words, floats, select3, transpose};
 use crate::sampling::distribution::ALMOST_ONE;
 use crate::sampling::triangle_x16;
 
@@ -131,13 +131,12 @@ impl LightLanes {
         // From here on as `LightSet::sample_near`.
         let light: [u32; LANES] = light.into();
         let row = columns(simd, &self.triangles, &light);
-        let corners = [0, 3, 6].map(|k| Vec3x16::new(row[k], row[k + 1], row[k + 2]));
-        let towards = Vec3x16::new(row[9], row[10], row[11]);
+        let corners = [vector(&row, 0), vector(&row, 3), vector(&row, 6)];
+        let towards = vector(&row, 9);
         let (area, place) = (row[12], triangle_x16([x, y]));
         let [b1, b2] = place;
         let point = corners[0] + (corners[1] - corners[0]) * b1 + (corners[2] - corners[0]) * b2;
-        let largest = |v: Vec3x16<S>| v.map(|x| x.abs()).max_element();
-        let reach = corners.iter().fold(largest(p), |most, &corner| most.max(largest(corner)));
+        let reach = corners[0].abs().max(corners[1].abs()).max(corners[2].abs()).max(p.abs()).max_element();
         let way = point + towards * (reach * (16.0 * f32::EPSILON)) - p;
         let dist = way.length_squared().sqrt();
         let dir = way.over(dist);
@@ -146,12 +145,12 @@ impl LightLanes {
         let density = cos.simd_gt(zero).select(dist * dist / (cos * area), zero);
         let mut radiance = Vec3x16::new(row[13], row[14], row[15]);
         if let (false, Some(triangles)) = (self.uneven.is_empty(), &parts.triangles) {
-            each_lane(found.to_bitmask(), |i| {
+            for i in LanesOf(found.to_bitmask()) {
                 if self.uneven[light[i] as usize] {
                     let here = triangles.radiance(light[i] as usize, [b1[i], b2[i]]);
                     (radiance.x[i], radiance.y[i], radiance.z[i]) = here.into();
                 }
-            });
+            }
         }
         let pdf = probability * density;
         let sound = dist.simd_gt(zero) & pdf.simd_gt(zero) & pdf.is_finite() & radiance.is_finite();
@@ -163,10 +162,12 @@ impl LightLanes {
     #[inline(always)]
     fn walk<S: Simd>(&self, active: Mask<S>, p: Vec3x16<S>, normal: Vec3x16<S>, choice: Floats<S>) -> End<S> {
         let simd = choice.token();
-        let word = |x: f32| u32x16::splat(simd, x.to_bits());
-        let root = &self.nodes[0].0;
-        let (mut second, mut kind, mut block) = (word(root[13]), word(root[14]), word(root[15]));
-        let mut at = u32x16::splat(simd, 0);
+        let [.., second, kind, block] = self.nodes[0].0;
+        let mut second = u32x16::splat(simd, second.to_bits());
+        let mut kind = u32x16::splat(simd, kind.to_bits());
+        let mut block = u32x16::splat(simd, block.to_bits());
+        let nothing = u32x16::splat(simd, 0);
+        let mut at = nothing;
         let mut end = End { block, kind, probability: f32x16::splat(simd, 1.0), rest: choice, alive: active };
         let inner = u32x16::splat(simd, INNER);
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -176,12 +177,11 @@ impl LightLanes {
                 (end.block, end.kind) = (block, kind);
                 return end;
             }
-            let rows = [at + 1, second].map(|child| {
-                // Those that do not walk look at the root.
-                let child: [u32; LANES] = walking.select(child, u32x16::splat(simd, 0)).into();
-                columns(simd, &self.nodes, &child)
-            });
-            let [first, other] = rows.map(|row| importance(&row, p, normal));
+            // Those that do not walk look at the root.
+            let children = [walking.select(at + 1, nothing), walking.select(second, nothing)];
+            let one_row = columns(simd, &self.nodes, &children[0].into());
+            let other_row = columns(simd, &self.nodes, &children[1].into());
+            let (first, other) = (importance(&one_row, p, normal), importance(&other_row, p, normal));
             let sum = first + other;
             let lost = walking & !sum.simd_gt(zero);
             end.alive &= !lost;
@@ -190,11 +190,10 @@ impl LightLanes {
             let chance = to_first.select(share, one - share);
             end.rest = walking.select(rest, end.rest);
             end.probability = walking.select(end.probability * chance, end.probability);
-            let from_rows = |k: usize| -> Words<S> { to_first.select(rows[0][k], rows[1][k]).bitcast() };
             at = walking.select(to_first.select(at + 1, second), at);
-            second = walking.select(from_rows(13), second);
-            kind = walking.select(from_rows(14), kind);
-            block = walking.select(from_rows(15), block);
+            second = walking.select(to_first.select(one_row[13], other_row[13]).bitcast(), second);
+            kind = walking.select(to_first.select(one_row[14], other_row[14]).bitcast(), kind);
+            block = walking.select(to_first.select(one_row[15], other_row[15]).bitcast(), block);
         }
     }
 
@@ -209,8 +208,10 @@ impl LightLanes {
         let simd = end.rest.token();
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
         let slots = self.promises(end, p, normal);
-        let sum = |half: &[Floats<S>]| half.iter().skip(1).fold(half[0], |sum, &promise| sum + promise);
-        let (first, other) = (sum(&slots[..LEAF]), sum(&slots[LEAF..]));
+        let (mut first, mut other) = (slots[0], slots[LEAF]);
+        for k in 1..LEAF {
+            (first, other) = (first + slots[k], other + slots[LEAF + k]);
+        }
         // The last inner node, where there is one, as in `walk`.
         let pair = end.kind.simd_eq(u32x16::splat(simd, PAIR));
         let both = first + other;
@@ -225,9 +226,11 @@ impl LightLanes {
         let mut left = rest * sum;
         let mut chosen = u32x16::splat(simd, 0);
         let mut promised = zero;
-        let half: [Floats<S>; LEAF] = std::array::from_fn(|k| in_other.select(slots[k + LEAF], slots[k]));
+        let mut half = [zero; LEAF];
         let mut last = chosen;
-        for (k, &promise) in half.iter().enumerate() {
+        for (k, half) in half.iter_mut().enumerate() {
+            let promise = in_other.select(slots[k + LEAF], slots[k]);
+            *half = promise;
             let some = promise.simd_gt(zero);
             last = some.select(u32x16::splat(simd, k as u32), last);
             promised = some.select(promise, promised);
@@ -247,9 +250,9 @@ impl LightLanes {
         let place = chosen + in_other.select(u32x16::splat(simd, LEAF as u32), u32x16::splat(simd, 0));
         let (place, block): ([u32; LANES], [u32; LANES]) = (place.into(), end.block.into());
         let mut light = [0; LANES];
-        each_lane(found.to_bitmask(), |i| {
+        for i in LanesOf(found.to_bitmask()) {
             light[i] = self.blocks[block[i] as usize].lights[place[i] as usize % LANES];
-        });
+        }
         (u32x16::simd_from(simd, light), probability, found)
     }
 
@@ -263,19 +266,24 @@ impl LightLanes {
             // All are here: points side by side.
             for (k, promise) in promises.iter_mut().enumerate() {
                 if block.shape[13].0[k] > 0.0 {
-                    let shape = std::array::from_fn(|c| f32x16::splat(simd, block.shape[c].0[k]));
+                    let mut shape = [zero; 14];
+                    for (x, row) in shape.iter_mut().zip(&block.shape) {
+                        *x = f32x16::splat(simd, row.0[k]);
+                    }
                     *promise = promise_of(&shape, p, normal);
                 }
             }
             return promises;
         }
         let block: [u32; LANES] = end.block.into();
-        each_lane(end.alive.to_bitmask(), |i| {
+        for i in LanesOf(end.alive.to_bitmask()) {
             let rows = &self.blocks[block[i] as usize].shape;
-            let shape = std::array::from_fn(|c| f32x16::from_slice(simd, &rows[c].0));
-            let one = |v: Vec3x16<S>| v.map(|x| f32x16::splat(simd, x[i]));
-            promises[i] = promise_of(&shape, one(p), one(normal));
-        });
+            let mut shape = [zero; 14];
+            for (x, row) in shape.iter_mut().zip(rows) {
+                *x = f32x16::from_slice(simd, &row.0);
+            }
+            promises[i] = promise_of(&shape, p.spread(i), normal.spread(i));
+        }
         transpose(promises)
     }
 }
@@ -318,11 +326,24 @@ fn node_row(node: &Node, words: [u32; 3]) -> Row {
 /// Row `at[i]` as lane `i` of each column.
 #[inline(always)]
 fn columns<S: Simd>(simd: S, rows: &[Row], at: &[u32; LANES]) -> [Floats<S>; LANES] {
-    if at.iter().all(|&i| i == at[0]) {
+    let mut columns = [f32x16::splat(simd, 0.0); LANES];
+    if *at == [at[0]; LANES] {
         let row = &rows[at[0] as usize].0;
-        return std::array::from_fn(|k| f32x16::splat(simd, row[k]));
+        for (column, &x) in columns.iter_mut().zip(row) {
+            *column = f32x16::splat(simd, x);
+        }
+        return columns;
     }
-    transpose(at.map(|i| f32x16::from_slice(simd, &rows[i as usize].0)))
+    for (column, &i) in columns.iter_mut().zip(at) {
+        *column = f32x16::from_slice(simd, &rows[i as usize].0);
+    }
+    transpose(columns)
+}
+
+/// Three columns.
+#[inline(always)]
+fn vector<S: Simd>(columns: &[Floats<S>], k: usize) -> Vec3x16<S> {
+    Vec3x16::new(columns[k], columns[k + 1], columns[k + 2])
 }
 
 /// What is left of a random number after a choice between a share and the rest, and whether it is the former.
@@ -344,26 +365,25 @@ fn mask_none<S: Simd>(simd: S) -> Mask<S> {
 #[inline(always)]
 fn importance<S: Simd>(row: &[Floats<S>; LANES], p: Vec3x16<S>, normal: Vec3x16<S>) -> Floats<S> {
     let simd = p.x.token();
-    let constant = |x: f32| f32x16::splat(simd, x);
-    let (zero, one) = (constant(0.0), constant(1.0));
-    let vector = |k: usize| Vec3x16::new(row[k], row[k + 1], row[k + 2]);
-    let (way, half, radius2, axis) = (vector(0) - p, vector(3), row[6], vector(7));
+    let (zero, one) = (floats(simd, 0.0), floats(simd, 1.0));
+    let (way, half, radius2, axis) = (vector(row, 0) - p, vector(row, 3), row[6], vector(row, 7));
     let (cos_normals, cos_emission, power) = (row[10], row[11], row[12]);
     let distance2 = way.length_squared();
     let towards = way.over(distance2.sqrt());
     let at_centre = !towards.is_finite();
-    let below = (normal.dot(way) + normal.map(|x| x.abs()).dot(half)).simd_le(zero);
+    let below = (normal.dot(way) + normal.abs().dot(half)).simd_le(zero);
     let outside = distance2.simd_gt(radius2);
     let cos_size = outside.select((one - radius2 / distance2).max(zero).sqrt(), -one);
     let from_normal = angle_less(-axis.dot(towards), cos_normals);
     let cos_light = angle_less(from_normal, cos_size);
     let cos_surface = angle_less(normal.dot(towards), cos_size);
-    let dark = cos_light.simd_lt(cos_emission - constant(1e-4)) | cos_surface.simd_lt(constant(-1e-4));
-    let least = constant(1e-4);
+    let dark =
+        cos_light.simd_lt(cos_emission - floats(simd, 1e-4)) | cos_surface.simd_lt(floats(simd, -1e-4));
+    let least = floats(simd, 1e-4);
     let seen = power * cos_light.max(least) * cos_surface.max(least) / distance2.max(radius2);
-    let seen = seen.is_finite().select(seen, constant(f32::MAX.sqrt()));
+    let seen = seen.is_finite().select(seen, floats(simd, f32::MAX.sqrt()));
     let lit = (below | dark).select(zero, seen);
-    at_centre.select(power / radius2.max(constant(f32::MIN_POSITIVE)), lit)
+    at_centre.select(power / radius2.max(floats(simd, f32::MIN_POSITIVE)), lit)
 }
 
 /// As the function of that name in `light_tree`.
@@ -371,27 +391,28 @@ fn importance<S: Simd>(row: &[Floats<S>; LANES], p: Vec3x16<S>, normal: Vec3x16<
 fn angle_less<S: Simd>(cos_a: Floats<S>, cos_b: Floats<S>) -> Floats<S> {
     let simd = cos_a.token();
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let sin = |cos: Floats<S>| (one - cos * cos).max(zero).sqrt();
-    cos_a.simd_ge(cos_b).select(one, cos_a * cos_b + sin(cos_a) * sin(cos_b))
+    let sin_a = (one - cos_a * cos_a).max(zero).sqrt();
+    let sin_b = (one - cos_b * cos_b).max(zero).sqrt();
+    cos_a.simd_ge(cos_b).select(one, cos_a * cos_b + sin_a * sin_b)
 }
 
 /// `Shape::promise` for a unit normal.
 #[inline(always)]
 fn promise_of<S: Simd>(shape: &[Floats<S>; 14], p: Vec3x16<S>, normal: Vec3x16<S>) -> Floats<S> {
     let simd = p.x.token();
-    let constant = |x: f32| f32x16::splat(simd, x);
-    let zero = constant(0.0);
-    let vector = |k: usize| Vec3x16::new(shape[k], shape[k + 1], shape[k + 2]);
-    let ways = [0, 3, 6].map(|k| vector(k) - p);
-    let before = -vector(9).dot(ways[0]);
-    let above = ways.map(|way| normal.dot(way).max(zero));
-    let above = (above[0] + above[1] + above[2]) / 3.0;
-    let centre = (ways[0] + ways[1] + ways[2]).over(constant(3.0));
-    let nearest = ways.iter().fold(centre.length_squared(), |least, way| least.min(way.length_squared()));
+    let zero = floats(simd, 0.0);
+    let [a, b, c] = [vector(shape, 0) - p, vector(shape, 3) - p, vector(shape, 6) - p];
+    let before = -vector(shape, 9).dot(a);
+    let above = normal.dot(a).max(zero) + normal.dot(b).max(zero) + normal.dot(c).max(zero);
+    let above = above / 3.0;
+    let centre = (a + b + c).over(floats(simd, 3.0));
+    let nearest = centre.length_squared().min(a.length_squared());
+    let nearest = nearest.min(b.length_squared()).min(c.length_squared());
     let distance2 = nearest.max(shape[12] * 0.25);
     let promise = (before / distance2) * (above / distance2) * shape[13];
-    let promise =
-        promise.is_finite().select(promise.max(constant(f32::MIN_POSITIVE)), constant(f32::MAX.sqrt()));
+    let promise = promise
+        .is_finite()
+        .select(promise.max(floats(simd, f32::MIN_POSITIVE)), floats(simd, f32::MAX.sqrt()));
     (before.simd_gt(zero) & above.simd_gt(zero)).select(promise, zero)
 }
 
@@ -414,7 +435,7 @@ impl LightSet {
             }
             (Some(lanes), Some(choice)) => {
                 let (mut rest, mut chance, mut near, mut far) = (u[0], u[0], 0, LightSampleX16::none(simd));
-                each_lane(active.to_bitmask(), |i| {
+                for i in LanesOf(active.to_bitmask()) {
                     let group = choice.sample(u[0][i]);
                     if group.index == 0 {
                         near |= 1 << i;
@@ -424,15 +445,15 @@ impl LightSet {
                         let sample = self.sample_far(group.index - 1, ns.get(i), place, group.probability);
                         far.put(i, sample.filter(is_sound));
                     }
-                });
+                }
                 let near = Mask::from_bitmask(simd, near);
                 lanes.sample(&self.parts, near, [p, ns], [rest, u[1], u[2]], chance).or(near, far)
             }
             _ => {
                 let mut out = LightSampleX16::none(simd);
-                each_lane(active.to_bitmask(), |i| {
-                    out.put(i, self.sample(p.get(i), ns.get(i), u.map(|u| u[i])));
-                });
+                for i in LanesOf(active.to_bitmask()) {
+                    out.put(i, self.sample(p.get(i), ns.get(i), [u[0][i], u[1][i], u[2][i]]));
+                }
                 out
             }
         }
@@ -454,9 +475,8 @@ impl<S: Simd> LightSampleX16<S> {
     #[inline(always)]
     fn put(&mut self, i: usize, sample: Option<LightSample>) {
         let Some(sample) = sample else { return };
-        for (lanes, v) in [(&mut self.dir, sample.dir), (&mut self.radiance, sample.radiance)] {
-            (lanes.x[i], lanes.y[i], lanes.z[i]) = v.into();
-        }
+        (self.dir.x[i], self.dir.y[i], self.dir.z[i]) = sample.dir.into();
+        (self.radiance.x[i], self.radiance.y[i], self.radiance.z[i]) = sample.radiance.into();
         (self.dist[i], self.pdf[i]) = (sample.dist, sample.pdf);
         self.delta.set(i, sample.delta);
         self.found.set(i, true);

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::Scattering;
+use crate::materials::Lambertian;
 use crate::materials::color::{Coverage, Emission};
 use crate::materials::whitted::branch;
 use crate::shader::{AttributeRequest, RayRequest, SurfaceShader, Tracer};
@@ -113,6 +114,13 @@ impl SurfaceShader for Material {
             }
         }
         true
+    }
+
+    fn lambertian(&self) -> Option<Lambertian> {
+        let surface = self.surface.lambertian().filter(|_| self.coverage.is_none())?;
+        // Two emissions would have to be added up: nobody nests materials so.
+        let emission = if surface.emission.is_none() { self.emission.clone() } else { return None };
+        Some(Lambertian { emission, ..surface })
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -4,7 +4,7 @@
 
 use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{Model, Scattering};
-use crate::materials::color::TexturedColor;
+use crate::materials::color::{Emission, TexturedColor};
 use crate::materials::whitted;
 use crate::shader::{SurfaceShader, Tracer};
 
@@ -13,6 +13,15 @@ use crate::shader::{SurfaceShader, Tracer};
 pub struct Matte {
     /// Share of light that is scattered.
     pub albedo: TexturedColor,
+}
+
+/// All there is to know of a surface that is Lambert's reflector everywhere, on both sides, without holes.
+#[derive(Clone, Debug)]
+pub struct Lambertian {
+    /// Share of light that is scattered.
+    pub albedo: TexturedColor,
+    /// Radiance that leaves its front.
+    pub emission: Option<Emission>,
 }
 
 impl SurfaceShader for Matte {
@@ -24,6 +33,10 @@ impl SurfaceShader for Matte {
         let lambert = |i| Model::Lambert { albedo: self.albedo.at_hit(hits, i) };
         out.extend((0..hits.len()).map(|i| Scattering::new(hits, i, lambert(i))));
         true
+    }
+
+    fn lambertian(&self) -> Option<Lambertian> {
+        Some(Lambertian { albedo: self.albedo.clone(), emission: None })
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {

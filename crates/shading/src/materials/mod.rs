@@ -17,7 +17,7 @@ pub use color::{Coverage, Emission, OpacityChannel, TexturedColor};
 pub use dielectric::Dielectric;
 pub use direct::direct_light;
 pub use material::Material;
-pub use matte::Matte;
+pub use matte::{Lambertian, Matte};
 pub use metallic_roughness::{Layers, MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
 pub use points::{FromPoints, metal, rough_glass, rough_matte};

@@ -9,14 +9,14 @@ use std::f32::consts::FRAC_PI_4;
 
 use gnurt_simd::{Simd, f32x16, prelude::*};
 
-use crate::lanes::{Floats, Vec3x16};
+use crate::lanes::{Floats, Vec3x16, floats};
 
 /// See [`cosine_hemisphere`](super::cosine_hemisphere).
 #[inline(always)]
 pub fn cosine_hemisphere_x16<S: Simd>(u: [Floats<S>; 2]) -> Vec3x16<S> {
     let simd = u[0].token();
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let [x, y] = u.map(|u| u * 2.0 - one);
+    let (x, y) = (u[0] * 2.0 - one, u[1] * 2.0 - one);
     let wide = x.abs().simd_gt(y.abs());
     let (radius, less) = (wide.select(x, y), wide.select(y, x));
     // Where both are zero the radius is, and any angle will do.
@@ -30,12 +30,12 @@ pub fn cosine_hemisphere_x16<S: Simd>(u: [Floats<S>; 2]) -> Vec3x16<S> {
 /// Sine and cosine of angles of at most an eighth of a turn.
 #[inline(always)]
 fn sin_cos<S: Simd>(a: Floats<S>) -> (Floats<S>, Floats<S>) {
-    let constant = |x: f32| f32x16::splat(a.token(), x);
+    let simd = a.token();
     let a2 = a * a;
-    let sin = ((a2 * (1.0 / 362_880.0) + constant(-1.0 / 5_040.0)) * a2 + constant(1.0 / 120.0)) * a2;
-    let sin = a + a * ((sin + constant(-1.0 / 6.0)) * a2);
-    let cos = ((a2 * (1.0 / 40_320.0) + constant(-1.0 / 720.0)) * a2 + constant(1.0 / 24.0)) * a2;
-    let cos = constant(1.0) + (cos + constant(-0.5)) * a2;
+    let sin = ((a2 * (1.0 / 362_880.0) + floats(simd, -1.0 / 5_040.0)) * a2 + floats(simd, 1.0 / 120.0)) * a2;
+    let sin = a + a * ((sin + floats(simd, -1.0 / 6.0)) * a2);
+    let cos = ((a2 * (1.0 / 40_320.0) + floats(simd, -1.0 / 720.0)) * a2 + floats(simd, 1.0 / 24.0)) * a2;
+    let cos = floats(simd, 1.0) + (cos + floats(simd, -0.5)) * a2;
     (sin, cos)
 }
 
