@@ -113,6 +113,28 @@ impl DataType {
         })
     }
 
+    /// The bytes of a number that people wrote; `None` if it is none of this type, or not finite.
+    #[must_use]
+    pub fn encode_text(self, text: &str) -> Option<Vec<u8>> {
+        macro_rules! bytes {
+            ($type:ty) => {
+                text.parse::<$type>().ok().map(|number| number.to_ne_bytes().to_vec())
+            };
+        }
+        match self {
+            Self::I8 => bytes!(i8),
+            Self::U8 => bytes!(u8),
+            Self::I16 => bytes!(i16),
+            Self::U16 => bytes!(u16),
+            Self::I32 => bytes!(i32),
+            Self::U32 => bytes!(u32),
+            Self::F32 | Self::F64 if !text.parse::<f64>().is_ok_and(f64::is_finite) => None,
+            Self::F32 => bytes!(f32),
+            Self::F64 => bytes!(f64),
+            Self::Text => None,
+        }
+    }
+
     /// Whether it is one of the integers.
     #[must_use]
     pub fn is_integer(self) -> bool {

@@ -65,6 +65,7 @@ pub mod progressive;
 pub mod query;
 pub mod rendering_object;
 pub mod report;
+pub mod scene_shader;
 pub mod shader;
 pub mod shader_class;
 pub mod stacks;

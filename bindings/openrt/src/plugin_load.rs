@@ -3,6 +3,7 @@
 //! Source: original. Invariant: what passes has every promise of [`PluginClass`].
 //! Proof: tests/plugins.rs: a plugin for each rule that it breaks.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use gnurt::shading::classes::ParameterRate;
@@ -44,12 +45,38 @@ const MAX_PARAMETERS: u32 = 1 << 16;
 /// Numbers of a parameter that varies.
 const MAX_VARYING: u32 = 16;
 
-/// Loads class `name` from `file`.
+/// Loads class `name` from `file`, which is looked for.
 pub fn load(name: &str, file: &str) -> Result<PluginClass, LoadError> {
-    let title = format!("shader class \"{name}\"");
     let folders = std::env::var(PATH_VARIABLE).unwrap_or_default();
-    let library = find(file, &folders, Library::open);
-    let library = library.map_err(|why| LoadError::missing(format!("{title}: {why}")))?;
+    load_by(name, file, || find(file, &folders, Library::open))
+}
+
+/// Loads class `name` from the library at `path` as it is now, whatever was loaded from there before: from a copy, since the
+/// system's loader gives back what it has under a name, and a file that is mapped must not change.
+pub fn load_anew(name: &str, path: &Path) -> Result<PluginClass, LoadError> {
+    let copy = || -> Result<Library, String> {
+        let private = |why: std::io::Error| format!("cannot copy {}: {why}", path.display());
+        let copy = tempfile::Builder::new().suffix(".so").tempfile().map_err(private)?.into_temp_path();
+        std::fs::copy(path, &copy).map_err(|why| format!("cannot read {}: {why}", path.display()))?;
+        let opened = Library::open(&copy).map_err(|why| {
+            let why = why.replace(&copy.display().to_string(), &path.display().to_string());
+            format!("cannot load library \"{}\": {why}", path.display())
+        });
+        // The loader has it: its name may go.
+        drop(copy);
+        opened
+    };
+    load_by(name, &path.display().to_string(), copy)
+}
+
+/// Loads class `name` from the library that `open` gives; messages call it `file`.
+fn load_by(
+    name: &str,
+    file: &str,
+    open: impl FnOnce() -> Result<Library, String>,
+) -> Result<PluginClass, LoadError> {
+    let title = format!("shader class \"{name}\"");
+    let library = open().map_err(|why| LoadError::missing(format!("{title}: {why}")))?;
     let in_file = |text: String| format!("{title}: library \"{file}\": {text}");
     let module = match library.module().map_err(|why| LoadError::missing(in_file(why)))? {
         ModuleReply::Offers(module) => module,

@@ -18,6 +18,7 @@ mod output;
 mod picture_header;
 mod program;
 mod progress;
+mod shaders;
 mod signals;
 mod source;
 mod statistics;

@@ -15,7 +15,7 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render"]),
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),
-    ("cli", &["gnurt", "bench", "view"]),
+    ("cli", &["gnurt", "bench", "view", "openrt"]),
     ("openrt", &["gnurt"]),
     ("rtut", &[]),
 ];

@@ -25,7 +25,7 @@ pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::{TalkArguments, talk_behind_command};
-pub(crate) use value::{Pixel, Resolution};
+pub(crate) use value::{Pixel, Resolution, ShaderChoice};
 pub(crate) use view::{FrameArguments, LightArguments, MachineArguments, ViewArguments};
 pub(crate) use window::WindowArguments;
 

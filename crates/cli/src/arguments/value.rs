@@ -4,6 +4,7 @@
 //! Invariant: no value leaves here that is NaN, infinite or out of its range. Proof: `tests`.
 
 use std::fmt::Display;
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -23,6 +24,18 @@ use crate::nearest::unknown;
 pub(crate) struct Resolution {
     pub(crate) width: u32,
     pub(crate) height: u32,
+}
+
+/// A shader for the material of a name, or for all by `*`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct ShaderChoice {
+    pub(crate) material: String,
+    /// Of the shader's class.
+    pub(crate) class: String,
+    /// The plugin that has the class; none for built-in ones.
+    pub(crate) file: Option<PathBuf>,
+    /// Names and values.
+    pub(crate) parameters: Vec<(String, String)>,
 }
 
 /// Column and row of a pixel.
@@ -213,6 +226,31 @@ pub(crate) fn surroundings(text: &str) -> Result<Surroundings, String> {
         Ok(radiance) => Ok(Surroundings::Uniform(radiance)),
         Err(_) => Ok(Surroundings::Picture(text.into())),
     }
+}
+
+/// `MATERIAL=CLASS[@FILE][:NAME=VALUE...]`.
+pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
+    const RIGHT: &str =
+        "give MATERIAL=CLASS, or MATERIAL=CLASS@FILE for a plugin's, and parameters as :NAME=VALUE";
+    let mut parts = text.split(':');
+    let (material, class) = parts.next().and_then(|part| part.split_once('=')).ok_or(RIGHT)?;
+    let (class, file) = class.split_once('@').map_or((class, None), |(class, file)| (class, Some(file)));
+    if material.is_empty() || class.is_empty() || file.is_some_and(str::is_empty) {
+        return Err(RIGHT.into());
+    }
+    let pair = |part: &str| match part.split_once('=') {
+        Some((name, value)) if !name.is_empty() && !value.is_empty() => {
+            Ok((name.to_owned(), value.to_owned()))
+        }
+        _ => Err(format!("'{part}' is no parameter; {RIGHT}")),
+    };
+    let parameters = parts.map(pair).collect::<Result<_, _>>()?;
+    Ok(ShaderChoice {
+        material: material.to_owned(),
+        class: class.to_owned(),
+        file: file.map(PathBuf::from),
+        parameters,
+    })
 }
 
 /// `tev:HOST:PORT`.

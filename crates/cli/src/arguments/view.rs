@@ -10,7 +10,7 @@ use gnurt::image::ToneCurve;
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::simd::Level;
 
-use super::value::{self, Resolution};
+use super::value::{self, Resolution, ShaderChoice};
 
 /// What is computed for which pixels.
 #[derive(Args, Clone, Debug)]
@@ -78,6 +78,17 @@ pub(crate) struct FrameArguments {
     /// Make every material a Lambertian reflector of its base colour
     #[arg(long)]
     pub(crate) force_diffuse: bool,
+    /// Shade a material, or all by *, by a class of libOpenRT: a built-in one, or one of a plugin's FILE; numbers between
+    /// commas, textures as @FILE; may be given more than once
+    #[arg(
+        long = "shader",
+        value_name = "MATERIAL=CLASS[@FILE][:NAME=VALUE...]",
+        value_parser = value::shader,
+        allow_hyphen_values = true,
+        action = clap::ArgAction::Append,
+        conflicts_with = "force_diffuse"
+    )]
+    pub(crate) shaders: Vec<ShaderChoice>,
 }
 
 /// Where it is seen from: each option replaces one part of the scene's camera.

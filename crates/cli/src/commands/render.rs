@@ -27,6 +27,7 @@ use crate::output::{Output, is_same_file};
 use crate::picture_header::{describe, describe_making};
 use crate::program::machine;
 use crate::progress::Watcher;
+use crate::shaders::{self, Shaders};
 use crate::signals::{self, FirstSignal};
 use crate::source::Source;
 use crate::statistics::Statistics;
@@ -48,11 +49,14 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     let mut scene = source.load(messages)?;
     let (camera, rays) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
     let loaded = begin.elapsed();
-    let (world, report) = commit(&scene, arguments.frame.force_diffuse, level, &pool, messages)?;
+    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
+    let (world, report) =
+        commit(&scene, &shaders.table, arguments.frame.force_diffuse, level, &pool, messages)?;
 
     let options = options(arguments, &targets, level);
     let checkpoint = arguments.checkpoint.as_deref().map(|path| {
-        let print = fingerprint(&scene, arguments.frame.force_diffuse, &rays, &options);
+        let shown = (&rays, shaders::print(&arguments.frame.shaders));
+        let print = fingerprint(&scene, arguments.frame.force_diffuse, &shown, &options);
         Checkpoint::new(path, print, arguments.checkpoint_every)
     });
     drop(scene);
@@ -79,6 +83,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     }
     saved?;
     tell(&frame, arguments, messages);
+    shaders.tell_faults(messages);
     if let Some(how) = arguments.denoiser.options(options.crop) {
         let used = denoise(&mut frame.picture, &how, &pool).map_err(Failure::data)?;
         messages.note(&used);
@@ -118,6 +123,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
 /// Everything that can be refused before any work.
 fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Source, Targets), Failure> {
     view::check(&arguments.view)?;
+    shaders::check(&arguments.frame.shaders)?;
     let resolution = arguments.frame.resolution;
     if let Some(crop) = arguments.crop.filter(|crop| crop.within(resolution).is_none()) {
         return Err(Failure::usage(format_args!(
@@ -186,6 +192,7 @@ fn check_memory(arguments: &RenderArguments, targets: &Targets) -> Outcome {
 /// Builds the trees, and tells what had to be left out.
 pub(super) fn commit(
     scene: &Scene,
+    shaders: &ShaderTable,
     force_diffuse: bool,
     level: Level,
     pool: &ThreadPool,
@@ -193,7 +200,7 @@ pub(super) fn commit(
 ) -> Result<(World, CommitReport), Failure> {
     let mut world = World::new();
     let options = CommitOptions { force_diffuse, level };
-    let report = world.commit(scene, &ShaderTable::default(), &options, pool).map_err(Failure::data)?;
+    let report = world.commit(scene, shaders, &options, pool).map_err(Failure::data)?;
     if report.dropped_triangles > 0 {
         messages
             .warning(format_args!("{} triangles without a finite area left out", report.dropped_triangles));

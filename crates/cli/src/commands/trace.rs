@@ -10,12 +10,14 @@ use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
 use crate::program::machine;
+use crate::shaders::{self, Shaders};
 use crate::source::Source;
 use crate::view;
 
 /// Follows one pixel.
 pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, messages: Messages) -> Outcome {
     view::check(&arguments.view)?;
+    shaders::check(&arguments.frame.shaders)?;
     let (pixel, resolution) = (arguments.pixel, arguments.frame.resolution);
     if pixel.x >= resolution.width || pixel.y >= resolution.height {
         return Err(Failure::usage(format_args!(
@@ -30,7 +32,8 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
     let (_, rays) = view::choose(&mut scene, &arguments.view, resolution, messages)?;
-    let (world, _) = commit(&scene, arguments.frame.force_diffuse, level, &pool, messages)?;
+    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
+    let (world, _) = commit(&scene, &shaders.table, arguments.frame.force_diffuse, level, &pool, messages)?;
     let options = frame_options(&arguments.frame, level);
     print(trace_pixel(&world, &rays, &options, pixel.x, pixel.y).map_err(Failure::usage)?)
 }

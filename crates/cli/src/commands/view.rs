@@ -23,6 +23,7 @@ use crate::messages::{Messages, print};
 use crate::output::Output;
 use crate::program::machine;
 use crate::progress::Watcher;
+use crate::shaders::{self, Shaders};
 use crate::signals::{self, FirstSignal};
 use crate::source::Source;
 use crate::view;
@@ -31,6 +32,7 @@ use crate::view;
 pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messages: Messages) -> Outcome {
     let windowless = arguments.headless || arguments.display.is_some();
     view::check(&arguments.view)?;
+    shaders::check(&arguments.frame.shaders)?;
     for (name, given) in [
         ("--orbit", arguments.orbit.is_some()),
         ("--output", arguments.output.is_some()),
@@ -83,7 +85,9 @@ fn prepare(
     let (mut scene, mut files) = source.load_with_files(messages)?;
     files.extend(arguments.view.surroundings.file().map(PathBuf::from));
     let (camera, _) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
-    let (world, _) = commit(&scene, arguments.frame.force_diffuse, level, pool, messages)?;
+    files.extend(shaders::files(&arguments.frame.shaders));
+    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
+    let (world, _) = commit(&scene, &shaders.table, arguments.frame.force_diffuse, level, pool, messages)?;
     Ok((Stage { scene, world, files }, camera))
 }
 

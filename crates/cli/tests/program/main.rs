@@ -21,6 +21,8 @@ mod interrupts;
 mod output;
 mod recoverable;
 mod samples;
+#[cfg(target_os = "linux")]
+mod shaders;
 mod statistics;
 mod surroundings;
 mod viewing;

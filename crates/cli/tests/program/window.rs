@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use gnurt::image::{Picture, compare};
 
 use super::harness::Folder;
-use super::samples;
+use super::{samples, shaders};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -264,6 +264,28 @@ fn files_that_change_are_read_again() {
     save(&obj, samples::OBJ);
     viewer.hears("read again");
     assert!(viewer.picture() == green, "mended");
+    display.act("key Escape");
+    viewer.ends(0);
+}
+
+/// A plugin that is built again shades from then on; one that cannot be loaded leaves the old one.
+#[test]
+fn plugins_that_change_are_loaded_again() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    let plugin = shaders::compile(&folder, "diffuse", shaders::SAME);
+    let mut viewer = Viewer::open(
+        &display,
+        &folder,
+        "view builtin:cornell -r 120x90 --spp 1 --shader *=diffuse@diffuse.so --frames 100000",
+    );
+    let lit = viewer.picture();
+    save(&plugin, "no library");
+    viewer.hears("diffuse.so");
+    assert!(viewer.picture() == lit, "the old one stays while the new one is broken");
+    shaders::compile(&folder, "diffuse", shaders::BLACK);
+    viewer.hears("read again");
+    assert!(differ(&lit, &viewer.picture()), "the new one shades");
     display.act("key Escape");
     viewer.ends(0);
 }

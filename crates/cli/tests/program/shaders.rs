@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `--shader`: a scene's materials shaded by classes of libOpenRT, built-in ones and plugins that a C compiler makes here.
+//! Source: original.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use gnurt::image::{Picture, compare};
+
+use super::harness::Folder;
+
+/// Compiles a plugin of examples/plugins/c, with `from` replaced by `to`.
+pub(crate) fn compile(folder: &Folder, name: &str, [from, to]: [&str; 2]) -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let source =
+        std::fs::read_to_string(root.join(format!("examples/plugins/c/{name}.c"))).expect("an example");
+    assert!(source.contains(from), "{name}.c has '{from}'");
+    let source = folder.write(&format!("{name}.c"), source.replace(from, to));
+    let target = folder.at(&format!("{name}.so"));
+    let mut compiler = Command::new("cc");
+    compiler.args(["-std=c99", "-O1", "-shared", "-fPIC", "-I"]).arg(root.join("bindings/openrt/include"));
+    compiler.arg(source).arg("-lm").arg("-o").arg(&target);
+    assert!(compiler.status().expect("a C compiler").success(), "{name}.c compiles");
+    target
+}
+
+/// As it is.
+pub(crate) const SAME: [&str; 2] = ["", ""];
+
+/// As when a programmer changes a line: all is black.
+pub(crate) const BLACK: [&str; 2] = ["product[i] *= a;", "product[i] = 0 * a;"];
+
+fn picture(folder: &Folder, name: &str) -> Picture {
+    gnurt::image::read(&folder.at(name)).expect("a picture")
+}
+
+#[test]
+fn plugins_shade_what_built_in_classes_shade() {
+    let folder = Folder::new();
+    compile(&folder, "diffuse", SAME);
+    let line = "render builtin:cornell -r 64x40 --spp 1 --shader";
+    folder.gnurt(&format!("{line} *=DiffuseShader:color=0.9,0.5,0.2 -o class.pfm")).success();
+    folder.gnurt(&format!("{line} *=diffuse@diffuse.so:color=0.9,0.5,0.2 -o plugin.pfm")).success();
+    let [class, plugin] = ["class.pfm", "plugin.pfm"].map(|name| picture(&folder, name));
+    let difference = compare(&class, &plugin).expect("one size").max_difference;
+    assert!(difference < 1e-5, "the same light: {difference}");
+    folder.gnurt(&format!("{line} *=diffuse@diffuse.so:color=0.2 -o dark.pfm")).success();
+    assert!(
+        folder.read("dark.pfm") != folder.read("plugin.pfm"),
+        "one number for all three, and another picture"
+    );
+}
+
+#[test]
+fn one_material_of_several_and_a_texture() {
+    let folder = Folder::new();
+    let [obj, mtl] = [super::samples::OBJ, "newmtl red\nKd 0.8 0.1 0.1\n"];
+    folder.write("scene.obj", obj);
+    folder.write("scene.mtl", mtl);
+    let plain = "render scene.obj -r 32x24 --spp 1 --integrator eyelight";
+    folder.gnurt(&format!("{plain} -o plain.pfm")).success();
+    folder.gnurt(&format!("{plain} --shader red=MatteShader:color=0,1,0 -o green.pfm")).success();
+    let [plain_sum, green_sum] = ["plain.pfm", "green.pfm"].map(|name| {
+        let color = picture(&folder, name).color;
+        color.iter().fold([0.0; 2], |[r, g], pixel| [r + pixel[0], g + pixel[1]])
+    });
+    assert!(
+        plain_sum[0] > plain_sum[1] && green_sum[0] == 0.0 && green_sum[1] > 0.0,
+        "{plain_sum:?} {green_sum:?}"
+    );
+    // The last one counts; a texture is a picture.
+    let texture =
+        format!("{plain} --shader *=MatteShader --shader red=MatteShader:color=1:texture=@green.pfm");
+    folder.gnurt(&format!("{texture} -o textured.pfm")).success();
+    assert!(folder.read("textured.pfm") != folder.read("plain.pfm"));
+}
+
+#[test]
+fn wrong_shaders_are_refused() {
+    let folder = Folder::new();
+    compile(&folder, "diffuse", SAME);
+    compile(&folder, "studio", SAME);
+    folder.write("text.so", "no library");
+    for (status, choice, said) in [
+        (2, "red", "give MATERIAL=CLASS"),
+        (2, "*=MatteShader:color", "'color' is no parameter"),
+        (2, "nosuch=MatteShader", "unknown material 'nosuch'"),
+        (1, "*=MateShader", "did you mean \"MatteShader\"?"),
+        (1, "*=MatteShader:colour=1", "no parameter 'colour'"),
+        (1, "*=diffuse@none.so", "none.so"),
+        (1, "*=diffuse@text.so", "text.so"),
+        (1, "*=difuse@diffuse.so", "did you mean \"diffuse\"?"),
+        (1, "*=sky@studio.so", "is of no surfaces"),
+        (1, "*=diffuse@diffuse.so:shadows=0.5", "'0.5' is not 1 whole number"),
+    ] {
+        let run = folder.run(&["render", "builtin:cornell", "-r", "8x8", "-o", "p.png", "--shader", choice]);
+        run.fails(status, said);
+        assert!(!folder.at("p.png").exists(), "no picture of {choice}");
+    }
+    folder.gnurt("render builtin:cornell --shader *=MatteShader --force-diffuse").fails(2, "--force-diffuse");
+}
+
+#[test]
+fn checkpoints_know_their_shaders() {
+    let folder = Folder::new();
+    let line = "render builtin:cornell -r 16x12 --spp 4 -o p.png --checkpoint state --shader";
+    compile(&folder, "diffuse", SAME);
+    folder.gnurt(&format!("{line} *=diffuse@diffuse.so")).success();
+    folder.gnurt(&format!("{line} *=diffuse@diffuse.so")).success();
+    folder.gnurt(&format!("{line} *=diffuse@diffuse.so:color=0.5")).fails(1, "options differ");
+    compile(&folder, "diffuse", BLACK);
+    folder.gnurt(&format!("{line} *=diffuse@diffuse.so")).fails(1, "options differ");
+}
