@@ -16,8 +16,8 @@ use crate::aov;
 use crate::error::RenderError;
 use crate::film::{self, TileFilm};
 use crate::frame::Frame;
-use crate::many_lights::PassLights;
 use crate::many_lights::interleave::Seen;
+use crate::many_lights::{KeptLights, PassLights};
 use crate::options::RenderOptions;
 use crate::progress::Progress;
 use crate::stats::RenderStats;
@@ -98,9 +98,37 @@ impl Accumulation {
         self.pass_until(None, world, camera, samples, pool, progress)
     }
 
+    /// As [`pass`](Self::pass) with one sample, for a picture that will soon be followed by one from elsewhere: virtual
+    /// lights, if the integrator has any, are those of the pictures before and a few fresh ones. Not the sample that
+    /// `render` takes, but like it one with the right mean.
+    pub fn pass_in_motion(
+        &mut self,
+        kept: &mut KeptLights,
+        world: &World,
+        camera: &dyn CameraShader,
+        pool: &rayon::ThreadPool,
+        progress: &dyn Progress,
+    ) -> bool {
+        self.pass_with(Some(kept), None, world, camera, 1, pool, progress)
+    }
+
     /// As [`pass`](Self::pass), but ends at a moment, too.
     pub(crate) fn pass_until(
         &mut self,
+        deadline: Option<Instant>,
+        world: &World,
+        camera: &dyn CameraShader,
+        samples: u32,
+        pool: &rayon::ThreadPool,
+        progress: &dyn Progress,
+    ) -> bool {
+        self.pass_with(None, deadline, world, camera, samples, pool, progress)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "what two public methods have in common")]
+    fn pass_with(
+        &mut self,
+        mut kept: Option<&mut KeptLights>,
         deadline: Option<Instant>,
         world: &World,
         camera: &dyn CameraShader,
@@ -121,7 +149,10 @@ impl Accumulation {
         let mut done = self.samples();
         while done < last && !job.should_stop() {
             done = done.saturating_add(at_once).min(last);
-            job.pass = pool.install(|| PassLights::new(&job, done - 1));
+            job.pass = pool.install(|| match &mut kept {
+                Some(kept) => kept.next(&job),
+                None => PassLights::new(&job, done - 1),
+            });
             if let Some(pass) = &job.pass {
                 self.stats.add(&pass.stats);
             }

@@ -30,6 +30,7 @@ pub use camera::PerspectiveCamera;
 pub use error::{CheckpointError, CommitError, RenderError};
 pub use fingerprint::fingerprint;
 pub use frame::Frame;
+pub use many_lights::KeptLights;
 pub use options::{Integrator, ReconstructionFilter, RenderOptions, UnknownIntegrator};
 pub use pixel_trace::{PixelTrace, trace_pixel};
 pub use progress::{Progress, Silent};

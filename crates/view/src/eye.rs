@@ -3,7 +3,7 @@
 //! Source: original. Memory is used again from picture to picture.
 
 use gnurt::ThreadPool;
-use gnurt::render::{Accumulation, PerspectiveCamera, Progress, RenderOptions, World};
+use gnurt::render::{Accumulation, KeptLights, PerspectiveCamera, Progress, RenderOptions, World};
 use gnurt::scene::Camera;
 
 use crate::error::ViewError;
@@ -30,6 +30,8 @@ pub(crate) struct Eye {
     /// What does not change from sight to sight.
     options: RenderOptions,
     making: Option<Making>,
+    /// Virtual lights of looks in passing, for the next one.
+    kept: KeptLights,
     pub(crate) colors: Vec<[f32; 4]>,
 }
 
@@ -39,11 +41,12 @@ struct Making {
     shown: Shown,
     /// Distance from eye to target.
     reach: f32,
+    fleeting: bool,
 }
 
 impl Eye {
     pub(crate) fn new(options: RenderOptions) -> Self {
-        Self { options, making: None, colors: Vec::new() }
+        Self { options, making: None, kept: KeptLights::default(), colors: Vec::new() }
     }
 
     /// Begins a picture.
@@ -73,7 +76,13 @@ impl Eye {
         };
         let reach =
             (0..3).map(|k| (sight.camera.target[k] - sight.camera.eye[k]).powi(2)).sum::<f32>().sqrt();
-        self.making = Some(Making { accumulation: accumulation?, rays, shown: sight.shown, reach });
+        self.making = Some(Making {
+            accumulation: accumulation?,
+            rays,
+            shown: sight.shown,
+            reach,
+            fleeting: sight.fleeting,
+        });
         Ok(())
     }
 
@@ -85,7 +94,10 @@ impl Eye {
         pool: &ThreadPool,
         progress: &dyn Progress,
     ) -> bool {
-        let Some(Making { accumulation, rays, .. }) = &mut self.making else { return true };
+        let Some(Making { accumulation, rays, fleeting, .. }) = &mut self.making else { return true };
+        if *fleeting {
+            return accumulation.pass_in_motion(&mut self.kept, world, rays, pool, progress);
+        }
         accumulation.pass(world, rays, samples, pool, progress)
     }
 

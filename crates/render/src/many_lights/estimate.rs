@@ -35,9 +35,6 @@ mod purpose {
     pub(super) const CHOICE: u32 = 0x5004;
 }
 
-/// Virtual lights of which those few are chosen that promise most.
-const ASKED: u32 = 128;
-
 /// The last smooth scattering of a path from the eye.
 #[derive(Clone, Copy)]
 struct Last {
@@ -481,7 +478,7 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
     for stop in stops.iter().filter(|stop| !stop.walk.is_seen && stop.eye.bsdf.is_smooth()) {
         let [first, second] = sample_pair(seed, stop.walk.key, stop.walk.edges, purpose::CHOICE);
         found.clear();
-        let asked = ASKED.max(pass.few);
+        let asked = pass.asked;
         for n in 0..asked {
             let at = (n as f32 + first) / asked as f32;
             let chosen = choice.sample(at);

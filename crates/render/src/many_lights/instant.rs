@@ -4,9 +4,12 @@
 //! Source: [Kel97]; paths start at lamps that matter to the camera [WBS03b], see `lamps`; hash-scrambled Sobol' points [Bur20] in place of Halton's. Space: world.
 //! Proof: crates/render/tests/many_lights.rs.
 
+use std::ops::Range;
+
 use gnurt_shading::SampleKey;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
 
+use super::lamps::LampChoice;
 use super::light_path::{self, LightVertex, pair};
 use super::pass::in_chunks;
 use super::vpl::Vpl;
@@ -26,10 +29,17 @@ pub(super) fn numbers(seed: u64, set: u32) -> impl Fn(u32, u32, u32) -> [f32; 2]
     }
 }
 
-/// Vertices of the first `paths` light paths of a set, path by path, edge by edge.
-pub(super) fn vertices(job: &Job, set: u32, paths: u32, stats: &mut RenderStats) -> Vec<LightVertex> {
-    let plain = numbers(job.options.seed, set);
-    let lamps = job.lamp_choice(stats);
+/// Vertices of some light paths of a set, path by path, edge by edge; `lamps` are those that matter.
+pub(super) fn vertices(
+    job: &Job,
+    lamps: Option<&LampChoice>,
+    set: u32,
+    paths: Range<u32>,
+    stats: &mut RenderStats,
+) -> Vec<LightVertex> {
+    let (first, paths) = (paths.start, paths.len() as u32);
+    let of_set = numbers(job.options.seed, set);
+    let plain = |path: u32, edge: u32, which: u32| of_set(first + path, edge, which);
     // Only the number that chooses a lamp is bent towards those that matter.
     let bent = |path: u32| {
         let [choice, rest] = plain(path, 0, pair::LOBE);
@@ -50,15 +60,16 @@ pub(super) fn vertices(job: &Job, set: u32, paths: u32, stats: &mut RenderStats)
 }
 
 /// How many paths have about `vertices` vertices that shine: a property of world and options alone.
-pub(super) fn paths_for(job: &Job, count: u32, stats: &mut RenderStats) -> u32 {
-    let found = vertices(job, u32::MAX, PILOTS, stats).len().max(1);
+pub(super) fn paths_for(job: &Job, lamps: Option<&LampChoice>, count: u32, stats: &mut RenderStats) -> u32 {
+    let found = vertices(job, lamps, u32::MAX, 0..PILOTS, stats).len().max(1);
     let paths = f64::from(count) * f64::from(PILOTS) / found as f64;
     (paths.ceil() as u32).clamp(1, count.max(1) * 64)
 }
 
 /// The virtual lights of a pass.
 pub(super) fn virtual_lights(job: &Job, sample: u32, stats: &mut RenderStats) -> Vec<Vpl> {
-    let paths = paths_for(job, job.options.vpls, stats);
-    let found = vertices(job, sample, paths, stats);
+    let lamps = job.lamp_choice(stats);
+    let paths = paths_for(job, lamps, job.options.vpls, stats);
+    let found = vertices(job, lamps, sample, 0..paths, stats);
     found.iter().map(|v| v.vpl.scaled(1.0 / paths as f32)).collect()
 }

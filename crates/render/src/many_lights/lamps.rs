@@ -13,6 +13,7 @@ use super::pilots::Pilots;
 use crate::stats::RenderStats;
 use crate::tile::Job;
 use crate::tracer::BatchTracer;
+use crate::world::World;
 
 /// Parts of the range of numbers that choose a lamp.
 const BINS: usize = 256;
@@ -32,7 +33,7 @@ pub(crate) struct LampChoice {
 impl LampChoice {
     /// Learned by particles; `None` where all paths may start by power.
     pub(crate) fn new(job: &Job, stats: &mut RenderStats) -> Option<Self> {
-        if job.world.light_set().len() + job.world.shader_lamps().len() <= FEW {
+        if !Self::is_due(job.world) {
             return None;
         }
         let mut tracer = BatchTracer::new(job.world, job.options, false);
@@ -55,6 +56,11 @@ impl LampChoice {
             sums[((choice * BINS as f32) as usize).min(BINS - 1)] += importance;
         }
         Self::from_sums(&sums)
+    }
+
+    /// Whether there are so many lamps that some of them may matter more.
+    pub(crate) fn is_due(world: &World) -> bool {
+        world.light_set().len() + world.shader_lamps().len() > FEW
     }
 
     fn from_sums(sums: &[f64]) -> Option<Self> {

@@ -13,6 +13,7 @@ mod follow;
 mod gather;
 mod instant;
 pub(crate) mod interleave;
+mod kept;
 mod lamps;
 mod light_path;
 mod metropolis;
@@ -23,6 +24,7 @@ mod shader_lights;
 mod vpl;
 
 pub(crate) use estimate::{radiance, radiance_apart};
+pub use kept::KeptLights;
 pub(crate) use lamps::LampChoice;
 pub(crate) use pass::PassLights;
 pub(crate) use shader_lamps::ShaderLamps;

@@ -25,8 +25,9 @@ pub(crate) struct PassLights {
     pub(crate) bound: Bound,
     /// By strength, for where only a few are asked; `None` if there are none.
     pub(crate) choice: Option<Distribution>,
-    /// How many are asked there.
+    /// How many are asked there, and how many of which those few are chosen that promise most.
     pub(crate) few: u32,
+    pub(crate) asked: u32,
     /// Light samples at each point that the eye sees.
     light_samples: u32,
     /// What it took to put them there.
@@ -37,8 +38,8 @@ impl PassLights {
     /// The lights of sample `sample`, made on the threads of the pool that it is called in. `None` if the integrator
     /// needs none.
     pub(crate) fn new(job: &Job, sample: u32) -> Option<Self> {
-        let (world, options) = (job.world, job.options);
-        let bound = bound_of(world, options);
+        let options = job.options;
+        let bound = bound_of(job.world, options);
         let mut stats = RenderStats::default();
         let vpls = match options.integrator {
             Integrator::InstantRadiosity => instant::virtual_lights(job, sample, &mut stats),
@@ -50,12 +51,21 @@ impl PassLights {
             }
             _ => return None,
         };
+        Some(Self::of(job, vpls, stats))
+    }
+
+    /// The pass with these lights, which took so much.
+    pub(super) fn of(job: &Job, vpls: Vec<Vpl>, stats: RenderStats) -> Self {
+        let options = job.options;
+        let bound = bound_of(job.world, options);
         let choice = choice(&vpls, options.integrator);
         let few = (options.vpls / 64).clamp(1, 16);
         let pattern = options.pattern();
         let shares = pattern.map_or_else(Vec::new, |n| interleave::shares(&vpls, n));
-        let light_samples = pattern.map_or(few, |n| few.div_ceil(n * n));
-        Some(Self { vpls, shares, bound, choice, few, light_samples, stats })
+        // Where pixels are averaged, each needs fewer.
+        let per_pixel = |of_window: u32| pattern.map_or(of_window, |n| of_window.div_ceil(n * n));
+        let (few, asked, light_samples) = (per_pixel(few), per_pixel(ASKED.max(few)), per_pixel(few));
+        Self { vpls, shares, bound, choice, few, asked, light_samples, stats }
     }
 
     /// How many light samples a point gets: many where the eye sees it.
@@ -64,6 +74,8 @@ impl PassLights {
     }
 }
 
+/// Virtual lights of which those few are chosen that promise most.
+const ASKED: u32 = 128;
 /// Share of the choice that does not look at strength, for lights that were chosen for what they bring.
 const EVENLY: f64 = 0.5;
 

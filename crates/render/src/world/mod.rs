@@ -12,7 +12,7 @@ mod materials;
 mod surface;
 
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, OnceLock, Weak};
 
 use gnurt_accel::{Hit, HitBatch, INVALID_ID, ObjectTree, Ray, SceneTree};
 use gnurt_scene::edit::Cursor;
@@ -95,6 +95,18 @@ pub struct World {
     shading: Arc<Shading>,
     face_normals: bool,
     follows: Option<Followed>,
+}
+
+/// Tells worlds apart; keeps none of them.
+pub(crate) struct WorldMark {
+    tree: Weak<SceneTree>,
+    shading: Weak<Shading>,
+}
+
+impl WorldMark {
+    pub(crate) fn is_of(&self, world: &World) -> bool {
+        self.tree.as_ptr() == Arc::as_ptr(&world.tree) && self.shading.as_ptr() == Arc::as_ptr(&world.shading)
+    }
 }
 
 /// How far a world has followed its scene.
@@ -210,6 +222,11 @@ impl World {
         let lights = &shading.lights[shading.plugin_lights.clone()];
         let environment = shading.environment.as_deref().filter(|_| shading.parts.environment.is_none());
         shading.shader_lamps.get_or_init(|| ShaderLamps::new(lights, environment, self.bounds()))
+    }
+
+    /// What tells it from any world that came of another commit.
+    pub(crate) fn mark(&self) -> WorldMark {
+        WorldMark { tree: Arc::downgrade(&self.tree), shading: Arc::downgrade(&self.shading) }
     }
 
     pub(crate) fn tree(&self) -> &SceneTree {

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Virtual lights that stay from picture to picture while only the camera moves: of several generations the oldest makes
+//! way for a fresh one in each picture, so that the picture neither flickers nor lives in the past.
+//! Source: after [WBS03b] and [LSK*07] (virtual lights that are valid over frames); generations original.
+//! Space: world. A generation alone is an unbiased estimate, whichever camera its lights were chosen for, with its own
+//! weights: so is the mean of all. Those that were chosen for a camera that looked elsewhere are let go: they are only noisy.
+//! Invariants: a function of the pictures before it; another world or other options begin anew. Where lights do not
+//! hang on the camera all stay as they are.
+//! Proof: crates/render/tests/kept_lights.rs.
+
+use std::collections::VecDeque;
+
+use glam::Vec3;
+use gnurt_accel::RayBatch;
+
+use super::lamps::LampChoice;
+use super::pass::{PassLights, bound_of};
+use super::vpl::Vpl;
+use super::{bidirectional, instant, metropolis};
+use crate::options::{Integrator, RenderOptions};
+use crate::stats::RenderStats;
+use crate::tile::Job;
+use crate::world::WorldMark;
+
+/// Generations that shine together.
+const GENERATIONS: u32 = 8;
+/// Cosine between directions of view that are one view still, at least.
+const SAME_VIEW: f32 = 0.8;
+/// Way of the eye, as share of the scene's extent, after which it is elsewhere.
+const SAME_PLACE: f32 = 0.1;
+
+/// Virtual lights of the pictures before, for the next one; see [`Accumulation::pass_in_motion`].
+///
+/// [`Accumulation::pass_in_motion`]: crate::Accumulation::pass_in_motion
+#[derive(Default)]
+pub struct KeptLights {
+    of: Option<(WorldMark, RenderOptions)>,
+    generations: VecDeque<Generation>,
+    /// Generations made so far.
+    made: u32,
+    /// Which lamps matter, once somebody has asked, and how many light paths bring the lights that are wanted.
+    lamps: Option<Option<LampChoice>>,
+    paths: Option<u32>,
+}
+
+struct Generation {
+    vpls: Vec<Vpl>,
+    /// What it was made for.
+    view: View,
+}
+
+/// Where the middle of the picture is seen from, and its direction.
+#[derive(Clone, Copy)]
+struct View {
+    eye: Vec3,
+    forward: Vec3,
+}
+
+impl View {
+    fn of(job: &Job) -> Self {
+        let mut rays = RayBatch::default();
+        let aspect = job.options.width as f32 / job.options.height as f32;
+        job.camera.rays(&[[0.5, 0.5]], aspect, &mut rays);
+        let eye = if rays.is_empty() { Vec3::ZERO } else { Vec3::from(rays.get(0).org) };
+        Self { eye, forward: job.forward }
+    }
+
+    fn is_near(&self, other: &Self, extent: f32) -> bool {
+        self.forward.dot(other.forward) >= SAME_VIEW && self.eye.distance(other.eye) <= SAME_PLACE * extent
+    }
+}
+
+impl KeptLights {
+    /// The lights of the next picture; `None` if the integrator needs none.
+    pub(crate) fn next(&mut self, job: &Job) -> Option<PassLights> {
+        let options = job.options;
+        if !options.integrator.has_virtual_lights() {
+            return None;
+        }
+        let same = self.of.as_ref().is_some_and(|(mark, of)| mark.is_of(job.world) && alike(of, options));
+        if !same {
+            *self = Self { of: Some((job.world.mark(), options.clone())), ..Self::default() };
+        }
+        let mut stats = RenderStats::default();
+        let view = View::of(job);
+        let extent = job.world.bounds().map_or(0.0, |(low, high)| Vec3::from(low).distance(Vec3::from(high)));
+        let is_of_paths = options.integrator == Integrator::InstantRadiosity;
+        // What lamps matter hangs on the view, too; it is looked at once in a round of generations.
+        if self.made.is_multiple_of(GENERATIONS)
+            || self.generations.iter().all(|g| !g.view.is_near(&view, extent))
+        {
+            (self.lamps, self.paths) = (None, None);
+        }
+        let hangs_on_view = !is_of_paths || LampChoice::is_due(job.world);
+        if hangs_on_view {
+            self.generations.retain(|generation| generation.view.is_near(&view, extent));
+            if self.generations.len() == GENERATIONS as usize {
+                self.generations.pop_front();
+            }
+        }
+        while self.generations.len() < GENERATIONS as usize {
+            let vpls =
+                if is_of_paths { self.of_paths(job, &mut stats) } else { self.chosen(job, &mut stats) };
+            self.generations.push_back(Generation { vpls, view });
+            self.made += 1;
+        }
+        let share = 1.0 / GENERATIONS as f32;
+        let all = self.generations.iter().flat_map(|generation| &generation.vpls);
+        Some(PassLights::of(job, all.map(|vpl| vpl.scaled(share)).collect(), stats))
+    }
+
+    /// A part of the light paths of a set: eight generations are a whole one.
+    fn of_paths(&mut self, job: &Job, stats: &mut RenderStats) -> Vec<Vpl> {
+        let lamps = self.lamps.get_or_insert_with(|| LampChoice::new(job, stats)).as_ref();
+        let wanted = job.options.vpls;
+        let all = *self.paths.get_or_insert_with(|| instant::paths_for(job, lamps, wanted, stats));
+        let paths = all.div_ceil(GENERATIONS);
+        let (set, part) = (self.made / GENERATIONS, self.made % GENERATIONS);
+        let found = instant::vertices(job, lamps, set, part * paths..(part + 1) * paths, stats);
+        found.iter().map(|v| v.vpl.scaled(1.0 / paths as f32)).collect()
+    }
+
+    /// Fewer lights chosen for the camera.
+    fn chosen(&self, job: &Job, stats: &mut RenderStats) -> Vec<Vpl> {
+        let few = RenderOptions { vpls: job.options.vpls.div_ceil(GENERATIONS), ..job.options.clone() };
+        let bound = bound_of(job.world, job.options);
+        let job = Job::new(job.world, job.camera, &few, job.progress);
+        match few.integrator {
+            Integrator::BidirectionalInstantRadiosity => {
+                bidirectional::virtual_lights(&job, self.made, bound, stats)
+            }
+            _ => metropolis::virtual_lights(&job, self.made, bound, stats),
+        }
+    }
+}
+
+/// Whether virtual lights for one are good for the other.
+fn alike(a: &RenderOptions, b: &RenderOptions) -> bool {
+    let what =
+        |o: &RenderOptions| (o.integrator, o.vpls, o.max_depth, o.clamp, o.seed, o.white, o.ray_epsilon);
+    what(a) == what(b)
+}

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Virtual lights that stay while the camera moves: the mean of pictures is that of fresh ones, few are traced for each
+//! picture, what is new in the world is seen at once, the same bits for any number of threads.
+//! Source: original.
+
+mod common;
+
+use common::*;
+use gnurt_render::{
+    Accumulation, CommitOptions, Integrator, KeptLights, PerspectiveCamera, RenderOptions, ShaderTable,
+    Silent, World, render,
+};
+use gnurt_scene::{Camera, Scene};
+
+const ALL: [Integrator; 3] = [
+    Integrator::InstantRadiosity,
+    Integrator::BidirectionalInstantRadiosity,
+    Integrator::MetropolisInstantRadiosity,
+];
+
+fn by(integrator: Integrator) -> RenderOptions {
+    let options = options(16, 16, 1);
+    RenderOptions { integrator, max_depth: 5, vpls: 128, pixel_centres: true, ..options }
+}
+
+fn cornell() -> Scene {
+    gnurt_scene::builtin::load("cornell").expect("it is built in")
+}
+
+/// The room's camera, a little to the side.
+fn beside(scene: &Scene, step: u32) -> PerspectiveCamera {
+    let camera = &scene.cameras()[0];
+    let side = 0.002 * f32::from(u8::from(step % 2 == 1)) * camera.eye.iter().map(|x| x.abs()).sum::<f32>();
+    let moved = Camera { eye: [camera.eye[0] + side, camera.eye[1], camera.eye[2]], ..camera.clone() };
+    PerspectiveCamera::new(&moved).expect("a view")
+}
+
+fn look(
+    kept: &mut KeptLights,
+    world: &World,
+    camera: &PerspectiveCamera,
+    options: &RenderOptions,
+    threads: usize,
+) -> Accumulation {
+    let mut seen = Accumulation::new(options.clone()).expect("sound options");
+    assert!(seen.pass_in_motion(kept, world, camera, &pool(threads), &Silent), "nobody stops it");
+    seen
+}
+
+#[test]
+fn pictures_in_motion_have_the_right_mean() {
+    // So many lamps that which of them matter is learned.
+    let mut scene = cornell();
+    let [low, high] = world_of(&scene, true).bounds().map(|(low, high)| [low, high]).expect("a room");
+    for i in 1..6 {
+        let position = [0, 1, 2].map(|k| low[k] + (high[k] - low[k]) * ((i * (k + 2)) as f32 * 0.37).fract());
+        let strength = 0.02 * (high[0] - low[0]).powi(2) * i as f32;
+        scene.add_light(gnurt_scene::Light::Point { position, intensity: [strength; 3] });
+    }
+    let world = world_of(&scene, true);
+    const FRAMES: u32 = 40;
+    for integrator in ALL {
+        let options = RenderOptions { spp: FRAMES, vpls: 512, ..by(integrator) };
+        let camera = beside(&scene, 0);
+        // Light samples and rays are the same: only virtual lights differ.
+        let still = render(&world, &camera, &options, &pool(2), &Silent).expect("sound options").picture;
+        let (mut kept, mut moving) =
+            (KeptLights::default(), Accumulation::new(options).expect("sound options"));
+        while !moving.is_complete() {
+            moving.pass_in_motion(&mut kept, &world, &camera, &pool(2), &Silent);
+        }
+        let [found, wanted] = [mean(&moving.picture()), mean(&still)];
+        for k in 0..3 {
+            eprintln!("{integrator}: {:+.4}", found[k] / wanted[k] - 1.0);
+            assert_close(found[k], wanted[k], 0.02, integrator.name());
+        }
+    }
+}
+
+#[test]
+fn later_pictures_trace_few_lights() {
+    let scene = cornell();
+    let world = world_of(&scene, true);
+    for integrator in ALL {
+        let options = RenderOptions { width: 2, height: 2, vpls: 4096, ..by(integrator) };
+        let mut kept = KeptLights::default();
+        let rays = [0, 1, 2]
+            .map(|step| look(&mut kept, &world, &beside(&scene, step), &options, 2).stats().secondary_rays);
+        assert!(rays[2] * 4 < rays[0], "{integrator}: {rays:?}");
+    }
+}
+
+/// Lights that do not hang on the camera stay: the same view is the same picture.
+#[test]
+fn nothing_flickers_where_lamps_are_few() {
+    let scene = cornell();
+    let world = world_of(&scene, true);
+    let options = by(Integrator::InstantRadiosity);
+    let mut kept = KeptLights::default();
+    let [a, _, b] =
+        [0, 1, 2].map(|step| look(&mut kept, &world, &beside(&scene, step), &options, 2).picture());
+    assert_eq!(a, b, "the same view, the same bits");
+}
+
+#[test]
+fn what_moves_is_followed() {
+    let mut scene = cornell();
+    let mut world = world_of(&scene, true);
+    for integrator in ALL {
+        let options = by(integrator);
+        let mut kept = KeptLights::default();
+        look(&mut kept, &world, &beside(&scene, 0), &options, 2);
+        let instance = scene.edit_instance(gnurt_scene::InstanceId(0));
+        instance.world_from_object.columns[3][1] += 0.01;
+        let commit = CommitOptions { force_diffuse: true, ..CommitOptions::default() };
+        world.commit(&scene, &ShaderTable::default(), &commit, &pool(2)).expect("the scene is sound");
+        let [found, wanted] = [&mut kept, &mut KeptLights::default()]
+            .map(|kept| look(kept, &world, &beside(&scene, 0), &options, 2).picture());
+        assert_eq!(found, wanted, "{integrator}: lights of the world as it is");
+    }
+}
+
+#[test]
+fn threads_do_not_show() {
+    let scene = cornell();
+    let world = world_of(&scene, true);
+    for integrator in ALL {
+        let [mut one, mut seven] = [(); 2].map(|()| KeptLights::default());
+        for step in 0..3 {
+            let camera = beside(&scene, step);
+            let [one, seven] = [(&mut one, 1), (&mut seven, 7)]
+                .map(|(kept, n)| look(kept, &world, &camera, &by(integrator), n).picture());
+            assert_eq!(one, seven, "{integrator}, picture {step}: bit for bit");
+        }
+    }
+}
