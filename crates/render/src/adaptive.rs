@@ -28,8 +28,8 @@ pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut 
     let mut tracer = BatchTracer::new(job.world, &options, false);
     let mut taken = FEWEST;
     let needed = loop {
-        for sample in tile.samples..taken {
-            pilot.render_sample(&mut tile, &mut tracer, sample);
+        while tile.samples < taken {
+            pilot.render_samples(&mut tile, &mut tracer, taken);
         }
         let needed = needed(&tile, noise).clamp(FEWEST.min(most), most);
         if taken.saturating_mul(8) >= needed {
@@ -71,7 +71,7 @@ mod tests {
             let radiance = Vec3s::splat(2, Vec3::splat(f32::from(u8::from(i % 2 == 0)) * 2.0));
             let mut hits = HitBatch::default();
             hits.reset(2);
-            tile.add_sample(&radiance, &hits);
+            tile.add_sample(&radiance, &hits, 0..2);
         }
         let at = needed(&tile, 0.1);
         assert!((100..=102).contains(&at), "1 / 0.1² = {at}");

@@ -4,6 +4,8 @@
 //! Albedo and normals are means over the samples; position, depths and ids are those of the first sample, because a
 //! mean of places or numbers is none. `variance` is that of the colour's mean. Space: world. Depth is the distance from the eye, Z the one along the view.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use gnurt_accel::INVALID_ID;
 use gnurt_image::{Layer, Picture};
@@ -51,14 +53,22 @@ impl TileAovs {
         Self { albedo: vec![[0.0; 3]; pixels], normal: vec![[0.0; 3]; pixels], first: vec![NOTHING; pixels] }
     }
 
-    /// Adds what a sample of each pixel hit. `forward` is the unit direction of view.
-    pub(crate) fn add(&mut self, tracer: &mut BatchTracer, camera: HitLanes, sample: u32, forward: Vec3) {
+    /// Adds what a sample of each pixel hit, that of `range`. `forward` is the unit direction of view.
+    pub(crate) fn add(
+        &mut self,
+        tracer: &mut BatchTracer,
+        camera: HitLanes,
+        range: Range<usize>,
+        sample: u32,
+        forward: Vec3,
+    ) {
         let world = tracer.world;
-        tracer.for_each_surface(camera, Wanted::Albedo, |_, shader, lanes, points| {
+        let first = range.start;
+        tracer.for_each_surface_in(range, camera, Wanted::Albedo, |_, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
             shader.albedo(points, &mut albedo);
             for (k, &lane) in lanes.iter().enumerate() {
-                let lane = lane as usize;
+                let lane = lane as usize - first;
                 let sums = [(&mut self.albedo, albedo.get(k)), (&mut self.normal, points.facing_ns(k))];
                 for (sums, value) in sums {
                     (0..3).for_each(|c| sums[lane][c] += f64::from(value[c]));

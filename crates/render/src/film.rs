@@ -4,6 +4,8 @@
 //! Invariant: all pixels of a tile have the same number of samples; sums do not depend on how samples were cut in passes.
 //! Proof: crates/render/tests/{determinism,accumulation}.rs.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use gnurt_accel::{HitBatch, INVALID_ID};
 use gnurt_shading::Vec3s;
@@ -82,15 +84,17 @@ impl TileFilm {
     }
 
     /// Columns and rows of its pixels, block by block, each row by row.
-    pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
+    pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + Clone + use<> {
         let rows = |[x0, y0, x1, y1]: [u32; 4]| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| [x, y]));
         blocks(self.rect).flat_map(rows)
     }
 
-    /// Adds one sample to each pixel; returns how many of them were no numbers, and count as black.
-    pub(crate) fn add_sample(&mut self, radiance: &Vec3s, hits: &HitBatch) -> u64 {
+    /// Adds one sample, that of `lanes`, to each pixel; returns how many of them were no numbers, and count as black.
+    pub(crate) fn add_sample(&mut self, radiance: &Vec3s, hits: &HitBatch, lanes: Range<usize>) -> u64 {
         let mut bad = 0;
-        let lanes = radiance.x.iter().zip(&radiance.y).zip(&radiance.z).zip(&hits.prim_id);
+        let Vec3s { x, y, z } = radiance;
+        let colors = x[lanes.clone()].iter().zip(&y[lanes.clone()]).zip(&z[lanes.clone()]);
+        let lanes = colors.zip(&hits.prim_id[lanes]);
         let samples = lanes.map(|(((&x, &y), &z), &prim_id)| {
             let good = Vec3::new(x, y, z).is_finite();
             bad += u64::from(!good);
@@ -157,7 +161,7 @@ impl TileFilm {
 }
 
 /// The parts of a tile whose pixels follow each other.
-pub(crate) fn blocks([x0, y0, x1, y1]: [u32; 4]) -> impl Iterator<Item = [u32; 4]> {
+pub(crate) fn blocks([x0, y0, x1, y1]: [u32; 4]) -> impl Iterator<Item = [u32; 4]> + Clone {
     let starts = |low: u32, high: u32| (low..high).step_by(BLOCK as usize);
     starts(y0, y1)
         .flat_map(move |y| starts(x0, x1).map(move |x| [x, y, (x + BLOCK).min(x1), (y + BLOCK).min(y1)]))

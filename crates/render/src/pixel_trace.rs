@@ -60,7 +60,7 @@ pub fn trace_pixel(
     tracer.pass = job.pass.as_ref();
     tracer.log = Some(Log::default());
     let mut batch = CameraBatch::default();
-    job.camera_rays(std::iter::once([x, y]), 0, &mut batch);
+    job.camera_rays(std::iter::once([x, y]), 0..1, &mut batch);
     let CameraBatch { rays, keys, .. } = batch;
     let hits = tracer.intersect(&rays, &keys, Coherence::Coherent);
     if let Some(log) = &mut tracer.log {

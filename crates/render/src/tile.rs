@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One tile, one sample of each of its pixels: camera rays, hits, radiance, film.
 //! Source: original; samples placed by the filter [EST06].
-//! A batch is always one sample of all pixels of a tile, whatever passes and threads do.
+//! A batch is one sample of all pixels of a tile, or several, where many rays together are worth more than few. What a ray
+//! brings does not depend on the others, and samples are added in order: pictures do not depend on batches.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Instant;
@@ -10,8 +12,9 @@ use std::time::Instant;
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Ray, RayBatch};
 use gnurt_image::Filter;
-use gnurt_shading::sampling::{purpose, sample_pair};
+use gnurt_shading::sampling::{purpose, sample_pairs};
 use gnurt_shading::{CameraShader, SampleKey, Vec3s};
+use gnurt_simd::dispatch;
 
 use crate::adaptive::samples_needed;
 use crate::cone::Cone;
@@ -20,7 +23,7 @@ use crate::film::TileFilm;
 use crate::integrators;
 use crate::many_lights::interleave::{Seen, Texel};
 use crate::many_lights::{self, LampChoice, PassLights};
-use crate::options::RenderOptions;
+use crate::options::{Integrator, RenderOptions};
 use crate::progress::Progress;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
@@ -49,7 +52,10 @@ pub(crate) struct Job<'a> {
     lamps: OnceLock<Option<LampChoice>>,
 }
 
-/// Camera rays of one sample, and memory for what becomes of them.
+/// Paths that go together, about: enough to fill lanes when most have ended, few enough for caches.
+const WAVEFRONT: usize = 4096;
+
+/// Camera rays of some samples, and memory for what becomes of them.
 #[derive(Default)]
 pub(crate) struct CameraBatch {
     pub(crate) rays: RayBatch,
@@ -124,11 +130,8 @@ impl<'a> Job<'a> {
         let last = last.min(tile.wanted(last));
         tracer.costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
         // Samples are taken in order, so that a tile that was cut short in an earlier pass goes on where it was.
-        for sample in tile.samples..last {
-            if self.should_stop() {
-                break;
-            }
-            self.render_sample(tile, tracer, sample);
+        while tile.samples < last && !self.should_stop() {
+            self.render_samples(tile, tracer, last);
         }
         if let Some(costs) = tracer.costs.take() {
             tile.costs.resize(costs.costs.len(), 0);
@@ -141,18 +144,28 @@ impl<'a> Job<'a> {
         stats
     }
 
-    pub(crate) fn render_sample(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, sample: u32) {
+    /// Takes the next samples of all pixels of a tile, as many as go together, up to `last`.
+    pub(crate) fn render_samples(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, last: u32) {
         let mut batch = std::mem::take(&mut tracer.camera);
-        self.camera_rays(tile.pixels(), sample, &mut batch);
+        let pixels = tile.first.len();
+        let at_once = match self.options.integrator {
+            Integrator::Path => (WAVEFRONT / pixels.max(1)).clamp(1, 16) as u32,
+            _ => 1,
+        };
+        let samples = tile.samples..last.min(tile.samples.saturating_add(at_once));
+        self.camera_rays(tile.pixels(), samples.clone(), &mut batch);
         let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
         tracer.intersect_into(rays, keys, Coherence::Coherent, hits);
         let epsilon = self.options.ray_epsilon;
         let camera = HitLanes { rays, keys, hits, depth: 0, epsilon };
         integrators::radiance(self.options.integrator, tracer, camera, radiance);
-        if let Some(aovs) = &mut tile.aovs {
-            aovs.add(tracer, camera, sample, self.forward);
+        for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
+            let lanes = first..first + pixels;
+            if let Some(aovs) = &mut tile.aovs {
+                aovs.add(tracer, camera, lanes.clone(), sample, self.forward);
+            }
+            tracer.stats.bad_samples += tile.add_sample(radiance, hits, lanes);
         }
-        tracer.stats.bad_samples += tile.add_sample(radiance, hits);
         tracer.stats.camera_rays += rays.len() as u64;
         tracer.stats.samples += rays.len() as u64;
         tracer.camera = batch;
@@ -161,7 +174,7 @@ impl<'a> Job<'a> {
     /// A sample of each pixel of a part of the film, light and surfaces apart; nothing is added to the film.
     pub(crate) fn sample_apart(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> Apart {
         let mut batch = CameraBatch::default();
-        self.camera_rays(tile.pixels(), sample, &mut batch);
+        self.camera_rays(tile.pixels(), sample..sample + 1, &mut batch);
         tracer.costs = self.options.heatmap.then(|| TileCosts::new(tile.rect, self.options.width));
         let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
         tracer.intersect_into(rays, keys, Coherence::Coherent, hits);
@@ -195,11 +208,11 @@ impl<'a> Job<'a> {
         let CameraBatch { rays, keys, hits, .. } = &apart.batch;
         let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.options.ray_epsilon };
         if let Some(aovs) = &mut tile.aovs {
-            aovs.add(tracer, camera, sample, self.forward);
+            aovs.add(tracer, camera, 0..keys.len(), sample, self.forward);
         }
         tile.costs.resize(apart.costs.len(), 0);
         tile.costs.iter_mut().zip(&apart.costs).for_each(|(sum, cost)| *sum += cost);
-        let bad_samples = tile.add_sample(&radiance, hits);
+        let bad_samples = tile.add_sample(&radiance, hits, 0..keys.len());
         let mut stats = tracer.take_stats();
         stats.add(&apart.stats);
         stats.bad_samples += bad_samples;
@@ -208,11 +221,11 @@ impl<'a> Job<'a> {
         stats
     }
 
-    /// One ray through each pixel, at its centre or placed by the filter.
+    /// One ray through each pixel for each sample, at its centre or placed by the filter; sample by sample.
     pub(crate) fn camera_rays(
         &self,
-        pixels: impl Iterator<Item = [u32; 2]>,
-        sample: u32,
+        pixels: impl Iterator<Item = [u32; 2]> + Clone,
+        samples: Range<u32>,
         batch: &mut CameraBatch,
     ) {
         let (width, height) = (self.options.width, self.options.height);
@@ -220,24 +233,32 @@ impl<'a> Job<'a> {
         rays.clear();
         keys.clear();
         places.clear();
-        // Centres of neighbours share columns and rows.
-        let (mut columns, mut row) = ([(u32::MAX, 0.0); 16], (u32::MAX, 0.0));
-        for [x, y] in pixels {
-            let key = SampleKey { pixel: y * width + x, sample, branch: 0 };
-            let [dx, dy] = if self.options.pixel_centres {
-                [0.0; 2]
-            } else {
-                self.filter.sample(sample_pair(self.options.seed, key, 0, purpose::PIXEL))
-            };
-            let column = &mut columns[x as usize % 16];
-            if column.0 != x || !self.options.pixel_centres {
-                *column = (x, ((f64::from(x) + 0.5 + f64::from(dx)) / f64::from(width)) as f32);
+        let samples = samples.flat_map(|sample| pixels.clone().map(move |pixel| (sample, pixel)));
+        let key = |sample, [x, y]: [u32; 2]| SampleKey { pixel: y * width + x, sample, branch: 0 };
+        if self.options.pixel_centres {
+            // Centres of neighbours share columns and rows.
+            let (mut columns, mut row) = ([(u32::MAX, 0.0); 16], (u32::MAX, 0.0));
+            for (sample, [x, y]) in samples {
+                let column = &mut columns[x as usize % 16];
+                if column.0 != x {
+                    *column = (x, ((f64::from(x) + 0.5) / f64::from(width)) as f32);
+                }
+                if row.0 != y {
+                    row = (y, (1.0 - (f64::from(y) + 0.5) / f64::from(height)) as f32);
+                }
+                places.push([column.1, row.1]);
+                keys.push(key(sample, [x, y]));
             }
-            if row.0 != y || !self.options.pixel_centres {
-                row = (y, (1.0 - (f64::from(y) + 0.5 + f64::from(dy)) / f64::from(height)) as f32);
+        } else {
+            keys.extend(samples.clone().map(|(sample, pixel)| key(sample, pixel)));
+            let (seed, level) = (self.options.seed, self.options.level);
+            dispatch!(level, simd => sample_pairs(simd, seed, keys, 0, purpose::PIXEL, places));
+            for (place, (_, [x, y])) in places.iter_mut().zip(samples) {
+                let [dx, dy] = self.filter.sample(*place).map(f64::from);
+                let across = (f64::from(x) + 0.5 + dx) / f64::from(width);
+                let up = 1.0 - (f64::from(y) + 0.5 + dy) / f64::from(height);
+                *place = [across as f32, up as f32];
             }
-            places.push([column.1, row.1]);
-            keys.push(key);
         }
         self.camera.rays(places, width as f32 / height as f32, rays);
         // A camera that gives too few rays leaves the rest dark: a ray without direction hits nothing.

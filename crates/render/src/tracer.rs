@@ -5,6 +5,8 @@
 //! Invariant: what a lane gets depends on its ray and key only, not on the lanes beside it.
 //! Proof: crates/render/tests/{lights,mirrors,appearance,determinism}.rs.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Query, RayBatch, Record};
 use gnurt_shading::bsdf::Scattering;
@@ -140,9 +142,20 @@ impl<'w> BatchTracer<'w> {
         wanted: Wanted,
         with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
     ) {
+        self.for_each_surface_in(0..from.rays.len(), from, wanted, with);
+    }
+
+    /// The same for the lanes in `range`.
+    pub(crate) fn for_each_surface_in(
+        &mut self,
+        range: Range<usize>,
+        from: HitLanes,
+        wanted: Wanted,
+        with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
+    ) {
         let mut group = self.spare.pop().unwrap_or_default();
         let mut order = std::mem::take(&mut group.order);
-        self.world.sort_by_material(from.hits, &mut order);
+        self.world.sort_by_material(from.hits, range, &mut order);
         self.spare.push(group);
         self.for_each_surface_of(&order, from, wanted, with);
         if let Some(group) = self.spare.last_mut() {

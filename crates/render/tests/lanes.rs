@@ -10,7 +10,8 @@ use common::*;
 use glam::Vec3;
 use gnurt_image::{Picture, TexelData, Texels};
 use gnurt_render::{
-    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+    Accumulation, CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World,
+    render,
 };
 use gnurt_scene::material::{Color, TextureRef};
 use gnurt_scene::texture::{Filter, Wrap};
@@ -166,5 +167,21 @@ fn levels_and_threads_do_not_matter() {
     assert!(one == of(&options, 7), "seven threads give other bits");
     for level in Level::available() {
         assert!(one == of(&RenderOptions { level, ..options.clone() }, 2), "{level} gives other bits");
+    }
+}
+
+#[test]
+fn batches_do_not_matter() {
+    let options = RenderOptions { aovs: true, ..by_paths(6, 21) };
+    let (world, camera) = room(Lit::All, false);
+    let at_once = render(&world, &camera, &options, &pool(2), &Silent).expect("sound options").picture;
+    for samples in [1, 5] {
+        let mut seen = Accumulation::new(options.clone()).expect("sound options");
+        while !seen.is_complete() {
+            seen.pass(&world, &camera, samples, &pool(2), &Silent);
+        }
+        let other = seen.picture();
+        assert!(at_once.color == other.color, "passes of {samples} give other bits");
+        assert!(at_once.layers == other.layers, "passes of {samples} give other layers");
     }
 }

@@ -10,9 +10,9 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use gnurt_accel::INVALID_ID;
 use gnurt_shading::Vec3s;
-use gnurt_shading::lanes::{LANES, LanesOf, Mask, Vec3x16, Words, floats, select3};
+use gnurt_shading::lanes::{LANES, LanesOf, Mask, Vec3x16, floats, select3};
 use gnurt_shading::point_lanes::{RayX16, above_x16, shadow_ray_x16};
-use gnurt_shading::sampling::{DrawsX16, cosine_hemisphere_x16, purpose, to_world_x16};
+use gnurt_shading::sampling::{DrawsX16, cosine_hemisphere_x16, key_words, purpose, to_world_x16};
 use gnurt_simd::{Simd, prelude::*, u32x16};
 
 use super::mis::weigh;
@@ -135,7 +135,7 @@ fn sixteen<S: Simd>(
     let albedo = Vec3x16::load(simd, [r, g, b], 0);
     let Vec3s { x, y, z } = &paths.throughput;
     let throughput = load_vectors(simd, [x, y, z], first);
-    let draws = DrawsX16::new(simd, options.seed, keys(simd, from.keys, first), edges);
+    let draws = DrawsX16::new(simd, options.seed, key_words(simd, &from.keys[first..]), edges);
     let origin = above_x16(point.p, point.normal, point.error);
 
     if !lights.is_empty() {
@@ -197,15 +197,4 @@ fn found_light(
     let dir = Vec3::from(around.from.rays.get(lane).dir);
     let weight = weigh(around.world.light_set(), &path, ids, p, dir);
     add(radiance, path.lane, path.throughput * (found * weight), path.edges, around.options.clamp);
-}
-
-/// Pixels, samples and branches of sixteen keys from `first` on.
-#[inline(always)]
-fn keys<S: Simd>(simd: S, keys: &[gnurt_shading::SampleKey], first: usize) -> [Words<S>; 3] {
-    let mut words = [[0; LANES]; 3];
-    for (i, key) in keys[first..].iter().take(LANES).enumerate() {
-        (words[0][i], words[1][i], words[2][i]) = (key.pixel, key.sample, key.branch);
-    }
-    let [pixels, samples, branches] = &words;
-    [u32x16::from_slice(simd, pixels), u32x16::from_slice(simd, samples), u32x16::from_slice(simd, branches)]
 }

@@ -242,13 +242,14 @@ impl World {
         self.instance(inst_id).object.meshes[geom_id as usize].material.0
     }
 
-    /// Writes the lanes that hit something in order of their materials: material in the upper half of each word, lane in
+    /// Writes the lanes in `range` that hit something in order of their materials: material in the upper half of each word, lane in
     /// the lower one.
-    pub(crate) fn sort_by_material(&self, hits: &HitBatch, order: &mut Vec<u64>) {
+    pub(crate) fn sort_by_material(&self, hits: &HitBatch, range: Range<usize>, order: &mut Vec<u64>) {
         order.clear();
         let (mut last, mut material) = ([INVALID_ID; 2], 0);
         let mut in_order = true;
-        for (lane, (&inst_id, &geom_id)) in hits.inst_id.iter().zip(&hits.geom_id).enumerate() {
+        let lanes = hits.inst_id[range.clone()].iter().zip(&hits.geom_id[range.clone()]);
+        for (lane, (&inst_id, &geom_id)) in range.zip(lanes) {
             if hits.prim_id[lane] == INVALID_ID {
                 continue;
             }

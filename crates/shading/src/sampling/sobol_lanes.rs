@@ -7,7 +7,8 @@
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
 use super::sobol::mix;
-use crate::lanes::{Floats, Words};
+use crate::batch::SampleKey;
+use crate::lanes::{Floats, LANES, Words};
 
 /// All pairs of sixteen samples.
 #[derive(Clone, Copy, Debug)]
@@ -61,6 +62,37 @@ impl<S: Simd> DrawsX16<S> {
         let set = combine_known(self.set, purpose);
         (set, reverse(owen(self.sample + set)))
     }
+}
+
+/// [`sample_pair`](super::sample_pair) of many keys; `out` gets as many pairs.
+#[inline(always)]
+pub fn sample_pairs<S: Simd>(
+    simd: S,
+    seed: u64,
+    keys: &[SampleKey],
+    depth: u32,
+    purpose: u32,
+    out: &mut Vec<[f32; 2]>,
+) {
+    out.clear();
+    for some in keys.chunks(LANES) {
+        let draws = DrawsX16::new(simd, seed, key_words(simd, some), u32x16::splat(simd, depth));
+        let [x, y] = draws.pair(purpose);
+        for i in 0..some.len().min(LANES) {
+            out.push([x[i], y[i]]);
+        }
+    }
+}
+
+/// Pixels, samples and branches of the first sixteen keys; zeros where there are fewer.
+#[inline(always)]
+pub fn key_words<S: Simd>(simd: S, keys: &[SampleKey]) -> [Words<S>; 3] {
+    let mut words = [[0; LANES]; 3];
+    for (i, key) in keys.iter().take(LANES).enumerate() {
+        (words[0][i], words[1][i], words[2][i]) = (key.pixel, key.sample, key.branch);
+    }
+    let [pixels, samples, branches] = &words;
+    [u32x16::from_slice(simd, pixels), u32x16::from_slice(simd, samples), u32x16::from_slice(simd, branches)]
 }
 
 /// `hash_combine` of `a` and a word that is mixed already.
@@ -125,17 +157,13 @@ fn reverse<S: Simd>(mut x: Words<S>) -> Words<S> {
 mod tests {
     use super::super::{Draws, purpose};
     use super::*;
-    use crate::batch::SampleKey;
-    use crate::lanes::LANES;
     use gnurt_simd::{Level, dispatch};
 
     type Pairs = [[f32; 2]; 3];
 
     #[inline(always)]
     fn in_lanes<S: Simd>(simd: S, seed: u64, keys: &[SampleKey; LANES], depth: u32) -> [Pairs; LANES] {
-        let words = |word: fn(&SampleKey) -> u32| u32x16::from_fn(simd, |i| word(&keys[i]));
-        let key = [words(|key| key.pixel), words(|key| key.sample), words(|key| key.branch)];
-        let draws = DrawsX16::new(simd, seed, key, u32x16::splat(simd, depth));
+        let draws = DrawsX16::new(simd, seed, key_words(simd, keys), u32x16::splat(simd, depth));
         let (light, direction) = (draws.pair(purpose::LIGHT_PLACE), draws.pair(purpose::DIRECTION));
         let alone = [draws.first(purpose::CHOICE), draws.second(purpose::CHOICE)];
         std::array::from_fn(|i| [light, direction, alone].map(|pair| pair.map(|numbers| numbers[i])))
@@ -160,6 +188,12 @@ mod tests {
                     [purpose::LIGHT_PLACE, purpose::DIRECTION, purpose::CHOICE].map(|p| draws.pair(p));
                 assert_eq!(found, wanted, "{key:?}");
             }
+            let some = &keys[..1 + round as usize % LANES];
+            let mut pairs = vec![[7.0; 2]];
+            dispatch!(Level::default(), simd => sample_pairs(simd, seed, some, depth, purpose::PIXEL, &mut pairs));
+            let wanted: Vec<_> =
+                some.iter().map(|&key| super::super::sample_pair(seed, key, depth, purpose::PIXEL)).collect();
+            assert_eq!(pairs, wanted, "{} at once", some.len());
         }
     }
 }
