@@ -9,6 +9,7 @@
 //! | vplCount | 0 | virtual lights of a pass; 0 = the renderer's own number |
 //! | clamp | 0 | largest geometry term, one over area, that virtual lights bring light over; 0 = the renderer's own |
 //! | seed | 0 | of the random numbers |
+//! | interleave | 0 | width of the pattern of pixels that share virtual lights out; 0 = each has all |
 //! | white | 1 | what a white diffuse surface of a shader that loops over lights shows where light 1 arrives |
 //!
 //! A class is there as soon as the renderer has its integrator. Proof: tests/c/rendering_objects.c.
@@ -72,6 +73,7 @@ impl RenderingClass {
             parameter("clamp", DataType::F32, 0.0),
             parameter("seed", DataType::I32, 0.0),
             parameter("white", DataType::F32, 1.0),
+            parameter("interleave", DataType::I32, 0.0),
         ]
     }
 
@@ -91,6 +93,7 @@ impl RenderingClass {
             let white = white.first().copied().filter(|&white| white > 0.0 && white.is_finite());
             options.white = white.unwrap_or(options.white);
         }
+        options.interleave = u32::try_from(integer(values, 6)).unwrap_or(0).max(1);
         options.seed = u64::from(integer(values, 4).cast_unsigned());
     }
 
@@ -120,13 +123,21 @@ mod tests {
         let mut options = RenderOptions { max_depth: 7, ..Default::default() };
         let values = |spp, depth| {
             let [a, b, c, d] = [spp, depth, 0, 3].map(ParameterValue::Integer);
-            [a, b, c, ParameterValue::Floats(vec![0.0]), d, ParameterValue::Floats(vec![0.5])]
+            [
+                a,
+                b,
+                c,
+                ParameterValue::Floats(vec![0.0]),
+                d,
+                ParameterValue::Floats(vec![0.5]),
+                ParameterValue::Integer(3),
+            ]
         };
         class.apply(&values(4, -1), &mut options);
         assert_eq!(options.integrator.name(), "eyelight", "its integrator");
         assert_eq!((options.max_depth, options.seed), (7, 3), "its values");
         assert_eq!((options.vpls, options.clamp), (1024, None), "the renderer's own");
-        assert_eq!(options.white, 0.5, "its light model");
+        assert_eq!((options.white, options.interleave), (0.5, 3), "its light model and pattern");
         let mut many = values(4, -1);
         (many[2], many[3]) = (ParameterValue::Integer(9), ParameterValue::Floats(vec![0.5]));
         class.apply(&many, &mut options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture in the making, as somebody looks at it: samples, then colours of what is shown.
-//! Source: original. Memory is used again from picture to picture.
+//! Source: original. Memory is used again from picture to picture. Proof: `tests`.
 
 use gnurt::ThreadPool;
 use gnurt::render::{Accumulation, KeptLights, PerspectiveCamera, Progress, RenderOptions, World};
@@ -22,8 +22,13 @@ pub(crate) struct Sight {
     pub(crate) fleeting: bool,
 }
 
+/// Virtual lights that a pixel gathers while the camera moves, at most, as far as patterns are wide enough.
+const MOST_LIGHTS: u32 = 64;
+
 /// Width of the pattern of interleaved pixels while the camera moves.
-const FLEETING: u32 = 3;
+fn pattern_in_motion(vpls: u32) -> u32 {
+    [3, 5, 7].into_iter().find(|n| vpls <= MOST_LIGHTS * n * n).unwrap_or(7)
+}
 
 /// A picture in the making.
 pub(crate) struct Eye {
@@ -60,10 +65,9 @@ impl Eye {
             pixel_centres: sight.fleeting || self.options.pixel_centres,
             spp: if sight.fleeting { 1 } else { self.options.spp },
             // For integrators with virtual lights.
-            interleave: if sight.fleeting {
-                self.options.interleave.max(FLEETING)
-            } else {
-                self.options.interleave
+            interleave: match self.options.interleave {
+                given if sight.fleeting => given.max(pattern_in_motion(self.options.vpls)),
+                given => given,
             },
             crop: None,
             heatmap: false,
@@ -138,5 +142,16 @@ impl Eye {
             accumulation.color_bands(&mut self.colors).into_iter().map(Part::Film).collect()
         };
         screen::develop(exposure, parts, [width, height], size, screen, Some(pool));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn patterns_follow_the_number_of_lights() {
+        let found = [1, 576, 577, 1024, 1 << 20].map(pattern_in_motion);
+        assert_eq!(found, [3, 3, 5, 5, 7], "64 lights for each pixel at most, if that can be");
     }
 }
