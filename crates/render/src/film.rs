@@ -84,7 +84,7 @@ impl TileFilm {
     }
 
     /// Columns and rows of its pixels, block by block, each row by row.
-    pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + Clone + use<> {
+    pub(crate) fn pixels(&self) -> impl Iterator<Item = [u32; 2]> + use<> {
         let rows = |[x0, y0, x1, y1]: [u32; 4]| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| [x, y]));
         blocks(self.rect).flat_map(rows)
     }
@@ -161,7 +161,7 @@ impl TileFilm {
 }
 
 /// The parts of a tile whose pixels follow each other.
-pub(crate) fn blocks([x0, y0, x1, y1]: [u32; 4]) -> impl Iterator<Item = [u32; 4]> + Clone {
+pub(crate) fn blocks([x0, y0, x1, y1]: [u32; 4]) -> impl Iterator<Item = [u32; 4]> {
     let starts = |low: u32, high: u32| (low..high).step_by(BLOCK as usize);
     starts(y0, y1)
         .flat_map(move |y| starts(x0, x1).map(move |x| [x, y, (x + BLOCK).min(x1), (y + BLOCK).min(y1)]))

@@ -58,6 +58,8 @@ const WAVEFRONT: usize = 4096;
 /// Camera rays of some samples, and memory for what becomes of them.
 #[derive(Default)]
 pub(crate) struct CameraBatch {
+    /// Those that the rays of each sample go through.
+    pixels: Vec<[u32; 2]>,
     pub(crate) rays: RayBatch,
     pub(crate) keys: Vec<SampleKey>,
     /// Where they go through the picture.
@@ -224,21 +226,24 @@ impl<'a> Job<'a> {
     /// One ray through each pixel for each sample, at its centre or placed by the filter; sample by sample.
     pub(crate) fn camera_rays(
         &self,
-        pixels: impl Iterator<Item = [u32; 2]> + Clone,
+        pixels: impl Iterator<Item = [u32; 2]>,
         samples: Range<u32>,
         batch: &mut CameraBatch,
     ) {
         let (width, height) = (self.options.width, self.options.height);
-        let CameraBatch { rays, keys, places, .. } = batch;
+        let CameraBatch { pixels: all, rays, keys, places, .. } = batch;
         rays.clear();
         keys.clear();
         places.clear();
-        let samples = samples.flat_map(|sample| pixels.clone().map(move |pixel| (sample, pixel)));
-        let key = |sample, [x, y]: [u32; 2]| SampleKey { pixel: y * width + x, sample, branch: 0 };
+        all.clear();
+        all.extend(pixels);
+        for sample in samples {
+            keys.extend(all.iter().map(|[x, y]| SampleKey { pixel: y * width + x, sample, branch: 0 }));
+        }
         if self.options.pixel_centres {
             // Centres of neighbours share columns and rows.
             let (mut columns, mut row) = ([(u32::MAX, 0.0); 16], (u32::MAX, 0.0));
-            for (sample, [x, y]) in samples {
+            for &[x, y] in all.iter().cycle().take(keys.len()) {
                 let column = &mut columns[x as usize % 16];
                 if column.0 != x {
                     *column = (x, ((f64::from(x) + 0.5) / f64::from(width)) as f32);
@@ -247,13 +252,11 @@ impl<'a> Job<'a> {
                     row = (y, (1.0 - (f64::from(y) + 0.5) / f64::from(height)) as f32);
                 }
                 places.push([column.1, row.1]);
-                keys.push(key(sample, [x, y]));
             }
         } else {
-            keys.extend(samples.clone().map(|(sample, pixel)| key(sample, pixel)));
             let (seed, level) = (self.options.seed, self.options.level);
             dispatch!(level, simd => sample_pairs(simd, seed, keys, 0, purpose::PIXEL, places));
-            for (place, (_, [x, y])) in places.iter_mut().zip(samples) {
+            for (place, &[x, y]) in places.iter_mut().zip(all.iter().cycle()) {
                 let [dx, dy] = self.filter.sample(*place).map(f64::from);
                 let across = (f64::from(x) + 0.5 + dx) / f64::from(width);
                 let up = 1.0 - (f64::from(y) + 0.5 + dy) / f64::from(height);

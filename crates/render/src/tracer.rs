@@ -52,6 +52,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) wavefront: Wavefront,
     /// And of what vertices do to light.
     pub(crate) scattering: Vec<Scattering>,
+    /// How shadow rays lie beside each other.
+    pub(crate) shadows: Coherence,
     /// And of what shadow rays hit.
     blocked: Vec<bool>,
 }
@@ -97,6 +99,7 @@ impl<'w> BatchTracer<'w> {
             camera: CameraBatch::default(),
             wavefront: Wavefront::default(),
             scattering: Vec::new(),
+            shadows: Coherence::Coherent,
             blocked: Vec::new(),
         }
     }
@@ -228,12 +231,7 @@ impl<'w> BatchTracer<'w> {
 
     /// Whether rays with these keys, neighbours of each other, hit anything.
     pub(crate) fn occluded_batch(&mut self, rays: &RayBatch, keys: &[SampleKey], blocked: &mut Vec<bool>) {
-        // Those of paths start wherever paths were scattered to.
-        let coherence = match self.options.integrator {
-            Integrator::Path => Coherence::Incoherent,
-            _ => Coherence::Coherent,
-        };
-        let query = Query { level: self.options.level, coherence, ..Query::default() };
+        let query = Query { level: self.options.level, coherence: self.shadows, ..Query::default() };
         self.world.tree().occluded_batch(&query, rays, blocked, &mut self.record);
         self.note_costs(keys);
     }

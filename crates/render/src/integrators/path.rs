@@ -57,6 +57,8 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
 /// Takes the light at the ends of the paths' rays, then scatters them.
 fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let (world, options) = (tracer.world, tracer.options);
+    // Those of what the camera sees start side by side and aim at few lamps; later ones start wherever paths went.
+    tracer.shadows = if from.depth == 0 { Coherence::Fanned } else { Coherence::Incoherent };
     if tracer.log.is_some() {
         tracer.for_each_surface(from, Wanted::Light, |tracer, _, _, points| {
             if let Some(log) = &mut tracer.log {
