@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Virtual lights that stay from picture to picture while only the camera moves: of several generations the oldest makes
-//! way for a fresh one in each picture, so that the picture neither flickers nor lives in the past.
-//! Source: after [WBS03b] and [LSK*07] (virtual lights that are valid over frames); generations original.
-//! Space: world. A generation alone is an unbiased estimate, whichever camera its lights were chosen for, with its own
-//! weights: so is the mean of all. Those that were chosen for a camera that looked elsewhere are let go: they are only noisy.
+//! Virtual lights that stay from picture to picture while only the camera moves: of several parts the oldest is made anew
+//! for each picture, from the same random numbers, so that the picture neither flickers nor lives in the past.
+//! Source: after [WBS03b] and [LSK*07] (virtual lights that are valid over frames); parts original.
+//! Space: world. A part alone is an unbiased estimate, whichever camera its lights were chosen for, with its own weights:
+//! so is the mean of all. Those that were chosen for a camera that looked elsewhere are let go: they are only noisy.
 //! Invariants: a function of the pictures before it; another world or other options begin anew. Where lights do not
-//! hang on the camera all stay as they are.
+//! hang on the camera all stay as they are; and for a camera that rests nothing changes once all parts were made for it.
 //! Proof: crates/render/tests/kept_lights.rs.
 
 use std::collections::VecDeque;
@@ -22,8 +22,8 @@ use crate::stats::RenderStats;
 use crate::tile::Job;
 use crate::world::WorldMark;
 
-/// Generations that shine together.
-const GENERATIONS: u32 = 8;
+/// Parts that shine together.
+const PARTS: u32 = 8;
 /// Cosine between directions of view that are one view still, at least.
 const SAME_VIEW: f32 = 0.8;
 /// Way of the eye, as share of the scene's extent, after which it is elsewhere.
@@ -35,16 +35,18 @@ const SAME_PLACE: f32 = 0.1;
 #[derive(Default)]
 pub struct KeptLights {
     of: Option<(WorldMark, RenderOptions)>,
-    generations: VecDeque<Generation>,
-    /// Generations made so far.
+    /// The oldest one first; each has the random numbers of its number.
+    parts: VecDeque<Part>,
+    /// Parts made so far.
     made: u32,
     /// Which lamps matter, once somebody has asked, and how many light paths bring the lights that are wanted.
     lamps: Option<Option<LampChoice>>,
     paths: Option<u32>,
 }
 
-struct Generation {
+struct Part {
     vpls: Vec<Vpl>,
+    number: u32,
     /// What it was made for.
     view: View,
 }
@@ -85,52 +87,62 @@ impl KeptLights {
         let view = View::of(job);
         let extent = job.world.bounds().map_or(0.0, |(low, high)| Vec3::from(low).distance(Vec3::from(high)));
         let is_of_paths = options.integrator == Integrator::InstantRadiosity;
-        // What lamps matter hangs on the view, too; it is looked at once in a round of generations.
-        if self.made.is_multiple_of(GENERATIONS)
-            || self.generations.iter().all(|g| !g.view.is_near(&view, extent))
+        // What lamps matter hangs on the view, too; it is looked at once in a round of parts.
+        if self.made.is_multiple_of(PARTS) || self.parts.iter().all(|part| !part.view.is_near(&view, extent))
         {
-            (self.lamps, self.paths) = (None, None);
+            self.lamps = None;
         }
         let hangs_on_view = !is_of_paths || LampChoice::is_due(job.world);
         if hangs_on_view {
-            self.generations.retain(|generation| generation.view.is_near(&view, extent));
-            if self.generations.len() == GENERATIONS as usize {
-                self.generations.pop_front();
+            self.parts.retain(|part| part.view.is_near(&view, extent));
+            if self.parts.len() == PARTS as usize {
+                self.parts.pop_front();
             }
         }
-        while self.generations.len() < GENERATIONS as usize {
-            let vpls =
-                if is_of_paths { self.of_paths(job, &mut stats) } else { self.chosen(job, &mut stats) };
-            self.generations.push_back(Generation { vpls, view });
+        for number in self.missing() {
+            let vpls = if is_of_paths {
+                self.of_paths(job, number, &mut stats)
+            } else {
+                chosen(job, number, &mut stats)
+            };
+            self.parts.push_back(Part { vpls, number, view });
             self.made += 1;
         }
-        let share = 1.0 / GENERATIONS as f32;
-        let all = self.generations.iter().flat_map(|generation| &generation.vpls);
+        let share = 1.0 / PARTS as f32;
+        // In the order of their numbers, so that the same lights are the same picture.
+        let mut parts: Vec<&Part> = self.parts.iter().collect();
+        parts.sort_by_key(|part| part.number);
+        let all = parts.into_iter().flat_map(|part| &part.vpls);
         Some(PassLights::of(job, all.map(|vpl| vpl.scaled(share)).collect(), stats))
     }
 
-    /// A part of the light paths of a set: eight generations are a whole one.
-    fn of_paths(&mut self, job: &Job, stats: &mut RenderStats) -> Vec<Vpl> {
+    /// Numbers of the parts that are not there.
+    fn missing(&self) -> Vec<u32> {
+        let is_there = |number: u32| self.parts.iter().any(|part| part.number == number);
+        (0..PARTS).filter(|&number| !is_there(number)).collect()
+    }
+
+    /// A part of the light paths of a set: all parts are a whole one.
+    fn of_paths(&mut self, job: &Job, number: u32, stats: &mut RenderStats) -> Vec<Vpl> {
         let lamps = self.lamps.get_or_insert_with(|| LampChoice::new(job, stats)).as_ref();
         let wanted = job.options.vpls;
         let all = *self.paths.get_or_insert_with(|| instant::paths_for(job, lamps, wanted, stats));
-        let paths = all.div_ceil(GENERATIONS);
-        let (set, part) = (self.made / GENERATIONS, self.made % GENERATIONS);
-        let found = instant::vertices(job, lamps, set, part * paths..(part + 1) * paths, stats);
+        let paths = all.div_ceil(PARTS);
+        let found = instant::vertices(job, lamps, 0, number * paths..(number + 1) * paths, stats);
         found.iter().map(|v| v.vpl.scaled(1.0 / paths as f32)).collect()
     }
+}
 
-    /// Fewer lights chosen for the camera.
-    fn chosen(&self, job: &Job, stats: &mut RenderStats) -> Vec<Vpl> {
-        let few = RenderOptions { vpls: job.options.vpls.div_ceil(GENERATIONS), ..job.options.clone() };
-        let bound = bound_of(job.world, job.options);
-        let job = Job::new(job.world, job.camera, &few, job.progress);
-        match few.integrator {
-            Integrator::BidirectionalInstantRadiosity => {
-                bidirectional::virtual_lights(&job, self.made, bound, stats)
-            }
-            _ => metropolis::virtual_lights(&job, self.made, bound, stats),
+/// Fewer lights, chosen for the camera.
+fn chosen(job: &Job, number: u32, stats: &mut RenderStats) -> Vec<Vpl> {
+    let few = RenderOptions { vpls: job.options.vpls.div_ceil(PARTS), ..job.options.clone() };
+    let bound = bound_of(job.world, job.options);
+    let job = Job::new(job.world, job.camera, &few, job.progress);
+    match few.integrator {
+        Integrator::BidirectionalInstantRadiosity => {
+            bidirectional::virtual_lights(&job, number, bound, stats)
         }
+        _ => metropolis::virtual_lights(&job, number, bound, stats),
     }
 }
 
