@@ -39,6 +39,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) pass: Option<&'w PassLights>,
     /// Whether surfaces whose shaders only know `shade` are asked what they do to light, in place of what they show.
     pub(crate) probes: bool,
+    /// Whether pixels share virtual lights out, each by its place in a pattern; the place is in the keys.
+    pub(crate) is_interleaved: bool,
     /// What pixels stand for.
     pub(crate) cone: Cone,
     /// How wide the rays that are shaded next began; empty if nobody knows.
@@ -92,6 +94,7 @@ impl<'w> BatchTracer<'w> {
             log: None,
             pass: None,
             probes: options.integrator.has_virtual_lights(),
+            is_interleaved: false,
             cone: Cone::default(),
             widths: Vec::new(),
             record,

@@ -58,7 +58,7 @@ fn pictures_in_motion_have_the_right_mean() {
         scene.add_light(gnurt_scene::Light::Point { position, intensity: [strength; 3] });
     }
     let world = world_of(&scene, true);
-    const SEEDS: u64 = 24;
+    const SEEDS: u64 = 12;
     for integrator in ALL {
         let (mut found, mut wanted) = ([0.0; 3], [0.0; 3]);
         for seed in 0..SEEDS {
@@ -81,7 +81,7 @@ fn pictures_in_motion_have_the_right_mean() {
         }
         for k in 0..3 {
             eprintln!("{integrator}: {:+.4}", found[k] / wanted[k] - 1.0);
-            assert_close(found[k], wanted[k], 0.02, integrator.name());
+            assert_close(found[k], wanted[k], 0.03, integrator.name());
         }
     }
 }

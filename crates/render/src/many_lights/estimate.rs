@@ -35,6 +35,9 @@ mod purpose {
     pub(super) const CHOICE: u32 = 0x5004;
 }
 
+/// Share of light that a surface must scatter to be averaged.
+const LEAST_SHARE: f32 = 1e-3;
+
 /// The last smooth scattering of a path from the eye.
 #[derive(Clone, Copy)]
 struct Last {
@@ -111,14 +114,20 @@ fn all_radiance(
         return;
     }
     let options = tracer.options;
-    let pattern = options.pattern().filter(|_| texels.is_some());
+    let keys: Option<Vec<SampleKey>> = options
+        .pattern()
+        .filter(|_| texels.is_some())
+        .map(|n| camera.keys.iter().map(|&key| key_of_place(key, options.width, n)).collect());
+    tracer.is_interleaved = keys.is_some();
+    let pixels = camera.keys;
+    let camera = HitLanes { keys: keys.as_deref().unwrap_or(pixels), ..camera };
     let walks: Vec<Walk> = camera
         .keys
         .iter()
         .enumerate()
         .map(|(lane, &key)| Walk {
             lane: lane as u32,
-            key: pattern.map_or(key, |n| key_of_place(key, options.width, n)),
+            key,
             throughput: Vec3::ONE,
             edges: 1,
             last: None,
@@ -132,7 +141,8 @@ fn all_radiance(
     tracer.pass_on(&mut vertices, 0);
     tracer.probes = probes;
     let begin = (camera.rays.clone(), walks, vertices);
-    go_on(tracer, pass, begin, camera.keys, 1, (radiance, texels));
+    go_on(tracer, pass, begin, pixels, 1, (radiance, texels));
+    tracer.is_interleaved = false;
 }
 
 /// The same, light and surfaces apart, each pixel with its share of the virtual lights.
@@ -151,7 +161,12 @@ pub(crate) fn radiance_apart(
             continue;
         }
         for k in 0..3 {
-            texel.light[k] = if texel.share[k] > 0.0 { seen[k] / texel.share[k] } else { 0.0 };
+            // What a surface sends that scatters nothing is not light on it.
+            if texel.share[k] > LEAST_SHARE {
+                texel.light[k] = seen[k] / texel.share[k];
+            } else {
+                (texel.share[k], texel.plain[k]) = (0.0, texel.plain[k] + seen[k]);
+            }
         }
     }
 }
@@ -169,6 +184,7 @@ fn go_on(
         let stops = arrive(tracer, pass, &walks, &vertices, &rays, radiance);
         if let Some(texels) = &mut texels {
             take_apart(tracer, &stops, radiance, texels);
+            take_finals_apart(tracer, &walks, &vertices, texels);
         }
         light_samples(tracer, pass, &stops, radiance);
         let seen: Vec<EyePoint> =
@@ -210,6 +226,29 @@ fn take_apart(tracer: &BatchTracer, stops: &[Stop], radiance: &mut Vec3s, texels
             is_diffuse: eye.bsdf.lambertian().is_some(),
         };
         radiance.set(lane, Vec3::ZERO);
+    }
+}
+
+/// Likewise where a shader has looped over lights itself: what it showed is light on its surface.
+fn take_finals_apart(
+    tracer: &BatchTracer,
+    walks: &[Walk],
+    vertices: &[Option<Vertex>],
+    texels: &mut [Texel],
+) {
+    for (walk, vertex) in walks.iter().zip(vertices) {
+        let Some(vertex) = vertex.as_ref().filter(|vertex| vertex.is_final && walk.is_seen) else { continue };
+        let texel = &mut texels[walk.lane as usize];
+        if texel.instance == INVALID_ID {
+            *texel = Texel {
+                share: walk.throughput * vertex.scattering.bsdf.albedo(vertex.wo),
+                p: vertex.point.p,
+                ns: vertex.point.ns,
+                width: tracer.cone.width_at(vertex.t),
+                instance: vertex.ids[0],
+                ..Texel::default()
+            };
+        }
     }
 }
 

@@ -88,7 +88,14 @@ pub(crate) fn place_of(pixel: u32, width: u32, n: u32) -> usize {
 /// their places alone, which are averaged, and not by noise; together the places are one stratified set.
 pub(super) fn key_of_place(key: SampleKey, width: u32, n: u32) -> SampleKey {
     let place = place_of(key.pixel, width, n) as u32;
-    SampleKey { pixel: PATTERN, sample: key.sample.wrapping_mul(n * n).wrapping_add(place), ..key }
+    // Within 32 bits the last samples of a long rendering may use numbers again, but never leave their places.
+    let sample = key.sample % (u32::MAX / (n * n));
+    SampleKey { pixel: PATTERN, sample: sample * (n * n) + place, ..key }
+}
+
+/// The place that such a key belongs to, of so many.
+pub(super) fn place_of_key(key: SampleKey, places: usize) -> usize {
+    key.sample as usize % places.max(1)
 }
 
 /// The virtual lights of each place in the pattern, as strong as all of them.

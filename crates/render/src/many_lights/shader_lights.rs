@@ -13,15 +13,22 @@ use gnurt_shading::{LightBatch, SurfaceBatch, SurfacePoint};
 
 use super::bound::Bound;
 use super::estimate;
+use super::interleave::place_of_key;
+use super::pass::PassLights;
 use super::vpl::{Vpl, is_open, pdf_of_other_end};
 use crate::tracer::BatchTracer;
 
 /// How many lights shaders meet beside those of the scene.
 pub(crate) fn light_count(tracer: &BatchTracer) -> usize {
-    tracer.pass.map_or(0, |pass| pass.vpls.len() + 1)
+    tracer.pass.map_or(0, |pass| vpl_count(tracer, pass) + 1)
 }
 
-/// What light `number` of those brings to points.
+/// How many virtual lights a point has, at most.
+fn vpl_count(tracer: &BatchTracer, pass: &PassLights) -> usize {
+    if tracer.is_interleaved { pass.shares.iter().map(Vec::len).max().unwrap_or(0) } else { pass.vpls.len() }
+}
+
+/// What light `number` of those brings to points. Where pixels share virtual lights out, it is another one for each place.
 pub(crate) fn illuminate(
     tracer: &mut BatchTracer,
     number: usize,
@@ -29,18 +36,24 @@ pub(crate) fn illuminate(
     out: &mut LightBatch,
 ) {
     let Some(pass) = tracer.pass else { return };
-    let Some(vpl) = pass.vpls.get(number) else {
-        if number == pass.vpls.len() {
+    let count = vpl_count(tracer, pass);
+    if number >= count {
+        if number == count {
             the_rest(tracer, points, out);
         }
-        return;
-    };
-    let edges = vpl.edges + points.depth + 2;
-    if edges > tracer.options.max_depth {
         return;
     }
     let scale = FRAC_1_PI / tracer.options.white;
     for i in 0..points.len() {
+        let vpls = if tracer.is_interleaved {
+            &pass.shares[place_of_key(points.key[i], pass.shares.len())]
+        } else {
+            &pass.vpls
+        };
+        let Some(vpl) = vpls.get(number) else { continue };
+        if vpl.edges + points.depth + 2 > tracer.options.max_depth {
+            continue;
+        }
         if let Some((dir, dist, arriving)) = brings(vpl, &points.point(i), &pass.bound) {
             out.dir.set(i, dir);
             out.dist[i] = dist;

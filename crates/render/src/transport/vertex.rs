@@ -70,11 +70,17 @@ impl BatchTracer<'_> {
         if is_final {
             let mut radiance = Vec3s::splat(lanes.len(), Vec3::ZERO);
             shader.shade(self, points, &mut radiance);
-            scattering.extend((0..lanes.len()).map(|k| Scattering {
-                bsdf: Bsdf::black(points.facing_ns(k)),
-                emission: radiance.get(k),
-                coverage: 1.0,
-            }));
+            if self.is_interleaved {
+                // What light is averaged without.
+                finals::probe(shader, points, self.options.white, &mut scattering);
+                scattering.iter_mut().enumerate().for_each(|(k, point)| point.emission = radiance.get(k));
+            } else {
+                scattering.extend((0..lanes.len()).map(|k| Scattering {
+                    bsdf: Bsdf::black(points.facing_ns(k)),
+                    emission: radiance.get(k),
+                    coverage: 1.0,
+                }));
+            }
         }
         for (k, (&lane, &scattering)) in lanes.iter().zip(&scattering).enumerate() {
             let vertex = Vertex {
