@@ -31,7 +31,7 @@ def load_scene(parts, camera, light_tree, max_depth=9):
     scene = bpy.context.scene
     scene.world = None
 
-    corners = np.concatenate([part.corners.reshape(-1, 3) for part in parts])
+    corners = np.concatenate([part_layers(part.corners).reshape(-1, 3) for part in parts])
     count = len(corners) // 3
     mesh = bpy.data.meshes.new("interior")
     mesh.vertices.add(3 * count)
@@ -79,6 +79,51 @@ def load_scene(parts, camera, light_tree, max_depth=9):
     # Cycles counts bounces before the last vertex that is lit: none of them is direct light, which is 2 edges.
     cycles.max_bounces = cycles.diffuse_bounces = max_depth - 2
     return scene
+
+
+def part_layers(corners, gap=1e-4):
+    """Takes triangles of a material apart that lie on one another: the smaller one sinks by `gap`, against its normal.
+
+    Cycles leaves a surface by the number of its triangle, not by an offset, so that the other one shadows it: black. The
+    table of `office` has such a piece.
+    """
+    corners = corners.astype(np.float64)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    normals /= np.maximum(areas, 1e-300)[:, None]
+    # Planes, alike for both sides.
+    main = np.abs(normals).argmax(axis=1)
+    sign = np.sign(np.take_along_axis(normals, main[:, None], 1))
+    distances = (sign * normals * corners.mean(axis=1)).sum(axis=1)
+    keys = np.round(np.column_stack([sign * normals * 1e3, distances * 1e4])).astype(np.int64)
+    order = np.lexsort((-areas, *keys.T))
+    order = order[areas[order] > 0]
+    ends = np.flatnonzero((np.diff(keys[order], axis=0) != 0).any(axis=1)) + 1
+    layers = np.zeros(len(corners), int)
+    for group in np.split(order, ends):
+        if len(group) > 1:
+            flat = np.delete(corners[group], main[group[0]], axis=2)
+            low, high = flat.min(axis=1), flat.max(axis=1)
+            for i in range(1, len(group)):
+                near = np.flatnonzero(((low[:i] < high[i]) & (high[:i] > low[i])).all(axis=1))
+                layers[group[i]] = overlap(flat[i], flat[near]).sum() if len(near) else 0
+    return (corners - (gap * layers)[:, None, None] * normals[:, None, :]).astype(np.float32)
+
+
+def overlap(triangle, others, least=1e-4):
+    """Which of the others (n, 3, 2) has an area in common with the triangle (3, 2)? An edge's line parts those that have
+    none; what is thinner than `least` is none."""
+    own = np.broadcast_to(triangle, others.shape)
+    result = np.ones(len(others), bool)
+    for corners in (own, others):
+        edges = np.roll(corners, -1, axis=1) - corners
+        axes = np.stack([-edges[..., 1], edges[..., 0]], axis=2)
+        axes /= np.maximum(np.linalg.norm(axes, axis=2), 1e-12)[..., None]
+        # Distances (n, edge, corner).
+        a, b = axes @ own.transpose(0, 2, 1), axes @ others.transpose(0, 2, 1)
+        common = np.minimum(a.max(axis=2), b.max(axis=2)) - np.maximum(a.min(axis=2), b.min(axis=2))
+        result &= (common >= least).all(axis=1)
+    return result
 
 
 def make_material(part):
