@@ -2,6 +2,9 @@
 //! From a scene description to a picture: worlds (committed scenes), integrators, tiles and progressive passes.
 #![forbid(unsafe_code)]
 
+#[macro_use]
+mod wide;
+
 mod accumulation;
 mod adaptive;
 mod aov;

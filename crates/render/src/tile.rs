@@ -12,9 +12,8 @@ use std::time::Instant;
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Ray, RayBatch};
 use gnurt_image::Filter;
-use gnurt_shading::sampling::{purpose, sample_pairs};
+use gnurt_shading::sampling::{purpose, sample_pair, sample_pairs};
 use gnurt_shading::{CameraShader, SampleKey, Vec3s};
-use gnurt_simd::dispatch;
 
 use crate::adaptive::samples_needed;
 use crate::cone::Cone;
@@ -255,7 +254,11 @@ impl<'a> Job<'a> {
             }
         } else {
             let (seed, level) = (self.options.seed, self.options.level);
-            dispatch!(level, simd => sample_pairs(simd, seed, keys, 0, purpose::PIXEL, places));
+            dispatch_wide!(
+                level,
+                simd => sample_pairs(simd, seed, keys, 0, purpose::PIXEL, places),
+                else places.extend(keys.iter().map(|&key| sample_pair(seed, key, 0, purpose::PIXEL)))
+            );
             for (place, &[x, y]) in places.iter_mut().zip(all.iter().cycle()) {
                 let [dx, dy] = self.filter.sample(*place).map(f64::from);
                 let across = (f64::from(x) + 0.5 + dx) / f64::from(width);

@@ -14,7 +14,6 @@ use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::sampling::{Draws, purpose, sample_pair};
 use gnurt_shading::{LightBatch, Tracer, Vec3s};
-use gnurt_simd::dispatch;
 
 use crate::tracer::{BatchTracer, Wanted};
 use crate::transport::lambert::{self, Surroundings};
@@ -68,7 +67,11 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     }
     let by_shader = !world.shading().plugin_lights.is_empty();
     let around = Surroundings { world, options, from, by_shader };
-    dispatch!(options.level, simd => lambert::step(simd, &around, wavefront, radiance));
+    dispatch_wide!(
+        options.level,
+        simd => lambert::step(simd, &around, wavefront, radiance),
+        else lambert::list(&around, wavefront)
+    );
     environment(tracer, from, wavefront, radiance);
     if !wavefront.by_shader.is_empty() {
         step_by_shader(tracer, from, wavefront, radiance);
@@ -234,7 +237,7 @@ fn scatter(mut path: Path, vertex: &Vertex, seed: u64) -> Option<(Path, Ray)> {
     let draws = Draws::new(seed, path.key, path.edges);
     let ([x, y], [choice, survival]) = (draws.pair(purpose::DIRECTION), draws.pair(purpose::CHOICE));
     let bsdf: &Bsdf = &vertex.scattering.bsdf;
-    let sample = bsdf.sample(vertex.wo, [choice, x, y])?;
+    let sample = bsdf.sample_by_series(vertex.wo, [choice, x, y])?;
     path.throughput *= sample.weight;
     if path.edges >= ROULETTE_FROM {
         let keep = path.throughput.max_element().min(SURVIVAL);

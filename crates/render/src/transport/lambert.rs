@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One step of paths that met Lambert's reflector, sixteen at a time: light found, a light asked, a direction chosen.
 //! Source: as `integrators::path`, of which this is the fast form; lanes after the paper's section 8. Space: world.
-//! Invariant: what `path` does with the vertices of such surfaces, bit for bit but for the rounding of the directions that
-//! paths go on in (`sampling::cosine_hemisphere_x16`). Other lanes are only listed.
+//! Invariant: what `path` does with the vertices of such surfaces, bit for bit. Other lanes are only listed.
 //! Proof: crates/render/tests/lanes.rs.
 
 use std::f32::consts::FRAC_1_PI;
@@ -59,6 +58,18 @@ pub(crate) fn step<S: Simd>(simd: S, around: &Surroundings, wavefront: &mut Wave
         }
     }
     wavefront.next.end();
+    wavefront.unshadowed.end();
+}
+
+/// Only lists all lanes, for CPUs on which lanes do not pay.
+pub(crate) fn list(around: &Surroundings, wavefront: &mut Wavefront) {
+    let (world, hits) = (around.world, around.from.hits);
+    wavefront.missed.clear();
+    wavefront.missed.extend((0..hits.len()).filter(|&lane| hits.prim_id[lane] == INVALID_ID));
+    world.sort_by_material(hits, 0..hits.len(), &mut wavefront.by_shader);
+    wavefront.next.begin(0);
+    wavefront.next.end();
+    wavefront.unshadowed.begin(0);
     wavefront.unshadowed.end();
 }
 

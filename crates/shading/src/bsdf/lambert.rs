@@ -18,7 +18,11 @@ pub(super) fn pdf(cos: f32) -> f32 {
 }
 
 pub(super) fn sample(albedo: Vec3, u: [f32; 2]) -> Option<BsdfSample> {
-    let wi = cosine_hemisphere(u);
+    sample_of(albedo, cosine_hemisphere(u))
+}
+
+/// The sample that goes to `wi`, which was chosen by its cosine.
+pub(super) fn sample_of(albedo: Vec3, wi: Vec3) -> Option<BsdfSample> {
     let pdf = pdf(wi.z);
     (pdf > 0.0).then_some(BsdfSample { wi, weight: albedo, pdf, delta: false, transmitted: false })
 }

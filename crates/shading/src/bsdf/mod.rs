@@ -29,7 +29,7 @@ mod tests;
 use glam::Vec3;
 
 use crate::batch::SurfaceBatch;
-use crate::sampling::Basis;
+use crate::sampling::{Basis, cosine_hemisphere_by_series};
 
 pub use conductor::{Conductor, Reflectance};
 pub use dielectric::Dielectric;
@@ -215,6 +215,19 @@ impl Bsdf {
             Model::Principled(principled) => principled.sample(wo, u),
         }?;
         self.in_world(local)
+    }
+
+    /// [`sample`](Self::sample), with directions from Lambert's reflector as lanes choose them: see
+    /// [`cosine_hemisphere_by_series`](crate::sampling::cosine_hemisphere_by_series).
+    #[must_use]
+    pub fn sample_by_series(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+        match self.model {
+            Model::Lambert { albedo } => {
+                let wi = cosine_hemisphere_by_series([u[1], u[2]]);
+                self.in_world(lambert::sample_of(albedo, wi)?)
+            }
+            _ => self.sample(wo, u),
+        }
     }
 
     /// What leaves by delta lobes, mirrored and through the surface, each with its share of the light.

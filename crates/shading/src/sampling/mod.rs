@@ -13,5 +13,7 @@ pub use distribution::{Choice, Distribution};
 pub use grid::{GridDistribution, GridPoint};
 pub use sobol::{Draws, hash_combine, purpose, sample_pair};
 pub use sobol_lanes::{DrawsX16, key_words, sample_pairs};
-pub use warp::{Basis, concentric_disk, cosine_hemisphere, triangle, uniform_sphere};
+pub use warp::{
+    Basis, concentric_disk, cosine_hemisphere, cosine_hemisphere_by_series, triangle, uniform_sphere,
+};
 pub use warp_lanes::{cosine_hemisphere_x16, to_world_x16, triangle_x16};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Maps from the unit square for sixteen samples at once: see `warp`.
 //! Source: as `warp`; sine and cosine by Taylor's series, which within an eighth of a turn end soon.
-//! Invariants: `triangle` and frames have the bits of the scalar form; directions differ from it by rounding only, and
-//! are the same on every CPU.
+//! Invariants: all have the bits of the scalar form, directions those of `cosine_hemisphere_by_series`, which differ from
+//! `cosine_hemisphere` by rounding only.
 //! Proof: `tests::the_same_maps`.
 
 use std::f32::consts::FRAC_PI_4;
@@ -11,7 +11,7 @@ use gnurt_simd::{Simd, f32x16, prelude::*};
 
 use crate::lanes::{Floats, Vec3x16, floats};
 
-/// See [`cosine_hemisphere`](super::cosine_hemisphere).
+/// See [`cosine_hemisphere_by_series`](super::cosine_hemisphere_by_series).
 #[inline(always)]
 pub fn cosine_hemisphere_x16<S: Simd>(u: [Floats<S>; 2]) -> Vec3x16<S> {
     let simd = u[0].token();
@@ -62,7 +62,7 @@ pub fn to_world_x16<S: Simd>(normal: Vec3x16<S>, v: Vec3x16<S>) -> Vec3x16<S> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Basis, cosine_hemisphere, triangle};
+    use super::super::{Basis, cosine_hemisphere, cosine_hemisphere_by_series, triangle};
     use super::*;
     use crate::batch::SampleKey;
     use crate::lanes::LANES;
@@ -90,6 +90,7 @@ mod tests {
             let n = if round % 2 == 0 { n } else { -n };
             let found = dispatch!(Level::default(), simd => in_lanes(simd, &u, n));
             for (u, (dir, weights, world)) in u.into_iter().zip(found) {
+                assert_eq!(dir, cosine_hemisphere_by_series(u), "{u:?}");
                 let wanted = cosine_hemisphere(u);
                 // The height of what is nearly flat is a root of what rounding left.
                 let error = (dir - wanted).abs() * Vec3::new(1.0, 1.0, wanted.z.max(1e-3));
