@@ -126,10 +126,11 @@ impl Block {
 /// Rays end this share short of the far end: rounding of their own numbers.
 pub(crate) const END: f32 = 1.0 - 8.0 * f32::EPSILON;
 
-/// Lambertian virtual light on a block: plain loops that become lanes.
+/// Lambertian virtual light on a block: a plain loop that becomes lanes. So there is no sum of floats in it, whose order would
+/// keep the compiler from that.
 #[inline(always)]
 fn lambertian(block: &Block, source: &Source, light: &mut Light) -> bool {
-    let mut lit = 0.0_f32;
+    let mut lit = 0;
     let [px, py, pz] = &block.p;
     let [ox, oy, oz] = &block.org;
     let [bx, by, bz] = &block.bent;
@@ -154,7 +155,7 @@ fn lambertian(block: &Block, source: &Source, light: &mut Light) -> bool {
         let lit_here = sees & (source.edges <= block.most_edges[i]) & (over < f32::INFINITY);
         let value = if lit_here { eye_b * vpl_g * over * share } else { 0.0 };
         light.far[i] = if lit_here { END } else { -1.0 };
-        lit += value;
+        lit |= u32::from(value > 0.0);
         r[i] = value * block.diffuse[0][i] * source.diffuse.x;
         g[i] = value * block.diffuse[1][i] * source.diffuse.y;
         b[i] = value * block.diffuse[2][i] * source.diffuse.z;
@@ -162,7 +163,7 @@ fn lambertian(block: &Block, source: &Source, light: &mut Light) -> bool {
         wy[i] = source.end.y - oy[i];
         wz[i] = source.end.z - oz[i];
     }
-    lit > 0.0
+    lit > 0
 }
 
 /// Gathers; adds to `radiance` by lane.
