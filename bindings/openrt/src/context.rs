@@ -56,7 +56,7 @@ pub struct Context {
     /// Scene and world while no frame is in flight.
     pub(crate) stage: Stage,
     pub(crate) frame: Option<Frame>,
-    pub(crate) pool: Option<Arc<gnurt::ThreadPool>>,
+    pub(crate) pool: Option<Arc<gnurt::JoinedPool>>,
 }
 
 impl Default for Context {
@@ -116,11 +116,15 @@ impl Context {
     /// rtExit, before the context is dropped: waits for the frame in flight.
     pub fn exit(&mut self) -> Result<()> {
         self.outside_block()?;
+        self.end_frame();
+        Ok(())
+    }
+
+    /// Waits for the frame in flight; there is nobody left to tell about its failure.
+    fn end_frame(&mut self) {
         if let Some(frame) = self.frame.take() {
-            // The program leaves: there is nobody left to tell about the frame's failure.
             let _ = frame.finish();
         }
-        Ok(())
     }
 
     /// Fails between rtBegin and rtEnd (BE).
@@ -137,5 +141,12 @@ impl Context {
     pub(crate) fn bound_surface(&self) -> Option<(u32, Arc<LoadedClass>)> {
         let class = self.bound.class().filter(|class| class.kind == Kind::Surface)?;
         Some((self.bound.shader()?, class.clone()))
+    }
+}
+
+/// Nothing of it goes on: a program may unload the library then.
+impl Drop for Context {
+    fn drop(&mut self) {
+        self.end_frame();
     }
 }

@@ -59,7 +59,7 @@ struct Job {
     /// Changes options as a rendering object asks for.
     rendering: Option<Rendering>,
     target: FrameBuffer,
-    pool: Arc<gnurt::ThreadPool>,
+    pool: Arc<gnurt::JoinedPool>,
 }
 
 /// A frame in flight: a thread that gives the stage back.
@@ -345,11 +345,11 @@ impl Context {
     }
 
     /// The threads, made when the first frame needs them.
-    fn pool(&mut self) -> Result<Arc<gnurt::ThreadPool>> {
+    fn pool(&mut self) -> Result<Arc<gnurt::JoinedPool>> {
         if let Some(pool) = &self.pool {
             return Ok(pool.clone());
         }
-        let pool = Arc::new(gnurt::thread_pool(self.threads).map_err(|error| fail(&error))?);
+        let pool = Arc::new(gnurt::JoinedPool::new(self.threads).map_err(|error| fail(&error))?);
         self.pool = Some(pool.clone());
         Ok(pool)
     }

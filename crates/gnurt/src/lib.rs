@@ -93,4 +93,4 @@ pub use gnurt_simd as simd;
 pub use load::{BUILTIN, Loaded, builtin_names, builtin_scenes, load_scene};
 pub use rayon::ThreadPool;
 pub use surroundings::Surroundings;
-pub use threads::{cores, thread_pool};
+pub use threads::{JoinedPool, cores, thread_pool};
