@@ -31,9 +31,9 @@ impl Bound {
         Self { density: if area > 0.0 { vpls as f32 / (CROWD * area) } else { f32::INFINITY } }
     }
 
-    /// Largest G, one over area.
-    pub(crate) fn geometry_term(&self) -> f32 {
-        self.density * PI
+    /// The largest density, per area.
+    pub(crate) fn density(&self) -> f32 {
+        self.density
     }
 
     /// Share of virtual lights, given the densities per area with which the ends choose each other.

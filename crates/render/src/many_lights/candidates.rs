@@ -15,7 +15,7 @@ use gnurt_accel::{Coherence, RayBatch};
 use gnurt_shading::lights::LightKind;
 use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 
-use super::gather::END;
+use super::lanes::END;
 use super::light_path::{self, LightVertex, Numbers};
 use super::pilots::Pilots;
 use super::vpl::{self, Vpl, is_open};

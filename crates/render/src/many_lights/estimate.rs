@@ -18,8 +18,9 @@ use gnurt_image::srgb::luminance;
 
 use super::cut::resample;
 use super::eye::EyePoint;
-use super::gather::{END, gather};
+use super::gather::gather;
 use super::interleave::{Texel, key_of_place, place_of};
+use super::lanes::END;
 use super::pass::PassLights;
 use super::vpl::{self, pdf_of_other_end};
 use crate::tracer::BatchTracer;

@@ -15,6 +15,7 @@ mod instant;
 pub(crate) mod interleave;
 mod kept;
 mod lamps;
+mod lanes;
 mod light_path;
 mod metropolis;
 mod pass;

@@ -14,7 +14,7 @@ use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
-use super::gather::END;
+use super::lanes::END;
 use super::vpl::{self, Vpl};
 use crate::tile::Job;
 use crate::tracer::BatchTracer;

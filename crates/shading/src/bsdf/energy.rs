@@ -28,10 +28,44 @@ struct Table {
     average: [Split; ROUGHNESSES],
 }
 
+/// A roughness: the entry at or before it, and how far it is beyond.
+pub(super) type Row = (usize, f32);
+
+/// What comes back of light from cosine `cos` after one bounce, by reflectance at normal and grazing incidence.
+#[inline]
+pub(super) fn look_up(row: Row, cos: f32) -> Split {
+    let (column, t) = place(cos, COSINES);
+    let at = |row: usize| {
+        let row = &table().albedo[row];
+        mix(row[column], row[column + 1], t)
+    };
+    mix(at(row.0), at(row.0 + 1), row.1)
+}
+
+/// The table's entries of one roughness: for many look-ups.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SentBack([Split; COSINES]);
+
+impl SentBack {
+    pub(super) fn of(row: Row) -> Self {
+        let [below, above] = [row.0, row.0 + 1].map(|row| &table().albedo[row]);
+        Self(std::array::from_fn(|column| mix(below[column], above[column], row.1)))
+    }
+
+    /// Share of light from cosine `cos` that facets send back at once, by reflectance at normal and grazing incidence.
+    #[inline(always)]
+    #[must_use]
+    pub fn at(&self, cos: f32) -> [f32; 2] {
+        let scaled = cos.clamp(0.0, 1.0) * (COSINES - 1) as f32;
+        let entry = (scaled as u32).min(COSINES as u32 - 2) as usize;
+        mix(self.0[entry], self.0[entry + 1], scaled - entry as f32).into()
+    }
+}
+
 /// What facets of one roughness do to light on the whole.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Energy {
-    row: (usize, f32),
+    row: Row,
     average: Split,
 }
 
@@ -42,14 +76,14 @@ impl Energy {
         Self { row, average }
     }
 
+    /// Where the tables hold its roughness.
+    pub(super) fn row(self) -> Row {
+        self.row
+    }
+
     /// What comes back of light from cosine `cos` after one bounce, by reflectance at normal and grazing incidence.
     fn split(self, cos: f32) -> Split {
-        let (column, t) = place(cos, COSINES);
-        let at = |row: usize| {
-            let row = &table().albedo[row];
-            mix(row[column], row[column + 1], t)
-        };
-        mix(at(self.row.0), at(self.row.0 + 1), self.row.1)
+        look_up(self.row, cos)
     }
 
     /// Albedo after one bounce, for Schlick's reflectances `f0` and `f90`.
@@ -97,6 +131,7 @@ impl Energy {
     }
 }
 
+#[inline(always)]
 fn mix(a: Split, b: Split, t: f32) -> Split {
     a + (b - a) * t
 }

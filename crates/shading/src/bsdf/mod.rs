@@ -15,6 +15,7 @@
 mod conductor;
 mod dielectric;
 mod energy;
+mod facets;
 pub(crate) mod fresnel;
 mod ggx;
 mod lambert;
@@ -33,6 +34,8 @@ use crate::sampling::{Basis, cosine_hemisphere_by_series};
 
 pub use conductor::{Conductor, Reflectance};
 pub use dielectric::Dielectric;
+pub use energy::SentBack;
+pub use facets::{FacetLanes, Facets};
 pub use principled::Principled;
 pub use rough_dielectric::RoughDielectric;
 

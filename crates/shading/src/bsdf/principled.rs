@@ -86,7 +86,7 @@ impl Principled {
 }
 
 /// What the layers send back on the whole of light from one direction.
-struct Above {
+pub(super) struct Above {
     coat: f32,
     /// The sheen below the coat.
     sheen: f32,
@@ -96,7 +96,7 @@ struct Above {
 
 impl Above {
     /// What all of them send back.
-    fn sum(&self) -> Vec3 {
+    pub(super) fn sum(&self) -> Vec3 {
         Vec3::splat(1.0 - self.left()) + self.left() * self.plastic
     }
 
@@ -108,16 +108,16 @@ impl Above {
 
 /// Probabilities with which directions are drawn from the lobes.
 #[derive(Clone, Copy)]
-struct Shares {
+pub(super) struct Shares {
     coat: f32,
-    gloss: f32,
+    pub(super) gloss: f32,
     glass: f32,
     /// Body, sheen and further bounces, by the cosine.
-    body: f32,
+    pub(super) body: f32,
 }
 
 impl Principled {
-    fn gloss(&self) -> Ggx {
+    pub(super) fn gloss(&self) -> Ggx {
         Ggx::from_alpha(self.alpha)
     }
 
@@ -130,25 +130,25 @@ impl Principled {
     }
 
     /// Shares of plastic, metal and glass; they sum to 1.
-    fn parts(&self) -> [f32; 3] {
+    pub(super) fn parts(&self) -> [f32; 3] {
         let rest = 1.0 - self.metallic;
         [rest * (1.0 - self.transmission), self.metallic, rest * self.transmission]
     }
 
     /// Reflectances of plastic and metal mixed, at normal and grazing incidence.
-    fn mixed(&self) -> (Vec3, f32) {
+    pub(super) fn mixed(&self) -> (Vec3, f32) {
         let [plastic, metal, _] = self.parts();
         (self.f0 * plastic + self.base * metal, self.f90 * plastic + metal)
     }
 
     /// Colour of all bounces but the first, of plastic and metal mixed.
-    fn more(&self, energy: Energy) -> Vec3 {
+    pub(super) fn more(&self, energy: Energy) -> Vec3 {
         let [plastic, metal, _] = self.parts();
         energy.more(fresnel::schlick_average(self.f0, self.f90)) * plastic
             + energy.more(fresnel::schlick_average(self.base, 1.0)) * metal
     }
 
-    fn above(&self, cos: f32) -> Above {
+    pub(super) fn above(&self, cos: f32) -> Above {
         let coat =
             if self.coat > 0.0 { self.coat * Energy::of(self.coat()).all(cos, COAT_F0, 1.0).x } else { 0.0 };
         let sheen = if self.sheen == Vec3::ZERO {
@@ -175,7 +175,7 @@ impl Principled {
     }
 
     /// Albedo of the body without what lies above.
-    fn body(&self) -> Vec3 {
+    pub(super) fn body(&self) -> Vec3 {
         self.base * self.parts()[0]
     }
 
@@ -222,11 +222,15 @@ impl Principled {
     /// Share of light that reaches the body and comes out again, such that a white one sends back all that the layers
     /// above do not.
     fn entering(&self, from: &Above, to: &Above) -> Vec3 {
-        let left = (Vec3::ONE - self.above_average()).max(Vec3::splat(1e-6));
-        (Vec3::ONE - from.sum()) * (Vec3::ONE - to.sum()) / left
+        (Vec3::ONE - from.sum()) * (Vec3::ONE - to.sum()) / self.left_on_average()
     }
 
-    fn shares(&self, wo: Vec3) -> Shares {
+    /// What the layers above leave to the body, averaged over a cosine-weighted hemisphere.
+    pub(super) fn left_on_average(&self) -> Vec3 {
+        (Vec3::ONE - self.above_average()).max(Vec3::splat(1e-6))
+    }
+
+    pub(super) fn shares(&self, wo: Vec3) -> Shares {
         let above = self.above(wo.z);
         let (f0, f90) = self.mixed();
         let energy = Energy::of(self.gloss());

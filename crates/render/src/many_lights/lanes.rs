@@ -1,0 +1,470 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One virtual light on a block of points, lane by lane: geometry, both ends' BSDFs, the bound.
+//! Source: [Kel97]; loops over arrays that compilers turn into vector code. Space: world.
+//! Two kernels: for Lambertian ends, and for facets over a body, of which Lambert's reflector is one. What is neither is left
+//! to `Vpl::brings`. Invariant: lanes compute what `Vpl::brings` computes, up to rounding; every CPU level gives the same
+//! bits. Proof: `tests::lanes_agree_with_single_points`.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+use gnurt_shading::bsdf::{FacetLanes, Facets, SentBack};
+
+use super::bound::Bound;
+use super::eye::EyePoint;
+use super::vpl::{self, Vpl};
+
+/// Points per block: as many as rays that the tree takes at a time.
+pub(super) const BLOCK: usize = 64;
+
+pub(super) type Lanes = [f32; BLOCK];
+
+/// Points as lanes.
+pub(super) struct Block {
+    p: [Lanes; 3],
+    /// Where rays start on the side of the normals.
+    org: [Lanes; 3],
+    /// Shading normals of the BSDFs, those of the mesh, geometric ones; where a point is lifted to the curved surface that
+    /// the mesh stands for, the latter do not count.
+    bent: [Lanes; 3],
+    ns: [Lanes; 3],
+    ng: [Lanes; 3],
+    lifted: Lanes,
+    /// Albedo / pi times throughput where the point is Lambertian.
+    diffuse: [Lanes; 3],
+    throughput: [Lanes; 3],
+    /// Most edges that a virtual light's path may have.
+    most_edges: Lanes,
+    /// All lanes that are facets over a body or Lambertian, if lights or points need them to be seen that way.
+    facets: Option<Box<FacetLanes<BLOCK>>>,
+    /// Lanes that are neither.
+    pub(super) other: Vec<usize>,
+    pub(super) used: usize,
+}
+
+/// What one virtual light brings to a block.
+pub(super) struct Light {
+    /// Where its rays start.
+    pub(super) org: [Lanes; 3],
+    pub(super) way: [Lanes; 3],
+    /// 1 where there is light to be tested for shadow, -1 elsewhere: the ray's far end.
+    pub(super) far: Lanes,
+    pub(super) color: [Lanes; 3],
+}
+
+impl Light {
+    pub(super) fn on(block: &Block) -> Self {
+        let zero = [[0.0; BLOCK]; 3];
+        Self { org: block.org, way: zero, far: [-1.0; BLOCK], color: zero }
+    }
+
+    /// Brings nothing.
+    pub(super) fn clear(&mut self) {
+        (self.far, self.color) = ([-1.0; BLOCK], [[0.0; BLOCK]; 3]);
+    }
+}
+
+/// The virtual light as lanes see it.
+#[derive(Clone, Copy)]
+pub(super) struct Source {
+    p: Vec3,
+    /// Where rays end on the side of the normals.
+    end: Vec3,
+    bent: Vec3,
+    ng: Vec3,
+    /// Of Lambertian ones.
+    diffuse: Option<Vec3>,
+    /// Of facets over a body, seen from where the light came from; and what to multiply to their value, times the cosine
+    /// of the geometric normal over that of the shading normal.
+    facets: Option<(Facets, SentBack, Vec3)>,
+    edges: f32,
+    /// On the density, per area.
+    bound: f32,
+}
+
+impl Source {
+    pub(super) fn new(vpl: &Vpl, bound: &Bound) -> Self {
+        Self {
+            p: vpl.point.p,
+            end: vpl::end(&vpl.point, vpl.point.ng),
+            bent: vpl.bsdf.normal(),
+            ng: vpl.point.ng,
+            diffuse: vpl.diffuse,
+            facets: if vpl.diffuse.is_some() {
+                None
+            } else {
+                let came = vpl.point.ng.dot(vpl.from);
+                Facets::new(&vpl.bsdf, vpl.from)
+                    .map(|facets| (facets, facets.sent_back(), vpl.power * (facets.cos() / came)))
+            },
+            edges: vpl.edges as f32,
+            bound: bound.density(),
+        }
+    }
+}
+
+impl Block {
+    /// `with_facets`: some virtual lights are no Lambertian ones.
+    pub(super) fn new(points: &[EyePoint], max_edges: u32, with_facets: bool) -> Self {
+        let zero = [[0.0; BLOCK]; 3];
+        let mut block = Self {
+            p: zero,
+            org: zero,
+            bent: zero,
+            ns: zero,
+            ng: zero,
+            lifted: [0.0; BLOCK],
+            diffuse: zero,
+            throughput: zero,
+            most_edges: [-1.0; BLOCK],
+            facets: None,
+            other: Vec::new(),
+            used: points.len(),
+        };
+        if with_facets || points.iter().any(|eye| eye.bsdf.lambertian().is_none()) {
+            block.facets = Some(Box::default());
+        }
+        for (i, eye) in points.iter().enumerate() {
+            let point = &eye.point;
+            // Lights below the horizon are left out later.
+            let org = vpl::start(point, point.ns).unwrap_or(point.p);
+            let lambertian = eye.bsdf.lambertian();
+            let diffuse = lambertian.unwrap_or(Vec3::ZERO) * eye.throughput * std::f32::consts::FRAC_1_PI;
+            for k in 0..3 {
+                block.p[k][i] = point.p[k];
+                block.org[k][i] = org[k];
+                block.bent[k][i] = eye.bsdf.normal()[k];
+                block.ns[k][i] = point.ns[k];
+                block.ng[k][i] = point.ng[k];
+                block.diffuse[k][i] = diffuse[k];
+                block.throughput[k][i] = eye.throughput[k];
+            }
+            block.lifted[i] = f32::from(u8::from(point.lift != Vec3::ZERO));
+            block.most_edges[i] = max_edges as f32 - 1.0 - eye.edges as f32;
+            let facets = block
+                .facets
+                .as_mut()
+                .map(|lanes| Facets::new(&eye.bsdf, eye.wo).map(|facets| lanes.set(i, &facets)).is_some());
+            if !facets.unwrap_or(true) {
+                block.other.push(i);
+                block.most_edges[i] = -1.0;
+            }
+        }
+        block
+    }
+}
+
+/// Rays end this share short of the far end: rounding of their own numbers.
+pub(crate) const END: f32 = 1.0 - 8.0 * f32::EPSILON;
+
+/// Room for what lanes need on the way.
+pub(super) struct Work {
+    /// Unit, towards the light.
+    to: [Lanes; 3],
+    /// Cosines to the shading normals of both ends, of points and of the light.
+    eye_b: Lanes,
+    vpl_b: Lanes,
+    /// To the geometric ones.
+    eye_g: Lanes,
+    vpl_g: Lanes,
+    /// One over the square of the distance; 0 where nothing is brought.
+    near: Lanes,
+    /// What facets of one end send back at once.
+    back: [Lanes; 2],
+    /// What the light sends, and the density with which it chooses points.
+    sent: [Lanes; 3],
+    pdf_vpl: Lanes,
+}
+
+impl Default for Work {
+    fn default() -> Self {
+        let none = [0.0; BLOCK];
+        Self {
+            to: [none; 3],
+            eye_b: none,
+            vpl_b: none,
+            eye_g: none,
+            vpl_g: none,
+            near: none,
+            back: [none; 2],
+            sent: [none; 3],
+            pdf_vpl: none,
+        }
+    }
+}
+
+impl Block {
+    /// What `source` brings; the lanes of `other` are left dark. `None` if lanes cannot know. Says whether anything is.
+    #[inline(always)]
+    pub(super) fn light(&self, source: &Source, work: &mut Work, light: &mut Light) -> Option<bool> {
+        match (&self.facets, source.diffuse) {
+            (None, Some(diffuse)) => Some(lambertian(self, source, diffuse, light)),
+            (Some(facets), Some(_)) => Some(faceted(self, facets, source, work, light)),
+            (Some(facets), None) if source.facets.is_some() => {
+                Some(faceted(self, facets, source, work, light))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Lambertian virtual light on a Lambertian block: a plain loop that becomes lanes. So there is no sum of floats in it, whose order would
+/// keep the compiler from that.
+#[inline(always)]
+fn lambertian(block: &Block, source: &Source, diffuse: Vec3, light: &mut Light) -> bool {
+    let (mut lit, bound) = (0, source.bound * std::f32::consts::PI);
+    let [px, py, pz] = &block.p;
+    let [ox, oy, oz] = &block.org;
+    let [bx, by, bz] = &block.bent;
+    let [sx, sy, sz] = &block.ns;
+    let [gx, gy, gz] = &block.ng;
+    let [wx, wy, wz] = &mut light.way;
+    let [r, g, b] = &mut light.color;
+    for i in 0..BLOCK {
+        let (x, y, z) = (source.p.x - px[i], source.p.y - py[i], source.p.z - pz[i]);
+        let distance2 = x * x + y * y + z * z;
+        let eye_b = bx[i] * x + by[i] * y + bz[i] * z;
+        let eye_s = sx[i] * x + sy[i] * y + sz[i] * z;
+        let eye_g = gx[i] * x + gy[i] * y + gz[i] * z;
+        let vpl_b = -(source.bent.x * x + source.bent.y * y + source.bent.z * z);
+        let vpl_g = -(source.ng.x * x + source.ng.y * y + source.ng.z * z);
+        let over = 1.0 / (distance2 * distance2);
+        // Both ways to choose the edge, as cosines over distance squared.
+        let largest = (eye_b * vpl_g).max(vpl_b * eye_g.abs()) * over;
+        let share = if largest > bound { bound / largest } else { 1.0 };
+        let above = (eye_s > 0.0) & ((eye_g > 0.0) | (block.lifted[i] > 0.0));
+        let sees = above & (eye_b > 0.0) & (vpl_g > 0.0);
+        let lit_here = sees & (source.edges <= block.most_edges[i]) & (over < f32::INFINITY);
+        let value = if lit_here { eye_b * vpl_g * over * share } else { 0.0 };
+        light.far[i] = if lit_here { END } else { -1.0 };
+        lit |= u32::from(value > 0.0);
+        r[i] = value * block.diffuse[0][i] * diffuse.x;
+        g[i] = value * block.diffuse[1][i] * diffuse.y;
+        b[i] = value * block.diffuse[2][i] * diffuse.z;
+        wx[i] = source.end.x - ox[i];
+        wy[i] = source.end.y - oy[i];
+        wz[i] = source.end.z - oz[i];
+    }
+    lit > 0
+}
+
+/// A virtual light that is seen from below this cosine to its shading normal, or from behind it, is seen from there, as by its
+/// BSDF.
+const GRAZING: f32 = 1e-3;
+
+/// A virtual light that is Lambertian or of facets on a block of such points.
+#[inline(always)]
+fn faceted(
+    block: &Block,
+    facets: &FacetLanes<BLOCK>,
+    source: &Source,
+    work: &mut Work,
+    light: &mut Light,
+) -> bool {
+    geometry(block, source, work, light);
+    match &source.facets {
+        Some((facets, table, power)) => sent_by_facets(facets, table, *power, work),
+        None => sent_by_lambert(source.diffuse.unwrap_or_default(), work),
+    }
+    facets.sent_back(&work.eye_b, &mut work.back);
+    let Work { to, eye_b, eye_g, vpl_g, near, back, sent, pdf_vpl, .. } = work;
+    let [r, g, b] = &mut light.color;
+    let mut lit = 0;
+    for i in 0..BLOCK {
+        let to = [to[0][i], to[1][i], to[2][i]];
+        let (got, pdf_eye) = facets.lane(i).eval(to, eye_b[i], [back[0][i], back[1][i]]);
+        // Both ways to choose the edge, as densities per area.
+        let largest = (pdf_eye * vpl_g[i]).max(pdf_vpl[i] * eye_g[i].abs()) * near[i];
+        let share = if largest > source.bound { source.bound / largest } else { 1.0 };
+        let (value, throughput) = (near[i] * share, &block.throughput);
+        let is_near = near[i] > 0.0;
+        r[i] = if is_near { got[0] * sent[0][i] * throughput[0][i] * value } else { 0.0 };
+        g[i] = if is_near { got[1] * sent[1][i] * throughput[1][i] * value } else { 0.0 };
+        b[i] = if is_near { got[2] * sent[2][i] * throughput[2][i] * value } else { 0.0 };
+        let is_lit = r[i] + g[i] + b[i] > 0.0;
+        light.far[i] = if is_lit { END } else { -1.0 };
+        lit |= u32::from(is_lit);
+    }
+    lit > 0
+}
+
+/// What a virtual light of facets sends, and the density with which it chooses each lane.
+#[inline(always)]
+fn sent_by_facets(facets: &Facets, table: &SentBack, power: Vec3, work: &mut Work) {
+    let Work { to, vpl_b, vpl_g, back, sent, pdf_vpl, .. } = work;
+    for i in 0..BLOCK {
+        [back[0][i], back[1][i]] = table.at(vpl_b[i].max(GRAZING));
+    }
+    let (n, [x, y, z]) = (facets.normal(), sent);
+    for i in 0..BLOCK {
+        let lift = (GRAZING - vpl_b[i]).max(0.0);
+        let way = [lift * n[0] - to[0][i], lift * n[1] - to[1][i], lift * n[2] - to[2][i]];
+        let to_unit = 1.0 / (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt();
+        let way = [way[0] * to_unit, way[1] * to_unit, way[2] * to_unit];
+        let cos = (vpl_b[i] + lift) * to_unit;
+        let (value, pdf) = facets.eval(way, cos, [back[0][i], back[1][i]]);
+        let tilt = vpl_g[i] / cos;
+        (x[i], y[i], z[i]) =
+            (value[0] * power.x * tilt, value[1] * power.y * tilt, value[2] * power.z * tilt);
+        pdf_vpl[i] = if vpl_b[i] > 0.0 { pdf } else { 0.0 };
+    }
+}
+
+/// The same of a Lambertian one.
+#[inline(always)]
+fn sent_by_lambert(diffuse: Vec3, work: &mut Work) {
+    let Work { vpl_b, vpl_g, sent, pdf_vpl, .. } = work;
+    let [x, y, z] = sent;
+    for i in 0..BLOCK {
+        (x[i], y[i], z[i]) = (diffuse.x * vpl_g[i], diffuse.y * vpl_g[i], diffuse.z * vpl_g[i]);
+        pdf_vpl[i] = vpl_b[i].max(0.0) * FRAC_1_PI;
+    }
+}
+
+/// Directions, cosines, distances, and the ways of shadow rays.
+#[inline(always)]
+fn geometry(block: &Block, source: &Source, work: &mut Work, light: &mut Light) {
+    let [px, py, pz] = &block.p;
+    let [ox, oy, oz] = &block.org;
+    let [bx, by, bz] = &block.bent;
+    let [sx, sy, sz] = &block.ns;
+    let [gx, gy, gz] = &block.ng;
+    let [wx, wy, wz] = &mut light.way;
+    let [tx, ty, tz] = &mut work.to;
+    for i in 0..BLOCK {
+        let (x, y, z) = (source.p.x - px[i], source.p.y - py[i], source.p.z - pz[i]);
+        let near = 1.0 / (x * x + y * y + z * z);
+        let to_unit = near.sqrt();
+        let (x, y, z) = (x * to_unit, y * to_unit, z * to_unit);
+        let eye_b = bx[i] * x + by[i] * y + bz[i] * z;
+        let eye_s = sx[i] * x + sy[i] * y + sz[i] * z;
+        let eye_g = gx[i] * x + gy[i] * y + gz[i] * z;
+        let vpl_b = -(source.bent.x * x + source.bent.y * y + source.bent.z * z);
+        let vpl_g = -(source.ng.x * x + source.ng.y * y + source.ng.z * z);
+        let above = (eye_s > 0.0) & ((eye_g > 0.0) | (block.lifted[i] > 0.0));
+        let sees = above & (eye_b > 0.0) & (vpl_g > 0.0);
+        let lit_here = sees & (source.edges <= block.most_edges[i]) & (near < f32::INFINITY);
+        work.near[i] = if lit_here { near } else { 0.0 };
+        work.eye_b[i] = eye_b.max(f32::MIN_POSITIVE);
+        work.vpl_b[i] = vpl_b;
+        (work.eye_g[i], work.vpl_g[i]) = (eye_g, vpl_g);
+        (tx[i], ty[i], tz[i]) = (x, y, z);
+        wx[i] = source.end.x - ox[i];
+        wy[i] = source.end.y - oy[i];
+        wz[i] = source.end.z - oz[i];
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gnurt_shading::bsdf::{Bsdf, Lobe, Model, Principled};
+    use gnurt_shading::sampling::{Basis, sample_pair, uniform_sphere};
+    use gnurt_shading::{SampleKey, SurfacePoint};
+
+    use super::*;
+
+    fn random(n: u32, purpose: u32) -> [f32; 2] {
+        sample_pair(5, SampleKey { pixel: n, sample: 0, branch: 0 }, 0, purpose)
+    }
+
+    /// A point somewhere in a cube, with a shading normal that is a little off.
+    fn point(n: u32) -> SurfacePoint {
+        let ([x, y], [z, tilt]) = (random(n, 0), random(n, 1));
+        let ng = uniform_sphere(random(n, 2));
+        let ns = (ng + Basis::around(ng).tangent * 0.3 * tilt).normalize();
+        SurfacePoint { p: Vec3::new(x, y, z), error: 1e-6, ng, ns, lift: Vec3::ZERO }
+    }
+
+    fn lambert(n: u32, ns: Vec3) -> Bsdf {
+        let [r, g] = random(n, 3);
+        Bsdf::new(ns, Model::Lambert { albedo: Vec3::new(r, g, 0.5) })
+    }
+
+    /// Plastic, metal, something between, or Lambert's reflector.
+    fn facets(n: u32, ns: Vec3) -> Bsdf {
+        let metallic = [0.0, 1.0, 0.5][n as usize % 3];
+        let roughness = 0.3 + 0.7 * random(n, 4)[0];
+        let principled = Principled::new(Vec3::new(0.8, 0.5, 0.2), metallic, roughness, 1.5);
+        if n.is_multiple_of(4) { lambert(n, ns) } else { Bsdf::new(ns, Model::Principled(principled)) }
+    }
+
+    type Make = fn(u32, Vec3) -> Bsdf;
+
+    #[test]
+    fn lanes_agree_with_single_points() {
+        let ways: [(Make, Make); 4] =
+            [(lambert, lambert), (lambert, facets), (facets, lambert), (facets, facets)];
+        for (of_eyes, of_lights) in ways {
+            agree(of_eyes, of_lights);
+        }
+    }
+
+    fn agree(of_eyes: Make, of_lights: Make) {
+        let eyes: Vec<EyePoint> = (0..BLOCK as u32)
+            .map(|n| {
+                let point = point(n);
+                let (wo, throughput) = ((point.ns + 0.5 * point.ng).normalize(), Vec3::new(1.0, 0.5, 0.25));
+                let bsdf = of_eyes(n, point.ns);
+                EyePoint { point, wo, bsdf, throughput, edges: 1 + n % 3, lane: n }
+            })
+            .collect();
+        let (max_edges, bound) = (6, Bound::on_geometry_term(3.0));
+        let block = Block::new(&eyes, max_edges, true);
+        let plain = Block::new(&eyes, max_edges, false);
+        let (mut lit, mut bounded) = (0, 0);
+        let mut work = Work::default();
+        for n in 1000..1100 {
+            let point = point(n);
+            let bsdf = of_lights(n, point.ns);
+            let vpl = Vpl::new(point, bsdf, point.ns, Vec3::new(3.0, 2.0, 1.0), 2 + n % 3);
+            let source = Source::new(&vpl, &bound);
+            let mut light = Light::on(&block);
+            // Lambertian ends on both sides have a loop of their own.
+            let block = if vpl.diffuse.is_some() { &plain } else { &block };
+            assert!(
+                block.other.is_empty() && block.light(&source, &mut work, &mut light).is_some(),
+                "lanes know"
+            );
+            for (i, eye) in eyes.iter().enumerate() {
+                let wanted = vpl.brings(eye, &bound, max_edges).unwrap_or(Vec3::ZERO);
+                let found = Vec3::new(light.color[0][i], light.color[1][i], light.color[2][i]);
+                let off = (found - wanted).length() / wanted.length().max(1e-2);
+                assert!(off < 1e-3, "light {n}, point {i}: {found} instead of {wanted}");
+                let is_dark = wanted.length() < 1e-6;
+                assert!(is_dark || light.far[i] > 0.0, "light {n}, point {i}: asks for shadow");
+                let free = vpl.brings(eye, &Bound::on_geometry_term(f32::INFINITY), max_edges);
+                lit += u32::from(wanted != Vec3::ZERO);
+                bounded += u32::from(free.is_some_and(|free| free.x > wanted.x * 1.01));
+            }
+        }
+        assert!(lit > 200 && bounded > 20, "the test has something to test: {lit}, {bounded}");
+    }
+
+    #[test]
+    fn what_lanes_do_not_know_is_left_out() {
+        let rough = |n: u32, ns: Vec3| {
+            Bsdf::new(ns, Model::Lobe(Lobe::OrenNayar { albedo: Vec3::ONE, roughness: n as f32 }))
+        };
+        let eye = |n: u32| {
+            let point = point(n);
+            let bsdf = if n == 2 { rough(1, point.ns) } else { lambert(n, point.ns) };
+            EyePoint { point, wo: point.ns, bsdf, throughput: Vec3::ONE, edges: 1, lane: n }
+        };
+        let eyes: Vec<EyePoint> = (0..5).map(eye).collect();
+        let (block, bound) = (Block::new(&eyes, 6, false), Bound::on_geometry_term(3.0));
+        assert_eq!(block.other, [2], "one is neither Lambertian nor of facets");
+        let (mut light, mut work) = (Light::on(&block), Work::default());
+        let mut some = 0;
+        for n in 1000..1100 {
+            let point = point(n);
+            let vpl = Vpl::new(point, lambert(n, point.ns), point.ns, Vec3::ONE, 1);
+            let lit = block.light(&Source::new(&vpl, &bound), &mut work, &mut light);
+            some += u32::from(lit == Some(true));
+            assert!(light.far[2] < 0.0 && light.color[0][2] == 0.0, "dark until somebody else says");
+            let other = Vpl::new(point, rough(1, point.ns), point.ns, Vec3::ONE, 1);
+            let none = block.light(&Source::new(&other, &bound), &mut work, &mut light);
+            assert!(none.is_none(), "lanes cannot know");
+        }
+        assert!(some > 10, "others are lit");
+    }
+}
