@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From a scene description to a picture: worlds (committed scenes), integrators, tiles and progressive passes.
 #![forbid(unsafe_code)]
+#![cfg_attr(
+    not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")),
+    allow(dead_code, unused_imports, reason = "lanes are compiled for wide registers only")
+)]
 
 #[macro_use]
 mod wide;
