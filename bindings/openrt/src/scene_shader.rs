@@ -179,7 +179,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         for (class, parameters, said) in [
-            ("Fong", &[][..], "did you mean \"Phong\"?"),
+            ("MateShader", &[][..], "did you mean \"MatteShader\"?"),
             ("PinholeCamera", &[], "no built-in surface class \"PinholeCamera\""),
             ("MatteShader", &[("colour", "1")], "no parameter 'colour'; there are"),
             ("MatteShader", &[("color", "1,2")], "'1,2' is not 3 numbers between commas"),
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn files_that_are_no_plugins_are_told() {
-        let folder = tempfile::tempdir().expect("a folder");
+        let folder = tempfile::Builder::new().prefix("plugins").tempdir().expect("a folder");
         let [broken, missing] = ["broken.so", "missing.so"].map(|name| folder.path().join(name));
         std::fs::write(&broken, "no library").expect("a file");
         for (file, name) in [(&broken, "broken.so"), (&missing, "missing.so")] {
