@@ -221,7 +221,7 @@ impl Bsdf {
     }
 
     /// [`sample`](Self::sample), with directions from Lambert's reflector as lanes choose them: see
-    /// [`cosine_hemisphere_by_series`](crate::sampling::cosine_hemisphere_by_series).
+    /// [`cosine_hemisphere_by_series`].
     #[must_use]
     pub fn sample_by_series(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
         match self.model {
