@@ -6,9 +6,6 @@
     allow(dead_code, unused_imports, reason = "lanes are compiled for wide registers only")
 )]
 
-#[macro_use]
-mod wide;
-
 mod accumulation;
 mod adaptive;
 mod aov;

@@ -14,6 +14,7 @@ use gnurt_accel::{Coherence, HitBatch, Ray, RayBatch};
 use gnurt_image::Filter;
 use gnurt_shading::sampling::{purpose, sample_pair, sample_pairs};
 use gnurt_shading::{CameraShader, SampleKey, Vec3s};
+use gnurt_simd::dispatch_wide;
 
 use crate::adaptive::samples_needed;
 use crate::cone::Cone;

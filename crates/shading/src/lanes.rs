@@ -2,7 +2,7 @@
 //! Sixteen points at once: vectors and rows of lanes, for code that is written once and compiled for each CPU level.
 //! Source: original. Space: whatever the caller's.
 //! Invariant: every lane does the roundings of `glam`'s scalar form in its order, so that lanes and scalar code give the
-//! same bits. All of it is inlined into what `gnurt_simd::dispatch!` enters: loops over lanes are written out, because a
+//! same bits. All of it is inlined into what `gnurt_simd::dispatch_wide!` enters: loops over lanes are written out, because a
 //! closure that is handed to an adapter of arrays or iterators may become a call, and with it each operation in it.
 //! Proof: `tests`, and those of who uses it.
 
@@ -212,7 +212,7 @@ impl Iterator for LanesOf {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gnurt_simd::{Level, dispatch};
+    use gnurt_simd::{Level, dispatch_wide};
 
     #[inline(always)]
     fn transposed<S: Simd>(simd: S) -> [[f32; LANES]; LANES] {
@@ -222,7 +222,7 @@ mod tests {
 
     #[test]
     fn rows_become_columns() {
-        let columns = dispatch!(Level::default(), simd => transposed(simd));
+        let columns = dispatch_wide!(Level::default(), simd => transposed(simd), else return);
         for (k, column) in columns.iter().enumerate() {
             assert_eq!(*column, std::array::from_fn(|i| (100 * i + k) as f32), "column {k}");
         }
@@ -245,7 +245,7 @@ mod tests {
             std::array::from_fn(|i| Vec3::new(0.3 + m * i as f32, 7.1 / (m + i as f32), -1.7 * m).fract())
         };
         let (a, b) = (vectors(0.37), vectors(1.93));
-        let found = dispatch!(Level::default(), simd => in_lanes(simd, &a, &b));
+        let found = dispatch_wide!(Level::default(), simd => in_lanes(simd, &a, &b), else return);
         for (i, found) in found.into_iter().enumerate() {
             assert_eq!(found, (a[i].dot(b[i]), a[i].normalize(), a[i] / b[i].x), "lane {i}");
         }

@@ -78,7 +78,7 @@ mod tests {
     use crate::sampling::{Basis, cosine_hemisphere, sample_pair, uniform_sphere};
     use glam::Vec3;
     use gnurt_accel::Ray;
-    use gnurt_simd::{Level, dispatch};
+    use gnurt_simd::{Level, dispatch_wide};
 
     #[inline(always)]
     fn in_lanes<S: Simd>(simd: S, points: &[(SurfacePoint, Vec3, f32); LANES]) -> [(Vec3, Ray); LANES] {
@@ -112,7 +112,7 @@ mod tests {
                 let error = if i == 12 { 0.0 } else { 8.0 * f32::EPSILON * scale };
                 (SurfacePoint { p, error, ng: n, ns: n, lift: Vec3::ZERO }, dir, dist)
             });
-            let found = dispatch!(Level::default(), simd => in_lanes(simd, &points));
+            let found = dispatch_wide!(Level::default(), simd => in_lanes(simd, &points), else return);
             for ((point, dir, dist), (org, shadow)) in points.into_iter().zip(found) {
                 let Some(ray) = point.scatter_ray(dir, false, 1.0) else { continue };
                 assert_eq!(Vec3::from(ray.org), org, "{point:?} towards {dir}");

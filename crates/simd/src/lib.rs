@@ -47,6 +47,24 @@ macro_rules! dispatch {
     };
 }
 
+/// As [`dispatch!`], but only for levels whose registers are wide enough for sixteen lanes to pay (AVX2, AVX-512, NEON); on
+/// others, and on none, the expression behind `else` is taken: lanes that are arrays take minutes to compile, and gain
+/// nothing. `dispatch_wide!(level, simd => kernel(simd, paths), else one_by_one(paths))`.
+#[macro_export]
+macro_rules! dispatch_wide {
+    ($level:expr, $simd:pat => $body:expr, else $other:expr) => {
+        match $crate::Level::token($level) {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::__Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::__Token::Avx512(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(target_arch = "aarch64")]
+            $crate::__Token::Neon(token) => $crate::__enter!(token, $simd => $body),
+            _ => $other,
+        }
+    };
+}
+
 /// The body, compiled with the instructions of `token`.
 #[doc(hidden)]
 #[macro_export]

@@ -14,6 +14,7 @@ use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::sampling::{Draws, purpose, sample_pair};
 use gnurt_shading::{LightBatch, Tracer, Vec3s};
+use gnurt_simd::dispatch_wide;
 
 use crate::tracer::{BatchTracer, Wanted};
 use crate::transport::lambert::{self, Surroundings};

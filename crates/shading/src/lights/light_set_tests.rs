@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
 use gnurt_image::{TexelData, Texels};
-use gnurt_simd::{Level, Simd, dispatch, f32x16, prelude::*};
+use gnurt_simd::{Level, Simd, dispatch_wide, f32x16, prelude::*};
 
 use super::*;
 use crate::batch::SampleKey;
@@ -382,7 +382,8 @@ fn lanes_choose_as_points_do() {
                 let [u, v, w] = numbers(16 * round + i as u32);
                 (if i == 3 { lamp(0)[0] } else { p }, n, [u, v, w])
             });
-            let found = dispatch!(Level::default(), simd => in_lanes(simd, lights, &asked, active));
+            let found =
+                dispatch_wide!(Level::default(), simd => in_lanes(simd, lights, &asked, active), else return);
             for (i, (&(p, n, u), found)) in asked.iter().zip(found).enumerate() {
                 let wanted = lights.sample(p, n, u).filter(|_| active >> i & 1 == 1);
                 let wanted = wanted.map(|sample| LightSample { light: LightId(0), ..sample });

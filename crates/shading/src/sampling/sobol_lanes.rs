@@ -157,7 +157,7 @@ fn reverse<S: Simd>(mut x: Words<S>) -> Words<S> {
 mod tests {
     use super::super::{Draws, purpose};
     use super::*;
-    use gnurt_simd::{Level, dispatch};
+    use gnurt_simd::{Level, dispatch_wide};
 
     type Pairs = [[f32; 2]; 3];
 
@@ -181,7 +181,8 @@ mod tests {
                     branch: round / 2,
                 }
             });
-            let found = dispatch!(Level::default(), simd => in_lanes(simd, seed, &keys, depth));
+            let found =
+                dispatch_wide!(Level::default(), simd => in_lanes(simd, seed, &keys, depth), else return);
             for (key, found) in keys.into_iter().zip(found) {
                 let draws = Draws::new(seed, key, depth);
                 let wanted =
@@ -190,7 +191,7 @@ mod tests {
             }
             let some = &keys[..1 + round as usize % LANES];
             let mut pairs = vec![[7.0; 2]];
-            dispatch!(Level::default(), simd => sample_pairs(simd, seed, some, depth, purpose::PIXEL, &mut pairs));
+            dispatch_wide!(Level::default(), simd => sample_pairs(simd, seed, some, depth, purpose::PIXEL, &mut pairs), else return);
             let wanted: Vec<_> =
                 some.iter().map(|&key| super::super::sample_pair(seed, key, depth, purpose::PIXEL)).collect();
             assert_eq!(pairs, wanted, "{} at once", some.len());

@@ -68,7 +68,7 @@ mod tests {
     use crate::lanes::LANES;
     use crate::sampling::sample_pair;
     use glam::Vec3;
-    use gnurt_simd::{Level, dispatch};
+    use gnurt_simd::{Level, dispatch_wide};
 
     #[inline(always)]
     fn in_lanes<S: Simd>(simd: S, u: &[[f32; 2]; LANES], n: Vec3) -> [(Vec3, [f32; 2], Vec3); LANES] {
@@ -88,7 +88,7 @@ mod tests {
             });
             let n = cosine_hemisphere(sample_pair(2, SampleKey::default(), round, 3));
             let n = if round % 2 == 0 { n } else { -n };
-            let found = dispatch!(Level::default(), simd => in_lanes(simd, &u, n));
+            let found = dispatch_wide!(Level::default(), simd => in_lanes(simd, &u, n), else return);
             for (u, (dir, weights, world)) in u.into_iter().zip(found) {
                 assert_eq!(dir, cosine_hemisphere_by_series(u), "{u:?}");
                 let wanted = cosine_hemisphere(u);
