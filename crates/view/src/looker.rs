@@ -363,6 +363,11 @@ impl Work {
             Ok(stage) => {
                 let files = stage.files.clone();
                 *lock(&self.shared.stage) = Arc::new(stage);
+                // What is shown until the next picture is of the old scene.
+                let mut wanted = lock(&self.shared.wish);
+                wanted.view += 1;
+                self.shared.view.store(wanted.view, Ordering::Relaxed);
+                drop(wanted);
                 self.pace.forget();
                 (self.tell)(News::Reloaded(files));
                 true

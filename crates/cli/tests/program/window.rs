@@ -29,8 +29,9 @@ impl Display {
             eprintln!("SKIPPED: Xvfb or xdotool is missing; .ci/run installs them");
             return None;
         }
+        // Without a reset when the last client leaves: xdotool comes and goes before there is a window.
         let mut server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"])
+            .args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp", "-noreset"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
