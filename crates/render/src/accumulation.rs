@@ -95,7 +95,7 @@ impl Accumulation {
         pool: &rayon::ThreadPool,
         progress: &dyn Progress,
     ) -> bool {
-        self.pass_until(None, world, camera, samples, pool, progress)
+        self.pass_with(None, None, world, camera, samples, pool, progress)
     }
 
     /// As [`pass`](Self::pass) with one sample, for a picture that will soon be followed by one from elsewhere: virtual
@@ -112,21 +112,9 @@ impl Accumulation {
         self.pass_with(Some(kept), None, world, camera, 1, pool, progress)
     }
 
-    /// As [`pass`](Self::pass), but ends at a moment, too.
-    pub(crate) fn pass_until(
-        &mut self,
-        deadline: Option<Instant>,
-        world: &World,
-        camera: &dyn CameraShader,
-        samples: u32,
-        pool: &rayon::ThreadPool,
-        progress: &dyn Progress,
-    ) -> bool {
-        self.pass_with(None, deadline, world, camera, samples, pool, progress)
-    }
-
-    #[expect(clippy::too_many_arguments, reason = "what two public methods have in common")]
-    fn pass_with(
+    /// As [`pass`](Self::pass), but with virtual lights that are kept, and it ends at a moment, too.
+    #[expect(clippy::too_many_arguments, reason = "what all passes have in common")]
+    pub(crate) fn pass_with(
         &mut self,
         mut kept: Option<&mut KeptLights>,
         deadline: Option<Instant>,

@@ -44,6 +44,8 @@ pub(crate) struct Job<'a> {
     pub(crate) stopped: AtomicBool,
     /// Unit direction of view, for depths along it.
     pub(crate) forward: Vec3,
+    /// Where the middle of the picture is seen from.
+    pub(crate) eye: Vec3,
     /// What pixels stand for.
     pub(crate) cone: Cone,
     /// Virtual lights of the sample that is taken, if the integrator has any.
@@ -85,6 +87,7 @@ impl<'a> Job<'a> {
         options: &'a RenderOptions,
         progress: &'a dyn Progress,
     ) -> Self {
+        let [eye, forward] = middle(camera, options);
         Self {
             world,
             camera,
@@ -95,7 +98,8 @@ impl<'a> Job<'a> {
             all_samples: 1,
             samples_done: AtomicU64::new(0),
             stopped: AtomicBool::new(false),
-            forward: forward(camera, options),
+            forward,
+            eye,
             cone: Cone::of(camera, options),
             pass: None,
             lamps: OnceLock::new(),
@@ -286,9 +290,13 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Where the middle of the picture looks.
-fn forward(camera: &dyn CameraShader, options: &RenderOptions) -> Vec3 {
+/// Where the middle of the picture is seen from, and its unit direction.
+fn middle(camera: &dyn CameraShader, options: &RenderOptions) -> [Vec3; 2] {
     let mut rays = RayBatch::default();
     camera.rays(&[[0.5, 0.5]], options.width as f32 / options.height as f32, &mut rays);
-    if rays.is_empty() { Vec3::NEG_Z } else { Vec3::from(rays.get(0).dir) }
+    if rays.is_empty() {
+        return [Vec3::ZERO, Vec3::NEG_Z];
+    }
+    let ray = rays.get(0);
+    [ray.org, ray.dir].map(Vec3::from)
 }

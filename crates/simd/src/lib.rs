@@ -32,18 +32,12 @@ pub use fearless_simd::Level as __Token;
 #[macro_export]
 macro_rules! dispatch {
     ($level:expr, $simd:pat => $body:expr) => {
-        match $crate::Level::token($level) {
+        $crate::dispatch_wide!($level, $simd => $body, else match $crate::Level::token($level) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             $crate::__Token::Sse4_2(token) => $crate::__enter!(token, $simd => $body),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::__Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::__Token::Avx512(token) => $crate::__enter!(token, $simd => $body),
-            #[cfg(target_arch = "aarch64")]
-            $crate::__Token::Neon(token) => $crate::__enter!(token, $simd => $body),
             $crate::__Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
             other => unreachable!("no level has the token {other:?}"),
-        }
+        })
     };
 }
 

@@ -11,10 +11,9 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, INVALID_ID, RayBatch};
+use gnurt_image::srgb::luminance;
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
 use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
-
-use gnurt_image::srgb::luminance;
 
 use super::cut::resample;
 use super::eye::EyePoint;

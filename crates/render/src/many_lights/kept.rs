@@ -11,7 +11,6 @@
 use std::collections::VecDeque;
 
 use glam::Vec3;
-use gnurt_accel::RayBatch;
 
 use super::lamps::LampChoice;
 use super::pass::{PassLights, bound_of};
@@ -60,11 +59,7 @@ struct View {
 
 impl View {
     fn of(job: &Job) -> Self {
-        let mut rays = RayBatch::default();
-        let aspect = job.options.width as f32 / job.options.height as f32;
-        job.camera.rays(&[[0.5, 0.5]], aspect, &mut rays);
-        let eye = if rays.is_empty() { Vec3::ZERO } else { Vec3::from(rays.get(0).org) };
-        Self { eye, forward: job.forward }
+        Self { eye: job.eye, forward: job.forward }
     }
 
     fn is_near(&self, other: &Self, extent: f32) -> bool {

@@ -5,10 +5,10 @@
 //! to `Vpl::brings`. Invariant: lanes compute what `Vpl::brings` computes, up to rounding; every CPU level gives the same
 //! bits. Proof: `tests::lanes_agree_with_single_points`.
 
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{FacetLanes, Facets, SentBack};
+use gnurt_shading::bsdf::{FacetLanes, Facets, GRAZING, SentBack};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
@@ -129,7 +129,7 @@ impl Block {
             // Lights below the horizon are left out later.
             let org = vpl::start(point, point.ns).unwrap_or(point.p);
             let lambertian = eye.bsdf.lambertian();
-            let diffuse = lambertian.unwrap_or(Vec3::ZERO) * eye.throughput * std::f32::consts::FRAC_1_PI;
+            let diffuse = lambertian.unwrap_or(Vec3::ZERO) * eye.throughput * FRAC_1_PI;
             for k in 0..3 {
                 block.p[k][i] = point.p[k];
                 block.org[k][i] = org[k];
@@ -208,49 +208,69 @@ impl Block {
     }
 }
 
-/// Lambertian virtual light on a Lambertian block: a plain loop that becomes lanes. So there is no sum of floats in it, whose order would
-/// keep the compiler from that.
+/// Cosines to the way between a lane and a light, times the length of the way.
+struct Cosines {
+    /// To the shading normals of point and light.
+    eye_b: f32,
+    vpl_b: f32,
+    /// To the geometric ones.
+    eye_g: f32,
+    vpl_g: f32,
+    /// Whether each sees the other's front, and paths may be that long.
+    sees: bool,
+}
+
+impl Block {
+    /// From lane `i` to the light.
+    #[inline(always)]
+    fn way(&self, i: usize, source: &Source) -> [f32; 3] {
+        [source.p.x - self.p[0][i], source.p.y - self.p[1][i], source.p.z - self.p[2][i]]
+    }
+
+    #[inline(always)]
+    fn cosines(&self, i: usize, source: &Source, [x, y, z]: [f32; 3]) -> Cosines {
+        let to = |normal: &[Lanes; 3]| normal[0][i] * x + normal[1][i] * y + normal[2][i] * z;
+        let from = |normal: Vec3| -(normal.x * x + normal.y * y + normal.z * z);
+        let (eye_b, eye_s, eye_g) = (to(&self.bent), to(&self.ns), to(&self.ng));
+        let (vpl_b, vpl_g) = (from(source.bent), from(source.ng));
+        let above = (eye_s > 0.0) & ((eye_g > 0.0) | (self.lifted[i] > 0.0));
+        let sees = above & (eye_b > 0.0) & (vpl_g > 0.0) & (source.edges <= self.most_edges[i]);
+        Cosines { eye_b, vpl_b, eye_g, vpl_g, sees }
+    }
+
+    /// The shadow ray's way.
+    #[inline(always)]
+    fn shadow_way(&self, i: usize, source: &Source) -> [f32; 3] {
+        [source.end.x - self.org[0][i], source.end.y - self.org[1][i], source.end.z - self.org[2][i]]
+    }
+}
+
+/// Lambertian virtual light on a Lambertian block: a plain loop that becomes lanes. So there is no sum of floats in it,
+/// whose order would keep the compiler from that.
 #[inline(always)]
 fn lambertian(block: &Block, source: &Source, diffuse: Vec3, light: &mut Light) -> bool {
-    let (mut lit, bound) = (0, source.bound * std::f32::consts::PI);
-    let [px, py, pz] = &block.p;
-    let [ox, oy, oz] = &block.org;
-    let [bx, by, bz] = &block.bent;
-    let [sx, sy, sz] = &block.ns;
-    let [gx, gy, gz] = &block.ng;
+    let (mut lit, bound) = (0, source.bound * PI);
     let [wx, wy, wz] = &mut light.way;
     let [r, g, b] = &mut light.color;
     for i in 0..BLOCK {
-        let (x, y, z) = (source.p.x - px[i], source.p.y - py[i], source.p.z - pz[i]);
+        let [x, y, z] = block.way(i, source);
         let distance2 = x * x + y * y + z * z;
-        let eye_b = bx[i] * x + by[i] * y + bz[i] * z;
-        let eye_s = sx[i] * x + sy[i] * y + sz[i] * z;
-        let eye_g = gx[i] * x + gy[i] * y + gz[i] * z;
-        let vpl_b = -(source.bent.x * x + source.bent.y * y + source.bent.z * z);
-        let vpl_g = -(source.ng.x * x + source.ng.y * y + source.ng.z * z);
+        let Cosines { eye_b, vpl_b, eye_g, vpl_g, sees } = block.cosines(i, source, [x, y, z]);
         let over = 1.0 / (distance2 * distance2);
         // Both ways to choose the edge, as cosines over distance squared.
         let largest = (eye_b * vpl_g).max(vpl_b * eye_g.abs()) * over;
         let share = if largest > bound { bound / largest } else { 1.0 };
-        let above = (eye_s > 0.0) & ((eye_g > 0.0) | (block.lifted[i] > 0.0));
-        let sees = above & (eye_b > 0.0) & (vpl_g > 0.0);
-        let lit_here = sees & (source.edges <= block.most_edges[i]) & (over < f32::INFINITY);
+        let lit_here = sees & (over < f32::INFINITY);
         let value = if lit_here { eye_b * vpl_g * over * share } else { 0.0 };
         light.far[i] = if lit_here { END } else { -1.0 };
         lit |= u32::from(value > 0.0);
         r[i] = value * block.diffuse[0][i] * diffuse.x;
         g[i] = value * block.diffuse[1][i] * diffuse.y;
         b[i] = value * block.diffuse[2][i] * diffuse.z;
-        wx[i] = source.end.x - ox[i];
-        wy[i] = source.end.y - oy[i];
-        wz[i] = source.end.z - oz[i];
+        [wx[i], wy[i], wz[i]] = block.shadow_way(i, source);
     }
     lit > 0
 }
-
-/// A virtual light that is seen from below this cosine to its shading normal, or from behind it, is seen from there, as by its
-/// BSDF.
-const GRAZING: f32 = 1e-3;
 
 /// A virtual light that is Lambertian or of facets on a block of such points.
 #[inline(always)]
@@ -324,34 +344,20 @@ fn sent_by_lambert(diffuse: Vec3, work: &mut Work) {
 /// Directions, cosines, distances, and the ways of shadow rays.
 #[inline(always)]
 fn geometry(block: &Block, source: &Source, work: &mut Work, light: &mut Light) {
-    let [px, py, pz] = &block.p;
-    let [ox, oy, oz] = &block.org;
-    let [bx, by, bz] = &block.bent;
-    let [sx, sy, sz] = &block.ns;
-    let [gx, gy, gz] = &block.ng;
     let [wx, wy, wz] = &mut light.way;
     let [tx, ty, tz] = &mut work.to;
     for i in 0..BLOCK {
-        let (x, y, z) = (source.p.x - px[i], source.p.y - py[i], source.p.z - pz[i]);
+        let [x, y, z] = block.way(i, source);
         let near = 1.0 / (x * x + y * y + z * z);
         let to_unit = near.sqrt();
-        let (x, y, z) = (x * to_unit, y * to_unit, z * to_unit);
-        let eye_b = bx[i] * x + by[i] * y + bz[i] * z;
-        let eye_s = sx[i] * x + sy[i] * y + sz[i] * z;
-        let eye_g = gx[i] * x + gy[i] * y + gz[i] * z;
-        let vpl_b = -(source.bent.x * x + source.bent.y * y + source.bent.z * z);
-        let vpl_g = -(source.ng.x * x + source.ng.y * y + source.ng.z * z);
-        let above = (eye_s > 0.0) & ((eye_g > 0.0) | (block.lifted[i] > 0.0));
-        let sees = above & (eye_b > 0.0) & (vpl_g > 0.0);
-        let lit_here = sees & (source.edges <= block.most_edges[i]) & (near < f32::INFINITY);
-        work.near[i] = if lit_here { near } else { 0.0 };
+        let to = [x * to_unit, y * to_unit, z * to_unit];
+        let Cosines { eye_b, vpl_b, eye_g, vpl_g, sees } = block.cosines(i, source, to);
+        work.near[i] = if sees & (near < f32::INFINITY) { near } else { 0.0 };
         work.eye_b[i] = eye_b.max(f32::MIN_POSITIVE);
         work.vpl_b[i] = vpl_b;
         (work.eye_g[i], work.vpl_g[i]) = (eye_g, vpl_g);
-        (tx[i], ty[i], tz[i]) = (x, y, z);
-        wx[i] = source.end.x - ox[i];
-        wy[i] = source.end.y - oy[i];
-        wz[i] = source.end.z - oz[i];
+        [tx[i], ty[i], tz[i]] = to;
+        [wx[i], wy[i], wz[i]] = block.shadow_way(i, source);
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where light paths start at lights that only know `illuminate`, and at an environment that only knows `miss`: asked about some points, a light that is always seen at
-//! one place, or in one direction, is a point light or a directional one. What it sends is asked where a path arrives.
+//! Where light paths start at lights that only know `illuminate`, and at an environment that only knows `miss`: asked
+//! about some points, a light that is always seen at one place, or in one direction, is a point light or a directional one.
+//! What it sends is asked where a path arrives.
 //! Source: original. Space: world. Units: as `LightBatch`.
 //! Invariant: unbiased for lights of these two kinds; others, and those that light none of the points, start no paths.
 //! Proof: `tests`, crates/render/tests/shader_lights.rs.

@@ -304,23 +304,24 @@ fn write_vectors<S: Simd>([x, y, z]: [&mut [f32]; 3], at: usize, lanes: Mask<S>,
 /// Sixteen words from place `at` on; zeros beyond the end.
 #[inline(always)]
 pub(crate) fn load_words<S: Simd>(simd: S, array: &[u32], at: usize) -> Words<S> {
-    if let Some(part) = array.get(at..at + LANES) {
-        return u32x16::from_slice(simd, part);
+    match array.get(at..at + LANES) {
+        Some(part) => u32x16::from_slice(simd, part),
+        None => u32x16::from_slice(simd, &padded(&array[at..])),
     }
-    let mut part = [0; LANES];
-    part.iter_mut().zip(&array[at..]).for_each(|(out, &x)| *out = x);
-    u32x16::from_slice(simd, &part)
 }
 
 /// Sixteen floats from place `at` on; zeros beyond the end.
 #[inline(always)]
 pub(crate) fn load_floats<S: Simd>(simd: S, array: &[f32], at: usize) -> Floats<S> {
-    if let Some(part) = array.get(at..at + LANES) {
-        return Floats::from_slice(simd, part);
+    match array.get(at..at + LANES) {
+        Some(part) => Floats::from_slice(simd, part),
+        None => Floats::from_slice(simd, &padded(&array[at..])),
     }
-    let mut part = [0.0; LANES];
-    part.iter_mut().zip(&array[at..]).for_each(|(out, &x)| *out = x);
-    Floats::from_slice(simd, &part)
+}
+
+/// The last lanes of an array, and zeros.
+fn padded<T: Copy + Default>(rest: &[T]) -> [T; LANES] {
+    std::array::from_fn(|i| rest.get(i).copied().unwrap_or_default())
 }
 
 /// Sixteen vectors from place `at` on; zeros beyond the end.

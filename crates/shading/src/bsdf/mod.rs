@@ -136,8 +136,8 @@ impl Lobes {
     }
 }
 
-/// A `wo` nearer to the shading normal's horizon than this, or below it, counts as that near.
-const GRAZING: f32 = 1e-3;
+/// Cosine: a `wo` nearer to the shading normal's horizon than this, or below it, counts as that near.
+pub const GRAZING: f32 = 1e-3;
 
 impl Bsdf {
     /// A BSDF around the unit shading normal `ns`, which is on the side that the first ray came from.
