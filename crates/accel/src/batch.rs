@@ -14,7 +14,7 @@ use crate::candidates::Candidates;
 use crate::nearest::{AnyHit, Best, Closest, Collect, Mode, Nearest};
 use crate::point::{NearestPoint, PointHit, Probe};
 use crate::tile::{Headings, LANES, NearestTile, RayTile, TILE, all, chunk};
-use crate::{Coherence, Counters, Hit, HitBatch, INVALID_ID, Query, Ray, RayBatch, Record};
+use crate::{Coherence, Counters, Hit, HitBatch, INVALID_ID, Pencil, Query, Ray, RayBatch, Record};
 
 /// What rays can be sent into: an object or a scene.
 pub(crate) trait Traceable {
@@ -124,6 +124,36 @@ pub(crate) fn occluded<T: Traceable>(
     occluded.clear();
     occluded.resize(rays.len(), false);
     trace::<AnyHit, T>(target, query, rays, &mut Flags(occluded), record);
+}
+
+/// Which rays of a pencil hit anything.
+pub(crate) fn occluded_pencil<T: Traceable>(
+    target: &T,
+    query: &Query,
+    pencil: &Pencil,
+    record: &mut Record,
+) -> u64 {
+    let counters = &mut record.counters;
+    dispatch!(query.level, simd => trace_pencil(simd, target, query.mask, pencil, counters))
+}
+
+#[inline(always)]
+fn trace_pencil<S: Simd, T: Traceable>(
+    simd: S,
+    target: &T,
+    mask: u32,
+    pencil: &Pencil,
+    counters: &mut Counters,
+) -> u64 {
+    let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
+    let active = tile.load_pencil(simd, pencil, &mut nearest);
+    tile.mask = mask;
+    counters.rays += u64::from(active.count_ones());
+    if active == 0 {
+        return 0;
+    }
+    target.tile::<S, AnyHit>(simd, &tile, active, &mut nearest, counters);
+    active & nearest.hit(simd)
 }
 
 /// Where answers go.

@@ -6,7 +6,7 @@
 use crate::batch::{self, One};
 use crate::candidates::{Sorted, is_better};
 use crate::{
-    AnyRay, Hit, HitBatch, ObjectTree, PointHit, PrimitiveId, Query, Ray, RayBatch, Record, SceneTree,
+    AnyRay, Hit, HitBatch, ObjectTree, Pencil, PointHit, PrimitiveId, Query, Ray, RayBatch, Record, SceneTree,
 };
 
 macro_rules! ray_queries {
@@ -185,6 +185,12 @@ macro_rules! ray_queries {
                 record: &mut Record,
             ) {
                 batch::occluded(self, query, rays, occluded, record);
+            }
+
+            /// Which rays of a pencil hit anything, as bits. They are traced together, whatever `query` says of
+            /// coherence; what each costs is not noted.
+            pub fn occluded_pencil(&self, query: &Query, pencil: &Pencil, record: &mut Record) -> u64 {
+                batch::occluded_pencil(self, query, pencil, record)
             }
 
             /// Closest hits that `accept` lets pass for ray `i` of the batch; `hits` is resized to it. The rays are

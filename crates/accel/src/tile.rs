@@ -10,7 +10,7 @@ use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 
 use crate::nearest::{Best, Collect, Mode, Nearest};
 use crate::packet::Heading;
-use crate::{INVALID_ID, Ray, RayBatch};
+use crate::{INVALID_ID, Pencil, Ray, RayBatch};
 
 /// Rays per tile: one bit each in a word.
 pub(crate) const TILE: usize = 64;
@@ -39,6 +39,9 @@ pub(crate) struct RayTile {
     pub(crate) t_near: PerRay,
     /// What all of them see: rays of different masks go into different tiles.
     pub(crate) mask: u32,
+    /// Whether lanes that are not active hold rays all the same, which look for nothing (`t` is -inf): then the tile
+    /// need not be copied where a few lanes are missing.
+    pub(crate) is_full: bool,
 }
 
 /// Best hits of a tile's rays; see [`Nearest`].
@@ -53,8 +56,13 @@ pub(crate) struct NearestTile {
 }
 
 impl RayTile {
-    pub(crate) const EMPTY: Self =
-        Self { org: [[0.0; TILE]; 3], dir: [[0.0; TILE]; 3], t_near: [0.0; TILE], mask: u32::MAX };
+    pub(crate) const EMPTY: Self = Self {
+        org: [[0.0; TILE]; 3],
+        dir: [[0.0; TILE]; 3],
+        t_near: [0.0; TILE],
+        mask: u32::MAX,
+        is_full: false,
+    };
 
     /// Loads rays `first..first + 64` of a batch as far as it goes; bits of those that are sound.
     #[inline(always)]
@@ -91,6 +99,38 @@ impl RayTile {
         }
         nearest.number = [INVALID_ID; TILE];
         nearest.slot = [INVALID_ID; TILE];
+    }
+
+    /// Loads a pencil into a tile and best hits that are empty; bits of the rays that are sound. Lanes of others get the
+    /// direction of the first.
+    #[inline(always)]
+    pub(crate) fn load_pencil<S: Simd>(
+        &mut self,
+        simd: S,
+        pencil: &Pencil,
+        nearest: &mut NearestTile,
+    ) -> u64 {
+        self.dir = pencil.dir;
+        nearest.t = pencil.t_far;
+        for k in 0..3 {
+            self.org[k] = [pencil.org[k]; TILE];
+        }
+        let sound = self.sound(simd, nearest);
+        self.is_full = true;
+        if sound != u64::MAX {
+            let first = sound.trailing_zeros() as usize & (TILE - 1);
+            let none = f32x16::splat(simd, f32::NEG_INFINITY);
+            for at in (0..TILE).step_by(LANES) {
+                let keep = mask32x16::from_bitmask(simd, sound >> at & 0xffff);
+                for k in 0..3 {
+                    let copy = f32x16::splat(simd, pencil.dir[k][first]);
+                    keep.select(chunk(simd, &self.dir[k], at), copy)
+                        .store_slice(&mut self.dir[k][at..at + LANES]);
+                }
+                keep.select(chunk(simd, &nearest.t, at), none).store_slice(&mut nearest.t[at..at + LANES]);
+            }
+        }
+        sound
     }
 
     /// Bits of the rays that can hit something: [`Ray::is_sound`] for each.
@@ -154,7 +194,7 @@ impl RayTile {
             left &= !bits;
             if bits.count_ones() < WORTH_A_TILE {
                 alone |= bits;
-            } else if bits == u64::MAX {
+            } else if bits == u64::MAX || self.is_as_good_as_full(&ways, bits) {
                 sweep(self, TILE, heading, nearest);
             } else {
                 let (mut some, mut best) = (Self::EMPTY, NearestTile::EMPTY);
@@ -164,6 +204,15 @@ impl RayTile {
             }
         }
         alone
+    }
+
+    /// Whether the tile can be swept as it is for the rays in `bits`: no lanes would be saved without the others, all of
+    /// which go the same way.
+    #[inline(always)]
+    fn is_as_good_as_full(&self, ways: &Headings, bits: u64) -> bool {
+        self.is_full
+            && bits.count_ones() as usize > TILE - LANES
+            && ways.like(bits.trailing_zeros() as usize & (TILE - 1), ways.regular).1 == u64::MAX
     }
 
     /// The rays in `bits` side by side, with their best hits; fills up to a multiple of 16 with copies of the first
@@ -177,6 +226,7 @@ impl RayTile {
         best: &mut NearestTile,
     ) -> usize {
         rays.mask = self.mask;
+        rays.is_full = false;
         let first = bits.trailing_zeros() as usize & (TILE - 1);
         let mut count = 0;
         while bits != 0 {

@@ -60,6 +60,7 @@ impl Statistics<'_> {
                 "total": render.rays(),
                 "per_second": self.rays_per_second(),
             },
+            "gather": { "rays": render.gather_rays, "seconds": render.gather_seconds },
             "samples": render.samples,
             "bad_samples": render.bad_samples,
             "nodes_visited": render.nodes_visited,

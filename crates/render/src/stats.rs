@@ -13,6 +13,10 @@ pub struct RenderStats {
     pub shadow_rays: u64,
     /// Rays that shaders sent: mirrored, refracted, straight on.
     pub secondary_rays: u64,
+    /// Of the shadow rays, those towards virtual lights that all seen points gather from.
+    pub gather_rays: u64,
+    /// Seconds that threads spent on gathering, all of them together; not kept in checkpoints.
+    pub gather_seconds: f64,
     /// Tree nodes visited by all rays.
     pub nodes_visited: u64,
     /// Triangles tested by all rays.
@@ -45,6 +49,8 @@ impl RenderStats {
         self.camera_rays += other.camera_rays;
         self.shadow_rays += other.shadow_rays;
         self.secondary_rays += other.secondary_rays;
+        self.gather_rays += other.gather_rays;
+        self.gather_seconds += other.gather_seconds;
         self.nodes_visited += other.nodes_visited;
         self.triangles_tested += other.triangles_tested;
         self.samples += other.samples;

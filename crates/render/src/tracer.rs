@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, HitBatch, Query, RayBatch, Record};
+use gnurt_accel::{Coherence, HitBatch, Pencil, Query, RayBatch, Record};
 use gnurt_shading::bsdf::Scattering;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{Detail, LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
@@ -237,6 +237,12 @@ impl<'w> BatchTracer<'w> {
         let query = Query { level: self.options.level, coherence: self.shadows, ..Query::default() };
         self.world.tree().occluded_batch(&query, rays, blocked, &mut self.record);
         self.note_costs(keys);
+    }
+
+    /// Which of a virtual light's rays hit anything, as bits.
+    pub(crate) fn occluded_pencil(&mut self, rays: &Pencil) -> u64 {
+        let query = Query { level: self.options.level, ..Query::default() };
+        self.world.tree().occluded_pencil(&query, rays, &mut self.record)
     }
 
     fn occluded_by_opaque(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {

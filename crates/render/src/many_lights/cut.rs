@@ -8,7 +8,7 @@
 use glam::Vec3;
 
 use super::eye::EyePoint;
-use super::vpl::Vpl;
+use super::lanes::Source;
 
 /// Virtual lights that a tile gathers from, at most.
 pub(super) const MOST: usize = 2048;
@@ -16,15 +16,16 @@ pub(super) const MOST: usize = 2048;
 const WITNESSES: usize = 4;
 
 /// The lights for a tile that sees `points`, weighted; `None` if it may ask all of them. `u` in [0, 1).
-pub(super) fn cut(points: &[EyePoint], vpls: &[Vpl], most: usize, u: f32) -> Option<Vec<Vpl>> {
-    if vpls.len() <= most || points.is_empty() {
+pub(super) fn cut(points: &[EyePoint], sources: &[Source], most: usize, u: f32) -> Option<Vec<Source>> {
+    if sources.len() <= most || points.is_empty() {
         return None;
     }
     let step = points.len().div_ceil(WITNESSES);
     let witnesses: Vec<Vec3> = points.iter().step_by(step).map(|point| point.point.p).collect();
     let far = |p: Vec3| witnesses.iter().map(|w| w.distance_squared(p)).fold(0.0, f32::max);
     let extent = far(witnesses[0]).max(f32::MIN_POSITIVE);
-    let promise = |vpl: &Vpl| {
+    let promise = |source: &Source| {
+        let vpl = &source.vpl;
         let to = |w: &Vec3| {
             let way = *w - vpl.point.p;
             let cos = vpl.point.ng.dot(way.normalize_or_zero()).max(0.0);
@@ -32,8 +33,8 @@ pub(super) fn cut(points: &[EyePoint], vpls: &[Vpl], most: usize, u: f32) -> Opt
         };
         f64::from(vpl.strength() * witnesses.iter().map(to).sum::<f32>())
     };
-    let chosen = resample(vpls.iter().map(promise), most, u);
-    Some(chosen.into_iter().map(|(i, weight)| vpls[i].scaled(weight)).collect())
+    let chosen = resample(sources.iter().map(promise), most, u);
+    Some(chosen.into_iter().map(|(i, weight)| sources[i].scaled(weight)).collect())
 }
 
 /// Chooses `count` times among weights, evenly spaced along their sum: places and one over how often each is chosen on

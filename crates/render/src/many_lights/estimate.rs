@@ -190,10 +190,10 @@ fn go_on(
         let seen: Vec<EyePoint> =
             stops.iter().filter(|stop| stop.walk.is_seen).map(|stop| stop.eye).collect();
         if texels.is_none() {
-            gather(tracer, &seen, keys, &pass.vpls, &pass.bound, radiance);
+            gather(tracer, &seen, keys, pass.whole(), &pass.bound, radiance);
         } else if let Some(n) = tracer.options.pattern() {
             let place = |eye: &&EyePoint| place_of(keys[eye.lane as usize].pixel, tracer.options.width, n);
-            for (number, share) in pass.shares.iter().enumerate() {
+            for (number, share) in pass.sources.iter().enumerate() {
                 let there: Vec<EyePoint> = seen.iter().filter(|eye| place(eye) == number).copied().collect();
                 gather(tracer, &there, keys, share, &pass.bound, radiance);
             }

@@ -2,12 +2,15 @@
 //! All virtual lights on all points that a tile of camera rays sees.
 //! Source: [Kel97]; rays that share the virtual light and neighbouring ends are traced together, as [WKB*02] and the paper's
 //! section 7 want it. Space: world.
-//! Flow: points become arrays once; for each virtual light one pass over them in lanes (`lanes.rs`), one by one where lanes do
-//! not know a BSDF; one batch of shadow rays; sums.
+//! Flow: points that lie near each other become blocks of arrays; block by block, for each virtual light, neighbours after
+//! neighbours: one pass over the block in lanes (`lanes.rs`), its shadow rays as one pencil from the light, sums in lanes. What
+//! lanes do not know (BSDFs, surfaces with holes, costs) goes ray by ray.
+//! Invariant: what a point gets does not depend on the points beside it, but for the order of its sum.
 //! Proof: crates/render/tests/many_lights.rs.
 
+use std::time::Instant;
+
 use glam::Vec3;
-use gnurt_accel::RayBatch;
 use gnurt_shading::sampling::sample_pair;
 use gnurt_shading::{RayRequest, SampleKey, Tracer, Vec3s};
 use gnurt_simd::dispatch;
@@ -15,152 +18,169 @@ use gnurt_simd::dispatch;
 use super::bound::Bound;
 use super::cut::{MOST, cut};
 use super::eye::EyePoint;
-use super::lanes::{BLOCK, Block, END, Light, Source, Work};
+use super::lanes::{BLOCK, Block, Color, END, Light, Source, Work};
+use super::neighbours;
 use super::vpl::{self, Vpl};
 use crate::tracer::BatchTracer;
 
 /// Purpose of the number that chooses virtual lights for a tile.
 const CUT: u32 = 0x6000;
 
+/// Virtual lights ready to be gathered, such that neighbours in the list are neighbours.
+pub(super) fn sources(vpls: &[Vpl], bound: &Bound) -> Vec<Source> {
+    let places: Vec<Vec3> = vpls.iter().map(|vpl| vpl.point.p).collect();
+    neighbours::in_order(&places, 1).into_iter().map(|i| Source::new(&vpls[i as usize], bound)).collect()
+}
+
 /// Gathers; adds to `radiance` by lane.
-pub(crate) fn gather(
+pub(super) fn gather(
     tracer: &mut BatchTracer,
     points: &[EyePoint],
     keys: &[SampleKey],
-    vpls: &[Vpl],
+    sources: &[Source],
     bound: &Bound,
     radiance: &mut Vec3s,
 ) {
-    if points.is_empty() || vpls.is_empty() {
+    if points.is_empty() || sources.is_empty() {
         return;
     }
-    let max_edges = tracer.options.max_depth;
+    let (begin, rays_before) = (Instant::now(), tracer.stats.shadow_rays);
+    gather_all(tracer, points, keys, sources, bound, radiance);
+    tracer.stats.gather_rays += tracer.stats.shadow_rays - rays_before;
+    tracer.stats.gather_seconds += begin.elapsed().as_secs_f64();
+}
+
+fn gather_all(
+    tracer: &mut BatchTracer,
+    points: &[EyePoint],
+    keys: &[SampleKey],
+    sources: &[Source],
+    bound: &Bound,
+    radiance: &mut Vec3s,
+) {
     let [u, _] = sample_pair(tracer.options.seed, keys[points[0].lane as usize], 0, CUT);
-    let fewer = cut(points, vpls, MOST, u);
-    let vpls = fewer.as_deref().unwrap_or(vpls);
-    let with_facets = vpls.iter().any(|vpl| vpl.diffuse.is_none());
-    let new_block = |chunk| Block::new(chunk, max_edges, with_facets);
-    let blocks: Vec<Block> = points.chunks(BLOCK).map(new_block).collect();
-    let mut sums = vec![Vec3::ZERO; points.len()];
-    let mut lights: Vec<Light> = blocks.iter().map(Light::on).collect();
-    let mut work = Box::<Work>::default();
-    // Origins of blocks that a light may reach follow each other here.
-    let mut request = RayRequest { rays: RayBatch::with_capacity(points.len()), ..RayRequest::default() };
-    let mut lit_blocks = Vec::with_capacity(blocks.len());
-    let mut blocked = Vec::new();
-    let mut through = Vec3s::default();
-    let level = tracer.options.level;
-    for vpl in vpls {
-        let source = Source::new(vpl, bound);
-        lit_blocks.clear();
-        request.rays.clear();
-        request.key.clear();
-        for (n, (block, light)) in blocks.iter().zip(&mut lights).enumerate() {
-            let first = n * BLOCK;
-            let by_lanes = dispatch!(level, _simd => block.light(&source, &mut work, light));
-            let lit = match by_lanes {
-                Some(lit) => {
-                    let others = block.other.iter().copied();
-                    one_by_one(others, vpl, &points[first..], bound, max_edges, light) | lit
-                }
-                None => {
-                    light.clear();
-                    one_by_one(0..block.used, vpl, &points[first..], bound, max_edges, light)
-                }
+    let fewer = cut(points, sources, MOST, u);
+    let sources = fewer.as_deref().unwrap_or(sources);
+    let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
+    // Pencils know neither holes nor costs.
+    let by_pencils = tracer.world.shading().all_solid && tracer.costs.is_none();
+    let (mut light, mut work) = (Box::<Light>::default(), Box::<Work>::default());
+    for eyes in blocks(points) {
+        let block = Block::new(&eyes, max_edges);
+        let keys: Vec<SampleKey> = eyes.iter().map(|eye| keys[eye.lane as usize]).collect();
+        let (mut sums, mut single) = (Color::default(), Single::default());
+        for source in sources {
+            let lanes = if block.other.len() == eyes.len() {
+                None
+            } else if block.may_get(source) {
+                dispatch!(level, _simd => block.light(source, &mut work, &mut light))
+            } else {
+                Some(0)
             };
-            if lit {
-                lit_blocks.push(n);
-                let used = block.used;
-                for k in 0..3 {
-                    request.rays.org[k].extend_from_slice(&light.org[k][..used]);
-                    request.rays.dir[k].extend_from_slice(&light.way[k][..used]);
+            match lanes {
+                Some(0) => {}
+                Some(count) if by_pencils => {
+                    tracer.stats.shadow_rays += u64::from(count);
+                    let hit = tracer.occluded_pencil(&light.rays);
+                    dispatch!(level, _simd => sums.add(&light.color, hit));
                 }
-                request.rays.t_near.resize(request.rays.t_near.len() + used, 0.0);
-                request.rays.t_far.extend_from_slice(&light.far[..used]);
-            }
-        }
-        if lit_blocks.is_empty() {
-            continue;
-        }
-        let rays = &request.rays;
-        tracer.stats.shadow_rays += rays.t_far.iter().filter(|&&far| far > 0.0).count() as u64;
-        if tracer.world.shading().all_solid {
-            let cost_keys = if tracer.costs.is_some() { keys } else { &[] };
-            tracer.occluded_batch(rays, &cost_keys_of(cost_keys, points, &lit_blocks), &mut blocked);
-            let mut at = 0;
-            for &n in &lit_blocks {
-                let (block, light) = (&blocks[n], &lights[n]);
-                let sums = &mut sums[n * BLOCK..n * BLOCK + block.used];
-                for (i, sum) in sums.iter_mut().enumerate() {
-                    if !blocked[at + i] {
-                        *sum += Vec3::new(light.color[0][i], light.color[1][i], light.color[2][i]);
+                Some(_) => {
+                    let lit = |i: &usize| light.rays.t_far[*i] > 0.0;
+                    for i in (0..eyes.len()).filter(lit) {
+                        let way = Vec3::from(light.rays.org) - block.end(i);
+                        single.push((block.end(i), way), keys[i], i, light.color.get(i));
                     }
                 }
-                at += block.used;
-            }
-        } else {
-            for &n in &lit_blocks {
-                request
-                    .key
-                    .extend(points[n * BLOCK..][..blocks[n].used].iter().map(|p| keys[p.lane as usize]));
-            }
-            // Counted above, lanes without light left out.
-            let counted = tracer.stats.shadow_rays;
-            tracer.occluded(&request, &mut through);
-            tracer.stats.shadow_rays = counted;
-            let mut at = 0;
-            for &n in &lit_blocks {
-                let (block, light) = (&blocks[n], &lights[n]);
-                for i in 0..block.used {
-                    let color = Vec3::new(light.color[0][i], light.color[1][i], light.color[2][i]);
-                    sums[n * BLOCK + i] += color * through.get(at + i);
+                None => {
+                    (0..eyes.len()).for_each(|i| single.ask(&source.vpl, i, &eyes, &keys, bound, max_edges))
                 }
-                at += block.used;
+            }
+            if lanes.is_some() {
+                for &i in &block.other {
+                    single.ask(&source.vpl, i, &eyes, &keys, bound, max_edges);
+                }
+            }
+            if single.lanes.len() >= ENOUGH {
+                single.settle(tracer, &mut sums);
             }
         }
-    }
-    for (point, sum) in points.iter().zip(sums) {
-        radiance.add(point.lane as usize, sum);
+        single.settle(tracer, &mut sums);
+        for (i, eye) in eyes.iter().enumerate() {
+            radiance.add(eye.lane as usize, sums.get(i));
+        }
     }
 }
 
-/// Keys of the rays' pixels, if costs are counted.
-fn cost_keys_of(keys: &[SampleKey], points: &[EyePoint], lit_blocks: &[usize]) -> Vec<SampleKey> {
-    if keys.is_empty() {
-        return Vec::new();
-    }
-    let of_block = |&n: &usize| points.chunks(BLOCK).nth(n).unwrap_or_default();
-    lit_blocks.iter().flat_map(of_block).map(|point| keys[point.lane as usize]).collect()
+/// The points of a tile such that those of a block lie near each other and do alike to light.
+fn blocks(points: &[EyePoint]) -> impl Iterator<Item = Vec<EyePoint>> {
+    let kinds = [0, 1, 2].map(|kind| points.iter().filter(|eye| kind_of(eye) == kind).copied().collect());
+    let in_order = |kind: Vec<EyePoint>| {
+        let places: Vec<Vec3> = kind.iter().map(|eye| eye.point.p).collect();
+        neighbours::in_order(&places, BLOCK).into_iter().map(move |i| kind[i as usize])
+    };
+    let all: Vec<EyePoint> = kinds.into_iter().flat_map(in_order).collect();
+    (0..all.len()).step_by(BLOCK).map(move |first| all[first..all.len().min(first + BLOCK)].to_vec())
 }
 
-/// The points where lanes do not know what a BSDF does.
-fn one_by_one(
-    which: impl Iterator<Item = usize>,
-    vpl: &Vpl,
-    points: &[EyePoint],
-    bound: &Bound,
-    max_edges: u32,
-    light: &mut Light,
-) -> bool {
-    let mut lit = false;
-    for i in which {
-        light.far[i] = -1.0;
-        let brought = vpl.brings(&points[i], bound, max_edges).filter(|brought| brought.is_finite());
-        let color = brought.unwrap_or(Vec3::ZERO);
-        for k in 0..3 {
-            light.color[k][i] = color[k];
-        }
-        if brought.is_some() {
-            lit = true;
-            light.far[i] = END;
-            let way = vpl.point.p - points[i].point.p;
-            let start = vpl::start(&points[i].point, way).unwrap_or(points[i].point.p);
-            let way = vpl::end(&vpl.point, -way) - start;
-            for k in 0..3 {
-                light.org[k][i] = start[k];
-                light.way[k][i] = way[k];
-            }
-        }
+/// Lambertian, of facets, or what lanes may not know.
+fn kind_of(eye: &EyePoint) -> usize {
+    use gnurt_shading::bsdf::Facets;
+    if eye.bsdf.lambertian().is_some() {
+        0
+    } else if Facets::new(&eye.bsdf, eye.wo).is_some() {
+        1
+    } else {
+        2
     }
-    lit
+}
+
+/// Rays that go together.
+const ENOUGH: usize = 1024;
+
+/// Rays that do not go by pencils.
+#[derive(Default)]
+struct Single {
+    request: RayRequest,
+    /// Which lane of the block each belongs to, and what arrives if nothing is in between.
+    lanes: Vec<(usize, Vec3)>,
+    through: Vec3s,
+}
+
+impl Single {
+    fn push(&mut self, (start, way): (Vec3, Vec3), key: SampleKey, lane: usize, color: Vec3) {
+        let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
+        self.request.rays.push(ray);
+        self.request.key.push(key);
+        self.lanes.push((lane, color));
+    }
+
+    /// What a virtual light brings to lane `i`, whatever its BSDF.
+    fn ask(
+        &mut self,
+        vpl: &Vpl,
+        i: usize,
+        eyes: &[EyePoint],
+        keys: &[SampleKey],
+        bound: &Bound,
+        max_edges: u32,
+    ) {
+        let eye = &eyes[i];
+        let Some(color) = vpl.brings(eye, bound, max_edges).filter(|color| color.is_finite()) else { return };
+        let way = vpl.point.p - eye.point.p;
+        let start = vpl::start(&eye.point, way).unwrap_or(eye.point.p);
+        self.push((start, vpl::end(&vpl.point, -way) - start), keys[i], i, color);
+    }
+
+    /// Adds what arrives.
+    fn settle(&mut self, tracer: &mut BatchTracer, sums: &mut Color) {
+        if self.lanes.is_empty() {
+            return;
+        }
+        tracer.occluded(&self.request, &mut self.through);
+        for (n, (lane, color)) in self.lanes.drain(..).enumerate() {
+            sums.set(lane, sums.get(lane) + color * self.through.get(n));
+        }
+        self.request.rays.clear();
+        self.request.key.clear();
+    }
 }

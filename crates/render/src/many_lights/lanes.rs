@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One virtual light on a block of points, lane by lane: geometry, both ends' BSDFs, the bound.
 //! Source: [Kel97]; loops over arrays that compilers turn into vector code. Space: world.
-//! Two kernels: for Lambertian ends, and for facets over a body, of which Lambert's reflector is one. What is neither is left
-//! to `Vpl::brings`. Invariant: lanes compute what `Vpl::brings` computes, up to rounding; every CPU level gives the same
-//! bits. Proof: `tests::lanes_agree_with_single_points`.
+//! Ends are Lambertian, or facets over a body, of which Lambert's reflector is one; what is neither is left to
+//! `Vpl::brings`. Shadow rays start at the light: as a cone from one point they are narrower than as a bundle to it.
+//! Invariant: lanes compute what `Vpl::brings` computes, up to rounding; every CPU level gives the same bits.
+//! Proof: `tests::lanes_agree_with_single_points`.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
+use gnurt_accel::Pencil;
 use gnurt_shading::bsdf::{FacetLanes, Facets, GRAZING, SentBack};
 
 use super::bound::Bound;
@@ -15,15 +17,15 @@ use super::eye::EyePoint;
 use super::vpl::{self, Vpl};
 
 /// Points per block: as many as rays that the tree takes at a time.
-pub(super) const BLOCK: usize = 64;
+pub(super) const BLOCK: usize = Pencil::MOST;
 
 pub(super) type Lanes = [f32; BLOCK];
 
 /// Points as lanes.
 pub(super) struct Block {
     p: [Lanes; 3],
-    /// Where rays start on the side of the normals.
-    org: [Lanes; 3],
+    /// Where rays end on the side of the normals.
+    end: [Lanes; 3],
     /// Shading normals of the BSDFs, those of the mesh, geometric ones; where a point is lifted to the curved surface that
     /// the mesh stands for, the latter do not count.
     bent: [Lanes; 3],
@@ -35,81 +37,148 @@ pub(super) struct Block {
     throughput: [Lanes; 3],
     /// Most edges that a virtual light's path may have.
     most_edges: Lanes,
-    /// All lanes that are facets over a body or Lambertian, if lights or points need them to be seen that way.
+    /// All lanes that are facets over a body or Lambertian, if some are not Lambertian.
     facets: Option<Box<FacetLanes<BLOCK>>>,
     /// Lanes that are neither.
     pub(super) other: Vec<usize>,
-    pub(super) used: usize,
+    /// Least and greatest places and shading normals.
+    places: Extent,
+    normals: Extent,
+}
+
+/// Least and greatest of some vectors.
+#[derive(Clone, Copy)]
+struct Extent {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Extent {
+    const NONE: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+
+    fn add(&mut self, v: Vec3) {
+        (self.low, self.high) = (self.low.min(v), self.high.max(v));
+    }
+
+    /// The greatest dot product of one of its vectors and one of the other's, at least.
+    fn most_dot(&self, other: &Self) -> f32 {
+        let some = (self.low * other.low).max(self.low * other.high);
+        some.max(self.high * other.low).max(self.high * other.high).element_sum()
+    }
 }
 
 /// What one virtual light brings to a block.
+#[derive(Default)]
 pub(super) struct Light {
-    /// Where its rays start.
-    pub(super) org: [Lanes; 3],
-    pub(super) way: [Lanes; 3],
-    /// 1 where there is light to be tested for shadow, -1 elsewhere: the ray's far end.
-    pub(super) far: Lanes,
-    pub(super) color: [Lanes; 3],
+    /// Shadow rays from the light; where no light is to be tested for shadow there is none.
+    pub(super) rays: Pencil,
+    /// What arrives if nothing is in between.
+    pub(super) color: Color,
 }
 
-impl Light {
-    pub(super) fn on(block: &Block) -> Self {
-        let zero = [[0.0; BLOCK]; 3];
-        Self { org: block.org, way: zero, far: [-1.0; BLOCK], color: zero }
-    }
+/// Colours of lanes.
+pub(super) struct Color(pub(super) [Lanes; 3]);
 
-    /// Brings nothing.
-    pub(super) fn clear(&mut self) {
-        (self.far, self.color) = ([-1.0; BLOCK], [[0.0; BLOCK]; 3]);
+impl Default for Color {
+    fn default() -> Self {
+        Self([[0.0; BLOCK]; 3])
     }
 }
 
-/// The virtual light as lanes see it.
-#[derive(Clone, Copy)]
-pub(super) struct Source {
-    p: Vec3,
-    /// Where rays end on the side of the normals.
-    end: Vec3,
-    bent: Vec3,
-    ng: Vec3,
-    /// Of Lambertian ones.
-    diffuse: Option<Vec3>,
-    /// Of facets over a body, seen from where the light came from; and what to multiply to their value, times the cosine
-    /// of the geometric normal over that of the shading normal.
-    facets: Option<(Facets, SentBack, Vec3)>,
-    edges: f32,
-    /// On the density, per area.
-    bound: f32,
-}
+impl Color {
+    pub(super) fn get(&self, i: usize) -> Vec3 {
+        Vec3::new(self.0[0][i], self.0[1][i], self.0[2][i])
+    }
 
-impl Source {
-    pub(super) fn new(vpl: &Vpl, bound: &Bound) -> Self {
-        Self {
-            p: vpl.point.p,
-            end: vpl::end(&vpl.point, vpl.point.ng),
-            bent: vpl.bsdf.normal(),
-            ng: vpl.point.ng,
-            diffuse: vpl.diffuse,
-            facets: if vpl.diffuse.is_some() {
-                None
-            } else {
-                let came = vpl.point.ng.dot(vpl.from);
-                Facets::new(&vpl.bsdf, vpl.from)
-                    .map(|facets| (facets, facets.sent_back(), vpl.power * (facets.cos() / came)))
-            },
-            edges: vpl.edges as f32,
-            bound: bound.density(),
+    pub(super) fn set(&mut self, i: usize, color: Vec3) {
+        [self.0[0][i], self.0[1][i], self.0[2][i]] = color.into();
+    }
+
+    /// Adds the lanes whose bits are not set.
+    #[inline(always)]
+    pub(super) fn add(&mut self, other: &Self, except: u64) {
+        for (sums, colors) in self.0.iter_mut().zip(&other.0) {
+            for (n, (sums, colors)) in sums.chunks_exact_mut(16).zip(colors.chunks_exact(16)).enumerate() {
+                let except = (except >> (16 * n)) as u32;
+                for i in 0..16 {
+                    sums[i] += if except >> i & 1 == 0 { colors[i] } else { 0.0 };
+                }
+            }
         }
     }
 }
 
+/// The virtual light as lanes see it.
+#[derive(Clone, Debug)]
+pub(crate) struct Source {
+    p: Vec3,
+    /// Where rays start on the side of the normals.
+    start: Vec3,
+    bent: Vec3,
+    ng: Vec3,
+    /// Of Lambertian ones.
+    diffuse: Option<Vec3>,
+    edges: f32,
+    /// On the density, per area.
+    bound: f32,
+    /// Of facets over a body.
+    facets: Option<Box<Sender>>,
+    pub(super) vpl: Vpl,
+}
+
+/// Facets over a body that send light.
+#[derive(Clone, Debug)]
+struct Sender {
+    /// Seen from where the light came from.
+    facets: Facets,
+    table: SentBack,
+    /// What to multiply to their value, times the cosine of the geometric normal over that of the shading normal.
+    power: Vec3,
+}
+
+impl Source {
+    pub(super) fn new(vpl: &Vpl, bound: &Bound) -> Self {
+        let sender = || {
+            let came = vpl.point.ng.dot(vpl.from);
+            let facets = Facets::new(&vpl.bsdf, vpl.from)?;
+            let power = vpl.power * (facets.cos() / came);
+            Some(Box::new(Sender { facets, table: facets.sent_back(), power }))
+        };
+        Self {
+            p: vpl.point.p,
+            start: vpl::end(&vpl.point, vpl.point.ng),
+            bent: vpl.bsdf.normal(),
+            ng: vpl.point.ng,
+            diffuse: vpl.diffuse,
+            edges: vpl.edges as f32,
+            bound: bound.density(),
+            facets: if vpl.diffuse.is_some() { None } else { sender() },
+            vpl: *vpl,
+        }
+    }
+
+    /// The same light, `share` times as strong.
+    pub(super) fn scaled(&self, share: f32) -> Self {
+        let mut scaled = Self { vpl: self.vpl.scaled(share), ..self.clone() };
+        scaled.diffuse = scaled.vpl.diffuse;
+        if let Some(facets) = &mut scaled.facets {
+            facets.power *= share;
+        }
+        scaled
+    }
+
+    /// Whether lanes know what it sends.
+    fn is_known(&self) -> bool {
+        self.diffuse.is_some() || self.facets.is_some()
+    }
+}
+
 impl Block {
-    /// `with_facets`: some virtual lights are no Lambertian ones.
-    pub(super) fn new(points: &[EyePoint], max_edges: u32, with_facets: bool) -> Self {
+    pub(super) fn new(points: &[EyePoint], max_edges: u32) -> Self {
         let zero = [[0.0; BLOCK]; 3];
         let mut block = Self {
             p: zero,
-            org: zero,
+            end: zero,
             bent: zero,
             ns: zero,
             ng: zero,
@@ -119,26 +188,29 @@ impl Block {
             most_edges: [-1.0; BLOCK],
             facets: None,
             other: Vec::new(),
-            used: points.len(),
+            places: Extent::NONE,
+            normals: Extent::NONE,
         };
-        if with_facets || points.iter().any(|eye| eye.bsdf.lambertian().is_none()) {
+        if points.iter().any(|eye| eye.bsdf.lambertian().is_none()) {
             block.facets = Some(Box::default());
         }
         for (i, eye) in points.iter().enumerate() {
             let point = &eye.point;
             // Lights below the horizon are left out later.
-            let org = vpl::start(point, point.ns).unwrap_or(point.p);
+            let end = vpl::start(point, point.ns).unwrap_or(point.p);
             let lambertian = eye.bsdf.lambertian();
             let diffuse = lambertian.unwrap_or(Vec3::ZERO) * eye.throughput * FRAC_1_PI;
             for k in 0..3 {
                 block.p[k][i] = point.p[k];
-                block.org[k][i] = org[k];
+                block.end[k][i] = end[k];
                 block.bent[k][i] = eye.bsdf.normal()[k];
                 block.ns[k][i] = point.ns[k];
                 block.ng[k][i] = point.ng[k];
                 block.diffuse[k][i] = diffuse[k];
                 block.throughput[k][i] = eye.throughput[k];
             }
+            block.places.add(point.p);
+            block.normals.add(point.ns);
             block.lifted[i] = f32::from(u8::from(point.lift != Vec3::ZERO));
             block.most_edges[i] = max_edges as f32 - 1.0 - eye.edges as f32;
             let facets = block
@@ -151,6 +223,14 @@ impl Block {
             }
         }
         block
+    }
+
+    /// Whether `source`, which lanes know, may bring anything to lanes that they know: one test for all of them. Rounding
+    /// may lose what is all but below a horizon.
+    pub(super) fn may_get(&self, source: &Source) -> bool {
+        let way = Extent { low: source.p - self.places.high, high: source.p - self.places.low };
+        let back = Extent { low: -source.ng, high: -source.ng };
+        way.most_dot(&back) > 0.0 && way.most_dot(&self.normals) > 0.0
     }
 }
 
@@ -194,17 +274,31 @@ impl Default for Work {
 }
 
 impl Block {
-    /// What `source` brings; the lanes of `other` are left dark. `None` if lanes cannot know. Says whether anything is.
+    /// What `source` brings; the lanes of `other` are left dark. Says how many lanes get something, if lanes know what it
+    /// sends.
     #[inline(always)]
-    pub(super) fn light(&self, source: &Source, work: &mut Work, light: &mut Light) -> Option<bool> {
-        match (&self.facets, source.diffuse) {
-            (None, Some(diffuse)) => Some(lambertian(self, source, diffuse, light)),
-            (Some(facets), Some(_)) => Some(faceted(self, facets, source, work, light)),
-            (Some(facets), None) if source.facets.is_some() => {
-                Some(faceted(self, facets, source, work, light))
-            }
-            _ => None,
+    pub(super) fn light(&self, source: &Source, work: &mut Work, light: &mut Light) -> Option<u32> {
+        if !source.is_known() {
+            return None;
         }
+        light.rays.org = source.start.into();
+        if let (None, Some(diffuse)) = (&self.facets, source.diffuse) {
+            return Some(lambertian(self, source, diffuse, light));
+        }
+        geometry(self, source, work, light);
+        match &source.facets {
+            Some(sender) => sent_by_facets(sender, work),
+            None => sent_by_lambert(source.diffuse.unwrap_or_default(), work),
+        }
+        Some(match &self.facets {
+            Some(facets) => got_by_facets(self, facets, source.bound, work, light),
+            None => got_by_lambert(self, source.bound, work, light),
+        })
+    }
+
+    /// Where lane `i`'s shadow ray from a light ends.
+    pub(super) fn end(&self, i: usize) -> Vec3 {
+        Vec3::new(self.end[0][i], self.end[1][i], self.end[2][i])
     }
 }
 
@@ -241,17 +335,18 @@ impl Block {
     /// The shadow ray's way.
     #[inline(always)]
     fn shadow_way(&self, i: usize, source: &Source) -> [f32; 3] {
-        [source.end.x - self.org[0][i], source.end.y - self.org[1][i], source.end.z - self.org[2][i]]
+        let [x, y, z] = &self.end;
+        [x[i] - source.start.x, y[i] - source.start.y, z[i] - source.start.z]
     }
 }
 
 /// Lambertian virtual light on a Lambertian block: a plain loop that becomes lanes. So there is no sum of floats in it,
 /// whose order would keep the compiler from that.
 #[inline(always)]
-fn lambertian(block: &Block, source: &Source, diffuse: Vec3, light: &mut Light) -> bool {
+fn lambertian(block: &Block, source: &Source, diffuse: Vec3, light: &mut Light) -> u32 {
     let (mut lit, bound) = (0, source.bound * PI);
-    let [wx, wy, wz] = &mut light.way;
-    let [r, g, b] = &mut light.color;
+    let Pencil { dir: [wx, wy, wz], t_far, .. } = &mut light.rays;
+    let [r, g, b] = &mut light.color.0;
     for i in 0..BLOCK {
         let [x, y, z] = block.way(i, source);
         let distance2 = x * x + y * y + z * z;
@@ -260,57 +355,84 @@ fn lambertian(block: &Block, source: &Source, diffuse: Vec3, light: &mut Light) 
         // Both ways to choose the edge, as cosines over distance squared.
         let largest = (eye_b * vpl_g).max(vpl_b * eye_g.abs()) * over;
         let share = if largest > bound { bound / largest } else { 1.0 };
-        let lit_here = sees & (over < f32::INFINITY);
-        let value = if lit_here { eye_b * vpl_g * over * share } else { 0.0 };
-        light.far[i] = if lit_here { END } else { -1.0 };
-        lit |= u32::from(value > 0.0);
+        let value = if sees & (over < f32::INFINITY) { eye_b * vpl_g * over * share } else { 0.0 };
         r[i] = value * block.diffuse[0][i] * diffuse.x;
         g[i] = value * block.diffuse[1][i] * diffuse.y;
         b[i] = value * block.diffuse[2][i] * diffuse.z;
+        let is_lit = r[i] + g[i] + b[i] > 0.0;
+        t_far[i] = if is_lit { END } else { -1.0 };
+        lit += u32::from(is_lit);
         [wx[i], wy[i], wz[i]] = block.shadow_way(i, source);
     }
-    lit > 0
+    lit
 }
 
-/// A virtual light that is Lambertian or of facets on a block of such points.
+/// What arrives at points that are facets or Lambertian.
 #[inline(always)]
-fn faceted(
+fn got_by_facets(
     block: &Block,
     facets: &FacetLanes<BLOCK>,
-    source: &Source,
+    bound: f32,
     work: &mut Work,
     light: &mut Light,
-) -> bool {
-    geometry(block, source, work, light);
-    match &source.facets {
-        Some((facets, table, power)) => sent_by_facets(facets, table, *power, work),
-        None => sent_by_lambert(source.diffuse.unwrap_or_default(), work),
-    }
+) -> u32 {
     facets.sent_back(&work.eye_b, &mut work.back);
-    let Work { to, eye_b, eye_g, vpl_g, near, back, sent, pdf_vpl, .. } = work;
-    let [r, g, b] = &mut light.color;
+    let work = &*work;
+    let Work { to, eye_b, back, .. } = work;
+    let throughput = &block.throughput;
+    got(
+        bound,
+        work,
+        light,
+        #[inline(always)]
+        |i| {
+            let to = [to[0][i], to[1][i], to[2][i]];
+            let ([r, g, b], pdf) = facets.lane(i).eval(to, eye_b[i], [back[0][i], back[1][i]]);
+            ([r * throughput[0][i], g * throughput[1][i], b * throughput[2][i]], pdf)
+        },
+    )
+}
+
+/// What arrives at Lambertian points.
+#[inline(always)]
+fn got_by_lambert(block: &Block, bound: f32, work: &Work, light: &mut Light) -> u32 {
+    let [r, g, b] = &block.diffuse;
+    let cos = &work.eye_b;
+    got(
+        bound,
+        work,
+        light,
+        #[inline(always)]
+        |i| ([r[i] * cos[i], g[i] * cos[i], b[i] * cos[i]], cos[i] * FRAC_1_PI),
+    )
+}
+
+/// `value(i)` is what lane `i` makes of light, and the density with which it chooses where that comes from.
+#[inline(always)]
+fn got(bound: f32, work: &Work, light: &mut Light, value: impl Fn(usize) -> ([f32; 3], f32)) -> u32 {
+    let Work { eye_g, vpl_g, near, sent, pdf_vpl, .. } = work;
+    let [r, g, b] = &mut light.color.0;
     let mut lit = 0;
     for i in 0..BLOCK {
-        let to = [to[0][i], to[1][i], to[2][i]];
-        let (got, pdf_eye) = facets.lane(i).eval(to, eye_b[i], [back[0][i], back[1][i]]);
+        let (got, pdf_eye) = value(i);
         // Both ways to choose the edge, as densities per area.
         let largest = (pdf_eye * vpl_g[i]).max(pdf_vpl[i] * eye_g[i].abs()) * near[i];
-        let share = if largest > source.bound { source.bound / largest } else { 1.0 };
-        let (value, throughput) = (near[i] * share, &block.throughput);
+        let value = near[i] * if largest > bound { bound / largest } else { 1.0 };
         let is_near = near[i] > 0.0;
-        r[i] = if is_near { got[0] * sent[0][i] * throughput[0][i] * value } else { 0.0 };
-        g[i] = if is_near { got[1] * sent[1][i] * throughput[1][i] * value } else { 0.0 };
-        b[i] = if is_near { got[2] * sent[2][i] * throughput[2][i] * value } else { 0.0 };
+        r[i] = if is_near { got[0] * sent[0][i] * value } else { 0.0 };
+        g[i] = if is_near { got[1] * sent[1][i] * value } else { 0.0 };
+        b[i] = if is_near { got[2] * sent[2][i] * value } else { 0.0 };
         let is_lit = r[i] + g[i] + b[i] > 0.0;
-        light.far[i] = if is_lit { END } else { -1.0 };
-        lit |= u32::from(is_lit);
+        light.rays.t_far[i] = if is_lit { END } else { -1.0 };
+        lit += u32::from(is_lit);
     }
-    lit > 0
+    lit
 }
 
 /// What a virtual light of facets sends, and the density with which it chooses each lane.
 #[inline(always)]
-fn sent_by_facets(facets: &Facets, table: &SentBack, power: Vec3, work: &mut Work) {
+fn sent_by_facets(sender: &Sender, work: &mut Work) {
+    let Sender { facets, table, power } = sender;
     let Work { to, vpl_b, vpl_g, back, sent, pdf_vpl, .. } = work;
     for i in 0..BLOCK {
         [back[0][i], back[1][i]] = table.at(vpl_b[i].max(GRAZING));
@@ -344,7 +466,7 @@ fn sent_by_lambert(diffuse: Vec3, work: &mut Work) {
 /// Directions, cosines, distances, and the ways of shadow rays.
 #[inline(always)]
 fn geometry(block: &Block, source: &Source, work: &mut Work, light: &mut Light) {
-    let [wx, wy, wz] = &mut light.way;
+    let [wx, wy, wz] = &mut light.rays.dir;
     let [tx, ty, tz] = &mut work.to;
     for i in 0..BLOCK {
         let [x, y, z] = block.way(i, source);
@@ -415,29 +537,26 @@ mod tests {
             })
             .collect();
         let (max_edges, bound) = (6, Bound::on_geometry_term(3.0));
-        let block = Block::new(&eyes, max_edges, true);
-        let plain = Block::new(&eyes, max_edges, false);
+        let block = Block::new(&eyes, max_edges);
         let (mut lit, mut bounded) = (0, 0);
         let mut work = Work::default();
         for n in 1000..1100 {
             let point = point(n);
             let bsdf = of_lights(n, point.ns);
             let vpl = Vpl::new(point, bsdf, point.ns, Vec3::new(3.0, 2.0, 1.0), 2 + n % 3);
-            let source = Source::new(&vpl, &bound);
-            let mut light = Light::on(&block);
-            // Lambertian ends on both sides have a loop of their own.
-            let block = if vpl.diffuse.is_some() { &plain } else { &block };
-            assert!(
-                block.other.is_empty() && block.light(&source, &mut work, &mut light).is_some(),
-                "lanes know"
-            );
+            let (source, mut light) = (Source::new(&vpl, &bound), Light::default());
+            let asked = block.light(&source, &mut work, &mut light).expect("lanes know");
+            assert!(block.other.is_empty(), "all of them");
+            assert!(asked == 0 || block.may_get(&source), "light {n} is not left out");
+            let rays = light.rays.t_far.iter().filter(|&&far| far > 0.0).count();
+            assert_eq!(asked as usize, rays, "light {n}: lanes that ask");
             for (i, eye) in eyes.iter().enumerate() {
                 let wanted = vpl.brings(eye, &bound, max_edges).unwrap_or(Vec3::ZERO);
-                let found = Vec3::new(light.color[0][i], light.color[1][i], light.color[2][i]);
+                let found = light.color.get(i);
                 let off = (found - wanted).length() / wanted.length().max(1e-2);
                 assert!(off < 1e-3, "light {n}, point {i}: {found} instead of {wanted}");
                 let is_dark = wanted.length() < 1e-6;
-                assert!(is_dark || light.far[i] > 0.0, "light {n}, point {i}: asks for shadow");
+                assert!(is_dark || light.rays.t_far[i] > 0.0, "light {n}, point {i}: asks for shadow");
                 let free = vpl.brings(eye, &Bound::on_geometry_term(f32::INFINITY), max_edges);
                 lit += u32::from(wanted != Vec3::ZERO);
                 bounded += u32::from(free.is_some_and(|free| free.x > wanted.x * 1.01));
@@ -457,16 +576,17 @@ mod tests {
             EyePoint { point, wo: point.ns, bsdf, throughput: Vec3::ONE, edges: 1, lane: n }
         };
         let eyes: Vec<EyePoint> = (0..5).map(eye).collect();
-        let (block, bound) = (Block::new(&eyes, 6, false), Bound::on_geometry_term(3.0));
+        let (block, bound) = (Block::new(&eyes, 6), Bound::on_geometry_term(3.0));
         assert_eq!(block.other, [2], "one is neither Lambertian nor of facets");
-        let (mut light, mut work) = (Light::on(&block), Work::default());
+        let (mut light, mut work) = (Light::default(), Work::default());
         let mut some = 0;
         for n in 1000..1100 {
             let point = point(n);
             let vpl = Vpl::new(point, lambert(n, point.ns), point.ns, Vec3::ONE, 1);
             let lit = block.light(&Source::new(&vpl, &bound), &mut work, &mut light);
-            some += u32::from(lit == Some(true));
-            assert!(light.far[2] < 0.0 && light.color[0][2] == 0.0, "dark until somebody else says");
+            some += u32::from(lit > Some(0));
+            let is_dark = light.rays.t_far[2] < 0.0 && light.color.get(2) == Vec3::ZERO;
+            assert!(is_dark, "dark until somebody else says");
             let other = Vpl::new(point, rough(1, point.ns), point.ns, Vec3::ONE, 1);
             let none = block.light(&Source::new(&other, &bound), &mut work, &mut light);
             assert!(none.is_none(), "lanes cannot know");

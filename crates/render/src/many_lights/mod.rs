@@ -18,6 +18,7 @@ mod lamps;
 mod lanes;
 mod light_path;
 mod metropolis;
+mod neighbours;
 mod pass;
 mod pilots;
 mod shader_lamps;

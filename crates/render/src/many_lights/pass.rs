@@ -4,10 +4,14 @@
 //! Invariant: a function of world, camera, options and the number of the sample, whatever threads do.
 //! Proof: crates/render/tests/many_lights.rs.
 
+use std::sync::OnceLock;
+
 use gnurt_shading::sampling::Distribution;
 use rayon::prelude::*;
 
 use super::bound::Bound;
+use super::gather::sources;
+use super::lanes::Source;
 use super::vpl::Vpl;
 use super::{bidirectional, instant, interleave, metropolis};
 use crate::options::{Integrator, RenderOptions};
@@ -22,6 +26,10 @@ pub(crate) struct PassLights {
     pub(crate) vpls: Vec<Vpl>,
     /// By place in the pattern of interleaved pixels; empty if there is none.
     pub(crate) shares: Vec<Vec<Vpl>>,
+    /// The same, ready to be gathered.
+    pub(super) sources: Vec<Vec<Source>>,
+    /// All of them, once somebody gathers all.
+    whole: OnceLock<Vec<Source>>,
     pub(crate) bound: Bound,
     /// By strength, for where only a few are asked; `None` if there are none.
     pub(crate) choice: Option<Distribution>,
@@ -65,7 +73,14 @@ impl PassLights {
         // Where pixels are averaged, each needs fewer.
         let per_pixel = |of_window: u32| pattern.map_or(of_window, |n| of_window.div_ceil(n * n));
         let (few, asked, light_samples) = (per_pixel(few), per_pixel(ASKED.max(few)), per_pixel(few));
-        Self { vpls, shares, bound, choice, few, asked, light_samples, stats }
+        let sources = shares.iter().map(|share| sources(share, &bound)).collect();
+        let whole = OnceLock::new();
+        Self { vpls, shares, sources, whole, bound, choice, few, asked, light_samples, stats }
+    }
+
+    /// All virtual lights, ready to be gathered.
+    pub(super) fn whole(&self) -> &[Source] {
+        self.whole.get_or_init(|| sources(&self.vpls, &self.bound))
     }
 
     /// How many light samples a point gets: many where the eye sees it.
