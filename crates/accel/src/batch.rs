@@ -38,6 +38,10 @@ pub(crate) trait Traceable {
     );
     /// Ids of what was hit.
     fn hit(&self, nearest: &Nearest) -> Hit;
+    /// Writes what those rays of a tile that are in `bits` have hit, the tile's first ray to lane `first`.
+    fn write(&self, nearest: &NearestTile, bits: u64, first: usize, hits: &mut HitBatch) {
+        each(bits, |i| hits.set(first + i, self.hit(&nearest.get(i))));
+    }
     /// The instance, where all hits have the same one and their numbers are `prim_id`s of its only mesh.
     fn only_mesh(&self) -> Option<u32>;
     /// Improves the nearest point.
@@ -183,7 +187,7 @@ impl<T: Traceable> Answers for Found<'_, T> {
     fn tile<S: Simd>(&mut self, simd: S, first: usize, active: u64, nearest: &NearestTile) {
         match self.target.only_mesh() {
             Some(inst_id) if active == u64::MAX => store(simd, self.hits, first, nearest, inst_id),
-            _ => each(active & nearest.hit(simd), |i| self.one(first + i, &nearest.get(i))),
+            _ => self.target.write(nearest, active & nearest.hit(simd), first, self.hits),
         }
     }
 }
@@ -202,7 +206,7 @@ impl Answers for Flags<'_> {
 
 /// Calls `f` with the place of every bit.
 #[inline(always)]
-fn each(mut bits: u64, mut f: impl FnMut(usize)) {
+pub(crate) fn each(mut bits: u64, mut f: impl FnMut(usize)) {
     while bits != 0 {
         f(bits.trailing_zeros() as usize);
         bits &= bits - 1;

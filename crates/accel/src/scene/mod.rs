@@ -18,11 +18,11 @@ pub use instance::{Instance, Shape};
 use top::TopTree;
 use walk::Seeker;
 
-use crate::batch::Traceable;
+use crate::batch::{Traceable, each};
 use crate::nearest::{Collect, Mode, Nearest};
 use crate::point::{NearestPoint, Probe};
 use crate::tile::{NearestTile, RayTile};
-use crate::{Aabb, Counters, Hit, INVALID_ID, Ray, TreeStats};
+use crate::{Aabb, Counters, Hit, HitBatch, INVALID_ID, ObjectTree, Ray, TreeStats};
 
 /// Most scenes that may lie in one another, the outermost included.
 pub const DEEPEST_SCENE: u32 = 16;
@@ -201,6 +201,27 @@ impl Traceable for SceneTree {
     #[inline]
     fn hit(&self, nearest: &Nearest) -> Hit {
         self.resolve(nearest, nearest.slot)
+    }
+
+    fn write(&self, nearest: &NearestTile, bits: u64, first: usize, hits: &mut HitBatch) {
+        // Neighbours often hit the same object.
+        let mut last: Option<(u32, u32, &ObjectTree)> = None;
+        each(bits, |i| {
+            let nearest = nearest.get(i);
+            let hit = match last {
+                Some((slot, inst_id, object)) if slot == nearest.slot => {
+                    object.resolve(&nearest, inst_id, slot)
+                }
+                _ => {
+                    let placed = self.placed_at(nearest.slot);
+                    if let Shape::Object(object) = &placed.shape {
+                        last = Some((nearest.slot, placed.inst_id, object));
+                    }
+                    self.resolve(&nearest, nearest.slot)
+                }
+            };
+            hits.set(first + i, hit);
+        });
     }
 
     #[inline(always)]
