@@ -54,6 +54,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) wavefront: Wavefront,
     /// And of what vertices do to light.
     pub(crate) scattering: Vec<Scattering>,
+    /// And of lanes in order of their materials.
+    pub(crate) order: Vec<u64>,
     /// How shadow rays lie beside each other.
     pub(crate) shadows: Coherence,
     /// And of what shadow rays hit.
@@ -102,6 +104,7 @@ impl<'w> BatchTracer<'w> {
             camera: CameraBatch::default(),
             wavefront: Wavefront::default(),
             scattering: Vec::new(),
+            order: Vec::new(),
             shadows: Coherence::Coherent,
             blocked: Vec::new(),
         }

@@ -8,7 +8,7 @@ use gnurt_accel::RayBatch;
 
 use crate::batch::{Detail, SampleKey, SurfaceBatch, Vec3s};
 use crate::bsdf::Scattering;
-use crate::materials::Lambertian;
+use crate::materials::{Lambertian, PlainColor};
 
 /// A value that a shader wants for each hit from its mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,6 +58,12 @@ pub trait SurfaceShader: Send + Sync {
     /// What [`albedo`](Self::albedo) reads of a batch: those who only look at colours need not compute the rest.
     fn albedo_detail(&self) -> Detail {
         Detail::Full
+    }
+
+    /// What [`albedo`](Self::albedo) writes, if it needs nothing of the points but the mesh's own colours: those who only
+    /// look at colours need not ask for each batch.
+    fn plain_albedo(&self) -> Option<PlainColor> {
+        None
     }
 
     /// Appends what light does at each point, `hits.len()` values, and says so. `false` = only [`shade`](Self::shade)

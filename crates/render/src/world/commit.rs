@@ -49,6 +49,7 @@ pub(super) fn commit(
         instances: Arc::new(instances),
         tree: Arc::new(tree),
         shading: Arc::new(Shading {
+            plain: surfaces.iter().map(|surface| surface.plain_albedo()).collect(),
             lambertian: surfaces.iter().map(|surface| materials::lambertian(&**surface)).collect(),
             surfaces,
             lights: lights.shaders,

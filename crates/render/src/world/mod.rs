@@ -9,6 +9,7 @@ mod flat;
 mod instance;
 mod lights;
 mod materials;
+mod plain;
 mod surface;
 
 use std::ops::Range;
@@ -18,7 +19,7 @@ use gnurt_accel::{Hit, HitBatch, INVALID_ID, ObjectTree, Ray, SceneTree};
 use gnurt_scene::edit::Cursor;
 use gnurt_scene::{Mesh, Scene};
 use gnurt_shading::lights::{LightParts, LightSet};
-use gnurt_shading::materials::Lambertian;
+use gnurt_shading::materials::{Lambertian, PlainColor};
 use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, SurfaceShader};
 use gnurt_simd::Level;
 
@@ -130,6 +131,8 @@ pub(crate) struct Shading {
     pub(crate) surfaces: Vec<Arc<dyn SurfaceShader>>,
     /// Likewise: those that are Lambert's reflector, as lanes need them.
     pub(crate) lambertian: Vec<Option<Lambertian>>,
+    /// Likewise: base colours, where they are plain.
+    plain: Vec<Option<PlainColor>>,
     pub(crate) lights: Vec<Arc<dyn LightShader>>,
     /// Which of them are not in the light set, because they only know `illuminate`.
     pub(crate) plugin_lights: Range<usize>,

@@ -114,7 +114,7 @@ impl World {
     }
 
     /// Unit, in the object; `None` where the triangle is flat.
-    fn vertex_normals(&self, mesh: &Mesh, corners: [usize; 3]) -> Option<[Vec3; 3]> {
+    pub(super) fn vertex_normals(&self, mesh: &Mesh, corners: [usize; 3]) -> Option<[Vec3; 3]> {
         if self.face_normals || mesh.normals.is_empty() {
             return None;
         }
@@ -222,12 +222,12 @@ fn lift(p: Vec3, corners: &[Vec3; 3], normals: &[Vec3; 3], weights: [f32; 3]) ->
     mix3(&raised, weights)
 }
 
-fn mix3(values: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {
+pub(super) fn mix3(values: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {
     values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
 }
 
 /// Unit, in the world, on the side from which the mesh's triangle winds counter-clockwise.
-fn geometric_normal(instance: &PlacedInstance, p: &[Vec3; 3]) -> Vec3 {
+pub(super) fn geometric_normal(instance: &PlacedInstance, p: &[Vec3; 3]) -> Vec3 {
     // Double precision: squares of tiny or huge edges leave the range of floats.
     let [a, b, c] = p.map(Vec3::as_dvec3);
     let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
@@ -253,7 +253,7 @@ fn uv_per_length(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> f32 {
 }
 
 /// Red, green, blue and opacity; white where the mesh has none.
-fn vertex_color(mesh: &Mesh, corners: [usize; 3], weights: [f32; 3]) -> [f32; 4] {
+pub(super) fn vertex_color(mesh: &Mesh, corners: [usize; 3], weights: [f32; 3]) -> [f32; 4] {
     if mesh.colors.is_empty() {
         return [1.0; 4];
     }

@@ -9,6 +9,7 @@ use glam::Vec3;
 
 use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{self, Lobe, Model, Scattering, fresnel};
+use crate::materials::color::PlainColor;
 use crate::materials::whitted;
 use crate::shader::{SurfaceShader, Tracer};
 
@@ -66,5 +67,9 @@ impl SurfaceShader for Dielectric {
 
     fn albedo_detail(&self) -> Detail {
         Detail::Color
+    }
+
+    fn plain_albedo(&self) -> Option<PlainColor> {
+        Some(PlainColor { factor: self.transmittance.max(self.reflectance), tinted: false })
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::Scattering;
 use crate::materials::Lambertian;
-use crate::materials::color::{Coverage, Emission};
+use crate::materials::color::{Coverage, Emission, PlainColor};
 use crate::materials::whitted::branch;
 use crate::shader::{AttributeRequest, RayRequest, SurfaceShader, Tracer};
 
@@ -129,6 +129,10 @@ impl SurfaceShader for Material {
 
     fn albedo_detail(&self) -> Detail {
         self.surface.albedo_detail()
+    }
+
+    fn plain_albedo(&self) -> Option<PlainColor> {
+        self.surface.plain_albedo()
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

@@ -4,7 +4,7 @@
 
 use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{Model, Scattering};
-use crate::materials::color::{Emission, TexturedColor};
+use crate::materials::color::{Emission, PlainColor, TexturedColor};
 use crate::materials::whitted;
 use crate::shader::{SurfaceShader, Tracer};
 
@@ -45,5 +45,9 @@ impl SurfaceShader for Matte {
 
     fn albedo_detail(&self) -> Detail {
         Detail::Color
+    }
+
+    fn plain_albedo(&self) -> Option<PlainColor> {
+        self.albedo.plain()
     }
 }

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{Model, Principled, Scattering, fresnel};
-use crate::materials::color::TexturedColor;
+use crate::materials::color::{PlainColor, TexturedColor};
 use crate::materials::whitted::{self, SMOOTH};
 use crate::sampling::Basis;
 use crate::shader::{SurfaceShader, Tracer};
@@ -158,5 +158,9 @@ impl SurfaceShader for MetallicRoughness {
 
     fn albedo_detail(&self) -> Detail {
         Detail::Color
+    }
+
+    fn plain_albedo(&self) -> Option<PlainColor> {
+        self.base_color.plain()
     }
 }

@@ -4,7 +4,7 @@
 
 use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{Lobe, Model, Scattering};
-use crate::materials::color::TexturedColor;
+use crate::materials::color::{PlainColor, TexturedColor};
 use crate::materials::whitted;
 use crate::shader::{SurfaceShader, Tracer};
 
@@ -35,5 +35,9 @@ impl SurfaceShader for Mirror {
 
     fn albedo_detail(&self) -> Detail {
         Detail::Color
+    }
+
+    fn plain_albedo(&self) -> Option<PlainColor> {
+        self.reflectance.plain()
     }
 }

@@ -13,7 +13,7 @@ mod mirror;
 mod points;
 mod whitted;
 
-pub use color::{Coverage, Emission, OpacityChannel, TexturedColor};
+pub use color::{Coverage, Emission, OpacityChannel, PlainColor, TexturedColor};
 pub use dielectric::Dielectric;
 pub use direct::direct_light;
 pub use material::Material;
