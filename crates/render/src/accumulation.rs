@@ -13,6 +13,7 @@ use gnurt_shading::CameraShader;
 use rayon::prelude::*;
 
 use crate::aov;
+use crate::bands::{ColorBand, FilmBand};
 use crate::error::RenderError;
 use crate::film::{self, TileFilm};
 use crate::frame::Frame;
@@ -232,17 +233,21 @@ impl Accumulation {
         let [_, y0, _, y1] = self.region;
         let rows_end = (y1 as usize * width).min(out.len());
         let mut rest = &mut out[(y0 as usize * width).min(rows_end)..rows_end];
-        // A row of tiles is a band of the picture: bands do not overlap.
-        let rows_of_tiles = self.tiles.chunk_by(|a, b| a.rect[1] == b.rect[1]);
-        rows_of_tiles
-            .map(|tiles| {
-                let [_, top, _, bottom] = tiles[0].rect;
-                let length = ((bottom - top) as usize * width).min(rest.len());
+        let bands = FilmBand::all_of(&self.tiles);
+        bands
+            .map(|film| {
+                let length = (film.rows().len() * width).min(rest.len());
                 let (colors, below) = std::mem::take(&mut rest).split_at_mut(length);
                 rest = below;
-                ColorBand { tiles, colors, width }
+                ColorBand::new(film, colors, width)
             })
             .collect()
+    }
+
+    /// The same for those who need no picture of the colours.
+    #[must_use]
+    pub fn film_bands(&self) -> Vec<FilmBand<'_>> {
+        FilmBand::all_of(&self.tiles).collect()
     }
 
     /// The cost of each pixel per sample in false colours, if the options ask for it.
@@ -271,42 +276,6 @@ impl Accumulation {
             heatmap,
             stats: RenderStats { seconds: start.elapsed().as_secs_f64(), ..self.stats },
         }
-    }
-}
-
-/// Some rows of a picture that are still to be written; see [`Accumulation::color_bands`].
-#[derive(Debug)]
-pub struct ColorBand<'a> {
-    tiles: &'a [TileFilm],
-    colors: &'a mut [[f32; 4]],
-    width: usize,
-}
-
-impl<'a> ColorBand<'a> {
-    /// Which rows of the picture.
-    #[must_use]
-    pub fn rows(&self) -> std::ops::Range<u32> {
-        let [_, top, _, bottom] = self.tiles[0].rect;
-        top..bottom
-    }
-
-    /// Writes the colours, and shows them: whole rows, from the upper one on.
-    pub fn write(self) -> &'a [[f32; 4]] {
-        let top = self.rows().start;
-        for tile in self.tiles {
-            let mut begin = 0;
-            for [x0, y0, x1, y1] in film::blocks(tile.rect) {
-                for y in y0..y1 {
-                    let row = (y - top) as usize * self.width;
-                    let end = (row + x1 as usize).min(self.colors.len());
-                    if let Some(row) = self.colors.get_mut(row + x0 as usize..end) {
-                        tile.write_means(begin, row);
-                    }
-                    begin += (x1 - x0) as usize;
-                }
-            }
-        }
-        self.colors
     }
 }
 

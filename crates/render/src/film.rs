@@ -44,7 +44,7 @@ pub(crate) fn tile_size(options: &RenderOptions) -> u32 {
 
 const TILE: u32 = 16;
 /// So are blocks within a tile: their 64 pixels follow each other, so that rays traced together are a narrow bundle.
-const BLOCK: u32 = 8;
+pub(crate) const BLOCK: u32 = 8;
 
 impl TileFilm {
     /// The parts of the tile grid that lie in a region.
@@ -106,6 +106,11 @@ impl TileFilm {
         if !is_first && self.sums.is_empty() {
             self.sums.extend(self.first.iter().map(|first| first.map(f64::from)));
         }
+        self.samples += 1;
+        if is_first && self.squares.is_empty() {
+            self.first.iter_mut().zip(samples).for_each(|(first, sample)| *first = sample);
+            return bad;
+        }
         for (i, sample) in samples.enumerate() {
             if is_first {
                 self.first[i] = sample;
@@ -118,7 +123,6 @@ impl TileFilm {
                 *squares = [0, 1, 2].map(|k| before[k] + f64::from(sample[k]) * f64::from(sample[k]));
             }
         }
-        self.samples += 1;
         bad
     }
 
@@ -143,6 +147,15 @@ impl TileFilm {
         let mut mean = [[0.0; 4]];
         self.write_means(i, &mut mean);
         mean[0]
+    }
+
+    /// The means of as many pixels as `memory` holds, from `begin` on; there or where they are anyway.
+    pub(crate) fn means<'a>(&'a self, begin: usize, memory: &'a mut [[f32; 4]]) -> &'a [[f32; 4]] {
+        if self.samples == 1 {
+            return &self.first[begin..begin + memory.len()];
+        }
+        self.write_means(begin, memory);
+        memory
     }
 
     /// The means of pixels from `begin` on.

@@ -9,6 +9,7 @@
 mod accumulation;
 mod adaptive;
 mod aov;
+mod bands;
 mod camera;
 mod checkpoint;
 mod cone;
@@ -29,7 +30,8 @@ mod tracer;
 mod transport;
 pub mod world;
 
-pub use accumulation::{Accumulation, ColorBand};
+pub use accumulation::Accumulation;
+pub use bands::{ColorBand, FilmBand};
 pub use camera::PerspectiveCamera;
 pub use error::{CheckpointError, CommitError, RenderError};
 pub use fingerprint::fingerprint;

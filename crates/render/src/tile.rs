@@ -50,7 +50,9 @@ pub(crate) struct Job<'a> {
     pub(crate) cone: Cone,
     /// Virtual lights of the sample that is taken, if the integrator has any.
     pub(crate) pass: Option<PassLights>,
-    /// Lamps that matter, once somebody has asked.
+    /// Centres of columns and rows, once somebody has asked.
+    centres: OnceLock<[Vec<f32>; 2]>,
+    /// Lamps that matter, likewise.
     lamps: OnceLock<Option<LampChoice>>,
 }
 
@@ -102,6 +104,7 @@ impl<'a> Job<'a> {
             eye,
             cone: Cone::of(camera, options),
             pass: None,
+            centres: OnceLock::new(),
             lamps: OnceLock::new(),
         }
     }
@@ -240,22 +243,16 @@ impl<'a> Job<'a> {
         keys.clear();
         places.clear();
         all.clear();
-        all.extend(pixels);
+        // Loops within loops are loops only from inside.
+        pixels.for_each(|pixel| all.push(pixel));
         for sample in samples {
             keys.extend(all.iter().map(|[x, y]| SampleKey { pixel: y * width + x, sample, branch: 0 }));
         }
         if self.options.pixel_centres {
-            // Centres of neighbours share columns and rows.
-            let (mut columns, mut row) = ([(u32::MAX, 0.0); 16], (u32::MAX, 0.0));
-            for &[x, y] in all.iter().cycle().take(keys.len()) {
-                let column = &mut columns[x as usize % 16];
-                if column.0 != x {
-                    *column = (x, ((f64::from(x) + 0.5) / f64::from(width)) as f32);
-                }
-                if row.0 != y {
-                    row = (y, (1.0 - (f64::from(y) + 0.5) / f64::from(height)) as f32);
-                }
-                places.push([column.1, row.1]);
+            let [columns, rows] = self.centres.get_or_init(|| centres(width, height));
+            let centre = |&[x, y]: &[u32; 2]| [columns[x as usize], rows[y as usize]];
+            while places.len() < keys.len() {
+                places.extend(all.iter().map(centre));
             }
         } else {
             let (seed, level) = (self.options.seed, self.options.level);
@@ -288,6 +285,13 @@ impl<'a> Job<'a> {
         }
         stop
     }
+}
+
+/// Where the centres of columns and rows lie across the picture and up.
+fn centres(width: u32, height: u32) -> [Vec<f32>; 2] {
+    let across = |x| ((f64::from(x) + 0.5) / f64::from(width)) as f32;
+    let up = |y| (1.0 - (f64::from(y) + 0.5) / f64::from(height)) as f32;
+    [(0..width).map(across).collect(), (0..height).map(up).collect()]
 }
 
 /// Where the middle of the picture is seen from, and its unit direction.

@@ -124,7 +124,7 @@ impl Eye {
         self.making.as_ref().is_none_or(|making| making.accumulation.is_complete())
     }
 
-    /// Brings `colors` up to date with the samples, and a screen of that size with them.
+    /// Brings a screen of that size up to date with the samples, and `colors` as well, but for looks in passing.
     pub(crate) fn develop(
         &mut self,
         exposure: Exposure,
@@ -132,22 +132,58 @@ impl Eye {
         screen: &mut Vec<u32>,
         pool: &ThreadPool,
     ) {
-        let Some(Making { accumulation, shown, reach, .. }) = &self.making else { return };
+        let Some(Making { accumulation, shown, reach, fleeting, .. }) = &self.making else { return };
         let RenderOptions { width, height, .. } = *accumulation.options();
         self.colors.resize(width as usize * height as usize, [0.0; 4]);
         let parts = if shown.needs_layers() {
             shown.colors(&accumulation.picture(), *reach, &mut self.colors);
             Part::all_of(&self.colors, [width, height])
+        } else if *fleeting {
+            accumulation.film_bands().into_iter().map(Part::Passing).collect()
         } else {
             accumulation.color_bands(&mut self.colors).into_iter().map(Part::Film).collect()
         };
         screen::develop(exposure, parts, [width, height], size, screen, Some(pool));
+    }
+
+    /// Brings `colors` up to date where [`develop`](Self::develop) has left them behind.
+    pub(crate) fn catch_up(&mut self, pool: &ThreadPool) {
+        if let Some(Making { accumulation, fleeting: true, shown, .. }) = &self.making
+            && !shown.needs_layers()
+        {
+            accumulation.write_colors(&mut self.colors, pool);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use gnurt::render::{CommitOptions, Integrator, ShaderTable, Silent};
+
+    #[test]
+    fn looks_in_passing_are_the_same_pixels() {
+        let pool = gnurt::thread_pool(2).expect("two threads");
+        let mut scene = gnurt::load_scene("builtin:cornell").expect("it is built in").scene;
+        gnurt::defaults::complete(&mut scene, 1.0);
+        let mut world = World::new();
+        world
+            .commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool)
+            .expect("a sound scene");
+        let (camera, shown) = (scene.cameras()[0].clone(), Shown::Light(Integrator::Eyelight));
+        let from = [61, 47];
+        let mut eye = Eye::new(RenderOptions::default());
+        eye.begin(&Sight { camera, shown, size: from, fleeting: true }).expect("a view");
+        assert!(eye.pass(&world, 1, &pool, &Silent), "nobody stops it");
+        for size in [from, [130, 90], [61, 20], [20, 47], [7, 200]] {
+            let (mut passing, mut kept) = (Vec::new(), Vec::new());
+            eye.develop(Exposure::default(), size, &mut passing, &pool);
+            eye.catch_up(&pool);
+            let parts = Part::all_of(&eye.colors, from);
+            screen::develop(Exposure::default(), parts, from, size, &mut kept, None);
+            assert!(passing == kept && kept.iter().any(|&pixel| pixel != 0), "{size:?}");
+        }
+    }
 
     #[test]
     fn patterns_follow_the_number_of_lights() {

@@ -70,7 +70,23 @@ impl FrameTimes {
     }
 }
 
-/// Renders frames; calls `seen` with the number and the picture of each, in linear light, after each pass of samples: the
+/// A frame that is on the screen.
+pub struct SeenFrame<'a> {
+    eye: &'a mut Eye,
+    picture: &'a mut Picture,
+    pool: &'a ThreadPool,
+}
+
+impl SeenFrame<'_> {
+    /// The frame in linear light.
+    pub fn picture(&mut self) -> &Picture {
+        self.eye.catch_up(self.pool);
+        self.picture.color.clone_from(&self.eye.colors);
+        self.picture
+    }
+}
+
+/// Renders frames; calls `seen` with the number of each and the frame itself, after each pass of samples: the
 /// time that it takes does not count. Ends early if `progress` says so.
 ///
 /// # Errors
@@ -80,7 +96,7 @@ pub fn run_headless(
     stage: &Stage,
     pool: &ThreadPool,
     progress: &dyn Progress,
-    seen: &mut dyn FnMut(u32, &Picture) -> Result<(), ViewError>,
+    seen: &mut dyn FnMut(u32, &mut SeenFrame) -> Result<(), ViewError>,
 ) -> Result<FrameTimes, ViewError> {
     let RenderOptions { width, height, spp, integrator, .. } = options.render;
     options.render.region()?;
@@ -100,9 +116,7 @@ pub fn run_headless(
             finished = eye.pass(&stage.world, eye.samples().clamp(1, MOST_SAMPLES), pool, progress);
             eye.develop(options.exposure, size, &mut screen, pool);
             seconds += begin.elapsed().as_secs_f64();
-            std::mem::swap(&mut picture.color, &mut eye.colors);
-            seen(frame, &picture)?;
-            std::mem::swap(&mut picture.color, &mut eye.colors);
+            seen(frame, &mut SeenFrame { eye: &mut eye, picture: &mut picture, pool })?;
             begin = Instant::now();
         }
         times.rays += eye.rays();

@@ -31,7 +31,7 @@ pub use controls::{Controls, Effect};
 pub use error::ViewError;
 pub use exposure::Exposure;
 pub use flight::Flight;
-pub use headless::{FrameTimes, HeadlessOptions, run_headless};
+pub use headless::{FrameTimes, HeadlessOptions, SeenFrame, run_headless};
 pub use hud::KEYS;
 pub use input::{Button, Input, Key};
 pub use pick::Pick;

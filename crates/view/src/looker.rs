@@ -43,7 +43,7 @@ pub(crate) struct Front {
     /// Pixels of the window.
     pub(crate) size: [u32; 2],
     pub(crate) screen: Vec<u32>,
-    /// Linear colours of what was rendered, `readings.rendered` pixels.
+    /// Linear colours of what was rendered, `readings.rendered` pixels; old ones where it is not `whole`.
     pub(crate) colors: Vec<[f32; 4]>,
     pub(crate) exposure: Exposure,
     pub(crate) readings: Readings,

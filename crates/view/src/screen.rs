@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use gnurt::ThreadPool;
 use gnurt::image::ToneCurve;
 use gnurt::image::srgb::encode_u8;
-use gnurt::render::ColorBand;
+use gnurt::render::{ColorBand, FilmBand};
 use rayon::prelude::*;
 
 use crate::exposure::Exposure;
@@ -21,9 +21,12 @@ const BITS: u32 = 8;
 const LEAST: f32 = 1.0 / 8192.0;
 const FIRST: u32 = LEAST.to_bits() >> (23 - BITS);
 
+/// As many bins as there are, and some more: a power of two.
+const BINS: usize = 4096;
+
 struct Table {
     /// The byte at the lower end of each bin, from `LEAST` on.
-    bins: Vec<u8>,
+    bins: [u8; BINS],
     /// The smallest value that becomes each byte; NaN beyond 255.
     thresholds: [f32; 257],
 }
@@ -45,33 +48,49 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
         256 => f32::NAN,
         byte => threshold(byte),
     });
-    let last = 1.0_f32.to_bits() >> (23 - BITS);
-    let bins = (FIRST..=last).map(|bin| encode_u8(f32::from_bits(bin << (23 - BITS)))).collect();
+    let bins = std::array::from_fn(|bin| {
+        let lower_end = f32::from_bits((FIRST + bin as u32) << (23 - BITS));
+        encode_u8(lower_end.min(1.0))
+    });
     Table { bins, thresholds }
 });
 
+/// Pixels that are looked up together.
+const PIECE: usize = 8;
+
 impl Table {
-    /// The byte of a value in 0..=1; NaN is 0.
+    /// Bytes of values in 0..=1 from the film; NaN is 0.
     #[inline]
-    fn byte(&self, value: f32) -> u32 {
-        // `max` answers the number where the other side is NaN.
-        let lit = value.max(LEAST);
-        let bin = (lit.min(1.0).to_bits() >> (23 - BITS)) - FIRST;
-        let byte = self.bins[bin as usize];
-        u32::from(byte) + u32::from(value >= self.thresholds[usize::from(byte) + 1])
+    fn piece(&self, curve: impl Fn(f32) -> f32, gain: f32, colors: &[[f32; 4]; PIECE]) -> [u32; PIECE] {
+        // First what is done to all alike, then what is looked up: the former goes by several at once.
+        let (mut values, mut bins) = ([0.0; 4 * PIECE], [0; 4 * PIECE]);
+        for (value, &light) in values.iter_mut().zip(colors.as_flattened()) {
+            *value = curve(light * gain);
+        }
+        for (bin, &value) in bins.iter_mut().zip(&values) {
+            // Compared in this way NaN is the least.
+            let lit = if value > LEAST { value } else { LEAST };
+            let lit = if lit < 1.0 { lit } else { 1.0 };
+            *bin = (lit.to_bits() >> (23 - BITS)) - FIRST;
+        }
+        let byte = |i: usize| {
+            let byte = self.bins[bins[i] as usize % BINS];
+            u32::from(byte) + u32::from(values[i] >= self.thresholds[usize::from(byte) + 1])
+        };
+        std::array::from_fn(|i| byte(4 * i) << 16 | byte(4 * i + 1) << 8 | byte(4 * i + 2))
     }
 
     #[inline]
     fn row(&self, curve: impl Fn(f32) -> f32, gain: f32, colors: &[[f32; 4]], out: &mut [u32]) {
-        let byte = |x: f32| self.byte(curve(x * gain));
-        let (mut last, mut pixel) = ([f32::NAN; 3], 0);
-        for (out, &[r, g, b, _]) in out.iter_mut().zip(colors) {
-            // Neighbours are often alike: what nothing is seen at, flat colours.
-            if last != [r, g, b] {
-                last = [r, g, b];
-                pixel = byte(r) << 16 | byte(g) << 8 | byte(b);
-            }
-            *out = pixel;
+        let (pieces, rest) = colors.as_chunks::<PIECE>();
+        let (out_pieces, out_rest) = out[..colors.len()].as_chunks_mut::<PIECE>();
+        for (out, colors) in out_pieces.iter_mut().zip(pieces) {
+            *out = self.piece(&curve, gain, colors);
+        }
+        if !rest.is_empty() {
+            let mut colors = [[0.0; 4]; PIECE];
+            colors[..rest.len()].copy_from_slice(rest);
+            out_rest.copy_from_slice(&self.piece(&curve, gain, &colors)[..rest.len()]);
         }
     }
 }
@@ -82,6 +101,8 @@ pub(crate) enum Part<'a> {
     Colors { rows: Range<u32>, colors: &'a [[f32; 4]] },
     /// These come from the film first.
     Film(ColorBand<'a>),
+    /// These come from the film, too, and nobody keeps them.
+    Passing(FilmBand<'a>),
 }
 
 impl<'a> Part<'a> {
@@ -99,13 +120,7 @@ impl<'a> Part<'a> {
         match self {
             Self::Colors { rows, .. } => rows.clone(),
             Self::Film(band) => band.rows(),
-        }
-    }
-
-    fn colors(self) -> &'a [[f32; 4]] {
-        match self {
-            Self::Colors { colors, .. } => colors,
-            Self::Film(band) => band.write(),
+            Self::Passing(band) => band.rows(),
         }
     }
 }
@@ -135,27 +150,50 @@ pub(crate) fn develop(
     };
     // The first row of the screen that shows this row of the picture or one below it.
     let shown_from = |source: usize| (source * rows).div_ceil(from_rows);
-    let row = |colors: &[[f32; 4]], line: &mut Vec<u32>, out: &mut [u32]| {
-        if from_columns == columns {
-            return tone(colors, out);
-        }
-        line.resize(from_columns, 0);
-        tone(colors, line);
+    let stretch = |line: &[u32], out: &mut [u32]| {
         for (x, out) in out.iter_mut().enumerate() {
             *out = line[x * from_columns / columns];
         }
     };
     let write = |(part, out): (Part, &mut [u32])| {
         let Range { start, end } = part.rows();
+        // Few pixels fill several rows of the screen; of many some rows are not seen.
         let first = shown_from(start as usize);
-        let (mut line, colors) = (Vec::new(), part.colors());
-        for (source, colors) in (start as usize..end as usize).zip(colors.chunks_exact(from_columns)) {
+        let mut fill = |source: usize, row: &mut dyn FnMut(&mut [u32])| {
             let [begin, end] = [source, source + 1].map(|row| (shown_from(row) - first) * columns);
-            // Few pixels fill several rows of the screen; of many some rows are not seen.
             if let Some((top, others)) = out[begin..end].split_at_mut_checked(columns) {
-                row(colors, &mut line, top);
+                row(top);
                 others.chunks_exact_mut(columns).for_each(|row| row.copy_from_slice(top));
             }
+        };
+        let colors = match part {
+            Part::Colors { colors, .. } => colors,
+            Part::Film(band) => band.write(),
+            Part::Passing(band) if from == to => {
+                return band.pieces(|[x, y], colors| {
+                    tone(colors, &mut out[(y - start) as usize * columns + x as usize..]);
+                });
+            }
+            Part::Passing(band) => {
+                let mut lines = vec![0; (end - start) as usize * from_columns];
+                band.pieces(|[x, y], colors| {
+                    tone(colors, &mut lines[(y - start) as usize * from_columns + x as usize..]);
+                });
+                for (source, line) in (start as usize..).zip(lines.chunks_exact(from_columns)) {
+                    fill(source, &mut |out| stretch(line, out));
+                }
+                return;
+            }
+        };
+        let mut line = vec![0; if from_columns == columns { 0 } else { from_columns }];
+        for (source, colors) in (start as usize..end as usize).zip(colors.chunks_exact(from_columns)) {
+            fill(source, &mut |out| {
+                if line.is_empty() {
+                    return tone(colors, out);
+                }
+                tone(colors, &mut line);
+                stretch(&line, out);
+            });
         }
     };
     let (mut rest, mut next, mut shares) = (&mut out[..], 0, Vec::with_capacity(parts.len()));

@@ -118,14 +118,11 @@ fn run_windowless(
     };
     let watcher = Watcher::begin(false);
     let mut last: Option<Picture> = None;
-    let times = run_headless(&options, &stage, pool, &watcher, &mut |number, picture| {
+    let times = run_headless(&options, &stage, pool, &watcher, &mut |number, frame| {
         if output.is_some() && (number + 1 == options.frames || signals::is_stopped()) {
-            match &mut last {
-                Some(last) => last.color.clone_from(&picture.color),
-                None => last = Some(picture.clone()),
-            }
+            last = Some(frame.picture().clone());
         }
-        tev.as_mut().map_or(Ok(()), |tev| tev.update(picture))
+        tev.as_mut().map_or(Ok(()), |tev| tev.update(frame.picture()))
     });
     watcher.end();
     let times = times.map_err(|error| match error {
