@@ -27,8 +27,12 @@ const UNSURE: f32 = 0.03;
 /// Neighbours that weigh less are left out.
 const LEAST: f32 = 1e-3;
 
-/// The colours of the region without noise, row by row.
-pub(crate) fn filter(noisy: &Noisy, pool: &rayon::ThreadPool) -> Vec<Triple> {
+/// The colours of the region without noise, row by row; `None` if `stop` has said so.
+pub(crate) fn filter(
+    noisy: &Noisy,
+    pool: &rayon::ThreadPool,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Triple>> {
     let (width, height) = (noisy.width, noisy.height);
     let albedo: Vec<Triple> = noisy.albedo.iter().map(divisor).collect();
     let divide = |values: &[Triple], by: &dyn Fn(f32) -> f32| -> Vec<Triple> {
@@ -50,12 +54,12 @@ pub(crate) fn filter(noisy: &Noisy, pool: &rayon::ThreadPool) -> Vec<Triple> {
         .flat_map(|y| (0..width).step_by(TILE).map(move |x| [x, y]))
         .map(|[x, y]| [x, y, (x + TILE).min(width), (y + TILE).min(height)])
         .collect();
-    let explained: Vec<Explained> = pool.install(|| {
-        tiles
-            .par_iter()
-            .map_init(Weights::new, |weights, &tile| Explained::of(noisy, &signal, weights, tile))
-            .collect()
-    });
+    let explain = |weights: &mut Weights, &tile: &[usize; 4]| {
+        (!stop()).then(|| Explained::of(noisy, &signal, weights, tile))
+    };
+    let explained: Option<Vec<Explained>> =
+        pool.install(|| tiles.par_iter().map_init(Weights::new, explain).collect());
+    let explained = explained?;
     let mut sums = vec![[0.0f32; 4]; width * height];
     for part in &explained {
         let [x0, y0, x1, _] = part.rect;
@@ -73,7 +77,7 @@ pub(crate) fn filter(noisy: &Noisy, pool: &rayon::ThreadPool) -> Vec<Triple> {
             (light * albedo[i][k]).clamp(0.0, f32::MAX)
         })
     };
-    sums.iter().enumerate().map(clean).collect()
+    Some(sums.iter().enumerate().map(clean).collect())
 }
 
 /// What light is divided by: the albedo where there is one.

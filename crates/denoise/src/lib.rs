@@ -136,18 +136,33 @@ pub fn check(options: &Options) -> Result<(), Error> {
 /// [`Error`] if a layer is missing, the region is no part of the picture, or OIDN was asked for and cannot be used; the
 /// picture has not changed then.
 pub fn denoise(picture: &mut Picture, options: &Options, pool: &rayon::ThreadPool) -> Result<Used, Error> {
+    let used = denoise_unless(&|| false, picture, options, pool)?;
+    Ok(used.unwrap_or(Used::BuiltIn { without_oidn: None }))
+}
+
+/// As [`denoise`], but gives up as soon as `stop` says so, which is called from all threads: the picture has not changed then,
+/// and the answer is `None`. The built-in filter asks about a hundred times for a picture, OIDN does not.
+///
+/// # Errors
+/// As [`denoise`].
+pub fn denoise_unless(
+    stop: &(dyn Fn() -> bool + Sync),
+    picture: &mut Picture,
+    options: &Options,
+    pool: &rayon::ThreadPool,
+) -> Result<Option<Used>, Error> {
     let region = options.region.unwrap_or([0, 0, picture.width, picture.height]);
     let noisy = Noisy::of(picture, region)?;
-    let (clean, used) = match options.method {
-        Method::BuiltIn => (built_in::filter(&noisy, pool), Used::BuiltIn { without_oidn: None }),
-        Method::Oidn => oidn::filter(&noisy, options.library.as_deref(), pool.current_num_threads())?,
-        Method::Auto => match oidn::filter(&noisy, options.library.as_deref(), pool.current_num_threads()) {
-            Ok(done) => done,
-            Err(why) => {
-                (built_in::filter(&noisy, pool), Used::BuiltIn { without_oidn: Some(why.to_string()) })
-            }
-        },
+    let by_itself = |without_oidn| {
+        built_in::filter(&noisy, pool, stop).map(|clean| (clean, Used::BuiltIn { without_oidn }))
     };
+    let oidn = || oidn::filter(&noisy, options.library.as_deref(), pool.current_num_threads());
+    let done = match options.method {
+        Method::BuiltIn => by_itself(None),
+        Method::Oidn => Some(oidn()?),
+        Method::Auto => oidn().map_or_else(|why| by_itself(Some(why.to_string())), Some),
+    };
+    let Some((clean, used)) = done else { return Ok(None) };
     let before = |k: usize| picture.color.iter().map(|pixel| pixel[k]).collect();
     let layer = Layer::floats("noisy", [("R", before(0)), ("G", before(1)), ("B", before(2))]);
     picture.layers.push(layer);
@@ -158,5 +173,5 @@ pub fn denoise(picture: &mut Picture, options: &Options, pool: &rayon::ThreadPoo
             pixel[..3].copy_from_slice(clean);
         }
     }
-    Ok(used)
+    Ok(Some(used))
 }
