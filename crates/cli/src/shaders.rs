@@ -4,6 +4,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use OpenRT::scene_shader::SceneShader;
 use gnurt::render::ShaderTable;
@@ -21,6 +22,9 @@ pub(crate) struct Shaders {
     pub(crate) table: ShaderTable,
     made: Vec<SceneShader>,
 }
+
+/// Shaders whose faults are told as they come.
+pub(crate) struct Watched(Vec<(SceneShader, AtomicBool)>);
 
 impl Shaders {
     /// Makes them, and puts them in the place of the scene's materials; the last one for a material counts.
@@ -42,9 +46,26 @@ impl Shaders {
         Ok(shaders)
     }
 
+    /// For those who ask again and again.
+    pub(crate) fn watched(self) -> Watched {
+        Watched(self.made.into_iter().map(|made| (made, AtomicBool::new(false))).collect())
+    }
+
     /// Tells what they did wrong.
     pub(crate) fn tell_faults(&self, messages: Messages) {
         self.made.iter().flat_map(SceneShader::faults).for_each(|fault| messages.warning(fault));
+    }
+}
+
+impl Watched {
+    /// What they did wrong, of each once: as much of it as is known when it is asked for first.
+    pub(crate) fn new_faults(&self) -> Vec<String> {
+        let new = |(made, is_told): &(SceneShader, AtomicBool)| {
+            let faults = if is_told.load(Ordering::Relaxed) { Vec::new() } else { made.faults() };
+            is_told.fetch_or(!faults.is_empty(), Ordering::Relaxed);
+            faults
+        };
+        self.0.iter().flat_map(new).collect()
     }
 }
 

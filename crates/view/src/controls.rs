@@ -22,6 +22,8 @@ pub enum Effect {
     Pick([u32; 2]),
     /// Write the picture to a file.
     Screenshot,
+    /// Write all pictures from now on, or no longer.
+    Record(bool),
     /// Print the camera as options of the command line.
     PrintCamera,
     /// Fill the screen, or no longer.
@@ -43,6 +45,10 @@ pub struct Controls {
     pub help: bool,
     /// Whether no samples are added.
     pub paused: bool,
+    /// Whether the noise is taken out of pictures that rest.
+    pub denoised: bool,
+    /// Whether pictures are written as they come.
+    pub recording: bool,
     home: Flight,
     home_exposure: Exposure,
     fullscreen: bool,
@@ -107,6 +113,8 @@ impl Controls {
             hud: true,
             help: false,
             paused: false,
+            denoised: false,
+            recording: false,
             fullscreen: false,
             held: Vec::new(),
             shift: false,
@@ -206,6 +214,10 @@ impl Controls {
         if self.control {
             return match lower(key) {
                 Key::Char('s') if !repeat => Some(Effect::Screenshot),
+                Key::Char('r') if !repeat => {
+                    self.recording = !self.recording;
+                    Some(Effect::Record(self.recording))
+                }
                 Key::Char('q' | 'c') => Some(Effect::Quit),
                 _ => None,
             };
@@ -232,6 +244,7 @@ impl Controls {
             Key::Char('h' | 'H' | '?') | Key::F(1) => self.help = !self.help,
             Key::Char('g' | 'G') => self.hud = !self.hud,
             Key::Char('p' | 'P') => self.paused = !self.paused,
+            Key::Char('n' | 'N') => self.denoised = !self.denoised,
             Key::Char('t' | 'T') => self.exposure.tone = self.exposure.next_tone(),
             Key::Char('r' | 'R') => {
                 self.flight = self.home.clone();
@@ -361,8 +374,8 @@ mod tests {
         assert_eq!(c.shown, Shown::all()[1], "the second one");
         feed(&mut c, &[down(Key::Tab)]);
         assert_eq!(c.shown, Shown::all()[2], "the one behind it");
-        feed(&mut c, &[down(Key::Char('g')), down(Key::Char('h')), down(Key::Char('p'))]);
-        assert!(!c.hud && c.help && c.paused, "all three");
+        feed(&mut c, &['g', 'h', 'p', 'n'].map(|key| down(Key::Char(key))));
+        assert!(!c.hud && c.help && c.paused && c.denoised, "all four");
         let tone = c.exposure.tone;
         feed(&mut c, &[down(Key::Char('t'))]);
         assert_ne!(c.exposure.tone, tone, "another curve");
@@ -395,5 +408,7 @@ mod tests {
             feed(&mut c, &[down(Key::Char('s')), down(Key::Char('q')), down(Key::Char('w')), Input::Close]);
         assert_eq!(effects, [Effect::Screenshot, Effect::Quit, Effect::Quit], "with control");
         assert!(!c.is_flying(), "control and a letter do not fly");
+        let effects = feed(&mut c, &[down(Key::Char('r')), down(Key::Char('r'))]);
+        assert_eq!(effects, [Effect::Record(true), Effect::Record(false)], "on and off");
     }
 }

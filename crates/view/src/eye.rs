@@ -3,6 +3,7 @@
 //! Source: original. Memory is used again from picture to picture. Proof: `tests`.
 
 use gnurt::ThreadPool;
+use gnurt::denoise;
 use gnurt::render::{Accumulation, KeptLights, PerspectiveCamera, Progress, RenderOptions, World};
 use gnurt::scene::Camera;
 
@@ -20,6 +21,8 @@ pub(crate) struct Sight {
     pub(crate) size: [u32; 2],
     /// A look in passing: one sample in the middle of each pixel.
     pub(crate) fleeting: bool,
+    /// Whether the noise will be taken out of it: that needs layers.
+    pub(crate) denoised: bool,
 }
 
 /// Virtual lights that a pixel gathers while the camera moves, at most, as far as patterns are wide enough.
@@ -47,6 +50,8 @@ struct Making {
     /// Distance from eye to target.
     reach: f32,
     fleeting: bool,
+    /// Colours without noise, and of how many samples.
+    clean: Option<(u32, Vec<[f32; 4]>)>,
 }
 
 impl Eye {
@@ -61,7 +66,7 @@ impl Eye {
             width,
             height,
             integrator: sight.shown.integrator(),
-            aovs: sight.shown.needs_layers(),
+            aovs: sight.shown.needs_layers() || sight.denoised,
             pixel_centres: sight.fleeting || self.options.pixel_centres,
             spp: if sight.fleeting { 1 } else { self.options.spp },
             // For integrators with virtual lights.
@@ -86,6 +91,7 @@ impl Eye {
             shown: sight.shown,
             reach,
             fleeting: sight.fleeting,
+            clean: None,
         });
         Ok(())
     }
@@ -124,18 +130,45 @@ impl Eye {
         self.making.as_ref().is_none_or(|making| making.accumulation.is_complete())
     }
 
+    /// Samples of each pixel that were denoised last; 0 if none was.
+    pub(crate) fn clean_samples(&self) -> u32 {
+        self.making.as_ref().and_then(|making| making.clean.as_ref()).map_or(0, |(samples, _)| *samples)
+    }
+
+    /// Takes the noise out of the samples so far; says how, unless it was stopped or there is nothing.
+    pub(crate) fn denoise(
+        &mut self,
+        how: &denoise::Options,
+        pool: &ThreadPool,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<denoise::Used>, denoise::Error> {
+        let Some(Making { accumulation, clean, .. }) = &mut self.making else { return Ok(None) };
+        let mut picture = accumulation.picture();
+        let used = denoise::denoise_unless(stop, &mut picture, how, pool)?;
+        if used.is_some() {
+            *clean = Some((accumulation.samples(), picture.color));
+        }
+        Ok(used)
+    }
+
     /// Brings a screen of that size up to date with the samples, and `colors` as well, but for looks in passing.
+    /// `clean`: what was denoised last is shown, if anything was.
     pub(crate) fn develop(
         &mut self,
         exposure: Exposure,
         size: [u32; 2],
         screen: &mut Vec<u32>,
+        clean: bool,
         pool: &ThreadPool,
     ) {
-        let Some(Making { accumulation, shown, reach, fleeting, .. }) = &self.making else { return };
+        let Some(making) = &self.making else { return };
+        let Making { accumulation, shown, reach, fleeting, .. } = making;
         let RenderOptions { width, height, .. } = *accumulation.options();
         self.colors.resize(width as usize * height as usize, [0.0; 4]);
-        let parts = if shown.needs_layers() {
+        let parts = if let Some((_, clean)) = making.clean.as_ref().filter(|_| clean) {
+            self.colors.clone_from(clean);
+            Part::all_of(&self.colors, [width, height])
+        } else if shown.needs_layers() {
             shown.colors(&accumulation.picture(), *reach, &mut self.colors);
             Part::all_of(&self.colors, [width, height])
         } else if *fleeting {
@@ -173,11 +206,11 @@ mod tests {
         let (camera, shown) = (scene.cameras()[0].clone(), Shown::Light(Integrator::Eyelight));
         let from = [61, 47];
         let mut eye = Eye::new(RenderOptions::default());
-        eye.begin(&Sight { camera, shown, size: from, fleeting: true }).expect("a view");
+        eye.begin(&Sight { camera, shown, size: from, fleeting: true, denoised: false }).expect("a view");
         assert!(eye.pass(&world, 1, &pool, &Silent), "nobody stops it");
         for size in [from, [130, 90], [61, 20], [20, 47], [7, 200]] {
             let (mut passing, mut kept) = (Vec::new(), Vec::new());
-            eye.develop(Exposure::default(), size, &mut passing, &pool);
+            eye.develop(Exposure::default(), size, &mut passing, false, &pool);
             eye.catch_up(&pool);
             let parts = Part::all_of(&eye.colors, from);
             screen::develop(Exposure::default(), parts, from, size, &mut kept, None);

@@ -110,11 +110,11 @@ pub fn run_headless(
         let (camera, shown, size) = (flight.camera(), Shown::Light(integrator), [width, height]);
         // One sample in motion is what a window shows while the camera moves.
         let fleeting = spp == 1 && options.orbit != 0.0;
-        eye.begin(&Sight { camera, shown, size, fleeting })?;
+        eye.begin(&Sight { camera, shown, size, fleeting, denoised: false })?;
         let (mut seconds, mut finished) = (0.0, true);
         while finished && !eye.is_complete() {
             finished = eye.pass(&stage.world, eye.samples().clamp(1, MOST_SAMPLES), pool, progress);
-            eye.develop(options.exposure, size, &mut screen, pool);
+            eye.develop(options.exposure, size, &mut screen, false, pool);
             seconds += begin.elapsed().as_secs_f64();
             seen(frame, &mut SeenFrame { eye: &mut eye, picture: &mut picture, pool })?;
             begin = Instant::now();

@@ -17,6 +17,8 @@ pub(crate) struct Readings {
     pub(crate) samples: [u32; 2],
     /// Columns and rows that were rendered.
     pub(crate) rendered: [u32; 2],
+    /// Whether the noise was taken out of it.
+    pub(crate) denoised: bool,
 }
 
 /// The keys, a line each.
@@ -33,8 +35,10 @@ R                   back to the beginning
 b B                 brighter, darker
 T                   tone curve
 P                   pause
+N                   take the noise out
 C                   print the camera
 F12, Ctrl-S         write a picture
+Ctrl-R              write all pictures, until pressed again
 F                   fill the screen
 G                   numbers
 H                   these keys
@@ -52,9 +56,17 @@ pub(crate) fn lines(
     let [columns, rows] = readings.rendered;
     let exposure = controls.exposure;
     let paused = if controls.paused { "  paused" } else { "" };
+    let noise = match (readings.denoised, controls.denoised) {
+        (true, _) => "  denoised",
+        (false, true) => "  not yet denoised",
+        (false, false) => "",
+    };
     let mut lines = vec![
         format!("{:.1} fps  drawn {drawn:.1}  {:.1} ms", 1.0 / seconds, seconds * 1e3),
-        format!("{} of {} samples  {columns}x{rows}{paused}", readings.samples[0], readings.samples[1]),
+        format!(
+            "{} of {} samples  {columns}x{rows}{noise}{paused}",
+            readings.samples[0], readings.samples[1]
+        ),
         format!("{:.2} Mray/s  {} MiB", readings.rays as f64 * 1e-6 / seconds, memory >> 20),
         format!("{}  EV {:+.2}  {}", controls.shown, exposure.stops, exposure.tone),
     ];
@@ -94,7 +106,13 @@ mod tests {
             Controls::new(&camera, Shown::Albedo, Exposure::default(), [200, 100]).expect("a view");
         controls.exposure.stops = -1.5;
         controls.paused = true;
-        let readings = Readings { seconds: 0.05, rays: 1_500_000, samples: [3, 64], rendered: [640, 360] };
+        let readings = Readings {
+            seconds: 0.05,
+            rays: 1_500_000,
+            samples: [3, 64],
+            rendered: [640, 360],
+            denoised: true,
+        };
         let said = ["material 'oak'".to_owned()];
         let text = lines(&controls, &readings, 12.34, 77 << 20, &said).join("\n");
         for part in [
@@ -108,6 +126,7 @@ mod tests {
             "albedo",
             "-1.50",
             "clamp",
+            "denoised",
             "paused",
             "oak",
         ] {

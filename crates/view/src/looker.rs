@@ -12,6 +12,7 @@ use std::thread::JoinHandle;
 use std::time::Instant;
 
 use gnurt::ThreadPool;
+use gnurt::denoise;
 use gnurt::render::{Progress, RenderOptions};
 use gnurt::scene::Camera;
 
@@ -33,6 +34,15 @@ pub(crate) struct Wish {
     /// Whether the camera will probably have moved on by the next frame.
     pub(crate) moving: bool,
     pub(crate) paused: bool,
+    /// Whether the noise is to be taken out of what rests.
+    pub(crate) denoised: bool,
+}
+
+impl Wish {
+    /// Whether the noise is to be taken out of what is shown: other pictures than light have none.
+    fn wants_clean(&self) -> bool {
+        self.denoised && matches!(self.shown, Shown::Light(_))
+    }
 }
 
 /// A picture that can be shown.
@@ -80,6 +90,8 @@ pub(crate) enum News {
     Reloaded(Vec<std::path::PathBuf>),
     /// It could not be read or rendered; what was there stays.
     Trouble(String),
+    /// How the noise was taken out, whenever that is another way than before.
+    Denoised(String),
 }
 
 /// Renders beside the window; stops when dropped.
@@ -94,6 +106,7 @@ pub(crate) struct LookerParts {
     pub(crate) options: RenderOptions,
     pub(crate) pool: ThreadPool,
     pub(crate) loader: Loader,
+    pub(crate) denoiser: denoise::Options,
     /// Called from the thread.
     pub(crate) tell: Box<dyn Fn(News) + Send>,
 }
@@ -107,7 +120,7 @@ const MOST_SAMPLES: u32 = 16;
 impl Looker {
     /// Begins to look.
     pub(crate) fn begin(parts: LookerParts, wish: Wish) -> Result<Self, ViewError> {
-        let LookerParts { stage, options, pool, loader, tell } = parts;
+        let LookerParts { stage, options, pool, loader, denoiser, tell } = parts;
         let shared = Arc::new(Shared {
             wish: Mutex::new(Wanted { wish, view: 1, reload: false }),
             bell: Condvar::new(),
@@ -126,6 +139,10 @@ impl Looker {
             back: Front::default(),
             number: 0,
             per_sample: PASS,
+            denoiser,
+            used: None,
+            noisy_seconds: 0.0,
+            clean_seconds: 0.0,
         };
         let thread = std::thread::Builder::new().name("gnurt-looker".into()).spawn(move || work.run());
         Ok(Self { shared, thread: Some(thread.map_err(ViewError::Thread)?) })
@@ -162,7 +179,8 @@ impl Looker {
     /// Whether a picture shows what is wanted now.
     pub(crate) fn is_current(&self, front: &Front) -> bool {
         let wanted = lock(&self.shared.wish);
-        front.view == wanted.view && front.exposure == wanted.wish.exposure && !wanted.reload
+        let same = front.view == wanted.view && front.exposure == wanted.wish.exposure;
+        same && front.readings.denoised == wanted.wish.wants_clean() && !wanted.reload
     }
 
     /// What is looked at.
@@ -198,6 +216,12 @@ struct Work {
     number: u64,
     /// Seconds that a sample of each pixel took in the last pass.
     per_sample: f64,
+    denoiser: denoise::Options,
+    /// How the noise was taken out last.
+    used: Option<denoise::Used>,
+    /// Seconds of passes since then, and seconds that it took.
+    noisy_seconds: f64,
+    clean_seconds: f64,
 }
 
 /// What the eye has in the making.
@@ -207,8 +231,17 @@ struct Present {
     shown: Shown,
     divisor: u32,
     fleeting: bool,
+    /// Whether it has the layers that denoisers look at.
+    layers: bool,
     /// Whether nothing can be added until something changes.
     done: bool,
+}
+
+impl Present {
+    /// Where nothing can be seen.
+    fn nothing(view: u64, shown: Shown) -> Self {
+        Self { view, shown, divisor: 1, fleeting: false, layers: true, done: true }
+    }
 }
 
 /// Stops a pass when another picture is wanted.
@@ -253,15 +286,14 @@ impl Work {
             };
             if wish.size.contains(&0) {
                 // A window that is folded away shows nothing.
-                present = Some(Present { view, shown: wish.shown, divisor: 1, fleeting: false, done: true });
+                present = Some(Present::nothing(view, wish.shown));
                 continue;
             }
             let next = match self.next(present.take(), &wish, view) {
                 Ok(next) => next,
                 Err(error) => {
                     (self.tell)(News::Trouble(error.to_string()));
-                    present =
-                        Some(Present { view, shown: wish.shown, divisor: 1, fleeting: false, done: true });
+                    present = Some(Present::nothing(view, wish.shown));
                     continue;
                 }
             };
@@ -271,7 +303,8 @@ impl Work {
 
     /// Whether there is nothing to do for what is wanted.
     fn is_idle(&self, present: &Present, wanted: &Wanted) -> bool {
-        let same = present.view == wanted.view && self.back.exposure == wanted.wish.exposure;
+        let clean = present.fleeting || self.back.readings.denoised == wanted.wish.wants_clean();
+        let same = present.view == wanted.view && self.back.exposure == wanted.wish.exposure && clean;
         let waits = if present.fleeting { wanted.wish.moving } else { wanted.wish.paused };
         let rests = present.done || waits;
         same && rests
@@ -280,13 +313,20 @@ impl Work {
     /// What to render now: what is in the making, or a new picture.
     fn next(&mut self, present: Option<Present>, wish: &Wish, view: u64) -> Result<Present, ViewError> {
         let next = match present {
-            Some(present) if present.view == view => {
+            Some(present)
+                if present.view == view && (present.fleeting || !self.lacks_layers(&present, wish)) =>
+            {
                 if !present.fleeting || wish.moving {
                     return Ok(present);
                 }
                 // It rests: finer, and at last with samples that count.
                 let divisor = present.divisor / 2;
-                Present { divisor: divisor.max(1), fleeting: divisor > 1, ..present }
+                Present {
+                    divisor: divisor.max(1),
+                    fleeting: divisor > 1,
+                    layers: wish.wants_clean(),
+                    ..present
+                }
             }
             old => {
                 if old.is_some_and(|old| old.shown != wish.shown) {
@@ -294,13 +334,32 @@ impl Work {
                 }
                 let divisor = self.pace.divisor(wish.size);
                 let fleeting = wish.moving || divisor > 1;
-                Present { view, shown: wish.shown, divisor, fleeting, done: false }
+                Present {
+                    view,
+                    shown: wish.shown,
+                    divisor,
+                    fleeting,
+                    layers: wish.wants_clean(),
+                    done: false,
+                }
             }
         };
+        (self.noisy_seconds, self.clean_seconds) = (0.0, 0.0);
         let size = divided(wish.size, next.divisor);
-        let sight = Sight { camera: wish.camera.clone(), shown: wish.shown, size, fleeting: next.fleeting };
+        let sight = Sight {
+            camera: wish.camera.clone(),
+            shown: wish.shown,
+            size,
+            fleeting: next.fleeting,
+            denoised: next.layers && !next.fleeting,
+        };
         self.eye.begin(&sight)?;
         Ok(next)
+    }
+
+    /// Whether it cannot be denoised, and shall be.
+    fn lacks_layers(&self, present: &Present, wish: &Wish) -> bool {
+        wish.wants_clean() && !present.layers
     }
 
     /// Adds samples, and shows what came out.
@@ -320,7 +379,13 @@ impl Work {
                 return present;
             }
         }
-        self.eye.develop(wish.exposure, wish.size, &mut self.back.screen, &self.pool);
+        let wants_clean = wish.wants_clean() && !present.fleeting;
+        // The first picture is shown as it is.
+        if wants_clean && taken > 0 && !self.make_clean(&present, wish, begin.elapsed().as_secs_f64()) {
+            return present;
+        }
+        let is_clean = wants_clean && self.eye.clean_samples() > 0;
+        self.eye.develop(wish.exposure, wish.size, &mut self.back.screen, is_clean, &self.pool);
         let seconds = begin.elapsed().as_secs_f64();
         let new_samples = self.eye.samples() - taken;
         if new_samples > 0 {
@@ -331,16 +396,49 @@ impl Work {
                 rays: self.eye.rays() - rays,
                 samples: [self.eye.samples(), self.eye.target_samples()],
                 rendered: size,
+                denoised: false,
             };
         }
+        self.back.readings.denoised = is_clean;
         self.number += 1;
         (self.back.number, self.back.size, self.back.exposure) = (self.number, wish.size, wish.exposure);
         (self.back.whole, self.back.view) = (!present.fleeting, present.view);
         std::mem::swap(&mut self.back.colors, &mut self.eye.colors);
-        present.done = !present.fleeting && self.eye.is_complete();
+        let is_waited_for = wants_clean && self.eye.clean_samples() < self.eye.samples();
+        present.done = !present.fleeting && self.eye.is_complete() && !is_waited_for;
         self.publish();
         (self.tell)(News::Picture);
         present
+    }
+
+    /// Takes the noise out of the samples so far, if that was not done and it is time to; says whether there is something to
+    /// show. `seconds` went into the last pass.
+    fn make_clean(&mut self, present: &Present, wish: &Wish, seconds: f64) -> bool {
+        self.noisy_seconds += seconds;
+        let is_last = self.eye.is_complete() || wish.paused;
+        // Half of the time for samples, half for the denoiser.
+        let is_due = is_last || self.eye.clean_samples() == 0 || self.noisy_seconds >= self.clean_seconds;
+        if !is_due || self.eye.clean_samples() == self.eye.samples() {
+            // Another exposure is shown at once.
+            return is_last || self.back.exposure != wish.exposure || !self.back.readings.denoised;
+        }
+        let begin = Instant::now();
+        let cancel = Cancel { shared: &self.shared, view: present.view, finishes: false };
+        match self.eye.denoise(&self.denoiser, &self.pool, &|| cancel.should_stop()) {
+            Ok(Some(used)) => {
+                (self.noisy_seconds, self.clean_seconds) = (0.0, begin.elapsed().as_secs_f64());
+                if self.used.as_ref() != Some(&used) {
+                    (self.tell)(News::Denoised(used.to_string()));
+                    self.used = Some(used);
+                }
+                true
+            }
+            Ok(None) => false,
+            Err(error) => {
+                (self.tell)(News::Trouble(error.to_string()));
+                false
+            }
+        }
     }
 
     /// Gives the back to the window and takes its old front.
@@ -393,7 +491,7 @@ mod tests {
         let mut world = World::new();
         let report = world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), pool);
         report.map_err(|error| error.to_string())?;
-        Ok(Stage { scene, world, files: Vec::new() })
+        Ok(Stage { scene, world, files: Vec::new(), faults: Box::new(Vec::new) })
     }
 
     fn options() -> RenderOptions {
@@ -410,10 +508,12 @@ mod tests {
             exposure: Exposure::default(),
             moving: false,
             paused: false,
+            denoised: false,
         };
         let (sender, news) = channel();
         let tell = Box::new(move |what| drop(sender.send(what)));
-        let parts = LookerParts { stage, options: options(), pool, loader, tell };
+        let denoiser = denoise::Options { method: denoise::Method::BuiltIn, ..denoise::Options::default() };
+        let parts = LookerParts { stage, options: options(), pool, loader, denoiser, tell };
         (Looker::begin(parts, wish.clone()).expect("a thread"), news, wish)
     }
 
@@ -477,6 +577,39 @@ mod tests {
         wait_for(&looker, "first look", |front| front.view == 4);
         std::thread::sleep(Duration::from_millis(50));
         assert!(!is_finished(&looker.front()), "no samples are added");
+    }
+
+    #[test]
+    fn noise_goes_when_asked_for() {
+        let (looker, _news, mut wish) = begin(Box::new(load));
+        wait_for(&looker, "finished picture", is_finished);
+        let noisy = looker.front().colors.clone();
+        wish.denoised = true;
+        looker.want(&wish);
+        wait_for(&looker, "clean picture", |front| is_finished(front) && front.readings.denoised);
+        let pool = gnurt::thread_pool(1).expect("a thread");
+        let stage = load(&pool).expect("the box");
+        let camera = PerspectiveCamera::new(&wish.camera).expect("a view");
+        let options = RenderOptions { width: 61, height: 47, aovs: true, ..options() };
+        let mut picture =
+            render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options").picture;
+        let how = denoise::Options { method: denoise::Method::BuiltIn, ..denoise::Options::default() };
+        denoise::denoise(&mut picture, &how, &pool).expect("it has all layers");
+        assert!(looker.front().colors == picture.color, "as a picture that is denoised after rendering");
+        assert!(noisy != picture.color, "another picture");
+        wish.exposure.stops = 1.0;
+        looker.want(&wish);
+        wait_for(&looker, "brighter picture", |front| front.exposure.stops == 1.0 && front.readings.denoised);
+        assert!(looker.front().colors == picture.color, "the same light");
+        wish.denoised = false;
+        looker.want(&wish);
+        wait_for(&looker, "noise again", |front| !front.readings.denoised);
+        assert!(is_finished(&looker.front()) && looker.front().colors == noisy, "with all samples");
+        // A camera that moves is not waited for.
+        (wish.denoised, wish.moving) = (true, true);
+        wish.camera.eye[0] += 0.01;
+        looker.want(&wish);
+        wait_for(&looker, "passing look", |front| !front.whole && !front.readings.denoised);
     }
 
     #[test]

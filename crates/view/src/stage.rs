@@ -16,7 +16,12 @@ pub struct Stage {
     pub world: World,
     /// Files that it was read from: if one changes, it is read again.
     pub files: Vec<PathBuf>,
+    /// Tells what shaders have done wrong since it was asked last, a line each.
+    pub faults: Faults,
 }
+
+/// Asked from time to time, from any thread.
+pub type Faults = Box<dyn Fn() -> Vec<String> + Send + Sync>;
 
 impl fmt::Debug for Stage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

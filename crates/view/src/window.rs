@@ -10,6 +10,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use gnurt::ThreadPool;
+use gnurt::denoise;
 use gnurt::render::RenderOptions;
 use gnurt::scene::Camera;
 use softbuffer::{Context, Surface};
@@ -28,6 +29,7 @@ use crate::input::{Button, Input, Key};
 use crate::looker::{Looker, LookerParts, News, Wish};
 use crate::memory;
 use crate::pick::Pick;
+use crate::recorder::Recorder;
 use crate::screenshot;
 use crate::shown::Shown;
 use crate::stage::{Listener, Loader, Stage};
@@ -47,6 +49,8 @@ pub struct WindowOptions {
     pub frames: Option<u64>,
     /// Where pictures are written.
     pub folder: PathBuf,
+    /// How noise is taken out of pictures, once somebody asks for it.
+    pub denoiser: denoise::Options,
 }
 
 /// How long a camera that nobody holds counts as moving.
@@ -81,7 +85,14 @@ pub fn run_window(
     let watch = Watch::new(stage.files.clone());
     let mut app = App {
         begin: Some((
-            LookerParts { stage, options: options.render.clone(), pool, loader, tell: tell(proxy) },
+            LookerParts {
+                stage,
+                options: options.render.clone(),
+                pool,
+                loader,
+                denoiser: options.denoiser.clone(),
+                tell: tell(proxy),
+            },
             size,
         )),
         options,
@@ -95,6 +106,8 @@ pub fn run_window(
         watched: Instant::now(),
         said: None,
         wants_screenshot: false,
+        recorder: None,
+        failed_recording: false,
         drawn: Vec::new(),
         seen: 0,
     };
@@ -123,6 +136,9 @@ struct App {
     watched: Instant,
     said: Option<(Instant, Vec<String>)>,
     wants_screenshot: bool,
+    recorder: Option<Recorder>,
+    /// Whether it can write no more.
+    failed_recording: bool,
     /// When pictures reached the screen, within the last second.
     drawn: Vec<Instant>,
     /// Pictures that reached the screen.
@@ -168,6 +184,7 @@ impl App {
             exposure: self.controls.exposure,
             moving: self.moved.elapsed() < REST,
             paused: self.controls.paused,
+            denoised: self.controls.denoised,
         }
     }
 
@@ -192,6 +209,8 @@ impl App {
             Some(Effect::Quit) => events.exit(),
             Some(Effect::Pick(pixel)) => self.pick(pixel),
             Some(Effect::Screenshot) => self.wants_screenshot = true,
+            Some(Effect::Record(true)) => self.begin_recording(),
+            Some(Effect::Record(false)) => self.end_recording(),
             Some(Effect::PrintCamera) => self.print_camera(),
             Some(Effect::Fullscreen(fills)) => {
                 if let Some(open) = &self.open {
@@ -212,6 +231,42 @@ impl App {
         self.said = Some((Instant::now(), lines));
         if let Some(open) = &self.open {
             open.window.request_redraw();
+        }
+    }
+
+    /// Tells something that went well or not.
+    fn tell(&mut self, told: Result<String, String>) {
+        match &told {
+            Ok(what) => self.listener.note(what),
+            Err(why) => self.listener.warning(why),
+        }
+        self.say(vec![told.unwrap_or_else(|why| why)]);
+    }
+
+    fn begin_recording(&mut self) {
+        match Recorder::begin(&self.options.folder) {
+            Ok(recorder) => self.recorder = Some(recorder),
+            Err(why) => {
+                self.controls.recording = false;
+                self.tell(Err(why));
+            }
+        }
+    }
+
+    fn end_recording(&mut self) {
+        self.controls.recording = false;
+        if let Some(recorder) = self.recorder.take() {
+            self.tell(recorder.end());
+        }
+    }
+
+    /// Tells what shaders did wrong, once.
+    fn tell_faults(&mut self) {
+        let Some(open) = &self.open else { return };
+        let faults = (open.looker.stage().faults)();
+        if !faults.is_empty() {
+            faults.iter().for_each(|fault| self.listener.warning(fault));
+            self.say(faults);
         }
     }
 
@@ -253,16 +308,7 @@ impl App {
             screenshot::write(&self.options.folder, &front.colors, size, front.exposure)
         };
         self.wants_screenshot = false;
-        match written {
-            Ok(path) => {
-                self.listener.note(&format!("wrote {}", path.display()));
-                self.say(vec![format!("wrote {}", path.display())]);
-            }
-            Err(why) => {
-                self.listener.warning(&why);
-                self.say(vec![why]);
-            }
-        }
+        self.tell(written.map(|path| format!("wrote {}", path.display())));
     }
 
     fn draw(&mut self) -> Result<(), softbuffer::SoftBufferError> {
@@ -285,8 +331,12 @@ impl App {
             });
         }
         let (readings, number) = (front.readings, front.number);
-        drop(front);
         let is_new = number != open.number;
+        if let Some(recorder) = self.recorder.as_mut().filter(|_| is_new) {
+            // Without the numbers over it.
+            self.failed_recording |= !recorder.add(front.size, &front.screen);
+        }
+        drop(front);
         open.number = number;
         if is_new {
             let now = Instant::now();
@@ -298,7 +348,8 @@ impl App {
             self.said.take_if(|(since, _)| since.elapsed() > SAID);
             let said = self.said.as_ref().map(|(_, lines)| &lines[..]).unwrap_or_default();
             let drawn = self.drawn.len() as f64;
-            let lines = hud::lines(&self.controls, &readings, drawn, memory::resident(), said);
+            let mut lines = hud::lines(&self.controls, &readings, drawn, memory::resident(), said);
+            lines.extend(self.recorder.as_ref().map(Recorder::status));
             hud::draw(&mut buffer, size, &self.controls, &lines);
         }
         open.window.pre_present_notify();
@@ -325,6 +376,7 @@ impl ApplicationHandler<News> for App {
                 self.listener.warning(&why);
                 self.say(vec!["not read again, the old scene stays:".into(), why]);
             }
+            News::Denoised(how) => self.tell(Ok(how)),
         }
         if let Some(open) = &self.open {
             open.window.request_redraw();
@@ -336,6 +388,9 @@ impl ApplicationHandler<News> for App {
             if let Err(error) = self.draw() {
                 self.fail(events, ViewError::NoDisplay(error.to_string()));
             }
+            if std::mem::take(&mut self.failed_recording) {
+                self.end_recording();
+            }
             if self.options.frames.is_some_and(|frames| self.seen >= frames) {
                 events.exit();
             }
@@ -346,10 +401,16 @@ impl ApplicationHandler<News> for App {
         }
     }
 
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        self.end_recording();
+        self.tell_faults();
+    }
+
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         self.catch_up();
         if self.watched.elapsed() >= WATCHED {
             self.watched = Instant::now();
+            self.tell_faults();
             if let Some(open) = self.open.as_ref().filter(|_| self.watch.has_changed()) {
                 open.looker.reload();
             }

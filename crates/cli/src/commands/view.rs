@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gnurt::ThreadPool;
+use gnurt::denoise::Method;
 use gnurt::image::Picture;
 use gnurt::scene::Camera;
 use gnurt::simd::Level;
@@ -16,7 +17,7 @@ use gnurt_view::{
 use serde_json::json;
 
 use super::render::{commit, frame_options};
-use crate::arguments::{StatisticsForm, WindowArguments};
+use crate::arguments::{DenoiserArguments, StatisticsForm, WindowArguments};
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
@@ -60,6 +61,7 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
         title: format!("{} - GNU RT", source.stem()),
         frames: arguments.frames.map(u64::from),
         folder: PathBuf::from("."),
+        denoiser: DenoiserArguments { denoise: Some(Method::Auto) }.options(None).unwrap_or_default(),
     };
     let again = (source, arguments.clone());
     let loader = Box::new(move |pool: &ThreadPool| {
@@ -88,7 +90,8 @@ fn prepare(
     files.extend(shaders::files(&arguments.frame.shaders));
     let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
     let (world, _) = commit(&scene, &shaders.table, arguments.frame.force_diffuse, level, pool, messages)?;
-    Ok((Stage { scene, world, files }, camera))
+    let shaders = shaders.watched();
+    Ok((Stage { scene, world, files, faults: Box::new(move || shaders.new_faults()) }, camera))
 }
 
 fn run_windowless(
@@ -125,6 +128,7 @@ fn run_windowless(
         tev.as_mut().map_or(Ok(()), |tev| tev.update(frame.picture()))
     });
     watcher.end();
+    (stage.faults)().iter().for_each(|fault| messages.warning(fault));
     let times = times.map_err(|error| match error {
         ViewError::NoView | ViewError::Render(_) => Failure::usage(error),
         _ => Failure::data(error),

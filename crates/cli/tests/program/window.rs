@@ -291,6 +291,73 @@ fn plugins_that_change_are_loaded_again() {
     viewer.ends(0);
 }
 
+/// What a plugin does wrong is told while the window is open, once.
+#[test]
+fn faults_of_plugins_are_told() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    shaders::compile(&folder, "diffuse", shaders::NOT_A_NUMBER);
+    let line = "builtin:cornell -r 120x90 --spp 1 --shader *=diffuse@diffuse.so";
+    let viewer = Viewer::open(&display, &folder, &format!("view {line} --frames 100000"));
+    let fault = viewer.hears("NaN or infinite");
+    assert!(fault.starts_with("warning: ") && fault.contains("diffuse"), "{fault}");
+    // The file is looked at and faults are asked for again and again.
+    std::thread::sleep(Duration::from_millis(700));
+    assert!(viewer.said.try_recv().is_err(), "said once");
+    display.act("key Escape");
+    viewer.ends(0);
+    let headless = folder.gnurt(&format!("view {line} --headless"));
+    assert!(headless.success().stderr.contains("NaN or infinite"), "without a window, too");
+}
+
+#[test]
+fn noise_goes_and_comes_back() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    let line = "builtin:cornell -r 80x60 --spp 1 --integrator path";
+    let mut viewer = Viewer::open(&display, &folder, &format!("view {line} --frames 100000"));
+    let noisy = viewer.picture();
+    display.act("key n");
+    viewer.hears("denoised by");
+    let clean = viewer.picture();
+    assert!(differ(&noisy, &clean), "another picture");
+    display.act("key n");
+    assert!(viewer.picture() == noisy, "as it was, bit for bit");
+    display.act("key Escape");
+    viewer.ends(0);
+    folder.gnurt(&format!("render {line} --denoise -o there.png")).success();
+    let there = gnurt::image::read(&folder.at("there.png")).expect("a picture");
+    assert!(there.color == clean.color, "the pixels of render --denoise");
+}
+
+#[test]
+fn pictures_are_recorded_while_asked_for() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    let line = "view builtin:materials -r 160x120 --spp 1 --integrator eyelight --frames 100000";
+    let mut viewer = Viewer::open(&display, &folder, line);
+    let first = viewer.picture();
+    display.act("key ctrl+r keydown w sleep 0.4 keyup w sleep 0.4 key ctrl+r");
+    let told = viewer.hears("recorded");
+    let count = std::fs::read_dir(folder.at(".")).expect("a folder").filter_map(Result::ok);
+    let count = count.filter(|file| file.file_name().to_string_lossy().starts_with("take-001-")).count();
+    assert!(count > 2 && told.contains(&format!("recorded {count} pictures")), "{count} files: {told}");
+    let last = gnurt::image::read(&folder.at(&format!("take-001-{count:05}.png"))).expect("a picture");
+    assert_eq!((last.width, last.height), (160, 120), "as large as the window");
+    let seen = viewer.picture();
+    assert!(last.color == seen.color && differ(&first, &last), "what is seen at last, without numbers");
+    display.act("key ctrl+r key b");
+    viewer.pictures += 1;
+    display.act("key F12");
+    viewer.hears("wrote");
+    display.act("key Escape");
+    assert!(
+        viewer.hears("recorded").contains("take-002-00001.png"),
+        "what is not ended ends with the window"
+    );
+    viewer.ends(0);
+}
+
 #[test]
 fn windows_close_by_themselves() {
     let Some(display) = Display::new() else { return };

@@ -22,6 +22,7 @@ use std::path::Path;
 pub use exr::ExrPixels;
 pub use format::OutputFormat;
 pub use limits::MAX_PIXELS;
+pub use png::encode_screen;
 pub use replace::{check_writable, replace_file, replace_file_if};
 
 use crate::{Error, Picture, Texels, ToneCurve};

@@ -15,15 +15,36 @@ const MAX_INFLATION: u64 = 1032;
 pub(super) fn encode(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
     let pixels: Vec<u8> =
         picture.color.iter().flat_map(|&color| screen_bytes(color, options.tone, options.exposure)).collect();
+    encode_bytes([picture.width, picture.height], png::ColorType::Rgba, png::Compression::default(), &pixels)
+}
+
+/// The bytes of the PNG file of a screen of that many columns and rows, row by row from the upper left pixel; pixels are
+/// `0x00RRGGBB`. Quick rather than small.
+///
+/// # Errors
+/// [`Error::Shape`] if there are more or fewer pixels than that, or none.
+pub fn encode_screen(size: [u32; 2], pixels: &[u32]) -> Result<Vec<u8>, Error> {
+    let channels = |&pixel: &u32| [16, 8, 0].map(|shift| (pixel >> shift) as u8);
+    let pixels: Vec<u8> = pixels.iter().flat_map(channels).collect();
+    encode_bytes(size, png::ColorType::Rgb, png::Compression::Fast, &pixels)
+}
+
+fn encode_bytes(
+    [width, height]: [u32; 2],
+    channels: png::ColorType,
+    compression: png::Compression,
+    pixels: &[u8],
+) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
-    encoder.set_color(png::ColorType::Rgba);
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(channels);
     encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(compression);
     encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
     let written = encoder
         .add_text_chunk("Software".into(), crate::SOFTWARE.into())
         .and_then(|()| encoder.write_header())
-        .and_then(|mut writer| writer.write_image_data(&pixels).and_then(|()| writer.finish()));
+        .and_then(|mut writer| writer.write_image_data(pixels).and_then(|()| writer.finish()));
     written.map_err(|error| Error::Shape(format!("it does not fit a PNG: {error}")))?;
     Ok(bytes)
 }
