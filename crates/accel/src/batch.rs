@@ -134,7 +134,7 @@ pub(crate) fn occluded<T: Traceable>(
 pub(crate) fn occluded_pencil<T: Traceable>(
     target: &T,
     query: &Query,
-    pencil: &Pencil,
+    pencil: &mut Pencil,
     record: &mut Record,
 ) -> u64 {
     let counters = &mut record.counters;
@@ -146,17 +146,17 @@ fn trace_pencil<S: Simd, T: Traceable>(
     simd: S,
     target: &T,
     mask: u32,
-    pencil: &Pencil,
+    pencil: &mut Pencil,
     counters: &mut Counters,
 ) -> u64 {
-    let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
-    let active = tile.load_pencil(simd, pencil, &mut nearest);
-    tile.mask = mask;
+    let mut nearest = NearestTile::EMPTY;
+    let Pencil { org, rays, t_far } = pencil;
+    let active = rays.fill(simd, *org, t_far, mask, &mut nearest);
     counters.rays += u64::from(active.count_ones());
     if active == 0 {
         return 0;
     }
-    target.tile::<S, AnyHit>(simd, &tile, active, &mut nearest, counters);
+    target.tile::<S, AnyHit>(simd, rays, active, &mut nearest, counters);
     active & nearest.hit(simd)
 }
 

@@ -4,26 +4,39 @@
 //! Space: that of the structure that is asked.
 //! Invariant: the answer for a ray is that of the same ray alone. Proof: `tests/pencils.rs`.
 
+use crate::tile::{PerRay, RayTile, TILE};
+
 /// Up to 64 rays from one point, with near ends of zero, which see everything.
 ///
 /// A lane whose far end is below zero holds no ray. Lanes that lie side by side should hold rays that do.
 #[derive(Clone, Debug)]
-#[repr(C, align(64))]
 pub struct Pencil {
-    /// Directions, any length but zero: x, y and z arrays.
-    pub dir: [[f32; Self::MOST]; 3],
-    /// Far ends; below zero = no ray.
-    pub t_far: [f32; Self::MOST],
     /// Where all rays start.
     pub org: [f32; 3],
+    /// Its directions are those of the rays, the rest is filled in when they are traced.
+    pub(crate) rays: RayTile,
+    pub(crate) t_far: PerRay,
 }
 
 impl Pencil {
     /// Rays that fit.
-    pub const MOST: usize = crate::tile::TILE;
+    pub const MOST: usize = TILE;
 
     /// No rays.
-    pub const EMPTY: Self = Self { dir: [[0.0; Self::MOST]; 3], t_far: [-1.0; Self::MOST], org: [0.0; 3] };
+    pub const EMPTY: Self = Self { org: [0.0; 3], rays: RayTile::EMPTY, t_far: [-1.0; TILE] };
+
+    /// Directions, any length but zero, as x, y and z arrays, and far ends.
+    #[inline(always)]
+    pub fn lanes(&mut self) -> (&mut [[f32; Self::MOST]; 3], &mut [f32; Self::MOST]) {
+        (&mut self.rays.dir, &mut self.t_far)
+    }
+
+    /// Far ends; below zero = no ray.
+    #[inline(always)]
+    #[must_use]
+    pub fn t_far(&self) -> &[f32; Self::MOST] {
+        &self.t_far
+    }
 }
 
 impl Default for Pencil {

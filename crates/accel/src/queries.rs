@@ -188,8 +188,8 @@ macro_rules! ray_queries {
             }
 
             /// Which rays of a pencil hit anything, as bits. They are traced together, whatever `query` says of
-            /// coherence; what each costs is not noted.
-            pub fn occluded_pencil(&self, query: &Query, pencil: &Pencil, record: &mut Record) -> u64 {
+            /// coherence; what each costs is not noted. Directions of lanes without a ray are lost.
+            pub fn occluded_pencil(&self, query: &Query, pencil: &mut Pencil, record: &mut Record) -> u64 {
                 batch::occluded_pencil(self, query, pencil, record)
             }
 

@@ -10,7 +10,7 @@ use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 
 use crate::nearest::{Best, Collect, Mode, Nearest};
 use crate::packet::Heading;
-use crate::{INVALID_ID, Pencil, Ray, RayBatch};
+use crate::{INVALID_ID, Ray, RayBatch};
 
 /// Rays per tile: one bit each in a word.
 pub(crate) const TILE: usize = 64;
@@ -101,33 +101,35 @@ impl RayTile {
         nearest.slot = [INVALID_ID; TILE];
     }
 
-    /// Loads a pencil into a tile and best hits that are empty; bits of the rays that are sound. Lanes of others get the
-    /// direction of the first.
+    /// Makes a tile of the rays of a pencil, whose directions are there; bits of those that are sound. Lanes of others get
+    /// the direction of the first. `nearest` is empty.
     #[inline(always)]
-    pub(crate) fn load_pencil<S: Simd>(
+    pub(crate) fn fill<S: Simd>(
         &mut self,
         simd: S,
-        pencil: &Pencil,
+        org: [f32; 3],
+        t_far: &PerRay,
+        mask: u32,
         nearest: &mut NearestTile,
     ) -> u64 {
-        self.dir = pencil.dir;
-        nearest.t = pencil.t_far;
-        for k in 0..3 {
-            self.org[k] = [pencil.org[k]; TILE];
+        for (lanes, org) in self.org.iter_mut().zip(org) {
+            *lanes = [org; TILE];
         }
+        (self.mask, self.is_full) = (mask, true);
+        nearest.t = *t_far;
         let sound = self.sound(simd, nearest);
-        self.is_full = true;
         if sound != u64::MAX {
             let first = sound.trailing_zeros() as usize & (TILE - 1);
+            let copied = [self.dir[0][first], self.dir[1][first], self.dir[2][first]];
             let none = f32x16::splat(simd, f32::NEG_INFINITY);
             for at in (0..TILE).step_by(LANES) {
                 let keep = mask32x16::from_bitmask(simd, sound >> at & 0xffff);
-                for k in 0..3 {
-                    let copy = f32x16::splat(simd, pencil.dir[k][first]);
-                    keep.select(chunk(simd, &self.dir[k], at), copy)
-                        .store_slice(&mut self.dir[k][at..at + LANES]);
+                for (lanes, copied) in self.dir.iter_mut().zip(copied) {
+                    let copied = f32x16::splat(simd, copied);
+                    keep.select(chunk(simd, lanes, at), copied).store_slice(&mut lanes[at..at + LANES]);
                 }
-                keep.select(chunk(simd, &nearest.t, at), none).store_slice(&mut nearest.t[at..at + LANES]);
+                let t = chunk(simd, &nearest.t, at);
+                keep.select(t, none).store_slice(&mut nearest.t[at..at + LANES]);
             }
         }
         sound

@@ -243,7 +243,7 @@ impl<'w> BatchTracer<'w> {
     }
 
     /// Which of a virtual light's rays hit anything, as bits.
-    pub(crate) fn occluded_pencil(&mut self, rays: &Pencil) -> u64 {
+    pub(crate) fn occluded_pencil(&mut self, rays: &mut Pencil) -> u64 {
         let query = Query { level: self.options.level, ..Query::default() };
         self.world.tree().occluded_pencil(&query, rays, &mut self.record)
     }

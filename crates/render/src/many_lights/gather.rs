@@ -61,52 +61,92 @@ fn gather_all(
     let [u, _] = sample_pair(tracer.options.seed, keys[points[0].lane as usize], 0, CUT);
     let fewer = cut(points, sources, MOST, u);
     let sources = fewer.as_deref().unwrap_or(sources);
-    let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
-    // Pencils know neither holes nor costs.
-    let by_pencils = tracer.world.shading().all_solid && tracer.costs.is_none();
-    let (mut light, mut work) = (Box::<Light>::default(), Box::<Work>::default());
-    for eyes in blocks(points) {
-        let block = Block::new(&eyes, max_edges);
-        let keys: Vec<SampleKey> = eyes.iter().map(|eye| keys[eye.lane as usize]).collect();
-        let (mut sums, mut single) = (Color::default(), Single::default());
-        for source in sources {
-            let lanes = if block.other.len() == eyes.len() {
-                None
-            } else if block.may_get(source) {
-                dispatch!(level, _simd => block.light(source, &mut work, &mut light))
-            } else {
-                Some(0)
-            };
-            match lanes {
-                Some(0) => {}
-                Some(count) if by_pencils => {
-                    tracer.stats.shadow_rays += u64::from(count);
-                    let hit = tracer.occluded_pencil(&light.rays);
-                    dispatch!(level, _simd => sums.add(&light.color, hit));
-                }
-                Some(_) => {
-                    let lit = |i: &usize| light.rays.t_far[*i] > 0.0;
-                    for i in (0..eyes.len()).filter(lit) {
-                        let way = Vec3::from(light.rays.org) - block.end(i);
-                        single.push((block.end(i), way), keys[i], i, light.color.get(i));
-                    }
-                }
-                None => {
-                    (0..eyes.len()).for_each(|i| single.ask(&source.vpl, i, &eyes, &keys, bound, max_edges))
-                }
-            }
-            if lanes.is_some() {
-                for &i in &block.other {
-                    single.ask(&source.vpl, i, &eyes, &keys, bound, max_edges);
-                }
-            }
-            if single.lanes.len() >= ENOUGH {
-                single.settle(tracer, &mut sums);
+    let mut parts: Vec<Part> = blocks(points).map(|eyes| Part::new(tracer, eyes, keys)).collect();
+    let mut room = Room::default();
+    // Neighbours shine on one block after the other: what lies in between stays in caches.
+    for near in sources.chunks(NEAR) {
+        for part in &mut parts {
+            for source in near {
+                part.gather(tracer, source, bound, &mut room);
             }
         }
-        single.settle(tracer, &mut sums);
-        for (i, eye) in eyes.iter().enumerate() {
-            radiance.add(eye.lane as usize, sums.get(i));
+    }
+    for mut part in parts {
+        part.single.settle(tracer, &mut part.sums);
+        for (i, eye) in part.eyes.iter().enumerate() {
+            radiance.add(eye.lane as usize, part.sums.get(i));
+        }
+    }
+}
+
+/// Virtual lights that shine on one block, then on the next.
+const NEAR: usize = 8;
+
+/// Memory for one virtual light on one block.
+#[derive(Default)]
+struct Room {
+    light: Box<Light>,
+    work: Box<Work>,
+}
+
+/// Points that are one block, and what they get.
+struct Part {
+    eyes: Vec<EyePoint>,
+    keys: Vec<SampleKey>,
+    block: Block,
+    sums: Color,
+    single: Single,
+    /// Whether its rays may go by pencils, which know neither holes nor costs.
+    by_pencils: bool,
+}
+
+impl Part {
+    fn new(tracer: &BatchTracer, eyes: Vec<EyePoint>, keys: &[SampleKey]) -> Self {
+        Self {
+            block: Block::new(&eyes, tracer.options.max_depth),
+            keys: eyes.iter().map(|eye| keys[eye.lane as usize]).collect(),
+            sums: Color::default(),
+            single: Single::default(),
+            by_pencils: tracer.world.shading().all_solid && tracer.costs.is_none(),
+            eyes,
+        }
+    }
+
+    /// Adds what one virtual light brings.
+    fn gather(&mut self, tracer: &mut BatchTracer, source: &Source, bound: &Bound, room: &mut Room) {
+        let Self { eyes, keys, block, sums, single, by_pencils } = self;
+        let Room { light, work } = room;
+        let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
+        let lanes = if block.other.len() == eyes.len() {
+            None
+        } else if block.may_get(source) {
+            dispatch!(level, _simd => block.light(source, work, light))
+        } else {
+            Some(0)
+        };
+        match lanes {
+            Some(0) | None => {}
+            Some(count) if *by_pencils => {
+                tracer.stats.shadow_rays += u64::from(count);
+                let hit = tracer.occluded_pencil(&mut light.rays);
+                dispatch!(level, _simd => sums.add(&light.color, hit));
+            }
+            Some(_) => {
+                let lit = |i: &usize| light.rays.t_far()[*i] > 0.0;
+                for i in (0..eyes.len()).filter(lit) {
+                    let way = Vec3::from(light.rays.org) - block.end(i);
+                    single.push((block.end(i), way), keys[i], i, light.color.get(i));
+                }
+            }
+        }
+        let mut ask = |i: usize| single.ask(&source.vpl, i, eyes, keys, bound, max_edges);
+        if lanes.is_some() {
+            block.other.iter().for_each(|&i| ask(i));
+        } else {
+            (0..eyes.len()).for_each(ask);
+        }
+        if single.lanes.len() >= ENOUGH {
+            single.settle(tracer, sums);
         }
     }
 }

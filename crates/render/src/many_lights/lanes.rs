@@ -97,12 +97,15 @@ impl Color {
     /// Adds the lanes whose bits are not set.
     #[inline(always)]
     pub(super) fn add(&mut self, other: &Self, except: u64) {
+        // All bits or none: then this is plain arithmetic on lanes.
+        let mut kept = [0_u32; BLOCK];
+        for (i, kept) in kept.iter_mut().enumerate() {
+            let half = (except >> (i & 32)) as u32;
+            *kept = (half >> (i & 31) & 1).wrapping_sub(1);
+        }
         for (sums, colors) in self.0.iter_mut().zip(&other.0) {
-            for (n, (sums, colors)) in sums.chunks_exact_mut(16).zip(colors.chunks_exact(16)).enumerate() {
-                let except = (except >> (16 * n)) as u32;
-                for i in 0..16 {
-                    sums[i] += if except >> i & 1 == 0 { colors[i] } else { 0.0 };
-                }
+            for i in 0..BLOCK {
+                sums[i] += f32::from_bits(colors[i].to_bits() & kept[i]);
             }
         }
     }
@@ -345,7 +348,7 @@ impl Block {
 #[inline(always)]
 fn lambertian(block: &Block, source: &Source, diffuse: Vec3, light: &mut Light) -> u32 {
     let (mut lit, bound) = (0, source.bound * PI);
-    let Pencil { dir: [wx, wy, wz], t_far, .. } = &mut light.rays;
+    let ([wx, wy, wz], t_far) = light.rays.lanes();
     let [r, g, b] = &mut light.color.0;
     for i in 0..BLOCK {
         let [x, y, z] = block.way(i, source);
@@ -412,6 +415,7 @@ fn got_by_lambert(block: &Block, bound: f32, work: &Work, light: &mut Light) -> 
 fn got(bound: f32, work: &Work, light: &mut Light, value: impl Fn(usize) -> ([f32; 3], f32)) -> u32 {
     let Work { eye_g, vpl_g, near, sent, pdf_vpl, .. } = work;
     let [r, g, b] = &mut light.color.0;
+    let (_, t_far) = light.rays.lanes();
     let mut lit = 0;
     for i in 0..BLOCK {
         let (got, pdf_eye) = value(i);
@@ -423,7 +427,7 @@ fn got(bound: f32, work: &Work, light: &mut Light, value: impl Fn(usize) -> ([f3
         g[i] = if is_near { got[1] * sent[1][i] * value } else { 0.0 };
         b[i] = if is_near { got[2] * sent[2][i] * value } else { 0.0 };
         let is_lit = r[i] + g[i] + b[i] > 0.0;
-        light.rays.t_far[i] = if is_lit { END } else { -1.0 };
+        t_far[i] = if is_lit { END } else { -1.0 };
         lit += u32::from(is_lit);
     }
     lit
@@ -466,7 +470,7 @@ fn sent_by_lambert(diffuse: Vec3, work: &mut Work) {
 /// Directions, cosines, distances, and the ways of shadow rays.
 #[inline(always)]
 fn geometry(block: &Block, source: &Source, work: &mut Work, light: &mut Light) {
-    let [wx, wy, wz] = &mut light.rays.dir;
+    let ([wx, wy, wz], _) = light.rays.lanes();
     let [tx, ty, tz] = &mut work.to;
     for i in 0..BLOCK {
         let [x, y, z] = block.way(i, source);
@@ -548,7 +552,7 @@ mod tests {
             let asked = block.light(&source, &mut work, &mut light).expect("lanes know");
             assert!(block.other.is_empty(), "all of them");
             assert!(asked == 0 || block.may_get(&source), "light {n} is not left out");
-            let rays = light.rays.t_far.iter().filter(|&&far| far > 0.0).count();
+            let rays = light.rays.t_far().iter().filter(|&&far| far > 0.0).count();
             assert_eq!(asked as usize, rays, "light {n}: lanes that ask");
             for (i, eye) in eyes.iter().enumerate() {
                 let wanted = vpl.brings(eye, &bound, max_edges).unwrap_or(Vec3::ZERO);
@@ -556,7 +560,7 @@ mod tests {
                 let off = (found - wanted).length() / wanted.length().max(1e-2);
                 assert!(off < 1e-3, "light {n}, point {i}: {found} instead of {wanted}");
                 let is_dark = wanted.length() < 1e-6;
-                assert!(is_dark || light.rays.t_far[i] > 0.0, "light {n}, point {i}: asks for shadow");
+                assert!(is_dark || light.rays.t_far()[i] > 0.0, "light {n}, point {i}: asks for shadow");
                 let free = vpl.brings(eye, &Bound::on_geometry_term(f32::INFINITY), max_edges);
                 lit += u32::from(wanted != Vec3::ZERO);
                 bounded += u32::from(free.is_some_and(|free| free.x > wanted.x * 1.01));
@@ -585,7 +589,7 @@ mod tests {
             let vpl = Vpl::new(point, lambert(n, point.ns), point.ns, Vec3::ONE, 1);
             let lit = block.light(&Source::new(&vpl, &bound), &mut work, &mut light);
             some += u32::from(lit > Some(0));
-            let is_dark = light.rays.t_far[2] < 0.0 && light.color.get(2) == Vec3::ZERO;
+            let is_dark = light.rays.t_far()[2] < 0.0 && light.color.get(2) == Vec3::ZERO;
             assert!(is_dark, "dark until somebody else says");
             let other = Vpl::new(point, rough(1, point.ns), point.ns, Vec3::ONE, 1);
             let none = block.light(&Source::new(&other, &bound), &mut work, &mut light);

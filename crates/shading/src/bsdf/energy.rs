@@ -42,14 +42,19 @@ pub(super) fn look_up(row: Row, cos: f32) -> Split {
     mix(at(row.0), at(row.0 + 1), row.1)
 }
 
-/// The table's entries of one roughness: for many look-ups.
+/// The table's entries of one roughness, by reflectance at normal and grazing incidence: for many look-ups. Arrays of a
+/// power of two, so that lanes need no check.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SentBack([Split; COSINES]);
+pub struct SentBack([[f32; 64]; 2]);
 
 impl SentBack {
     pub(super) fn of(row: Row) -> Self {
         let [below, above] = [row.0, row.0 + 1].map(|row| &table().albedo[row]);
-        Self(std::array::from_fn(|column| mix(below[column], above[column], row.1)))
+        let mut entries = [[0.0; 64]; 2];
+        for column in 0..COSINES {
+            [entries[0][column], entries[1][column]] = mix(below[column], above[column], row.1).into();
+        }
+        Self(entries)
     }
 
     /// Share of light from cosine `cos` that facets send back at once, by reflectance at normal and grazing incidence.
@@ -57,8 +62,10 @@ impl SentBack {
     #[must_use]
     pub fn at(&self, cos: f32) -> [f32; 2] {
         let scaled = cos.clamp(0.0, 1.0) * (COSINES - 1) as f32;
-        let entry = (scaled as u32).min(COSINES as u32 - 2) as usize;
-        mix(self.0[entry], self.0[entry + 1], scaled - entry as f32).into()
+        let entry = (scaled as u32).min(COSINES as u32 - 2);
+        let (low, high) = (entry as usize & 63, (entry as usize + 1) & 63);
+        let (t, [normal, grazing]) = (scaled - entry as f32, &self.0);
+        [normal[low] + (normal[high] - normal[low]) * t, grazing[low] + (grazing[high] - grazing[low]) * t]
     }
 }
 

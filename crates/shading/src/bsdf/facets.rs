@@ -41,6 +41,11 @@ macro_rules! numbers {
             /// Writes lane `i`.
             pub fn set(&mut self, i: usize, facets: &Facets) {
                 $(numbers!(@set $kind, self.$name, facets.$name, i);)*
+                self.table_of[i] = 0;
+                if facets.over == 0.0 {
+                    // Without facets no table counts.
+                    return;
+                }
                 let known = self.tables.iter().position(|(row, _)| *row == facets.row);
                 self.table_of[i] = known.unwrap_or_else(|| {
                     self.tables.push((facets.row, facets.sent_back()));
@@ -77,7 +82,7 @@ numbers! {
     a2: f32,
     /// Smith's auxiliary function of `wo`, plus 1.
     hidden: f32,
-    /// One over four cosines of `wo`.
+    /// One over four cosines of `wo`; 0 without facets.
     over: f32,
     /// Reflectances at normal and grazing incidence.
     f0: vec,
@@ -197,6 +202,12 @@ impl<const N: usize> FacetLanes<N> {
     pub fn sent_back(&self, cos: &[f32; N], out: &mut [[f32; N]; 2]) {
         // Lanes that were not set look into the first table.
         let Some((_, first)) = self.tables.first() else { return };
+        if self.tables.len() == 1 {
+            for i in 0..N {
+                [out[0][i], out[1][i]] = first.at(cos[i]);
+            }
+            return;
+        }
         for i in 0..N {
             let table = self.tables.get(self.table_of[i] as usize).map_or(first, |(_, table)| table);
             [out[0][i], out[1][i]] = table.at(cos[i]);
@@ -243,7 +254,9 @@ mod tests {
                 let mut sent_back = [[0.0; 4]; 2];
                 lanes.sent_back(&[cos; 4], &mut sent_back);
                 let sent_back = [sent_back[0][2], sent_back[1][2]];
-                assert_eq!(sent_back, facets.sent_back().at(cos), "the same table");
+                if !matches!(model, Model::Lambert { .. }) {
+                    assert_eq!(sent_back, facets.sent_back().at(cos), "the same table");
+                }
                 let (value, pdf) = lanes.lane(2).eval(wi.into(), cos, sent_back);
                 let (wanted, wanted_pdf) = (bsdf.eval(wo, wi), bsdf.pdf(wo, wi));
                 let off = (Vec3::from(value) - wanted).length() / wanted.length().max(1e-3);
