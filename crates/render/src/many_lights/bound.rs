@@ -31,6 +31,11 @@ impl Bound {
         Self { density: if area > 0.0 { vpls as f32 / (CROWD * area) } else { f32::INFINITY } }
     }
 
+    /// A bound so many times as large.
+    pub(crate) fn times(self, factor: f32) -> Self {
+        Self { density: self.density * factor }
+    }
+
     /// The largest density, per area.
     pub(crate) fn density(&self) -> f32 {
         self.density

@@ -7,17 +7,19 @@
 //! Invariant: for uniform numbers the sum over a path's virtual lights of what they bring has the mean of all light that
 //! virtual lights may bring, whatever the pilots. Proof: crates/render/tests/many_lights.rs.
 
+use std::borrow::Borrow;
 use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
+use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::lights::LightKind;
 use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 
-use super::lanes::END;
+use super::lanes::{BLOCK, END};
 use super::light_path::{self, LightVertex, Numbers};
-use super::pilots::Pilots;
+use super::pilots::{Pilots, Scratch, Seen};
 use super::vpl::{self, Vpl, is_open};
 use crate::tracer::BatchTracer;
 use crate::transport::Vertex;
@@ -41,118 +43,150 @@ pub(super) struct Candidate {
     pub(super) importance: f32,
 }
 
+/// A path from a lamp, and the virtual lights on it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct LightSide {
+    vertices: Vec<LightVertex>,
+    pub(super) own: Vec<Candidate>,
+}
+
+/// The end of a ray from a pilot: a place for reverse virtual lights.
+#[derive(Clone, Debug, Default)]
+pub(super) struct EyeSide {
+    end: Option<End>,
+    /// The light that a lamp makes there.
+    pub(super) own: Option<Candidate>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct End {
+    point: SurfacePoint,
+    bsdf: Bsdf,
+    lamp_gain: f32,
+    seen: Seen,
+    /// Per area, of all pilots' rays.
+    density: f32,
+}
+
 /// Two surfaces, or a surface and a lamp, that shall see each other.
 struct Join {
     ray: gnurt_accel::Ray,
-    path: usize,
+    /// Whose light it is.
+    of: usize,
     vpl: Vpl,
-    seen: u64,
+    seen: Seen,
 }
 
-/// The vertices of a light path, and the pilots that each sees.
-pub(super) type LightSide = Vec<(LightVertex, u64)>;
-
-/// The virtual lights of some paths, path by path; their powers make sums of estimates, not means.
-pub(super) fn candidates(
-    tracer: &mut BatchTracer,
-    pilots: &Pilots,
-    paths: Range<u32>,
-    numbers: &Numbers,
-) -> Vec<Vec<Candidate>> {
-    let first = paths.start;
-    let light = light_sides(tracer, pilots, paths, numbers);
-    let light: Vec<&LightSide> = light.iter().collect();
-    joined(tracer, pilots, &light, &|path, edge, pair| numbers(first + path, edge, pair))
+/// Light that virtual lights bring to pilots.
+pub(super) fn total<'a>(found: impl IntoIterator<Item = &'a Candidate>) -> f32 {
+    found.into_iter().map(|candidate| candidate.importance).sum()
 }
 
-/// The parts of some paths that come from lamps.
+/// Whether paths may be made from both sides: what only covers a share of the light makes the densities of the reverse way
+/// unknown.
+fn both_ways(tracer: &BatchTracer, pilots: &Pilots) -> bool {
+    tracer.world.shading().all_solid && !pilots.points.is_empty() && pilots.max_depth > 2
+}
+
+/// Paths from lamps.
 pub(super) fn light_sides(
     tracer: &mut BatchTracer,
     pilots: &Pilots,
     paths: Range<u32>,
     numbers: &Numbers,
 ) -> Vec<LightSide> {
-    let first = paths.start;
-    let mut sides = vec![LightSide::new(); paths.len()];
+    let (first, mut scratch) = (paths.start, Scratch::default());
+    let mut sides = vec![LightSide::default(); paths.len()];
     let light = light_path::trace(tracer, paths, numbers, pilots.max_depth.saturating_sub(2));
     let points: Vec<_> = light.iter().map(|v| (v.vpl.point, v.vpl.bsdf)).collect();
-    let seen = pilots.seen_from(tracer, &points);
+    let seen = pilots.seen_from(tracer, &points, &mut scratch);
+    let both_ways = both_ways(tracer, pilots);
     for (vertex, seen) in light.into_iter().zip(seen) {
-        sides[(vertex.path - first) as usize].push((vertex, seen));
-    }
-    sides
-}
-
-/// The virtual lights of paths whose parts from lamps are known. `numbers` counts the paths from 0.
-pub(super) fn joined(
-    tracer: &mut BatchTracer,
-    pilots: &Pilots,
-    light: &[&LightSide],
-    numbers: &Numbers,
-) -> Vec<Vec<Candidate>> {
-    let mut found = vec![Vec::new(); light.len()];
-    // What only covers a share of the light makes the densities of the reverse way unknown.
-    let both_ways = tracer.world.shading().all_solid && !pilots.points.is_empty() && pilots.max_depth > 2;
-    for (of_path, found) in light.iter().zip(&mut found) {
-        for (vertex, seen) in of_path.iter().filter(|(vertex, _)| vertex.vpl.shines()) {
+        let side = &mut sides[(vertex.path - first) as usize];
+        if vertex.vpl.shines() {
             let share = if both_ways && vertex.connectable {
-                let reverse = pilots.pdf(&vertex.vpl.point, *seen) * vertex.reverse;
+                let reverse = pilots.pdf(&vertex.vpl.point, &seen, &mut scratch) * vertex.reverse;
                 vertex.pdf / (vertex.pdf + reverse)
             } else {
                 1.0
             };
-            push(found, pilots, vertex.vpl.scaled(share), *seen);
+            side.own.extend(judged(pilots, vertex.vpl.scaled(share), &seen, &mut scratch));
         }
+        side.vertices.push(vertex);
     }
-    if both_ways {
-        reverse(tracer, pilots, light, numbers, &mut found);
-    }
-    found
+    sides
 }
 
-fn push(found: &mut Vec<Candidate>, pilots: &Pilots, vpl: Vpl, seen: u64) {
-    let importance = pilots.importance(&vpl, seen);
-    if importance > 0.0 && vpl.power.is_finite() {
-        found.push(Candidate { vpl, importance });
-    }
+fn judged(pilots: &Pilots, vpl: Vpl, seen: &Seen, scratch: &mut Scratch) -> Option<Candidate> {
+    let importance = pilots.importance(&vpl, seen, scratch);
+    (importance > 0.0 && vpl.power.is_finite()).then_some(Candidate { vpl, importance })
 }
 
-/// Adds reverse virtual lights.
-fn reverse(
+/// Ends of rays from pilots, one for each of the paths that `numbers` knows.
+pub(super) fn eye_sides(
     tracer: &mut BatchTracer,
     pilots: &Pilots,
-    light: &[&LightSide],
+    paths: Range<u32>,
     numbers: &Numbers,
-    found: &mut [Vec<Candidate>],
-) {
-    let (ends, pilot_of) = ends(tracer, pilots, 0..light.len() as u32, numbers);
+) -> Vec<EyeSide> {
+    let (first, mut scratch) = (paths.start, Scratch::default());
+    let mut sides = vec![EyeSide::default(); paths.len()];
+    if !both_ways(tracer, pilots) {
+        return sides;
+    }
+    let (ends, pilot_of) = ends(tracer, pilots, paths, numbers);
     let points: Vec<_> = ends.iter().map(|(_, vertex)| (vertex.point, vertex.scattering.bsdf)).collect();
-    let mut seen = pilots.seen_from(tracer, &points);
+    let mut seen = pilots.seen_from(tracer, &points, &mut scratch);
     // By rounding a ray may meet what a shadow ray between the same points does not.
-    seen.iter_mut().zip(&pilot_of).for_each(|(seen, &k)| *seen |= 1 << k);
+    seen.iter_mut().zip(&pilot_of).for_each(|(seen, &k)| seen[k / BLOCK] |= 1 << (k % BLOCK));
     let mut joins = Vec::new();
-    let max_edges = pilots.max_depth - 2;
-    for ((path, vertex), &seen) in ends.iter().zip(&seen) {
-        let density = pilots.pdf(&vertex.point, seen);
+    for ((path, vertex), seen) in ends.iter().zip(seen) {
+        let density = pilots.pdf(&vertex.point, &seen, &mut scratch);
+        let (point, bsdf) = (vertex.point, vertex.scattering.bsdf);
+        let end = End { point, bsdf, lamp_gain: vertex.lamp_gain, seen, density };
         if density > 0.0 {
-            joins.extend(to_lamp(tracer, *path, vertex, density, seen, numbers));
+            joins.extend(to_lamp(tracer, *path, (*path - first) as usize, &end, numbers));
         }
-        let can_go_on = |z: &&LightVertex| z.vpl.edges < max_edges && z.vpl.bsdf.is_smooth();
-        let path = *path as usize;
-        for z in light[path].iter().map(|(z, _)| z).filter(can_go_on) {
-            joins.extend(to_vertex(path, z, vertex, density, seen));
+        sides[(*path - first) as usize].end = Some(end);
+    }
+    let lit = settle(tracer, pilots, joins, &mut scratch);
+    lit.into_iter().for_each(|(of, candidate)| sides[of].own = Some(candidate));
+    sides
+}
+
+/// The virtual lights where eye sides are joined to light sides, pair by pair.
+pub(super) fn joined(
+    tracer: &mut BatchTracer,
+    pilots: &Pilots,
+    pairs: impl IntoIterator<Item = (impl Borrow<LightSide>, impl Borrow<EyeSide>)>,
+) -> Vec<(usize, Candidate)> {
+    let max_edges = pilots.max_depth.saturating_sub(2);
+    let can_go_on = |z: &&LightVertex| z.vpl.edges < max_edges && z.vpl.bsdf.is_smooth();
+    let mut joins = Vec::new();
+    for (pair, (light, eye)) in pairs.into_iter().enumerate() {
+        if let Some(end) = &eye.borrow().end {
+            let vertices = light.borrow().vertices.iter().filter(can_go_on);
+            joins.extend(vertices.filter_map(|z| to_vertex(pair, z, end)));
         }
     }
+    settle(tracer, pilots, joins, &mut Scratch::default())
+}
+
+/// Those that see each other, judged.
+fn settle(
+    tracer: &mut BatchTracer,
+    pilots: &Pilots,
+    joins: Vec<Join>,
+    scratch: &mut Scratch,
+) -> Vec<(usize, Candidate)> {
     let mut request = RayRequest::default();
     joins.iter().for_each(|join| request.rays.push(join.ray));
     request.key.resize(joins.len(), SampleKey::default());
     let mut through = Vec3s::default();
     tracer.occluded(&request, &mut through);
-    for (i, join) in joins.iter().enumerate() {
-        if through.get(i) != Vec3::ZERO && join.vpl.shines() {
-            push(&mut found[join.path], pilots, join.vpl, join.seen);
-        }
-    }
+    let lit =
+        joins.into_iter().enumerate().filter(|(i, join)| through.get(*i) != Vec3::ZERO && join.vpl.shines());
+    lit.filter_map(|(_, join)| Some((join.of, judged(pilots, join.vpl, &join.seen, scratch)?))).collect()
 }
 
 /// Where a ray from a pilot ends, for each path that has one, and which pilot it came from.
@@ -189,18 +223,11 @@ fn ends(
 }
 
 /// The reverse virtual light that a lamp shines on.
-fn to_lamp(
-    tracer: &BatchTracer,
-    path: u32,
-    vertex: &Vertex,
-    density: f32,
-    seen: u64,
-    numbers: &Numbers,
-) -> Option<Join> {
+fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numbers) -> Option<Join> {
     let lights = tracer.world.light_set();
     let [lamp, _] = numbers(path, EYE_EDGE, pair::LAMP);
     let [u, v] = numbers(path, EYE_EDGE, pair::PLACE);
-    let point = vertex.point;
+    let point = end.point;
     let sample = lights.sample(point.p, Vec3::ZERO, [lamp, u, v])?;
     let LightKind::Triangle(triangle) = lights.kind(sample.light) else { return None };
     if !is_lit(&point, sample.dir) {
@@ -210,18 +237,18 @@ fn to_lamp(
     // Per solid angle of the lamp, and per area of the virtual light.
     let share = light_path::share_of_light_set(tracer.world);
     let standard = share * lights.pdf_emit_position(triangle) * cos * FRAC_1_PI;
-    let power = sample.radiance * (vertex.lamp_gain * cos / (standard + density * sample.pdf));
-    let vpl = Vpl::new(point, vertex.scattering.bsdf, sample.dir, power, 1);
+    let power = sample.radiance * (end.lamp_gain * cos / (standard + end.density * sample.pdf));
+    let vpl = Vpl::new(point, end.bsdf, sample.dir, power, 1);
     let ray = point.spawn_to(sample.dir, sample.dist);
-    Some(Join { ray, path: path as usize, vpl, seen })
+    Some(Join { ray, of, vpl, seen: end.seen })
 }
 
 /// The reverse virtual light that a vertex of the light path shines on.
-fn to_vertex(path: usize, z: &LightVertex, vertex: &Vertex, density: f32, seen: u64) -> Option<Join> {
-    let way = vertex.point.p - z.vpl.point.p;
+fn to_vertex(of: usize, z: &LightVertex, end: &End) -> Option<Join> {
+    let way = end.point.p - z.vpl.point.p;
     let distance2 = way.length_squared();
     let to = way / distance2.sqrt();
-    let point = vertex.point;
+    let point = end.point;
     // A light path goes on to either side, but does not cheat its facet.
     let through = z.vpl.point.ng.dot(to) < 0.0;
     if !(distance2 > 0.0 && to.is_finite() && is_lit(&point, -to))
@@ -236,12 +263,12 @@ fn to_vertex(path: usize, z: &LightVertex, vertex: &Vertex, density: f32, seen: 
     }
     let per_area = point.ng.dot(to).abs() / distance2;
     let standard = z.vpl.bsdf.pdf(z.vpl.from, to) * z.survival * per_area;
-    let power = z.vpl.power * scattered * (per_area / (standard + density));
-    let vpl = Vpl::new(point, vertex.scattering.bsdf, -to, power, z.vpl.edges + 1);
+    let power = z.vpl.power * scattered * (per_area / (standard + end.density));
+    let vpl = Vpl::new(point, end.bsdf, -to, power, z.vpl.edges + 1);
     let start = vpl::end(&z.vpl.point, to);
     let way = vpl::end(&point, -to) - start;
     let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
-    Some(Join { ray, path, vpl, seen })
+    Some(Join { ray, of, vpl, seen: end.seen })
 }
 
 /// Whether light from `from` shines on the side of a point that was met.

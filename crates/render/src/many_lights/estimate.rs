@@ -11,16 +11,17 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, INVALID_ID, RayBatch};
-use gnurt_image::srgb::luminance;
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
 use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
 
-use super::cut::resample;
+use super::bound::Bound;
+use super::cut::{MOST, cut};
 use super::eye::EyePoint;
 use super::gather::gather;
 use super::interleave::{Texel, key_of_place, place_of};
-use super::lanes::END;
+use super::lanes::{BLOCK, END};
 use super::pass::PassLights;
+use super::promise::Promises;
 use super::vpl::{self, pdf_of_other_end};
 use crate::tracer::BatchTracer;
 use crate::transport::Vertex;
@@ -33,6 +34,7 @@ mod purpose {
     pub(super) const LAMP: u32 = 0x5002;
     pub(super) const PLACE: u32 = 0x5003;
     pub(super) const CHOICE: u32 = 0x5004;
+    pub(super) const CUT: u32 = 0x5005;
 }
 
 /// Share of light that a surface must scatter to be averaged.
@@ -48,6 +50,8 @@ struct Last {
     side: Vec3,
     /// How many light samples were taken there.
     light_samples: f32,
+    /// What virtual lights brought there.
+    bound: Bound,
 }
 
 /// A path from the eye that is under way.
@@ -79,7 +83,7 @@ struct Stop {
 
 impl Stop {
     /// Share of light from `to` that is left for rays that come this way; 1 where virtual lights bring none of it.
-    fn rest(&self, pass: &PassLights, to: Vec3) -> f32 {
+    fn rest(&self, to: Vec3) -> f32 {
         let Some(last) = &self.walk.last else { return 1.0 };
         let point = &self.eye.point;
         let distance2 = (point.p - last.point.p).length_squared();
@@ -87,13 +91,13 @@ impl Stop {
         let pdf_vpl = pdf_of_other_end(point, &self.eye.bsdf, to, self.eye.wo)
             * last.point.ng.dot(self.eye.wo).abs()
             / distance2;
-        1.0 - pass.bound.share(pdf_eye, pdf_vpl)
+        1.0 - last.bound.share(pdf_eye, pdf_vpl)
     }
 
     /// Whether virtual lights bring all that it could.
-    fn is_spent(&self, pass: &PassLights) -> bool {
+    fn is_spent(&self) -> bool {
         // Lambertian ends choose alike whatever the light's direction: one answer for all.
-        self.eye.bsdf.lambertian().is_some() && self.rest(pass, self.eye.wo) <= 0.0
+        self.eye.bsdf.lambertian().is_some() && self.rest(self.eye.wo) <= 0.0
     }
 }
 
@@ -181,7 +185,7 @@ fn go_on(
     (radiance, mut texels): (&mut Vec3s, Option<&mut [Texel]>),
 ) {
     for depth in depth.. {
-        let stops = arrive(tracer, pass, &walks, &vertices, &rays, radiance);
+        let stops = arrive(tracer, &walks, &vertices, &rays, radiance);
         if let Some(texels) = &mut texels {
             take_apart(tracer, &stops, radiance, texels);
             take_finals_apart(tracer, &walks, &vertices, texels);
@@ -298,7 +302,8 @@ pub(super) fn rest_at(tracer: &mut BatchTracer, points: &SurfaceBatch) -> Vec<Op
         let cos = point.ns.dot(dir);
         let Some(ray) = point.scatter_ray(dir, false, f32::INFINITY).filter(|_| cos > 0.0) else { continue };
         rays.push(ray);
-        let last = Last { point, pdf: cos * FRAC_1_PI, side: point.ns, light_samples: 1.0 };
+        let pdf = cos * FRAC_1_PI;
+        let last = Last { point, pdf, side: point.ns, light_samples: 1.0, bound: pass.bound };
         walks.push(Walk {
             lane: i as u32,
             key,
@@ -330,7 +335,6 @@ pub(super) fn rest_at(tracer: &mut BatchTracer, points: &SurfaceBatch) -> Vec<Op
 /// Adds what is met at the end of each ray, and says which walks may go on.
 fn arrive(
     tracer: &mut BatchTracer,
-    pass: &PassLights,
     walks: &[Walk],
     vertices: &[Option<Vertex>],
     rays: &RayBatch,
@@ -372,7 +376,7 @@ fn arrive(
         let eye = EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane);
         let Vertex { lamp_gain, ids: [instance, ..], t: distance, .. } = *vertex;
         let stop = Stop { walk: *walk, eye, lamp_gain, instance, distance };
-        if !stop.is_spent(pass) {
+        if !stop.is_spent() {
             stops.push(stop);
         }
     }
@@ -435,7 +439,7 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
                 count * sample.pdf / (count * sample.pdf + eye.bsdf.pdf(eye.wo, sample.dir))
             };
             let offer = eye.throughput * scattered * sample.radiance * (share / (count * sample.pdf));
-            let offer = offer * (lamp_gain * stop.rest(pass, sample.dir));
+            let offer = offer * (lamp_gain * stop.rest(sample.dir));
             let ray = if eye.point.ns.dot(sample.dir) > 0.0 {
                 eye.point.shadow_ray(sample.dir, sample.dist)
             } else {
@@ -446,12 +450,12 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
             }
         }
     }
-    ask_plugins(tracer, pass, stops, &mut offers);
+    ask_plugins(tracer, stops, &mut offers);
     offers.settle(tracer, radiance);
 }
 
 /// Lights that only know `illuminate`.
-fn ask_plugins(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop], offers: &mut Offers) {
+fn ask_plugins(tracer: &BatchTracer, stops: &[Stop], offers: &mut Offers) {
     let shading = tracer.world.shading();
     if shading.plugin_lights.is_empty() || stops.is_empty() {
         return;
@@ -483,7 +487,7 @@ fn ask_plugins(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop], offers: 
                 eye.point.shadow_ray_through(dir, dist)
             };
             if let Some(ray) = ray {
-                offers.push(ray, &stop.walk, scattered * (stop.lamp_gain * stop.rest(pass, dir)));
+                offers.push(ray, &stop.walk, scattered * (stop.lamp_gain * stop.rest(dir)));
             }
         }
     }
@@ -507,36 +511,35 @@ fn environment_of_shaders(
     }
 }
 
-/// Light from a few virtual lights on what scattered rays met: chosen from many by what they bring if nothing is in
-/// between [TCE05].
+/// Light from a few virtual lights on what scattered rays met: chosen from all by what they bring if nothing is in between
+/// [TCE05], which lanes find out.
 fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], radiance: &mut Vec3s) {
-    let Some(choice) = &pass.choice else { return };
-    let seed = tracer.options.seed;
+    let there: Vec<&Stop> =
+        stops.iter().filter(|stop| !stop.walk.is_seen && stop.eye.bsdf.is_smooth()).collect();
+    if there.is_empty() || pass.vpls.is_empty() {
+        return;
+    }
+    let (seed, level, max_edges) = (tracer.options.seed, tracer.options.level, tracer.options.max_depth);
     let mut offers = Offers::default();
-    let mut found: Vec<(&super::vpl::Vpl, Vec3)> = Vec::new();
-    for stop in stops.iter().filter(|stop| !stop.walk.is_seen && stop.eye.bsdf.is_smooth()) {
-        let [first, second] = sample_pair(seed, stop.walk.key, stop.walk.edges, purpose::CHOICE);
-        found.clear();
-        let asked = pass.asked;
-        for n in 0..asked {
-            let at = (n as f32 + first) / asked as f32;
-            let chosen = choice.sample(at);
-            let vpl = &pass.vpls[chosen.index];
-            let Some(brought) = vpl.brings(&stop.eye, &pass.bound, tracer.options.max_depth) else {
-                continue;
-            };
-            let way = vpl.point.p - stop.eye.point.p;
-            let rest = stop.rest(pass, way.normalize());
-            found.push((vpl, brought * (rest / (asked as f32 * chosen.probability))));
-        }
-        let promise = found.iter().map(|(_, offer)| f64::from(luminance((*offer).into())));
-        for (k, weight) in resample(promise, pass.few as usize, second) {
-            let (vpl, offer) = (found[k].0, found[k].1 * weight);
-            let way = vpl.point.p - stop.eye.point.p;
-            let Some(start) = vpl::start(&stop.eye.point, way) else { continue };
-            let way = vpl::end(&vpl.point, -way) - start;
-            let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
-            offers.push(ray, &stop.walk, offer);
+    let eyes: Vec<EyePoint> = there.iter().map(|stop| stop.eye).collect();
+    let [u, _] = sample_pair(seed, there[0].walk.key, there[0].walk.edges, purpose::CUT);
+    let fewer = cut(&eyes, pass.unseen(), MOST, u);
+    let sources = fewer.as_deref().unwrap_or(pass.unseen());
+    let bound = pass.bound_at(false);
+    let mut promises = Promises::new(sources, bound, max_edges);
+    for (stops, eyes) in there.chunks(BLOCK).zip(eyes.chunks(BLOCK)) {
+        promises.ask(level, eyes);
+        for (lane, Stop { walk, eye, .. }) in stops.iter().enumerate() {
+            let [u, _] = sample_pair(seed, walk.key, walk.edges, purpose::CHOICE);
+            promises.choose(lane, pass.few, u, |vpl, weight| {
+                let Some(brought) = vpl.brings(eye, &bound, max_edges) else { return };
+                let way = vpl.point.p - eye.point.p;
+                let offer = brought * (stops[lane].rest(way.normalize()) * weight);
+                let Some(start) = vpl::start(&eye.point, way) else { return };
+                let way = vpl::end(&vpl.point, -way) - start;
+                let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
+                offers.push(ray, walk, offer);
+            });
         }
     }
     offers.settle(tracer, radiance);
@@ -557,7 +560,7 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> (RayBatch
         let [lobe, end] = sample_pair(seed, walk.key, walk.edges, purpose::LOBE);
         let Some(sample) = eye.bsdf.sample(eye.wo, [lobe, u, v]) else { continue };
         let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) else { continue };
-        let rest = if sample.delta { 1.0 } else { stop.rest(pass, sample.wi) };
+        let rest = if sample.delta { 1.0 } else { stop.rest(sample.wi) };
         let mut throughput = walk.throughput * sample.weight * rest;
         if walk.edges > 2 && !walk.is_seen {
             let survival = throughput.max_element().clamp(0.05, 1.0);
@@ -579,6 +582,7 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> (RayBatch
                 pdf: sample.pdf,
                 side: lamp_side(eye),
                 light_samples,
+                bound: pass.bound_at(walk.is_seen),
             }),
             is_seen: walk.is_seen && sample.delta,
             lamp_gain: stop.lamp_gain,

@@ -9,7 +9,7 @@ use gnurt_shading::sampling::Distribution;
 use super::instant;
 use super::light_path::{self, pair};
 use super::pass::{bound_of, in_chunks};
-use super::pilots::Pilots;
+use super::pilots::{Pilots, Scratch, Seen};
 use crate::stats::RenderStats;
 use crate::tile::Job;
 use crate::tracer::BatchTracer;
@@ -44,11 +44,12 @@ impl LampChoice {
         let found = in_chunks(job, PARTICLES, stats, |tracer, range| {
             let vertices = light_path::trace(tracer, range, &numbers, max_edges);
             let points: Vec<_> = vertices.iter().map(|v| (v.vpl.point, v.vpl.bsdf)).collect();
-            let seen = pilots.seen_from(tracer, &points);
-            let importance = |(v, &seen): (&light_path::LightVertex, &u64)| {
-                (v.path, f64::from(pilots.importance(&v.vpl, seen)))
+            let mut scratch = Scratch::default();
+            let seen = pilots.seen_from(tracer, &points, &mut scratch);
+            let mut importance = |v: &light_path::LightVertex, seen: &Seen| {
+                (v.path, f64::from(pilots.importance(&v.vpl, seen, &mut scratch)))
             };
-            vertices.iter().zip(&seen).map(importance).collect::<Vec<_>>()
+            vertices.iter().zip(&seen).map(|(v, seen)| importance(v, seen)).collect::<Vec<_>>()
         });
         let mut sums = vec![0.0; BINS];
         for (path, importance) in found.into_iter().flatten() {

@@ -10,6 +10,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 use gnurt_accel::Pencil;
+use gnurt_shading::SurfacePoint;
 use gnurt_shading::bsdf::{FacetLanes, Facets, GRAZING, SentBack};
 
 use super::bound::Bound;
@@ -74,6 +75,15 @@ pub(super) struct Light {
     pub(super) rays: Pencil,
     /// What arrives if nothing is in between.
     pub(super) color: Color,
+}
+
+/// Densities of lanes.
+pub(super) struct Densities(pub(super) Lanes);
+
+impl Default for Densities {
+    fn default() -> Self {
+        Self([0.0; BLOCK])
+    }
 }
 
 /// Colours of lanes.
@@ -487,6 +497,47 @@ fn geometry(block: &Block, source: &Source, work: &mut Work, light: &mut Light) 
     }
 }
 
+impl Block {
+    /// Shadow rays from a point to the lanes that see its front; those of `other` count as others do, by their normals.
+    #[inline(always)]
+    pub(super) fn ways_from(&self, point: &SurfacePoint, rays: &mut Pencil) {
+        let (p, n, start) = (point.p, point.ng, vpl::end(point, point.ng));
+        rays.org = start.into();
+        let ([wx, wy, wz], t_far) = rays.lanes();
+        for i in 0..BLOCK {
+            let way = [p.x - self.p[0][i], p.y - self.p[1][i], p.z - self.p[2][i]];
+            let to =
+                |normal: &[Lanes; 3]| normal[0][i] * way[0] + normal[1][i] * way[1] + normal[2][i] * way[2];
+            let above = (to(&self.ns) > 0.0) & ((to(&self.ng) > 0.0) | (self.lifted[i] > 0.0));
+            let front = n.x * way[0] + n.y * way[1] + n.z * way[2] < 0.0;
+            t_far[i] = if above & front { END } else { -1.0 };
+            let [x, y, z] = &self.end;
+            (wx[i], wy[i], wz[i]) = (x[i] - start.x, y[i] - start.y, z[i] - start.z);
+        }
+    }
+
+    /// Densities per area with which rays that the lanes' BSDFs choose meet the front of a point, if nothing is in between;
+    /// of `other` lanes they are not known.
+    #[inline(always)]
+    pub(super) fn densities(&self, point: &SurfacePoint, out: &mut Lanes) {
+        let (p, n) = (point.p, point.ng);
+        for (i, out) in out.iter_mut().enumerate() {
+            let [x, y, z] = [p.x - self.p[0][i], p.y - self.p[1][i], p.z - self.p[2][i]];
+            let near = 1.0 / (x * x + y * y + z * z);
+            let to_unit = near.sqrt();
+            let to = [x * to_unit, y * to_unit, z * to_unit];
+            let cos = self.bent[0][i] * to[0] + self.bent[1][i] * to[1] + self.bent[2][i] * to[2];
+            let front = -(n.x * to[0] + n.y * to[1] + n.z * to[2]);
+            let chosen = match &self.facets {
+                Some(facets) => facets.lane(i).eval(to, cos.max(f32::MIN_POSITIVE), [0.0; 2]).1,
+                None => cos * FRAC_1_PI,
+            };
+            let density = chosen * front * near;
+            *out = if (cos > 0.0) & (front > 0.0) & (density < f32::INFINITY) { density } else { 0.0 };
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use gnurt_shading::bsdf::{Bsdf, Lobe, Model, Principled};
@@ -567,6 +618,48 @@ mod tests {
             }
         }
         assert!(lit > 200 && bounded > 20, "the test has something to test: {lit}, {bounded}");
+    }
+
+    #[test]
+    fn densities_are_those_of_single_points() {
+        for of_eyes in [lambert as Make, facets] {
+            let eyes: Vec<EyePoint> = (0..BLOCK as u32)
+                .map(|n| {
+                    let point = point(n);
+                    let wo = (point.ns + 0.5 * point.ng).normalize();
+                    let bsdf = of_eyes(n, point.ns);
+                    EyePoint { point, wo, bsdf, throughput: Vec3::ONE, edges: 1, lane: n }
+                })
+                .collect();
+            let block = Block::new(&eyes, 6);
+            let (mut densities, mut rays, mut some) = (Densities::default(), Pencil::EMPTY, 0);
+            for n in 1000..1020 {
+                let point = point(n);
+                block.densities(&point, &mut densities.0);
+                block.ways_from(&point, &mut rays);
+                for (i, eye) in eyes.iter().enumerate() {
+                    let way = point.p - eye.point.p;
+                    let to = way.normalize();
+                    let is_seen = vpl::is_open(&eye.point, to) && eye.point.ns.dot(to) > 0.0;
+                    let is_seen = is_seen && point.ng.dot(to) < 0.0;
+                    assert_eq!(
+                        rays.t_far()[i] > 0.0,
+                        is_seen,
+                        "point {n}, lane {i}: a ray where both see fronts"
+                    );
+                    if is_seen {
+                        let wanted = eye.bsdf.pdf(eye.wo, to) * -point.ng.dot(to) / way.length_squared();
+                        let found = densities.0[i];
+                        assert!(
+                            (found - wanted).abs() < 1e-3 * wanted.max(1e-2),
+                            "{found} instead of {wanted}"
+                        );
+                        some += 1;
+                    }
+                }
+            }
+            assert!(some > 100, "the test has something to test: {some}");
+        }
     }
 
     #[test]

@@ -21,6 +21,7 @@ mod metropolis;
 mod neighbours;
 mod pass;
 mod pilots;
+mod promise;
 mod shader_lamps;
 mod shader_lights;
 mod vpl;

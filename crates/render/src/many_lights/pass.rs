@@ -6,7 +6,6 @@
 
 use std::sync::OnceLock;
 
-use gnurt_shading::sampling::Distribution;
 use rayon::prelude::*;
 
 use super::bound::Bound;
@@ -30,12 +29,10 @@ pub(crate) struct PassLights {
     pub(super) sources: Vec<Vec<Source>>,
     /// All of them, once somebody gathers all.
     whole: OnceLock<Vec<Source>>,
+    unseen: OnceLock<Vec<Source>>,
     pub(crate) bound: Bound,
-    /// By strength, for where only a few are asked; `None` if there are none.
-    pub(crate) choice: Option<Distribution>,
-    /// How many are asked there, and how many of which those few are chosen that promise most.
+    /// How many are asked where the eye does not see: those that promise most.
     pub(crate) few: u32,
-    pub(crate) asked: u32,
     /// Light samples at each point that the eye sees.
     light_samples: u32,
     /// What it took to put them there.
@@ -66,21 +63,30 @@ impl PassLights {
     pub(super) fn of(job: &Job, vpls: Vec<Vpl>, stats: RenderStats) -> Self {
         let options = job.options;
         let bound = bound_of(job.world, options);
-        let choice = choice(&vpls, options.integrator);
         let few = (options.vpls / 64).clamp(1, 16);
         let pattern = options.pattern();
         let shares = pattern.map_or_else(Vec::new, |n| interleave::shares(&vpls, n));
         // Where pixels are averaged, each needs fewer.
         let per_pixel = |of_window: u32| pattern.map_or(of_window, |n| of_window.div_ceil(n * n));
-        let (few, asked, light_samples) = (per_pixel(few), per_pixel(ASKED.max(few)), per_pixel(few));
+        let (few, light_samples) = (per_pixel(few), per_pixel(few));
         let sources = shares.iter().map(|share| sources(share, &bound)).collect();
-        let whole = OnceLock::new();
-        Self { vpls, shares, sources, whole, bound, choice, few, asked, light_samples, stats }
+        let [whole, unseen] = [OnceLock::new(), OnceLock::new()];
+        Self { vpls, shares, sources, whole, unseen, bound, few, light_samples, stats }
     }
 
     /// All virtual lights, ready to be gathered.
     pub(super) fn whole(&self) -> &[Source] {
         self.whole.get_or_init(|| sources(&self.vpls, &self.bound))
+    }
+
+    /// The same for points that the eye does not see.
+    pub(super) fn unseen(&self) -> &[Source] {
+        self.unseen.get_or_init(|| sources(&self.vpls, &self.bound_at(false)))
+    }
+
+    /// The bound on what virtual lights bring to a point.
+    pub(crate) fn bound_at(&self, is_seen: bool) -> Bound {
+        if is_seen { self.bound } else { self.bound.times(UNSEEN) }
     }
 
     /// How many light samples a point gets: many where the eye sees it.
@@ -89,22 +95,8 @@ impl PassLights {
     }
 }
 
-/// Virtual lights of which those few are chosen that promise most.
-const ASKED: u32 = 128;
-/// Share of the choice that does not look at strength, for lights that were chosen for what they bring.
-const EVENLY: f64 = 0.5;
-
-/// How lights are chosen where only a few are asked. Those that were chosen for what they bring to the camera count alike:
-/// a strong one is strong because it brings little.
-fn choice(vpls: &[Vpl], integrator: Integrator) -> Option<Distribution> {
-    let strength: Vec<f64> = vpls.iter().map(|vpl| f64::from(vpl.strength())).collect();
-    let total: f64 = strength.iter().sum();
-    let evenly = if integrator == Integrator::InstantRadiosity { 0.0 } else { EVENLY };
-    let alike = evenly / vpls.len() as f64;
-    Distribution::new(
-        strength.iter().map(|s| if *s > 0.0 { alike + (1.0 - evenly) * s / total } else { 0.0 }),
-    )
-}
+/// How much more virtual lights bring where the eye does not see: spots blur there, and rays that go on are noisier.
+const UNSEEN: f32 = 4.0;
 
 /// The bound that options ask for, or one that fits the scene.
 pub(crate) fn bound_of(world: &World, options: &RenderOptions) -> Bound {

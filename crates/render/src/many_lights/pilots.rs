@@ -1,26 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A few points that the camera sees, fresh for each pass: how much a virtual light matters is what it brings to them.
 //! Source: [SIMP06] (virtual lights judged by what they bring to the camera). Differs: the same points also choose where
-//! reverse virtual lights lie, so that the density of that choice is a plain sum, and no density has to be estimated.
+//! reverse virtual lights lie, so that the density of that choice is a plain sum, and no density has to be estimated; and where
+//! much of a point's light is left to rays, as on gloss, the ends of some of these are pilots, too.
 //! Space: world. Invariant: a function of the set's number; the estimate stays unbiased whatever the points are.
 //! Proof: crates/render/tests/many_lights.rs.
+
+use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_image::srgb::luminance;
-use gnurt_shading::bsdf::Bsdf;
+use gnurt_shading::bsdf::{Bsdf, Facets};
 use gnurt_shading::sampling::{hash_combine, sample_pair};
 use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
+use gnurt_simd::{Level, dispatch};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
-use super::lanes::END;
+use super::lanes::{BLOCK, Block, Densities, END, Light, Source, Work};
+use super::neighbours;
 use super::vpl::{self, Vpl};
 use crate::tile::Job;
 use crate::tracer::BatchTracer;
 
-/// How many; one bit each in a mask of who sees whom.
-pub(super) const PILOTS: usize = 64;
+/// Points that the eye sees, at most.
+const SEEN: u32 = 64;
+/// Blocks of lanes that hold all pilots: as many points again may be where their rays end. One bit each in a mask of who sees
+/// whom.
+const BLOCKS: usize = 2;
+/// Share of light that rays must bring from there.
+const LEAST_REST: f32 = 0.05;
 /// Says that a number is for pilots.
 const PURPOSE: u32 = 0x9107_0000;
 /// Mirrors that a pilot's path may meet.
@@ -28,13 +38,34 @@ const MOST_MIRRORS: u32 = 8;
 /// Share of a virtual light's importance that does not ask whether any pilot sees it.
 const DEFENSIVE: f32 = 0.005;
 
+/// Which pilots see a point.
+pub(super) type Seen = [u64; BLOCKS];
+
 /// Points that the camera sees.
 pub(super) struct Pilots {
     pub(super) points: Vec<EyePoint>,
-    pub(super) bound: Bound,
     pub(super) max_depth: u32,
+    bound: Bound,
+    /// All of them, by blocks.
+    groups: Vec<Group>,
     /// About what a unit of strength brings to a point somewhere in the scene.
     anywhere: f32,
+    level: Level,
+}
+
+/// Some pilots as lanes.
+struct Group {
+    block: Block,
+    /// Which are none that lanes know.
+    other: u64,
+}
+
+/// Room for what lanes compute.
+#[derive(Default)]
+pub(super) struct Scratch {
+    work: Box<Work>,
+    light: Box<Light>,
+    densities: Box<Densities>,
 }
 
 impl Pilots {
@@ -45,7 +76,7 @@ impl Pilots {
         let [x0, y0, x1, y1] =
             options.region().unwrap_or([0, 0, options.width, options.height]).map(|x| x as f32);
         let keys: Vec<SampleKey> =
-            (0..PILOTS as u32).map(|sample| SampleKey { pixel, sample, branch: PURPOSE }).collect();
+            (0..SEEN).map(|sample| SampleKey { pixel, sample, branch: PURPOSE }).collect();
         let place = |key: &SampleKey| {
             let [u, v] = sample_pair(options.seed, *key, 0, PURPOSE);
             [(x0 + (x1 - x0) * u) / options.width as f32, 1.0 - (y0 + (y1 - y0) * v) / options.height as f32]
@@ -85,37 +116,69 @@ impl Pilots {
                 break;
             }
         }
+        points.extend(ends_of_rays(job, tracer, pixel, &points, &bound));
+        // Lanes side by side look the same way.
+        let places: Vec<Vec3> = points.iter().map(|eye| eye.point.p).collect();
+        let points: Vec<EyePoint> =
+            neighbours::in_order(&places, BLOCK).into_iter().map(|i| points[i as usize]).collect();
         let across =
             job.world.bounds().map_or(1.0, |(low, high)| (Vec3::from(high) - Vec3::from(low)).length());
         let anywhere = DEFENSIVE * 2.0 / (std::f32::consts::PI * across * across).max(f32::MIN_POSITIVE);
-        Self { points, bound, max_depth: options.max_depth, anywhere }
+        let max_depth = options.max_depth;
+        let group = |some: &[EyePoint]| {
+            let block = Block::new(some, max_depth);
+            let other = block.other.iter().fold(0, |mask, &i| mask | 1 << i);
+            Group { block, other }
+        };
+        let groups = points.chunks(BLOCK).map(group).collect();
+        Self { points, max_depth, bound, groups, anywhere, level: options.level }
     }
 
-    /// Which pilots each point sees, one bit per pilot; those behind surfaces that send nothing there do not count.
-    pub(super) fn seen_from(&self, tracer: &mut BatchTracer, points: &[(SurfacePoint, Bsdf)]) -> Vec<u64> {
-        let mut seen = vec![0_u64; points.len()];
+    /// Which pilots see the front of each point; those behind surfaces that send nothing there do not count.
+    pub(super) fn seen_from(
+        &self,
+        tracer: &mut BatchTracer,
+        points: &[(SurfacePoint, Bsdf)],
+        scratch: &mut Scratch,
+    ) -> Vec<Seen> {
+        let mut seen = vec![Seen::default(); points.len()];
         let mut request = RayRequest::default();
         let mut lanes = Vec::new();
+        let by_pencils = tracer.world.shading().all_solid;
         for (n, (point, bsdf)) in points.iter().enumerate() {
-            let one_sided = bsdf.lambertian().is_some();
-            for (k, eye) in self.points.iter().enumerate() {
-                let way = point.p - eye.point.p;
-                if one_sided && point.ng.dot(way) >= 0.0 {
-                    continue;
+            let is_one_sided = bsdf.lambertian().is_some() || Facets::new(bsdf, bsdf.normal()).is_some();
+            for (b, group) in self.groups.iter().enumerate() {
+                let mut one_by_one = u64::MAX;
+                if is_one_sided && by_pencils {
+                    one_by_one = group.other;
+                    let rays = &mut scratch.light.rays;
+                    dispatch!(self.level, _simd => group.block.ways_from(point, rays));
+                    let asked =
+                        (0..BLOCK).filter(|&i| rays.t_far()[i] > 0.0).fold(0, |mask, i| mask | 1_u64 << i);
+                    if asked != 0 {
+                        tracer.stats.shadow_rays += u64::from(asked.count_ones());
+                        seen[n][b] = asked & !tracer.occluded_pencil(rays) & !group.other;
+                    }
                 }
-                if let Some(start) = vpl::start(&eye.point, way) {
-                    let way = vpl::end(point, -way) - start;
-                    request.rays.push(gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END));
-                    lanes.push((n, k));
+                for (i, eye) in self.of_block(b, one_by_one) {
+                    let way = point.p - eye.point.p;
+                    if is_one_sided && point.ng.dot(way) >= 0.0 {
+                        continue;
+                    }
+                    if let Some(start) = vpl::start(&eye.point, way) {
+                        let way = vpl::end(point, -way) - start;
+                        request.rays.push(gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END));
+                        lanes.push((n, b, i));
+                    }
                 }
             }
         }
         request.key.resize(request.rays.len(), SampleKey::default());
         let mut through = Vec3s::default();
         tracer.occluded(&request, &mut through);
-        for (i, (n, k)) in lanes.into_iter().enumerate() {
+        for (i, (n, b, k)) in lanes.into_iter().enumerate() {
             if through.get(i) != Vec3::ZERO {
-                seen[n] |= 1 << k;
+                seen[n][b] |= 1 << k;
             }
         }
         seen
@@ -123,31 +186,100 @@ impl Pilots {
 
     /// Density per area with which a ray from a pilot, chosen by its BSDF, meets the front of a point that these pilots
     /// see.
-    pub(super) fn pdf(&self, point: &SurfacePoint, seen: u64) -> f32 {
+    pub(super) fn pdf(&self, point: &SurfacePoint, seen: &Seen, scratch: &mut Scratch) -> f32 {
         let mut sum = 0.0;
-        for eye in self.seeing(seen) {
-            let way = point.p - eye.point.p;
-            let distance2 = way.length_squared();
-            let to = way / distance2.sqrt();
-            let pdf = eye.bsdf.pdf(eye.wo, to) * -point.ng.dot(to).min(0.0) / distance2;
-            sum += if pdf.is_finite() { pdf } else { 0.0 };
+        for (b, group) in self.groups.iter().enumerate().filter(|&(b, _)| seen[b] != 0) {
+            let densities = &mut scratch.densities.0;
+            dispatch!(self.level, _simd => group.block.densities(point, densities));
+            sum += bits(seen[b] & !group.other).map(|i| densities[i]).sum::<f32>();
+            for (_, eye) in self.of_block(b, seen[b] & group.other) {
+                let way = point.p - eye.point.p;
+                let distance2 = way.length_squared();
+                let to = way / distance2.sqrt();
+                let pdf = eye.bsdf.pdf(eye.wo, to) * -point.ng.dot(to).min(0.0) / distance2;
+                sum += if pdf.is_finite() { pdf } else { 0.0 };
+            }
         }
         sum / self.points.len() as f32
     }
 
     /// How much a virtual light matters: the mean light that it brings to pilots, and a little for those not there.
-    pub(super) fn importance(&self, vpl: &Vpl, seen: u64) -> f32 {
+    pub(super) fn importance(&self, vpl: &Vpl, seen: &Seen, scratch: &mut Scratch) -> f32 {
         let mut sum = 0.0;
-        for eye in self.seeing(seen) {
-            let brought = vpl.brings(eye, &self.bound, self.max_depth).unwrap_or(Vec3::ZERO);
-            sum += if brought.is_finite() { luminance(brought.into()) } else { 0.0 };
+        let source = Source::new(vpl, &self.bound);
+        let light_of = |color: [f32; 3]| {
+            let light = luminance(color);
+            if light < f32::INFINITY { light } else { 0.0 }
+        };
+        for (b, group) in self.groups.iter().enumerate().filter(|&(b, _)| seen[b] != 0) {
+            let Scratch { work, light, .. } = &mut *scratch;
+            let mut one_by_one = seen[b];
+            match dispatch!(self.level, _simd => group.block.light(&source, work, light)) {
+                None => {}
+                Some(0) => one_by_one &= group.other,
+                Some(_) => {
+                    one_by_one &= group.other;
+                    let by_lanes = bits(seen[b] & !group.other);
+                    sum += by_lanes.map(|i| light_of(light.color.get(i).into())).sum::<f32>();
+                }
+            }
+            for (_, eye) in self.of_block(b, one_by_one) {
+                let brought = vpl.brings(eye, &self.bound, self.max_depth).unwrap_or(Vec3::ZERO);
+                sum += light_of(brought.into());
+            }
         }
         let mean = sum / self.points.len().max(1) as f32;
         let importance = mean + self.anywhere * vpl.strength();
         if importance.is_finite() { importance } else { 0.0 }
     }
 
-    fn seeing(&self, seen: u64) -> impl Iterator<Item = &EyePoint> {
-        self.points.iter().enumerate().filter(move |(k, _)| seen >> k & 1 == 1).map(|(_, eye)| eye)
+    /// Pilots of a block, by a mask.
+    fn of_block(&self, block: usize, mask: u64) -> impl Iterator<Item = (usize, &EyePoint)> {
+        let points = &self.points[block * BLOCK..];
+        bits(mask).take_while(move |&i| i < points.len()).map(move |i| (i, &points[i]))
     }
+}
+
+/// Where a ray from each point ends that brings what virtual lights leave to it, if that is much: on gloss it is most.
+fn ends_of_rays(
+    job: &Job,
+    tracer: &mut BatchTracer,
+    pixel: u32,
+    points: &[EyePoint],
+    bound: &Bound,
+) -> Vec<EyePoint> {
+    let (mut rays, mut keys, mut from) = (RayBatch::default(), Vec::new(), Vec::new());
+    for (sample, eye) in (0..).zip(points) {
+        let key = SampleKey { pixel, sample, branch: PURPOSE + 1 };
+        let [u, v] = sample_pair(job.options.seed, key, 0, PURPOSE + 3);
+        let [lobe, _] = sample_pair(job.options.seed, key, 0, PURPOSE + 4);
+        let Some(sample) = eye.bsdf.sample(eye.wo, [lobe, u, v]) else { continue };
+        if let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) {
+            rays.push(ray);
+            keys.push(key);
+            from.push((eye, sample));
+        }
+    }
+    let found = tracer.follow(&rays, &keys, MOST_MIRRORS + 1, Coherence::Incoherent);
+    let mut out = Vec::new();
+    for ((eye, sample), vertex) in from.into_iter().zip(found) {
+        let Some(vertex) = vertex.filter(|v| !v.is_final && v.scattering.bsdf.is_smooth()) else { continue };
+        let distance2 = (vertex.point.p - eye.point.p).length_squared();
+        let (cos, back) = (vertex.point.ng.dot(vertex.wo).abs(), eye.point.ng.dot(vertex.wo).abs());
+        let share = bound.share(sample.pdf * cos / distance2, cos * FRAC_1_PI * back / distance2);
+        let throughput = eye.throughput * sample.weight * (1.0 - share);
+        if throughput.max_element() >= LEAST_REST {
+            out.push(EyePoint::new(&vertex, throughput, eye.edges + 1, 0));
+        }
+    }
+    out
+}
+
+/// Places of the bits that are set.
+fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (place < 64).then_some(place)
+    })
 }

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Which virtual lights promise most to a point: what each would bring if nothing were in between, by lanes, and a choice
+//! in proportion.
+//! Source: resampling [TCE05], of all virtual lights. Space: world.
+//! Invariant: a light is chosen in proportion to the difference of two stored sums and weighted by one over that, so rounding
+//! does not change the mean. Proof: `tests`, crates/render/tests/many_lights.rs.
+
+use glam::Vec3;
+use gnurt_image::srgb::luminance;
+use gnurt_simd::{Level, dispatch};
+
+use super::bound::Bound;
+use super::eye::EyePoint;
+use super::lanes::{BLOCK, Block, Lanes, Light, Source, Work};
+use super::vpl::Vpl;
+
+/// What virtual lights promise to a block of points.
+pub(super) struct Promises<'a> {
+    sources: &'a [Source],
+    bound: Bound,
+    max_edges: u32,
+    /// Sums over the lights up to each.
+    sums: Vec<Lanes>,
+    work: Box<Work>,
+    light: Box<Light>,
+}
+
+impl<'a> Promises<'a> {
+    /// `sources` are made for this bound.
+    pub(super) fn new(sources: &'a [Source], bound: Bound, max_edges: u32) -> Self {
+        let sums = Vec::with_capacity(sources.len());
+        Self { sources, bound, max_edges, sums, work: Box::default(), light: Box::default() }
+    }
+
+    /// Asks all lights what they bring to these points, `BLOCK` at most.
+    pub(super) fn ask(&mut self, level: Level, points: &[EyePoint]) {
+        let block = Block::new(points, self.max_edges);
+        let mut sum = [0.0; BLOCK];
+        self.sums.clear();
+        for source in self.sources {
+            let (work, light) = (&mut *self.work, &mut *self.light);
+            let known = if block.may_get(source) {
+                dispatch!(level, _simd => {
+                    let known = block.light(source, work, light);
+                    if known.is_some_and(|lit| lit > 0) {
+                        add(light, &mut sum);
+                    }
+                    known
+                })
+            } else {
+                Some(0)
+            };
+            let mut one_by_one = |i: usize| {
+                let brought =
+                    source.vpl.brings(&points[i], &self.bound, self.max_edges).unwrap_or(Vec3::ZERO);
+                let promise = luminance(brought.into());
+                sum[i] += if promise < f32::INFINITY { promise } else { 0.0 };
+            };
+            match known {
+                Some(_) => block.other.iter().copied().for_each(one_by_one),
+                None => (0..points.len()).for_each(&mut one_by_one),
+            }
+            self.sums.push(sum);
+        }
+    }
+
+    /// Chooses `count` lights for a point, evenly along the sum of their promises; `with` gets those that were chosen and
+    /// what they count.
+    pub(super) fn choose(&self, lane: usize, count: u32, u: f32, mut with: impl FnMut(&Vpl, f32)) {
+        let total = self.sums.last().map_or(0.0, |sum| sum[lane]);
+        if !(total > 0.0 && total < f32::INFINITY) {
+            return;
+        }
+        let place = |n: u32| {
+            let at = total * ((n as f32 + u) / count as f32);
+            self.sums.partition_point(|sum| sum[lane] <= at)
+        };
+        let mut n = 0;
+        while n < count {
+            let (i, first) = (place(n), n);
+            while n < count && place(n) == i {
+                n += 1;
+            }
+            if let Some(source) = self.sources.get(i) {
+                let before = if i > 0 { self.sums[i - 1][lane] } else { 0.0 };
+                with(
+                    &source.vpl,
+                    (n - first) as f32 * total / (count as f32 * (self.sums[i][lane] - before)),
+                );
+            }
+        }
+    }
+}
+
+/// Adds what a light brings, lane by lane.
+#[inline(always)]
+fn add(light: &Light, sum: &mut Lanes) {
+    let [r, g, b] = &light.color.0;
+    for i in 0..BLOCK {
+        let promise = 0.2126 * r[i] + 0.7152 * g[i] + 0.0722 * b[i];
+        sum[i] += if promise < f32::INFINITY { promise } else { 0.0 };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gnurt_shading::bsdf::{Bsdf, Model};
+    use gnurt_shading::sampling::{sample_pair, uniform_sphere};
+    use gnurt_shading::{SampleKey, SurfacePoint};
+
+    use super::*;
+
+    fn random(n: u32, purpose: u32) -> [f32; 2] {
+        sample_pair(7, SampleKey { pixel: n, sample: 0, branch: 0 }, 0, purpose)
+    }
+
+    fn surface(n: u32) -> (SurfacePoint, Bsdf) {
+        let ([x, y], [z, _]) = (random(n, 0), random(n, 1));
+        let ng = uniform_sphere(random(n, 2));
+        let bsdf = Bsdf::new(ng, Model::Lambert { albedo: Vec3::new(0.8, 0.5, 0.3) });
+        (SurfacePoint { p: Vec3::new(x, y, z), error: 1e-6, ng, ns: ng, lift: Vec3::ZERO }, bsdf)
+    }
+
+    #[test]
+    fn few_stand_for_all() {
+        let bound = Bound::on_geometry_term(3.0);
+        let light = |n: u32| {
+            let (point, bsdf) = surface(n);
+            Source::new(&Vpl::new(point, bsdf, point.ng, Vec3::new(3.0, 2.0, 1.0), 1), &bound)
+        };
+        let sources: Vec<Source> = (1000..1100).map(light).collect();
+        let eye = |n: u32| {
+            let (point, bsdf) = surface(n);
+            EyePoint { point, wo: point.ng, bsdf, throughput: Vec3::ONE, edges: 1, lane: n }
+        };
+        let eyes: Vec<EyePoint> = (0..5).map(eye).collect();
+        let mut promises = Promises::new(&sources, bound, 6);
+        promises.ask(Level::default(), &eyes);
+        for (lane, eye) in eyes.iter().enumerate() {
+            let brings = |vpl: &Vpl| vpl.brings(eye, &bound, 6).unwrap_or(Vec3::ZERO);
+            let wanted: Vec3 = sources.iter().map(|source| brings(&source.vpl)).sum();
+            let (mut mean, mut chosen) = (Vec3::ZERO, 0);
+            const TIMES: u32 = 200;
+            for n in 0..TIMES {
+                promises.choose(lane, 4, (n as f32 + 0.5) / TIMES as f32, |vpl, weight| {
+                    mean += brings(vpl) * weight / TIMES as f32;
+                    chosen += 1;
+                });
+            }
+            assert!(wanted == Vec3::ZERO || (1..=4 * TIMES).contains(&chosen), "few are chosen: {chosen}");
+            let off = (mean - wanted).length();
+            assert!(off <= 0.03 * wanted.length(), "point {lane}: {mean} instead of {wanted}");
+        }
+    }
+}
