@@ -8,7 +8,7 @@
 //! `ObjectTree::search` -> `search` of the index; what it gathers on its way is a `Collect`. Everything from `tiles` and
 //! `single` on is `#[inline(always)]` or entered by `vectorize`, or lanes become calls.
 
-use gnurt_simd::{Simd, dispatch, f32x16, prelude::*, u32x16};
+use gnurt_simd::{Simd, dispatch, dispatch_wide, f32x16, prelude::*, u32x16};
 
 use crate::candidates::Candidates;
 use crate::nearest::{AnyHit, Best, Closest, Collect, Mode, Nearest};
@@ -137,8 +137,22 @@ pub(crate) fn occluded_pencil<T: Traceable>(
     pencil: &mut Pencil,
     record: &mut Record,
 ) -> u64 {
-    let counters = &mut record.counters;
-    dispatch!(query.level, simd => trace_pencil(simd, target, query.mask, pencil, counters))
+    dispatch_wide!(
+        query.level,
+        simd => trace_pencil(simd, target, query.mask, pencil, &mut record.counters),
+        else trace_as_batch(target, query, pencil, record)
+    )
+}
+
+/// The same where lanes are too narrow for a kernel of its own to be worth its code.
+fn trace_as_batch<T: Traceable>(target: &T, query: &Query, pencil: &Pencil, record: &mut Record) -> u64 {
+    let [x, y, z] = &pencil.rays.dir;
+    let lanes: Vec<usize> = (0..TILE).filter(|&i| pencil.t_far[i] >= 0.0).collect();
+    let ray = |&i: &usize| Ray::new(pencil.org, [x[i], y[i], z[i]]).within(0.0, pencil.t_far[i]);
+    let query = Query { coherence: Coherence::Coherent, ..*query };
+    let mut blocked = Vec::new();
+    occluded(target, &query, &lanes.iter().map(ray).collect(), &mut blocked, record);
+    lanes.iter().zip(blocked).fold(0, |bits, (i, blocked)| bits | u64::from(blocked) << i)
 }
 
 #[inline(always)]
