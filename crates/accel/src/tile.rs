@@ -254,6 +254,25 @@ impl RayTile {
         self.t_near[to] = other.t_near[from];
     }
 
+    /// Origins of sixteen rays from `at` on, along three axes.
+    #[inline(always)]
+    pub(crate) fn org_lanes<S: Simd>(&self, simd: S, [x, y, z]: [usize; 3], at: usize) -> [f32x16<S>; 3] {
+        [chunk(simd, &self.org[x], at), chunk(simd, &self.org[y], at), chunk(simd, &self.org[z], at)]
+    }
+
+    /// Where the first `count` rays start, if that is one point, bit by bit.
+    #[inline(always)]
+    pub(crate) fn one_origin(&self, count: usize) -> Option<[f32; 3]> {
+        let mut differ = 0;
+        for org in &self.org {
+            let first = org[0].to_bits();
+            for x in &org[..count.next_multiple_of(LANES).min(TILE)] {
+                differ |= x.to_bits() ^ first;
+            }
+        }
+        (differ == 0).then_some([self.org[0][0], self.org[1][0], self.org[2][0]])
+    }
+
     /// One of the rays, up to `t_far`.
     #[inline(always)]
     pub(crate) fn ray(&self, i: usize, t_far: f32) -> Ray {

@@ -8,6 +8,8 @@
 
 use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 
+use super::faces::has_wide_lanes;
+
 use super::slab::SLACK;
 use super::{Node8, WIDTH};
 use crate::Aabb;
@@ -38,10 +40,16 @@ pub(crate) struct Ranges {
 }
 
 impl Ranges {
-    const NONE: Self = {
+    pub(super) const NONE: Self = {
         let none = [f32::INFINITY, f32::NEG_INFINITY];
         Self { org: [none; 3], slope: [none; 2], t_near: f32::INFINITY }
     };
+
+    /// Least and greatest slopes along x and y of the sheared space.
+    #[inline(always)]
+    pub(super) fn slope(&self) -> [[f32; 2]; 2] {
+        self.slope
+    }
 
     /// How wide the rays are together after `size` steps, along the widest axis.
     #[inline(always)]
@@ -79,36 +87,62 @@ impl Ranges {
 impl Slopes {
     pub(crate) const EMPTY: Self = Self { shear: [[0.0; TILE]; 3], stride: [0.0; TILE] };
 
-    /// Prepares the chunks of the first `count` rays, all of one heading; ranges of each and of all.
+    /// Prepares the first `count` rays, all of one heading.
     #[inline(always)]
-    pub(crate) fn prepare<S: Simd>(
-        &mut self,
-        simd: S,
-        rays: &RayTile,
-        count: usize,
-        heading: Heading,
-    ) -> ([Ranges; CHUNKS], Ranges) {
+    pub(crate) fn prepare<S: Simd>(&mut self, simd: S, rays: &RayTile, count: usize, heading: Heading) {
         let [x, y, z] = axes_from(heading.longest_axis);
-        let mut each = [Ranges::NONE; CHUNKS];
-        let mut whole = Ranges::NONE;
-        for (i, ranges) in each.iter_mut().enumerate().take(count.div_ceil(LANES)) {
-            let at = i * LANES;
+        for at in (0..count).step_by(LANES) {
             let along = chunk(simd, &rays.dir[z], at);
             let over = f32x16::splat(simd, 1.0) / along;
             let (sx, sy) = (chunk(simd, &rays.dir[x], at) / along, chunk(simd, &rays.dir[y], at) / along);
-            let stride = along.abs();
             sx.store_slice(&mut self.shear[0][at..at + LANES]);
             sy.store_slice(&mut self.shear[1][at..at + LANES]);
             over.store_slice(&mut self.shear[2][at..at + LANES]);
-            stride.store_slice(&mut self.stride[at..at + LANES]);
-            for k in 0..3 {
-                ranges.org[k] = range(chunk(simd, &rays.org[k], at));
-            }
-            ranges.slope = [range(sx), range(sy)];
-            ranges.t_near = smallest(chunk(simd, &rays.t_near, at) * stride);
+            along.abs().store_slice(&mut self.stride[at..at + LANES]);
+        }
+    }
+
+    /// Ranges of one chunk.
+    #[inline(always)]
+    pub(super) fn ranges<S: Simd>(&self, simd: S, rays: &RayTile, which: usize) -> Ranges {
+        let at = which * LANES;
+        let [x, y, z] = rays.org_lanes(simd, [0, 1, 2], at);
+        let slope = [range(chunk(simd, &self.shear[0], at)), range(chunk(simd, &self.shear[1], at))];
+        let t_near = smallest(chunk(simd, &rays.t_near, at) * chunk(simd, &self.stride, at));
+        Ranges { org: [range(x), range(y), range(z)], slope, t_near }
+    }
+
+    /// Ranges of the chunks of the first `count` rays, and of all together.
+    #[inline(always)]
+    pub(super) fn ranges_of_chunks<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayTile,
+        count: usize,
+        each: &mut [Ranges; CHUNKS],
+    ) -> Ranges {
+        let mut whole = Ranges::NONE;
+        for (which, ranges) in each.iter_mut().enumerate().take(count.div_ceil(LANES)) {
+            *ranges = self.ranges(simd, rays, which);
             whole = whole.union(ranges);
         }
-        (each, whole)
+        whole
+    }
+
+    /// Ranges of the first `count` rays together: faster where those of chunks are not wanted, lanes are wide.
+    #[inline(always)]
+    pub(crate) fn all_ranges<S: Simd>(&self, simd: S, rays: &RayTile, count: usize) -> Ranges {
+        if !has_wide_lanes::<S>() {
+            return self.ranges_of_chunks(simd, rays, count, &mut [Ranges::NONE; CHUNKS]);
+        }
+        let mut t_near = chunk(simd, &rays.t_near, 0) * chunk(simd, &self.stride, 0);
+        for at in (LANES..count).step_by(LANES) {
+            t_near = t_near.min(chunk(simd, &rays.t_near, at) * chunk(simd, &self.stride, at));
+        }
+        let [x, y, z] = &rays.org;
+        let org = [range_of(simd, x, count), range_of(simd, y, count), range_of(simd, z, count)];
+        let slope = [range_of(simd, &self.shear[0], count), range_of(simd, &self.shear[1], count)];
+        Ranges { org, slope, t_near: smallest(t_near) }
     }
 
     /// How far the farthest ray of a chunk still looks, in steps.
@@ -127,6 +161,17 @@ impl Slopes {
         }
         farthest
     }
+}
+
+/// Least and greatest of the first `count` values: lane by lane first, since across lanes is what takes time.
+#[inline(always)]
+fn range_of<S: Simd>(simd: S, values: &PerRay, count: usize) -> [f32; 2] {
+    let (mut low, mut high) = (chunk(simd, values, 0), chunk(simd, values, 0));
+    for at in (LANES..count).step_by(LANES) {
+        low = low.min(chunk(simd, values, at));
+        high = high.max(chunk(simd, values, at));
+    }
+    [smallest(low), greatest(high)]
 }
 
 /// Least and greatest lane.

@@ -9,7 +9,7 @@ use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 use super::WIDTH;
 use crate::geometry::Screened;
 use crate::nearest::Collect;
-use crate::triangle::{Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges};
+use crate::triangle::{Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges, relative_to};
 use crate::{INVALID_ID, Ray};
 
 /// Eight triangles.
@@ -83,12 +83,13 @@ impl TriangleBlock {
         let a = [row(simd, &a[x]), row(simd, &a[y]), row(simd, &a[z])];
         let b = [row(simd, &b[x]), row(simd, &b[y]), row(simd, &b[z])];
         let c = [row(simd, &c[x]), row(simd, &c[y]), row(simd, &c[z])];
-        let edges = pass_edges(simd, [a, b, c], &ray.sheared);
+        let Sheared { org, shear } = &ray.sheared;
+        let edges = pass_edges(simd, relative_to([a, b, c], org), shear);
         if !edges.inside.any_true() {
             return;
         }
         let t_far = f32x8::splat(simd, collect.reach());
-        let (met, uncertain) = edges.meet(simd, &ray.sheared, edges.inside, ray.t_near, t_far);
+        let (met, uncertain) = edges.meet(simd, shear[2], edges.inside, ray.t_near, t_far);
         let mut bits = met.hit.to_bitmask();
         if bits != 0 {
             let (t, u, v) = (met.t.to_array(), met.u.to_array(), met.v.to_array());

@@ -3,33 +3,51 @@
 //! Source: [RSH05] (intervals); the second level of intervals is original. Invariant: `farthest` is the largest `ahead`.
 //! Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::Simd;
+use gnurt_simd::{Simd, f32x16};
 
+use super::WIDTH;
 use super::beam::{Beam, CHUNKS, Ranges, Slopes};
 use super::blocks::TriangleBlock;
+use super::faces::{Faces, Viewpoint, has_wide_lanes};
 use crate::packet::Heading;
 use crate::tile::{LANES, NearestTile, RayTile};
+use crate::triangle::{axes_from, relative_to};
 
 /// Chunks of one tile.
-pub(crate) struct Chunks {
+pub(crate) struct Chunks<'a> {
     pub(crate) slopes: Slopes,
     /// All rays as intervals.
     pub(crate) beam: Beam,
     /// How many steps any ray still looks ahead.
     pub(crate) farthest: f32,
+    rays: &'a RayTile,
+    heading: Heading,
+    /// The tree's greatest coordinate.
+    reach: f32,
     count: usize,
-    /// The rays of each chunk as intervals.
+    /// The rays of each chunk as intervals, as soon as they are asked for: bits of those that have been.
     parts: [Beam; CHUNKS],
+    known: bool,
     /// How many steps each chunk still looks ahead.
     ahead: [f32; CHUNKS],
+    /// Where all rays start, if that is one point.
+    view: Option<Viewpoint>,
 }
 
-impl Chunks {
+/// A triangle that a chunk's rays may meet.
+pub(crate) struct Candidate<S: Simd> {
+    pub(crate) place: usize,
+    pub(crate) chunk: usize,
+    /// Corners relative to the rays' origins, along the axes of the sheared space.
+    pub(crate) corners: [[f32x16<S>; 3]; 3],
+}
+
+impl<'a> Chunks<'a> {
     /// The first `count` rays of a tile, all of one heading; nothing if `too_wide` says so of all of them.
     #[inline(always)]
     pub(crate) fn new<S: Simd>(
         simd: S,
-        rays: &RayTile,
+        rays: &'a RayTile,
         count: usize,
         heading: Heading,
         reach: f32,
@@ -37,18 +55,38 @@ impl Chunks {
         too_wide: impl Fn(&Ranges) -> bool,
     ) -> Option<Self> {
         let mut slopes = Slopes::EMPTY;
-        let (each, whole) = slopes.prepare(simd, rays, count, heading);
+        slopes.prepare(simd, rays, count, heading);
+        let origin = if has_wide_lanes::<S>() { rays.one_origin(count) } else { None };
+        let mut each = [Ranges::NONE; CHUNKS];
+        let whole = if origin.is_some() {
+            slopes.all_ranges(simd, rays, count)
+        } else {
+            slopes.ranges_of_chunks(simd, rays, count, &mut each)
+        };
         if too_wide(&whole) {
             return None;
         }
-        let beam = Beam::new(&whole, heading, reach);
-        let count = count.div_ceil(LANES);
+        let view = origin.and_then(|org| Viewpoint::new(&whole, org, heading, reach));
+        let chunks_of_rays = count.div_ceil(LANES);
         let mut parts = [Beam::EMPTY; CHUNKS];
-        for (part, ranges) in parts.iter_mut().zip(&each).take(count) {
-            *part = Beam::new(ranges, heading, reach);
+        if origin.is_none() {
+            for (part, ranges) in parts.iter_mut().zip(&each).take(chunks_of_rays) {
+                *part = Beam::new(ranges, heading, reach);
+            }
         }
-        let ahead = [f32::NEG_INFINITY; CHUNKS];
-        let mut chunks = Self { slopes, beam, farthest: f32::NEG_INFINITY, count, parts, ahead };
+        let mut chunks = Self {
+            slopes,
+            beam: Beam::new(&whole, heading, reach),
+            farthest: f32::NEG_INFINITY,
+            rays,
+            heading,
+            reach,
+            count: chunks_of_rays,
+            parts,
+            known: origin.is_none(),
+            ahead: [f32::NEG_INFINITY; CHUNKS],
+            view,
+        };
         chunks.look_again(simd, nearest, u32::MAX);
         Some(chunks)
     }
@@ -65,8 +103,7 @@ impl Chunks {
         self.farthest = a.max(b).max(c).max(d);
     }
 
-    /// Calls `meet(place, chunk, its slopes)` for each triangle of a block that rays in `bits` may meet; it says whether
-    /// one did.
+    /// Calls `meet(candidate, slopes)` for each triangle of a block that rays in `bits` may meet; it says whether one did.
     #[inline(always)]
     pub(crate) fn block<S: Simd>(
         &mut self,
@@ -74,26 +111,71 @@ impl Chunks {
         block: &TriangleBlock,
         bits: u64,
         nearest: &mut NearestTile,
-        mut meet: impl FnMut(usize, usize, &Slopes, &mut NearestTile) -> bool,
+        mut meet: impl FnMut(Candidate<S>, &Slopes, &mut NearestTile) -> bool,
     ) {
         let extents = [block.extent(simd, 0), block.extent(simd, 1), block.extent(simd, 2)];
-        if self.beam.meet_extents(simd, &extents, self.farthest) == 0 {
+        let mut common = self.beam.meet_extents(simd, &extents, self.farthest);
+        if common == 0 {
             return;
         }
         let mut touched = 0;
-        for which in 0..self.count {
-            if bits >> (which * LANES) & 0xffff == 0 {
-                continue;
+        if has_wide_lanes::<S>()
+            && let Some(view) = &self.view
+            && view.is_worth_it(simd, block, &extents, common)
+        {
+            let mut faces = Faces::EMPTY;
+            common &= faces.look(simd, view, block, self.farthest);
+            for which in 0..self.count {
+                if common == 0 || bits >> (which * LANES) & 0xffff == 0 {
+                    continue;
+                }
+                let mut places = common & faces.within(simd, self.ahead[which]);
+                while places != 0 {
+                    let place = places.trailing_zeros() as usize & (WIDTH - 1);
+                    places &= places - 1;
+                    if !faces.all_pass(simd, place, &self.slopes, which) {
+                        let candidate =
+                            Candidate { place, chunk: which, corners: faces.corners(simd, place) };
+                        touched |= u32::from(meet(candidate, &self.slopes, nearest)) << which;
+                    }
+                }
             }
-            let mut places = self.parts[which].meet_extents(simd, &extents, self.ahead[which]);
-            while places != 0 {
-                let place = places.trailing_zeros() as usize;
-                places &= places - 1;
-                touched |= u32::from(meet(place, which, &self.slopes, nearest)) << which;
+        } else {
+            if has_wide_lanes::<S>() && !self.known {
+                self.know_parts(simd);
+            }
+            let axes = axes_from(self.heading.longest_axis);
+            for which in 0..self.count {
+                if bits >> (which * LANES) & 0xffff == 0 {
+                    continue;
+                }
+                let mut places = self.parts[which].meet_extents(simd, &extents, self.ahead[which]);
+                while places != 0 {
+                    let place = places.trailing_zeros() as usize & (WIDTH - 1);
+                    places &= places - 1;
+                    let corners = [
+                        block.corner(simd, place, 0, axes),
+                        block.corner(simd, place, 1, axes),
+                        block.corner(simd, place, 2, axes),
+                    ];
+                    let corners = relative_to(corners, &self.rays.org_lanes(simd, axes, which * LANES));
+                    let candidate = Candidate { place, chunk: which, corners };
+                    touched |= u32::from(meet(candidate, &self.slopes, nearest)) << which;
+                }
             }
         }
         if touched != 0 {
             self.look_again(simd, nearest, touched);
         }
+    }
+
+    /// Prepares the chunks for boxes.
+    #[inline(always)]
+    fn know_parts<S: Simd>(&mut self, simd: S) {
+        for which in 0..self.count {
+            let ranges = self.slopes.ranges(simd, self.rays, which);
+            self.parts[which] = Beam::new(&ranges, self.heading, self.reach);
+        }
+        self.known = true;
     }
 }

@@ -6,6 +6,7 @@ mod beam;
 mod blocks;
 mod build;
 mod chunks;
+mod faces;
 mod index;
 mod measure;
 mod node;

@@ -12,7 +12,7 @@ use gnurt_simd::{Simd, Stack, f32x16, mask32x16, prelude::*, u32x16};
 
 use super::beam::Slopes;
 use super::blocks::{BlockRay, TriangleBlock};
-use super::chunks::Chunks;
+use super::chunks::{Candidate, Chunks};
 use super::index::walk_blocks;
 use super::planes::TilePlanes;
 use super::walk::farthest_first;
@@ -113,10 +113,10 @@ impl<S: Simd> Sweep<'_, S, Tree> {
                         bits,
                         nearest,
                         #[inline(always)]
-                        |place, chunk, slopes, nearest| {
-                            let tested = bits >> (chunk * LANES) & 0xffff;
+                        |candidate, slopes, nearest| {
+                            let tested = bits >> (candidate.chunk * LANES) & 0xffff;
                             counters.triangles += u64::from(tested.count_ones());
-                            self.meet::<M>(block, place, slopes, chunk, nearest)
+                            self.meet::<M>(block, &candidate, slopes, nearest)
                         },
                     );
                 }
@@ -188,38 +188,24 @@ impl<S: Simd, T> Sweep<'_, S, T> {
     pub(crate) fn meet<M: Mode>(
         &self,
         block: &TriangleBlock,
-        place: usize,
+        candidate: &Candidate<S>,
         slopes: &Slopes,
-        which: usize,
         nearest: &mut NearestTile,
     ) -> bool {
         let simd = self.simd;
-        let at = which * LANES;
-        let [x, y, z] = axes_from(self.heading.longest_axis);
-        let corners = [
-            block.corner(simd, place, 0, [x, y, z]),
-            block.corner(simd, place, 1, [x, y, z]),
-            block.corner(simd, place, 2, [x, y, z]),
+        let (place, at) = (candidate.place, candidate.chunk * LANES);
+        let shear = [
+            chunk(simd, &slopes.shear[0], at),
+            chunk(simd, &slopes.shear[1], at),
+            chunk(simd, &slopes.shear[2], at),
         ];
-        let sheared = Sheared {
-            org: [
-                chunk(simd, &self.rays.org[x], at),
-                chunk(simd, &self.rays.org[y], at),
-                chunk(simd, &self.rays.org[z], at),
-            ],
-            shear: [
-                chunk(simd, &slopes.shear[0], at),
-                chunk(simd, &slopes.shear[1], at),
-                chunk(simd, &slopes.shear[2], at),
-            ],
-        };
-        let edges = pass_edges(simd, corners, &sheared);
+        let edges = pass_edges(simd, candidate.corners, &shear);
         if !edges.inside.any_true() {
             return false;
         }
         let best = chunk(simd, &nearest.t, at);
         let t_near = chunk(simd, &self.rays.t_near, at);
-        let (met, uncertain) = edges.meet(simd, &sheared, edges.inside, t_near, best);
+        let (met, uncertain) = edges.meet(simd, shear[2], edges.inside, t_near, best);
         let mut found = false;
         if uncertain.any_true() {
             found = self.meet_alone::<M>(block, place, slopes, at, uncertain.to_bitmask(), nearest);

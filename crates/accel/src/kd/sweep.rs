@@ -78,10 +78,10 @@ impl<S: Simd> Sweep<'_, S, Blocked<'_>> {
                         all(count),
                         nearest,
                         #[inline(always)]
-                        |place, which, slopes, nearest| {
-                            let known = mailboxes[which].has(block.numbers[place & 7]);
+                        |candidate, slopes, nearest| {
+                            let known = mailboxes[candidate.chunk].has(block.numbers[candidate.place & 7]);
                             tested += if known { 0 } else { LANES as u64 };
-                            !known && self.meet::<M>(block, place, slopes, which, nearest)
+                            !known && self.meet::<M>(block, &candidate, slopes, nearest)
                         },
                     );
                 }

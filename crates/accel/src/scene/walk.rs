@@ -175,7 +175,8 @@ impl SceneTree {
     ) {
         let top = &self.top;
         let mut slopes = Slopes::EMPTY;
-        let (_, whole) = slopes.prepare(simd, rays, count, heading);
+        slopes.prepare(simd, rays, count, heading);
+        let whole = slopes.all_ranges(simd, rays, count);
         let beam = Beam::new(&whole.relative_to(top.origin), heading, top.reach);
         let mut farthest = slopes.steps_ahead(simd, nearest, count);
         let visited = top.tree.sweep(

@@ -40,27 +40,29 @@ pub(crate) struct Edges<S: Simd, V: Lanes<S>> {
     pub(crate) inside: V::Mask,
 }
 
+/// Corners relative to the rays' origins, corner by corner.
+#[inline(always)]
+pub(crate) fn relative_to<S: Simd, V: Lanes<S>>([a, b, c]: [[V; 3]; 3], org: &[V; 3]) -> [[V; 3]; 3] {
+    [
+        [a[0] - org[0], a[1] - org[1], a[2] - org[2]],
+        [b[0] - org[0], b[1] - org[1], b[2] - org[2]],
+        [c[0] - org[0], c[1] - org[1], c[2] - org[2]],
+    ]
+}
+
 /// The first half of the test: on which side of the edges rays pass. Most lanes end here, so callers look at `inside`
 /// before they go on to [`Edges::meet`]: a test that returned all at once would be merged from two ways by copies.
 ///
-/// `corners` have their coordinates along the axes of the sheared space, corner by corner.
+/// `corners` have their coordinates along the axes of the sheared space, [relative](relative_to) to the origins.
 #[inline(always)]
 pub(crate) fn pass_edges<S: Simd, V: Lanes<S>>(
     simd: S,
     [a, b, c]: [[V; 3]; 3],
-    Sheared { org, shear }: &Sheared<V>,
+    shear: &[V; 3],
 ) -> Edges<S, V> {
-    let depth = [a[2] - org[2], b[2] - org[2], c[2] - org[2]];
-    let px = [
-        a[0] - org[0] - shear[0] * depth[0],
-        b[0] - org[0] - shear[0] * depth[1],
-        c[0] - org[0] - shear[0] * depth[2],
-    ];
-    let py = [
-        a[1] - org[1] - shear[1] * depth[0],
-        b[1] - org[1] - shear[1] * depth[1],
-        c[1] - org[1] - shear[1] * depth[2],
-    ];
+    let depth = [a[2], b[2], c[2]];
+    let px = [a[0] - shear[0] * depth[0], b[0] - shear[0] * depth[1], c[0] - shear[0] * depth[2]];
+    let py = [a[1] - shear[1] * depth[0], b[1] - shear[1] * depth[1], c[1] - shear[1] * depth[2]];
     let w0 = px[2] * py[1] - py[2] * px[1];
     let w1 = px[0] * py[2] - py[0] * px[2];
     let w2 = px[1] * py[0] - py[1] * px[0];
@@ -80,13 +82,12 @@ impl<S: Simd, V: Lanes<S>> Edges<S, V> {
     pub(crate) fn meet(
         &self,
         simd: S,
-        sheared: &Sheared<V>,
+        over_dir: V,
         active: V::Mask,
         t_near: V,
         t_far: V,
     ) -> (LanesMeeting<S, V>, V::Mask) {
         let Self { depth, w: [w0, w1, w2], .. } = *self;
-        let over_dir = sheared.shear[2];
         let ts = [over_dir * depth[0], over_dir * depth[1], over_dir * depth[2]];
         let sum = w0 + w1 + w2;
         let tiny = V::splat(simd, TINY);

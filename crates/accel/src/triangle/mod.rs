@@ -8,7 +8,7 @@ mod lanes;
 mod projected;
 mod watertight;
 
-pub(crate) use lanes::{LanesMeeting, Sheared, meet_alone, pass_edges};
+pub(crate) use lanes::{LanesMeeting, Sheared, meet_alone, pass_edges, relative_to};
 pub(crate) use projected::ProjectedTriangles;
 pub(crate) use watertight::{ShearedRay, axes_from};
 
