@@ -132,7 +132,7 @@ impl Slopes {
     /// Ranges of the first `count` rays together: faster where those of chunks are not wanted, lanes are wide.
     #[inline(always)]
     pub(crate) fn all_ranges<S: Simd>(&self, simd: S, rays: &RayTile, count: usize) -> Ranges {
-        if !has_wide_lanes::<S>() {
+        if const { !has_wide_lanes::<S>() } {
             return self.ranges_of_chunks(simd, rays, count, &mut [Ranges::NONE; CHUNKS]);
         }
         let mut t_near = chunk(simd, &rays.t_near, 0) * chunk(simd, &self.stride, 0);

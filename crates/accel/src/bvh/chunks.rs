@@ -56,7 +56,7 @@ impl<'a> Chunks<'a> {
     ) -> Option<Self> {
         let mut slopes = Slopes::EMPTY;
         slopes.prepare(simd, rays, count, heading);
-        let origin = if has_wide_lanes::<S>() { rays.one_origin(count) } else { None };
+        let origin = if const { has_wide_lanes::<S>() } { rays.one_origin(count) } else { None };
         let mut each = [Ranges::NONE; CHUNKS];
         let whole = if origin.is_some() {
             slopes.all_ranges(simd, rays, count)
@@ -119,7 +119,7 @@ impl<'a> Chunks<'a> {
             return;
         }
         let mut touched = 0;
-        if has_wide_lanes::<S>()
+        if const { has_wide_lanes::<S>() }
             && let Some(view) = &self.view
             && view.is_worth_it(simd, block, &extents, common)
         {
@@ -141,7 +141,7 @@ impl<'a> Chunks<'a> {
                 }
             }
         } else {
-            if has_wide_lanes::<S>() && !self.known {
+            if const { has_wide_lanes::<S>() } && !self.known {
                 self.know_parts(simd);
             }
             let axes = axes_from(self.heading.longest_axis);
