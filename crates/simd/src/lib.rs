@@ -13,16 +13,18 @@
 mod level;
 mod memory;
 mod stack;
+mod token;
 
 pub use fearless_simd::{
-    Simd, SimdBase, SimdFloat, f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16, prelude, u32x8, u32x16,
+    SimdFloat, f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16, prelude, u32x8, u32x16,
 };
 pub use level::{Level, UnknownLevel};
 pub use memory::prefer_huge_pages;
 pub use stack::Stack;
+pub use token::Simd;
 
 #[doc(hidden)]
-pub use fearless_simd::Level as __Token;
+pub use fearless_simd::{Level as __Token, Simd as __Base};
 
 /// Runs an expression with the token of a [`Level`]: `dispatch!(level, simd => kernel(simd, rays))`.
 ///
@@ -66,7 +68,7 @@ macro_rules! __enter {
     ($token:expr, $simd:pat => $body:expr) => {{
         let token = $token;
         let $simd = token;
-        $crate::Simd::vectorize(
+        $crate::__Base::vectorize(
             token,
             #[inline(always)]
             || $body,

@@ -123,7 +123,10 @@ impl Slopes {
     ) -> Ranges {
         let mut whole = Ranges::NONE;
         for (which, ranges) in each.iter_mut().enumerate().take(count.div_ceil(LANES)) {
-            *ranges = self.ranges(simd, rays, which);
+            *ranges = simd.part(
+                #[inline(always)]
+                || self.ranges(simd, rays, which),
+            );
             whole = whole.union(ranges);
         }
         whole

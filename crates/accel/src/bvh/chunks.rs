@@ -96,7 +96,10 @@ impl<'a> Chunks<'a> {
     pub(crate) fn look_again<S: Simd>(&mut self, simd: S, nearest: &NearestTile, touched: u32) {
         for which in 0..self.count {
             if touched >> which & 1 == 1 {
-                self.ahead[which] = self.slopes.chunk_ahead(simd, nearest, which);
+                self.ahead[which] = simd.part(
+                    #[inline(always)]
+                    || self.slopes.chunk_ahead(simd, nearest, which),
+                );
             }
         }
         let [a, b, c, d] = self.ahead;
@@ -136,7 +139,11 @@ impl<'a> Chunks<'a> {
                     if !faces.all_pass(simd, place, &self.slopes, which) {
                         let candidate =
                             Candidate { place, chunk: which, corners: faces.corners(simd, place) };
-                        touched |= u32::from(meet(candidate, &self.slopes, nearest)) << which;
+                        let met = simd.part(
+                            #[inline(always)]
+                            || meet(candidate, &self.slopes, nearest),
+                        );
+                        touched |= u32::from(met) << which;
                     }
                 }
             }
@@ -160,7 +167,11 @@ impl<'a> Chunks<'a> {
                     ];
                     let corners = relative_to(corners, &self.rays.org_lanes(simd, axes, which * LANES));
                     let candidate = Candidate { place, chunk: which, corners };
-                    touched |= u32::from(meet(candidate, &self.slopes, nearest)) << which;
+                    let met = simd.part(
+                        #[inline(always)]
+                        || meet(candidate, &self.slopes, nearest),
+                    );
+                    touched |= u32::from(met) << which;
                 }
             }
         }

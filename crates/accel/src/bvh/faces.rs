@@ -13,7 +13,7 @@
 //! `28 u m^2` in all. [`ROUNDING`] is 128 `u`, and [`UNDERFLOW`] covers products that are too small for floats. A viewpoint
 //! is refused where products may overflow. Proof: `tests::bounds_hold`, `tests/brute_force.rs`.
 
-use gnurt_simd::{Simd, SimdBase, f32x8, f32x16, prelude::*};
+use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 
 use super::WIDTH;
 use super::beam::{Ranges, Slopes};
@@ -36,7 +36,7 @@ const NEARER: f32 = 1.0 - 8.0 / (1 << 24) as f32;
 
 /// Whether lanes are wide enough for all this: with four or fewer it takes minutes to compile and gains nothing.
 pub(super) const fn has_wide_lanes<S: Simd>() -> bool {
-    <S::f32s as SimdBase<S>>::LEN >= WIDTH
+    S::LANES >= WIDTH
 }
 
 /// Where all rays of a tile start, and how they spread.

@@ -53,16 +53,11 @@ impl<S: Simd> Sweep<'_, S, Tree> {
     #[inline(always)]
     pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) {
         let Self { simd, tree, rays, count, heading, .. } = *self;
-        let Some(mut chunks) = Chunks::new(
-            simd,
-            rays,
-            count,
-            heading,
-            self.reach,
-            nearest,
+        let chunks = simd.part(
             #[inline(always)]
-            |_| false,
-        ) else {
+            || Chunks::new(simd, rays, count, heading, self.reach, nearest, |_| false),
+        );
+        let Some(mut chunks) = chunks else {
             return;
         };
         let mut planes = TilePlanes::EMPTY;
@@ -93,7 +88,10 @@ impl<S: Simd> Sweep<'_, S, Tree> {
                     bits &= bits - 1;
                     let mut lane = nearest.get(i);
                     let before = lane.t;
-                    self.alone::<M>(i, child, &planes, &chunks.slopes, &mut lane, counters);
+                    simd.part(
+                        #[inline(always)]
+                        || self.alone::<M>(i, child, &planes, &chunks.slopes, &mut lane, counters),
+                    );
                     // Also where `t` stays: a triangle with a lower number may lie there.
                     nearest.set(i, &lane);
                     if lane.t != before {

@@ -58,7 +58,10 @@ impl<S: Simd> Sweep<'_, S, Blocked<'_>> {
         let [x, y, z] = tree.tree.bounds.extent();
         let size = x.max(y).max(z) as f32;
         let too_wide = |whole: &Ranges| whole.spread(size) > FARTHEST_SPREAD * size;
-        let chunks = Chunks::new(simd, rays, count, heading, self.reach, nearest, too_wide);
+        let chunks = simd.part(
+            #[inline(always)]
+            || Chunks::new(simd, rays, count, heading, self.reach, nearest, too_wide),
+        );
         let Some(mut chunks) = chunks else {
             return false;
         };

@@ -22,7 +22,7 @@ use crate::batch::{Traceable, each};
 use crate::nearest::{Collect, Mode, Nearest};
 use crate::point::{NearestPoint, Probe};
 use crate::tile::{NearestTile, RayTile};
-use crate::{Aabb, Counters, Hit, HitBatch, INVALID_ID, ObjectTree, Ray, TreeStats};
+use crate::{Aabb, Counters, Hit, HitBatch, INVALID_ID, Ray, TreeStats};
 
 /// Most scenes that may lie in one another, the outermost included.
 pub const DEEPEST_SCENE: u32 = 16;
@@ -157,14 +157,16 @@ impl SceneTree {
         let after = self.placed.partition_point(|placed| placed.first_leaf <= leaf);
         &self.placed[after - 1]
     }
+}
 
-    /// Ids of a hit on object `leaf` of this scene.
+impl Placed {
+    /// Ids of a hit on object `leaf` of the scene that this is in.
     fn resolve(&self, nearest: &Nearest, leaf: u32) -> Hit {
-        let placed = self.placed_at(leaf);
-        match &placed.shape {
-            Shape::Object(object) => object.resolve(nearest, placed.inst_id, nearest.slot),
+        match &self.shape {
+            Shape::Object(object) => object.resolve(nearest, self.inst_id, nearest.slot),
             Shape::Scene(scene) => {
-                Hit { inst_id: placed.inst_id, ..scene.resolve(nearest, leaf - placed.first_leaf) }
+                let leaf = leaf - self.first_leaf;
+                Hit { inst_id: self.inst_id, ..scene.placed_at(leaf).resolve(nearest, leaf) }
             }
         }
     }
@@ -200,27 +202,20 @@ impl Traceable for SceneTree {
 
     #[inline]
     fn hit(&self, nearest: &Nearest) -> Hit {
-        self.resolve(nearest, nearest.slot)
+        self.placed_at(nearest.slot).resolve(nearest, nearest.slot)
     }
 
     fn write(&self, nearest: &NearestTile, bits: u64, first: usize, hits: &mut HitBatch) {
         // Neighbours often hit the same object.
-        let mut last: Option<(u32, u32, &ObjectTree)> = None;
+        let mut last: Option<(u32, &Placed)> = None;
         each(bits, |i| {
             let nearest = nearest.get(i);
-            let hit = match last {
-                Some((slot, inst_id, object)) if slot == nearest.slot => {
-                    object.resolve(&nearest, inst_id, slot)
-                }
-                _ => {
-                    let placed = self.placed_at(nearest.slot);
-                    if let Shape::Object(object) = &placed.shape {
-                        last = Some((nearest.slot, placed.inst_id, object));
-                    }
-                    self.resolve(&nearest, nearest.slot)
-                }
+            let placed = match last {
+                Some((slot, placed)) if slot == nearest.slot => placed,
+                _ => self.placed_at(nearest.slot),
             };
-            hits.set(first + i, hit);
+            last = Some((nearest.slot, placed));
+            hits.set(first + i, placed.resolve(&nearest, nearest.slot));
         });
     }
 
