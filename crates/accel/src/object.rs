@@ -132,7 +132,7 @@ impl ObjectTree {
                     let bytes = size_of::<u32>() * numbers;
                     watch.take(bytes);
                     watch.result()?;
-                    let screened = Screened::over(geometries, &numbering, wanted);
+                    let screened = Screened::over(geometries, &numbering, wanted, threads);
                     bad += screened.bad;
                     triangles = Some(screened.good.len() as u64);
                     if screened.good.is_empty() {

@@ -79,3 +79,13 @@ pub enum Threads<'a> {
     /// The threads of this pool; may be called from inside it.
     Pool(&'a rayon::ThreadPool),
 }
+
+impl Threads<'_> {
+    /// Runs a job, told whether several threads may work on it, among them.
+    pub(crate) fn run<R: Send>(self, job: impl FnOnce(bool) -> R + Send) -> R {
+        match self {
+            Self::Single => job(false),
+            Self::Pool(pool) => pool.install(|| job(true)),
+        }
+    }
+}

@@ -3,8 +3,12 @@
 //! Source: original. Space: object. Invariant: what passes has finite, in-range, non-flat corners.
 //! Proof: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
 
+use std::ops::Range;
+
+use rayon::prelude::*;
+
 use crate::geometry::{Numbering, geometry_of};
-use crate::{Aabb, BadPrimitives, Geometry, GeometryKind, Quads, Triangles};
+use crate::{Aabb, BadPrimitives, Geometry, GeometryKind, Quads, Threads, Triangles};
 
 /// Triangles of some geometries under the object's numbers; bad ones keep their number and have no corners.
 pub(crate) struct Screened<'a> {
@@ -16,6 +20,22 @@ pub(crate) struct Screened<'a> {
     pub(crate) bad: BadPrimitives,
     pub(crate) bounds: Aabb,
 }
+
+/// What is good and bad among some of them.
+struct Sieve {
+    good: Vec<u32>,
+    bad: BadPrimitives,
+    bounds: Aabb,
+}
+
+impl Default for Sieve {
+    fn default() -> Self {
+        Self { good: Vec::new(), bad: BadPrimitives::default(), bounds: Aabb::EMPTY }
+    }
+}
+
+/// Numbers that one thread looks at. Both halves of a quad are in the same piece.
+const PIECE: u32 = if cfg!(test) { 1 << 3 } else { 1 << 14 };
 
 /// What triangles of one geometry are made from.
 #[derive(Clone, Copy)]
@@ -32,36 +52,43 @@ impl<'a> Screened<'a> {
         geometries: &[Geometry<'a>],
         numbering: &Numbering,
         wanted: impl Fn(&Geometry) -> bool,
+        threads: Threads,
     ) -> Self {
         let surface = |geometry: &Geometry<'a>| match &geometry.kind {
             GeometryKind::Triangles(mesh) if wanted(geometry) => Surface::Triangles(*mesh),
             GeometryKind::Quads(mesh) if wanted(geometry) => Surface::Quads(*mesh),
             _ => Surface::None,
         };
+        let surfaces: Vec<Surface> = geometries.iter().map(surface).collect();
+        let mut pieces = Vec::new();
+        for (i, surface) in surfaces.iter().enumerate() {
+            let Range { start, end } = numbering.range(i);
+            if !matches!(surface, Surface::None) {
+                let starts = (start..end).step_by(PIECE as usize);
+                pieces.extend(starts.map(|at| (surface, start, at..end.min(at.saturating_add(PIECE)))));
+            }
+        }
+        let sift = |(surface, start, range): &(&Surface, u32, Range<u32>)| {
+            let mut sieve = Sieve::default();
+            sieve.good.reserve_exact(range.len());
+            sieve.sift(surface, *start, range.clone());
+            sieve
+        };
+        let sieves: Vec<Sieve> = threads.run(|parallel| match parallel {
+            true => pieces.par_iter().map(sift).collect(),
+            false => pieces.iter().map(sift).collect(),
+        });
         let mut screened = Self {
-            surfaces: geometries.iter().map(surface).collect(),
+            surfaces,
             starts: numbering.starts.clone(),
-            good: Vec::new(),
+            good: Vec::with_capacity(sieves.iter().map(|sieve| sieve.good.len()).sum()),
             bad: BadPrimitives::default(),
             bounds: Aabb::EMPTY,
         };
-        let ranges = (0..geometries.len()).filter(|&i| !matches!(screened.surfaces[i], Surface::None));
-        screened.good.reserve_exact(ranges.map(|i| numbering.range(i).len()).sum());
-        for geometry in 0..geometries.len() {
-            let numbers = numbering.range(geometry);
-            match screened.surfaces[geometry] {
-                Surface::Triangles(mesh) => {
-                    for (number, &corners) in numbers.zip(mesh.indices) {
-                        screened.take(number, mesh.positions, corners);
-                    }
-                }
-                Surface::Quads(mesh) => {
-                    for (number, quad) in numbers.step_by(2).zip(mesh.indices) {
-                        screened.take_quad(number, mesh.positions, quad);
-                    }
-                }
-                Surface::None => {}
-            }
+        for Sieve { good, bad, bounds } in sieves {
+            screened.good.extend_from_slice(&good);
+            screened.bad += bad;
+            screened.bounds = screened.bounds.union(&bounds);
         }
         screened
     }
@@ -70,7 +97,7 @@ impl<'a> Screened<'a> {
     #[cfg(test)]
     pub(crate) fn new(meshes: &[Triangles<'a>]) -> Self {
         let geometries: Vec<Geometry> = meshes.iter().map(|&mesh| mesh.into()).collect();
-        Self::over(&geometries, &Numbering::new(&geometries), |_| true)
+        Self::over(&geometries, &Numbering::new(&geometries), |_| true, Threads::Single)
     }
 
     /// The corners of triangle `number`, which must be one of `good`.
@@ -90,6 +117,26 @@ impl<'a> Screened<'a> {
     /// One past the greatest number.
     pub(crate) fn count(&self) -> usize {
         self.good.last().map_or(0, |&last| last as usize + 1)
+    }
+}
+
+impl Sieve {
+    /// Takes what is good among `numbers` of a geometry whose first number is `start`.
+    fn sift(&mut self, surface: &Surface, start: u32, numbers: Range<u32>) {
+        let range = (numbers.start - start) as usize..(numbers.end - start) as usize;
+        match surface {
+            Surface::Triangles(mesh) => {
+                for (number, &corners) in numbers.zip(&mesh.indices[range]) {
+                    self.take(number, mesh.positions, corners);
+                }
+            }
+            Surface::Quads(mesh) => {
+                for (number, quad) in numbers.step_by(2).zip(&mesh.indices[range.start / 2..]) {
+                    self.take_quad(number, mesh.positions, quad);
+                }
+            }
+            Surface::None => {}
+        }
     }
 
     fn take(&mut self, number: u32, positions: &[[f32; 3]], corners: [u32; 3]) {
@@ -145,8 +192,9 @@ fn check<'b>(
         return Err(&mut bad.bad_index);
     }
     let triangle = corners.map(|i| positions[i as usize]);
-    if is_flat(&triangle) && triangle.iter().flatten().all(|x| x.abs() <= crate::LARGEST_COORDINATE) {
-        return Err(&mut bad.zero_area);
+    // Not so of NaN.
+    if triangle.iter().flatten().all(|x| x.abs() <= crate::LARGEST_COORDINATE) {
+        return if is_flat(&triangle) { Err(&mut bad.zero_area) } else { Ok(triangle) };
     }
     match bad.fault(triangle.iter().flatten().copied()) {
         Some(fault) => Err(fault),
@@ -210,7 +258,7 @@ mod tests {
         let geometries = [Geometry::from(triangles), quads.into(), triangles.into()];
         let numbering = Numbering::new(&geometries);
         assert_eq!(numbering.starts, [0, 1, 11, 12], "quads take two numbers each");
-        let screened = Screened::over(&geometries, &numbering, |_| true);
+        let screened = Screened::over(&geometries, &numbering, |_| true, Threads::Single);
         assert_eq!(screened.good, [0, 1, 2, 3, 11], "a quad, and one that is a triangle");
         let wanted = BadPrimitives { bad_index: 1, nan: 1, zero_area: 1, ..BadPrimitives::default() };
         assert_eq!(screened.bad, wanted, "each quad is counted once");
@@ -220,7 +268,8 @@ mod tests {
         let place = numbering.place(2);
         assert_eq!((place.geom_id, place.prim_id, place.second_half), (1, 0, true), "{place:?}");
         assert_eq!(numbering.place(11).geom_id, 2, "triangles again");
-        let alone = Screened::over(&geometries, &numbering, |g| matches!(g.kind, GeometryKind::Quads(_)));
+        let is_quad = |geometry: &Geometry| matches!(geometry.kind, GeometryKind::Quads(_));
+        let alone = Screened::over(&geometries, &numbering, is_quad, Threads::Single);
         assert_eq!(alone.good, [1, 2, 3], "what is not wanted is left out");
     }
 }

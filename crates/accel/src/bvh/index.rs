@@ -5,6 +5,7 @@
 mod store;
 
 use gnurt_simd::{Simd, prefer_huge_pages};
+use rayon::prelude::*;
 
 use super::blocks::{BlockRay, TriangleBlock};
 use super::slab::NodeRay;
@@ -58,11 +59,10 @@ impl BvhIndex {
         let mut blocks = Vec::with_capacity(in_blocks.len());
         prefer_huge_pages(&blocks);
         let block = |places: &[u32; WIDTH]| TriangleBlock::new(screened, &places.map(number));
-        blocks.extend(in_blocks.iter().map(block));
-        let mut nodes = Vec::with_capacity(tree.nodes.len());
-        prefer_huge_pages(&nodes);
-        nodes.append(&mut tree.nodes);
-        tree.nodes = nodes;
+        threads.run(|parallel| match parallel {
+            true => blocks.par_extend(in_blocks.par_iter().with_min_len(256).map(block)),
+            false => blocks.extend(in_blocks.iter().map(block)),
+        });
         watch.give(size_of_val(&in_blocks[..]));
         let reach = tree.bounds.reach();
         Ok(Self { tree, blocks, reach, stats })

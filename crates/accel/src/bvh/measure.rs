@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Size and shape of a wide BVH. Source: the cost is that of [MB90]. Proof: `tests::a_small_tree_is_measured`.
 
-use super::{Tree, WIDTH};
+use super::{Child, Tree, WIDTH};
 use crate::{INVALID_ID, TreeStats};
 
 impl Tree {
@@ -16,26 +16,26 @@ impl Tree {
         }
         let whole = self.bounds.half_area();
         let share = |area: f64| if whole > 0.0 { area / whole } else { 1.0 };
-        let mut waiting = vec![(0, 1)];
-        stats.nodes = 1;
-        stats.sah_cost = 1.0;
-        while let Some((at, depth)) = waiting.pop() {
-            stats.depth = stats.depth.max(depth);
-            let node = &self.nodes[at];
-            for place in (0..WIDTH).filter(|&place| !node.bounds(place).is_empty()) {
+        let mut depths = vec![0u8; self.nodes.len()];
+        (stats.nodes, stats.sah_cost) = (1, 1.0);
+        // Children come after their parents.
+        for (at, node) in self.nodes.iter().enumerate() {
+            let depth = depths[at] + 1;
+            stats.depth = stats.depth.max(u32::from(depth));
+            for place in (0..WIDTH).filter(|&place| node.child(place) != Child::NONE) {
                 let (child, area) = (node.child(place), node.bounds(place).half_area());
                 stats.nodes += 1;
                 if child.is_leaf() {
                     stats.leaves += 1;
                     stats.sah_cost += share(area) * child.blocks().len() as f64;
-                    let numbers = self.blocks.get(child.blocks()).unwrap_or(&[]).iter().flatten();
-                    stats.references += numbers.filter(|&&number| number != INVALID_ID).count() as u64;
                 } else {
                     stats.sah_cost += share(area);
-                    waiting.push((child.index(), depth + 1));
+                    depths[child.index()] = depth;
                 }
             }
         }
+        let numbers = self.blocks.iter().flatten();
+        stats.references = numbers.filter(|&&number| number != INVALID_ID).count() as u64;
         stats
     }
 }

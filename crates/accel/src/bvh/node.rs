@@ -22,7 +22,7 @@ pub(crate) const WIDTH: usize = 8;
 pub(crate) struct Child(pub(crate) u32);
 
 /// Eight boxes and what is in them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct Node8 {
     /// x lo, x hi, y lo, y hi, z lo, z hi, bits of the children, nothing.
@@ -90,6 +90,17 @@ impl Node8 {
         self.rows[6][place] = f32::from_bits(child.0);
     }
 
+    /// Its children were counted from the first of some nodes and blocks, which got these places.
+    pub(crate) fn move_children(&mut self, first_node: usize, first_block: usize) {
+        for child in &mut self.rows[6] {
+            let old = Child(child.to_bits());
+            if old != Child::NONE {
+                let by = if old.is_leaf() { first_block } else { first_node };
+                *child = f32::from_bits(old.0 + by as u32);
+            }
+        }
+    }
+
     /// The box at `place`.
     pub(crate) fn bounds(&self, place: usize) -> Aabb {
         let row = |i: usize| self.rows[i][place];
@@ -114,5 +125,9 @@ mod tests {
         node.set(5, &bounds, leaf);
         assert_eq!((node.bounds(5), node.child(5)), (bounds, leaf), "what goes in comes out");
         assert!(node.bounds(4).is_empty(), "its neighbour is still empty");
+        node.set(2, &bounds, Child::node(9));
+        node.move_children(100, 1000);
+        let moved = [2, 4, 5].map(|place| node.child(place));
+        assert_eq!(moved, [Child::node(109), Child::NONE, Child::leaf(1077, 3)], "each by its own");
     }
 }

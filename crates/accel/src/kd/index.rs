@@ -54,7 +54,7 @@ impl KdIndex {
         watch.result()?;
         let (triangles, bytes) = match options.triangle_test {
             TriangleTest::Watertight => {
-                let leaves = Leaves::take(&mut tree, screened);
+                let leaves = Leaves::take(&mut tree, screened, threads);
                 let bytes = leaves.memory_bytes();
                 (Prepared::Watertight(leaves), bytes)
             }

@@ -7,10 +7,12 @@ mod store;
 
 use std::ops::Range;
 
+use rayon::prelude::*;
+
 use super::node::{EMPTY_LEAF, KdTree, Node};
-use crate::INVALID_ID;
 use crate::bvh::{TriangleBlock, WIDTH};
 use crate::geometry::Screened;
+use crate::{INVALID_ID, Threads};
 
 /// Blocks of all leaves.
 #[derive(Debug, PartialEq)]
@@ -22,30 +24,35 @@ pub(crate) struct Leaves {
 
 impl Leaves {
     /// Takes the triangles' numbers out of `tree`: its leaves name blocks afterwards.
-    pub(crate) fn take(tree: &mut KdTree, screened: &Screened) -> Self {
-        let mut leaves = Self { starts: vec![0, 0], blocks: Vec::with_capacity(blocks_of(tree)) };
+    pub(crate) fn take(tree: &mut KdTree, screened: &Screened, threads: Threads) -> Self {
         let mut nodes = std::mem::take(&mut tree.nodes);
-        for node in &mut nodes {
-            if !node.is_leaf() || *node == EMPTY_LEAF {
-                continue;
-            }
-            for numbers in tree.leaf_items(*node).chunks(WIDTH) {
-                let mut padded = [INVALID_ID; WIDTH];
-                padded[..numbers.len()].copy_from_slice(numbers);
-                leaves.blocks.push(TriangleBlock::new(screened, &padded));
-            }
-            *node = Node::leaf(leaves.starts.len() as u32 - 1);
-            leaves.starts.push(leaves.blocks.len() as u32);
+        let mut starts = vec![0, 0];
+        let mut in_blocks: Vec<&[u32]> = Vec::with_capacity(blocks_of(&nodes, tree));
+        for node in nodes.iter_mut().filter(|node| node.is_leaf() && **node != EMPTY_LEAF) {
+            in_blocks.extend(tree.leaf_items(*node).chunks(WIDTH));
+            *node = Node::leaf(starts.len() as u32 - 1);
+            starts.push(in_blocks.len() as u32);
         }
-        leaves.starts.shrink_to_fit();
+        let block = |numbers: &&[u32]| {
+            let mut padded = [INVALID_ID; WIDTH];
+            padded[..numbers.len()].copy_from_slice(numbers);
+            TriangleBlock::new(screened, &padded)
+        };
+        let mut blocks = Vec::with_capacity(in_blocks.len());
+        threads.run(|parallel| match parallel {
+            true => blocks.par_extend(in_blocks.par_iter().with_min_len(256).map(block)),
+            false => blocks.extend(in_blocks.iter().map(block)),
+        });
+        starts.shrink_to_fit();
+        drop(in_blocks);
         tree.nodes = nodes;
         tree.items = Vec::new();
-        leaves
+        Self { starts, blocks }
     }
 
     /// What [`take`](Self::take) will take for its blocks.
     pub(crate) fn memory_for(tree: &KdTree) -> usize {
-        size_of::<TriangleBlock>() * blocks_of(tree)
+        size_of::<TriangleBlock>() * blocks_of(&tree.nodes, tree)
     }
 
     /// The blocks of a leaf.
@@ -61,9 +68,9 @@ impl Leaves {
 }
 
 /// How many blocks hold the triangles of all leaves.
-fn blocks_of(tree: &KdTree) -> usize {
+fn blocks_of(nodes: &[Node], tree: &KdTree) -> usize {
     let count = |node: &Node| {
         if node.is_leaf() && node.item() != 0 { tree.leaf_items(*node).len().div_ceil(WIDTH) } else { 0 }
     };
-    tree.nodes.iter().map(count).sum()
+    nodes.iter().map(count).sum()
 }

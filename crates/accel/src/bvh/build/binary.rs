@@ -5,8 +5,6 @@
 //! Invariant: subtrees get room by their numbers of references, so that threads do not matter.
 //! Proof: `super::tests`.
 
-use gnurt_simd::dispatch;
-
 use super::Primitives;
 use super::bins::Bins;
 use super::cluster::Cluster;
@@ -14,7 +12,6 @@ use super::collapse::{Costs, Shares, inner_costs, leaf_costs};
 use super::crew::Crew;
 use super::partition::Buffer;
 use super::reference::{Lanes, Part, Reference};
-use super::spatial::{Slabs, cut};
 
 use crate::INVALID_ID;
 use crate::bvh::WIDTH;
@@ -28,11 +25,11 @@ const LEAST_OVERLAP: f32 = 1e-5;
 /// and by more than this share of their parent's.
 const LEAST_OWN_OVERLAP: f32 = 0.05;
 
-/// A node of a binary tree. The right child comes right before it, the left child before all that is below the right.
+/// A node of a binary tree. It says where its children are seen from itself, so that trees may be put one behind another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Knot {
     pub(super) bounds: Lanes,
-    /// In a leaf the numbers of primitives; else the first is the number of knots on the right.
+    /// In a leaf the numbers of primitives; else the first two say where the children are.
     pub(super) numbers: [u32; WIDTH],
     /// Primitives of a leaf; 0 if it is none.
     pub(super) count: u32,
@@ -43,7 +40,6 @@ pub(super) struct Knot {
 /// Memory that is used again and again.
 struct Workspace {
     bins: Bins,
-    slabs: Slabs,
     buffer: Buffer,
     right: Vec<Reference>,
 }
@@ -86,7 +82,10 @@ impl<'a, P: Primitives> Careful<'a, P> {
         }
         let watch = self.crew.watch;
         let bytes = pieces.iter().map(|knots| size_of_val(&knots[..])).sum();
-        let knots = if watch.take(bytes) { pieces.concat() } else { Vec::new() };
+        let mut knots = Vec::new();
+        if watch.take(bytes) {
+            self.crew.concat(&pieces, &mut knots);
+        }
         watch.give(bytes);
         knots
     }
@@ -144,7 +143,7 @@ impl<'a, P: Primitives> Careful<'a, P> {
         }
         let last = pieces.len() - 1;
         let (costs, shares) = inner_costs(area, &left_costs, &right_costs);
-        pieces[last].push(Knot::inner(part.bounds, right_size, shares));
+        pieces[last].push(Knot::inner(part.bounds, [right_size as u32 + 1, 1], shares));
         (left_size + right_size + 1, costs)
     }
 
@@ -156,10 +155,10 @@ impl<'a, P: Primitives> Careful<'a, P> {
         depth: usize,
         workspace: &mut Workspace,
     ) -> [Part; 2] {
-        let Crew { level, scale, .. } = self.crew;
+        let scale = self.crew.scale;
         let count = part.count();
         let room = references.len();
-        let Workspace { bins, slabs, buffer, right } = workspace;
+        let Workspace { bins, buffer, right } = workspace;
         let inside = &mut references[..count];
         let share = |left: usize, right: usize| (room - left - right) * left / (left + right);
         let around = |references: &[Reference], start: usize, end: usize| {
@@ -177,9 +176,9 @@ impl<'a, P: Primitives> Careful<'a, P> {
         };
         let least = self.least_overlap.max(LEAST_OWN_OVERLAP * part.bounds.half_area(scale));
         if room > count && overlap(&found.bounds, scale) > least {
-            let plane = dispatch!(level, simd => slabs.best_plane(simd, inside, &part.bounds, scale));
+            let plane = self.crew.find_plane(inside, &part.bounds, room);
             if let Some(plane) = plane.filter(|plane| plane.cost < found.split.cost) {
-                let left = cut(self.primitives, inside, &plane, room - count, right);
+                let left = self.crew.cut(self.primitives, inside, &plane, right);
                 if left > 0 && !right.is_empty() {
                     let start = left + share(left, right.len());
                     references[start..start + right.len()].copy_from_slice(right);
@@ -209,7 +208,7 @@ impl<'a, P: Primitives> Careful<'a, P> {
 
 impl Workspace {
     fn new() -> Self {
-        Self { bins: Bins::EMPTY, slabs: Slabs::EMPTY, buffer: Buffer::EMPTY, right: Vec::new() }
+        Self { bins: Bins::EMPTY, buffer: Buffer::EMPTY, right: Vec::new() }
     }
 }
 
@@ -226,10 +225,20 @@ impl Knot {
         knot
     }
 
-    pub(super) fn inner(bounds: Lanes, right: usize, shares: Shares) -> Self {
+    /// `back` is how far before it its children are, modulo 2^32.
+    pub(super) fn inner(bounds: Lanes, back: [u32; 2], shares: Shares) -> Self {
         let mut numbers = [INVALID_ID; WIDTH];
-        numbers[0] = right as u32;
+        numbers[..2].copy_from_slice(&back);
         Self { bounds, numbers, count: 0, shares }
+    }
+
+    pub(super) fn is_leaf(&self) -> bool {
+        self.count > 0
+    }
+
+    /// Where the children are of a knot, no leaf, that is at `at`.
+    pub(super) fn children(&self, at: usize) -> [usize; 2] {
+        [0, 1].map(|side: usize| (at as u32).wrapping_sub(self.numbers[side]) as usize)
     }
 }
 

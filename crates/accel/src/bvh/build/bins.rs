@@ -102,7 +102,7 @@ impl Bins {
         let mut best = Split::NONE;
         for axis in 0..3 {
             let counts = &self.counts[axis];
-            sweep(simd, &self.bounds[axis], counts, counts, axis, scale, &mut best);
+            sweep(simd, &self.bounds[axis], [counts, counts], axis, u32::MAX, scale, &mut best);
         }
         (best.border > 0).then_some(best)
     }
@@ -123,14 +123,14 @@ impl Bins {
 }
 
 /// Looks for a border along `axis` that is cheaper than `best`. What begins before the border is on its left, what ends
-/// behind it is on its right.
+/// behind it is on its right; both together may be `most`.
 #[inline(always)]
 pub(super) fn sweep<S: Simd>(
     simd: S,
     bounds: &[Lanes; BINS],
-    begins: &[u32; BINS],
-    ends: &[u32; BINS],
+    [begins, ends]: [&[u32; BINS]; 2],
     axis: usize,
+    most: u32,
     scale: f32,
     best: &mut Split,
 ) {
@@ -141,13 +141,15 @@ pub(super) fn sweep<S: Simd>(
         count += ends[border];
         right_costs[border] = cost(simd, around, count, scale);
     }
+    let mut on_right = count + ends[0];
     let (mut around, mut count) = (Lanes::EMPTY.load(simd), 0);
     for border in 1..BINS {
         around = around.max(bounds[border - 1].load(simd));
         count += begins[border - 1];
+        on_right -= ends[border - 1];
         // NaN, and so never below, where a side is empty.
         let cost = cost(simd, around, count, scale) + right_costs[border];
-        if cost < best.cost {
+        if cost < best.cost && count + on_right <= most {
             *best = Split { axis, border, cost };
         }
     }

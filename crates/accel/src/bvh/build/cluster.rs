@@ -53,7 +53,7 @@ pub(super) fn build(
     if !crew.watch.take(bytes) {
         return Vec::new();
     }
-    let Clusters { along, codes, borders } = Clusters::new(references, root);
+    let Clusters { along, codes, borders } = Clusters::new(crew, references, root);
     let groups = grow(crew, &along, &codes, &borders);
     let mut clusters = Vec::with_capacity(borders.len());
     let mut tops = Vec::with_capacity(borders.len());
@@ -125,7 +125,7 @@ fn halve(crew: Crew, along: &[Reference], codes: &[u64], bits: u32, knots: &mut 
     let right = halve(crew, &along[middle..], &codes[middle..], bits, knots);
     let bounds = left.bounds.union(&right.bounds);
     let (costs, shares) = inner_costs(bounds.half_area(crew.scale), &left.costs, &right.costs);
-    knots.push(Knot::inner(bounds, right.size, shares));
+    knots.push(Knot::inner(bounds, [right.size as u32 + 1, 1], shares));
     Grown { size: left.size + right.size + 1, bounds, costs }
 }
 
@@ -138,9 +138,10 @@ struct Clusters {
 
 impl Clusters {
     /// Of all that `root` describes.
-    fn new(references: &[Reference], root: &Part) -> Self {
-        let order = sorted(codes(references, root));
-        let along: Vec<Reference> = order.iter().map(|&entry| references[entry as u32 as usize]).collect();
+    fn new(crew: Crew, references: &[Reference], root: &Part) -> Self {
+        let order = sorted(codes(crew, references, root));
+        let mut along = Vec::new();
+        crew.extend(&mut along, order.len(), |i| references[order[i] as u32 as usize]);
         let mut borders = vec![0];
         let mut waiting = vec![(0, order.len(), BITS)];
         while let Some((start, end, bits)) = waiting.pop() {
@@ -162,14 +163,14 @@ impl Clusters {
 }
 
 /// Morton codes of the middles in the upper half, places in `references` in the lower one.
-fn codes(references: &[Reference], root: &Part) -> Vec<u64> {
+fn codes(crew: Crew, references: &[Reference], root: &Part) -> Vec<u64> {
     let cells = (1 << (BITS / 3)) as f32 * 0.9999;
     let per_unit = [0, 1, 2].map(|axis| {
         let per_unit = cells / root.middles.side(axis);
         if per_unit.is_finite() { per_unit } else { 0.0 }
     });
-    let code = |(place, reference): (usize, &Reference)| {
-        let mut code = 0;
+    let code = |place: usize| {
+        let (reference, mut code) = (&references[place], 0);
         for (axis, per_unit) in per_unit.iter().enumerate() {
             let middle = reference.0[axis + 4] - reference.0[axis];
             let cell = (middle + root.middles.0[axis]) * per_unit;
@@ -177,7 +178,9 @@ fn codes(references: &[Reference], root: &Part) -> Vec<u64> {
         }
         u64::from(code) << 32 | place as u64
     };
-    references.iter().enumerate().map(code).collect()
+    let mut codes = Vec::new();
+    crew.extend(&mut codes, references.len(), code);
+    codes
 }
 
 /// Puts two zeros between the ten bits of a number.
@@ -226,11 +229,11 @@ mod tests {
         let watch = crate::control::Watch::new(&());
         let crew = Crew { parallel: false, level: gnurt_simd::Level::best(), scale: 1.0, watch: &watch };
         let root = crew.around(&references);
-        let codes = codes(&references, &root);
+        let codes = codes(crew, &references, &root);
         let mut expected = codes.clone();
         expected.sort_unstable();
         assert_eq!(sorted(codes), expected, "as the standard library sorts");
-        let Clusters { along, borders, .. } = Clusters::new(&references, &root);
+        let Clusters { along, borders, .. } = Clusters::new(crew, &references, &root);
         assert_eq!((borders[0], borders[borders.len() - 1]), (0, along.len()), "all are in clusters");
         assert!(
             borders.windows(2).all(|b| b[0] < b[1] && b[1] - b[0] <= CLUSTER),

@@ -5,10 +5,13 @@
 //! Proof: `super::tests`.
 
 use gnurt_simd::{Level, dispatch};
+use rayon::prelude::*;
 
+use super::Primitives;
 use super::bins::{Bins, Mapping, Split};
 use super::partition::{Buffer, Parted, partition};
 use super::reference::{Lanes, Part, Reference};
+use super::spatial::{Grid, Plane, Slabs, cut};
 use crate::control::Watch;
 
 /// More references than this are binned and parted in pieces. Tests have small scenes.
@@ -40,6 +43,49 @@ impl Crew<'_> {
         b: impl FnOnce() -> B + Send,
     ) -> (A, B) {
         if self.parallel { rayon::join(a, b) } else { (a(), b()) }
+    }
+
+    /// Puts `count` values behind what is in `all`.
+    pub(super) fn extend<T: Send>(
+        self,
+        all: &mut Vec<T>,
+        count: usize,
+        value: impl Fn(usize) -> T + Send + Sync,
+    ) {
+        if self.parallel {
+            all.par_extend((0..count).into_par_iter().with_min_len(1024).map(value));
+        } else {
+            all.extend((0..count).map(value));
+        }
+    }
+
+    /// Puts all of `pieces` one after another into `all`, which is empty.
+    pub(super) fn concat<T: Copy + Send + Sync>(self, pieces: &[Vec<T>], all: &mut Vec<T>) {
+        if !self.parallel {
+            all.reserve_exact(pieces.iter().map(Vec::len).sum());
+            pieces.iter().for_each(|piece| all.extend_from_slice(piece));
+            return;
+        }
+        let ends: Vec<usize> = pieces
+            .iter()
+            .scan(0, |end, piece| {
+                *end += piece.len();
+                Some(*end)
+            })
+            .collect();
+        let count = ends.last().copied().unwrap_or(0);
+        let copies = (0..count).into_par_iter().with_min_len(1024).map_init(
+            // Of the piece that was last copied from: where it starts and ends.
+            || (0, 0..0),
+            |(piece, range), i| {
+                if !range.contains(&i) {
+                    *piece = ends.partition_point(|&end| end <= i);
+                    *range = ends[*piece] - pieces[*piece].len()..ends[*piece];
+                }
+                pieces[*piece][i - range.start]
+            },
+        );
+        all.par_extend(copies);
     }
 
     /// All of `references` as one part.
@@ -119,5 +165,54 @@ impl Crew<'_> {
             return self.partition(references, mapping, split);
         }
         dispatch!(self.level, simd => partition(simd, references, mapping, split, buffer))
+    }
+
+    /// What is in the slabs; pieces are looked at on their own.
+    fn slabs(self, references: &[Reference], grid: &Grid) -> Slabs {
+        if references.len() <= PIECE {
+            let mut slabs = Slabs::EMPTY;
+            dispatch!(self.level, simd => slabs.add(simd, references, grid));
+            return slabs;
+        }
+        let (left, right) = references.split_at(references.len() / 2);
+        let (mut slabs, others) = self.both(|| self.slabs(left, grid), || self.slabs(right, grid));
+        slabs.merge(&others);
+        slabs
+    }
+
+    /// The best plane through the box `whole` around `references`, with at most `room` parts.
+    pub(super) fn find_plane(self, references: &[Reference], whole: &Lanes, room: usize) -> Option<Plane> {
+        let grid = Grid::new(whole);
+        let slabs = self.slabs(references, &grid);
+        dispatch!(self.level, simd => slabs.best_plane(simd, &grid, room, self.scale))
+    }
+
+    /// Cuts `references` by a plane: what is left of it stays in front, `right` takes the others. Returns how many are
+    /// left.
+    pub(super) fn cut(
+        self,
+        primitives: &impl Primitives,
+        references: &mut [Reference],
+        plane: &Plane,
+        right: &mut Vec<Reference>,
+    ) -> usize {
+        right.clear();
+        if !self.parallel || references.len() <= PIECE {
+            return cut(primitives, references, plane, right);
+        }
+        let one = |piece: &mut [Reference]| {
+            let mut right = Vec::new();
+            (cut(primitives, piece, plane, &mut right), right)
+        };
+        let (lefts, rights): (Vec<usize>, Vec<Vec<Reference>>) =
+            references.par_chunks_mut(PIECE).map(one).unzip();
+        let mut left = 0;
+        for (piece, count) in lefts.into_iter().enumerate() {
+            let start = piece * PIECE;
+            references.copy_within(start..start + count, left);
+            left += count;
+        }
+        self.concat(&rights, right);
+        left
     }
 }

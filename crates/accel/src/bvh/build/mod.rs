@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Building a wide BVH by the surface area heuristic.
-//! Source: binned heuristic [Wald07]; with time to spare also spatial splits [SFD09], and nodes of the least cost [YKL17].
+//! Source: binned heuristic [Wald07], improved by reinsertion [MB18], made into nodes of the least cost [YKL17]. With time to
+//! spare the same with spatial splits [SFD09]; the cheaper of both trees is taken, since either may be: splits that are
+//! good at the top of a tree leave less to gain below.
 //! In: boxes of primitives. Out: [`Tree`]. Cost: O(n log n).
 //! Invariant: every primitive is in at least one leaf whose box, and that of all nodes above, holds (its part of) it;
 //! the tree does not depend on the number of threads. Proof: `tests`.
@@ -12,6 +14,7 @@ mod collapse;
 mod crew;
 mod partition;
 mod reference;
+mod reinsert;
 mod spatial;
 #[cfg(test)]
 mod tests;
@@ -26,6 +29,7 @@ use crew::Crew;
 use gnurt_simd::Level;
 use rayon::prelude::*;
 use reference::Reference;
+use reinsert::{QUICK, THOROUGH, reinsert};
 
 /// What a tree is built over: boxes, by numbers from 0 on.
 pub(crate) trait Primitives: Sync {
@@ -55,6 +59,9 @@ const BY_NUMBER: usize = 64;
 /// As above, where the wide tree became too deep: with 2^30 primitives halves of halves reach blocks after 28 more levels.
 const BY_NUMBER_WHEN_DEEP: usize = DEEPEST - 28;
 
+/// A tree with parts of primitives has to be so much cheaper, since it is larger.
+const WORTH_PARTS: f32 = 0.99;
+
 /// Builds over all primitives.
 pub(crate) fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
     try_build(primitives, quality, threads, &Watch::new(&())).expect("nobody stops it")
@@ -83,52 +90,72 @@ fn build_with(
     if count == 0 {
         return Ok(Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Aabb::EMPTY });
     }
-    watch.start(count);
+    // What cannot be split has no parts.
+    let first = primitives.bounds(0);
+    let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
+    let try_parts = quality == Quality::High && primitives.split(0, &first, 0, middle).is_some();
+    watch.start(if try_parts { 2 * count } else { count });
     let mut held = 0;
     let mut hold = |bytes| {
         watch.recount(&mut held, bytes);
         watch.result()
     };
-    let in_references = |count: usize| count * size_of::<Reference>();
-    hold(in_references(count))?;
+    let with_parts = count + count / 2;
+    hold(size_of::<Reference>() * count)?;
     let mut references = all_references(primitives, parallel);
     let crew = Crew { parallel, level: Level::best(), scale: 1.0, watch };
     let root = crew.around(&references);
     let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
     let crew = Crew { scale: (1.0 / longest) as f32, ..crew };
-    // What cannot be split needs no room for parts.
-    let first = primitives.bounds(0);
-    let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
-    if quality == Quality::High && primitives.split(0, &first, 0, middle).is_some() {
-        hold(in_references(count + count / 2))?;
-        references.resize(count + count / 2, Reference::ZERO);
-    }
-    let knots = match quality {
+    let careful = Careful::new(primitives, crew, &root, BY_NUMBER);
+    let mut knots = match quality {
         Quality::Fast => cluster::build(primitives, crew, &references, &root),
-        _ => Careful::new(primitives, crew, &root, BY_NUMBER).build(&mut references, root),
+        _ => careful.build(&mut references, root),
     };
     watch.grown();
-    hold(size_of_val(&references[..]) + size_of_val(&knots[..]))?;
-    if let Some(tree) = collapsed(&knots, watch)? {
+    if try_parts {
+        hold(size_of::<Reference>() * with_parts + size_of_val(&knots[..]))?;
+        references.resize(with_parts, Reference::ZERO);
+    } else {
+        references = Vec::new();
+        hold(size_of_val(&knots[..]))?;
+    }
+    let cost = match quality {
+        Quality::Fast => 0.0,
+        Quality::Medium => reinsert(&mut knots, QUICK, crew),
+        Quality::High => reinsert(&mut knots, THOROUGH, crew),
+    };
+    if try_parts {
+        let mut others = careful.build(&mut references, root);
+        watch.grown();
+        drop(references);
+        hold(size_of_val(&knots[..]) + size_of_val(&others[..]))?;
+        if reinsert(&mut others, THOROUGH, crew) < WORTH_PARTS * cost {
+            knots = others;
+        }
+        hold(size_of_val(&knots[..]))?;
+    }
+    if let Some(tree) = collapsed(&knots, crew)? {
         hold(0)?;
         return Ok(tree);
     }
     // A strange scene. A flat tree is not fast, but it is one.
     drop(knots);
-    references = all_references(primitives, parallel);
+    let mut references = all_references(primitives, parallel);
     let knots = Careful::new(primitives, crew, &root, BY_NUMBER_WHEN_DEEP).build(&mut references, root);
-    let tree = collapsed(&knots, watch)?;
+    let tree = collapsed(&knots, crew)?;
     hold(0)?;
     Ok(tree.expect("halving so early cannot lead deeper"))
 }
 
 /// The wide tree, where it is not too deep; it is counted.
-fn collapsed(knots: &[Knot], watch: &Watch) -> Result<Option<Tree>, BuildError> {
-    // Every second knot is a leaf, and a node holds at least four of them on average.
+fn collapsed(knots: &[Knot], crew: Crew) -> Result<Option<Tree>, BuildError> {
+    let watch = crew.watch;
+    // Every second knot is a leaf, and a node holds at least four of them on average; all is there twice for a while.
     let mut held = 0;
-    watch.recount(&mut held, knots.len() / 2 * (size_of::<[u32; WIDTH]>() + size_of::<Node8>() / 4));
+    watch.recount(&mut held, knots.len() * (size_of::<[u32; WIDTH]>() + size_of::<Node8>() / 4));
     watch.result()?;
-    let tree = collapse(knots);
+    let tree = collapse(knots, crew);
     watch.recount(&mut held, tree.as_ref().map_or(0, Tree::memory_bytes));
     watch.result()?;
     Ok(tree)

@@ -9,20 +9,34 @@ use gnurt_simd::{Simd, f32x8, prelude::*};
 use super::Primitives;
 use super::bins::{BINS, Split, sweep};
 use super::reference::{Lanes, Reference};
-use crate::Aabb;
 
-/// A plane `p[axis] == at`.
+/// A plane `p[axis] == at`, the border of a slab.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plane {
     pub(super) axis: usize,
     pub(super) at: f32,
     pub(super) cost: f32,
+    /// The slab behind it, where slabs begin along its axis, and how many there are to a unit.
+    border: i32,
+    origin: f32,
+    per_unit: f32,
 }
 
-/// A box in slabs, and what is in them, for all axes.
-pub(super) struct Slabs {
+/// How a box is cut into slabs along all axes.
+#[derive(Clone)]
+pub(super) struct Grid {
     /// The slabs themselves: boxes without end along the other axes.
     cells: [[Lanes; BINS]; 3],
+    /// Where slabs begin, how many there are to a unit, and signs that make a box's coordinates positive.
+    origin: Lanes,
+    per_unit: Lanes,
+    signs: Lanes,
+    width: [f32; 3],
+}
+
+/// What is in the slabs of all axes.
+#[derive(Clone)]
+pub(super) struct Slabs {
     /// Around what is seen of references in each slab, taking boxes for what they hold.
     bounds: [[Lanes; BINS]; 3],
     /// References whose first, or last, slab it is.
@@ -30,57 +44,54 @@ pub(super) struct Slabs {
     ends: [[u32; BINS]; 3],
 }
 
-impl Slabs {
-    pub(super) const EMPTY: Self = Self {
-        cells: [[Lanes([f32::INFINITY; 8]); BINS]; 3],
-        bounds: [[Lanes::EMPTY; BINS]; 3],
-        begins: [[0; BINS]; 3],
-        ends: [[0; BINS]; 3],
-    };
-
-    /// The cheapest plane through the box `whole` around `references`; what was here before is forgotten.
-    #[inline(always)]
-    pub(super) fn best_plane<S: Simd>(
-        &mut self,
-        simd: S,
-        references: &[Reference],
-        whole: &Lanes,
-        scale: f32,
-    ) -> Option<Plane> {
-        *self = Self::EMPTY;
-        let (mut origin, mut slabs_per_unit, mut signs) = (Lanes::ZERO, Lanes::ZERO, Lanes::ZERO);
-        let mut width = [0.0; 3];
-        for (axis, width) in width.iter_mut().enumerate() {
+impl Grid {
+    /// The slabs of `whole`.
+    pub(super) fn new(whole: &Lanes) -> Self {
+        let mut grid = Self {
+            cells: [[Lanes([f32::INFINITY; 8]); BINS]; 3],
+            origin: Lanes::ZERO,
+            per_unit: Lanes::ZERO,
+            signs: Lanes::ZERO,
+            width: [0.0; 3],
+        };
+        for axis in 0..3 {
             let per_unit = BINS as f32 * 0.9999 / whole.side(axis);
             for lane in [axis, axis + 4] {
-                slabs_per_unit.0[lane] = if per_unit.is_finite() { per_unit } else { 0.0 };
-                origin.0[lane] = -whole.0[axis];
-                signs.0[lane] = if lane < 4 { -1.0 } else { 1.0 };
+                grid.per_unit.0[lane] = if per_unit.is_finite() { per_unit } else { 0.0 };
+                grid.origin.0[lane] = -whole.0[axis];
+                grid.signs.0[lane] = if lane < 4 { -1.0 } else { 1.0 };
             }
-            *width = if per_unit.is_finite() { 1.0 / per_unit } else { 0.0 };
-            for (slab, cell) in self.cells[axis].iter_mut().enumerate() {
-                cell.0[axis] = -(slab as f32 * *width - whole.0[axis]);
-                cell.0[axis + 4] = (slab + 1) as f32 * *width - whole.0[axis];
+            let width = if per_unit.is_finite() { 1.0 / per_unit } else { 0.0 };
+            grid.width[axis] = width;
+            for (slab, cell) in grid.cells[axis].iter_mut().enumerate() {
+                cell.0[axis] = -(slab as f32 * width - whole.0[axis]);
+                cell.0[axis + 4] = (slab + 1) as f32 * width - whole.0[axis];
             }
         }
-        let (at, per_unit, signs) = (origin.load(simd), slabs_per_unit.load(simd), signs.load(simd));
+        grid
+    }
+}
+
+impl Slabs {
+    pub(super) const EMPTY: Self =
+        Self { bounds: [[Lanes::EMPTY; BINS]; 3], begins: [[0; BINS]; 3], ends: [[0; BINS]; 3] };
+
+    /// Sorts `references` in.
+    #[inline(always)]
+    pub(super) fn add<S: Simd>(&mut self, simd: S, references: &[Reference], grid: &Grid) {
+        let (origin, per_unit, signs) =
+            (grid.origin.load(simd), grid.per_unit.load(simd), grid.signs.load(simd));
         for reference in references {
-            self.add(simd, reference.load(simd), (at, per_unit, signs));
+            self.put(simd, reference.load(simd), &grid.cells, (origin, per_unit, signs));
         }
-        let mut best = Split::NONE;
-        for axis in 0..3 {
-            sweep(simd, &self.bounds[axis], &self.begins[axis], &self.ends[axis], axis, scale, &mut best);
-        }
-        let Split { axis, border, cost } = best;
-        let at = border as f32 * width[axis] - whole.0[axis];
-        (border > 0).then_some(Plane { axis, at, cost })
     }
 
     #[inline(always)]
-    fn add<S: Simd>(
+    fn put<S: Simd>(
         &mut self,
         simd: S,
         reference: f32x8<S>,
+        cells: &[[Lanes; BINS]; 3],
         (origin, per_unit, signs): (f32x8<S>, f32x8<S>, f32x8<S>),
     ) {
         let slabs = simd.cvt_i32_f32x8((reference * signs - origin) * per_unit);
@@ -94,43 +105,65 @@ impl Slabs {
                 bounds[first] = Lanes::store(bounds[first].load(simd).max(reference));
                 continue;
             }
-            for (bounds, cell) in bounds.iter_mut().zip(&self.cells[axis]).take(last + 1).skip(first) {
+            for (bounds, cell) in bounds.iter_mut().zip(&cells[axis]).take(last + 1).skip(first) {
                 let part = reference.min(cell.load(simd));
                 *bounds = Lanes::store(bounds.load(simd).max(part));
             }
         }
     }
+
+    /// Adds what is in `other`.
+    pub(super) fn merge(&mut self, other: &Self) {
+        for axis in 0..3 {
+            for slab in 0..BINS {
+                self.bounds[axis][slab] = self.bounds[axis][slab].union(&other.bounds[axis][slab]);
+                self.begins[axis][slab] += other.begins[axis][slab];
+                self.ends[axis][slab] += other.ends[axis][slab];
+            }
+        }
+    }
+
+    /// The cheapest plane that leaves `most` references or fewer on both sides together.
+    #[inline(always)]
+    pub(super) fn best_plane<S: Simd>(&self, simd: S, grid: &Grid, most: usize, scale: f32) -> Option<Plane> {
+        let most = u32::try_from(most).unwrap_or(u32::MAX);
+        let mut best = Split::NONE;
+        for axis in 0..3 {
+            let counts = [&self.begins[axis], &self.ends[axis]];
+            sweep(simd, &self.bounds[axis], counts, axis, most, scale, &mut best);
+        }
+        let Split { axis, border, cost } = best;
+        let (origin, per_unit) = (grid.origin.0[axis], grid.per_unit.0[axis]);
+        let at = border as f32 * grid.width[axis] + origin;
+        (border > 0).then_some(Plane { axis, at, cost, border: border as i32, origin, per_unit })
+    }
 }
 
-/// Sorts the first `count` of `references` by `plane`: what is left of it stays in front, `right` takes the others.
-/// References are cut while there is `spare` room for their second parts. Returns how many are left.
+impl Plane {
+    /// On which sides a reference is: as it was counted, so that there is room for all parts.
+    #[inline]
+    fn sides(&self, reference: &Reference) -> [bool; 2] {
+        let slab = |x: f32| ((x - self.origin) * self.per_unit) as i32;
+        [slab(-reference.0[self.axis]) < self.border, slab(reference.0[self.axis + 4]) >= self.border]
+    }
+}
+
+/// Sorts `references` by `plane`: what is left of it stays in front, others go behind what is in `right`; those on both
+/// sides are cut. Returns how many are left.
 pub(super) fn cut(
     primitives: &impl Primitives,
     references: &mut [Reference],
     plane: &Plane,
-    mut spare: usize,
     right: &mut Vec<Reference>,
 ) -> usize {
-    let Plane { axis, at, .. } = *plane;
-    right.clear();
     let mut left = 0;
     for i in 0..references.len() {
         let reference = references[i];
-        let (low, high) = (-reference.0[axis], reference.0[4 + axis]);
-        let middle_is_left = 0.5 * low + 0.5 * high < at;
-        let mut parts: [Option<Aabb>; 2] = [None; 2];
-        if low < at && high > at && spare > 0 {
-            parts = primitives
-                .split(reference.number() as usize, &reference.bounds(), axis, at)
-                .unwrap_or_default();
-        }
-        let number = reference.number();
-        let (on_left, on_right) = match parts {
-            [None, None] if middle_is_left => (Some(reference), None),
-            [None, None] => (None, Some(reference)),
-            [a, b] => (a.map(|a| Lanes::new(number, &a)), b.map(|b| Lanes::new(number, &b))),
+        let (on_left, on_right) = match plane.sides(&reference) {
+            [true, true] => parts(primitives, &reference, plane),
+            [is_left, _] if is_left => (Some(reference), None),
+            _ => (None, Some(reference)),
         };
-        spare -= usize::from(on_left.is_some() && on_right.is_some());
         if let Some(on_left) = on_left {
             references[left] = on_left;
             left += 1;
@@ -138,4 +171,25 @@ pub(super) fn cut(
         right.extend(on_right);
     }
     left
+}
+
+/// What is on either side of a plane; what cannot be cut goes where its middle is.
+fn parts(
+    primitives: &impl Primitives,
+    reference: &Reference,
+    plane: &Plane,
+) -> (Option<Reference>, Option<Reference>) {
+    let Plane { axis, at, .. } = *plane;
+    let (low, high) = (-reference.0[axis], reference.0[4 + axis]);
+    let number = reference.number();
+    let parts = if low < at && high > at {
+        primitives.split(number as usize, &reference.bounds(), axis, at).unwrap_or_default()
+    } else {
+        [None, None]
+    };
+    match parts {
+        [None, None] if 0.5 * low + 0.5 * high < at => (Some(*reference), None),
+        [None, None] => (None, Some(*reference)),
+        [a, b] => (a.map(|a| Lanes::new(number, &a)), b.map(|b| Lanes::new(number, &b))),
+    }
 }

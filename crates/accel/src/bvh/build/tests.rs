@@ -248,7 +248,7 @@ fn least_cost(knots: &[binary::Knot], at: usize, places: usize) -> f64 {
     if knot.count > 0 {
         return area;
     }
-    let (right, left) = (at - 1, at - 1 - knot.numbers[0] as usize);
+    let [left, right] = knot.children(at);
     let opened = |places: usize| {
         let shared =
             |on_left: usize| least_cost(knots, left, on_left) + least_cost(knots, right, places - on_left);
@@ -267,7 +267,7 @@ fn no_other_collapse_is_cheaper() {
         let crew = Crew { parallel: false, level: Level::best(), scale: 1.0, watch: &watch };
         let root = crew.around(&references);
         let knots = Careful::new(&boxes, crew, &root, 64).build(&mut references, root);
-        let tree = collapse(&knots).expect("it is not deep");
+        let tree = collapse(&knots, crew).expect("it is not deep");
         let found = (cost(&tree) + 1.0) * tree.bounds.half_area();
         let least = least_cost(&knots, knots.len() - 1, 1);
         assert!((found - least).abs() < 1e-5 * least, "{found} is the least of all, {least}");

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What must hold of a tree whatever was moved, and that a move is what it is said to be. Source: original.
+
+use super::super::binary::Careful;
+use super::super::{Primitives, all_references, collapse};
+use super::*;
+use crate::Aabb;
+use crate::control::Watch;
+use gnurt_simd::Level;
+use gnurt_testkit::Random;
+
+struct Boxes(Vec<Aabb>);
+
+impl Primitives for Boxes {
+    fn count(&self) -> usize {
+        self.0.len()
+    }
+    fn bounds(&self, number: usize) -> Aabb {
+        self.0[number]
+    }
+    fn split(&self, _: usize, _: &Aabb, _: usize, _: f32) -> Option<[Option<Aabb>; 2]> {
+        None
+    }
+}
+
+/// Boxes of all sizes, which a binned build does not put well.
+fn mixed_boxes(count: usize) -> Boxes {
+    let mut random = Random::new(7);
+    let mut one = || {
+        let (at, to, size) = (random.point(), random.point(), random.unit().powi(6));
+        Aabb::around(&[at, [0, 1, 2].map(|k| at[k] + size * to[k])])
+    };
+    Boxes((0..count).map(|_| one()).collect())
+}
+
+/// Divided by number alone from a depth on.
+fn knots_over(boxes: &Boxes, by_number: usize, crew: Crew) -> Vec<Knot> {
+    let mut references = all_references(boxes, false);
+    let root = crew.around(&references);
+    Careful::new(boxes, crew, &root, by_number).build(&mut references, root)
+}
+
+/// Areas of all knots, and numbers of all primitives in order; checks boxes and depth on the way.
+fn walk(knots: &[Knot]) -> (f64, Vec<u32>) {
+    let (mut sum, mut numbers, mut reached) = (0.0, Vec::new(), 0);
+    let mut waiting = vec![(knots.len() - 1, 0)];
+    while let Some((at, depth)) = waiting.pop() {
+        let knot = &knots[at];
+        reached += 1;
+        assert!(reached <= knots.len() && depth <= DEEPEST, "{reached} knots, {depth} deep");
+        sum += knot.bounds.bounds().half_area();
+        if knot.is_leaf() {
+            numbers.extend_from_slice(&knot.numbers[..knot.count as usize]);
+            continue;
+        }
+        let children = knot.children(at);
+        let around = children.map(|child| knots[child].bounds.bounds());
+        assert_eq!(knot.bounds.bounds(), around[0].union(&around[1]), "boxes fit at {at}");
+        waiting.extend(children.map(|child| (child, depth + 1)));
+    }
+    assert_eq!(reached, knots.len(), "all knots are reached");
+    numbers.sort_unstable();
+    (sum, numbers)
+}
+
+fn with_crew<R>(job: impl FnOnce(Crew) -> R) -> R {
+    let watch = Watch::new(&());
+    job(Crew { parallel: false, level: Level::best(), scale: 1.0, watch: &watch })
+}
+
+#[test]
+fn every_round_makes_it_cheaper() {
+    with_crew(|crew| {
+        for count in [1, 8, 9, 17, 40, 300, 3000] {
+            let boxes = mixed_boxes(count);
+            let mut knots = knots_over(&boxes, 2, crew);
+            let (first, numbers) = walk(&knots);
+            let mut before = first;
+            for _ in 0..4 {
+                let cost = reinsert(&mut knots, &[1.0], crew);
+                let (after, same) = walk(&knots);
+                assert_eq!(numbers, same, "all {count} are still there");
+                assert!(after <= before * (1.0 + 1e-12), "{after} after {before}");
+                before = after;
+                // The cost that is returned is that of the wide tree; floats add up to it.
+                let tree = collapse::collapse(&knots, crew).expect("it is not deep");
+                let children = |node: &crate::bvh::Node8| -> f64 {
+                    (0..crate::bvh::WIDTH).map(|place| node.bounds(place).half_area()).sum()
+                };
+                let wide: f64 = tree.nodes.iter().map(children).sum();
+                let wide = if knots.len() > 1 { wide + tree.bounds.half_area() } else { wide };
+                assert!((f64::from(cost) - wide).abs() < 1e-4 * wide, "{cost} is {wide}");
+            }
+            assert!(count < 300 || before < 0.95 * first, "{before} is well below {first}");
+        }
+    });
+}
+
+#[test]
+fn searches_find_the_best() {
+    with_crew(|crew| {
+        let boxes = mixed_boxes(400);
+        let knots = knots_over(&boxes, 64, crew);
+        let garden = Garden::new(&knots, crew);
+        let count = knots.len() as u32;
+        let total = |garden: &Garden| -> f64 {
+            garden.spots.iter().map(|spot| garden.exact_area(&spot.bounds)).sum()
+        };
+        let before = total(&garden);
+        let knots: Vec<u32> = (0..count).filter(|&at| garden.may_move(at)).collect();
+        for level in Level::available() {
+            let garden = Garden {
+                crew: Crew { level, ..crew },
+                ..Garden::new(&self::knots_over(&boxes, 64, crew), crew)
+            };
+            let found = garden.search(&knots);
+            for &knot in knots.iter().step_by(7) {
+                // Every place, by moving there.
+                let mut least = before;
+                for target in 0..count {
+                    let mut moved = Garden { spots: garden.spots.clone(), ..garden };
+                    moved.try_move(knot, target);
+                    least = least.min(total(&moved));
+                }
+                let gain = found.iter().find(|found| found.knot == knot).map_or(0.0, |found| found.gain);
+                let (gain, most) = (f64::from(gain), before - least);
+                assert!((gain - most).abs() < 1e-5, "{knot} gains {gain}, {most} at most, at {level}");
+            }
+        }
+    });
+}
+
+#[test]
+fn threads_do_not_matter() {
+    let boxes = mixed_boxes(5000);
+    let watch = Watch::new(&());
+    let alone = Crew { parallel: false, level: Level::best(), scale: 1.0, watch: &watch };
+    let first = knots_over(&boxes, 64, alone);
+    let run = |parallel: bool| {
+        let mut knots = first.clone();
+        let cost = reinsert(&mut knots, THOROUGH, Crew { parallel, ..alone });
+        let links: Vec<_> = knots.iter().map(|knot| (knot.bounds, knot.numbers, knot.shares)).collect();
+        (cost, links)
+    };
+    let one = run(false);
+    for threads in [1, 2, 3] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
+        assert!(pool.install(|| run(true)) == one, "{threads} threads make the same tree");
+    }
+}
