@@ -120,20 +120,19 @@ fn build_with(
         references = Vec::new();
         hold(size_of_val(&knots[..]))?;
     }
-    let cost = match quality {
-        Quality::Fast => 0.0,
-        Quality::Medium => reinsert(&mut knots, QUICK, crew),
-        Quality::High => reinsert(&mut knots, THOROUGH, crew),
-    };
+    let cost = if quality == Quality::Fast { 0.0 } else { reinsert(&mut knots, QUICK, crew) };
     if try_parts {
         let mut others = careful.build(&mut references, root);
         watch.grown();
         drop(references);
         hold(size_of_val(&knots[..]) + size_of_val(&others[..]))?;
-        if reinsert(&mut others, THOROUGH, crew) < WORTH_PARTS * cost {
+        if reinsert(&mut others, QUICK, crew) < WORTH_PARTS * cost {
             knots = others;
         }
         hold(size_of_val(&knots[..]))?;
+    }
+    if quality == Quality::High {
+        reinsert(&mut knots, THOROUGH, crew);
     }
     if let Some(tree) = collapsed(&knots, crew)? {
         hold(0)?;

@@ -32,8 +32,8 @@ use super::reference::Lanes;
 /// Shares of all knots, the largest ones, that are searched for in each round: for the default trees,
 pub(super) const QUICK: &[f32] = &[0.16, 0.04];
 
-/// and for those of high quality.
-pub(super) const THOROUGH: &[f32] = &[0.6, 0.36, 0.21, 0.13];
+/// and for those of high quality behind it.
+pub(super) const THOROUGH: &[f32] = &[0.5, 0.25, 0.12];
 
 /// In place of a knot that there is not.
 const NONE: u32 = u32::MAX;
@@ -114,19 +114,18 @@ impl<'a> Garden<'a> {
         };
         let mut spots = Vec::new();
         crew.extend(&mut spots, knots.len(), spot);
-        // Children come first.
         for at in 0..spots.len() {
-            let spot: Spot = spots[at];
-            if spot.is_leaf() {
-                continue;
+            let children = spots[at].children.into_iter().filter(|&child| child != NONE);
+            children.for_each(|child| spots[child as usize].parent = at as u32);
+        }
+        // From each leaf upwards, as long as that is the longest way.
+        for leaf in 0..spots.len() {
+            let (mut at, mut height) = (spots[leaf].parent, 1);
+            while spots[leaf].is_leaf() && at != NONE && spots[at as usize].height < height {
+                let above = &mut spots[at as usize];
+                above.height = height;
+                (at, height) = (above.parent, height + 1);
             }
-            let mut height = 0;
-            for child in spot.children {
-                let child = &mut spots[child as usize];
-                child.parent = at as u32;
-                height = height.max(child.height);
-            }
-            spots[at].height = height + 1;
         }
         let root = spots.len() - 1;
         let longest = spots[root].height.max(DEEPEST as u32);

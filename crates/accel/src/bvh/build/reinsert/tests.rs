@@ -40,14 +40,15 @@ fn knots_over(boxes: &Boxes, by_number: usize, crew: Crew) -> Vec<Knot> {
     Careful::new(boxes, crew, &root, by_number).build(&mut references, root)
 }
 
-/// Areas of all knots, and numbers of all primitives in order; checks boxes and depth on the way.
-fn walk(knots: &[Knot]) -> (f64, Vec<u32>) {
-    let (mut sum, mut numbers, mut reached) = (0.0, Vec::new(), 0);
+/// Areas of all knots, and numbers of all primitives in order; checks boxes and heights on the way.
+fn walk(knots: &[Knot], crew: Crew) -> (f64, Vec<u32>) {
+    let (mut sum, mut numbers, mut reached, mut deepest) = (0.0, Vec::new(), 0, 0);
     let mut waiting = vec![(knots.len() - 1, 0)];
     while let Some((at, depth)) = waiting.pop() {
         let knot = &knots[at];
         reached += 1;
         assert!(reached <= knots.len() && depth <= DEEPEST, "{reached} knots, {depth} deep");
+        deepest = deepest.max(depth);
         sum += knot.bounds.bounds().half_area();
         if knot.is_leaf() {
             numbers.extend_from_slice(&knot.numbers[..knot.count as usize]);
@@ -59,6 +60,8 @@ fn walk(knots: &[Knot]) -> (f64, Vec<u32>) {
         waiting.extend(children.map(|child| (child, depth + 1)));
     }
     assert_eq!(reached, knots.len(), "all knots are reached");
+    let garden = Garden::new(knots, crew);
+    assert_eq!(garden.spot(garden.root).height as usize, deepest, "the longest way is known");
     numbers.sort_unstable();
     (sum, numbers)
 }
@@ -74,11 +77,11 @@ fn every_round_makes_it_cheaper() {
         for count in [1, 8, 9, 17, 40, 300, 3000] {
             let boxes = mixed_boxes(count);
             let mut knots = knots_over(&boxes, 2, crew);
-            let (first, numbers) = walk(&knots);
+            let (first, numbers) = walk(&knots, crew);
             let mut before = first;
             for _ in 0..4 {
                 let cost = reinsert(&mut knots, &[1.0], crew);
-                let (after, same) = walk(&knots);
+                let (after, same) = walk(&knots, crew);
                 assert_eq!(numbers, same, "all {count} are still there");
                 assert!(after <= before * (1.0 + 1e-12), "{after} after {before}");
                 before = after;
