@@ -32,8 +32,13 @@ class Part:
 
 
 def gnurt_arguments(scene):
-    """The camera as arguments of gnurt."""
-    eye, target, up, fov, width, height = CAMERAS[scene]
+    """The scene's camera as arguments of gnurt."""
+    return camera_arguments(CAMERAS[scene])
+
+
+def camera_arguments(camera):
+    """A camera as arguments of gnurt."""
+    eye, target, up, fov, width, height = camera
     join = lambda v: ",".join(map(str, v))
     return ["--eye=" + join(eye), "--target=" + join(target), "--up=" + join(up), f"--fov={fov}", f"-r={width}x{height}"]
 

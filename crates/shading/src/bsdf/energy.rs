@@ -17,8 +17,6 @@ use super::ggx::Ggx;
 /// Steps of the cosine and of the roughness (the root of alpha), both in [0, 1].
 const COSINES: usize = 48;
 const ROUGHNESSES: usize = 32;
-/// Facets drawn per entry: the square of this.
-const STRATA: usize = 16;
 
 /// Parts of an albedo that belong to the reflectance at normal (x) and at grazing incidence (y).
 type Split = Vec2;
@@ -168,18 +166,14 @@ fn table() -> &'static Table {
     })
 }
 
-/// One bounce of light from cosine `cos`, by facets drawn at the middles of equal strata.
+/// One bounce of light from cosine `cos`.
 fn albedo(ggx: Ggx, cos: f32) -> Split {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let mut sum = Split::ZERO;
-    for (i, j) in (0..STRATA).flat_map(|i| (0..STRATA).map(move |j| (i, j))) {
-        let u = [i, j].map(|k| (k as f32 + 0.5) / STRATA as f32);
-        let h = ggx.sample_visible(wo, u);
+    ggx.mean_visible(wo, |h| {
         let weight = ggx.sample_weight(wo, (-wo).reflect(h));
         let rise = schlick_rise(wo.dot(h));
-        sum += Split::new(weight * (1.0 - rise), weight * rise);
-    }
-    sum / (STRATA * STRATA) as f32
+        Split::new(weight * (1.0 - rise), weight * rise)
+    })
 }
 
 /// The integral of `2 cos f(cos)` over [0, 1] for `f` linear between its entries.

@@ -5,6 +5,8 @@
 //! Proof: `tests::{facets_cover_the_ground, samples_match_the_lobe}`.
 
 use std::f32::consts::{PI, TAU};
+use std::iter::Sum;
+use std::ops::{Div, Mul};
 
 use glam::Vec3;
 
@@ -78,6 +80,24 @@ impl Ggx {
         let cap = Vec3::new(radius * azimuth.cos(), radius * azimuth.sin(), z);
         let h = cap + stretched;
         Vec3::new(h.x * self.alpha, h.y * self.alpha, h.z.max(1e-7)).normalize()
+    }
+
+    /// The mean of `f` over the facets that a viewer at `wo` sees, each by its share of the view; `wo` has no y, so that
+    /// both halves of the facets are alike. For tables: strata are narrow towards the facets that face away, few as they
+    /// are, for what loses light lies there.
+    pub(super) fn mean_visible<T>(self, wo: Vec3, f: impl Fn(Vec3) -> T) -> T
+    where
+        T: Sum + Mul<f32, Output = T> + Div<f32, Output = T>,
+    {
+        const AZIMUTHS: usize = 16;
+        const STEPS: usize = 32;
+        let strata = (0..AZIMUTHS).flat_map(|i| (0..STEPS).map(move |j| (i, j)));
+        let values = strata.map(|(i, j)| {
+            let left = 1.0 - (j as f32 + 0.5) / STEPS as f32;
+            let u = [0.5 * (i as f32 + 0.5) / AZIMUTHS as f32, 1.0 - left * left];
+            f(self.sample_visible(wo, u)) * (2.0 * left)
+        });
+        values.sum::<T>() / (AZIMUTHS * STEPS) as f32
     }
 
     /// Density per solid angle of `wi`, mirrored at a facet `h` that [`sample_visible`](Self::sample_visible) chose.

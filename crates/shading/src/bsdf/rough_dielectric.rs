@@ -218,48 +218,43 @@ fn fresnel_average(eta: f32) -> f32 {
     ((ior - 1.0) / (4.085_67 + 1.000_71 * ior)).clamp(0.0, 1.0)
 }
 
-const COSINES: usize = 24;
-const ROUGHNESSES: usize = 16;
-const INDICES: usize = 33;
-const STRATA: usize = 12;
+const COSINES: usize = 48;
+const ROUGHNESSES: usize = 32;
+const INDICES: usize = 65;
 
 /// Albedos after one bounce by cosine, and their average over a cosine-weighted hemisphere.
-#[derive(Clone, Copy)]
 struct Row {
     albedo: [f32; COSINES],
     average: f32,
 }
 
-/// By index and roughness.
-type Table = [[Row; ROUGHNESSES]; INDICES];
-
-/// A place in the table.
-#[derive(Clone, Copy)]
+/// A place between four rows.
 struct Glass {
-    index: (usize, f32),
-    row: (usize, f32),
+    /// By index, then by roughness.
+    rows: [[&'static Row; 2]; 2],
+    /// How far it is from the first ones.
+    beyond: [f32; 2],
 }
 
 impl Glass {
     fn of(ggx: Ggx, eta: f32) -> Self {
-        let index = place((eta - 1.0) / (eta + 1.0) + 0.5, INDICES);
-        Self { index, row: place(ggx.alpha().sqrt(), ROUGHNESSES) }
+        let (index, beyond) = place((eta - 1.0) / (eta + 1.0) + 0.5, INDICES);
+        let (roughness, rougher) = place(ggx.alpha().sqrt(), ROUGHNESSES);
+        let rows = [index, index + 1].map(|i| [roughness, roughness + 1].map(|r| row(i, r)));
+        Self { rows, beyond: [beyond, rougher] }
     }
 
-    fn mix(self, of: impl Fn(&Row) -> f32) -> f32 {
-        let at = |index: usize| {
-            let rows = &table()[index];
-            of(&rows[self.row.0]).lerp_to(of(&rows[self.row.0 + 1]), self.row.1)
-        };
-        at(self.index.0).lerp_to(at(self.index.0 + 1), self.index.1)
+    fn mix(&self, of: impl Fn(&Row) -> f32) -> f32 {
+        let [low, high] = self.rows.map(|[a, b]| of(a).lerp_to(of(b), self.beyond[1]));
+        low.lerp_to(high, self.beyond[0])
     }
 
-    fn albedo(self, cos: f32) -> f32 {
+    fn albedo(&self, cos: f32) -> f32 {
         let (column, t) = place(cos, COSINES);
         self.mix(|row| row.albedo[column].lerp_to(row.albedo[column + 1], t))
     }
 
-    fn average(self) -> f32 {
+    fn average(&self) -> f32 {
         self.mix(|row| row.average)
     }
 }
@@ -274,39 +269,32 @@ fn average(entries: &[f32; COSINES]) -> f32 {
     (0..COSINES - 1).map(segment).sum()
 }
 
-fn table() -> &'static Table {
-    static TABLE: OnceLock<Box<Table>> = OnceLock::new();
-    TABLE.get_or_init(|| {
-        let mut table = Box::new([[Row { albedo: [0.0; COSINES], average: 0.0 }; ROUGHNESSES]; INDICES]);
-        for (i, rows) in table.iter_mut().enumerate() {
-            let s = i as f32 / (INDICES - 1) as f32 - 0.5;
-            for (r, row) in rows.iter_mut().enumerate() {
-                let ggx = Ggx::new(r as f32 / (ROUGHNESSES - 1) as f32);
-                for (c, entry) in row.albedo.iter_mut().enumerate() {
-                    let cos = (c as f32 / (COSINES - 1) as f32).max(1e-4);
-                    *entry = one_bounce(ggx, (1.0 + s) / (1.0 - s), cos);
-                }
-                row.average = average(&row.albedo);
-            }
-        }
-        table
+/// A row of the table, made when it is first asked for: a scene has few kinds of glass.
+fn row(index: usize, roughness: usize) -> &'static Row {
+    static ROWS: [[OnceLock<Row>; ROUGHNESSES]; INDICES] =
+        [const { [const { OnceLock::new() }; ROUGHNESSES] }; INDICES];
+    ROWS[index][roughness].get_or_init(|| {
+        let s = index as f32 / (INDICES - 1) as f32 - 0.5;
+        let ggx = Ggx::new(roughness as f32 / (ROUGHNESSES - 1) as f32);
+        let entry =
+            |c: usize| one_bounce(ggx, (1.0 + s) / (1.0 - s), (c as f32 / (COSINES - 1) as f32).max(1e-4));
+        let albedo = std::array::from_fn(entry);
+        Row { albedo, average: average(&albedo) }
     })
 }
 
-/// Light from cosine `cos` after one bounce, mirrored and through, by facets drawn at the middles of equal strata.
+/// Light from cosine `cos` after one bounce, mirrored and through.
 fn one_bounce(ggx: Ggx, eta: f32, cos: f32) -> f32 {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-    let mut sum = 0.0;
-    for (i, j) in (0..STRATA).flat_map(|i| (0..STRATA).map(move |j| (i, j))) {
-        let u = [i, j].map(|k| (k as f32 + 0.5) / STRATA as f32);
-        let h = ggx.sample_visible(wo, u);
+    let mean = ggx.mean_visible(wo, |h| {
         let share = fresnel::dielectric(wo.dot(h), eta);
-        sum += share * ggx.sample_weight(wo, (-wo).reflect(h));
-        if let Some(wi) = refract_at(wo, h, eta).filter(|wi| wi.z < 0.0) {
-            sum += (1.0 - share) * ggx.visible_from_both(wo, wi) / ggx.visible_from(wo);
-        }
-    }
-    (sum / (STRATA * STRATA) as f32).min(1.0)
+        let mirrored = share * ggx.sample_weight(wo, (-wo).reflect(h));
+        let through = refract_at(wo, h, eta)
+            .filter(|wi| wi.z < 0.0)
+            .map_or(0.0, |wi| (1.0 - share) * ggx.visible_from_both(wo, wi) / ggx.visible_from(wo));
+        mirrored + through
+    });
+    mean.min(1.0)
 }
 
 #[cfg(test)]

@@ -1,0 +1,302 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""BSDFs for Mitsuba by the definitions of docs/materials.md, written from the papers and apart from gnurt's code.
+
+Facets are Mitsuba's own GGX distribution, its sampling of visible normals and its Fresnel equations; what is added is the
+height-correlated shadowing of [Hei14], Schlick's reflectance, what [KC17] sends back of light between facets (from tables
+made here by quadrature, at the very roughness), and layers. Directions as in Mitsuba: `si.wi` to the viewer.
+Set the variant before this is imported. Source: as said; original.
+"""
+import drjit as dr
+import mitsuba as mi
+import numpy as np
+
+COSINES = 256
+GRID = 96
+
+
+def visible_facets(alpha, cos):
+    """Facets seen from cosine `cos`, at the middles of GRID x GRID strata, and the function that hides: (n, 3), v, lambda."""
+    u, w = (np.mgrid[0:GRID, 0:GRID].reshape(2, -1) + 0.5) / GRID
+    v = np.array([np.sqrt(1 - cos * cos), 0, cos])
+    stretched = v * [alpha, alpha, 1]
+    stretched /= np.linalg.norm(stretched)
+    z = (1 - u) * (1 + stretched[2]) - stretched[2]
+    r = np.sqrt(np.maximum(0, 1 - z * z))
+    h = np.stack([r * np.cos(2 * np.pi * w), r * np.sin(2 * np.pi * w), z], axis=-1) + stretched
+    h *= [alpha, alpha, 1]
+    h /= np.linalg.norm(h, axis=-1, keepdims=True)
+    hidden = lambda d: 0.5 * (np.sqrt(1 + alpha**2 * (d[..., 0] ** 2 + d[..., 1] ** 2) / np.maximum(d[..., 2] ** 2, 1e-20)) - 1)
+    return h, v, hidden
+
+
+def cosines():
+    return np.maximum(np.linspace(0, 1, COSINES), 1e-4)
+
+
+def hemisphere_average(entries):
+    """Of entries at equal steps of the cosine, weighted by it."""
+    x = np.linspace(0, 1, len(entries))
+    return np.trapezoid((entries.T * 2 * x).T, x, axis=0)
+
+
+def mirrored_once(alpha):
+    """Albedo after one bounce by cosine, split by Schlick's reflectances at normal and grazing incidence: (COSINES, 2)."""
+    rows = []
+    for cos in cosines():
+        h, v, hidden = visible_facets(alpha, cos)
+        c = h @ v
+        l = 2 * c[:, None] * h - v
+        weight = np.where(l[:, 2] > 0, (1 + hidden(v)) / (1 + hidden(v) + hidden(l)), 0)
+        rise = (1 - np.clip(c, 0, 1)) ** 5
+        rows.append([(weight * (1 - rise)).mean(), (weight * rise).mean()])
+    return np.array(rows)
+
+
+def fresnel(cos, eta):
+    """Share that is mirrored; `eta` is the index here over that beyond."""
+    sin2 = eta * eta * (1 - cos * cos)
+    beyond = np.sqrt(np.maximum(0, 1 - sin2))
+    a, b = (cos - eta * beyond) / (cos + eta * beyond), (eta * cos - beyond) / (eta * cos + beyond)
+    return np.where(sin2 >= 1, 1, (a * a + b * b) / 2)
+
+
+def glass_once(alpha, eta):
+    """Albedo after one bounce, mirrored and through, by cosine."""
+    rows = []
+    for cos in cosines():
+        h, v, hidden = visible_facets(alpha, cos)
+        c = h @ v
+        share = fresnel(c, eta)
+        l = 2 * c[:, None] * h - v
+        mirrored = np.where(l[:, 2] > 0, (1 + hidden(v)) / (1 + hidden(v) + hidden(l)), 0)
+        beyond = np.sqrt(np.maximum(0, 1 - eta * eta * (1 - c * c)))
+        t = h * (eta * c - beyond)[:, None] - v * eta
+        through = np.where(t[:, 2] < 0, (1 + hidden(v)) / (1 + hidden(v) + hidden(t)), 0)
+        rows.append((share * mirrored + (1 - share) * through).mean())
+    return np.array(rows)
+
+
+class Table:
+    """A function of the cosine, linear between its entries."""
+
+    def __init__(self, entries):
+        self.entries = mi.Float(entries.astype(np.float32))
+
+    def __call__(self, cos, active=True):
+        x = dr.clip(dr.abs(cos), 0, 1) * (COSINES - 1)
+        i = dr.minimum(mi.UInt32(x), COSINES - 2)
+        a, b = (dr.gather(mi.Float, self.entries, i + k, active) for k in (0, 1))
+        return dr.lerp(a, b, x - mi.Float(i))
+
+
+class Facets:
+    """GGX facets with Schlick's reflectance and all bounces between them, per channel."""
+
+    def __init__(self, alpha):
+        self.alpha = max(alpha, 1e-3)
+        self.once = mirrored_once(self.alpha)
+        self.average = hemisphere_average(self.once)
+        self.normal, self.grazing = Table(self.once[:, 0]), Table(self.once[:, 1])
+
+    def distribution(self):
+        return mi.MicrofacetDistribution(mi.MicrofacetType.GGX, self.alpha, True)
+
+    def hidden(self, w):
+        return 0.5 * (dr.sqrt(1 + self.alpha**2 * (w.x * w.x + w.y * w.y) / (w.z * w.z)) - 1)
+
+    def lobe(self, v, l, h):
+        """Without Fresnel's factor, times the cosine of `l`."""
+        return self.distribution().eval(h) / ((1 + self.hidden(v) + self.hidden(l)) * 4 * v.z)
+
+    def mirrored_pdf(self, v, h):
+        return self.distribution().pdf(v, h) / (4 * dr.dot(v, h))
+
+    def more(self, f0, f90):
+        """Share of what one bounce leaves that comes out in the end."""
+        average = f0 * 20 / 21 + f90 / 21
+        white = float(self.average.sum())
+        return average * average * white / (1 - average * (1 - white))
+
+    def more_lobe(self, v, l):
+        lost = lambda w: 1 - self.normal(w.z) - self.grazing(w.z)
+        return lost(v) * lost(l) * l.z * dr.inv_pi / max(1 - float(self.average.sum()), 1e-6)
+
+    def all(self, cos, f0, f90):
+        normal, grazing = self.normal(cos), self.grazing(cos)
+        return f0 * normal + f90 * grazing + self.more(f0, f90) * (1 - normal - grazing)
+
+    def all_entries(self, f0, f90):
+        """The same for every entry of the table: (COSINES,)."""
+        return f0 * self.once[:, 0] + f90 * self.once[:, 1] + self.more(f0, f90) * (1 - self.once.sum(axis=1))
+
+
+def schlick(f0, f90, cos):
+    rise = (1 - dr.clip(cos, 0, 1)) ** 5
+    return f0 + (f90 - f0) * rise
+
+
+class Layered(mi.BSDF):
+    """Plastic or metal or a mix, under a coat: numbers as glTF's, but for `alpha`s, the squares of its roughnesses."""
+
+    def __init__(self, base, metallic, alpha, ior=1.5, coat=0.0, coat_alpha=0.0):
+        mi.BSDF.__init__(self, mi.Properties())
+        self.m_components = [mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide]
+        self.m_flags = self.m_components[0]
+        self.base, self.metallic, self.coat = base, metallic, coat
+        self.f0 = ((ior - 1) / (ior + 1)) ** 2
+        self.gloss, self.clear = Facets(alpha), Facets(coat_alpha)
+        above = lambda gloss, clear: coat * clear + (1 - coat * clear) * gloss
+        average = hemisphere_average(above(self.gloss.all_entries(self.f0, 1.0), self.clear.all_entries(0.04, 1.0)))
+        self.left_on_average = 1 - float(average)
+
+    def eval_pdf(self, ctx, si, wo, active=True):
+        v, l = si.wi, wo
+        active = active & (v.z > 0) & (l.z > 0)
+        h = dr.normalize(v + l)
+        c = dr.dot(v, h)
+        coat = lambda w: self.coat * self.clear.all(w.z, 0.04, 1.0)
+        left = dr.minimum(1 - coat(v), 1 - coat(l))
+        above = lambda w: coat(w) + (1 - coat(w)) * self.gloss.all(w.z, self.f0, 1.0)
+        lobe, more = self.gloss.lobe(v, l, h), self.gloss.more_lobe(v, l)
+        clear = self.coat * (
+            schlick(0.04, 1.0, c) * self.clear.lobe(v, l, h) + self.clear.more(0.04, 1.0) * self.clear.more_lobe(v, l)
+        )
+        m = self.metallic
+        body = (1 - m) * (1 - above(v)) * (1 - above(l)) / self.left_on_average * l.z * dr.inv_pi
+        channels = []
+        for base in self.base:
+            f0, f90 = (1 - m) * self.f0 + m * base, 1.0
+            mixed = (1 - m) * self.gloss.more(self.f0, 1.0) + m * self.gloss.more(base, 1.0)
+            channels.append(clear + left * (schlick(f0, f90, c) * lobe + mixed * more) + base * body)
+        shares = self.shares()
+        pdf = shares[0] * self.clear.mirrored_pdf(v, h) + shares[1] * self.gloss.mirrored_pdf(v, h)
+        pdf += shares[2] * l.z * dr.inv_pi
+        return dr.select(active, mi.Color3f(*channels), 0), dr.select(active, pdf, 0)
+
+    def shares(self):
+        """Of coat, gloss and the cosine in the choice of directions: any would do."""
+        coat, gloss = 0.2 * (self.coat > 0), 0.3 + 0.4 * self.metallic
+        return coat, gloss * (1 - coat), (1 - gloss) * (1 - coat)
+
+    def sample(self, ctx, si, sample1, sample2, active=True):
+        shares = self.shares()
+        mirror = lambda facets: mi.reflect(si.wi, facets.distribution().sample(si.wi, sample2)[0])
+        wo = mi.warp.square_to_cosine_hemisphere(sample2)
+        wo = dr.select(sample1 < shares[0] + shares[1], mirror(self.gloss), wo)
+        wo = dr.select(sample1 < shares[0], mirror(self.clear), wo)
+        value, pdf = self.eval_pdf(ctx, si, wo, active)
+        bs = mi.BSDFSample3f()
+        bs.wo, bs.pdf, bs.eta = wo, pdf, 1.0
+        bs.sampled_type, bs.sampled_component = mi.UInt32(+mi.BSDFFlags.GlossyReflection), 0
+        ok = active & (pdf > 0)
+        bs.pdf = dr.select(ok, pdf, 0)
+        return bs, dr.select(ok, value / pdf, 0)
+
+    def eval(self, ctx, si, wo, active=True):
+        return self.eval_pdf(ctx, si, wo, active)[0]
+
+    def pdf(self, ctx, si, wo, active=True):
+        return self.eval_pdf(ctx, si, wo, active)[1]
+
+    def to_string(self):
+        return "Layered[]"
+
+
+class Glass(mi.BSDF):
+    """Rough glass with all bounces between its facets; radiance is not scaled by the square of the index."""
+
+    def __init__(self, alpha, ior, tint=(1.0, 1.0, 1.0)):
+        mi.BSDF.__init__(self, mi.Properties())
+        sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+        through = mi.BSDFFlags.GlossyTransmission | mi.BSDFFlags.NonSymmetric
+        self.m_components = [mi.BSDFFlags.GlossyReflection | sides, through | sides]
+        self.m_flags = self.m_components[0] | self.m_components[1]
+        self.alpha, self.ior, self.tint = alpha, ior, tint
+        # From outside (index 1 over ior), from inside.
+        once = [glass_once(alpha, 1 / ior), glass_once(alpha, ior)]
+        self.once = [Table(entries) for entries in once]
+        self.lost = [1 - float(hemisphere_average(entries)) for entries in once]
+        # [KC17]: the average of Fresnel's share on the rarer side, and which part of further bounces goes through such that
+        # light may go both ways.
+        denser = max(ior, 1 / ior)
+        mirrored = (denser - 1) / (4.08567 + 1.00071 * denser)
+        capacity = [self.lost[0], self.lost[1] * ior * ior]
+        self.through = [(1 - mirrored) * min(capacity) / c for c in capacity]
+
+    def facets(self):
+        return mi.MicrofacetDistribution(mi.MicrofacetType.GGX, self.alpha, True)
+
+    def hidden(self, w):
+        return 0.5 * (dr.sqrt(1 + self.alpha**2 * (w.x * w.x + w.y * w.y) / (w.z * w.z)) - 1)
+
+    def eval_pdf(self, ctx, si, wo, active=True):
+        outside = si.wi.z > 0
+        sign = dr.select(outside, 1.0, -1.0)
+        v, l = si.wi * mi.Vector3f(1, 1, sign), wo * mi.Vector3f(1, 1, sign)
+        eta = dr.select(outside, 1 / self.ior, self.ior)  # here over beyond
+        here = lambda pair: dr.select(outside, pair[0], pair[1])
+        beyond = lambda pair: dr.select(outside, pair[1], pair[0])
+        once_here = lambda cos: here([t(cos) for t in self.once])
+        once_beyond = lambda cos: beyond([t(cos) for t in self.once])
+        mirrors = l.z > 0
+        distribution = self.facets()
+
+        # Facet that leads from v to l.
+        h = dr.normalize(dr.select(mirrors, v + l, v * eta + l))
+        h = dr.select(h.z < 0, -h, h)
+        cv, cl = dr.dot(v, h), dr.dot(l, h)
+        share = mi.fresnel(cv, mi.Float(1 / eta))[0]
+        d, shadow = distribution.eval(h), 1 / (1 + self.hidden(v) + self.hidden(l))
+        reflected = share * d * shadow / (4 * v.z)
+        change = -cl / dr.square(eta * cv + cl)
+        refracted = (1 - share) * d * shadow * cv * change / v.z
+        once = dr.select(mirrors, reflected, dr.select((cv > 0) & (cl < 0), refracted, 0))
+
+        lost, cos = 1 - once_here(v.z), dr.abs(l.z)
+        lost_l = dr.select(mirrors, 1 - once_here(l.z), 1 - once_beyond(l.z))
+        mean = dr.select(mirrors, here(self.lost), beyond(self.lost))
+        part = dr.select(mirrors, 1 - here(self.through), here(self.through))
+        more = part * lost * lost_l / mean * cos * dr.inv_pi
+        value = once + more
+
+        visible = distribution.pdf(v, h)
+        pdf = dr.select(mirrors, share * visible / (4 * cv), dr.select((cv > 0) & (cl < 0), (1 - share) * visible * change, 0))
+        pdf = (1 - lost) * pdf + lost * part * cos * dr.inv_pi
+        active = active & (v.z > 0) & (l.z != 0)
+        colour = dr.select(mirrors, mi.Color3f(1), mi.Color3f(*self.tint)) * value
+        return dr.select(active, colour, 0), dr.select(active, pdf, 0)
+
+    def sample(self, ctx, si, sample1, sample2, active=True):
+        outside = si.wi.z > 0
+        flip = mi.Vector3f(1, 1, dr.select(outside, 1.0, -1.0))
+        v = si.wi * flip
+        h = self.facets().sample(v, sample2)[0]
+        share, _, eta_it, eta_ti = mi.fresnel(dr.dot(v, h), mi.Float(dr.select(outside, self.ior, 1 / self.ior)))
+        cos_t = mi.fresnel(dr.dot(v, h), mi.Float(dr.select(outside, self.ior, 1 / self.ior)))[1]
+        lost = 1 - dr.select(outside, self.once[0](v.z), self.once[1](v.z))
+        through = dr.select(outside, self.through[0], self.through[1])
+        rest = (sample1 - lost) / (1 - lost)
+        mirrors = dr.select(sample1 < lost, sample1 >= lost * through, rest < share)
+        diffuse = mi.warp.square_to_cosine_hemisphere(sample2)
+        diffuse = dr.select(mirrors, diffuse, -diffuse)
+        facet = dr.select(mirrors, mi.reflect(v, h), mi.refract(v, h, cos_t, eta_ti))
+        l = dr.select(sample1 < lost, diffuse, facet)
+        ok = active & (dr.select(mirrors, l.z > 0, l.z < 0))
+        value, pdf = self.eval_pdf(ctx, si, l * flip, ok)
+        ok &= pdf > 0
+        bs = mi.BSDFSample3f()
+        bs.wo = l * flip
+        bs.pdf = dr.select(ok, pdf, 0)
+        bs.eta = dr.select(mirrors, 1.0, eta_it)
+        bs.sampled_type = dr.select(mirrors, mi.UInt32(+mi.BSDFFlags.GlossyReflection), mi.UInt32(+mi.BSDFFlags.GlossyTransmission))
+        bs.sampled_component = dr.select(mirrors, mi.UInt32(0), mi.UInt32(1))
+        return bs, dr.select(ok, value / pdf, 0)
+
+    def eval(self, ctx, si, wo, active=True):
+        return self.eval_pdf(ctx, si, wo, active)[0]
+
+    def pdf(self, ctx, si, wo, active=True):
+        return self.eval_pdf(ctx, si, wo, active)[1]
+
+    def to_string(self):
+        return "Glass[]"
