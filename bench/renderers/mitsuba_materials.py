@@ -117,7 +117,7 @@ def tiles(own, theirs):
     error = np.sqrt(a.var(axis=0, ddof=1) / len(a) + b.var(axis=0, ddof=1) / len(b))
     gap = a.mean(axis=0) - b.mean(axis=0)
     off = (np.abs(gap) > 3 * error + 0.005 * b.mean(axis=0)).any(axis=-1)
-    z = (gap / error)[error > 0]
+    z = gap[error > 0] / error[error > 0]
     return off.sum(), off.size, z.mean(), z.std()
 
 

@@ -130,8 +130,9 @@ fn gloss_and_mirrors_agree() {
     let view = view(&shiny(), false);
     let rays = tiles(&view, &by(Integrator::Path, 64, 1, None), 16);
     // Caustics make the paths' mean noisy: tiles, judged by their noise, say more.
+    // With so many virtual lights two rays leave what the eye sees.
     for integrator in WITH_VIRTUAL_LIGHTS {
-        assert_same(&tiles(&view, &by(integrator, 3, 64, None), 16), &rays, 0.04, integrator.name());
+        assert_same(&tiles(&view, &by(integrator, 1, 512, None), 16), &rays, 0.04, integrator.name());
     }
 }
 

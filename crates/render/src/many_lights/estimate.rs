@@ -3,8 +3,9 @@
 //! Source: [Kel97]; the energy that the bound takes from virtual lights comes back by rays [KK06]; light from lamps by
 //! light samples and scattered rays, weighted [VG95]. Space: world.
 //! A path ends at a lamp. Its last edge but one, seen from the eye, is the first whose ends both scatter smoothly:
-//! virtual lights bring its share of that edge, a ray that the eye's BSDF chooses brings the rest, and from there on the
-//! same again, with few virtual lights chosen by chance. Mirrors and smooth glass are followed: no virtual light is there.
+//! virtual lights bring its share of that edge, a few rays that the eye's BSDF chooses bring the rest, and from there on the
+//! same again, with one ray and few virtual lights chosen by chance. Mirrors and smooth glass are followed: no virtual light
+//! is there.
 //! Proof: crates/render/tests/many_lights.rs.
 
 use std::f32::consts::FRAC_1_PI;
@@ -48,7 +49,7 @@ struct Last {
     pdf: f32,
     /// The side that light samples were taken for.
     side: Vec3,
-    /// How many light samples were taken there.
+    /// How many light samples were taken there for each ray that left it.
     light_samples: f32,
     /// What virtual lights brought there.
     bound: Bound,
@@ -68,6 +69,8 @@ struct Walk {
     is_seen: bool,
     /// What light straight from lamps counts where it left.
     lamp_gain: f32,
+    /// How many walks share the light of its lane.
+    siblings: f32,
 }
 
 /// Where a walk arrived and goes on from.
@@ -92,6 +95,13 @@ impl Stop {
             * last.point.ng.dot(self.eye.wo).abs()
             / distance2;
         1.0 - last.bound.share(pdf_eye, pdf_vpl)
+    }
+
+    /// How many rays go on from here: several where the eye sees what only scatters smoothly.
+    fn rays(&self, pass: &PassLights) -> u32 {
+        let bsdf = &self.eye.bsdf;
+        let is_smooth = || bsdf.is_smooth() && bsdf.delta_branches(self.eye.wo).iter().all(Option::is_none);
+        if self.walk.is_seen && is_smooth() { pass.rays } else { 1 }
     }
 
     /// Whether virtual lights bring all that it could.
@@ -137,6 +147,7 @@ fn all_radiance(
             last: None,
             is_seen: true,
             lamp_gain: 1.0,
+            siblings: 1.0,
         })
         .collect();
     // What the eye sees of shaders that only know `shade` is what they show.
@@ -313,6 +324,7 @@ pub(super) fn rest_at(tracer: &mut BatchTracer, points: &SurfaceBatch) -> Vec<Op
             is_seen: false,
             // The shader asks lamps itself.
             lamp_gain: 0.0,
+            siblings: 1.0,
         });
         *found = Some(Rest { dir, cos, dist: f32::INFINITY, radiance: Vec3::ZERO });
     }
@@ -432,11 +444,11 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
             if scattered == Vec3::ZERO {
                 continue;
             }
-            let count = count as f32;
+            let (count, rays) = (count as f32, stop.rays(pass) as f32);
             let share = if sample.delta {
                 1.0
             } else {
-                count * sample.pdf / (count * sample.pdf + eye.bsdf.pdf(eye.wo, sample.dir))
+                count * sample.pdf / (count * sample.pdf + rays * eye.bsdf.pdf(eye.wo, sample.dir))
             };
             let offer = eye.throughput * scattered * sample.radiance * (share / (count * sample.pdf));
             let offer = offer * (lamp_gain * stop.rest(sample.dir));
@@ -531,7 +543,7 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
         promises.ask(level, eyes);
         for (lane, Stop { walk, eye, .. }) in stops.iter().enumerate() {
             let [u, _] = sample_pair(seed, walk.key, walk.edges, purpose::CHOICE);
-            promises.choose(lane, pass.few, u, |vpl, weight| {
+            promises.choose(lane, pass.few_at(walk.edges), u, |vpl, weight| {
                 let Some(brought) = vpl.brings(eye, &bound, max_edges) else { return };
                 let way = vpl.point.p - eye.point.p;
                 let offer = brought * (stops[lane].rest(way.normalize()) * weight);
@@ -552,42 +564,62 @@ fn lamp_side(eye: &EyePoint) -> Vec3 {
 
 /// Where walks go on.
 fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> (RayBatch, Vec<Walk>) {
-    let seed = tracer.options.seed;
     let (mut rays, mut walks) = (RayBatch::default(), Vec::new());
     for stop in stops {
-        let Stop { walk, eye, .. } = stop;
-        let [u, v] = sample_pair(seed, walk.key, walk.edges, purpose::DIRECTION);
-        let [lobe, end] = sample_pair(seed, walk.key, walk.edges, purpose::LOBE);
-        let Some(sample) = eye.bsdf.sample(eye.wo, [lobe, u, v]) else { continue };
-        let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) else { continue };
-        let rest = if sample.delta { 1.0 } else { stop.rest(sample.wi) };
-        let mut throughput = walk.throughput * sample.weight * rest;
-        if walk.edges > 2 && !walk.is_seen {
-            let survival = throughput.max_element().clamp(0.05, 1.0);
-            if end >= survival {
-                continue;
+        let count = stop.rays(pass);
+        for n in 0..count {
+            if let Some((ray, walk)) = scattered(tracer.options.seed, pass, stop, (n, count)) {
+                rays.push(ray);
+                walks.push(walk);
             }
-            throughput /= survival;
         }
-        if throughput == Vec3::ZERO || !throughput.is_finite() {
-            continue;
-        }
-        let light_samples = pass.light_samples(walk.is_seen) as f32;
-        rays.push(ray);
-        walks.push(Walk {
-            throughput,
-            edges: walk.edges + 1,
-            last: (!sample.delta).then_some(Last {
-                point: eye.point,
-                pdf: sample.pdf,
-                side: lamp_side(eye),
-                light_samples,
-                bound: pass.bound_at(walk.is_seen),
-            }),
-            is_seen: walk.is_seen && sample.delta,
-            lamp_gain: stop.lamp_gain,
-            ..*walk
-        });
     }
     (rays, walks)
+}
+
+/// The `n`th of `count` rays that go on from a stop.
+fn scattered(
+    seed: u64,
+    pass: &PassLights,
+    stop: &Stop,
+    (n, count): (u32, u32),
+) -> Option<(gnurt_accel::Ray, Walk)> {
+    let Stop { walk, eye, .. } = stop;
+    let key = SampleKey { sample: walk.key.sample.wrapping_mul(count).wrapping_add(n), ..walk.key };
+    let [u, v] = sample_pair(seed, key, walk.edges, purpose::DIRECTION);
+    let [lobe, end] = sample_pair(seed, key, walk.edges, purpose::LOBE);
+    let sample = eye.bsdf.sample(eye.wo, [lobe, u, v])?;
+    let ray = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)?;
+    let rest = if sample.delta { 1.0 } else { stop.rest(sample.wi) };
+    let mut throughput = walk.throughput * sample.weight * rest;
+    if walk.edges > 2 && !walk.is_seen {
+        // Siblings are not ended for being many.
+        let survival = (throughput.max_element() * walk.siblings).clamp(0.05, 1.0);
+        if end >= survival {
+            return None;
+        }
+        throughput /= survival;
+    }
+    throughput /= count as f32;
+    if throughput == Vec3::ZERO || !throughput.is_finite() {
+        return None;
+    }
+    let last = Last {
+        point: eye.point,
+        pdf: sample.pdf,
+        side: lamp_side(eye),
+        light_samples: pass.light_samples(walk.is_seen) as f32 / count as f32,
+        bound: pass.bound_at(walk.is_seen),
+    };
+    let next = Walk {
+        key: if count > 1 { walk.key.fork(n) } else { walk.key },
+        throughput,
+        edges: walk.edges + 1,
+        last: (!sample.delta).then_some(last),
+        is_seen: walk.is_seen && sample.delta,
+        lamp_gain: stop.lamp_gain,
+        siblings: walk.siblings * count as f32,
+        ..*walk
+    };
+    Some((ray, next))
 }

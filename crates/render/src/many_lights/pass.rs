@@ -31,8 +31,10 @@ pub(crate) struct PassLights {
     whole: OnceLock<Vec<Source>>,
     unseen: OnceLock<Vec<Source>>,
     pub(crate) bound: Bound,
-    /// How many are asked where the eye does not see: those that promise most.
-    pub(crate) few: u32,
+    /// Rays that leave a point that the eye sees.
+    pub(crate) rays: u32,
+    /// How many are asked where such a ray ends: those that promise most.
+    few: u32,
     /// Light samples at each point that the eye sees.
     light_samples: u32,
     /// What it took to put them there.
@@ -65,13 +67,14 @@ impl PassLights {
         let bound = bound_of(job.world, options);
         let few = (options.vpls / 64).clamp(1, 16);
         let pattern = options.pattern();
+        let rays = if pattern.is_some() { 1 } else { (options.vpls / 256).clamp(1, MOST_RAYS) };
         let shares = pattern.map_or_else(Vec::new, |n| interleave::shares(&vpls, n));
         // Where pixels are averaged, each needs fewer.
         let per_pixel = |of_window: u32| pattern.map_or(of_window, |n| of_window.div_ceil(n * n));
-        let (few, light_samples) = (per_pixel(few), per_pixel(few));
+        let (few, light_samples) = (per_pixel(few).div_ceil(rays.min(2)), per_pixel(few));
         let sources = shares.iter().map(|share| sources(share, &bound)).collect();
         let [whole, unseen] = [OnceLock::new(), OnceLock::new()];
-        Self { vpls, shares, sources, whole, unseen, bound, few, light_samples, stats }
+        Self { vpls, shares, sources, whole, unseen, bound, rays, few, light_samples, stats }
     }
 
     /// All virtual lights, ready to be gathered.
@@ -89,11 +92,20 @@ impl PassLights {
         if is_seen { self.bound } else { self.bound.times(UNSEEN) }
     }
 
+    /// How many virtual lights are asked at the end of a path of so many edges from the eye, where that does not see.
+    pub(super) fn few_at(&self, edges: u32) -> u32 {
+        if edges > 2 { self.few.div_ceil(2) } else { self.few }
+    }
+
     /// How many light samples a point gets: many where the eye sees it.
     pub(crate) fn light_samples(&self, is_seen: bool) -> u32 {
         if is_seen { self.light_samples } else { 1 }
     }
 }
+
+/// Rays at most that leave a point that the eye sees: a ray costs little beside what virtual lights cost there, and brings
+/// most of the error where surfaces are glossy.
+const MOST_RAYS: u32 = 4;
 
 /// How much more virtual lights bring where the eye does not see: spots blur there, and rays that go on are noisier.
 const UNSEEN: f32 = 4.0;

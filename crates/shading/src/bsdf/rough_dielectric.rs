@@ -320,7 +320,7 @@ mod tests {
             }
             let wanted = sum * 2.0 * std::f64::consts::TAU / f64::from(rings * sectors);
             let found = f64::from(Glass::of(ggx, eta).albedo(cos));
-            assert!((found - wanted).abs() < 0.01, "{roughness} {eta} {cos}: {found}, not {wanted}");
+            assert!((found - wanted).abs() < 4e-3, "{roughness} {eta} {cos}: {found}, not {wanted}");
         }
     }
 }
