@@ -7,10 +7,13 @@
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Coherence, HitBatch, Instance, ObjectTree, Quality, Query, Ray, RayBatch, Record,
+    BuildOptions, Coherence, HitBatch, Instance, Memory, ObjectTree, Quality, Query, Ray, RayBatch, Record,
     SceneTree, Structure, Threads, Triangles,
 };
 use gnurt_testkit::{Random, Soup, closed, rays};
+
+/// What is built.
+type Kind = (Structure, Quality, Memory);
 
 /// Closed meshes with the radius of a ball that is inside.
 fn meshes() -> [(&'static str, Soup, f32); 3] {
@@ -23,9 +26,9 @@ fn meshes() -> [(&'static str, Soup, f32); 3] {
 
 /// Every way to ask, as a scene `distance` units away along each axis; instances are moved by their transform, so that
 /// what is tested is the world's side of the journey, too.
-fn scene(mesh: &Soup, structure: Structure, quality: Quality, distance: f64) -> SceneTree {
+fn scene(mesh: &Soup, (structure, quality, memory): Kind, distance: f64) -> SceneTree {
     let triangles = [Triangles { positions: &mesh.positions, indices: &mesh.indices }];
-    let options = BuildOptions { structure, quality, ..BuildOptions::default() };
+    let options = BuildOptions { structure, quality, memory, ..BuildOptions::default() };
     let mut instance = Instance::identity(Arc::new(ObjectTree::build(&triangles, &options, Threads::Single)));
     instance.world_from_object[3] = [distance, -distance, distance];
     SceneTree::build(&[instance])
@@ -37,9 +40,10 @@ fn main() -> Result<(), String> {
         None => 100_000_000,
     };
     let kinds = [
-        (Structure::Bvh, Quality::Medium),
-        (Structure::Bvh, Quality::High),
-        (Structure::Kd, Quality::Medium),
+        (Structure::Bvh, Quality::Medium, Memory::Fast),
+        (Structure::Bvh, Quality::High, Memory::Fast),
+        (Structure::Bvh, Quality::Medium, Memory::Compact),
+        (Structure::Kd, Quality::Medium, Memory::Fast),
     ];
     let ways = [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent];
     let mut random = Random::new(1);
@@ -48,8 +52,8 @@ fn main() -> Result<(), String> {
     'all: loop {
         for (name, mesh, radius) in meshes() {
             for distance in [0.0f64, 1e6] {
-                for (structure, quality) in kinds {
-                    let scene = scene(&mesh, structure, quality, distance);
+                for kind in kinds {
+                    let scene = scene(&mesh, kind, distance);
                     for coherence in ways {
                         let from = random.point().map(|x| 0.5 * radius * x);
                         let shift = [distance, -distance, distance];
@@ -64,9 +68,7 @@ fn main() -> Result<(), String> {
                         scene.intersect_batch(&query, &batch, &mut hits, &mut Record::default());
                         let missed = (0..hits.len()).filter(|&i| hits.get(i).is_none()).count() as u64;
                         if missed > 0 {
-                            println!(
-                                "{missed} leaks: {name}, {structure:?}, {quality:?}, {coherence:?}, {distance}"
-                            );
+                            println!("{missed} leaks: {name}, {kind:?}, {coherence:?}, {distance}");
                         }
                         leaks += missed;
                         sent += batch.len() as u64;

@@ -150,7 +150,7 @@ pub use geometry::{
 pub use gnurt_simd::Level;
 pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
 pub use object::ObjectTree;
-pub use options::{BuildOptions, Quality, Structure, Threads, TriangleTest};
+pub use options::{BuildOptions, Memory, Quality, Structure, Threads, TriangleTest};
 pub use pencil::Pencil;
 pub use point::PointHit;
 pub use query::{Coherence, Counters, Query, Record};

@@ -122,7 +122,7 @@ impl ObjectTree {
         let mut stats = TreeStats::default();
         for (kind, mask) in groups {
             let wanted = |geometry: &Geometry| (kind_of(geometry), geometry.mask) == (kind, mask);
-            let quality = options.quality;
+            let (quality, memory) = (options.quality, options.memory);
             let mut triangles = None;
             watch.result()?;
             let index = match kind {
@@ -140,17 +140,19 @@ impl ObjectTree {
                     }
                     let index = match options.structure {
                         Structure::Kd => Index::Kd(KdIndex::build(&screened, options, threads, &watch)?),
-                        Structure::Bvh => Index::Bvh(BvhIndex::build(&screened, quality, threads, &watch)?),
+                        Structure::Bvh => {
+                            Index::Bvh(BvhIndex::build(&screened, quality, memory, threads, &watch)?)
+                        }
                     };
                     watch.give(bytes);
                     index
                 }
                 Kind::Spheres => Index::Spheres(SphereIndex::build(
-                    geometries, &numbering, wanted, &mut bad, quality, threads,
+                    geometries, &numbering, wanted, &mut bad, quality, memory, threads,
                 )),
-                Kind::User => {
-                    Index::User(UserIndex::build(geometries, &numbering, wanted, &mut bad, quality, threads))
-                }
+                Kind::User => Index::User(UserIndex::build(
+                    geometries, &numbering, wanted, &mut bad, quality, memory, threads,
+                )),
             };
             if !index.bounds().is_empty() {
                 let measured = index.stats();

@@ -35,6 +35,17 @@ pub enum Quality {
     High,
 }
 
+/// What a BVH's place in memory is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Memory {
+    /// Rays: about 50 bytes per triangle.
+    #[default]
+    Fast,
+    /// What else is to fit: about half of that, for the same hits, bit for bit, by slower rays. Boxes of nodes are rounded
+    /// to eight bits outwards, leaves have each corner once.
+    Compact,
+}
+
 /// Settings of the builders. The default suits almost everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
@@ -42,6 +53,8 @@ pub struct BuildOptions {
     pub structure: Structure,
     /// How carefully.
     pub quality: Quality,
+    /// For speed, or to be small. Kd-trees take no notice.
+    pub memory: Memory,
     /// The triangle test that queries use. A BVH always uses the watertight one.
     pub triangle_test: TriangleTest,
     /// Kd-tree: cost of a triangle test in units of one step through a node. Little, since triangles are tested eight at
@@ -61,6 +74,7 @@ impl Default for BuildOptions {
         Self {
             structure: Structure::default(),
             quality: Quality::default(),
+            memory: Memory::default(),
             triangle_test: TriangleTest::Watertight,
             triangle_cost: 0.1,
             empty_factor: 0.8,

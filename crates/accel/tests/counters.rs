@@ -27,7 +27,7 @@ fn packets_count_what_single_rays_do() {
         let object = build(&[closed::torus(12), Soup::random(2, 200, 0.4)], test);
         let mut first: Option<[Counters; 2]> = None;
         // Tiles go through leaves of blocks together.
-        let exact = matches!(test, Kind(Structure::Kd, _, TriangleTest::Projected));
+        let exact = matches!(test, Kind(Structure::Kd, _, TriangleTest::Projected, _));
         for query in queries() {
             let (mut closest, mut any) = (Record::default(), Record::default());
             object.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut closest);

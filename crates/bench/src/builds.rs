@@ -14,7 +14,7 @@ use crate::clock::process_seconds;
 use crate::contest::check;
 use crate::embree::EmbreeEngine;
 use crate::ffi_embree::{Device, Scene};
-use crate::job::{Asked, ENGINES, EmbreeKind, Packets, QUALITIES, STRUCTURES, quality_name, structure_name};
+use crate::job::{Asked, ENGINES, EmbreeKind, OwnKind, Packets};
 use crate::memory::growth;
 use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
@@ -70,14 +70,13 @@ pub struct BuildRow {
 /// Something to be built.
 #[derive(Clone, Copy)]
 enum Plan {
-    Own(Structure, Quality),
+    Own(OwnKind),
     Embree(EmbreeKind),
 }
 
 impl Plan {
     fn all() -> Vec<Self> {
-        let own = STRUCTURES.iter().flat_map(|s| QUALITIES.iter().map(|q| Self::Own(*s, *q)));
-        own.chain(EmbreeKind::ALL.map(Self::Embree)).collect()
+        OwnKind::ALL.into_iter().map(Self::Own).chain(EmbreeKind::ALL.map(Self::Embree)).collect()
     }
 
     fn engine(self) -> &'static str {
@@ -86,9 +85,7 @@ impl Plan {
 
     fn mode(self) -> String {
         match self {
-            Self::Own(structure, quality) => {
-                format!("{}-{}", structure_name(structure), quality_name(quality))
-            }
+            Self::Own(kind) => kind.name(),
             Self::Embree(kind) => kind.name().into(),
         }
     }
@@ -102,7 +99,7 @@ fn plans(filter: &Filter) -> Result<Vec<Plan>, Error> {
         return Err(Error::NothingToDo { valid: modes });
     }
     // A kd-tree of high quality is one of medium quality.
-    let is_usual = |plan: &Plan| !matches!(plan, Plan::Own(Structure::Kd, Quality::High));
+    let is_usual = |plan: &Plan| !matches!(plan, Plan::Own(kind) if (kind.structure, kind.quality) == (Structure::Kd, Quality::High));
     plans.retain(|plan| match filter.modes.is_empty() {
         true => is_usual(plan),
         false => filter.modes.iter().any(|part| plan.mode().contains(part)),
@@ -207,10 +204,9 @@ impl<'a> Site<'a> {
 
     fn construct(&self, plan: Plan) -> Result<Built<'a>, Error> {
         match (plan, self.device) {
-            (Plan::Own(structure, quality), _) => {
-                let options = BuildOptions { structure, quality, ..BuildOptions::default() };
+            (Plan::Own(kind), _) => {
                 let threads = if self.threads == 1 { Threads::Single } else { Threads::Pool(self.pool) };
-                let tree = ObjectTree::build(&[self.subject.triangles()], &options, threads);
+                let tree = ObjectTree::build(&[self.subject.triangles()], &kind.options(), threads);
                 Ok(Built::Own(Box::new(tree)))
             }
             (Plan::Embree(kind), Some(device)) => {
@@ -362,7 +358,7 @@ mod tests {
         let filter = Filter { engines: vec!["gnurt".into()], modes: Vec::new() };
         let options = Options { filter, rounds: 2, level: Level::best() };
         let rows = run(&subject, &options, None, &pool, &mut |_| {}).expect("it can be built");
-        assert_eq!(rows.len(), 2 * 5, "five builds with one thread and with two");
+        assert_eq!(rows.len(), 2 * 6, "six builds with one thread and with two");
         for row in &rows {
             assert!(row.bytes > 0 && row.sah_cost.is_some_and(|cost| cost > 0.0), "{row:?}");
             assert!(row.wall_s > 0.0 && row.min <= row.cpu_s && row.cpu_s <= row.max, "{row:?}");

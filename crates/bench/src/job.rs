@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use gnurt::accel::{Coherence, Quality, Structure};
+use gnurt::accel::{BuildOptions, Coherence, Memory, Quality, Structure};
 
 use crate::Error;
 
@@ -13,10 +13,8 @@ use crate::Error;
 pub enum Job {
     /// One of our trees.
     Own {
-        /// The structure.
-        structure: Structure,
-        /// How carefully it is built.
-        quality: Quality,
+        /// What is built.
+        kind: OwnKind,
         /// How it is asked.
         asked: Asked,
     },
@@ -27,6 +25,17 @@ pub enum Job {
         /// How it is asked.
         packets: Packets,
     },
+}
+
+/// How we build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OwnKind {
+    /// The structure.
+    pub structure: Structure,
+    /// How carefully it is built.
+    pub quality: Quality,
+    /// Whether it is to be fast or small.
+    pub memory: Memory,
 }
 
 /// How one of our trees is asked.
@@ -48,7 +57,7 @@ pub enum EmbreeKind {
     /// Medium quality, watertight: what is fairly compared with our trees. (With high quality, robust scenes are the
     /// same as these.)
     Robust,
-    /// Medium quality in less memory. Built only: it is slower than the others.
+    /// Medium quality in less memory: what is fairly compared with our compact trees.
     Compact,
 }
 
@@ -62,10 +71,7 @@ pub struct Packets {
 }
 
 impl EmbreeKind {
-    /// What is built.
     pub(crate) const ALL: [Self; 4] = [Self::Medium, Self::High, Self::Robust, Self::Compact];
-    /// What rays are traced through.
-    pub(crate) const TRACED: [Self; 3] = [Self::Medium, Self::High, Self::Robust];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -77,21 +83,40 @@ impl EmbreeKind {
     }
 }
 
-pub(crate) const STRUCTURES: [Structure; 2] = [Structure::Bvh, Structure::Kd];
-pub(crate) const QUALITIES: [Quality; 3] = [Quality::Fast, Quality::Medium, Quality::High];
+impl OwnKind {
+    pub(crate) const MEDIUM: Self = Self::new(Structure::Bvh, Quality::Medium);
+    pub(crate) const ALL: [Self; 7] = [
+        Self::new(Structure::Bvh, Quality::Fast),
+        Self::MEDIUM,
+        Self::new(Structure::Bvh, Quality::High),
+        Self { memory: Memory::Compact, ..Self::MEDIUM },
+        Self::new(Structure::Kd, Quality::Fast),
+        Self::new(Structure::Kd, Quality::Medium),
+        Self::new(Structure::Kd, Quality::High),
+    ];
 
-pub(crate) fn structure_name(structure: Structure) -> &'static str {
-    match structure {
-        Structure::Bvh => "bvh",
-        Structure::Kd => "kd",
+    const fn new(structure: Structure, quality: Quality) -> Self {
+        Self { structure, quality, memory: Memory::Fast }
     }
-}
 
-pub(crate) fn quality_name(quality: Quality) -> &'static str {
-    match quality {
-        Quality::Fast => "fast",
-        Quality::Medium => "medium",
-        Quality::High => "high",
+    pub(crate) fn options(self) -> BuildOptions {
+        let Self { structure, quality, memory } = self;
+        BuildOptions { structure, quality, memory, ..BuildOptions::default() }
+    }
+
+    /// `bvh-medium`, `bvh-compact`, `kd-fast`, ...
+    pub(crate) fn name(self) -> String {
+        let structure = match self.structure {
+            Structure::Bvh => "bvh",
+            Structure::Kd => "kd",
+        };
+        let quality = match (self.memory, self.quality) {
+            (Memory::Compact, _) => "compact",
+            (_, Quality::Fast) => "fast",
+            (_, Quality::Medium) => "medium",
+            (_, Quality::High) => "high",
+        };
+        format!("{structure}-{quality}")
     }
 }
 
@@ -109,14 +134,14 @@ impl Job {
     #[must_use]
     pub fn mode(&self) -> String {
         match self {
-            Self::Own { structure, quality, asked } => {
+            Self::Own { kind, asked } => {
                 let asked = match asked {
                     Asked::One => "one",
                     Asked::Batch(Coherence::Coherent) => "coherent",
                     Asked::Batch(Coherence::Fanned) => "fanned",
                     Asked::Batch(Coherence::Incoherent) => "incoherent",
                 };
-                format!("{}-{}-{asked}", structure_name(*structure), quality_name(*quality))
+                format!("{}-{asked}", kind.name())
             }
             Self::Embree { kind, packets } => {
                 let coherent = if packets.coherent { "-coherent" } else { "" };
@@ -129,15 +154,12 @@ impl Job {
     #[must_use]
     pub fn all() -> Vec<Self> {
         let mut jobs = Vec::new();
-        for structure in STRUCTURES {
-            for quality in QUALITIES {
-                let batches =
-                    [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent].map(Asked::Batch);
-                let asked = [Asked::One].into_iter().chain(batches);
-                jobs.extend(asked.map(|asked| Self::Own { structure, quality, asked }));
-            }
+        for kind in OwnKind::ALL {
+            let batches = [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent].map(Asked::Batch);
+            let asked = [Asked::One].into_iter().chain(batches);
+            jobs.extend(asked.map(|asked| Self::Own { kind, asked }));
         }
-        for kind in EmbreeKind::TRACED {
+        for kind in EmbreeKind::ALL {
             for (size, coherent) in [(1, false), (8, false), (8, true), (16, false), (16, true)] {
                 jobs.push(Self::Embree { kind, packets: Packets { size, coherent } });
             }
@@ -145,12 +167,15 @@ impl Job {
         jobs
     }
 
-    /// Whether it is timed when nobody says what: not fast builds, and kd-trees of one quality, since high is medium.
+    /// Whether it is timed when nobody says what: not fast builds and small trees, and kd-trees of one quality, since high
+    /// is medium.
     fn is_usual(&self) -> bool {
         match self {
-            Self::Own { structure: Structure::Kd, quality, .. } => *quality == Quality::Medium,
-            Self::Own { quality, .. } => *quality != Quality::Fast,
-            Self::Embree { .. } => true,
+            Self::Own { kind: OwnKind { structure: Structure::Kd, quality, .. }, .. } => {
+                *quality == Quality::Medium
+            }
+            Self::Own { kind, .. } => kind.quality != Quality::Fast && kind.memory == Memory::Fast,
+            Self::Embree { kind, .. } => *kind != EmbreeKind::Compact,
         }
     }
 }
@@ -209,7 +234,7 @@ mod tests {
         let count = names.len();
         names.sort();
         names.dedup();
-        assert_eq!((count, names.len()), (24 + 15, 24 + 15), "one name each");
+        assert_eq!((count, names.len()), (28 + 20, 28 + 20), "one name each");
     }
 
     #[test]
@@ -227,6 +252,12 @@ mod tests {
         );
         let usual = modes(&["gnurt"], &[]).expect("there are such");
         assert_eq!(usual.len(), 12, "medium and high, and one kd-tree: {usual:?}");
+        let small = modes(&[], &["compact-one", "compact-16"]).expect("there are such");
+        assert_eq!(
+            small,
+            ["gnurt bvh-compact-one", "embree4 compact-16", "embree4 compact-16-coherent"],
+            "small trees"
+        );
         assert!(modes(&["gnurt"], &["kd-medium", "robust"]).is_err(), "a name that is in none is a slip");
     }
 }

@@ -2,13 +2,13 @@
 //! What the jobs of a scene ask: our trees and Embree's scenes, each built once. Source: original.
 
 use gnurt::ThreadPool;
-use gnurt::accel::{BuildOptions, ObjectTree, Quality, Structure, Threads};
+use gnurt::accel::{ObjectTree, Threads};
 use gnurt::simd::Level;
 
 use crate::contest::Contestant;
 use crate::embree::EmbreeEngine;
 use crate::ffi_embree::{Device, Scene};
-use crate::job::{Asked, EmbreeKind, quality_name, structure_name};
+use crate::job::{Asked, EmbreeKind, OwnKind};
 use crate::own::OwnEngine;
 use crate::rays::News;
 use crate::{EmbreeLibrary, Error, Job, Subject};
@@ -18,7 +18,7 @@ pub(crate) type Rival<'a> = (&'a EmbreeLibrary, &'a Device<'a>);
 
 /// All that is asked.
 pub(crate) struct Trees<'a> {
-    own: Vec<(Structure, Quality, ObjectTree)>,
+    own: Vec<(OwnKind, ObjectTree)>,
     embree: Vec<(EmbreeKind, Scene<'a>)>,
     device: Option<&'a Device<'a>>,
 }
@@ -34,32 +34,21 @@ impl<'a> Trees<'a> {
     ) -> Result<Self, Error> {
         let mut trees = Self { own: Vec::new(), embree: Vec::new(), device: rival.map(|(_, device)| device) };
         // The tree that decides what primary rays see comes first: the same whatever is measured.
-        trees.add_own(subject, Structure::Bvh, Quality::Medium, pool, tell);
+        trees.add_own(subject, OwnKind::MEDIUM, pool, tell);
         for job in jobs {
             match *job {
-                Job::Own { structure, quality, .. } => {
-                    trees.add_own(subject, structure, quality, pool, tell);
-                }
+                Job::Own { kind, .. } => trees.add_own(subject, kind, pool, tell),
                 Job::Embree { kind, .. } => trees.add_embree(subject, kind, rival, tell)?,
             }
         }
         Ok(trees)
     }
 
-    fn add_own(
-        &mut self,
-        subject: &Subject,
-        structure: Structure,
-        quality: Quality,
-        pool: &ThreadPool,
-        tell: &mut dyn FnMut(News),
-    ) {
-        if self.own(structure, quality).is_none() {
-            let options = BuildOptions { structure, quality, ..BuildOptions::default() };
-            let tree = ObjectTree::build(&[subject.triangles()], &options, Threads::Pool(pool));
-            let (structure_name, quality_name) = (structure_name(structure), quality_name(quality));
-            tell(News::Built(format!("{}: gnurt {structure_name}-{quality_name}", subject.name)));
-            self.own.push((structure, quality, tree));
+    fn add_own(&mut self, subject: &Subject, kind: OwnKind, pool: &ThreadPool, tell: &mut dyn FnMut(News)) {
+        if self.own(kind).is_none() {
+            let tree = ObjectTree::build(&[subject.triangles()], &kind.options(), Threads::Pool(pool));
+            tell(News::Built(format!("{}: gnurt {}", subject.name, kind.name())));
+            self.own.push((kind, tree));
         }
     }
 
@@ -81,23 +70,22 @@ impl<'a> Trees<'a> {
         Ok(())
     }
 
-    fn own(&self, structure: Structure, quality: Quality) -> Option<&ObjectTree> {
-        let found = self.own.iter().find(|(s, q, _)| *s == structure && *q == quality);
-        found.map(|(_, _, tree)| tree)
+    fn own(&self, kind: OwnKind) -> Option<&ObjectTree> {
+        self.own.iter().find(|(known, _)| *known == kind).map(|(_, tree)| tree)
     }
 
     /// The tree that decides what primary rays see.
     pub(crate) fn reference(&self) -> &ObjectTree {
-        &self.own[0].2
+        &self.own[0].1
     }
 
     /// Who does a job. Nobody does what this CPU has no code for, and single calls know the CPU's best level only.
     pub(crate) fn contestant(&'a self, job: Job, level: Level) -> Option<Contestant<'a>> {
         let (engine, mode, isa) = (job.engine(), job.mode(), level.name());
         match job {
-            Job::Own { structure, quality, asked } => {
+            Job::Own { kind, asked } => {
                 let is_possible = asked != Asked::One || level == Level::best();
-                let tree = self.own(structure, quality).filter(|_| is_possible)?;
+                let tree = self.own(kind).filter(|_| is_possible)?;
                 Some(Contestant { engine, mode, isa, tracer: Box::new(OwnEngine { tree, asked, level }) })
             }
             Job::Embree { kind, packets } => {

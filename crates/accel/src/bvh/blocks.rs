@@ -58,9 +58,11 @@ impl<S: Simd> BlockRay<S> {
 }
 
 impl TriangleBlock {
+    pub(crate) const ZERO: Self = Self { corners: [[[0.0; WIDTH]; 3]; 3], numbers: [0; WIDTH] };
+
     /// From numbers of triangles; `INVALID_ID` where there is none, which is not so for the first.
     pub(crate) fn new(screened: &Screened, numbers: &[u32; WIDTH]) -> Self {
-        let mut block = Self { corners: [[[0.0; WIDTH]; 3]; 3], numbers: *numbers };
+        let mut block = Self { numbers: *numbers, ..Self::ZERO };
         for lane in 0..WIDTH {
             if block.numbers[lane] == INVALID_ID {
                 block.numbers[lane] = block.numbers[0];

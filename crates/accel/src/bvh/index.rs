@@ -4,10 +4,10 @@
 
 mod store;
 
-use gnurt_simd::{Simd, prefer_huge_pages};
-use rayon::prelude::*;
+use gnurt_simd::Simd;
 
 use super::blocks::{BlockRay, TriangleBlock};
+use super::leaves::Leaves;
 use super::slab::NodeRay;
 use super::sweep::Sweep;
 use super::{Child, Primitives, Tree, WIDTH, try_build};
@@ -17,13 +17,13 @@ use crate::kd::split_boxes;
 use crate::nearest::{Collect, Mode};
 use crate::packet::Heading;
 use crate::tile::{NearestTile, RayTile};
-use crate::{Aabb, BuildError, Counters, Quality, Ray, Threads, TreeStats};
+use crate::{Aabb, BuildError, Counters, Memory, Quality, Ray, Threads, TreeStats};
 
 /// Tree and triangles.
 #[derive(Debug, PartialEq)]
 pub(crate) struct BvhIndex {
     tree: Tree,
-    blocks: Vec<TriangleBlock>,
+    leaves: Leaves,
     reach: f32,
     stats: TreeStats,
 }
@@ -47,25 +47,20 @@ impl BvhIndex {
     pub(crate) fn build(
         screened: &Screened,
         quality: Quality,
+        memory: Memory,
         threads: Threads,
         watch: &Watch,
     ) -> Result<Self, BuildError> {
         let mut tree = try_build(screened, quality, threads, watch)?;
-        watch.take(tree.blocks.len() * size_of::<TriangleBlock>());
-        watch.result()?;
+        let mut held = tree.node_bytes();
+        tree.settle(memory);
+        watch.recount(&mut held, tree.node_bytes());
         let stats = tree.measure();
         let in_blocks = std::mem::take(&mut tree.blocks);
-        let number = |i: u32| screened.good.get(i as usize).copied().unwrap_or(crate::INVALID_ID);
-        let mut blocks = Vec::with_capacity(in_blocks.len());
-        prefer_huge_pages(&blocks);
-        let block = |places: &[u32; WIDTH]| TriangleBlock::new(screened, &places.map(number));
-        threads.run(|parallel| match parallel {
-            true => blocks.par_extend(in_blocks.par_iter().with_min_len(256).map(block)),
-            false => blocks.extend(in_blocks.iter().map(block)),
-        });
+        let leaves = Leaves::build(screened, memory, &in_blocks, threads, watch)?;
         watch.give(size_of_val(&in_blocks[..]));
-        let reach = tree.bounds.reach();
-        Ok(Self { tree, blocks, reach, stats })
+        let reach = tree.reach();
+        Ok(Self { tree, leaves, reach, stats })
     }
 
     /// Box around all triangles.
@@ -74,14 +69,14 @@ impl BvhIndex {
     }
 
     /// Tree and triangles.
-    pub(super) fn parts(&self) -> (&Tree, &[TriangleBlock]) {
-        (&self.tree, &self.blocks)
+    pub(super) fn parts(&self) -> (&Tree, &Leaves) {
+        (&self.tree, &self.leaves)
     }
 
     pub(crate) fn stats(&self) -> TreeStats {
         TreeStats {
-            tree_bytes: size_of_val(&self.tree.nodes[..]) as u64,
-            primitive_bytes: size_of_val(&self.blocks[..]) as u64,
+            tree_bytes: self.tree.node_bytes() as u64,
+            primitive_bytes: self.leaves.memory_bytes() as u64,
             ..self.stats
         }
     }
@@ -98,8 +93,8 @@ impl BvhIndex {
     ) {
         let for_nodes = NodeRay::new(simd, ray, self.reach);
         let for_blocks = BlockRay::new(simd, ray);
-        let Self { tree, blocks, .. } = self;
-        walk_blocks(simd, tree, blocks, Child::node(0), &for_nodes, &for_blocks, slot, collect, counters);
+        let Self { tree, leaves, .. } = self;
+        walk_blocks(simd, tree, leaves, Child::node(0), &for_nodes, &for_blocks, slot, collect, counters);
     }
 
     /// The same for the first `count` rays of a tile, all of one heading. Lanes beyond them up to the next multiple of
@@ -116,8 +111,9 @@ impl BvhIndex {
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        let Self { tree, blocks, reach, .. } = self;
-        Sweep { simd, tree, blocks, reach: *reach, slot, rays, count, heading }.run::<M>(nearest, counters);
+        let Self { tree, leaves, reach, .. } = self;
+        Sweep { simd, tree, blocks: leaves, reach: *reach, slot, rays, count, heading }
+            .run::<M>(nearest, counters);
     }
 }
 
@@ -127,7 +123,7 @@ impl BvhIndex {
 pub(super) fn walk_blocks<S: Simd, C: Collect>(
     simd: S,
     tree: &Tree,
-    blocks: &[TriangleBlock],
+    leaves: &Leaves,
     start: Child,
     for_nodes: &NodeRay<S>,
     for_blocks: &BlockRay<S>,
@@ -144,7 +140,16 @@ pub(super) fn walk_blocks<S: Simd, C: Collect>(
             collect.reach(),
             #[inline(always)]
             |range| {
-                for block in &blocks[range] {
+                for index in range {
+                    let mut expanded;
+                    let block = match leaves.block(index) {
+                        Some(block) => block,
+                        None => {
+                            expanded = TriangleBlock::ZERO;
+                            leaves.pools.expand(simd, index, &mut expanded);
+                            &expanded
+                        }
+                    };
                     tested += 1;
                     block.meet(simd, for_blocks, slot, collect);
                     if collect.is_done() {
@@ -162,7 +167,16 @@ pub(super) fn walk_blocks<S: Simd, C: Collect>(
             collect.reach(),
             #[inline(always)]
             |range| {
-                for block in &blocks[range] {
+                for index in range {
+                    let mut expanded;
+                    let block = match leaves.block(index) {
+                        Some(block) => block,
+                        None => {
+                            expanded = TriangleBlock::ZERO;
+                            leaves.pools.expand(simd, index, &mut expanded);
+                            &expanded
+                        }
+                    };
                     tested += 1;
                     block.meet(simd, for_blocks, slot, collect);
                 }

@@ -7,23 +7,21 @@ use crate::{INVALID_ID, TreeStats};
 impl Tree {
     /// Counts everything; a visit of a node and a test of a block of eight cost 1 each.
     pub(crate) fn measure(&self) -> TreeStats {
-        let mut stats = TreeStats {
-            tree_bytes: (size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])) as u64,
-            ..TreeStats::default()
-        };
-        if self.nodes.is_empty() {
+        let mut stats = TreeStats { tree_bytes: self.memory_bytes() as u64, ..TreeStats::default() };
+        if self.count() == 0 {
             return stats;
         }
         let whole = self.bounds.half_area();
         let share = |area: f64| if whole > 0.0 { area / whole } else { 1.0 };
-        let mut depths = vec![0u8; self.nodes.len()];
+        let mut depths = vec![0u8; self.count()];
         (stats.nodes, stats.sah_cost) = (1, 1.0);
         // Children come after their parents.
-        for (at, node) in self.nodes.iter().enumerate() {
+        for at in 0..self.count() {
             let depth = depths[at] + 1;
             stats.depth = stats.depth.max(u32::from(depth));
-            for place in (0..WIDTH).filter(|&place| node.child(place) != Child::NONE) {
-                let (child, area) = (node.child(place), node.bounds(place).half_area());
+            let children = (0..WIDTH).map(|place| self.child(at, place));
+            for (child, bounds) in children.filter(|(child, _)| *child != Child::NONE) {
+                let area = bounds.half_area();
                 stats.nodes += 1;
                 if child.is_leaf() {
                     stats.leaves += 1;

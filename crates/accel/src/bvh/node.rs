@@ -12,6 +12,8 @@
 //! Invariant: children that do not exist have the box from +inf to -inf, which no ray meets.
 //! Proof: `tests::children_say_what_they_are`.
 
+use gnurt_simd::{Simd, f32x8, prelude::*};
+
 use crate::Aabb;
 
 /// Children per node and primitives per leaf block.
@@ -27,6 +29,33 @@ pub(crate) struct Child(pub(crate) u32);
 pub(crate) struct Node8 {
     /// x lo, x hi, y lo, y hi, z lo, z hi, bits of the children, nothing.
     pub(crate) rows: [[f32; WIDTH]; 8],
+}
+
+/// Eight boxes side by side, however they are stored.
+pub(crate) trait Boxes {
+    /// One face of all boxes along axis `k`: `row` is `2 * k` for the lower ones and `2 * k + 1` for the upper ones.
+    fn row<S: Simd>(&self, simd: S, k: usize, row: usize) -> f32x8<S>;
+    /// The same faces times `inv`, less `shift`; the compact ones with three roundings more than these.
+    fn meet<S: Simd>(&self, simd: S, k: usize, row: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S>;
+    /// Bits of the children.
+    fn children(&self) -> &[f32; WIDTH];
+}
+
+impl Boxes for Node8 {
+    #[inline(always)]
+    fn row<S: Simd>(&self, simd: S, _: usize, row: usize) -> f32x8<S> {
+        f32x8::from_slice(simd, &self.rows[row & (WIDTH - 1)])
+    }
+
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, k: usize, row: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S> {
+        self.row(simd, k, row).mul_sub(inv, shift)
+    }
+
+    #[inline(always)]
+    fn children(&self) -> &[f32; WIDTH] {
+        &self.rows[6]
+    }
 }
 
 impl Child {
@@ -51,6 +80,12 @@ impl Child {
     #[inline(always)]
     pub(crate) fn is_leaf(self) -> bool {
         self.0 & Self::LEAF != 0
+    }
+
+    /// What hangs at `place`, which is below 8, given the bits of a node's children.
+    #[inline(always)]
+    pub(super) fn at(children: &[f32; WIDTH], place: usize) -> Self {
+        Self(children[place & (WIDTH - 1)].to_bits())
     }
 
     /// The node's index, where it is no leaf.
@@ -78,7 +113,7 @@ impl Node8 {
     /// What hangs at `place`, which is below 8.
     #[inline(always)]
     pub(crate) fn child(&self, place: usize) -> Child {
-        Child(self.rows[6][place & 7].to_bits())
+        Child::at(&self.rows[6], place)
     }
 
     /// Puts a child at `place`.

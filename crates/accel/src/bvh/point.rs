@@ -9,7 +9,7 @@ use std::ops::Range;
 use gnurt_simd::{Simd, Stack, f32x8, prelude::*};
 
 use super::build::DEEPEST;
-use super::{BvhIndex, Child, Node8, SphereIndex, Tree, TriangleBlock, UserIndex, WIDTH};
+use super::{Boxes, BvhIndex, Child, SphereIndex, Tree, TriangleBlock, UserIndex, WIDTH};
 use crate::INVALID_ID;
 use crate::point::{NearestPoint, Probe, on_sphere, on_triangle};
 
@@ -29,8 +29,8 @@ impl<S: Simd> Around<S> {
 
     /// Squares of the distances to the boxes of a node, or a little less; infinite where there is none.
     #[inline(always)]
-    pub(crate) fn squares(&self, simd: S, node: &Node8) -> f32x8<S> {
-        let row = |i: usize| f32x8::from_slice(simd, &node.rows[i]);
+    pub(crate) fn squares<B: Boxes>(&self, simd: S, node: &B) -> f32x8<S> {
+        let row = |i: usize| node.row(simd, i / 2, i);
         let zero = f32x8::splat(simd, 0.0);
         let [[x0, x1], [y0, y1], [z0, z1]] = self.0;
         let x = (row(0) - x1).max(x0 - row(1)).max(zero);
@@ -67,16 +67,21 @@ impl Tree {
                 reach = square_of(leaf(child.blocks()));
                 continue;
             }
-            let node = &self.nodes[child.index()];
-            let squares = around.squares(simd, node);
+            let (squares, children) = match self.nodes.get(child.index()) {
+                Some(node) => (around.squares(simd, node), node.children()),
+                None => {
+                    let node = &self.compact[child.index()];
+                    (around.squares(simd, node), node.children())
+                }
+            };
             let mut bits = squares.simd_le(f32x8::splat(simd, reach)).to_bitmask();
             let mut count = 0;
             while bits != 0 {
                 let place = bits.trailing_zeros() as usize & (WIDTH - 1);
                 bits &= bits - 1;
                 // Boxes from +inf to -inf are at an infinite distance, which an infinite reach reaches.
-                if node.child(place) != Child::NONE {
-                    waiting.push((squares[place], node.child(place)));
+                if Child::at(children, place) != Child::NONE {
+                    waiting.push((squares[place], Child::at(children, place)));
                     count += 1;
                 }
             }
@@ -101,9 +106,18 @@ impl BvhIndex {
     /// Improves `nearest` by the triangles.
     #[inline(always)]
     pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
-        let (tree, blocks) = self.parts();
+        let (tree, leaves) = self.parts();
         tree.near(simd, &probe.point, probe.reach(nearest.distance), |range| {
-            blocks[range].iter().for_each(|block| block.nearest(probe, slot, nearest));
+            for index in range {
+                match leaves.block(index) {
+                    Some(block) => block.nearest(probe, slot, nearest),
+                    None => {
+                        let mut expanded = TriangleBlock::ZERO;
+                        leaves.pools.expand(simd, index, &mut expanded);
+                        expanded.nearest(probe, slot, nearest);
+                    }
+                }
+            }
             probe.reach(nearest.distance)
         });
     }

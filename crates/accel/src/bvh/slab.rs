@@ -5,12 +5,12 @@
 //! A plane `b` is met at `t = b * inv - org * inv`, one fused operation where the CPU has it. What is rounded on the way,
 //! here, in the boxes and in the triangle tests, moves points by less than `SLACK * (2 * reach + away)`, where `reach` is
 //! the greatest coordinate of the tree and `away` that of the origin: 17 units of 2^-24 for the tests and 5 for boxes
-//! (`kd/slab.rs`), 3 for the difference of products. The slack is part of the term that is subtracted: it costs nothing.
+//! (`kd/slab.rs`), 3 for the difference of products, and 5 more where nodes are compact (`compact.rs`). The slack is part of the term that is subtracted: it costs nothing.
 //! Invariant: what a triangle test hits is in no box that is skipped. Proof: `tests/watertight.rs`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 
-use super::{Node8, WIDTH};
+use super::Boxes;
 use crate::Ray;
 use crate::kd::{FLATTEST, most};
 
@@ -64,15 +64,14 @@ impl<S: Simd> NodeRay<S> {
 
     /// The boxes that the ray meets before `t_far` as bits, and where it enters them.
     #[inline(always)]
-    pub(crate) fn meet(&self, simd: S, node: &Node8, t_far: f32) -> (u32, f32x8<S>) {
-        let row = |i: usize| f32x8::from_slice(simd, &node.rows[i & (WIDTH - 1)]);
+    pub(crate) fn meet<B: Boxes>(&self, simd: S, node: &B, t_far: f32) -> (u32, f32x8<S>) {
         let [x, y, z] = self.rows;
-        let near_x = row(x).mul_sub(self.inv[0], self.near[0]);
-        let near_y = row(y).mul_sub(self.inv[1], self.near[1]);
-        let near_z = row(z).mul_sub(self.inv[2], self.near[2]);
-        let far_x = row(x ^ 1).mul_sub(self.inv[0], self.far[0]);
-        let far_y = row(y ^ 1).mul_sub(self.inv[1], self.far[1]);
-        let far_z = row(z ^ 1).mul_sub(self.inv[2], self.far[2]);
+        let near_x = node.meet(simd, 0, x, self.inv[0], self.near[0]);
+        let near_y = node.meet(simd, 1, y, self.inv[1], self.near[1]);
+        let near_z = node.meet(simd, 2, z, self.inv[2], self.near[2]);
+        let far_x = node.meet(simd, 0, x ^ 1, self.inv[0], self.far[0]);
+        let far_y = node.meet(simd, 1, y ^ 1, self.inv[1], self.far[1]);
+        let far_z = node.meet(simd, 2, z ^ 1, self.inv[2], self.far[2]);
         let near = near_x.max(near_y).max(near_z.max(self.t_near));
         let far = far_x.min(far_y).min(far_z.min(f32x8::splat(simd, t_far)));
         (near.simd_le(far).to_bitmask() as u32, near)

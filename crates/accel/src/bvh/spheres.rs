@@ -14,7 +14,7 @@ use super::{Child, Primitives, Tree, WIDTH, build};
 use crate::geometry::{GeometryKind, Numbering};
 use crate::nearest::Collect;
 use crate::triangle::Meeting;
-use crate::{Aabb, BadPrimitives, Counters, Geometry, INVALID_ID, Quality, Ray, Threads, TreeStats};
+use crate::{Aabb, BadPrimitives, Counters, Geometry, INVALID_ID, Memory, Quality, Ray, Threads, TreeStats};
 
 /// Eight spheres. Lanes that are left over have a radius of NaN, which no ray meets.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +69,7 @@ impl SphereIndex {
         wanted: impl Fn(&Geometry) -> bool,
         bad: &mut BadPrimitives,
         quality: Quality,
+        memory: Memory,
         threads: Threads,
     ) -> Self {
         let mut gathered = Gathered { spheres: Vec::new(), numbers: Vec::new() };
@@ -88,6 +89,7 @@ impl SphereIndex {
             }
         }
         let mut tree = build(&gathered, quality, threads);
+        tree.settle(memory);
         let stats = tree.measure();
         let in_blocks = std::mem::take(&mut tree.blocks);
         let block = |places: &[u32; WIDTH]| {
@@ -106,7 +108,7 @@ impl SphereIndex {
             }
             block
         };
-        let reach = tree.bounds.reach();
+        let reach = tree.reach();
         Self { blocks: in_blocks.iter().map(block).collect(), tree, reach, stats }
     }
 
@@ -118,7 +120,7 @@ impl SphereIndex {
     pub(crate) fn stats(&self) -> TreeStats {
         TreeStats {
             primitives: self.stats.references,
-            tree_bytes: size_of_val(&self.tree.nodes[..]) as u64,
+            tree_bytes: self.tree.node_bytes() as u64,
             primitive_bytes: size_of_val(&self.blocks[..]) as u64,
             ..self.stats
         }

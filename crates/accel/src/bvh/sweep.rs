@@ -14,6 +14,7 @@ use super::beam::Slopes;
 use super::blocks::{BlockRay, TriangleBlock};
 use super::chunks::{Candidate, Chunks};
 use super::index::walk_blocks;
+use super::leaves::Leaves;
 use super::planes::TilePlanes;
 use super::walk::farthest_first;
 use super::{Child, Tree, WIDTH};
@@ -24,10 +25,10 @@ use crate::tile::{LANES, NearestTile, PerRay, RayTile, TILE, all, chunk};
 use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_alone, pass_edges};
 
 /// A tile on its way through one object's tree.
-pub(crate) struct Sweep<'a, S: Simd, T> {
+pub(crate) struct Sweep<'a, S: Simd, T, B: ?Sized> {
     pub(crate) simd: S,
     pub(crate) tree: &'a T,
-    pub(crate) blocks: &'a [TriangleBlock],
+    pub(crate) blocks: &'a B,
     pub(crate) reach: f32,
     pub(crate) slot: u32,
     pub(crate) rays: &'a RayTile,
@@ -48,7 +49,7 @@ struct Waiting {
     rays: u64,
 }
 
-impl<S: Simd> Sweep<'_, S, Tree> {
+impl<S: Simd> Sweep<'_, S, Tree, Leaves> {
     /// Improves the hits of the tile's rays.
     #[inline(always)]
     pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) {
@@ -104,7 +105,16 @@ impl<S: Simd> Sweep<'_, S, Tree> {
                 continue;
             }
             if child.is_leaf() {
-                for block in &self.blocks[child.blocks()] {
+                for index in child.blocks() {
+                    let mut expanded;
+                    let block = match self.blocks.block(index) {
+                        Some(block) => block,
+                        None => {
+                            expanded = TriangleBlock::ZERO;
+                            self.blocks.pools.expand(simd, index, &mut expanded);
+                            &expanded
+                        }
+                    };
                     chunks.block(
                         simd,
                         block,
@@ -121,7 +131,14 @@ impl<S: Simd> Sweep<'_, S, Tree> {
                 continue;
             }
 
-            let node = &tree.nodes[child.index()];
+            let expanded;
+            let node = match tree.nodes.get(child.index()) {
+                Some(node) => node,
+                None => {
+                    expanded = tree.compact[child.index()].expand(simd);
+                    &expanded
+                }
+            };
             let (mut places, near) = chunks.beam.meet(simd, node, chunks.farthest);
             let near = near.as_array();
             let one_by_one = places.count_ones() >= MANY;
@@ -180,7 +197,7 @@ impl<S: Simd> Sweep<'_, S, Tree> {
     }
 }
 
-impl<S: Simd, T> Sweep<'_, S, T> {
+impl<S: Simd, T, B: ?Sized> Sweep<'_, S, T, B> {
     /// One triangle against one chunk; whether any ray hits.
     #[inline(always)]
     pub(crate) fn meet<M: Mode>(

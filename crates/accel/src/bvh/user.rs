@@ -12,7 +12,8 @@ use crate::geometry::{GeometryKind, Numbering};
 use crate::nearest::Collect;
 use crate::triangle::Meeting;
 use crate::{
-    Aabb, BadPrimitives, Counters, Geometry, INVALID_ID, Quality, Ray, Threads, TreeStats, UserGeometry,
+    Aabb, BadPrimitives, Counters, Geometry, INVALID_ID, Memory, Quality, Ray, Threads, TreeStats,
+    UserGeometry,
 };
 
 /// Tree, and who knows what is in it.
@@ -55,6 +56,7 @@ impl UserIndex {
         wanted: impl Fn(&Geometry) -> bool,
         bad: &mut BadPrimitives,
         quality: Quality,
+        memory: Memory,
         threads: Threads,
     ) -> Self {
         let mut gathered = Gathered { boxes: Vec::new(), numbers: Vec::new() };
@@ -76,10 +78,11 @@ impl UserIndex {
             }
         }
         let mut tree = build(&gathered, quality, threads);
+        tree.settle(memory);
         let stats = tree.measure();
         let number = |i: u32| gathered.numbers.get(i as usize).copied().unwrap_or(INVALID_ID);
         let blocks = std::mem::take(&mut tree.blocks).iter().map(|places| places.map(number)).collect();
-        let reach = tree.bounds.reach();
+        let reach = tree.reach();
         Self { tree, blocks, geometries: users, reach, stats }
     }
 
@@ -91,7 +94,7 @@ impl UserIndex {
     pub(crate) fn stats(&self) -> TreeStats {
         TreeStats {
             primitives: self.stats.references,
-            tree_bytes: size_of_val(&self.tree.nodes[..]) as u64,
+            tree_bytes: self.tree.node_bytes() as u64,
             primitive_bytes: size_of_val(&self.blocks[..]) as u64,
             ..self.stats
         }

@@ -6,12 +6,12 @@
 
 use std::ops::Range;
 
-use gnurt_simd::{Simd, Stack, prelude::*};
+use gnurt_simd::{Simd, Stack, f32x8, prelude::*};
 
 use super::beam::Beam;
 use super::build::DEEPEST;
 use super::slab::NodeRay;
-use super::{Child, Tree};
+use super::{Boxes, Child, Tree, WIDTH};
 
 /// What waits to be visited: at most seven children of each node on the way down, and a root.
 pub(crate) type Waiting = Stack<u64, 512>;
@@ -54,6 +54,30 @@ fn next(waiting: &mut Waiting, reach: f32) -> Option<Child> {
 }
 
 impl Tree {
+    /// The boxes of node `index` that `ray` meets before `reach`, as bits; where it enters them; and what is in them.
+    ///
+    /// That the index lies beyond the nodes is how compact trees are told apart: the check is there anyway.
+    #[inline(always)]
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        ray: &NodeRay<S>,
+        reach: f32,
+    ) -> (u32, f32x8<S>, &[f32; WIDTH]) {
+        match self.nodes.get(index) {
+            Some(node) => {
+                let (bits, near) = ray.meet(simd, node, reach);
+                (bits, near, node.children())
+            }
+            None => {
+                let node = &self.compact[index];
+                let (bits, near) = ray.meet(simd, node, reach);
+                (bits, near, node.children())
+            }
+        }
+    }
+
     /// From `start` on, calls `leaf` with the blocks of each leaf that the ray meets before `reach`; it answers with the new reach.
     /// Returns the number of nodes visited, leaves too. The tree is not empty.
     #[inline(always)]
@@ -73,20 +97,19 @@ impl Tree {
             if child.is_leaf() {
                 reach = leaf(child.blocks());
             } else {
-                let node = &self.nodes[child.index()];
-                let (mut bits, near) = ray.meet(simd, node, reach);
+                let (mut bits, near, children) = self.meet(simd, child.index(), ray, reach);
                 if bits != 0 {
                     let place = bits.trailing_zeros() as usize;
                     bits &= bits - 1;
                     if bits == 0 {
-                        child = node.child(place);
+                        child = Child::at(children, place);
                         continue;
                     }
                     let near = near.as_array();
-                    let mut nearest = entry(near[place & 7], node.child(place));
+                    let mut nearest = entry(near[place & 7], Child::at(children, place));
                     let place = bits.trailing_zeros() as usize;
                     bits &= bits - 1;
-                    let second = entry(near[place & 7], node.child(place));
+                    let second = entry(near[place & 7], Child::at(children, place));
                     let farther = nearest.max(second);
                     nearest = nearest.min(second);
                     waiting.push(farther);
@@ -95,7 +118,7 @@ impl Tree {
                         while bits != 0 {
                             let place = bits.trailing_zeros() as usize;
                             bits &= bits - 1;
-                            let other = entry(near[place & 7], node.child(place));
+                            let other = entry(near[place & 7], Child::at(children, place));
                             waiting.push(nearest.max(other));
                             nearest = nearest.min(other);
                             count += 1;
@@ -133,13 +156,12 @@ impl Tree {
                     return visited;
                 }
             } else {
-                let node = &self.nodes[child.index()];
-                let (mut bits, _) = ray.meet(simd, node, reach);
+                let (mut bits, _, children) = self.meet(simd, child.index(), ray, reach);
                 if bits != 0 {
-                    child = node.child(bits.trailing_zeros() as usize);
+                    child = Child::at(children, bits.trailing_zeros() as usize);
                     bits &= bits - 1;
                     while bits != 0 {
-                        waiting.push(node.child(bits.trailing_zeros() as usize).0);
+                        waiting.push(Child::at(children, bits.trailing_zeros() as usize).0);
                         bits &= bits - 1;
                     }
                     continue;
@@ -152,7 +174,7 @@ impl Tree {
         }
     }
 
-    /// The same for all rays of a beam at once: `reach` counts steps.
+    /// The same for all rays of a beam at once: `reach` counts steps. Not for compact trees.
     #[inline(always)]
     pub(crate) fn sweep<S: Simd>(
         &self,

@@ -9,12 +9,14 @@ use crate::bvh::{BvhIndex, SphereIndex};
 use crate::geometry::Numbering;
 use crate::kd::KdIndex;
 use crate::store::{LoadError, Reader, Writer};
-use crate::{Aabb, BadPrimitives, MOST_TRIANGLES, TreeStats, TriangleTest};
+use crate::{Aabb, BadPrimitives, MOST_TRIANGLES, Memory, TreeStats, TriangleTest};
 
 const BVH: u64 = 0;
 const KD_WATERTIGHT: u64 = 1;
 const KD_PROJECTED: u64 = 2;
 const SPHERES: u64 = 3;
+const COMPACT_BVH: u64 = 4;
+const COMPACT_SPHERES: u64 = 5;
 
 impl ObjectTree {
     /// Writes the tree and its triangles, to be loaded instead of built; the same bytes on every machine.
@@ -49,11 +51,13 @@ impl ObjectTree {
         for Part { mask, index } in &self.parts {
             writer.number(u64::from(*mask))?;
             writer.number(match index {
+                Index::Bvh(index) if index.is_compact() => COMPACT_BVH,
                 Index::Bvh(_) => BVH,
                 Index::Kd(index) => match index.triangle_test() {
                     TriangleTest::Watertight => KD_WATERTIGHT,
                     TriangleTest::Projected => KD_PROJECTED,
                 },
+                Index::Spheres(index) if index.is_compact() => COMPACT_SPHERES,
                 Index::Spheres(_) => SPHERES,
                 Index::User(_) => {
                     return Err(io::Error::new(io::ErrorKind::Unsupported, "user geometry cannot be saved"));
@@ -107,14 +111,18 @@ impl ObjectTree {
             let stats = load_stats(&mut reader)?;
             let bounds = reader.bounds()?;
             let index = match kind {
-                BVH => Index::Bvh(BvhIndex::load(&mut reader, bounds, stats)?),
+                BVH => Index::Bvh(BvhIndex::load(&mut reader, Memory::Fast, bounds, stats)?),
+                COMPACT_BVH => Index::Bvh(BvhIndex::load(&mut reader, Memory::Compact, bounds, stats)?),
                 KD_WATERTIGHT => {
                     Index::Kd(KdIndex::load(&mut reader, bounds, stats, TriangleTest::Watertight)?)
                 }
                 KD_PROJECTED => {
                     Index::Kd(KdIndex::load(&mut reader, bounds, stats, TriangleTest::Projected)?)
                 }
-                SPHERES => Index::Spheres(SphereIndex::load(&mut reader, bounds, stats)?),
+                SPHERES => Index::Spheres(SphereIndex::load(&mut reader, Memory::Fast, bounds, stats)?),
+                COMPACT_SPHERES => {
+                    Index::Spheres(SphereIndex::load(&mut reader, Memory::Compact, bounds, stats)?)
+                }
                 _ => return Err(LoadError::Damaged("a tree is of no kind")),
             };
             parts.push(Part { mask, index });

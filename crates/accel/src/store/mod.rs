@@ -8,6 +8,8 @@
 //! number of trees; for each of them:
 //!     mask | kind | statistics | bounds                                           9 numbers, 6 floats
 //!     kind 0, 3: nodes, blocks of triangles, or of spheres                        lists
+//!     kind 4: compact nodes, blocks in pools, corners of pools                    lists
+//!     kind 5: compact nodes, blocks of spheres                                    lists
 //!     kind 1: nodes, no items, starts of leaves, blocks of triangles              lists
 //!     kind 2: nodes, items, projected triangles                                   lists
 //! checksum                                                                        a number
@@ -62,6 +64,20 @@ impl Record for u32 {
     }
 }
 
+impl Record for f32 {
+    const WORDS: usize = 1;
+
+    #[inline(always)]
+    fn put(&self, words: &mut [u32]) {
+        words[0] = self.to_bits();
+    }
+
+    #[inline(always)]
+    fn get(words: &[u32]) -> Self {
+        Self::from_bits(words[0])
+    }
+}
+
 /// Copies floats to words.
 #[inline(always)]
 pub(crate) fn put_floats(words: &mut [u32], floats: &[f32]) {
@@ -75,6 +91,22 @@ pub(crate) fn put_floats(words: &mut [u32], floats: &[f32]) {
 pub(crate) fn get_floats(floats: &mut [f32], words: &[u32]) {
     for (float, word) in floats.iter_mut().zip(words) {
         *float = f32::from_bits(*word);
+    }
+}
+
+/// Copies bytes to words, four to each.
+#[inline(always)]
+pub(crate) fn put_bytes(words: &mut [u32], bytes: &[u8]) {
+    for (word, bytes) in words.iter_mut().zip(bytes.as_chunks().0) {
+        *word = u32::from_le_bytes(*bytes);
+    }
+}
+
+/// Copies words to bytes, four from each.
+#[inline(always)]
+pub(crate) fn get_bytes(bytes: &mut [u8], words: &[u32]) {
+    for (bytes, word) in bytes.as_chunks_mut().0.iter_mut().zip(words) {
+        *bytes = word.to_le_bytes();
     }
 }
 

@@ -4,32 +4,36 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use gnurt_accel::{
-    BuildOptions, Coherence, Hit, HitBatch, Level, ObjectTree, Quality, Query, Ray, RayBatch, Record,
+    BuildOptions, Coherence, Hit, HitBatch, Level, Memory, ObjectTree, Quality, Query, Ray, RayBatch, Record,
     Structure, Threads, TriangleTest, Triangles,
 };
 use gnurt_testkit::{OracleInstance, Soup, oracle, rays::PlainRay};
 
 /// A structure with a triangle test.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Kind(pub(crate) Structure, pub(crate) Quality, pub(crate) TriangleTest);
+pub(crate) struct Kind(pub(crate) Structure, pub(crate) Quality, pub(crate) TriangleTest, pub(crate) Memory);
 
 /// All that never leak.
-pub(crate) const WATERTIGHT: [Kind; 5] = [
-    Kind(Structure::Bvh, Quality::Medium, TriangleTest::Watertight),
-    Kind(Structure::Bvh, Quality::High, TriangleTest::Watertight),
-    Kind(Structure::Bvh, Quality::Fast, TriangleTest::Watertight),
-    Kind(Structure::Kd, Quality::Medium, TriangleTest::Watertight),
-    Kind(Structure::Kd, Quality::Fast, TriangleTest::Watertight),
+pub(crate) const WATERTIGHT: [Kind; 7] = [
+    Kind(Structure::Bvh, Quality::Medium, TriangleTest::Watertight, Memory::Fast),
+    Kind(Structure::Bvh, Quality::High, TriangleTest::Watertight, Memory::Fast),
+    Kind(Structure::Bvh, Quality::Fast, TriangleTest::Watertight, Memory::Fast),
+    Kind(Structure::Kd, Quality::Medium, TriangleTest::Watertight, Memory::Fast),
+    Kind(Structure::Kd, Quality::Fast, TriangleTest::Watertight, Memory::Fast),
+    Kind(Structure::Bvh, Quality::Medium, TriangleTest::Watertight, Memory::Compact),
+    Kind(Structure::Bvh, Quality::High, TriangleTest::Watertight, Memory::Compact),
 ];
 
 /// All kinds, and how far their hits may be from the truth in barycentric weights.
-pub(crate) const TESTS: [(Kind, f64); 6] = [
+pub(crate) const TESTS: [(Kind, f64); 8] = [
     (WATERTIGHT[0], 2e-5),
-    (Kind(Structure::Kd, Quality::Medium, TriangleTest::Projected), 1e-3),
+    (Kind(Structure::Kd, Quality::Medium, TriangleTest::Projected, Memory::Fast), 1e-3),
     (WATERTIGHT[1], 2e-5),
     (WATERTIGHT[2], 2e-5),
     (WATERTIGHT[3], 2e-5),
     (WATERTIGHT[4], 2e-5),
+    (WATERTIGHT[5], 2e-5),
+    (WATERTIGHT[6], 2e-5),
 ];
 
 /// A tree over meshes.
@@ -38,8 +42,8 @@ pub(crate) fn build(meshes: &[Soup], kind: Kind) -> ObjectTree {
 }
 
 /// The options that stand for a kind.
-pub(crate) fn options(Kind(structure, quality, triangle_test): Kind) -> BuildOptions {
-    BuildOptions { structure, quality, triangle_test, ..BuildOptions::default() }
+pub(crate) fn options(Kind(structure, quality, triangle_test, memory): Kind) -> BuildOptions {
+    BuildOptions { structure, quality, triangle_test, memory, ..BuildOptions::default() }
 }
 
 /// A tree over meshes with given options.

@@ -26,7 +26,7 @@ pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::{TalkArguments, talk_behind_command};
 pub(crate) use value::{Pixel, Resolution, ShaderChoice};
-pub(crate) use view::{FrameArguments, LightArguments, MachineArguments, ViewArguments};
+pub(crate) use view::{FrameArguments, LightArguments, MachineArguments, TreeArguments, ViewArguments};
 pub(crate) use window::WindowArguments;
 
 /// Ray tracing from the command line.
@@ -132,6 +132,8 @@ pub(crate) struct InfoArguments {
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
     #[command(flatten)]
+    pub(crate) trees: TreeArguments,
+    #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }
 
@@ -180,6 +182,8 @@ pub(crate) struct TraceArguments {
     pub(crate) view: ViewArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) trees: TreeArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

@@ -10,7 +10,8 @@ use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
 use super::{
-    DenoiserArguments, FrameArguments, LightArguments, MachineArguments, TalkArguments, ViewArguments,
+    DenoiserArguments, FrameArguments, LightArguments, MachineArguments, TalkArguments, TreeArguments,
+    ViewArguments,
 };
 
 /// Arguments of `render`.
@@ -59,6 +60,8 @@ pub(crate) struct RenderArguments {
     pub(crate) light: LightArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) trees: TreeArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
+use gnurt::accel::Memory;
 use gnurt::denoise::Method;
 use gnurt::image::ToneCurve;
 use gnurt::render::{Integrator, ReconstructionFilter};
@@ -277,6 +278,15 @@ pub(crate) fn filter(name: &str) -> Result<ReconstructionFilter, String> {
 /// A tone curve's name.
 pub(crate) fn tone(name: &str) -> Result<ToneCurve, String> {
     by_name("tone curve", name, &ToneCurve::ALL)
+}
+
+/// What trees are made for.
+pub(crate) fn memory(name: &str) -> Result<Memory, String> {
+    match name {
+        "fast" => Ok(Memory::Fast),
+        "compact" => Ok(Memory::Compact),
+        _ => Err(unknown("kind of trees", name, &["fast", "compact"])),
+    }
 }
 
 /// An instruction set's name; this CPU must have it.

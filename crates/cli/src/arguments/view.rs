@@ -6,6 +6,7 @@ use std::path::Path;
 
 use clap::Args;
 use gnurt::Surroundings;
+use gnurt::accel::Memory;
 use gnurt::image::ToneCurve;
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::simd::Level;
@@ -144,6 +145,15 @@ pub(crate) struct MachineArguments {
     /// Instruction set: auto, scalar, sse4.2, avx2, avx512 or neon
     #[arg(long, value_name = "NAME", value_parser = value::isa, allow_hyphen_values = true)]
     pub(crate) isa: Option<Level>,
+}
+
+/// What rays go through.
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Machine")]
+pub(crate) struct TreeArguments {
+    /// What trees are made for: fast rays, or compact, in half the memory for slower rays; the picture is the same
+    #[arg(long, value_name = "NAME", value_parser = value::memory, allow_hyphen_values = true, default_value = "fast")]
+    pub(crate) memory: Memory,
 }
 
 /// From linear light to the bytes of a screen; files of floats keep the light.

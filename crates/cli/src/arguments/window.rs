@@ -8,7 +8,10 @@ use clap::Args;
 use gnurt_view::TevAddress;
 
 use super::value;
-use super::{FrameArguments, LightArguments, MachineArguments, StatisticsForm, TalkArguments, ViewArguments};
+use super::{
+    FrameArguments, LightArguments, MachineArguments, StatisticsForm, TalkArguments, TreeArguments,
+    ViewArguments,
+};
 
 /// Arguments of `view`.
 #[derive(Args, Clone, Debug)]
@@ -48,6 +51,8 @@ pub(crate) struct WindowArguments {
     pub(crate) light: LightArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) trees: TreeArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

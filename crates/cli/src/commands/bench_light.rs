@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use gnurt::image::{self, WriteOptions};
-use gnurt::render::{PerspectiveCamera, RenderOptions, ShaderTable, World};
+use gnurt::render::{CommitOptions, PerspectiveCamera, RenderOptions, ShaderTable, World};
 use gnurt_bench::light::{self, Truth};
 use gnurt_bench::light_plot;
 
@@ -27,8 +27,8 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
     let (_, camera) = view::choose(&mut scene, &arguments.view, arguments.resolution, messages)?;
-    let (world, _) =
-        commit(&scene, &ShaderTable::default(), arguments.force_diffuse, level, &pool, messages)?;
+    let how = CommitOptions { force_diffuse: arguments.force_diffuse, level, ..CommitOptions::default() };
+    let (world, _) = commit(&scene, &ShaderTable::default(), how, &pool, messages)?;
     let picture = RenderOptions {
         width: arguments.resolution.width,
         height: arguments.resolution.height,

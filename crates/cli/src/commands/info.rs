@@ -41,7 +41,7 @@ struct Tree {
 fn build(scene: &Scene, arguments: &InfoArguments, environment: &Environment) -> Result<Tree, Failure> {
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut world = World::new();
-    let options = CommitOptions { level, ..CommitOptions::default() };
+    let options = CommitOptions { level, memory: arguments.trees.memory, ..CommitOptions::default() };
     let report = world.commit(scene, &ShaderTable::default(), &options, &pool).map_err(Failure::data)?;
     Ok(Tree { stats: world.stats(), seconds: report.build_seconds })
 }

@@ -16,7 +16,7 @@ use gnurt::scene::Scene;
 use gnurt::simd::Level;
 use gnurt_view::TevImage;
 
-use crate::arguments::{FrameArguments, RenderArguments, StatisticsForm};
+use crate::arguments::{FrameArguments, RenderArguments, StatisticsForm, TreeArguments};
 use crate::checkpoint::Checkpoint;
 use crate::display::Displayed;
 use crate::environment::Environment;
@@ -50,8 +50,8 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     let (camera, rays) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
     let loaded = begin.elapsed();
     let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
-    let (world, report) =
-        commit(&scene, &shaders.table, arguments.frame.force_diffuse, level, &pool, messages)?;
+    let how = commit_options(&arguments.frame, &arguments.trees, level);
+    let (world, report) = commit(&scene, &shaders.table, how, &pool, messages)?;
 
     let options = options(arguments, &targets, level);
     let checkpoint = arguments.checkpoint.as_deref().map(|path| {
@@ -189,17 +189,20 @@ fn check_memory(arguments: &RenderArguments, targets: &Targets) -> Outcome {
     }
 }
 
+/// How the scene is to be made ready for rays.
+pub(super) fn commit_options(frame: &FrameArguments, trees: &TreeArguments, level: Level) -> CommitOptions {
+    CommitOptions { force_diffuse: frame.force_diffuse, level, memory: trees.memory }
+}
+
 /// Builds the trees, and tells what had to be left out.
 pub(super) fn commit(
     scene: &Scene,
     shaders: &ShaderTable,
-    force_diffuse: bool,
-    level: Level,
+    options: CommitOptions,
     pool: &ThreadPool,
     messages: Messages,
 ) -> Result<(World, CommitReport), Failure> {
     let mut world = World::new();
-    let options = CommitOptions { force_diffuse, level };
     let report = world.commit(scene, shaders, &options, pool).map_err(Failure::data)?;
     if report.dropped_triangles > 0 {
         messages

@@ -4,7 +4,7 @@
 
 use gnurt::render::trace_pixel;
 
-use super::render::{commit, frame_options};
+use super::render::{commit, commit_options, frame_options};
 use crate::arguments::TraceArguments;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
@@ -33,7 +33,8 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
     let mut scene = source.load(messages)?;
     let (_, rays) = view::choose(&mut scene, &arguments.view, resolution, messages)?;
     let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
-    let (world, _) = commit(&scene, &shaders.table, arguments.frame.force_diffuse, level, &pool, messages)?;
+    let how = commit_options(&arguments.frame, &arguments.trees, level);
+    let (world, _) = commit(&scene, &shaders.table, how, &pool, messages)?;
     let options = frame_options(&arguments.frame, level);
     print(trace_pixel(&world, &rays, &options, pixel.x, pixel.y).map_err(Failure::usage)?)
 }

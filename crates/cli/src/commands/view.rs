@@ -16,7 +16,7 @@ use gnurt_view::{
 };
 use serde_json::json;
 
-use super::render::{commit, frame_options};
+use super::render::{commit, commit_options, frame_options};
 use crate::arguments::{DenoiserArguments, StatisticsForm, WindowArguments};
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
@@ -89,7 +89,8 @@ fn prepare(
     let (camera, _) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
     files.extend(shaders::files(&arguments.frame.shaders));
     let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
-    let (world, _) = commit(&scene, &shaders.table, arguments.frame.force_diffuse, level, pool, messages)?;
+    let how = commit_options(&arguments.frame, &arguments.trees, level);
+    let (world, _) = commit(&scene, &shaders.table, how, pool, messages)?;
     let shaders = shaders.watched();
     Ok((Stage { scene, world, files, faults: Box::new(move || shaders.new_faults()) }, camera))
 }

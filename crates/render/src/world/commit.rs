@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use glam::Vec3;
-use gnurt_accel::{BuildOptions, Instance, ObjectTree, SceneTree, Threads, Triangles};
+use gnurt_accel::{BuildOptions, Instance, Memory, ObjectTree, SceneTree, Threads, Triangles};
 use gnurt_scene::edit::Edit;
 use gnurt_scene::{Mesh, MeshId, ObjectId, Scene, Surface};
 
@@ -31,7 +31,7 @@ pub(super) fn commit(
     let due = Due::new(world, scene, options);
     let mut report = CommitReport::default();
 
-    let objects = build_objects(world, scene, &due, pool, &mut report);
+    let objects = build_objects(world, scene, &due, options.memory, pool, &mut report);
     let instances = place_instances(scene, &objects, &mut report);
     let tree = SceneTree::build(&tree_instances(scene, &instances));
     report.dropped_instances += tree.dropped_instances() as usize;
@@ -104,6 +104,7 @@ fn build_objects(
     world: &World,
     scene: &Scene,
     due: &Due,
+    memory: Memory,
     pool: &rayon::ThreadPool,
     report: &mut CommitReport,
 ) -> Vec<Option<Arc<WorldObject>>> {
@@ -117,7 +118,7 @@ fn build_objects(
             Some(object) => object,
             None => {
                 report.built_objects += 1;
-                Arc::new(build_object(scene, meshes, pool))
+                Arc::new(build_object(scene, meshes, memory, pool))
             }
         };
         objects[id.index()] = Some(object);
@@ -125,12 +126,13 @@ fn build_objects(
     objects
 }
 
-fn build_object(scene: &Scene, ids: &[MeshId], pool: &rayon::ThreadPool) -> WorldObject {
+fn build_object(scene: &Scene, ids: &[MeshId], memory: Memory, pool: &rayon::ThreadPool) -> WorldObject {
     // Shared with the scene, which copies what it edits later.
     let meshes: Vec<Arc<Mesh>> = ids.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
     let triangles: Vec<_> =
         meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices }).collect();
-    let tree = ObjectTree::build(&triangles, &BuildOptions::default(), Threads::Pool(pool));
+    let options = BuildOptions { memory, ..BuildOptions::default() };
+    let tree = ObjectTree::build(&triangles, &options, Threads::Pool(pool));
     WorldObject { meshes, tree: Arc::new(tree) }
 }
 

@@ -15,7 +15,7 @@ mod surface;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock, Weak};
 
-use gnurt_accel::{Hit, HitBatch, INVALID_ID, ObjectTree, Ray, SceneTree};
+use gnurt_accel::{Hit, HitBatch, INVALID_ID, Memory, ObjectTree, Ray, SceneTree};
 use gnurt_scene::edit::Cursor;
 use gnurt_scene::{Mesh, Scene};
 use gnurt_shading::lights::{LightParts, LightSet};
@@ -49,6 +49,8 @@ pub struct CommitOptions {
     pub force_diffuse: bool,
     /// CPU level of the builders.
     pub level: Level,
+    /// Whether trees are to be fast or small; pictures are the same.
+    pub memory: Memory,
 }
 
 /// What a commit did.

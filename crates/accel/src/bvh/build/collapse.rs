@@ -131,8 +131,11 @@ pub(super) fn collapse(knots: &[Knot], crew: Crew) -> Option<Tree> {
         nodes[next.parent][0].set(next.place, &bounds, Child::node(index));
     }
     let [node_count, block_count] = starts[starts.len() - 1];
-    let mut tree =
-        Tree { nodes: Vec::with_capacity(node_count), blocks: Vec::with_capacity(block_count), bounds };
+    let mut tree = Tree {
+        nodes: Vec::with_capacity(node_count),
+        blocks: Vec::with_capacity(block_count),
+        ..Tree::new(bounds)
+    };
     prefer_huge_pages(&tree.nodes);
     crew.concat(&nodes, &mut tree.nodes);
     crew.concat(&blocks, &mut tree.blocks);

@@ -19,14 +19,15 @@ mod spatial;
 #[cfg(test)]
 mod tests;
 
-use super::node::{Node8, WIDTH};
+use super::compact::{CompactNode, WIDENED};
+use super::node::{Child, Node8, WIDTH};
 use crate::control::Watch;
-use crate::{Aabb, BuildError, Quality, Threads};
+use crate::{Aabb, BuildError, Memory, Quality, Threads};
 use binary::{Careful, Knot};
 pub(crate) use collapse::DEEPEST;
 use collapse::collapse;
 use crew::Crew;
-use gnurt_simd::Level;
+use gnurt_simd::{Level, prefer_huge_pages};
 use rayon::prelude::*;
 use reference::Reference;
 use reinsert::{QUICK, THOROUGH, reinsert};
@@ -47,6 +48,8 @@ pub(crate) trait Primitives: Sync {
 pub(crate) struct Tree {
     /// The root comes first; without primitives there is none. Children come after their parents.
     pub(crate) nodes: Vec<Node8>,
+    /// The nodes of a compact tree, which has no others.
+    pub(crate) compact: Vec<CompactNode>,
     /// Numbers of the primitives, leaf block by leaf block, eight to each; padded with `INVALID_ID`.
     pub(crate) blocks: Vec<[u32; WIDTH]>,
     /// Box around everything.
@@ -88,7 +91,7 @@ fn build_with(
 ) -> Result<Tree, BuildError> {
     let count = primitives.count();
     if count == 0 {
-        return Ok(Tree { nodes: Vec::new(), blocks: Vec::new(), bounds: Aabb::EMPTY });
+        return Ok(Tree::new(Aabb::EMPTY));
     }
     // What cannot be split has no parts.
     let first = primitives.bounds(0);
@@ -161,9 +164,59 @@ fn collapsed(knots: &[Knot], crew: Crew) -> Result<Option<Tree>, BuildError> {
 }
 
 impl Tree {
+    /// Without nodes.
+    pub(crate) fn new(bounds: Aabb) -> Self {
+        Self { nodes: Vec::new(), compact: Vec::new(), blocks: Vec::new(), bounds }
+    }
+
     /// Of nodes and of the numbers in blocks.
     pub(crate) fn memory_bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
+        self.node_bytes() + size_of_val(&self.blocks[..])
+    }
+
+    /// Of nodes.
+    pub(crate) fn node_bytes(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.compact[..])
+    }
+
+    /// Brings the nodes into the form that is wanted, at one place.
+    pub(crate) fn settle(&mut self, memory: Memory) {
+        let nodes = std::mem::take(&mut self.nodes);
+        match memory {
+            Memory::Fast => {
+                self.nodes = Vec::with_capacity(nodes.len());
+                prefer_huge_pages(&self.nodes);
+                self.nodes.extend(nodes);
+            }
+            Memory::Compact => {
+                self.compact = Vec::with_capacity(nodes.len());
+                prefer_huge_pages(&self.compact);
+                self.compact.extend(nodes.iter().map(CompactNode::new));
+            }
+        }
+    }
+
+    /// Whether its nodes are the small ones.
+    pub(crate) fn is_compact(&self) -> bool {
+        !self.compact.is_empty()
+    }
+
+    /// The greatest coordinate of any plane.
+    pub(crate) fn reach(&self) -> f32 {
+        self.bounds.reach() * if self.is_compact() { WIDENED } else { 1.0 }
+    }
+
+    /// How many nodes there are.
+    pub(crate) fn count(&self) -> usize {
+        self.nodes.len() + self.compact.len()
+    }
+
+    /// What hangs at `place` of node `index`, and its box.
+    pub(crate) fn child(&self, index: usize, place: usize) -> (Child, Aabb) {
+        match self.nodes.get(index) {
+            Some(node) => (node.child(place), node.bounds(place)),
+            None => (self.compact[index].child(place), self.compact[index].bounds(place)),
+        }
     }
 }
 

@@ -6,12 +6,15 @@
 use std::io::{self, Read, Write};
 
 use super::BvhIndex;
-use crate::LARGEST_COORDINATE;
 use crate::bvh::blocks::TriangleBlock;
 use crate::bvh::build::DEEPEST;
-use crate::bvh::{Child, Node8, Tree, WIDTH};
-use crate::store::{LoadError, Reader, Record, Writer, get_floats, is_sound, put_floats};
-use crate::{Aabb, TreeStats};
+use crate::bvh::leaves::Leaves;
+use crate::bvh::pools::{PooledBlock, Pools};
+use crate::bvh::{Child, CompactNode, Node8, Tree, WIDTH};
+use crate::store::{
+    LoadError, Reader, Record, Writer, get_bytes, get_floats, is_sound, put_bytes, put_floats,
+};
+use crate::{Aabb, LARGEST_COORDINATE, Memory, TreeStats};
 
 impl Record for Node8 {
     const WORDS: usize = 8 * WIDTH;
@@ -26,6 +29,83 @@ impl Record for Node8 {
         let mut node = Self::EMPTY;
         get_floats(node.rows.as_flattened_mut(), words);
         node
+    }
+}
+
+impl Record for CompactNode {
+    const WORDS: usize = 3 + 3 + 3 * 2 * WIDTH / 4 + WIDTH;
+
+    #[inline(always)]
+    fn put(&self, words: &mut [u32]) {
+        let (origin, rest) = words.split_at_mut(3);
+        let (step, rest) = rest.split_at_mut(3);
+        let (counts, children) = rest.split_at_mut(3 * 2 * WIDTH / 4);
+        put_floats(origin, &self.origin);
+        put_floats(step, &self.step);
+        put_bytes(counts, self.counts.as_flattened().as_flattened());
+        put_floats(children, &self.children);
+    }
+
+    #[inline(always)]
+    fn get(words: &[u32]) -> Self {
+        let mut node = Self::EMPTY;
+        let (origin, rest) = words.split_at(3);
+        let (step, rest) = rest.split_at(3);
+        let (counts, children) = rest.split_at(3 * 2 * WIDTH / 4);
+        get_floats(&mut node.origin, origin);
+        get_floats(&mut node.step, step);
+        get_bytes(node.counts.as_flattened_mut().as_flattened_mut(), counts);
+        get_floats(&mut node.children, children);
+        node
+    }
+}
+
+impl CompactNode {
+    /// Whether planes can be computed.
+    pub(crate) fn check(&self) -> Result<(), LoadError> {
+        let steps = f32::MIN_POSITIVE..=4.0 * LARGEST_COORDINATE / 255.0;
+        if self.step.iter().all(|step| steps.contains(step) && step.to_bits().trailing_zeros() >= 23) {
+            return Ok(());
+        }
+        Err(LoadError::Damaged("a node's steps are none"))
+    }
+}
+
+impl Record for PooledBlock {
+    const WORDS: usize = 3 * WIDTH / 4 + 2 + WIDTH;
+
+    #[inline(always)]
+    fn put(&self, words: &mut [u32]) {
+        let (places, rest) = words.split_at_mut(3 * WIDTH / 4);
+        put_bytes(places, self.places.as_flattened());
+        (rest[0], rest[1]) = (self.pool as u32, (self.pool >> 32) as u32);
+        rest[2..].copy_from_slice(&self.numbers);
+    }
+
+    #[inline(always)]
+    fn get(words: &[u32]) -> Self {
+        let (places, rest) = words.split_at(3 * WIDTH / 4);
+        let pool = u64::from(rest[0]) | u64::from(rest[1]) << 32;
+        let mut block = Self { places: [[0; WIDTH]; 3], pool, numbers: [0; WIDTH] };
+        get_bytes(block.places.as_flattened_mut(), places);
+        block.numbers.copy_from_slice(&rest[2..]);
+        block
+    }
+}
+
+impl Pools {
+    /// Whether blocks have corners, and triangles can be tested, where there are `count` in all.
+    fn check(&self, count: u32) -> Result<(), LoadError> {
+        check_corners(&self.corners)?;
+        for PooledBlock { places, pool, numbers } in &self.blocks {
+            check_numbers(numbers, count)?;
+            let last = places.as_flattened().iter().max().map_or(0, |&last| u64::from(last));
+            // Three floats from there on.
+            if pool.checked_add(last + 3).is_none_or(|end| end > self.corners.len() as u64) {
+                return Err(LoadError::Damaged("a block has corners that do not exist"));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -52,44 +132,90 @@ impl Record for TriangleBlock {
 impl TriangleBlock {
     /// Whether its triangles can be tested, where there are `count` in all.
     pub(crate) fn check(&self, count: u32) -> Result<(), LoadError> {
-        if !self.numbers.iter().all(|&number| number < count) {
-            return Err(LoadError::Damaged("a block names a triangle that does not exist"));
-        }
-        // The greatest as bits, which NaN is as well.
-        let corners = self.corners.as_flattened().as_flattened();
-        let greatest = corners.iter().fold(0, |most, x| most.max(x.abs().to_bits()));
-        if greatest > LARGEST_COORDINATE.to_bits() {
-            return Err(LoadError::Damaged("a corner is too far away"));
-        }
-        Ok(())
+        check_numbers(&self.numbers, count)?;
+        check_corners(self.corners.as_flattened().as_flattened())
     }
+}
+
+fn check_numbers(numbers: &[u32; WIDTH], count: u32) -> Result<(), LoadError> {
+    let all = numbers.iter().all(|&number| number < count);
+    if all { Ok(()) } else { Err(LoadError::Damaged("a block names a triangle that does not exist")) }
+}
+
+fn check_corners(corners: &[f32]) -> Result<(), LoadError> {
+    // The greatest as bits, which NaN is as well.
+    let greatest = corners.iter().fold(0, |most, x| most.max(x.abs().to_bits()));
+    let near = greatest <= LARGEST_COORDINATE.to_bits();
+    if near { Ok(()) } else { Err(LoadError::Damaged("a corner is too far away")) }
 }
 
 impl BvhIndex {
     pub(crate) fn save(&self, writer: &mut Writer<'_, impl Write>) -> io::Result<()> {
-        writer.list(&self.tree.nodes)?;
-        writer.list(&self.blocks)
+        self.tree.save(writer)?;
+        match self.tree.is_compact() {
+            false => writer.list(&self.leaves.blocks),
+            true => {
+                writer.list(&self.leaves.pools.blocks)?;
+                writer.list(&self.leaves.pools.corners)
+            }
+        }
+    }
+
+    /// Whether it is compact.
+    pub(crate) fn is_compact(&self) -> bool {
+        self.tree.is_compact()
     }
 
     /// The lists as they are; [`check`](Self::check) comes after the checksum.
     pub(crate) fn load(
         reader: &mut Reader<'_, impl Read>,
+        memory: Memory,
         bounds: Aabb,
         stats: TreeStats,
     ) -> Result<Self, LoadError> {
-        let nodes: Vec<Node8> = reader.list(1 << 27)?;
-        let blocks: Vec<TriangleBlock> = reader.list(1 << 27)?;
-        let tree = Tree { nodes, blocks: Vec::new(), bounds };
+        let tree = Tree::load(reader, memory, bounds)?;
+        let leaves = match memory {
+            Memory::Fast => Leaves { blocks: reader.list(1 << 27)?, ..Leaves::default() },
+            Memory::Compact => {
+                let pools = Pools { blocks: reader.list(1 << 27)?, corners: reader.list(usize::MAX)? };
+                Leaves { pools, ..Leaves::default() }
+            }
+        };
         // As it was measured: with the numbers only of what is in the blocks.
-        let tree_bytes = size_of_val(&tree.nodes[..]) + size_of::<[u32; WIDTH]>() * blocks.len();
+        let tree_bytes = tree.node_bytes() + size_of::<[u32; WIDTH]>() * leaves.count();
         let stats = TreeStats { tree_bytes: tree_bytes as u64, ..stats };
-        Ok(Self { tree, blocks, reach: bounds.reach(), stats })
+        Ok(Self { reach: tree.reach(), tree, leaves, stats })
     }
 
     /// Whether all that a walk relies on is so, where there are `count` triangles.
     pub(crate) fn check(&self, count: u32) -> Result<(), LoadError> {
-        self.blocks.iter().try_for_each(|block| block.check(count))?;
-        self.tree.check(self.blocks.len())
+        self.leaves.blocks.iter().try_for_each(|block| block.check(count))?;
+        self.leaves.pools.check(count)?;
+        self.tree.check(self.leaves.count())
+    }
+}
+
+impl Tree {
+    /// Writes the nodes.
+    pub(crate) fn save(&self, writer: &mut Writer<'_, impl Write>) -> io::Result<()> {
+        match self.is_compact() {
+            false => writer.list(&self.nodes),
+            true => writer.list(&self.compact),
+        }
+    }
+
+    /// Nodes as they are, without what they are built over.
+    pub(crate) fn load(
+        reader: &mut Reader<'_, impl Read>,
+        memory: Memory,
+        bounds: Aabb,
+    ) -> Result<Self, LoadError> {
+        let mut tree = Self::new(bounds);
+        match memory {
+            Memory::Fast => tree.nodes = reader.list(1 << 27)?,
+            Memory::Compact => tree.compact = reader.list(1 << 27)?,
+        }
+        Ok(tree)
     }
 }
 
@@ -97,21 +223,22 @@ impl Tree {
     /// Whether all that a walk relies on is so, where leaves are of so many blocks.
     pub(crate) fn check(&self, blocks: usize) -> Result<(), LoadError> {
         let damaged = |what| Err(LoadError::Damaged(what));
-        let nodes = &self.nodes;
-        if nodes.is_empty() != self.bounds.is_empty() {
+        let count = self.count();
+        if (count == 0) != self.bounds.is_empty() {
             return damaged("its bounds are not those of its nodes");
         }
         // One more than the depth of each node whose parent has been seen.
-        let mut depths = vec![0u8; nodes.len()];
+        let mut depths = vec![0u8; count];
         depths.iter_mut().take(1).for_each(|root| *root = 1);
         let mut in_leaves = 0;
-        for (at, node) in nodes.iter().enumerate() {
+        for at in 0..count {
             let depth = depths[at];
             if depth == 0 {
                 return damaged("a node has no parent before it");
             }
+            self.compact.get(at).map_or(Ok(()), CompactNode::check)?;
             for place in 0..WIDTH {
-                let (bounds, child) = (node.bounds(place), node.child(place));
+                let (child, bounds) = self.child(at, place);
                 if child == Child::NONE {
                     if bounds != Aabb::EMPTY {
                         return damaged("nothing has a box");

@@ -5,9 +5,9 @@
 use std::io::{self, Read, Write};
 
 use super::{SphereBlock, SphereIndex};
-use crate::bvh::{Node8, Tree, WIDTH};
+use crate::bvh::{Tree, WIDTH};
 use crate::store::{LoadError, Reader, Record, Writer, get_floats, put_floats};
-use crate::{Aabb, INVALID_ID, LARGEST_COORDINATE, TreeStats};
+use crate::{Aabb, INVALID_ID, LARGEST_COORDINATE, Memory, TreeStats};
 
 impl Record for SphereBlock {
     const WORDS: usize = 5 * WIDTH;
@@ -48,20 +48,25 @@ impl SphereBlock {
 
 impl SphereIndex {
     pub(crate) fn save(&self, writer: &mut Writer<'_, impl Write>) -> io::Result<()> {
-        writer.list(&self.tree.nodes)?;
+        self.tree.save(writer)?;
         writer.list(&self.blocks)
+    }
+
+    /// Whether it is compact.
+    pub(crate) fn is_compact(&self) -> bool {
+        self.tree.is_compact()
     }
 
     /// The lists as they are; [`check`](Self::check) comes after the checksum.
     pub(crate) fn load(
         reader: &mut Reader<'_, impl Read>,
+        memory: Memory,
         bounds: Aabb,
         stats: TreeStats,
     ) -> Result<Self, LoadError> {
-        let nodes: Vec<Node8> = reader.list(1 << 27)?;
+        let tree = Tree::load(reader, memory, bounds)?;
         let blocks: Vec<SphereBlock> = reader.list(1 << 27)?;
-        let tree = Tree { nodes, blocks: Vec::new(), bounds };
-        Ok(Self { tree, blocks, reach: bounds.reach(), stats })
+        Ok(Self { reach: tree.reach(), tree, blocks, stats })
     }
 
     /// Whether all that a walk relies on is so, where there are `count` primitives.
