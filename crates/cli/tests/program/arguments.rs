@@ -164,6 +164,7 @@ fn names() {
         ("render ok.obj --filter blackman", 2, "did you mean 'blackman-harris'?"),
         ("render ok.obj --isa avx3", 2, "unknown instruction set 'avx3'; did you mean 'avx2'?"),
         ("render ok.obj --isa mmx", 2, "scalar"),
+        ("render ok.obj --memory compakt", 2, "did you mean 'compact'?"),
         ("render ok.obj --tone aces", 2, "valid are: clamp, reinhard, filmic"),
         ("render ok.obj --tone filmc", 2, "did you mean 'filmic'?"),
         ("render ok.obj --exposure nan", 2, "--exposure 'nan'"),

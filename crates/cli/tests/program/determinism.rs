@@ -21,6 +21,22 @@ fn threads_change_no_byte() {
 }
 
 #[test]
+fn compact_trees_are_smaller_and_change_no_byte() {
+    let folder = Folder::new();
+    let of = |memory: &str| {
+        let name = format!("{memory}.pfm");
+        let scene = "builtin:materials";
+        folder.gnurt(&format!("render {scene} -r 40x30 --spp 2 --memory {memory} -o {name}")).success();
+        let info = folder.gnurt(&format!("info {scene} --json --tree --memory {memory}")).success();
+        let info: serde_json::Value = serde_json::from_str(&info.stdout).expect("JSON");
+        (folder.read(&name), info["tree"]["bytes"].as_u64().expect("a number"))
+    };
+    let ((fast, fast_bytes), (compact, compact_bytes)) = (of("fast"), of("compact"));
+    assert_eq!(fast, compact, "the same picture");
+    assert!(10 * compact_bytes < 7 * fast_bytes, "{compact_bytes} bytes, and {fast_bytes} otherwise");
+}
+
+#[test]
 fn threads_change_no_pixel_of_an_exr() {
     let folder = Folder::new();
     for threads in [1, 7] {
