@@ -11,8 +11,8 @@
 //! A ray meets it at `count * (step * inv) + (origin * inv - shift)`. That is one more rounding of the plane, which the
 //! builder allows for, and up to three of `origin * inv - shift`, which the slack of `slab.rs` allows for.
 //! Invariant: a box holds the one that it was made from, also when its planes are rounded to floats: the builder goes on to
-//! the next step until it is so. Steps are at most 2/255 of the node's extent, so planes lie within [`WIDENED`] times the
-//! tree's greatest coordinate. Children that do not exist have the upper planes below the lower ones; a ray that meets them
+//! the next step until it is so. Steps are at most 2/255 of the node's extent, or the least that there are: see
+//! [`CompactNode::widened`]. Children that do not exist have the upper planes below the lower ones; a ray that meets them
 //! nevertheless, from very far away, finds a leaf without blocks.
 //! Proof: `tests`, `tests/brute_force.rs`, `tests/watertight.rs`.
 
@@ -20,9 +20,6 @@ use gnurt_simd::{Simd, f32x8, prelude::*};
 
 use super::node::{Boxes, Child, Node8, WIDTH};
 use crate::Aabb;
-
-/// How far planes may lie out, as a multiple of the greatest coordinate of what was rounded.
-pub(super) const WIDENED: f32 = 1.0 + 1.0 / 16.0;
 
 /// Eight boxes and what is in them.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +42,11 @@ impl CompactNode {
         counts: [[[u8::MAX; WIDTH], [0; WIDTH]]; 3],
         children: [f32::from_bits(Child::NONE.0); WIDTH],
     };
+
+    /// No plane of a compact tree lies farther out, where `reach` is the greatest coordinate of what it is built over.
+    pub(super) fn widened(reach: f32) -> f32 {
+        (1.0 + 1.0 / 16.0) * reach + f32::MIN_POSITIVE
+    }
 
     /// Rounds the boxes of `node` outwards.
     pub(super) fn new(node: &Node8) -> Self {
@@ -187,7 +189,10 @@ mod tests {
                     continue;
                 }
                 assert_eq!(rounded.union(&exact), rounded, "{rounded:?} holds {exact:?}");
-                assert!(rounded.reach() <= WIDENED * all.reach(), "{rounded:?} lies beyond all of {all:?}");
+                assert!(
+                    rounded.reach() <= CompactNode::widened(all.reach()),
+                    "{rounded:?} lies beyond all of {all:?}"
+                );
                 for k in 0..3 {
                     // A step, and what coordinates are rounded by; the least step of all where there is no size.
                     let reach = f64::from(all.reach());

@@ -19,7 +19,7 @@ mod spatial;
 #[cfg(test)]
 mod tests;
 
-use super::compact::{CompactNode, WIDENED};
+use super::compact::CompactNode;
 use super::node::{Child, Node8, WIDTH};
 use crate::control::Watch;
 use crate::{Aabb, BuildError, Memory, Quality, Threads};
@@ -203,7 +203,8 @@ impl Tree {
 
     /// The greatest coordinate of any plane.
     pub(crate) fn reach(&self) -> f32 {
-        self.bounds.reach() * if self.is_compact() { WIDENED } else { 1.0 }
+        let reach = self.bounds.reach();
+        if self.is_compact() { CompactNode::widened(reach) } else { reach }
     }
 
     /// How many nodes there are.
