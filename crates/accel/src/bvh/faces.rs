@@ -69,7 +69,7 @@ impl Viewpoint {
     #[inline(always)]
     pub(super) fn new(ranges: &Ranges, org: [f32; 3], heading: Heading, reach: f32) -> Option<Self> {
         let away = most(org[0].abs(), most(org[1].abs(), org[2].abs()));
-        if !(reach + away <= FARTHEST) {
+        if reach + away > FARTHEST {
             return None;
         }
         let axes = axes_from(heading.longest_axis);
@@ -134,12 +134,11 @@ impl Faces {
         let zero = f32x8::splat(simd, 0.0);
         let mut corners = [[zero; 3]; 3];
         let mut greatest = zero;
-        for corner in 0..3 {
+        for (corner, (rows, own)) in corners.iter_mut().zip(block.corners.iter().zip(&mut self.corners)) {
             for (k, axis) in [(0, x), (1, y), (2, z)] {
-                let at = f32x8::from_slice(simd, &block.corners[corner][axis]) - org[k];
-                at.store_slice(&mut self.corners[corner][k]);
-                greatest = greatest.max(at.abs());
-                corners[corner][k] = at;
+                corner[k] = f32x8::from_slice(simd, &rows[axis]) - org[k];
+                corner[k].store_slice(&mut own[k]);
+                greatest = greatest.max(corner[k].abs());
             }
         }
         let margin = greatest * greatest * f32x8::splat(simd, ROUNDING) + f32x8::splat(simd, UNDERFLOW);
@@ -163,8 +162,8 @@ impl Faces {
                 c[2].mul_sub(b[0], c[0] * b[2]),
                 c[0].mul_sub(b[1], c[1] * b[0]),
             ];
-            for k in 0..3 {
-                n[k].store_slice(&mut self.normals[edge][k]);
+            for (row, n) in self.normals[edge].iter_mut().zip(n) {
+                n.store_slice(row);
             }
             let middle = n[0].mul_add(
                 f32x8::splat(simd, view.middle[0]),
