@@ -28,10 +28,10 @@ pub enum Structure {
 pub enum Quality {
     /// The least: for what moves. Kd-trees are built from samples of the cost \[HMS06\].
     Fast,
-    /// Binned surface area heuristic for BVHs, the exact sweep for kd-trees.
+    /// Binned surface area heuristic and a little optimisation for BVHs, the exact sweep for kd-trees.
     #[default]
     Medium,
-    /// Spatial splits \[SFD09\] and optimisation after the build for BVHs; kd-trees as for medium.
+    /// More optimisation \[MB18\], and spatial splits \[SFD09\] where they pay, for BVHs; kd-trees as for medium.
     High,
 }
 
