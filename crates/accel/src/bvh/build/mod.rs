@@ -179,20 +179,13 @@ impl Tree {
         size_of_val(&self.nodes[..]) + size_of_val(&self.compact[..])
     }
 
-    /// Brings the nodes into the form that is wanted, at one place.
+    /// Brings the nodes into the form that is wanted.
     pub(crate) fn settle(&mut self, memory: Memory) {
-        let nodes = std::mem::take(&mut self.nodes);
-        match memory {
-            Memory::Fast => {
-                self.nodes = Vec::with_capacity(nodes.len());
-                prefer_huge_pages(&self.nodes);
-                self.nodes.extend(nodes);
-            }
-            Memory::Compact => {
-                self.compact = Vec::with_capacity(nodes.len());
-                prefer_huge_pages(&self.compact);
-                self.compact.extend(nodes.iter().map(CompactNode::new));
-            }
+        if memory == Memory::Compact {
+            let nodes = std::mem::take(&mut self.nodes);
+            self.compact = Vec::with_capacity(nodes.len());
+            prefer_huge_pages(&self.compact);
+            self.compact.extend(nodes.iter().map(CompactNode::new));
         }
     }
 
