@@ -30,7 +30,7 @@ use super::crew::Crew;
 use super::reference::Lanes;
 
 /// Shares of all knots, the largest ones, that are searched for in each round: for the default trees,
-pub(super) const QUICK: &[f32] = &[0.16, 0.04];
+pub(super) const QUICK: &[f32] = &[0.05];
 
 /// and for those of high quality behind it.
 pub(super) const THOROUGH: &[f32] = &[0.5, 0.25, 0.12];
