@@ -5,17 +5,22 @@
 mod common;
 
 use common::{Kind, TESTS, WATERTIGHT, ask, batch, build_with, options, queries};
-use gnurt_accel::{BuildOptions, HitBatch, Quality, Ray, RayBatch, Record, Structure, Threads};
+use gnurt_accel::{
+    BuildOptions, HitBatch, ObjectTree, Ray, RayBatch, Record, Structure, Threads, TriangleTest,
+};
 use gnurt_testkit::{Soup, closed, rays};
 
-/// The tree of a soup, a kd-tree deep enough that planes lie everywhere, and a single leaf that tests every triangle.
-fn trees(soup: &Soup, kind: Kind) -> [gnurt_accel::ObjectTree; 2] {
-    let build = |options| build_with(std::slice::from_ref(soup), &options, Threads::Single);
-    let flat = BuildOptions { structure: Structure::Kd, quality: Quality::Medium, ..options(kind) };
-    [
-        build(BuildOptions { max_depth: 40, triangle_cost: 4.0, ..options(kind) }),
-        build(BuildOptions { max_depth: 0, ..flat }),
-    ]
+/// The tree of a soup; a kd-tree so deep that planes lie everywhere.
+fn deep(soup: &Soup, kind: Kind) -> ObjectTree {
+    let options = BuildOptions { max_depth: 40, triangle_cost: 4.0, ..options(kind) };
+    build_with(std::slice::from_ref(soup), &options, Threads::Single)
+}
+
+/// A single leaf that tests every triangle.
+fn flat(soup: &Soup, triangle_test: TriangleTest) -> ObjectTree {
+    let options =
+        BuildOptions { structure: Structure::Kd, triangle_test, max_depth: 0, ..BuildOptions::default() };
+    build_with(std::slice::from_ref(soup), &options, Threads::Single)
 }
 
 #[test]
@@ -25,13 +30,20 @@ fn a_tree_hits_what_testing_every_triangle_hits() {
     for (soup, distance) in soups.iter().flat_map(|soup| [(soup, 0.0), (soup, 30.0), (soup, 1000.0)]) {
         let offset = [distance, -distance, 0.5 * distance];
         let soup = soup.clone().moved(offset);
-        for (kind, _) in TESTS {
-            let [tree, flat] = trees(&soup, kind);
-            assert!(tree.stats().depth > 1 && flat.stats().depth == 0, "{:?}", tree.stats());
-            for from in [[0.1, 0.2, 0.05], [3.0, 1.0, -2.0], [-40.0, 90.0, 70.0]] {
-                let rays = batch(&rays::aimed(&soup, [0, 1, 2].map(|k| from[k] + offset[k]), 1));
-                for (i, (a, b)) in ask(&tree, &rays).iter().zip(&ask(&flat, &rays)).enumerate() {
-                    assert_eq!(a, b, "tree and plain list, {kind:?}, {:?}", rays.get(i));
+        let views = [[0.1, 0.2, 0.05], [3.0, 1.0, -2.0], [-40.0, 90.0, 70.0]];
+        let views =
+            views.map(|from: [f32; 3]| batch(&rays::aimed(&soup, [0, 1, 2].map(|k| from[k] + offset[k]), 1)));
+        for test in [TriangleTest::Watertight, TriangleTest::Projected] {
+            let flat = flat(&soup, test);
+            assert_eq!(flat.stats().depth, 0, "{:?}", flat.stats());
+            let truth = views.each_ref().map(|rays| ask(&flat, rays));
+            for (kind, _) in TESTS.into_iter().filter(|(kind, _)| kind.2 == test) {
+                let tree = deep(&soup, kind);
+                assert!(tree.stats().depth > 1, "{:?}", tree.stats());
+                for (rays, truth) in views.iter().zip(&truth) {
+                    for (i, (a, b)) in ask(&tree, rays).iter().zip(truth).enumerate() {
+                        assert_eq!(a, b, "tree and plain list, {kind:?}, {:?}", rays.get(i));
+                    }
                 }
             }
         }
@@ -50,7 +62,7 @@ fn a_stack_of_walls_is_left_at_the_first() {
             };
             walls.push([at(-9.0, -9.0), at(20.0, -9.0), at(-9.0, 20.0)]);
         }
-        let [tree, _] = trees(&walls, WATERTIGHT[3]);
+        let tree = deep(&walls, WATERTIGHT[3]);
         for (start, towards, first) in
             [(-5.0, 1.0, 0), (600.0, -1.0, 511), (100.5, 1.0, 101), (100.5, -1.0, 100)]
         {
