@@ -49,7 +49,8 @@ impl Pools {
     /// Block `index` as tests take it.
     ///
     /// A function of its own for the compiler, once for each level. What comes out goes to memory and not through
-    /// registers twice: a block is larger than all of them.
+    /// registers twice: a block is larger than all of them. Cold, for the reason of `Tree::meet_compact`.
+    #[cold]
     #[inline(never)]
     pub(crate) fn expand<S: Simd>(&self, simd: S, index: usize, into: &mut TriangleBlock) {
         simd.vectorize(

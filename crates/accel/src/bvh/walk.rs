@@ -70,12 +70,29 @@ impl Tree {
                 let (bits, near) = ray.meet(simd, node, reach);
                 (bits, near, node.children())
             }
-            None => {
+            None => self.meet_compact(simd, index, ray, reach),
+        }
+    }
+
+    /// The same in a compact tree. Cold, so that walks of fast trees keep their registers: they would be saved around a call
+    /// that might be.
+    #[cold]
+    #[inline(never)]
+    fn meet_compact<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        ray: &NodeRay<S>,
+        reach: f32,
+    ) -> (u32, f32x8<S>, &[f32; WIDTH]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
                 let node = &self.compact[index];
                 let (bits, near) = ray.meet(simd, node, reach);
                 (bits, near, node.children())
-            }
-        }
+            },
+        )
     }
 
     /// From `start` on, calls `leaf` with the blocks of each leaf that the ray meets before `reach`; it answers with the new reach.
