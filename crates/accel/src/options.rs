@@ -2,6 +2,8 @@
 //! How a tree is to be built.
 //! Source: original; the cost model's names are those of [MB90, WH06].
 
+use rayon::prelude::*;
+
 /// Which ray-triangle test an object uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TriangleTest {
@@ -92,6 +94,20 @@ pub enum Threads<'a> {
     Single,
     /// The threads of this pool; may be called from inside it.
     Pool(&'a rayon::ThreadPool),
+}
+
+/// Puts `count` values behind what is in `all`; several threads may work on it.
+pub(crate) fn extend<T: Send>(
+    parallel: bool,
+    all: &mut Vec<T>,
+    count: usize,
+    value: impl Fn(usize) -> T + Send + Sync,
+) {
+    if parallel {
+        all.par_extend((0..count).into_par_iter().with_min_len(1024).map(value));
+    } else {
+        all.extend((0..count).map(value));
+    }
 }
 
 impl Threads<'_> {

@@ -99,7 +99,10 @@ fn plans(filter: &Filter) -> Result<Vec<Plan>, Error> {
         return Err(Error::NothingToDo { valid: modes });
     }
     // A kd-tree of high quality is one of medium quality.
-    let is_usual = |plan: &Plan| !matches!(plan, Plan::Own(kind) if (kind.structure, kind.quality) == (Structure::Kd, Quality::High));
+    let is_usual = |plan: &Plan| match plan {
+        Plan::Own(kind) => (kind.structure, kind.quality) != (Structure::Kd, Quality::High),
+        Plan::Embree(_) => true,
+    };
     plans.retain(|plan| match filter.modes.is_empty() {
         true => is_usual(plan),
         false => filter.modes.iter().any(|part| plan.mode().contains(part)),

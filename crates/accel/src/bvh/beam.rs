@@ -9,7 +9,6 @@
 use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 
 use super::faces::has_wide_lanes;
-
 use super::slab::SLACK;
 use super::{Node8, WIDTH};
 use crate::Aabb;

@@ -25,7 +25,7 @@ pub(crate) struct Chunks<'a> {
     /// The tree's greatest coordinate.
     reach: f32,
     count: usize,
-    /// The rays of each chunk as intervals, as soon as they are asked for: bits of those that have been.
+    /// The rays of each chunk as intervals; not known at first where all start in one point, for planes may do.
     parts: [Beam; CHUNKS],
     known: bool,
     /// How many steps each chunk still looks ahead.
@@ -122,6 +122,7 @@ impl<'a> Chunks<'a> {
             return;
         }
         let mut touched = 0;
+        // A loop for each way: with one call of the test for both, corners would go through memory.
         if const { has_wide_lanes::<S>() }
             && let Some(view) = &self.view
             && view.is_worth_it(simd, block, &extents, common)
@@ -139,11 +140,7 @@ impl<'a> Chunks<'a> {
                     if !faces.all_pass(simd, place, &self.slopes, which) {
                         let candidate =
                             Candidate { place, chunk: which, corners: faces.corners(simd, place) };
-                        let met = simd.part(
-                            #[inline(always)]
-                            || meet(candidate, &self.slopes, nearest),
-                        );
-                        touched |= u32::from(met) << which;
+                        touched |= u32::from(meet(candidate, &self.slopes, nearest)) << which;
                     }
                 }
             }

@@ -220,6 +220,7 @@ fn place_of<S: Simd>(simd: S, [x, y, z]: &[[f32; WIDTH]; 3], place: usize) -> [f
 #[cfg(test)]
 mod tests {
     use gnurt_simd::{Level, dispatch_wide};
+    use gnurt_testkit::Random;
 
     use super::*;
     use crate::Ray;
@@ -246,11 +247,8 @@ mod tests {
     /// No plane leaves out what the test hits: rays are aimed at corners, at edges and past them by a few bits.
     #[test]
     fn bounds_hold() {
-        let mut state = 11u32;
-        let mut random = || {
-            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            (state >> 8) as f32 / (1 << 23) as f32 - 1.0
-        };
+        let mut numbers = Random::new(11);
+        let mut random = || numbers.between(-1.0, 1.0);
         for level in Level::available() {
             let (mut hits, mut left_out) = (0, 0);
             for round in 0..600 {

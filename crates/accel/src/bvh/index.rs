@@ -6,7 +6,7 @@ mod store;
 
 use gnurt_simd::Simd;
 
-use super::blocks::{BlockRay, TriangleBlock};
+use super::blocks::BlockRay;
 use super::leaves::Leaves;
 use super::slab::NodeRay;
 use super::sweep::Sweep;
@@ -111,9 +111,7 @@ impl BvhIndex {
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        let Self { tree, leaves, reach, .. } = self;
-        Sweep { simd, tree, blocks: leaves, reach: *reach, slot, rays, count, heading }
-            .run::<M>(nearest, counters);
+        Sweep { simd, tree: self, reach: self.reach, slot, rays, count, heading }.run::<M>(nearest, counters);
     }
 }
 
@@ -141,17 +139,8 @@ pub(super) fn walk_blocks<S: Simd, C: Collect>(
             #[inline(always)]
             |range| {
                 for index in range {
-                    let mut expanded;
-                    let block = match leaves.block(index) {
-                        Some(block) => block,
-                        None => {
-                            expanded = TriangleBlock::ZERO;
-                            leaves.pools.expand(simd, index, &mut expanded);
-                            &expanded
-                        }
-                    };
                     tested += 1;
-                    block.meet(simd, for_blocks, slot, collect);
+                    leaves.block(simd, index, &mut None).meet(simd, for_blocks, slot, collect);
                     if collect.is_done() {
                         return false;
                     }
@@ -168,17 +157,8 @@ pub(super) fn walk_blocks<S: Simd, C: Collect>(
             #[inline(always)]
             |range| {
                 for index in range {
-                    let mut expanded;
-                    let block = match leaves.block(index) {
-                        Some(block) => block,
-                        None => {
-                            expanded = TriangleBlock::ZERO;
-                            leaves.pools.expand(simd, index, &mut expanded);
-                            &expanded
-                        }
-                    };
                     tested += 1;
-                    block.meet(simd, for_blocks, slot, collect);
+                    leaves.block(simd, index, &mut None).meet(simd, for_blocks, slot, collect);
                 }
                 collect.reach()
             },

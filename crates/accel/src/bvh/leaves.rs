@@ -2,14 +2,14 @@
 //! The leaf blocks of a wide BVH over triangles, as tests take them or in less memory.
 //! Source: original. Invariant: there are blocks or pools, not both. Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::prefer_huge_pages;
-use rayon::prelude::*;
+use gnurt_simd::{Simd, prefer_huge_pages};
 
 use super::WIDTH;
 use super::blocks::TriangleBlock;
 use super::pools::{Filling, Pools};
 use crate::control::Watch;
 use crate::geometry::Screened;
+use crate::options::extend;
 use crate::{BuildError, INVALID_ID, Memory, Threads};
 
 /// Blocks by their numbers.
@@ -37,10 +37,7 @@ impl Leaves {
             leaves.blocks = Vec::with_capacity(in_blocks.len());
             prefer_huge_pages(&leaves.blocks);
             let blocks = &mut leaves.blocks;
-            threads.run(|parallel| match parallel {
-                true => blocks.par_extend(in_blocks.par_iter().with_min_len(256).map(block)),
-                false => blocks.extend(in_blocks.iter().map(block)),
-            });
+            threads.run(|parallel| extend(parallel, blocks, in_blocks.len(), |i| block(&in_blocks[i])));
             return Ok(leaves);
         }
         let mut filling = Filling::new(in_blocks.len());
@@ -65,10 +62,24 @@ impl Leaves {
         self.blocks.len() + self.pools.blocks.len()
     }
 
-    /// Block `index`, where it lies in memory as tests take it; else it is to be expanded from the pools.
+    /// Block `index`: where it lies in memory as tests take it, or expanded into `room`.
+    ///
+    /// That the index lies beyond the blocks is how compact leaves are told apart: the check is there anyway.
     #[inline(always)]
-    pub(super) fn block(&self, index: usize) -> Option<&TriangleBlock> {
-        self.blocks.get(index)
+    pub(super) fn block<'a, S: Simd>(
+        &'a self,
+        simd: S,
+        index: usize,
+        room: &'a mut Option<TriangleBlock>,
+    ) -> &'a TriangleBlock {
+        match self.blocks.get(index) {
+            Some(block) => block,
+            None => {
+                let expanded = room.insert(TriangleBlock::ZERO);
+                self.pools.expand(simd, index, expanded);
+                expanded
+            }
+        }
     }
 
     pub(super) fn memory_bytes(&self) -> usize {

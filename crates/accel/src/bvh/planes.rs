@@ -37,8 +37,7 @@ impl TilePlanes {
     fn prepare_chunk<S: Simd>(&mut self, simd: S, rays: &RayTile, reach: f32, at: usize) {
         let dir =
             [chunk(simd, &rays.dir[0], at), chunk(simd, &rays.dir[1], at), chunk(simd, &rays.dir[2], at)];
-        let org =
-            [chunk(simd, &rays.org[0], at), chunk(simd, &rays.org[1], at), chunk(simd, &rays.org[2], at)];
+        let org = rays.org_lanes(simd, [0, 1, 2], at);
         let flattest = dir[0].abs().max(dir[1].abs()).max(dir[2].abs()) * f32x16::splat(simd, FLATTEST);
         let away = org[0].abs().max(org[1].abs()).max(org[2].abs());
         let slack = f32x16::splat(simd, SLACK) * (f32x16::splat(simd, 2.0 * reach) + away);
@@ -55,24 +54,6 @@ impl TilePlanes {
     #[inline(always)]
     #[expect(clippy::too_many_arguments, reason = "a box and sixteen rays")]
     pub(super) fn meet<S: Simd>(
-        &self,
-        simd: S,
-        node: &Node8,
-        place: usize,
-        heading: Heading,
-        rays: &RayTile,
-        nearest: &NearestTile,
-        at: usize,
-    ) -> u64 {
-        simd.part(
-            #[inline(always)]
-            || self.meet_chunk(simd, node, place, heading, rays, nearest, at),
-        )
-    }
-
-    #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "a box and sixteen rays")]
-    fn meet_chunk<S: Simd>(
         &self,
         simd: S,
         node: &Node8,

@@ -109,14 +109,7 @@ impl BvhIndex {
         let (tree, leaves) = self.parts();
         tree.near(simd, &probe.point, probe.reach(nearest.distance), |range| {
             for index in range {
-                match leaves.block(index) {
-                    Some(block) => block.nearest(probe, slot, nearest),
-                    None => {
-                        let mut expanded = TriangleBlock::ZERO;
-                        leaves.pools.expand(simd, index, &mut expanded);
-                        expanded.nearest(probe, slot, nearest);
-                    }
-                }
+                leaves.block(simd, index, &mut None).nearest(probe, slot, nearest);
             }
             probe.reach(nearest.distance)
         });

@@ -5,7 +5,8 @@
 //! A plane `b` is met at `t = b * inv - org * inv`, one fused operation where the CPU has it. What is rounded on the way,
 //! here, in the boxes and in the triangle tests, moves points by less than `SLACK * (2 * reach + away)`, where `reach` is
 //! the greatest coordinate of the tree and `away` that of the origin: 17 units of 2^-24 for the tests and 5 for boxes
-//! (`kd/slab.rs`), 3 for the difference of products, and 5 more where nodes are compact (`compact.rs`). The slack is part of the term that is subtracted: it costs nothing.
+//! (`kd/slab.rs`), 3 for the difference of products, and 5 more where nodes are compact (`compact.rs`). The slack is part
+//! of the term that is subtracted: it costs nothing.
 //! Invariant: what a triangle test hits is in no box that is skipped. Proof: `tests/watertight.rs`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};

@@ -55,10 +55,6 @@ impl Primitives for Gathered {
             max: [0, 1, 2].map(|k| side(k, 1.0).next_up()),
         }
     }
-
-    fn split(&self, _: usize, _: &Aabb, _: usize, _: f32) -> Option<[Option<Aabb>; 2]> {
-        None
-    }
 }
 
 impl SphereIndex {

@@ -14,10 +14,9 @@ use super::beam::Slopes;
 use super::blocks::{BlockRay, TriangleBlock};
 use super::chunks::{Candidate, Chunks};
 use super::index::walk_blocks;
-use super::leaves::Leaves;
 use super::planes::TilePlanes;
 use super::walk::farthest_first;
-use super::{Child, Tree, WIDTH};
+use super::{BvhIndex, Child, WIDTH};
 use crate::Counters;
 use crate::nearest::{Best, Mode, Nearest};
 use crate::packet::Heading;
@@ -25,10 +24,10 @@ use crate::tile::{LANES, NearestTile, PerRay, RayTile, TILE, all, chunk};
 use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_alone, pass_edges};
 
 /// A tile on its way through one object's tree.
-pub(crate) struct Sweep<'a, S: Simd, T, B: ?Sized> {
+pub(crate) struct Sweep<'a, S: Simd, T> {
     pub(crate) simd: S,
+    /// Tree and triangles.
     pub(crate) tree: &'a T,
-    pub(crate) blocks: &'a B,
     pub(crate) reach: f32,
     pub(crate) slot: u32,
     pub(crate) rays: &'a RayTile,
@@ -49,11 +48,12 @@ struct Waiting {
     rays: u64,
 }
 
-impl<S: Simd> Sweep<'_, S, Tree, Leaves> {
+impl<S: Simd> Sweep<'_, S, BvhIndex> {
     /// Improves the hits of the tile's rays.
     #[inline(always)]
     pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) {
-        let Self { simd, tree, rays, count, heading, .. } = *self;
+        let Self { simd, rays, count, heading, .. } = *self;
+        let (tree, leaves) = self.tree.parts();
         let chunks = simd.part(
             #[inline(always)]
             || Chunks::new(simd, rays, count, heading, self.reach, nearest, |_| false),
@@ -106,15 +106,8 @@ impl<S: Simd> Sweep<'_, S, Tree, Leaves> {
             }
             if child.is_leaf() {
                 for index in child.blocks() {
-                    let mut expanded;
-                    let block = match self.blocks.block(index) {
-                        Some(block) => block,
-                        None => {
-                            expanded = TriangleBlock::ZERO;
-                            self.blocks.pools.expand(simd, index, &mut expanded);
-                            &expanded
-                        }
-                    };
+                    let mut room = None;
+                    let block = leaves.block(simd, index, &mut room);
                     chunks.block(
                         simd,
                         block,
@@ -155,7 +148,10 @@ impl<S: Simd> Sweep<'_, S, Tree, Leaves> {
                     those = 0;
                     for at in (0..count).step_by(LANES) {
                         if bits >> at & 0xffff != 0 {
-                            let meet = planes.meet(simd, node, place, heading, rays, nearest, at);
+                            let meet = simd.part(
+                                #[inline(always)]
+                                || planes.meet(simd, node, place, heading, rays, nearest, at),
+                            );
                             those |= meet << at;
                         }
                     }
@@ -192,12 +188,13 @@ impl<S: Simd> Sweep<'_, S, Tree, Leaves> {
         };
         let for_blocks = BlockRay::sheared(simd, axes, sheared, rays.t_near[i]);
         let mut best = Best::<M>::new(*nearest);
-        walk_blocks(simd, self.tree, self.blocks, child, &for_nodes, &for_blocks, slot, &mut best, counters);
+        let (tree, leaves) = self.tree.parts();
+        walk_blocks(simd, tree, leaves, child, &for_nodes, &for_blocks, slot, &mut best, counters);
         *nearest = best.0;
     }
 }
 
-impl<S: Simd, T, B: ?Sized> Sweep<'_, S, T, B> {
+impl<S: Simd, T> Sweep<'_, S, T> {
     /// One triangle against one chunk; whether any ray hits.
     #[inline(always)]
     pub(crate) fn meet<M: Mode>(

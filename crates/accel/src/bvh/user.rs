@@ -7,7 +7,7 @@ use std::sync::Arc;
 use gnurt_simd::Simd;
 
 use super::slab::NodeRay;
-use super::{Child, Primitives, Tree, WIDTH, build};
+use super::{Child, Tree, WIDTH, build};
 use crate::geometry::{GeometryKind, Numbering};
 use crate::nearest::Collect;
 use crate::triangle::Meeting;
@@ -28,26 +28,6 @@ pub(crate) struct UserIndex {
     stats: TreeStats,
 }
 
-/// Boxes of primitives by their numbers.
-struct Gathered {
-    boxes: Vec<Aabb>,
-    numbers: Vec<u32>,
-}
-
-impl Primitives for Gathered {
-    fn count(&self) -> usize {
-        self.boxes.len()
-    }
-
-    fn bounds(&self, i: usize) -> Aabb {
-        self.boxes[i]
-    }
-
-    fn split(&self, _: usize, _: &Aabb, _: usize, _: f32) -> Option<[Option<Aabb>; 2]> {
-        None
-    }
-}
-
 impl UserIndex {
     /// Over the user geometries that are `wanted`; primitives with unsound boxes are counted.
     pub(crate) fn build(
@@ -59,7 +39,7 @@ impl UserIndex {
         memory: Memory,
         threads: Threads,
     ) -> Self {
-        let mut gathered = Gathered { boxes: Vec::new(), numbers: Vec::new() };
+        let (mut boxes, mut of_boxes) = (Vec::new(), Vec::new());
         let mut users = Vec::new();
         for (i, geometry) in geometries.iter().enumerate().filter(|(_, geometry)| wanted(geometry)) {
             let GeometryKind::User(user) = &geometry.kind else { continue };
@@ -72,15 +52,15 @@ impl UserIndex {
                 } else if let Some(fault) = bad.fault(bounds.min.into_iter().chain(bounds.max)) {
                     *fault += 1;
                 } else {
-                    gathered.boxes.push(bounds);
-                    gathered.numbers.push(number);
+                    boxes.push(bounds);
+                    of_boxes.push(number);
                 }
             }
         }
-        let mut tree = build(&gathered, quality, threads);
+        let mut tree = build(&&boxes[..], quality, threads);
         tree.settle(memory);
         let stats = tree.measure();
-        let number = |i: u32| gathered.numbers.get(i as usize).copied().unwrap_or(INVALID_ID);
+        let number = |i: u32| of_boxes.get(i as usize).copied().unwrap_or(INVALID_ID);
         let blocks = std::mem::take(&mut tree.blocks).iter().map(|places| places.map(number)).collect();
         let reach = tree.reach();
         Self { tree, blocks, geometries: users, reach, stats }

@@ -86,12 +86,9 @@ impl KdTree {
             empty_factor: f64::from(options.empty_factor.clamp(0.0, 1.0)),
         };
         let max_depth = (options.max_depth as usize).min(DEEPEST - 1);
-        let parallel = matches!(threads, Threads::Pool(_));
-        let builder = Builder { screened, costs, max_depth, parallel, level: Level::best(), watch };
-        match threads {
-            Threads::Single => builder.run(options),
-            Threads::Pool(pool) => pool.install(|| builder.run(options)),
-        }
+        threads.run(|parallel| {
+            Builder { screened, costs, max_depth, parallel, level: Level::best(), watch }.run(options)
+        })
     }
 }
 

@@ -173,8 +173,8 @@ impl KdIndex {
         let (tree, reach) = (&self.tree, self.reach);
         match &self.triangles {
             Prepared::Watertight(leaves) => {
-                let (tree, blocks) = (&Blocked { tree, leaves }, &leaves.blocks[..]);
-                let sweep = Sweep { simd, tree, blocks, reach, slot, rays, count, heading };
+                let tree = &Blocked { tree, leaves };
+                let sweep = Sweep { simd, tree, reach, slot, rays, count, heading };
                 if !sweep.run::<M>(nearest, counters) {
                     nearest.one_by_one::<M>(
                         rays,

@@ -7,11 +7,10 @@ mod store;
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use super::node::{EMPTY_LEAF, KdTree, Node};
 use crate::bvh::{TriangleBlock, WIDTH};
 use crate::geometry::Screened;
+use crate::options::extend;
 use crate::{INVALID_ID, Threads};
 
 /// Blocks of all leaves.
@@ -33,16 +32,13 @@ impl Leaves {
             *node = Node::leaf(starts.len() as u32 - 1);
             starts.push(in_blocks.len() as u32);
         }
-        let block = |numbers: &&[u32]| {
-            let mut padded = [INVALID_ID; WIDTH];
+        let block = |i: usize| {
+            let (numbers, mut padded) = (in_blocks[i], [INVALID_ID; WIDTH]);
             padded[..numbers.len()].copy_from_slice(numbers);
             TriangleBlock::new(screened, &padded)
         };
         let mut blocks = Vec::with_capacity(in_blocks.len());
-        threads.run(|parallel| match parallel {
-            true => blocks.par_extend(in_blocks.par_iter().with_min_len(256).map(block)),
-            false => blocks.extend(in_blocks.iter().map(block)),
-        });
+        threads.run(|parallel| extend(parallel, &mut blocks, in_blocks.len(), block));
         starts.shrink_to_fit();
         drop(in_blocks);
         tree.nodes = nodes;

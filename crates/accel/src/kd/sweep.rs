@@ -11,7 +11,7 @@ use gnurt_simd::{Simd, Stack};
 use super::leaves::Leaves;
 use super::slab::{least, most};
 use super::{DEEPEST, KdTree};
-use crate::bvh::{Beam, CHUNKS, Chunks, Ranges, Sweep, TriangleBlock};
+use crate::bvh::{Beam, CHUNKS, Chunks, Ranges, Sweep};
 use crate::nearest::Mode;
 use crate::tile::{LANES, NearestTile, all};
 use crate::{Counters, INVALID_ID};
@@ -49,7 +49,7 @@ impl Mailbox {
 /// Tiles may be this wide, as a part of the tree's size.
 const FARTHEST_SPREAD: f32 = 1.0 / 16.0;
 
-impl<S: Simd> Sweep<'_, S, Blocked<'_>, [TriangleBlock]> {
+impl<S: Simd> Sweep<'_, S, Blocked<'_>> {
     /// Improves the hits of the tile's rays; or does nothing and says so, where they spread so far that one by one is
     /// faster: an interval that most leaves lie in tells nothing.
     #[inline(always)]
@@ -74,7 +74,7 @@ impl<S: Simd> Sweep<'_, S, Blocked<'_>, [TriangleBlock]> {
             &mut visited,
             #[inline(always)]
             |blocks| {
-                for block in &self.blocks[blocks] {
+                for block in &tree.leaves.blocks[blocks] {
                     chunks.block(
                         simd,
                         block,

@@ -4,7 +4,7 @@
 //! more than a triangle to test twice. A leaf block is eight boxes again, with the places of instances as children, so
 //! that a ray meets eight instances in one test. Proof: `tests::every_instance_is_in_one_block`.
 
-use crate::bvh::{Child, Node8, Primitives, Tree, build};
+use crate::bvh::{Child, Node8, Tree, build};
 use crate::{Aabb, INVALID_ID, Quality, Ray, Threads, TreeStats};
 
 /// Tree over instances by their place in the scene.
@@ -18,27 +18,10 @@ pub(super) struct TopTree {
     stats: TreeStats,
 }
 
-/// Boxes that are not split.
-struct Boxes<'a>(&'a [Aabb]);
-
-impl Primitives for Boxes<'_> {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-
-    fn bounds(&self, number: usize) -> Aabb {
-        self.0[number]
-    }
-
-    fn split(&self, _: usize, _: &Aabb, _: usize, _: f32) -> Option<[Option<Aabb>; 2]> {
-        None
-    }
-}
-
 impl TopTree {
     /// Over boxes relative to `origin`, none of them empty.
     pub(super) fn build(boxes: &[Aabb], origin: [f32; 3]) -> Self {
-        let mut tree = build(&Boxes(boxes), Quality::Medium, Threads::Single);
+        let mut tree = build(&boxes, Quality::Medium, Threads::Single);
         let stats = tree.measure();
         let in_blocks = std::mem::take(&mut tree.blocks);
         let block = |places: &[u32; 8]| {

@@ -13,6 +13,7 @@ use super::partition::{Buffer, Parted, partition};
 use super::reference::{Lanes, Part, Reference};
 use super::spatial::{Grid, Plane, Slabs, cut};
 use crate::control::Watch;
+use crate::options::extend;
 
 /// More references than this are binned and parted in pieces. Tests have small scenes.
 const PIECE: usize = if cfg!(test) { 1 << 9 } else { 1 << 15 };
@@ -52,11 +53,7 @@ impl Crew<'_> {
         count: usize,
         value: impl Fn(usize) -> T + Send + Sync,
     ) {
-        if self.parallel {
-            all.par_extend((0..count).into_par_iter().with_min_len(1024).map(value));
-        } else {
-            all.extend((0..count).map(value));
-        }
+        extend(self.parallel, all, count, value);
     }
 
     /// Puts all of `pieces` one after another into `all`, which is empty.
@@ -88,32 +85,47 @@ impl Crew<'_> {
         all.par_extend(copies);
     }
 
-    /// All of `references` as one part.
-    pub(super) fn around(self, references: &[Reference]) -> Part {
+    /// What there is to know of `references`: of pieces on their own, then of two neighbours together.
+    fn fold<T: Send>(
+        self,
+        references: &[Reference],
+        piece: &(impl Fn(&[Reference]) -> T + Sync),
+        together: &(impl Fn(T, T) -> T + Sync),
+    ) -> T {
         if references.len() <= PIECE {
-            return dispatch!(self.level, simd => Part::around(simd, references, 0, references.len()));
+            return piece(references);
         }
         let (left, right) = references.split_at(references.len() / 2);
-        let (left, right) = self.both(|| self.around(left), || self.around(right));
-        Part {
-            start: 0,
-            end: references.len(),
-            bounds: left.bounds.union(&right.bounds),
-            middles: left.middles.union(&right.middles),
-        }
+        let (left, right) =
+            self.both(|| self.fold(left, piece, together), || self.fold(right, piece, together));
+        together(left, right)
     }
 
-    /// What is in the bins; pieces are binned on their own.
+    /// All of `references` as one part.
+    pub(super) fn around(self, references: &[Reference]) -> Part {
+        let piece =
+            |piece: &[Reference]| dispatch!(self.level, simd => Part::around(simd, piece, 0, piece.len()));
+        let together = |left: Part, right: Part| Part {
+            start: 0,
+            end: left.end + right.end,
+            bounds: left.bounds.union(&right.bounds),
+            middles: left.middles.union(&right.middles),
+        };
+        self.fold(references, &piece, &together)
+    }
+
+    /// What is in the bins.
     fn bin(self, references: &[Reference], mapping: &Mapping) -> Bins {
-        if references.len() <= PIECE {
+        let piece = |piece: &[Reference]| {
             let mut bins = Bins::EMPTY;
-            dispatch!(self.level, simd => bins.add(simd, references, mapping));
-            return bins;
-        }
-        let (left, right) = references.split_at(references.len() / 2);
-        let (mut bins, others) = self.both(|| self.bin(left, mapping), || self.bin(right, mapping));
-        bins.merge(&others);
-        bins
+            dispatch!(self.level, simd => bins.add(simd, piece, mapping));
+            bins
+        };
+        let together = |mut bins: Bins, others: Bins| {
+            bins.merge(&others);
+            bins
+        };
+        self.fold(references, &piece, &together)
     }
 
     /// Parts pieces on their own, then puts them together.
@@ -167,17 +179,18 @@ impl Crew<'_> {
         dispatch!(self.level, simd => partition(simd, references, mapping, split, buffer))
     }
 
-    /// What is in the slabs; pieces are looked at on their own.
+    /// What is in the slabs.
     fn slabs(self, references: &[Reference], grid: &Grid) -> Slabs {
-        if references.len() <= PIECE {
+        let piece = |piece: &[Reference]| {
             let mut slabs = Slabs::EMPTY;
-            dispatch!(self.level, simd => slabs.add(simd, references, grid));
-            return slabs;
-        }
-        let (left, right) = references.split_at(references.len() / 2);
-        let (mut slabs, others) = self.both(|| self.slabs(left, grid), || self.slabs(right, grid));
-        slabs.merge(&others);
-        slabs
+            dispatch!(self.level, simd => slabs.add(simd, piece, grid));
+            slabs
+        };
+        let together = |mut slabs: Slabs, others: Slabs| {
+            slabs.merge(&others);
+            slabs
+        };
+        self.fold(references, &piece, &together)
     }
 
     /// The best plane through the box `whole` around `references`, with at most `room` parts.

@@ -22,13 +22,13 @@ mod tests;
 use super::compact::CompactNode;
 use super::node::{Child, Node8, WIDTH};
 use crate::control::Watch;
+use crate::options::extend;
 use crate::{Aabb, BuildError, Memory, Quality, Threads};
 use binary::{Careful, Knot};
 pub(crate) use collapse::DEEPEST;
 use collapse::collapse;
 use crew::Crew;
 use gnurt_simd::{Level, prefer_huge_pages};
-use rayon::prelude::*;
 use reference::Reference;
 use reinsert::{QUICK, THOROUGH, reinsert};
 
@@ -39,8 +39,21 @@ pub(crate) trait Primitives: Sync {
     /// The box of one.
     fn bounds(&self, number: usize) -> Aabb;
     /// Boxes of the parts of `number` within `cell` on both sides of a plane; `None` where it has no part. Those that
-    /// cannot be split (instances) answer with `None` for the whole.
-    fn split(&self, number: usize, cell: &Aabb, axis: usize, at: f32) -> Option<[Option<Aabb>; 2]>;
+    /// cannot be split answer with `None` for the whole, as they do unless they say otherwise.
+    fn split(&self, _number: usize, _cell: &Aabb, _axis: usize, _at: f32) -> Option<[Option<Aabb>; 2]> {
+        None
+    }
+}
+
+/// Boxes of what cannot be split.
+impl Primitives for &[Aabb] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn bounds(&self, number: usize) -> Aabb {
+        self[number]
+    }
 }
 
 /// A tree without what it is built over.
@@ -77,10 +90,7 @@ pub(crate) fn try_build(
     threads: Threads,
     watch: &Watch,
 ) -> Result<Tree, BuildError> {
-    match threads {
-        Threads::Single => build_with(primitives, quality, false, watch),
-        Threads::Pool(pool) => pool.install(|| build_with(primitives, quality, true, watch)),
-    }
+    threads.run(|parallel| build_with(primitives, quality, parallel, watch))
 }
 
 fn build_with(
@@ -216,10 +226,7 @@ impl Tree {
 
 fn all_references(primitives: &impl Primitives, parallel: bool) -> Vec<Reference> {
     let number_and_box = |number: usize| Reference::new(number as u32, &primitives.bounds(number));
-    let count = primitives.count();
-    if parallel {
-        (0..count).into_par_iter().with_min_len(1024).map(number_and_box).collect()
-    } else {
-        (0..count).map(number_and_box).collect()
-    }
+    let mut references = Vec::new();
+    extend(parallel, &mut references, primitives.count(), number_and_box);
+    references
 }

@@ -22,20 +22,6 @@ impl Primitives for Corners {
     }
 }
 
-struct Boxes(Vec<Aabb>);
-
-impl Primitives for Boxes {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-    fn bounds(&self, number: usize) -> Aabb {
-        self.0[number]
-    }
-    fn split(&self, _: usize, _: &Aabb, _: usize, _: f32) -> Option<[Option<Aabb>; 2]> {
-        None
-    }
-}
-
 fn holds(outer: &Aabb, inner: &Aabb) -> bool {
     (0..3).all(|k| outer.min[k] <= inner.min[k] && outer.max[k] >= inner.max[k])
 }
@@ -83,10 +69,10 @@ fn check(boxes: &[Aabb], tree: &Tree) {
 }
 
 fn check_all(boxes: Vec<Aabb>) -> Tree {
-    let boxes = Boxes(boxes);
+    let boxes = &boxes[..];
     for quality in [Quality::Fast, Quality::High, Quality::Medium] {
         let tree = build(&boxes, quality, Threads::Single);
-        check(&boxes.0, &tree);
+        check(boxes, &tree);
         for threads in [1, 2, 4] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
             let same = build(&boxes, quality, Threads::Pool(&pool));
@@ -261,7 +247,8 @@ fn least_cost(knots: &[binary::Knot], at: usize, places: usize) -> f64 {
 fn no_other_collapse_is_cheaper() {
     let mut random = Random::new(6);
     for count in [9, 20, 35, 50] {
-        let boxes = Boxes(random_boxes(&mut random, count, 0.3));
+        let boxes = random_boxes(&mut random, count, 0.3);
+        let boxes = &boxes[..];
         let mut references = all_references(&boxes, false);
         let watch = crate::control::Watch::new(&());
         let crew = Crew { parallel: false, level: Level::best(), scale: 1.0, watch: &watch };

@@ -2,42 +2,28 @@
 //! What must hold of a tree whatever was moved, and that a move is what it is said to be. Source: original.
 
 use super::super::binary::Careful;
-use super::super::{Primitives, all_references, collapse};
+use super::super::{all_references, collapse};
 use super::*;
 use crate::Aabb;
 use crate::control::Watch;
 use gnurt_simd::Level;
 use gnurt_testkit::Random;
 
-struct Boxes(Vec<Aabb>);
-
-impl Primitives for Boxes {
-    fn count(&self) -> usize {
-        self.0.len()
-    }
-    fn bounds(&self, number: usize) -> Aabb {
-        self.0[number]
-    }
-    fn split(&self, _: usize, _: &Aabb, _: usize, _: f32) -> Option<[Option<Aabb>; 2]> {
-        None
-    }
-}
-
 /// Boxes of all sizes, which a binned build does not put well.
-fn mixed_boxes(count: usize) -> Boxes {
+fn mixed_boxes(count: usize) -> Vec<Aabb> {
     let mut random = Random::new(7);
     let mut one = || {
         let (at, to, size) = (random.point(), random.point(), random.unit().powi(6));
         Aabb::around(&[at, [0, 1, 2].map(|k| at[k] + size * to[k])])
     };
-    Boxes((0..count).map(|_| one()).collect())
+    (0..count).map(|_| one()).collect()
 }
 
 /// Divided by number alone from a depth on.
-fn knots_over(boxes: &Boxes, by_number: usize, crew: Crew) -> Vec<Knot> {
-    let mut references = all_references(boxes, false);
+fn knots_over(boxes: &[Aabb], by_number: usize, crew: Crew) -> Vec<Knot> {
+    let mut references = all_references(&boxes, false);
     let root = crew.around(&references);
-    Careful::new(boxes, crew, &root, by_number).build(&mut references, root)
+    Careful::new(&boxes, crew, &root, by_number).build(&mut references, root)
 }
 
 /// Areas of all knots, and numbers of all primitives in order; checks boxes and heights on the way.
