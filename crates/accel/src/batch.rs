@@ -4,7 +4,7 @@
 //!
 //! The way of a coherent batch: `intersect` -> `dispatch!` -> `tiles` (one pass over the batch, 64 rays at a time) ->
 //! `Traceable::tile` (the scene's top tree) -> `ObjectTree::search_tile` (parts rays of different headings) -> `sweep` of
-//! the kd-tree or the BVH. The way of a single ray: `closest` -> `dispatch!` -> `Traceable::single` ->
+//! the kd-tree or the BVH. An incoherent batch goes the same way as far as `search_apart`. The way of a single ray: `closest` -> `dispatch!` -> `Traceable::single` ->
 //! `ObjectTree::search` -> `search` of the index; what it gathers on its way is a `Collect`. Everything from `tiles` and
 //! `single` on is `#[inline(always)]` or entered by `vectorize`, or lanes become calls.
 
@@ -27,12 +27,14 @@ pub(crate) trait Traceable {
         collect: &mut C,
         counters: &mut Counters,
     );
-    /// Improves the best hits of those rays of a tile that are in `active`.
+    /// Improves the best hits of those rays of a tile that are in `active`. Where they are `apart`, they have nothing in
+    /// common but their memory.
     fn tile<S: Simd, M: Mode>(
         &self,
         simd: S,
         rays: &RayTile,
         active: u64,
+        apart: bool,
         nearest: &mut NearestTile,
         counters: &mut Counters,
     );
@@ -170,7 +172,7 @@ fn trace_pencil<S: Simd, T: Traceable>(
     if active == 0 {
         return 0;
     }
-    target.tile::<S, AnyHit>(simd, rays, active, &mut nearest, counters);
+    target.tile::<S, AnyHit>(simd, rays, active, false, &mut nearest, counters);
     active & nearest.hit(simd)
 }
 
@@ -263,15 +265,16 @@ fn trace<M: Mode, T: Traceable>(
     );
     let Record { counters, costs } = record;
     let masks = &Masks { own: &rays.mask, common: query.mask };
-    match query.coherence {
-        Coherence::Coherent if costs.is_none() => {
-            dispatch!(query.level, simd => tiles::<_, M, T>(simd, target, rays, masks, answers, counters));
+    match (costs, query.coherence) {
+        (Some(costs), _) => {
+            dispatch!(query.level, simd => singles::<_, M, T>(simd, target, rays, masks, answers, counters, costs));
         }
-        Coherence::Fanned if costs.is_none() => {
+        (None, Coherence::Fanned) => {
             dispatch!(query.level, simd => fans::<_, M, T>(simd, target, rays, masks, answers, counters));
         }
-        _ => {
-            dispatch!(query.level, simd => singles::<_, M, T>(simd, target, rays, masks, answers, counters, costs));
+        (None, coherence) => {
+            let apart = coherence == Coherence::Incoherent;
+            dispatch!(query.level, simd => tiles::<_, M, T>(simd, target, rays, apart, masks, answers, counters));
         }
     }
     counters.rays += rays.len() as u64;
@@ -300,6 +303,7 @@ impl Masks<'_> {
         target: &T,
         tile: &mut RayTile,
         active: u64,
+        apart: bool,
         place: impl Fn(usize) -> usize,
         nearest: &mut NearestTile,
         counters: &mut Counters,
@@ -316,7 +320,7 @@ impl Masks<'_> {
                     }
                 });
             }
-            target.tile::<S, M>(simd, tile, same, nearest, counters);
+            target.tile::<S, M>(simd, tile, same, apart, nearest, counters);
             left &= !same;
             if left == 0 {
                 return;
@@ -325,7 +329,7 @@ impl Masks<'_> {
     }
 }
 
-/// Traces rays singly, and notes what each costs where the record asks for it.
+/// Traces rays one by one and notes what each costs.
 #[inline(always)]
 fn singles<S: Simd, M: Mode, T: Traceable>(
     simd: S,
@@ -334,12 +338,10 @@ fn singles<S: Simd, M: Mode, T: Traceable>(
     masks: &Masks,
     answers: &mut impl Answers,
     counters: &mut Counters,
-    costs: &mut Option<Vec<u32>>,
+    costs: &mut Vec<u32>,
 ) {
-    if let Some(costs) = costs {
-        costs.clear();
-        costs.reserve(rays.len());
-    }
+    costs.clear();
+    costs.reserve(rays.len());
     let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
     for first in (0..rays.len()).step_by(TILE) {
         let sound = tile.load(simd, rays, first, &mut nearest);
@@ -353,20 +355,19 @@ fn singles<S: Simd, M: Mode, T: Traceable>(
                     answers.one(first + i, &best.0);
                 }
             }
-            if let Some(costs) = costs {
-                let spent = counters.nodes + counters.triangles - before;
-                costs.push(spent.min(u64::from(u32::MAX)) as u32);
-            }
+            let spent = counters.nodes + counters.triangles - before;
+            costs.push(spent.min(u64::from(u32::MAX)) as u32);
         }
     }
 }
 
-/// Traces rays in tiles of 64 neighbours.
+/// Traces rays in tiles of 64 neighbours, which may be `apart`.
 #[inline(always)]
 fn tiles<S: Simd, M: Mode, T: Traceable>(
     simd: S,
     target: &T,
     rays: &RayBatch,
+    apart: bool,
     masks: &Masks,
     answers: &mut impl Answers,
     counters: &mut Counters,
@@ -374,7 +375,8 @@ fn tiles<S: Simd, M: Mode, T: Traceable>(
     let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
     for first in (0..rays.len()).step_by(TILE) {
         let active = tile.load(simd, rays, first, &mut nearest);
-        masks.tile::<S, M, T>(simd, target, &mut tile, active, |i| first + i, &mut nearest, counters);
+        let place = |i: usize| first + i;
+        masks.tile::<S, M, T>(simd, target, &mut tile, active, apart, place, &mut nearest, counters);
         answers.tile(simd, first, active, &nearest);
     }
 }
@@ -426,7 +428,7 @@ fn fans<S: Simd, M: Mode, T: Traceable>(
                 tile.pick(rays, some, &mut nearest);
                 let active = all(some.len());
                 let place = |i: usize| some[i] as usize;
-                masks.tile::<S, M, T>(simd, target, &mut tile, active, place, &mut nearest, counters);
+                masks.tile::<S, M, T>(simd, target, &mut tile, active, false, place, &mut nearest, counters);
                 each(active & nearest.hit(simd), |i| answers.one(some[i] as usize, &nearest.get(i)));
                 from += some.len();
             }

@@ -247,9 +247,50 @@ impl ObjectTree {
     }
 
     /// [`search`](Self::search) for the rays of a tile that are in `active`, all of them sound. Rays that go different
-    /// ways are parted first.
+    /// ways are parted first, unless all of them are `apart`.
     #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
     pub(crate) fn search_tile<S: Simd, M: Mode>(
+        &self,
+        simd: S,
+        rays: &RayTile,
+        active: u64,
+        apart: bool,
+        slot: u32,
+        nearest: &mut NearestTile,
+        counters: &mut Counters,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                if self.parts.is_empty() || active == 0 {
+                    return;
+                }
+                if apart {
+                    return self.search_apart::<S, M>(simd, rays, active, slot, nearest, counters);
+                }
+                let alone = rays.part(
+                    simd,
+                    active,
+                    nearest,
+                    #[inline(always)]
+                    |rays, count, heading, best| {
+                        self.sweep::<S, M>(simd, rays, count, heading, slot, best, counters);
+                    },
+                );
+                nearest.one_by_one::<M>(
+                    rays,
+                    alone,
+                    #[inline(always)]
+                    |ray, best| self.search::<S, _>(simd, ray, slot, best, counters),
+                );
+            },
+        );
+    }
+
+    /// For rays that have nothing in common.
+    #[inline(never)]
+    fn search_apart<S: Simd, M: Mode>(
         &self,
         simd: S,
         rays: &RayTile,
@@ -261,18 +302,14 @@ impl ObjectTree {
         simd.vectorize(
             #[inline(always)]
             || {
-                if self.parts.is_empty() || active == 0 {
-                    return;
+                let mut alone = active;
+                if let [Part { index: Index::Bvh(index), mask }] = &self.parts[..] {
+                    let regular = active & rays.headings(simd).regular;
+                    alone &= !regular;
+                    if mask & rays.mask != 0 && regular != 0 {
+                        index.search_apart::<S, M>(simd, rays, regular, slot, nearest, counters);
+                    }
                 }
-                let alone = rays.part(
-                    simd,
-                    active,
-                    nearest,
-                    #[inline(always)]
-                    |rays, count, heading, best| {
-                        self.sweep::<S, M>(simd, rays, count, heading, slot, best, counters);
-                    },
-                );
                 nearest.one_by_one::<M>(
                     rays,
                     alone,
@@ -458,10 +495,11 @@ impl Traceable for ObjectTree {
         simd: S,
         rays: &RayTile,
         active: u64,
+        apart: bool,
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        self.search_tile::<S, M>(simd, rays, active, 0, nearest, counters);
+        self.search_tile::<S, M>(simd, rays, active, apart, 0, nearest, counters);
     }
 
     fn hit(&self, nearest: &Nearest) -> Hit {

@@ -67,6 +67,15 @@ pub(crate) struct Heading {
     pub(crate) longest_axis: usize,
 }
 
+impl Heading {
+    /// Rows of a node of the wide BVH with its nearer planes; the farther ones are next to them.
+    #[inline(always)]
+    pub(crate) fn rows(&self) -> [usize; 3] {
+        let [x, y, z] = self.backwards.map(usize::from);
+        [x, 2 + y, 4 + z]
+    }
+}
+
 impl<S: Simd> NearestPacket<S> {
     /// Lanes `first..first + 8` of a tile.
     #[inline(always)]

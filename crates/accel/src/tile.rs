@@ -10,7 +10,7 @@ use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 
 use crate::nearest::{Best, Collect, Mode, Nearest};
 use crate::packet::Heading;
-use crate::{INVALID_ID, Ray, RayBatch};
+use crate::{Aabb, INVALID_ID, Ray, RayBatch};
 
 /// Rays per tile: one bit each in a word.
 pub(crate) const TILE: usize = 64;
@@ -273,6 +273,24 @@ impl RayTile {
         (differ == 0).then_some([self.org[0][0], self.org[1][0], self.org[2][0]])
     }
 
+    /// Whether neighbours among those in `active` start far from each other, seen from the size of `bounds`: by a sixteenth
+    /// of its edges, in the mean. Rays in `active` are sound.
+    #[inline(always)]
+    pub(crate) fn start_apart<S: Simd>(&self, simd: S, active: u64, bounds: &Aabb) -> bool {
+        let edges: f32 = (0..3).map(|k| bounds.max[k] - bounds.min[k]).sum();
+        let pairs = active & active >> LANES;
+        let mut jumps = f32x16::splat(simd, 0.0);
+        for at in (0..TILE - LANES).step_by(LANES) {
+            let [x, y, z] = self.org_lanes(simd, [0, 1, 2], at);
+            let [to_x, to_y, to_z] = self.org_lanes(simd, [0, 1, 2], at + LANES);
+            let jump = (x - to_x).abs() + (y - to_y).abs() + (z - to_z).abs();
+            let counts = mask32x16::from_bitmask(simd, pairs >> at & 0xffff);
+            jumps += counts.select(jump, f32x16::splat(simd, 0.0));
+        }
+        let jumps: f32 = jumps.as_array().iter().sum();
+        jumps > pairs.count_ones() as f32 * edges / 16.0
+    }
+
     /// One of the rays, up to `t_far`.
     #[inline(always)]
     pub(crate) fn ray(&self, i: usize, t_far: f32) -> Ray {
@@ -399,6 +417,15 @@ impl Headings {
         8 * axis + 4 * bit(x) + 2 * bit(y) + bit(z)
     }
 
+    /// The heading of ray `i`.
+    #[inline(always)]
+    pub(crate) fn of(&self, i: usize) -> Heading {
+        let has = |bits: u64| bits >> i & 1 == 1;
+        let [x, y, z] = self.backwards;
+        let longest_axis = if has(self.along_x) { 0 } else { 2 - usize::from(has(self.along_y)) };
+        Heading { backwards: [has(x), has(y), has(z)], longest_axis }
+    }
+
     /// The heading of ray `i`, and the rays of `among` that share it.
     #[inline(always)]
     pub(crate) fn like(&self, i: usize, among: u64) -> (Heading, u64) {
@@ -409,8 +436,7 @@ impl Headings {
         if !has(self.along_x) {
             bits &= same(self.along_y);
         }
-        let longest_axis = if has(self.along_x) { 0 } else { 2 - usize::from(has(self.along_y)) };
-        (Heading { backwards: [has(x), has(y), has(z)], longest_axis }, bits)
+        (self.of(i), bits)
     }
 }
 

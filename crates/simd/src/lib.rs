@@ -19,7 +19,7 @@ pub use fearless_simd::{
     SimdFloat, f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16, prelude, u32x8, u32x16,
 };
 pub use level::{Level, UnknownLevel};
-pub use memory::prefer_huge_pages;
+pub use memory::{prefer_huge_pages, prefetch};
 pub use stack::Stack;
 pub use token::Simd;
 

@@ -16,7 +16,7 @@ impl<T: Copy, const N: usize> Stack<T, N> {
     /// An empty one.
     #[inline(always)]
     #[must_use]
-    pub fn new() -> Self {
+    pub const fn new() -> Self {
         Self { entries: [const { MaybeUninit::uninit() }; N], len: 0 }
     }
 
@@ -33,6 +33,12 @@ impl<T: Copy, const N: usize> Stack<T, N> {
         self.len = self.len.checked_sub(1)?;
         // SAFETY: `push` is all that raises `len`, and it has written the entry below the new one.
         Some(unsafe { self.entries[self.len].assume_init() })
+    }
+
+    /// Forgets all values.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.len = 0;
     }
 
     /// The upmost `count` values, lowest first, to be put in order.

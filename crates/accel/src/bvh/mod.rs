@@ -2,6 +2,7 @@
 //! The wide bounding volume hierarchy: eight children per node, leaves of blocks of eight primitives.
 //! Source: [WBB08]. The builder is in `build`, the nodes in `node`.
 
+mod apart;
 mod beam;
 mod blocks;
 mod build;
@@ -18,6 +19,7 @@ mod pools;
 mod slab;
 mod spheres;
 mod sweep;
+mod turns;
 mod user;
 mod walk;
 

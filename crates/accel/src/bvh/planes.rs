@@ -76,9 +76,9 @@ impl TilePlanes {
         enter.simd_le(leave).to_bitmask()
     }
 
-    /// Ray `i` by itself.
+    /// Ray `i` by itself, whose nearer planes are in `rows`.
     #[inline(always)]
-    pub(super) fn alone<S: Simd>(&self, simd: S, i: usize, heading: Heading, t_near: f32) -> NodeRay<S> {
+    pub(super) fn alone<S: Simd>(&self, simd: S, i: usize, rows: [usize; 3], t_near: f32) -> NodeRay<S> {
         let at = |values: &[PerRay; 3]| {
             [
                 f32x8::splat(simd, values[0][i]),
@@ -86,11 +86,6 @@ impl TilePlanes {
                 f32x8::splat(simd, values[2][i]),
             ]
         };
-        let row = |k: usize| 2 * k + usize::from(heading.backwards[k]);
-        NodeRay::from_parts(
-            [at(&self.inv), at(&self.near), at(&self.far)],
-            [row(0), row(1), row(2)],
-            f32x8::splat(simd, t_near),
-        )
+        NodeRay::from_parts([at(&self.inv), at(&self.near), at(&self.far)], rows, f32x8::splat(simd, t_near))
     }
 }

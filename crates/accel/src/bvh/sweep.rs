@@ -179,7 +179,7 @@ impl<S: Simd> Sweep<'_, S, BvhIndex> {
         counters: &mut Counters,
     ) {
         let Self { simd, rays, heading, slot, .. } = *self;
-        let for_nodes = planes.alone(simd, i, heading, rays.t_near[i]);
+        let for_nodes = planes.alone(simd, i, heading.rows(), rays.t_near[i]);
         let axes = axes_from(heading.longest_axis);
         let [x, y, z] = axes;
         let sheared = Sheared {

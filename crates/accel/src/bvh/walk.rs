@@ -19,7 +19,7 @@ const _: () = assert!(7 * DEEPEST < 512, "a stack holds what waits on the longes
 
 /// An entry: where the ray enters, and what. Entries compare as their distances do, which are not negative.
 #[inline(always)]
-fn entry(t: f32, child: Child) -> u64 {
+pub(super) fn entry(t: f32, child: Child) -> u64 {
     u64::from(t.to_bits()) << 32 | u64::from(child.0)
 }
 
@@ -44,13 +44,57 @@ pub(super) fn farthest_first<T: Copy, K: PartialOrd>(entries: &mut [T], distance
 
 /// The nearest entry that still counts.
 #[inline(always)]
-fn next(waiting: &mut Waiting, reach: f32) -> Option<Child> {
+pub(super) fn next(waiting: &mut Waiting, reach: f32) -> Option<Child> {
     while let Some(entry) = waiting.pop() {
         if distance(entry) <= reach {
             return Some(Child(entry as u32));
         }
     }
     None
+}
+
+/// Of the children in `bits`, of which there are two or more, and which are entered at `near`: the nearest; the others wait,
+/// farthest first. Two children, by far the most frequent, need no sorting.
+#[inline(always)]
+pub(super) fn nearest_first(
+    mut bits: u32,
+    near: &[f32; WIDTH],
+    children: &[f32; WIDTH],
+    waiting: &mut Waiting,
+) -> Child {
+    let place = bits.trailing_zeros() as usize;
+    bits &= bits - 1;
+    let mut nearest = entry(near[place & 7], Child::at(children, place));
+    let place = bits.trailing_zeros() as usize;
+    bits &= bits - 1;
+    let second = entry(near[place & 7], Child::at(children, place));
+    waiting.push(nearest.max(second));
+    nearest = nearest.min(second);
+    if bits != 0 {
+        let mut count = 1;
+        while bits != 0 {
+            let place = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let other = entry(near[place & 7], Child::at(children, place));
+            waiting.push(nearest.max(other));
+            nearest = nearest.min(other);
+            count += 1;
+        }
+        farthest_first(waiting.top(count), |&entry| entry);
+    }
+    Child(nearest as u32)
+}
+
+/// Of the children in `bits`, which is not 0: the first; the others are to wait. For any hit, which needs no order.
+#[inline(always)]
+pub(super) fn lowest_first(mut bits: u32, children: &[f32; WIDTH], mut wait: impl FnMut(Child)) -> Child {
+    let first = Child::at(children, bits.trailing_zeros() as usize);
+    bits &= bits - 1;
+    while bits != 0 {
+        wait(Child::at(children, bits.trailing_zeros() as usize));
+        bits &= bits - 1;
+    }
+    first
 }
 
 impl Tree {
@@ -114,35 +158,13 @@ impl Tree {
             if child.is_leaf() {
                 reach = leaf(child.blocks());
             } else {
-                let (mut bits, near, children) = self.meet(simd, child.index(), ray, reach);
+                let (bits, near, children) = self.meet(simd, child.index(), ray, reach);
                 if bits != 0 {
-                    let place = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    if bits == 0 {
-                        child = Child::at(children, place);
-                        continue;
-                    }
-                    let near = near.as_array();
-                    let mut nearest = entry(near[place & 7], Child::at(children, place));
-                    let place = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    let second = entry(near[place & 7], Child::at(children, place));
-                    let farther = nearest.max(second);
-                    nearest = nearest.min(second);
-                    waiting.push(farther);
-                    if bits != 0 {
-                        let mut count = 1;
-                        while bits != 0 {
-                            let place = bits.trailing_zeros() as usize;
-                            bits &= bits - 1;
-                            let other = entry(near[place & 7], Child::at(children, place));
-                            waiting.push(nearest.max(other));
-                            nearest = nearest.min(other);
-                            count += 1;
-                        }
-                        farthest_first(waiting.top(count), |&entry| entry);
-                    }
-                    child = Child(nearest as u32);
+                    child = if bits & (bits - 1) == 0 {
+                        Child::at(children, bits.trailing_zeros() as usize)
+                    } else {
+                        nearest_first(bits, near.as_array(), children, &mut waiting)
+                    };
                     continue;
                 }
             }
@@ -173,14 +195,14 @@ impl Tree {
                     return visited;
                 }
             } else {
-                let (mut bits, _, children) = self.meet(simd, child.index(), ray, reach);
+                let (bits, _, children) = self.meet(simd, child.index(), ray, reach);
                 if bits != 0 {
-                    child = Child::at(children, bits.trailing_zeros() as usize);
-                    bits &= bits - 1;
-                    while bits != 0 {
-                        waiting.push(Child::at(children, bits.trailing_zeros() as usize).0);
-                        bits &= bits - 1;
-                    }
+                    child = lowest_first(
+                        bits,
+                        children,
+                        #[inline(always)]
+                        |child| waiting.push(child.0),
+                    );
                     continue;
                 }
             }

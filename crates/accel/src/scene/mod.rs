@@ -194,10 +194,11 @@ impl Traceable for SceneTree {
         simd: S,
         rays: &RayTile,
         active: u64,
+        apart: bool,
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        self.search_tile::<S, M>(simd, rays, active, 0, nearest, counters);
+        self.search_tile::<S, M>(simd, rays, active, apart, 0, nearest, counters);
     }
 
     #[inline]

@@ -119,19 +119,21 @@ impl SceneTree {
         }
     }
 
-    /// The same for the rays of a tile that are in `active`.
+    /// The same for the rays of a tile that are in `active`; they may be `apart`.
     #[inline(never)]
+    #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
     pub(super) fn search_tile<S: Simd, M: Mode>(
         &self,
         simd: S,
         rays: &RayTile,
         active: u64,
+        apart: bool,
         first_leaf: u32,
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
         if let [only] = &self.placed[..] {
-            return only.search_tile::<S, M>(simd, rays, active, first_leaf, nearest, counters);
+            return only.search_tile::<S, M>(simd, rays, active, apart, first_leaf, nearest, counters);
         }
         if self.placed.is_empty() || active == 0 {
             return;
@@ -139,15 +141,18 @@ impl SceneTree {
         simd.vectorize(
             #[inline(always)]
             || {
-                let alone = rays.part(
-                    simd,
-                    active,
-                    nearest,
-                    #[inline(always)]
-                    |rays, count, heading, best| {
-                        self.sweep_top::<S, M>(simd, rays, count, heading, first_leaf, best, counters);
-                    },
-                );
+                let mut alone = active;
+                if !apart {
+                    alone = rays.part(
+                        simd,
+                        active,
+                        nearest,
+                        #[inline(always)]
+                        |rays, count, heading, best| {
+                            self.sweep_top::<S, M>(simd, rays, count, heading, first_leaf, best, counters);
+                        },
+                    );
+                }
                 nearest.one_by_one::<M>(
                     rays,
                     alone,
@@ -192,7 +197,7 @@ impl SceneTree {
                         bits &= bits - 1;
                         let active = all(count) & nearest.looking(simd);
                         let placed = &self.placed[place];
-                        placed.search_tile::<S, M>(simd, rays, active, first_leaf, nearest, counters);
+                        placed.search_tile::<S, M>(simd, rays, active, false, first_leaf, nearest, counters);
                     }
                 }
                 farthest = slopes.steps_ahead(simd, nearest, count);
@@ -205,11 +210,13 @@ impl SceneTree {
 
 impl Placed {
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
     fn search_tile<S: Simd, M: Mode>(
         &self,
         simd: S,
         rays: &RayTile,
         active: u64,
+        apart: bool,
         first_leaf: u32,
         nearest: &mut NearestTile,
         counters: &mut Counters,
@@ -219,12 +226,12 @@ impl Placed {
         }
         let leaf = first_leaf + self.first_leaf;
         match &self.object_from_world {
-            None => self.shape.search_tile::<S, M>(simd, rays, active, leaf, nearest, counters),
+            None => self.shape.search_tile::<S, M>(simd, rays, active, apart, leaf, nearest, counters),
             Some(map) => {
                 let mut inside = RayTile::EMPTY;
                 map.tile(simd, rays, &mut inside);
                 let active = active & inside.sound(simd, nearest);
-                self.shape.search_tile::<S, M>(simd, &inside, active, leaf, nearest, counters);
+                self.shape.search_tile::<S, M>(simd, &inside, active, apart, leaf, nearest, counters);
             }
         }
     }
@@ -232,19 +239,23 @@ impl Placed {
 
 impl Shape {
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
     fn search_tile<S: Simd, M: Mode>(
         &self,
         simd: S,
         rays: &RayTile,
         active: u64,
+        apart: bool,
         leaf: u32,
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
         match self {
-            Self::Object(object) => object.search_tile::<S, M>(simd, rays, active, leaf, nearest, counters),
+            Self::Object(object) => {
+                object.search_tile::<S, M>(simd, rays, active, apart, leaf, nearest, counters)
+            }
             Self::Scene(scene) => {
-                scene.search_tile::<S, M>(simd, rays, active, leaf, nearest, counters);
+                scene.search_tile::<S, M>(simd, rays, active, apart, leaf, nearest, counters);
             }
         }
     }
