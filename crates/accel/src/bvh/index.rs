@@ -115,7 +115,7 @@ impl BvhIndex {
         let Self { tree, leaves, reach, .. } = self;
         let apart = &Apart::new(simd, rays, TILE - active.leading_zeros() as usize, *reach);
         if const { has_wide_lanes::<S>() }
-            && self.is_worth_turns()
+            && self.waits_for_memory()
             && rays.start_apart(simd, active, &tree.bounds)
         {
             return Turns { simd, tree, leaves, rays, apart, slot }.run::<M>(active, nearest, counters);
@@ -162,7 +162,7 @@ const CACHED: f32 = 2e6;
 impl BvhIndex {
     /// Whether a ray that does not follow in another one's steps misses the cache often: by what it is expected to visit,
     /// and the part of the tree that is somewhere else. Compact trees know no turns.
-    pub(super) fn is_worth_turns(&self) -> bool {
+    pub(super) fn waits_for_memory(&self) -> bool {
         let bytes = size_of_val(&self.tree.nodes[..]) + size_of_val(&self.leaves.blocks[..]);
         let elsewhere = 1.0 - CACHED / (bytes as f32).max(CACHED);
         self.stats.sah_cost as f32 * elsewhere > WORTH_TURNS

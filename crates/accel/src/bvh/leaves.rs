@@ -2,11 +2,11 @@
 //! The leaf blocks of a wide BVH over triangles, as tests take them or in less memory.
 //! Source: original. Invariant: there are blocks or pools, not both. Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::{Simd, prefer_huge_pages};
+use gnurt_simd::{Simd, prefer_huge_pages, prefetch};
 
-use super::WIDTH;
 use super::blocks::TriangleBlock;
 use super::pools::{Filling, Pools};
+use super::{Child, Tree, WIDTH};
 use crate::control::Watch;
 use crate::geometry::Screened;
 use crate::options::extend;
@@ -84,5 +84,15 @@ impl Leaves {
 
     pub(super) fn memory_bytes(&self) -> usize {
         size_of_val(&self.blocks[..]) + self.pools.memory_bytes()
+    }
+}
+
+/// Asks for the memory of what will be visited: a node, or the first block of a leaf. Not for compact trees.
+#[inline(always)]
+pub(super) fn ask_for(tree: &Tree, leaves: &Leaves, child: Child) {
+    if child.is_leaf() {
+        prefetch(&leaves.blocks, child.blocks().start);
+    } else {
+        prefetch(&tree.nodes, child.index());
     }
 }

@@ -14,6 +14,7 @@ use super::beam::Slopes;
 use super::blocks::{BlockRay, TriangleBlock};
 use super::chunks::{Candidate, Chunks};
 use super::index::walk_blocks;
+use super::leaves::ask_for;
 use super::planes::TilePlanes;
 use super::walk::farthest_first;
 use super::{BvhIndex, Child, WIDTH};
@@ -54,6 +55,7 @@ impl<S: Simd> Sweep<'_, S, BvhIndex> {
     pub(super) fn run<M: Mode>(&self, nearest: &mut NearestTile, counters: &mut Counters) {
         let Self { simd, rays, count, heading, .. } = *self;
         let (tree, leaves) = self.tree.parts();
+        let waits = self.tree.waits_for_memory();
         let chunks = simd.part(
             #[inline(always)]
             || Chunks::new(simd, rays, count, heading, self.reach, nearest, |_| false),
@@ -160,7 +162,11 @@ impl<S: Simd> Sweep<'_, S, BvhIndex> {
                         continue;
                     }
                 }
-                stack.push(Waiting { steps: near[place], child: node.child(place), rays: those });
+                let child = node.child(place);
+                if waits {
+                    ask_for(tree, leaves, child);
+                }
+                stack.push(Waiting { steps: near[place], child, rays: those });
                 pushed += 1;
             }
             farthest_first(stack.top(pushed), |waiting: &Waiting| waiting.steps);

@@ -8,10 +8,10 @@
 //! one of the tile takes its place.
 //! Invariant: each ray visits what it would visit by itself, in that order. Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::{Simd, Stack, prefetch, prelude::*};
+use gnurt_simd::{Simd, Stack, prelude::*};
 
 use super::apart::Apart;
-use super::leaves::Leaves;
+use super::leaves::{Leaves, ask_for};
 use super::slab::NodeRay;
 use super::walk::{Waiting, entry, lowest_first, nearest_first, next};
 use super::{Boxes, Child, Tree, WIDTH};
@@ -174,11 +174,10 @@ impl<S: Simd> Turns<'_, S> {
     /// Notes what is to be visited in the next round, and asks for its memory.
     #[inline(always)]
     fn visit(&self, under: &mut Under, stop: Stop) {
+        ask_for(self.tree, self.leaves, stop.child);
         if stop.child.is_leaf() {
-            prefetch(&self.leaves.blocks, stop.child.blocks().start);
             under.at_leaves.push(stop);
         } else {
-            prefetch(&self.tree.nodes, stop.child.index());
             under.at_nodes.push(stop);
         }
     }
@@ -252,7 +251,10 @@ mod tests {
     fn only_rays_that_wait_take_turns() {
         let (large, small) =
             (index_over(&Soup::random(4, 60_000, 0.1)), index_over(&Soup::random(4, 3000, 0.1)));
-        assert!(large.is_worth_turns() && !small.is_worth_turns(), "a tree that the cache holds needs none");
+        assert!(
+            large.waits_for_memory() && !small.waits_for_memory(),
+            "a tree that the cache holds needs none"
+        );
         let bounds = large.bounds();
         for level in Level::available() {
             dispatch_wide!(level, simd => {
