@@ -382,7 +382,7 @@ fn tiles<S: Simd, M: Mode, T: Traceable>(
 }
 
 /// Rays that are sorted at a time.
-const FAN: usize = 2048;
+const FAN: usize = 4096;
 
 /// Sorts rays by where they are heading, then traces them in tiles.
 #[inline(always)]

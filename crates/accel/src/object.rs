@@ -278,12 +278,9 @@ impl ObjectTree {
                         self.sweep::<S, M>(simd, rays, count, heading, slot, best, counters);
                     },
                 );
-                nearest.one_by_one::<M>(
-                    rays,
-                    alone,
-                    #[inline(always)]
-                    |ray, best| self.search::<S, _>(simd, ray, slot, best, counters),
-                );
+                if alone != 0 {
+                    self.search_apart::<S, M>(simd, rays, alone, slot, nearest, counters);
+                }
             },
         );
     }
