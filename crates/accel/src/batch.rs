@@ -77,7 +77,12 @@ pub(crate) struct One<'a> {
 impl One<'_> {
     #[inline(always)]
     fn trace<T: Traceable, C: Collect>(self, target: &T, collect: &mut C) {
-        let ray = &Ray { mask: self.ray.mask & self.query.mask, ..*self.ray };
+        // Copied only where it must be: what has just been stored in parts cannot be loaded in lanes for a while.
+        let (masked, mask) = (&mut None, self.ray.mask & self.query.mask);
+        let ray = match mask == self.ray.mask {
+            true => self.ray,
+            false => masked.insert(Ray { mask, ..*self.ray }),
+        };
         if ray.is_sound() {
             let (origin, counters) = (self.origin, &mut Counters::default());
             dispatch!(self.query.level, simd => target.single::<_, C>(simd, ray, origin, collect, counters));

@@ -12,7 +12,7 @@ pub enum Coherence {
     /// Neighbours in the batch start near each other but go different ways, and not far (ambient occlusion): sorted by
     /// direction within the batch, then traced in packets.
     Fanned,
-    /// Nothing is known: traced one by one.
+    /// Nothing is known: traced one by one; those that start all over a large scene take turns.
     #[default]
     Incoherent,
 }

@@ -5,6 +5,8 @@
 //! Invariant: all vectors of a batch have the same length, but for the masks, which may be missing altogether.
 //! Proof: `tests::push_and_get`.
 
+use std::borrow::Cow;
+
 use crate::kd::most;
 
 /// A ray `org + t * dir` for `t` in `[t_near, t_far]`.
@@ -148,15 +150,15 @@ impl Ray64 {
 /// What one-ray calls take: a [`Ray`] or a [`Ray64`].
 pub trait AnyRay {
     /// The ray in single precision.
-    fn rounded(&self) -> Ray;
+    fn rounded(&self) -> Cow<'_, Ray>;
     /// Its origin, where that is known in double precision.
     fn origin64(&self) -> Option<[f64; 3]>;
 }
 
 impl AnyRay for Ray {
     #[inline(always)]
-    fn rounded(&self) -> Ray {
-        *self
+    fn rounded(&self) -> Cow<'_, Ray> {
+        Cow::Borrowed(self)
     }
 
     #[inline(always)]
@@ -166,9 +168,9 @@ impl AnyRay for Ray {
 }
 
 impl AnyRay for Ray64 {
-    fn rounded(&self) -> Ray {
+    fn rounded(&self) -> Cow<'_, Ray> {
         let Self { org, t_near, dir, t_far, mask } = *self;
-        Ray { org: org.map(|x| x as f32), t_near, dir, t_far, mask }
+        Cow::Owned(Ray { org: org.map(|x| x as f32), t_near, dir, t_far, mask })
     }
 
     fn origin64(&self) -> Option<[f64; 3]> {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays that have nothing in common, many of them on their way at the same time.
-//! Source: original; group prefetching of [CGM04], applied to rays.
+//! Source: original; group prefetching of \[CAGM04\], applied to rays.
 //!
 //! A ray by itself waits for memory: where it goes next depends on what it has just read. Here [`AT_ONCE`] rays take turns.
 //! In each round those at nodes are tested first, one after the other without a branch between them; then each chooses its
