@@ -75,9 +75,9 @@ impl Ray {
     pub(crate) fn is_sound(&self) -> bool {
         let limit = Self::FARTHEST_ORIGIN;
         let ([x, y, z], [dx, dy, dz]) = (self.org, self.dir);
-        let near = (x.abs() <= limit) & (y.abs() <= limit) & (z.abs() <= limit);
-        let finite = (dx.abs() <= f32::MAX) & (dy.abs() <= f32::MAX) & (dz.abs() <= f32::MAX);
-        near & finite & (self.longest() > 0.0) & (self.t_near <= self.t_far)
+        let near = x.abs() <= limit && y.abs() <= limit && z.abs() <= limit;
+        let finite = dx.abs() <= f32::MAX && dy.abs() <= f32::MAX && dz.abs() <= f32::MAX;
+        near && finite && self.longest() > 0.0 && self.t_near <= self.t_far
     }
 
     /// The largest component of the direction, without its sign.
