@@ -4,9 +4,10 @@
 //!
 //! The way of a coherent batch: `intersect` -> `dispatch!` -> `tiles` (one pass over the batch, 64 rays at a time) ->
 //! `Traceable::tile` (the scene's top tree) -> `ObjectTree::search_tile` (parts rays of different headings) -> `sweep` of
-//! the kd-tree or the BVH. An incoherent batch goes the same way as far as `search_apart`. The way of a single ray: `closest` -> `dispatch!` -> `Traceable::single` ->
-//! `ObjectTree::search` -> `search` of the index; what it gathers on its way is a `Collect`. Everything from `tiles` and
-//! `single` on is `#[inline(always)]` or entered by `vectorize`, or lanes become calls.
+//! the kd-tree or the BVH. Where rays are apart (an incoherent batch): -> `ObjectTree::search_apart` -> that of the BVH.
+//! The way of a single ray: `closest` -> `dispatch!` -> `Traceable::single` -> `ObjectTree::search` -> `search` of the
+//! index; what it gathers on its way is a `Collect`. Everything from `tiles` and `single` on is `#[inline(always)]` or
+//! entered by `vectorize`, or lanes become calls.
 
 use gnurt_simd::{Simd, dispatch, dispatch_wide, f32x16, prelude::*, u32x16};
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Asking the system for large pages under arrays that rays jump about in: fewer misses of the address cache.
-//! Source: madvise(2). Without effect where the system has none to give or is not Linux.
+//! Asking for memory: the system for large pages under arrays that rays jump about in (fewer misses of the address cache),
+//! the CPU for what is about to be read.
+//! Source: madvise(2), without effect where the system has no such pages to give or is not Linux; PREFETCHT0.
 
 /// Arrays below this many bytes are not worth a request.
 #[cfg(target_os = "linux")]
@@ -31,7 +32,7 @@ pub fn prefer_huge_pages<T>(values: &Vec<T>) {
     let _ = values;
 }
 
-/// Asks for the memory of `values[index]`, which is about to be read. Without effect where the CPU has no such request.
+/// Asks for the memory of `values[index]`, which is about to be read. Without effect on others than x86-64 CPUs.
 #[inline(always)]
 pub fn prefetch<T>(values: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]

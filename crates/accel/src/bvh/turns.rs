@@ -6,7 +6,7 @@
 //! In each round those at nodes are tested first, one after the other without a branch between them; then each chooses its
 //! next child, whose memory is asked for at once; then those at leaves test their triangles. Where a ray is done, the next
 //! one of the tile takes its place.
-//! Invariant: each ray visits what it would visit by itself, in that order. Proof: `tests/brute_force.rs`.
+//! Invariant: each ray visits what it would visit by itself, in that order. Proof: `tests`.
 
 use gnurt_simd::{Simd, Stack, prelude::*};
 
