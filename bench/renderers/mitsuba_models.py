@@ -135,13 +135,44 @@ def schlick(f0, f90, cos):
     return f0 + (f90 - f0) * rise
 
 
-class Layered(mi.BSDF):
+class Definition(mi.BSDF):
+    """What has `eval_pdf` and chooses directions: the rest that Mitsuba asks for."""
+
+    def __init__(self, *lobes):
+        mi.BSDF.__init__(self, mi.Properties())
+        self.m_components = list(lobes)
+        self.m_flags = lobes[0]
+        for lobe in lobes[1:]:
+            self.m_flags = self.m_flags | lobe
+
+    def eval(self, ctx, si, wo, active=True):
+        return self.eval_pdf(ctx, si, wo, active)[0]
+
+    def pdf(self, ctx, si, wo, active=True):
+        return self.eval_pdf(ctx, si, wo, active)[1]
+
+    def sampled(self, ctx, si, wo, active=True, eta=1.0):
+        """What `sample` gives back for a direction; `eta` is the index beyond over that here."""
+        value, pdf = self.eval_pdf(ctx, si, wo, active)
+        mirrored = wo.z * si.wi.z > 0
+        ok = active & (pdf > 0)
+        bs = mi.BSDFSample3f()
+        bs.wo = wo
+        bs.pdf = dr.select(ok, pdf, 0)
+        bs.eta = dr.select(mirrored, 1.0, eta)
+        bs.sampled_type = dr.select(mirrored, mi.UInt32(+mi.BSDFFlags.GlossyReflection), mi.UInt32(+mi.BSDFFlags.GlossyTransmission))
+        bs.sampled_component = dr.select(mirrored, mi.UInt32(0), mi.UInt32(1))
+        return bs, dr.select(ok, value / pdf, 0)
+
+    def to_string(self):
+        return type(self).__name__ + "[]"
+
+
+class Layered(Definition):
     """Plastic or metal or a mix, under a coat: numbers as glTF's, but for `alpha`s, the squares of its roughnesses."""
 
     def __init__(self, base, metallic, alpha, ior=1.5, coat=0.0, coat_alpha=0.0):
-        mi.BSDF.__init__(self, mi.Properties())
-        self.m_components = [mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide]
-        self.m_flags = self.m_components[0]
+        Definition.__init__(self, mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide)
         self.base, self.metallic, self.coat = base, metallic, coat
         self.f0 = ((ior - 1) / (ior + 1)) ** 2
         self.gloss, self.clear = Facets(alpha), Facets(coat_alpha)
@@ -184,33 +215,16 @@ class Layered(mi.BSDF):
         wo = mi.warp.square_to_cosine_hemisphere(sample2)
         wo = dr.select(sample1 < shares[0] + shares[1], mirror(self.gloss), wo)
         wo = dr.select(sample1 < shares[0], mirror(self.clear), wo)
-        value, pdf = self.eval_pdf(ctx, si, wo, active)
-        bs = mi.BSDFSample3f()
-        bs.wo, bs.pdf, bs.eta = wo, pdf, 1.0
-        bs.sampled_type, bs.sampled_component = mi.UInt32(+mi.BSDFFlags.GlossyReflection), 0
-        ok = active & (pdf > 0)
-        bs.pdf = dr.select(ok, pdf, 0)
-        return bs, dr.select(ok, value / pdf, 0)
-
-    def eval(self, ctx, si, wo, active=True):
-        return self.eval_pdf(ctx, si, wo, active)[0]
-
-    def pdf(self, ctx, si, wo, active=True):
-        return self.eval_pdf(ctx, si, wo, active)[1]
-
-    def to_string(self):
-        return "Layered[]"
+        return self.sampled(ctx, si, wo, active)
 
 
-class Glass(mi.BSDF):
+class Glass(Definition):
     """Rough glass with all bounces between its facets; radiance is not scaled by the square of the index."""
 
     def __init__(self, alpha, ior, tint=(1.0, 1.0, 1.0)):
-        mi.BSDF.__init__(self, mi.Properties())
         sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
         through = mi.BSDFFlags.GlossyTransmission | mi.BSDFFlags.NonSymmetric
-        self.m_components = [mi.BSDFFlags.GlossyReflection | sides, through | sides]
-        self.m_flags = self.m_components[0] | self.m_components[1]
+        Definition.__init__(self, mi.BSDFFlags.GlossyReflection | sides, through | sides)
         self.alpha, self.ior, self.tint = alpha, ior, tint
         # From outside (index 1 over ior), from inside.
         once = [glass_once(alpha, 1 / ior), glass_once(alpha, ior)]
@@ -282,21 +296,4 @@ class Glass(mi.BSDF):
         facet = dr.select(mirrors, mi.reflect(v, h), mi.refract(v, h, cos_t, eta_ti))
         l = dr.select(sample1 < lost, diffuse, facet)
         ok = active & (dr.select(mirrors, l.z > 0, l.z < 0))
-        value, pdf = self.eval_pdf(ctx, si, l * flip, ok)
-        ok &= pdf > 0
-        bs = mi.BSDFSample3f()
-        bs.wo = l * flip
-        bs.pdf = dr.select(ok, pdf, 0)
-        bs.eta = dr.select(mirrors, 1.0, eta_it)
-        bs.sampled_type = dr.select(mirrors, mi.UInt32(+mi.BSDFFlags.GlossyReflection), mi.UInt32(+mi.BSDFFlags.GlossyTransmission))
-        bs.sampled_component = dr.select(mirrors, mi.UInt32(0), mi.UInt32(1))
-        return bs, dr.select(ok, value / pdf, 0)
-
-    def eval(self, ctx, si, wo, active=True):
-        return self.eval_pdf(ctx, si, wo, active)[0]
-
-    def pdf(self, ctx, si, wo, active=True):
-        return self.eval_pdf(ctx, si, wo, active)[1]
-
-    def to_string(self):
-        return "Glass[]"
+        return self.sampled(ctx, si, l * flip, ok, eta_it)
