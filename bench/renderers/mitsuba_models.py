@@ -15,8 +15,11 @@ GRID = 96
 
 
 def visible_facets(alpha, cos):
-    """Facets seen from cosine `cos`, at the middles of GRID x GRID strata, and the function that hides: (n, 3), v, lambda."""
-    u, w = (np.mgrid[0:GRID, 0:GRID].reshape(2, -1) + 0.5) / GRID
+    """Facets seen from cosine `cos`, at the middles of GRID x GRID strata, which are narrow towards those that face away, where
+    few facets lose the light; their shares; the view; and the function that hides: (n, 3), (n,), (3,), lambda."""
+    x, w = (np.mgrid[0:GRID, 0:GRID].reshape(2, -1) + 0.5) / GRID
+    u, share = 1 - (1 - x) ** 3, 3 * (1 - x) ** 2 / len(x)
+    share /= share.sum()
     v = np.array([np.sqrt(1 - cos * cos), 0, cos])
     stretched = v * [alpha, alpha, 1]
     stretched /= np.linalg.norm(stretched)
@@ -26,7 +29,7 @@ def visible_facets(alpha, cos):
     h *= [alpha, alpha, 1]
     h /= np.linalg.norm(h, axis=-1, keepdims=True)
     hidden = lambda d: 0.5 * (np.sqrt(1 + alpha**2 * (d[..., 0] ** 2 + d[..., 1] ** 2) / np.maximum(d[..., 2] ** 2, 1e-20)) - 1)
-    return h, v, hidden
+    return h, share, v, hidden
 
 
 def cosines():
@@ -43,12 +46,12 @@ def mirrored_once(alpha):
     """Albedo after one bounce by cosine, split by Schlick's reflectances at normal and grazing incidence: (COSINES, 2)."""
     rows = []
     for cos in cosines():
-        h, v, hidden = visible_facets(alpha, cos)
+        h, weights, v, hidden = visible_facets(alpha, cos)
         c = h @ v
         l = 2 * c[:, None] * h - v
         weight = np.where(l[:, 2] > 0, (1 + hidden(v)) / (1 + hidden(v) + hidden(l)), 0)
         rise = (1 - np.clip(c, 0, 1)) ** 5
-        rows.append([(weight * (1 - rise)).mean(), (weight * rise).mean()])
+        rows.append([weights @ (weight * (1 - rise)), weights @ (weight * rise)])
     return np.array(rows)
 
 
@@ -64,7 +67,7 @@ def glass_once(alpha, eta):
     """Albedo after one bounce, mirrored and through, by cosine."""
     rows = []
     for cos in cosines():
-        h, v, hidden = visible_facets(alpha, cos)
+        h, weights, v, hidden = visible_facets(alpha, cos)
         c = h @ v
         share = fresnel(c, eta)
         l = 2 * c[:, None] * h - v
@@ -72,7 +75,7 @@ def glass_once(alpha, eta):
         beyond = np.sqrt(np.maximum(0, 1 - eta * eta * (1 - c * c)))
         t = h * (eta * c - beyond)[:, None] - v * eta
         through = np.where(t[:, 2] < 0, (1 + hidden(v)) / (1 + hidden(v) + hidden(t)), 0)
-        rows.append((share * mirrored + (1 - share) * through).mean())
+        rows.append(weights @ (share * mirrored + (1 - share) * through))
     return np.array(rows)
 
 
