@@ -3,7 +3,7 @@
 
 Facets are Mitsuba's own GGX distribution, its sampling of visible normals and its Fresnel equations; what is added is the
 height-correlated shadowing of [Hei14], Schlick's reflectance, what [KC17] sends back of light between facets (from tables
-made here by quadrature, at the very roughness), and layers. Directions as in Mitsuba: `si.wi` to the viewer.
+made here by quadrature, at the very roughness), layers, the sheen of [EK17] and [NP13], and panes. Directions as in Mitsuba: `si.wi` to the viewer.
 Set the variant before this is imported. Source: as said; original.
 """
 import drjit as dr
@@ -34,6 +34,24 @@ def visible_facets(alpha, cos):
 
 def cosines():
     return np.maximum(np.linspace(0, 1, COSINES), 1e-4)
+
+
+def hemisphere(cos, rings=200, sectors=100):
+    """A view of cosine `cos`, directions over half of its hemisphere, and twice their solid angles: (3,), (n, 3), (n,).
+    Rings are narrow at the horizon."""
+    edges = np.linspace(0, 1, rings + 1) ** 2
+    z = np.repeat((edges[1:] + edges[:-1]) / 2, sectors)
+    area = np.repeat(np.diff(edges), sectors) * 2 * np.pi / sectors
+    turn = np.tile((np.arange(sectors) + 0.5) / sectors * np.pi, rings)
+    r = np.sqrt(1 - z * z)
+    return np.array([np.sqrt(1 - cos * cos), 0, cos]), np.stack([r * np.cos(turn), r * np.sin(turn), z], axis=-1), area
+
+
+def fibres(power, v, l):
+    """The lobe of sheen times the cosine of `l`, white, by the papers: [EK17]'s distribution, [NP13]'s visibility."""
+    h = v + l
+    sin2 = np.clip(1 - h[:, 2] ** 2 / (h * h).sum(axis=-1), 0, 1)
+    return (2 + power) * sin2 ** (power / 2) / (2 * np.pi) * l[:, 2] / (4 * (v[2] + l[:, 2] - v[2] * l[:, 2]))
 
 
 def hemisphere_average(entries):
@@ -86,10 +104,37 @@ class Table:
         self.entries = mi.Float(entries.astype(np.float32))
 
     def __call__(self, cos, active=True):
-        x = dr.clip(dr.abs(cos), 0, 1) * (COSINES - 1)
-        i = dr.minimum(mi.UInt32(x), COSINES - 2)
+        x = dr.clip(dr.abs(cos), 0, 1) * (dr.width(self.entries) - 1)
+        i = dr.minimum(mi.UInt32(x), dr.width(self.entries) - 2)
         a, b = (dr.gather(mi.Float, self.entries, i + k, active) for k in (0, 1))
         return dr.lerp(a, b, x - mi.Float(i))
+
+
+class Sheen:
+    """White fibres: what makes light by the papers is scaled down, for both directions alike, to send back no more than all."""
+
+    STEPS = 128  # of the root of the cosine: albedos are steep at the horizon
+
+    def __init__(self, roughness):
+        self.power = 1 / max(roughness, 0.07) ** 2
+        views = [hemisphere(max(cos, 1e-6)) for cos in np.linspace(0, 1, self.STEPS) ** 2]
+        roots = np.linspace(0, 1, self.STEPS)
+        made = np.array([fibres(self.power, v, l) @ area for v, l, area in views])
+        scale = lambda cos: np.maximum(1, np.interp(np.sqrt(cos), roots, made))
+        kept = [(fibres(self.power, v, l) / np.maximum(scale(v[2]), scale(l[:, 2]))) @ area for v, l, area in views]
+        self.made, self.kept = Table(made), Table(np.array(kept))
+        # By the cosine, as those of facets.
+        self.entries = np.interp(np.sqrt(cosines()), roots, kept)
+
+    def albedo(self, w):
+        """What is sent back in the end of light from `w`."""
+        return self.kept(dr.sqrt(dr.abs(w.z)))
+
+    def lobe(self, v, l, h):
+        """Times the cosine of `l`."""
+        density = (2 + self.power) * (1 - h.z * h.z) ** (self.power / 2) / (2 * dr.pi)
+        most = dr.maximum(1, dr.maximum(self.made(dr.sqrt(v.z)), self.made(dr.sqrt(l.z))))
+        return density * l.z / (4 * (v.z + l.z - v.z * l.z) * most)
 
 
 class Facets:
@@ -172,36 +217,39 @@ class Definition(mi.BSDF):
 
 
 class Layered(Definition):
-    """Plastic or metal or a mix, under a coat: numbers as glTF's, but for `alpha`s, the squares of its roughnesses."""
+    """Plastic or metal or a mix, under sheen, under a coat: numbers as glTF's, but for `alpha`s, the squares of its roughnesses."""
 
-    def __init__(self, base, metallic, alpha, ior=1.5, coat=0.0, coat_alpha=0.0):
+    def __init__(self, base, metallic, alpha, ior=1.5, coat=0.0, coat_alpha=0.0, sheen=(0.0, 0.0, 0.0), sheen_roughness=0.0):
         Definition.__init__(self, mi.BSDFFlags.GlossyReflection | mi.BSDFFlags.FrontSide)
         self.base, self.metallic, self.coat = base, metallic, coat
         self.f0 = ((ior - 1) / (ior + 1)) ** 2
         self.gloss, self.clear = Facets(alpha), Facets(coat_alpha)
-        above = lambda gloss, clear: coat * clear + (1 - coat * clear) * gloss
-        average = hemisphere_average(above(self.gloss.all_entries(self.f0, 1.0), self.clear.all_entries(0.04, 1.0)))
-        self.left_on_average = 1 - float(average)
+        self.sheen, self.fibres = sheen, Sheen(sheen_roughness) if any(sheen) else None
+        left = 1 - coat * self.clear.all_entries(0.04, 1.0)
+        left *= 1 - max(sheen) * self.fibres.entries if self.fibres else 1
+        self.left_on_average = float(hemisphere_average(left * (1 - self.gloss.all_entries(self.f0, 1.0))))
 
     def eval_pdf(self, ctx, si, wo, active=True):
         v, l = si.wi, wo
         active = active & (v.z > 0) & (l.z > 0)
         h = dr.normalize(v + l)
         c = dr.dot(v, h)
-        coat = lambda w: self.coat * self.clear.all(w.z, 0.04, 1.0)
-        left = dr.minimum(1 - coat(v), 1 - coat(l))
-        above = lambda w: coat(w) + (1 - coat(w)) * self.gloss.all(w.z, self.f0, 1.0)
+        below_coat = lambda w: 1 - self.coat * self.clear.all(w.z, 0.04, 1.0)
+        below_both = lambda w: below_coat(w) * (1 - max(self.sheen) * self.fibres.albedo(w) if self.fibres else 1)
+        body_gets = lambda w: below_both(w) * (1 - self.gloss.all(w.z, self.f0, 1.0))
+        left = dr.minimum(below_both(v), below_both(l))
         lobe, more = self.gloss.lobe(v, l, h), self.gloss.more_lobe(v, l)
         clear = self.coat * (
             schlick(0.04, 1.0, c) * self.clear.lobe(v, l, h) + self.clear.more(0.04, 1.0) * self.clear.more_lobe(v, l)
         )
         m = self.metallic
-        body = (1 - m) * (1 - above(v)) * (1 - above(l)) / self.left_on_average * l.z * dr.inv_pi
+        body = (1 - m) * body_gets(v) * body_gets(l) / self.left_on_average * l.z * dr.inv_pi
+        cloth = dr.minimum(below_coat(v), below_coat(l)) * self.fibres.lobe(v, l, h) if self.fibres else 0
         channels = []
-        for base in self.base:
+        for base, sheen in zip(self.base, self.sheen):
             f0, f90 = (1 - m) * self.f0 + m * base, 1.0
             mixed = (1 - m) * self.gloss.more(self.f0, 1.0) + m * self.gloss.more(base, 1.0)
-            channels.append(clear + left * (schlick(f0, f90, c) * lobe + mixed * more) + base * body)
+            channels.append(clear + sheen * cloth + left * (schlick(f0, f90, c) * lobe + mixed * more) + base * body)
         shares = self.shares()
         pdf = shares[0] * self.clear.mirrored_pdf(v, h) + shares[1] * self.gloss.mirrored_pdf(v, h)
         pdf += shares[2] * l.z * dr.inv_pi
@@ -300,3 +348,82 @@ class Glass(Definition):
         l = dr.select(sample1 < lost, diffuse, facet)
         ok = active & (dr.select(mirrors, l.z > 0, l.z < 0))
         return self.sampled(ctx, si, l * flip, ok, eta_it)
+
+
+class Pane(Definition):
+    """Rough glass so thin that its two faces are one surface: facets mirror what both faces do, all light between them summed,
+    and what is not mirrored goes on as if mirrored and turned over to the other side. `by_formula`: glTF's example instead,
+    where Schlick's reflectance of one face stands for both."""
+
+    def __init__(self, alpha, ior, tint=(1.0, 1.0, 1.0), by_formula=False):
+        sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
+        Definition.__init__(self, mi.BSDFFlags.GlossyReflection | sides, mi.BSDFFlags.GlossyTransmission | sides)
+        self.ior, self.tint, self.facets = ior, tint, Facets(alpha)
+        self.f0 = ((ior - 1) / (ior + 1)) ** 2 if by_formula else None
+        cos = (np.arange(4096) + 0.5) / 4096
+        once = fresnel(cos, 1 / ior)
+        share = self.f0 + (1 - self.f0) * (1 - cos) ** 5 if by_formula else 2 * once / (1 + once)
+        self.through_later = 1 - float((2 * cos * share).mean())
+
+    def mirrored(self, c):
+        if self.f0:
+            return schlick(self.f0, 1.0, c)
+        once = mi.fresnel(c, mi.Float(self.ior))[0]
+        return 2 * once / (1 + once)
+
+    def turned(self, si):
+        return mi.Vector3f(1, 1, dr.select(si.wi.z > 0, 1.0, -1.0))
+
+    def eval_pdf(self, ctx, si, wo, active=True):
+        v, l = si.wi * self.turned(si), wo * self.turned(si)
+        through = l.z < 0
+        l = mi.Vector3f(l.x, l.y, dr.abs(l.z))
+        h = dr.normalize(v + l)
+        share, later = self.mirrored(dr.dot(v, h)), self.through_later
+        once, part = dr.select(through, 1 - share, share), dr.select(through, later, 1 - later)
+        value = once * self.facets.lobe(v, l, h) + part * self.facets.more_lobe(v, l)
+        # A tenth by the cosine, alike to both sides.
+        pdf = 0.9 * once * self.facets.mirrored_pdf(v, h) + 0.05 * l.z * dr.inv_pi
+        active = active & (v.z > 0) & (l.z > 0)
+        colour = dr.select(through, mi.Color3f(*self.tint), mi.Color3f(1)) * value
+        return dr.select(active, colour, 0), dr.select(active, pdf, 0)
+
+    def sample(self, ctx, si, sample1, sample2, active=True):
+        v = si.wi * self.turned(si)
+        h = self.facets.distribution().sample(v, sample2)[0]
+        share, by_facet = self.mirrored(dr.dot(v, h)), sample1 < 0.9
+        l = dr.select(by_facet, mi.reflect(v, h), mi.warp.square_to_cosine_hemisphere(sample2))
+        mirrored = dr.select(by_facet, sample1 < 0.9 * share, sample1 < 0.95)
+        above = l.z > 0
+        l = dr.select(mirrored, l, mi.Vector3f(l.x, l.y, -l.z))
+        return self.sampled(ctx, si, l * self.turned(si), active & above)
+
+
+class Mixed(Definition):
+    """`share` of glass or a pane, the rest of a layered surface, which has the same layers on both sides."""
+
+    def __init__(self, layered, glass, share):
+        Definition.__init__(self, *glass.m_components)
+        self.layered, self.glass, self.share = layered, glass, share
+
+    def turned(self, si):
+        """The same with both sides of the surface exchanged where it is seen from behind, and the factor for `z`."""
+        factor = mi.Vector3f(1, 1, dr.select(si.wi.z > 0, 1.0, -1.0))
+        turned = mi.SurfaceInteraction3f(si)
+        turned.wi = si.wi * factor
+        return turned, factor
+
+    def eval_pdf(self, ctx, si, wo, active=True):
+        turned, factor = self.turned(si)
+        a = self.layered.eval_pdf(ctx, turned, wo * factor, active)
+        b = self.glass.eval_pdf(ctx, si, wo, active)
+        return tuple((1 - self.share) * x + self.share * y for x, y in zip(a, b))
+
+    def sample(self, ctx, si, sample1, sample2, active=True):
+        turned, factor = self.turned(si)
+        is_glass = sample1 < self.share
+        a = self.layered.sample(ctx, turned, (sample1 - self.share) / (1 - self.share), sample2, active)[0]
+        b = self.glass.sample(ctx, si, sample1 / self.share, sample2, active)[0]
+        wo = dr.select(is_glass, b.wo, a.wo * factor)
+        eta = dr.select(is_glass, b.eta, 1.0)
+        return self.sampled(ctx, si, wo, active & (dr.select(is_glass, b.pdf, a.pdf) > 0), eta)
