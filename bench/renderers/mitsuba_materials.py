@@ -4,7 +4,7 @@
     python3 mitsuba_materials.py GNURT [--spp 64] [--batches 16] [--variant llvm_ad_rgb] [MATERIAL ...]
 
 The thing is a ball of flat triangles. Materials whose name ends in "(Mitsuba's)" are Mitsuba's own models, which differ from
-ours as the table says; "(ours)" are our definitions in Mitsuba: mitsuba_models.py. Standard errors are those of the batches;
+ours as the table says, as does "(glTF's example)"; "(ours)" are our definitions in Mitsuba: mitsuba_models.py. Standard errors are those of the batches;
 tiles of 8 x 8 pixels are off by the rule of tests/references.rs: more than three standard errors and 0.5 %.
 Needs `pip install mitsuba numpy`. Source: original.
 """
@@ -29,21 +29,24 @@ principled = lambda colour, alpha, **more: {"type": "principled", "base_color": 
 WHITE, GOLD, CLAY = (1.0, 1.0, 1.0), (0.95, 0.7, 0.3), (0.7, 0.4, 0.15)
 
 
-def gltf(base=WHITE, metallic=0.0, alpha=0.0, ior=1.5, coat=0.0, coat_alpha=0.0, transmission=0.0):
-    """A glTF material; what lets light through is solid."""
+def gltf(base=WHITE, metallic=0.0, alpha=0.0, ior=1.5, coat=0.0, coat_alpha=0.0, transmission=0.0, thin=False, sheen=None, sheen_roughness=0.0):
+    """A glTF material."""
     extensions = {"KHR_materials_ior": {"ior": ior}}
     if coat:
         extensions["KHR_materials_clearcoat"] = {"clearcoatFactor": coat, "clearcoatRoughnessFactor": coat_alpha**0.5}
     if transmission:
         extensions["KHR_materials_transmission"] = {"transmissionFactor": transmission}
-        extensions["KHR_materials_volume"] = {"thicknessFactor": 1.0}
+        if not thin:
+            extensions["KHR_materials_volume"] = {"thicknessFactor": 1.0}
+    if sheen:
+        extensions["KHR_materials_sheen"] = {"sheenColorFactor": list(sheen), "sheenRoughnessFactor": sheen_roughness}
     pbr = {"baseColorFactor": [*base, 1.0], "metallicFactor": metallic, "roughnessFactor": alpha**0.5}
     return {"pbrMetallicRoughness": pbr, "extensions": extensions}
 
 
 def materials():
     """Name: lines of MTL or a glTF material, what makes Mitsuba's BSDF, what differs."""
-    from mitsuba_models import Glass, Layered
+    from mitsuba_models import Glass, Layered, Mixed, Pane
 
     table = {
         "matte": ("Kd 0.7 0.5 0.3\n", lambda: twosided({"type": "diffuse", "reflectance": rgb(0.7, 0.5, 0.3)}), NOTHING),
@@ -82,6 +85,24 @@ def materials():
     disney = principled(CLAY, 0.3, eta=1.5, clearcoat=1.0, clearcoat_gloss=0.6)
     add("coated plastic 0.3", gltf(CLAY, alpha=0.3, **coat), disney, "body and coat by Disney's formulas", lambda: Layered(CLAY, 0.0, 0.3, **coat))
     add("coated metal 0.3", gltf(GOLD, 1.0, 0.3, **coat), None, "", lambda: Layered(GOLD, 1.0, 0.3, **coat))
+    for colour, roughness in ((WHITE, 0.0), (WHITE, 0.15), (WHITE, 0.3), (GOLD, 0.6), (WHITE, 1.0)):
+        cloth = dict(sheen=colour, sheen_roughness=roughness)
+        add(f"cloth {roughness}", gltf(CLAY, alpha=0.5, **cloth), None, "", lambda c=cloth: Layered(CLAY, 0.0, 0.5, **c))
+    cloth = dict(sheen=(0.3, 0.5, 0.9), sheen_roughness=0.5)
+    add("blue sheen on gold 0.25", gltf(GOLD, 1.0, 0.25, **cloth), None, "", lambda: Layered(GOLD, 1.0, 0.25, **cloth))
+    add("coated cloth 0.5", gltf(CLAY, alpha=0.5, **coat, **cloth), None, "", lambda: Layered(CLAY, 0.0, 0.5, **coat, **cloth))
+    for alpha in (0.0025, 0.1, 0.3, 0.6):
+        theirs = {"type": "thindielectric", "int_ior": 1.5, "ext_ior": 1.0} if alpha < 0.01 else None
+        differs = "roughness of 0.05 (alpha 0.0025)"
+        add(f"pane {alpha}", gltf(alpha=alpha, transmission=1.0, thin=True), theirs, differs, lambda a=alpha: Pane(a, 1.5))
+    table["pane 0.1 (glTF's example)"] = (gltf(alpha=0.1, transmission=1.0, thin=True), lambda: Pane(0.1, 1.5, by_formula=True), "Schlick's share of one face")
+    green = (0.3, 0.9, 0.4)
+    add("pane 0.15 of 2.2, green", gltf(green, alpha=0.15, ior=2.2, transmission=1.0, thin=True), None, "", lambda: Pane(0.15, 2.2, green))
+    for share in (0.3, 0.7):
+        for thin, kind, glass_of in ((True, "pane", Pane), (False, "glass", Glass)):
+            made = gltf(CLAY, alpha=0.2, transmission=share, thin=thin)
+            own = lambda s=share, g=glass_of: Mixed(Layered(CLAY, 0.0, 0.2), g(0.2, 1.5, CLAY), s)
+            add(f"{share} of {kind} 0.2", made, None, "", own)
     return table
 
 

@@ -16,7 +16,7 @@ mi.set_variant("llvm_ad_rgb")
 
 import drjit as dr
 
-from mitsuba_models import Facets, Glass, Layered
+from mitsuba_models import Facets, Glass, Layered, Mixed, Pane
 
 PAIRS = 10
 
@@ -94,13 +94,29 @@ def main():
     layered = [(clay, 0.0, 0.1, 1.5, 0, 0), (clay, 0.0, 0.4, 1.9, 0, 0), (gold, 1.0, 0.05, 1.5, 0, 0), (gold, 1.0, 0.25, 1.5, 0, 0), (gold, 1.0, 0.8, 1.5, 0, 0)]
     layered += [(gold, 0.5, 0.2, 1.5, 0, 0), (clay, 0.0, 0.3, 1.5, 1.0, 0.04), (gold, 1.0, 0.5, 1.5, 0.6, 0.15)]
     glass = [((1.0, 1.0, 1.0), alpha, ior) for alpha, ior in ((0.05, 1.5), (0.15, 2.2), (0.3, 1.5), (0.7, 1.33), (0.3, 1 / 1.5))]
-    print("model,r,g,b,metallic,alpha,ior,coat,coat alpha,view x,y,z,light x,y,z,value r,g,b")
+    print("model,r,g,b,metallic,alpha,ior,coat,coat alpha,sheen r,g,b,sheen roughness,transmission,view x,y,z,light x,y,z,value r,g,b")
+    plain = (0, 0, 0, 0, 0)
     for base, metallic, alpha, ior, coat, coat_alpha in layered:
         pairs = [p for p in (directions(rng, False, alpha, ior) for _ in range(3 * PAIRS)) if p[1][2] > 0.02][:PAIRS]
-        show("layered", (*base, metallic, alpha, ior, coat, coat_alpha), pairs, Layered(base, metallic, alpha, ior, coat, coat_alpha))
+        show("layered", (*base, metallic, alpha, ior, coat, coat_alpha, *plain), pairs, Layered(base, metallic, alpha, ior, coat, coat_alpha))
+
+    def show_both_sides(model, numbers, alpha, bent, bsdf):
+        pairs = [p for p in (directions(rng, True, alpha, bent) for _ in range(9 * PAIRS)) if abs(p[1][2]) > 0.02][: 2 * PAIRS]
+        show(model, numbers, pairs, bsdf)
+
     for tint, alpha, ior in glass:
-        pairs = [p for p in (directions(rng, True, alpha, ior) for _ in range(9 * PAIRS)) if abs(p[1][2]) > 0.02][: 2 * PAIRS]
-        show("glass", (*tint, 0, alpha, ior, 0, 0), pairs, Glass(alpha, ior, tint))
+        show_both_sides("glass", (*tint, 0, alpha, ior, 0, 0, *plain), alpha, ior, Glass(alpha, ior, tint))
+    for metallic, coat, sheen, roughness in ((0, 0, (1, 1, 1), 0), (0, 0, gold, 0.15), (0, 0, (1, 1, 1), 0.3), (0, 0, gold, 1), (1, 0, gold, 0.5), (0, 1, gold, 0.5)):
+        numbers = (*clay, metallic, 0.4, 1.5, coat, 0.04 * coat)
+        pairs = [p for p in (directions(rng, False, 2.0, 1.5) for _ in range(6 * PAIRS)) if p[1][2] > 0.02][: 2 * PAIRS]
+        show("layered", (*numbers, *sheen, roughness, 0), pairs, Layered(clay, *numbers[3:], sheen, roughness))
+    # Light goes straight on through panes: as if there were no index.
+    for tint, alpha, ior in ((gold, 0.05, 1.5), (gold, 0.3, 1.5), (gold, 0.7, 2.2)):
+        show_both_sides("pane", (*tint, 0, alpha, ior, 0, 0, *plain), alpha, 1.0, Pane(alpha, ior, tint))
+    for alpha, share in ((0.1, 0.3), (0.4, 0.7)):
+        for model, made, bent in (("pane", Pane, 1.0), ("glass", Glass, 1.5)):
+            mixed = Mixed(Layered(clay, 0.0, alpha), made(alpha, 1.5, clay), share)
+            show_both_sides("partly " + model, (*clay, 0, alpha, 1.5, 0, 0, 0, 0, 0, 0, share), alpha, bent, mixed)
 
 
 def show(model, numbers, pairs, bsdf):

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Facets, glass and layers against values that were made apart from this code, with Mitsuba 3's parts.
+//! Facets, glass, panes and layers against values that were made apart from this code, with Mitsuba 3's parts.
 //! Source: bench/renderers/mitsuba_values.py, which also says how Mitsuba's own models differ; tables of energy there are
 //! quadratures at the very roughness, ours are interpolated.
 
@@ -16,19 +16,37 @@ fn values_are_those_of_the_definitions() {
     for line in include_str!("mitsuba.csv").lines().skip(1) {
         let (model, numbers) = line.split_once(',').expect("a name and numbers");
         let numbers: Vec<f32> = numbers.split(',').map(|n| n.parse().expect("a number")).collect();
-        let [r, g, b, metallic, alpha, ior, coat, coat_alpha, rest @ ..] = &numbers[..] else {
+        let [
+            r,
+            g,
+            b,
+            metallic,
+            alpha,
+            ior,
+            coat,
+            coat_alpha,
+            sr,
+            sg,
+            sb,
+            sheen_roughness,
+            transmission,
+            rest @ ..,
+        ] = &numbers[..]
+        else {
             panic!("too few numbers: {line}");
         };
         let [wo, wi, wanted] = [0, 3, 6].map(|k| Vec3::from_slice(&rest[k..]));
         let base = Vec3::new(*r, *g, *b);
         let model = match model {
-            "layered" => {
+            "layered" | "partly pane" | "partly glass" => {
                 let mut layered = Principled::new(base, *metallic, alpha.sqrt(), *ior);
                 (layered.coat, layered.coat_alpha) = (*coat, *coat_alpha);
+                (layered.sheen, layered.sheen_roughness) = (Vec3::new(*sr, *sg, *sb), *sheen_roughness);
+                (layered.transmission, layered.thin) = (*transmission, model == "partly pane");
                 Model::Principled(layered)
             }
-            "glass" => {
-                let glass = RoughDielectric::new(*alpha, 1.0 / ior, Vec3::ONE, base, false);
+            "glass" | "pane" => {
+                let glass = RoughDielectric::new(*alpha, 1.0 / ior, Vec3::ONE, base, model == "pane");
                 Model::Lobe(Lobe::RoughDielectric(glass))
             }
             other => panic!("no such model: {other}"),

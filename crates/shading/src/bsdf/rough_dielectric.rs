@@ -48,12 +48,12 @@ impl RoughDielectric {
             eta => eta,
         };
         let rare = eta.min(1.0 / eta);
-        let mirrored = fresnel_average(rare);
         let (lost, more_through) = if thin {
             let lost = 1.0 - Energy::of(ggx).white_average();
-            ([lost; 2], 1.0 - pane(mirrored))
+            ([lost; 2], 1.0 - pane_average(rare))
         } else {
             let lost = [eta, 1.0 / eta].map(|eta| 1.0 - Glass::of(ggx, eta).average());
+            let mirrored = fresnel_average(rare);
             // With the index beyond as unit: shares through are as the inverse of these on the two sides.
             let capacity = [lost[0] * eta * eta, lost[1]];
             let through = (1.0 - mirrored) * capacity[0].min(capacity[1]) / capacity[0].max(1e-9);
@@ -218,6 +218,23 @@ fn fresnel_average(eta: f32) -> f32 {
     ((ior - 1.0) / (4.085_67 + 1.000_71 * ior)).clamp(0.0, 1.0)
 }
 
+/// What both faces of a pane mirror, averaged over a cosine-weighted hemisphere; `eta` <= 1. Less than a pane of faces that each
+/// mirror the average would.
+fn pane_average(eta: f32) -> f32 {
+    static MEANS: OnceLock<[f32; INDICES]> = OnceLock::new();
+    let means = MEANS.get_or_init(|| {
+        std::array::from_fn(|index| {
+            const STEPS: usize = 512;
+            let s = 0.5 * index as f32 / (INDICES - 1) as f32;
+            let middle = |k: usize| (k as f32 + 0.5) / STEPS as f32;
+            let share = |cos: f32| pane(fresnel::dielectric(cos, (1.0 - s) / (1.0 + s)));
+            (0..STEPS).map(middle).map(|cos| 2.0 * cos * share(cos) / STEPS as f32).sum()
+        })
+    });
+    let (index, beyond) = place(2.0 * (1.0 - eta) / (1.0 + eta), INDICES);
+    means[index].lerp_to(means[index + 1], beyond)
+}
+
 const COSINES: usize = 48;
 const ROUGHNESSES: usize = 32;
 const INDICES: usize = 65;
@@ -300,6 +317,20 @@ fn one_bounce(ggx: Ggx, eta: f32, cos: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn panes_mirror_on_average_what_the_average_of_their_shares_is() {
+        for (ior, normal) in [(1.01_f32, 0.0), (1.33, 0.03), (1.5, 0.07), (2.2, 0.24)] {
+            let share = |cos: f32| f64::from(pane(fresnel::dielectric(cos, 1.0 / ior)));
+            let wanted: f64 = (0..10_000)
+                .map(|k| (k as f32 + 0.5) / 10_000.0)
+                .map(|c| 2e-4 * f64::from(c) * share(c))
+                .sum();
+            let found = f64::from(pane_average(1.0 / ior));
+            assert!((found - wanted).abs() < 1e-3, "{ior}: {found}, not {wanted}");
+            assert!(found > normal, "more than head on: {found}");
+        }
+    }
 
     #[test]
     fn table_holds_the_lobe() {

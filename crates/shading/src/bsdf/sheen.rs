@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sheen of cloth: fibres that stand up and shine at grazing views.
 //! Source: [EK17] (the distribution named Charlie), [NP13] (visibility); KHR_materials_sheen takes the same.
-//! Space: the shading frame. Albedos are tables over the cosine of the view and the roughness, made at first use.
-//! Proof: `tests::table_holds_the_lobe`, `tests` of `bsdf`.
+//! Differs: where the papers' lobe makes light it is scaled down.
+//! Space: the shading frame. Albedos are tables over the cosine of the view and the roughness, made at first use, with small
+//! steps where they are steep: at the horizon and where fibres stand straight.
+//! Proof: `tests`, those of `bsdf` and `tests/mitsuba.rs`.
 
 use std::f32::consts::TAU;
 use std::sync::OnceLock;
@@ -11,7 +13,8 @@ use glam::Vec3;
 
 use super::energy::place;
 
-const COSINES: usize = 32;
+/// Equal steps of the root of the cosine, and of the logarithm of the roughness from the smallest on.
+const COSINES: usize = 64;
 const ROUGHNESSES: usize = 24;
 /// Smallest roughness: below it the lobe is a ring too thin to sample.
 const SMOOTHEST: f32 = 0.07;
@@ -19,11 +22,12 @@ const SMOOTHEST: f32 = 0.07;
 /// The lobe of white fibres times the cosine of `wi`; `roughness` is glTF's, in [0, 1]. Where the model sends back more than
 /// all, for either direction, it is scaled down: that keeps it reciprocal, and no light is made.
 pub(super) fn lobe_cos(roughness: f32, wo: Vec3, wi: Vec3) -> f32 {
-    let most = whole(roughness, wo.z).max(whole(roughness, wi.z)).max(1.0);
-    model_cos(roughness, wo, wi) / most
+    let table = table();
+    let made = |cos| look_up(&table.made, roughness, cos);
+    model_cos(roughness, wo, wi) / made(wo.z).max(made(wi.z)).max(1.0)
 }
 
-/// The lobe as the model has it.
+/// The lobe as the papers have it.
 fn model_cos(roughness: f32, wo: Vec3, wi: Vec3) -> f32 {
     let h = (wo + wi).normalize_or(Vec3::Z);
     let sin = (h.x * h.x + h.y * h.y).sqrt();
@@ -32,20 +36,11 @@ fn model_cos(roughness: f32, wo: Vec3, wi: Vec3) -> f32 {
     density * wi.z / (4.0 * (wo.z + wi.z - wo.z * wi.z))
 }
 
-/// Share of light that white fibres send back, seen at the cosine `cos`; about, next to where the model makes light.
+/// Share of light that white fibres send back, seen at the cosine `cos`.
 pub(super) fn albedo(roughness: f32, cos: f32) -> f32 {
-    whole(roughness, cos).clamp(0.0, 1.0)
-}
-
-/// What the model sends back on light of 1: more than all at grazing views.
-fn whole(roughness: f32, cos: f32) -> f32 {
-    let (row, t) = place(roughness, ROUGHNESSES);
-    let (column, s) = place(cos, COSINES);
-    let at = |row: usize| {
-        let row = &table()[row];
-        row[column] + (row[column + 1] - row[column]) * s
-    };
-    at(row) + (at(row + 1) - at(row)) * t
+    let table = table();
+    let [made, kept] = [&table.made, &table.kept].map(|entries| look_up(entries, roughness, cos));
+    (made.min(1.0) * kept).clamp(0.0, 1.0)
 }
 
 fn alpha(roughness: f32) -> f32 {
@@ -53,24 +48,53 @@ fn alpha(roughness: f32) -> f32 {
     roughness * roughness
 }
 
-type Table = [[f32; COSINES]; ROUGHNESSES];
+type Entries = [[f32; COSINES]; ROUGHNESSES];
+
+struct Table {
+    /// What the papers' lobe sends back of all light: more than 1 at grazing views.
+    made: Entries,
+    /// The same after scaling, over the smaller of `made` and 1: smoother than itself.
+    kept: Entries,
+}
+
+fn look_up(entries: &Entries, roughness: f32, cos: f32) -> f32 {
+    let (row, t) = place(1.0 - roughness.max(SMOOTHEST).ln() / SMOOTHEST.ln(), ROUGHNESSES);
+    let (column, s) = place(cos.max(0.0).sqrt(), COSINES);
+    let at = |row: &[f32; COSINES]| row[column] + (row[column + 1] - row[column]) * s;
+    let [below, above] = [at(&entries[row]), at(&entries[row + 1])];
+    below + (above - below) * t
+}
 
 fn table() -> &'static Table {
     static TABLE: OnceLock<Box<Table>> = OnceLock::new();
     TABLE.get_or_init(|| {
-        let mut table = Box::new([[0.0; COSINES]; ROUGHNESSES]);
-        for (r, row) in table.iter_mut().enumerate() {
-            let roughness = r as f32 / (ROUGHNESSES - 1) as f32;
-            for (c, entry) in row.iter_mut().enumerate() {
-                *entry = integral(roughness, (c as f32 / (COSINES - 1) as f32).max(1e-3), 24, 24);
+        let nothing = [[0.0; COSINES]; ROUGHNESSES];
+        let mut table = Box::new(Table { made: nothing, kept: nothing });
+        let roughness = |row: usize| SMOOTHEST.powf(1.0 - row as f32 / (ROUGHNESSES - 1) as f32);
+        let cos = |column: usize| (column as f32 / (COSINES - 1) as f32).powi(2).max(1e-4);
+        for row in 0..ROUGHNESSES {
+            let roughness = roughness(row);
+            let model = |wo, wi| model_cos(roughness, wo, wi);
+            for column in 0..COSINES {
+                table.made[row][column] = integral(cos(column), GRID, model);
+            }
+            for column in 0..COSINES {
+                let made = |cos| look_up(&table.made, roughness, cos);
+                let here = made(cos(column)).max(1.0);
+                let lobe = |wo, wi: Vec3| model(wo, wi) / made(wi.z).max(here);
+                table.kept[row][column] =
+                    integral(cos(column), GRID, lobe) / table.made[row][column].clamp(1e-30, 1.0);
             }
         }
         table
     })
 }
 
-/// Midpoint rule; rings are narrow at the horizon, where the lobe is.
-fn integral(roughness: f32, cos: f32, rings: usize, sectors: usize) -> f32 {
+/// Rings and sectors that tables are sums over.
+const GRID: [usize; 2] = [32, 24];
+
+/// What `lobe` sends back in all of light from cosine `cos`, by the midpoint rule; rings are narrow at the horizon, where it is.
+fn integral(cos: f32, [rings, sectors]: [usize; 2], lobe: impl Fn(Vec3, Vec3) -> f32) -> f32 {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let mut sum = 0.0;
     for ring in 0..rings {
@@ -80,7 +104,7 @@ fn integral(roughness: f32, cos: f32, rings: usize, sectors: usize) -> f32 {
         // Half of the circle, twice.
         for sector in 0..sectors {
             let (s, c) = (0.5 * TAU * (sector as f32 + 0.5) / sectors as f32).sin_cos();
-            sum += model_cos(roughness, wo, Vec3::new(r * c, r * s, z)) * (b - a) * TAU / sectors as f32;
+            sum += lobe(wo, Vec3::new(r * c, r * s, z)) * (b - a) * TAU / sectors as f32;
         }
     }
     sum
@@ -90,12 +114,35 @@ fn integral(roughness: f32, cos: f32, rings: usize, sectors: usize) -> f32 {
 mod tests {
     use super::*;
 
+    /// Roughnesses and cosines on and between the tables' entries, many where fibres send back more than all.
+    fn places() -> impl Iterator<Item = (f32, f32)> {
+        let cosines = [0.005, 0.02, 0.05, 0.08, 0.11, 0.2, 0.4, 0.7, 1.0];
+        [0.0, 0.09, 0.15, 0.22, 0.3, 0.5, 0.8, 1.0].into_iter().flat_map(move |r| cosines.map(|c| (r, c)))
+    }
+
     #[test]
-    fn table_holds_the_lobe() {
-        for (roughness, cos) in [(0.2, 0.9), (0.5, 0.1), (0.8, 0.47), (1.0, 0.03), (1.0, 1.0)] {
-            let wanted = integral(roughness, cos, 600, 400);
+    fn albedo_is_what_the_lobe_sends_back() {
+        for (roughness, cos) in places() {
+            let wanted = integral(cos, [300, 100], |wo, wi| lobe_cos(roughness, wo, wi));
             let found = albedo(roughness, cos);
-            assert!((found - wanted.min(1.0)).abs() < 0.01, "{roughness} {cos}: {found}, not {wanted}");
+            assert!((found - wanted).abs() < 0.005, "{roughness} {cos}: {found}, not {wanted}");
+            assert!(wanted < 1.005, "{roughness} {cos}: makes light: {wanted}");
+        }
+    }
+
+    #[test]
+    fn only_what_makes_light_is_scaled() {
+        for (roughness, cos) in places() {
+            let made = |cos| integral(cos, [300, 100], |wo, wi| model_cos(roughness, wo, wi));
+            let z = 0.3;
+            let (wo, wi) =
+                (Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos), Vec3::new(0.0, (1.0_f32 - z * z).sqrt(), z));
+            let wanted = model_cos(roughness, wo, wi) / made(cos).max(made(z)).max(1.0);
+            let found = lobe_cos(roughness, wo, wi);
+            assert!(
+                (found - wanted).abs() < 0.005 * wanted + 1e-6,
+                "{roughness} {cos}: {found}, not {wanted}"
+            );
         }
     }
 }

@@ -186,6 +186,21 @@ fn densities_and_values_integrate() {
     }
 }
 
+/// Fibres that nearly stand send back all light of grazing views and next to none of others: what they leave is the body's.
+#[test]
+fn smooth_cloth_keeps_light() {
+    for sheen_roughness in [0.0, 0.15, 0.25, 0.5] {
+        let matte = Principled { f0: Vec3::ZERO, f90: 0.0, ..Principled::new(Vec3::ONE, 0.0, 1.0, 1.5) };
+        let bsdf = around_z(Model::Principled(Principled { sheen: Vec3::ONE, sheen_roughness, ..matte }));
+        for cos in [0.02_f32, 0.06, 0.1, 0.2, 0.5, 0.9] {
+            let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let mut value = 0.0;
+            fine(|wi, area| value += f64::from(bsdf.eval(wo, wi).x) * area);
+            assert!((value - 1.0).abs() < 0.008, "{sheen_roughness} from {cos}: {value} of 1 comes back");
+        }
+    }
+}
+
 #[test]
 fn light_may_go_both_ways() {
     for (name, model) in models() {
