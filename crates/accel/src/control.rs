@@ -174,7 +174,15 @@ impl<'a> Watch<'a> {
 
     /// So much more is done.
     pub(crate) fn advance(&self, steps: usize) {
-        let done = self.done.fetch_add(steps as u64, Relaxed) + steps as u64;
+        self.tell_of(self.done.fetch_add(steps as u64, Relaxed) + steps as u64);
+    }
+
+    /// So much is done of the whole, or more: a stage that found less to do than was thought is over.
+    pub(crate) fn reach(&self, done: usize) {
+        self.tell_of(self.done.fetch_max(done as u64, Relaxed).max(done as u64));
+    }
+
+    fn tell_of(&self, done: u64) {
         let whole = self.whole.load(Relaxed).max(1);
         // What comes before and behind the division takes its time as well.
         self.tell(0.05 + 0.8 * (done as f64 / whole as f64).min(1.0) as f32);

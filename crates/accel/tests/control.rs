@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use common::{TESTS, options};
-use gnurt_accel::{BuildControl, BuildError, ObjectTree, Threads, Triangles};
+use gnurt_accel::{BuildControl, BuildError, BuildOptions, ObjectTree, Quality, Threads, Triangles};
 use gnurt_testkit::{Soup, closed};
 
 /// Notes what it is told, and stops a build.
@@ -71,6 +71,39 @@ fn who_listens_does_not_change_the_tree() {
             let about = |part: f64| (part * result as f64) as u64;
             assert!((about(0.9)..about(1.5)).contains(&last), "{kind:?}: {last} at the end for {result}");
         }
+    }
+}
+
+/// Counts how often it is asked before it is told something new.
+#[derive(Default)]
+struct Patience {
+    asked: AtomicU64,
+    most: AtomicU64,
+}
+
+impl BuildControl for Patience {
+    fn keep_going(&self) -> bool {
+        self.most.fetch_max(self.asked.fetch_add(1, Relaxed) + 1, Relaxed);
+        true
+    }
+
+    fn progress(&self, _: f32) {
+        self.asked.store(0, Relaxed);
+    }
+}
+
+#[test]
+fn progress_goes_on_while_knots_are_moved() {
+    let mesh = closed::torus(200);
+    let triangles = Triangles { positions: &mesh.positions, indices: &mesh.indices };
+    for quality in [Quality::Medium, Quality::High] {
+        let patience = Patience::default();
+        let options = BuildOptions { quality, ..BuildOptions::default() };
+        let built = ObjectTree::try_build(&[triangles], &options, Threads::Single, &patience);
+        assert!(built.is_ok(), "nobody stops it");
+        // A build asks where it works, every few thousand triangles, and between its stages.
+        let most = patience.most.into_inner();
+        assert!(most <= 12, "{quality:?}: asked {most} times without a word");
     }
 }
 

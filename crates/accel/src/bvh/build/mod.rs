@@ -16,6 +16,7 @@ mod partition;
 mod reference;
 mod reinsert;
 mod spatial;
+mod stages;
 #[cfg(test)]
 mod tests;
 
@@ -31,6 +32,7 @@ use crew::Crew;
 use gnurt_simd::{Level, prefer_huge_pages};
 use reference::Reference;
 use reinsert::{QUICK, THOROUGH, reinsert};
+use stages::Stages;
 
 /// What a tree is built over: boxes, by numbers from 0 on.
 pub(crate) trait Primitives: Sync {
@@ -107,13 +109,13 @@ fn build_with(
     let first = primitives.bounds(0);
     let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
     let try_parts = quality == Quality::High && primitives.split(0, &first, 0, middle).is_some();
-    watch.start(if try_parts { 2 * count } else { count });
+    let with_parts = count + count / 2;
+    let mut stages = Stages::new(watch, quality, count, if try_parts { with_parts } else { 0 });
     let mut held = 0;
     let mut hold = |bytes| {
         watch.recount(&mut held, bytes);
         watch.result()
     };
-    let with_parts = count + count / 2;
     hold(size_of::<Reference>() * count)?;
     let mut references = all_references(primitives, parallel);
     let crew = Crew { parallel, level: Level::best(), scale: 1.0, watch };
@@ -126,6 +128,7 @@ fn build_with(
         _ => careful.build(&mut references, root),
     };
     watch.grown();
+    stages.end();
     if try_parts {
         hold(size_of::<Reference>() * with_parts + size_of_val(&knots[..]))?;
         references.resize(with_parts, Reference::ZERO);
@@ -134,14 +137,17 @@ fn build_with(
         hold(size_of_val(&knots[..]))?;
     }
     let cost = if quality == Quality::Fast { 0.0 } else { reinsert(&mut knots, QUICK, crew) };
+    stages.end();
     if try_parts {
         let mut others = careful.build(&mut references, root);
         watch.grown();
+        stages.end();
         drop(references);
         hold(size_of_val(&knots[..]) + size_of_val(&others[..]))?;
         if reinsert(&mut others, QUICK, crew) < WORTH_PARTS * cost {
             knots = others;
         }
+        stages.end();
         hold(size_of_val(&knots[..]))?;
     }
     if quality == Quality::High {

@@ -41,6 +41,10 @@ const NONE: u32 = u32::MAX;
 /// Searches that are done by one thread. Tests have small scenes.
 const PIECE: usize = if cfg!(test) { 1 << 4 } else { 1 << 10 };
 
+/// Steps of progress for each knot that is searched for, one for the search and one for its move; every two knots take
+/// another step for what is done once. A step is what building over one primitive takes; measured with conference and dragon.
+const STEPS: usize = 2;
+
 /// One of so many areas is looked at to learn how large the largest are.
 const SAMPLE: usize = 16;
 
@@ -82,14 +86,20 @@ pub(super) fn reinsert(knots: &mut [Knot], rounds: &[f32], crew: Crew) -> f32 {
         return f32::INFINITY;
     }
     let mut garden = Garden::new(knots, crew);
+    crew.watch.advance(knots.len() / 2);
     for &share in rounds {
         let some = garden.largest(share);
         let moves = garden.search(&some);
-        garden.make(moves);
+        garden.make(moves, some.len());
     }
     let cost = garden.write(knots);
     crew.watch.give(bytes);
     cost
+}
+
+/// Steps of progress that it takes for `knots`, about.
+pub(super) fn steps(knots: usize, rounds: &[f32]) -> usize {
+    knots / 2 + (rounds.iter().sum::<f32>() * (STEPS * knots) as f32) as usize
 }
 
 /// Half the surface of a box.
@@ -163,6 +173,7 @@ impl<'a> Garden<'a> {
             let mut moves = Vec::new();
             if self.crew.watch.go_on() {
                 dispatch!(self.crew.level, simd => self.search_piece(simd, knots, &mut moves));
+                self.crew.watch.advance(knots.len());
             }
             moves
         };
@@ -232,12 +243,18 @@ impl<'a> Garden<'a> {
         }
     }
 
-    /// Makes those moves that are still good ones.
-    fn make(&mut self, mut moves: Vec<Move>) {
+    /// Makes those moves that are still good ones; `searched` knots were searched for.
+    fn make(&mut self, mut moves: Vec<Move>, searched: usize) {
         moves.sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.knot.cmp(&b.knot)));
-        for Move { knot, target, .. } in moves {
-            self.try_move(knot, target);
+        for piece in moves.chunks(PIECE) {
+            if !self.crew.watch.go_on() {
+                return;
+            }
+            piece.iter().for_each(|&Move { knot, target, .. }| self.try_move(knot, target));
+            self.crew.watch.advance(piece.len());
         }
+        // Those that had no good place.
+        self.crew.watch.advance(searched - moves.len());
     }
 
     /// Moves `knot` to `target`, where that is possible and makes the tree cheaper.

@@ -5,9 +5,11 @@ use super::super::binary::Careful;
 use super::super::{all_references, collapse};
 use super::*;
 use crate::Aabb;
-use crate::control::Watch;
+use crate::control::{BuildControl, Watch};
 use gnurt_simd::Level;
 use gnurt_testkit::Random;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// Boxes of all sizes, which a binned build does not put well.
 fn mixed_boxes(count: usize) -> Vec<Aabb> {
@@ -135,5 +137,52 @@ fn threads_do_not_matter() {
     for threads in [1, 2, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
         assert!(pool.install(|| run(true)) == one, "{threads} threads make the same tree");
+    }
+}
+
+/// Notes progress, and says no when it is asked for the `no`th time; 0 for never.
+#[derive(Default)]
+struct Notes {
+    told: Mutex<Vec<f32>>,
+    asked: AtomicUsize,
+    no: usize,
+}
+
+impl BuildControl for Notes {
+    fn keep_going(&self) -> bool {
+        self.asked.fetch_add(1, Relaxed) + 1 != self.no
+    }
+
+    fn progress(&self, done: f32) {
+        self.told.lock().expect("nobody panics").push(done);
+    }
+}
+
+#[test]
+fn it_tells_how_far_it_is_and_ends_when_told_to() {
+    let boxes = mixed_boxes(2000);
+    let knots = with_crew(|crew| knots_over(&boxes, 64, crew));
+    let run = |no| {
+        let notes = Notes { no, ..Notes::default() };
+        let watch = Watch::new(&notes);
+        watch.start(steps(knots.len(), THOROUGH));
+        let crew = Crew { parallel: false, level: Level::best(), scale: 1.0, watch: &watch };
+        let mut moved = knots.clone();
+        reinsert(&mut moved, THOROUGH, crew);
+        walk(&moved, crew);
+        let (told, asked) = (notes.told.into_inner().expect("nobody panics"), notes.asked.into_inner());
+        (told, asked, moved.iter().map(|knot| knot.bounds).collect::<Vec<_>>())
+    };
+    let (told, asked, moved) = run(0);
+    let pieces = knots.len() / PIECE / 2;
+    assert!(told.is_sorted() && told.len() > pieces, "{} times: {told:?}", told.len());
+    assert!(told.last().is_some_and(|&last| (0.7..=0.85).contains(&last)), "all of it: {told:?}");
+    // Searches of the first round; then its moves, while what was moved stays.
+    let searches = (0.5 * knots.len() as f32) as usize / PIECE;
+    for no in [1, searches / 2, searches + 2, asked] {
+        let (less, until, other) = run(no);
+        assert_eq!(until, no, "it is not asked again");
+        assert!(less.len() < told.len(), "told {} times when it ends at {no} of {asked}", less.len());
+        assert!(no == asked || other != moved, "{no} of {asked}: not all was done");
     }
 }
