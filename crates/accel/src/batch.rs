@@ -390,6 +390,10 @@ fn tiles<S: Simd, M: Mode, T: Traceable>(
 /// Rays that are sorted at a time.
 const FAN: usize = 4096;
 
+/// Headings that they are sorted by, and those that cannot be traced: a power of two above their number.
+const PLACES: usize = 32;
+const _: () = assert!(Headings::CODES < PLACES, "each heading has its place");
+
 /// Sorts rays by where they are heading, then traces them in tiles.
 #[inline(always)]
 fn fans<S: Simd, M: Mode, T: Traceable>(
@@ -404,14 +408,13 @@ fn fans<S: Simd, M: Mode, T: Traceable>(
     let (mut codes, mut order) = ([0u8; FAN], [0u32; FAN]);
     for window in (0..rays.len()).step_by(FAN) {
         let count = FAN.min(rays.len() - window);
-        let mut ends = [0u32; Headings::CODES + 1];
+        let mut ends = [0u32; PLACES];
         for first in (0..count).step_by(TILE) {
             let sound = tile.load(simd, rays, window + first, &mut nearest);
-            let ways = tile.headings(simd);
-            for i in 0..TILE.min(count - first) {
-                let code = if sound >> i & 1 == 1 { ways.code(i) } else { Headings::CODES };
-                codes[first + i] = code as u8;
-                ends[code] += 1;
+            let of_tile = tile.headings(simd).codes(simd, sound);
+            for (code, &of_ray) in codes[first..count].iter_mut().zip(&of_tile) {
+                *code = of_ray as u8;
+                ends[of_ray as usize % PLACES] += 1;
             }
         }
         let mut sum = 0;
@@ -419,8 +422,8 @@ fn fans<S: Simd, M: Mode, T: Traceable>(
             sum += *end;
             *end = sum - *end;
         }
-        for i in 0..count {
-            let place = &mut ends[codes[i] as usize % (Headings::CODES + 1)];
+        for (i, &code) in codes[..count].iter().enumerate() {
+            let place = &mut ends[code as usize % PLACES];
             order[*place as usize % FAN] = (window + i) as u32;
             *place += 1;
         }

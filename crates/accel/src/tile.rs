@@ -88,14 +88,22 @@ impl RayTile {
     /// Loads the rays of a batch with these numbers, 64 at most.
     #[inline(always)]
     pub(crate) fn pick(&mut self, rays: &RayBatch, numbers: &[u32], nearest: &mut NearestTile) {
+        // Of one length, in which numbers are, so that the compiler checks neither.
+        let count = rays.len();
+        let ([x, y, z], [dx, dy, dz]) = (&rays.org, &rays.dir);
+        let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
+        let (dx, dy, dz) = (&dx[..count], &dy[..count], &dz[..count]);
+        let (t_near, t_far) = (&rays.t_near[..count], &rays.t_far[..count]);
         for (lane, &number) in numbers.iter().enumerate().take(TILE) {
-            let from = number as usize;
-            for k in 0..3 {
-                self.org[k][lane] = rays.org[k][from];
-                self.dir[k][lane] = rays.dir[k][from];
-            }
-            self.t_near[lane] = rays.t_near[from];
-            nearest.t[lane] = rays.t_far[from];
+            let from = (number as usize).min(count - 1);
+            self.org[0][lane] = x[from];
+            self.org[1][lane] = y[from];
+            self.org[2][lane] = z[from];
+            self.dir[0][lane] = dx[from];
+            self.dir[1][lane] = dy[from];
+            self.dir[2][lane] = dz[from];
+            self.t_near[lane] = t_near[from];
+            nearest.t[lane] = t_far[from];
         }
         nearest.number = [INVALID_ID; TILE];
         nearest.slot = [INVALID_ID; TILE];
@@ -385,6 +393,17 @@ impl NearestTile {
     }
 }
 
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, code: usize) -> u32x16<S> {
+    u32x16::splat(simd, code as u32)
+}
+
+/// `code` where the lowest sixteen bits say so.
+#[inline(always)]
+fn choose<S: Simd>(simd: S, bits: u64, code: usize, other: u32x16<S>) -> u32x16<S> {
+    mask32x16::from_bitmask(simd, bits & 0xffff).select(lanes(simd, code), other)
+}
+
 /// The lowest `count` bits; `count` is at most 64.
 #[inline(always)]
 pub(crate) fn all(count: usize) -> u64 {
@@ -405,16 +424,22 @@ impl Headings {
     /// How many different headings there are, and one for rays of irregular length.
     pub(crate) const CODES: usize = 25;
 
-    /// The heading of ray `i` as a number below [`CODES`](Self::CODES).
+    /// The heading of each ray as a number below [`CODES`](Self::CODES); that for those that are not `sound`.
     #[inline(always)]
-    pub(crate) fn code(&self, i: usize) -> usize {
-        let bit = |bits: u64| (bits >> i & 1) as usize;
-        if bit(self.regular) == 0 {
-            return Self::CODES - 1;
-        }
-        let axis = if bit(self.along_x) == 1 { 0 } else { 2 - bit(self.along_y) };
+    pub(crate) fn codes<S: Simd>(&self, simd: S, sound: u64) -> [u32; TILE] {
+        let mut codes = [0; TILE];
         let [x, y, z] = self.backwards;
-        8 * axis + 4 * bit(x) + 2 * bit(y) + bit(z)
+        for (at, codes) in codes.chunks_exact_mut(LANES).enumerate() {
+            let at = at * LANES;
+            let axis =
+                choose(simd, self.along_x >> at, 0, choose(simd, self.along_y >> at, 8, lanes(simd, 16)));
+            let signs = choose(simd, x >> at, 4, lanes(simd, 0))
+                + choose(simd, y >> at, 2, lanes(simd, 0))
+                + choose(simd, z >> at, 1, lanes(simd, 0));
+            let code = choose(simd, !self.regular >> at, Self::CODES - 1, axis + signs);
+            choose(simd, !sound >> at, Self::CODES, code).store_slice(codes);
+        }
+        codes
     }
 
     /// The heading of ray `i`.
@@ -457,11 +482,18 @@ mod tests {
         }
         for level in Level::available() {
             let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
-            let (sound, ways) = dispatch!(level, simd => {
+            let (sound, ways, codes) = dispatch!(level, simd => {
                 let sound = tile.load(simd, &rays, 0, &mut nearest);
-                (sound, tile.headings(simd))
+                let ways = tile.headings(simd);
+                (sound, ways, ways.codes(simd, sound))
             });
             assert_eq!(sound, u64::MAX >> 1, "one ray does not move, at {level}");
+            for (i, &code) in codes.iter().enumerate() {
+                let Heading { backwards: [x, y, z], longest_axis } = ways.of(i);
+                let own = 8 * longest_axis + 4 * usize::from(x) + 2 * usize::from(y) + usize::from(z);
+                let own = if i == 63 { Headings::CODES } else { own };
+                assert_eq!(code as usize, own, "code of ray {i} at {level}");
+            }
             let mut left = sound;
             while left != 0 {
                 let first = left.trailing_zeros() as usize;
