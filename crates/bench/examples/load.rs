@@ -13,7 +13,7 @@ use std::time::Instant;
 use gnurt::accel::{
     BuildOptions, Coherence, Hit, HitBatch, Memory, ObjectTree, Query, Ray, RayBatch, Record, Threads,
 };
-use gnurt_bench::Subject;
+use gnurt_bench::{Subject, thread_seconds};
 
 const RUNS: usize = 5;
 
@@ -66,15 +66,9 @@ fn measure(subject: &Subject, memory: Memory) -> Result<(), Box<dyn Error>> {
 
 /// What a job gives, and its seconds of the processor and on the wall. What it gives is dropped later.
 fn timed<T>(job: impl FnOnce() -> T) -> (T, [f64; 2]) {
-    let (start, before) = (Instant::now(), processor_seconds());
+    let (start, before) = (Instant::now(), thread_seconds());
     let result = job();
-    (result, [processor_seconds() - before, start.elapsed().as_secs_f64()])
-}
-
-/// Of this thread, where the system tells.
-fn processor_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
-    stat.split(' ').next().and_then(|n| n.parse::<f64>().ok()).unwrap_or(0.0) / 1e9
+    (result, [thread_seconds() - before, start.elapsed().as_secs_f64()])
 }
 
 /// Each number's own median.

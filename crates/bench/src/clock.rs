@@ -10,7 +10,8 @@ fn seconds(clock: rustix::time::ClockId) -> f64 {
 
 /// Seconds of the calling thread.
 #[cfg(unix)]
-pub(crate) fn thread_seconds() -> f64 {
+#[must_use]
+pub fn thread_seconds() -> f64 {
     seconds(rustix::time::ClockId::ThreadCPUTime)
 }
 
@@ -30,7 +31,8 @@ fn wall_seconds() -> f64 {
 
 /// Seconds of the calling thread.
 #[cfg(not(unix))]
-pub(crate) fn thread_seconds() -> f64 {
+#[must_use]
+pub fn thread_seconds() -> f64 {
     wall_seconds()
 }
 
