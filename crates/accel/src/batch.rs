@@ -14,7 +14,7 @@ use gnurt_simd::{Simd, dispatch, dispatch_wide, f32x16, prelude::*, u32x16};
 use crate::candidates::Candidates;
 use crate::nearest::{AnyHit, Best, Closest, Collect, Mode, Nearest};
 use crate::point::{NearestPoint, PointHit, Probe};
-use crate::tile::{Headings, LANES, NearestTile, RayTile, TILE, all, chunk};
+use crate::tile::{Headings, LANES, NearestTile, RayTile, TILE, all, chunk, each};
 use crate::{Coherence, Counters, Hit, HitBatch, INVALID_ID, Pencil, Query, Ray, RayBatch, Record};
 
 /// What rays can be sent into: an object or a scene.
@@ -28,8 +28,8 @@ pub(crate) trait Traceable {
         collect: &mut C,
         counters: &mut Counters,
     );
-    /// Improves the best hits of those rays of a tile that are in `active`. Where they are `apart`, they have nothing in
-    /// common but their memory.
+    /// Improves the best hits of those rays of a tile that are in `active`. Where they are `apart`, they need not have
+    /// anything in common.
     fn tile<S: Simd, M: Mode>(
         &self,
         simd: S,
@@ -223,15 +223,6 @@ impl Answers for Flags<'_> {
     #[inline(always)]
     fn tile<S: Simd>(&mut self, simd: S, first: usize, active: u64, nearest: &NearestTile) {
         each(active & nearest.hit(simd), |i| self.0[first + i] = true);
-    }
-}
-
-/// Calls `f` with the place of every bit.
-#[inline(always)]
-pub(crate) fn each(mut bits: u64, mut f: impl FnMut(usize)) {
-    while bits != 0 {
-        f(bits.trailing_zeros() as usize);
-        bits &= bits - 1;
     }
 }
 

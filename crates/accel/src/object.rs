@@ -301,10 +301,11 @@ impl ObjectTree {
             || {
                 let mut alone = active;
                 if let [Part { index: Index::Bvh(index), mask }] = &self.parts[..] {
-                    let regular = active & rays.headings(simd).regular;
+                    let ways = rays.headings(simd);
+                    let regular = active & ways.regular;
                     alone &= !regular;
                     if mask & rays.mask != 0 && regular != 0 {
-                        index.search_apart::<S, M>(simd, rays, regular, slot, nearest, counters);
+                        index.search_apart::<S, M>(simd, rays, ways, regular, slot, nearest, counters);
                     }
                 }
                 nearest.one_by_one::<M>(

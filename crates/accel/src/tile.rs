@@ -168,11 +168,7 @@ impl RayTile {
         let mut ways = Headings::default();
         let (short, long) = (f32x16::splat(simd, Ray::SHORTEST), f32x16::splat(simd, Ray::LONGEST));
         for first in (0..TILE).step_by(LANES) {
-            let dir = [
-                chunk(simd, &self.dir[0], first),
-                chunk(simd, &self.dir[1], first),
-                chunk(simd, &self.dir[2], first),
-            ];
+            let dir = self.dir_lanes(simd, [0, 1, 2], first);
             let [x, y, z] = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
             let longest = x.max(y).max(z);
             let regular = longest.simd_ge(short) & longest.simd_le(long);
@@ -266,6 +262,12 @@ impl RayTile {
     #[inline(always)]
     pub(crate) fn org_lanes<S: Simd>(&self, simd: S, [x, y, z]: [usize; 3], at: usize) -> [f32x16<S>; 3] {
         [chunk(simd, &self.org[x], at), chunk(simd, &self.org[y], at), chunk(simd, &self.org[z], at)]
+    }
+
+    /// The same for directions.
+    #[inline(always)]
+    pub(crate) fn dir_lanes<S: Simd>(&self, simd: S, [x, y, z]: [usize; 3], at: usize) -> [f32x16<S>; 3] {
+        [chunk(simd, &self.dir[x], at), chunk(simd, &self.dir[y], at), chunk(simd, &self.dir[z], at)]
     }
 
     /// Where the first `count` rays start, if that is one point, bit by bit.
@@ -408,6 +410,15 @@ fn choose<S: Simd>(simd: S, bits: u64, code: usize, other: u32x16<S>) -> u32x16<
 #[inline(always)]
 pub(crate) fn all(count: usize) -> u64 {
     if count == TILE { u64::MAX } else { (1 << count) - 1 }
+}
+
+/// Calls `f` with the place of every bit.
+#[inline(always)]
+pub(crate) fn each(mut bits: u64, mut f: impl FnMut(usize)) {
+    while bits != 0 {
+        f(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
+    }
 }
 
 /// Which way each ray of a tile goes, as bits.

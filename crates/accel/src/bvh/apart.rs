@@ -8,7 +8,7 @@ use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
 use super::blocks::BlockRay;
 use super::planes::TilePlanes;
 use super::slab::NodeRay;
-use crate::tile::{Headings, LANES, PerRay, RayTile, TILE, chunk};
+use crate::tile::{Headings, LANES, PerRay, RayTile, TILE};
 use crate::triangle::{Sheared, axes_from};
 
 /// Rays prepared for nodes and blocks. Those of irregular length are not.
@@ -21,12 +21,12 @@ pub(super) struct Apart {
 }
 
 impl Apart {
-    /// Prepares the first `count` rays, for a tree whose greatest coordinate is `reach`.
+    /// Prepares the first `count` rays, which go these `ways`, for a tree whose greatest coordinate is `reach`.
     #[inline(always)]
-    pub(super) fn new<S: Simd>(simd: S, rays: &RayTile, count: usize, reach: f32) -> Self {
+    pub(super) fn new<S: Simd>(simd: S, rays: &RayTile, ways: Headings, count: usize, reach: f32) -> Self {
         let zero = [[0.0; TILE]; 3];
         let sheared = Sheared { org: zero, shear: zero };
-        let mut apart = Self { planes: TilePlanes::EMPTY, sheared, ways: rays.headings(simd) };
+        let mut apart = Self { planes: TilePlanes::EMPTY, sheared, ways };
         apart.planes.prepare(simd, rays, count, reach);
         for at in (0..count).step_by(LANES) {
             simd.part(
@@ -39,8 +39,7 @@ impl Apart {
 
     #[inline(always)]
     fn shear<S: Simd>(&mut self, simd: S, rays: &RayTile, at: usize) {
-        let dir =
-            [chunk(simd, &rays.dir[0], at), chunk(simd, &rays.dir[1], at), chunk(simd, &rays.dir[2], at)];
+        let dir = rays.dir_lanes(simd, [0, 1, 2], at);
         let [x, y, z] = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
         let along = [x.simd_ge(y) & x.simd_ge(z), y.simd_ge(z)];
         let org = turned(rays.org_lanes(simd, [0, 1, 2], at), along);

@@ -14,13 +14,12 @@ use super::slab::NodeRay;
 use super::sweep::Sweep;
 use super::turns::Turns;
 use super::{Child, Primitives, Tree, WIDTH, try_build};
-use crate::batch::each;
 use crate::control::Watch;
 use crate::geometry::Screened;
 use crate::kd::split_boxes;
 use crate::nearest::{Best, Collect, Mode};
 use crate::packet::Heading;
-use crate::tile::{NearestTile, RayTile, TILE};
+use crate::tile::{Headings, NearestTile, RayTile, TILE, each};
 use crate::{Aabb, BuildError, Counters, Memory, Quality, Ray, Threads, TreeStats};
 
 /// Tree and triangles.
@@ -101,19 +100,21 @@ impl BvhIndex {
         walk_blocks(simd, tree, leaves, Child::node(0), &for_nodes, &for_blocks, slot, collect, counters);
     }
 
-    /// The same for those rays of a tile that are in `active`, which need not have anything in common.
+    /// The same for those rays of a tile that are in `active`, which go these `ways` and need not have anything in common.
     #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "they are what a tile's way through a tree takes")]
     pub(crate) fn search_apart<S: Simd, M: Mode>(
         &self,
         simd: S,
         rays: &RayTile,
+        ways: Headings,
         active: u64,
         slot: u32,
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
         let Self { tree, leaves, reach, .. } = self;
-        let apart = &Apart::new(simd, rays, TILE - active.leading_zeros() as usize, *reach);
+        let apart = &Apart::new(simd, rays, ways, TILE - active.leading_zeros() as usize, *reach);
         if const { has_wide_lanes::<S>() }
             && self.waits_for_memory()
             && rays.start_apart(simd, active, &tree.bounds)

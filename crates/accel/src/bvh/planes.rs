@@ -35,8 +35,7 @@ impl TilePlanes {
 
     #[inline(always)]
     fn prepare_chunk<S: Simd>(&mut self, simd: S, rays: &RayTile, reach: f32, at: usize) {
-        let dir =
-            [chunk(simd, &rays.dir[0], at), chunk(simd, &rays.dir[1], at), chunk(simd, &rays.dir[2], at)];
+        let dir = rays.dir_lanes(simd, [0, 1, 2], at);
         let org = rays.org_lanes(simd, [0, 1, 2], at);
         let flattest = dir[0].abs().max(dir[1].abs()).max(dir[2].abs()) * f32x16::splat(simd, FLATTEST);
         let away = org[0].abs().max(org[1].abs()).max(org[2].abs());

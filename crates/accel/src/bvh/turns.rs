@@ -218,7 +218,7 @@ mod tests {
             let active = sound & all(count) & !0b100;
             let (mut together, mut alone) = (found, found);
             let (mut counted, mut expected) = (Counters::default(), Counters::default());
-            let apart = &Apart::new(simd, &rays, TILE, tree.reach());
+            let apart = &Apart::new(simd, &rays, rays.headings(simd), TILE, tree.reach());
             Turns { simd, tree, leaves, rays: &rays, apart, slot: 3 }.run::<M>(
                 active,
                 &mut together,

@@ -18,10 +18,10 @@ pub use instance::{Instance, Shape};
 use top::TopTree;
 use walk::Seeker;
 
-use crate::batch::{Traceable, each};
+use crate::batch::Traceable;
 use crate::nearest::{Collect, Mode, Nearest};
 use crate::point::{NearestPoint, Probe};
-use crate::tile::{NearestTile, RayTile};
+use crate::tile::{NearestTile, RayTile, each};
 use crate::{Aabb, Counters, Hit, HitBatch, INVALID_ID, Ray, TreeStats};
 
 /// Most scenes that may lie in one another, the outermost included.
