@@ -3,7 +3,8 @@
 
 use std::process::Command;
 
-use crate::{Failure, command, readme, tidy};
+use crate::failure::Failure;
+use crate::{command, readme, tidy};
 
 /// Runs all checks, the quick ones first; stops at the first that fails.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {

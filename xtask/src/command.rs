@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::Failure;
+use crate::failure::Failure;
 
 /// The workspace's root: the folder above this package.
 pub(crate) fn root() -> PathBuf {

@@ -7,8 +7,9 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::command;
+use crate::failure::Failure;
 use crate::workspace::Workspace;
-use crate::{Failure, command};
 
 const PROGRAM: &str = "gnurt";
 

@@ -5,6 +5,7 @@
 
 mod ci;
 mod command;
+mod failure;
 mod install;
 mod readme;
 mod tidy;
@@ -12,8 +13,7 @@ mod workspace;
 
 use std::process::ExitCode;
 
-/// What went wrong, in one line.
-type Failure = String;
+use failure::Failure;
 
 struct Chore {
     name: &'static str,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The commands that the README promises, read from it, so that `ci` runs what newcomers run. Source: original.
 
-use crate::{Failure, command};
+use crate::command;
+use crate::failure::Failure;
 
 /// The README's commands.
 pub(crate) struct Promises {

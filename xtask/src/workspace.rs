@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-use crate::{Failure, command};
+use crate::command;
+use crate::failure::Failure;
 
 /// A package of the workspace.
 #[derive(Clone, Debug)]

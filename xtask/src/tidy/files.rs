@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::rust_code::code_only;
-use crate::Failure;
+use crate::failure::Failure;
 
 const SKIPPED_FOLDERS: [&str; 4] = ["target", ".git", "generated", "shared"];
 const EXTENSIONS: [&str; 5] = ["rs", "toml", "c", "h", "sh"];

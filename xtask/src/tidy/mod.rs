@@ -4,16 +4,21 @@
 
 mod arrows;
 mod attributes;
+mod circles;
 mod citations;
 mod files;
 mod heads;
+mod imports;
+mod known_circles;
 mod length;
+mod modules;
 mod rust_code;
 mod unsafe_code;
 mod words;
 
+use crate::command;
+use crate::failure::Failure;
 use crate::workspace::Workspace;
-use crate::{Failure, command};
 use files::SourceFile;
 
 /// Checks one file; gives line numbers (from 1) and what is wrong there.
@@ -37,8 +42,10 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let bibliography = std::fs::read_to_string(&bibliography)
         .map_err(|error| format!("{}: {error}", bibliography.display()))?;
     let keys = citations::keys(&bibliography);
-    for file in files::all(&root)? {
-        let found = RULES.iter().flat_map(|rule| rule(&file)).chain(citations::check(&file, &keys));
+    let files = files::all(&root)?;
+    complaints.extend(circles::check(&files));
+    for file in &files {
+        let found = RULES.iter().flat_map(|rule| rule(file)).chain(citations::check(file, &keys));
         complaints.extend(found.map(|(line, what)| format!("{}:{line}: {what}", file.path)));
     }
     for complaint in &complaints {

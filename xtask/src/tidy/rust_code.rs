@@ -19,6 +19,44 @@ pub(super) fn code_only(text: &str) -> String {
     code
 }
 
+/// Blanks items that are for tests alone (`#[cfg(test)]`), of code without comments and strings.
+pub(super) fn without_tests(code: &str) -> String {
+    const MARK: &str = "#[cfg(test)]";
+    let mut rest = code;
+    let mut kept = String::with_capacity(code.len());
+    while let Some(at) = rest.find(MARK) {
+        let end = at + item_length(&rest[at..]);
+        kept.push_str(&rest[..at]);
+        kept.extend(rest[at..end].chars().map(|c| if c == '\n' { '\n' } else { ' ' }));
+        rest = &rest[end..];
+    }
+    kept + rest
+}
+
+/// Bytes of an item with its attributes: up to its semicolon, or to the end of its braces.
+fn item_length(code: &str) -> usize {
+    // Attributes and lists of arguments hold semicolons and braces of their own.
+    let (mut depth, mut braces) = (0_usize, 0_usize);
+    for (at, letter) in code.char_indices() {
+        match letter {
+            '(' | '[' => depth += 1,
+            ')' | ']' => depth = depth.saturating_sub(1),
+            '{' => braces += 1,
+            '}' => {
+                braces = braces.saturating_sub(1);
+                if braces == 0 && depth == 0 {
+                    // `use a::{b};` goes on.
+                    let after = code[at + 1..].trim_start();
+                    return if after.starts_with(';') { code.len() - after.len() + 1 } else { at + 1 };
+                }
+            }
+            ';' if depth == 0 && braces == 0 => return at + 1,
+            _ => {}
+        }
+    }
+    code.len()
+}
+
 /// Bytes at the beginning of the text that are no code; 0 if it begins with code.
 fn blank_length(text: &str, before: Option<char>) -> usize {
     let within_word = before.is_some_and(|c| c.is_alphanumeric() || c == '_');
@@ -108,6 +146,26 @@ mod tests {
         ];
         for (text, expected) in cases {
             assert_eq!(code_only(text), expected, "code of: {text}");
+        }
+    }
+
+    #[test]
+    fn tests_are_left_out() {
+        let cases = [
+            ("a\n#[cfg(test)]\nmod t { fn b() { c } }\nd", "a d"),
+            ("#[cfg(test)] use a::{b}; c", "c"),
+            ("#[cfg(test)] #[x(y)] fn f(a: [u8; 2]) { g } h", "h"),
+            ("#[cfg(test)] mod t; a", "a"),
+            ("#[cfg(any(test, unix))] mod t;", "#[cfg(any(test, unix))] mod t;"),
+        ];
+        for (code, expected) in cases {
+            let left = without_tests(code);
+            assert_eq!(
+                left.split_whitespace().collect::<Vec<_>>().join(" "),
+                expected,
+                "without tests: {code}"
+            );
+            assert_eq!(left.lines().count(), code.lines().count(), "lines stay: {code}");
         }
     }
 }
