@@ -38,6 +38,11 @@ pub(crate) fn perform<T>(
     }
 }
 
+/// Looks at the context, if there is one, and makes none. From within another call nothing can be seen: `blind` it is.
+pub(crate) fn look<T>(blind: T, at: impl FnOnce(Option<&Context>) -> T) -> T {
+    CONTEXT.enter().map_or(blind, |guard| at(guard.as_ref()))
+}
+
 /// A call from within a call of the same thread: it would wait for itself, and nothing can be noted meanwhile.
 #[cold]
 fn turn_away<T>(shown: impl FnOnce() -> String, on_error: T) -> T {

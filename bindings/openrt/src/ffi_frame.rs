@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::camera::Volume;
 use crate::ffi::{call, procedures};
-use crate::framebuffer::FrameMemory;
+use crate::framebuffer::{FrameMemory, RT_IN_FLIGHT_BIT, RT_NEXT_FRAME_BIT};
 
 /// A program's frame buffer.
 struct ProgramMemory(*mut u8);
@@ -22,6 +22,10 @@ impl FrameMemory for ProgramMemory {
         // SAFETY: the program vouches for width * height pixels; `FrameBuffer::show` writes no further.
         unsafe { bytes.as_ptr().copy_to_nonoverlapping(self.0.add(offset), bytes.len()) }
     }
+
+    fn address(&self) -> usize {
+        self.0.addr()
+    }
 }
 
 /// # Safety
@@ -34,6 +38,12 @@ unsafe extern "C" fn rtSetFrameBuffer(pixels: *mut u8, width: u32, height: u32, 
         [width, height],
         format
     ));
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn rtFrameBufferUse(pixels: *const u8) -> u32 {
+    let all = RT_NEXT_FRAME_BIT | RT_IN_FLIGHT_BIT;
+    crate::ffi::look(all, |context| context.map_or(0, |context| context.frame_buffer_use(pixels.addr())))
 }
 
 #[unsafe(no_mangle)]

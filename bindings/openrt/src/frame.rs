@@ -68,6 +68,8 @@ pub struct Frame {
     flight: Arc<Flight>,
     /// The plugins that shade it.
     plugins: PluginFrame,
+    /// Where the program's memory begins that it is written to.
+    target: usize,
 }
 
 impl Job {
@@ -127,6 +129,7 @@ impl Frame {
         let (hand_over, take_over) = channel::<Stage>();
         let flight = Arc::new(Flight::default());
         let landing = Landing(flight.clone());
+        let target = job.target.address();
         let work = move || {
             let mut stage = take_over.recv().unwrap_or_default();
             let run = || job.run(&mut stage, &landing.0);
@@ -140,11 +143,16 @@ impl Frame {
         };
         match Builder::new().name("openrt-frame".to_owned()).spawn(work) {
             Ok(thread) => match hand_over.send(stage) {
-                Ok(()) => Ok(Self { thread, flight, plugins }),
+                Ok(()) => Ok(Self { thread, flight, plugins, target }),
                 Err(unsent) => Err(Box::new(unsent.0)),
             },
             Err(_) => Err(Box::new(stage)),
         }
+    }
+
+    /// Where the program's memory begins that it is written to.
+    pub(crate) fn target(&self) -> usize {
+        self.target
     }
 
     /// Waits for the picture. Also returns what was wrong with plugins.

@@ -11,10 +11,19 @@ use crate::context::Context;
 use crate::enums::FrameFormat;
 use crate::error::{Error, Result, not_null};
 
+/// Frames that start from now on are written to it.
+pub(crate) const RT_NEXT_FRAME_BIT: u32 = 1;
+/// The frame in flight is written to it.
+pub(crate) const RT_IN_FLIGHT_BIT: u32 = 2;
+
 /// Memory that belongs to the program. Offsets are those of the frame buffer that it was given for.
 pub trait FrameMemory: Send + Sync {
     /// Copies bytes to it.
     fn write(&self, offset: usize, bytes: &[u8]);
+    /// Where it begins; 0 if that is nobody's business.
+    fn address(&self) -> usize {
+        0
+    }
 }
 
 /// Where a frame goes.
@@ -66,6 +75,11 @@ fn encode(format: FrameFormat, rgba: [f32; 4], bytes: &mut Vec<u8>) {
 }
 
 impl FrameBuffer {
+    /// Where the program's memory begins.
+    pub(crate) fn address(&self) -> usize {
+        self.memory.address()
+    }
+
     /// Writes a picture of the same size, whose first row is the top one.
     pub fn show(&self, colors: &[[f32; 4]]) {
         let row_size = self.width as usize * pixel_size(self.format);
@@ -95,6 +109,17 @@ impl Context {
         }
         self.frame_buffer = Some(FrameBuffer { memory, width, height, format });
         Ok(())
+    }
+
+    /// rtFrameBufferUse: what frames, present and future, do with the memory at this address.
+    #[must_use]
+    pub fn frame_buffer_use(&self, address: usize) -> u32 {
+        let next = self.frame_buffer.as_ref().is_some_and(|buffer| buffer.address() == address);
+        let in_flight = self.frame.as_ref().is_some_and(|frame| frame.target() == address);
+        [(next, RT_NEXT_FRAME_BIT), (in_flight, RT_IN_FLIGHT_BIT)]
+            .map(|(is, bit)| u32::from(is) * bit)
+            .iter()
+            .sum()
     }
 }
 

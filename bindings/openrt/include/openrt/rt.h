@@ -25,7 +25,7 @@
  *   IO   RT_INVALID_OPERATION      IV  RT_INVALID_VALUE      IE  RT_INVALID_ENUM
  * They are checked in this order: BE, OBJ, null pointers (IV), constants (IE), ids (IV), kind and state (IO).
  * Between rtBegin and rtEnd only rtVertex*, rtNormal*, rtTexCoord*, rtColor*, rtParameter* (but not
- * rtParameterHandle) and rtEnd may be called.
+ * rtParameterHandle), rtFrameBufferUse and rtEnd may be called.
  *
  * The library has one context, made by rtInit or by the first other call. Calls from several threads are serialised.
  * Matrices are column-major, angles are degrees, the coordinate system is right-handed.
@@ -75,6 +75,11 @@ RTAPI RTboolean RTAPIENTRY rtIsTexture(RTuint id);
 /* Gives the memory for the frames that start from now on: width * height pixels in tight rows, the lowest row
  * first. It stays the caller's and must live until rtEndRendering. BE; IV if NULL; IE format; IV if a size is 0. */
 RTAPI void RTAPIENTRY rtSetFrameBuffer(RTubyte *memory, RTuint width, RTuint height, RTenum format);
+
+/* Extension. What the library does with memory that rtSetFrameBuffer was given: the sum of RT_NEXT_FRAME_BIT (frames that start
+ * from now on are written to it) and RT_IN_FLIGHT_BIT (the frame in flight is). The caller may free the memory at 0. No errors,
+ * also between rtBegin and rtEnd; makes no context. */
+RTAPI RTuint RTAPIENTRY rtFrameBufferUse(const RTubyte *memory);
 
 /* Takes a snapshot of scene and parameters and starts to render it in the background; the scene may be edited at
  * once. BE; OBJ; IO if a frame is in flight or there is no frame buffer. IO, too, if `prepare` of a plugin fails: the

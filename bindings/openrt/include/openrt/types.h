@@ -161,6 +161,10 @@ typedef void (*RTdebugproc)(RTenum error, const char *call, void *user);
 #define RT_VERSION 0x1F02u
 #define RT_EXTENSIONS 0x1F03u
 
+/* What rtFrameBufferUse gives the sum of. */
+#define RT_NEXT_FRAME_BIT 0x1u
+#define RT_IN_FLIGHT_BIT 0x2u
+
 /* Values of rtGetIntegerv and rtGetFloatv; how many numbers each gives. */
 #define RT_CURRENT_COLOR 0x0B00u /* 4 */
 #define RT_CURRENT_NORMAL 0x0B02u /* 3 */

@@ -156,6 +156,35 @@ static void *cancel_soon(void *milliseconds)
     return NULL;
 }
 
+/* Who may write where, also when calls fail. */
+static void uses(void)
+{
+    const RTubyte *a = (const RTubyte *)big[0], *b = (const RTubyte *)big[1];
+    CHECK(rtFrameBufferUse(a) == 0 && rtFrameBufferUse(NULL) == 0);
+    scene();
+    use_big(0);
+    CHECK(rtFrameBufferUse(a) == RT_NEXT_FRAME_BIT && rtFrameBufferUse(b) == 0);
+    rtStartRendering();
+    CHECK(rtFrameBufferUse(a) == RT_NEXT_FRAME_BIT + RT_IN_FLIGHT_BIT);
+    use_big(1);
+    CHECK(rtFrameBufferUse(a) == RT_IN_FLIGHT_BIT && rtFrameBufferUse(b) == RT_NEXT_FRAME_BIT);
+    rtCreateObject(RT_DEFINE);
+    EXPECT(rtEndRendering(), RT_INVALID_OPERATION);
+    CHECK(rtFrameBufferUse(a) == RT_IN_FLIGHT_BIT);
+    rtBindShader(plain);
+    rtBegin(RT_TRIANGLES);
+    rtSetFrameBuffer((RTubyte *)big[0], BIG, BIG, RT_RGBA_32);
+    CHECK(rtFrameBufferUse(a) == RT_IN_FLIGHT_BIT && rtFrameBufferUse(b) == RT_NEXT_FRAME_BIT);
+    rtEnd();
+    rtEndObject();
+    CHECK(rtGetError() == RT_INVALID_OPERATION);
+    rtEndRendering();
+    CHECK(rtFrameBufferUse(a) == 0 && rtFrameBufferUse(b) == RT_NEXT_FRAME_BIT);
+    CHECK(rtGetError() == RT_NO_ERROR);
+    rtExit();
+    CHECK(rtFrameBufferUse(b) == 0);
+}
+
 static void cancelled(void)
 {
     pthread_t thread;
@@ -355,6 +384,7 @@ int main(void)
 {
     helpers_are_used();
     snapshots();
+    uses();
     cancelled();
     progressive();
     immediate();
