@@ -47,6 +47,21 @@ pub enum Error {
         /// The limit that it breaks.
         limit: u64,
     },
+    /// A picture that takes more memory than its file's length or the caller allows.
+    #[error(
+        "a picture of {width} x {height} pixels takes {} MiB while it is read, but at most {} MiB may be taken; store it smaller or with fewer bits",
+        needed.div_ceil(1 << 20), limit >> 20
+    )]
+    TooMuchMemory {
+        /// Declared columns.
+        width: u64,
+        /// Declared rows.
+        height: u64,
+        /// Bytes that reading it takes.
+        needed: u64,
+        /// Bytes that may be taken.
+        limit: u64,
+    },
     /// A picture whose parts do not fit together; the calling program's mistake.
     #[error("inconsistent picture: {0}")]
     Shape(String),

@@ -34,7 +34,7 @@ fn groups_become_one_mesh_per_material() {
 }
 
 #[test]
-fn runs_are_welded() {
+fn corners_that_are_alike_are_one_vertex() {
     let scene = obj(&format!("{V}vt 0 0\nvn 0 0 1\nf 1 2 3\nf 2//1 4//1 3//1\nf 1 2 4\n"));
     let mesh = &scene.meshes()[0];
     // Four corners without a normal, three with one.

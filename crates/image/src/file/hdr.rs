@@ -8,7 +8,7 @@
 use std::io::{BufRead, Read};
 
 use super::Source;
-use super::limits::check_density;
+use super::limits::{PICTURE_BYTES, Room, check_density};
 use crate::{Error, Picture};
 
 /// Widths that may be run-length encoded by component.
@@ -85,12 +85,14 @@ fn encode_runs(values: &[u8], bytes: &mut Vec<u8>) {
     }
 }
 
-pub(super) fn decode(source: &mut dyn Source, length: u64) -> Result<Picture, Error> {
+pub(super) fn decode(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
     let header = read_header(source)?;
     let size = [u64::from(header.width), u64::from(header.height)];
     check_density("HDR", size, length, PIXELS_PER_BYTE)?;
+    room.check("HDR", size, PICTURE_BYTES)?;
     let width = header.width as usize;
     let mut picture = Picture { width: header.width, height: header.height, ..Picture::default() };
+    picture.color.reserve_exact(picture.pixel_count());
     let mut row = vec![[0; 4]; width];
     for _ in 0..header.height {
         read_row(source, &mut row)?;
@@ -268,7 +270,8 @@ mod tests {
     fn old_runs_are_read() {
         let bytes =
             b"#?RADIANCE\nEXPOSURE=2\n\n-Y 1 +X 300\n\x80\x40\x20\x81\x01\x01\x01\x2b\x01\x01\x01\x01";
-        let picture = decode(&mut std::io::Cursor::new(bytes), 1000).expect("1 + 43 + 256 pixels");
+        let picture =
+            decode(&mut std::io::Cursor::new(bytes), 1000, Room::of_file(1000)).expect("1 + 43 + 256 pixels");
         assert_eq!(picture.color.len(), 300, "all pixels are there");
         assert!(picture.color.iter().all(|p| *p == picture.color[0]), "all pixels are alike");
         assert!((picture.color[0][0] - 0.5).abs() < 3e-3, "exposure is undone: {:?}", picture.color[0]);

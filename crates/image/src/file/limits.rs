@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How large a picture may be, from its declared size and the length of its file, before memory is taken.
-//! Source: original. Proof: `tests`, and the corruption tests of each format.
+//! Source: original. Invariant: what a picture takes while it is read, its decoder's buffers included, stays below
+//! [`Room::of_file`] or what the caller allows. Proof: `tests`, `tests/growth.rs`, and the corruption tests of each format.
 
 use crate::Error;
 
@@ -9,6 +10,48 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// Pictures of up to so many pixels are believed however short their file is: 2^24, 256 MiB as floats.
 const BELIEVED_PIXELS: u64 = 1 << 24;
+
+/// Bytes that reading a picture may take however short its file is.
+const BELIEVED_BYTES: u64 = 512 << 20;
+
+/// Bytes that each byte of a longer file may become.
+const MOST_GROWTH: u64 = 64;
+
+/// Bytes of a pixel of a picture.
+pub(super) const PICTURE_BYTES: u64 = 16;
+
+/// What reading a picture may take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Room {
+    /// Bytes at once.
+    pub(super) most_bytes: u64,
+}
+
+impl Room {
+    /// For a file of so many bytes.
+    pub(super) fn of_file(length: u64) -> Self {
+        Self { most_bytes: length.saturating_mul(MOST_GROWTH).max(BELIEVED_BYTES) }
+    }
+
+    /// Checks that so many bytes for each pixel may be taken.
+    pub(super) fn check(
+        self,
+        format: &'static str,
+        [width, height]: [u64; 2],
+        pixel_bytes: u64,
+    ) -> Result<(), Error> {
+        check_size(format, width, height)?;
+        self.check_bytes([width, height], width * height * pixel_bytes)
+    }
+
+    /// Checks that so many bytes may be taken for a picture of that size.
+    pub(super) fn check_bytes(self, [width, height]: [u64; 2], needed: u64) -> Result<(), Error> {
+        match needed <= self.most_bytes {
+            true => Ok(()),
+            false => Err(Error::TooMuchMemory { width, height, needed, limit: self.most_bytes }),
+        }
+    }
+}
 
 /// Checks a declared size: at least one pixel, at most [`MAX_PIXELS`].
 pub(super) fn check_size(format: &'static str, width: u64, height: u64) -> Result<(), Error> {
@@ -66,6 +109,19 @@ mod tests {
         );
         assert!(matches!(check_size("PNG", u64::MAX, 2), Err(Error::TooLarge { .. })), "nor an overflow");
         assert!(matches!(check_size("PNG", 0, 2), Err(Error::Corrupt { .. })), "nor an empty picture");
+    }
+
+    #[test]
+    fn memory_has_a_limit() {
+        let side = 1 << 14;
+        let room = Room::of_file(2 << 20);
+        let error = room.check("PNG", [side, side], 24).expect_err("6 GiB of 2 MiB").to_string();
+        assert!(
+            error.contains("6144 MiB") && error.contains("512 MiB"),
+            "what it takes and may take: {error}"
+        );
+        assert!(room.check("PNG", [side, side / 8], 16).is_ok(), "512 MiB may be taken");
+        assert!(Room::of_file(100 << 20).check("PNG", [side, side], 24).is_ok(), "a long file may take more");
     }
 
     #[test]

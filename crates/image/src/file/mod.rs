@@ -2,7 +2,7 @@
 //! Picture files: which format a file has, and the way from bytes to a picture and back.
 //! Source: original. One file of this folder per format; `raster` holds those that the `image` library decodes.
 //! In and out: linear light, row 0 = top. Invariants: no panic on any bytes; declared sizes are checked against the
-//! file's length before memory is taken; a failed write leaves everything as it was.
+//! file's length before memory is taken, and the memory against what it may become (`limits`); a failed write leaves everything as it was.
 //! Proof: `tests` (crate folder `tests/`): round trips, truncation at every length, corruption of every byte.
 
 mod exr;
@@ -27,6 +27,7 @@ pub use replace::{check_writable, replace_file, replace_file_if};
 
 use crate::{Error, Picture, Texels, ToneCurve};
 use format::InputFormat;
+use limits::Room;
 use raster::Meaning;
 
 /// Bytes that can be read in any order.
@@ -90,7 +91,15 @@ pub fn decode(bytes: &[u8], name: &str) -> Result<Picture, Error> {
 /// # Errors
 /// As [`decode`].
 pub fn decode_texture(bytes: &[u8], name: &str) -> Result<Texels, Error> {
-    texels_from(&mut Cursor::new(bytes), bytes.len() as u64, name, Meaning::Color)
+    decode_texture_within(bytes, name, u64::MAX)
+}
+
+/// As [`decode_texture`], but takes at most so many bytes of memory at once, those that it hands out included.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_texture_within(bytes: &[u8], name: &str, most_bytes: u64) -> Result<Texels, Error> {
+    decode_texels(bytes, name, Meaning::Color, most_bytes)
 }
 
 /// Reads a texture of measures (roughness, metalness) from bytes: integers are linear, not sRGB.
@@ -98,7 +107,21 @@ pub fn decode_texture(bytes: &[u8], name: &str) -> Result<Texels, Error> {
 /// # Errors
 /// As [`decode`].
 pub fn decode_data_texture(bytes: &[u8], name: &str) -> Result<Texels, Error> {
-    texels_from(&mut Cursor::new(bytes), bytes.len() as u64, name, Meaning::Measure)
+    decode_data_texture_within(bytes, name, u64::MAX)
+}
+
+/// As [`decode_data_texture`], but takes at most so many bytes of memory at once, those that it hands out included.
+///
+/// # Errors
+/// As [`decode`].
+pub fn decode_data_texture_within(bytes: &[u8], name: &str, most_bytes: u64) -> Result<Texels, Error> {
+    decode_texels(bytes, name, Meaning::Measure, most_bytes)
+}
+
+fn decode_texels(bytes: &[u8], name: &str, meaning: Meaning, most_bytes: u64) -> Result<Texels, Error> {
+    let length = bytes.len() as u64;
+    let room = Room { most_bytes: Room::of_file(length).most_bytes.min(most_bytes) };
+    texels_from(&mut Cursor::new(bytes), length, name, meaning, room)
 }
 
 /// Reads a colour texture from a file; see [`decode_texture`].
@@ -119,23 +142,32 @@ pub fn read_data_texture(path: &Path) -> Result<Texels, Error> {
 
 fn read_texels(path: &Path, meaning: Meaning) -> Result<Texels, Error> {
     let (mut source, length) = open::open_regular(path)?;
-    texels_from(&mut source, length, &path.to_string_lossy(), meaning).map_err(|error| error.in_file(path))
+    let room = Room::of_file(length);
+    texels_from(&mut source, length, &path.to_string_lossy(), meaning, room)
+        .map_err(|error| error.in_file(path))
 }
 
 fn picture_from(source: &mut dyn Source, length: u64, name: &str) -> Result<Picture, Error> {
+    let room = Room::of_file(length);
     match InputFormat::of(source, length, name)? {
-        InputFormat::Exr => exr::decode(source, length),
-        InputFormat::Pfm => pfm::decode(source, length),
-        InputFormat::Hdr => hdr::decode(source, length),
-        InputFormat::Raster(format) => Ok(raster::decode(source, length, format, Meaning::Color)?.into()),
+        InputFormat::Exr => exr::decode(source, length, room),
+        InputFormat::Pfm => pfm::decode(source, length, room),
+        InputFormat::Hdr => hdr::decode(source, length, room),
+        InputFormat::Raster(format) => raster::picture(source, length, format, room),
     }
 }
 
-fn texels_from(source: &mut dyn Source, length: u64, name: &str, meaning: Meaning) -> Result<Texels, Error> {
+fn texels_from(
+    source: &mut dyn Source,
+    length: u64,
+    name: &str,
+    meaning: Meaning,
+    room: Room,
+) -> Result<Texels, Error> {
     match InputFormat::of(source, length, name)? {
-        InputFormat::Exr => exr::decode(source, length).map(Texels::from),
-        InputFormat::Pfm => pfm::decode(source, length).map(Texels::from),
-        InputFormat::Hdr => hdr::decode(source, length).map(Texels::from),
-        InputFormat::Raster(format) => raster::decode(source, length, format, meaning),
+        InputFormat::Exr => exr::decode(source, length, room).map(Texels::from),
+        InputFormat::Pfm => pfm::decode(source, length, room).map(Texels::from),
+        InputFormat::Hdr => hdr::decode(source, length, room).map(Texels::from),
+        InputFormat::Raster(format) => raster::texels(source, length, format, meaning, room),
     }
 }

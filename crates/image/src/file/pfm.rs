@@ -4,7 +4,7 @@
 //! grey (`Pf`) or coloured (`PF`), values times the scale's magnitude. Proof: `tests` in `tests/round_trip.rs`.
 
 use super::Source;
-use super::limits::check_bytes;
+use super::limits::{PICTURE_BYTES, Room, check_bytes};
 use crate::{Error, Picture};
 
 /// Bytes that a header may have: far more than three numbers need.
@@ -24,7 +24,7 @@ pub(super) fn encode(picture: &Picture) -> Vec<u8> {
     bytes
 }
 
-pub(super) fn decode(source: &mut dyn Source, length: u64) -> Result<Picture, Error> {
+pub(super) fn decode(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
     let mut header = Header { source, read: 0 };
     let channels: usize = if header.word()? == "PF" { 3 } else { 1 };
     let width = header.number("width")?;
@@ -33,6 +33,7 @@ pub(super) fn decode(source: &mut dyn Source, length: u64) -> Result<Picture, Er
     let size = [u64::from(width), u64::from(height)];
     let row_bytes = u64::from(width) * channels as u64 * 4;
     check_bytes("PFM", size, header.read.saturating_add(row_bytes.saturating_mul(size[1])), length)?;
+    room.check("PFM", size, PICTURE_BYTES)?;
 
     let mut picture = Picture::new(width, height);
     let mut bytes = vec![0; row_bytes as usize];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! PNG, JPEG, TGA, BMP and WebP, decoded by the `image` library behind checks of our own.
 //! Source: original. In: bytes. Out: texels, rows from the top: 8-bit values as they are, 16-bit ones as linear floats.
-//! Invariants: sizes are checked against `limits` before pixels are decoded; a panic of the library becomes an error.
+//! Invariants: sizes are checked against `limits` before pixels are decoded, and so is what they take; a panic of the library becomes an error.
 //! Colour profiles and orientation tags are not read. Proof: `tests/{round_trip,broken}.rs`.
 
 use std::io::SeekFrom;
@@ -10,11 +10,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use image::codecs::{
     bmp::BmpDecoder, jpeg::JpegDecoder, png::PngDecoder, tga::TgaDecoder, webp::WebPDecoder,
 };
-use image::{DynamicImage, ImageDecoder, ImageResult, Limits};
+use image::{DynamicImage, ImageDecoder, Limits};
 
-use super::limits::{check_bytes, check_density};
+use super::limits::{PICTURE_BYTES, Room, check_bytes, check_density};
 use super::{Source, jpeg, png};
-use crate::{Error, TexelData, Texels, srgb};
+use crate::{Error, Picture, TexelData, Texels, srgb};
 
 /// A format that the library decodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,58 +54,116 @@ impl RasterFormat {
             Self::Webp => "WebP",
         }
     }
+
+    /// Bytes that the library's decoder takes for each pixel beside those that it gives.
+    fn decoder_bytes(self) -> u64 {
+        match self {
+            // Rows only, and a progressive or lossless picture's coefficients, planes or frames.
+            Self::Png => 0,
+            Self::Jpeg | Self::Webp => 8,
+            Self::Tga | Self::Bmp => 4,
+        }
+    }
 }
 
-pub(super) fn decode(
+/// The picture in linear light.
+pub(super) fn picture(
+    source: &mut dyn Source,
+    length: u64,
+    format: RasterFormat,
+    room: Room,
+) -> Result<Picture, Error> {
+    let wanted = Wanted { floats: true, room };
+    Ok(texels_of(decode(source, length, format, wanted)?, Meaning::Color)?.into())
+}
+
+/// The picture as a texture.
+pub(super) fn texels(
     source: &mut dyn Source,
     length: u64,
     format: RasterFormat,
     meaning: Meaning,
+    room: Room,
 ) -> Result<Texels, Error> {
+    let wanted = Wanted { floats: false, room };
+    texels_of(decode(source, length, format, wanted)?, meaning)
+}
+
+/// What is to become of a picture, and what that may take.
+#[derive(Clone, Copy)]
+struct Wanted {
+    /// Whether bytes become floats in the end.
+    floats: bool,
+    room: Room,
+}
+
+fn decode(
+    source: &mut dyn Source,
+    length: u64,
+    format: RasterFormat,
+    wanted: Wanted,
+) -> Result<DynamicImage, Error> {
     let library_error = |error: image::ImageError| Error::corrupt(format.name(), describe(&error));
     let decoded = catch_unwind(AssertUnwindSafe(|| match format {
         RasterFormat::Png => {
-            let limits = alloc_limits(png::check(source, length)?);
-            PngDecoder::with_limits(source, limits)
-                .and_then(DynamicImage::from_decoder)
-                .map_err(library_error)
+            let limits = alloc_limits(png::check(source, length)?, wanted.room);
+            let decoder = PngDecoder::with_limits(source, limits).map_err(library_error)?;
+            decode_within(decoder, format, wanted)
         }
         RasterFormat::Jpeg => {
             jpeg::check(source, length)?;
-            JpegDecoder::new(source).and_then(DynamicImage::from_decoder).map_err(library_error)
+            decode_within(JpegDecoder::new(source).map_err(library_error)?, format, wanted)
         }
         RasterFormat::Tga => {
             check_tga(source, length)?;
-            TgaDecoder::new(source).and_then(DynamicImage::from_decoder).map_err(library_error)
+            decode_within(TgaDecoder::new(source).map_err(library_error)?, format, wanted)
         }
-        RasterFormat::Bmp => decode_checked(BmpDecoder::new(source), length, format, RUN_PIXELS_PER_BYTE),
+        RasterFormat::Bmp => {
+            let decoder = BmpDecoder::new(source).map_err(library_error)?;
+            check_density(format.name(), size_of(&decoder), length, RUN_PIXELS_PER_BYTE)?;
+            decode_within(decoder, format, wanted)
+        }
         RasterFormat::Webp => {
             check_webp(source, length)?;
-            decode_checked(WebPDecoder::new(source), length, format, WEBP_PIXELS_PER_BYTE)
+            let decoder = WebPDecoder::new(source).map_err(library_error)?;
+            check_density(format.name(), size_of(&decoder), length, WEBP_PIXELS_PER_BYTE)?;
+            decode_within(decoder, format, wanted)
         }
     }));
-    let image =
-        decoded.unwrap_or_else(|_| Err(Error::corrupt(format.name(), "the data contradicts itself")))?;
-    texels(image, meaning)
+    decoded.unwrap_or_else(|_| Err(Error::corrupt(format.name(), "the data contradicts itself")))
 }
 
-fn decode_checked(
-    decoder: ImageResult<impl ImageDecoder>,
-    length: u64,
-    format: RasterFormat,
-    pixels_per_byte: u64,
-) -> Result<DynamicImage, Error> {
-    let library_error = |error: image::ImageError| Error::corrupt(format.name(), describe(&error));
-    let decoder = decoder.map_err(library_error)?;
+fn size_of(decoder: &impl ImageDecoder) -> [u64; 2] {
     let (width, height) = decoder.dimensions();
-    check_density(format.name(), [u64::from(width), u64::from(height)], length, pixels_per_byte)?;
-    DynamicImage::from_decoder(decoder).map_err(library_error)
+    [u64::from(width), u64::from(height)]
 }
 
-fn alloc_limits(pixel_bytes: u64) -> Limits {
+/// Decodes what may take the memory that it needs.
+fn decode_within(
+    decoder: impl ImageDecoder,
+    format: RasterFormat,
+    wanted: Wanted,
+) -> Result<DynamicImage, Error> {
+    let color = decoder.color_type();
+    let native = u64::from(color.bytes_per_pixel());
+    let texel = if is_wide(color) { PICTURE_BYTES } else { 4 };
+    // First the decoder's own and what it gives, then that and the texels, then those and the floats.
+    let last = if wanted.floats && texel < PICTURE_BYTES { texel + PICTURE_BYTES } else { 0 };
+    let pixel_bytes = (format.decoder_bytes() + native).max(native + texel).max(last);
+    wanted.room.check(format.name(), size_of(&decoder), pixel_bytes)?;
+    DynamicImage::from_decoder(decoder).map_err(|error| Error::corrupt(format.name(), describe(&error)))
+}
+
+/// Whether a channel has more than eight bits.
+fn is_wide(color: image::ColorType) -> bool {
+    color.bytes_per_pixel() > color.channel_count()
+}
+
+fn alloc_limits(pixel_bytes: u64, room: Room) -> Limits {
     let mut limits = Limits::no_limits();
     // Palettes and low depths grow by up to 8 x 4 when expanded to bytes.
-    limits.max_alloc = Some(pixel_bytes.saturating_mul(33).saturating_add(EXTRA_BYTES));
+    let needed = pixel_bytes.saturating_mul(33).saturating_add(EXTRA_BYTES);
+    limits.max_alloc = Some(needed.min(room.most_bytes));
     limits
 }
 
@@ -138,25 +196,34 @@ fn check_webp(source: &mut dyn Source, length: u64) -> Result<(), Error> {
     Ok(())
 }
 
-fn texels(image: DynamicImage, meaning: Meaning) -> Result<Texels, Error> {
+fn texels_of(image: DynamicImage, meaning: Meaning) -> Result<Texels, Error> {
     let (width, height) = (image.width(), image.height());
-    let sixteen_bits = matches!(
-        image,
-        DynamicImage::ImageLuma16(_)
-            | DynamicImage::ImageLumaA16(_)
-            | DynamicImage::ImageRgb16(_)
-            | DynamicImage::ImageRgba16(_)
-    );
-    let data = if sixteen_bits {
-        let unit = |value: u16| f32::from(value) / 65535.0;
-        let color = |value| if meaning == Meaning::Color { srgb::decode_u16(value) } else { unit(value) };
-        let pixels = image.into_rgba16();
-        let texel = |p: &image::Rgba<u16>| [color(p[0]), color(p[1]), color(p[2]), unit(p[3])];
-        TexelData::Float(pixels.pixels().map(texel).collect())
-    } else {
-        let bytes = bytemuck::try_cast_vec(image.into_rgba8().into_raw());
-        let pixels = bytes.map_err(|_| Error::corrupt("picture", "its pixels are incomplete"))?;
-        if meaning == Meaning::Color { TexelData::Srgb8(pixels) } else { TexelData::Linear8(pixels) }
+    let unit = |value: u16| f32::from(value) / 65535.0;
+    let color = |value| if meaning == Meaning::Color { srgb::decode_u16(value) } else { unit(value) };
+    let grey = |value, alpha| {
+        let value = color(value);
+        [value, value, value, alpha]
+    };
+    let data = match image {
+        DynamicImage::ImageLuma16(image) => {
+            TexelData::Float(image.pixels().map(|p| grey(p[0], 1.0)).collect())
+        }
+        DynamicImage::ImageLumaA16(image) => {
+            TexelData::Float(image.pixels().map(|p| grey(p[0], unit(p[1]))).collect())
+        }
+        DynamicImage::ImageRgb16(image) => {
+            let texel = |p: &image::Rgb<u16>| [color(p[0]), color(p[1]), color(p[2]), 1.0];
+            TexelData::Float(image.pixels().map(texel).collect())
+        }
+        DynamicImage::ImageRgba16(image) => {
+            let texel = |p: &image::Rgba<u16>| [color(p[0]), color(p[1]), color(p[2]), unit(p[3])];
+            TexelData::Float(image.pixels().map(texel).collect())
+        }
+        image => {
+            let bytes = bytemuck::try_cast_vec(image.into_rgba8().into_raw());
+            let pixels = bytes.map_err(|_| Error::corrupt("picture", "its pixels are incomplete"))?;
+            if meaning == Meaning::Color { TexelData::Srgb8(pixels) } else { TexelData::Linear8(pixels) }
+        }
     };
     Ok(Texels { width, height, data })
 }

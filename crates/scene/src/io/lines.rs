@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use super::Error;
 
 /// Bytes that a logical line may have: more is no text but an attack or an accident.
-const LONGEST: usize = 64 << 20;
+const LONGEST: usize = 16 << 20;
 
 /// Reads logical lines of one file.
 pub(crate) struct LogicalLines<R> {

@@ -2,25 +2,59 @@
 //! Cuts polygons into triangles.
 //! Source: [Mei75] (ear clipping: G. H. Meisters, Polygons have ears); the normal by Newell's method.
 //! Convex polygons become fans. Others are clipped ear by ear in the plane of their normal; where no ear is left
-//! (crossing edges) the rest becomes a fan. Cost: O(n) for convex ones, O(n²) for others, n at most [`LARGEST_CLIPPED`].
-//! Proof: `tests::{convex_is_a_fan, concave_keeps_its_area, survives_anything}`.
+//! (crossing edges) the rest becomes a fan. Cost: O(n) for convex ones, up to O(n³) for others, n at most
+//! [`LARGEST_CLIPPED`]; all polygons of a file together look at [`WORK`] corners and [`WORK_GROWTH`] for each of its bytes.
+//! Proof: `tests::{convex_is_a_fan, concave_keeps_its_area, survives_anything, work_ends}`.
 
-/// Corners up to which a concave polygon is clipped; beyond, a fan, so that no file takes quadratic time.
+/// Corners up to which a concave polygon is clipped; beyond, a fan.
 const LARGEST_CLIPPED: usize = 2000;
+/// Corners that clipping may look at in any file.
+const WORK: u64 = 1 << 28;
+/// Corners that it may look at for each byte of the file beyond that.
+const WORK_GROWTH: u64 = 16;
 
 type Point = [f64; 2];
 
-/// Appends triangles of positions `0..corners.len()` in the polygon to `triangles`; as many as corners less 2.
-pub(crate) fn triangulate(corners: &[[f32; 3]], triangles: &mut Vec<[usize; 3]>) {
-    let n = corners.len();
-    if n <= 3 || n > LARGEST_CLIPPED {
-        return fan(&(0..n).collect::<Vec<_>>(), triangles);
+/// Cuts the polygons of one file, so that no file takes quadratic time: when its work is done, what is left are fans.
+pub(crate) struct Cutter {
+    work_left: u64,
+    corners: Vec<[f32; 3]>,
+    cut: Vec<[usize; 3]>,
+}
+
+impl Cutter {
+    /// For a file of so many bytes.
+    pub(crate) fn for_file(length: u64) -> Self {
+        let work_left = length.saturating_mul(WORK_GROWTH).saturating_add(WORK);
+        Self { work_left, corners: Vec::new(), cut: Vec::new() }
     }
+
+    /// Hands out triangles of the numbers `0..count` of a polygon's corners, which lie at `position`: two less than
+    /// corners.
+    pub(crate) fn cut(
+        &mut self,
+        count: usize,
+        position: impl Fn(usize) -> [f32; 3],
+        mut triangle: impl FnMut([usize; 3]),
+    ) {
+        if count <= 3 || count > LARGEST_CLIPPED {
+            return (2..count).for_each(|i| triangle([0, i - 1, i]));
+        }
+        self.corners.clear();
+        self.corners.extend((0..count).map(position));
+        self.cut.clear();
+        triangulate(&self.corners, &mut self.cut, &mut self.work_left);
+        self.cut.iter().copied().for_each(triangle);
+    }
+}
+
+/// Appends triangles of positions `0..corners.len()` in the polygon to `triangles`; as many as corners less 2.
+fn triangulate(corners: &[[f32; 3]], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) {
     let flat = project(corners);
     if is_convex(&flat) {
-        return fan(&(0..n).collect::<Vec<_>>(), triangles);
+        return fan(&(0..flat.len()).collect::<Vec<_>>(), triangles);
     }
-    clip_ears(&flat, triangles);
+    clip_ears(&flat, triangles, work_left);
 }
 
 fn fan(ring: &[usize], triangles: &mut Vec<[usize; 3]>) {
@@ -57,11 +91,12 @@ fn is_convex(p: &[Point]) -> bool {
 }
 
 /// Cuts off corner after corner that is convex and holds no other corner.
-fn clip_ears(p: &[Point], triangles: &mut Vec<[usize; 3]>) {
+fn clip_ears(p: &[Point], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) {
     let mut ring: Vec<usize> = (0..p.len()).collect();
     let (mut at, mut refused) = (0, 0);
-    while ring.len() > 3 && refused < ring.len() {
+    while ring.len() > 3 && refused < ring.len() && *work_left > 0 {
         let n = ring.len();
+        *work_left = work_left.saturating_sub(n as u64);
         at %= n;
         let ear = [ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]];
         if is_ear(p, &ring, ear) {
@@ -92,7 +127,7 @@ mod tests {
 
     fn triangles(corners: &[[f32; 3]]) -> Vec<[usize; 3]> {
         let mut all = Vec::new();
-        triangulate(corners, &mut all);
+        Cutter::for_file(0).cut(corners.len(), |i| corners[i], |t| all.push(t));
         all
     }
 
@@ -120,6 +155,25 @@ mod tests {
             let back: Vec<_> = ring.into_iter().rev().collect();
             assert!((area(&back) - 5.0).abs() < 1e-9, "an L from corner {k}, the other way round");
         }
+    }
+
+    #[test]
+    fn work_ends() {
+        // A comb: every other corner of its upper edge is reflex.
+        let n = 1000;
+        let tooth = |i: usize| [i as f32, if i.is_multiple_of(2) { 1.0 } else { 9.0 }, 0.0];
+        let mut comb: Vec<_> = (0..n).rev().map(tooth).collect();
+        comb.extend([[0.0; 3], [n as f32, 0.0, 0.0]]);
+        let mut cutter = Cutter::for_file(0);
+        cutter.work_left = 10_000;
+        let mut count = 0;
+        cutter.cut(comb.len(), |i| comb[i], |_| count += 1);
+        assert_eq!((count, cutter.work_left), (n, 0), "two triangles less than corners, and no more work");
+        assert!(
+            (area(&comb) - 5.0 * n as f64).abs() < 10.0,
+            "with enough of it the comb is whole: {}",
+            area(&comb)
+        );
     }
 
     #[test]

@@ -1,13 +1,78 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Opening files: regular ones only, and never more bytes than the file has.
+//! Opening files: regular ones only, never more bytes than the file has, and only below a folder if there is one.
 //! Source: original. A pipe or a device could block or never end, so both are refused before they are opened.
-//! Proof: `tests::{refuses_what_is_no_file, finds_names_as_exporters_write_them}`.
+//! Proof: `tests::{refuses_what_is_no_file, finds_names_as_exporters_write_them}`, `tests/confine.rs`.
 
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use super::Error;
+use super::budget::{Budget, Excess};
+use super::error::Error;
+use super::options::LoadOptions;
+
+/// Which files a scene may name, and what reading them may cost.
+#[derive(Debug, Default)]
+pub(crate) struct Access {
+    /// The folder, its true name, that files must lie below.
+    confine: Option<PathBuf>,
+    /// What was read so far.
+    pub(crate) budget: Budget,
+}
+
+impl Access {
+    /// As `options` say; an error if the folder is none.
+    pub(crate) fn new(options: &LoadOptions) -> Result<Self, Error> {
+        let Some(folder) = &options.confine else {
+            return Ok(Self::default());
+        };
+        let folder = std::fs::canonicalize(folder).map_err(|e| Error::system(folder, &e))?;
+        if !folder.is_dir() {
+            return Err(Error::io(&folder, "is no folder", "name the folder that files may be read from"));
+        }
+        Ok(Self { confine: Some(folder), budget: Budget::default() })
+    }
+
+    /// The file that a scene names: a regular one, open for reading, and its length in bytes.
+    pub(crate) fn open(&self, path: &Path) -> Result<(File, u64), Error> {
+        self.budget.name_file().map_err(|e| Error::io(path, e.to_string(), Excess::REMEDY))?;
+        match &self.confine {
+            Some(folder) => open(&confined(path, folder)?),
+            None => open(path),
+        }
+    }
+
+    /// The whole contents of a file that a scene names, or its first `limit` bytes.
+    pub(crate) fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+        let (file, length) = self.open(path)?;
+        let length = length.min(limit);
+        self.budget.add_file(length);
+        let wanted = usize::try_from(length).unwrap_or(usize::MAX);
+        self.budget.hold(wanted).map_err(|e| Error::io(path, e.to_string(), Excess::REMEDY))?;
+        read_open(file, length, path)
+    }
+}
+
+/// The true name of a file below `folder`; whether there are files elsewhere is not told.
+fn confined(path: &Path, folder: &Path) -> Result<PathBuf, Error> {
+    let outside = || {
+        let remedy = format!("--confine allows files below {} only", folder.display());
+        Error::io(path, "lies outside", remedy)
+    };
+    match std::fs::canonicalize(path) {
+        Ok(found) if found.starts_with(folder) => Ok(found),
+        Ok(_) => Err(outside()),
+        Err(error) => {
+            let nearest = path.ancestors().skip(1).find_map(|above| std::fs::canonicalize(above).ok());
+            // A link that leads nowhere may have a target outside.
+            let is_link = std::fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink());
+            match nearest {
+                Some(above) if above.starts_with(folder) && !is_link => Err(Error::system(path, &error)),
+                _ => Err(outside()),
+            }
+        }
+    }
+}
 
 /// A regular file, open for reading, and its length in bytes.
 pub(crate) fn open(path: &Path) -> Result<(File, u64), Error> {
@@ -22,10 +87,13 @@ pub(crate) fn open(path: &Path) -> Result<(File, u64), Error> {
     Ok((file, metadata.len()))
 }
 
-/// The whole contents of a regular file, or its first `limit` bytes.
-pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+/// The whole contents of a regular file.
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
     let (file, length) = open(path)?;
-    let length = length.min(limit);
+    read_open(file, length, path)
+}
+
+fn read_open(file: File, length: u64, path: &Path) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     let wanted = usize::try_from(length).unwrap_or(usize::MAX);
     bytes.try_reserve_exact(wanted).map_err(|_| Error::io(path, "does not fit into memory", ""))?;
@@ -37,10 +105,14 @@ pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
 /// backslashes as slashes; else with percent signs decoded. The first one that exists, or else the first one.
 pub(crate) fn resolve(from: &Path, name: &str) -> PathBuf {
     let folder = from.parent().unwrap_or(Path::new(""));
+    let as_written = folder.join(name);
+    if !name.contains(['\\', '%']) || as_written.exists() {
+        return as_written;
+    }
     let slashes = name.replace('\\', "/");
     let decoded = percent_decode(&slashes);
-    let candidates = [name, &slashes, &String::from_utf8_lossy(&decoded)].map(|name| folder.join(name));
-    candidates.iter().find(|path| path.exists()).unwrap_or(&candidates[0]).clone()
+    let others = [&slashes, &String::from_utf8_lossy(&decoded)[..]].map(|name| folder.join(name));
+    others.into_iter().find(|path| path.exists()).unwrap_or(as_written)
 }
 
 /// `%20` and the like as the bytes they mean; what is no such code stays.

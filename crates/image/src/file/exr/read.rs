@@ -14,7 +14,7 @@ use exr::prelude::{
 };
 
 use super::super::Source;
-use super::super::limits::{check_density, check_size};
+use super::super::limits::{PICTURE_BYTES, Room, check_density, check_size};
 use crate::{Channel, ChannelData, Error, Layer, Picture};
 
 /// Most bytes that a byte of compressed data can become in any of the format's compressions: deflate's 1032.
@@ -24,14 +24,14 @@ const BELIEVED_BYTES: u64 = 1 << 26;
 /// Most channels of all parts together.
 const MAX_CHANNELS: usize = 1 << 12;
 
-pub(in crate::file) fn decode(source: &mut dyn Source, length: u64) -> Result<Picture, Error> {
+pub(in crate::file) fn decode(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
     let contradiction = |_| Err(Error::corrupt("EXR", "the data contradicts itself"));
-    catch_unwind(AssertUnwindSafe(|| decode_unguarded(source, length))).unwrap_or_else(contradiction)
+    catch_unwind(AssertUnwindSafe(|| decode_unguarded(source, length, room))).unwrap_or_else(contradiction)
 }
 
-fn decode_unguarded(source: &mut dyn Source, length: u64) -> Result<Picture, Error> {
+fn decode_unguarded(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
     let reader = exr::block::read(source, false).map_err(library_error)?;
-    check_headers(&reader, length)?;
+    check_headers(&reader, length, room)?;
     let image: FlatImage = read()
         .no_deep_data()
         .largest_resolution_level()
@@ -44,9 +44,16 @@ fn decode_unguarded(source: &mut dyn Source, length: u64) -> Result<Picture, Err
     picture(image)
 }
 
-fn check_headers<R: std::io::Read + std::io::Seek>(reader: &Reader<R>, length: u64) -> Result<(), Error> {
+fn check_headers<R: std::io::Read + std::io::Seek>(
+    reader: &Reader<R>,
+    length: u64,
+    room: Room,
+) -> Result<(), Error> {
     let mut bytes = 0_u64;
     let mut channels = 0;
+    // Values as they are in the file, then as channels of the picture, and its colour.
+    let mut memory = 0_u64;
+    let mut window = [1; 2];
     for header in reader.headers() {
         if header.deep {
             return Err(Error::corrupt("EXR", "deep pixels are not read, only flat ones"));
@@ -61,6 +68,11 @@ fn check_headers<R: std::io::Read + std::io::Seek>(reader: &Reader<R>, length: u
         bytes =
             bytes.saturating_add(pixels.saturating_mul(header.channels.bytes_per_pixel as u64)).max(block);
         channels += header.channels.list.len();
+        window = [display.0 as u64, display.1 as u64];
+        let placed =
+            (window[0] * window[1]).max(pixels).saturating_mul(4 * header.channels.list.len() as u64);
+        memory = memory.saturating_add(pixels.saturating_mul(header.channels.bytes_per_pixel as u64));
+        memory = memory.saturating_add(placed).saturating_add(block);
         // Each block has an offset of eight bytes and a head of at least eight.
         if (header.chunk_count as u64).saturating_mul(16) > length {
             return Err(Error::corrupt(
@@ -78,7 +90,8 @@ fn check_headers<R: std::io::Read + std::io::Seek>(reader: &Reader<R>, length: u
             format!("{length} bytes cannot hold {bytes} bytes of pixels; is it truncated?"),
         ));
     }
-    Ok(())
+    let [width, height] = window;
+    room.check_bytes(window, memory.saturating_add(width * height * PICTURE_BYTES))
 }
 
 fn block_pixels(header: &exr::meta::header::Header) -> u64 {

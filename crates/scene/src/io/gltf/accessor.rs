@@ -3,22 +3,47 @@
 //! Source: glTF 2.0 section 3.6.2. Declared counts are checked against the buffer before memory is taken.
 //! Proof: `tests/gltf.rs`, `tests/broken_files.rs`.
 
-use gltf::json::accessor::{Accessor, ComponentType, Type};
-use gltf::json::validation::Checked;
-use gltf::json::{Index, buffer};
-
 use super::document::Document;
+use super::json::{Accessor, Index};
 use crate::io::Error;
+
+/// Bytes that an element of at most four components takes in whatever is made of it.
+const LEAST_HELD: usize = 16;
+
+/// Types of components, by glTF's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ComponentType {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl ComponentType {
+    fn of(number: u64) -> Option<Self> {
+        Some(match number {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            _ => return None,
+        })
+    }
+}
 
 /// Reads an accessor of at least `N` components as floats: normalized integers in their range, others as they are.
 pub(super) fn floats<const N: usize>(
-    document: &Document,
-    index: Index<Accessor>,
+    document: &Document<'_>,
+    index: Index,
     place: &str,
 ) -> Result<Vec<[f32; N]>, Error> {
     let reader = Reader::new(document, index, place)?;
     if reader.components < N {
-        let problem = format!("accessor {} has {} components", index.value(), reader.components);
+        let problem = format!("accessor {} has {} components", index.0, reader.components);
         return Err(document.error(place, problem, &format!("expected {N}")));
     }
     let mut values = vec![[0.0; N]; reader.count];
@@ -32,7 +57,7 @@ pub(super) fn floats<const N: usize>(
 }
 
 /// Reads an accessor of one unsigned integer each.
-pub(super) fn integers(document: &Document, index: Index<Accessor>, place: &str) -> Result<Vec<u32>, Error> {
+pub(super) fn integers(document: &Document<'_>, index: Index, place: &str) -> Result<Vec<u32>, Error> {
     let reader = Reader::new(document, index, place)?;
     let unsigned = matches!(reader.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
     if reader.components != 1 || !unsigned {
@@ -44,11 +69,7 @@ pub(super) fn integers(document: &Document, index: Index<Accessor>, place: &str)
 }
 
 /// Reads an accessor of four unsigned integers each: the joints of a skin.
-pub(super) fn joints(
-    document: &Document,
-    index: Index<Accessor>,
-    place: &str,
-) -> Result<Vec<[u32; 4]>, Error> {
+pub(super) fn joints(document: &Document<'_>, index: Index, place: &str) -> Result<Vec<[u32; 4]>, Error> {
     let reader = Reader::new(document, index, place)?;
     if reader.components != 4 {
         return Err(document.error(place, "joints of a wrong type", "expected VEC4 of unsigned integers"));
@@ -63,8 +84,8 @@ pub(super) fn joints(
 
 /// An accessor whose numbers were checked.
 struct Reader<'a> {
-    document: &'a Document,
-    accessor: &'a Accessor,
+    document: &'a Document<'a>,
+    accessor: Accessor<'a>,
     place: &'a str,
     component: ComponentType,
     components: usize,
@@ -73,28 +94,29 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(document: &'a Document, index: Index<Accessor>, place: &'a str) -> Result<Self, Error> {
-        let accessor = document.get(index, place, "accessor")?;
-        let (Checked::Valid(component), Checked::Valid(shape)) =
-            (accessor.component_type.as_ref(), accessor.type_.as_ref())
-        else {
-            return Err(document.error(place, format!("accessor {} has an unknown type", index.value()), ""));
+    fn new(document: &'a Document<'_>, index: Index, place: &'a str) -> Result<Self, Error> {
+        let accessor: Accessor<'_> = document.get(&document.root.accessors, index, place, "accessor")?;
+        let components = match &*accessor.shape {
+            "SCALAR" => 1,
+            "VEC2" => 2,
+            "VEC3" => 3,
+            "VEC4" | "MAT2" => 4,
+            "MAT3" => 9,
+            "MAT4" => 16,
+            _ => 0,
         };
-        let components = match shape {
-            Type::Scalar => 1,
-            Type::Vec2 => 2,
-            Type::Vec3 => 3,
-            Type::Vec4 | Type::Mat2 => 4,
-            Type::Mat3 => 9,
-            Type::Mat4 => 16,
+        let Some(component) = ComponentType::of(accessor.component_type).filter(|_| components > 0) else {
+            return Err(document.error(place, format!("accessor {} has an unknown type", index.0), ""));
         };
-        let count = usize::try_from(accessor.count.0).unwrap_or(usize::MAX);
-        // No array that is made of it has more bytes per element.
-        document.spend(count.saturating_mul(components.max(4) * 4), place)?;
-        let (component, normalized) = (component.0, accessor.normalized);
+        let count = usize::try_from(accessor.count).unwrap_or(usize::MAX);
+        let normalized = accessor.normalized;
         let reader = Self { document, accessor, place, component, components, normalized, count };
         // Whoever takes memory for `count` elements may rely on it that they are there.
         reader.for_each_plain(|_, _| {}, true)?;
+        // No array that is made of it has more bytes per element.
+        let bytes = count.saturating_mul(LEAST_HELD.max(4 * components));
+        document.hold(bytes, place)?;
+        document.work(bytes, place)?;
         Ok(reader)
     }
 
@@ -108,19 +130,15 @@ impl<'a> Reader<'a> {
         let Some(sparse) = &self.accessor.sparse else {
             return Ok(());
         };
-        let Checked::Valid(index_type) = sparse.indices.component_type.as_ref() else {
+        let index_type = ComponentType::of(sparse.indices.component_type);
+        let Some(index_type) = index_type.filter(|t| !matches!(t, ComponentType::F32)) else {
             return Err(self.document.error(self.place, "sparse indices of an unknown type", ""));
         };
-        let count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
-        let index_type = index_type.0;
-        let indices = self.span(
-            sparse.indices.buffer_view,
-            sparse.indices.byte_offset.0,
-            size_of_component(index_type),
-            count,
-        )?;
-        let values =
-            self.span(sparse.values.buffer_view, sparse.values.byte_offset.0, self.element_bytes(), count)?;
+        let count = usize::try_from(sparse.count).unwrap_or(usize::MAX);
+        let (at, from) = (&sparse.indices, &sparse.values);
+        let indices = self.span(at.buffer_view, at.byte_offset, size_of_component(index_type), count)?;
+        let values = self.span(from.buffer_view, from.byte_offset, self.element_bytes(), count)?;
+        self.document.work(count.saturating_mul(self.element_bytes()), self.place)?;
         for (index, value) in indices.zip(values) {
             let index = unsigned_integer(index_type, index) as usize;
             if index >= self.count {
@@ -139,7 +157,7 @@ impl<'a> Reader<'a> {
     /// The elements in the buffer view; with `check_only`, only whether they fit.
     fn for_each_plain(&self, mut element: impl FnMut(usize, &[u8]), check_only: bool) -> Result<(), Error> {
         if let Some(view) = self.accessor.buffer_view {
-            let offset = self.accessor.byte_offset.unwrap_or_default().0;
+            let offset = self.accessor.byte_offset;
             let span = self.span(view, offset, self.element_bytes(), self.count)?;
             if !check_only {
                 span.enumerate().for_each(|(i, bytes)| element(i, bytes));
@@ -151,13 +169,13 @@ impl<'a> Reader<'a> {
     /// `count` elements of `size` bytes each in a buffer view.
     fn span(
         &self,
-        view: Index<buffer::View>,
+        index: Index,
         offset: u64,
         size: usize,
         count: usize,
     ) -> Result<impl Iterator<Item = &'a [u8]>, Error> {
-        let bytes = self.document.view(view, self.place)?;
-        let stride = self.document.get(view, self.place, "bufferView")?.byte_stride.map_or(0, |s| s.0);
+        let (view, bytes) = self.document.view(index, self.place)?;
+        let stride = usize::try_from(view.byte_stride).unwrap_or(usize::MAX);
         let stride = if stride == 0 { size } else { stride };
         let last = count.checked_sub(1).map(|n| n.saturating_mul(stride).saturating_add(size)).unwrap_or(0);
         let start = usize::try_from(offset).unwrap_or(usize::MAX);
@@ -165,7 +183,7 @@ impl<'a> Reader<'a> {
             let problem = format!(
                 "{count} elements do not fit into the {} bytes of bufferView {}",
                 bytes.len(),
-                view.value()
+                index.0
             );
             return Err(self.document.error(self.place, problem, "the buffer may have been cut off"));
         }

@@ -3,77 +3,126 @@
 //! Source: glTF 2.0 sections 3.6 and 3.12. Buffers: data URI, file beside the document, binary chunk.
 //! Invariant: a buffer has the length that it declares. Proof: `tests/gltf.rs`, `tests/broken_files.rs`.
 
-use std::cell::Cell;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use gltf::json::{self, Index};
+use serde::Deserialize;
+use serde_json::value::RawValue;
 
 use super::base64::data_uri;
 use super::container::Container;
+use super::json::{self, Index, Root};
+use crate::io::budget::{Budget, Excess};
 use crate::io::error::quoted;
-use crate::io::{Error, Format, Oddity, Warnings, source};
+use crate::io::source::{self, Access};
+use crate::io::{Error, Format, Oddity, Warnings};
 
-/// Extensions whose absence nobody would notice.
+/// Extensions that are shown, or whose absence nobody would notice.
 const KNOWN_EXTENSIONS: &[&str] = &[
+    "EXT_texture_webp",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
-    "KHR_texture_transform",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_texture_transform",
 ];
 
-/// Values may be used by several meshes and take more bytes in memory than in the file, but not this many times more.
-const MOST_GROWTH: usize = 64;
+/// Extensions without which there is nothing to be seen.
+const COMPRESSIONS: &[&str] =
+    &["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
+
+/// What to do about a mesh that is compressed.
+const DECOMPRESS: &str = "this program does not unpack it; write the file without compression";
+
+/// Files named by a document that are told.
+const MOST_FILES: usize = 1 << 16;
 
 /// The first `length` of these bytes; buffers that name the same file share them.
-struct Buffer {
-    bytes: Rc<Vec<u8>>,
+struct Buffer<'a> {
+    bytes: Bytes<'a>,
     length: usize,
 }
 
-impl Buffer {
-    fn bytes(&self) -> &[u8] {
-        &self.bytes[..self.length]
+enum Bytes<'a> {
+    InFile(&'a [u8]),
+    Beside(Rc<Vec<u8>>),
+}
+
+impl Bytes<'_> {
+    fn all(&self) -> &[u8] {
+        match self {
+            Self::InFile(bytes) => bytes,
+            Self::Beside(bytes) => bytes,
+        }
     }
 }
 
-/// The JSON, the buffers, and a limit on what is made of them.
-pub(super) struct Document {
+/// The JSON, the buffers, and what they may cost.
+pub(super) struct Document<'a> {
     pub(super) path: PathBuf,
-    pub(super) root: json::Root,
-    buffers: Vec<Buffer>,
-    /// Bytes that arrays may still take.
-    budget: Cell<usize>,
+    pub(super) root: Root<'a>,
+    pub(super) access: &'a Access,
+    buffers: Vec<Buffer<'a>>,
+    /// The JSON; in a binary file nobody sees its lines.
+    json: &'a str,
+    is_text: bool,
 }
 
-impl Document {
+impl<'a> Document<'a> {
     pub(super) fn new(
         path: &Path,
-        bytes: &[u8],
+        bytes: &'a [u8],
         format: Format,
+        access: &'a Access,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
         let container = Container::new(bytes, format, path)?;
-        let root = parse(container.json, container.binary.is_none(), path)?;
-        if !root.asset.version.starts_with("2.") {
-            let problem = format!("glTF version {}", quoted(&root.asset.version));
-            return Err(Error::data(path, None, problem, "expected version 2.0"));
-        }
-        for name in root.extensions_required.iter().filter(|name| !KNOWN_EXTENSIONS.contains(&name.as_str()))
-        {
-            warnings.note(Oddity::UnknownExtension, path, None, quoted(name));
-        }
-        let mut document = Self { path: path.to_owned(), root, buffers: Vec::new(), budget: Cell::new(0) };
-        let (buffers, beside) = document.read_buffers(container.binary)?;
-        document.buffers = buffers;
-        let known = beside.saturating_add(bytes.len());
-        document.budget = Cell::new(known.saturating_mul(MOST_GROWTH).saturating_add(1 << 24));
+        let json = std::str::from_utf8(container.json).map_err(|error| {
+            let problem = format!("the JSON is no UTF-8 at its byte {}", error.valid_up_to());
+            Error::data(path, None, problem, "expected a glTF 2.0 document")
+        })?;
+        let mut document = Self {
+            path: path.to_owned(),
+            root: Root::default(),
+            access,
+            buffers: Vec::new(),
+            json,
+            is_text: container.binary.is_none(),
+        };
+        document.root = serde_json::from_str(json).map_err(|error| document.broken("", json, &error))?;
+        document.check(warnings)?;
+        let pieces = document.root.pieces() * size_of::<&RawValue>();
+        document.hold(pieces, "the document")?;
+        document.buffers = document.read_buffers(container.binary)?;
         Ok(document)
+    }
+
+    /// Whether this program can show it.
+    fn check(&self, warnings: &mut Warnings) -> Result<(), Error> {
+        let Some(asset) = &self.root.asset else {
+            let remedy = "expected a glTF 2.0 document";
+            return Err(Error::data(&self.path, None, "broken JSON: missing field `asset`", remedy));
+        };
+        if !asset.version.starts_with("2.") {
+            let problem = format!("glTF version {}", quoted(&asset.version));
+            return Err(Error::data(&self.path, None, problem, "expected version 2.0"));
+        }
+        for name in self.root.extensions_required.iter().map(|name| &**name) {
+            if COMPRESSIONS.contains(&name) {
+                return Err(Error::data(&self.path, None, format!("{name} is required"), DECOMPRESS));
+            }
+            if !KNOWN_EXTENSIONS.contains(&name) {
+                warnings.note(Oddity::UnknownExtension, &self.path, None, quoted(name));
+            }
+        }
+        Ok(())
     }
 
     /// A mistake at a place such as `meshes[3]`.
@@ -81,68 +130,112 @@ impl Document {
         Error::data(&self.path, None, format!("{place}: {problem}"), remedy)
     }
 
-    /// What an index found at `place` points to.
-    pub(super) fn get<T>(&self, index: Index<T>, place: &str, what: &str) -> Result<&T, Error>
-    where
-        json::Root: json::root::Get<T>,
-    {
-        let missing = || self.error(place, format!("{what} {} does not exist", index.value()), "");
-        self.root.get(index).ok_or_else(missing)
+    /// A mesh that only its compressed form holds.
+    pub(super) fn compressed(&self, place: &str) -> Error {
+        self.error(place, "the mesh is compressed by KHR_draco_mesh_compression", DECOMPRESS)
     }
 
-    /// Allows `bytes` more to be taken, or says that the file asks for more than it holds.
-    pub(super) fn spend(&self, bytes: usize, place: &str) -> Result<(), Error> {
-        let left = self.budget.get().checked_sub(bytes).ok_or_else(|| {
-            let problem = format!("more than {MOST_GROWTH} times the file's own bytes are asked for");
-            self.error(place, problem, "accessors should refer to data that is there")
-        })?;
-        self.budget.set(left);
-        Ok(())
+    /// What a piece of the JSON says; `what` names it in a message.
+    pub(super) fn read<T: Deserialize<'a>>(&self, piece: &'a RawValue, what: &str) -> Result<T, Error> {
+        self.work(piece.get().len(), what)?;
+        serde_json::from_str(piece.get()).map_err(|error| self.broken(what, piece.get(), &error))
     }
 
-    /// The bytes of a buffer view.
-    pub(super) fn view(&self, index: Index<json::buffer::View>, place: &str) -> Result<&[u8], Error> {
-        let view = self.get(index, place, "bufferView")?;
-        self.get(view.buffer, place, "buffer")?;
-        let buffer = self.buffers[view.buffer.value()].bytes();
-        let start = view.byte_offset.unwrap_or_default().0;
-        let end = start.checked_add(view.byte_length.0).and_then(|end| usize::try_from(end).ok());
-        end.and_then(|end| buffer.get(start as usize..end)).ok_or_else(|| {
-            let problem =
-                format!("bufferView {} ends after its buffer's {} bytes", index.value(), buffer.len());
+    /// What an index found at `place` points to in an array of the root.
+    pub(super) fn get<T: Deserialize<'a>>(
+        &self,
+        array: &[&'a RawValue],
+        index: Index,
+        place: &str,
+        what: &str,
+    ) -> Result<T, Error> {
+        let missing = || self.error(place, format!("{what} {} does not exist", index.0), "");
+        let piece = array.get(index.value()).copied().ok_or_else(missing)?;
+        self.work(piece.get().len(), place)?;
+        serde_json::from_str(piece.get())
+            .map_err(|error| self.broken(&format!("{what} {}", index.0), piece.get(), &error))
+    }
+
+    /// What is wrong in a piece of the JSON, and in which line of the file.
+    fn broken(&self, what: &str, piece: &str, error: &serde_json::Error) -> Error {
+        let text = error.to_string();
+        let problem = text.split(" at line ").next().unwrap_or_default();
+        let place = if what.is_empty() { String::new() } else { format!(" in {what}") };
+        let before = (piece.as_ptr() as usize).saturating_sub(self.json.as_ptr() as usize);
+        let lines_before = self.json.as_bytes()[..before].iter().filter(|&&b| b == b'\n').count();
+        let line = (self.is_text && error.line() > 0).then_some((lines_before + error.line()) as u64);
+        let problem = format!("broken JSON{place}: {problem}");
+        Error::data(&self.path, line, problem, "expected a glTF 2.0 document")
+    }
+
+    pub(super) fn budget(&self) -> &Budget {
+        &self.access.budget
+    }
+
+    /// Allows `bytes` more to be held.
+    pub(super) fn hold(&self, bytes: usize, place: &str) -> Result<(), Error> {
+        self.budget().hold(bytes).map_err(|excess| self.error(place, excess, Excess::REMEDY))
+    }
+
+    /// Allows `bytes` more to be looked at.
+    pub(super) fn work(&self, bytes: usize, place: &str) -> Result<(), Error> {
+        self.budget().work(bytes).map_err(|excess| self.error(place, excess, Excess::REMEDY))
+    }
+
+    /// A buffer view and its bytes.
+    pub(super) fn view(&self, index: Index, place: &str) -> Result<(json::BufferView, &[u8]), Error> {
+        let view: json::BufferView = self.get(&self.root.buffer_views, index, place, "bufferView")?;
+        let missing = || self.error(place, format!("buffer {} does not exist", view.buffer.0), "");
+        let buffer = self.buffers.get(view.buffer.value()).ok_or_else(missing)?;
+        let buffer = &buffer.bytes.all()[..buffer.length];
+        let start = usize::try_from(view.byte_offset).ok();
+        let end = view.byte_offset.checked_add(view.byte_length).and_then(|end| usize::try_from(end).ok());
+        let bytes = start.zip(end).and_then(|(start, end)| buffer.get(start..end));
+        let bytes = bytes.ok_or_else(|| {
+            let problem = format!("bufferView {} ends after its buffer's {} bytes", index.0, buffer.len());
             self.error(place, problem, "the buffer may have been cut off")
-        })
+        })?;
+        Ok((view, bytes))
     }
 
-    /// The buffers, and how many bytes were read from other files.
-    fn read_buffers(&self, binary: Option<&[u8]>) -> Result<(Vec<Buffer>, usize), Error> {
+    fn read_buffers(&self, binary: Option<&'a [u8]>) -> Result<Vec<Buffer<'a>>, Error> {
+        let declared: Result<Vec<json::Buffer<'a>>, Error> = (0..self.root.buffers.len() as u32)
+            .map(|i| self.get(&self.root.buffers, Index(i), "buffers", "buffer"))
+            .collect();
+        let declared = declared?;
+        // No file beside the document is read further than the longest buffer that it may be.
+        let longest = declared.iter().map(|buffer| buffer.byte_length).max().unwrap_or(0);
         let mut files = HashMap::new();
-        let buffers = self.root.buffers.iter().enumerate();
-        let buffers: Result<Vec<_>, Error> =
-            buffers.map(|(i, buffer)| self.read_buffer(i, buffer, binary, &mut files)).collect();
-        Ok((buffers?, files.values().map(|bytes| bytes.len()).sum()))
+        let buffers = declared.iter().enumerate();
+        buffers.map(|(i, buffer)| self.read_buffer(i, buffer, binary, longest, &mut files)).collect()
     }
 
     fn read_buffer(
         &self,
         i: usize,
-        buffer: &json::Buffer,
-        binary: Option<&[u8]>,
+        buffer: &json::Buffer<'a>,
+        binary: Option<&'a [u8]>,
+        longest: u64,
         files: &mut HashMap<PathBuf, Rc<Vec<u8>>>,
-    ) -> Result<Buffer, Error> {
+    ) -> Result<Buffer<'a>, Error> {
         let place = format!("buffers[{i}]");
         let bytes = match &buffer.uri {
-            None if i == 0 => Rc::new(binary.map(<[u8]>::to_vec).unwrap_or_default()),
-            None => Rc::default(),
+            None if i == 0 => Bytes::InFile(binary.unwrap_or_default()),
+            None => Bytes::InFile(&[]),
             Some(uri) if uri.starts_with("data:") => {
-                data_uri(uri).ok_or_else(|| self.error(&place, "broken data URI", "expected base64"))?.into()
+                self.hold(uri.len(), &place)?;
+                let bytes = data_uri(uri);
+                Bytes::Beside(
+                    bytes.ok_or_else(|| self.error(&place, "broken data URI", "expected base64"))?.into(),
+                )
             }
-            Some(uri) => self.read_file(uri, &place, files)?,
+            Some(uri) => Bytes::Beside(self.read_file(uri, &place, longest, files)?),
         };
-        let declared = buffer.byte_length.0;
-        let length = usize::try_from(declared).ok().filter(|&length| length <= bytes.len());
+        let declared = buffer.byte_length;
+        let there = bytes.all().len();
+        let length = usize::try_from(declared).ok().filter(|&length| length <= there);
         let length = length.ok_or_else(|| {
-            let problem = format!("{declared} bytes are declared, but there are {}", bytes.len());
+            let problem = format!("{declared} bytes are declared, but there are {there}");
             self.error(&place, problem, "the buffer may have been cut off")
         })?;
         Ok(Buffer { bytes, length })
@@ -150,15 +243,11 @@ impl Document {
 
     /// The document's own file and those that it names.
     pub(super) fn files(&self) -> Vec<PathBuf> {
-        let buffers = self.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
-        let images = self.root.images.iter().filter_map(|image| image.uri.as_deref());
-        let named = buffers.chain(images).filter(|uri| !uri.starts_with("data:"));
-        std::iter::once(self.path.clone()).chain(named.map(|uri| source::resolve(&self.path, uri))).collect()
-    }
-
-    /// The most bytes that a buffer declares: no file beside the document is read further.
-    fn longest_buffer(&self) -> u64 {
-        self.root.buffers.iter().map(|buffer| buffer.byte_length.0).max().unwrap_or(0)
+        let uri = |piece: &&'a RawValue| serde_json::from_str::<json::Named<'a>>(piece.get()).ok()?.uri;
+        let named = self.root.buffers.iter().chain(&self.root.images).filter_map(uri);
+        let beside = named.filter(|uri| !uri.starts_with("data:")).take(MOST_FILES);
+        let beside = beside.map(|uri| source::resolve(&self.path, &uri));
+        std::iter::once(self.path.clone()).chain(beside).collect()
     }
 
     /// The bytes of a file beside the document, each file once, by whatever names it goes.
@@ -166,27 +255,18 @@ impl Document {
         &self,
         uri: &str,
         place: &str,
+        longest: u64,
         files: &mut HashMap<PathBuf, Rc<Vec<u8>>>,
     ) -> Result<Rc<Vec<u8>>, Error> {
+        self.budget().name_file().map_err(|excess| self.error(place, excess, Excess::REMEDY))?;
         let file = source::resolve(&self.path, uri);
         let true_name = std::fs::canonicalize(&file).unwrap_or_else(|_| file.clone());
         if let Some(bytes) = files.get(&true_name) {
             return Ok(bytes.clone());
         }
-        let bytes: Rc<Vec<u8>> = source::read(&file, self.longest_buffer())
-            .map_err(|e| self.error(place, e.to_string(), ""))?
-            .into();
+        let bytes = self.access.read(&file, longest).map_err(|e| self.error(place, e.to_string(), ""))?;
+        let bytes = Rc::new(bytes);
         files.insert(true_name, bytes.clone());
         Ok(bytes)
     }
-}
-
-fn parse(json: &[u8], is_text: bool, path: &Path) -> Result<json::Root, Error> {
-    json::deserialize::from_slice(json).map_err(|error| {
-        let text = error.to_string();
-        let problem = text.split(" at line ").next().unwrap_or_default();
-        // In a binary file nobody sees lines.
-        let line = (is_text && error.line() > 0).then_some(error.line() as u64);
-        Error::data(path, line, format!("broken JSON: {problem}"), "expected a glTF 2.0 document")
-    })
 }

@@ -12,18 +12,12 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use gltf::json::extensions::texture::TextureTransform;
-use gltf::json::material::AlphaMode;
-use gltf::json::texture::{Info, MagFilter, WrappingMode};
-use gltf::json::validation::Checked;
-use gltf::json::{self, Index};
-use serde_json::Value;
-
 use super::base64::data_uri;
 use super::document::Document;
+use super::json::{self, Index, TextureInfo, TextureTransform};
 use crate::id::{MaterialId, TextureId};
 use crate::io::textures::{Meaning, Pictures};
-use crate::io::{Oddity, Warnings, source};
+use crate::io::{Error, Oddity, Warnings, source};
 use crate::material::{
     Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface, TextureRef,
 };
@@ -42,63 +36,75 @@ pub(super) struct AddedMaterial {
     pub(super) texcoord_set: u32,
 }
 
+/// Bytes that a material of the scene takes beside its name.
+const MATERIAL_BYTES: usize = size_of::<Material>() + size_of::<Principled>() + 64;
+/// Bytes that a texture of the scene takes beside its name and its texels.
+const TEXTURE_BYTES: usize = 256;
+
 /// Adds the materials of the document and, last, the default one.
-pub(super) fn add_all(document: &Document, scene: &mut Scene, warnings: &mut Warnings) -> Vec<AddedMaterial> {
-    let default = json::Material::default();
-    let materials = document.root.materials.iter().chain([&default]);
-    let mut textures = Textures::default();
-    let mut added = Vec::new();
-    for (i, material) in materials.enumerate() {
+pub(super) fn add_all(
+    document: &Document<'_>,
+    scene: &mut Scene,
+    warnings: &mut Warnings,
+) -> Result<Vec<AddedMaterial>, Error> {
+    let count = document.root.materials.len();
+    document.hold(count * (MATERIAL_BYTES + size_of::<AddedMaterial>()), "materials")?;
+    let mut textures = Textures::new(document);
+    let mut added = Vec::with_capacity(count + 1);
+    for i in 0..=count {
+        let place = format!("materials[{i}]");
+        let material = match document.root.materials.get(i) {
+            Some(piece) => document.read(piece, &place)?,
+            None => json::Material { name: Some("default".into()), ..json::Material::default() },
+        };
+        document.hold(material.name.as_ref().map_or(0, String::len), &place)?;
         let mut converter =
             Converter { document, scene, textures: &mut textures, warnings, texcoord_set: None };
-        let converted = converter.material(i, material);
+        let converted = converter.material(i, &material);
         let texcoord_set = converter.texcoord_set.unwrap_or(0);
         added.push(AddedMaterial { id: scene.add_material(converted), texcoord_set });
     }
-    added
+    Ok(added)
 }
 
-struct Converter<'a> {
-    document: &'a Document,
+struct Converter<'a, 't> {
+    document: &'a Document<'a>,
     scene: &'a mut Scene,
-    textures: &'a mut Textures,
+    textures: &'a mut Textures<'t>,
     warnings: &'a mut Warnings,
     /// Set of texture coordinates that the first texture reads.
     texcoord_set: Option<u32>,
 }
 
-impl Converter<'_> {
-    fn material(&mut self, i: usize, from: &json::Material) -> Material {
+impl Converter<'_, '_> {
+    fn material(&mut self, i: usize, from: &json::Material<'_>) -> Material {
         let pbr = &from.pbr_metallic_roughness;
-        let extensions = from.extensions.as_ref();
-        let [r, g, b, a] = pbr.base_color_factor.0;
+        let extensions = &from.extensions;
+        let [r, g, b, a] = pbr.base_color_factor;
         let base_texture = self.info(pbr.base_color_texture.as_ref(), Meaning::Color);
         let base_color = Color { factor: [r, g, b].map(positive), texture: base_texture };
-        let strength =
-            extensions.and_then(|e| e.emissive_strength.as_ref()).map_or(1.0, |s| s.emissive_strength.0);
+        let strength = extensions.emissive_strength.as_ref().map_or(1.0, |s| s.emissive_strength);
         let opacity = Opacity { factor: a, texture: base_texture, channel: OpacityChannel::Alpha };
         let mut material = Material {
-            emission: from.emissive_factor.0.map(|e| positive(e * strength)),
+            emission: from.emissive_factor.map(|e| positive(e * strength)),
             emission_texture: self.info(from.emissive_texture.as_ref(), Meaning::Color),
-            alpha: match from.alpha_mode.as_ref() {
-                Checked::Valid(AlphaMode::Mask) => {
-                    Alpha::Mask { cutoff: from.alpha_cutoff.map_or(0.5, |c| c.0), opacity }
-                }
-                Checked::Valid(AlphaMode::Blend) => Alpha::Blend { opacity },
+            alpha: match &*from.alpha_mode {
+                "MASK" => Alpha::Mask { cutoff: from.alpha_cutoff, opacity },
+                "BLEND" => Alpha::Blend { opacity },
                 _ => Alpha::Opaque,
             },
             ..Material::of(self.name(i, from), Surface::Matte { base_color })
         };
-        if extensions.is_some_and(|e| e.unlit.is_some()) {
+        if extensions.unlit.is_some() {
             material.emission = base_color.factor;
             material.emission_texture = base_texture;
             material.surface = Surface::Matte { base_color: Color::constant([0.0; 3]) };
             material.diffuse = Some(base_color);
             return material;
         }
-        let ior = extensions.and_then(|e| e.ior.as_ref()).map_or(1.5, |i| i.ior.0);
+        let ior = extensions.ior.as_ref().map_or(1.5, |i| i.ior);
         let ior = if ior > 0.0 && ior.is_finite() { ior } else { 1.5 };
-        let roughness = pbr.roughness_factor.0.clamp(0.0, 1.0);
+        let roughness = pbr.roughness_factor.clamp(0.0, 1.0);
         let layers = self.layers(extensions);
         let plain =
             Principled { transmission: layers.transmission, thin: layers.thin, ..Principled::default() };
@@ -110,15 +116,14 @@ impl Converter<'_> {
         }
         let matte =
             Principled { specular: 0.0, specular_color: layers.specular_color, ..Principled::default() };
-        if layers == matte && pbr.metallic_factor.0 == 0.0 && from.normal_texture.is_none() {
+        if layers == matte && pbr.metallic_factor == 0.0 && from.normal_texture.is_none() {
             // What neither mirrors nor conducts is Lambertian, as the material is so far.
             return material;
         }
-        let metallic = pbr.metallic_factor.0.clamp(0.0, 1.0);
+        let metallic = pbr.metallic_factor.clamp(0.0, 1.0);
         let metallic_roughness_texture = self.info(pbr.metallic_roughness_texture.as_ref(), Meaning::Data);
         let normal_texture = from.normal_texture.as_ref().and_then(|normal| {
-            let texture = self.texture(normal.index, normal.tex_coord, None, Meaning::Data)?;
-            Some(NormalMap { texture, scale: normal.scale })
+            Some(NormalMap { texture: self.info(Some(normal), Meaning::Data)?, scale: normal.scale })
         });
         material.surface = if layers == Principled::default() {
             Surface::MetallicRoughness {
@@ -144,63 +149,66 @@ impl Converter<'_> {
     }
 
     /// What the extensions add, over glTF's defaults for the rest.
-    fn layers(&mut self, extensions: Option<&json::extensions::material::Material>) -> Principled {
+    fn layers(&mut self, extensions: &json::MaterialExtensions) -> Principled {
         let mut to = Principled::default();
-        let Some(extensions) = extensions else {
-            return to;
-        };
         let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 };
+        let mut textured = Vec::new();
         if let Some(specular) = &extensions.specular {
-            to.specular = unit(specular.specular_factor.0);
-            to.specular_color = specular.specular_color_factor.0.map(positive);
+            to.specular = unit(specular.specular_factor);
+            to.specular_color = specular.specular_color_factor.map(positive);
+            if specular.specular_texture.is_some() || specular.specular_color_texture.is_some() {
+                textured.push("KHR_materials_specular");
+            }
         }
-        to.transmission = extensions.transmission.as_ref().map_or(0.0, |t| unit(t.transmission_factor.0));
-        // The crate has no types for these; numbers that are none count as the extension's defaults.
-        let other = |name: &str| extensions.others.get(name);
-        let number = |value: &Value| value.as_f64().map_or(0.0, |x| unit(x as f32));
-        if let Some(coat) = other("KHR_materials_clearcoat") {
-            to.clearcoat = number(&coat["clearcoatFactor"]);
-            to.clearcoat_roughness = number(&coat["clearcoatRoughnessFactor"]);
+        if let Some(transmission) = &extensions.transmission {
+            to.transmission = unit(transmission.transmission_factor);
+            if transmission.transmission_texture.is_some() {
+                textured.push("KHR_materials_transmission");
+            }
         }
-        if let Some(sheen) = other("KHR_materials_sheen") {
-            to.sheen_color = [0, 1, 2].map(|c| number(&sheen["sheenColorFactor"][c]));
-            to.sheen_roughness = number(&sheen["sheenRoughnessFactor"]);
+        if let Some(coat) = &extensions.clearcoat {
+            to.clearcoat = unit(coat.clearcoat_factor);
+            to.clearcoat_roughness = unit(coat.clearcoat_roughness_factor);
+            let textures =
+                [coat.clearcoat_texture, coat.clearcoat_roughness_texture, coat.clearcoat_normal_texture];
+            if textures.iter().any(Option::is_some) {
+                textured.push("KHR_materials_clearcoat");
+            }
         }
-        let volume = other("KHR_materials_volume");
-        to.thin = volume.is_none_or(|volume| number(&volume["thicknessFactor"]) == 0.0);
+        if let Some(sheen) = &extensions.sheen {
+            to.sheen_color = sheen.sheen_color_factor.map(unit);
+            to.sheen_roughness = unit(sheen.sheen_roughness_factor);
+            if sheen.sheen_color_texture.is_some() || sheen.sheen_roughness_texture.is_some() {
+                textured.push("KHR_materials_sheen");
+            }
+        }
+        to.thin = extensions.volume.as_ref().is_none_or(|volume| unit(volume.thickness_factor) == 0.0);
         if to.transmission == 0.0 {
             to.thin = true;
         }
-        let textured = ["KHR_materials_clearcoat", "KHR_materials_sheen"].into_iter().find(|name| {
-            let is_texture = |key: &String| key.ends_with("Texture");
-            other(name).and_then(Value::as_object).is_some_and(|object| object.keys().any(is_texture))
-        });
-        if let Some(name) = textured {
+        for name in textured {
             self.warnings.note(Oddity::NotShown, &self.document.path, None, format!("textures of {name}"));
         }
         to
     }
 
-    fn name(&self, i: usize, from: &json::Material) -> String {
-        let is_default = i == self.document.root.materials.len();
-        let unnamed = || if is_default { "default".to_owned() } else { format!("material {i}") };
-        from.name.clone().unwrap_or_else(unnamed)
+    fn name(&self, i: usize, from: &json::Material<'_>) -> String {
+        from.name.clone().unwrap_or_else(|| format!("material {i}"))
     }
 
-    fn info(&mut self, info: Option<&Info>, meaning: Meaning) -> Option<TextureRef> {
+    fn info(&mut self, info: Option<&TextureInfo>, meaning: Meaning) -> Option<TextureRef> {
         let info = info?;
-        let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.as_ref());
-        self.texture(info.index, info.tex_coord, transform, meaning)
+        self.texture(info.index, info.tex_coord, info.extensions.transform.as_ref(), meaning)
     }
 
     fn texture(
         &mut self,
-        index: Index<json::Texture>,
-        texcoord_set: u32,
+        index: Index,
+        texcoord_set: Index,
         transform: Option<&TextureTransform>,
         meaning: Meaning,
     ) -> Option<TextureRef> {
-        let set = transform.and_then(|t| t.tex_coord).unwrap_or(texcoord_set);
+        let Index(set) = transform.and_then(|t| t.tex_coord).unwrap_or(texcoord_set);
         let path = &self.document.path;
         if *self.texcoord_set.get_or_insert(set) != set {
             self.warnings.note(
@@ -211,15 +219,10 @@ impl Converter<'_> {
             );
             return None;
         }
-        match self.textures.add(self.document, index, meaning, self.scene) {
+        match self.textures.add(index, meaning, self.scene) {
             Ok(texture) => Some(TextureRef { texture, uv_from_mesh: uv_from_mesh(transform) }),
             Err(why) => {
-                self.warnings.note(
-                    Oddity::BadTexture,
-                    path,
-                    None,
-                    format!("textures[{}]: {why}", index.value()),
-                );
+                self.warnings.note(Oddity::BadTexture, path, None, format!("textures[{}]: {why}", index.0));
                 None
             }
         }
@@ -236,84 +239,100 @@ fn uv_from_mesh(transform: Option<&TextureTransform>) -> [f32; 6] {
     let Some(transform) = transform else {
         return [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
     };
-    let (s, c) = transform.rotation.0.sin_cos();
-    let ([sx, sy], [tx, ty]) = (transform.scale.0, transform.offset.0);
+    let (s, c) = transform.rotation.sin_cos();
+    let ([sx, sy], [tx, ty]) = (transform.scale, transform.offset);
     [c * sx, s * sx, -s * sy, c * sy, s * sy + tx, 1.0 - c * sy - ty]
 }
 
 /// Textures and pictures that were added already.
-#[derive(Default)]
-struct Textures {
-    added: HashMap<(usize, Meaning), Result<TextureId, String>>,
-    embedded: HashMap<(usize, Meaning), Result<Arc<Texels>, String>>,
-    pictures: Pictures,
+struct Textures<'a> {
+    document: &'a Document<'a>,
+    added: HashMap<(Index, Meaning), Result<TextureId, String>>,
+    embedded: HashMap<(Index, Meaning), Result<Arc<Texels>, String>>,
+    pictures: Pictures<'a>,
 }
 
-impl Textures {
-    fn add(
-        &mut self,
-        document: &Document,
-        index: Index<json::Texture>,
-        meaning: Meaning,
-        scene: &mut Scene,
-    ) -> Result<TextureId, String> {
-        let key = (index.value(), meaning);
+impl<'a> Textures<'a> {
+    fn new(document: &'a Document<'a>) -> Self {
+        let pictures = Pictures::new(document.access);
+        Self { document, added: HashMap::new(), embedded: HashMap::new(), pictures }
+    }
+
+    fn add(&mut self, index: Index, meaning: Meaning, scene: &mut Scene) -> Result<TextureId, String> {
+        let key = (index, meaning);
         if let Some(known) = self.added.get(&key) {
             return known.clone();
         }
-        let added = self.load(document, index, meaning).map(|texture| scene.add_texture(texture));
+        let added = self.load(index, meaning).map(|texture| scene.add_texture(texture));
         self.added.insert(key, added.clone());
         added
     }
 
-    fn load(
-        &mut self,
-        document: &Document,
-        index: Index<json::Texture>,
-        meaning: Meaning,
-    ) -> Result<Texture, String> {
-        let texture = document.root.get(index).ok_or("does not exist")?;
-        let image = document
-            .root
-            .get(texture.source)
-            .ok_or("its image does not exist or needs an unknown extension")?;
-        let texels = self.picture(document, texture.source.value(), image, meaning)?;
-        let sampler = texture.sampler.and_then(|s| document.root.get(s));
-        let wrap = |mode: &Checked<WrappingMode>| match mode {
-            Checked::Valid(WrappingMode::ClampToEdge) => Wrap::ClampToEdge,
-            Checked::Valid(WrappingMode::MirroredRepeat) => Wrap::MirroredRepeat,
-            _ => Wrap::Repeat,
+    fn load(&mut self, index: Index, meaning: Meaning) -> Result<Texture, String> {
+        let (document, root) = (self.document, &self.document.root);
+        let piece = root.textures.get(index.value()).ok_or("does not exist")?;
+        let texture: json::Texture = document.read(piece, "texture").map_err(|e| e.problem)?;
+        // A WebP that stands beside another picture of the same is as good as that.
+        let source = texture.source.or(texture.extensions.webp.and_then(|webp| webp.source));
+        let missing = "its image does not exist or needs an unknown extension";
+        let source = source.ok_or(missing)?;
+        let piece = root.images.get(source.value()).ok_or(missing)?;
+        let image: json::Image<'_> = document.read(piece, "image").map_err(|e| e.problem)?;
+        let texels = self.picture(source, &image, meaning)?;
+        let sampler = texture.sampler.and_then(|sampler| root.samplers.get(sampler.value()));
+        let sampler: json::Sampler = match sampler {
+            Some(piece) => document.read(piece, "sampler").map_err(|e| e.problem)?,
+            None => json::Sampler::default(),
         };
-        let nearest = sampler.is_some_and(|s| s.mag_filter == Some(Checked::Valid(MagFilter::Nearest)));
         let external = image.uri.as_deref().filter(|uri| !uri.starts_with("data:"));
         let name = texture.name.as_deref().or(image.name.as_deref()).or(external);
+        let name = name.map_or_else(|| format!("texture {}", index.0), str::to_owned);
+        document.hold(TEXTURE_BYTES + name.len(), "textures").map_err(|e| e.problem)?;
         Ok(Texture {
-            name: name.map_or_else(|| format!("texture {}", index.value()), str::to_owned),
+            name,
             texels,
-            wrap: sampler.map_or([Wrap::Repeat; 2], |s| [wrap(&s.wrap_s), wrap(&s.wrap_t)]),
-            filter: if nearest { Filter::Nearest } else { Filter::Linear },
+            wrap: [wrap(sampler.wrap_s), wrap(sampler.wrap_t)],
+            filter: if sampler.mag_filter == Some(NEAREST) { Filter::Nearest } else { Filter::Linear },
         })
     }
 
     fn picture(
         &mut self,
-        document: &Document,
-        index: usize,
-        image: &json::Image,
+        index: Index,
+        image: &json::Image<'_>,
         meaning: Meaning,
     ) -> Result<Arc<Texels>, String> {
+        let document = self.document;
         if let Some(uri) = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")) {
             return self.pictures.file(&source::resolve(&document.path, uri), meaning);
         }
         let pictures = &mut self.pictures;
+        let name = format!("images[{}]", index.0);
         let load = || match (&image.uri, image.buffer_view) {
-            (Some(uri), _) => pictures.decode(&data_uri(uri).ok_or("broken data URI")?, "data URI", meaning),
+            (Some(uri), _) => {
+                document.hold(uri.len(), &name).map_err(|e| e.problem)?;
+                let bytes = data_uri(uri).ok_or("broken data URI")?;
+                let decoded = pictures.decode(&bytes, &name, meaning);
+                document.budget().release(uri.len());
+                decoded
+            }
             (None, Some(view)) => {
-                let bytes = document.view(view, "image").map_err(|e| e.problem)?;
-                pictures.decode(bytes, "embedded image", meaning)
+                let (_, bytes) = document.view(view, "image").map_err(|e| e.problem)?;
+                pictures.decode(bytes, &name, meaning)
             }
             (None, None) => Err("an image without data".to_owned()),
         };
         self.embedded.entry((index, meaning)).or_insert_with(load).clone()
+    }
+}
+
+/// glTF's number for a texture that is not interpolated.
+const NEAREST: Index = Index(9728);
+
+fn wrap(mode: Option<Index>) -> Wrap {
+    match mode {
+        Some(Index(33071)) => Wrap::ClampToEdge,
+        Some(Index(33648)) => Wrap::MirroredRepeat,
+        _ => Wrap::Repeat,
     }
 }

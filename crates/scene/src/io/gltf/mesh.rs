@@ -3,39 +3,55 @@
 //! Source: glTF 2.0 section 3.7. Triangles, strips and fans; points and lines are left out with a warning.
 //! Space: that of the mesh; v is turned upwards. Proof: `tests/gltf.rs`.
 
-use gltf::json::accessor::Accessor;
-use gltf::json::mesh::{Mode, Primitive, Semantic};
-use gltf::json::validation::Checked;
-use gltf::json::{self, Index};
-
 use super::accessor::{floats, integers};
 use super::document::Document;
+use super::json::{self, Index, Primitive};
 use super::material::AddedMaterial;
 use super::skin::Pose;
 use crate::io::clean::{clean, drop_unused_vertices};
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 
-/// The meshes of all primitives of glTF mesh `index`, bent by `pose`.
+/// Bytes that a mesh of the scene takes beside its arrays and its name.
+const MESH_BYTES: usize = 512;
+
+/// Bytes that a corner takes as an index and in triangles.
+const CORNER_BYTES: usize = 4 + size_of::<[u32; 3]>();
+
+/// How the vertices of a primitive make triangles.
+#[derive(Clone, Copy)]
+enum Mode {
+    Triangles,
+    Strip,
+    Fan,
+}
+
+/// The meshes of all primitives of `from`, glTF mesh `index`, bent by `pose`.
 pub(super) fn read(
-    document: &Document,
-    index: Index<json::Mesh>,
+    document: &Document<'_>,
+    index: Index,
+    from: &json::Mesh<'_>,
     pose: &Pose,
     materials: &[AddedMaterial],
     warnings: &mut Warnings,
 ) -> Result<Vec<Mesh>, Error> {
-    let from = document.get(index, "nodes", "mesh")?;
-    let name = from.name.clone().unwrap_or_else(|| format!("mesh {}", index.value()));
+    let unnamed = || format!("mesh {}", index.0);
+    let name = from.name.clone().unwrap_or_else(unnamed);
     let mut meshes = Vec::new();
-    for (k, primitive) in from.primitives.iter().enumerate() {
-        let place = format!("meshes[{}].primitives[{k}]", index.value());
-        let reader = PrimitiveReader { document, primitive, place: &place };
+    for k in 0..from.primitives.len() {
+        let place = format!("meshes[{}].primitives[{k}]", index.0);
+        let primitive: Primitive = document.get(&from.primitives, Index(k as u32), &place, "primitive")?;
+        let reader = PrimitiveReader { document, primitive: &primitive, place: &place };
+        let before = document.budget().held();
         let Some(mut mesh) = reader.mesh(pose, materials, warnings)? else {
+            document.budget().settle(before);
             continue;
         };
-        mesh.name.clone_from(&name);
         clean(&mut mesh, &document.path, warnings);
+        document.budget().settle(before);
         if !mesh.indices.is_empty() {
+            document.hold(mesh.memory_bytes() + name.len() + MESH_BYTES, &place)?;
+            mesh.name.clone_from(&name);
             meshes.push(mesh);
         }
     }
@@ -44,17 +60,12 @@ pub(super) fn read(
 
 /// One primitive and where it stands.
 pub(super) struct PrimitiveReader<'a> {
-    pub(super) document: &'a Document,
+    pub(super) document: &'a Document<'a>,
     pub(super) primitive: &'a Primitive,
     pub(super) place: &'a str,
 }
 
 impl PrimitiveReader<'_> {
-    /// The accessor of an attribute.
-    pub(super) fn attribute(&self, semantic: Semantic) -> Option<Index<Accessor>> {
-        self.primitive.attributes.get(&Checked::Valid(semantic)).copied()
-    }
-
     fn mesh(
         &self,
         pose: &Pose,
@@ -62,34 +73,38 @@ impl PrimitiveReader<'_> {
         warnings: &mut Warnings,
     ) -> Result<Option<Mesh>, Error> {
         let path = &self.document.path;
-        let mode = match self.primitive.mode.as_ref() {
-            Checked::Valid(mode @ (Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) => *mode,
-            Checked::Valid(_) => {
+        let mode = match self.primitive.mode {
+            4 => Mode::Triangles,
+            5 => Mode::Strip,
+            6 => Mode::Fan,
+            0..=3 => {
                 warnings.note(Oddity::PointsOrLines, path, None, self.place);
                 return Ok(None);
             }
-            Checked::Invalid => {
-                return Err(self.document.error(self.place, "unknown mode", "expected 0 to 6"));
-            }
+            _ => return Err(self.document.error(self.place, "unknown mode", "expected 0 to 6")),
         };
-        let Some(positions) = self.attribute(Semantic::Positions) else {
+        let attributes = &self.primitive.attributes;
+        let Some(positions) = attributes.positions else {
             warnings.note(Oddity::NotShown, path, None, format!("{}: no positions", self.place));
             return Ok(None);
         };
+        self.refuse_compression(positions)?;
         let default = materials.len() - 1;
         let material = match self.primitive.material {
+            Some(index) if index.value() < default => materials[index.value()],
             Some(index) => {
-                self.document.get(index, self.place, "material")?;
-                materials[index.value()]
+                let problem = format!("material {} does not exist", index.0);
+                return Err(self.document.error(self.place, problem, ""));
             }
             None => materials[default],
         };
         let positions = floats::<3>(self.document, positions, self.place)?;
         let count = positions.len();
+        let texcoords = attributes.texcoords.iter().find(|(set, _)| *set == material.texcoord_set);
         let mut mesh = Mesh {
             positions,
-            normals: self.optional::<3>(Semantic::Normals, count, warnings)?,
-            texcoords: self.optional::<2>(Semantic::TexCoords(material.texcoord_set), count, warnings)?,
+            normals: self.optional::<3>(attributes.normals, count, warnings)?,
+            texcoords: self.optional::<2>(texcoords.map(|&(_, index)| index), count, warnings)?,
             colors: self.colors(count, warnings)?,
             material: material.id,
             ..Mesh::default()
@@ -106,11 +121,11 @@ impl PrimitiveReader<'_> {
     /// An attribute that may be missing; one of a wrong length is left out with a warning.
     fn optional<const N: usize>(
         &self,
-        semantic: Semantic,
+        index: Option<Index>,
         count: usize,
         warnings: &mut Warnings,
     ) -> Result<Vec<[f32; N]>, Error> {
-        let Some(index) = self.attribute(semantic) else {
+        let Some(index) = index else {
             return Ok(Vec::new());
         };
         let values = floats::<N>(self.document, index, self.place)?;
@@ -124,21 +139,40 @@ impl PrimitiveReader<'_> {
 
     /// Colours with or without opacity; linear by definition.
     fn colors(&self, count: usize, warnings: &mut Warnings) -> Result<Vec<[f32; 4]>, Error> {
-        let Some(index) = self.attribute(Semantic::Colors(0)) else {
+        let Some(index) = self.primitive.attributes.colors else {
             return Ok(Vec::new());
         };
-        let accessor = self.document.get(index, self.place, "accessor")?;
-        if accessor.type_ == Checked::Valid(json::accessor::Type::Vec4) {
-            return self.optional::<4>(Semantic::Colors(0), count, warnings);
+        let accessor: json::Accessor<'_> =
+            self.document.get(&self.document.root.accessors, index, self.place, "accessor")?;
+        if &*accessor.shape == "VEC4" {
+            return self.optional::<4>(Some(index), count, warnings);
         }
-        let colors = self.optional::<3>(Semantic::Colors(0), count, warnings)?;
+        let colors = self.optional::<3>(Some(index), count, warnings)?;
+        self.document.hold(size_of::<[f32; 4]>() * colors.len(), self.place)?;
         Ok(colors.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect())
+    }
+
+    /// Draco's own vertices are the only ones where the accessor has none.
+    fn refuse_compression(&self, positions: Index) -> Result<(), Error> {
+        if self.primitive.extensions.draco.is_none() {
+            return Ok(());
+        }
+        let accessor: json::Accessor<'_> =
+            self.document.get(&self.document.root.accessors, positions, self.place, "accessor")?;
+        match (accessor.buffer_view, &accessor.sparse) {
+            (None, None) => Err(self.document.compressed(self.place)),
+            _ => Ok(()),
+        }
     }
 
     fn triangles(&self, mode: Mode, count: usize) -> Result<Vec<[u32; 3]>, Error> {
         let order = match self.primitive.indices {
             Some(index) => integers(self.document, index, self.place)?,
-            None => (0..u32::try_from(count).unwrap_or(u32::MAX)).collect(),
+            None => {
+                // Each vertex is the corner of up to three triangles.
+                self.document.hold(CORNER_BYTES * count, self.place)?;
+                (0..u32::try_from(count).unwrap_or(u32::MAX)).collect()
+            }
         };
         if let Some(bad) = order.iter().find(|&&i| i as usize >= count) {
             let remedy = if count == 0 {
@@ -149,14 +183,14 @@ impl PrimitiveReader<'_> {
             return Err(self.document.error(self.place, format!("vertex index {bad} out of range"), &remedy));
         }
         Ok(match mode {
-            Mode::TriangleStrip => {
+            Mode::Strip => {
                 let turned = |(k, t): (usize, &[u32])| {
                     if k % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] }
                 };
                 order.windows(3).enumerate().map(turned).collect()
             }
-            Mode::TriangleFan => order.windows(2).skip(1).map(|edge| [edge[0], edge[1], order[0]]).collect(),
-            _ => order.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+            Mode::Fan => order.windows(2).skip(1).map(|edge| [edge[0], edge[1], order[0]]).collect(),
+            Mode::Triangles => order.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
         })
     }
 }

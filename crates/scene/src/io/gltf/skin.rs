@@ -4,11 +4,11 @@
 //! Space: a skinned mesh comes out in world space, for its node's own transform does not count.
 //! Proof: `tests/gltf.rs::{morph_weights_move_vertices, skins_follow_their_joints}`.
 
-use gltf::json::mesh::Semantic;
-use gltf::json::{self, Index};
+use std::collections::HashMap;
 
 use super::accessor::{floats, joints};
 use super::document::Document;
+use super::json::{self, Index};
 use super::mesh::PrimitiveReader;
 use crate::affine::Affine;
 use crate::io::Error;
@@ -24,17 +24,18 @@ pub(super) struct Pose {
 }
 
 impl Pose {
-    /// The pose of a node whose nodes stand at `world_from_node`.
+    /// The pose of a node that shows `mesh`, whose joints stand at `world_from_joint`.
     pub(super) fn of(
-        document: &Document,
+        document: &Document<'_>,
         node: &json::Node,
-        mesh: &json::Mesh,
-        world_from_node: &[Option<Affine>],
+        mesh: &json::Mesh<'_>,
+        world_from_joint: &HashMap<Index, Affine>,
     ) -> Result<Self, Error> {
-        let weights = node.weights.as_ref().or(mesh.weights.as_ref()).cloned().unwrap_or_default();
-        let weights = if weights.iter().any(|&w| w != 0.0 && w.is_finite()) { weights } else { Vec::new() };
+        let weights = node.weights.as_ref().unwrap_or(&mesh.weights);
+        let moves = weights.iter().any(|&w| w != 0.0 && w.is_finite());
+        let weights = if moves { weights.clone() } else { Vec::new() };
         let joints = match node.skin {
-            Some(skin) => joint_matrices(document, skin, world_from_node)?,
+            Some(skin) => joint_matrices(document, skin, world_from_joint)?,
             None => Vec::new(),
         };
         Ok(Self { weights, joints })
@@ -45,23 +46,20 @@ impl Pose {
         !self.joints.is_empty()
     }
 
-    /// Whether the mesh stays as it is.
-    pub(super) fn is_plain(&self) -> bool {
-        self.weights.is_empty() && self.joints.is_empty()
-    }
-
     /// Moves positions and normals of a primitive's mesh.
     pub(super) fn bend(&self, from: &PrimitiveReader<'_>, mesh: &mut Mesh) -> Result<(), Error> {
-        for (target, &weight) in from.primitive.targets.iter().flatten().zip(&self.weights) {
+        for (target, &weight) in from.primitive.targets.iter().zip(&self.weights) {
             for (index, values) in
                 [(target.positions, &mut mesh.positions), (target.normals, &mut mesh.normals)]
             {
                 let Some(index) = index.filter(|_| !values.is_empty() && weight.is_finite()) else {
                     continue;
                 };
+                let before = from.document.budget().held();
                 for (value, delta) in values.iter_mut().zip(floats::<3>(from.document, index, from.place)?) {
                     *value = [0, 1, 2].map(|k| value[k] + weight * delta[k]);
                 }
+                from.document.budget().settle(before);
             }
         }
         if self.is_skinned() {
@@ -72,7 +70,7 @@ impl Pose {
 
     fn skin(&self, from: &PrimitiveReader<'_>, mesh: &mut Mesh) -> Result<(), Error> {
         let (Some(joint_index), Some(weight_index)) =
-            (from.attribute(Semantic::Joints(0)), from.attribute(Semantic::Weights(0)))
+            (from.primitive.attributes.joints, from.primitive.attributes.weights)
         else {
             return Ok(());
         };
@@ -111,19 +109,38 @@ impl Pose {
     }
 }
 
+/// Where the joints of all skins stand is asked for once, before anything is bent.
+pub(super) fn joints_of_all_skins(document: &Document<'_>) -> Result<HashMap<Index, Affine>, Error> {
+    let mut joints = HashMap::new();
+    for k in 0..document.root.skins.len() {
+        let place = format!("skins[{k}]");
+        let skin: json::Skin = document.get(&document.root.skins, Index(k as u32), &place, "skin")?;
+        for joint in skin.joints {
+            if joints.insert(joint, Affine::IDENTITY).is_none() {
+                // A table is up to half empty.
+                document.hold(2 * size_of::<(Index, Affine)>(), &place)?;
+            }
+        }
+    }
+    Ok(joints)
+}
+
 fn joint_matrices(
-    document: &Document,
-    index: Index<json::Skin>,
-    world_from_node: &[Option<Affine>],
+    document: &Document<'_>,
+    index: Index,
+    world_from_joint: &HashMap<Index, Affine>,
 ) -> Result<Vec<Affine>, Error> {
-    let place = format!("skins[{}]", index.value());
-    let skin = document.get(index, &place, "skin")?;
+    let place = format!("skins[{}]", index.0);
+    let skin: json::Skin = document.get(&document.root.skins, index, &place, "skin")?;
+    let bytes = size_of::<Affine>() * skin.joints.len();
+    document.work(bytes, &place)?;
+    document.hold(bytes, &place)?;
     let inverse_binds = match skin.inverse_bind_matrices {
         Some(accessor) => floats::<16>(document, accessor, &place)?,
         None => Vec::new(),
     };
-    let matrix = |(k, joint): (usize, &Index<json::Node>)| {
-        let world_from_joint = world_from_node.get(joint.value()).copied().flatten().unwrap_or_default();
+    let matrix = |(k, joint): (usize, &Index)| {
+        let world_from_joint = world_from_joint.get(joint).copied().unwrap_or_default();
         let joint_from_mesh = inverse_binds.get(k).map(|m| Affine::from_column_major(&m.map(f64::from)));
         world_from_joint * joint_from_mesh.unwrap_or_default()
     };

@@ -14,17 +14,23 @@
 //! glass is opacity. Proof: `tests/obj.rs::materials_become_ours`.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use super::directives::MapStatement;
-use super::mtl::{Entry, Library};
+use super::mtl::{Entry, Library, Map};
 use crate::id::{MaterialId, TextureId};
+use crate::io::budget::Excess;
+use crate::io::source::{self, Access};
 use crate::io::textures::{Meaning, Pictures};
-use crate::io::{Oddity, Warnings, source};
+use crate::io::{Error, Oddity, Warnings};
 use crate::material::{Alpha, Color, Material, Opacity, OpacityChannel, Principled, Surface, TextureRef};
 use crate::scene::Scene;
 use crate::texture::{Filter, Texture, Wrap};
 
+/// Bytes that a material of the scene takes beside its name.
+const MATERIAL_BYTES: usize = size_of::<Material>() + size_of::<Principled>() + 64;
+/// Bytes that a texture of the scene takes beside its names and its texels.
+const TEXTURE_BYTES: usize = 256;
 /// Albedo of faces without a material.
 const DEFAULT_ALBEDO: f32 = 0.6;
 /// Roughness of sheen, of which MTL says only how much there is.
@@ -36,27 +42,31 @@ const MIRROR_EXPONENT: f32 = 1000.0;
 /// their textures, too.
 pub(super) fn add_all(
     library: &Library,
+    access: &Access,
     scene: &mut Scene,
     warnings: &mut Warnings,
-) -> (Vec<MaterialId>, Vec<PathBuf>) {
-    let mut textures = Textures { pictures: Pictures::default(), known: HashMap::new() };
+) -> Result<(Vec<MaterialId>, Vec<PathBuf>), Error> {
+    for entry in &library.entries {
+        let excess = |e: Excess| Error::data(&entry.path, None, e.to_string(), Excess::REMEDY);
+        access.budget.hold(MATERIAL_BYTES + entry.name.len()).map_err(excess)?;
+    }
+    let mut textures = Textures { access, pictures: Pictures::new(access), known: HashMap::new() };
     let default = scene.add_material(Material::matte("default", [DEFAULT_ALBEDO; 3]));
     let rest = library.entries.iter().map(|entry| {
         let material = convert(entry, scene, &mut textures, warnings);
         scene.add_material(material)
     });
     let materials = std::iter::once(default).chain(rest).collect();
-    (materials, textures.pictures.paths())
+    Ok((materials, textures.pictures.paths()))
 }
 
 fn convert(entry: &Entry, scene: &mut Scene, textures: &mut Textures, warnings: &mut Warnings) -> Material {
-    let mtl = &entry.material;
-    let mut map = |keyword: &str, text: Option<&str>, meaning| {
-        text.and_then(|text| textures.add(entry, keyword, text, meaning, scene, warnings))
+    let mut map = |map: &Option<Box<Map>>, meaning| {
+        map.as_ref().and_then(|map| textures.add(entry, map, meaning, scene, warnings))
     };
-    let map_kd = map("map_Kd", mtl.diffuse_texture.as_deref(), Meaning::Color);
-    let map_ke = map("map_Ke", mtl.unknown_param.get("map_Ke").map(String::as_str), Meaning::Color);
-    let map_d = map("map_d", mtl.dissolve_texture.as_deref(), Meaning::Data);
+    let map_kd = map(&entry.map_kd, Meaning::Color);
+    let map_ke = map(&entry.map_ke, Meaning::Color);
+    let map_d = map(&entry.map_d, Meaning::Data);
 
     let phong = Phong::of(entry);
     let diffuse = Color { factor: phong.kd, texture: map_kd };
@@ -72,7 +82,7 @@ fn convert(entry: &Entry, scene: &mut Scene, textures: &mut Textures, warnings: 
         emission: phong.ke.unwrap_or(if map_ke.is_some() { [1.0; 3] } else { [0.0; 3] }),
         emission_texture: map_ke,
         alpha,
-        ..Material::of(mtl.name.clone(), surface)
+        ..Material::of(&*entry.name, surface)
     }
 }
 
@@ -95,37 +105,30 @@ struct Phong {
 
 impl Phong {
     fn of(entry: &Entry) -> Self {
-        let mtl = &entry.material;
-        let text = |key: &str| mtl.unknown_param.get(key);
-        let number = |key: &str| text(key).and_then(|t| t.parse::<f32>().ok());
-        let triple = |key: &str| {
-            let mut numbers = text(key)?.split_whitespace().map_while(|t| t.parse::<f32>().ok());
-            Some([numbers.next()?, numbers.next()?, numbers.next()?])
-        };
         let not_negative = |c: [f32; 3]| c.map(|x| x.max(0.0));
-        let ke = mtl.emissive.map(not_negative);
+        let unit = |x: f32| x.clamp(0.0, 1.0);
+        let ke = entry.ke.map(not_negative);
         // Without `Kd`: white under a map, black where anything else is said, grey where nothing is.
-        let says_else =
-            ke.is_some() || mtl.specular.is_some() || mtl.illumination_model.is_some_and(|m| m > 2);
-        let default_kd = match (mtl.diffuse_texture.is_some(), says_else) {
+        let says_else = ke.is_some() || entry.ks.is_some() || entry.illum.is_some_and(|model| model > 2);
+        let default_kd = match (entry.map_kd.is_some(), says_else) {
             (true, _) => 1.0,
             (false, true) => 0.0,
             (false, false) => DEFAULT_ALBEDO,
         };
         Self {
-            kd: not_negative(mtl.diffuse.unwrap_or([default_kd; 3])),
-            ks: not_negative(mtl.specular.unwrap_or([0.0; 3])),
+            kd: not_negative(entry.kd.unwrap_or([default_kd; 3])),
+            ks: not_negative(entry.ks.unwrap_or([0.0; 3])),
             ke,
-            tf: triple("Tf").map(not_negative),
-            ns: mtl.shininess,
-            ni: mtl.optical_density.filter(|&ni| ni > 0.0),
-            d: mtl.dissolve.or(number("Tr").map(|tr| 1.0 - tr)).unwrap_or(1.0).clamp(0.0, 1.0),
-            illum: mtl.illumination_model.unwrap_or(2),
-            metallic: number("Pm").map(|x| x.clamp(0.0, 1.0)),
-            roughness: number("Pr").map(|x| x.clamp(0.0, 1.0)),
-            sheen: number("Ps").map(|x| x.clamp(0.0, 1.0)),
-            coat: number("Pc").map(|x| x.clamp(0.0, 1.0)),
-            coat_roughness: number("Pcr").map(|x| x.clamp(0.0, 1.0)),
+            tf: entry.tf.map(not_negative),
+            ns: entry.ns,
+            ni: entry.ni.filter(|&ni| ni > 0.0),
+            d: unit(entry.d.or(entry.tr.map(|tr| 1.0 - tr)).unwrap_or(1.0)),
+            illum: entry.illum.unwrap_or(2),
+            metallic: entry.pm.map(unit),
+            roughness: entry.pr.map(unit),
+            sheen: entry.ps.map(unit),
+            coat: entry.pc.map(unit),
+            coat_roughness: entry.pcr.map(unit),
         }
     }
 
@@ -196,25 +199,24 @@ fn roughness(ns: f32) -> f32 {
 }
 
 /// Textures of the scene by what names them.
-struct Textures {
-    pictures: Pictures,
+struct Textures<'a> {
+    access: &'a Access,
+    pictures: Pictures<'a>,
     known: HashMap<(PathBuf, Meaning, Wrap), TextureId>,
 }
 
-impl Textures {
+impl Textures<'_> {
     fn add(
         &mut self,
         entry: &Entry,
-        keyword: &str,
-        text: &str,
+        map: &Map,
         meaning: Meaning,
         scene: &mut Scene,
         warnings: &mut Warnings,
     ) -> Option<TextureRef> {
-        let line = entry.lines.get(keyword).copied();
-        let mut warn = |path: &Path, why: String| warnings.note(Oddity::BadTexture, path, line, why);
-        let Some(map) = MapStatement::parse(text) else {
-            warn(&entry.path, "no file is named".into());
+        let mut warn = |why: String| warnings.note(Oddity::BadTexture, &entry.path, Some(map.line), why);
+        let Some(map) = MapStatement::parse(&map.text) else {
+            warn("no file is named".into());
             return None;
         };
         let path = source::resolve(&entry.path, &map.file);
@@ -222,10 +224,12 @@ impl Textures {
         let texture = match self.known.get(&key) {
             Some(&texture) => texture,
             None => {
-                let texels = match self.pictures.file(&key.0, meaning) {
+                let held = self.access.budget.hold(TEXTURE_BYTES + map.file.len() + key.0.as_os_str().len());
+                let texels = held.map_err(|e| e.to_string());
+                let texels = match texels.and_then(|()| self.pictures.file(&key.0, meaning)) {
                     Ok(texels) => texels,
                     Err(why) => {
-                        warn(&entry.path, why);
+                        warn(why);
                         return None;
                     }
                 };

@@ -1,60 +1,44 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Wavefront OBJ and MTL, read by `tobj`.
+//! Wavefront OBJ and MTL.
 //! Source: Wavefront, Advanced Visualizer manual, appendix B1 (OBJ) and MTL 4.2.
 //!
 //! ```text
-//! file -> LogicalLines -> Normalizer (checks, resolves, simplifies) -> tobj -> Assembler -> one mesh per material
+//! file -> LogicalLines -> Statements -> Lists, Parts (faces by material) -> one mesh per material
 //! ```
 //!
-//! `tobj` says neither where a mistake is nor goes on after one. So the [`Normalizer`] stands before it: it checks every
-//! statement, knows its line, and hands on a plain dialect in which nothing is left to go wrong.
-//! Proof: `tests/obj.rs`, `tests/broken_files.rs`.
+//! Groups, objects and smoothing are not kept. Proof: `tests/obj.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
 
-mod assemble;
 mod directives;
 mod material;
 mod mtl;
-mod normalize;
+mod parts;
+mod statements;
 
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-use assemble::Assembler;
-use normalize::Normalizer;
+use statements::Statements;
 
 use super::lines::LogicalLines;
-use super::{Error, Loaded, Warnings, source};
+use super::source::{self, Access};
+use super::{Error, Loaded, Warnings};
 use crate::affine::Affine;
 use crate::scene::Scene;
 
-/// `tobj` neither cuts polygons (we look at their shape) nor keeps separate indices.
-const OPTIONS: tobj::LoadOptions =
-    tobj::LoadOptions { triangulate: false, single_index: true, ignore_lines: true, ignore_points: true };
-
 /// Loads an OBJ file and its libraries.
-pub(super) fn load(path: &Path) -> Result<Loaded, Error> {
+pub(super) fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     let (file, length) = source::open(path)?;
+    access.budget.add_file(length);
     let lines = LogicalLines::new(BufReader::with_capacity(1 << 16, file.take(length)), path);
     let mut warnings = Warnings::default();
-    let mut normalizer = Normalizer::new(lines, path, &mut warnings);
-    let parsed = tobj::load_obj_buf(&mut BufReader::new(&mut normalizer), &OPTIONS, |_| {
-        Err(tobj::LoadError::ReadError)
-    });
-    let library = normalizer.finish()?;
-    let (models, _) = parsed.map_err(|e| Error::data(path, None, e.to_string(), ""))?;
+    let Statements { lists, parts, library, .. } =
+        Statements::read(lines, path, length, access, &mut warnings)?;
 
     let mut scene = Scene::new();
-    let (materials, pictures) = material::add_all(&library, &mut scene, &mut warnings);
-    let mut assembler = Assembler::new(materials.len());
-    assembler.reserve(&models);
-    for model in models {
-        assembler.add(model);
-    }
-    let meshes: Vec<_> = assembler
-        .finish(&materials, &scene, path, &mut warnings)
-        .into_iter()
-        .map(|m| scene.add_mesh(m))
-        .collect();
+    let (materials, pictures) = material::add_all(&library, access, &mut scene, &mut warnings)?;
+    let meshes = parts.into_meshes(&lists, &materials, &scene, path, &mut warnings);
+    drop(lists);
+    let meshes: Vec<_> = meshes.into_iter().map(|mesh| scene.add_mesh(mesh)).collect();
     if !meshes.is_empty() {
         let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
         let object = scene.add_object_of(name, meshes);

@@ -1,22 +1,52 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Material libraries: checks their lines, hands the good ones to `tobj`, and keeps the materials of all libraries.
-//! Source: Wavefront MTL 4.2. Material 0 is the default one, for faces that name none.
-//! Proof: `tests/obj.rs`, `tests/broken_files.rs`.
+//! Material libraries: the materials of all that a file names.
+//! Source: Wavefront MTL 4.2, and the keywords of its PBR extension. Material 0 is the default one, for faces that name
+//! none. Messages say which keyword is wrong, never what stands beside it: a library may be any file of the machine.
+//! Memory: about [`ENTRY_BYTES`] for each name that is defined. Proof: `tests/obj.rs`, `tests/{broken_files,growth}.rs`.
 
 use std::collections::{HashMap, HashSet};
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
+use crate::io::budget::Excess;
 use crate::io::error::quoted;
 use crate::io::lines::LogicalLines;
-use crate::io::{Error, Oddity, Warnings, source};
+use crate::io::source::{self, Access};
+use crate::io::{Error, Oddity, Warnings};
 
-/// A material and the place that messages about it name.
+/// Bytes that a material takes beside its name and its texture statements.
+const ENTRY_BYTES: usize = size_of::<Entry>() + 2 * size_of::<(Rc<str>, usize)>() + 64;
+
+/// A texture statement, and the line that it stands in.
+pub(super) struct Map {
+    pub(super) text: String,
+    pub(super) line: u64,
+}
+
+/// What a library says about a material; `None` where it says nothing.
+#[derive(Default)]
 pub(super) struct Entry {
-    pub(super) material: tobj::Material,
-    pub(super) path: PathBuf,
-    /// Lines of its keywords.
-    pub(super) lines: HashMap<String, u64>,
+    pub(super) name: Rc<str>,
+    /// The library.
+    pub(super) path: Rc<PathBuf>,
+    pub(super) kd: Option<[f32; 3]>,
+    pub(super) ks: Option<[f32; 3]>,
+    pub(super) ke: Option<[f32; 3]>,
+    pub(super) tf: Option<[f32; 3]>,
+    pub(super) ns: Option<f32>,
+    pub(super) ni: Option<f32>,
+    pub(super) d: Option<f32>,
+    pub(super) tr: Option<f32>,
+    pub(super) pm: Option<f32>,
+    pub(super) pr: Option<f32>,
+    pub(super) ps: Option<f32>,
+    pub(super) pc: Option<f32>,
+    pub(super) pcr: Option<f32>,
+    pub(super) illum: Option<u8>,
+    pub(super) map_kd: Option<Box<Map>>,
+    pub(super) map_ke: Option<Box<Map>>,
+    pub(super) map_d: Option<Box<Map>>,
 }
 
 /// The materials of all libraries of a file.
@@ -24,7 +54,7 @@ pub(super) struct Entry {
 pub(super) struct Library {
     /// Material `k` of the file is `entries[k - 1]`.
     pub(super) entries: Vec<Entry>,
-    by_name: HashMap<String, usize>,
+    by_name: HashMap<Rc<str>, usize>,
     /// The libraries' files, those that could not be read included.
     pub(super) read: HashSet<PathBuf>,
 }
@@ -39,92 +69,160 @@ impl Library {
     }
 
     /// Reads what a `mtllib` statement names: one file, whose name may have spaces, or several.
-    pub(super) fn read(&mut self, obj: &Path, line: u64, names: &str, warnings: &mut Warnings) {
+    pub(super) fn read(
+        &mut self,
+        obj: &Path,
+        line: u64,
+        names: &str,
+        access: &Access,
+        warnings: &mut Warnings,
+    ) -> Result<(), Error> {
         let whole = source::resolve(obj, names);
-        let files = if whole.exists() || names.is_empty() {
+        let files = if names.is_empty() || !names.contains(char::is_whitespace) || whole.exists() {
             vec![whole]
         } else {
             names.split_whitespace().map(|name| source::resolve(obj, name)).collect()
         };
         for path in files {
-            if !self.read.insert(path.clone()) {
+            if self.read.contains(&path) {
                 continue;
             }
-            if let Err(error) = self.read_file(&path, warnings) {
-                warnings.note(Oddity::BadMaterialLibrary, obj, Some(line), error.to_string());
-            }
-        }
-    }
-
-    fn read_file(&mut self, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
-        let (file, length) = source::open(path)?;
-        let mut lines = LogicalLines::new(BufReader::new(file.take(length)), path);
-        let mut plain = String::new();
-        let mut places: Vec<HashMap<String, u64>> = Vec::new();
-        while let Some((line, text)) = lines.next()? {
-            let (keyword, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-            let rest = rest.trim();
-            if keyword == "newmtl" && !rest.is_empty() {
-                places.push(HashMap::new());
-            }
-            match statement(keyword, rest) {
-                Ok(Some(statement)) => match places.last_mut() {
-                    Some(place) => {
-                        place.insert(keyword.to_owned(), line);
-                        plain.push_str(&statement);
-                        plain.push('\n');
-                    }
-                    None => {
-                        warnings.note(Oddity::BadMaterialLine, path, Some(line), "before the first `newmtl`")
-                    }
-                },
+            let excess = |e: Excess| Error::data(obj, Some(line), e.to_string(), Excess::REMEDY);
+            access.budget.name_file().map_err(excess)?;
+            access.budget.hold(2 * (path.as_os_str().len() + size_of::<PathBuf>())).map_err(excess)?;
+            self.read.insert(path.clone());
+            let opened = access.open(&path);
+            let read = opened.and_then(|(file, length)| {
+                access.budget.add_file(length);
+                let lines = LogicalLines::new(BufReader::new(file.take(length)), &path);
+                self.read_lines(lines, &path, access, warnings)
+            });
+            match read {
                 Ok(None) => {}
-                Err(why) => warnings.note(Oddity::BadMaterialLine, path, Some(line), why),
+                Ok(Some((line, excess))) => {
+                    return Err(Error::data(&path, Some(line), excess.to_string(), Excess::REMEDY));
+                }
+                Err(error) => {
+                    warnings.note(Oddity::BadMaterialLibrary, obj, Some(line), error.to_string());
+                }
             }
-        }
-        let (materials, _) = tobj::load_mtl_buf(&mut plain.as_bytes())
-            .map_err(|e| Error::data(path, None, e.to_string(), "expected a Wavefront MTL library"))?;
-        for (material, lines) in materials.into_iter().zip(places) {
-            let number = self.entries.len() + 1;
-            // The first definition of a name counts.
-            self.by_name.entry(material.name.clone()).or_insert(number);
-            self.entries.push(Entry { material, path: path.to_owned(), lines });
         }
         Ok(())
     }
+
+    /// Reads a library; tells the line at which the budget was at its end, if it was.
+    fn read_lines<R: std::io::BufRead>(
+        &mut self,
+        mut lines: LogicalLines<R>,
+        path: &Path,
+        access: &Access,
+        warnings: &mut Warnings,
+    ) -> Result<Option<(u64, Excess)>, Error> {
+        let path = Rc::new(path.to_owned());
+        // The first definition of a name counts; what a later one says goes nowhere.
+        let mut nowhere = Entry::default();
+        let mut place = None;
+        while let Some((line, text)) = lines.next()? {
+            let (keyword, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+            let rest = rest.trim();
+            let mut warn = |why: String| warnings.note(Oddity::BadMaterialLine, &path, Some(line), why);
+            if keyword == "newmtl" && rest.is_empty() {
+                warn("`newmtl` without a name".into());
+            } else if keyword == "newmtl" {
+                place = Some(!self.by_name.contains_key(rest));
+                nowhere = Entry::default();
+                if place == Some(true) {
+                    if let Err(excess) = access.budget.hold(ENTRY_BYTES + rest.len()) {
+                        return Ok(Some((line, excess)));
+                    }
+                    let name: Rc<str> = rest.into();
+                    self.entries.push(Entry { name: name.clone(), path: path.clone(), ..Entry::default() });
+                    self.by_name.insert(name, self.entries.len());
+                }
+            } else {
+                let entry = match place {
+                    Some(true) => self.entries.last_mut(),
+                    Some(false) => Some(&mut nowhere),
+                    None => None,
+                };
+                let held = if keyword.starts_with("map_") { rest.len() + size_of::<Map>() } else { 0 };
+                match (statement(keyword, rest, line), entry) {
+                    (Ok(None), _) => {}
+                    (Ok(Some(_)), None) => warn("before the first `newmtl`".into()),
+                    (Ok(Some(say)), Some(entry)) => {
+                        if let Err(excess) = access.budget.hold(held) {
+                            return Ok(Some((line, excess)));
+                        }
+                        say.to(entry);
+                    }
+                    (Err(why), _) => warn(why),
+                }
+            }
+        }
+        Ok(None)
+    }
 }
 
-/// A statement in the form that `tobj` reads; `None` for keywords that say nothing here; the error says what is wrong.
-fn statement(keyword: &str, rest: &str) -> Result<Option<String>, String> {
-    let statement = match keyword {
-        "newmtl" if rest.is_empty() => return Err("`newmtl` without a name".into()),
-        "newmtl" => format!("newmtl {rest}"),
-        "Kd" | "Ks" | "Ke" | "Tf" => {
-            let [r, g, b] =
-                color(rest).ok_or_else(|| format!("{keyword} {}: expected 3 numbers", quoted(rest)))?;
-            format!("{keyword} {r} {g} {b}")
+/// What a statement says.
+enum Statement<'a> {
+    Color(fn(&mut Entry) -> &mut Option<[f32; 3]>, [f32; 3]),
+    Number(fn(&mut Entry) -> &mut Option<f32>, f32),
+    Illum(u8),
+    Map(fn(&mut Entry) -> &mut Option<Box<Map>>, &'a str, u64),
+}
+
+impl Statement<'_> {
+    fn to(self, entry: &mut Entry) {
+        match self {
+            Self::Color(slot, color) => *slot(entry) = Some(color),
+            Self::Number(slot, x) => *slot(entry) = Some(x),
+            Self::Illum(model) => entry.illum = Some(model),
+            Self::Map(slot, text, line) => *slot(entry) = Some(Box::new(Map { text: text.to_owned(), line })),
         }
-        "Ns" | "Ni" | "d" | "Tr" | "Pr" | "Pm" | "Ps" | "Pc" | "Pcr" => {
-            // `d -halo 0.5` fades towards edges; its number is the opacity in the middle.
-            let token = rest.trim_start_matches("-halo").split_whitespace().next().unwrap_or("");
-            let x = finite(token).ok_or_else(|| format!("{keyword} {}: expected a number", quoted(rest)))?;
-            format!("{keyword} {x}")
-        }
-        "illum" => {
-            let token = rest.split_whitespace().next().unwrap_or("");
-            let model =
-                token.parse::<u8>().map_err(|_| format!("illum {}: expected 0 to 10", quoted(rest)))?;
-            format!("illum {model}")
-        }
-        "map_Kd" | "map_Ke" | "map_d" | "map_kd" | "map_ke" if rest.is_empty() => {
-            return Err(format!("{keyword} without a file name"));
-        }
-        "map_Kd" | "map_kd" => format!("map_Kd {rest}"),
-        "map_Ke" | "map_ke" => format!("map_Ke {rest}"),
-        "map_d" => format!("map_d {rest}"),
-        _ => return Ok(None),
+    }
+}
+
+/// What a line says; `None` for keywords that say nothing here; the error says what is wrong.
+fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<Statement<'a>>, String> {
+    let color = |slot| match color(rest) {
+        Some(color) => Ok(Some(Statement::Color(slot, color))),
+        None => Err(format!("`{keyword}`: expected 3 numbers")),
     };
-    Ok(Some(statement))
+    let number = |slot| {
+        // `d -halo 0.5` fades towards edges; its number is the opacity in the middle.
+        let token = rest.trim_start_matches("-halo").split_whitespace().next().unwrap_or("");
+        match finite(token) {
+            Some(x) => Ok(Some(Statement::Number(slot, x))),
+            None => Err(format!("`{keyword}`: expected a number")),
+        }
+    };
+    let map = |slot| match rest.is_empty() {
+        false => Ok(Some(Statement::Map(slot, rest, line))),
+        true => Err(format!("`{keyword}` without a file name")),
+    };
+    match keyword {
+        "Kd" => color(|e| &mut e.kd),
+        "Ks" => color(|e| &mut e.ks),
+        "Ke" => color(|e| &mut e.ke),
+        "Tf" => color(|e| &mut e.tf),
+        "Ns" => number(|e| &mut e.ns),
+        "Ni" => number(|e| &mut e.ni),
+        "d" => number(|e| &mut e.d),
+        "Tr" => number(|e| &mut e.tr),
+        "Pm" => number(|e| &mut e.pm),
+        "Pr" => number(|e| &mut e.pr),
+        "Ps" => number(|e| &mut e.ps),
+        "Pc" => number(|e| &mut e.pc),
+        "Pcr" => number(|e| &mut e.pcr),
+        "illum" => match rest.split_whitespace().next().unwrap_or("").parse() {
+            Ok(model) => Ok(Some(Statement::Illum(model))),
+            Err(_) => Err("`illum`: expected 0 to 10".into()),
+        },
+        "map_Kd" | "map_kd" => map(|e| &mut e.map_kd),
+        "map_Ke" | "map_ke" => map(|e| &mut e.map_ke),
+        "map_d" => map(|e| &mut e.map_d),
+        _ => Ok(None),
+    }
 }
 
 fn finite(token: &str) -> Option<f32> {

@@ -2,238 +2,145 @@
 //! PLY bodies: elements one by one into the arrays of a mesh.
 //! Source: G. Turk, The PLY polygon file format, 1994. Cost: linear; memory: the mesh's arrays and one element.
 //! Polygons are cut by their shape if the vertices come before the faces, else as fans.
-//! Proof: `tests/ply.rs`, `tests/broken_files.rs`.
+//! Proof: `tests/ply.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
 
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 use std::path::Path;
 
-use ply_rs_bw::parser::Parser;
-use ply_rs_bw::ply::{ElementDef, Encoding, Property, PropertyAccess, PropertyType, ScalarType};
-
-use super::header::{Header, least_bytes, size};
-use super::record::{Columns, Face, Skipped, Vertex, is_corners};
+use super::columns::{Columns, Slot, Vertex};
+use super::header::{Element, Encoding, Header, Property, Scalar};
+use super::numbers::{Fault, Numbers};
+use crate::io::budget::{Budget, Excess};
 use crate::io::error::quoted;
-use crate::io::{Error, Oddity, Warnings, polygon};
+use crate::io::polygon::Cutter;
+use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 
-/// Bytes that a line of a text body may have.
-const LONGEST_LINE: u64 = 64 << 20;
+/// Elements after which the budget is asked again.
+const ELEMENTS_BETWEEN: u64 = 1 << 12;
 
 /// Reads the body that `header` describes.
 pub(super) fn read(
     input: &mut impl BufRead,
     header: &Header,
     path: &Path,
+    budget: &Budget,
     warnings: &mut Warnings,
 ) -> Result<Mesh, Error> {
-    let mut body = Body { input, encoding: header.encoding, path, line: header.lines, text: Vec::new() };
+    let numbers = Numbers::new(input, header.encoding, header.lines);
     let vertices = header.elements.iter().find(|e| e.name == "vertex").map_or(0, |e| e.count);
-    let mut builder = Builder { mesh: Mesh::default(), vertices, path, corners: Vec::new(), cut: Vec::new() };
+    let mut body = Body {
+        numbers,
+        path,
+        budget,
+        warnings,
+        mesh: Mesh::default(),
+        vertices,
+        corners: Vec::new(),
+        cutter: Cutter::for_file(header.body_bytes),
+        held: 0,
+    };
     for element in &header.elements {
-        let has_corners =
-            element.properties.iter().any(|(name, p)| is_corners(name) && is_integer_list(&p.data_type));
-        let triangles = likely_triangles(header, element);
-        match element.name.as_str() {
-            "vertex" => builder.read_vertices(&mut body, element)?,
-            "face" if has_corners => {
-                builder.read_faces(&mut body, element, triangles, warnings, Builder::add_polygon)?
-            }
-            "tristrips" if has_corners => {
-                builder.read_faces(&mut body, element, triangles, warnings, Builder::add_strips)?
-            }
+        let corners = element.properties.iter().position(is_corners);
+        match (&element.name[..], corners) {
+            ("vertex", _) => body.read_vertices(element)?,
+            ("face", Some(corners)) => body.read_faces(element, corners, header, Body::add_polygon)?,
+            ("tristrips", Some(corners)) => body.read_faces(element, corners, header, Body::add_strips)?,
             _ => body.skip(element)?,
         }
     }
-    body.note_rest(warnings)?;
-    Ok(builder.mesh)
+    if body.numbers.has_more().map_err(|e| Error::system(path, &e))? {
+        body.warnings.note(Oddity::TrailingData, path, body.numbers.line(), "");
+    }
+    Ok(body.mesh)
 }
 
-fn is_integer_list(data_type: &PropertyType) -> bool {
-    matches!(data_type, PropertyType::List(_, item) if !matches!(item, ScalarType::Float | ScalarType::Double))
+/// Whether a property holds the corners of a face.
+fn is_corners(property: &Property) -> bool {
+    property.count.is_some()
+        && property.item.is_integer()
+        && matches!(&property.name[..], "vertex_indices" | "vertex_index")
 }
 
-/// The bytes of a body and the place in it.
+/// A body on its way into a mesh.
 struct Body<'a, R> {
-    input: &'a mut R,
-    encoding: Encoding,
+    numbers: Numbers<'a, R>,
     path: &'a Path,
-    /// Lines read so far, of a text.
-    line: u64,
-    text: Vec<u8>,
+    budget: &'a Budget,
+    warnings: &'a mut Warnings,
+    mesh: Mesh,
+    /// Vertices that the header declares.
+    vertices: u64,
+    /// Of one face.
+    corners: Vec<i64>,
+    cutter: Cutter,
+    /// Bytes of triangles and corners that the budget was asked for.
+    held: usize,
 }
 
 impl<R: BufRead> Body<'_, R> {
-    /// The element number `index` of its kind.
-    fn element<E: PropertyAccess>(
-        &mut self,
-        parser: &Parser<E>,
-        element: &ElementDef,
-        index: usize,
-    ) -> Result<E, Error> {
-        let read = match self.encoding {
-            Encoding::Ascii => return self.text_element(element, index),
-            Encoding::BinaryLittleEndian => parser.read_little_endian_element(self.input, element),
-            Encoding::BinaryBigEndian => parser.read_big_endian_element(self.input, element),
+    fn error(&self, problem: String, remedy: impl Into<String>) -> Error {
+        Error::data(self.path, self.numbers.line(), problem, remedy)
+    }
+
+    fn hold(&self, bytes: usize) -> Result<(), Error> {
+        self.budget.hold(bytes).map_err(|e| self.error(e.to_string(), Excess::REMEDY))
+    }
+
+    /// What is wrong with element `index`.
+    fn fault(&self, fault: Fault, element: &Element, index: u64) -> Error {
+        let (name, count) = (&element.name, element.count);
+        let problem = match fault {
+            Fault::System(error) => return Error::system(self.path, &error),
+            Fault::TooLong => "a line of more than 16 MiB".to_owned(),
+            Fault::Negative => format!("broken list in `{name}` {index} of {count}"),
+            Fault::End if self.numbers.line().is_some() => {
+                format!("the file ends before `{name}` {index} of {count}")
+            }
+            Fault::End => format!("the file ends in `{name}` {index} of {count}"),
+            Fault::Word => {
+                let properties: Vec<_> = element.properties.iter().map(|p| &p.name[..]).take(16).collect();
+                let problem = format!("bad `{name}` line {}", quoted(self.numbers.text().trim()));
+                return self.error(problem, format!("expected numbers for {}", properties.join(" ")));
+            }
         };
-        read.map_err(|e| {
-            let what = if e.kind() == std::io::ErrorKind::UnexpectedEof {
-                "the file ends in"
-            } else {
-                "broken list in"
+        self.error(problem, "it may have been cut off")
+    }
+
+    fn skip(&mut self, element: &Element) -> Result<(), Error> {
+        for index in 0..element.count {
+            let mut skip = || -> Result<(), Fault> {
+                self.numbers.begin()?;
+                element.properties.iter().try_for_each(|property| self.numbers.skip(property))
             };
-            self.error(
-                format!("{what} `{}` {index} of {}", element.name, element.count),
-                "it may have been cut off",
-            )
-        })
-    }
-
-    fn text_element<E: PropertyAccess>(&mut self, element: &ElementDef, index: usize) -> Result<E, Error> {
-        if !self.next_line()? {
-            let problem = format!("the file ends before `{}` {index} of {}", element.name, element.count);
-            return Err(self.error(problem, "it may have been cut off"));
-        }
-        let text = String::from_utf8_lossy(&self.text);
-        let mut words = text.split_ascii_whitespace();
-        let mut value = E::new();
-        for (name, property) in &element.properties {
-            let property = text_property(&mut words, &property.data_type).ok_or_else(|| {
-                let properties: Vec<_> = element.properties.iter().map(|(name, _)| name.as_str()).collect();
-                let problem = format!("bad `{}` line {}", element.name, quoted(text.trim()));
-                self.error(problem, format!("expected numbers for {}", properties.join(" ")))
-            })?;
-            value.set_property(name, property);
-        }
-        Ok(value)
-    }
-
-    /// Reads the next line that is not blank; `false` at the end.
-    fn next_line(&mut self) -> Result<bool, Error> {
-        loop {
-            self.text.clear();
-            self.line += 1;
-            let n = self.input.take(LONGEST_LINE).read_until(b'\n', &mut self.text);
-            if n.map_err(|e| Error::system(self.path, &e))? == 0 {
-                return Ok(false);
-            }
-            if !self.text.trim_ascii().is_empty() {
-                return Ok(true);
-            }
-        }
-    }
-
-    fn skip(&mut self, element: &ElementDef) -> Result<(), Error> {
-        let parser = Parser::<Skipped>::new();
-        (0..element.count).try_for_each(|i| self.element(&parser, element, i).map(drop))
-    }
-
-    fn note_rest(&mut self, warnings: &mut Warnings) -> Result<(), Error> {
-        let more = match self.encoding {
-            Encoding::Ascii => self.next_line()?,
-            _ => !self.input.fill_buf().map_err(|e| Error::system(self.path, &e))?.is_empty(),
-        };
-        if more {
-            warnings.note(Oddity::TrailingData, self.path, self.text_line(), "");
+            skip().map_err(|fault| self.fault(fault, element, index))?;
         }
         Ok(())
     }
 
-    fn text_line(&self) -> Option<u64> {
-        (self.encoding == Encoding::Ascii).then_some(self.line)
-    }
-
-    fn error(&self, problem: String, remedy: impl Into<String>) -> Error {
-        Error::data(self.path, self.text_line(), problem, remedy)
-    }
-}
-
-/// One property from the words of a line; `None` if a word is missing or no number of its type.
-fn text_property<'a>(
-    words: &mut impl Iterator<Item = &'a str>,
-    data_type: &PropertyType,
-) -> Option<Property> {
-    let mut scalar = |scalar: &ScalarType| -> Option<Property> {
-        let word = words.next()?;
-        Some(match scalar {
-            ScalarType::Float => Property::Float(word.parse().ok()?),
-            ScalarType::Double => Property::Double(word.parse().ok()?),
-            // All integers fit into a double; only colours care how large they may be.
-            ScalarType::UChar => Property::UChar(word.parse().ok()?),
-            ScalarType::UShort => Property::UShort(word.parse().ok()?),
-            ScalarType::Char => Property::Char(word.parse().ok()?),
-            ScalarType::Short => Property::Short(word.parse().ok()?),
-            ScalarType::Int => Property::Int(word.parse().ok()?),
-            ScalarType::UInt => Property::UInt(word.parse().ok()?),
-        })
-    };
-    let integer = |property| match property {
-        Property::Char(x) => Some(i64::from(x)),
-        Property::UChar(x) => Some(i64::from(x)),
-        Property::Short(x) => Some(i64::from(x)),
-        Property::UShort(x) => Some(i64::from(x)),
-        Property::Int(x) => Some(i64::from(x)),
-        Property::UInt(x) => Some(i64::from(x)),
-        _ => None,
-    };
-    match data_type {
-        PropertyType::Scalar(of_type) => scalar(of_type),
-        PropertyType::List(length, item) => {
-            let length = integer(scalar(length)?).filter(|&n| n >= 0)?;
-            let mut list = Vec::new();
-            for _ in 0..length {
-                let value = scalar(item)?;
-                // Lists of floats are never corners: only their length matters.
-                list.extend(integer(value).map(|x| i32::try_from(x).unwrap_or(i32::MAX)));
-            }
-            Some(Property::ListInt(list))
-        }
-    }
-}
-
-/// A mesh in the making.
-struct Builder<'a> {
-    mesh: Mesh,
-    /// Vertices that the header declares.
-    vertices: usize,
-    path: &'a Path,
-    corners: Vec<[f32; 3]>,
-    cut: Vec<[usize; 3]>,
-}
-
-type AddFace<'a, R> = fn(&mut Builder<'a>, &Body<'a, R>, &Face, usize, &mut Warnings) -> Result<(), Error>;
-
-impl<'a> Builder<'a> {
-    fn read_vertices<R: BufRead>(
-        &mut self,
-        body: &mut Body<'a, R>,
-        element: &ElementDef,
-    ) -> Result<(), Error> {
+    fn read_vertices(&mut self, element: &Element) -> Result<(), Error> {
         let columns = Columns::of(element);
         if !columns.positions {
-            return Err(Error::data(
-                self.path,
-                None,
-                "vertices without x, y and z",
-                "expected `property float x` and so on",
-            ));
+            let problem = "vertices without x, y and z";
+            return Err(Error::data(self.path, None, problem, "expected `property float x` and so on"));
         }
-        if element.count > u32::MAX as usize {
-            return Err(Error::data(
-                self.path,
-                None,
-                format!("{} vertices", element.count),
-                "at most 2^32 - 1 are possible",
-            ));
-        }
+        let count = u32::try_from(element.count).ok().filter(|&count| count < u32::MAX);
+        let Some(count) = count.map(|count| count as usize) else {
+            let problem = format!("{} vertices", element.count);
+            return Err(Error::data(self.path, None, problem, "at most 2^32 - 2 are possible"));
+        };
+        self.hold(count.saturating_mul(columns.vertex_bytes()))?;
         let mesh = &mut self.mesh;
-        let reserve = |wanted: bool| if wanted { element.count } else { 0 };
-        mesh.positions.reserve_exact(element.count);
+        let reserve = |wanted: bool| if wanted { count } else { 0 };
+        mesh.positions.reserve_exact(count);
         mesh.normals.reserve_exact(reserve(columns.normals));
         mesh.texcoords.reserve_exact(reserve(columns.texcoords));
         mesh.colors.reserve_exact(reserve(columns.colors));
-        let parser = Parser::<Vertex>::new();
-        for i in 0..element.count {
-            let vertex = body.element(&parser, element, i)?;
+        let slots: Vec<(Slot, &Property)> = element.properties.iter().map(|p| (Slot::of(p), p)).collect();
+        for index in 0..element.count {
+            let vertex = read_vertex(&mut self.numbers, &slots);
+            let vertex = vertex.map_err(|fault| self.fault(fault, element, index))?;
+            let mesh = &mut self.mesh;
             mesh.positions.push(vertex.position);
             mesh.normals.extend(columns.normals.then_some(vertex.normal));
             mesh.texcoords.extend(columns.texcoords.then_some(vertex.texcoord));
@@ -242,63 +149,59 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn read_faces<R: BufRead>(
+    /// Reads faces, whose corners are property number `corners`.
+    fn read_faces(
         &mut self,
-        body: &mut Body<'a, R>,
-        element: &ElementDef,
-        triangles: usize,
-        warnings: &mut Warnings,
-        add: AddFace<'a, R>,
+        element: &Element,
+        corners: usize,
+        header: &Header,
+        add: fn(&mut Self, u64) -> Result<(), Error>,
     ) -> Result<(), Error> {
+        let triangles = likely_triangles(header, element, element.properties[corners].item);
+        self.hold(triangles.saturating_mul(size_of::<[u32; 3]>()))?;
         self.mesh.indices.reserve_exact(triangles);
-        let parser = Parser::<Face>::new();
-        for i in 0..element.count {
-            let face = body.element(&parser, element, i)?;
-            add(self, body, &face, i, warnings)?;
+        self.held = self.face_bytes();
+        for index in 0..element.count {
+            let read = read_face(&mut self.numbers, element, corners, &mut self.corners);
+            read.map_err(|fault| self.fault(fault, element, index))?;
+            add(self, index)?;
+            // One list may be as long as the file.
+            if index.is_multiple_of(ELEMENTS_BETWEEN) || self.corners.len() > ELEMENTS_BETWEEN as usize {
+                let now = self.face_bytes();
+                self.hold(now.saturating_sub(self.held))?;
+                self.held = now.max(self.held);
+            }
         }
         self.mesh.indices.shrink_to_fit();
         Ok(())
     }
 
-    fn add_polygon<R: BufRead>(
-        &mut self,
-        body: &Body<'a, R>,
-        face: &Face,
-        index: usize,
-        warnings: &mut Warnings,
-    ) -> Result<(), Error> {
-        let corners = &face.corners;
+    /// Bytes of triangles and of one face's corners.
+    fn face_bytes(&self) -> usize {
+        12 * self.mesh.indices.capacity() + 8 * self.corners.capacity()
+    }
+
+    fn add_polygon(&mut self, index: u64) -> Result<(), Error> {
+        let corners = &self.corners;
         if let Some(&bad) = corners.iter().find(|&&i| !self.exists(i)) {
-            return Err(self.out_of_range(body, bad, index));
+            return Err(self.out_of_range(bad, index));
         }
-        match corners[..] {
-            [] | [_] | [_, _] => warnings.note(Oddity::ShortFace, self.path, body.text_line(), ""),
-            [a, b, c] => self.mesh.indices.push([a, b, c].map(|i| i as u32)),
-            _ => {
-                self.corners.clear();
-                let positions = &self.mesh.positions;
-                let position = |&i: &i64| positions.get(i as usize).copied().unwrap_or_default();
-                self.corners.extend(corners.iter().map(position));
-                self.cut.clear();
-                polygon::triangulate(&self.corners, &mut self.cut);
-                self.mesh.indices.extend(self.cut.iter().map(|t| t.map(|k| corners[k] as u32)));
-            }
+        if corners.len() < 3 {
+            self.warnings.note(Oddity::ShortFace, self.path, self.numbers.line(), "");
         }
+        let Mesh { positions, indices, .. } = &mut self.mesh;
+        let position = |k: usize| positions.get(corners[k] as usize).copied().unwrap_or_default();
+        self.cutter
+            .cut(corners.len(), position, |triangle| indices.push(triangle.map(|k| corners[k] as u32)));
         Ok(())
     }
 
-    /// Triangle strips; every other triangle of a strip is turned round.
-    fn add_strips<R: BufRead>(
-        &mut self,
-        body: &Body<'a, R>,
-        face: &Face,
-        index: usize,
-        _: &mut Warnings,
-    ) -> Result<(), Error> {
-        if let Some(&bad) = face.corners.iter().find(|&&i| i != -1 && !self.exists(i)) {
-            return Err(self.out_of_range(body, bad, index));
+    /// Triangle strips, -1 between them; every other triangle of a strip is turned round.
+    fn add_strips(&mut self, index: u64) -> Result<(), Error> {
+        if let Some(&bad) = self.corners.iter().find(|&&i| i != -1 && !self.exists(i)) {
+            return Err(self.out_of_range(bad, index));
         }
-        for strip in face.corners.split(|&i| i == -1) {
+        for strip in self.corners.split(|&i| i == -1) {
             let triangles = strip.windows(3).enumerate().map(|(k, t)| match k % 2 {
                 0 => [t[0], t[1], t[2]],
                 _ => [t[1], t[0], t[2]],
@@ -309,27 +212,59 @@ impl<'a> Builder<'a> {
     }
 
     fn exists(&self, index: i64) -> bool {
-        usize::try_from(index).is_ok_and(|i| i < self.vertices)
+        u64::try_from(index).is_ok_and(|i| i < self.vertices)
     }
 
-    fn out_of_range<R: BufRead>(&self, body: &Body<'a, R>, bad: i64, index: usize) -> Error {
+    fn out_of_range(&self, bad: i64, index: u64) -> Error {
         let remedy = match self.vertices {
             0 => "no vertices are declared".to_owned(),
             n => format!("expected 0 to {}", n - 1),
         };
-        body.error(format!("vertex index {bad} out of range in face {index}"), remedy)
+        self.error(format!("vertex index {bad} out of range in face {index}"), remedy)
     }
 }
 
+fn read_vertex<R: BufRead>(
+    numbers: &mut Numbers<'_, R>,
+    slots: &[(Slot, &Property)],
+) -> Result<Vertex, Fault> {
+    numbers.begin()?;
+    let mut vertex = Vertex::NEUTRAL;
+    for &(slot, property) in slots {
+        match slot {
+            Slot::None => numbers.skip(property)?,
+            slot => vertex.set(slot, numbers.float(property.item)?, property.item),
+        }
+    }
+    Ok(vertex)
+}
+
+fn read_face<R: BufRead>(
+    numbers: &mut Numbers<'_, R>,
+    element: &Element,
+    corners: usize,
+    into: &mut Vec<i64>,
+) -> Result<(), Fault> {
+    numbers.begin()?;
+    for (k, property) in element.properties.iter().enumerate() {
+        match property.count {
+            Some(count) if k == corners => {
+                into.clear();
+                for _ in 0..numbers.length(count)? {
+                    into.push(numbers.integer(property.item)?);
+                }
+            }
+            _ => numbers.skip(property)?,
+        }
+    }
+    Ok(())
+}
+
 /// Triangles to take memory for: one per face, but no more than the body has bytes for.
-fn likely_triangles(header: &Header, element: &ElementDef) -> usize {
-    let corner = element.properties.iter().find_map(|(name, p)| match &p.data_type {
-        PropertyType::List(_, item) if is_corners(name) => Some(size(item)),
-        _ => None,
-    });
+fn likely_triangles(header: &Header, element: &Element, corner: Scalar) -> usize {
     let triangle = match header.encoding {
-        Encoding::Ascii => "3 0 1 2\n".len() as u64,
-        _ => least_bytes(element, header.encoding) + 3 * corner.unwrap_or(1),
+        Encoding::Text => "3 0 1 2\n".len() as u64,
+        encoding => element.least_bytes(encoding) + 3 * corner.size() as u64,
     };
-    element.count.min(usize::try_from(header.body_bytes / triangle).unwrap_or(usize::MAX))
+    usize::try_from(element.count.min(header.body_bytes / triangle)).unwrap_or(usize::MAX)
 }

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! PLY headers: checked line by line, then read by `ply-rs-bw`.
+//! PLY headers.
 //! Source: G. Turk, The PLY polygon file format, 1994. Lines end with LF, CRLF or CR; spaces and tabs are alike.
 //! Invariant of [`Header`]: names are unique, every element has a property, list lengths are integers.
 //! Proof: `tests/ply.rs::headers_of_all_kinds`, `tests/broken_files.rs`.
 
+use std::collections::HashSet;
 use std::io::BufRead;
 use std::path::Path;
-
-use ply_rs_bw::parser::Parser;
-use ply_rs_bw::ply::{DefaultElement, ElementDef, Encoding, PropertyType, ScalarType};
 
 use crate::io::Error;
 use crate::io::error::quoted;
@@ -19,11 +17,90 @@ const LONGEST: usize = 1 << 20;
 const TYPES: &str =
     "char int8 uchar uint8 short int16 ushort uint16 int int32 uint uint32 float float32 double float64";
 
+/// How the numbers of a body are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Text,
+    LittleEndian,
+    BigEndian,
+}
+
+/// The type of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn of(name: &str) -> Option<Self> {
+        Some(match name {
+            "char" | "int8" => Self::I8,
+            "uchar" | "uint8" => Self::U8,
+            "short" | "int16" => Self::I16,
+            "ushort" | "uint16" => Self::U16,
+            "int" | "int32" => Self::I32,
+            "uint" | "uint32" => Self::U32,
+            "float" | "float32" => Self::F32,
+            "double" | "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    /// Bytes in a binary file.
+    pub(super) fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    pub(super) fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+}
+
+/// A property of an element: a number, or a list of numbers behind their count.
+#[derive(Clone, Debug)]
+pub(super) struct Property {
+    pub(super) name: String,
+    /// The type of a list's count.
+    pub(super) count: Option<Scalar>,
+    pub(super) item: Scalar,
+}
+
+/// A kind of element and how many there are.
+#[derive(Clone, Debug)]
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+}
+
+impl Element {
+    /// The fewest bytes that one takes.
+    pub(super) fn least_bytes(&self, encoding: Encoding) -> u64 {
+        match encoding {
+            // A digit and what separates it from the next.
+            Encoding::Text => 2 * self.properties.len() as u64,
+            _ => self.properties.iter().map(|p| p.count.unwrap_or(p.item).size() as u64).sum(),
+        }
+    }
+}
+
 /// A header that was checked.
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     /// Elements in the order of the body, without those that have no property and so no bytes.
-    pub(super) elements: Vec<ElementDef>,
+    pub(super) elements: Vec<Element>,
     /// Bytes after the header.
     pub(super) body_bytes: u64,
     /// Lines of the header.
@@ -37,39 +114,23 @@ pub(super) fn read(input: &mut impl BufRead, length: u64, path: &Path) -> Result
     if lines.next()? != "ply" {
         return error(1, "not a PLY file", "expected `ply` in its first line");
     }
-    let mut checker = Checker::default();
-    let mut plain = String::from("ply\n");
+    let mut said = Said::default();
     loop {
         let line = lines.next()?;
-        if let Err((problem, remedy)) = checker.check(&line) {
-            return error(lines.number, &problem, &remedy);
-        }
-        if !line.starts_with("comment") && !line.starts_with("obj_info") && !line.is_empty() {
-            plain.push_str(&line);
-            plain.push('\n');
-        }
         if line == "end_header" {
             break;
         }
+        if let Err((problem, remedy)) = said.line(&line) {
+            return error(lines.number, &problem, &remedy);
+        }
     }
     let (body_bytes, number) = (length.saturating_sub(lines.bytes as u64), lines.number);
-    if !checker.has_format {
-        return error(
-            number,
-            "no `format` line in the header",
-            "expected `format ascii 1.0` or a binary format",
-        );
-    }
-    let parsed = Parser::<DefaultElement>::new().read_ply_header(&mut plain.as_bytes());
-    let Ok(parsed) = parsed else {
-        return error(
-            number,
-            "the header cannot be read",
-            "expected `format`, `element` and `property` lines",
-        );
+    let Some(encoding) = said.encoding else {
+        let remedy = "expected `format ascii 1.0` or a binary format";
+        return error(number, "no `format` line in the header", remedy);
     };
-    let elements = parsed.elements.into_iter().map(|(_, e)| e).filter(|e| !e.properties.is_empty()).collect();
-    Ok(Header { encoding: parsed.encoding, elements, body_bytes, lines: number })
+    let elements = said.elements.into_iter().filter(|e| !e.properties.is_empty()).collect();
+    Ok(Header { encoding, elements, body_bytes, lines: number })
 }
 
 impl Header {
@@ -77,9 +138,9 @@ impl Header {
     pub(super) fn check_length(&self, path: &Path) -> Result<(), Error> {
         let mut left = self.body_bytes;
         for element in &self.elements {
-            let least = least_bytes(element, self.encoding).saturating_mul(element.count as u64);
+            let least = element.least_bytes(self.encoding).saturating_mul(element.count);
             // The last number of a text may end with the file.
-            let slack = u64::from(self.encoding == Encoding::Ascii);
+            let slack = u64::from(self.encoding == Encoding::Text);
             if least > left + slack {
                 let problem = format!(
                     "{} `{}` elements of at least {least} bytes are declared, but only {left} bytes follow",
@@ -90,30 +151,6 @@ impl Header {
             left = left.saturating_sub(least);
         }
         Ok(())
-    }
-}
-
-/// The fewest bytes that one element takes.
-pub(super) fn least_bytes(element: &ElementDef, encoding: Encoding) -> u64 {
-    let properties = element.properties.iter().map(|(_, p)| &p.data_type);
-    match encoding {
-        // A digit and what separates it from the next.
-        Encoding::Ascii => 2 * properties.count() as u64,
-        _ => properties
-            .map(|data_type| match data_type {
-                PropertyType::Scalar(t) | PropertyType::List(t, _) => size(t),
-            })
-            .sum(),
-    }
-}
-
-/// Bytes of a scalar in a binary file.
-pub(super) fn size(scalar: &ScalarType) -> u64 {
-    match scalar {
-        ScalarType::Char | ScalarType::UChar => 1,
-        ScalarType::Short | ScalarType::UShort => 2,
-        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
-        ScalarType::Double => 8,
     }
 }
 
@@ -176,22 +213,26 @@ impl<R: BufRead> HeaderLines<'_, R> {
     }
 }
 
+/// What is wrong with a line and what would be right.
+type Mistake = (String, String);
+
 /// What the lines of a header have said so far.
 #[derive(Default)]
-struct Checker {
-    has_format: bool,
-    elements: Vec<String>,
-    properties: Vec<String>,
+struct Said {
+    encoding: Option<Encoding>,
+    elements: Vec<Element>,
+    element_names: HashSet<String>,
+    /// Of the last element.
+    property_names: HashSet<String>,
 }
 
-impl Checker {
-    /// The error is what is wrong and what would be right.
-    fn check(&mut self, line: &str) -> Result<(), (String, String)> {
+impl Said {
+    fn line(&mut self, line: &str) -> Result<(), Mistake> {
         let words: Vec<&str> = line.split(' ').collect();
         match words[..] {
-            ["" | "comment" | "obj_info", ..] | ["end_header"] => Ok(()),
-            ["format", "ascii" | "binary_little_endian" | "binary_big_endian", "1.0"] if !self.has_format => {
-                self.has_format = true;
+            ["" | "comment" | "obj_info", ..] => Ok(()),
+            ["format", name, "1.0"] if self.encoding.is_none() && encoding(name).is_some() => {
+                self.encoding = encoding(name);
                 Ok(())
             }
             ["format", ..] => Err((
@@ -199,25 +240,26 @@ impl Checker {
                 "expected once `format ascii 1.0`, `format binary_little_endian 1.0` or `format binary_big_endian 1.0`".into(),
             )),
             ["element", name, count] => {
-                let remedy = || "expected `element NAME COUNT`".to_owned();
-                is_name(name).then_some(()).ok_or_else(|| (format!("bad name {}", quoted(name)), remedy()))?;
-                if !count.bytes().all(|b| b.is_ascii_digit()) || count.parse::<usize>().is_err() {
-                    return Err((format!("bad count {}", quoted(count)), remedy()));
-                }
-                self.properties.clear();
-                once(&mut self.elements, name)
+                let digits = count.bytes().all(|b| b.is_ascii_digit());
+                let number = count.parse().ok().filter(|_| digits);
+                let mistake = || (format!("bad count {}", quoted(count)), "expected `element NAME COUNT`".to_owned());
+                let count = number.ok_or_else(mistake)?;
+                once(&mut self.element_names, name)?;
+                self.property_names.clear();
+                self.elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
+                Ok(())
             }
-            ["property", "list", length, item, name] => {
-                is_type(length)?;
-                is_type(item)?;
-                if length.starts_with('f') || length.starts_with('d') {
-                    return Err((format!("list lengths of type {}", quoted(length)), "expected an integer type".into()));
+            ["property", "list", count, item, name] => {
+                let (of_count, item) = (scalar(count)?, scalar(item)?);
+                if !of_count.is_integer() {
+                    let problem = format!("list lengths of type {}", quoted(count));
+                    return Err((problem, "expected an integer type".into()));
                 }
-                self.property(name)
+                self.property(name, Some(of_count), item)
             }
-            ["property", of_type, name] => {
-                is_type(of_type)?;
-                self.property(name)
+            ["property", item, name] => {
+                let item = scalar(item)?;
+                self.property(name, None, item)
             }
             _ => Err((
                 format!("bad header line {}", quoted(line)),
@@ -226,41 +268,33 @@ impl Checker {
         }
     }
 
-    fn property(&mut self, name: &str) -> Result<(), (String, String)> {
-        if self.elements.is_empty() {
-            return Err((
-                "a property before the first element".into(),
-                "expected `element NAME COUNT` first".into(),
-            ));
-        }
-        if !is_name(name) {
-            return Err((
-                format!("bad name {}", quoted(name)),
-                "expected letters, digits, `_` and `-`".into(),
-            ));
-        }
-        once(&mut self.properties, name)
+    fn property(&mut self, name: &str, count: Option<Scalar>, item: Scalar) -> Result<(), Mistake> {
+        let Some(element) = self.elements.last_mut() else {
+            let problem = "a property before the first element";
+            return Err((problem.into(), "expected `element NAME COUNT` first".into()));
+        };
+        once(&mut self.property_names, name)?;
+        element.properties.push(Property { name: name.to_owned(), count, item });
+        Ok(())
     }
 }
 
-fn is_type(word: &str) -> Result<(), (String, String)> {
-    match TYPES.split(' ').any(|t| t == word) {
+fn encoding(name: &str) -> Option<Encoding> {
+    Some(match name {
+        "ascii" => Encoding::Text,
+        "binary_little_endian" => Encoding::LittleEndian,
+        "binary_big_endian" => Encoding::BigEndian,
+        _ => return None,
+    })
+}
+
+fn scalar(word: &str) -> Result<Scalar, Mistake> {
+    Scalar::of(word).ok_or_else(|| (format!("unknown type {}", quoted(word)), format!("valid are {TYPES}")))
+}
+
+fn once(seen: &mut HashSet<String>, name: &str) -> Result<(), Mistake> {
+    match seen.insert(name.to_owned()) {
         true => Ok(()),
-        false => Err((format!("unknown type {}", quoted(word)), format!("valid are {TYPES}"))),
+        false => Err((format!("{} is declared twice", quoted(name)), "names must differ".into())),
     }
-}
-
-/// Names that `ply-rs-bw` takes.
-fn is_name(word: &str) -> bool {
-    let mut bytes = word.bytes();
-    bytes.next().is_some_and(|b| b.is_ascii_alphabetic() || b == b'_')
-        && bytes.all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-')
-}
-
-fn once(seen: &mut Vec<String>, name: &str) -> Result<(), (String, String)> {
-    if seen.iter().any(|s| s == name) {
-        return Err((format!("{} is declared twice", quoted(name)), "names must differ".into()));
-    }
-    seen.push(name.to_owned());
-    Ok(())
 }

@@ -2,40 +2,44 @@
 //! Stanford PLY: text, little and big endian.
 //! Source: G. Turk, The PLY polygon file format, 1994; names of properties as written by common programs.
 //!
-//! `ply-rs-bw` reads the header and binary elements. Two things are done before it: the header is checked line by line
-//! (it neither refuses twice the same name nor names all types), and declared counts are compared with the file's length.
-//! Text elements are read here (see `body`): its grammar knows neither `nan` nor `.5`.
+//! ```text
+//! file -> header (elements, properties) -> Numbers (one after the other, in any encoding) -> Body -> one mesh
+//! ```
 //!
+//! Declared counts are compared with the file's length before memory is taken for them.
 //! Vertex colours: integers are sRGB-encoded, floats are linear. The mesh gets one grey matte material.
 //! Proof: `tests/ply.rs`, `tests/{broken_files,mutations,benchmark_scenes}.rs`.
 
 mod body;
+mod columns;
 mod header;
-mod record;
+mod numbers;
 
 use std::io::BufReader;
 use std::path::Path;
 
 use super::clean::clean;
-use super::{Error, Loaded, Oddity, Warnings, source};
+use super::source::{self, Access};
+use super::{Error, Loaded, Oddity, Warnings};
 use crate::affine::Affine;
 use crate::material::Material;
-use crate::mesh::Mesh;
 use crate::scene::Scene;
 
 /// Albedo of a mesh that has no material.
 const ALBEDO: f32 = 0.6;
 
 /// Loads a PLY file as one mesh.
-pub(super) fn load(path: &Path) -> Result<Loaded, Error> {
+pub(super) fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     let (file, length) = source::open(path)?;
+    access.budget.add_file(length);
     let mut input = BufReader::with_capacity(1 << 16, std::io::Read::take(file, length));
     let mut warnings = Warnings::default();
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
 
     let header = header::read(&mut input, length, path)?;
     header.check_length(path)?;
-    let mut mesh = Mesh { name: name.clone(), ..body::read(&mut input, &header, path, &mut warnings)? };
+    let mut mesh = body::read(&mut input, &header, path, &access.budget, &mut warnings)?;
+    mesh.name.clone_from(&name);
     clean(&mut mesh, path, &mut warnings);
 
     let mut scene = Scene::new();

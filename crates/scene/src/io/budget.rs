@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What reading a scene may cost, in memory and in work, from the lengths of its files.
+//! Source: original. Invariants: memory is asked for before it is taken; what is held at once stays below
+//! [`BELIEVED`] or, for long files, below [`GROWTH`] bytes for each byte of them ([`PICTURE_GROWTH`] for pictures);
+//! all bytes ever looked at stay below [`WORK`] or [`WORK_GROWTH`] times the files' own, so that no short file takes long.
+//! Proof: `tests`, and `tests/growth.rs`, which counts every allocation.
+
+use std::cell::Cell;
+use std::fmt;
+
+/// Bytes that may be held however short the files are.
+const BELIEVED: u64 = 560 << 20;
+/// Bytes that each byte of a scene file or buffer may become beyond that.
+const GROWTH: u64 = 16;
+/// Bytes that each byte of a picture's file may become beyond that: flat pictures take next to nothing.
+const PICTURE_GROWTH: u64 = 64;
+/// Bytes that may be looked at however short the files are.
+const WORK: u64 = 1 << 30;
+/// Bytes that may be looked at for each byte of the files beyond that.
+const WORK_GROWTH: u64 = 64;
+/// Files that a scene may name: each is looked for on the disk.
+const MOST_FILES: u32 = 1 << 16;
+
+/// What a scene's files have cost so far.
+#[derive(Debug, Default)]
+pub(crate) struct Budget {
+    /// Bytes that the files account for.
+    accounted: Cell<u64>,
+    length: Cell<u64>,
+    held: Cell<u64>,
+    worked: Cell<u64>,
+    files: Cell<u32>,
+}
+
+/// More than the files account for; `Display` says what of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Excess {
+    /// So many bytes at once are the limit.
+    Memory(u64),
+    /// So many bytes looked at are the limit.
+    Work(u64),
+    /// Too many files are named.
+    Files,
+}
+
+impl Excess {
+    /// What would be right.
+    pub(crate) const REMEDY: &'static str = "leave out what is not needed, or divide the scene";
+}
+
+impl fmt::Display for Excess {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Memory(limit) => {
+                write!(f, "more memory is asked for than a file of this length may take, {} MiB", limit >> 20)
+            }
+            Self::Work(limit) => {
+                let limit = limit >> 20;
+                write!(
+                    f,
+                    "the same data is used too often: {limit} MiB of it may be looked at in a file of this length"
+                )
+            }
+            Self::Files => write!(f, "more than {MOST_FILES} files are named"),
+        }
+    }
+}
+
+impl Budget {
+    /// Notes that a file of so many bytes was read.
+    pub(crate) fn add_file(&self, bytes: u64) {
+        self.add(bytes, GROWTH);
+    }
+
+    /// Notes that a picture of so many bytes was read.
+    pub(crate) fn add_picture(&self, bytes: u64) {
+        self.add(bytes, PICTURE_GROWTH);
+    }
+
+    fn add(&self, bytes: u64, growth: u64) {
+        self.accounted.set(self.accounted.get().saturating_add(bytes.saturating_mul(growth)));
+        self.length.set(self.length.get().saturating_add(bytes));
+    }
+
+    fn limit(&self) -> u64 {
+        self.accounted.get().max(BELIEVED)
+    }
+
+    /// Bytes that may still be held.
+    pub(crate) fn left(&self) -> u64 {
+        self.limit().saturating_sub(self.held.get())
+    }
+
+    /// Allows `bytes` more to be held.
+    pub(crate) fn hold(&self, bytes: usize) -> Result<(), Excess> {
+        let bytes = bytes as u64;
+        if bytes > self.left() {
+            return Err(Excess::Memory(self.limit()));
+        }
+        self.held.set(self.held.get() + bytes);
+        Ok(())
+    }
+
+    /// What is held now.
+    pub(crate) fn held(&self) -> u64 {
+        self.held.get()
+    }
+
+    /// Takes back all that was held since [`held`](Self::held) said `before`.
+    pub(crate) fn settle(&self, before: u64) {
+        self.held.set(before.min(self.held.get()));
+    }
+
+    /// Takes back `bytes` that were held.
+    pub(crate) fn release(&self, bytes: usize) {
+        self.held.set(self.held.get().saturating_sub(bytes as u64));
+    }
+
+    /// Allows `bytes` more to be looked at.
+    pub(crate) fn work(&self, bytes: usize) -> Result<(), Excess> {
+        let worked = self.worked.get().saturating_add(bytes as u64);
+        let limit = self.length.get().saturating_mul(WORK_GROWTH).max(WORK);
+        if worked > limit {
+            return Err(Excess::Work(limit));
+        }
+        self.worked.set(worked);
+        Ok(())
+    }
+
+    /// Allows one more file to be looked for.
+    pub(crate) fn name_file(&self) -> Result<(), Excess> {
+        if self.files.get() == MOST_FILES {
+            return Err(Excess::Files);
+        }
+        self.files.set(self.files.get() + 1);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_grow_with_files() {
+        let budget = Budget::default();
+        let believed = BELIEVED as usize;
+        budget.hold(believed).expect("a short file is believed so much");
+        assert_eq!(budget.hold(1), Err(Excess::Memory(BELIEVED)), "and no more");
+        budget.add_file(BELIEVED / GROWTH + 1);
+        budget.hold(GROWTH as usize).expect("a long file may take more");
+        budget.hold(1).expect_err("but not any amount");
+        budget.release(believed);
+        budget.hold(believed).expect("what was given back can be taken again");
+        budget.work(WORK as usize).expect("much may be looked at");
+        assert!(matches!(budget.work(usize::MAX), Err(Excess::Work(_))), "but not all the time");
+    }
+
+    #[test]
+    fn files_are_counted() {
+        let budget = Budget::default();
+        (0..MOST_FILES).for_each(|_| budget.name_file().expect("files up to the limit"));
+        let line = budget.name_file().expect_err("one too many").to_string();
+        assert!(line.contains("65536 files"), "{line}");
+    }
+}

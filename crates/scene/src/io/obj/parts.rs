@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The faces of an OBJ file by their materials: one mesh for each material that has any.
+//! Source: original. A vertex of a mesh is a corner (position, texture coordinate, normal); corners that are alike are one
+//! vertex, numbered in the order of their first faces. Cost: a look into a table for each corner.
+//! Proof: `tests/obj.rs::{groups_become_one_mesh_per_material, corners_that_are_alike_are_one_vertex}`.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use crate::id::MaterialId;
+use crate::io::clean::clean;
+use crate::io::polygon::Cutter;
+use crate::io::{Oddity, Warnings};
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+
+/// Stands for a texture coordinate or a normal that a corner does not have.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Places of a corner's position, texture coordinate and normal in the lists, from 0.
+pub(super) type Corner = [u32; 3];
+
+/// What `v`, `vt` and `vn` statements have listed.
+#[derive(Default)]
+pub(super) struct Lists {
+    pub(super) positions: Vec<[f32; 3]>,
+    /// As many as positions, or none.
+    pub(super) colors: Vec<[f32; 3]>,
+    pub(super) texcoords: Vec<[f32; 2]>,
+    pub(super) normals: Vec<[f32; 3]>,
+}
+
+impl Lists {
+    pub(super) fn memory_bytes(&self) -> usize {
+        12 * (self.positions.capacity() + self.colors.capacity() + self.normals.capacity())
+            + 8 * self.texcoords.capacity()
+    }
+}
+
+/// The faces of one material.
+#[derive(Default)]
+struct Part {
+    /// The corner that each vertex is.
+    vertices: Vec<Corner>,
+    triangles: Vec<[u32; 3]>,
+}
+
+/// The faces of all materials.
+#[derive(Default)]
+pub(super) struct Parts {
+    /// By the materials' numbers.
+    parts: Vec<Part>,
+    /// Vertices by part and corner.
+    vertices: HashMap<(u32, Corner), u32>,
+    /// The vertices of one face.
+    ring: Vec<u32>,
+    bytes: usize,
+}
+
+impl Parts {
+    /// About as many bytes as are held.
+    pub(super) fn memory_bytes(&self) -> usize {
+        // A table keeps a byte beside each place, an eighth of them empty.
+        self.bytes + self.parts.capacity() * size_of::<Part>() + self.vertices.capacity() * 24
+    }
+
+    /// Adds a face of at least three corners, cut into triangles.
+    pub(super) fn add_face(
+        &mut self,
+        material: usize,
+        corners: &[Corner],
+        lists: &Lists,
+        cutter: &mut Cutter,
+    ) {
+        if self.parts.len() <= material {
+            self.parts.resize_with(material + 1, Part::default);
+        }
+        let part = &mut self.parts[material];
+        let before = part.vertices.capacity() + part.triangles.capacity();
+        self.ring.clear();
+        for &corner in corners {
+            let vertex = *self.vertices.entry((material as u32, corner)).or_insert_with(|| {
+                part.vertices.push(corner);
+                (part.vertices.len() - 1) as u32
+            });
+            self.ring.push(vertex);
+        }
+        let ring = &self.ring;
+        let position = |k: usize| lists.positions[corners[k][0] as usize];
+        cutter.cut(ring.len(), position, |triangle| part.triangles.push(triangle.map(|k| ring[k])));
+        self.bytes += size_of::<Corner>() * (part.vertices.capacity() + part.triangles.capacity() - before);
+    }
+
+    /// The meshes that have triangles, cleaned; `materials` are those of the scene by their numbers.
+    pub(super) fn into_meshes(
+        self,
+        lists: &Lists,
+        materials: &[MaterialId],
+        scene: &Scene,
+        path: &Path,
+        warnings: &mut Warnings,
+    ) -> Vec<Mesh> {
+        let Self { parts, vertices, .. } = self;
+        drop(vertices);
+        let mut meshes = Vec::new();
+        for (part, &material) in parts.into_iter().zip(materials) {
+            if part.vertices.len() > u32::MAX as usize {
+                // Indices of 32 bits end here; no file of a size that fits today's disks comfortably gets so far.
+                warnings.note(Oddity::NotShown, path, None, "more than 2^32 vertices of one material");
+                continue;
+            }
+            let mut mesh = part.into_mesh(lists);
+            mesh.material = material;
+            mesh.name.clone_from(&scene.material(material).name);
+            clean(&mut mesh, path, warnings);
+            if !mesh.indices.is_empty() {
+                meshes.push(mesh);
+            }
+        }
+        meshes
+    }
+}
+
+impl Part {
+    fn into_mesh(self, lists: &Lists) -> Mesh {
+        let vertices = &self.vertices;
+        let mut mesh = Mesh {
+            positions: vertices.iter().map(|c| lists.positions[c[0] as usize]).collect(),
+            ..Mesh::default()
+        };
+        // Whoever has none among those that have some gets zeros, which say nothing.
+        if vertices.iter().any(|c| c[1] != NONE) {
+            let texcoord = |c: &Corner| lists.texcoords.get(c[1] as usize).copied().unwrap_or_default();
+            mesh.texcoords = vertices.iter().map(texcoord).collect();
+        }
+        if vertices.iter().any(|c| c[2] != NONE) {
+            let normal = |c: &Corner| lists.normals.get(c[2] as usize).copied().unwrap_or_default();
+            mesh.normals = vertices.iter().map(normal).collect();
+        }
+        if !lists.colors.is_empty() {
+            let color = |c: &Corner| {
+                let [r, g, b] = lists.colors[c[0] as usize];
+                [r, g, b, 1.0]
+            };
+            mesh.colors = vertices.iter().map(color).collect();
+        }
+        mesh.indices = self.triangles;
+        mesh.indices.shrink_to_fit();
+        mesh
+    }
+}

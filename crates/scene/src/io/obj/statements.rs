@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! OBJ statements, one by one, into the lists of the file and the parts of its materials.
+//! Source: Wavefront, Advanced Visualizer manual, appendix B1.
+//! Invariant: a corner that reaches a part exists. Memory: the lists, the parts, one statement; the budget is asked
+//! every [`STATEMENTS_BETWEEN`] statements. Proof: `tests/obj.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
+
+use std::io::BufRead;
+use std::path::Path;
+
+use super::mtl::Library;
+use super::parts::{Corner, Lists, NONE, Parts};
+use crate::io::budget::Excess;
+use crate::io::error::quoted;
+use crate::io::lines::LogicalLines;
+use crate::io::polygon::Cutter;
+use crate::io::source::Access;
+use crate::io::{Error, Oddity, Warnings};
+
+/// Statements after which the budget is asked again.
+const STATEMENTS_BETWEEN: u64 = 1 << 13;
+
+/// What the statements of a file have said.
+pub(super) struct Statements<'a> {
+    path: &'a Path,
+    access: &'a Access,
+    pub(super) lists: Lists,
+    pub(super) parts: Parts,
+    pub(super) library: Library,
+    /// Number of the material that faces get now.
+    material: usize,
+    /// Whether any statement was an OBJ one.
+    recognised: bool,
+    count: u64,
+    /// Bytes that the budget was asked for.
+    held: usize,
+    corners: Vec<Corner>,
+    cutter: Cutter,
+}
+
+impl<'a> Statements<'a> {
+    /// Reads all lines of the file at `path`, which has `length` bytes.
+    pub(super) fn read<R: BufRead>(
+        mut lines: LogicalLines<R>,
+        path: &'a Path,
+        length: u64,
+        access: &'a Access,
+        warnings: &mut Warnings,
+    ) -> Result<Self, Error> {
+        let mut said = Self {
+            path,
+            access,
+            lists: Lists::default(),
+            parts: Parts::default(),
+            library: Library::default(),
+            material: 0,
+            recognised: false,
+            count: 0,
+            held: 0,
+            corners: Vec::new(),
+            cutter: Cutter::for_file(length),
+        };
+        while let Some((line, text)) = lines.next()? {
+            said.statement(&Place { path, line }, text, warnings)?;
+            said.count += 1;
+            if said.count.is_multiple_of(STATEMENTS_BETWEEN) {
+                said.hold()?;
+            }
+        }
+        said.hold()?;
+        if said.count > 0 && !said.recognised {
+            let remedy = "expected lines such as `v X Y Z` and `f 1 2 3`";
+            return Err(Error::data(path, Some(1), "no OBJ statement in this file", remedy));
+        }
+        Ok(said)
+    }
+
+    /// Asks the budget for what was taken since it was asked last.
+    fn hold(&mut self) -> Result<(), Error> {
+        let now = self.lists.memory_bytes() + self.parts.memory_bytes();
+        if now > self.held {
+            let excess = |e: Excess| Error::data(self.path, None, e.to_string(), Excess::REMEDY);
+            self.access.budget.hold(now - self.held).map_err(excess)?;
+            self.held = now;
+        }
+        Ok(())
+    }
+
+    fn statement(&mut self, place: &Place<'_>, text: &str, warnings: &mut Warnings) -> Result<(), Error> {
+        let (keyword, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+        match keyword {
+            "v" => self.position(rest, place, warnings)?,
+            "vt" => {
+                let texcoord = attribute::<2>(rest, place, warnings);
+                self.lists.texcoords.push(texcoord);
+            }
+            "vn" => {
+                let normal = attribute::<3>(rest, place, warnings);
+                self.lists.normals.push(normal);
+            }
+            "f" | "fo" => self.face(rest, place, warnings)?,
+            "l" | "p" => warnings.note(Oddity::PointsOrLines, place.path, Some(place.line), ""),
+            "mtllib" => self.library.read(place.path, place.line, rest.trim(), self.access, warnings)?,
+            "usemtl" => self.material = self.library.number_of(rest.trim(), place.path, place.line, warnings),
+            "o" | "g" | "s" => {}
+            _ => return Ok(()),
+        }
+        self.recognised = true;
+        Ok(())
+    }
+
+    fn position(&mut self, rest: &str, place: &Place<'_>, warnings: &mut Warnings) -> Result<(), Error> {
+        const REMEDY: &str = "expected `v X Y Z`, `v X Y Z W` or `v X Y Z R G B`";
+        let mut numbers = [1.0_f32; 6];
+        let mut count = 0;
+        for token in values(rest).take(7) {
+            let x =
+                number(token).ok_or_else(|| place.error(format!("bad number {}", quoted(token)), REMEDY))?;
+            if let Some(slot) = numbers.get_mut(count) {
+                *slot = x;
+            }
+            count += 1;
+        }
+        if count < 3 {
+            return Err(place.error(format!("a vertex of {count} numbers"), REMEDY));
+        }
+        let [x, y, z, r, g, b] = numbers;
+        let lists = &mut self.lists;
+        if lists.positions.len() >= NONE as usize {
+            return Err(place.error("more than 2^32 - 1 vertices".into(), "divide the file"));
+        }
+        // The first vertex says whether vertices have colours.
+        let colored = if lists.positions.is_empty() { count >= 6 } else { !lists.colors.is_empty() };
+        if colored {
+            if count < 6 {
+                let detail = "a vertex without colour among coloured ones";
+                warnings.note(Oddity::BadAttribute, place.path, Some(place.line), detail);
+            }
+            lists.colors.push(if count < 6 { [1.0; 3] } else { [r, g, b] });
+        }
+        lists.positions.push([x, y, z]);
+        Ok(())
+    }
+
+    fn face(&mut self, rest: &str, place: &Place<'_>, warnings: &mut Warnings) -> Result<(), Error> {
+        let corners = &mut self.corners;
+        corners.clear();
+        let (mut texcoords, mut normals) = (true, true);
+        let (mut bad_texcoord, mut bad_normal) = (false, false);
+        for token in values(rest) {
+            let [v, t, n] = corner(token, place)?;
+            let position = resolve_position(v, self.lists.positions.len(), place)?;
+            let texcoord = resolve(t, self.lists.texcoords.len());
+            let normal = resolve(n, self.lists.normals.len());
+            bad_texcoord |= t.is_some() && texcoord.is_none();
+            bad_normal |= n.is_some() && normal.is_none();
+            texcoords &= texcoord.is_some();
+            normals &= normal.is_some();
+            corners.push([position, texcoord.unwrap_or(NONE), normal.unwrap_or(NONE)]);
+        }
+        let mut note = |oddity| warnings.note(oddity, place.path, Some(place.line), "");
+        if bad_texcoord {
+            note(Oddity::TexcoordOutOfRange);
+        }
+        if bad_normal {
+            note(Oddity::NormalOutOfRange);
+        }
+        if corners.len() < 3 {
+            note(Oddity::ShortFace);
+            return Ok(());
+        }
+        // A face has texture coordinates, or normals, in all of its corners or in none.
+        for [_, texcoord, normal] in corners.iter_mut() {
+            *texcoord = if texcoords { *texcoord } else { NONE };
+            *normal = if normals { *normal } else { NONE };
+        }
+        self.parts.add_face(self.material, corners, &self.lists, &mut self.cutter);
+        Ok(())
+    }
+}
+
+/// Where a statement stands.
+struct Place<'a> {
+    path: &'a Path,
+    line: u64,
+}
+
+impl Place<'_> {
+    fn error(&self, problem: String, remedy: impl Into<String>) -> Error {
+        Error::data(self.path, Some(self.line), problem, remedy)
+    }
+}
+
+/// The values of a statement up to a comment.
+fn values(rest: &str) -> impl Iterator<Item = &str> {
+    rest.split_whitespace().take_while(|token| !token.starts_with('#'))
+}
+
+/// A number as C programs print it; those of Microsoft's `1.#IND` kind are NaN.
+fn number(token: &str) -> Option<f32> {
+    match token.parse() {
+        Ok(x) => Some(x),
+        Err(_) if token.contains(".#") || token.trim_start_matches('-').starts_with("nan(") => Some(f32::NAN),
+        Err(_) => None,
+    }
+}
+
+/// `vt` and `vn`: what is missing or no number is 0, which says nothing.
+fn attribute<const N: usize>(rest: &str, place: &Place<'_>, warnings: &mut Warnings) -> [f32; N] {
+    let mut numbers = [0.0; N];
+    let mut good = values(rest).next().is_some();
+    for (slot, token) in numbers.iter_mut().zip(values(rest)) {
+        let x = number(token).filter(|x| x.is_finite());
+        good &= x.is_some();
+        *slot = x.unwrap_or(0.0);
+    }
+    if !good {
+        warnings.note(Oddity::BadAttribute, place.path, Some(place.line), quoted(rest));
+    }
+    numbers
+}
+
+/// `v`, `v/t`, `v//n` or `v/t/n` as written.
+fn corner(token: &str, place: &Place<'_>) -> Result<[Option<i64>; 3], Error> {
+    let bad =
+        || place.error(format!("bad corner {}", quoted(token)), "expected `V`, `V/VT`, `V//VN` or `V/VT/VN`");
+    let mut indices = [None; 3];
+    for (k, part) in token.split('/').enumerate() {
+        let slot = indices.get_mut(k).ok_or_else(bad)?;
+        if k == 0 || !part.is_empty() {
+            *slot = Some(part.parse::<i64>().map_err(|_| bad())?);
+        }
+    }
+    Ok(indices)
+}
+
+fn resolve_position(index: Option<i64>, count: usize, place: &Place<'_>) -> Result<u32, Error> {
+    resolve(index, count).ok_or_else(|| {
+        let problem = format!("vertex index {} out of range", index.unwrap_or(0));
+        let remedy = match count {
+            0 => "no vertex is defined before this line".to_owned(),
+            n => format!("expected 1 to {n} or -{n} to -1"),
+        };
+        place.error(problem, remedy)
+    })
+}
+
+/// A position in a list of `count` values, from 0; in the file indices count from 1, or from the list's end if negative.
+fn resolve(index: Option<i64>, count: usize) -> Option<u32> {
+    let count = i64::try_from(count).ok()?;
+    let index = match index? {
+        i if i < 0 => i.checked_add(count)?,
+        i => i - 1,
+    };
+    (0..count).contains(&index).then_some(index).and_then(|i| u32::try_from(i).ok()).filter(|&i| i != NONE)
+}

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a scene may do while it is loaded. Source: original. Proof: `tests/confine.rs`.
+
+use std::path::PathBuf;
+
+/// What a scene may do while it is loaded.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// The folder below which the files that the scene names (libraries, textures, buffers) must lie, links followed;
+    /// `None` = anywhere. The scene's own file is the caller's choice.
+    pub confine: Option<PathBuf>,
+}
