@@ -4,7 +4,4 @@
 
 use libfuzzer_sys::fuzz_target;
 
-#[path = "../../bindings/openrt/tests/calls/mod.rs"]
-mod calls;
-
-fuzz_target!(|bytes: &[u8]| calls::run(bytes));
+fuzz_target!(|bytes: &[u8]| OpenRT::random::run(bytes));

@@ -1,34 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The context: the state machine that all calls read and change. Each noun's calls are in its own file.
+//! The context: the state machine that all calls read and change. The calls are in `calls`, a file for each noun.
 //! Source: \[DWBS03\], OpenGL 1.x. Invariant: a call that fails has changed nothing; the first error stays until read.
 //! Proof: tests/state_machine.rs (random calls); the C programs of tests/c.
 
 use std::sync::Arc;
 
-use crate::block::{Assembly, Block};
-use crate::camera::View;
-use crate::class::Kind;
-use crate::current::Current;
-use crate::enums::SceneMode;
-use crate::error::{Error, Result};
-use crate::frame::{Frame, Limits};
-use crate::framebuffer::FrameBuffer;
-use crate::instance::Instances;
-use crate::object::{Objects, OpenObject};
-use crate::progressive::{Sampling, Seen};
-use crate::shader::{Bound, Shaders};
-use crate::shader_class::{Classes, LoadedClass};
-use crate::stacks::Stacks;
+use gnurt_plugins::host::Kind;
+
+use crate::frame::Frame;
 use crate::stage::Stage;
-use crate::texture::Textures;
-use crate::usage::Usage;
+use crate::state::block::{Assembly, Block};
+use crate::state::camera::View;
+use crate::state::current::Current;
+use crate::state::enums::SceneMode;
+use crate::state::error::{Error, Result};
+use crate::state::framebuffer::FrameBuffer;
+use crate::state::instance::Instances;
+use crate::state::object::{Objects, OpenObject};
+use crate::state::progress::Seen;
+use crate::state::report::Listener;
+use crate::state::sampling::{Limits, Sampling};
+use crate::state::shader::{Bound, Shaders};
+use crate::state::shader_class::{Classes, LoadedClass};
+use crate::state::stacks::Stacks;
+use crate::state::texture::Textures;
+use crate::state::usage::Usage;
 
 /// Everything that the API remembers.
-pub struct Context {
+pub(crate) struct Context {
     /// The first error since the program last asked.
     error: Option<Error>,
     /// Who wants to hear of every error.
-    pub(crate) listener: Option<crate::report::Listener>,
+    pub(crate) listener: Option<Listener>,
     /// Threads to render with; 0 = one per core.
     pub(crate) threads: usize,
     pub(crate) stacks: Stacks,
@@ -93,7 +96,7 @@ impl Default for Context {
 impl Context {
     /// A context as rtInit makes it, following the `--rt-*` arguments among `arguments`; others are not looked at.
     #[must_use]
-    pub fn with_arguments<'a>(arguments: impl Iterator<Item = &'a [u8]>) -> Self {
+    pub(crate) fn with_arguments<'a>(arguments: impl Iterator<Item = &'a [u8]>) -> Self {
         let mut context = Self::default();
         for argument in arguments {
             let count = argument.strip_prefix(b"--rt-threads=").map(String::from_utf8_lossy);
@@ -103,18 +106,18 @@ impl Context {
     }
 
     /// Notes an error if none is noted yet.
-    pub fn record(&mut self, error: Error) {
+    pub(crate) fn record(&mut self, error: Error) {
         self.error.get_or_insert(error);
     }
 
     /// rtGetError: the code of the noted error, which is forgotten.
-    pub fn take_error(&mut self) -> Result<u32> {
+    pub(crate) fn take_error(&mut self) -> Result<u32> {
         self.outside_block()?;
         Ok(self.error.take().map_or(Error::NONE_CODE, Error::code))
     }
 
     /// rtExit, before the context is dropped: waits for the frame in flight.
-    pub fn exit(&mut self) -> Result<()> {
+    pub(crate) fn exit(&mut self) -> Result<()> {
         self.outside_block()?;
         self.end_frame();
         Ok(())

@@ -2,8 +2,7 @@
 //! The door between C and the safe state machine: the one context behind a mutex, pointers, and context calls.
 //! Source: original. Every exported function goes through [`perform`]: it takes the lock, makes the context if there is
 //! none, notes errors, and lets no panic cross to C. A shader that calls the library while the library waits for it is
-//! turned away. Pointers become options here; the state machine decides when a
-//! null pointer is an error, because other errors come first.
+//! turned away.
 //! Proof: the C programs of tests/c; bindings/openrt/tests/symbols.rs (exactly the functions of the header).
 
 use std::cell::Cell;
@@ -12,9 +11,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, LazyLock};
 
 use crate::context::Context;
-use crate::error::{Error, Result, Writer};
 use crate::ffi_lock::{Biased, Guard};
-use crate::report;
+use crate::ffi_pointers::{text, writer};
+use crate::state::error::{Error, Result, Writer};
+use crate::state::report;
 
 static CONTEXT: Biased<Option<Context>> = Biased::new(None);
 
@@ -100,7 +100,7 @@ macro_rules! call {
         $crate::ffi::perform(
             || {
                 let arguments: &[String] =
-                    &[$($crate::report::Shown::text(&$argument, stringify!($argument))),*];
+                    &[$($crate::state::report::Shown::text(&$argument, stringify!($argument))),*];
                 format!("{}({})", stringify!($name), arguments.join(", "))
             },
             $on_error,
@@ -126,43 +126,11 @@ macro_rules! id_functions {
     ($($name:ident($($argument:ident: $type:ty),*) => |$context:ident| $work:expr;)*) => {$(
         #[unsafe(no_mangle)]
         extern "C" fn $name($($argument: $type),*) -> u32 {
-            $crate::ffi::call!($name($($argument),*), $crate::ids::RT_INVALID, |$context| $work)
+            $crate::ffi::call!($name($($argument),*), $crate::state::ids::RT_INVALID, |$context| $work)
         }
     )*};
 }
 pub(crate) use id_functions;
-
-/// The array at `pointer`, or `None` if it is null.
-///
-/// # Safety
-/// A pointer that is not null points to `N` readable values; they need not be aligned.
-#[inline]
-pub(crate) unsafe fn array<T: Copy, const N: usize>(pointer: *const T) -> Option<[T; N]> {
-    // SAFETY: the caller vouches for N values behind a pointer that is not null.
-    (!pointer.is_null()).then(|| unsafe { pointer.cast::<[T; N]>().read_unaligned() })
-}
-
-/// The text at `pointer`, or `None` if it is null.
-///
-/// # Safety
-/// A pointer that is not null points to a text that ends with a zero byte and does not change while the result lives.
-pub(crate) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
-    // SAFETY: the caller vouches for the text.
-    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
-}
-
-/// What copies values to `pointer`, or `None` if it is null.
-///
-/// # Safety
-/// A pointer that is not null points to room for all values that will be written; it need not be aligned.
-pub(crate) unsafe fn writer<T: Copy>(pointer: *mut T) -> Option<impl FnMut(&[T])> {
-    let write = move |values: &[T]| {
-        let bytes = size_of_val(values);
-        // SAFETY: the caller vouches for the room, and values of ours do not overlap the program's memory.
-        unsafe { values.as_ptr().cast::<u8>().copy_to_nonoverlapping(pointer.cast::<u8>(), bytes) }
-    };
-    (!pointer.is_null()).then_some(write)
-}
 
 /// `--rt-` arguments, taken out of the program's list.
 ///

@@ -4,9 +4,9 @@
 
 use std::sync::Arc;
 
-use crate::camera::Volume;
+use crate::calls::camera::Volume;
 use crate::ffi::{call, procedures};
-use crate::framebuffer::{FrameMemory, RT_IN_FLIGHT_BIT, RT_NEXT_FRAME_BIT};
+use crate::state::framebuffer::{FrameMemory, RT_IN_FLIGHT_BIT, RT_NEXT_FRAME_BIT};
 
 /// A program's frame buffer.
 struct ProgramMemory(*mut u8);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Exported calls: matrices. Source: original. Proof: tests/c/scene.c.
 
-use crate::ffi::{array, call, procedures};
-use crate::matrix::Matrix;
+use crate::ffi::{call, procedures};
+use crate::ffi_pointers::array;
+use crate::state::matrix::Matrix;
 
 procedures! {
     rtMatrixMode(mode: u32) => |context| context.matrix_mode(mode);

@@ -2,8 +2,9 @@
 //! Exported calls: objects, instances, blocks, and the questions whether an id exists. Source: original.
 //! Proof: tests/c/scene.c.
 
-use crate::error::Writer;
-use crate::ffi::{call, id_functions, procedures, writer};
+use crate::ffi::{call, id_functions, procedures};
+use crate::ffi_pointers::writer;
+use crate::state::error::Writer;
 
 id_functions! {
     rtGenObjects(count: i32) => |context| context.gen_objects(count);

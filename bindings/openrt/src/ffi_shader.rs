@@ -4,10 +4,11 @@
 
 use std::ffi::{c_char, c_void};
 
-use crate::error::Writer;
-use crate::ffi::{array, call, id_functions, procedures, text, writer};
-use crate::ids::RT_INVALID;
-use crate::parameter::Given;
+use crate::ffi::{call, id_functions, procedures};
+use crate::ffi_pointers::{array, text, writer};
+use crate::state::error::Writer;
+use crate::state::ids::RT_INVALID;
+use crate::state::parameter::GivenValue;
 
 id_functions! {
     rtGenNewShader() => |context| context.gen_new_shader();
@@ -45,34 +46,34 @@ extern "C" fn rtGetShaderClassInfoLog() -> *const c_char {
 }
 
 procedures! {
-    rtParameter1f(handle: u32, x: f32) => |context| context.set_parameter(handle, Some(Given::Floats(&[x])));
+    rtParameter1f(handle: u32, x: f32) => |context| context.set_parameter(handle, Some(GivenValue::Floats(&[x])));
     rtParameter2f(handle: u32, x: f32, y: f32) => |context| {
-        context.set_parameter(handle, Some(Given::Floats(&[x, y])))
+        context.set_parameter(handle, Some(GivenValue::Floats(&[x, y])))
     };
     rtParameter3f(handle: u32, x: f32, y: f32, z: f32) => |context| {
-        context.set_parameter(handle, Some(Given::Floats(&[x, y, z])))
+        context.set_parameter(handle, Some(GivenValue::Floats(&[x, y, z])))
     };
     rtParameter4f(handle: u32, x: f32, y: f32, z: f32, w: f32) => |context| {
-        context.set_parameter(handle, Some(Given::Floats(&[x, y, z, w])))
+        context.set_parameter(handle, Some(GivenValue::Floats(&[x, y, z, w])))
     };
     rtParameter16f(
         handle: u32,
         a: f32, b: f32, c: f32, d: f32, e: f32, f: f32, g: f32, h: f32,
         i: f32, j: f32, k: f32, l: f32, m: f32, n: f32, o: f32, p: f32
     ) => |context| {
-        context.set_parameter(handle, Some(Given::Floats(&[a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p])))
+        context.set_parameter(handle, Some(GivenValue::Floats(&[a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p])))
     };
-    rtParameter1i(handle: u32, x: i32) => |context| context.set_parameter(handle, Some(Given::Ints(&[x])));
+    rtParameter1i(handle: u32, x: i32) => |context| context.set_parameter(handle, Some(GivenValue::Ints(&[x])));
     rtParameter2i(handle: u32, x: i32, y: i32) => |context| {
-        context.set_parameter(handle, Some(Given::Ints(&[x, y])))
+        context.set_parameter(handle, Some(GivenValue::Ints(&[x, y])))
     };
     rtParameter3i(handle: u32, x: i32, y: i32, z: i32) => |context| {
-        context.set_parameter(handle, Some(Given::Ints(&[x, y, z])))
+        context.set_parameter(handle, Some(GivenValue::Ints(&[x, y, z])))
     };
     rtParameter4i(handle: u32, x: i32, y: i32, z: i32, w: i32) => |context| {
-        context.set_parameter(handle, Some(Given::Ints(&[x, y, z, w])))
+        context.set_parameter(handle, Some(GivenValue::Ints(&[x, y, z, w])))
     };
-    rtParameter1d(handle: u32, x: f64) => |context| context.set_parameter(handle, Some(Given::Double(x)));
+    rtParameter1d(handle: u32, x: f64) => |context| context.set_parameter(handle, Some(GivenValue::Double(x)));
 }
 
 macro_rules! vector_forms {
@@ -84,7 +85,7 @@ macro_rules! vector_forms {
             // SAFETY: the caller vouches for the numbers.
             let values: Option<[$type; $count]> = unsafe { array(values) };
             call!($name(handle, values), (), |context| {
-                context.set_parameter(handle, values.as_ref().map(|values| Given::$given(values)))
+                context.set_parameter(handle, values.as_ref().map(|values| GivenValue::$given(values)))
             });
         }
     )*};
@@ -109,7 +110,7 @@ unsafe extern "C" fn rtParameterRaw(handle: u32, value: *const c_void, size: u32
     // SAFETY: the caller vouches for the bytes; bytes have no alignment.
     let bytes = (!value.is_null()).then(|| unsafe { std::slice::from_raw_parts(value.cast::<u8>(), length) });
     call!(rtParameterRaw(handle, value, size), (), |context| context
-        .set_parameter(handle, bytes.map(Given::Bytes)));
+        .set_parameter(handle, bytes.map(GivenValue::Bytes)));
 }
 
 /// # Safety
@@ -119,7 +120,7 @@ unsafe extern "C" fn rtParameterString(handle: u32, string: *const c_char) {
     // SAFETY: the caller vouches for the text.
     let string = unsafe { text(string) };
     call!(rtParameterString(handle, string), (), |context| context
-        .set_parameter(handle, string.map(Given::String)));
+        .set_parameter(handle, string.map(GivenValue::String)));
 }
 
 /// # Safety

@@ -4,7 +4,7 @@
 use std::ffi::c_void;
 
 use crate::ffi::{call, id_functions, procedures};
-use crate::texture::ImageDescription;
+use crate::state::texture::ImageDescription;
 
 id_functions! {
     rtGenTextures(count: i32) => |context| context.gen_textures(count);

@@ -5,8 +5,9 @@
 //! Proof: tests/c/scene.c; tests/c/many_vertices.c (time).
 
 use crate::context::Context;
-use crate::error::{Error, Result};
-use crate::ffi::{array, call};
+use crate::ffi::call;
+use crate::ffi_pointers::array;
+use crate::state::error::{Error, Result};
 
 macro_rules! family {
     ($set:path, $number:ident;

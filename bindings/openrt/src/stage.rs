@@ -11,27 +11,27 @@ use gnurt::render::{Accumulation, ShaderTable, World};
 use gnurt::scene::{
     Affine, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, Scene, Surface,
 };
-use gnurt::shading::classes::{Shader as Made, Value, Values};
+use gnurt::shading::classes::{Shader as RenderShader, Value, Values};
+use gnurt_plugins::host::PluginFrame;
 
-use crate::geometry::ShaderMesh;
-use crate::plugin_frame::PluginFrame;
-use crate::shader::Shaders;
-use crate::texture::Textures;
+use crate::state::geometry::ShaderMesh;
+use crate::state::shader::Shaders;
+use crate::state::texture::Textures;
 
 /// The id under which geometry outside of objects is staged; no object has it.
-pub const UNNAMED: u32 = 0;
+pub(crate) const UNNAMED: u32 = 0;
 
 /// Scene, world and what of them is in use.
 #[derive(Default)]
-pub struct Stage {
+pub(crate) struct Stage {
     /// What the renderer reads.
-    pub scene: Scene,
+    pub(crate) scene: Scene,
     /// What rays meet.
-    pub world: World,
+    pub(crate) world: World,
     /// The samples of the last frame.
-    pub accumulation: Option<Accumulation>,
+    pub(crate) accumulation: Option<Accumulation>,
     /// Their means, from the top row on: room that frames use again.
-    pub colors: Vec<[f32; 4]>,
+    pub(crate) colors: Vec<[f32; 4]>,
     objects: BTreeMap<u32, ObjectId>,
     /// The first ones are visible, in the order of the instances' ids.
     instances: Vec<InstanceId>,
@@ -44,7 +44,7 @@ pub struct Stage {
 
 impl Stage {
     /// Gives an object new meshes.
-    pub fn define(&mut self, id: u32, meshes: Vec<ShaderMesh>) {
+    pub(crate) fn define(&mut self, id: u32, meshes: Vec<ShaderMesh>) {
         let object = self.object(id);
         self.release_meshes(object);
         let meshes = meshes.into_iter().map(|ShaderMesh { shader, mesh }| {
@@ -56,7 +56,7 @@ impl Stage {
     }
 
     /// Frees the objects that are not to be kept.
-    pub fn keep_objects(&mut self, keep: impl Fn(u32) -> bool) {
+    pub(crate) fn keep_objects(&mut self, keep: impl Fn(u32) -> bool) {
         let gone: Vec<u32> = self.objects.keys().copied().filter(|&id| !keep(id)).collect();
         for id in gone {
             if let Some(object) = self.objects.remove(&id) {
@@ -67,7 +67,7 @@ impl Stage {
     }
 
     /// Makes exactly these instances visible; those of objects without a definition show nothing.
-    pub fn show(&mut self, instances: impl Iterator<Item = (u32, Affine)>) {
+    pub(crate) fn show(&mut self, instances: impl Iterator<Item = (u32, Affine)>) {
         let mut shown = 0;
         for (id, world_from_object) in instances {
             let Some(&object) = self.objects.get(&id) else { continue };
@@ -87,24 +87,29 @@ impl Stage {
     }
 
     /// Ids of the shaders of all meshes.
-    pub fn shader_ids(&self) -> impl Iterator<Item = u32> + '_ {
+    pub(crate) fn shader_ids(&self) -> impl Iterator<Item = u32> + '_ {
         self.shader_slots.keys().copied()
     }
 
     /// Whether an object has been defined, so that its instances are shown.
     #[must_use]
-    pub fn has_object(&self, id: u32) -> bool {
+    pub(crate) fn has_object(&self, id: u32) -> bool {
         self.objects.contains_key(&id)
     }
 
     /// The scene's numbers of the instances that were shown, in their order.
-    pub fn places(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn places(&self) -> impl Iterator<Item = usize> + '_ {
         self.instances.iter().map(|id| id.index())
     }
 
     /// The surface shaders with their present values, each at its number; mid-grey where one cannot take part in the
     /// frame. Frees the numbers of those that are gone.
-    pub fn surfaces(&mut self, shaders: &Shaders, textures: &Textures, plugins: &PluginFrame) -> ShaderTable {
+    pub(crate) fn surfaces(
+        &mut self,
+        shaders: &Shaders,
+        textures: &Textures,
+        plugins: &PluginFrame,
+    ) -> ShaderTable {
         let is_alive = |id: u32| shaders.in_use(id).is_some();
         let gone = self.shader_slots.iter().filter(|&(&id, _)| !is_alive(id));
         self.free_slots.extend(gone.map(|(_, &slot)| slot));
@@ -117,8 +122,8 @@ impl Stage {
             made.unwrap_or_else(|| unused.clone())
         };
         let surface = |made| match made {
-            Made::Surface(surface) => Some(surface),
-            Made::Environment(_) | Made::Light(_) | Made::Camera(_) => None,
+            RenderShader::Surface(surface) => Some(surface),
+            RenderShader::Environment(_) | RenderShader::Light(_) | RenderShader::Camera(_) => None,
         };
         let slot_count = self.scene.materials().len() as u32;
         ShaderTable {

@@ -99,18 +99,10 @@ const FORMAT_FLOAT3: c_int = 0x9003;
 const PROPERTY_VERSION: c_int = 0;
 const PROPERTY_NATIVE_RAY8: c_int = 33;
 const PROPERTY_NATIVE_RAY16: c_int = 34;
-const RTLD_NOW: c_int = 2;
 
 type Intersect1 = unsafe extern "C" fn(Handle, *mut c_void, *const Arguments);
 type IntersectN = unsafe extern "C" fn(*const c_int, Handle, *mut c_void, *const Arguments);
 type Monitor = unsafe extern "C" fn(*mut c_void, isize, bool) -> bool;
-
-#[cfg(unix)]
-unsafe extern "C" {
-    fn dlopen(file: *const c_char, flags: c_int) -> Handle;
-    fn dlsym(library: Handle, name: *const c_char) -> Handle;
-    fn dlerror() -> *const c_char;
-}
 
 /// The functions of the library. It stays loaded until the program ends.
 pub(crate) struct Library {
@@ -139,30 +131,18 @@ pub(crate) struct Library {
 
 impl Library {
     /// Loads the file, which must have all functions that are called here.
-    #[cfg(unix)]
+    #[cfg(any(unix, windows))]
     pub(crate) fn open(file: &Path) -> Result<Self, String> {
-        use std::os::unix::ffi::OsStrExt;
-        let name = CString::new(file.as_os_str().as_bytes()).map_err(|_| "the name holds a zero byte")?;
-        // SAFETY: `name` ends with a zero. Loading runs the library's own start code: that is what was asked for.
-        let library = unsafe { dlopen(name.as_ptr(), RTLD_NOW) };
-        if library.is_null() {
-            // SAFETY: after a failure dlerror gives a text that ends with a zero, or null.
-            let reason = unsafe { dlerror().as_ref().map(|text| CStr::from_ptr(text)) };
-            let reason = reason.map_or("it cannot be loaded".into(), CStr::to_string_lossy);
-            return Err(reason.replace('\n', " "));
-        }
-        let find = |name: &CStr| -> Result<Handle, String> {
-            // SAFETY: the library is loaded and the name ends with a zero.
-            let symbol = unsafe { dlsym(library, name.as_ptr()) };
-            let missing = || format!("this is not Embree 4: it lacks {}", name.to_string_lossy());
-            if symbol.is_null() { Err(missing()) } else { Ok(symbol) }
-        };
+        // SAFETY: loading runs the library's own start code: that is what was asked for.
+        let library = unsafe { libloading::Library::new(file) };
+        let library = library.map_err(|error| error.to_string().replace('\n', " "))?;
+        let library = std::mem::ManuallyDrop::new(library);
+        let missing = |name: &CStr| format!("this is not Embree 4: it lacks {}", name.to_string_lossy());
         macro_rules! function {
             ($name:literal) => {
-                // SAFETY: the symbol is not null, and has the type of the field that it goes to according to Embree's
-                // headers. That this is Embree is what `Device::open` asks next; a library with all these names is
-                // trusted that far.
-                unsafe { std::mem::transmute_copy(&find($name)?) }
+                // SAFETY: the symbol has the type of the field that it goes to according to Embree's headers. That this
+                // is Embree is what `Device::open` asks next; a library with all these names is trusted that far.
+                *unsafe { library.get($name.to_bytes_with_nul()) }.map_err(|_| missing($name))?
             };
         }
         Ok(Self {
@@ -191,9 +171,9 @@ impl Library {
     }
 
     /// Loads the file.
-    #[cfg(not(unix))]
+    #[cfg(not(any(unix, windows)))]
     pub(crate) fn open(_: &Path) -> Result<Self, String> {
-        Err("libraries are loaded on Unix only".into())
+        Err("this system has no shared libraries".into())
     }
 }
 

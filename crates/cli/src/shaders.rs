@@ -6,9 +6,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use OpenRT::scene_shader::SceneShader;
 use gnurt::render::ShaderTable;
 use gnurt::scene::{MaterialId, Scene, Surface};
+use gnurt_plugins::SceneShader;
 
 use crate::arguments::ShaderChoice;
 use crate::failure::Failure;

@@ -5,7 +5,7 @@
 //! Invariants: the library says that it is version 2 before a filter is made; all images hold what they are said to hold.
 //! Proof: `oidn::tests`, with a library of our own that has the same functions, and the real one where `OIDN_LIB` names it.
 
-use std::ffi::{CStr, CString, c_char, c_int, c_void};
+use std::ffi::{CStr, c_char, c_int, c_void};
 use std::path::Path;
 use std::ptr::null;
 
@@ -13,16 +13,8 @@ use crate::noisy::Triple;
 
 type Handle = *mut c_void;
 
-const RTLD_NOW: c_int = 2;
 const DEVICE_CPU: c_int = 1;
 const FORMAT_FLOAT3: c_int = 3;
-
-#[cfg(unix)]
-unsafe extern "C" {
-    fn dlopen(file: *const c_char, flags: c_int) -> Handle;
-    fn dlsym(library: Handle, name: *const c_char) -> Handle;
-    fn dlerror() -> *const c_char;
-}
 
 /// The functions of the library. It stays loaded until the program ends.
 pub(crate) struct Library {
@@ -43,33 +35,21 @@ pub(crate) struct Library {
 
 impl Library {
     /// Loads the file, which must have all functions that are called here; a bare name is looked for by the system's loader.
-    #[cfg(unix)]
+    #[cfg(any(unix, windows))]
     pub(crate) fn open(file: &Path) -> Result<Self, String> {
-        use std::os::unix::ffi::OsStrExt;
-        let name = CString::new(file.as_os_str().as_bytes()).map_err(|_| "the name holds a zero byte")?;
-        // SAFETY: `name` ends with a zero. Loading runs the library's own start code: that is what was asked for.
-        let library = unsafe { dlopen(name.as_ptr(), RTLD_NOW) };
-        if library.is_null() {
-            // SAFETY: after a failure dlerror gives a text that ends with a zero, or null.
-            let reason = unsafe { dlerror().as_ref().map(|text| CStr::from_ptr(text)) };
-            let reason = reason.map_or("it cannot be loaded".into(), CStr::to_string_lossy);
-            return Err(reason.replace('\n', " "));
-        }
-        let find = |name: &CStr| -> Result<Handle, String> {
-            // SAFETY: the library is loaded and the name ends with a zero.
-            let symbol = unsafe { dlsym(library, name.as_ptr()) };
-            let missing = || {
-                let (file, name) = (file.display(), name.to_string_lossy());
-                format!("{file} is not Open Image Denoise 2: it lacks {name}")
-            };
-            if symbol.is_null() { Err(missing()) } else { Ok(symbol) }
+        // SAFETY: loading runs the library's own start code: that is what was asked for.
+        let library = unsafe { libloading::Library::new(file) };
+        let library =
+            std::mem::ManuallyDrop::new(library.map_err(|error| error.to_string().replace('\n', " "))?);
+        let missing = |name: &CStr| {
+            let (file, name) = (file.display(), name.to_string_lossy());
+            format!("{file} is not Open Image Denoise 2: it lacks {name}")
         };
         macro_rules! function {
             ($name:literal) => {
-                // SAFETY: the symbol is not null, and has the type of the field that it goes to according to the
-                // library's header. Its version is the next thing that is asked; a library with all these names is
-                // trusted that far.
-                unsafe { std::mem::transmute_copy(&find($name)?) }
+                // SAFETY: the symbol has the type of the field that it goes to according to the library's header. Its
+                // version is the next thing that is asked; a library with all these names is trusted that far.
+                *unsafe { library.get($name.to_bytes_with_nul()) }.map_err(|_| missing($name))?
             };
         }
         Ok(Self {
@@ -89,9 +69,9 @@ impl Library {
     }
 
     /// Loads the file.
-    #[cfg(not(unix))]
+    #[cfg(not(any(unix, windows)))]
     pub(crate) fn open(_: &Path) -> Result<Self, String> {
-        Err("libraries are loaded on Unix only".into())
+        Err("this system has no shared libraries".into())
     }
 }
 

@@ -14,6 +14,7 @@ pub mod material;
 pub mod mesh;
 mod scene;
 pub mod texture;
+mod waste;
 
 pub use affine::Affine;
 pub use camera::Camera;
@@ -24,3 +25,4 @@ pub use material::{Material, Surface};
 pub use mesh::{Attribute, Mesh, Rate};
 pub use scene::{Instance, Object, Scene};
 pub use texture::Texture;
+pub use waste::has_area;

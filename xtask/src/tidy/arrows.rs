@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("simd", &[]),
     ("accel", &["simd"]),
     ("image", &[]),
@@ -15,8 +15,9 @@ const ARROWS: [(&str, &[&str]); 13] = [
     ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render"]),
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),
-    ("cli", &["gnurt", "bench", "view", "openrt"]),
-    ("openrt", &["gnurt"]),
+    ("plugins", &["gnurt"]),
+    ("cli", &["gnurt", "bench", "view", "plugins"]),
+    ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),
 ];
 
@@ -134,7 +135,7 @@ mod tests {
         assert_eq!(check_printed(&printed()), Vec::<String>::new(), "the same table");
         for (from, to) in [
             ("| scene | image |", "| scene | image, accel |"),
-            ("| openrt | gnurt | x |\n", ""),
+            ("| plugins | gnurt | x |\n", ""),
             ("| cli |", "| jit |"),
             ("| crate |", "| x |"),
         ] {

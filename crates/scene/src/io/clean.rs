@@ -8,13 +8,14 @@ use std::path::Path;
 
 use super::warnings::{Oddity, Warnings};
 use crate::mesh::Mesh;
+use crate::waste::has_area;
 
 /// Cleans a mesh that came from `path`. Its indices must be in range and its optional arrays empty or full.
 pub(crate) fn clean(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) {
     let dropped = drop_triangles(mesh, path, warnings);
     let bad_position = |p: &[f32; 3]| !p.iter().all(|x| x.is_finite());
     if dropped || mesh.positions.iter().any(bad_position) {
-        drop_unused_vertices(mesh);
+        mesh.drop_unused_vertices();
     }
     let replaced = replace_bad(&mut mesh.normals, [0.0; 3])
         + replace_bad(&mut mesh.texcoords, [0.0; 2])
@@ -32,9 +33,9 @@ fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool
     let (mut not_finite, mut zero_area) = (0, 0);
     let positions = &mesh.positions;
     mesh.indices.retain(|triangle| {
-        let [a, b, c] = triangle.map(|i| positions[i as usize].map(f64::from));
-        let finite = [a, b, c].iter().flatten().all(|x| x.is_finite());
-        let keep = finite && has_area(a, b, c);
+        let corners = triangle.map(|i| positions[i as usize]);
+        let finite = corners.as_flattened().iter().all(|x| x.is_finite());
+        let keep = has_area(corners);
         not_finite += u64::from(!finite);
         zero_area += u64::from(finite && !keep);
         keep
@@ -42,40 +43,6 @@ fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool
     warnings.note_many(Oddity::NotFiniteTriangle, not_finite, path, None, in_mesh(mesh));
     warnings.note_many(Oddity::ZeroAreaTriangle, zero_area, path, None, in_mesh(mesh));
     mesh.indices.len() != before
-}
-
-/// Whether the cross product of two edges is not zero; false for NaN.
-fn has_area(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> bool {
-    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
-    (0..3).any(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let component = u[i] * v[j] - u[j] * v[i];
-        component.abs() > 0.0
-    })
-}
-
-/// Keeps the vertices that a triangle uses, in their order.
-pub(crate) fn drop_unused_vertices(mesh: &mut Mesh) {
-    const UNUSED: u32 = u32::MAX;
-    let mut new_index = vec![UNUSED; mesh.positions.len()];
-    for &i in mesh.indices.iter().flatten() {
-        new_index[i as usize] = 0;
-    }
-    for (next, slot) in new_index.iter_mut().filter(|slot| **slot != UNUSED).enumerate() {
-        *slot = next as u32;
-    }
-    keep_used(&mut mesh.positions, &new_index);
-    keep_used(&mut mesh.normals, &new_index);
-    keep_used(&mut mesh.texcoords, &new_index);
-    keep_used(&mut mesh.colors, &new_index);
-    for i in mesh.indices.iter_mut().flatten() {
-        *i = new_index[*i as usize];
-    }
-
-    fn keep_used<T>(values: &mut Vec<T>, new_index: &[u32]) {
-        let mut at = new_index.iter();
-        values.retain(|_| at.next().is_some_and(|&i| i != UNUSED));
-    }
 }
 
 /// Replaces values with a component that is not finite; says how many.

@@ -21,7 +21,6 @@ mod warnings;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-pub(crate) use clean::drop_unused_vertices;
 pub use error::{Error, ErrorKind};
 pub use options::LoadOptions;
 pub use save::save;

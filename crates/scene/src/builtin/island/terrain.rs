@@ -66,7 +66,7 @@ impl Terrain {
                 }
             }
         }
-        crate::io::drop_unused_vertices(&mut mesh);
+        mesh.drop_unused_vertices();
         mesh
     }
 

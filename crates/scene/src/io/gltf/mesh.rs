@@ -8,7 +8,7 @@ use super::document::Document;
 use super::json::{self, Index, Primitive};
 use super::material::AddedMaterial;
 use super::skin::Pose;
-use crate::io::clean::{clean, drop_unused_vertices};
+use crate::io::clean::clean;
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 
@@ -114,7 +114,7 @@ impl PrimitiveReader<'_> {
         }
         pose.bend(self, &mut mesh)?;
         mesh.indices = self.triangles(mode, count)?;
-        drop_unused_vertices(&mut mesh);
+        mesh.drop_unused_vertices();
         Ok(Some(mesh))
     }
 

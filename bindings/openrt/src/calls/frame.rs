@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Starting and ending frames (rtStartRendering to rtSwapBuffers).
+//! Source: \[DWBS03\] (frame semantics). Proof: tests/c/scene.c, tests/c/frames.c, tests/c/errors.c.
+
+use std::sync::Arc;
+
+use crate::context::Context;
+use crate::frame::{Frame, Job};
+use crate::state::enums::{MatrixMode, SceneMode};
+use crate::state::error::{Error, Result};
+use crate::state::flight::Flight;
+use crate::state::usage::Usage;
+
+impl Context {
+    /// rtStartRendering. Fails but starts a frame if a plugin cannot take part in it: it goes on without that one.
+    pub(crate) fn start_rendering(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.no_open_object()?;
+        if self.frame.is_some() {
+            return Err(Error::InvalidOperation);
+        }
+        let target = self.frame_buffer.clone().ok_or(Error::InvalidOperation)?;
+        let pool = self.pool()?;
+        self.prune();
+        let mut stage = std::mem::take(&mut self.stage);
+        self.update(&mut stage);
+        let plugins = self.plugins(&stage);
+        let shaders = self.shader_table(&mut stage, &plugins);
+        let camera = shaders
+            .camera
+            .clone()
+            .unwrap_or_else(|| self.view.camera(self.stacks.top(MatrixMode::Projection)));
+        let continues = self.continues(&stage, [target.width, target.height]);
+        let rendering = self.rendering();
+        if self.scene_mode == SceneMode::Immediate {
+            self.instances.clear();
+            self.usage = Usage { rendering_object: self.usage.rendering_object, ..Default::default() };
+        }
+        let told = self.tell(plugins.problems());
+        let sampling = match &rendering {
+            Some((class, values)) => class.sampling(values, self.sampling),
+            None => self.sampling,
+        };
+        let job = Job { shaders, camera, limits: self.limits, sampling, continues, rendering, target, pool };
+        match Frame::start(stage, job, plugins) {
+            Ok(frame) => self.frame = Some(frame),
+            Err(stage) => {
+                self.stage = *stage;
+                return Err(Error::OutOfMemory);
+            }
+        }
+        told
+    }
+
+    /// Tells what was wrong with plugins: an error if anything was.
+    fn tell(&mut self, lines: &[String]) -> Result<()> {
+        if lines.is_empty() {
+            return Ok(());
+        }
+        lines.iter().for_each(|line| eprintln!("libOpenRT: {line}"));
+        self.classes.set_info_log(&lines.join("\n"));
+        Err(Error::InvalidOperation)
+    }
+
+    /// rtEndRendering.
+    pub(crate) fn end_rendering(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.no_open_object()?;
+        let frame = self.frame.take().ok_or(Error::InvalidOperation)?;
+        let (stage, outcome, faults) = frame.finish();
+        self.stage = stage;
+        outcome.and(self.tell(&faults))
+    }
+
+    /// The frame in flight, if the calls that end it are legal now: what callers wait for without keeping others out.
+    #[must_use]
+    pub(crate) fn flight(&self) -> Option<Arc<Flight>> {
+        self.outside_block().and(self.no_open_object()).ok()?;
+        self.frame.as_ref().map(|frame| frame.flight().clone())
+    }
+
+    /// rtCancelRendering.
+    pub(crate) fn cancel_rendering(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.frame.as_ref().ok_or(Error::InvalidOperation)?.flight().cancel();
+        Ok(())
+    }
+
+    /// The first half of rtRender: a frame is in flight afterwards.
+    pub(crate) fn begin_render(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.no_open_object()?;
+        if self.frame.is_none() { self.start_rendering() } else { Ok(()) }
+    }
+
+    /// rtSwapBuffers.
+    pub(crate) fn swap_buffers(&mut self) -> Result<()> {
+        self.outside_block()?;
+        self.no_open_object()?;
+        if self.frame_buffer.is_none() {
+            return Err(Error::InvalidOperation);
+        }
+        let ended = if self.frame.is_some() { self.end_rendering() } else { Ok(()) };
+        self.start_rendering().and(ended)
+    }
+}

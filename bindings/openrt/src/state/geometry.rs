@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The geometry of an object while it is defined: vertices and triangles, one part per shader.
+//! Source: original. Space: object; the matrix of each vertex has been applied already.
+//! Invariant: a channel (normals, colours, ...) is empty as long as all its values are the default ones, else full.
+//! Proof: `tests`; tests/c/fragments.c, tests/c/primitives.c.
+
+use std::sync::Arc;
+
+use gnurt::scene::{Attribute, Mesh, Rate, has_area};
+use gnurt::shading::classes::NORMALS_GIVEN;
+use gnurt_plugins::host::TRIANGLE_NUMBER;
+
+use super::class::ClassCode;
+use super::shader_class::{Layout, LoadedClass, Slot};
+
+/// A vertex as it is stored.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Vertex {
+    /// Position.
+    pub(crate) position: [f32; 3],
+    /// Unit normal; zero = the program gave none.
+    pub(crate) normal: [f32; 3],
+    /// Texture coordinates.
+    pub(crate) texcoord: [f32; 2],
+    /// Red, green, blue, alpha.
+    pub(crate) color: [f32; 4],
+}
+
+const NO_NORMAL: [f32; 3] = [0.0; 3];
+const WHITE: [f32; 4] = [1.0; 4];
+
+/// The triangles of an object that have one shader.
+pub(crate) struct Part {
+    /// The shader's id.
+    pub(crate) shader: u32,
+    class: Arc<LoadedClass>,
+    positions: Vec<[f32; 3]>,
+    normals: Vec<[f32; 3]>,
+    /// Whether some of the normals are none.
+    lacks_normals: bool,
+    texcoords: Vec<[f32; 2]>,
+    colors: Vec<[f32; 4]>,
+    /// One block per vertex, if the class has parameters per vertex.
+    vertex_values: Vec<f32>,
+    indices: Vec<[u32; 3]>,
+    /// One block per triangle, if the class has parameters per triangle.
+    triangle_values: Vec<f32>,
+    /// Number of each triangle in the object, if a plugin may ask for it.
+    numbers: Vec<u32>,
+}
+
+/// The mesh of a finished part.
+pub(crate) struct ShaderMesh {
+    /// The shader's id.
+    pub(crate) shader: u32,
+    /// Its triangles; the material is not set.
+    pub(crate) mesh: Mesh,
+}
+
+/// All parts of an object.
+#[derive(Default)]
+pub(crate) struct Geometry {
+    parts: Vec<Part>,
+    /// Triangles of all parts.
+    triangles: u32,
+    /// Vertices that the program gave, whether they made triangles or not.
+    pub(crate) vertices_given: usize,
+}
+
+impl Geometry {
+    /// Number of the part for `shader`, which is made if it is new.
+    pub(crate) fn part_for(&mut self, shader: u32, class: &Arc<LoadedClass>) -> usize {
+        let known = self.parts.iter().position(|part| part.shader == shader);
+        known.unwrap_or_else(|| {
+            self.parts.push(Part::new(shader, class.clone()));
+            self.parts.len() - 1
+        })
+    }
+
+    /// Adds a triangle to a part, with the block of its per-triangle parameters. One without area, or with a coordinate
+    /// that is not finite, is left out.
+    pub(crate) fn push_triangle(&mut self, part: usize, vertices: [u32; 3], values: &[f32]) {
+        if self.parts[part].push_triangle(vertices, values, self.triangles) {
+            self.triangles += 1;
+        }
+    }
+
+    /// A part, to be added to.
+    pub(crate) fn part_mut(&mut self, part: usize) -> &mut Part {
+        &mut self.parts[part]
+    }
+
+    /// Triangles so far.
+    #[must_use]
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.parts.iter().map(|part| part.indices.len()).sum()
+    }
+
+    /// Shaders that have been bound at a block.
+    pub(crate) fn shaders(&self) -> impl Iterator<Item = u32> + '_ {
+        self.parts.iter().map(|part| part.shader)
+    }
+
+    /// Whether there is no triangle.
+    #[must_use]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.triangle_count() == 0
+    }
+
+    /// The meshes, one per shader that has triangles.
+    #[must_use]
+    pub(crate) fn finish(self) -> Vec<ShaderMesh> {
+        let with_triangles = self.parts.into_iter().filter(|part| !part.indices.is_empty());
+        with_triangles.map(Part::finish).collect()
+    }
+}
+
+impl Part {
+    fn new(shader: u32, class: Arc<LoadedClass>) -> Self {
+        Self {
+            shader,
+            class,
+            positions: Vec::new(),
+            normals: Vec::new(),
+            lacks_normals: false,
+            texcoords: Vec::new(),
+            colors: Vec::new(),
+            vertex_values: Vec::new(),
+            indices: Vec::new(),
+            triangle_values: Vec::new(),
+            numbers: Vec::new(),
+        }
+    }
+
+    /// The number that the next vertex gets.
+    #[must_use]
+    pub(crate) fn next_vertex(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Adds a vertex with the block of its per-vertex parameters.
+    #[inline]
+    pub(crate) fn push_vertex(&mut self, vertex: Vertex, values: &[f32]) {
+        let n = self.positions.len();
+        self.positions.push(vertex.position);
+        push_unless_default(&mut self.normals, n, vertex.normal, NO_NORMAL);
+        self.lacks_normals |= vertex.normal == NO_NORMAL;
+        push_unless_default(&mut self.texcoords, n, vertex.texcoord, [0.0; 2]);
+        push_unless_default(&mut self.colors, n, vertex.color, WHITE);
+        if !values.is_empty() {
+            self.vertex_values.extend_from_slice(values);
+        }
+    }
+
+    /// Adds a triangle with the block of its per-triangle parameters. One without area, or with a coordinate that is
+    /// not finite, is left out.
+    fn push_triangle(&mut self, vertices: [u32; 3], values: &[f32], number: u32) -> bool {
+        let is_kept = has_area(vertices.map(|i| self.positions[i as usize]));
+        if is_kept {
+            self.indices.push(vertices);
+            if !values.is_empty() {
+                self.triangle_values.extend_from_slice(values);
+            }
+            if matches!(self.class.code, ClassCode::Plugin(_)) {
+                self.numbers.push(number);
+            }
+        }
+        is_kept
+    }
+
+    fn finish(self) -> ShaderMesh {
+        let mut attributes = attributes_of(&self.class, &self.class.vertex, Rate::Vertex, self.vertex_values);
+        attributes.extend(attributes_of(
+            &self.class,
+            &self.class.triangle,
+            Rate::Triangle,
+            self.triangle_values,
+        ));
+        // The only part of an object has its triangles in their order.
+        if self.numbers.iter().zip(0..).any(|(&number, i)| number != i) {
+            // Two halves: floats hold integers up to 2^24.
+            let data = self.numbers.iter().flat_map(|&n| [(n & 0xFFFF) as f32, (n >> 16) as f32]).collect();
+            let name = TRIANGLE_NUMBER.to_owned();
+            attributes.push(Attribute { name, rate: Rate::Triangle, components: 2, data });
+        }
+        if !self.normals.is_empty() {
+            let normals = &self.normals;
+            let given = |triangle: &[u32; 3]| triangle.iter().all(|&i| normals[i as usize] != NO_NORMAL);
+            let data = if self.lacks_normals {
+                self.indices.iter().map(|triangle| f32::from(u8::from(given(triangle)))).collect()
+            } else {
+                vec![1.0; self.indices.len()]
+            };
+            let name = NORMALS_GIVEN.to_owned();
+            attributes.push(Attribute { name, rate: Rate::Triangle, components: 1, data });
+        }
+        let mut mesh = Mesh {
+            name: String::new(),
+            positions: self.positions,
+            normals: self.normals,
+            texcoords: self.texcoords,
+            colors: self.colors,
+            indices: self.indices,
+            material: Default::default(),
+            attributes,
+        };
+        mesh.drop_unused_vertices();
+        ShaderMesh { shader: self.shader, mesh }
+    }
+}
+
+/// Adds value number `n` to a channel that stays empty while all values are the default.
+#[inline]
+fn push_unless_default<T: Copy + PartialEq>(channel: &mut Vec<T>, n: usize, value: T, default: T) {
+    if channel.is_empty() {
+        if value == default {
+            return;
+        }
+        channel.resize(n, default);
+    }
+    channel.push(value);
+}
+
+/// Splits the blocks of one rate into one attribute per parameter.
+fn attributes_of(class: &LoadedClass, layout: &Layout, rate: Rate, values: Vec<f32>) -> Vec<Attribute> {
+    let size = layout.defaults.len();
+    let gather = |offset: usize, components: usize| {
+        let blocks = values.chunks_exact(size.max(1));
+        blocks.flat_map(|b| b[offset..offset + components].iter().copied()).collect()
+    };
+    let attribute = |slot: &Slot| Attribute {
+        name: class.parameters[slot.parameter].name.clone(),
+        rate,
+        components: slot.components as u32,
+        data: gather(slot.offset, slot.components),
+    };
+    layout.slots.iter().map(attribute).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_fill_when_they_must() {
+        let mut channel = Vec::new();
+        push_unless_default(&mut channel, 0, 1, 1);
+        push_unless_default(&mut channel, 1, 1, 1);
+        assert!(channel.is_empty(), "defaults take no memory");
+        push_unless_default(&mut channel, 2, 5, 1);
+        push_unless_default(&mut channel, 3, 1, 1);
+        assert_eq!(channel, [1, 1, 5, 1], "then all are there");
+    }
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a progressive frame showed, so that the next one knows whether it goes on (rtProgressive).
+//! Source: original. Invariant: samples of two frames are only added if everything that the picture depends on is equal.
+//! Proof: tests/c/frames.c.
+
+use gnurt::scene::edit::Cursor;
+
+use super::camera::View;
+use super::sampling::Limits;
+use super::stacks::Entry;
+use super::usage::Usage;
+use super::value::ParameterValue;
+
+/// Everything that a picture depends on.
+#[derive(Clone, PartialEq)]
+pub(crate) struct Seen {
+    pub(crate) scene: Cursor,
+    pub(crate) shaders: Vec<(u32, Vec<ParameterValue>, Option<u64>)>,
+    pub(crate) textures: u64,
+    pub(crate) usage: Usage,
+    pub(crate) view: View,
+    pub(crate) projection: Entry,
+    pub(crate) limits: Limits,
+    pub(crate) size: [u32; 2],
+}

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shaders: instances of classes with their values, and what is bound.
+//! Source: \[DWBS03\]; the paper's Figure 1. Invariant: `Bound`'s values are as many as its class says.
+//! Proof: tests/c/scene.c, tests/c/errors.c.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use gnurt::shading::classes::{self, ParameterType, Shader as RenderShader, Value, Values};
+use gnurt_plugins::host::{DataType, Kind, Parameter, PluginBlock, PluginFrame};
+
+use super::block::CurrentValues;
+use super::class::ClassCode;
+use super::error::{Error, Result};
+use super::shader_class::LoadedClass;
+use super::texture::Textures;
+use super::value::ParameterValue;
+
+/// A shader.
+#[derive(Clone)]
+pub(crate) struct Shader {
+    /// Its class' id.
+    pub(crate) class_id: u32,
+    /// Its class.
+    pub(crate) class: Arc<LoadedClass>,
+    /// One value per parameter of the class; none if it is a plugin's.
+    pub(crate) values: Vec<ParameterValue>,
+    /// What a plugin keeps its parameters in.
+    pub(crate) block: Option<Arc<PluginBlock>>,
+    /// Its id is gone; it lives on while something uses it.
+    pub(crate) deleted: bool,
+}
+
+impl Shader {
+    /// A shader with its class' defaults.
+    pub(crate) fn new(class_id: u32, class: Arc<LoadedClass>) -> Self {
+        let value = |p: &Parameter| match p.kind {
+            DataType::F32 => ParameterValue::Floats(p.default.clone()),
+            _ => ParameterValue::Integer(p.default.first().map_or(0, |&x| x as i32)),
+        };
+        let (values, block) = match &class.code {
+            ClassCode::Plugin(plugin) => (Vec::new(), Some(PluginBlock::new(plugin))),
+            _ => (class.parameters.iter().map(value).collect(), None),
+        };
+        Self { class_id, class, values, block, deleted: false }
+    }
+
+    /// What it is for.
+    #[must_use]
+    pub(crate) fn kind(&self) -> Kind {
+        self.class.kind
+    }
+
+    /// The shader as the renderer takes it, with its present values; `None` if it shades nothing: a rendering object, or
+    /// a plugin that cannot take part in the frame.
+    #[must_use]
+    pub(crate) fn make(&self, id: u32, textures: &Textures, plugins: &PluginFrame) -> Option<RenderShader> {
+        let value = |(value, parameter): (&ParameterValue, &classes::Parameter)| match value {
+            ParameterValue::Floats(floats) => Value::Floats(floats.clone()),
+            ParameterValue::Integer(value) if parameter.kind == ParameterType::Int => Value::Int(*value),
+            ParameterValue::Integer(id) => Value::Texture(textures.sampler(*id)),
+        };
+        match &self.class.code {
+            ClassCode::BuiltIn(class) => {
+                let values = self.values.iter().zip(class.parameters).map(value).collect();
+                Some(class.make(&Values(values)))
+            }
+            ClassCode::Plugin(_) => plugins.made(id),
+            ClassCode::Rendering(_) => None,
+        }
+    }
+}
+
+/// All shaders.
+#[derive(Default)]
+pub(crate) struct Shaders {
+    last_id: u32,
+    all: BTreeMap<u32, Shader>,
+}
+
+impl Shaders {
+    /// Adds one and returns its id.
+    pub(crate) fn add(&mut self, shader: Shader) -> Result<u32> {
+        let id = self.last_id.checked_add(1).filter(|&id| id < u32::MAX).ok_or(Error::OutOfMemory)?;
+        self.last_id = id;
+        self.all.insert(id, shader);
+        Ok(id)
+    }
+
+    /// The shader of a valid id.
+    #[must_use]
+    pub(crate) fn get(&self, id: u32) -> Option<&Shader> {
+        self.all.get(&id).filter(|shader| !shader.deleted)
+    }
+
+    /// The shader of a valid id, to be changed.
+    pub(crate) fn get_mut(&mut self, id: u32) -> Option<&mut Shader> {
+        self.all.get_mut(&id).filter(|shader| !shader.deleted)
+    }
+
+    /// The shader of an id that geometry, camera or lights hold: it may have been deleted.
+    #[must_use]
+    pub(crate) fn in_use(&self, id: u32) -> Option<&Shader> {
+        self.all.get(&id)
+    }
+
+    /// All that live, with their ids.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (u32, &Shader)> {
+        self.all.iter().map(|(&id, shader)| (id, shader))
+    }
+
+    /// Frees deleted shaders that are not in `used`.
+    pub(crate) fn prune(&mut self, used: &BTreeSet<u32>) {
+        self.all.retain(|id, shader| !shader.deleted || used.contains(id));
+    }
+}
+
+/// The bound class and shader, and the current values of the parameters that vary.
+#[derive(Default)]
+pub(crate) struct Bound {
+    class: Option<(u32, Arc<LoadedClass>)>,
+    shader: Option<u32>,
+    /// What the next triangle and the next vertex take.
+    pub(crate) values: CurrentValues,
+}
+
+impl Bound {
+    /// The bound class.
+    #[must_use]
+    pub(crate) fn class(&self) -> Option<&Arc<LoadedClass>> {
+        self.class.as_ref().map(|(_, class)| class)
+    }
+
+    /// The bound class' id.
+    #[must_use]
+    pub(crate) fn class_id(&self) -> Option<u32> {
+        self.class.as_ref().map(|(id, _)| *id)
+    }
+
+    /// The bound shader's id.
+    #[must_use]
+    pub(crate) fn shader(&self) -> Option<u32> {
+        self.shader
+    }
+
+    /// Binds a class, and a shader of it or none.
+    pub(crate) fn bind(&mut self, class_id: u32, class: Arc<LoadedClass>, shader: Option<u32>) {
+        (self.class, self.shader) = (Some((class_id, class)), shader);
+        self.restart_values();
+    }
+
+    /// Unbinds a shader if it is bound.
+    pub(crate) fn unbind(&mut self, shader: u32) {
+        self.shader = self.shader.filter(|&bound| bound != shader);
+    }
+
+    /// The current values of parameters that vary become the class' defaults.
+    pub(crate) fn restart_values(&mut self) {
+        let defaults = |layout: fn(&LoadedClass) -> &Vec<f32>| {
+            self.class.as_ref().map(|(_, class)| layout(class).clone()).unwrap_or_default()
+        };
+        let (triangle, vertex) = (defaults(|c| &c.triangle.defaults), defaults(|c| &c.vertex.defaults));
+        self.values = CurrentValues { triangle, vertex };
+    }
+}

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a shader class says of itself, wherever its code is: kind, and parameters with type, rate and default.
+//! Source: \[DWBS03\]; the paper's Figure 1 for rates. Invariant: a class keeps the number and order of its parameters.
+//! Proof: bindings/openrt/tests/c/scene.c, bindings/openrt/tests/plugins.rs.
+
+use gnurt::shading::classes::{self, ParameterRate, ParameterType, ShaderClass};
+
+use crate::data_type::DataType;
+
+/// What a shader of a class is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The look of a surface.
+    Surface,
+    /// What rays see that hit nothing.
+    Environment,
+    /// A light.
+    Light,
+    /// A camera.
+    Camera,
+    /// How a picture is made.
+    RenderingObject,
+}
+
+impl From<classes::Kind> for Kind {
+    fn from(kind: classes::Kind) -> Self {
+        match kind {
+            classes::Kind::Surface => Self::Surface,
+            classes::Kind::Environment => Self::Environment,
+            classes::Kind::Light => Self::Light,
+            classes::Kind::Camera => Self::Camera,
+        }
+    }
+}
+
+/// A parameter of a class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// How often it changes.
+    pub rate: ParameterRate,
+    /// What it is made of.
+    pub kind: DataType,
+    /// How many of them.
+    pub count: usize,
+    /// What it starts with if it varies, or is of a class without a block: `count` numbers.
+    pub default: Vec<f32>,
+}
+
+impl Parameter {
+    /// The parameters of a built-in class.
+    #[must_use]
+    pub fn of_built_in(class: &ShaderClass) -> Vec<Self> {
+        class.parameters.iter().map(built_in).collect()
+    }
+}
+
+fn built_in(p: &classes::Parameter) -> Parameter {
+    let kind = match p.kind {
+        ParameterType::Float => DataType::F32,
+        ParameterType::Texture | ParameterType::Int => DataType::I32,
+    };
+    let (count, default) = (p.components as usize, p.default.to_vec());
+    Parameter { name: p.name.to_owned(), rate: p.rate, kind, count, default }
+}

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Plugins in a frame: the copies of their blocks, `prepare`, the shaders that the renderer gets, and what went wrong.
+//! Source: original. Invariant: what cannot take part is told of and left out. Proof: bindings/openrt/tests/plugins.rs.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use gnurt::shading::classes::Shader as RenderShader;
+
+use crate::class::PluginClass;
+use crate::ffi_block::{PluginBlock, Snapshot};
+use crate::ffi_host::{HOST, collect_log};
+use crate::ffi_shader;
+use crate::ffi_trial::{Trial, try_all};
+use crate::frame_shader::FrameShader;
+use crate::frame_state::{Faults, FrameState};
+
+/// A class's faults in a frame.
+struct ClassFaults {
+    class: Arc<PluginClass>,
+    faults: Arc<Faults>,
+}
+
+/// The plugins of one frame.
+#[derive(Default)]
+pub struct PluginFrame {
+    /// By shader id; `None`: it cannot take part.
+    made: BTreeMap<u32, Option<RenderShader>>,
+    /// What is wrong before the frame begins, a line each.
+    problems: Vec<String>,
+    faults: Vec<ClassFaults>,
+}
+
+/// A shader on its way into a frame.
+struct Candidate {
+    id: u32,
+    snapshot: Snapshot,
+    problem: Option<String>,
+}
+
+impl PluginFrame {
+    /// Prepares shaders, given with their ids, for a frame.
+    pub fn new<'a>(
+        shaders: impl Iterator<Item = (u32, &'a Arc<PluginBlock>)>,
+        state: impl FnOnce() -> FrameState,
+    ) -> Self {
+        let candidate = |(id, block): (u32, &Arc<PluginBlock>)| (id, block.snapshot());
+        let candidates =
+            shaders.map(candidate).map(|(id, snapshot)| Candidate { id, snapshot, problem: None });
+        let mut candidates: Vec<Candidate> = candidates.collect();
+        if candidates.is_empty() {
+            return Self::default();
+        }
+        candidates.sort_unstable_by_key(|candidate| candidate.id);
+        candidates.dedup_by_key(|candidate| candidate.id);
+        try_prepare(&mut candidates);
+        candidates.iter_mut().for_each(prepare);
+        let mut frame = Self::default();
+        let state = Arc::new(state());
+        for Candidate { id, snapshot, problem } in candidates {
+            let class = snapshot.block.class().clone();
+            match problem {
+                Some(problem) => {
+                    frame
+                        .problems
+                        .push(format!("{}: {problem}; the frame goes on without it", class.title()));
+                    frame.made.insert(id, None);
+                }
+                None => {
+                    let faults = frame.faults_of(&class);
+                    frame.made.insert(id, Some(ffi_shader::make(FrameShader::new(snapshot, &state, faults))));
+                }
+            }
+        }
+        frame
+    }
+
+    fn faults_of(&mut self, class: &Arc<PluginClass>) -> Arc<Faults> {
+        let known = self.faults.iter().find(|known| Arc::ptr_eq(&known.class, class));
+        if let Some(known) = known {
+            return known.faults.clone();
+        }
+        let faults = Arc::new(Faults::default());
+        self.faults.push(ClassFaults { class: class.clone(), faults: faults.clone() });
+        faults
+    }
+
+    /// The shader of an id as the renderer takes it; `None` if it cannot take part in the frame.
+    #[must_use]
+    pub fn made(&self, id: u32) -> Option<RenderShader> {
+        self.made.get(&id).cloned().flatten()
+    }
+
+    /// What went wrong before the frame.
+    #[must_use]
+    pub fn problems(&self) -> &[String] {
+        &self.problems
+    }
+
+    /// What went wrong in the frame so far, a line per class.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        let line = |known: &ClassFaults| {
+            let lanes = known.faults.bad_lanes();
+            let plural = if lanes == 1 { "" } else { "s" };
+            (lanes > 0).then(|| {
+                format!(
+                    "{}: {lanes} result{plural} not written, NaN or infinite in this frame, shown black",
+                    known.class.title()
+                )
+            })
+        };
+        self.faults.iter().filter_map(line).collect()
+    }
+}
+
+/// Tries those that were not tried with the present values.
+fn try_prepare(candidates: &mut [Candidate]) {
+    let is_due = |c: &Candidate| {
+        c.snapshot.block.class().calls.prepare.is_some()
+            && c.snapshot.block.verdict(c.snapshot.version).is_none()
+    };
+    let mut due: Vec<&mut Candidate> = candidates.iter_mut().filter(|c| is_due(c)).collect();
+    let verdicts = try_all(due.len(), |i| {
+        if let Some(prepare) = due[i].snapshot.block.class().calls.prepare {
+            // What it says is said again by the call that counts.
+            collect_log(|| due[i].snapshot.prepare(&HOST, prepare), false);
+        }
+    });
+    for (candidate, verdict) in due.iter().zip(verdicts) {
+        let verdict = match verdict {
+            Trial::Returned => Ok(()),
+            Trial::Crashed(how) => Err(format!("its prepare crashed in a trial: {how}")),
+        };
+        candidate.snapshot.block.set_verdict(candidate.snapshot.version, verdict);
+    }
+}
+
+/// Calls `prepare`, if the trial went well.
+fn prepare(candidate: &mut Candidate) {
+    let Some(prepare) = candidate.snapshot.block.class().calls.prepare else { return };
+    let verdict = candidate.snapshot.block.verdict(candidate.snapshot.version);
+    if let Some(Err(crash)) = verdict {
+        candidate.problem = Some(crash);
+        return;
+    }
+    let (status, said) = collect_log(|| candidate.snapshot.prepare(&HOST, prepare), true);
+    if status != 0 {
+        let said = if said.is_empty() { String::new() } else { format!(" ({})", said.join("; ")) };
+        candidate.problem = Some(format!("its prepare failed with {status}{said}"));
+    }
+}

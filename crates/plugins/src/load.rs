@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! From a class's name and a file to a checked class, or to words that say what is wrong.
+//! Source: original. Invariant: what passes has every promise of [`PluginClass`].
+//! Proof: bindings/openrt/tests/plugins.rs: a plugin for each rule that it breaks.
+
+use std::fmt::{Display, Formatter};
+use std::path::Path;
+use std::sync::Arc;
+
+use gnurt::shading::classes::ParameterRate;
+
+use crate::class::{Calls, PluginClass, PluginParameter};
+use crate::data_type::DataType;
+use crate::description::{Kind, Parameter};
+use crate::ffi_library::{Library, ModuleReply, RawClass, RawParameter, classes, parameters};
+use crate::ffi_rts::{Class, RTS_ABI};
+use crate::search::{PATH_VARIABLE, find};
+
+/// Why a class cannot be had: a line for people.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LoadError {
+    /// Something is not there.
+    Missing(String),
+    /// Something does not fit.
+    Unfit(String),
+}
+
+impl std::error::Error for LoadError {}
+
+impl Display for LoadError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let (Self::Missing(text) | Self::Unfit(text)) = self;
+        f.write_str(text)
+    }
+}
+
+/// Blocks and parameters are no larger than this: a plugin that asks for more is broken.
+const MAX_BLOCK: u32 = 1 << 24;
+const MAX_ALIGN: u32 = 4096;
+const MAX_PARAMETERS: u32 = 1 << 16;
+/// Numbers of a parameter that varies.
+const MAX_VARYING: u32 = 16;
+
+/// Loads class `name` from `file`, which is looked for.
+pub fn load(name: &str, file: &str) -> Result<PluginClass, LoadError> {
+    let folders = std::env::var(PATH_VARIABLE).unwrap_or_default();
+    load_by(name, file, || find(file, &folders, Library::open))
+}
+
+/// Loads class `name` from the library at `path` as it is now, whatever was loaded from there before: from a copy, since the
+/// system's loader gives back what it has under a name, and a file that is mapped must not change.
+pub(crate) fn load_anew(name: &str, path: &Path) -> Result<PluginClass, LoadError> {
+    let copy = || -> Result<Library, String> {
+        let private = |why: std::io::Error| format!("cannot copy {}: {why}", path.display());
+        let copy = tempfile::Builder::new().suffix(".so").tempfile().map_err(private)?.into_temp_path();
+        std::fs::copy(path, &copy).map_err(|why| format!("cannot read {}: {why}", path.display()))?;
+        let opened = Library::open(&copy).map_err(|why| {
+            let why = why.replace(&copy.display().to_string(), &path.display().to_string());
+            format!("cannot load library \"{}\": {why}", path.display())
+        });
+        // The loader has it: its name may go.
+        drop(copy);
+        opened
+    };
+    load_by(name, &path.display().to_string(), copy)
+}
+
+/// Loads class `name` from the library that `open` gives; messages call it `file`.
+fn load_by(
+    name: &str,
+    file: &str,
+    open: impl FnOnce() -> Result<Library, String>,
+) -> Result<PluginClass, LoadError> {
+    let title = format!("shader class \"{name}\"");
+    let library = open().map_err(|why| LoadError::Missing(format!("{title}: {why}")))?;
+    let in_file = |text: String| format!("{title}: library \"{file}\": {text}");
+    let module = match library.module().map_err(|why| LoadError::Missing(in_file(why)))? {
+        ModuleReply::Offers(module) => module,
+        ModuleReply::Refuses => {
+            let text = format!("it does not work with version {} of the shader interface", version(RTS_ABI));
+            return Err(LoadError::Unfit(in_file(text)));
+        }
+    };
+    if module.abi >> 16 != RTS_ABI >> 16 {
+        let (theirs, ours) = (version(module.abi), version(RTS_ABI));
+        let text = format!("it is for version {theirs} of the shader interface, this libOpenRT has {ours}");
+        return Err(LoadError::Unfit(in_file(text)));
+    }
+    if (module.struct_size as usize) < size_of_val(&module) {
+        let text = format!("RTSmodule has struct_size {}, not {}", module.struct_size, size_of_val(&module));
+        return Err(LoadError::Unfit(in_file(text)));
+    }
+    let classes = classes(&module);
+    let Some(found) = classes.iter().find(|class| class.name == name) else {
+        return Err(LoadError::Missing(in_file(no_class(name, &classes))));
+    };
+    checked(found, file, Arc::new(library)).map_err(|why| LoadError::Unfit(in_file(why)))
+}
+
+fn version(abi: u32) -> String {
+    format!("{}.{}", abi >> 16, abi & 0xFFFF)
+}
+
+/// There is no class of this name: which there are, and which may be meant.
+fn no_class(name: &str, classes: &[RawClass]) -> String {
+    if classes.is_empty() {
+        return "it has no classes".to_owned();
+    }
+    let names: Vec<&str> = classes.iter().map(|class| &class.name[..]).collect();
+    format!("it has no such class; there are {}{}", names.join(", "), suggestion(name, &names))
+}
+
+/// "did you mean ...?" if a name is near.
+#[must_use]
+pub fn suggestion(name: &str, names: &[&str]) -> String {
+    let near = names
+        .iter()
+        .map(|known| (strsim::damerau_levenshtein(&name.to_lowercase(), &known.to_lowercase()), known));
+    match near.min() {
+        Some((distance, known)) if distance <= name.len().max(known.len()) / 3 => {
+            format!("; did you mean \"{known}\"?")
+        }
+        _ => String::new(),
+    }
+}
+
+/// The class, if it keeps the rules.
+fn checked(raw: &RawClass, file: &str, library: Arc<Library>) -> Result<PluginClass, String> {
+    let class = &raw.class;
+    let kind = checked_header(class)?;
+    let mut checked = PluginClass {
+        name: raw.name.clone(),
+        file: file.to_owned(),
+        kind,
+        shader_size: class.shader_size as usize,
+        shader_align: class.shader_align.max(16) as usize,
+        parameters: Vec::new(),
+        calls: Calls {
+            init: class.init,
+            fini: class.fini,
+            prepare: class.prepare,
+            shade: class.shade,
+            transmit: class.transmit,
+            miss: class.miss,
+            illuminate: class.illuminate,
+            camera: class.camera,
+        },
+        _library: library,
+    };
+    for (i, p) in parameters(class).into_iter().enumerate() {
+        let parameter = checked_parameter(class, kind, p).map_err(|why| format!("parameter {i}: {why}"))?;
+        if checked.parameters.iter().any(|p| p.description.name == parameter.description.name) {
+            return Err(format!("parameter {i}: there are two \"{}\"", parameter.description.name));
+        }
+        checked.parameters.push(parameter);
+    }
+    Ok(checked)
+}
+
+/// What a class says before its parameters.
+fn checked_header(class: &Class) -> Result<Kind, String> {
+    if (class.struct_size as usize) < Class::LEAST {
+        return Err(format!("RTSclass has struct_size {}, not {}", class.struct_size, size_of::<Class>()));
+    }
+    let (kind, has_callback, callback) = match class.kind {
+        0x400 => (Kind::Surface, class.shade.is_some(), "shade"),
+        0x401 => (Kind::Environment, class.miss.is_some(), "miss"),
+        0x402 => (Kind::Light, class.illuminate.is_some(), "illuminate"),
+        0x403 => (Kind::Camera, class.camera.is_some(), "camera"),
+        0x404 => {
+            let text =
+                "it is of kind RT_RENDERING_OBJECT, which plugins cannot be in version 1.0 of the interface";
+            return Err(text.to_owned());
+        }
+        other => return Err(format!("its kind {other:#x} is none of RT_SURFACE_SHADER to RT_CAMERA_SHADER")),
+    };
+    if !has_callback {
+        return Err(format!("its callback `{callback}` is NULL, without which its kind does nothing"));
+    }
+    if class.flags != 0 {
+        return Err(format!("its flags are {:#x}, not 0", class.flags));
+    }
+    let align = class.shader_align;
+    if align > MAX_ALIGN || (align != 0 && !align.is_power_of_two()) {
+        return Err(format!("its shader_align is {align}, not a power of two up to {MAX_ALIGN}, nor 0"));
+    }
+    let sizes = [class.shader_size, class.triangle_size, class.vertex_size];
+    if sizes.iter().any(|&size| size > MAX_BLOCK) {
+        return Err(format!("one of its blocks is too large: {sizes:?} bytes, at most {MAX_BLOCK}"));
+    }
+    if kind != Kind::Surface && (class.triangle_size != 0 || class.vertex_size != 0) {
+        return Err("only surface classes have blocks per triangle and per vertex".to_owned());
+    }
+    if class.param_count > MAX_PARAMETERS || (class.param_count > 0 && class.params.is_null()) {
+        return Err(format!("it says that it has {} parameters, which are not there", class.param_count));
+    }
+    Ok(kind)
+}
+
+fn checked_parameter(class: &Class, kind: Kind, p: RawParameter) -> Result<PluginParameter, String> {
+    let name = p.name.filter(|name| !name.is_empty()).ok_or("it has no name")?;
+    let fail = |text: String| Err(format!("\"{name}\": {text}"));
+    let Some(data) = DataType::from_code(p.kind) else {
+        return fail(format!("its type {:#x} is none that parameters have", p.kind));
+    };
+    let (rate, block) = match p.rate {
+        0x500 => (ParameterRate::Shader, class.shader_size),
+        0x501 => (ParameterRate::Vertex, class.vertex_size),
+        0x502 => (ParameterRate::Triangle, class.triangle_size),
+        other => {
+            return fail(format!(
+                "its rate {other:#x} is none of RT_PER_SHADER, RT_PER_VERTEX, RT_PER_TRIANGLE"
+            ));
+        }
+    };
+    let varies = rate != ParameterRate::Shader;
+    if varies && kind != Kind::Surface {
+        return fail("only parameters of surfaces vary".to_owned());
+    }
+    if p.count == 0 || varies && p.count > MAX_VARYING || data == DataType::Text && p.count > 1 {
+        return fail(format!("its count is {}", p.count));
+    }
+    if varies && data == DataType::Text {
+        return fail("texts are per shader only".to_owned());
+    }
+    let end = u64::from(p.offset) + u64::from(p.count) * data.size() as u64;
+    if end > u64::from(block) {
+        return fail(format!("it ends at byte {end} of a block of {block}"));
+    }
+    let default = if varies { vec![0.0; p.count as usize] } else { Vec::new() };
+    let description = Parameter { name, rate, kind: data, count: p.count as usize, default };
+    Ok(PluginParameter { description, offset: p.offset as usize })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn near_names_are_suggested() {
+        let names = ["sample", "mirror", "tiles"];
+        assert_eq!(suggestion("smaple", &names), "; did you mean \"sample\"?", "two letters exchanged");
+        assert_eq!(suggestion("Mirror", &names), "; did you mean \"mirror\"?", "another case");
+        assert_eq!(suggestion("environment", &names), "", "nothing is near");
+    }
+}

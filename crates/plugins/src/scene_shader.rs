@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Surface shaders for scenes that no OpenRT calls make: classes of plugins and built-in ones, parameters as people write them.
+//! Source: original. A parameter is as many numbers as it has, or one for all of them, between commas; a text; or, for
+//! textures, `@` and the name of a picture. A plugin is loaded anew each time, so that one that was built again is seen.
+//! Proof: `tests`; crates/cli/tests/program/shaders.rs.
+
+use std::collections::BTreeMap;
+use std::ffi::CString;
+use std::path::Path;
+use std::sync::Arc;
+
+use gnurt::image::read_texture;
+use gnurt::shading::SurfaceShader;
+use gnurt::shading::classes::{self, ParameterRate, ParameterType, Shader as RenderShader, Value};
+use gnurt::shading::texture::TextureSampler;
+
+use crate::data_type::DataType;
+use crate::description::{Kind, Parameter};
+use crate::ffi_block::PluginBlock;
+use crate::frame::PluginFrame;
+use crate::frame_state::FrameState;
+use crate::load::{load_anew, suggestion};
+
+/// A surface shader with its parameters.
+pub struct SceneShader {
+    /// As the renderer takes it.
+    pub surface: Arc<dyn SurfaceShader>,
+    plugins: PluginFrame,
+}
+
+impl SceneShader {
+    /// A shader of `class`, which `file` holds if it is no built-in one, with some parameters set: pairs of a name and
+    /// a value.
+    ///
+    /// # Errors
+    /// One line: the class cannot be had or is of no surfaces, `prepare` fails or crashes, a parameter or value is wrong.
+    pub fn new(class: &str, file: Option<&Path>, parameters: &[(String, String)]) -> Result<Self, String> {
+        match file {
+            Some(file) => Self::of_plugin(class, file, parameters),
+            None => Self::built_in(class, parameters),
+        }
+    }
+
+    /// What a plugin did wrong since, a line.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        self.plugins.faults()
+    }
+
+    fn built_in(name: &str, parameters: &[(String, String)]) -> Result<Self, String> {
+        let is_surface = |class: &&classes::ShaderClass| class.kind == classes::Kind::Surface;
+        let names: Vec<&str> =
+            classes::ALL.iter().copied().filter(is_surface).map(|class| class.name).collect();
+        let class = classes::find(name).filter(is_surface).ok_or_else(|| {
+            let meant = suggestion(name, &names);
+            format!(
+                "no built-in surface class \"{name}\"; there are {}{meant}; one of a plugin is CLASS@FILE",
+                names.join(", ")
+            )
+        })?;
+        let mut values = class.defaults();
+        let described = Parameter::of_built_in(class);
+        for (parameter, value) in parameters {
+            let i = place(parameter, &described)?;
+            let wrong = |why: String| format!("parameter '{parameter}': {why}");
+            values.0[i] = match class.parameters[i].kind {
+                ParameterType::Float => {
+                    Value::Floats(numbers(&described[i], value, str::parse).map_err(wrong)?)
+                }
+                ParameterType::Int => {
+                    Value::Int(numbers(&described[i], value, str::parse).map_err(wrong)?[0])
+                }
+                ParameterType::Texture => Value::Texture(Some(texture(value).map_err(wrong)?)),
+            };
+        }
+        surface(class.make(&values)).map(|surface| Self { surface, plugins: PluginFrame::default() })
+    }
+
+    fn of_plugin(name: &str, file: &Path, parameters: &[(String, String)]) -> Result<Self, String> {
+        let class = Arc::new(load_anew(name, file).map_err(|why| why.to_string())?);
+        if class.kind != Kind::Surface {
+            return Err(format!("{} is of no surfaces", class.title()));
+        }
+        let described: Vec<Parameter> = class.parameters.iter().map(|p| p.description.clone()).collect();
+        let (block, mut textures) = (PluginBlock::new(&class), BTreeMap::new());
+        for (parameter, value) in parameters {
+            let i = place(parameter, &described)?;
+            let wrong = |why: String| format!("{}: parameter '{parameter}': {why}", class.title());
+            match described[i].kind {
+                DataType::Text => {
+                    let text = CString::new(value.as_str());
+                    block.write_text(i, &text.map_err(|_| wrong("it has a zero byte".to_owned()))?);
+                }
+                DataType::I32 if value.starts_with('@') => {
+                    let id = textures.len() as u32 + 1;
+                    textures.insert(id, texture(value).map_err(wrong)?);
+                    block.write(i, &id.to_ne_bytes());
+                }
+                kind => {
+                    let encode = |text: &str| kind.encode_text(text).ok_or(());
+                    block.write(i, &numbers(&described[i], value, encode).map_err(wrong)?.concat());
+                }
+            }
+        }
+        let state = || FrameState { textures, ids: Vec::new() };
+        let plugins = PluginFrame::new(std::iter::once((1, &block)), state);
+        match plugins.made(1) {
+            Some(made) => surface(made).map(|surface| Self { surface, plugins }),
+            None => Err(plugins.problems().join("; ")),
+        }
+    }
+}
+
+fn surface(made: RenderShader) -> Result<Arc<dyn SurfaceShader>, String> {
+    match made {
+        RenderShader::Surface(surface) => Ok(surface),
+        RenderShader::Environment(_) | RenderShader::Light(_) | RenderShader::Camera(_) => {
+            Err("it is of no surfaces".to_owned())
+        }
+    }
+}
+
+/// The number of the parameter of this name, if people can set it here.
+fn place(name: &str, described: &[Parameter]) -> Result<usize, String> {
+    let Some(i) = described.iter().position(|parameter| parameter.name == name) else {
+        let names: Vec<&str> = described.iter().map(|parameter| &parameter.name[..]).collect();
+        let list = if names.is_empty() {
+            "it has none".to_owned()
+        } else {
+            format!("there are {}", names.join(", "))
+        };
+        return Err(format!("no parameter '{name}'; {list}{}", suggestion(name, &names)));
+    };
+    match described[i].rate {
+        ParameterRate::Shader => Ok(i),
+        ParameterRate::Vertex => {
+            Err(format!("parameter '{name}' is one of vertices: the mesh has it, or none has"))
+        }
+        ParameterRate::Triangle => {
+            Err(format!("parameter '{name}' is one of triangles: the mesh has it, or none has"))
+        }
+    }
+}
+
+/// The numbers of a parameter: as many as it has, or one for all.
+fn numbers<T: Clone, E>(
+    parameter: &Parameter,
+    text: &str,
+    parse: impl Fn(&str) -> Result<T, E>,
+) -> Result<Vec<T>, String> {
+    let wrong = || {
+        let what = if parameter.kind.is_integer() { "whole number" } else { "number" };
+        let plural = if parameter.count == 1 { "" } else { "s between commas" };
+        format!("'{text}' is not {} {what}{plural}", parameter.count)
+    };
+    let one = |text: &str| parse(text.trim()).map_err(|_| wrong());
+    let found = text.split(',').map(one).collect::<Result<Vec<T>, String>>()?;
+    match &found[..] {
+        [same] => Ok(vec![same.clone(); parameter.count]),
+        _ if found.len() == parameter.count => Ok(found),
+        _ => Err(wrong()),
+    }
+}
+
+/// The texture of `@FILE`.
+fn texture(value: &str) -> Result<Arc<TextureSampler>, String> {
+    let file = value.strip_prefix('@').filter(|file| !file.is_empty());
+    let file = file.ok_or_else(|| format!("'{value}' is no texture; give @ and the name of a picture"))?;
+    let texels = read_texture(Path::new(file)).map_err(|error| error.to_string())?;
+    Ok(Arc::new(TextureSampler::new(Arc::new(texels))))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refused(class: &str, parameters: &[(&str, &str)]) -> String {
+        let parameters: Vec<_> =
+            parameters.iter().map(|(name, value)| (name.to_string(), value.to_string())).collect();
+        SceneShader::new(class, None, &parameters).err().expect("it is wrong")
+    }
+
+    #[test]
+    fn what_is_wrong_is_said() {
+        for (class, parameters, said) in [
+            ("MateShader", &[][..], "did you mean \"MatteShader\"?"),
+            ("PinholeCamera", &[], "no built-in surface class \"PinholeCamera\""),
+            ("MatteShader", &[("colour", "1")], "no parameter 'colour'; there are"),
+            ("MatteShader", &[("color", "1,2")], "'1,2' is not 3 numbers between commas"),
+            ("MatteShader", &[("color", "red")], "'red' is not 3 numbers"),
+            ("MatteShader", &[("texture", "wood.png")], "give @ and the name of a picture"),
+            ("MatteShader", &[("texture", "@no/such.png")], "no/such.png"),
+        ] {
+            let found = refused(class, parameters);
+            assert!(found.contains(said), "{class} {parameters:?}: {found}");
+        }
+    }
+
+    #[test]
+    fn files_that_are_no_plugins_are_told() {
+        let folder = tempfile::Builder::new().prefix("plugins").tempdir().expect("a folder");
+        let [broken, missing] = ["broken.so", "missing.so"].map(|name| folder.path().join(name));
+        std::fs::write(&broken, "no library").expect("a file");
+        for (file, name) in [(&broken, "broken.so"), (&missing, "missing.so")] {
+            let found = SceneShader::new("x", Some(file), &[]).err().expect("it is wrong");
+            assert!(found.contains(name) && !found.contains(".tmp"), "{found}");
+        }
+    }
+}
