@@ -16,9 +16,10 @@ use crate::embree::EmbreeEngine;
 use crate::ffi_embree::{Device, Scene};
 use crate::job::{Asked, ENGINES, EmbreeKind, OwnKind, Packets};
 use crate::memory::growth;
+use crate::news::News;
+use crate::options::Options as RayOptions;
 use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
-use crate::rays::News;
 use crate::row::median;
 use crate::timing::Rays;
 use crate::{Class, Contestant, EmbreeLibrary, Error, Filter, Subject};
@@ -247,9 +248,10 @@ impl<'a> Site<'a> {
                 },
             })
             .collect();
-        let options = crate::rays::Options::default();
+        let options = RayOptions::default();
         for class in [Class::Primary, Class::Diffuse] {
-            let rays = Rays { chunks: maker.rays(class, options.batch), any: class.is_any_hit() };
+            let rays =
+                Rays::new(maker.rays(class, options.batch), class.is_any_hit(), self.subject.triangles());
             let what = format!("{} {class}", self.subject.name);
             check(&what, &rays, &contestants, options.tolerance, tell)?;
         }

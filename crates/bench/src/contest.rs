@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Contestants over one set of rays: first their answers are compared, then they are timed in turns.
-//! Source: original. Turns, round by round, so that what else the machine does meets all of them alike.
-//! Proof: `tests::a_wrong_answer_ends_it`.
+//! Source: original. Turns, round by round, so that what else the machine does meets all of them alike; every round begins
+//! with another one, and every other round goes backwards, so that nobody always follows the same one, who leaves the
+//! caches and the clock as they are.
+//! Proof: `tests::a_wrong_answer_ends_it`, `tests::the_order_is_rotated`.
 
-use crate::rays::{News, Options};
+use crate::news::News;
+use crate::options::Options;
 use crate::row::median;
 use crate::timing::{Engine, Rays, Seconds, answers, time};
 use crate::verdict::{Difference, Sums, compare};
@@ -38,9 +41,9 @@ pub(crate) fn hold(
 ) -> Result<Vec<Row>, Error> {
     let sums = check(&format!("{scene} {class}"), rays, contestants, options.tolerance, tell)?;
     let mut seconds: Vec<Vec<Seconds>> = vec![Vec::new(); contestants.len()];
-    for _ in 0..options.rounds {
-        for (contestant, seconds) in contestants.iter().zip(&mut seconds) {
-            seconds.push(time(&*contestant.tracer, rays, options.threads));
+    for round in 0..options.rounds {
+        for i in order(round, options.rounds, contestants.len()) {
+            seconds[i].push(time(&*contestants[i].tracer, rays, options.threads));
         }
     }
     let results = contestants.iter().zip(&sums).zip(&seconds);
@@ -66,9 +69,19 @@ pub(crate) fn hold(
             min: cpu.iter().copied().fold(f64::INFINITY, f64::min),
             max: cpu.iter().copied().fold(0.0, f64::max),
             runs: seconds.len(),
+            rates: cpu,
         }
     };
     Ok(results.map(row).collect())
+}
+
+/// Who has his turn when in a round of `rounds`.
+fn order(round: usize, rounds: usize, contestants: usize) -> impl Iterator<Item = usize> {
+    let first = round * contestants / rounds;
+    (0..contestants).map(move |turn| {
+        let turn = if round.is_multiple_of(2) { turn } else { contestants - 1 - turn };
+        (first + turn) % contestants
+    })
 }
 
 /// Asks everybody once, and compares the answers with the first one's.
@@ -92,7 +105,7 @@ pub(crate) fn check(
             let example = example.unwrap_or_default();
             format!("{what}: {who} against {}: {}{example}", first.name(), difference.what)
         };
-        let compared = compare(&expected, &answers, rays.any, tolerance);
+        let compared = compare(&expected, &answers, rays, tolerance);
         let compared = compared.map_err(|much| Error::Differ(named(&much, &contestant.name())))?;
         let Some(difference) = compared else { continue };
         match differences.iter_mut().find(|(known, _)| *known == difference) {
@@ -110,7 +123,7 @@ pub(crate) fn check(
 mod tests {
     use super::*;
     use crate::timing::Answers;
-    use gnurt::accel::{Ray, RayBatch};
+    use gnurt::accel::{Ray, RayBatch, Triangles};
 
     /// Says that all rays hit at this distance.
     struct Liar(f32);
@@ -134,7 +147,7 @@ mod tests {
             tracer: Box::new(Liar(t)),
         };
         let ray = |i: usize| Ray::new([0.0; 3], [1.0, 0.0, i as f32]);
-        let rays = Rays { chunks: vec![(0..50).map(ray).collect()], any: false };
+        let rays = Rays::new(vec![(0..50).map(ray).collect()], false, Triangles::default());
         let options = Options { rounds: 3, ..Options::default() };
         let hold = |liars: &[Contestant]| hold("a", Class::Diffuse, &rays, liars, &options, &mut |_| {});
         let rows = hold(&[liar("a", 1.0), liar("b", 1.0)]).expect("they agree");
@@ -143,5 +156,24 @@ mod tests {
         let refused = hold(&[liar("a", 1.0), liar("b", 1.5)]).expect_err("they do not agree").to_string();
         assert!(refused.contains("a diffuse: liar b against liar a"), "{refused}");
         assert!(refused.contains("50 hit elsewhere") && refused.contains("for instance"), "{refused}");
+    }
+
+    #[test]
+    fn the_order_is_rotated() {
+        for (rounds, n) in [(5, 12), (9, 27), (1, 3), (4, 1)] {
+            let orders: Vec<Vec<usize>> =
+                (0..rounds).map(|round| order(round, rounds, n).collect()).collect();
+            for order in &orders {
+                let mut sorted = order.clone();
+                sorted.sort_unstable();
+                assert!(sorted.into_iter().eq(0..n), "everybody has one turn: {order:?}");
+            }
+            if n > rounds {
+                let mut firsts: Vec<usize> = orders.iter().map(|order| order[0]).collect();
+                firsts.sort_unstable();
+                firsts.dedup();
+                assert_eq!(firsts.len(), rounds, "another one begins each round: {orders:?}");
+            }
+        }
     }
 }

@@ -84,6 +84,7 @@ impl Engine for EmbreeEngine<'_> {
         let arguments = Arguments::new(self.packets.coherent);
         match self.packets.size {
             1 => closest::<1>(self.scene, &arguments, rays, answers),
+            4 => closest::<4>(self.scene, &arguments, rays, answers),
             8 => closest::<8>(self.scene, &arguments, rays, answers),
             _ => closest::<16>(self.scene, &arguments, rays, answers),
         }
@@ -93,6 +94,7 @@ impl Engine for EmbreeEngine<'_> {
         let arguments = Arguments::new(self.packets.coherent);
         match self.packets.size {
             1 => any::<1>(self.scene, &arguments, rays, answers),
+            4 => any::<4>(self.scene, &arguments, rays, answers),
             8 => any::<8>(self.scene, &arguments, rays, answers),
             _ => any::<16>(self.scene, &arguments, rays, answers),
         }
@@ -187,7 +189,7 @@ mod tests {
             // Nineteen rays: whole packets and a part of one.
             let rays: RayBatch =
                 (0..19).map(|i| Ray::new([(i as f32 + 0.5) / 16.0, 0.01, 2.0], [0.0, 0.0, -0.5])).collect();
-            for size in [1, 8, 16].into_iter().filter(|&size| device.has_packets(size)) {
+            for size in [1, 4, 8, 16].into_iter().filter(|&size| device.has_packets(size)) {
                 let mut answers = Answers::default();
                 let engine = EmbreeEngine { scene: &scene, packets: Packets { size, coherent: size == 8 } };
                 engine.closest(&rays, &mut answers);

@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicI64, Ordering};
 
 type Handle = *mut c_void;
 
-/// `RTCRayHit` (N = 1), `RTCRayHit8`, `RTCRayHit16`: rows of N values, the ray first.
+/// `RTCRayHit` (N = 1), `RTCRayHit4`, `RTCRayHit8`, `RTCRayHit16`: rows of N values, the ray first.
 ///
 /// The last row is there where the library was built with arrays of instances; one without leaves it alone.
 #[repr(C, align(64))]
@@ -97,6 +97,7 @@ const BUFFER_VERTEX: c_int = 1;
 const FORMAT_UINT3: c_int = 0x5003;
 const FORMAT_FLOAT3: c_int = 0x9003;
 const PROPERTY_VERSION: c_int = 0;
+const PROPERTY_NATIVE_RAY4: c_int = 32;
 const PROPERTY_NATIVE_RAY8: c_int = 33;
 const PROPERTY_NATIVE_RAY16: c_int = 34;
 
@@ -122,9 +123,11 @@ pub(crate) struct Library {
     commit_geometry: unsafe extern "C" fn(Handle),
     attach: unsafe extern "C" fn(Handle, Handle) -> c_uint,
     intersect1: Intersect1,
+    intersect4: IntersectN,
     intersect8: IntersectN,
     intersect16: IntersectN,
     occluded1: Intersect1,
+    occluded4: IntersectN,
     occluded8: IntersectN,
     occluded16: IntersectN,
 }
@@ -162,9 +165,11 @@ impl Library {
             commit_geometry: function!(c"rtcCommitGeometry"),
             attach: function!(c"rtcAttachGeometry"),
             intersect1: function!(c"rtcIntersect1"),
+            intersect4: function!(c"rtcIntersect4"),
             intersect8: function!(c"rtcIntersect8"),
             intersect16: function!(c"rtcIntersect16"),
             occluded1: function!(c"rtcOccluded1"),
+            occluded4: function!(c"rtcOccluded4"),
             occluded8: function!(c"rtcOccluded8"),
             occluded16: function!(c"rtcOccluded16"),
         })
@@ -239,6 +244,7 @@ impl<'a> Device<'a> {
     pub(crate) fn has_packets(&self, size: usize) -> bool {
         match size {
             1 => true,
+            4 => self.property(PROPERTY_NATIVE_RAY4) != 0,
             8 => self.property(PROPERTY_NATIVE_RAY8) != 0,
             16 => self.property(PROPERTY_NATIVE_RAY16) != 0,
             _ => false,
@@ -315,7 +321,7 @@ impl<'a> Scene<'a> {
         Ok(scene)
     }
 
-    /// Closest hits; `N` is 1, 8 or 16.
+    /// Closest hits; `N` is 1, 4, 8 or 16.
     #[inline(always)]
     pub(crate) fn intersect<const N: usize>(
         &self,
@@ -328,14 +334,15 @@ impl<'a> Scene<'a> {
         unsafe {
             match N {
                 1 => (self.library.intersect1)(self.raw, rays, arguments),
+                4 => (self.library.intersect4)(active, self.raw, rays, arguments),
                 8 => (self.library.intersect8)(active, self.raw, rays, arguments),
                 16 => (self.library.intersect16)(active, self.raw, rays, arguments),
-                _ => unreachable!("packets hold 1, 8 or 16 rays, not {N}"),
+                _ => unreachable!("packets hold 1, 4, 8 or 16 rays, not {N}"),
             }
         }
     }
 
-    /// Any hits: `t_far` becomes -inf where there is one. `N` is 1, 8 or 16.
+    /// Any hits: `t_far` becomes -inf where there is one. `N` is 1, 4, 8 or 16.
     #[inline(always)]
     pub(crate) fn occluded<const N: usize>(
         &self,
@@ -344,13 +351,14 @@ impl<'a> Scene<'a> {
         arguments: &Arguments,
     ) {
         let (rays, active) = (std::ptr::from_mut(packet).cast(), active.0.as_ptr());
-        // SAFETY: a packet begins with the rays alone, RTCRay, RTCRay8 or RTCRay16, which is all that is used here.
+        // SAFETY: a packet begins with the rays alone, RTCRay, RTCRay4, RTCRay8 or RTCRay16, which is all that is used here.
         unsafe {
             match N {
                 1 => (self.library.occluded1)(self.raw, rays, arguments),
+                4 => (self.library.occluded4)(active, self.raw, rays, arguments),
                 8 => (self.library.occluded8)(active, self.raw, rays, arguments),
                 16 => (self.library.occluded16)(active, self.raw, rays, arguments),
-                _ => unreachable!("packets hold 1, 8 or 16 rays, not {N}"),
+                _ => unreachable!("packets hold 1, 4, 8 or 16 rays, not {N}"),
             }
         }
     }

@@ -15,9 +15,10 @@ use serde_json::{Value, json};
 use crate::clock::thread_seconds;
 use crate::contest::hold;
 use crate::job::Asked;
+use crate::news::News;
+use crate::options::Options;
 use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
-use crate::rays::{News, Options};
 use crate::row::median;
 use crate::timing::Rays;
 use crate::{Class, Contestant, Error, Subject};
@@ -133,7 +134,7 @@ pub fn run(subject: &Subject, options: &Options, tell: &mut dyn FnMut(News)) -> 
         tracer: Box::new(OwnEngine { tree: &tree, asked: Asked::Batch(coherence), level }),
     });
     let maker = RayMaker::new(subject, options.size, &tree, best)?;
-    let rays = Rays { chunks: maker.rays(Class::Primary, options.batch), any: false };
+    let rays = Rays::new(maker.rays(Class::Primary, options.batch), false, subject.triangles());
     let options = Options { threads: 1, ..options.clone() };
     let rows = hold(&subject.name, Class::Primary, &rays, &contestants, &options, tell)?;
     let name = subject.name.to_lowercase();

@@ -3,61 +3,14 @@
 //! Proof: `tests::measures_a_box`, and `tests/program/bench.rs` of the program.
 
 use gnurt::ThreadPool;
-use gnurt::simd::Level;
 
 use crate::contest::{Contestant, hold};
+pub use crate::news::News;
+pub use crate::options::Options;
 use crate::ray_classes::RayMaker;
 use crate::timing::Rays;
 use crate::trees::Trees;
-use crate::{Class, EmbreeLibrary, Error, Filter, Job, Row, Subject};
-
-/// What is to be measured, and how.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// Classes of rays.
-    pub classes: Vec<Class>,
-    /// Which jobs.
-    pub filter: Filter,
-    /// Columns and rows of primary rays.
-    pub size: u32,
-    /// Runs of each job.
-    pub rounds: usize,
-    /// Rays per batch: what a call gets that takes more than one ray.
-    pub batch: usize,
-    /// Threads that trace.
-    pub threads: usize,
-    /// Instruction set.
-    pub level: Level,
-    /// Share of the rays that may be hits for one engine only.
-    pub tolerance: f64,
-}
-
-impl Default for Options {
-    /// All classes, the usual jobs, a million primary rays, five rounds, one thread, the best instructions.
-    fn default() -> Self {
-        Self {
-            classes: Class::ALL.to_vec(),
-            filter: Filter::default(),
-            size: 1024,
-            rounds: 5,
-            batch: 4096,
-            threads: 1,
-            level: Level::best(),
-            tolerance: 1e-5,
-        }
-    }
-}
-
-/// News while it goes on.
-#[derive(Debug)]
-pub enum News<'a> {
-    /// A tree is there.
-    Built(String),
-    /// Answers differ, but by no more than rounding explains.
-    Differs(String),
-    /// A class is done: its rows, in the order of the jobs.
-    Class(&'a [Row]),
-}
+use crate::{EmbreeLibrary, Error, Job, Row, Subject};
 
 /// Measures one scene. Trees are built with `pool`; `embree` is the rival, if there is one, and `others` come after it.
 ///
@@ -84,7 +37,7 @@ pub fn run(
     let maker = RayMaker::new(subject, options.size, trees.reference(), options.level)?;
     let mut rows = Vec::new();
     for &class in &options.classes {
-        let rays = Rays { chunks: maker.rays(class, options.batch), any: class.is_any_hit() };
+        let rays = Rays::new(maker.rays(class, options.batch), class.is_any_hit(), subject.triangles());
         let first = rows.len();
         rows.extend(hold(&subject.name, class, &rays, &contestants, options, tell)?);
         tell(News::Class(&rows[first..]));
@@ -95,6 +48,7 @@ pub fn run(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Class, Filter};
 
     #[test]
     fn measures_a_box() {

@@ -37,6 +37,8 @@ pub struct Row {
     pub max: f64,
     /// Runs.
     pub runs: usize,
+    /// Rate of each run by processor time, in the order of the rounds.
+    pub rates: Vec<f64>,
 }
 
 /// An array of objects.
@@ -93,6 +95,7 @@ pub(crate) fn sample(scene: &str, class: Class, engine: &'static str, mode: &str
         min: mrays_cpu,
         max: mrays_cpu,
         runs: 5,
+        rates: vec![mrays_cpu; 5],
     }
 }
 

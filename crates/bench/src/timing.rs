@@ -7,13 +7,14 @@ use std::sync::Barrier;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use gnurt::accel::{HitBatch, Ray, RayBatch, Record};
+use gnurt::accel::{HitBatch, INVALID_ID, Ray, RayBatch, Record, Triangles};
 
 use crate::clock::thread_seconds;
+use crate::pin::Pinned;
 
 /// Something that answers rays.
 pub trait Engine: Sync {
-    /// Closest hits: fills `t` and `prim_id` of `answers.hits`.
+    /// Closest hits: fills `t` and `prim_id` of `answers.hits`; [`INVALID_ID`] beside a hit where it does not know which.
     fn closest(&self, rays: &RayBatch, answers: &mut Answers);
     /// Any hits: fills `answers.occluded`.
     fn any(&self, rays: &RayBatch, answers: &mut Answers);
@@ -40,13 +41,19 @@ impl Answers {
 }
 
 /// The rays of a class, in chunks.
-pub(crate) struct Rays {
+pub(crate) struct Rays<'a> {
     pub(crate) chunks: Vec<RayBatch>,
     /// Whether any hit will do.
     pub(crate) any: bool,
+    /// What they are sent at.
+    pub(crate) triangles: Triangles<'a>,
 }
 
-impl Rays {
+impl<'a> Rays<'a> {
+    pub(crate) fn new(chunks: Vec<RayBatch>, any: bool, triangles: Triangles<'a>) -> Self {
+        Self { chunks, any, triangles }
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.chunks.iter().map(RayBatch::len).sum()
     }
@@ -81,11 +88,12 @@ fn ask(engine: &dyn Engine, any: bool, chunk: &RayBatch, answers: &mut Answers) 
     }
 }
 
-/// One run over all rays.
+/// One run over all rays, each thread on a core of its own.
 pub(crate) fn time(engine: &dyn Engine, rays: &Rays, threads: usize) -> Seconds {
     let next = AtomicUsize::new(0);
     let barrier = Barrier::new(threads);
-    let work = || {
+    let work = |thread: usize| {
+        let _pinned = Pinned::thread(thread, threads);
         let mut answers = Answers::default();
         barrier.wait();
         let (start, before) = (Instant::now(), thread_seconds());
@@ -95,10 +103,11 @@ pub(crate) fn time(engine: &dyn Engine, rays: &Rays, threads: usize) -> Seconds 
         (thread_seconds() - before, start.elapsed().as_secs_f64())
     };
     let times: Vec<(f64, f64)> = if threads == 1 {
-        vec![work()]
+        vec![work(0)]
     } else {
         std::thread::scope(|scope| {
-            let running: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
+            let work = &work;
+            let running: Vec<_> = (0..threads).map(|thread| scope.spawn(move || work(thread))).collect();
             // A panic of a thread is a bug: let it be seen.
             let joined = running.into_iter().map(|thread| thread.join());
             joined.map(|result| result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))).collect()
@@ -108,16 +117,27 @@ pub(crate) fn time(engine: &dyn Engine, rays: &Rays, threads: usize) -> Seconds 
     Seconds { cpu, wall: times.iter().fold(0.0, |longest, (_, wall)| wall.max(longest)) }
 }
 
-/// The answers to all rays, one number each: `t`, infinite for a miss; of any-hit rays 1, or infinite for a miss.
-pub(crate) fn answers(engine: &dyn Engine, rays: &Rays) -> Vec<f32> {
-    let mut all = Vec::with_capacity(rays.len());
+/// The answers to all rays: what [`compare`](crate::verdict::compare) looks at.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Answered {
+    /// Infinite for a miss; of any-hit rays 1 for a hit.
+    pub(crate) t: Vec<f32>,
+    /// Which triangle; [`INVALID_ID`] for a miss, for any-hit rays, and of engines that do not say.
+    pub(crate) prim_id: Vec<u32>,
+}
+
+/// Asks for all rays.
+pub(crate) fn answers(engine: &dyn Engine, rays: &Rays) -> Answered {
+    let mut all = Answered::default();
     let mut answers = Answers::default();
     for chunk in &rays.chunks {
         ask(engine, rays.any, chunk, &mut answers);
         if rays.any {
-            all.extend(answers.occluded.iter().map(|&occluded| if occluded { 1.0 } else { f32::INFINITY }));
+            all.t.extend(answers.occluded.iter().map(|&occluded| if occluded { 1.0 } else { f32::INFINITY }));
+            all.prim_id.resize(all.t.len(), INVALID_ID);
         } else {
-            all.extend_from_slice(&answers.hits.t);
+            all.t.extend_from_slice(&answers.hits.t);
+            all.prim_id.extend_from_slice(&answers.hits.prim_id);
         }
     }
     all
@@ -146,7 +166,7 @@ mod tests {
     fn every_chunk_is_traced_once() {
         let ray = |i: usize| Ray::new([0.0; 3], [1.0; 3]).within(0.0, i as f32);
         let chunks: Vec<RayBatch> = [0..100, 100..200, 200..207].map(|part| part.map(ray).collect()).into();
-        let rays = Rays { chunks, any: false };
+        let rays = Rays::new(chunks, false, Triangles::default());
         for threads in [1, 2, 5] {
             let counter = Counter(AtomicUsize::new(0));
             let seconds = time(&counter, &rays, threads);
@@ -154,6 +174,6 @@ mod tests {
             assert!(seconds.cpu >= 0.0 && seconds.wall > 0.0, "it takes time: {seconds:?}");
         }
         let t = answers(&Counter(AtomicUsize::new(0)), &rays);
-        assert!(t.iter().copied().eq((0..207).map(|i| i as f32)), "in the order of the rays");
+        assert!(t.t.iter().copied().eq((0..207).map(|i| i as f32)), "in the order of the rays");
     }
 }

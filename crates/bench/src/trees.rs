@@ -9,8 +9,8 @@ use crate::contest::Contestant;
 use crate::embree::EmbreeEngine;
 use crate::ffi_embree::{Device, Scene};
 use crate::job::{Asked, EmbreeKind, OwnKind};
+use crate::news::News;
 use crate::own::OwnEngine;
-use crate::rays::News;
 use crate::{EmbreeLibrary, Error, Job, Subject};
 
 /// A library, and a device of it.
@@ -89,7 +89,9 @@ impl<'a> Trees<'a> {
                 Some(Contestant { engine, mode, isa, tracer: Box::new(OwnEngine { tree, asked, level }) })
             }
             Job::Embree { kind, packets } => {
-                let has_code = self.device.is_some_and(|device| device.has_packets(packets.size));
+                // Packets of four are for CPUs that have none of sixteen: the two widest take part.
+                let has = |size| self.device.is_some_and(|device| device.has_packets(size));
+                let has_code = has(packets.size) && (packets.size != 4 || !has(16));
                 let (_, scene) = self.embree.iter().find(|(known, _)| has_code && *known == kind)?;
                 Some(Contestant { engine, mode, isa, tracer: Box::new(EmbreeEngine { scene, packets }) })
             }

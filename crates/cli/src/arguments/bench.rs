@@ -85,6 +85,9 @@ pub(crate) struct BenchRaysArguments {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    /// Write all that a record needs as JSON: the machine, every round's rate, who was compared with whom
+    #[arg(long, value_name = "FILE")]
+    pub(crate) record: Option<PathBuf>,
     /// Write the best of each side as bars
     #[arg(long, value_name = "FILE")]
     pub(crate) svg: Option<PathBuf>,

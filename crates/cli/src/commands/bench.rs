@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 
 use gnurt::image;
 use gnurt_bench::rays::News;
-use gnurt_bench::{Class, EmbreeLibrary, Error, Filter, Subject, builds, paper, plot, rays, table, to_json};
+use gnurt_bench::{
+    Class, EmbreeLibrary, Error, Filter, Subject, builds, paper, plot, rays, record, table, to_json,
+};
 
 use super::bench_light;
 use crate::arguments::{
@@ -35,7 +37,7 @@ pub(crate) fn run(arguments: &BenchArguments, environment: &Environment, message
 fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messages: Messages) -> Outcome {
     let filter = Filter { engines: arguments.engines.clone(), modes: arguments.modes.clone() };
     filter.jobs().map_err(failure)?;
-    check_outputs(&[&arguments.json, &arguments.svg])?;
+    check_outputs(&[&arguments.json, &arguments.record, &arguments.svg])?;
     let sources = find(&arguments.scenes, environment)?;
     let embree = rival(&filter, messages)?;
     // One thread if nobody says how many: what others do disturbs it least.
@@ -53,6 +55,7 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
         level: arguments.machine.isa.or(environment.isa).unwrap_or_default(),
         ..rays::Options::default()
     };
+    let load_before = record::load();
     let pool = gnurt::thread_pool(0).map_err(Failure::data)?;
     let mut rows = Vec::new();
     for source in sources {
@@ -73,6 +76,10 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
         heard?;
     }
     write(arguments.json.as_deref(), || to_json(&rows).to_string())?;
+    write(arguments.record.as_deref(), || {
+        let version = embree.as_ref().map(EmbreeLibrary::version);
+        record::to_json(&options, version, load_before, &rows).to_string()
+    })?;
     write(arguments.svg.as_deref(), || plot::svg(&rows))?;
     print(table::summary(&rows).trim_end())
 }

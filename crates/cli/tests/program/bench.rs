@@ -9,11 +9,17 @@ const CLASSES: [&str; 5] = ["primary", "shadow", "ao", "diffuse", "shuffled"];
 fn rays_are_measured_and_their_answers_agree() {
     let folder = Folder::new();
     let run = folder
-        .gnurt("bench rays builtin:cornell --size 32 --rounds 2 --json rays.json --svg rays.svg")
+        .gnurt("bench rays builtin:cornell --size 32 --rounds 2 --json rays.json --svg rays.svg --record record.json")
         .success();
     assert!(run.lines("note: ").iter().any(|line| line.contains("EMBREE4_LIB")), "{}", run.stderr);
     assert_eq!(run.lines("note: ").len(), 1, "our own trees agree in every ray: {}", run.stderr);
     assert!(folder.read("rays.svg").starts_with(b"<svg"), "a picture of bars");
+    let record: serde_json::Value = serde_json::from_slice(&folder.read("record.json")).expect("JSON");
+    assert!(
+        record["rows"].as_array().is_some_and(|rows| rows.iter().all(|row| row["rates"].is_array())),
+        "{record}"
+    );
+    assert_eq!((&record["rounds"], &record["threads"]), (&2.into(), &1.into()), "{record}");
     let rows: serde_json::Value = serde_json::from_slice(&folder.read("rays.json")).expect("JSON");
     let rows = rows.as_array().expect("an array");
     for class in CLASSES {
