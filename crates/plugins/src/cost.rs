@@ -66,6 +66,7 @@ fn points(n: usize) -> SurfaceBatch {
         hits.ray_dir.push([0.0, 0.0, -1.0].into());
         hits.lift.push([0.0; 3].into());
         hits.dp_du.push([0.0; 3].into());
+        hits.dp_dv.push([0.0; 3].into());
         hits.color.push([1.0; 3].into());
     }
     let ones = || vec![1.0; n];

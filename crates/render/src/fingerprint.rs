@@ -30,6 +30,7 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
         hash.floats(mesh.positions.as_flattened());
         hash.floats(mesh.normals.as_flattened());
         hash.floats(mesh.texcoords.as_flattened());
+        hash.floats(mesh.tangents.as_flattened());
         hash.floats(mesh.colors.as_flattened());
         mesh.indices.as_flattened().iter().for_each(|&i| hash.word(u64::from(i)));
         hash.debug(&mesh.attributes);

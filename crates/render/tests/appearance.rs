@@ -12,7 +12,9 @@ use glam::Vec3;
 use gnurt_render::{CommitOptions, ShaderTable, Silent, World, render};
 use gnurt_scene::material::{Color, NormalMap, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
-use gnurt_scene::{Attribute, Light, MaterialId, MeshId, Rate, Scene, Surface, TextureId};
+use gnurt_scene::{
+    Affine, Attribute, InstanceId, Light, MaterialId, MeshId, Rate, Scene, Surface, TextureId,
+};
 use gnurt_shading::{AttributeRequest, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 fn texture(scene: &mut Scene, width: u32, texels: Vec<[f32; 4]>) -> TextureId {
@@ -45,6 +47,112 @@ fn normal_maps_turn_the_shading_normal() {
     assert_close(lit_from([0.0, 0.0, -1.0]), 0.5 * 0.8, 1e-2, "from above: the cosine of the map's normal");
     assert_close(lit_from([-0.6, 0.0, -0.8]), 0.5, 1e-2, "from where the map leans to");
     assert_close(lit_from([0.6, 0.0, -0.8]), 0.5 * (0.64 - 0.36), 2e-2, "from the other side");
+}
+
+/// Where a normal map's lean points to in the world, by what light from each side brings: a floor, seen from above.
+fn lean(texel: [f32; 4], uv_from_mesh: [f32; 6], edit: impl Fn(&mut Scene)) -> [f64; 2] {
+    let lit_from = |direction| {
+        let mut scene = floor(0.5, 5.0);
+        let map = texture(&mut scene, 1, vec![texel]);
+        scene.edit_material(MaterialId(0)).surface = Surface::MetallicRoughness {
+            base_color: Color::constant([0.5; 3]),
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            ior: 1.0,
+            normal_texture: Some(NormalMap {
+                texture: TextureRef { uv_from_mesh, ..TextureRef::new(map) },
+                scale: 1.0,
+            }),
+        };
+        edit(&mut scene);
+        scene.add_light(Light::Directional { direction, irradiance: [PI as f32; 3] });
+        radiance_at(&scene, [0.1, 0.1, 5.0], [0.1, 0.1, 0.0], 1)[0]
+    };
+    let towards = |x: f32, y: f32| lit_from([-x, -y, -0.8]);
+    [towards(0.6, 0.0) - towards(-0.6, 0.0), towards(0.0, 0.6) - towards(0.0, -0.6)].map(|d| d / 0.36)
+}
+
+/// Red leans along the map's own u, green along its v, however the mesh, its coordinates, its tangents and its instance lie.
+#[test]
+fn normal_maps_follow_coordinates_tangents_and_mirrors() {
+    const PLAIN: [f32; 6] = [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+    // Normals (0.6, 0, 0.8) and (0, 0.6, 0.8).
+    let (red, green) = ([0.8, 0.5, 0.9, 1.0], [0.5, 0.8, 0.9, 1.0]);
+    let mirrored_uv = |scene: &mut Scene| {
+        scene.edit_mesh(MeshId(0)).texcoords.iter_mut().for_each(|uv| uv[0] = 1.0 - uv[0]);
+    };
+    let mirrored_instance = |scene: &mut Scene| {
+        let mut columns = Affine::IDENTITY.columns;
+        columns[0][0] = -1.0;
+        scene.edit_instance(InstanceId(0)).world_from_object = Affine { columns };
+    };
+    let with_tangents = |tangent: [f32; 4]| {
+        move |scene: &mut Scene| {
+            let mesh = scene.edit_mesh(MeshId(0));
+            mesh.normals = vec![[0.0, 0.0, 1.0]; 4];
+            mesh.tangents = vec![tangent; 4];
+        }
+    };
+    let nothing = |_: &mut Scene| {};
+    // A quarter turn, v' = u and u' = -v: the map's u runs along -y, its v along x.
+    let turned = [0.0, 1.0, -1.0, 0.0, 0.0, 0.0];
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let cases: [(&str, [[f64; 2]; 2], [[f64; 2]; 2]); 8] = [
+        ("as it is", [lean(red, PLAIN, nothing), lean(green, PLAIN, nothing)], [[1.0, 0.0], [0.0, 1.0]]),
+        (
+            "mirrored coordinates",
+            [lean(red, PLAIN, mirrored_uv), lean(green, PLAIN, mirrored_uv)],
+            [[-1.0, 0.0], [0.0, 1.0]],
+        ),
+        (
+            "a mirrored instance",
+            [lean(red, PLAIN, mirrored_instance), lean(green, PLAIN, mirrored_instance)],
+            [[-1.0, 0.0], [0.0, 1.0]],
+        ),
+        (
+            "a quarter turn",
+            [lean(red, turned, nothing), lean(green, turned, nothing)],
+            [[0.0, -1.0], [1.0, 0.0]],
+        ),
+        (
+            "an uneven scale before an eighth of a turn",
+            // u' = (2u + v) / sqrt 2, v' = (v - 2u) / sqrt 2, whose u grows along (1, 2) and whose v along (-1, 2), the
+            // frame upright on the former.
+            [
+                lean(red, [2.0, -2.0, 1.0, 1.0, 0.0, 0.0].map(|x| x * half as f32), nothing),
+                lean(green, [2.0, -2.0, 1.0, 1.0, 0.0, 0.0].map(|x| x * half as f32), nothing),
+            ],
+            [[0.447, 0.894], [-0.894, 0.447]],
+        ),
+        (
+            "tangents along y",
+            [
+                lean(red, PLAIN, with_tangents([0.0, 1.0, 0.0, 1.0])),
+                lean(green, PLAIN, with_tangents([0.0, 1.0, 0.0, 1.0])),
+            ],
+            [[0.0, 1.0], [-1.0, 0.0]],
+        ),
+        (
+            "left-handed tangents",
+            [
+                lean(red, PLAIN, with_tangents([0.0, 1.0, 0.0, -1.0])),
+                lean(green, PLAIN, with_tangents([0.0, 1.0, 0.0, -1.0])),
+            ],
+            [[0.0, 1.0], [1.0, 0.0]],
+        ),
+        (
+            "tangents that say nothing",
+            [lean(red, PLAIN, with_tangents([0.0; 4])), lean(green, PLAIN, with_tangents([0.0; 4]))],
+            [[1.0, 0.0], [0.0, 1.0]],
+        ),
+    ];
+    for (what, found, wanted) in cases {
+        for (color, (found, wanted)) in ["red", "green"].into_iter().zip(found.into_iter().zip(wanted)) {
+            let off = (found[0] - wanted[0]).hypot(found[1] - wanted[1]);
+            assert!(off < 0.03, "{what}: {color} leans to {found:.2?} instead of {wanted:?}");
+        }
+    }
 }
 
 #[test]

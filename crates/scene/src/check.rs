@@ -28,6 +28,7 @@ impl Mesh {
         };
         full("normals", self.normals.len())?;
         full("texture coordinates", self.texcoords.len())?;
+        full("tangents", self.tangents.len())?;
         full("colours", self.colors.len())?;
         if let Some(bad) = self.indices.iter().position(|t| t.iter().any(|&i| i as usize >= vertices)) {
             let triangle = self.indices[bad];

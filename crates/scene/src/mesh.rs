@@ -18,6 +18,9 @@ pub struct Mesh {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates per vertex, v upwards (row 0 of a picture is at v = 1); empty = all (0, 0).
     pub texcoords: Vec<[f32; 2]>,
+    /// Tangents per vertex, for normal maps: the first three numbers, of any length, point to where u grows; the fourth is 1 or -1,
+    /// the side of `normal x tangent` to which v grows. Empty, or zero at a vertex = as the texture coordinates say.
+    pub tangents: Vec<[f32; 4]>,
     /// Colours per vertex, linear red, green, blue and opacity, multiplied to the base colour; empty = white.
     pub colors: Vec<[f32; 4]>,
     /// Vertices of each triangle.
@@ -57,6 +60,7 @@ impl Mesh {
         size_of_val(&self.positions[..])
             + size_of_val(&self.normals[..])
             + size_of_val(&self.texcoords[..])
+            + size_of_val(&self.tangents[..])
             + size_of_val(&self.colors[..])
             + size_of_val(&self.indices[..])
             + self.attributes.iter().map(|a| size_of_val(&a.data[..])).sum::<usize>()

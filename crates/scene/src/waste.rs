@@ -39,6 +39,7 @@ impl Mesh {
         keep_used(&mut self.positions, &used, 1);
         keep_used(&mut self.normals, &used, 1);
         keep_used(&mut self.texcoords, &used, 1);
+        keep_used(&mut self.tangents, &used, 1);
         keep_used(&mut self.colors, &used, 1);
         for attribute in self.attributes.iter_mut().filter(|attribute| attribute.rate == Rate::Vertex) {
             keep_used(&mut attribute.data, &used, attribute.components as usize);

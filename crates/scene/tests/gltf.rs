@@ -87,17 +87,18 @@ fn materials_become_ours() {
     assert!(matches!(leaf.alpha, Alpha::Mask { cutoff: 0.25, .. }), "masked: {:?}", leaf.alpha);
 }
 
+/// A PNG of one pixel.
+const PIXEL: &str =
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";
+
 #[test]
 fn texture_transforms_agree_with_the_extension() {
-    // A PNG of one pixel.
-    let png =
-        "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";
     let material = material(
         r#""pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.1,0.2],"rotation":0.3,"scale":[2,3]}}}}"#,
     );
     assert_eq!(material.diffuse_color().texture, None, "no such texture: the base colour");
     let scene = gltf(&format!(
-        r#""images":[{{"uri":"data:image/png;base64,{png}"}}],"textures":[{{"source":0}}],"materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0,"extensions":{{"KHR_texture_transform":{{"offset":[0.1,0.2],"rotation":0.3,"scale":[2,3]}}}}}}}}}}]"#
+        r#""images":[{{"uri":"data:image/png;base64,{PIXEL}"}}],"textures":[{{"source":0}}],"materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0,"extensions":{{"KHR_texture_transform":{{"offset":[0.1,0.2],"rotation":0.3,"scale":[2,3]}}}}}}}}}}]"#
     ));
     let Some(TextureRef { uv_from_mesh: [a, b, c, d, e, f], .. }) =
         scene.materials()[0].diffuse_color().texture
@@ -112,6 +113,37 @@ fn texture_transforms_agree_with_the_extension() {
     let w = 1.0 - v_down;
     let found = [a * u + c * w + e, b * u + d * w + f];
     assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-5), "{found:?} is not {expected:?}");
+}
+
+/// A triangle with normals and tangents (accessors 5 and 6), under the material of this body.
+fn mapped(material: &str) -> Scene {
+    // Normals (0, 0, 1) three times, then tangents (0, 1, 0, -1) three times.
+    let data = "AAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/AAAAAAAAgD8AAAAAAACAvwAAAAAAAIA/AAAAAAAAgL8AAAAAAACAPwAAAAAAAIC/";
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},
+        "buffers":[{{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}},{{"byteLength":84,"uri":"data:;base64,{data}"}}],
+        "bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":1,"byteLength":36}},{{"buffer":1,"byteOffset":36,"byteLength":48}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},
+        {{"bufferView":1,"componentType":5126,"count":3,"type":"VEC3"}},
+        {{"bufferView":2,"componentType":5126,"count":3,"type":"VEC4"}}],
+        "images":[{{"uri":"data:image/png;base64,{PIXEL}"}}],"textures":[{{"source":0}}],
+        "materials":[{{{material}}}],"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1,"TANGENT":2,"TEXCOORD_0":0}},"material":0}}]}}]}}"#
+    );
+    load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}")).scene
+}
+
+#[test]
+fn tangents_come_with_normal_maps() {
+    let scene = mapped(r#""normalTexture":{"index":0}"#);
+    assert_eq!(scene.meshes()[0].tangents, [[0.0, 1.0, 0.0, -1.0]; 3], "as they are in the file");
+    assert!(mapped("").meshes()[0].tangents.is_empty(), "nobody would look at them");
+    let transformed = r#""normalTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.25,0],"scale":[2,1]}}}"#;
+    let scene = mapped(transformed);
+    let Surface::MetallicRoughness { normal_texture: Some(map), .. } = &scene.materials()[0].surface else {
+        panic!("a normal map: {:?}", scene.materials()[0].surface);
+    };
+    assert_eq!(map.texture.uv_from_mesh, [2.0, 0.0, 0.0, 1.0, 0.25, 0.0], "its transform is read");
 }
 
 #[test]

@@ -34,6 +34,24 @@ fn area(scene: &Scene) -> f64 {
 }
 
 #[test]
+fn tangents_come_back() {
+    let mut scene = builtin::load("textures").expect("it is built in");
+    let material = scene.meshes()[0].material;
+    let texture = gnurt_scene::material::TextureRef::new(gnurt_scene::TextureId(0));
+    let principled = Principled {
+        normal_texture: Some(gnurt_scene::material::NormalMap { texture, scale: 1.0 }),
+        ..Principled::default()
+    };
+    scene.edit_material(material).surface = Surface::Principled(Box::new(principled));
+    let mesh = scene.edit_mesh(gnurt_scene::MeshId(0));
+    let count = mesh.positions.len();
+    mesh.normals = vec![[0.0, 1.0, 0.0]; count];
+    mesh.tangents = vec![[2.0, 0.0, 0.0, -1.0]; count];
+    let back = there_and_back(&scene, "t.glb");
+    assert_eq!(back.meshes()[0].tangents, vec![[1.0, 0.0, 0.0, -1.0]; count], "unit, on their side");
+}
+
+#[test]
 fn geometry_comes_back() {
     for name in ["cornell", "spheres", "materials", "textures"] {
         let scene = builtin::load(name).expect("it is built in");

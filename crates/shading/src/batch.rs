@@ -113,7 +113,7 @@ impl SampleKey {
 pub enum Detail {
     /// All of it.
     Full,
-    /// Places and normals: all but `error`, `lift` and `dp_du`, which are empty.
+    /// Places and normals: all but `error`, `lift`, `dp_du` and `dp_dv`, which are empty.
     Sides,
     /// What base colours are made of: as `Sides`, but `ng` is `ns` where there are vertex normals and no texture coordinates.
     Color,
@@ -145,6 +145,8 @@ pub struct SurfaceBatch {
     pub texcoord: [Vec<f32>; 2],
     /// Change of the position per texture u, world units, not unit; zero where the mesh has no texture coordinates.
     pub dp_du: Vec3s,
+    /// The same for v. Where the mesh has tangents of its own, both point as these say.
+    pub dp_dv: Vec3s,
     /// Widths of the rays' cones at the points, across the rays, world units: what a pixel stands for. Empty or 0 where
     /// nobody knows.
     pub footprint: Vec<f32>,
@@ -183,7 +185,7 @@ impl SurfaceBatch {
         self.key.resize(n, SampleKey::default());
         let moving = if detail == Detail::Full { n } else { 0 };
         self.error.resize(moving, 0.0);
-        [&mut self.lift, &mut self.dp_du].into_iter().for_each(|array| array.resize(moving));
+        [&mut self.lift, &mut self.dp_du, &mut self.dp_dv].into_iter().for_each(|array| array.resize(moving));
         self.footprint.clear();
         self.attributes.clear();
     }
@@ -285,6 +287,7 @@ impl SurfaceBatch {
             v: pick(&self.v, lanes),
             texcoord: [pick(&self.texcoord[0], lanes), pick(&self.texcoord[1], lanes)],
             dp_du: vectors(&self.dp_du),
+            dp_dv: vectors(&self.dp_dv),
             footprint: known(&self.footprint),
             uv_per_length: known(&self.uv_per_length),
             color: vectors(&self.color),

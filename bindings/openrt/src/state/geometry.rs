@@ -199,6 +199,7 @@ impl Part {
             positions: self.positions,
             normals: self.normals,
             texcoords: self.texcoords,
+            tangents: Vec::new(),
             colors: self.colors,
             indices: self.indices,
             material: Default::default(),

@@ -49,9 +49,20 @@ struct Triangle<'w> {
 struct Surroundings {
     error: f32,
     dp_du: Vec3,
+    dp_dv: Vec3,
+    /// Of the corners, object space, scaled as the two above are; where the mesh has any.
+    tangents: Option<Tangents>,
     corners: [Vec3; 3],
     /// Unit normals of the corners, where it has any.
     normals: [Vec3; 3],
+}
+
+/// Tangents of a triangle's corners, and how far points move along them and across them per texture u and v.
+struct Tangents {
+    corners: [Vec3; 3],
+    /// 1 or -1: see `Mesh::tangents`.
+    side: f32,
+    lengths: [f32; 2],
 }
 
 impl World {
@@ -150,12 +161,32 @@ impl Triangle<'_> {
         let Self { instance, positions, .. } = self;
         let reach = positions[0].abs().max(positions[1].abs()).max(positions[2].abs());
         let normals = self.normals.unwrap_or_default();
+        let [dp_du, dp_dv] = change_per_uv(positions, &self.uv);
         Surroundings {
             error: ERROR_SCALE * instance.magnitude(reach) + epsilon,
-            dp_du: instance.linear * change_per_u(positions, &self.uv),
+            dp_du: instance.linear * dp_du,
+            dp_dv: instance.linear * dp_dv,
+            tangents: self.tangents([dp_du, dp_dv]),
             corners: positions.map(|q| instance.point(q)),
             normals: normals.map(|n| (instance.normals * n).normalize_or_zero()),
         }
+    }
+
+    /// The mesh's own tangents, where all corners have one and normals to go with them.
+    fn tangents(&self, [dp_du, dp_dv]: [Vec3; 2]) -> Option<Tangents> {
+        if self.mesh.tangents.is_empty() {
+            return None;
+        }
+        self.normals?;
+        let mut corners = [Vec3::ZERO; 3];
+        let mut side = 0.0;
+        for (tangent, corner) in corners.iter_mut().zip(self.corners) {
+            let [x, y, z, w] = *self.mesh.tangents.get(corner)?;
+            *tangent = Vec3::new(x, y, z).try_normalize()?;
+            side += w;
+        }
+        let length = |v: Vec3| if v == Vec3::ZERO { 1.0 } else { v.length() };
+        Some(Tangents { corners, side: 1.0_f32.copysign(side), lengths: [length(dp_du), length(dp_dv)] })
     }
 
     /// Writes what follows from the place on the triangle.
@@ -187,7 +218,16 @@ impl Triangle<'_> {
         out.alpha[i] = color[3];
         if let Some(around) = around {
             out.error[i] = around.error;
-            out.dp_du.set(i, around.dp_du);
+            let own = around.tangents.as_ref().and_then(|tangents| {
+                let tangent = mix3(&tangents.corners, weights).try_normalize()?;
+                let across =
+                    mix3(self.normals.as_ref()?, weights).cross(tangent).try_normalize()? * tangents.side;
+                let [u, v] = tangents.lengths;
+                Some([instance.linear * (tangent * u), instance.linear * (across * v)])
+            });
+            let [dp_du, dp_dv] = own.unwrap_or([around.dp_du, around.dp_dv]);
+            out.dp_du.set(i, dp_du);
+            out.dp_dv.set(i, dp_dv);
             let lift = ns.map_or(Vec3::ZERO, |ns| {
                 // On the side that the ray comes from, as the facing shading normal is.
                 let to_viewer = if ng.dot(ray_dir) <= 0.0 { ng } else { -ng };
@@ -235,13 +275,14 @@ pub(super) fn geometric_normal(instance: &PlacedInstance, p: &[Vec3; 3]) -> Vec3
     in_world.normalize_or(DVec3::Z).as_vec3()
 }
 
-/// How far a point moves per texture u; zero where coordinates say nothing.
-fn change_per_u(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> Vec3 {
+/// How far a point moves per texture u and v; zero where coordinates say nothing.
+fn change_per_uv(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> [Vec3; 2] {
     let [du1, dv1] = [0, 1].map(|k| uv[1][k] - uv[0][k]);
     let [du2, dv2] = [0, 1].map(|k| uv[2][k] - uv[0][k]);
     let area = du1 * dv2 - du2 * dv1;
-    let change = ((p[1] - p[0]) * dv2 - (p[2] - p[0]) * dv1) / area;
-    if change.is_finite() { change } else { Vec3::ZERO }
+    let (a, b) = (p[1] - p[0], p[2] - p[0]);
+    let finite = |change: Vec3| if change.is_finite() { change } else { Vec3::ZERO };
+    [finite((a * dv2 - b * dv1) / area), finite((b * du1 - a * du2) / area)]
 }
 
 /// Root of the triangle's area in texture coordinates over that in the world; zero where it has none.

@@ -19,6 +19,7 @@ pub(crate) fn clean(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) {
     }
     let replaced = replace_bad(&mut mesh.normals, [0.0; 3])
         + replace_bad(&mut mesh.texcoords, [0.0; 2])
+        + replace_bad(&mut mesh.tangents, [0.0; 4])
         + replace_bad(&mut mesh.colors, [1.0; 4]);
     warnings.note_many(Oddity::BadAttribute, replaced, path, None, in_mesh(mesh));
 }

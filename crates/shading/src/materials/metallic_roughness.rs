@@ -73,23 +73,33 @@ impl Default for Layers {
 /// Normals from a texture.
 #[derive(Clone, Debug)]
 pub struct NormalMap {
-    /// `2 texel - 1` along the texture's u, v and the surface's normal.
+    /// `2 texel - 1` along the texture's own u, v and the surface's normal.
     pub texture: TextureSampler,
     /// Multiplied to u and v.
     pub scale: f32,
 }
 
 impl NormalMap {
+    /// Where the map's own coordinates grow, from where the mesh's do: its transform undone. `None` where they grow nowhere.
+    fn axes(&self, dp_du: Vec3, dp_dv: Vec3) -> Option<[Vec3; 2]> {
+        let [a, b, c, d, ..] = self.texture.uv_from_mesh;
+        let side = (a * d - b * c).signum();
+        let (u, v) = ((dp_du * d - dp_dv * b) * side, (dp_dv * a - dp_du * c) * side);
+        (u != Vec3::ZERO && a * d != b * c).then_some([u, v])
+    }
+
     /// The shading normal of a lane, unit, on the side of the mesh's own.
     fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
         let ns = hits.ns.get(i);
         let [x, y, z, _] = self.texture.sample([hits.texcoord[0][i], hits.texcoord[1][i]]);
         let local = Vec3::new((2.0 * x - 1.0) * self.scale, (2.0 * y - 1.0) * self.scale, 2.0 * z - 1.0);
-        let dp_du = hits.dp_du.get(i);
-        if dp_du == Vec3::ZERO {
-            return ns;
+        let Some([tangent, bitangent]) = self.axes(hits.dp_du.get(i), hits.dp_dv.get(i)) else { return ns };
+        let mut frame = Basis::along(ns, tangent);
+        // Mirrored coordinates, and mirrored instances, make it left-handed.
+        if frame.bitangent.dot(bitangent) < 0.0 {
+            frame.bitangent = -frame.bitangent;
         }
-        let bent = Basis::along(ns, dp_du).to_world(local);
+        let bent = frame.to_world(local);
         bent.try_normalize().filter(|bent| bent.dot(ns) > 0.0).unwrap_or(ns)
     }
 }

@@ -426,6 +426,8 @@ pub(super) struct Target {
     pub(super) positions: Option<Index>,
     #[serde(rename = "NORMAL", default)]
     pub(super) normals: Option<Index>,
+    #[serde(rename = "TANGENT", default)]
+    pub(super) tangents: Option<Index>,
 }
 
 #[derive(Deserialize, Default)]
@@ -440,6 +442,7 @@ pub(super) struct PrimitiveExtensions {
 pub(super) struct Attributes {
     pub(super) positions: Option<Index>,
     pub(super) normals: Option<Index>,
+    pub(super) tangents: Option<Index>,
     pub(super) colors: Option<Index>,
     pub(super) joints: Option<Index>,
     pub(super) weights: Option<Index>,
@@ -463,6 +466,7 @@ impl<'de> Deserialize<'de> for Attributes {
                     let slot = match &*name {
                         "POSITION" => &mut found.positions,
                         "NORMAL" => &mut found.normals,
+                        "TANGENT" => &mut found.tangents,
                         "COLOR_0" => &mut found.colors,
                         "JOINTS_0" => &mut found.joints,
                         "WEIGHTS_0" => &mut found.weights,

@@ -7,7 +7,8 @@
 //! Unlit surfaces shine with their base colour and scatter nothing. Smooth surfaces that let through all light that they
 //! do not mirror are solid glass, tinted by the base colour; other glass is a pane unless KHR_materials_volume gives it
 //! a thickness. glTF's v runs downwards, ours upwards: [`uv_from_mesh`].
-//! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
+//! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension,
+//! tangents_come_with_normal_maps}`.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -34,6 +35,7 @@ const CLEAR: f32 = 0.99;
 pub(super) struct AddedMaterial {
     pub(super) id: MaterialId,
     pub(super) texcoord_set: u32,
+    pub(super) has_normal_map: bool,
 }
 
 /// Bytes that a material of the scene takes beside its name.
@@ -62,7 +64,12 @@ pub(super) fn add_all(
             Converter { document, scene, textures: &mut textures, warnings, texcoord_set: None };
         let converted = converter.material(i, &material);
         let texcoord_set = converter.texcoord_set.unwrap_or(0);
-        added.push(AddedMaterial { id: scene.add_material(converted), texcoord_set });
+        let has_normal_map = match &converted.surface {
+            Surface::MetallicRoughness { normal_texture, .. } => normal_texture.is_some(),
+            Surface::Principled(principled) => principled.normal_texture.is_some(),
+            _ => false,
+        };
+        added.push(AddedMaterial { id: scene.add_material(converted), texcoord_set, has_normal_map });
     }
     Ok(added)
 }

@@ -105,6 +105,7 @@ impl PrimitiveReader<'_> {
             positions,
             normals: self.optional::<3>(attributes.normals, count, warnings)?,
             texcoords: self.optional::<2>(texcoords.map(|&(_, index)| index), count, warnings)?,
+            tangents: self.tangents(material, count, warnings)?,
             colors: self.colors(count, warnings)?,
             material: material.id,
             ..Mesh::default()
@@ -135,6 +136,20 @@ impl PrimitiveReader<'_> {
             return Ok(Vec::new());
         }
         Ok(values)
+    }
+
+    /// Tangents, where a normal map is to be read by them. Like the map's green, their fourth number speaks of v upwards. Without
+    /// normals they mean nothing.
+    fn tangents(
+        &self,
+        material: AddedMaterial,
+        count: usize,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<[f32; 4]>, Error> {
+        if !material.has_normal_map || self.primitive.attributes.normals.is_none() {
+            return Ok(Vec::new());
+        }
+        self.optional::<4>(self.primitive.attributes.tangents, count, warnings)
     }
 
     /// Colours with or without opacity; linear by definition.

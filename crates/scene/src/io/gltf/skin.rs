@@ -46,7 +46,7 @@ impl Pose {
         !self.joints.is_empty()
     }
 
-    /// Moves positions and normals of a primitive's mesh.
+    /// Moves positions, normals and tangents of a primitive's mesh.
     pub(super) fn bend(&self, from: &PrimitiveReader<'_>, mesh: &mut Mesh) -> Result<(), Error> {
         for (target, &weight) in from.primitive.targets.iter().zip(&self.weights) {
             for (index, values) in
@@ -58,6 +58,14 @@ impl Pose {
                 let before = from.document.budget().held();
                 for (value, delta) in values.iter_mut().zip(floats::<3>(from.document, index, from.place)?) {
                     *value = [0, 1, 2].map(|k| value[k] + weight * delta[k]);
+                }
+                from.document.budget().settle(before);
+            }
+            if let Some(index) = target.tangents.filter(|_| !mesh.tangents.is_empty() && weight.is_finite()) {
+                let before = from.document.budget().held();
+                let deltas = floats::<3>(from.document, index, from.place)?;
+                for (tangent, delta) in mesh.tangents.iter_mut().zip(deltas) {
+                    (0..3).for_each(|k| tangent[k] += weight * delta[k]);
                 }
                 from.document.budget().settle(before);
             }
@@ -82,6 +90,9 @@ impl Pose {
             if let Some(normal) = mesh.normals.get_mut(i) {
                 // Joints turn and move; where one stretches unevenly the shading is off by that little.
                 *normal = world_from_mesh.vector(normal.map(f64::from)).map(|x| x as f32);
+            }
+            if let Some([x, y, z, _]) = mesh.tangents.get_mut(i) {
+                [*x, *y, *z] = world_from_mesh.vector([*x, *y, *z].map(f64::from)).map(|x| x as f32);
             }
         }
         Ok(())

@@ -124,10 +124,20 @@ fn primitive(mesh: &Mesh, buffer: &mut Buffer) -> Value {
         let down: Vec<_> = mesh.texcoords.iter().map(|[u, v]| [*u, 1.0 - v]).collect();
         attributes.insert("TEXCOORD_0".into(), buffer.add_floats("VEC2", &down).into());
     }
+    if !mesh.tangents.is_empty() && !mesh.normals.is_empty() {
+        let unit: Vec<_> = mesh.tangents.iter().map(unit_tangent).collect();
+        attributes.insert("TANGENT".into(), buffer.add_floats("VEC4", &unit).into());
+    }
     if !mesh.colors.is_empty() {
         attributes.insert("COLOR_0".into(), buffer.add_floats("VEC4", &mesh.colors).into());
     }
     json!({ "attributes": attributes, "indices": buffer.add_indices(&mesh.indices), "material": mesh.material.0 })
+}
+
+/// As glTF wants them: unit, and the fourth number 1 or -1. One that says nothing stays zero.
+fn unit_tangent(&[x, y, z, side]: &[f32; 4]) -> [f32; 4] {
+    let [x, y, z] = glam::Vec3::new(x, y, z).normalize_or_zero().to_array();
+    [x, y, z, 1.0_f32.copysign(side)]
 }
 
 /// Nodes of instances and lights, and the lights.
