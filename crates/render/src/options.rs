@@ -114,9 +114,9 @@ pub struct RenderOptions {
     /// Virtual lights of a pass, about; for the integrators that have them.
     pub vpls: u32,
     /// `InstantRadiosity`: the largest geometry term, one over area, that virtual lights bring light over; rays bring the
-    /// rest. `None` = from the scene's size and the number of virtual lights. `Path`: light that was scattered more than
-    /// once counts no more than this, in any channel and sample: less noise, but the picture becomes too dark. `None` =
-    /// unbiased.
+    /// rest. `None` = from the scene's size and the number of virtual lights. `Path`: each contribution of light
+    /// that was scattered more than once (one light sample, one lamp or sky met by a path) counts no more than this in any
+    /// channel: less noise, but the picture becomes too dark. A sample may add up several. `None` = unbiased.
     pub clamp: Option<f32>,
     /// For the integrators with virtual lights: what a white diffuse surface shows where light 1 arrives, if its shader only
     /// knows `shade`. 1 in the light model of OpenRT (light times colour times cosine), 1 / pi in radiometry.

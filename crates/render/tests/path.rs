@@ -239,6 +239,24 @@ fn threads_and_neighbours_do_not_matter() {
     }
 }
 
+/// What is limited is each contribution, not a sample's sum of them.
+#[test]
+fn clamping_leaves_many_small_contributions() {
+    let mut scene = Scene::new();
+    let material = scene.add_material(Material { emission: [1.0; 3], ..Material::matte("", [0.5; 3]) });
+    cube(&mut scene, material);
+    let world = world_of(&scene, false);
+    let view = camera([0.1, 0.2, 0.3], [1.0, 0.4, -0.2], 30.0);
+    let with = |clamp| {
+        let options = RenderOptions { clamp, ..path(8, 8, 16, 4) };
+        render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture
+    };
+    // Contributions of edge k are at most 0.5^(k - 1), as none is ended by chance; those of edges 3 and 4 add up to 0.375.
+    let all = with(None);
+    assert_eq!(all.color, with(Some(0.26)).color, "none of them is larger than a quarter");
+    assert!(mean(&with(Some(0.04)))[0] < mean(&all)[0] - 0.1, "most are larger than that");
+}
+
 #[test]
 fn clamping_only_takes_light_away() {
     let (scene, view) = room();

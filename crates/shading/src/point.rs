@@ -66,18 +66,24 @@ impl SurfacePoint {
         Some(Ray::new(from.into(), dir.into()).within(0.0, t_far))
     }
 
-    /// Where rays towards `dir` start; `None` below the horizon.
-    fn origin_towards(&self, dir: Vec3, transmitted: bool) -> Option<Vec3> {
+    /// Whether [`scatter_ray`](Self::scatter_ray) gives a ray; `dir` may have any length.
+    #[must_use]
+    pub fn scatters_to(&self, dir: Vec3, transmitted: bool) -> bool {
         let (above_ns, above_ng) = (self.ns.dot(dir), self.ng.dot(dir));
         if transmitted {
-            let through = above_ns < 0.0 && above_ng < 0.0;
-            return through.then(|| off_surface(self.p, self.ng, dir, self.error));
+            above_ns < 0.0 && above_ng < 0.0
+        } else {
+            above_ns > 0.0 && (above_ng > 0.0 || self.lift != Vec3::ZERO)
         }
-        if above_ns <= 0.0 {
+    }
+
+    /// Where rays towards `dir` start; `None` below the horizon.
+    fn origin_towards(&self, dir: Vec3, transmitted: bool) -> Option<Vec3> {
+        if !self.scatters_to(dir, transmitted) {
             return None;
         }
-        if self.lift == Vec3::ZERO {
-            return (above_ng > 0.0).then(|| off_surface(self.p, self.ng, dir, self.error));
+        if transmitted || self.lift == Vec3::ZERO {
+            return Some(off_surface(self.p, self.ng, dir, self.error));
         }
         // Off to the side of the viewer, even where `dir` points below the facet.
         Some(off_surface(self.p + self.lift, self.ng, self.ng, self.error))

@@ -66,7 +66,7 @@ pub(crate) struct FrameArguments {
     #[arg(long, value_name = "N", value_parser = value::virtual_lights, allow_hyphen_values = true, default_value = "1024")]
     pub(crate) vpls: u32,
     /// ir, bir, mir: largest geometry term, one over area, that virtual lights bring light over; rays bring the rest; without it
-    /// the scene's size decides. path: light scattered more than once counts no more than this per sample (too dark)
+    /// the scene's size decides. path: no light that was scattered more than once adds more than this where it is met (too dark)
     #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,
     /// ir, bir, mir: each pixel of a pattern of NxN gathers its share of the virtual lights, then light is averaged over as

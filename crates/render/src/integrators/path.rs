@@ -6,20 +6,21 @@
 //! Space: world. An edge is a way between two vertices, the eye being one: light found at the end of edge k was scattered
 //! k - 1 times. Straight on through holes is no new edge.
 //! Invariants: unbiased without `clamp`; what a lane gets depends on its ray and key only.
-//! Proof: crates/render/tests/{path,references,lanes}.rs.
+//! Proof: crates/render/tests/{path,agreement,references,lanes}.rs.
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, Ray};
 use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::sampling::{Draws, purpose, sample_pair};
-use gnurt_shading::{LightBatch, Tracer, Vec3s};
+use gnurt_shading::{Tracer, Vec3s};
 use gnurt_simd::dispatch_wide;
 
 use crate::tracer::{BatchTracer, Wanted};
 use crate::transport::lambert::{self, Surroundings};
 use crate::transport::{
-    Origin, Path, ROULETTE_FROM, SURVIVAL, Unshadowed, Vertex, Wavefront, add, power_heuristic, weigh,
+    Asking, Offer, Origin, Path, ROULETTE_FROM, SURVIVAL, Unshadowed, Vertex, Wavefront, add,
+    ask_plugin_lights, power_heuristic, sampling_normal, shadow_ray, weigh,
 };
 use crate::world::HitLanes;
 
@@ -154,53 +155,38 @@ fn sample_lights(tracer: &mut BatchTracer, alive: &[(Path, Vertex)], unshadowed:
         let draws = Draws::new(options.seed, path.key, path.edges);
         let ([x, y], [choice, _]) = (draws.pair(purpose::LIGHT_PLACE), draws.pair(purpose::LIGHT_CHOICE));
         let bsdf = &vertex.scattering.bsdf;
-        let Some(light) = lights.sample(vertex.point.p, asking_normal(vertex), [choice, x, y]) else {
-            continue;
-        };
+        let normal = sampling_normal(&vertex.point, bsdf);
+        let Some(light) = lights.sample(vertex.point.p, normal, [choice, x, y]) else { continue };
         let value = bsdf.eval(vertex.wo, light.dir);
         if value == Vec3::ZERO || light.radiance == Vec3::ZERO {
             continue;
         }
         let weight =
             if light.delta { 1.0 } else { power_heuristic(light.pdf, bsdf.pdf(vertex.wo, light.dir)) };
-        if let Some(ray) = shadow_ray(vertex, light.dir, light.dist) {
+        if let Some(ray) = shadow_ray(&vertex.point, bsdf, light.dir, light.dist) {
             let arriving = light.radiance * (weight / light.pdf);
             unshadowed.push(path, ray, path.throughput * value * arriving);
         }
     }
-    ask_plugins(tracer, alive, unshadowed);
-}
-
-/// Lights that only know `illuminate`.
-fn ask_plugins(tracer: &mut BatchTracer, alive: &[(Path, Vertex)], unshadowed: &mut Unshadowed) {
-    let shading = tracer.world.shading();
-    if shading.plugin_lights.is_empty() || alive.is_empty() {
-        return;
-    }
-    let (mut p, mut normal) = (Vec3s::default(), Vec3s::default());
-    for (_, vertex) in alive {
-        p.push(vertex.point.p);
-        normal.push(vertex.point.ns);
-    }
-    let mut arriving = LightBatch::default();
-    for light in shading.plugin_lights.clone() {
-        let draw =
-            |(path, _): &(Path, Vertex)| tracer.random(path.key, path.edges, purpose::LIGHT + light as u32);
-        let random: Vec<_> = alive.iter().map(draw).collect();
-        arriving.reset(alive.len());
-        shading.lights[light].illuminate(&p, &normal, &random, &mut arriving);
-        for (i, (path, vertex)) in alive.iter().enumerate() {
-            let (dir, light) = (arriving.dir.get(i), arriving.radiance.get(i));
-            if light == Vec3::ZERO {
-                continue;
-            }
-            let value = path.throughput * vertex.scattering.bsdf.eval(vertex.wo, dir) * light;
-            let ray = shadow_ray(vertex, dir, arriving.dist[i]);
-            if let Some(ray) = ray.filter(|_| value != Vec3::ZERO) {
-                unshadowed.push(path, ray, value);
-            }
+    let asking: Vec<Asking> = alive
+        .iter()
+        .map(|(path, vertex)| Asking {
+            point: &vertex.point,
+            bsdf: &vertex.scattering.bsdf,
+            key: path.key,
+            edges: path.edges,
+        })
+        .collect();
+    ask_plugin_lights(world, options.seed, &asking, |i, Offer { dir, dist, arriving }| {
+        let (path, vertex) = &alive[i];
+        let bsdf = &vertex.scattering.bsdf;
+        let value = path.throughput * bsdf.eval(vertex.wo, dir) * arriving;
+        if value != Vec3::ZERO
+            && let Some(ray) = shadow_ray(&vertex.point, bsdf, dir, dist)
+        {
+            unshadowed.push(path, ray, value);
         }
-    }
+    });
 }
 
 /// Whether the path meets the surface, or goes through a hole of it.
@@ -222,17 +208,6 @@ fn counted(found: Vec3, lights: &LightSet, path: &Path, vertex: &Vertex) -> Vec3
     }
 }
 
-/// The normal that lights are asked with. No lobe that light samples can meet lets light through: glass is smooth.
-fn asking_normal(vertex: &Vertex) -> Vec3 {
-    vertex.point.ns
-}
-
-/// The ray that decides whether light from `dir` reaches the vertex, on whichever side of it.
-fn shadow_ray(vertex: &Vertex, dir: Vec3, dist: f32) -> Option<Ray> {
-    let point = &vertex.point;
-    if point.ns.dot(dir) > 0.0 { point.shadow_ray(dir, dist) } else { point.shadow_ray_through(dir, dist) }
-}
-
 /// The path after its vertex, and its ray; `None` where it ends.
 fn scatter(mut path: Path, vertex: &Vertex, seed: u64) -> Option<(Path, Ray)> {
     let draws = Draws::new(seed, path.key, path.edges);
@@ -251,8 +226,8 @@ fn scatter(mut path: Path, vertex: &Vertex, seed: u64) -> Option<(Path, Ray)> {
         return None;
     }
     let ray = vertex.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)?;
-    path.from =
-        (!sample.delta).then_some(Origin { p: vertex.point.p, ns: asking_normal(vertex), pdf: sample.pdf });
+    let ns = sampling_normal(&vertex.point, bsdf);
+    path.from = (!sample.delta).then_some(Origin { p: vertex.point.p, ns, pdf: sample.pdf });
     path.edges += 1;
     path.layers = 0;
     Some((path, ray))

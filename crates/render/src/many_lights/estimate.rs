@@ -13,7 +13,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use gnurt_accel::{Coherence, INVALID_ID, RayBatch};
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
-use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
+use gnurt_shading::{RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
 
 use super::bound::Bound;
 use super::cut::{MOST, cut};
@@ -25,7 +25,7 @@ use super::pass::PassLights;
 use super::promise::Promises;
 use super::vpl::{self, pdf_of_other_end};
 use crate::tracer::BatchTracer;
-use crate::transport::Vertex;
+use crate::transport::{Asking, Offer, Vertex, ask_plugin_lights, sampling_normal, shadow_ray};
 use crate::world::HitLanes;
 
 /// Purposes of random numbers; those of light samples follow the last one.
@@ -47,7 +47,7 @@ struct Last {
     point: SurfacePoint,
     /// Density per solid angle of the ray that left it.
     pdf: f32,
-    /// The side that light samples were taken for.
+    /// The normal that light samples were taken for.
     side: Vec3,
     /// How many light samples were taken there for each ray that left it.
     light_samples: f32,
@@ -438,7 +438,7 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
             let key = SampleKey { sample: walk.key.sample.wrapping_mul(count).wrapping_add(n), ..walk.key };
             let [lamp, _] = sample_pair(seed, key, walk.edges, purpose::LAMP);
             let [u, v] = sample_pair(seed, key, walk.edges, purpose::PLACE);
-            let side = lamp_side(eye);
+            let side = sampling_normal(&eye.point, &eye.bsdf);
             let Some(sample) = lights.sample(eye.point.p, side, [lamp, u, v]) else { continue };
             let scattered = eye.bsdf.eval(eye.wo, sample.dir);
             if scattered == Vec3::ZERO {
@@ -452,57 +452,29 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
             };
             let offer = eye.throughput * scattered * sample.radiance * (share / (count * sample.pdf));
             let offer = offer * (lamp_gain * stop.rest(sample.dir));
-            let ray = if eye.point.ns.dot(sample.dir) > 0.0 {
-                eye.point.shadow_ray(sample.dir, sample.dist)
-            } else {
-                eye.point.shadow_ray_through(sample.dir, sample.dist)
-            };
-            if let Some(ray) = ray {
+            if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, sample.dir, sample.dist) {
                 offers.push(ray, walk, offer);
             }
         }
     }
-    ask_plugins(tracer, stops, &mut offers);
-    offers.settle(tracer, radiance);
-}
-
-/// Lights that only know `illuminate`.
-fn ask_plugins(tracer: &BatchTracer, stops: &[Stop], offers: &mut Offers) {
-    let shading = tracer.world.shading();
-    if shading.plugin_lights.is_empty() || stops.is_empty() {
-        return;
-    }
-    let [mut p, mut normal] = [(); 2].map(|()| Vec3s::default());
-    for Stop { eye, .. } in stops {
-        p.push(eye.point.p);
-        normal.push(eye.point.ns);
-    }
-    let mut arriving = LightBatch::default();
-    for light in shading.plugin_lights.clone() {
-        let draw = |stop: &Stop| {
-            tracer.random(
-                stop.walk.key,
-                stop.walk.edges,
-                gnurt_shading::sampling::purpose::LIGHT + light as u32,
-            )
-        };
-        let random: Vec<_> = stops.iter().map(draw).collect();
-        arriving.reset(stops.len());
-        shading.lights[light].illuminate(&p, &normal, &random, &mut arriving);
-        for (i, stop) in stops.iter().enumerate().filter(|(_, stop)| stop.eye.bsdf.is_smooth()) {
-            let (eye, dir) = (&stop.eye, arriving.dir.get(i));
-            let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving.radiance.get(i);
-            let dist = arriving.dist[i];
-            let ray = if eye.point.ns.dot(dir) > 0.0 {
-                eye.point.shadow_ray(dir, dist)
-            } else {
-                eye.point.shadow_ray_through(dir, dist)
-            };
-            if let Some(ray) = ray {
-                offers.push(ray, &stop.walk, scattered * (stop.lamp_gain * stop.rest(dir)));
-            }
+    let there: Vec<&Stop> = stops.iter().filter(|stop| stop.eye.bsdf.is_smooth()).collect();
+    let asking: Vec<Asking> = there
+        .iter()
+        .map(|stop| Asking {
+            point: &stop.eye.point,
+            bsdf: &stop.eye.bsdf,
+            key: stop.walk.key,
+            edges: stop.walk.edges,
+        })
+        .collect();
+    ask_plugin_lights(tracer.world, seed, &asking, |i, Offer { dir, dist, arriving }| {
+        let Stop { walk, eye, lamp_gain, .. } = there[i];
+        let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving;
+        if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
+            offers.push(ray, walk, scattered * (lamp_gain * there[i].rest(dir)));
         }
-    }
+    });
+    offers.settle(tracer, radiance);
 }
 
 /// What walks see that left the scene, where a shader alone knows it.
@@ -547,7 +519,7 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
                 let Some(brought) = vpl.brings(eye, &bound, max_edges) else { return };
                 let way = vpl.point.p - eye.point.p;
                 let offer = brought * (stops[lane].rest(way.normalize()) * weight);
-                let Some(start) = vpl::start(&eye.point, way) else { return };
+                let Some(start) = vpl::start(eye, way) else { return };
                 let way = vpl::end(&vpl.point, -way) - start;
                 let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
                 offers.push(ray, walk, offer);
@@ -555,11 +527,6 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
         }
     }
     offers.settle(tracer, radiance);
-}
-
-/// The normal that lamps are chosen for; zero where light may come from both sides.
-fn lamp_side(eye: &EyePoint) -> Vec3 {
-    if eye.bsdf.lambertian().is_some() { eye.point.ns } else { Vec3::ZERO }
 }
 
 /// Where walks go on.
@@ -607,7 +574,7 @@ fn scattered(
     let last = Last {
         point: eye.point,
         pdf: sample.pdf,
-        side: lamp_side(eye),
+        side: sampling_normal(&eye.point, &eye.bsdf),
         light_samples: pass.light_samples(walk.is_seen) as f32 / count as f32,
         bound: pass.bound_at(walk.is_seen),
     };

@@ -207,7 +207,7 @@ impl Single {
         let eye = &eyes[i];
         let Some(color) = vpl.brings(eye, bound, max_edges).filter(|color| color.is_finite()) else { return };
         let way = vpl.point.p - eye.point.p;
-        let start = vpl::start(&eye.point, way).unwrap_or(eye.point.p);
+        let start = vpl::start(eye, way).unwrap_or(eye.point.p);
         self.push((start, vpl::end(&vpl.point, -way) - start), keys[i], i, color);
     }
 

@@ -210,7 +210,7 @@ impl Block {
         for (i, eye) in points.iter().enumerate() {
             let point = &eye.point;
             // Lights below the horizon are left out later.
-            let end = vpl::start(point, point.ns).unwrap_or(point.p);
+            let end = point.scatter_ray(point.ns, false, 1.0).map_or(point.p, |ray| ray.org.into());
             let lambertian = eye.bsdf.lambertian();
             let diffuse = lambertian.unwrap_or(Vec3::ZERO) * eye.throughput * FRAC_1_PI;
             for k in 0..3 {

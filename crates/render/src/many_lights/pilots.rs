@@ -165,7 +165,7 @@ impl Pilots {
                     if is_one_sided && point.ng.dot(way) >= 0.0 {
                         continue;
                     }
-                    if let Some(start) = vpl::start(&eye.point, way) {
+                    if let Some(start) = vpl::start(eye, way) {
                         let way = vpl::end(point, -way) - start;
                         request.rays.push(gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END));
                         lanes.push((n, b, i));

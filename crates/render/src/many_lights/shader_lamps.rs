@@ -148,13 +148,24 @@ fn locate(light: &dyn LightShader, low: Vec3, high: Vec3) -> Option<(Place, f32)
         let ([x, y], [z, _]) = (sample_pair(0, key, 0, PURPOSE), sample_pair(0, key, 0, PURPOSE + 1));
         p.push(low + (high - low) * Vec3::new(x, y, z));
     }
-    let normal = Vec3s::splat(p.len(), Vec3::Z);
     // Lights with an extent are seen elsewhere with other numbers.
     let random: Vec<[f32; 2]> =
         (0..ASKED).map(|i| [(i as f32 + 0.5) / ASKED as f32, (i as f32 * 0.37).fract()]).collect();
-    let mut out = LightBatch::default();
-    out.reset(p.len());
-    light.illuminate(&p, &normal, &random, &mut out);
+    let [mut out, other] = [Vec3::Z, -Vec3::Z].map(|normal| {
+        let mut out = LightBatch::default();
+        out.reset(p.len());
+        light.illuminate(&p, &Vec3s::splat(p.len(), normal), &random, &mut out);
+        out
+    });
+    // A light may give nothing to normals that look away from it.
+    for i in 0..p.len() {
+        if out.radiance.get(i) != Vec3::ZERO {
+            continue;
+        }
+        out.dir.set(i, other.dir.get(i));
+        out.radiance.set(i, other.radiance.get(i));
+        out.dist[i] = other.dist[i];
+    }
     let extent = (high - low).length();
     let mut found: Option<Place> = None;
     let mut power = 0.0;

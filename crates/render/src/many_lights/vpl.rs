@@ -57,7 +57,7 @@ impl Vpl {
         let (sent, came) = (self.point.ng.dot(to), self.point.ng.dot(self.from));
         if sent < 0.0 {
             // Through the surface: the frame is that of the side that light came from.
-            let through = self.bsdf.lambertian().is_none() && self.point.ns.dot(to) < 0.0;
+            let through = self.bsdf.is_transmitted(to) && self.point.ns.dot(to) < 0.0;
             return if through {
                 let adjoint = self.bsdf.adjoint_correction(self.from, to, self.point.ng);
                 self.bsdf.eval(self.from, to) * self.power * adjoint
@@ -81,7 +81,7 @@ impl Vpl {
         let way = self.point.p - eye.point.p;
         let distance2 = way.length_squared();
         let to = way / distance2.sqrt();
-        if !(distance2 > 0.0 && to.is_finite() && is_open(&eye.point, to)) {
+        if !(distance2 > 0.0 && to.is_finite() && eye.point.scatters_to(to, eye.bsdf.is_transmitted(to))) {
             return None;
         }
         // What is cheap comes first: a Lambertian light shines to its front only.
@@ -106,15 +106,16 @@ pub(crate) fn pdf_of_other_end(point: &SurfacePoint, bsdf: &Bsdf, from: Vec3, to
     if point.ng.dot(from) * point.ng.dot(to) > 0.0 { bsdf.pdf(from, to) } else { 0.0 }
 }
 
-/// Whether light from `dir` (any length) counts at a point that is seen: above the horizon, or through the surface.
+/// Whether light from `dir` (any length) may count at a point that is met, whatever its BSDF: above the horizon, or through the
+/// surface.
 pub(crate) fn is_open(point: &SurfacePoint, dir: Vec3) -> bool {
     let (above_ns, above_ng) = (point.ns.dot(dir), point.ng.dot(dir));
     if above_ns > 0.0 { above_ng > 0.0 || point.lift != Vec3::ZERO } else { above_ns < 0.0 && above_ng < 0.0 }
 }
 
 /// Where shadow rays towards `dir` (any length) leave a point that is seen, if its light counts.
-pub(crate) fn start(point: &SurfacePoint, dir: Vec3) -> Option<Vec3> {
-    point.scatter_ray(dir, point.ns.dot(dir) < 0.0, 1.0).map(|ray| ray.org.into())
+pub(crate) fn start(eye: &EyePoint, dir: Vec3) -> Option<Vec3> {
+    eye.point.scatter_ray(dir, eye.bsdf.is_transmitted(dir), 1.0).map(|ray| ray.org.into())
 }
 
 /// Where they end at a virtual light that sends to `dir` (any length).

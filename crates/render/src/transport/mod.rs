@@ -4,6 +4,7 @@
 //! Source: see each file; [AK90] (Russian roulette).
 
 pub(crate) mod lambert;
+mod light_samples;
 mod mis;
 mod paths;
 mod vertex;
@@ -11,6 +12,7 @@ mod vertex;
 use glam::Vec3;
 use gnurt_shading::Vec3s;
 
+pub(crate) use light_samples::{Asking, Offer, ask_plugin_lights, sampling_normal, shadow_ray};
 pub(crate) use mis::{power_heuristic, weigh};
 pub(crate) use paths::{Origin, Path, Unshadowed, Wavefront};
 pub(crate) use vertex::Vertex;
@@ -20,7 +22,8 @@ pub(crate) const ROULETTE_FROM: u32 = 4;
 /// No path goes on with more than this probability, once chance decides.
 pub(crate) const SURVIVAL: f32 = 0.95;
 
-/// Adds light that came over `edges` edges; no more than `clamp` in any channel if it was scattered more than once.
+/// Adds light that came over `edges` edges; no more than `clamp` in any channel if it was scattered more than once. It is each
+/// contribution that is limited, as production renderers limit indirect light, not their sum over a sample.
 pub(crate) fn add(radiance: &mut Vec3s, lane: u32, mut light: Vec3, edges: u32, clamp: Option<f32>) {
     if let Some(most) = clamp.filter(|&most| edges > 2 && light.max_element() > most) {
         light *= most / light.max_element();

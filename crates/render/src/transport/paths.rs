@@ -31,7 +31,7 @@ pub(crate) struct Path {
 #[derive(Clone, Copy)]
 pub(crate) struct Origin {
     pub(crate) p: Vec3,
-    /// The normal that lights were asked with.
+    /// The normal that lights were sampled for.
     pub(crate) ns: Vec3,
     /// Density of the ray's direction per solid angle.
     pub(crate) pdf: f32,

@@ -162,7 +162,8 @@ fn triangle(
     let p = [position(corners[0])?, position(corners[1])?, position(corners[2])?];
     let area = (p[1] - p[0]).cross(p[2] - p[0]).length();
     let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
-    (area > 0.0 && area.is_finite()).then_some(shading::EmissiveTriangle { p, uv, emitter })
+    let opacity = corners.map(|i| mesh.colors.get(i).map_or(1.0, |color| color[3]));
+    (area > 0.0 && area.is_finite()).then_some(shading::EmissiveTriangle { p, uv, opacity, emitter })
 }
 
 /// Whether all ids of lights name something.

@@ -353,6 +353,13 @@ impl Bsdf {
         }
     }
 
+    /// Whether `wi` lies beyond the surface, on the side that the first ray did not come from.
+    #[inline]
+    #[must_use]
+    pub fn is_transmitted(&self, wi: Vec3) -> bool {
+        self.basis.normal.dot(wi) < 0.0
+    }
+
     /// Index of refraction on the side of the first ray over the index beyond; 1 where nothing is refracted.
     #[must_use]
     pub fn eta(&self) -> f32 {

@@ -31,6 +31,8 @@ pub struct EmissiveTriangle {
     pub p: [Vec3; 3],
     /// Texture coordinates.
     pub uv: [[f32; 2]; 3],
+    /// Opacities of the vertices, by which the emitter's is multiplied.
+    pub opacity: [f32; 3],
     /// Which emitter it belongs to.
     pub emitter: u32,
 }
@@ -196,7 +198,10 @@ impl TriangleLights {
         let emitter = &self.emitters[triangle.emitter as usize];
         let uv = interpolate(&triangle.uv, b1, b2);
         let radiance = emitter.emission.at(uv);
-        emitter.coverage.as_ref().map_or(radiance, |coverage| radiance * coverage.at(uv, 1.0))
+        // Weighted as the opacities of points that rays meet are.
+        let weights = [1.0 - b1 - b2, b1, b2];
+        let opacity = (0..3).map(|c| weights[c] * triangle.opacity[c]).sum();
+        emitter.coverage.as_ref().map_or(radiance, |coverage| radiance * coverage.at(uv, opacity))
     }
 }
 
@@ -239,6 +244,7 @@ mod tests {
         let triangles = [[a, b, c], [a, middle, d], [middle, c, d]].map(|p| EmissiveTriangle {
             p,
             uv: [[0.0; 2]; 3],
+            opacity: [1.0; 3],
             emitter: 0,
         });
         let emission = Emission { factor: Vec3::new(1.0, 2.0, 3.0), texture: None };
@@ -289,6 +295,7 @@ mod tests {
         let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveTriangle {
             p,
             uv: [[0.0; 2]; 3],
+            opacity: [1.0; 3],
             emitter: (i % 2 + i % 3) as u32,
         };
         let emitters = [1.0, 5.0, 40.0, 2.0].map(|x| shine(Vec3::splat(x)));
@@ -333,8 +340,12 @@ mod tests {
     fn dark_or_flat_triangles_are_no_light() {
         let emission = Emission { factor: Vec3::ONE, texture: None };
         let emitter = Arc::new(Emitter { emission, coverage: None });
-        let flat =
-            EmissiveTriangle { p: [Vec3::ZERO, Vec3::X, Vec3::X * 2.0], uv: [[0.0; 2]; 3], emitter: 0 };
+        let flat = EmissiveTriangle {
+            p: [Vec3::ZERO, Vec3::X, Vec3::X * 2.0],
+            uv: [[0.0; 2]; 3],
+            opacity: [1.0; 3],
+            emitter: 0,
+        };
         assert!(TriangleLights::new(vec![flat], vec![emitter]).is_none(), "no area, no light");
     }
 }

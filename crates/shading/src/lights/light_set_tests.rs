@@ -27,6 +27,7 @@ fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<TriangleLigh
         Arc::new(Emitter { emission, coverage: None })
     };
     let list = corners.iter().enumerate().map(|(i, &p)| EmissiveTriangle {
+        opacity: [1.0; 3],
         p,
         uv: [[0.0; 2]; 3],
         emitter: (i % radiance.len()) as u32,

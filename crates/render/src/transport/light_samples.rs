@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How a vertex asks lights: for which side, by which shadow ray; and lights that only know `illuminate`.
+//! Source: [PJH23] sections 12.6 (a point that light may reach from both sides asks without a normal) and 13.2. Space: world.
+//! Invariant: a direction counts for light samples exactly where a scattered ray may take it: the side is that of the BSDF's
+//! normal, as for `BsdfSample::transmitted`, and the horizon is that of `SurfacePoint::scatter_ray`.
+//! Proof: crates/render/tests/agreement.rs.
+
+use glam::Vec3;
+use gnurt_accel::Ray;
+use gnurt_shading::bsdf::Bsdf;
+use gnurt_shading::sampling::{purpose, sample_pair};
+use gnurt_shading::{LightBatch, SampleKey, SurfacePoint, Vec3s};
+
+use crate::world::World;
+
+/// The normal that lights are sampled for: zero, which asks for all sides, where light may come through the surface.
+pub(crate) fn sampling_normal(point: &SurfacePoint, bsdf: &Bsdf) -> Vec3 {
+    if bsdf.is_translucent() { Vec3::ZERO } else { point.ns }
+}
+
+/// The ray that decides whether light from the unit direction `dir`, `dist` away, reaches the point; `None` where it does not
+/// count.
+pub(crate) fn shadow_ray(point: &SurfacePoint, bsdf: &Bsdf, dir: Vec3, dist: f32) -> Option<Ray> {
+    if bsdf.is_transmitted(dir) { point.shadow_ray_through(dir, dist) } else { point.shadow_ray(dir, dist) }
+}
+
+/// A vertex that asks lights of shader plugins.
+pub(crate) struct Asking<'a> {
+    pub(crate) point: &'a SurfacePoint,
+    pub(crate) bsdf: &'a Bsdf,
+    pub(crate) key: SampleKey,
+    pub(crate) edges: u32,
+}
+
+/// What a light of a shader plugin offers.
+pub(crate) struct Offer {
+    /// Unit, towards the light.
+    pub(crate) dir: Vec3,
+    pub(crate) dist: f32,
+    /// As `LightBatch::radiance`.
+    pub(crate) arriving: Vec3,
+}
+
+/// Calls `with(number of the vertex, offer)` for all that lights which only know `illuminate` bring. They are told one normal, so
+/// vertices that light may come through ask them twice, once for each side, and take from each answer what lies on that side.
+pub(crate) fn ask_plugin_lights(
+    world: &World,
+    seed: u64,
+    asking: &[Asking],
+    mut with: impl FnMut(usize, Offer),
+) {
+    let shading = world.shading();
+    if shading.plugin_lights.is_empty() || asking.is_empty() {
+        return;
+    }
+    let (mut p, mut normal) = (Vec3s::default(), Vec3s::default());
+    let mut lane = |number: usize, side: f32| {
+        p.push(asking[number].point.p);
+        normal.push(asking[number].point.ns * side);
+        number
+    };
+    let mut lanes: Vec<usize> = (0..asking.len()).map(|number| lane(number, 1.0)).collect();
+    let behind = (0..asking.len()).filter(|&number| asking[number].bsdf.is_translucent());
+    lanes.extend(behind.map(|number| lane(number, -1.0)));
+    let mut arriving = LightBatch::default();
+    for light in shading.plugin_lights.clone() {
+        let draw = |&number: &usize| {
+            let Asking { key, edges, .. } = asking[number];
+            sample_pair(seed, key, edges, purpose::LIGHT + light as u32)
+        };
+        let random: Vec<_> = lanes.iter().map(draw).collect();
+        arriving.reset(lanes.len());
+        shading.lights[light].illuminate(&p, &normal, &random, &mut arriving);
+        for (i, &number) in lanes.iter().enumerate() {
+            let offer = Offer {
+                dir: arriving.dir.get(i),
+                dist: arriving.dist[i],
+                arriving: arriving.radiance.get(i),
+            };
+            let is_of_side = !asking[number].bsdf.is_translucent() || normal.get(i).dot(offer.dir) > 0.0;
+            if is_of_side && offer.arriving != Vec3::ZERO {
+                with(number, offer);
+            }
+        }
+    }
+}

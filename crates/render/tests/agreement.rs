@@ -1,0 +1,427 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `path` against `ir` and `bir`, all unbiased: every kind of material under every kind of light, on both sides of a surface.
+//! What one of them sees and another does not is a bug; what they share is checked first, against the definition. Means of independent renderings are compared; seeds are fixed, so that
+//! the test always says the same.
+//! Source: original.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use common::*;
+use glam::Vec3;
+use gnurt_render::{
+    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+};
+use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
+use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
+use gnurt_scene::{Affine, Light, Material, MaterialId, Scene, Surface, TextureId};
+use gnurt_shading::bsdf::{Bsdf, Lobe, Model, RoughDielectric};
+use gnurt_shading::lights::PointLight;
+use gnurt_shading::{LightBatch, LightShader, Vec3s};
+
+/// Independent renderings per integrator.
+const BATCHES: u64 = 8;
+/// Standard errors that the means of one pair of renderings may lie apart: by 8, with 7 to 14 degrees of freedom, in one of
+/// 10,000 pairs and less; there are about 900.
+const MOST_OF_A_PAIR: f64 = 8.0;
+/// The same for all pairs of one material or one light together, 38 and more: about one sum of 50 million lies so far off.
+const MOST_OF_A_GROUP: f64 = 5.5;
+/// Share by which means may lie apart whatever their errors are: shading normals do not treat light and its measurement quite
+/// alike.
+const SLACK: f64 = 4e-3;
+
+fn texture(scene: &mut Scene, width: u32, texels: Vec<[f32; 4]>) -> TextureId {
+    let height = texels.len() as u32 / width;
+    scene.add_texture(Texture {
+        name: String::new(),
+        texels: Arc::new(Texels { width, height, data: TexelData::Float(texels) }),
+        wrap: [Wrap::ClampToEdge; 2],
+        filter: Filter::Nearest,
+    })
+}
+
+const MATERIALS: [&str; 18] = [
+    "matte",
+    "rough matte",
+    "mirror",
+    "metal",
+    "plastic",
+    "plastic under a normal map",
+    "principled",
+    "sheen",
+    "coat",
+    "thin polished glass",
+    "solid smooth glass",
+    "thin rough glass",
+    "solid rough glass",
+    "partly transmitting plastic",
+    "cut-out",
+    "veil",
+    "veil of vertices",
+    "emissive",
+];
+
+fn material(scene: &mut Scene, name: &str) -> MaterialId {
+    let base = Color::constant([0.7, 0.5, 0.3]);
+    let plastic = |roughness, normal_texture| Surface::MetallicRoughness {
+        base_color: base,
+        metallic: 0.0,
+        roughness,
+        metallic_roughness_texture: None,
+        ior: 1.5,
+        normal_texture,
+    };
+    let principled = Principled { base_color: base, metallic: 0.2, roughness: 0.6, ..Principled::default() };
+    let layered = |p: Principled| Surface::Principled(Box::new(p));
+    let glass = |roughness, thin| Surface::RoughDielectric {
+        ior: 1.5,
+        roughness,
+        reflectance: [1.0; 3],
+        transmittance: [0.9; 3],
+        thin,
+    };
+    let opacity = |texture, factor| Opacity { factor, texture, channel: OpacityChannel::Alpha };
+    let surface = match name {
+        "rough matte" => Surface::RoughMatte { base_color: base, roughness: 0.8 },
+        "mirror" => Surface::Mirror { reflectance: base },
+        "metal" => Surface::Metal { eta: [0.2, 0.9, 1.2], k: [3.9, 2.4, 2.2], roughness: 0.6 },
+        "plastic" => plastic(0.5, None),
+        "plastic under a normal map" => {
+            let map = texture(scene, 1, vec![[0.85, 0.4, 0.8, 1.0]]);
+            plastic(0.6, Some(NormalMap { texture: TextureRef::new(map), scale: 1.0 }))
+        }
+        "principled" => layered(Principled { specular: 0.5, ..principled }),
+        "sheen" => layered(Principled { sheen_color: [0.8; 3], sheen_roughness: 0.5, ..principled }),
+        "coat" => layered(Principled { clearcoat: 1.0, clearcoat_roughness: 0.5, ..principled }),
+        "thin polished glass" => glass(0.35, true),
+        "solid smooth glass" => {
+            Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: [0.9; 3] }
+        }
+        "thin rough glass" => glass(0.6, true),
+        "solid rough glass" => glass(0.6, false),
+        "partly transmitting plastic" => layered(Principled { transmission: 0.6, thin: true, ..principled }),
+        _ => Surface::Matte { base_color: base },
+    };
+    let alpha = match name {
+        "cut-out" => {
+            // A chequer that the coordinates read once per quarter.
+            let (on, off) = ([1.0; 4], [1.0, 1.0, 1.0, 0.0]);
+            let map = TextureRef::new(texture(scene, 2, vec![on, off, off, on]));
+            Alpha::Mask { cutoff: 0.5, opacity: opacity(Some(map), 1.0) }
+        }
+        "veil" => Alpha::Blend { opacity: opacity(None, 0.6) },
+        "veil of vertices" => Alpha::Blend { opacity: opacity(None, 1.0) },
+        _ => Alpha::Opaque,
+    };
+    let emission = if name == "emissive" { [0.3, 0.2, 0.1] } else { [0.0; 3] };
+    scene.add_material(Material { alpha, emission, ..Material::of(name, surface) })
+}
+
+const LIGHTS: [&str; 9] = [
+    "point",
+    "spot",
+    "directional",
+    "area",
+    "textured area",
+    "area with vertex opacity",
+    "environment",
+    "environment picture",
+    "plugin",
+];
+
+/// A light that gives nothing to normals that look away from it, as lights of plugins may.
+struct Heeding(PointLight);
+
+impl LightShader for Heeding {
+    fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
+        self.0.illuminate(p, normal, random, out);
+        for i in (0..p.len()).filter(|&i| normal.get(i).dot(out.dir.get(i)) <= 0.0) {
+            out.radiance.set(i, [0.0; 3].into());
+        }
+    }
+}
+
+/// Adds a light on the side of `up` (1 or -1) of the subject, as wide as it may be.
+fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>> {
+    let place = [0.3, 0.5, 1.4 * up];
+    let opacity = Opacity { factor: 1.0, texture: None, channel: OpacityChannel::Alpha };
+    match name {
+        "point" => _ = scene.add_light(Light::Point { position: place, intensity: [3.0; 3] }),
+        "spot" => {
+            _ = scene.add_light(Light::Spot {
+                position: place,
+                direction: [-0.3, -0.5, -1.4 * up],
+                intensity: [3.0; 3],
+                inner_angle: 0.3,
+                outer_angle: 0.6,
+            });
+        }
+        "directional" => {
+            _ = scene.add_light(Light::Directional { direction: [-0.3, -0.4, -up], irradiance: [2.0; 3] });
+        }
+        "environment" => _ = scene.add_light(environment([0.8; 3])),
+        "environment picture" => {
+            // Bright on one side: rows from the top of the sky to its bottom.
+            let rows = [2.0 + 1.5 * up, 1.0, 1.0, 2.0 - 1.5 * up].map(|x| [x, x, x, 1.0]);
+            let map = texture(scene, 2, rows.into_iter().flat_map(|row| [row; 2]).collect());
+            // Its top is +y; the subject's is +z.
+            let columns = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.0; 3]];
+            scene.add_light(Light::Environment {
+                radiance: [0.4; 3],
+                texture: Some(map),
+                world_from_light: Affine { columns },
+            });
+        }
+        "plugin" => {
+            let point = PointLight { position: place.into(), intensity: [3.0; 3].into() };
+            return Some(Arc::new(Heeding(point)));
+        }
+        _ => {
+            let lamp = emitter(scene, [4.0; 3]);
+            if name == "textured area" {
+                let map = texture(scene, 2, vec![[0.2, 0.2, 0.2, 1.0], [1.0, 0.6, 0.3, 1.0]]);
+                scene.edit_material(lamp).emission_texture = Some(TextureRef::new(map));
+            }
+            let edges = [[1.4, 0.0, 0.0], [0.0, 1.4, 0.0]];
+            // It shines towards the subject.
+            let [a, b] = if up > 0.0 { [edges[1], edges[0]] } else { edges };
+            let mut mesh = quad([-0.4, -0.2, 1.4 * up], a, b, lamp);
+            if name == "area with vertex opacity" {
+                scene.edit_material(lamp).alpha = Alpha::Blend { opacity };
+                mesh.colors = [0.1, 0.9, 0.5, 0.1].map(|alpha| [1.0, 1.0, 1.0, alpha]).into();
+            }
+            common::place(scene, mesh);
+        }
+    }
+    None
+}
+
+/// A sheet of the material seen from above, its mesh's front up or down, beside a matte wall that reaches above and below it.
+fn world(subject: &str, lamp: &str, up: f32, front: bool) -> World {
+    let mut scene = Scene::new();
+    let sheet = material(&mut scene, subject);
+    let edges = [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+    let [a, b] = if front { edges } else { [edges[1], edges[0]] };
+    let mut mesh = quad([-1.0, -1.0, 0.0], a, b, sheet);
+    if subject == "veil of vertices" {
+        mesh.colors = [0.2, 0.9, 0.4, 0.7].map(|alpha| [1.0, 1.0, 1.0, alpha]).into();
+    }
+    place(&mut scene, mesh);
+    let grey = matte(&mut scene, [0.6; 3]);
+    place(&mut scene, quad([-1.2, -1.2, -1.2], [0.0, 2.4, 0.0], [0.0, 0.0, 2.4], grey));
+    let plugin = light(&mut scene, lamp, up);
+    let table = ShaderTable { lights: plugin.into_iter().collect(), ..ShaderTable::default() };
+    let mut world = World::new();
+    world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+    world
+}
+
+/// Mean brightness of independent renderings, and the squared error of their mean.
+fn mean_by(
+    world: &World,
+    view: &PerspectiveCamera,
+    options: &RenderOptions,
+    threads: &rayon::ThreadPool,
+) -> (f64, f64) {
+    let one = |seed| {
+        let options = RenderOptions { seed, ..options.clone() };
+        let frame = render(world, view, &options, threads, &Silent).expect("sound options");
+        mean(&frame.picture).iter().sum::<f64>() / 3.0
+    };
+    let means: Vec<f64> = (0..BATCHES).map(|k| one(50 + k)).collect();
+    let n = BATCHES as f64;
+    let mean = means.iter().sum::<f64>() / n;
+    (mean, means.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n * (n - 1.0)))
+}
+
+const ALL: [Integrator; 4] = [
+    Integrator::Path,
+    Integrator::InstantRadiosity,
+    Integrator::BidirectionalInstantRadiosity,
+    Integrator::MetropolisInstantRadiosity,
+];
+
+/// What is seen at the middle of a sheet when nothing but light straight from lamps counts.
+fn direct(scene: &Scene, lights: Vec<Arc<dyn LightShader>>, integrator: Integrator) -> f64 {
+    let table = ShaderTable { lights, ..ShaderTable::default() };
+    let mut world = World::new();
+    world.commit(scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+    let options = RenderOptions { integrator, max_depth: 2, vpls: 16, ..options(2, 2, 4) };
+    let view = camera([0.4, -0.8, 2.0], [0.0; 3], 0.001);
+    mean(&render(&world, &view, &options, &pool(1), &Silent).expect("sound options").picture)[0]
+}
+
+fn sheet(scene: &mut Scene, material: MaterialId) {
+    place(scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], material));
+}
+
+/// Lights without extent on both sides of rough glass, by the definition: the BSDF times what arrives.
+#[test]
+fn lights_behind_rough_glass_shine_through() {
+    let (ior, roughness) = (1.5_f32, 0.6_f32);
+    let glass = |thin| {
+        let lobe = RoughDielectric::new(roughness * roughness, 1.0 / ior, Vec3::ONE, Vec3::ONE, thin);
+        Bsdf::new(Vec3::Z, Model::Lobe(Lobe::RoughDielectric(lobe)))
+    };
+    let wo = Vec3::new(0.4, -0.8, 2.0).normalize();
+    for (thin, up) in [(true, 1.0), (true, -1.0), (false, 1.0), (false, -1.0)] {
+        let position = Vec3::new(0.3, 0.5, 1.4 * up);
+        let (dir, distance2) = (position.normalize(), position.length_squared());
+        let value = f64::from(glass(thin).eval(wo, dir).x);
+        assert!(value > 1e-3, "it goes through: {value}");
+        let lights = [
+            ("point", Light::Point { position: position.into(), intensity: [3.0; 3] }, 3.0 / distance2),
+            ("spot", spot(position), 3.0 / distance2),
+            ("directional", Light::Directional { direction: (-dir).into(), irradiance: [2.0; 3] }, 2.0),
+        ];
+        for integrator in ALL {
+            let surface = Surface::RoughDielectric {
+                ior,
+                roughness,
+                reflectance: [1.0; 3],
+                transmittance: [1.0; 3],
+                thin,
+            };
+            let pane = || {
+                let mut scene = Scene::new();
+                let material = scene.add_material(Material::of("glass", surface.clone()));
+                sheet(&mut scene, material);
+                scene
+            };
+            for (name, light, arriving) in &lights {
+                let mut scene = pane();
+                scene.add_light(light.clone());
+                let found = direct(&scene, Vec::new(), integrator);
+                let what = format!("{integrator}, thin: {thin}, {name} at height {}", position.z);
+                assert_close(found, value * f64::from(*arriving), 2e-3, &what);
+            }
+            let point = PointLight { position, intensity: Vec3::splat(3.0) };
+            let found = direct(&pane(), vec![Arc::new(Heeding(point))], integrator);
+            let what = format!("{integrator}, thin: {thin}, a plugin's at height {}", position.z);
+            assert_close(found, value * f64::from(3.0 / distance2), 2e-3, &what);
+        }
+    }
+}
+
+fn spot(position: Vec3) -> Light {
+    let (inner_angle, outer_angle) = (0.3, 0.6);
+    Light::Spot {
+        position: position.into(),
+        direction: (-position).into(),
+        intensity: [3.0; 3],
+        inner_angle,
+        outer_angle,
+    }
+}
+
+/// A mapped normal may see light that is behind the sheet; the sheet is in its way all the same.
+#[test]
+fn no_light_leaks_through_normal_maps() {
+    for integrator in ALL {
+        let mut scene = Scene::new();
+        let material = material(&mut scene, "plastic under a normal map");
+        sheet(&mut scene, material);
+        // Above the map's normal, which leans by 40 degrees to +x, and below the sheet.
+        scene.add_light(Light::Directional { direction: [-1.0, 0.2, 0.3], irradiance: [2.0; 3] });
+        scene.add_light(Light::Point { position: [2.0, -0.4, -0.6], intensity: [9.0; 3] });
+        assert_eq!(
+            direct(&scene, Vec::new(), integrator),
+            0.0,
+            "{integrator}: a sheet that lets nothing through"
+        );
+        let point = PointLight { position: Vec3::new(2.0, -0.4, -0.6), intensity: Vec3::splat(9.0) };
+        let found = direct(&scene, vec![Arc::new(point)], integrator);
+        assert_eq!(found, 0.0, "{integrator}: nor from a plugin's light");
+    }
+}
+
+/// Opacity is the product of all that make it, for light samples as for rays.
+#[test]
+fn vertex_opacity_weakens_lamps() {
+    let lit = |factor: f32, vertices: f32, integrator| {
+        let mut scene = floor(0.6, 3.0);
+        let opacity = Opacity { factor, texture: None, channel: OpacityChannel::Alpha };
+        let alpha = Alpha::Blend { opacity };
+        let lamp =
+            scene.add_material(Material { emission: [5.0; 3], alpha, ..Material::matte("", [0.0; 3]) });
+        let mut mesh = quad([-0.5, -0.5, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], lamp);
+        mesh.colors = vec![[1.0, 1.0, 1.0, vertices]; 4];
+        place(&mut scene, mesh);
+        let options = RenderOptions { integrator, max_depth: 2, vpls: 16, ..options(4, 4, 16) };
+        mean(&frame(&scene, &camera([2.0, 0.0, 0.5], [0.3, 0.0, 0.0], 2.0), &options).picture)[0]
+    };
+    for integrator in ALL {
+        assert_close(lit(1.0, 0.25, integrator), lit(0.25, 1.0, integrator), 1e-5, &format!("{integrator}"));
+    }
+}
+
+/// Sums of what two integrators found, and the squared error of their difference.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    found: f64,
+    paths: f64,
+    error: f64,
+}
+
+impl Sums {
+    fn add(&mut self, other: Self) {
+        self.found += other.found;
+        self.paths += other.paths;
+        self.error += other.error;
+    }
+
+    /// Standard errors between them.
+    fn apart(&self) -> f64 {
+        let off = (self.found - self.paths).abs();
+        (off - SLACK * self.paths).max(0.0) / self.error.sqrt().max(1e-9)
+    }
+}
+
+impl std::fmt::Display for Sums {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let Self { found, paths, error } = self;
+        write!(f, "{found:.4}, by paths {paths:.4}, +- {:.4}: {:.1} errors apart", error.sqrt(), self.apart())
+    }
+}
+
+#[test]
+fn paths_and_virtual_lights_see_the_same_light() {
+    let threads = pool(2);
+    let view = camera([0.5, -1.2, 2.2], [0.1, 0.0, 0.0], 28.0);
+    let by = |integrator, spp| RenderOptions { integrator, spp, vpls: 32, max_depth: 4, ..options(5, 5, 1) };
+    let mut groups: BTreeMap<String, Sums> = BTreeMap::new();
+    let mut mistakes = Vec::new();
+    for (subject, lamp) in MATERIALS.iter().flat_map(|m| LIGHTS.iter().map(move |l| (*m, *l))) {
+        let see_through =
+            ["glass", "transmitting", "veil", "cut-out"].iter().any(|part| subject.contains(part));
+        // What is solid looks alike on both sides, but its lamp may be behind it.
+        let cases = [(1.0, true), (-1.0, false), (-1.0, true), (1.0, false)];
+        for (up, front) in cases.into_iter().take(if see_through { 4 } else { 2 }) {
+            let world = world(subject, lamp, up, front);
+            let (paths, paths_error) = mean_by(&world, &view, &by(Integrator::Path, 8), &threads);
+            for integrator in [Integrator::InstantRadiosity, Integrator::BidirectionalInstantRadiosity] {
+                let (found, error) = mean_by(&world, &view, &by(integrator, 1), &threads);
+                let sums = Sums { found, paths, error: error + paths_error };
+                for group in [subject, lamp] {
+                    groups.entry(format!("{group}, {integrator}")).or_default().add(sums);
+                }
+                if sums.apart() > MOST_OF_A_PAIR {
+                    let side = if up > 0.0 { "before" } else { "behind" };
+                    let face = if front { "front" } else { "back" };
+                    mistakes.push(format!(
+                        "{subject}, {lamp} {side} it, seen from its {face}, {integrator}: {sums}"
+                    ));
+                }
+            }
+        }
+    }
+    for (group, sums) in &groups {
+        eprintln!("all of {group}: {sums}");
+        if sums.apart() > MOST_OF_A_GROUP {
+            mistakes.push(format!("all of {group}: {sums}"));
+        }
+    }
+    assert!(mistakes.is_empty(), "{} differ:\n{}", mistakes.len(), mistakes.join("\n"));
+}
