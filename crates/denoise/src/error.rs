@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Why a picture cannot be denoised. Source: original.
 
-use crate::Method;
-
 /// Why a picture cannot be denoised.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Error {
-    /// A name that is none of [`Method::ALL`].
-    #[error("unknown denoiser '{0}': expected {names}", names = Method::ALL.map(Method::name).join(", "))]
-    UnknownMethod(String),
+    /// A name of no denoiser.
+    #[error("unknown denoiser '{name}': expected {expected}")]
+    UnknownMethod {
+        /// As it was given.
+        name: String,
+        /// All that there are, between commas.
+        expected: String,
+    },
     /// The picture lacks what its camera rays met.
     #[error(
-        "the picture has no channel '{0}': denoising needs the layers albedo, N, P and variance, which EXR files of renderings have"
+        "the picture has no channel '{0}': denoising needs the layers albedo, N and variance, which EXR files of renderings have"
     )]
     NoChannel(String),
     /// The region is empty or not within the picture.

@@ -4,7 +4,8 @@
 //!
 //! Two ways: a filter that needs nothing ([`Method::BuiltIn`]), and Intel's Open Image Denoise where its library is found
 //! at run time ([`Method::Oidn`]). Both look at what camera rays met first, which is hardly noisy: the picture must have the
-//! layers `albedo`, `N`, `P` and `variance` of a rendering. Space: linear light.
+//! layers `albedo`, `N` and `variance` of a rendering; `emission`, light seen directly, keeps the edges of lamps sharp.
+//! Space: linear light.
 //!
 //! # Limits today
 //! * Biased, as denoisers are: what is finer than the noise is blurred.
@@ -12,59 +13,28 @@
 #![deny(unsafe_code)]
 
 mod built_in;
+mod details;
 mod error;
+mod explain;
 #[allow(unsafe_code, reason = "the one door to the library of C")]
 mod ffi_oidn;
+mod light;
+mod method;
 mod noisy;
 mod oidn;
+mod outliers;
 mod patches;
 mod regression;
+mod variance;
 
 pub use error::Error;
+pub use method::{Method, Used};
 
-use std::fmt;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use gnurt_image::{Layer, Picture};
 
 use crate::noisy::Noisy;
-
-/// Which denoiser is wanted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
-    /// OIDN where its library is found, else the built-in one.
-    #[default]
-    Auto,
-    /// The built-in one: the same bits on any number of threads.
-    BuiltIn,
-    /// OIDN's, or an error.
-    Oidn,
-}
-
-impl Method {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Auto, Self::BuiltIn, Self::Oidn];
-
-    /// The name on the command line.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::BuiltIn => "built-in",
-            Self::Oidn => "oidn",
-        }
-    }
-}
-
-impl FromStr for Method {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        let found = Self::ALL.into_iter().find(|method| method.name() == name);
-        found.ok_or_else(|| Error::UnknownMethod(name.into()))
-    }
-}
 
 /// What is to be done, and where.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -75,48 +45,6 @@ pub struct Options {
     pub region: Option<[u32; 4]>,
     /// OIDN's library; `None` = wherever the system's loader finds `libOpenImageDenoise.so.2`.
     pub library: Option<PathBuf>,
-}
-
-/// Which denoiser was used.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Used {
-    /// The built-in one. The text says why it was not OIDN's, if that was looked for.
-    BuiltIn {
-        /// Why OIDN was not used; `None` if nobody asked for it.
-        without_oidn: Option<String>,
-    },
-    /// OIDN's.
-    Oidn {
-        /// As the library says: `2.3.3`.
-        version: String,
-        /// What it ran on, as in `OIDN_DEVICE_TYPE_CPU`: `CPU`.
-        device: &'static str,
-    },
-}
-
-impl Used {
-    /// For a file's header: `built-in` or `oidn 2.3.3`.
-    #[must_use]
-    pub fn name(&self) -> String {
-        match self {
-            Self::BuiltIn { .. } => Method::BuiltIn.name().into(),
-            Self::Oidn { version, .. } => format!("{} {version}", Method::Oidn.name()),
-        }
-    }
-}
-
-impl fmt::Display for Used {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::BuiltIn { without_oidn: None } => write!(f, "denoised by the built-in filter"),
-            Self::BuiltIn { without_oidn: Some(why) } => {
-                write!(f, "denoised by the built-in filter: {why}")
-            }
-            Self::Oidn { version, device } => {
-                write!(f, "denoised by Open Image Denoise {version} on the {device}")
-            }
-        }
-    }
 }
 
 /// Whether what the options ask for can be had, for programs that fail early.
@@ -141,7 +69,7 @@ pub fn denoise(picture: &mut Picture, options: &Options, pool: &rayon::ThreadPoo
 }
 
 /// As [`denoise`], but gives up as soon as `stop` says so, which is called from all threads: the picture has not changed then,
-/// and the answer is `None`. The built-in filter asks about a hundred times for a picture, OIDN does not.
+/// and the answer is `None`. The built-in filter asks once for every few rows, OIDN does not.
 ///
 /// # Errors
 /// As [`denoise`].

@@ -4,7 +4,7 @@
 
 use gnurt_image::{ChannelData, Picture};
 
-use crate::Error;
+use crate::error::Error;
 
 /// Three values.
 pub(crate) type Triple = [f32; 3];
@@ -21,8 +21,8 @@ pub(crate) struct Noisy {
     pub(crate) albedo: Vec<Triple>,
     /// Means of unit vectors towards the eye; 0 where nothing was met.
     pub(crate) normal: Vec<Triple>,
-    /// World space; 0 where nothing was met.
-    pub(crate) position: Vec<Triple>,
+    /// The part of the colour that lamps and surroundings send straight to the eye; 0 where nobody says.
+    pub(crate) emission: Vec<Triple>,
 }
 
 impl Noisy {
@@ -60,7 +60,11 @@ impl Noisy {
             variance: layer("variance", rgb)?,
             albedo: layer("albedo", rgb)?,
             normal: layer("N", xyz)?,
-            position: layer("P", xyz)?,
+            emission: if picture.layer("emission").is_some() {
+                layer("emission", rgb)?
+            } else {
+                vec![[0.0; 3]; (x1 - x0) as usize * (y1 - y0) as usize]
+            },
         })
     }
 }

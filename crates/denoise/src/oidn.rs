@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
+use crate::error::Error;
 use crate::ffi_oidn::{Device, Images, Library};
+use crate::method::Used;
 use crate::noisy::{Noisy, Triple};
-use crate::{Error, Used};
 
 /// Where it is looked for unless it is named.
 #[cfg(target_os = "macos")]

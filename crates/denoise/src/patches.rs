@@ -1,108 +1,133 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How alike the surroundings of two pixels are, as far as their noise lets one tell.
 //! Source: \[RKZ12\], section 4: squared differences of patches less what their variances explain, relative to those.
-//! Proof: `tests`.
+//! Planes have a border, so that loops along rows know no edges. All is inlined into what `gnurt_simd::dispatch!` enters:
+//! no sum's order depends on lanes, so that all levels give the same bits. Proof: `tests`.
 
 use crate::noisy::Triple;
 
-/// Pixels of a patch to each side of its centre.
-pub(crate) const PATCH: usize = 3;
-/// Pixels of the neighbourhood to each side of its centre.
-pub(crate) const REACH: usize = 9;
-/// Offsets in a neighbourhood.
-pub(crate) const OFFSETS: usize = (2 * REACH + 1) * (2 * REACH + 1);
-
-/// How many standard deviations apart two colours may be.
-const SHARPNESS: f32 = 0.6;
 /// Differences below this share of the colour are none.
 const UNSEEN: f32 = 2e-3;
 /// No single pixel makes patches more different than this.
 const MOST: f32 = 1e3;
 
-/// A picture whose patches are compared.
-pub(crate) struct Signal<'a> {
-    pub(crate) width: usize,
-    pub(crate) height: usize,
-    pub(crate) color: &'a [Triple],
-    pub(crate) variance: &'a [Triple],
+/// What is compared with what.
+#[derive(Clone, Copy)]
+pub(crate) struct Reach {
+    /// Neighbours to each side of a pixel.
+    pub(crate) side: usize,
+    /// Columns or rows from one to the next.
+    pub(crate) step: usize,
+    /// Pixels of a patch to each side of its centre.
+    pub(crate) patch: usize,
+    /// How many standard deviations apart two colours may be.
+    pub(crate) sharpness: f32,
 }
 
-/// Weights of the neighbours of all pixels of a tile.
-pub(crate) struct Weights {
-    /// Per offset (row by row), then per pixel of the tile (row by row); 0 outside of the picture.
-    pub(crate) of: Vec<f32>,
-    distance: Vec<f32>,
-    sums: Vec<f32>,
-}
-
-impl Weights {
-    pub(crate) fn new() -> Self {
-        Self { of: Vec::new(), distance: Vec::new(), sums: Vec::new() }
+impl Reach {
+    /// Neighbours of a pixel, with itself.
+    pub(crate) const fn count(self) -> usize {
+        (2 * self.side + 1) * (2 * self.side + 1)
     }
 
-    /// Computes them for the tile `[x0, y0, x1, y1]`.
-    pub(crate) fn compute(&mut self, signal: &Signal, [x0, y0, x1, y1]: [usize; 4]) {
-        let (columns, rows) = (x1 - x0, y1 - y0);
-        let (wide, high) = (columns + 2 * PATCH, rows + 2 * PATCH);
-        self.of.clear();
-        self.of.resize(OFFSETS * columns * rows, 0.0);
-        self.distance.resize(wide * high, 0.0);
-        self.sums.resize(columns * high, 0.0);
-        let inside = |x: isize, most: usize| x.clamp(0, most as isize - 1) as usize;
-        let offsets = (0..OFFSETS).map(|o| [o % (2 * REACH + 1), o / (2 * REACH + 1)]);
-        for ([dx, dy], out) in offsets.zip(self.of.chunks_exact_mut(columns * rows)) {
-            let (dx, dy) = (dx as isize - REACH as isize, dy as isize - REACH as isize);
-            for y in 0..high {
-                let py = inside((y0 + y) as isize - PATCH as isize, signal.height);
-                let qy = inside(py as isize + dy, signal.height);
-                for x in 0..wide {
-                    let px = inside((x0 + x) as isize - PATCH as isize, signal.width);
-                    let qx = inside(px as isize + dx, signal.width);
-                    let (p, q) = (py * signal.width + px, qy * signal.width + qx);
-                    self.distance[y * wide + x] = difference(
-                        (&signal.color[p], &signal.variance[p]),
-                        (&signal.color[q], &signal.variance[q]),
-                    );
+    /// Columns and rows to a neighbour, by its number.
+    #[inline(always)]
+    pub(crate) fn offset(self, number: usize) -> [isize; 2] {
+        let along = 2 * self.side + 1;
+        [number % along, number / along].map(|x| (x as isize - self.side as isize) * self.step as isize)
+    }
+
+    /// Columns or rows to the farthest neighbour.
+    pub(crate) const fn farthest(self) -> usize {
+        self.side * self.step
+    }
+}
+
+/// A picture whose patches are compared: colours and variances, one plane each, continued beyond the picture's edges.
+pub(crate) struct Planes {
+    reach: Reach,
+    width: usize,
+    border: usize,
+    color: [Vec<f32>; 3],
+    variance: [Vec<f32>; 3],
+}
+
+impl Planes {
+    pub(crate) fn new(reach: Reach, width: usize, color: &[Triple], variance: &[Triple]) -> Self {
+        let height = color.len() / width;
+        let border = reach.farthest() + reach.patch;
+        let inside = |x: usize, length: usize| x.saturating_sub(border).min(length - 1);
+        let plane = |of: &[Triple], k: usize| -> Vec<f32> {
+            let rows = (0..height + 2 * border).map(|y| inside(y, height) * width);
+            rows.flat_map(|row| (0..width + 2 * border).map(move |x| of[row + inside(x, width)][k])).collect()
+        };
+        Self {
+            reach,
+            width,
+            border,
+            color: [0, 1, 2].map(|k| plane(color, k)),
+            variance: [0, 1, 2].map(|k| plane(variance, k)),
+        }
+    }
+
+    /// The weights of the neighbours of each `stride`th pixel of row `y`: pixel by pixel, then by the neighbours' number.
+    /// Those beyond the picture's edges mean nothing.
+    #[inline(always)]
+    pub(crate) fn weights(&self, y: usize, stride: usize, memory: &mut Memory, out: &mut [f32]) {
+        let (patch, count) = (self.reach.patch, self.reach.count());
+        let (length, wide) = (self.width + 2 * patch, self.width + 2 * self.border);
+        let scale = 1.0 / (3 * (2 * patch + 1) * (2 * patch + 1)) as f32;
+        memory.row.resize(length, 0.0);
+        memory.sums.resize(length, 0.0);
+        for number in 0..count {
+            let [dx, dy] = self.reach.offset(number);
+            memory.sums.fill(0.0);
+            for row in 0..=2 * patch {
+                let at = (y + self.border + row - patch) * wide + self.border - patch;
+                let other = at.wrapping_add_signed(dy * wide as isize + dx);
+                memory.row.fill(0.0);
+                for k in 0..3 {
+                    self.add_differences(k, at, other, &mut memory.row);
+                }
+                for (sum, row) in memory.sums.iter_mut().zip(&memory.row) {
+                    *sum += row.min(MOST);
                 }
             }
-            // The mean over each patch, first along rows, then along columns.
-            for (row, sums) in self.distance.chunks_exact(wide).zip(self.sums.chunks_exact_mut(columns)) {
-                for (x, sum) in sums.iter_mut().enumerate() {
-                    *sum = row[x..=x + 2 * PATCH].iter().sum();
-                }
+            for (i, out) in out[number..].iter_mut().step_by(count).enumerate() {
+                let begin = i * stride;
+                let mut sum = 0.0;
+                memory.sums[begin..=begin + 2 * patch].iter().for_each(|x| sum += x);
+                *out = falloff(sum * scale);
             }
-            let scale = 1.0 / ((2 * PATCH + 1) * (2 * PATCH + 1)) as f32;
-            for (y, out) in out.chunks_exact_mut(columns).enumerate() {
-                let qy = (y0 + y) as isize + dy;
-                if qy < 0 || qy >= signal.height as isize {
-                    continue;
-                }
-                for (x, out) in out.iter_mut().enumerate() {
-                    let qx = (x0 + x) as isize + dx;
-                    if qx >= 0 && qx < signal.width as isize {
-                        let sum: f32 = (y..=y + 2 * PATCH).map(|row| self.sums[row * columns + x]).sum();
-                        *out = falloff(sum * scale);
-                    }
-                }
-            }
+        }
+    }
+
+    /// Adds how far one colour of pixels from `at` on is from that of those from `other` on; about 0 if noise explains all.
+    #[inline(always)]
+    fn add_differences(&self, k: usize, at: usize, other: usize, sums: &mut [f32]) {
+        let length = sums.len();
+        let (p, var_p) = (&self.color[k][at..at + length], &self.variance[k][at..at + length]);
+        let (q, var_q) = (&self.color[k][other..other + length], &self.variance[k][other..other + length]);
+        let sharp = self.reach.sharpness * self.reach.sharpness;
+        for i in 0..length {
+            let apart = p[i] - q[i];
+            let unseen = UNSEEN * (p[i].abs() + q[i].abs());
+            let explained = var_p[i] + if var_q[i] < var_p[i] { var_q[i] } else { var_p[i] };
+            let all = unseen * unseen + 1e-30 + sharp * (var_p[i] + var_q[i]);
+            sums[i] += (apart * apart - explained) / all;
         }
     }
 }
 
-/// Of two pixels, each a colour with its variance: mean over channels; about 0 if noise explains all.
-fn difference((p, var_p): (&Triple, &Triple), (q, var_q): (&Triple, &Triple)) -> f32 {
-    let mut sum = 0.0;
-    for k in 0..3 {
-        let apart = p[k] - q[k];
-        let unseen = UNSEEN * (p[k].abs() + q[k].abs());
-        let explained = var_p[k] + var_q[k].min(var_p[k]);
-        let all = unseen * unseen + 1e-20 + SHARPNESS * SHARPNESS * (var_p[k] + var_q[k]);
-        sum += (apart * apart - explained) / all;
-    }
-    (sum * (1.0 / 3.0)).min(MOST)
+/// For sums along a row.
+#[derive(Default)]
+pub(crate) struct Memory {
+    row: Vec<f32>,
+    sums: Vec<f32>,
 }
 
 /// exp(-x) without the tail: 0 from 8 on, 1 below 0.
+#[inline(always)]
 fn falloff(x: f32) -> f32 {
     let base = (1.0 - x.max(0.0) * 0.125).max(0.0);
     let square = base * base;
@@ -114,57 +139,56 @@ fn falloff(x: f32) -> f32 {
 mod tests {
     use super::*;
 
+    const REACH: Reach = Reach { side: 4, step: 2, patch: 3, sharpness: 0.6 };
+
     /// Weights by the definition, one pixel pair at a time.
-    fn slow(signal: &Signal, p: [isize; 2], q: [isize; 2]) -> f32 {
-        let index = |[x, y]: [isize; 2]| {
-            let (x, y) = (x.clamp(0, signal.width as isize - 1), y.clamp(0, signal.height as isize - 1));
-            (y * signal.width as isize + x) as usize
-        };
+    fn slow(
+        color: &[Triple],
+        variance: &[Triple],
+        size: [isize; 2],
+        p: [isize; 2],
+        apart: [isize; 2],
+    ) -> f32 {
+        let index =
+            |x: isize, y: isize| (y.clamp(0, size[1] - 1) * size[0] + x.clamp(0, size[0] - 1)) as usize;
         let mut sum = 0.0;
-        let patch = PATCH as isize;
+        let patch = REACH.patch as isize;
         for y in -patch..=patch {
             for x in -patch..=patch {
-                // The patch of p ends at the picture's edge; that of q follows it.
-                let at = [p[0] + x, p[1] + y];
-                let at =
-                    [at[0].clamp(0, signal.width as isize - 1), at[1].clamp(0, signal.height as isize - 1)];
-                let other = [at[0] + q[0] - p[0], at[1] + q[1] - p[1]];
-                let (i, j) = (index(at), index(other));
-                sum += difference(
-                    (&signal.color[i], &signal.variance[i]),
-                    (&signal.color[j], &signal.variance[j]),
-                );
+                let i = index(p[0] + x, p[1] + y);
+                let j = index(p[0] + x + apart[0], p[1] + y + apart[1]);
+                let mut of_pixel = 0.0;
+                for k in 0..3 {
+                    let (p, q, var_p, var_q) = (color[i][k], color[j][k], variance[i][k], variance[j][k]);
+                    let unseen = UNSEEN * (p + q);
+                    of_pixel += ((p - q).powi(2) - var_p - var_p.min(var_q))
+                        / (unseen * unseen + 0.36 * (var_p + var_q));
+                }
+                sum += f64::from(of_pixel / 3.0);
             }
         }
-        (-(f64::from(sum) / 49.0).max(0.0)).exp() as f32
+        (-(sum / 49.0).max(0.0)).exp() as f32
     }
 
     #[test]
     fn weights_are_those_of_the_definition() {
         let mut random = gnurt_testkit::Random::new(7);
-        let (width, height) = (23, 17);
+        let (width, height) = (23usize, 17usize);
         let color: Vec<Triple> =
             (0..width * height).map(|_| [0; 3].map(|_| 1.0 + 0.3 * random.unit())).collect();
         let variance: Vec<Triple> =
-            (0..width * height).map(|_| [0; 3].map(|_| 0.02 * random.unit())).collect();
-        let signal = Signal { width, height, color: &color, variance: &variance };
-        let mut weights = Weights::new();
-        let tile = [4, 3, 20, 17];
-        weights.compute(&signal, tile);
-        let (columns, rows) = (tile[2] - tile[0], tile[3] - tile[1]);
-        let mut positive = 0;
-        for o in 0..OFFSETS {
-            let (dx, dy) = ((o % 19) as isize - 9, (o / 19) as isize - 9);
-            for y in 0..rows {
-                for x in 0..columns {
-                    let p = [(tile[0] + x) as isize, (tile[1] + y) as isize];
-                    let q = [p[0] + dx, p[1] + dy];
-                    let found = weights.of[(o * rows + y) * columns + x];
-                    let inside = q[0] >= 0 && q[1] >= 0 && q[0] < width as isize && q[1] < height as isize;
-                    let wanted = if inside { slow(&signal, p, q) } else { 0.0 };
-                    positive += usize::from(found > 0.1 && found < 0.9);
-                    assert!((found - wanted).abs() < 0.04, "{p:?} {q:?}: {found}, not {wanted}");
-                }
+            (0..width * height).map(|_| [0; 3].map(|_| 0.002 + 0.004 * random.unit())).collect();
+        let planes = Planes::new(REACH, width, &color, &variance);
+        let mut weights = vec![0.0; width.div_ceil(2) * REACH.count()];
+        let (mut memory, mut positive) = (Memory::default(), 0);
+        for y in 0..height {
+            planes.weights(y, 2, &mut memory, &mut weights);
+            for (i, found) in weights.iter().enumerate() {
+                let (x, apart) = (i / REACH.count() * 2, REACH.offset(i % REACH.count()));
+                let p = [x as isize, y as isize];
+                let wanted = slow(&color, &variance, [width as isize, height as isize], p, apart);
+                positive += usize::from(*found > 0.1 && *found < 0.9);
+                assert!((found - wanted).abs() < 0.04, "{p:?} {apart:?}: {found}, not {wanted}");
             }
         }
         assert!(positive > 1000, "the test sees weights that are neither 0 nor 1: {positive}");

@@ -1,52 +1,74 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Weighted least squares: colours as a linear function of what was met, around one pixel.
-//! Source: \[MCY14\] (local linear regression on features), \[BRM*16\] (which features, weights from colours); the ridge that
-//! keeps what the features cannot tell at a constant is ours. Sums are single, the solution is double precision.
-//! Proof: `tests`.
+//! Source: \[MCY14\] (local linear regression on features), \[BRM*16\] (which features, weights from colours); places in the
+//! picture instead of the world, which a pixel on an edge has two of; the ridge that keeps what the features cannot tell at
+//! a constant is ours. Sums are single, the solution is double precision. Proof: `tests`.
 
 use crate::noisy::Triple;
 
-/// A constant, and three each of normal, albedo and position.
-pub(crate) const TERMS: usize = 10;
-/// Terms, three colours, and padding so that rows fill lanes.
-const ROW: usize = 16;
+/// A constant, three each of normal and albedo, column and row.
+pub(crate) const TERMS: usize = 9;
+/// Terms, then three colours.
+pub(crate) const ROW: usize = TERMS + 3;
 
-/// What a pixel is described by: the constant first, then features, relative to the centre.
-pub(crate) type Features = [f32; TERMS];
+/// What a pixel is described by, the constant first, and its colours.
+pub(crate) type Row = [f32; ROW];
 
 /// Normal equations in the making.
 pub(crate) struct Regression {
-    rows: [[f32; ROW]; TERMS],
+    centre: Row,
+    rows: [Row; TERMS],
+    /// Least and largest colours.
+    range: [Triple; 2],
 }
 
 /// Colours as a linear function of features.
 pub(crate) struct Fit {
+    centre: Row,
     coefficients: [Triple; TERMS],
+    range: [Triple; 2],
 }
 
 impl Regression {
-    pub(crate) fn new() -> Self {
-        Self { rows: [[0.0; ROW]; TERMS] }
+    /// Features are counted from those of this pixel on.
+    #[inline(always)]
+    pub(crate) fn around(centre: &Row) -> Self {
+        let mut centre = *centre;
+        centre[0] = 0.0;
+        centre[TERMS..].fill(0.0);
+        Self { centre, rows: [[0.0; ROW]; TERMS], range: [[f32::MAX; 3], [f32::MIN; 3]] }
     }
 
     /// Adds a neighbour.
-    #[inline]
-    pub(crate) fn add(&mut self, weight: f32, features: &Features, color: &Triple) {
-        let mut all = [0.0; ROW];
-        all[..TERMS].copy_from_slice(features);
-        all[TERMS..TERMS + 3].copy_from_slice(color);
-        for (row, &feature) in self.rows.iter_mut().zip(features) {
-            let scale = weight * feature;
+    #[inline(always)]
+    pub(crate) fn add(&mut self, weight: f32, neighbour: &Row) {
+        let mut all = *neighbour;
+        for (value, centre) in all.iter_mut().zip(&self.centre) {
+            *value -= centre;
+        }
+        for (i, row) in self.rows.iter_mut().enumerate() {
+            let scale = weight * all[i];
             for (sum, &value) in row.iter_mut().zip(&all) {
                 *sum += scale * value;
             }
         }
+        for k in 0..3 {
+            self.range[0][k] = self.range[0][k].min(all[TERMS + k]);
+            self.range[1][k] = self.range[1][k].max(all[TERMS + k]);
+        }
     }
 
-    /// The best fit; deviations of normals and albedo below `unsure` (in their units) tell nothing, and none of positions
-    /// below a hundredth of their spread. `None` without neighbours.
+    /// The sum of the weights.
+    #[inline(always)]
+    pub(crate) fn weight(&self) -> f32 {
+        self.rows[0][0]
+    }
+
+    /// The best fit; deviations of normals and albedo below `unsure` (in their units) tell nothing, and none of places below
+    /// a hundredth of their spread. `None` without neighbours.
+    #[inline(always)]
     pub(crate) fn solve(&self, unsure: f32) -> Option<Fit> {
-        let weight = f64::from(self.rows[0][0]);
+        let weight = f64::from(self.weight());
         if !weight.is_finite() || weight <= 0.0 {
             return None;
         }
@@ -65,25 +87,29 @@ impl Regression {
         let spread: f64 = (7..TERMS).map(|i| matrix[i][i]).sum();
         (7..TERMS).for_each(|i| matrix[i][i] += 1e-4 * spread + 1e-30);
         solve(&mut matrix, &mut right)?;
-        Some(Fit { coefficients: right.map(|row| row.map(|x| x as f32)) })
+        let coefficients = right.map(|row| row.map(|x| x as f32));
+        Some(Fit { centre: self.centre, coefficients, range: self.range })
     }
 }
 
 impl Fit {
-    /// What it says for these features.
-    #[inline]
-    pub(crate) fn at(&self, features: &Features) -> Triple {
-        let mut color = [0.0; 3];
-        for (feature, coefficients) in features.iter().zip(&self.coefficients) {
+    /// What it says for the features of this pixel. A slope that noise made overshoots beside bright edges: nothing is darker
+    /// or brighter than all that the fit is made of.
+    #[inline(always)]
+    pub(crate) fn at(&self, pixel: &Row) -> Triple {
+        let mut color = self.coefficients[0];
+        for (i, coefficients) in self.coefficients.iter().enumerate().skip(1) {
+            let feature = pixel[i] - self.centre[i];
             for k in 0..3 {
                 color[k] += feature * coefficients[k];
             }
         }
-        color
+        [0, 1, 2].map(|k| color[k].max(self.range[0][k]).min(self.range[1][k]))
     }
 }
 
 /// Cholesky's way; `right` becomes the solution. `None` if the matrix is not positive definite.
+#[inline(always)]
 fn solve(matrix: &mut [[f64; TERMS]; TERMS], right: &mut [[f64; 3]; TERMS]) -> Option<()> {
     for i in 0..TERMS {
         for j in 0..=i {
@@ -99,15 +125,18 @@ fn solve(matrix: &mut [[f64; TERMS]; TERMS], right: &mut [[f64; 3]; TERMS]) -> O
             }
         }
     }
-    let mut settle = |i: usize, known: std::ops::Range<usize>, factor: &dyn Fn(usize) -> f64| {
-        let mut row = right[i];
-        for k in known {
-            (0..3).for_each(|c| row[c] -= factor(k) * right[k][c]);
+    for i in 0..TERMS {
+        for k in 0..i {
+            (0..3).for_each(|c| right[i][c] -= matrix[i][k] * right[k][c]);
         }
-        right[i] = row.map(|x| x / matrix[i][i]);
-    };
-    (0..TERMS).for_each(|i| settle(i, 0..i, &|k| matrix[i][k]));
-    (0..TERMS).rev().for_each(|i| settle(i, i + 1..TERMS, &|k| matrix[k][i]));
+        (0..3).for_each(|c| right[i][c] /= matrix[i][i]);
+    }
+    for i in (0..TERMS).rev() {
+        for k in i + 1..TERMS {
+            (0..3).for_each(|c| right[i][c] -= matrix[k][i] * right[k][c]);
+        }
+        (0..3).for_each(|c| right[i][c] /= matrix[i][i]);
+    }
     right.as_flattened().iter().all(|x| x.is_finite()).then_some(())
 }
 
@@ -120,36 +149,53 @@ mod tests {
     fn linear_functions_are_found() {
         let mut random = Random::new(3);
         let truth: [Triple; TERMS] = std::array::from_fn(|_| [0; 3].map(|_| random.between(-1.0, 1.0)));
-        let wanted = |features: &Features| {
-            [0, 1, 2].map(|k| features.iter().zip(&truth).map(|(f, t)| f * t[k]).sum::<f32>())
+        let mut pixel = |most: f32| {
+            let mut row: Row =
+                std::array::from_fn(|i| if i == 0 { 1.0 } else { random.between(-most, most) });
+            for k in 0..3 {
+                row[TERMS + k] = (0..TERMS).map(|i| row[i] * truth[i][k]).sum();
+            }
+            row
         };
-        let mut features =
-            || -> Features { std::array::from_fn(|i| if i == 0 { 1.0 } else { random.between(-1.0, 1.0) }) };
-        let mut regression = Regression::new();
-        for i in 0..400 {
-            let at = features();
-            regression.add(0.1 + (i % 7) as f32, &at, &wanted(&at));
-        }
+        let mut regression = Regression::around(&pixel(1.0));
+        (0..400).for_each(|i| regression.add(0.1 + (i % 7) as f32, &pixel(1.0)));
         let fit = regression.solve(1e-3).expect("there are neighbours");
         for _ in 0..50 {
-            let at = features();
-            let (found, wanted) = (fit.at(&at), wanted(&at));
+            // Far from the ends of the range, which no fit leaves.
+            let at = pixel(0.2);
+            let found = fit.at(&at);
             for k in 0..3 {
-                assert!((found[k] - wanted[k]).abs() < 2e-3, "{found:?}, not {wanted:?}");
+                assert!((found[k] - at[TERMS + k]).abs() < 4e-3, "{found:?}, not {at:?}");
             }
         }
     }
 
     #[test]
     fn features_that_do_not_differ_leave_a_mean() {
-        let mut regression = Regression::new();
-        let mut at = [0.0; TERMS];
+        let mut at: Row = [0.5; ROW];
         at[0] = 1.0;
+        let mut regression = Regression::around(&at);
         for (weight, value) in [(1.0, 2.0), (3.0, 6.0)] {
-            regression.add(weight, &at, &[value, 0.0, -value]);
+            at[TERMS..].copy_from_slice(&[value, 0.0, -value]);
+            regression.add(weight, &at);
         }
         let found = regression.solve(0.02).expect("there are neighbours").at(&at);
         assert!((found[0] - 5.0).abs() < 1e-5 && found[1] == 0.0, "the weighted mean is 5: {found:?}");
-        assert!(Regression::new().solve(0.02).is_none(), "nothing comes of nothing");
+        assert!(Regression::around(&at).solve(0.02).is_none(), "nothing comes of nothing");
+    }
+
+    #[test]
+    fn no_fit_leaves_the_range_of_its_neighbours() {
+        let mut at: Row = [0.0; ROW];
+        at[0] = 1.0;
+        let mut regression = Regression::around(&at);
+        for column in 0..5 {
+            at[7] = column as f32;
+            at[TERMS] = column as f32;
+            regression.add(1.0, &at);
+        }
+        at[7] = 9.0;
+        let found = regression.solve(0.02).expect("there are neighbours").at(&at);
+        assert_eq!(found[0], 4.0, "the slope goes on, the light does not");
     }
 }

@@ -2,7 +2,8 @@
 //! Layers beside the colour: what the camera's rays hit.
 //! Source: original; names of layers and channels as EXR files of the field have them.
 //! Albedo and normals are means over the samples; position, depths and ids are those of the first sample, because a
-//! mean of places or numbers is none. `variance` is that of the colour's mean. Space: world. Depth is the distance from the eye, Z the one along the view.
+//! mean of places or numbers is none. `variance` is that of the colour's mean. `emission` is the part of the colour that no
+//! surface scattered: lamps and surroundings that camera rays meet, where the integrator tells (`path`). Space: world. Depth is the distance from the eye, Z the one along the view.
 
 use std::ops::Range;
 
@@ -23,6 +24,7 @@ pub(crate) struct TileAovs {
     /// Sums over the samples.
     albedo: Vec<[f64; 3]>,
     normal: Vec<[f64; 3]>,
+    emission: Vec<[f64; 3]>,
     first: Vec<FirstHit>,
 }
 
@@ -50,7 +52,8 @@ const NOTHING: FirstHit = FirstHit {
 
 impl TileAovs {
     pub(crate) fn new(pixels: usize) -> Self {
-        Self { albedo: vec![[0.0; 3]; pixels], normal: vec![[0.0; 3]; pixels], first: vec![NOTHING; pixels] }
+        let nothing = || vec![[0.0; 3]; pixels];
+        Self { albedo: nothing(), normal: nothing(), emission: nothing(), first: vec![NOTHING; pixels] }
     }
 
     /// Adds what a sample of each pixel hit, that of `range`. `forward` is the unit direction of view.
@@ -64,6 +67,12 @@ impl TileAovs {
     ) {
         let world = tracer.world;
         let first = range.start;
+        if !tracer.seen.is_empty() {
+            for (sum, lane) in self.emission.iter_mut().zip(range.clone()) {
+                let seen = tracer.seen.get(lane);
+                (0..3).for_each(|c| sum[c] += f64::from(seen[c]));
+            }
+        }
         tracer.for_each_surface_in(range, camera, Wanted::Albedo, |_, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
             shader.albedo(points, &mut albedo);
@@ -92,7 +101,7 @@ impl TileAovs {
 
 impl Words for TileAovs {
     fn words(&mut self, with: &mut dyn FnMut(&mut u64)) {
-        for sums in [&mut self.albedo, &mut self.normal] {
+        for sums in [&mut self.albedo, &mut self.normal, &mut self.emission] {
             sums.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
         }
         for hit in &mut self.first {
@@ -134,6 +143,7 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
     let mean = |sum: f64, tile: &TileFilm| (sum / f64::from(tile.samples.max(1))) as f32;
     let albedo = |c: usize| plane(&|tile, aovs, i| mean(aovs.albedo[i][c], tile), 0.0);
     let normal = |c: usize| plane(&|tile, aovs, i| mean(aovs.normal[i][c], tile), 0.0);
+    let emission = |c: usize| plane(&|tile, aovs, i| mean(aovs.emission[i][c], tile), 0.0);
     let position = |c: usize| plane(&|_, aovs, i| aovs.first[i].position[c], 0.0);
     let variance = |c: usize| plane(&|tile, _, i| tile.variance(i)[c], 0.0);
     let depth = plane(&|_, aovs, i| aovs.first[i].depth, f32::INFINITY);
@@ -141,6 +151,7 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
     picture.layers.extend([
         Layer::floats("albedo", [("R", albedo(0)), ("G", albedo(1)), ("B", albedo(2))]),
         Layer::floats("variance", [("R", variance(0)), ("G", variance(1)), ("B", variance(2))]),
+        Layer::floats("emission", [("R", emission(0)), ("G", emission(1)), ("B", emission(2))]),
         Layer::floats("N", [("X", normal(0)), ("Y", normal(1)), ("Z", normal(2))]),
         Layer::floats("P", [("X", position(0)), ("Y", position(1)), ("Z", position(2))]),
         Layer::floats("depth", [("Z", depth)]),

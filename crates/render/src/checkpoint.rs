@@ -10,7 +10,7 @@ use crate::error::CheckpointError;
 use crate::options::RenderOptions;
 
 const MAGIC: u64 = u64::from_le_bytes(*b"GNURTchk");
-const VERSION: u64 = 2;
+const VERSION: u64 = 3;
 
 /// Something made of words that can be read and written.
 pub(crate) trait Words {

@@ -46,6 +46,8 @@ pub(crate) struct BatchTracer<'w> {
     /// How wide the rays that are shaded next began; empty if nobody knows.
     widths: Vec<f32>,
     record: Record,
+    /// What camera rays see without anything scattered, lane by lane; empty if the integrator does not tell or nobody asks.
+    pub(crate) seen: Vec3s,
     /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
     spare: Vec<Group>,
     /// Memory of the camera rays, likewise.
@@ -100,6 +102,7 @@ impl<'w> BatchTracer<'w> {
             cone: Cone::default(),
             widths: Vec::new(),
             record,
+            seen: Vec3s::default(),
             spare: Vec::new(),
             camera: CameraBatch::default(),
             wavefront: Wavefront::default(),

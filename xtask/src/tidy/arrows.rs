@@ -8,7 +8,7 @@ const ARROWS: [(&str, &[&str]); 14] = [
     ("simd", &[]),
     ("accel", &["simd"]),
     ("image", &[]),
-    ("denoise", &["image"]),
+    ("denoise", &["simd", "image"]),
     ("scene", &["image"]),
     ("shading", &["simd", "image", "accel"]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),

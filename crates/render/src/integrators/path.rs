@@ -75,8 +75,12 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
         else lambert::list(&around, wavefront)
     );
     environment(tracer, from, wavefront, radiance);
+    wavefront.finals.clear();
     if !wavefront.by_shader.is_empty() {
         step_by_shader(tracer, from, wavefront, radiance);
+    }
+    if options.aovs && from.depth == 0 {
+        note_seen(tracer, &wavefront.finals, radiance);
     }
     let Wavefront { unshadowed, through, .. } = wavefront;
     tracer.occluded(&unshadowed.request, through);
@@ -111,7 +115,9 @@ fn step_by_shader(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wave
                 let found = counted(found, lights, &path, &vertex);
                 add(radiance, path.lane, path.throughput * found, path.edges, options.clamp);
             }
-            if !vertex.is_final && path.edges < options.max_depth {
+            if vertex.is_final {
+                wavefront.finals.push(lane);
+            } else if path.edges < options.max_depth {
                 alive.push((path, vertex));
             }
         });
@@ -123,6 +129,13 @@ fn step_by_shader(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wave
             wavefront.next.push(path, ray);
         }
     }
+}
+
+/// Keeps what camera rays see without anything scattered, for a layer of its own: all light there is before lamps are asked.
+/// What surfaces send back whose shaders do not tell why is none of that.
+fn note_seen(tracer: &mut BatchTracer, finals: &[usize], radiance: &Vec3s) {
+    tracer.seen.clone_from(radiance);
+    finals.iter().for_each(|&lane| tracer.seen.set(lane, Vec3::ZERO));
 }
 
 /// What paths see that left the scene.

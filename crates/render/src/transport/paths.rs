@@ -281,6 +281,8 @@ pub(crate) struct Wavefront {
     pub(crate) missed: Vec<usize>,
     /// Lanes that go by batches of their shader: material in the upper half, lane in the lower one.
     pub(crate) by_shader: Vec<u64>,
+    /// Lanes whose shader says what comes back from there, and not why.
+    pub(crate) finals: Vec<usize>,
 }
 
 /// Writes the lanes of a set side by side, from place `at` on, and anything up to sixteen places beyond.

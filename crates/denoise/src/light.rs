@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the colours of a picture are made of: light that lamps and surroundings send straight to the eye, which needs no
+//! filter, and light that surfaces scatter, divided by their albedo.
+//! Source: original; division by albedo as in \[BRM*16\]'s successors, softened so that gloss on dark surfaces stays gloss.
+//! Invariant: `color * divisor + direct` is the picture, but for stray light that moved within a few pixels; nothing here is
+//! negative. Proof: `tests`, crates/denoise/tests/filter.rs.
+
+use crate::noisy::{Noisy, Triple};
+
+/// Added to albedos before light is divided by them.
+const SOFTENING: f32 = 0.25;
+/// A pixel that sees a lamp by one of its samples has a variance of about the square of what it sees; by two, of half that.
+/// Above this share it is not known how much of the lamp it sees.
+const HARDLY_SEEN: f32 = 0.8;
+/// Above so much more than all other light of the pixel that matters.
+const MATTERS: f32 = 1.5;
+/// Pixels to each side among which such light is shared out.
+const SHARED: usize = 3;
+
+/// The parts of a picture's light.
+pub(crate) struct Light {
+    /// Seen directly.
+    pub(crate) direct: Vec<Triple>,
+    /// What scattered light was divided by.
+    pub(crate) divisor: Vec<Triple>,
+    /// Scattered light, divided.
+    pub(crate) color: Vec<Triple>,
+    /// Variance of that.
+    pub(crate) variance: Vec<Triple>,
+}
+
+impl Light {
+    pub(crate) fn of(noisy: &Noisy) -> Self {
+        let pixels = noisy.color.len();
+        let mut light = Self {
+            direct: Vec::with_capacity(pixels),
+            divisor: noisy.albedo.iter().map(divisor).collect(),
+            color: Vec::with_capacity(pixels),
+            variance: Vec::with_capacity(pixels),
+        };
+        for p in 0..pixels {
+            let (color, by) = (noisy.color[p], light.divisor[p]);
+            let scattered = [0, 1, 2].map(|k| (color[k].max(0.0) - noisy.emission[p][k].max(0.0)).max(0.0));
+            light.direct.push([0, 1, 2].map(|k| color[k].max(0.0) - scattered[k]));
+            light.color.push([0, 1, 2].map(|k| scattered[k] / by[k]));
+            light.variance.push([0, 1, 2].map(|k| noisy.variance[p][k].max(0.0) / (by[k] * by[k])));
+        }
+        if noisy.emission.iter().any(|e| mean(e) > 0.0) {
+            light.take_variance_from_beside(noisy);
+            light.share_stray_light(noisy);
+        }
+        light
+    }
+
+    /// Where lamps are seen, the variance is mostly that of how much of them: scattered light has that of pixels beside them.
+    fn take_variance_from_beside(&mut self, noisy: &Noisy) {
+        let before = self.variance.clone();
+        for p in (0..before.len()).filter(|&p| mean(&noisy.emission[p]) > 0.0) {
+            let (mut sum, mut count) = ([0.0; 3], 0.0);
+            for q in around(noisy, p, 2).filter(|&q| mean(&noisy.emission[q]) <= 0.0) {
+                (0..3).for_each(|k| sum[k] += before[q][k]);
+                count += 1.0;
+            }
+            self.variance[p] = if count > 0.0 {
+                sum.map(|x| x / count)
+            } else {
+                [0, 1, 2].map(|k| before[p][k].min(self.color[p][k] * self.color[p][k]))
+            };
+        }
+    }
+
+    /// A lamp that a single sample of a pixel met is seen by its neighbours along the lamp's edge as much: light is shared.
+    fn share_stray_light(&mut self, noisy: &Noisy) {
+        let seen = |q: usize| mean(&noisy.emission[q]);
+        let stray = |p: usize| {
+            let emission = seen(p);
+            if emission <= 0.0 {
+                return None;
+            }
+            let unsure = (mean(&noisy.variance[p]) / (emission * emission).max(1e-30) - HARDLY_SEEN) / 0.3;
+            let rest = (mean(&noisy.color[p]) - emission).max(emission * 1e-6);
+            let share = unsure.clamp(0.0, 1.0) * (emission / rest - MATTERS).clamp(0.0, 1.0);
+            (share > 0.0).then(|| (p, self.direct[p].map(|x| x * share)))
+        };
+        let stray: Vec<(usize, Triple)> = (0..self.direct.len()).filter_map(stray).collect();
+        for (p, taken) in &stray {
+            (0..3).for_each(|k| self.direct[*p][k] -= taken[k]);
+        }
+        let mut shares = Vec::new();
+        for (p, taken) in &stray {
+            shares.clear();
+            for q in around(noisy, *p, SHARED) {
+                let is_known = seen(q) > 0.0 && mean(&noisy.variance[q]) < HARDLY_SEEN * seen(q) * seen(q);
+                if !is_known {
+                    let at_the_edge = q == *p || around(noisy, q, 1).any(|r| seen(r) > 2.0 * mean(taken));
+                    let dx = (q % noisy.width).abs_diff(*p % noisy.width);
+                    let dy = (q / noisy.width).abs_diff(*p / noisy.width);
+                    let near = 1.0 / (1 + dx * dx + dy * dy) as f32;
+                    shares.push((q, if at_the_edge { near } else { 0.02 * near }));
+                }
+            }
+            let all: f32 = shares.iter().map(|(_, share)| share).sum();
+            for (q, share) in &shares {
+                (0..3).for_each(|k| self.direct[*q][k] += taken[k] * (share / all));
+            }
+        }
+    }
+}
+
+/// Pixels at most `reach` columns and rows away, and the one itself, row by row.
+fn around(noisy: &Noisy, p: usize, reach: usize) -> impl Iterator<Item = usize> + use<> {
+    let (width, height) = (noisy.width, noisy.height);
+    let (x, y) = (p % width, p / width);
+    let columns = x.saturating_sub(reach)..(x + reach + 1).min(width);
+    let rows = y.saturating_sub(reach)..(y + reach + 1).min(height);
+    rows.flat_map(move |y| columns.clone().map(move |x| y * width + x))
+}
+
+/// What light is divided by: the albedo where there is one.
+fn divisor(albedo: &Triple) -> Triple {
+    if albedo.iter().all(|&a| a < 1e-3) { [1.0; 3] } else { albedo.map(|a| a.max(0.0) + SOFTENING) }
+}
+
+/// The mean of three colours.
+pub(crate) fn mean(color: &Triple) -> f32 {
+    (color[0] + color[1] + color[2]) * (1.0 / 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A dim wall beside a lamp of radiance 17, from column 5 on; in column 4 every third pixel met it by one sample of 16.
+    fn lamp() -> Noisy {
+        let (width, height) = (10, 12);
+        let pixels = || (0..width * height).map(|p| [p % width, p / width]);
+        let seen = |[x, y]: [usize; 2]| -> f32 {
+            match x {
+                0..4 => 0.0,
+                4 if y % 3 == 0 => 17.0 / 16.0,
+                4 => 0.0,
+                _ => 17.0,
+            }
+        };
+        let rest = |[x, _]: [usize; 2]| if x < 5 { 0.2 } else { 0.0 };
+        // Of the mean of sixteen samples, of which one is 17 and the others are none.
+        let variance = |p: [usize; 2]| if p[0] == 4 { seen(p).powi(2) } else { 1e-3 };
+        Noisy {
+            width,
+            height,
+            color: pixels().map(|p| [seen(p) + rest(p); 3]).collect(),
+            variance: pixels().map(|p| [variance(p).max(1e-3); 3]).collect(),
+            albedo: pixels().map(|p| [if p[0] < 5 { 0.7 } else { 0.0 }; 3]).collect(),
+            normal: vec![[0.0, 0.0, 1.0]; width * height],
+            emission: pixels().map(|p| [seen(p); 3]).collect(),
+        }
+    }
+
+    #[test]
+    fn parts_make_up_the_picture() {
+        let noisy = lamp();
+        let light = Light::of(&noisy);
+        let whole = |p: usize| light.color[p][1] * light.divisor[p][1] + light.direct[p][1];
+        let [mut before, mut after] = [0.0, 0.0];
+        for (p, color) in noisy.color.iter().enumerate() {
+            before += color[1];
+            after += whole(p);
+            if p % noisy.width != 4 && (p % noisy.width > 4 || p % noisy.width == 0) {
+                assert!((whole(p) - color[1]).abs() < 1e-4 * color[1], "pixel {p}: {}", whole(p));
+            }
+        }
+        assert!((after / before - 1.0).abs() < 1e-5, "light is shared, not made: {before}, {after}");
+    }
+
+    #[test]
+    fn a_lamp_met_by_chance_is_shared_along_its_edge() {
+        let noisy = lamp();
+        let light = Light::of(&noisy);
+        let edge: Vec<f32> = (0..noisy.height).map(|y| light.direct[y * noisy.width + 4][0]).collect();
+        let most = edge.iter().fold(0.0f32, |a, &b| a.max(b));
+        assert!(most < 0.75 * 17.0 / 16.0, "no pixel keeps most of it: {edge:?}");
+        assert!(edge[2..10].iter().all(|&x| x > 0.1), "those between get their share: {edge:?}");
+    }
+
+    #[test]
+    fn lamps_do_not_spread_their_variance() {
+        let noisy = lamp();
+        let light = Light::of(&noisy);
+        let wall = (light.divisor[0][0]).powi(2);
+        for y in 0..noisy.height {
+            let of_edge = light.variance[y * noisy.width + 4][0] * wall;
+            assert!(of_edge < 2e-3 || y % 3 != 0, "row {y}: {of_edge} where the wall beside has 0.001");
+        }
+    }
+}

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Rare bright samples: what a pixel has beyond its neighbourhood is taken from it, and given back to all around in
+//! proportion to their light.
+//! Source: original; a rank among neighbours as in \[DeCoro2010\]'s rejection of outliers, but energy is kept as far as
+//! `MOST` allows. Invariant: pictures times a factor give that factor. Proof: `tests`.
+
+use rayon::prelude::*;
+
+use crate::light::mean;
+use crate::noisy::Triple;
+
+/// Pixels to each side that are looked at.
+const REACH: usize = 3;
+/// A pixel is no brighter than this times the neighbour that only an eighth of them is brighter than.
+const BRIGHTER: f32 = 1.5;
+/// Columns and rows of the cells in which light is summed up that was taken.
+const CELL: usize = 16;
+/// Cells to each side among which it is shared.
+const SHARED: usize = 4;
+/// Few outliers tell little of how much light is missing: this many are believed by half.
+const BELIEVED: f32 = 4.0;
+/// Pixels become brighter by less than this share.
+const MOST: f32 = 0.5;
+
+/// Light that was taken from pixels.
+pub(crate) struct Outliers {
+    /// Which, and how much.
+    taken: Vec<(usize, Triple)>,
+}
+
+impl Outliers {
+    /// Takes it. Call within a pool of threads.
+    pub(crate) fn take(
+        width: usize,
+        normal: &[Triple],
+        color: &mut [Triple],
+        variance: &mut [Triple],
+    ) -> Self {
+        let light: Vec<f32> = color.iter().map(mean).collect();
+        let height = light.len() / width;
+        let of_row = |near: &mut Vec<f32>, y: usize| -> Vec<(usize, f32)> {
+            let find = |x: usize| {
+                let p = y * width + x;
+                let most = most(&light, normal, [width, height], [x, y], near)?;
+                (light[p] > most).then(|| (p, most / light[p]))
+            };
+            (0..width).filter_map(find).collect()
+        };
+        let found: Vec<Vec<(usize, f32)>> = (0..height).into_par_iter().map_init(Vec::new, of_row).collect();
+        let take = |(p, kept): (usize, f32)| {
+            let before = color[p];
+            color[p] = before.map(|x| x * kept);
+            variance[p] = variance[p].map(|x| x * kept * kept);
+            (p, [0, 1, 2].map(|k| before[k] - color[p][k]))
+        };
+        Self { taken: found.into_iter().flatten().map(take).collect() }
+    }
+
+    /// Gives it back; `divisor` is what light was divided by.
+    pub(crate) fn give_back(&self, width: usize, divisor: &[Triple], color: &mut [Triple]) {
+        if self.taken.is_empty() {
+            return;
+        }
+        let (columns, rows) = (width.div_ceil(CELL), (color.len() / width).div_ceil(CELL));
+        let cell = |p: usize| p / width / CELL * columns + p % width / CELL;
+        // Taken, left, how many.
+        let mut cells = vec![([0.0f32; 3], [0.0f32; 3], 0.0f32); columns * rows];
+        for (p, light) in &self.taken {
+            let (taken, _, count) = &mut cells[cell(*p)];
+            (0..3).for_each(|k| taken[k] += light[k] * divisor[*p][k]);
+            *count += 1.0;
+        }
+        for (p, light) in color.iter().enumerate() {
+            let (_, left, _) = &mut cells[cell(p)];
+            (0..3).for_each(|k| left[k] += light[k] * divisor[p][k]);
+        }
+        let gain = |at: usize| {
+            let (x, y) = (at % columns, at / columns);
+            let (mut taken, mut left, mut count) = ([0.0; 3], [0.0; 3], 0.0);
+            for row in y.saturating_sub(SHARED)..(y + SHARED + 1).min(rows) {
+                for column in x.saturating_sub(SHARED)..(x + SHARED + 1).min(columns) {
+                    let (dx, dy) = (column.abs_diff(x), row.abs_diff(y));
+                    let weight = 1.0 / (1.0 + 2.0 * (dx * dx + dy * dy) as f32 / (SHARED * SHARED) as f32);
+                    let of = &cells[row * columns + column];
+                    (0..3).for_each(|k| taken[k] += weight * of.0[k]);
+                    (0..3).for_each(|k| left[k] += weight * of.1[k]);
+                    count += weight * of.2;
+                }
+            }
+            let believed = count / (count + BELIEVED);
+            [0, 1, 2].map(|k| {
+                let gain = if left[k] > 0.0 { taken[k] / left[k] * believed } else { 0.0 };
+                // Towards MOST without ever reaching it.
+                if gain.is_finite() { gain / (1.0 + gain / MOST) } else { MOST }
+            })
+        };
+        let gains: Vec<Triple> = (0..cells.len()).map(gain).collect();
+        for (p, light) in color.iter_mut().enumerate() {
+            let place = |at: usize, cells: usize| {
+                let at = ((at as f32 + 0.5) / CELL as f32 - 0.5).clamp(0.0, (cells - 1) as f32);
+                (at as usize, (at as usize + 1).min(cells - 1), at.fract())
+            };
+            let ((x0, x1, fx), (y0, y1, fy)) = (place(p % width, columns), place(p / width, rows));
+            for (k, light) in light.iter_mut().enumerate() {
+                let along =
+                    |y: usize| gains[y * columns + x0][k] * (1.0 - fx) + gains[y * columns + x1][k] * fx;
+                *light *= 1.0 + along(y0) * (1.0 - fy) + along(y1) * fy;
+            }
+        }
+    }
+}
+
+/// How bright a pixel may be, by its neighbours of about its orientation; `None` if there are too few.
+fn most(
+    light: &[f32],
+    normal: &[Triple],
+    [width, height]: [usize; 2],
+    [x, y]: [usize; 2],
+    near: &mut Vec<f32>,
+) -> Option<f32> {
+    near.clear();
+    let n = normal[y * width + x];
+    let is_nothing = n == [0.0; 3];
+    for row in y.saturating_sub(REACH)..(y + REACH + 1).min(height) {
+        for column in x.saturating_sub(REACH)..(x + REACH + 1).min(width) {
+            let q = row * width + column;
+            let m = normal[q];
+            if [column, row] != [x, y] && (is_nothing || n[0] * m[0] + n[1] * m[1] + n[2] * m[2] > 0.5) {
+                near.push(light[q]);
+            }
+        }
+    }
+    if near.len() < 8 {
+        return None;
+    }
+    let rank = near.len() - 1 - near.len() / 8;
+    let (_, &mut bright, _) = near.select_nth_unstable_by(rank, f32::total_cmp);
+    // In the dark, where few pixels have light at all, the mean must do.
+    let around = || (near.iter().sum::<f32>() + light[y * width + x]) / (near.len() + 1) as f32;
+    Some(BRIGHTER * if bright > 0.0 { bright } else { around() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grey wall with a few pixels that are far too bright.
+    fn wall(width: usize, height: usize, light: f32) -> Vec<Triple> {
+        let mut color = vec![[light; 3]; width * height];
+        for p in (17..color.len()).step_by(331) {
+            color[p] = [40.0 * light; 3];
+        }
+        color
+    }
+
+    fn sum(color: &[Triple]) -> f64 {
+        color.iter().map(|c| f64::from(c[0])).sum()
+    }
+
+    #[test]
+    fn light_is_taken_from_single_pixels_and_given_to_all() {
+        let (width, height) = (96, 80);
+        for light in [1.0, 1e-6] {
+            let (normal, before) = (vec![[0.0, 0.0, 1.0]; width * height], wall(width, height, light));
+            let (mut color, mut variance) = (before.clone(), vec![[light * light; 3]; width * height]);
+            let outliers = Outliers::take(width, &normal, &mut color, &mut variance);
+            let brightest = color.iter().map(|c| c[0] / light).fold(0.0, f32::max);
+            assert!(brightest <= BRIGHTER * 1.0001, "{brightest} times the light is left");
+            assert!(variance.iter().all(|v| v[0] <= light * light), "variances shrink with the light");
+            assert!(sum(&color) < 0.92 * sum(&before), "there was something to take");
+            outliers.give_back(width, &vec![[1.0; 3]; width * height], &mut color);
+            let kept = sum(&color) / sum(&before);
+            assert!((kept - 1.0).abs() < 0.05, "of all light there is {kept}");
+            let brightest = color.iter().map(|c| c[0] / light).fold(0.0, f32::max);
+            assert!(brightest < 2.5, "nobody gets it all: {brightest}");
+        }
+    }
+
+    #[test]
+    fn edges_and_corners_are_no_outliers() {
+        let (width, height) = (40, 40);
+        let step = |p: usize| if p % width < 20 || p / width < 20 { 1.0 } else { 30.0 };
+        let before: Vec<Triple> = (0..width * height).map(|p| [step(p); 3]).collect();
+        let (mut color, mut variance) = (before.clone(), vec![[0.0; 3]; width * height]);
+        let normal = vec![[0.0, 0.0, 1.0]; width * height];
+        let outliers = Outliers::take(width, &normal, &mut color, &mut variance);
+        assert!(outliers.taken.is_empty(), "{:?}", outliers.taken);
+        assert_eq!(color, before, "nothing was taken");
+    }
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Variances of pixels: smoothed, and guessed from neighbours where samples tell none. Source: original.
+
+use rayon::prelude::*;
+
+use crate::noisy::Triple;
+
+/// Variances that were found with few samples are noisy themselves: means over 5 x 5 pixels, of those with about the same
+/// normal, so that what is bright lends no variance to what is dark behind it. Call within a pool of threads.
+pub(crate) fn smooth(variance: &[Triple], normal: &[Triple], width: usize) -> Vec<Triple> {
+    let height = variance.len() / width;
+    let around = |at: usize, length: usize| at.saturating_sub(2)..(at + 3).min(length);
+    let at = |p: usize| {
+        let (mut sum, mut weights) = ([0.0; 3], 0.0);
+        for y in around(p / width, height) {
+            for q in around(p % width, width).map(|x| y * width + x) {
+                let apart = [0, 1, 2].map(|k| normal[p][k] - normal[q][k]);
+                let apart = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
+                let weight = (1.0 - 2.0 * apart).max(1e-3);
+                (0..3).for_each(|k| sum[k] += weight * variance[q][k]);
+                weights += weight;
+            }
+        }
+        sum.map(|x| x / weights)
+    };
+    (0..variance.len()).into_par_iter().map(at).collect()
+}
+
+/// Half the mean square difference to the neighbours below and to the right, where samples tell no variance.
+pub(crate) fn spatial(color: &[Triple], width: usize, height: usize) -> Vec<Triple> {
+    let at = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let right = if x + 1 < width { i + 1 } else { i };
+        let below = if y + 1 < height { i + width } else { i };
+        [0, 1, 2].map(|k| {
+            let (a, b) = (color[i][k] - color[right][k], color[i][k] - color[below][k]);
+            0.5 * (a * a).min(b * b)
+        })
+    };
+    (0..color.len()).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variances_are_means_that_do_not_cross_edges_of_normals() {
+        let (width, height) = (12, 9);
+        let at = |p: usize| if p % width < 6 { ([0.0, 0.0, 1.0], 1.0) } else { ([1.0, 0.0, 0.0], 1000.0) };
+        let noise = |p: usize| if p % 2 == 0 { 1.5 } else { 0.5 };
+        let normal: Vec<Triple> = (0..width * height).map(|p| at(p).0).collect();
+        let variance: Vec<Triple> = (0..width * height).map(|p| [at(p).1 * noise(p); 3]).collect();
+        for (p, found) in smooth(&variance, &normal, width).iter().enumerate() {
+            let share = found[0] / at(p).1;
+            assert!(share > 0.6 && share < 2.0, "pixel {p}: {share} of the mean");
+        }
+        assert_eq!(spatial(&[[1.0; 3], [3.0; 3], [1.0; 3], [3.0; 3]], 2, 2)[0], [0.0; 3], "columns alike");
+    }
+}
