@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The exported functions, and the functions of libOpenRT that they call.
-//! Source: original. Nothing here can panic: arguments out of range give nothing. Proof: tests/c/shapes.c.
+//! Source: original. Nothing here can panic: arguments out of range give nothing. What unwinds through here are exceptions
+//! of the program's rtDebugCallback. Proof: tests/c/shapes.c.
 
 use crate::sink::{Mode, Sink, Vertex};
 
-unsafe extern "C" {
+unsafe extern "C-unwind" {
     safe fn rtBegin(mode: u32);
     safe fn rtEnd();
     safe fn rtNormal3d(x: f64, y: f64, z: f64);
@@ -32,26 +33,26 @@ impl Sink for Library {
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutSphere(slices: i32, stacks: i32) {
+extern "C-unwind" fn rtutSphere(slices: i32, stacks: i32) {
     crate::sphere::sphere(&mut Library, slices, stacks);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutCube() {
+extern "C-unwind" fn rtutCube() {
     crate::cube::cube(&mut Library);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutTorus(tube: f64, middle: f64, sides: i32, rings: i32) {
+extern "C-unwind" fn rtutTorus(tube: f64, middle: f64, sides: i32, rings: i32) {
     crate::torus::torus(&mut Library, [tube, middle], sides, rings);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutTeapot(size: f64) {
+extern "C-unwind" fn rtutTeapot(size: f64) {
     crate::teapot::teapot(&mut Library, size);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutLogo() {
+extern "C-unwind" fn rtutLogo() {
     crate::logo::logo(&mut Library);
 }

@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The exported functions of the window, and the program's functions that it calls.
-//! Source: original; names after GLUT. No panic leaves: what one stops has no effect. Proof: tests/window.rs.
+//! Source: original; names after GLUT. No panic leaves: what one stops has no effect. No lock is held while anything of the
+//! program's runs, or of libOpenRT's, which calls the program's rtDebugCallback; both may call back, and exceptions of C++
+//! pass to the program's own handler. Proof: tests/window.rs.
 
+use std::cell::Cell;
 use std::ffi::{CStr, CString, c_char, c_int, c_uchar};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ptr::{with_exposed_provenance, with_exposed_provenance_mut};
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use crate::window::{FRAME, Format, LARGEST, Program, Renderer, Settings, Stage, run};
+use crate::guard::guard;
+use crate::window::{FRAME, Format, LARGEST, Program, Renderer, Settings, Stage, Use, finish, run, swap};
 
 const RT_RGB_8: u32 = 0x310;
+const RT_NEXT_FRAME_BIT: u32 = 1;
+const RT_IN_FLIGHT_BIT: u32 = 2;
 
-unsafe extern "C" {
+// They tell the program of errors, and may be left by its exceptions.
+unsafe extern "C-unwind" {
     unsafe fn rtSetFrameBuffer(pixels: *mut u8, width: u32, height: u32, format: u32);
+    safe fn rtFrameBufferUse(pixels: *const u8) -> u32;
     safe fn rtStartRendering();
     safe fn rtEndRendering();
 }
@@ -21,11 +29,19 @@ unsafe extern "C" {
 struct Library;
 
 impl Renderer for Library {
-    fn start(&self, buffer: &mut [u8], [width, height]: [u32; 2]) -> bool {
-        // SAFETY: the buffer holds 3 bytes for each pixel; `Stage` neither moves nor frees it before `end`.
-        unsafe { rtSetFrameBuffer(buffer.as_mut_ptr(), width, height, RT_RGB_8) };
+    fn usage(&self, memory: usize) -> Use {
+        let bits = rtFrameBufferUse(with_exposed_provenance(memory));
+        Use { next: bits & RT_NEXT_FRAME_BIT != 0, in_flight: bits & RT_IN_FLIGHT_BIT != 0 }
+    }
+
+    fn aim(&self, memory: usize, [width, height]: [u32; 2]) {
+        // SAFETY: the buffer holds 3 bytes for each pixel; `Stage` neither moves nor frees it while `usage` says that
+        // libOpenRT has anything to do with it.
+        unsafe { rtSetFrameBuffer(with_exposed_provenance_mut(memory), width, height, RT_RGB_8) };
+    }
+
+    fn start(&self) {
         rtStartRendering();
-        true
     }
 
     fn end(&self) {
@@ -33,11 +49,11 @@ impl Renderer for Library {
     }
 }
 
-type Plain = Option<unsafe extern "C" fn()>;
-type Pair = Option<unsafe extern "C" fn(c_int, c_int)>;
-type Keyboard = Option<unsafe extern "C" fn(c_uchar, c_int, c_int)>;
-type Special = Option<unsafe extern "C" fn(c_int, c_int, c_int)>;
-type Mouse = Option<unsafe extern "C" fn(c_int, c_int, c_int, c_int)>;
+type Plain = Option<unsafe extern "C-unwind" fn()>;
+type Pair = Option<unsafe extern "C-unwind" fn(c_int, c_int)>;
+type Keyboard = Option<unsafe extern "C-unwind" fn(c_uchar, c_int, c_int)>;
+type Special = Option<unsafe extern "C-unwind" fn(c_int, c_int, c_int)>;
+type Mouse = Option<unsafe extern "C-unwind" fn(c_int, c_int, c_int, c_int)>;
 
 /// The functions that the program has given.
 #[derive(Clone, Copy, Default)]
@@ -61,10 +77,9 @@ struct Shared {
 }
 
 static SHARED: LazyLock<Mutex<Shared>> = LazyLock::new(|| {
-    let stage = Stage::new(Box::new(Library));
     Mutex::new(Shared {
         callbacks: Callbacks::default(),
-        stage,
+        stage: Stage::default(),
         error: CString::default(),
         begin: Instant::now(),
     })
@@ -74,9 +89,40 @@ fn shared() -> MutexGuard<'static, Shared> {
     SHARED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Runs `f`; a panic ends it with the default answer.
-fn guard<T: Default>(f: impl FnOnce() -> T) -> T {
-    catch_unwind(AssertUnwindSafe(f)).unwrap_or_default()
+/// Runs `f` on what is shared; a panic ends it with the default answer.
+fn with<T: Default>(f: impl FnOnce(&mut Shared) -> T) -> T {
+    guard(|| f(&mut shared())).unwrap_or_default()
+}
+
+/// One thread at a time deals with frames.
+static FRAMES: Mutex<()> = Mutex::new(());
+
+thread_local! {
+    /// Whether this thread does: what it calls may call back.
+    static DEALS: Cell<bool> = const { Cell::new(false) };
+}
+
+/// The right to deal with frames. It ends when it is dropped, by an exception too.
+struct Turn {
+    _alone: MutexGuard<'static, ()>,
+}
+
+impl Turn {
+    /// Waits until no other thread has it. `None` if this one has.
+    fn take() -> Option<Self> {
+        if DEALS.get() {
+            return None;
+        }
+        let alone = FRAMES.lock().unwrap_or_else(PoisonError::into_inner);
+        DEALS.set(true);
+        Some(Self { _alone: alone })
+    }
+}
+
+impl Drop for Turn {
+    fn drop(&mut self) {
+        DEALS.set(false);
+    }
 }
 
 fn settings() -> Settings {
@@ -144,141 +190,148 @@ impl Program for Client {
         callback.is_some()
     }
 
-    fn stage(&self, with: &mut dyn FnMut(&mut Stage)) {
-        with(&mut shared().stage);
+    fn finish(&self) {
+        if let Some(_turn) = Turn::take() {
+            finish(self, &Library);
+        }
+    }
+
+    fn stage(&self, f: &mut dyn FnMut(&mut Stage)) {
+        with(|shared| f(&mut shared.stage));
     }
 }
 
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtutInitWindow(width: c_int, height: c_int, title: *const c_char) {
-    guard(|| {
-        let size = [width, height].map(|side| u32::try_from(side).unwrap_or(0));
-        if size.iter().any(|side| !(1..=LARGEST).contains(side)) {
-            return;
-        }
+unsafe extern "C-unwind" fn rtutInitWindow(width: c_int, height: c_int, title: *const c_char) {
+    let size = [width, height].map(|side| u32::try_from(side).unwrap_or(0));
+    if size.iter().any(|side| !(1..=LARGEST).contains(side)) {
+        return;
+    }
+    with(|shared| {
         let title = if title.is_null() {
             String::new()
         } else {
             // SAFETY: the header asks for a string that ends with a zero, or NULL.
             unsafe { CStr::from_ptr(title) }.to_string_lossy().into_owned()
         };
-        let stage = &mut shared().stage;
+        let stage = &mut shared.stage;
         (stage.size, stage.title, stage.is_wanted) = (size, title, true);
     });
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutMainLoop() -> u8 {
-    guard(|| {
-        let settings = settings();
-        let is_wanted = {
-            let mut shared = shared();
-            shared.stage.begin();
-            shared.begin = Instant::now();
-            shared.stage.is_wanted
-        };
-        let outcome =
-            if is_wanted { run(&Client, &settings) } else { Err("rtutInitWindow was not called".to_owned()) };
-        // A program that goes on finds no frame of ours under way.
-        let mut shared = shared();
-        shared.stage.finish();
-        shared.error = CString::new(outcome.as_ref().err().cloned().unwrap_or_default()).unwrap_or_default();
-        u8::from(outcome.is_ok())
-    })
+extern "C-unwind" fn rtutMainLoop() -> u8 {
+    // Nothing here is guarded as a whole: the program's exceptions pass through on their way to its own handler.
+    Client.finish();
+    let settings = guard(settings).unwrap_or_default();
+    let is_wanted = with(|shared| {
+        shared.stage.begin();
+        shared.begin = Instant::now();
+        shared.stage.is_wanted
+    });
+    let outcome =
+        if is_wanted { run(&Client, &settings) } else { Err("rtutInitWindow was not called".to_owned()) };
+    // A program that goes on finds no frame of ours under way.
+    Client.finish();
+    let is_fine = outcome.is_ok();
+    with(|shared| shared.error = CString::new(outcome.err().unwrap_or_default()).unwrap_or_default());
+    u8::from(is_fine)
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutLeaveMainLoop() {
-    guard(|| shared().stage.is_leaving = true);
+extern "C-unwind" fn rtutLeaveMainLoop() {
+    with(|shared| shared.stage.is_leaving = true);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutErrorString() -> *const c_char {
+extern "C-unwind" fn rtutErrorString() -> *const c_char {
     // What it points to stays until the next main loop ends.
-    catch_unwind(|| shared().error.as_ptr()).unwrap_or(c"".as_ptr())
+    guard(|| shared().error.as_ptr()).unwrap_or(c"".as_ptr())
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutDisplayFunc(function: Plain) {
-    guard(|| shared().callbacks.display = function);
+extern "C-unwind" fn rtutDisplayFunc(function: Plain) {
+    with(|shared| shared.callbacks.display = function);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutIdleFunc(function: Plain) {
-    guard(|| shared().callbacks.idle = function);
+extern "C-unwind" fn rtutIdleFunc(function: Plain) {
+    with(|shared| shared.callbacks.idle = function);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutReshapeFunc(function: Pair) {
-    guard(|| shared().callbacks.reshape = function);
+extern "C-unwind" fn rtutReshapeFunc(function: Pair) {
+    with(|shared| shared.callbacks.reshape = function);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutKeyboardFunc(function: Keyboard) {
-    guard(|| shared().callbacks.keyboard = function);
+extern "C-unwind" fn rtutKeyboardFunc(function: Keyboard) {
+    with(|shared| shared.callbacks.keyboard = function);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutSpecialFunc(function: Special) {
-    guard(|| shared().callbacks.special = function);
+extern "C-unwind" fn rtutSpecialFunc(function: Special) {
+    with(|shared| shared.callbacks.special = function);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutMouseFunc(function: Mouse) {
-    guard(|| shared().callbacks.mouse = function);
+extern "C-unwind" fn rtutMouseFunc(function: Mouse) {
+    with(|shared| shared.callbacks.mouse = function);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutMotionFunc(function: Pair) {
-    guard(|| shared().callbacks.motion = function);
+extern "C-unwind" fn rtutMotionFunc(function: Pair) {
+    with(|shared| shared.callbacks.motion = function);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutPassiveMotionFunc(function: Pair) {
-    guard(|| shared().callbacks.passive_motion = function);
+extern "C-unwind" fn rtutPassiveMotionFunc(function: Pair) {
+    with(|shared| shared.callbacks.passive_motion = function);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutPostRedisplay() {
-    guard(|| shared().stage.is_stale = true);
+extern "C-unwind" fn rtutPostRedisplay() {
+    with(|shared| shared.stage.is_stale = true);
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutSwapBuffers() {
-    guard(|| shared().stage.swap());
+extern "C-unwind" fn rtutSwapBuffers() {
+    // Called back from within, by rtDebugCallback, it has no effect.
+    if let Some(_turn) = Turn::take() {
+        swap(&Client, &Library);
+    }
 }
 
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtutShowPixels(pixels: *const u8, width: u32, height: u32, format: u32) {
-    guard(|| {
-        let Some(format) = Format::from_code(format) else { return };
-        let sizes = 1..=LARGEST;
-        if pixels.is_null() || !sizes.contains(&width) || !sizes.contains(&height) {
-            return;
-        }
+unsafe extern "C-unwind" fn rtutShowPixels(pixels: *const u8, width: u32, height: u32, format: u32) {
+    let Some(format) = Format::from_code(format) else { return };
+    let sizes = 1..=LARGEST;
+    if pixels.is_null() || !sizes.contains(&width) || !sizes.contains(&height) {
+        return;
+    }
+    with(|shared| {
         let bytes = width as usize * height as usize * format.pixel_bytes();
         // SAFETY: the header asks for a frame buffer of this size and format, which is no larger than memory.
         let bytes = unsafe { std::slice::from_raw_parts(pixels, bytes) };
-        shared().stage.show(bytes, [width, height], format);
+        shared.stage.show(bytes, [width, height], format);
     });
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutWindowWidth() -> c_int {
-    guard(|| shared().stage.size[0] as c_int)
+extern "C-unwind" fn rtutWindowWidth() -> c_int {
+    with(|shared| shared.stage.size[0] as c_int)
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutWindowHeight() -> c_int {
-    guard(|| shared().stage.size[1] as c_int)
+extern "C-unwind" fn rtutWindowHeight() -> c_int {
+    with(|shared| shared.stage.size[1] as c_int)
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtutElapsedTime() -> c_int {
-    guard(|| {
-        let shared = shared();
+extern "C-unwind" fn rtutElapsedTime() -> c_int {
+    with(|shared| {
         if settings().headless {
-            let begun = shared.stage.pictures + u64::from(shared.stage.is_rendering());
+            let begun = shared.stage.pictures + u64::from(shared.stage.flight().is_some());
             return c_int::try_from(begun).unwrap_or(c_int::MAX).saturating_mul(FRAME);
         }
         c_int::try_from(shared.begin.elapsed().as_millis()).unwrap_or(c_int::MAX)

@@ -11,6 +11,7 @@ mod ffi;
 #[expect(unsafe_code, reason = "C calls in, and out to the program and libOpenRT")]
 mod ffi_window;
 pub mod grid;
+mod guard;
 pub mod logo;
 pub mod sink;
 pub mod sphere;

@@ -6,6 +6,7 @@
 mod common;
 
 use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -62,6 +63,38 @@ fn calls_are_checked() {
         [255, 0, 0, 0, 0, 255],
         "the program's own pixels"
     );
+}
+
+/// A program that runs longer hangs.
+const SECONDS: &str = "60";
+
+fn headless(program: &Path) -> std::process::Output {
+    // A deadlock is a failure, not a test that never ends.
+    let mut command = Command::new("timeout");
+    command.arg(SECONDS).arg(program).envs([("RTUT_HEADLESS", "1"), ("RTUT_FRAMES", "6")]);
+    command.env("ASAN_OPTIONS", "detect_leaks=0").output().expect("timeout of coreutils must be there")
+}
+
+/// Sizes change while frames can neither start nor end, and who is told of that calls back.
+#[test]
+fn failed_frames_harm_nobody() {
+    let workshop = Workshop::with(LIBRARIES);
+    let program = source("tests/c/window_hostile.c");
+    let output = headless(&workshop.build("cc", "c99", &program));
+    assert!(output.status.success(), "{output:?}");
+    let Some(binary) = workshop.build_with_sanitizer("cc", "c99", &program, "address") else {
+        eprintln!("SKIPPED: the C compiler has no AddressSanitizer");
+        return;
+    };
+    let output = headless(&binary);
+    assert!(output.status.success(), "under AddressSanitizer: {output:?}");
+}
+
+#[test]
+fn exceptions_arrive() {
+    let workshop = Workshop::with(LIBRARIES);
+    let output = headless(&workshop.build("c++", "c++11", &source("tests/c/exceptions.cpp")));
+    assert!(output.status.success(), "{output:?}");
 }
 
 /// Stopped at the end.

@@ -5,9 +5,6 @@
 /// Paths from the root.
 #[rustfmt::skip]
 pub(super) const KNOWN: &[&str] = &[
-    "bindings/rtut/src/window/display.rs",
-    "bindings/rtut/src/window/mod.rs",
-    "bindings/rtut/src/window/plain.rs",
     "crates/accel/src/bvh/beam.rs",
     "crates/accel/src/bvh/build/binary.rs",
     "crates/accel/src/bvh/build/cluster.rs",

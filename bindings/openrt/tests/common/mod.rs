@@ -55,10 +55,39 @@ impl Workshop {
     /// Compiles and links a program, with warnings as errors.
     pub(crate) fn build(&self, compiler: &str, standard: &str, program: &Path) -> PathBuf {
         let binary = self.path(&program.file_stem().expect("a file name").to_string_lossy());
+        let output = self.compile(compiler, standard, program, &binary, &[]);
+        assert!(output.status.success(), "{} builds:\n{}", program.display(), shown(&output));
+        binary
+    }
+
+    /// As [`build`](Self::build), with one of the compiler's sanitizers; `None` if it lacks that one.
+    pub(crate) fn build_with_sanitizer(
+        &self,
+        compiler: &str,
+        standard: &str,
+        program: &Path,
+        sanitizer: &str,
+    ) -> Option<PathBuf> {
+        let stem = program.file_stem().expect("a file name").to_string_lossy();
+        let binary = self.path(&format!("{stem}-{sanitizer}"));
+        let option = format!("-fsanitize={sanitizer}");
+        let output = self.compile(compiler, standard, program, &binary, &["-g", &option]);
+        output.status.success().then_some(binary)
+    }
+
+    fn compile(
+        &self,
+        compiler: &str,
+        standard: &str,
+        program: &Path,
+        binary: &Path,
+        more: &[&str],
+    ) -> Output {
         let folder = self.folder.path().display();
-        let output = Command::new(compiler)
+        Command::new(compiler)
             .arg(format!("-std={standard}"))
             .args(["-pedantic", "-Wall", "-Wextra", "-Werror", "-O1"])
+            .args(more)
             .arg("-I")
             .arg(source("../openrt/include"))
             .arg("-I")
@@ -67,11 +96,9 @@ impl Workshop {
             .args([format!("-L{folder}"), format!("-Wl,-rpath,{folder}")])
             .args(self.libraries.iter().map(|library| format!("-l{library}")))
             .args(["-lm", "-pthread", "-o"])
-            .arg(&binary)
+            .arg(binary)
             .output()
-            .unwrap_or_else(|error| panic!("{compiler} must be there to build C programs: {error}"));
-        assert!(output.status.success(), "{} builds:\n{}", program.display(), shown(&output));
-        binary
+            .unwrap_or_else(|error| panic!("{compiler} must be there to build C programs: {error}"))
     }
 
     /// Runs a program of this workshop; it must end with status 0.

@@ -53,7 +53,7 @@ RTAPI void RTAPIENTRY rtutLogo(void);
 /*
  * A window, in the manner of GLUT: the program gives functions, rtutMainLoop calls them, one at a time, from the thread
  * that called it, which must be the program's main thread. They may call everything but rtutMainLoop. NULL takes a
- * function away. A program's shape:
+ * function away. An exception of C++ that leaves a function passes through rtutMainLoop to the program's own handler. A program's shape:
  *
  *     static void display(void) { ...edit the scene...; rtutSwapBuffers(); }
  *     int main(void) { rtutInitWindow(640, 480, "A scene"); rtutDisplayFunc(display); return !rtutMainLoop(); }
@@ -107,7 +107,8 @@ RTAPI void RTAPIENTRY rtutPostRedisplay(void);
 
 /* Ends the frame that the last call began, if any, and shows it; then gives libOpenRT a frame buffer of the window's size
  * and begins the next frame: what is edited while it is rendered shows in the frame after it. A frame that no other follows
- * is shown as soon as it is done. Errors are those of rtSetFrameBuffer and rtStartRendering. */
+ * is shown as soon as it is done. A call that fails has no effect; errors are those of rtEndRendering, rtSetFrameBuffer and
+ * rtStartRendering. Called from within itself, by the function of rtDebugCallback, it has no effect. */
 RTAPI void RTAPIENTRY rtutSwapBuffers(void);
 
 /* Shows a frame buffer of the program, which rendered it itself, in any format of rtSetFrameBuffer; formats of floats are

@@ -1,40 +1,165 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The main loop with a window. Source: original, on winit and softbuffer. Proof: tests/window.rs.
+//! winit is asked for what has happened, and the program is told afterwards: a panic of winit ends in here, while an
+//! exception of the program passes by it on its way to the program's own handler.
 
+use std::collections::VecDeque;
 use std::num::NonZeroU32;
 use std::rc::Rc;
+use std::time::Duration;
 
 use softbuffer::{Context, Surface};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::event_loop::{ActiveEventLoop, EventLoop};
 use winit::keyboard::{Key, NamedKey};
+use winit::platform::pump_events::{EventLoopExtPumpEvents, PumpStatus};
 use winit::window::{Window, WindowId};
 
 use super::plain::keep;
-use super::{Program, Settings};
+use super::program::Program;
+use super::settings::Settings;
+use super::stage::LARGEST;
+use crate::guard::guard;
 
 /// Shows the window until somebody closes it or the program wants to leave.
 pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
-    let events = EventLoop::new().map_err(|error| error.to_string())?;
-    let mut app =
-        App { program, settings, open: None, failure: None, pointer: [0; 2], buttons: 0, seen: 0, drawn: 0 };
-    events.run_app(&mut app).map_err(|error| error.to_string())?;
-    app.failure.map_or(Ok(()), Err)
+    let events = guard(EventLoop::new).ok_or_else(broken)?;
+    let mut events = events.map_err(|error| error.to_string())?;
+    let mut app = App { program, open: None, failure: None, happened: VecDeque::new(), drawn: 0 };
+    let mut hands = Hands::default();
+    let mut seen = 0;
+    // At first the window is opened, without waiting for anything.
+    let mut patience = Some(Duration::ZERO);
+    loop {
+        let status = guard(|| events.pump_app_events(patience, &mut app)).ok_or_else(broken)?;
+        if let Some(failure) = app.failure.take() {
+            return Err(failure);
+        }
+        while let Some(event) = app.happened.pop_front() {
+            match event {
+                Event::Closed => return Ok(()),
+                Event::Resized(size) => resize(program, size),
+                Event::Hand(event) => hands.tell(program, event),
+            }
+            if settle(program, settings, &mut seen)? {
+                return Ok(());
+            }
+        }
+        if let PumpStatus::Exit(_) = status {
+            return Ok(());
+        }
+        if app.open.is_none() {
+            continue;
+        }
+        let mut is_stale = false;
+        program.stage(&mut |stage| is_stale = std::mem::take(&mut stage.is_stale));
+        if is_stale {
+            program.display();
+        }
+        let animates = program.idle();
+        program.stage(&mut |stage| is_stale = stage.is_stale);
+        // Nobody will swap soon: the last frame is shown, too.
+        if !is_stale && !animates {
+            program.finish();
+        }
+        if settle(program, settings, &mut seen)? {
+            return Ok(());
+        }
+        let mut pictures = 0;
+        program.stage(&mut |stage| (is_stale, pictures) = (stage.is_stale, stage.pictures));
+        let is_drawn = pictures == app.drawn;
+        if !is_drawn && let Some(open) = &app.open {
+            open.window.request_redraw();
+        }
+        // A picture that is asked for comes with the next events.
+        patience = (is_stale || animates).then_some(Duration::ZERO);
+    }
 }
 
-struct App<'a> {
-    program: &'a dyn Program,
-    settings: &'a Settings,
-    open: Option<Open>,
-    failure: Option<String>,
+fn broken() -> String {
+    "the window broke down: this is a bug in librtut".to_owned()
+}
+
+/// What comes after each of the program's functions: pictures are kept; whether this is the end.
+fn settle(program: &dyn Program, settings: &Settings, seen: &mut u64) -> Result<bool, String> {
+    keep(program, settings, seen)?;
+    let mut is_over = settings.is_enough(*seen);
+    program.stage(&mut |stage| is_over |= stage.is_leaving);
+    Ok(is_over)
+}
+
+fn resize(program: &dyn Program, size: [u32; 2]) {
+    if size.contains(&0) {
+        return;
+    }
+    program.stage(&mut |stage| {
+        stage.size = size.map(|side| side.min(LARGEST));
+        stage.is_stale = true;
+    });
+    program.reshape(size);
+}
+
+/// What the program is told of.
+enum Event {
+    Closed,
+    Resized([u32; 2]),
+    Hand(WindowEvent),
+}
+
+/// Pointer and buttons.
+#[derive(Default)]
+struct Hands {
     /// Pixel that the pointer is at.
     pointer: [i32; 2],
     /// Buttons that are down.
     buttons: u32,
-    /// Pictures that were kept, and drawn.
-    seen: u64,
+}
+
+impl Hands {
+    fn tell(&mut self, program: &dyn Program, event: WindowEvent) {
+        match event {
+            WindowEvent::CursorMoved { position, .. } => {
+                self.pointer = [position.x as i32, position.y as i32];
+                program.motion(self.pointer, self.buttons > 0);
+            }
+            WindowEvent::MouseInput { state, button, .. } => {
+                let is_up = state == ElementState::Released;
+                self.buttons = if is_up { self.buttons.saturating_sub(1) } else { self.buttons + 1 };
+                if let Some(button) = number(button) {
+                    program.mouse(button, is_up, self.pointer);
+                }
+            }
+            WindowEvent::MouseWheel { delta, .. } => {
+                let up = match delta {
+                    MouseScrollDelta::LineDelta(_, lines) => lines > 0.0,
+                    MouseScrollDelta::PixelDelta(pixels) => pixels.y > 0.0,
+                };
+                for is_up in [false, true] {
+                    program.mouse(if up { 3 } else { 4 }, is_up, self.pointer);
+                }
+            }
+            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } if event.state.is_pressed() => {
+                if let Some(key) = character(&event) {
+                    program.keyboard(key, self.pointer);
+                } else if let Key::Named(named) = event.logical_key
+                    && let Some(key) = special(named)
+                {
+                    program.special(key, self.pointer);
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+struct App<'a> {
+    program: &'a dyn Program,
+    open: Option<Open>,
+    failure: Option<String>,
+    happened: VecDeque<Event>,
+    /// Pictures that were drawn.
     drawn: u64,
 }
 
@@ -110,20 +235,9 @@ impl App<'_> {
         let window = Rc::new(events.create_window(attributes).map_err(|error| error.to_string())?);
         let context = Context::new(window.clone()).map_err(|error| error.to_string())?;
         let surface = Surface::new(&context, window.clone()).map_err(|error| error.to_string())?;
-        self.resize(window.inner_size().into());
+        self.happened.push_back(Event::Resized(window.inner_size().into()));
         self.open = Some(Open { window, surface });
         Ok(())
-    }
-
-    fn resize(&mut self, size: [u32; 2]) {
-        if size.contains(&0) {
-            return;
-        }
-        self.program.stage(&mut |stage| {
-            stage.size = size.map(|side| side.min(super::stage::LARGEST));
-            stage.is_stale = true;
-        });
-        self.program.reshape(size);
     }
 
     /// Puts the picture on the screen, or what of it fits.
@@ -147,23 +261,6 @@ impl App<'_> {
         open.window.pre_present_notify();
         buffer.present().map_err(|error| error.to_string())
     }
-
-    fn fail(&mut self, events: &ActiveEventLoop, failure: String) {
-        self.failure = Some(failure);
-        events.exit();
-    }
-
-    /// What comes after each of the program's functions: pictures are kept, and the end is seen.
-    fn settle(&mut self, events: &ActiveEventLoop) {
-        if let Err(failure) = keep(self.program, self.settings, &mut self.seen) {
-            self.fail(events, failure);
-        }
-        let mut is_over = self.settings.is_enough(self.seen);
-        self.program.stage(&mut |stage| is_over |= stage.is_leaving);
-        if is_over {
-            events.exit();
-        }
-    }
 }
 
 impl ApplicationHandler for App<'_> {
@@ -171,74 +268,24 @@ impl ApplicationHandler for App<'_> {
         if self.open.is_none()
             && let Err(failure) = self.open(events)
         {
-            self.fail(events, failure);
+            self.failure = Some(failure);
         }
     }
 
-    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+    fn window_event(&mut self, _: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         match event {
-            WindowEvent::CloseRequested => return events.exit(),
-            WindowEvent::Resized(size) => self.resize(size.into()),
+            WindowEvent::CloseRequested => self.happened.push_back(Event::Closed),
+            WindowEvent::Resized(size) => self.happened.push_back(Event::Resized(size.into())),
             WindowEvent::RedrawRequested => {
                 if let Err(failure) = self.draw() {
-                    return self.fail(events, failure);
+                    self.failure = Some(failure);
                 }
             }
-            WindowEvent::CursorMoved { position, .. } => {
-                self.pointer = [position.x as i32, position.y as i32];
-                self.program.motion(self.pointer, self.buttons > 0);
-            }
-            WindowEvent::MouseInput { state, button, .. } => {
-                let is_up = state == ElementState::Released;
-                self.buttons = if is_up { self.buttons.saturating_sub(1) } else { self.buttons + 1 };
-                if let Some(button) = number(button) {
-                    self.program.mouse(button, is_up, self.pointer);
-                }
-            }
-            WindowEvent::MouseWheel { delta, .. } => {
-                let up = match delta {
-                    MouseScrollDelta::LineDelta(_, lines) => lines > 0.0,
-                    MouseScrollDelta::PixelDelta(pixels) => pixels.y > 0.0,
-                };
-                for is_up in [false, true] {
-                    self.program.mouse(if up { 3 } else { 4 }, is_up, self.pointer);
-                }
-            }
-            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } if event.state.is_pressed() => {
-                if let Some(key) = character(&event) {
-                    self.program.keyboard(key, self.pointer);
-                } else if let Key::Named(named) = event.logical_key
-                    && let Some(key) = special(named)
-                {
-                    self.program.special(key, self.pointer);
-                }
-            }
-            _ => return,
+            WindowEvent::CursorMoved { .. }
+            | WindowEvent::MouseInput { .. }
+            | WindowEvent::MouseWheel { .. }
+            | WindowEvent::KeyboardInput { .. } => self.happened.push_back(Event::Hand(event)),
+            _ => {}
         }
-        self.settle(events);
-    }
-
-    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        let Some(open) = &self.open else { return };
-        let window = open.window.clone();
-        let mut is_stale = false;
-        self.program.stage(&mut |stage| is_stale = std::mem::take(&mut stage.is_stale));
-        if is_stale {
-            self.program.display();
-        }
-        let animates = self.program.idle();
-        let mut pictures = 0;
-        self.program.stage(&mut |stage| {
-            // Nobody will swap soon: the last frame is shown, too.
-            if !stage.is_stale && !animates {
-                stage.finish();
-            }
-            (is_stale, pictures) = (stage.is_stale, stage.pictures);
-        });
-        if pictures != self.drawn {
-            window.request_redraw();
-        }
-        events.set_control_flow(if is_stale || animates { ControlFlow::Poll } else { ControlFlow::Wait });
-        self.settle(events);
     }
 }

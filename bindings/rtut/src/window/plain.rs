@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The main loop without a window: frames as fast as they come, to files. Source: original. Proof: tests/window.rs.
 
-use super::{Program, Settings};
-use crate::window::pixels::write_ppm;
+use super::pixels::write_ppm;
+use super::program::Program;
+use super::settings::Settings;
 
 /// Asks for frames until there are enough, or none comes any more.
 pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
@@ -35,11 +36,11 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
             break;
         }
     }
-    program.stage(&mut |stage| {
-        if !settings.is_enough(stage.pictures) {
-            stage.finish();
-        }
-    });
+    let mut is_enough = false;
+    program.stage(&mut |stage| is_enough = settings.is_enough(stage.pictures));
+    if !is_enough {
+        program.finish();
+    }
     keep(program, settings, &mut seen)
 }
 

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the main loop wants of the program. Source: original; names after GLUT. Proof: tests/window.rs.
+
+use super::stage::Stage;
+
+/// What the program wants to be told; each does nothing unless it has given a function for it. None is called while
+/// another one runs, and none while a lock is held: they may call everything, and may be left by an exception.
+pub(crate) trait Program {
+    /// A frame is wanted.
+    fn display(&self);
+    /// The window has this size now.
+    fn reshape(&self, size: [u32; 2]);
+    /// A key with a character was pressed; the pointer is at this pixel, counted from the upper left one.
+    fn keyboard(&self, key: u8, at: [i32; 2]);
+    /// A key without one.
+    fn special(&self, key: i32, at: [i32; 2]);
+    /// A button went down or up.
+    fn mouse(&self, button: i32, is_up: bool, at: [i32; 2]);
+    /// The pointer has moved; with a button down or without.
+    fn motion(&self, at: [i32; 2], dragged: bool);
+    /// There is nothing else to do; says whether there is such a function.
+    fn idle(&self) -> bool;
+    /// Waits for the frame in flight, if there is one, and shows it.
+    fn finish(&self);
+    /// Runs `with` on what the window shows, alone; it calls nothing of the program or of libOpenRT.
+    fn stage(&self, with: &mut dyn FnMut(&mut Stage));
+}
