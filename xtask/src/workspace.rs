@@ -27,13 +27,17 @@ pub(crate) struct Workspace {
 impl Workspace {
     /// Asks cargo.
     pub(crate) fn load() -> Result<Self, Failure> {
+        Self::from_metadata(&Self::metadata()?)
+    }
+
+    /// What cargo says.
+    pub(crate) fn metadata() -> Result<Value, Failure> {
         let output = command::cargo().args(["metadata", "--format-version", "1", "--no-deps"]).output();
         let output = output.map_err(|error| format!("cargo metadata cannot be run: {error}"))?;
         if !output.status.success() {
             return Err(format!("cargo metadata failed: {}", String::from_utf8_lossy(&output.stderr).trim()));
         }
-        let metadata = serde_json::from_slice(&output.stdout);
-        Self::from_metadata(&metadata.map_err(|error| format!("cargo metadata is no JSON: {error}"))?)
+        serde_json::from_slice(&output.stdout).map_err(|error| format!("cargo metadata is no JSON: {error}"))
     }
 
     /// Reads cargo's JSON, format version 1.

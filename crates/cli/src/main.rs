@@ -23,6 +23,7 @@ mod signals;
 mod source;
 mod statistics;
 mod view;
+mod workers;
 
 fn main() -> std::process::ExitCode {
     program::run()

@@ -7,9 +7,9 @@ use std::panic::catch_unwind;
 use std::process::ExitCode;
 use std::sync::Once;
 
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 
-use crate::arguments::{Arguments, Command, MachineArguments, Refusal, explain, talk_behind_command};
+use crate::arguments::{Arguments, Command, Refusal, explain, talk_behind_command};
 use crate::commands;
 use crate::environment::{Environment, Overridden};
 use crate::failure::{Failure, Outcome};
@@ -23,7 +23,10 @@ pub(crate) fn run() -> ExitCode {
 }
 
 fn parse_and_run() -> ExitCode {
-    let arguments = match Arguments::try_parse_from(talk_behind_command(std::env::args_os().collect())) {
+    let arguments = match Arguments::try_parse_from(talk_behind_command(
+        std::env::args_os().collect(),
+        &Arguments::command(),
+    )) {
         Ok(arguments) => arguments,
         Err(error) => {
             return match explain(&error) {
@@ -59,6 +62,7 @@ fn run_command(command: Command, environment: &Environment, messages: Messages) 
         Command::Trace(arguments) => commands::trace::run(&arguments, environment, messages),
         Command::Bench(arguments) => commands::bench::run(&arguments, environment, messages),
         Command::Scenes(_) => commands::scenes::run(),
+        Command::Manuals(arguments) => commands::manuals::run(&arguments),
     }
 }
 
@@ -88,14 +92,4 @@ fn announce_bugs_in_one_line() {
             messages.error(format_args!("internal: {what}{}; please report this", place.unwrap_or_default()));
         });
     }));
-}
-
-/// Threads and instruction set: options win over the environment, which wins over what the machine has.
-pub(crate) fn machine(
-    arguments: &MachineArguments,
-    environment: &Environment,
-) -> Result<(gnurt::ThreadPool, gnurt::simd::Level), Failure> {
-    let threads = arguments.threads.or(environment.threads).unwrap_or(0);
-    let pool = gnurt::thread_pool(threads).map_err(Failure::data)?;
-    Ok((pool, arguments.isa.or(environment.isa).unwrap_or_default()))
 }

@@ -11,6 +11,7 @@ mod heads;
 mod imports;
 mod known_circles;
 mod length;
+mod manifests;
 mod modules;
 mod rust_code;
 mod unsafe_code;
@@ -33,7 +34,9 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         return Err(format!("tidy takes no arguments, not '{argument}'"));
     }
     let root = command::root();
-    let mut complaints = arrows::check(&Workspace::load()?.packages);
+    let metadata = Workspace::metadata()?;
+    let mut complaints = arrows::check(&Workspace::from_metadata(&metadata)?.packages);
+    complaints.extend(manifests::check(&metadata));
     let architecture = root.join("ARCHITECTURE.md");
     if let Ok(text) = std::fs::read_to_string(&architecture) {
         complaints.extend(arrows::check_printed(&text));

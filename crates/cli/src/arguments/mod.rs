@@ -66,7 +66,7 @@ pub(crate) enum Command {
     #[command(
         args_override_self = true,
         after_help = gnurt_view::KEYS,
-        // Who looks waits for as long as it gets better; frames that are timed are single samples.
+        // A window keeps refining the picture, up to this many samples; timed frames take one sample each.
         mut_arg("spp", |spp| spp.default_value("1024").default_value_if("headless", "true", "1"))
     )]
     View(Box<WindowArguments>),
@@ -88,6 +88,9 @@ pub(crate) enum Command {
     /// List the built-in scenes
     #[command(args_override_self = true)]
     Scenes(ScenesArguments),
+    /// Write man pages and shell completions
+    #[command(args_override_self = true, hide = true)]
+    Manuals(ManualsArguments),
 }
 
 impl Command {
@@ -102,6 +105,7 @@ impl Command {
             Self::Trace(arguments) => &arguments.talk,
             Self::Bench(arguments) => arguments.command.talk(),
             Self::Scenes(arguments) => &arguments.talk,
+            Self::Manuals(arguments) => &arguments.talk,
         }
     }
 
@@ -113,7 +117,7 @@ impl Command {
             Self::Info(arguments) => Some(&arguments.machine),
             Self::Trace(arguments) => Some(&arguments.machine),
             Self::Bench(arguments) => arguments.command.machine(),
-            Self::Diff(_) | Self::Convert(_) | Self::Scenes(_) => None,
+            Self::Diff(_) | Self::Convert(_) | Self::Scenes(_) | Self::Manuals(_) => None,
         }
     }
 }
@@ -191,6 +195,16 @@ pub(crate) struct TraceArguments {
 /// Arguments of `scenes`.
 #[derive(Args, Debug)]
 pub(crate) struct ScenesArguments {
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// Arguments of `manuals`.
+#[derive(Args, Debug)]
+pub(crate) struct ManualsArguments {
+    /// The folder to write to; it is made
+    #[arg(value_name = "DIR")]
+    pub(crate) folder: PathBuf,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

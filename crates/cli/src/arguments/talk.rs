@@ -4,9 +4,8 @@
 
 use std::ffi::{OsStr, OsString};
 
-use clap::{ArgAction, Args, CommandFactory};
+use clap::{ArgAction, Args, Command};
 
-use super::Arguments;
 use crate::messages::Verbosity;
 
 /// `-q` and `-v`.
@@ -33,12 +32,11 @@ impl TalkArguments {
 }
 
 /// The words of a command line, the program's name first, with those about talk that stand before the command moved
-/// behind it.
-pub(crate) fn talk_behind_command(mut words: Vec<OsString>) -> Vec<OsString> {
+/// behind it; `root` knows the commands.
+pub(crate) fn talk_behind_command(mut words: Vec<OsString>, root: &Command) -> Vec<OsString> {
     let count = words.iter().skip(1).take_while(|word| is_talk(word)).count();
     let talk: Vec<OsString> = words.drain(1..1 + count).collect();
-    let root = Arguments::command();
-    let (mut command, mut end) = (&root, 1);
+    let (mut command, mut end) = (root, 1);
     while let Some(inner) = words.get(end).and_then(|word| command.find_subcommand(word)) {
         (command, end) = (inner, end + 1);
     }
@@ -56,6 +54,8 @@ fn is_talk(word: &OsStr) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arguments::Arguments;
+    use clap::CommandFactory;
 
     #[test]
     fn talk_may_stand_first() {
@@ -68,7 +68,10 @@ mod tests {
             ("gnurt", "gnurt"),
         ] {
             let words = line.split(' ').map(OsString::from).collect();
-            let found: Vec<_> = talk_behind_command(words).into_iter().map(|w| w.into_string()).collect();
+            let found: Vec<_> = talk_behind_command(words, &Arguments::command())
+                .into_iter()
+                .map(|w| w.into_string())
+                .collect();
             let wanted: Vec<_> = wanted.split(' ').map(|word| Ok(word.to_owned())).collect();
             assert_eq!(found, wanted, "{line}");
         }

@@ -73,7 +73,7 @@ pub(crate) struct FrameArguments {
     /// many pixels of a surface: N^2 times fewer rays, slightly blurred. 1, 3, 5 or 7; 1 = every pixel gathers from all
     #[arg(long, value_name = "N", value_parser = value::interleave, allow_hyphen_values = true, default_value = "1")]
     pub(crate) interleave: u32,
-    /// Take as many samples of each tile as bring its noise below this share of its radiance: 16 at least, --spp at most
+    /// Sample each tile until its noise falls below this share of its radiance: at least 16 samples, at most --spp
     #[arg(long, value_name = "X", value_parser = value::noise, allow_hyphen_values = true)]
     pub(crate) noise: Option<f32>,
     /// Make every material a Lambertian reflector of its base colour

@@ -3,14 +3,14 @@
 //! Source: original. Proof: `tests/program/bench.rs`.
 
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use gnurt::image;
 use gnurt_bench::rays::News;
 use gnurt_bench::{
     Class, EmbreeLibrary, Error, Filter, Subject, builds, paper, plot, rays, record, table, to_json,
 };
 
+use super::bench_files::{check_outputs, write};
 use super::bench_light;
 use crate::arguments::{
     BenchArguments, BenchBuildArguments, BenchCommand, BenchPaperArguments, BenchRaysArguments,
@@ -18,8 +18,8 @@ use crate::arguments::{
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
-use crate::program::machine;
 use crate::source::Source;
+use crate::workers::machine;
 
 /// The variable that names the rival.
 const EMBREE: &str = "EMBREE4_LIB";
@@ -149,15 +149,4 @@ fn failure(error: Error) -> Failure {
         Error::NothingToDo { .. } => Failure::usage(error),
         _ => Failure::data(error),
     }
-}
-
-pub(super) fn check_outputs(files: &[&Option<PathBuf>]) -> Outcome {
-    files
-        .iter()
-        .filter_map(|file| file.as_deref())
-        .try_for_each(|file| image::check_writable(file).map_err(Failure::data))
-}
-
-pub(super) fn write(file: Option<&Path>, text: impl FnOnce() -> String) -> Outcome {
-    file.map_or(Ok(()), |file| image::replace_file(file, text().as_bytes()).map_err(Failure::data))
 }

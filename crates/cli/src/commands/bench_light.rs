@@ -9,15 +9,15 @@ use gnurt::render::{CommitOptions, PerspectiveCamera, RenderOptions, ShaderTable
 use gnurt_bench::light::{self, Truth};
 use gnurt_bench::light_plot;
 
-use super::bench::{check_outputs, write};
+use super::bench_files::{check_outputs, write};
 use super::render::commit;
 use crate::arguments::BenchLightArguments;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
-use crate::program::machine;
 use crate::source::Source;
 use crate::view;
+use crate::workers::machine;
 
 /// Measures.
 pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, messages: Messages) -> Outcome {

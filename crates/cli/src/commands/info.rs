@@ -16,8 +16,8 @@ use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::machine::bytes;
 use crate::messages::{Messages, print};
-use crate::program::machine;
 use crate::source::Source;
+use crate::workers::machine;
 
 /// Tells what is in a scene.
 pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages: Messages) -> Outcome {

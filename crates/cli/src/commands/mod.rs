@@ -2,10 +2,12 @@
 //! The subcommands, one file each. Source: original. Each has `run`, which takes its arguments and says how it ended.
 
 pub(crate) mod bench;
+mod bench_files;
 mod bench_light;
 pub(crate) mod convert;
 pub(crate) mod diff;
 pub(crate) mod info;
+pub(crate) mod manuals;
 pub(crate) mod render;
 pub(crate) mod scenes;
 pub(crate) mod trace;

@@ -25,13 +25,13 @@ use crate::machine::{bytes, free_memory};
 use crate::messages::{Messages, print};
 use crate::output::{Output, is_same_file};
 use crate::picture_header::{describe, describe_making};
-use crate::program::machine;
 use crate::progress::Watcher;
 use crate::shaders::{self, Shaders};
 use crate::signals::{self, FirstSignal};
 use crate::source::Source;
 use crate::statistics::Statistics;
 use crate::view;
+use crate::workers::machine;
 
 /// What is written at the end.
 struct Targets {

@@ -9,10 +9,10 @@ use crate::arguments::TraceArguments;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
-use crate::program::machine;
 use crate::shaders::{self, Shaders};
 use crate::source::Source;
 use crate::view;
+use crate::workers::machine;
 
 /// Follows one pixel.
 pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, messages: Messages) -> Outcome {

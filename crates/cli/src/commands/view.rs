@@ -22,12 +22,12 @@ use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
 use crate::output::Output;
-use crate::program::machine;
 use crate::progress::Watcher;
 use crate::shaders::{self, Shaders};
 use crate::signals::{self, FirstSignal};
 use crate::source::Source;
 use crate::view;
+use crate::workers::machine;
 
 /// Looks at a scene.
 pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messages: Messages) -> Outcome {

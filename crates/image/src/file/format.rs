@@ -6,8 +6,8 @@
 use std::io::SeekFrom;
 use std::path::Path;
 
-use super::Source;
 use super::raster::RasterFormat;
+use super::source::Source;
 use crate::Error;
 
 /// A format that pictures can be written in.

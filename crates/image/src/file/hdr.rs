@@ -7,8 +7,8 @@
 
 use std::io::{BufRead, Read};
 
-use super::Source;
 use super::limits::{PICTURE_BYTES, Room, check_density};
+use super::source::Source;
 use crate::{Error, Picture};
 
 /// Widths that may be run-length encoded by component.

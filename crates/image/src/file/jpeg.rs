@@ -4,8 +4,8 @@
 
 use std::io::SeekFrom;
 
-use super::Source;
 use super::limits::check_density;
+use super::source::Source;
 use crate::Error;
 
 /// Pixels that a byte of a JPEG holds at most. Only a single flat colour takes more, up to 340.

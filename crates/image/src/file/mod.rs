@@ -11,39 +11,28 @@ mod hdr;
 mod jpeg;
 mod limits;
 mod open;
+mod options;
 mod pfm;
 mod png;
 mod raster;
 mod replace;
+mod source;
 
-use std::io::{BufRead, Cursor, Seek};
+use std::io::Cursor;
 use std::path::Path;
 
 pub use exr::ExrPixels;
 pub use format::OutputFormat;
 pub use limits::MAX_PIXELS;
+pub use options::WriteOptions;
 pub use png::encode_screen;
 pub use replace::{check_writable, replace_file, replace_file_if};
 
-use crate::{Error, Picture, Texels, ToneCurve};
+use crate::{Error, Picture, Texels};
 use format::InputFormat;
 use limits::Room;
 use raster::Meaning;
-
-/// Bytes that can be read in any order.
-trait Source: BufRead + Seek {}
-impl<T: BufRead + Seek> Source for T {}
-
-/// How a picture is written where the format leaves a choice.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct WriteOptions {
-    /// PNG: how light above white is shown.
-    pub tone: ToneCurve,
-    /// PNG: exposure in stops; each doubles the light.
-    pub exposure: f32,
-    /// EXR: precision of the colours. Channels of layers say theirs themselves.
-    pub exr_pixels: ExrPixels,
-}
+use source::Source;
 
 /// Writes a picture in the format that the file's name ends in. The file appears whole or not at all.
 ///

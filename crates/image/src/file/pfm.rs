@@ -3,8 +3,8 @@
 //! Source: original, from the format's description by Debevec. Written little-endian (scale -1); read in both orders,
 //! grey (`Pf`) or coloured (`PF`), values times the scale's magnitude. Proof: `tests` in `tests/round_trip.rs`.
 
-use super::Source;
 use super::limits::{PICTURE_BYTES, Room, check_bytes};
+use super::source::Source;
 use crate::{Error, Picture};
 
 /// Bytes that a header may have: far more than three numbers need.

@@ -6,7 +6,8 @@
 use std::io::SeekFrom;
 
 use super::limits::{check_bytes, check_size};
-use super::{Source, WriteOptions};
+use super::options::WriteOptions;
+use super::source::Source;
 use crate::{Error, Picture, screen_bytes};
 
 /// Most bytes that a byte of compressed data can become: deflate's 258 for two bits.

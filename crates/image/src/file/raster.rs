@@ -13,7 +13,8 @@ use image::codecs::{
 use image::{DynamicImage, ImageDecoder, Limits};
 
 use super::limits::{PICTURE_BYTES, Room, check_bytes, check_density};
-use super::{Source, jpeg, png};
+use super::source::Source;
+use super::{jpeg, png};
 use crate::{Error, Picture, TexelData, Texels, srgb};
 
 /// A format that the library decodes.

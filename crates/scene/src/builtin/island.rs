@@ -7,11 +7,12 @@
 //! what is refracted into it meets the environment's lower half, which has the colour of deep water.
 //! Proof: `tests/builtin.rs::the_showpiece_is_large`.
 
+mod cape;
 mod lighthouse;
 mod plants;
 mod terrain;
 
-use terrain::Terrain;
+use terrain::{REACH, Terrain};
 
 use super::noise::hash;
 use super::shapes::{quad, show};
@@ -22,8 +23,6 @@ use crate::id::ObjectId;
 use crate::material::{Material, Surface};
 use crate::scene::{Instance, Scene};
 
-/// Radius beyond which all is sea.
-const REACH: f32 = 6.0;
 /// Half the side of the sea's sheet.
 const SEA: f32 = 400.0;
 
@@ -62,7 +61,7 @@ fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) {
         let x = -REACH + (i as f32 + chance(1)) * step;
         let z = -REACH + (j as f32 + chance(2)) * step;
         let spot = terrain.spot(x, z);
-        if lighthouse::is_near(x, z) {
+        if cape::is_near(x, z) {
             continue;
         }
         let wooded = spot.wood > 0.35 + 0.5 * chance(3);

@@ -7,8 +7,10 @@
 mod budget;
 mod clean;
 mod error;
+mod format;
 mod gltf;
 mod lines;
+mod loaded;
 mod obj;
 mod options;
 mod ply;
@@ -19,64 +21,16 @@ mod textures;
 mod warnings;
 
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub use error::{Error, ErrorKind};
+pub use format::Format;
+pub use loaded::Loaded;
 pub use options::LoadOptions;
 pub use save::save;
 pub use warnings::{Oddity, Warning, Warnings};
 
 use source::Access;
-
-use crate::scene::Scene;
-
-/// A scene and the oddities of its file.
-#[derive(Clone, Debug, Default)]
-pub struct Loaded {
-    /// The scene.
-    pub scene: Scene,
-    /// What was odd about its file.
-    pub warnings: Warnings,
-    /// All files that it was read from, those included that are missing; empty for built-in scenes.
-    pub files: Vec<PathBuf>,
-}
-
-/// Scene formats.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Wavefront OBJ with its MTL libraries.
-    Obj,
-    /// Stanford PLY, text or binary.
-    Ply,
-    /// glTF 2.0 as text.
-    Gltf,
-    /// glTF 2.0 as one binary file.
-    Glb,
-}
-
-impl Format {
-    /// The format that the extension of `path` names, in any case.
-    pub fn of(path: &Path) -> Result<Self, Error> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("obj") => Ok(Self::Obj),
-            Some("ply") => Ok(Self::Ply),
-            Some("gltf") => Ok(Self::Gltf),
-            Some("glb") => Ok(Self::Glb),
-            other => {
-                let problem = match other {
-                    Some(other) => format!("unknown scene format {}", error::quoted(&format!(".{other}"))),
-                    None => "no extension says which scene format it has".to_owned(),
-                };
-                let kind = ErrorKind::UnknownFormat;
-                Err(Error {
-                    kind,
-                    ..Error::data(path, None, problem, "valid are .obj, .ply, .gltf and .glb")
-                })
-            }
-        }
-    }
-}
 
 /// Loads a scene file; its extension says which format it has.
 pub fn load(path: impl AsRef<Path>) -> Result<Loaded, Error> {

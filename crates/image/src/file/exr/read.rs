@@ -13,8 +13,8 @@ use exr::prelude::{
     attribute::AttributeValue, read,
 };
 
-use super::super::Source;
 use super::super::limits::{PICTURE_BYTES, Room, check_density, check_size};
+use super::super::source::Source;
 use crate::{Channel, ChannelData, Error, Layer, Picture};
 
 /// Most bytes that a byte of compressed data can become in any of the format's compressions: deflate's 1032.

@@ -2,34 +2,16 @@
 //! The lighthouse on its cape: a striped tower, a gallery, a lit lantern under a red roof, a keeper's cottage.
 //! Source: original. Space: world; the tower is [`TALL`] high.
 
-use super::super::noise::smoothstep;
 use super::super::shapes::{append, block, lathe, moved, placed, sphere};
+use super::cape::PLACE;
 use super::terrain::Terrain;
 use crate::affine::Affine;
 use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
-/// Where it stands.
-const PLACE: [f32; 2] = [2.75, 2.35];
-/// Height of the rock that it stands on.
-const CAPE: f32 = 0.34;
 const TALL: f32 = 1.0;
 const SEGMENTS: u32 = 48;
-
-/// Raises a cape with a flat top under the lighthouse.
-pub(super) fn shape_ground(x: f32, z: f32, h: f32) -> f32 {
-    let (dx, dz) = (x - PLACE[0], z - PLACE[1]);
-    let distance = (dx * dx + dz * dz).sqrt();
-    let wobble = 0.1 * super::super::noise::rolling(2.2 * x, 2.2 * z, 4, 131);
-    let cape = smoothstep(1.05, 0.42, distance + wobble);
-    h + (CAPE - h) * cape
-}
-
-/// Whether trees and rocks would be in its way.
-pub(super) fn is_near(x: f32, z: f32) -> bool {
-    (x - PLACE[0]).hypot(z - PLACE[1]) < 0.62
-}
 
 pub(super) fn add(scene: &mut Scene, terrain: &Terrain) {
     let white = scene.add_material(Material::matte("whitewash", [0.80, 0.78, 0.74]));

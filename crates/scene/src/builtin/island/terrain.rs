@@ -3,9 +3,11 @@
 //! Source: original, after [Mus93]. Space: world, sea level at y = 0. Proof: `tests/builtin.rs`.
 
 use super::super::noise::{ridged, rolling, smoothstep, value};
-use super::{REACH, lighthouse};
+use super::cape;
 use crate::mesh::Mesh;
 
+/// Radius beyond which all is sea.
+pub(super) const REACH: f32 = 6.0;
 /// Samples of the height field along each side.
 const SAMPLES: usize = 400;
 /// Ground deeper than this is left out: nobody sees it.
@@ -87,7 +89,7 @@ fn height(x: f32, z: f32) -> f32 {
     let summit = (-((x + 0.9).powi(2) + (z + 0.9).powi(2)) / 3.6).exp();
     let hills = 0.16 + 0.5 * crests * crests + 1.05 * summit * (0.45 + 0.9 * crests * crests);
     let h = inland * hills + 0.04 * rolling(2.5 * x, 2.5 * z, 4, 41) * inland - 0.13 * (1.0 - inland);
-    lighthouse::shape_ground(x, z, h)
+    cape::shape_ground(x, z, h)
 }
 
 /// Rise over run.

@@ -7,6 +7,7 @@ use super::accessor::{floats, integers};
 use super::document::Document;
 use super::json::{self, Index, Primitive};
 use super::material::AddedMaterial;
+use super::primitive::PrimitiveReader;
 use super::skin::Pose;
 use crate::io::clean::clean;
 use crate::io::{Error, Oddity, Warnings};
@@ -56,13 +57,6 @@ pub(super) fn read(
         }
     }
     Ok(meshes)
-}
-
-/// One primitive and where it stands.
-pub(super) struct PrimitiveReader<'a> {
-    pub(super) document: &'a Document<'a>,
-    pub(super) primitive: &'a Primitive,
-    pub(super) place: &'a str,
 }
 
 impl PrimitiveReader<'_> {

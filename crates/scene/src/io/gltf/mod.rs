@@ -19,6 +19,7 @@ mod json;
 mod material;
 mod mesh;
 mod nodes;
+mod primitive;
 mod skin;
 
 use std::path::Path;

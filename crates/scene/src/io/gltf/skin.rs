@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use super::accessor::{floats, joints};
 use super::document::Document;
 use super::json::{self, Index};
-use super::mesh::PrimitiveReader;
+use super::primitive::PrimitiveReader;
 use crate::affine::Affine;
 use crate::io::Error;
 use crate::mesh::Mesh;

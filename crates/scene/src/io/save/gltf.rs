@@ -12,7 +12,8 @@ use serde_json::{Map, Value, json};
 
 use buffer::Buffer;
 
-use super::{check_writable, leave_out, png, write};
+use super::files::{check_writable, leave_out, write};
+use super::png;
 use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::io::{Error, Format, Warnings};

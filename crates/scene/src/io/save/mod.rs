@@ -5,15 +5,16 @@
 //! What a format cannot hold is left out with a warning: OBJ and PLY hold neither instances (they are unfolded) nor
 //! cameras nor lights, PLY holds no materials, glTF no environment. Proof: `tests/save.rs`.
 
+mod files;
 mod gltf;
 mod obj;
 mod ply;
 mod png;
 mod world;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::{Error, Format, Oddity, Warnings};
+use super::{Error, Format, Warnings};
 use crate::scene::Scene;
 
 /// Writes a scene; the extension of `path` says in which format. What was left out is in the warnings.
@@ -30,25 +31,4 @@ pub fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<Warnings, Error> {
         Format::Gltf | Format::Glb => gltf::save(scene, path, format, &mut warnings)?,
     }
     Ok(warnings)
-}
-
-/// Whether files can be written, as far as that can be known before the first of them is.
-fn check_writable(paths: &[PathBuf]) -> Result<(), Error> {
-    paths.iter().try_for_each(|path| gnurt_image::check_writable(path).map_err(|e| unwritable(path, &e)))
-}
-
-/// Writes one file whole.
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    gnurt_image::replace_file(path, bytes).map_err(|e| unwritable(path, &e))
-}
-
-fn unwritable(path: &Path, error: &gnurt_image::Error) -> Error {
-    match error {
-        gnurt_image::Error::File { what, .. } => Error::io(path, what.clone(), ""),
-        other => Error::io(path, format!("cannot be written: {other}"), ""),
-    }
-}
-
-fn leave_out(count: usize, what: &str, path: &Path, warnings: &mut Warnings) {
-    warnings.note_many(Oddity::NotShown, count as u64, path, None, what);
 }

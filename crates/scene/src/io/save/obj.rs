@@ -7,7 +7,8 @@ use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use super::{check_writable, leave_out, png, world, write};
+use super::files::{check_writable, leave_out, write};
+use super::{png, world};
 use crate::io::{Error, Warnings};
 use crate::material::{Alpha, Color, Material, Surface, TextureRef};
 use crate::mesh::Mesh;

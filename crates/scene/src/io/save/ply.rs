@@ -4,7 +4,8 @@
 
 use std::path::Path;
 
-use super::{leave_out, world, write};
+use super::files::{leave_out, write};
+use super::world;
 use crate::io::{Error, Warnings};
 use crate::mesh::Mesh;
 use crate::scene::Scene;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt manuals DIR`: a man page for the program and one for each command, and completions for bash, zsh and fish, made
+//! from the command line's own description, for those who install the program. Source: original, by clap's crates.
+//! Proof: `tests/program/manuals.rs`.
+
+use std::path::Path;
+
+use clap::{Command, CommandFactory};
+use clap_complete::Shell;
+
+use crate::arguments::{Arguments, ManualsArguments};
+use crate::failure::{Failure, Outcome};
+
+/// Writes them all.
+pub(crate) fn run(arguments: &ManualsArguments) -> Outcome {
+    let folder = &arguments.folder;
+    let failed =
+        |error: std::io::Error| Failure::data(format!("cannot write to {}: {error}", folder.display()));
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    let mut program = Arguments::command();
+    program.build();
+    write_pages(&program, "gnurt", folder).map_err(failed)?;
+    for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
+        clap_complete::generate_to(shell, &mut Arguments::command(), "gnurt", folder).map_err(failed)?;
+    }
+    Ok(())
+}
+
+/// The page of a command, and those of the commands within it.
+fn write_pages(command: &Command, name: &str, folder: &Path) -> std::io::Result<()> {
+    let mut page = Vec::new();
+    let title = name.to_uppercase();
+    // The page speaks of "gnurt render"; its file and title are gnurt-render, as for other programs of many commands.
+    let named = command.clone().display_name(name.to_owned());
+    clap_mangen::Man::new(named).title(title).render(&mut page)?;
+    std::fs::write(folder.join(format!("{name}.1")), page)?;
+    for inner in command.get_subcommands().filter(|inner| !inner.is_hide_set() && inner.get_name() != "help")
+    {
+        write_pages(inner, &format!("{name}-{}", inner.get_name()), folder)?;
+    }
+    Ok(())
+}
