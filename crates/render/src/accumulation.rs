@@ -12,19 +12,58 @@ use gnurt_image::{Picture, heat_map};
 use gnurt_shading::CameraShader;
 use rayon::prelude::*;
 
-use crate::aov;
 use crate::bands::{ColorBand, FilmBand};
 use crate::error::RenderError;
 use crate::film::{self, TileFilm};
 use crate::frame::Frame;
+use crate::job::Job;
+use crate::layers;
 use crate::many_lights::interleave::Seen;
-use crate::many_lights::{KeptLights, PassLights};
+use crate::many_lights::{self, KeptLights};
 use crate::options::RenderOptions;
-use crate::progress::Progress;
+use crate::progress::Watch;
+use crate::sampler::{Apart, Sampler};
 use crate::stats::RenderStats;
-use crate::tile::{Apart, Job};
+use crate::tile::render_tile;
 use crate::tracer::BatchTracer;
 use crate::world::World;
+
+/// Told how far the picture is, and asked whether to go on. Called from many threads at once.
+pub trait Progress: Sync {
+    /// `done` in [0, 1] of all work, `samples` of the whole picture so far. Called after each tile.
+    fn update(&self, done: f64, samples: u64) {
+        let _ = (done, samples);
+    }
+
+    /// Called by one thread between passes, with the picture so far.
+    fn passed(&self, picture: &Accumulation) {
+        let _ = picture;
+    }
+
+    /// Whether to finish now and keep the picture so far. Asked between tiles and within them, many times a second.
+    fn should_stop(&self) -> bool {
+        false
+    }
+}
+
+/// Nobody watches.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {}
+
+/// A caller's watch, as those see it who render.
+struct Watched<'a>(&'a dyn Progress);
+
+impl Watch for Watched<'_> {
+    fn update(&self, done: f64, samples: u64) {
+        self.0.update(done, samples);
+    }
+
+    fn should_stop(&self) -> bool {
+        self.0.should_stop()
+    }
+}
 
 /// Samples taken so far of a picture of one world and one camera.
 ///
@@ -129,7 +168,8 @@ impl Accumulation {
         let last = self.samples().saturating_add(samples).min(self.options.spp);
         let [x0, y0, x1, y1] = self.region;
         let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
-        let mut job = Job::new(world, camera, &self.options, progress);
+        let watched = Watched(progress);
+        let mut job = Job::new(world, camera, &self.options, &watched);
         job.deadline = deadline;
         job.all_samples = pixels * u64::from(self.options.spp);
         *job.samples_done.get_mut() = self.stats.samples;
@@ -138,22 +178,24 @@ impl Accumulation {
         let mut done = self.samples();
         while done < last && !job.should_stop() {
             done = done.saturating_add(at_once).min(last);
-            job.pass = pool.install(|| match &mut kept {
+            let pass = pool.install(|| match &mut kept {
                 Some(kept) => kept.next(&job),
-                None => PassLights::new(&job, done - 1),
+                None => many_lights::pass_lights(&job, done - 1),
             });
-            if let Some(pass) = &job.pass {
+            if let Some(pass) = &pass {
                 self.stats.add(&pass.stats);
             }
+            let sampler = Sampler { job: &job, pass: pass.as_ref() };
             let of_tiles: Vec<RenderStats> = if let Some(n) = self.options.pattern() {
-                let Some(of_tiles) = add_interleaved(&job, &mut self.tiles, self.region, done - 1, n, pool)
+                let Some(of_tiles) =
+                    add_interleaved(&sampler, &mut self.tiles, self.region, done - 1, n, pool)
                 else {
                     break;
                 };
                 of_tiles
             } else {
-                let render = |tracer: &mut BatchTracer, tile| job.render_tile(tile, tracer, done);
-                pool.install(|| self.tiles.par_iter_mut().map_init(|| job.tracer(), render).collect())
+                let render = |tracer: &mut BatchTracer, tile| render_tile(&sampler, tile, tracer, done);
+                pool.install(|| self.tiles.par_iter_mut().map_init(|| sampler.tracer(), render).collect())
             };
             of_tiles.iter().for_each(|tile| self.stats.add(tile));
         }
@@ -197,7 +239,7 @@ impl Accumulation {
     pub fn picture(&self) -> Picture {
         let mut picture = self.colors();
         if self.options.aovs {
-            aov::add_layers(&mut picture, &self.tiles);
+            layers::add_layers(&mut picture, &self.tiles);
         }
         picture
     }
@@ -281,7 +323,7 @@ impl Accumulation {
 
 /// Adds sample `sample` to all tiles, which is averaged over neighbours; to none, and `None`, if it is time to stop.
 fn add_interleaved(
-    job: &Job,
+    sampler: &Sampler,
     tiles: &mut [TileFilm],
     region: [u32; 4],
     sample: u32,
@@ -289,16 +331,16 @@ fn add_interleaved(
     pool: &rayon::ThreadPool,
 ) -> Option<Vec<RenderStats>> {
     let take = |tracer: &mut BatchTracer, tile: &TileFilm| {
-        (!job.should_stop()).then(|| job.sample_apart(tile, tracer, sample))
+        (!sampler.job.should_stop()).then(|| sampler.sample_apart(tile, tracer, sample))
     };
     let taken: Option<Vec<Apart>> =
-        pool.install(|| tiles.par_iter().map_init(|| job.tracer(), take).collect());
+        pool.install(|| tiles.par_iter().map_init(|| sampler.tracer(), take).collect());
     let taken = taken?;
     let rects: Vec<[u32; 4]> = tiles.iter().map(|tile| tile.rect).collect();
     let seen = rects.iter().zip(taken.iter().map(|apart| apart.texels.as_slice()));
-    let seen = Seen::new(seen, region, film::tile_size(job.options), n);
+    let seen = Seen::new(seen, region, film::tile_size(sampler.job.options), n);
     let add = |tracer: &mut BatchTracer, (tile, apart): (&mut TileFilm, &Apart)| {
-        job.add_apart(tile, tracer, sample, apart, &seen)
+        sampler.add_apart(tile, tracer, sample, apart, &seen)
     };
-    Some(pool.install(|| tiles.par_iter_mut().zip(&taken).map_init(|| job.tracer(), add).collect()))
+    Some(pool.install(|| tiles.par_iter_mut().zip(&taken).map_init(|| sampler.tracer(), add).collect()))
 }

@@ -8,9 +8,10 @@
 //! Proof: `tests`, crates/render/tests/checkpoint.rs.
 
 use crate::film::TileFilm;
+use crate::job::Job;
 use crate::options::RenderOptions;
+use crate::sampler::Sampler;
 use crate::stats::RenderStats;
-use crate::tile::Job;
 use crate::tracer::BatchTracer;
 
 /// No tile gets fewer samples, and no pilot is smaller.
@@ -23,7 +24,8 @@ pub(crate) fn samples_needed(job: &Job, rect: [u32; 4], noise: f32, stats: &mut 
     let most = job.options.spp;
     let options =
         RenderOptions { seed: job.options.seed ^ PILOT, aovs: false, heatmap: false, ..job.options.clone() };
-    let pilot = Job::new(job.world, job.camera, &options, job.progress);
+    let pilot = Job::new(job.world, job.camera, &options, job.watch);
+    let pilot = Sampler { job: &pilot, pass: None };
     let mut tile = TileFilm::new(rect, false, true);
     let mut tracer = BatchTracer::new(job.world, &options, false);
     let mut taken = FEWEST;

@@ -9,35 +9,32 @@ use std::ops::Range;
 
 use glam::Vec3;
 use gnurt_accel::INVALID_ID;
-use gnurt_image::{Layer, Picture};
 use gnurt_shading::Vec3s;
 
-use crate::checkpoint::{Words, word_f32, word_f64, word_u32};
-use crate::film::TileFilm;
-use crate::integrators::eyelight::MID_GREY;
-use crate::tracer::{BatchTracer, Wanted};
+use crate::tracer::{BatchTracer, MID_GREY, Wanted};
+use crate::words::{Words, word_f32, word_f64, word_u32};
 use crate::world::HitLanes;
 
 /// The layers of a tile.
 #[derive(Clone, Debug)]
 pub(crate) struct TileAovs {
     /// Sums over the samples.
-    albedo: Vec<[f64; 3]>,
-    normal: Vec<[f64; 3]>,
-    emission: Vec<[f64; 3]>,
-    first: Vec<FirstHit>,
+    pub(crate) albedo: Vec<[f64; 3]>,
+    pub(crate) normal: Vec<[f64; 3]>,
+    pub(crate) emission: Vec<[f64; 3]>,
+    pub(crate) first: Vec<FirstHit>,
 }
 
 /// What the first ray of a pixel hit.
 #[derive(Clone, Copy, Debug)]
-struct FirstHit {
-    position: Vec3,
-    depth: f32,
-    z: f32,
-    object: u32,
-    instance: u32,
-    prim: u32,
-    material: u32,
+pub(crate) struct FirstHit {
+    pub(crate) position: Vec3,
+    pub(crate) depth: f32,
+    pub(crate) z: f32,
+    pub(crate) object: u32,
+    pub(crate) instance: u32,
+    pub(crate) prim: u32,
+    pub(crate) material: u32,
 }
 
 const NOTHING: FirstHit = FirstHit {
@@ -114,56 +111,4 @@ impl Words for TileAovs {
             }
         }
     }
-}
-
-/// Adds the layers of all tiles to the picture.
-pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
-    let width = picture.width as usize;
-    let pixels = picture.pixel_count();
-    let with_layers = || tiles.iter().filter_map(|tile| Some((tile, tile.aovs.as_ref()?)));
-    // One plane of the picture, gathered from the tiles.
-    let plane = |value: &dyn Fn(&TileFilm, &TileAovs, usize) -> f32, background: f32| {
-        let mut plane = vec![background; pixels];
-        for (tile, aovs) in with_layers() {
-            for (i, [x, y]) in tile.pixels().enumerate() {
-                plane[y as usize * width + x as usize] = value(tile, aovs, i);
-            }
-        }
-        plane
-    };
-    let ids = |value: &dyn Fn(&FirstHit) -> u32| {
-        let mut plane = vec![INVALID_ID; pixels];
-        for (tile, aovs) in with_layers() {
-            for (i, [x, y]) in tile.pixels().enumerate() {
-                plane[y as usize * width + x as usize] = value(&aovs.first[i]);
-            }
-        }
-        plane
-    };
-    let mean = |sum: f64, tile: &TileFilm| (sum / f64::from(tile.samples.max(1))) as f32;
-    let albedo = |c: usize| plane(&|tile, aovs, i| mean(aovs.albedo[i][c], tile), 0.0);
-    let normal = |c: usize| plane(&|tile, aovs, i| mean(aovs.normal[i][c], tile), 0.0);
-    let emission = |c: usize| plane(&|tile, aovs, i| mean(aovs.emission[i][c], tile), 0.0);
-    let position = |c: usize| plane(&|_, aovs, i| aovs.first[i].position[c], 0.0);
-    let variance = |c: usize| plane(&|tile, _, i| tile.variance(i)[c], 0.0);
-    let depth = plane(&|_, aovs, i| aovs.first[i].depth, f32::INFINITY);
-    let z = plane(&|_, aovs, i| aovs.first[i].z, f32::INFINITY);
-    picture.layers.extend([
-        Layer::floats("albedo", [("R", albedo(0)), ("G", albedo(1)), ("B", albedo(2))]),
-        Layer::floats("variance", [("R", variance(0)), ("G", variance(1)), ("B", variance(2))]),
-        Layer::floats("emission", [("R", emission(0)), ("G", emission(1)), ("B", emission(2))]),
-        Layer::floats("N", [("X", normal(0)), ("Y", normal(1)), ("Z", normal(2))]),
-        Layer::floats("P", [("X", position(0)), ("Y", position(1)), ("Z", position(2))]),
-        Layer::floats("depth", [("Z", depth)]),
-        Layer::floats("", [("Z", z)]),
-        Layer::ids(
-            "id",
-            [
-                ("object", ids(&|hit| hit.object)),
-                ("instance", ids(&|hit| hit.instance)),
-                ("prim", ids(&|hit| hit.prim)),
-                ("material", ids(&|hit| hit.material)),
-            ],
-        ),
-    ]);
 }

@@ -8,36 +8,10 @@
 use crate::accumulation::Accumulation;
 use crate::error::CheckpointError;
 use crate::options::RenderOptions;
+use crate::words::Words;
 
 const MAGIC: u64 = u64::from_le_bytes(*b"GNURTchk");
 const VERSION: u64 = 3;
-
-/// Something made of words that can be read and written.
-pub(crate) trait Words {
-    /// Calls `with` for each word, always in the same order; sizes do not change.
-    fn words(&mut self, with: &mut dyn FnMut(&mut u64));
-}
-
-/// A number as a word.
-pub(crate) fn word_f64(x: &mut f64, with: &mut dyn FnMut(&mut u64)) {
-    let mut word = x.to_bits();
-    with(&mut word);
-    *x = f64::from_bits(word);
-}
-
-/// A number as a word.
-pub(crate) fn word_f32(x: &mut f32, with: &mut dyn FnMut(&mut u64)) {
-    let mut word = u64::from(x.to_bits());
-    with(&mut word);
-    *x = f32::from_bits(word as u32);
-}
-
-/// A number as a word.
-pub(crate) fn word_u32(x: &mut u32, with: &mut dyn FnMut(&mut u64)) {
-    let mut word = u64::from(*x);
-    with(&mut word);
-    *x = word as u32;
-}
 
 impl Accumulation {
     /// All that it holds; `fingerprint` says of what, see [`fingerprint`](crate::fingerprint()).

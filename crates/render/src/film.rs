@@ -11,8 +11,8 @@ use gnurt_accel::{HitBatch, INVALID_ID};
 use gnurt_shading::Vec3s;
 
 use crate::aov::TileAovs;
-use crate::checkpoint::{Words, word_f64, word_u32};
 use crate::options::RenderOptions;
+use crate::words::{Words, word_f64, word_u32};
 
 /// A rectangle of pixels that one thread renders at a time.
 #[derive(Clone, Debug)]

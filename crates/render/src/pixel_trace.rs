@@ -4,16 +4,17 @@
 
 use std::fmt;
 
-use glam::Vec3;
-use gnurt_accel::{Coherence, HitBatch, Ray, RayBatch};
-use gnurt_shading::{CameraShader, LightBatch, SurfaceBatch, Vec3s};
+use gnurt_accel::Coherence;
+use gnurt_shading::{CameraShader, Vec3s};
 
+use crate::camera_batch::CameraBatch;
 use crate::error::RenderError;
 use crate::integrators;
-use crate::many_lights::PassLights;
+use crate::job::Job;
+use crate::log::{Log, triple};
+use crate::many_lights;
 use crate::options::RenderOptions;
-use crate::progress::Silent;
-use crate::tile::{CameraBatch, Job};
+use crate::progress::Unwatched;
 use crate::tracer::BatchTracer;
 use crate::world::{HitLanes, World};
 
@@ -54,10 +55,10 @@ pub fn trace_pixel(
     if x >= options.width || y >= options.height {
         return Err(RenderError::NoSuchPixel { x, y, width: options.width, height: options.height });
     }
-    let mut job = Job::new(world, camera, &options, &Silent);
-    job.pass = PassLights::new(&job, 0);
+    let job = Job::new(world, camera, &options, &Unwatched);
+    let pass = many_lights::pass_lights(&job, 0);
     let mut tracer = BatchTracer::new(world, &options, false);
-    tracer.pass = job.pass.as_ref();
+    tracer.lights = pass.as_ref().map(|pass| pass as _);
     tracer.log = Some(Log::default());
     let mut batch = CameraBatch::default();
     job.camera_rays(std::iter::once([x, y]), 0..1, &mut batch);
@@ -68,78 +69,7 @@ pub fn trace_pixel(
     }
     let camera = HitLanes { rays: &rays, keys: &keys, hits: &hits, depth: 0, epsilon: options.ray_epsilon };
     let mut radiance = Vec3s::default();
-    integrators::radiance(options.integrator, &mut tracer, camera, &mut radiance);
+    integrators::radiance(options.integrator, &mut tracer, pass.as_ref(), camera, &mut radiance);
     let lines = tracer.log.take().unwrap_or_default().lines;
     Ok(PixelTrace { x, y, lines, radiance: radiance.get(0).into() })
-}
-
-/// Lines of values as they come by.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Log {
-    depth: usize,
-    lines: Vec<String>,
-}
-
-impl Log {
-    /// Rays with this many bounces behind them, and what they hit.
-    pub(crate) fn rays(&mut self, depth: u32, rays: &RayBatch, hits: &HitBatch) {
-        self.depth = depth as usize;
-        for i in 0..rays.len() {
-            self.line("ray", ray(&rays.get(i)));
-            let hit = hits.get(i).map_or_else(
-                || "nothing".to_owned(),
-                |hit| {
-                    let ids =
-                        format!("instance {} mesh {} triangle {}", hit.inst_id, hit.geom_id, hit.prim_id);
-                    format!("t {} u {} v {}  {ids}", hit.t, hit.u, hit.v)
-                },
-            );
-            self.line("hit", hit);
-        }
-    }
-
-    /// Points that a shader is called for.
-    pub(crate) fn surface(&mut self, points: &SurfaceBatch) {
-        self.depth = points.depth as usize;
-        for i in 0..points.len() {
-            let side = if points.front(i) { "front" } else { "back" };
-            self.line("point", format!("{}  error {}  {side}", triple(points.p.get(i)), points.error[i]));
-            self.line(
-                "normals",
-                format!("{}  shading {}", triple(points.ng.get(i)), triple(points.ns.get(i))),
-            );
-            self.line("uv", format!("{} {}", points.texcoord[0][i], points.texcoord[1][i]));
-        }
-    }
-
-    /// What a light sends to the points.
-    pub(crate) fn light(&mut self, number: usize, light: &LightBatch) {
-        for i in 0..light.dist.len() {
-            let (dir, radiance) = (triple(light.dir.get(i)), triple(light.radiance.get(i)));
-            self.line(
-                "light",
-                format!("{number}  towards {dir}  distance {}  arriving {radiance}", light.dist[i]),
-            );
-        }
-    }
-
-    /// Rays towards lights and what comes through.
-    pub(crate) fn shadows(&mut self, rays: &RayBatch, transmittance: &Vec3s) {
-        for i in 0..rays.len() {
-            self.line("shadow", format!("{}  through {}", ray(&rays.get(i)), triple(transmittance.get(i))));
-        }
-    }
-
-    fn line(&mut self, what: &str, value: String) {
-        self.lines.push(format!("{:indent$}{what:<9} {value}", "", indent = 2 * self.depth));
-    }
-}
-
-fn ray(ray: &Ray) -> String {
-    format!("from {}  along {}  t {} to {}", triple(ray.org), triple(ray.dir), ray.t_near, ray.t_far)
-}
-
-fn triple(v: impl Into<Vec3>) -> String {
-    let v = v.into();
-    format!("({}, {}, {})", v.x, v.y, v.z)
 }

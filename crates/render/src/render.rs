@@ -7,11 +7,10 @@ use std::time::{Duration, Instant};
 
 use gnurt_shading::CameraShader;
 
-use crate::accumulation::Accumulation;
+use crate::accumulation::{Accumulation, Progress};
 use crate::error::RenderError;
 use crate::frame::Frame;
 use crate::options::RenderOptions;
-use crate::progress::Progress;
 use crate::world::World;
 
 /// Renders a picture of `world` seen by `camera` on the threads of `pool`.

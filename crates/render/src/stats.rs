@@ -2,7 +2,7 @@
 //! Counters of a rendering: what was traced, what it cost. Source: original.
 //! Counters are per tile and added at the end, in tile order: no thread waits for another one.
 
-use crate::checkpoint::{Words, word_f64, word_u32};
+use crate::words::{Words, word_f64, word_u32};
 
 /// What a rendering did.
 #[derive(Clone, Debug, Default, PartialEq)]

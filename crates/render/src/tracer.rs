@@ -13,18 +13,35 @@ use gnurt_shading::bsdf::Scattering;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{Detail, LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
+use crate::camera_batch::CameraBatch;
 use crate::cone::Cone;
 use crate::cost::TileCosts;
-use crate::many_lights::{self, PassLights};
+use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
-use crate::pixel_trace::Log;
 use crate::stats::RenderStats;
-use crate::tile::CameraBatch;
 use crate::transport::Wavefront;
 use crate::world::{HitLanes, World};
 
 /// See-through surfaces that a shadow ray may pass; behind more it is dark.
 const MOST_LAYERS: usize = 256;
+
+/// Albedo of surfaces that do not tell theirs.
+pub(crate) const MID_GREY: Vec3 = Vec3::splat(0.5);
+
+/// Lights that shaders which loop over lights meet behind those of the world: virtual ones.
+pub(crate) trait FurtherLights: Sync {
+    /// How many.
+    fn count(&self, tracer: &BatchTracer) -> usize;
+
+    /// What light `number` of them brings to points.
+    fn illuminate(
+        &self,
+        tracer: &mut BatchTracer,
+        number: usize,
+        points: &SurfaceBatch,
+        out: &mut LightBatch,
+    );
+}
 
 /// Traces for one tile at a time.
 pub(crate) struct BatchTracer<'w> {
@@ -35,8 +52,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) costs: Option<TileCosts>,
     /// What happens on the way, if somebody wants to read it.
     pub(crate) log: Option<Log>,
-    /// Virtual lights of the sample that is taken, if the integrator has any.
-    pub(crate) pass: Option<&'w PassLights>,
+    /// Lights that shaders meet beside those of the world.
+    pub(crate) lights: Option<&'w dyn FurtherLights>,
     /// Whether surfaces whose shaders only know `shade` are asked what they do to light, in place of what they show.
     pub(crate) probes: bool,
     /// Whether pixels share virtual lights out, each by its place in a pattern; the place is in the keys.
@@ -96,7 +113,7 @@ impl<'w> BatchTracer<'w> {
             stats: RenderStats::default(),
             costs: None,
             log: None,
-            pass: None,
+            lights: None,
             probes: options.integrator.has_virtual_lights(),
             is_interleaved: false,
             cone: Cone::default(),
@@ -320,7 +337,7 @@ impl<'w> BatchTracer<'w> {
 
 impl Tracer for BatchTracer<'_> {
     fn light_count(&self) -> usize {
-        self.world.shading().lights.len() + many_lights::light_count(self)
+        self.world.shading().lights.len() + self.lights.map_or(0, |lights| lights.count(self))
     }
 
     fn light_is_visible(&self, light: usize) -> bool {
@@ -330,7 +347,9 @@ impl Tracer for BatchTracer<'_> {
     fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch) {
         out.reset(hits.len());
         if let Some(number) = light.checked_sub(self.world.shading().lights.len()) {
-            many_lights::illuminate(self, number, hits, out);
+            if let Some(lights) = self.lights {
+                lights.illuminate(self, number, hits, out);
+            }
             return;
         }
         let mut normal = Vec3s::default();

@@ -5,7 +5,7 @@
 use glam::Vec3;
 use gnurt_shading::Vec3s;
 
-use crate::tracer::{BatchTracer, Wanted};
+use crate::tracer::{BatchTracer, MID_GREY, Wanted};
 use crate::world::HitLanes;
 
 pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
@@ -26,6 +26,3 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
     });
     tracer.order = others;
 }
-
-/// Albedo of surfaces that do not tell theirs.
-pub(crate) const MID_GREY: Vec3 = Vec3::splat(0.5);

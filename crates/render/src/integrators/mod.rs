@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How radiance is computed against a batch of camera rays: one integrator, one file. Source: see each.
 
-pub(crate) mod eyelight;
+mod eyelight;
 mod normals;
 mod path;
 mod whitted;
 
 use gnurt_shading::Vec3s;
 
-use crate::many_lights;
+use crate::many_lights::{self, PassLights};
 use crate::options::Integrator;
 use crate::tracer::BatchTracer;
 use crate::world::HitLanes;
 
-/// Writes the radiance against each camera ray.
+/// Writes the radiance against each camera ray; `pass` holds the virtual lights of the sample, if the integrator has any.
 pub(crate) fn radiance(
     integrator: Integrator,
     tracer: &mut BatchTracer,
+    pass: Option<&PassLights>,
     camera: HitLanes,
     radiance: &mut Vec3s,
 ) {
@@ -26,7 +27,7 @@ pub(crate) fn radiance(
         Integrator::InstantRadiosity
         | Integrator::BidirectionalInstantRadiosity
         | Integrator::MetropolisInstantRadiosity => {
-            if let Some(pass) = tracer.pass {
+            if let Some(pass) = pass {
                 many_lights::radiance(tracer, pass, camera, radiance);
             } else {
                 radiance.reset(camera.rays.len(), glam::Vec3::ZERO);

@@ -14,13 +14,13 @@ use gnurt_shading::sampling::{hash_combine, sample_pair};
 
 use super::bound::Bound;
 use super::candidates::{Candidate, EyeSide, LightSide, eye_sides, joined, light_sides};
+use super::chunks::in_chunks;
 use super::cut::resample;
-use super::pass::in_chunks;
 use super::pilots::Pilots;
 use super::vpl::Vpl;
-use super::{instant, neighbours};
+use super::{light_path, neighbours};
+use crate::job::Job;
 use crate::stats::RenderStats;
-use crate::tile::Job;
 use crate::tracer::BatchTracer;
 
 /// Paths per virtual light that was asked for, each with several candidates, and how many there are to be at most for more
@@ -75,7 +75,7 @@ impl Candidates {
         stats.add(&tracer.take_stats());
         let vpls = job.options.vpls;
         let paths = vpls.saturating_mul(PATHS_PER_LIGHT).min(ENOUGH).max(vpls).max(64);
-        let numbers = instant::numbers(job.options.seed, sample);
+        let numbers = light_path::numbers(job.options.seed, sample);
         let chunks = in_chunks(job, paths, stats, |tracer, range| {
             let first = range.start;
             let light = light_sides(tracer, &pilots, range.clone(), &numbers);

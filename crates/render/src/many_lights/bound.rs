@@ -7,6 +7,9 @@
 
 use std::f32::consts::PI;
 
+use crate::options::RenderOptions;
+use crate::world::World;
+
 /// Virtual lights that share the least area over which one may bring its light wholly.
 const CROWD: f32 = 3.0;
 
@@ -45,5 +48,14 @@ impl Bound {
     pub(crate) fn share(&self, pdf_eye: f32, pdf_vpl: f32) -> f32 {
         let pdf = pdf_eye.max(pdf_vpl);
         if pdf > self.density { self.density / pdf } else { 1.0 }
+    }
+}
+
+/// The bound that options ask for, or one that fits the scene.
+pub(crate) fn bound_of(world: &World, options: &RenderOptions) -> Bound {
+    match (options.clamp, world.bounds()) {
+        (Some(g), _) => Bound::on_geometry_term(g),
+        (None, Some((lower, upper))) => Bound::for_scene([lower, upper], options.vpls),
+        (None, None) => Bound::on_geometry_term(f32::INFINITY),
     }
 }

@@ -299,9 +299,13 @@ pub(super) struct Rest {
 
 /// One ray from each point of a shader that loops over lights itself, and the light against it that neither lamps nor
 /// virtual lights bring there.
-pub(super) fn rest_at(tracer: &mut BatchTracer, points: &SurfaceBatch) -> Vec<Option<Rest>> {
+pub(super) fn rest_at(
+    tracer: &mut BatchTracer,
+    pass: &PassLights,
+    points: &SurfaceBatch,
+) -> Vec<Option<Rest>> {
     let mut found: Vec<Option<Rest>> = (0..points.len()).map(|_| None).collect();
-    let (Some(pass), edges) = (tracer.pass, points.depth + 1) else { return found };
+    let edges = points.depth + 1;
     if edges >= tracer.options.max_depth {
         return found;
     }

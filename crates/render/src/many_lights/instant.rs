@@ -6,28 +6,16 @@
 
 use std::ops::Range;
 
-use gnurt_shading::SampleKey;
-use gnurt_shading::sampling::{hash_combine, sample_pair};
-
-use super::lamps::LampChoice;
-use super::light_path::{self, LightVertex, pair};
-use super::pass::in_chunks;
+use super::chunks::in_chunks;
+use super::lamp_choice::LampChoice;
+use super::lamps::lamp_choice;
+use super::light_path::{self, LightVertex, numbers, pair};
 use super::vpl::Vpl;
+use crate::job::Job;
 use crate::stats::RenderStats;
-use crate::tile::Job;
 
-/// Says that a number is for light paths.
-const LIGHT_PATHS: u32 = 0x1166_7700;
 /// Paths that the mean number of vertices per path is learned from.
 const PILOTS: u32 = 256;
-
-/// Random numbers of the light paths of a set: a (0, 2)-sequence over the paths for each pair.
-pub(super) fn numbers(seed: u64, set: u32) -> impl Fn(u32, u32, u32) -> [f32; 2] + Sync {
-    let pixel = hash_combine(LIGHT_PATHS, set);
-    move |path, edge, pair| {
-        sample_pair(seed, SampleKey { pixel, sample: path, branch: LIGHT_PATHS }, edge, pair)
-    }
-}
 
 /// Vertices of some light paths of a set, path by path, edge by edge; `lamps` are those that matter.
 pub(super) fn vertices(
@@ -68,7 +56,7 @@ pub(super) fn paths_for(job: &Job, lamps: Option<&LampChoice>, count: u32, stats
 
 /// The virtual lights of a pass.
 pub(super) fn virtual_lights(job: &Job, sample: u32, stats: &mut RenderStats) -> Vec<Vpl> {
-    let lamps = job.lamp_choice(stats);
+    let lamps = lamp_choice(job, stats);
     let paths = paths_for(job, lamps, job.options.vpls, stats);
     let found = vertices(job, lamps, sample, 0..paths, stats);
     found.iter().map(|v| v.vpl.scaled(1.0 / paths as f32)).collect()

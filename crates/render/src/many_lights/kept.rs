@@ -12,13 +12,15 @@ use std::collections::VecDeque;
 
 use glam::Vec3;
 
-use super::lamps::LampChoice;
-use super::pass::{PassLights, bound_of};
+use super::bound::bound_of;
+use super::lamp_choice::LampChoice;
+use super::lamps;
+use super::pass::PassLights;
 use super::vpl::Vpl;
 use super::{bidirectional, instant, metropolis};
+use crate::job::Job;
 use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
-use crate::tile::Job;
 use crate::world::WorldMark;
 
 /// Parts that shine together.
@@ -87,7 +89,7 @@ impl KeptLights {
         {
             self.lamps = None;
         }
-        let hangs_on_view = !is_of_paths || LampChoice::is_due(job.world);
+        let hangs_on_view = !is_of_paths || lamps::is_due(job.world);
         if hangs_on_view {
             self.parts.retain(|part| part.view.is_near(&view, extent));
             if self.parts.len() == PARTS as usize {
@@ -108,7 +110,7 @@ impl KeptLights {
         let mut parts: Vec<&Part> = self.parts.iter().collect();
         parts.sort_by_key(|part| part.number);
         let all = parts.into_iter().flat_map(|part| &part.vpls);
-        Some(PassLights::of(job, all.map(|vpl| vpl.scaled(share)).collect(), stats))
+        Some(PassLights::of(job.world, options, all.map(|vpl| vpl.scaled(share)).collect(), stats))
     }
 
     /// Numbers of the parts that are not there.
@@ -119,7 +121,7 @@ impl KeptLights {
 
     /// A part of the light paths of a set: all parts are a whole one.
     fn of_paths(&mut self, job: &Job, number: u32, stats: &mut RenderStats) -> Vec<Vpl> {
-        let lamps = self.lamps.get_or_insert_with(|| LampChoice::new(job, stats)).as_ref();
+        let lamps = self.lamps.get_or_insert_with(|| lamps::learned(job, stats)).as_ref();
         let wanted = job.options.vpls;
         let all = *self.paths.get_or_insert_with(|| instant::paths_for(job, lamps, wanted, stats));
         let paths = all.div_ceil(PARTS);
@@ -132,7 +134,7 @@ impl KeptLights {
 fn chosen(job: &Job, number: u32, stats: &mut RenderStats) -> Vec<Vpl> {
     let few = RenderOptions { vpls: job.options.vpls.div_ceil(PARTS), ..job.options.clone() };
     let bound = bound_of(job.world, job.options);
-    let job = Job::new(job.world, job.camera, &few, job.progress);
+    let job = Job::new(job.world, job.camera, &few, job.watch);
     match few.integrator {
         Integrator::BidirectionalInstantRadiosity => {
             bidirectional::virtual_lights(&job, number, bound, stats)

@@ -7,6 +7,7 @@
 use glam::Vec3;
 use gnurt_accel::{Coherence, Ray, RayBatch};
 use gnurt_shading::lights::LightKind;
+use gnurt_shading::sampling::{hash_combine, sample_pair};
 use gnurt_shading::{SampleKey, Vec3s};
 
 use super::shader_lamps::{self, Source, Start};
@@ -17,6 +18,17 @@ use crate::world::World;
 
 /// Where a path's random numbers come from: path, edge (0 = the lamp), and which pair of that edge.
 pub(crate) type Numbers<'a> = dyn Fn(u32, u32, u32) -> [f32; 2] + 'a;
+
+/// Says that a number is for light paths.
+const LIGHT_PATHS: u32 = 0x1166_7700;
+
+/// Random numbers of the light paths of a set: a (0, 2)-sequence over the paths for each pair.
+pub(super) fn numbers(seed: u64, set: u32) -> impl Fn(u32, u32, u32) -> [f32; 2] + Sync {
+    let pixel = hash_combine(LIGHT_PATHS, set);
+    move |path, edge, pair| {
+        sample_pair(seed, SampleKey { pixel, sample: path, branch: LIGHT_PATHS }, edge, pair)
+    }
+}
 
 /// A vertex of a light path.
 #[derive(Clone, Copy, Debug)]

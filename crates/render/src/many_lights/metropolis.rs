@@ -21,13 +21,12 @@ use super::bound::Bound;
 use super::candidates::{
     Candidate, EYE_EDGE, EYE_PAIRS, EyeSide, LightSide, eye_sides, joined, light_sides, total,
 };
-use super::instant;
+use super::chunks::in_chunks_of;
 use super::light_path;
-use super::pass::in_chunks_of;
 use super::pilots::Pilots;
 use super::vpl::Vpl;
+use crate::job::Job;
 use crate::stats::RenderStats;
-use crate::tile::Job;
 use crate::tracer::BatchTracer;
 
 /// Smallest and largest change of a number by a small step.
@@ -115,7 +114,7 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
     let count = job.options.vpls.div_ceil(STEPS * LIGHTS_PER_STEP);
     let seed = job.options.seed;
     let dice = Dice { seed, pixel: hash_combine(CHAINS, sample) };
-    let fresh = instant::numbers(seed, sample);
+    let fresh = light_path::numbers(seed, sample);
     let key = SampleKey { pixel: hash_combine(RESAMPLING, sample), sample: 0, branch: RESAMPLING };
     let [start, _] = sample_pair(seed, key, 0, 1);
     let share = (mean / f64::from(count * STEPS)) as f32;

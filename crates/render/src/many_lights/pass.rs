@@ -6,17 +6,13 @@
 
 use std::sync::OnceLock;
 
-use rayon::prelude::*;
-
-use super::bound::Bound;
+use super::bound::{Bound, bound_of};
 use super::gather::sources;
+use super::interleave;
 use super::lanes::Source;
 use super::vpl::Vpl;
-use super::{bidirectional, instant, interleave, metropolis};
-use crate::options::{Integrator, RenderOptions};
+use crate::options::RenderOptions;
 use crate::stats::RenderStats;
-use crate::tile::Job;
-use crate::tracer::BatchTracer;
 use crate::world::World;
 
 /// The virtual lights of a pass, and how they share the work with rays.
@@ -42,29 +38,9 @@ pub(crate) struct PassLights {
 }
 
 impl PassLights {
-    /// The lights of sample `sample`, made on the threads of the pool that it is called in. `None` if the integrator
-    /// needs none.
-    pub(crate) fn new(job: &Job, sample: u32) -> Option<Self> {
-        let options = job.options;
-        let bound = bound_of(job.world, options);
-        let mut stats = RenderStats::default();
-        let vpls = match options.integrator {
-            Integrator::InstantRadiosity => instant::virtual_lights(job, sample, &mut stats),
-            Integrator::BidirectionalInstantRadiosity => {
-                bidirectional::virtual_lights(job, sample, bound, &mut stats)
-            }
-            Integrator::MetropolisInstantRadiosity => {
-                metropolis::virtual_lights(job, sample, bound, &mut stats)
-            }
-            _ => return None,
-        };
-        Some(Self::of(job, vpls, stats))
-    }
-
     /// The pass with these lights, which took so much.
-    pub(super) fn of(job: &Job, vpls: Vec<Vpl>, stats: RenderStats) -> Self {
-        let options = job.options;
-        let bound = bound_of(job.world, options);
+    pub(super) fn of(world: &World, options: &RenderOptions, vpls: Vec<Vpl>, stats: RenderStats) -> Self {
+        let bound = bound_of(world, options);
         let few = (options.vpls / 64).clamp(1, 16);
         let pattern = options.pattern();
         let rays = if pattern.is_some() { 1 } else { (options.vpls / 256).clamp(1, MOST_RAYS) };
@@ -109,53 +85,3 @@ const MOST_RAYS: u32 = 4;
 
 /// How much more virtual lights bring where the eye does not see: spots blur there, and rays that go on are noisier.
 const UNSEEN: f32 = 4.0;
-
-/// The bound that options ask for, or one that fits the scene.
-pub(crate) fn bound_of(world: &World, options: &RenderOptions) -> Bound {
-    match (options.clamp, world.bounds()) {
-        (Some(g), _) => Bound::on_geometry_term(g),
-        (None, Some((lower, upper))) => Bound::for_scene([lower, upper], options.vpls),
-        (None, None) => Bound::on_geometry_term(f32::INFINITY),
-    }
-}
-
-/// Paths that one thread follows at a time.
-const CHUNK: u32 = 256;
-
-/// Results of `of_chunk` for chunks of `0..count`, in order; on all threads of the current pool, if there is one.
-pub(super) fn in_chunks<T: Send>(
-    job: &Job,
-    count: u32,
-    stats: &mut RenderStats,
-    of_chunk: impl Fn(&mut BatchTracer, std::ops::Range<u32>) -> T + Sync,
-) -> Vec<T> {
-    in_chunks_of(CHUNK, job, count, stats, of_chunk)
-}
-
-/// The same, for chunks of a chosen size.
-pub(super) fn in_chunks_of<T: Send>(
-    size: u32,
-    job: &Job,
-    count: u32,
-    stats: &mut RenderStats,
-    of_chunk: impl Fn(&mut BatchTracer, std::ops::Range<u32>) -> T + Sync,
-) -> Vec<T> {
-    let one = |n: u32| {
-        let mut tracer = BatchTracer::new(job.world, job.options, false);
-        let result = of_chunk(&mut tracer, n * size..((n + 1) * size).min(count));
-        (result, tracer.take_stats())
-    };
-    let chunks = 0..count.div_ceil(size);
-    let results: Vec<_> = if rayon::current_thread_index().is_some() {
-        chunks.into_par_iter().map(one).collect()
-    } else {
-        chunks.map(one).collect()
-    };
-    results
-        .into_iter()
-        .map(|(result, spent)| {
-            stats.add(&spent);
-            result
-        })
-        .collect()
-}

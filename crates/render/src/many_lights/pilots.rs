@@ -21,7 +21,7 @@ use super::eye::EyePoint;
 use super::lanes::{BLOCK, Block, Densities, END, Light, Source, Work};
 use super::neighbours;
 use super::vpl::{self, Vpl};
-use crate::tile::Job;
+use crate::job::Job;
 use crate::tracer::BatchTracer;
 
 /// Points that the eye sees, at most.

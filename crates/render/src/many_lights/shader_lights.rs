@@ -16,48 +16,50 @@ use super::estimate;
 use super::interleave::place_of_key;
 use super::pass::PassLights;
 use super::vpl::{Vpl, is_open, pdf_of_other_end};
-use crate::tracer::BatchTracer;
-
-/// How many lights shaders meet beside those of the scene.
-pub(crate) fn light_count(tracer: &BatchTracer) -> usize {
-    tracer.pass.map_or(0, |pass| vpl_count(tracer, pass) + 1)
-}
+use crate::tracer::{BatchTracer, FurtherLights};
 
 /// How many virtual lights a point has, at most.
 fn vpl_count(tracer: &BatchTracer, pass: &PassLights) -> usize {
     if tracer.is_interleaved { pass.shares.iter().map(Vec::len).max().unwrap_or(0) } else { pass.vpls.len() }
 }
 
-/// What light `number` of those brings to points. Where pixels share virtual lights out, it is another one for each place.
-pub(crate) fn illuminate(
-    tracer: &mut BatchTracer,
-    number: usize,
-    points: &SurfaceBatch,
-    out: &mut LightBatch,
-) {
-    let Some(pass) = tracer.pass else { return };
-    let count = vpl_count(tracer, pass);
-    if number >= count {
-        if number == count {
-            the_rest(tracer, points, out);
-        }
-        return;
+impl FurtherLights for PassLights {
+    fn count(&self, tracer: &BatchTracer) -> usize {
+        vpl_count(tracer, self) + 1
     }
-    let scale = FRAC_1_PI / tracer.options.white;
-    for i in 0..points.len() {
-        let vpls = if tracer.is_interleaved {
-            &pass.shares[place_of_key(points.key[i], pass.shares.len())]
-        } else {
-            &pass.vpls
-        };
-        let Some(vpl) = vpls.get(number) else { continue };
-        if vpl.edges + points.depth + 2 > tracer.options.max_depth {
-            continue;
+
+    /// Where pixels share virtual lights out, light `number` is another one for each place.
+    fn illuminate(
+        &self,
+        tracer: &mut BatchTracer,
+        number: usize,
+        points: &SurfaceBatch,
+        out: &mut LightBatch,
+    ) {
+        let pass = self;
+        let count = vpl_count(tracer, pass);
+        if number >= count {
+            if number == count {
+                the_rest(tracer, pass, points, out);
+            }
+            return;
         }
-        if let Some((dir, dist, arriving)) = brings(vpl, &points.point(i), &pass.bound) {
-            out.dir.set(i, dir);
-            out.dist[i] = dist;
-            out.radiance.set(i, arriving * scale);
+        let scale = FRAC_1_PI / tracer.options.white;
+        for i in 0..points.len() {
+            let vpls = if tracer.is_interleaved {
+                &pass.shares[place_of_key(points.key[i], pass.shares.len())]
+            } else {
+                &pass.vpls
+            };
+            let Some(vpl) = vpls.get(number) else { continue };
+            if vpl.edges + points.depth + 2 > tracer.options.max_depth {
+                continue;
+            }
+            if let Some((dir, dist, arriving)) = brings(vpl, &points.point(i), &pass.bound) {
+                out.dir.set(i, dir);
+                out.dist[i] = dist;
+                out.radiance.set(i, arriving * scale);
+            }
         }
     }
 }
@@ -82,8 +84,8 @@ fn brings(vpl: &Vpl, point: &SurfacePoint, bound: &Bound) -> Option<(Vec3, f32, 
 }
 
 /// A ray by the cosine from each point: what virtual lights do not bring of the light that it finds.
-fn the_rest(tracer: &mut BatchTracer, points: &SurfaceBatch, out: &mut LightBatch) {
-    for (i, found) in estimate::rest_at(tracer, points).into_iter().enumerate() {
+fn the_rest(tracer: &mut BatchTracer, pass: &PassLights, points: &SurfaceBatch, out: &mut LightBatch) {
+    for (i, found) in estimate::rest_at(tracer, pass, points).into_iter().enumerate() {
         let Some(found) = found.filter(|found| found.radiance != Vec3::ZERO) else { continue };
         out.dir.set(i, found.dir);
         out.dist[i] = found.dist;

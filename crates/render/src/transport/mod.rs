@@ -3,6 +3,7 @@
 //! path tracer.
 //! Source: see each file; [AK90] (Russian roulette).
 
+mod finals;
 pub(crate) mod lambert;
 mod light_samples;
 mod mis;

@@ -7,7 +7,7 @@ use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, Scattering};
 use gnurt_shading::{SampleKey, SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
 
-use crate::many_lights::finals;
+use super::finals;
 use crate::tracer::{BatchTracer, Wanted};
 use crate::world::HitLanes;
 

@@ -19,7 +19,24 @@ use super::{
 };
 use crate::error::CommitError;
 
-pub(super) fn commit(
+impl World {
+    /// Brings the world up to date with `scene`. A world follows one scene: only what its log says was edited since
+    /// the last commit is built again. Bad primitives and instances are dropped and counted.
+    ///
+    /// # Errors
+    /// [`CommitError`] if the scene names things that are not there; the world stays as it was.
+    pub fn commit(
+        &mut self,
+        scene: &Scene,
+        shaders: &ShaderTable,
+        options: &CommitOptions,
+        pool: &rayon::ThreadPool,
+    ) -> Result<CommitReport, CommitError> {
+        commit(self, scene, shaders, options, pool)
+    }
+}
+
+fn commit(
     world: &mut World,
     scene: &Scene,
     shaders: &ShaderTable,

@@ -9,62 +9,26 @@ mod flat;
 mod instance;
 mod lights;
 mod materials;
+mod object;
 mod plain;
 mod surface;
+mod table;
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock, Weak};
 
-use gnurt_accel::{Hit, HitBatch, INVALID_ID, Memory, ObjectTree, Ray, SceneTree};
+use gnurt_accel::{Hit, HitBatch, INVALID_ID, Ray, SceneTree};
 use gnurt_scene::edit::Cursor;
-use gnurt_scene::{Mesh, Scene};
 use gnurt_shading::lights::{LightParts, LightSet};
 use gnurt_shading::materials::{Lambertian, PlainColor};
-use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, SurfaceShader};
-use gnurt_simd::Level;
+use gnurt_shading::{EnvironmentShader, LightShader, SurfaceShader};
 
-use crate::error::CommitError;
 use crate::many_lights::ShaderLamps;
 pub(crate) use flat::FlatLanes;
 pub(crate) use instance::PlacedInstance;
+pub(crate) use object::WorldObject;
 pub(crate) use surface::HitLanes;
-
-/// Shaders that the description only names by number, or does not know at all.
-#[derive(Clone, Default)]
-pub struct ShaderTable {
-    /// What `Surface::Shader(n)` means.
-    pub surfaces: Vec<Arc<dyn SurfaceShader>>,
-    /// Lights beside those of the scene.
-    pub lights: Vec<Arc<dyn LightShader>>,
-    /// What misses see, instead of the scene's own environment.
-    pub environment: Option<Arc<dyn EnvironmentShader>>,
-    /// The camera that goes with them; commit does not use it, callers pass it to `render`.
-    pub camera: Option<Arc<dyn CameraShader>>,
-}
-
-/// How a scene becomes a world.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct CommitOptions {
-    /// Every material becomes an opaque Lambertian reflector of its base colour under face normals.
-    pub force_diffuse: bool,
-    /// CPU level of the builders.
-    pub level: Level,
-    /// Whether trees are to be fast or small; pictures are the same.
-    pub memory: Memory,
-}
-
-/// What a commit did.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct CommitReport {
-    /// Triangles of visible objects that were left out: NaN, infinite or without area.
-    pub dropped_triangles: usize,
-    /// Instances that were left out: their transform has no inverse or is not finite.
-    pub dropped_instances: usize,
-    /// Objects whose trees were built.
-    pub built_objects: usize,
-    /// Seconds that all of it took.
-    pub build_seconds: f64,
-}
+pub use table::{CommitOptions, CommitReport, ShaderTable};
 
 /// Sizes of a world.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -119,13 +83,6 @@ struct Followed {
     options: CommitOptions,
 }
 
-/// An object's arrays and the tree over them.
-pub(crate) struct WorldObject {
-    /// By geometry id: what the scene's meshes were at commit. Shared with the scene until it edits them.
-    pub(crate) meshes: Vec<Arc<Mesh>>,
-    pub(crate) tree: Arc<ObjectTree>,
-}
-
 /// All shaders of a world.
 #[derive(Default)]
 pub(crate) struct Shading {
@@ -155,21 +112,6 @@ impl World {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
-    }
-
-    /// Brings the world up to date with `scene`. A world follows one scene: only what its log says was edited since
-    /// the last commit is built again. Bad primitives and instances are dropped and counted.
-    ///
-    /// # Errors
-    /// [`CommitError`] if the scene names things that are not there; the world stays as it was.
-    pub fn commit(
-        &mut self,
-        scene: &Scene,
-        shaders: &ShaderTable,
-        options: &CommitOptions,
-        pool: &rayon::ThreadPool,
-    ) -> Result<CommitReport, CommitError> {
-        commit::commit(self, scene, shaders, options, pool)
     }
 
     /// Lower and upper corner of everything that rays may meet; `None` if there is nothing.

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Camera rays of some samples of some pixels, as they go together. Source: original.
+
+use gnurt_accel::{HitBatch, RayBatch};
+use gnurt_shading::{SampleKey, Vec3s};
+
+/// Camera rays of some samples, and memory for what becomes of them.
+#[derive(Default)]
+pub(crate) struct CameraBatch {
+    /// Those that the rays of each sample go through.
+    pub(crate) pixels: Vec<[u32; 2]>,
+    pub(crate) rays: RayBatch,
+    pub(crate) keys: Vec<SampleKey>,
+    /// Where they go through the picture.
+    pub(crate) places: Vec<[f32; 2]>,
+    pub(crate) hits: HitBatch,
+    pub(crate) radiance: Vec3s,
+}

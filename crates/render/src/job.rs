@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What all tiles of a rendering share, and the camera rays of their pixels.
+//! Source: original; samples placed by the filter [EST06].
+
+use std::ops::Range;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
+
+use glam::Vec3;
+use gnurt_accel::{Ray, RayBatch};
+use gnurt_image::Filter;
+use gnurt_shading::sampling::{purpose, sample_pair, sample_pairs};
+use gnurt_shading::{CameraShader, SampleKey};
+use gnurt_simd::dispatch_wide;
+
+use crate::camera_batch::CameraBatch;
+use crate::cone::Cone;
+use crate::many_lights::LampChoice;
+use crate::options::RenderOptions;
+use crate::progress::Watch;
+use crate::world::World;
+
+/// What all tiles of a rendering share.
+pub(crate) struct Job<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) camera: &'a dyn CameraShader,
+    pub(crate) options: &'a RenderOptions,
+    pub(crate) filter: Filter,
+    pub(crate) watch: &'a dyn Watch,
+    pub(crate) deadline: Option<Instant>,
+    /// Samples that the whole rendering will take.
+    pub(crate) all_samples: u64,
+    pub(crate) samples_done: AtomicU64,
+    /// Once somebody was told to stop, all stop.
+    pub(crate) stopped: AtomicBool,
+    /// Unit direction of view, for depths along it.
+    pub(crate) forward: Vec3,
+    /// Where the middle of the picture is seen from.
+    pub(crate) eye: Vec3,
+    /// What pixels stand for.
+    pub(crate) cone: Cone,
+    /// Centres of columns and rows, once somebody has asked.
+    centres: OnceLock<[Vec<f32>; 2]>,
+    /// Lamps that matter, likewise.
+    pub(crate) lamps: OnceLock<Option<LampChoice>>,
+}
+
+impl<'a> Job<'a> {
+    /// A job without deadline that has nothing done.
+    pub(crate) fn new(
+        world: &'a World,
+        camera: &'a dyn CameraShader,
+        options: &'a RenderOptions,
+        watch: &'a dyn Watch,
+    ) -> Self {
+        let [eye, forward] = middle(camera, options);
+        Self {
+            world,
+            camera,
+            options,
+            filter: Filter::new(options.filter),
+            watch,
+            deadline: None,
+            all_samples: 1,
+            samples_done: AtomicU64::new(0),
+            stopped: AtomicBool::new(false),
+            forward,
+            eye,
+            cone: Cone::of(camera, options),
+            centres: OnceLock::new(),
+            lamps: OnceLock::new(),
+        }
+    }
+
+    /// One ray through each pixel for each sample, at its centre or placed by the filter; sample by sample.
+    pub(crate) fn camera_rays(
+        &self,
+        pixels: impl Iterator<Item = [u32; 2]>,
+        samples: Range<u32>,
+        batch: &mut CameraBatch,
+    ) {
+        let (width, height) = (self.options.width, self.options.height);
+        let CameraBatch { pixels: all, rays, keys, places, .. } = batch;
+        rays.clear();
+        keys.clear();
+        places.clear();
+        all.clear();
+        // Loops within loops are loops only from inside.
+        pixels.for_each(|pixel| all.push(pixel));
+        for sample in samples {
+            keys.extend(all.iter().map(|[x, y]| SampleKey { pixel: y * width + x, sample, branch: 0 }));
+        }
+        if self.options.pixel_centres {
+            let [columns, rows] = self.centres.get_or_init(|| centres(width, height));
+            let centre = |&[x, y]: &[u32; 2]| [columns[x as usize], rows[y as usize]];
+            while places.len() < keys.len() {
+                places.extend(all.iter().map(centre));
+            }
+        } else {
+            let (seed, level) = (self.options.seed, self.options.level);
+            dispatch_wide!(
+                level,
+                simd => sample_pairs(simd, seed, keys, 0, purpose::PIXEL, places),
+                else places.extend(keys.iter().map(|&key| sample_pair(seed, key, 0, purpose::PIXEL)))
+            );
+            for (place, &[x, y]) in places.iter_mut().zip(all.iter().cycle()) {
+                let [dx, dy] = self.filter.sample(*place).map(f64::from);
+                let across = (f64::from(x) + 0.5 + dx) / f64::from(width);
+                let up = 1.0 - (f64::from(y) + 0.5 + dy) / f64::from(height);
+                *place = [across as f32, up as f32];
+            }
+        }
+        self.camera.rays(places, width as f32 / height as f32, rays);
+        // A camera that gives too few rays leaves the rest dark: a ray without direction hits nothing.
+        while rays.len() < keys.len() {
+            rays.push(Ray::new([0.0; 3], [0.0; 3]));
+        }
+    }
+
+    /// Whether to finish now; once yes, always yes.
+    pub(crate) fn should_stop(&self) -> bool {
+        let stop = self.stopped.load(Ordering::Relaxed)
+            || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+            || self.watch.should_stop();
+        if stop {
+            self.stopped.store(true, Ordering::Relaxed);
+        }
+        stop
+    }
+}
+
+/// Where the centres of columns and rows lie across the picture and up.
+fn centres(width: u32, height: u32) -> [Vec<f32>; 2] {
+    let across = |x| ((f64::from(x) + 0.5) / f64::from(width)) as f32;
+    let up = |y| (1.0 - (f64::from(y) + 0.5) / f64::from(height)) as f32;
+    [(0..width).map(across).collect(), (0..height).map(up).collect()]
+}
+
+/// Where the middle of the picture is seen from, and its unit direction.
+fn middle(camera: &dyn CameraShader, options: &RenderOptions) -> [Vec3; 2] {
+    let mut rays = RayBatch::default();
+    camera.rays(&[[0.5, 0.5]], options.width as f32 / options.height as f32, &mut rays);
+    if rays.is_empty() {
+        return [Vec3::ZERO, Vec3::NEG_Z];
+    }
+    let ray = rays.get(0);
+    [ray.org, ray.dir].map(Vec3::from)
+}

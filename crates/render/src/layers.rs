@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The layers of a picture, gathered from its tiles. Source: original; names of layers and channels as EXR files of the field have
+//! them. What the layers hold: see `aov`.
+
+use gnurt_accel::INVALID_ID;
+use gnurt_image::{Layer, Picture};
+
+use crate::aov::{FirstHit, TileAovs};
+use crate::film::TileFilm;
+
+/// Adds the layers of all tiles to the picture.
+pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
+    let width = picture.width as usize;
+    let pixels = picture.pixel_count();
+    let with_layers = || tiles.iter().filter_map(|tile| Some((tile, tile.aovs.as_ref()?)));
+    // One plane of the picture, gathered from the tiles.
+    let plane = |value: &dyn Fn(&TileFilm, &TileAovs, usize) -> f32, background: f32| {
+        let mut plane = vec![background; pixels];
+        for (tile, aovs) in with_layers() {
+            for (i, [x, y]) in tile.pixels().enumerate() {
+                plane[y as usize * width + x as usize] = value(tile, aovs, i);
+            }
+        }
+        plane
+    };
+    let ids = |value: &dyn Fn(&FirstHit) -> u32| {
+        let mut plane = vec![INVALID_ID; pixels];
+        for (tile, aovs) in with_layers() {
+            for (i, [x, y]) in tile.pixels().enumerate() {
+                plane[y as usize * width + x as usize] = value(&aovs.first[i]);
+            }
+        }
+        plane
+    };
+    let mean = |sum: f64, tile: &TileFilm| (sum / f64::from(tile.samples.max(1))) as f32;
+    let albedo = |c: usize| plane(&|tile, aovs, i| mean(aovs.albedo[i][c], tile), 0.0);
+    let normal = |c: usize| plane(&|tile, aovs, i| mean(aovs.normal[i][c], tile), 0.0);
+    let emission = |c: usize| plane(&|tile, aovs, i| mean(aovs.emission[i][c], tile), 0.0);
+    let position = |c: usize| plane(&|_, aovs, i| aovs.first[i].position[c], 0.0);
+    let variance = |c: usize| plane(&|tile, _, i| tile.variance(i)[c], 0.0);
+    let depth = plane(&|_, aovs, i| aovs.first[i].depth, f32::INFINITY);
+    let z = plane(&|_, aovs, i| aovs.first[i].z, f32::INFINITY);
+    picture.layers.extend([
+        Layer::floats("albedo", [("R", albedo(0)), ("G", albedo(1)), ("B", albedo(2))]),
+        Layer::floats("variance", [("R", variance(0)), ("G", variance(1)), ("B", variance(2))]),
+        Layer::floats("emission", [("R", emission(0)), ("G", emission(1)), ("B", emission(2))]),
+        Layer::floats("N", [("X", normal(0)), ("Y", normal(1)), ("Z", normal(2))]),
+        Layer::floats("P", [("X", position(0)), ("Y", position(1)), ("Z", position(2))]),
+        Layer::floats("depth", [("Z", depth)]),
+        Layer::floats("", [("Z", z)]),
+        Layer::ids(
+            "id",
+            [
+                ("object", ids(&|hit| hit.object)),
+                ("instance", ids(&|hit| hit.instance)),
+                ("prim", ids(&|hit| hit.prim)),
+                ("material", ids(&|hit| hit.material)),
+            ],
+        ),
+    ]);
+}

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One sample, or several, of all pixels of a tile: camera rays, hits, radiance, film.
+//! Source: original.
+//! A batch is one sample of all pixels of a tile, or several, where many rays together are worth more than few. What a ray
+//! brings does not depend on the others, and samples are added in order: pictures do not depend on batches.
+
+use std::sync::atomic::Ordering;
+
+use gnurt_accel::Coherence;
+use gnurt_shading::Vec3s;
+
+use crate::camera_batch::CameraBatch;
+use crate::cost::TileCosts;
+use crate::film::TileFilm;
+use crate::integrators;
+use crate::job::Job;
+use crate::many_lights::interleave::{Seen, Texel};
+use crate::many_lights::{self, PassLights};
+use crate::options::Integrator;
+use crate::stats::RenderStats;
+use crate::tracer::BatchTracer;
+use crate::world::HitLanes;
+
+/// Paths that go together, about: enough to fill lanes when most have ended, few enough for caches.
+const WAVEFRONT: usize = 4096;
+
+/// What takes samples.
+#[derive(Clone, Copy)]
+pub(crate) struct Sampler<'a> {
+    pub(crate) job: &'a Job<'a>,
+    /// Virtual lights of the sample that is taken, if the integrator has any.
+    pub(crate) pass: Option<&'a PassLights>,
+}
+
+/// A sample of each pixel of a tile, light and surfaces apart.
+pub(crate) struct Apart {
+    /// Row by row.
+    pub(crate) texels: Vec<Texel>,
+    batch: CameraBatch,
+    costs: Vec<u64>,
+    stats: RenderStats,
+}
+
+impl<'a> Sampler<'a> {
+    /// What renders one tile after another.
+    pub(crate) fn tracer(&self) -> BatchTracer<'a> {
+        let mut tracer = BatchTracer::new(self.job.world, self.job.options, self.job.options.heatmap);
+        tracer.cone = self.job.cone;
+        tracer.lights = self.pass.map(|pass| pass as _);
+        tracer
+    }
+
+    /// Takes the next samples of all pixels of a tile, as many as go together, up to `last`.
+    pub(crate) fn render_samples(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, last: u32) {
+        let mut batch = std::mem::take(&mut tracer.camera);
+        let pixels = tile.first.len();
+        let at_once = match self.job.options.integrator {
+            Integrator::Path => (WAVEFRONT / pixels.max(1)).clamp(1, 16) as u32,
+            _ => 1,
+        };
+        let samples = tile.samples..last.min(tile.samples.saturating_add(at_once));
+        self.job.camera_rays(tile.pixels(), samples.clone(), &mut batch);
+        let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
+        tracer.intersect_into(rays, keys, Coherence::Coherent, hits);
+        let epsilon = self.job.options.ray_epsilon;
+        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon };
+        integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, radiance);
+        for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
+            let lanes = first..first + pixels;
+            if let Some(aovs) = &mut tile.aovs {
+                aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward);
+            }
+            tracer.stats.bad_samples += tile.add_sample(radiance, hits, lanes);
+        }
+        tracer.stats.camera_rays += rays.len() as u64;
+        tracer.stats.samples += rays.len() as u64;
+        tracer.camera = batch;
+    }
+
+    /// A sample of each pixel of a part of the film, light and surfaces apart; nothing is added to the film.
+    pub(crate) fn sample_apart(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> Apart {
+        let mut batch = CameraBatch::default();
+        self.job.camera_rays(tile.pixels(), sample..sample + 1, &mut batch);
+        tracer.costs = self.job.options.heatmap.then(|| TileCosts::new(tile.rect, self.job.options.width));
+        let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
+        tracer.intersect_into(rays, keys, Coherence::Coherent, hits);
+        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.job.options.ray_epsilon };
+        let mut lanes = vec![Texel::default(); keys.len()];
+        if let Some(pass) = self.pass {
+            many_lights::radiance_apart(tracer, pass, camera, radiance, &mut lanes);
+        }
+        tracer.stats.camera_rays += keys.len() as u64;
+        tracer.stats.samples += keys.len() as u64;
+        let [x0, y0, x1, _] = tile.rect;
+        let mut texels = lanes.clone();
+        for ([x, y], texel) in tile.pixels().zip(lanes) {
+            texels[((y - y0) * (x1 - x0) + (x - x0)) as usize] = texel;
+        }
+        let costs = tracer.costs.take().map_or_else(Vec::new, |costs| costs.costs);
+        Apart { texels, batch, costs, stats: tracer.take_stats() }
+    }
+
+    /// Adds a sample that was taken apart to the film; `filter` brings its parts together.
+    pub(crate) fn add_apart(
+        &self,
+        tile: &mut TileFilm,
+        tracer: &mut BatchTracer,
+        sample: u32,
+        apart: &Apart,
+        seen: &Seen,
+    ) -> RenderStats {
+        let mut radiance = Vec3s::default();
+        seen.filtered(tile, &mut radiance);
+        let CameraBatch { rays, keys, hits, .. } = &apart.batch;
+        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.job.options.ray_epsilon };
+        if let Some(aovs) = &mut tile.aovs {
+            aovs.add(tracer, camera, 0..keys.len(), sample, self.job.forward);
+        }
+        tile.costs.resize(apart.costs.len(), 0);
+        tile.costs.iter_mut().zip(&apart.costs).for_each(|(sum, cost)| *sum += cost);
+        let bad_samples = tile.add_sample(&radiance, hits, 0..keys.len());
+        let mut stats = tracer.take_stats();
+        stats.add(&apart.stats);
+        stats.bad_samples += bad_samples;
+        let done = self.job.samples_done.fetch_add(stats.samples, Ordering::Relaxed) + stats.samples;
+        self.job.watch.update(done as f64 / self.job.all_samples as f64, done);
+        stats
+    }
+}

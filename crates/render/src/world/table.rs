@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a commit is given beside the scene, and what it tells. Source: original.
+
+use std::sync::Arc;
+
+use gnurt_accel::Memory;
+use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, SurfaceShader};
+use gnurt_simd::Level;
+
+/// Shaders that the description only names by number, or does not know at all.
+#[derive(Clone, Default)]
+pub struct ShaderTable {
+    /// What `Surface::Shader(n)` means.
+    pub surfaces: Vec<Arc<dyn SurfaceShader>>,
+    /// Lights beside those of the scene.
+    pub lights: Vec<Arc<dyn LightShader>>,
+    /// What misses see, instead of the scene's own environment.
+    pub environment: Option<Arc<dyn EnvironmentShader>>,
+    /// The camera that goes with them; commit does not use it, callers pass it to `render`.
+    pub camera: Option<Arc<dyn CameraShader>>,
+}
+
+/// How a scene becomes a world.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CommitOptions {
+    /// Every material becomes an opaque Lambertian reflector of its base colour under face normals.
+    pub force_diffuse: bool,
+    /// CPU level of the builders.
+    pub level: Level,
+    /// Whether trees are to be fast or small; pictures are the same.
+    pub memory: Memory,
+}
+
+/// What a commit did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CommitReport {
+    /// Triangles of visible objects that were left out: NaN, infinite or without area.
+    pub dropped_triangles: usize,
+    /// Instances that were left out: their transform has no inverse or is not finite.
+    pub dropped_instances: usize,
+    /// Objects whose trees were built.
+    pub built_objects: usize,
+    /// Seconds that all of it took.
+    pub build_seconds: f64,
+}
