@@ -29,6 +29,10 @@ impl Checkpoint {
 
     /// The rendering so far: the file's, or none if there is no file.
     pub(crate) fn begin(&self, options: &RenderOptions, messages: Messages) -> Result<Accumulation, Failure> {
+        // A pipe or a device might never end.
+        if std::fs::metadata(&self.path).is_ok_and(|found| !found.is_file()) {
+            return Err(self.failure("is no file; give another name"));
+        }
         let bytes = match std::fs::read(&self.path) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {

@@ -8,8 +8,9 @@ use std::time::Instant;
 
 use gnurt::image::system_reason;
 use gnurt::scene::{Scene, io};
-use gnurt::{BUILTIN, load_scene};
+use gnurt::{BUILTIN, LoadOptions, load_scene_with};
 
+use crate::arguments::FileArguments;
 use crate::environment::Environment;
 use crate::failure::Failure;
 use crate::machine::bytes;
@@ -20,16 +21,28 @@ use crate::nearest::unknown;
 #[derive(Clone, Debug)]
 pub(crate) struct Source {
     found: OsString,
+    options: LoadOptions,
 }
 
 impl Source {
     /// Finds the scene without reading it.
-    pub(crate) fn find(scene: &OsStr, environment: &Environment) -> Result<Self, Failure> {
+    pub(crate) fn find(
+        scene: &OsStr,
+        files: &FileArguments,
+        environment: &Environment,
+    ) -> Result<Self, Failure> {
+        let options = files.options();
+        if let Some(folder) = options.confine.as_deref().filter(|folder| !folder.is_dir()) {
+            return Err(Failure::usage(format_args!(
+                "--confine {}: there is no such folder; give the one that files may be read from",
+                folder.display()
+            )));
+        }
         // The names are text, so that what is none is an unknown name.
         if let Some(name) = scene.to_string_lossy().strip_prefix(BUILTIN) {
             let names = gnurt::builtin_names();
             return match names.contains(&name) {
-                true => Ok(Self { found: scene.to_owned() }),
+                true => Ok(Self { found: scene.to_owned(), options }),
                 false => Err(Failure::usage(unknown("built-in scene", name, &names))),
             };
         }
@@ -40,7 +53,7 @@ impl Source {
         let is_placed = path.is_absolute() || path.starts_with(".") || path.starts_with("..");
         let found = candidates.take(if is_placed { 1 } else { usize::MAX }).find(|path| path.exists());
         match found {
-            Some(path) => Ok(Self { found: path.into_os_string() }),
+            Some(path) => Ok(Self { found: path.into_os_string(), options }),
             None => Err(missing(path, environment)),
         }
     }
@@ -75,7 +88,7 @@ impl Source {
     /// As [`load`](Self::load), and tells the files that it was read from.
     pub(crate) fn load_with_files(&self, messages: Messages) -> Result<(Scene, Vec<PathBuf>), Failure> {
         let begin = Instant::now();
-        let loaded = load_scene(&self.found).map_err(|error| match error.kind {
+        let loaded = load_scene_with(&self.found, &self.options).map_err(|error| match error.kind {
             io::ErrorKind::UnknownName => Failure::usage(error),
             _ => Failure::data(error),
         })?;

@@ -90,7 +90,7 @@ pub use gnurt_render as render;
 pub use gnurt_scene as scene;
 pub use gnurt_shading as shading;
 pub use gnurt_simd as simd;
-pub use load::{BUILTIN, Loaded, builtin_names, builtin_scenes, load_scene};
+pub use load::{BUILTIN, LoadOptions, Loaded, builtin_names, builtin_scenes, load_scene, load_scene_with};
 pub use rayon::ThreadPool;
 pub use surroundings::Surroundings;
 pub use threads::{JoinedPool, cores, thread_pool};

@@ -6,7 +6,7 @@ use std::ffi::OsStr;
 
 use crate::scene::io;
 
-pub use io::Loaded;
+pub use io::{LoadOptions, Loaded};
 
 /// What the names of built-in scenes begin with.
 pub const BUILTIN: &str = io::BUILTIN_PREFIX;
@@ -29,6 +29,22 @@ pub fn builtin_names() -> Vec<&'static str> {
 /// [`io::ErrorKind::UnknownName`].
 pub fn load_scene(source: impl AsRef<OsStr>) -> Result<Loaded, io::Error> {
     io::load_source(source)
+}
+
+/// As [`load_scene`], but the scene may only do what `options` allow.
+///
+/// ```
+/// let options = gnurt::LoadOptions { confine: Some(".".into()) };
+/// let loaded = gnurt::load_scene_with("builtin:cornell", &options)?;
+/// assert!(loaded.files.is_empty(), "it names no files");
+/// # Ok::<(), gnurt::scene::io::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`load_scene`]. A file that the scene names but may not read is an error for buffers, and a warning for material
+/// libraries and textures, as one that is not there is.
+pub fn load_scene_with(source: impl AsRef<OsStr>, options: &LoadOptions) -> Result<Loaded, io::Error> {
+    io::load_source_with(source, options)
 }
 
 #[cfg(test)]

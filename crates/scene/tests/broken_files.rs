@@ -229,6 +229,44 @@ fn gltf_cases() -> Vec<(&'static str, Vec<u8>, Outcome)> {
             doc(r#","nodes":[{"children":[1]},{"children":[0]}],"scenes":[{"nodes":[0]}],"scene":0"#),
             Triangles(0, "stands in the tree twice"),
         ),
+        (
+            "a compressed mesh",
+            doc(r#","extensionsRequired":["KHR_draco_mesh_compression"]"#),
+            Error("KHR_draco_mesh_compression is required; this program does not unpack it"),
+        ),
+        (
+            "compressed buffers",
+            doc(r#","extensionsRequired":["KHR_texture_transform","EXT_meshopt_compression"]"#),
+            Error("EXT_meshopt_compression is required"),
+        ),
+        (
+            "layers",
+            doc(
+                r#","extensionsRequired":["KHR_materials_clearcoat","KHR_materials_sheen","KHR_materials_volume"]"#,
+            ),
+            Triangles(0, "no triangles"),
+        ),
+        (
+            "an animation of pointers",
+            doc(
+                r#","animations":[{"channels":[{"sampler":0,"target":{"path":"pointer"}}],"samplers":[{"input":0,"output":0}]}]"#,
+            ),
+            Triangles(0, "animation, shown in its rest pose"),
+        ),
+        (
+            "index 2^32 + 1",
+            doc(r#","nodes":[{"mesh":4294967297}]"#),
+            Error("index 4294967297 is beyond 32 bits"),
+        ),
+        ("a root beyond 32 bits", doc(r#","scene":4294967296"#), Error("index 4294967296 is beyond 32 bits")),
+        ("a negative index", doc(r#","nodes":[{"mesh":-1}]"#), Error("a whole number that is not negative")),
+        ("half an index", doc(r#","nodes":[{"mesh":0.5}]"#), Error("a whole number that is not negative")),
+        ("indices as decimals", mesh(0, r#","indices":null,"mode":4.0"#), Triangles(1, "")),
+        (
+            "draco alone",
+            mesh(4, r#","extensions":{"KHR_draco_mesh_compression":{}}"#),
+            Error("the mesh is compressed"),
+        ),
         ("no node", doc(r#","scenes":[{"nodes":[5]}],"scene":0"#), Error("node 5 does not exist")),
     ]
 }
@@ -289,6 +327,11 @@ fn binary_gltf() {
             ("length", with(8, &[255, 255]), Error("bytes are declared, but the file has")),
             ("chunk length", with(12, &[255, 255]), Error("the file ends in its chunks")),
             ("chunk kind", with(16, b"NOSJ"), Error("no JSON chunk")),
+            (
+                "JSON that is no UTF-8",
+                glb(b"{\"asset\":{\"version\":\"2.0\"},\"x\":\"\xff\"}", b""),
+                Error("the JSON is no UTF-8 at its byte 32"),
+            ),
             ("twelve bytes", good[..10].to_vec(), Error("the file ends in its header")),
         ],
     );

@@ -2,10 +2,13 @@
 //! What is written is read back.
 //! Source: original.
 
+use std::sync::Arc;
+
 use gnurt_scene::builtin;
 use gnurt_scene::io::{load, save};
-use gnurt_scene::material::{Color, Principled};
-use gnurt_scene::{Scene, Surface};
+use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
+use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
+use gnurt_scene::{Material, Scene, Surface, TextureId};
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -146,4 +149,71 @@ fn layers_come_back() {
     scene.add_material(gnurt_scene::Material::of("layered", surface.clone()));
     let back = there_and_back(&scene, "a.glb");
     assert_eq!(back.materials()[0].surface, surface, "all of it");
+}
+
+/// A texture of two texels in a row.
+fn texture(data: TexelData) -> Texture {
+    let texels = Arc::new(Texels { width: 2, height: 1, data });
+    Texture { name: "t".into(), texels, wrap: [Wrap::Repeat; 2], filter: Filter::Linear }
+}
+
+#[test]
+fn measures_stay_linear() {
+    let values = vec![[0.5, 0.25, 1.0, 1.0], [0.0, 0.75, 0.125, 1.0]];
+    let mut scene = Scene::new();
+    let map = TextureRef::new(scene.add_texture(texture(TexelData::Float(values.clone()))));
+    let turned = TextureRef { uv_from_mesh: [2.0, 0.0, 0.0, 3.0, 0.25, 0.5], ..map };
+    let color = TextureRef::new(scene.add_texture(texture(TexelData::Float(values.clone()))));
+    let surface = Surface::MetallicRoughness {
+        base_color: Color { factor: [1.0; 3], texture: Some(color) },
+        metallic: 0.5,
+        roughness: 0.5,
+        metallic_roughness_texture: Some(map),
+        ior: 1.5,
+        normal_texture: Some(NormalMap { texture: turned, scale: 0.5 }),
+    };
+    scene.add_material(Material::of("m", surface));
+    let back = there_and_back(&scene, "a.glb");
+    let Surface::MetallicRoughness { base_color, metallic_roughness_texture, normal_texture, .. } =
+        &back.materials()[0].surface
+    else {
+        panic!("{:?}", back.materials()[0].surface);
+    };
+    let normals = normal_texture.expect("a normal map");
+    let close = |a: f32, b: f32| (a - b).abs() < 1e-4;
+    let near = normals.texture.uv_from_mesh.iter().zip(turned.uv_from_mesh).all(|(&a, b)| close(a, b));
+    assert!(near, "its transform: {:?}", normals.texture.uv_from_mesh);
+    let used = [base_color.texture, *metallic_roughness_texture, Some(normals.texture)];
+    for (what, used) in ["colour", "roughness", "normals"].into_iter().zip(used) {
+        let TexelData::Float(found) = &back.texture(used.expect(what).texture).texels.data else {
+            panic!("{what}: 16 bits");
+        };
+        let same = found.iter().flatten().zip(values.iter().flatten()).all(|(&a, &b)| close(a, b));
+        assert!(same, "{what}: {found:?} is not {values:?}");
+    }
+}
+
+#[test]
+fn cut_outs_survive() {
+    let mut scene = Scene::new();
+    let color = scene.add_texture(texture(TexelData::Srgb8(vec![[10, 20, 30, 255], [40, 50, 60, 255]])));
+    let hole = scene.add_texture(texture(TexelData::Linear8(vec![[0, 9, 9, 255], [255, 9, 9, 255]])));
+    let through = |texture: TextureId, channel| Alpha::Blend {
+        opacity: Opacity { factor: 1.0, texture: Some(TextureRef::new(texture)), channel },
+    };
+    let matte = |texture: Option<TextureId>| {
+        let base_color = Color { factor: [1.0; 3], texture: texture.map(TextureRef::new) };
+        Material::of("m", Surface::Matte { base_color })
+    };
+    scene.add_material(Material { alpha: through(hole, OpacityChannel::Red), ..matte(Some(color)) });
+    scene.add_material(Material { alpha: through(hole, OpacityChannel::Red), ..matte(None) });
+    let back = there_and_back(&scene, "a.gltf");
+    let texels = |material: usize| {
+        let Alpha::Blend { opacity } = back.materials()[material].alpha else { panic!("it blends") };
+        assert_eq!(opacity.channel, OpacityChannel::Alpha, "where glTF keeps it");
+        assert_eq!(opacity.texture, back.materials()[material].diffuse_color().texture, "one texture");
+        back.texture(opacity.texture.expect("a texture").texture).texels.data.clone()
+    };
+    assert_eq!(texels(0), TexelData::Srgb8(vec![[10, 20, 30, 0], [40, 50, 60, 255]]), "colour and opacity");
+    assert_eq!(texels(1), TexelData::Srgb8(vec![[255, 255, 255, 0], [255; 4]]), "white and opacity");
 }

@@ -11,7 +11,7 @@ use gnurt_bench::Class;
 
 use super::value;
 use super::value::Resolution;
-use super::{MachineArguments, TalkArguments, ViewArguments};
+use super::{FileArguments, MachineArguments, TalkArguments, ViewArguments};
 
 /// Arguments of `bench`.
 #[derive(Args, Debug)]
@@ -94,6 +94,8 @@ pub(crate) struct BenchRaysArguments {
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
     #[command(flatten)]
+    pub(crate) files: FileArguments,
+    #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }
 
@@ -118,6 +120,8 @@ pub(crate) struct BenchBuildArguments {
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
     #[command(flatten)]
+    pub(crate) files: FileArguments,
+    #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }
 
@@ -136,6 +140,8 @@ pub(crate) struct BenchPaperArguments {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) files: FileArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }
@@ -189,6 +195,8 @@ pub(crate) struct BenchLightArguments {
     pub(crate) view: ViewArguments,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) files: FileArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

@@ -5,6 +5,7 @@
 
 mod bench;
 mod denoiser;
+mod files;
 mod refusal;
 mod render;
 mod talk;
@@ -22,6 +23,7 @@ pub(crate) use bench::{
     BenchRaysArguments,
 };
 pub(crate) use denoiser::DenoiserArguments;
+pub(crate) use files::FileArguments;
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::{TalkArguments, talk_behind_command};
@@ -138,6 +140,8 @@ pub(crate) struct InfoArguments {
     #[command(flatten)]
     pub(crate) trees: TreeArguments,
     #[command(flatten)]
+    pub(crate) files: FileArguments,
+    #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }
 
@@ -169,6 +173,8 @@ pub(crate) struct ConvertArguments {
     #[command(flatten)]
     pub(crate) light: LightArguments,
     #[command(flatten)]
+    pub(crate) files: FileArguments,
+    #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }
 
@@ -188,6 +194,8 @@ pub(crate) struct TraceArguments {
     pub(crate) machine: MachineArguments,
     #[command(flatten)]
     pub(crate) trees: TreeArguments,
+    #[command(flatten)]
+    pub(crate) files: FileArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

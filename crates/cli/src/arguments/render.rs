@@ -10,8 +10,8 @@ use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
 use super::{
-    DenoiserArguments, FrameArguments, LightArguments, MachineArguments, TalkArguments, TreeArguments,
-    ViewArguments,
+    DenoiserArguments, FileArguments, FrameArguments, LightArguments, MachineArguments, TalkArguments,
+    TreeArguments, ViewArguments,
 };
 
 /// Arguments of `render`.
@@ -62,6 +62,8 @@ pub(crate) struct RenderArguments {
     pub(crate) machine: MachineArguments,
     #[command(flatten)]
     pub(crate) trees: TreeArguments,
+    #[command(flatten)]
+    pub(crate) files: FileArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

@@ -9,8 +9,8 @@ use gnurt_view::TevAddress;
 
 use super::value;
 use super::{
-    FrameArguments, LightArguments, MachineArguments, StatisticsForm, TalkArguments, TreeArguments,
-    ViewArguments,
+    FileArguments, FrameArguments, LightArguments, MachineArguments, StatisticsForm, TalkArguments,
+    TreeArguments, ViewArguments,
 };
 
 /// Arguments of `view`.
@@ -53,6 +53,8 @@ pub(crate) struct WindowArguments {
     pub(crate) machine: MachineArguments,
     #[command(flatten)]
     pub(crate) trees: TreeArguments,
+    #[command(flatten)]
+    pub(crate) files: FileArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
 }

@@ -13,7 +13,7 @@ use gnurt_bench::{
 use super::bench_files::{check_outputs, write};
 use super::bench_light;
 use crate::arguments::{
-    BenchArguments, BenchBuildArguments, BenchCommand, BenchPaperArguments, BenchRaysArguments,
+    BenchArguments, BenchBuildArguments, BenchCommand, BenchPaperArguments, BenchRaysArguments, FileArguments,
 };
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
@@ -38,7 +38,7 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
     let filter = Filter { engines: arguments.engines.clone(), modes: arguments.modes.clone() };
     filter.jobs().map_err(failure)?;
     check_outputs(&[&arguments.json, &arguments.record, &arguments.svg])?;
-    let sources = find(&arguments.scenes, environment)?;
+    let sources = find(&arguments.scenes, &arguments.files, environment)?;
     let embree = rival(&filter, messages)?;
     // One thread if nobody says how many: what others do disturbs it least.
     let threads = match arguments.machine.threads.or(environment.threads) {
@@ -88,7 +88,7 @@ fn measure_builds(arguments: &BenchBuildArguments, environment: &Environment, me
     let filter = Filter { engines: arguments.engines.clone(), modes: arguments.modes.clone() };
     builds::check_filter(&filter).map_err(failure)?;
     check_outputs(&[&arguments.json])?;
-    let sources = find(&arguments.scenes, environment)?;
+    let sources = find(&arguments.scenes, &arguments.files, environment)?;
     let embree = rival(&filter, messages)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let options = builds::Options { filter, rounds: arguments.rounds, level };
@@ -105,7 +105,7 @@ fn measure_builds(arguments: &BenchBuildArguments, environment: &Environment, me
 
 fn measure_paper(arguments: &BenchPaperArguments, environment: &Environment, messages: Messages) -> Outcome {
     check_outputs(&[&arguments.json])?;
-    let sources = find(&arguments.scenes, environment)?;
+    let sources = find(&arguments.scenes, &arguments.files, environment)?;
     let options =
         rays::Options { size: arguments.size, rounds: arguments.rounds, ..rays::Options::default() };
     let mut rows = Vec::new();
@@ -126,8 +126,12 @@ fn quietly(messages: Messages) -> impl FnMut(News) {
     }
 }
 
-fn find(scenes: &[OsString], environment: &Environment) -> Result<Vec<Source>, Failure> {
-    scenes.iter().map(|scene| Source::find(scene, environment)).collect()
+fn find(
+    scenes: &[OsString],
+    files: &FileArguments,
+    environment: &Environment,
+) -> Result<Vec<Source>, Failure> {
+    scenes.iter().map(|scene| Source::find(scene, files, environment)).collect()
 }
 
 /// Embree, if it is wanted and there is any.

@@ -23,7 +23,7 @@ use crate::workers::machine;
 pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, messages: Messages) -> Outcome {
     view::check(&arguments.view)?;
     check_outputs(&[&arguments.csv, &arguments.svg, &arguments.truth])?;
-    let source = Source::find(&arguments.scene, environment)?;
+    let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
     let (_, camera) = view::choose(&mut scene, &arguments.view, arguments.resolution, messages)?;

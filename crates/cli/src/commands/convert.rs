@@ -91,7 +91,7 @@ fn convert_picture(arguments: &ConvertArguments, environment: &Environment, mess
 }
 
 fn convert_scene(arguments: &ConvertArguments, environment: &Environment, messages: Messages) -> Outcome {
-    let source = Source::find(&arguments.input, environment)?;
+    let source = Source::find(&arguments.input, &arguments.files, environment)?;
     image::check_writable(&arguments.output).map_err(Failure::data)?;
     let scene = source.load(messages)?;
     let saved = while_writing(|| io::save(&scene, &arguments.output)).map_err(Failure::data)?;

@@ -21,7 +21,7 @@ use crate::workers::machine;
 
 /// Tells what is in a scene.
 pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages: Messages) -> Outcome {
-    let source = Source::find(&arguments.scene, environment)?;
+    let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let scene = source.load(messages)?;
     let tree = arguments.tree.then(|| build(&scene, arguments, environment)).transpose()?;
     let inventory = Inventory::of(&scene);

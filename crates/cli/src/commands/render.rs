@@ -132,7 +132,7 @@ fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Sour
     }
     let given = arguments.output.as_deref().map(Output::named).transpose()?;
     let heatmap = arguments.heatmap.as_deref().map(Output::named).transpose()?;
-    let source = Source::find(&arguments.scene, environment)?;
+    let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let picture = given.map_or_else(|| Output::named(&source.picture_name()), Ok)?;
     if heatmap.as_ref().is_some_and(|heatmap| is_same_file(heatmap.path(), picture.path())) {
         return Err(Failure::usage("--heatmap and --output are the same file; give two"));

@@ -28,7 +28,7 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
             resolution.height - 1
         )));
     }
-    let source = Source::find(&arguments.scene, environment)?;
+    let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
     let (_, rays) = view::choose(&mut scene, &arguments.view, resolution, messages)?;

@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
         }
     }
     let output = arguments.output.as_deref().map(Output::named).transpose()?;
-    let source = Source::find(&arguments.scene, environment)?;
+    let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     output.iter().try_for_each(Output::check)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     if windowless {

@@ -10,6 +10,7 @@ mod broken_pictures;
 mod broken_scenes;
 mod cameras;
 mod checkpoint;
+mod confine;
 mod conversion;
 mod denoising;
 mod determinism;

@@ -17,12 +17,14 @@ const MAX_EXTRA_BYTES: u64 = 1 << 26;
 const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
 
-/// Checks that the file has a size, a scan and an end, and can hold its pixels.
-pub(super) fn check(source: &mut dyn Source, length: u64) -> Result<(), Error> {
+/// Checks that the file has a size, a scan and an end, and can hold its pixels; tells whether it comes in several scans,
+/// between which a decoder keeps all coefficients.
+pub(super) fn check(source: &mut dyn Source, length: u64) -> Result<bool, Error> {
     let truncated = || Error::corrupt("JPEG", "the end of the picture is missing; the file is truncated");
     source.seek(SeekFrom::Start(2)).map_err(Error::reading)?;
     let mut has_size = false;
     let mut has_scan = false;
+    let mut in_scans = false;
     loop {
         let marker = next_marker(source)?.ok_or_else(truncated)?;
         match marker {
@@ -40,6 +42,7 @@ pub(super) fn check(source: &mut dyn Source, length: u64) -> Result<(), Error> {
         let skipped = if is_frame && rest >= 5 {
             check_frame(source, length)?;
             has_size = true;
+            in_scans |= !matches!(marker, 0xc0 | 0xc1);
             5
         } else {
             0
@@ -48,7 +51,7 @@ pub(super) fn check(source: &mut dyn Source, length: u64) -> Result<(), Error> {
         source.seek(SeekFrom::Current(i64::from(rest) - skipped)).map_err(Error::reading)?;
     }
     source.seek(SeekFrom::Start(0)).map_err(Error::reading)?;
-    if has_size && has_scan { Ok(()) } else { Err(Error::corrupt("JPEG", "it holds no picture")) }
+    if has_size && has_scan { Ok(in_scans) } else { Err(Error::corrupt("JPEG", "it holds no picture")) }
 }
 
 fn check_frame(source: &mut dyn Source, length: u64) -> Result<(), Error> {

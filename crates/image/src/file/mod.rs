@@ -25,7 +25,7 @@ pub use exr::ExrPixels;
 pub use format::OutputFormat;
 pub use limits::MAX_PIXELS;
 pub use options::WriteOptions;
-pub use png::encode_screen;
+pub use png::{encode_screen, encode_texels};
 pub use replace::{check_writable, replace_file, replace_file_if};
 
 use crate::{Error, Picture, Texels};

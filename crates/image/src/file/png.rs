@@ -8,7 +8,7 @@ use std::io::SeekFrom;
 use super::limits::{check_bytes, check_size};
 use super::options::WriteOptions;
 use super::source::Source;
-use crate::{Error, Picture, screen_bytes};
+use crate::{Error, Picture, TexelData, Texels, screen_bytes, srgb};
 
 /// Most bytes that a byte of compressed data can become: deflate's 258 for two bits.
 const MAX_INFLATION: u64 = 1032;
@@ -31,23 +31,60 @@ pub fn encode_screen(size: [u32; 2], pixels: &[u32]) -> Result<Vec<u8>, Error> {
 }
 
 fn encode_bytes(
-    [width, height]: [u32; 2],
+    size: [u32; 2],
     channels: png::ColorType,
     compression: png::Compression,
+    pixels: &[u8],
+) -> Result<Vec<u8>, Error> {
+    let meaning = Some(png::SrgbRenderingIntent::RelativeColorimetric);
+    encode_with(size, channels, png::BitDepth::Eight, compression, meaning, pixels)
+}
+
+fn encode_with(
+    [width, height]: [u32; 2],
+    channels: png::ColorType,
+    depth: png::BitDepth,
+    compression: png::Compression,
+    meaning: Option<png::SrgbRenderingIntent>,
     pixels: &[u8],
 ) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(channels);
-    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_depth(depth);
     encoder.set_compression(compression);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::RelativeColorimetric);
+    if let Some(intent) = meaning {
+        encoder.set_source_srgb(intent);
+    }
     let written = encoder
         .add_text_chunk("Software".into(), crate::SOFTWARE.into())
         .and_then(|()| encoder.write_header())
         .and_then(|mut writer| writer.write_image_data(pixels).and_then(|()| writer.finish()));
     written.map_err(|error| Error::Shape(format!("it does not fit a PNG: {error}")))?;
     Ok(bytes)
+}
+
+/// The bytes of a texture's PNG file, 8 or 16 bits per channel as its values need. Bytes stay the bytes that they are;
+/// floats are cut to `[0, 1]`, and sRGB-encoded unless they are `measures` (normals, roughness), which stay linear.
+///
+/// # Errors
+/// [`Error::Shape`] if the number of values is not that of its columns and rows.
+pub fn encode_texels(texels: &Texels, measures: bool) -> Result<Vec<u8>, Error> {
+    let size = [texels.width, texels.height];
+    let meaning = if measures { None } else { Some(png::SrgbRenderingIntent::RelativeColorimetric) };
+    let (depth, bytes): (_, Vec<u8>) = match &texels.data {
+        TexelData::Srgb8(pixels) | TexelData::Linear8(pixels) => {
+            (png::BitDepth::Eight, pixels.iter().flatten().copied().collect())
+        }
+        TexelData::Float(pixels) => {
+            // `clamp` keeps a NaN; `as` makes it 0.
+            let wide = |x: f32| ((x.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16).to_be_bytes();
+            let color = |x: f32| wide(if measures { x } else { srgb::encode(x.clamp(0.0, 1.0)) });
+            let texel = |&[r, g, b, a]: &[f32; 4]| [color(r), color(g), color(b), wide(a)];
+            (png::BitDepth::Sixteen, pixels.iter().flat_map(texel).flatten().collect())
+        }
+    };
+    encode_with(size, png::ColorType::Rgba, depth, png::Compression::default(), meaning, &bytes)
 }
 
 /// Checks that all chunks are there and that the data can hold the declared size; returns the bytes of its pixels.

@@ -55,16 +55,6 @@ impl RasterFormat {
             Self::Webp => "WebP",
         }
     }
-
-    /// Bytes that the library's decoder takes for each pixel beside those that it gives.
-    fn decoder_bytes(self) -> u64 {
-        match self {
-            // Rows only, and a progressive or lossless picture's coefficients, planes or frames.
-            Self::Png => 0,
-            Self::Jpeg | Self::Webp => 8,
-            Self::Tga | Self::Bmp => 4,
-        }
-    }
 }
 
 /// The picture in linear light.
@@ -106,29 +96,31 @@ fn decode(
 ) -> Result<DynamicImage, Error> {
     let library_error = |error: image::ImageError| Error::corrupt(format.name(), describe(&error));
     let decoded = catch_unwind(AssertUnwindSafe(|| match format {
+        // Beside the pixels a decoder takes rows, or for each pixel so many bytes of coefficients, planes or frames.
         RasterFormat::Png => {
             let limits = alloc_limits(png::check(source, length)?, wanted.room);
             let decoder = PngDecoder::with_limits(source, limits).map_err(library_error)?;
-            decode_within(decoder, format, wanted)
+            decode_within(decoder, 0, format, wanted)
         }
         RasterFormat::Jpeg => {
-            jpeg::check(source, length)?;
-            decode_within(JpegDecoder::new(source).map_err(library_error)?, format, wanted)
+            let in_scans = jpeg::check(source, length)?;
+            let decoder = JpegDecoder::new(source).map_err(library_error)?;
+            decode_within(decoder, if in_scans { 8 } else { 0 }, format, wanted)
         }
         RasterFormat::Tga => {
             check_tga(source, length)?;
-            decode_within(TgaDecoder::new(source).map_err(library_error)?, format, wanted)
+            decode_within(TgaDecoder::new(source).map_err(library_error)?, 4, format, wanted)
         }
         RasterFormat::Bmp => {
             let decoder = BmpDecoder::new(source).map_err(library_error)?;
             check_density(format.name(), size_of(&decoder), length, RUN_PIXELS_PER_BYTE)?;
-            decode_within(decoder, format, wanted)
+            decode_within(decoder, 4, format, wanted)
         }
         RasterFormat::Webp => {
             check_webp(source, length)?;
             let decoder = WebPDecoder::new(source).map_err(library_error)?;
             check_density(format.name(), size_of(&decoder), length, WEBP_PIXELS_PER_BYTE)?;
-            decode_within(decoder, format, wanted)
+            decode_within(decoder, 8, format, wanted)
         }
     }));
     decoded.unwrap_or_else(|_| Err(Error::corrupt(format.name(), "the data contradicts itself")))
@@ -142,6 +134,7 @@ fn size_of(decoder: &impl ImageDecoder) -> [u64; 2] {
 /// Decodes what may take the memory that it needs.
 fn decode_within(
     decoder: impl ImageDecoder,
+    decoder_bytes: u64,
     format: RasterFormat,
     wanted: Wanted,
 ) -> Result<DynamicImage, Error> {
@@ -150,7 +143,7 @@ fn decode_within(
     let texel = if is_wide(color) { PICTURE_BYTES } else { 4 };
     // First the decoder's own and what it gives, then that and the texels, then those and the floats.
     let last = if wanted.floats && texel < PICTURE_BYTES { texel + PICTURE_BYTES } else { 0 };
-    let pixel_bytes = (format.decoder_bytes() + native).max(native + texel).max(last);
+    let pixel_bytes = (decoder_bytes + native).max(native + texel).max(last);
     wanted.room.check(format.name(), size_of(&decoder), pixel_bytes)?;
     DynamicImage::from_decoder(decoder).map_err(|error| Error::corrupt(format.name(), describe(&error)))
 }

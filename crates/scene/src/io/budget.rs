@@ -9,7 +9,7 @@ use std::cell::Cell;
 use std::fmt;
 
 /// Bytes that may be held however short the files are.
-const BELIEVED: u64 = 560 << 20;
+const BELIEVED: u64 = 480 << 20;
 /// Bytes that each byte of a scene file or buffer may become beyond that.
 const GROWTH: u64 = 16;
 /// Bytes that each byte of a picture's file may become beyond that: flat pictures take next to nothing.

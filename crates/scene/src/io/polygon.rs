@@ -9,9 +9,9 @@
 /// Corners up to which a concave polygon is clipped; beyond, a fan.
 const LARGEST_CLIPPED: usize = 2000;
 /// Corners that clipping may look at in any file.
-const WORK: u64 = 1 << 28;
+const WORK: u64 = 1 << 26;
 /// Corners that it may look at for each byte of the file beyond that.
-const WORK_GROWTH: u64 = 16;
+const WORK_GROWTH: u64 = 6;
 
 type Point = [f64; 2];
 
@@ -96,9 +96,11 @@ fn clip_ears(p: &[Point], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) 
     let (mut at, mut refused) = (0, 0);
     while ring.len() > 3 && refused < ring.len() && *work_left > 0 {
         let n = ring.len();
-        *work_left = work_left.saturating_sub(n as u64);
         at %= n;
         let ear = [ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]];
+        // A reflex corner is refused at once.
+        let is_convex = turn(p[ear[0]], p[ear[1]], p[ear[2]]) > 0.0;
+        *work_left = work_left.saturating_sub(if is_convex { n as u64 } else { 1 });
         if is_ear(p, &ring, ear) {
             triangles.push(ear);
             ring.remove(at);

@@ -33,12 +33,38 @@ impl Access {
         Ok(Self { confine: Some(folder), budget: Budget::default() })
     }
 
+    /// Whether files must lie below a folder.
+    pub(crate) fn is_confined(&self) -> bool {
+        self.confine.is_some()
+    }
+
+    /// Refuses a file that lies outside of the folder that files must be in; the error is what is wrong and what would
+    /// be right.
+    pub(crate) fn check(&self, path: &Path) -> Result<(), (String, String)> {
+        let Some(folder) = &self.confine else {
+            return Ok(());
+        };
+        match locate(path, folder) {
+            Err(Refusal::Outside) => Err((
+                format!("{} lies outside of the folder that files may be in", path.display()),
+                format!("expected a file below {}", folder.display()),
+            )),
+            Ok(_) | Err(Refusal::System(_)) => Ok(()),
+        }
+    }
+
     /// The file that a scene names: a regular one, open for reading, and its length in bytes.
     pub(crate) fn open(&self, path: &Path) -> Result<(File, u64), Error> {
         self.budget.name_file().map_err(|e| Error::io(path, e.to_string(), Excess::REMEDY))?;
-        match &self.confine {
-            Some(folder) => open(&confined(path, folder)?),
-            None => open(path),
+        let Some(folder) = &self.confine else {
+            return open(path);
+        };
+        self.check(path).map_err(|(problem, remedy)| Error::io(path, problem, remedy))?;
+        match locate(path, folder) {
+            // By its true name, so that a link that is changed meanwhile leads nowhere else.
+            Ok(found) => open(&found),
+            Err(Refusal::System(error)) => Err(Error::system(path, &error)),
+            Err(Refusal::Outside) => Err(Error::io(path, "lies outside", "")),
         }
     }
 
@@ -53,22 +79,28 @@ impl Access {
     }
 }
 
-/// The true name of a file below `folder`; whether there are files elsewhere is not told.
-fn confined(path: &Path, folder: &Path) -> Result<PathBuf, Error> {
-    let outside = || {
-        let remedy = format!("--confine allows files below {} only", folder.display());
-        Error::io(path, "lies outside", remedy)
-    };
+/// Why a file is not to be had.
+enum Refusal {
+    Outside,
+    System(std::io::Error),
+}
+
+/// The true name of a file below `folder`. Whether there are files elsewhere is not told.
+fn locate(path: &Path, folder: &Path) -> Result<PathBuf, Refusal> {
     match std::fs::canonicalize(path) {
         Ok(found) if found.starts_with(folder) => Ok(found),
-        Ok(_) => Err(outside()),
+        Ok(_) => Err(Refusal::Outside),
         Err(error) => {
-            let nearest = path.ancestors().skip(1).find_map(|above| std::fs::canonicalize(above).ok());
+            let mut above = path.ancestors().skip(1).map(|above| match above.as_os_str().is_empty() {
+                true => Path::new("."),
+                false => above,
+            });
+            let nearest = above.find_map(|above| std::fs::canonicalize(above).ok());
             // A link that leads nowhere may have a target outside.
             let is_link = std::fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink());
             match nearest {
-                Some(above) if above.starts_with(folder) && !is_link => Err(Error::system(path, &error)),
-                _ => Err(outside()),
+                Some(above) if above.starts_with(folder) && !is_link => Err(Refusal::System(error)),
+                _ => Err(Refusal::Outside),
             }
         }
     }

@@ -93,6 +93,6 @@ mod tests {
         });
         let why = refused.expect("100 times 16 MiB are too much");
         assert!(why.contains("flat.png: ") && why.contains("2048 x 2048"), "which one, and why: {why}");
-        assert!(held <= 560 << 20, "{held} bytes are held");
+        assert!(held <= 480 << 20, "{held} bytes are held");
     }
 }

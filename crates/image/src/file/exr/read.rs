@@ -51,7 +51,7 @@ fn check_headers<R: std::io::Read + std::io::Seek>(
 ) -> Result<(), Error> {
     let mut bytes = 0_u64;
     let mut channels = 0;
-    // Values as they are in the file, then as channels of the picture, and its colour.
+    // Channels, and then the picture's colour beside them.
     let mut memory = 0_u64;
     let mut window = [1; 2];
     for header in reader.headers() {
@@ -69,10 +69,11 @@ fn check_headers<R: std::io::Read + std::io::Seek>(
             bytes.saturating_add(pixels.saturating_mul(header.channels.bytes_per_pixel as u64)).max(block);
         channels += header.channels.list.len();
         window = [display.0 as u64, display.1 as u64];
+        // One channel after the other becomes floats in the place of what was read.
         let placed =
             (window[0] * window[1]).max(pixels).saturating_mul(4 * header.channels.list.len() as u64);
-        memory = memory.saturating_add(pixels.saturating_mul(header.channels.bytes_per_pixel as u64));
-        memory = memory.saturating_add(placed).saturating_add(block);
+        let read = pixels.saturating_mul(header.channels.bytes_per_pixel as u64);
+        memory = memory.saturating_add(placed.max(read)).saturating_add(block);
         // Each block has an offset of eight bytes and a head of at least eight.
         if (header.chunk_count as u64).saturating_mul(16) > length {
             return Err(Error::corrupt(

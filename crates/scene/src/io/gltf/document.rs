@@ -100,6 +100,9 @@ impl<'a> Document<'a> {
         document.check(warnings)?;
         let pieces = document.root.pieces() * size_of::<&RawValue>();
         document.hold(pieces, "the document")?;
+        if access.is_confined() {
+            document.check_files()?;
+        }
         document.buffers = document.read_buffers(container.binary)?;
         Ok(document)
     }
@@ -123,6 +126,28 @@ impl<'a> Document<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Refuses files outside of the folder that files must be in.
+    fn check_files(&self) -> Result<(), Error> {
+        for (array, pieces) in [("buffers", &self.root.buffers), ("images", &self.root.images)] {
+            for (i, piece) in pieces.iter().enumerate() {
+                let named: json::Named<'_> = self.read(piece, array)?;
+                let Some(uri) = named.uri.filter(|uri| !uri.starts_with("data:")) else { continue };
+                let checked = self.access.check(&source::resolve(&self.path, &uri));
+                checked.map_err(|(problem, remedy)| {
+                    let before = piece.get().as_ptr() as usize - self.json.as_ptr() as usize;
+                    let line = self.is_text.then(|| self.line_of(before));
+                    Error::data(&self.path, line, format!("{array}[{i}]: {problem}"), remedy)
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The line of a byte of the JSON.
+    fn line_of(&self, byte: usize) -> u64 {
+        1 + self.json.as_bytes()[..byte].iter().filter(|&&b| b == b'\n').count() as u64
     }
 
     /// A mistake at a place such as `meshes[3]`.
@@ -162,8 +187,7 @@ impl<'a> Document<'a> {
         let problem = text.split(" at line ").next().unwrap_or_default();
         let place = if what.is_empty() { String::new() } else { format!(" in {what}") };
         let before = (piece.as_ptr() as usize).saturating_sub(self.json.as_ptr() as usize);
-        let lines_before = self.json.as_bytes()[..before].iter().filter(|&&b| b == b'\n').count();
-        let line = (self.is_text && error.line() > 0).then_some((lines_before + error.line()) as u64);
+        let line = (self.is_text && error.line() > 0).then(|| self.line_of(before) + error.line() as u64 - 1);
         let problem = format!("broken JSON{place}: {problem}");
         Error::data(&self.path, line, problem, "expected a glTF 2.0 document")
     }

@@ -504,6 +504,13 @@ pub(super) struct Node {
     pub(super) weights: Option<Vec<f32>>,
 }
 
+/// What a node says of others.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct Children {
+    pub(super) children: Vec<Index>,
+}
+
 #[derive(Deserialize, Default)]
 #[serde(default)]
 pub(super) struct NodeExtensions {

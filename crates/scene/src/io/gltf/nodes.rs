@@ -77,7 +77,10 @@ fn walk(
             warnings.note(Oddity::BadNode, &document.path, None, detail);
             continue;
         }
-        let mut node: json::Node = document.get(&document.root.nodes, index, "nodes", "node")?;
+        let mut node: json::Node = match document.root.nodes.get(index.value()) {
+            Some(piece) if piece.get() == "{}" => json::Node::default(),
+            _ => document.get(&document.root.nodes, index, "nodes", "node")?,
+        };
         seen[index.value()] = true;
         let world_from_here = world_from_parent * local_transform(&node);
         let children = std::mem::take(&mut node.children);
@@ -105,7 +108,7 @@ fn roots(document: &Document<'_>) -> Result<Vec<Index>, Error> {
     }
     let mut is_child = vec![false; root.nodes.len()];
     for k in 0..root.nodes.len() {
-        let node: json::Node = document.get(&root.nodes, Index(k as u32), "nodes", "node")?;
+        let node: json::Children = document.get(&root.nodes, Index(k as u32), "nodes", "node")?;
         for child in node.children {
             if let Some(slot) = is_child.get_mut(child.value()) {
                 *slot = true;

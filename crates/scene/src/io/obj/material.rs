@@ -49,6 +49,9 @@ pub(super) fn add_all(
     for entry in &library.entries {
         let excess = |e: Excess| Error::data(&entry.path, None, e.to_string(), Excess::REMEDY);
         access.budget.hold(MATERIAL_BYTES + entry.name.len()).map_err(excess)?;
+        if access.is_confined() {
+            check_maps(entry, access)?;
+        }
     }
     let mut textures = Textures { access, pictures: Pictures::new(access), known: HashMap::new() };
     let default = scene.add_material(Material::matte("default", [DEFAULT_ALBEDO; 3]));
@@ -58,6 +61,17 @@ pub(super) fn add_all(
     });
     let materials = std::iter::once(default).chain(rest).collect();
     Ok((materials, textures.pictures.paths()))
+}
+
+/// Refuses textures outside of the folder that files must be in.
+fn check_maps(entry: &Entry, access: &Access) -> Result<(), Error> {
+    for map in [&entry.map_kd, &entry.map_ke, &entry.map_d].into_iter().flatten() {
+        if let Some(statement) = MapStatement::parse(&map.text) {
+            let outside = |(problem, remedy)| Error::data(&entry.path, Some(map.line), problem, remedy);
+            access.check(&source::resolve(&entry.path, &statement.file)).map_err(outside)?;
+        }
+    }
+    Ok(())
 }
 
 fn convert(entry: &Entry, scene: &mut Scene, textures: &mut Textures, warnings: &mut Warnings) -> Material {

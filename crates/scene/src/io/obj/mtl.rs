@@ -87,6 +87,8 @@ impl Library {
             if self.read.contains(&path) {
                 continue;
             }
+            let outside = |(problem, remedy)| Error::data(obj, Some(line), problem, remedy);
+            access.check(&path).map_err(outside)?;
             let excess = |e: Excess| Error::data(obj, Some(line), e.to_string(), Excess::REMEDY);
             access.budget.name_file().map_err(excess)?;
             access.budget.hold(2 * (path.as_os_str().len() + size_of::<PathBuf>())).map_err(excess)?;

@@ -5,19 +5,23 @@
 
 mod buffer;
 mod material;
+mod opacity;
 
 use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
 use buffer::Buffer;
+use opacity::BaseTexture;
 
 use super::files::{check_writable, leave_out, write};
 use super::png;
 use crate::affine::Affine;
 use crate::camera::Camera;
+use crate::id::TextureId;
 use crate::io::{Error, Format, Warnings};
 use crate::light::Light;
+use crate::material::TextureRef;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
@@ -31,9 +35,32 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
             json!({ "name": object.name, "primitives": primitives.collect::<Vec<_>>() })
         })
         .collect();
+    let mut merged = Vec::new();
+    let mut lost = 0;
+    let materials: Vec<Value> = scene
+        .materials()
+        .iter()
+        .map(|material| {
+            material::material(material, |base| match opacity::base_texture(scene, material, base) {
+                BaseTexture::AsIs(texture) => texture,
+                BaseTexture::Lost(texture) => {
+                    lost += 1;
+                    texture
+                }
+                BaseTexture::Merged(texture, uv_from_mesh) => {
+                    let id = TextureId((scene.textures().len() + merged.len()) as u32);
+                    merged.push(texture);
+                    Some(TextureRef { texture: id, uv_from_mesh })
+                }
+            })
+        })
+        .collect();
+    leave_out(lost, "opacity under coordinates of its own", path, warnings);
     let (mut images, mut samplers, mut textures) = (Vec::new(), Vec::new(), Vec::new());
-    for (k, texture) in scene.textures().iter().enumerate() {
-        let view = buffer.add_bytes(&png::encode(&texture.texels, path)?);
+    let measures = png::measures(scene);
+    for (k, texture) in scene.textures().iter().chain(&merged).enumerate() {
+        let is_measure = measures.contains(&TextureId(k as u32));
+        let view = buffer.add_bytes(&png::encode(&texture.texels, is_measure, path)?);
         images.push(json!({ "name": texture.name, "mimeType": "image/png", "bufferView": view }));
         samplers.push(material::sampler(texture));
         textures.push(json!({ "source": k, "sampler": k, "name": texture.name }));
@@ -54,7 +81,7 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
     };
     put("meshes", meshes);
     put("nodes", nodes);
-    put("materials", scene.materials().iter().map(material::material).collect());
+    put("materials", materials);
     put("images", images);
     put("samplers", samplers);
     put("textures", textures);

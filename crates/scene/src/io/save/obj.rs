@@ -9,8 +9,9 @@ use std::path::{Path, PathBuf};
 
 use super::files::{check_writable, leave_out, write};
 use super::{png, world};
+use crate::id::TextureId;
 use crate::io::{Error, Warnings};
-use crate::material::{Alpha, Color, Material, Surface, TextureRef};
+use crate::material::{Alpha, Color, Material, OpacityChannel, Surface, TextureRef};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
@@ -21,14 +22,34 @@ pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Resul
     let textures: Vec<_> = (0..scene.textures().len()).map(|k| beside(texture_name(&stem, k))).collect();
     check_writable(&textures)?;
     check_writable(&[library_file.clone(), path.to_owned()])?;
-    for (texture, file) in scene.textures().iter().zip(&textures) {
-        write(file, &png::encode(&texture.texels, file)?)?;
+    let measures = png::measures(scene);
+    for (k, (texture, file)) in scene.textures().iter().zip(&textures).enumerate() {
+        let is_measure = measures.contains(&TextureId(k as u32));
+        write(file, &png::encode(&texture.texels, is_measure, file)?)?;
     }
     let names = material_names(scene);
     write(&library_file, library(scene, &names, &stem).as_bytes())?;
+    leave_out_maps(scene, path, warnings);
     leave_out(scene.cameras().len(), "camera", path, warnings);
     leave_out(scene.lights().len(), "light", path, warnings);
     write(path, geometry(scene, &names, &stem).as_bytes())
+}
+
+/// MTL has no maps of normals and roughness that all agree on, and opacity only in a picture of its own.
+fn leave_out_maps(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+    let details = scene.materials().iter().filter(|material| match &material.surface {
+        Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
+            metallic_roughness_texture.is_some() || normal_texture.is_some()
+        }
+        Surface::Principled(p) => p.metallic_roughness_texture.is_some() || p.normal_texture.is_some(),
+        _ => false,
+    });
+    leave_out(details.count(), "map of normals or roughness", path, warnings);
+    let opacity = scene.materials().iter().filter(|material| {
+        matches!(material.alpha, Alpha::Mask { opacity, .. } | Alpha::Blend { opacity }
+            if opacity.texture.is_some() && opacity.channel == OpacityChannel::Alpha)
+    });
+    leave_out(opacity.count(), "opacity in a colour texture", path, warnings);
 }
 
 fn texture_name(stem: &str, k: usize) -> String {
@@ -142,12 +163,7 @@ fn push_material(text: &mut String, material: &Material, stem: &str) {
     }
     if let Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } = material.alpha {
         let _ = writeln!(text, "d {}", opacity.factor);
-        push_map(
-            text,
-            "map_d",
-            opacity.texture.filter(|_| opacity.channel == crate::material::OpacityChannel::Red),
-            stem,
-        );
+        push_map(text, "map_d", opacity.texture.filter(|_| opacity.channel == OpacityChannel::Red), stem);
     }
 }
 

@@ -1,27 +1,40 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Textures as PNG files. Bytes stay the bytes they were; floats are cut to `[0, 1]` and sRGB-encoded.
-//! Source: original. Proof: `tests/save.rs::textures_come_back`.
+//! Textures as PNG files. Bytes stay the bytes they were; floats get 16 bits, those of colours sRGB-encoded.
+//! Source: original. Proof: `tests/save.rs::{textures_come_back, measures_stay_linear}`.
 
+use std::collections::HashSet;
 use std::path::Path;
 
-use gnurt_image::{OutputFormat, Picture, WriteOptions};
-
+use crate::id::TextureId;
 use crate::io::Error;
-use crate::texture::{TexelData, Texels};
+use crate::material::{Alpha, OpacityChannel, Surface};
+use crate::scene::Scene;
+use crate::texture::Texels;
 
-pub(super) fn encode(texels: &Texels, path: &Path) -> Result<Vec<u8>, Error> {
-    let mut picture = Picture::new(texels.width, texels.height);
-    let from_bytes = |bytes: &[[u8; 4]]| -> Vec<[f32; 4]> {
-        let color = |&[r, g, b, a]: &[u8; 4]| {
-            let [r, g, b] = [r, g, b].map(gnurt_image::srgb::decode_u8);
-            [r, g, b, f32::from(a) / 255.0]
+/// The textures of a scene that hold measures (normals, roughness, opacity), not colours.
+pub(super) fn measures(scene: &Scene) -> HashSet<TextureId> {
+    let mut found = HashSet::new();
+    for material in scene.materials() {
+        let (roughness, normals) = match &material.surface {
+            Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
+                (*metallic_roughness_texture, *normal_texture)
+            }
+            Surface::Principled(p) => (p.metallic_roughness_texture, p.normal_texture),
+            _ => (None, None),
         };
-        bytes.iter().map(color).collect()
-    };
-    picture.color = match &texels.data {
-        TexelData::Srgb8(bytes) | TexelData::Linear8(bytes) => from_bytes(bytes),
-        TexelData::Float(floats) => floats.clone(),
-    };
-    gnurt_image::encode(&picture, OutputFormat::Png, &WriteOptions::default())
+        let opacity = match material.alpha {
+            Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } => {
+                opacity.texture.filter(|_| opacity.channel == OpacityChannel::Red)
+            }
+            Alpha::Opaque => None,
+        };
+        let used = [roughness, normals.map(|normals| normals.texture), opacity];
+        found.extend(used.into_iter().flatten().map(|used| used.texture));
+    }
+    found
+}
+
+pub(super) fn encode(texels: &Texels, measures: bool, path: &Path) -> Result<Vec<u8>, Error> {
+    gnurt_image::encode_texels(texels, measures)
         .map_err(|e| Error::io(path, format!("a texture cannot be written: {e}"), ""))
 }

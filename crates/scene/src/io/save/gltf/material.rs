@@ -20,7 +20,11 @@ pub(super) const EXTENSIONS: &[&str] = &[
     "KHR_texture_transform",
 ];
 
-pub(super) fn material(material: &Material) -> Value {
+/// A material; `base_texture` says which texture its base colour gets, given that of its surface.
+pub(super) fn material(
+    material: &Material,
+    base_texture: impl FnOnce(Option<TextureRef>) -> Option<TextureRef>,
+) -> Value {
     let mut extensions = json!({});
     let (base, metallic, roughness) = match &material.surface {
         Surface::Matte { base_color } => {
@@ -66,7 +70,7 @@ pub(super) fn material(material: &Material) -> Value {
     let mut pbr = json!({
         "baseColorFactor": [r, g, b, alpha], "metallicFactor": metallic, "roughnessFactor": roughness,
     });
-    set_texture(&mut pbr, "baseColorTexture", base.texture);
+    set_texture(&mut pbr, "baseColorTexture", base_texture(base.texture));
     let mut to = json!({ "name": material.name, "alphaMode": mode, "doubleSided": true });
     let details = match &material.surface {
         Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What scene files cost: whatever they say, at most 512 MiB and 64 times their length, and only a few seconds.
+//! Source: original; every allocation of the program is counted. One test only, so that nothing else is counted.
+
+#![expect(clippy::print_stdout, reason = "a failing table tells the row that it was at")]
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use gnurt_image::{OutputFormat, Picture, WriteOptions};
+use gnurt_scene::io::load;
+use peak_alloc::PeakAlloc;
+
+#[global_allocator]
+static ALLOCATIONS: PeakAlloc = PeakAlloc;
+
+/// What loading a file may take at least.
+const BELIEVED: u64 = 512 << 20;
+/// And for each byte of all that was read.
+const GROWTH: u64 = 64;
+/// It takes tenths of a second where nothing else runs.
+const LONGEST: Duration = Duration::from_secs(30);
+
+/// What comes of a file.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Outcome {
+    Loaded,
+    Refused,
+    /// Either is right, depending on what a value takes.
+    Either,
+}
+use Outcome::{Either, Loaded, Refused};
+
+/// As many copies of `element` as `megabytes` hold, with commas between them.
+fn list(element: &str, megabytes: usize) -> String {
+    let count = (megabytes << 20) / (element.len() + 1);
+    format!("{}{element}", format!("{element},").repeat(count))
+}
+
+fn gltf(body: &str) -> Vec<u8> {
+    format!(r#"{{"asset":{{"version":"2.0"}},{body}}}"#).into_bytes()
+}
+
+/// A triangle for accessor 0, and the mesh of it.
+const TRIANGLE: &str = r#""buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+"bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]"#;
+const MESH: &str = r#""meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]"#;
+
+fn gltf_cases() -> Vec<(String, Vec<u8>, Outcome)> {
+    let mut cases = Vec::new();
+    let mut case = |name: &str, body: String, outcome| cases.push((name.to_owned(), gltf(&body), outcome));
+    for array in [
+        "accessors",
+        "animations",
+        "bufferViews",
+        "cameras",
+        "images",
+        "meshes",
+        "nodes",
+        "samplers",
+        "scenes",
+        "skins",
+        "textures",
+    ] {
+        // A skin without joints is none, and is asked for its joints.
+        let outcome = if array == "skins" { Refused } else { Loaded };
+        case(array, format!(r#""{array}":[{}]"#, list("{}", 9)), outcome);
+    }
+    case("materials", format!(r#""materials":[{}]"#, list("{}", 9)), Refused);
+    case("buffers", format!(r#""buffers":[{}]"#, list(r#"{"byteLength":0}"#, 9)), Loaded);
+    case("instances", format!(r#"{TRIANGLE},{MESH},"nodes":[{}]"#, list(r#"{"mesh":0}"#, 9)), Either);
+    case(
+        "cameras",
+        format!(
+            r#""cameras":[{{"type":"perspective","perspective":{{"yfov":1}}}}],"nodes":[{}]"#,
+            list(r#"{"camera":0}"#, 9)
+        ),
+        Either,
+    );
+    case(
+        "primitives",
+        format!(
+            r#"{TRIANGLE},"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{}]}}]"#,
+            list(r#"{"attributes":{"POSITION":0}}"#, 9)
+        ),
+        Either,
+    );
+    case(
+        "a long name",
+        format!(
+            r#"{TRIANGLE},"nodes":[{{"mesh":0}}],"meshes":[{{"name":"{}","primitives":[{}]}}]"#,
+            "m".repeat(4 << 20),
+            list(r#"{"attributes":{"POSITION":0}}"#, 1)
+        ),
+        Refused,
+    );
+    case(
+        "a long light",
+        format!(
+            r#""nodes":[{}],"extensions":{{"KHR_lights_punctual":{{"lights":[{{"type":"point","name":"{}"}}]}}}}"#,
+            list(r#"{"extensions":{"KHR_lights_punctual":{"light":0}}}"#, 4),
+            "x".repeat(4 << 20)
+        ),
+        Refused,
+    );
+    case(
+        "joints",
+        format!(
+            r#"{TRIANGLE},{MESH},"nodes":[{}],"skins":[{{"joints":[{}]}}]"#,
+            list(r#"{"mesh":0,"skin":0}"#, 1),
+            list("0", 8)
+        ),
+        Refused,
+    );
+    case(
+        "morph targets",
+        format!(
+            r#"{TRIANGLE},"nodes":[{{"mesh":0}}],"meshes":[{{"weights":[1],"primitives":[{{"attributes":{{"POSITION":0}},"targets":[{}]}}]}}]"#,
+            list("{}", 9)
+        ),
+        Loaded,
+    );
+    case("deep", format!(r#""extras":{}{}"#, "[".repeat(4 << 20), "]".repeat(4 << 20)), Loaded);
+    let nodes = (1..400_000).map(|k| format!(r#"{{"children":[{k}]}}"#)).collect::<Vec<_>>().join(",");
+    case("a chain", format!(r#""nodes":[{nodes},{{}}],"scenes":[{{"nodes":[0]}}],"scene":0"#), Loaded);
+    case(
+        "zeros",
+        format!(
+            r#""accessors":[{{"componentType":5126,"count":20000000,"type":"VEC3"}}],"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{}]}}]"#,
+            list(r#"{"attributes":{"POSITION":0}}"#, 1)
+        ),
+        Refused,
+    );
+    cases
+}
+
+const V: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+/// As many copies of a line as `megabytes` hold, after three vertices.
+fn lines(line: &str, megabytes: usize) -> Vec<u8> {
+    format!("{V}{}", line.repeat(((megabytes << 20) / line.len()).max(1))).into_bytes()
+}
+
+fn obj_cases() -> Vec<(String, Vec<u8>, Outcome)> {
+    let case = |name: &str, bytes, outcome| (name.to_owned(), bytes, outcome);
+    let corners = |n: usize| format!("f{}\n", " 1 2 3".repeat(n));
+    let names = |keyword: &str, n: usize| (0..n).map(|k| format!("{keyword} a{k}\n")).collect::<String>();
+    let polygon = format!("f{}\n", (1..=2000).map(|k| format!(" {k}")).collect::<String>());
+    let zigzag = (0..2000).map(|k| format!("v {k} {} 0\n", k * 7919 % 1000)).collect::<String>();
+    vec![
+        case("vertices", lines("v 0 0 0\n", 9), Loaded),
+        case("empty vt", lines("vt\n", 9), Loaded),
+        case("empty vn", lines("vn\n", 9), Loaded),
+        case("groups", lines("g a\n", 9), Loaded),
+        case("materials", lines("usemtl a\nf 1 2 3\n", 9), Loaded),
+        case("a long line", lines(&corners(2 << 20), 12), Loaded),
+        case("a longer line", lines(&corners(4 << 20), 24), Refused),
+        case("libraries", names("mtllib", 200_000).into_bytes(), Refused),
+        case("polygons", format!("{zigzag}{}", polygon.repeat(500)).into_bytes(), Loaded),
+    ]
+}
+
+/// Libraries for a file with one triangle.
+fn mtl_cases() -> Vec<(String, Vec<u8>, Outcome)> {
+    let case = |name: &str, text: String, outcome| (name.to_owned(), text.into_bytes(), outcome);
+    let numbered = |count: usize, map: &str| {
+        (0..count).map(|k| format!("newmtl m{k}\n{}", map.replace('#', &k.to_string()))).collect::<String>()
+    };
+    vec![
+        case("one name", "newmtl a\n".repeat(3 << 20), Loaded),
+        case("names", numbered(1_500_000, ""), Refused),
+        case("maps", format!("newmtl a\n{}", "map_Kd a.png\n".repeat(1 << 20)), Loaded),
+        case("one missing map", numbered(100_000, "map_Kd a.png\n"), Loaded),
+        case("missing maps", numbered(100_000, "map_Kd a#.png\n"), Loaded),
+        case("one flat map", numbered(100_000, "map_Kd flat.png\n"), Loaded),
+        case("flat maps", numbered(40, "map_Kd flat#.png\n"), Loaded),
+    ]
+}
+
+fn ply_cases() -> Vec<(String, Vec<u8>, Outcome)> {
+    const XYZ: &str = "property uchar x\nproperty uchar y\nproperty uchar z\n";
+    let case = |name: &str, header: String, body: &[u8], outcome| {
+        let head = format!("ply\nformat binary_little_endian 1.0\n{header}end_header\n");
+        (name.to_owned(), [head.as_bytes(), body].concat(), outcome)
+    };
+    let list = "property list uint uchar vertex_indices\n";
+    let corners = |count: u32, bytes: usize| [&[0; 9][..], &count.to_le_bytes(), &vec![1; bytes]].concat();
+    let three = format!("element vertex 3\n{XYZ}element face 1\n{list}");
+    vec![
+        case("vertices", format!("element vertex 9000000\n{XYZ}"), &vec![0; 27_000_000], Loaded),
+        case("a list", three.clone(), &corners(12 << 20, 12 << 20), Loaded),
+        case("a long list", three.clone(), &corners(40 << 20, 40 << 20), Either),
+        case("a list that is not there", three, &corners(u32::MAX, 9), Refused),
+        case(
+            "empty faces",
+            format!(
+                "element vertex 3\n{XYZ}element face 20000000\nproperty list uchar uchar vertex_indices\n"
+            ),
+            &vec![0; 20_000_009],
+            Loaded,
+        ),
+        case(
+            "elements",
+            (0..25_000).map(|k| format!("element e{k} 0\nproperty int a\n")).collect(),
+            &[],
+            Loaded,
+        ),
+    ]
+}
+
+fn judge(folder: &Path, name: &str, length: u64, path: &Path, outcome: Outcome) {
+    let begin = Instant::now();
+    ALLOCATIONS.reset_peak_usage();
+    let before = ALLOCATIONS.current_usage();
+    let loaded = load(path);
+    let peak = (ALLOCATIONS.peak_usage() - before) as u64;
+    let time = begin.elapsed();
+    let allowed = BELIEVED + GROWTH * length;
+    let said = match &loaded {
+        Ok(_) => "loaded".to_owned(),
+        Err(error) => error.to_string().replace(&folder.to_string_lossy()[..], ""),
+    };
+    println!("{name}: {} MiB for {} KiB in {time:?}: {said}", peak >> 20, length >> 10);
+    assert!(peak <= allowed, "{name}: {} MiB for a file of {} KiB: {said}", peak >> 20, length >> 10);
+    assert!(time <= LONGEST, "{name}: {time:?}: {said}");
+    assert_eq!(said.lines().count(), 1, "{name}: one line: {said}");
+    match outcome {
+        Loaded => assert!(loaded.is_ok(), "{name}: {said}"),
+        Refused => assert!(loaded.is_err(), "{name}: was to be refused"),
+        Either => {}
+    }
+}
+
+#[test]
+fn files_cost_what_their_lengths_account_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let write = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("a file");
+        path
+    };
+    for (extension, cases) in [("gltf", gltf_cases()), ("obj", obj_cases()), ("ply", ply_cases())] {
+        for (name, bytes, outcome) in cases {
+            let path = write(&format!("t.{extension}"), &bytes);
+            let length = bytes.len() as u64;
+            drop(bytes);
+            judge(folder.path(), &format!("{extension} {name}"), length, &path, outcome);
+        }
+    }
+    let picture = Picture::new(4096, 4096);
+    let flat = gnurt_image::encode(&picture, OutputFormat::Png, &WriteOptions::default()).expect("a picture");
+    drop(picture);
+    write("flat.png", &flat);
+    (0..40).for_each(|k| drop(write(&format!("flat{k}.png"), &flat)));
+    let obj = write("t.obj", format!("mtllib t.mtl\n{V}usemtl m7\nf 1 2 3\n").as_bytes());
+    for (name, bytes, outcome) in mtl_cases() {
+        let maps = if name == "flat maps" { 40 } else { 1 };
+        let length = (bytes.len() + maps * flat.len()) as u64;
+        write("t.mtl", &bytes);
+        judge(folder.path(), &format!("mtl {name}"), length, &obj, outcome);
+    }
+}
