@@ -197,8 +197,10 @@ mod tests {
                 for i in 0..19 {
                     let is_hit = i < 16;
                     assert_eq!(answers.occluded[i], is_hit, "ray {i} of {size} at once");
-                    let t = if is_hit { 4.0 } else { f32::INFINITY };
-                    assert_eq!(answers.hits.t[i], t, "ray {i} of {size} at once");
+                    // Now and then Embree's is one rounding off.
+                    let t = answers.hits.t[i];
+                    let is_right = if is_hit { (t - 4.0).abs() < 1e-5 } else { t == f32::INFINITY };
+                    assert!(is_right, "ray {i} of {size} at once is hit at {t}, not 4");
                 }
             }
         }
