@@ -229,29 +229,64 @@ pub(crate) fn surroundings(text: &str) -> Result<Surroundings, String> {
     }
 }
 
-/// `MATERIAL=CLASS[@FILE][:NAME=VALUE...]`.
+/// `MATERIAL=CLASS[@FILE][:NAME=VALUE...]`. A backslash before `:`, `=`, `@` or a backslash makes it a letter like any other.
 pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
-    const RIGHT: &str =
-        "give MATERIAL=CLASS, or MATERIAL=CLASS@FILE for a plugin's, and parameters as :NAME=VALUE";
-    let mut parts = text.split(':');
-    let (material, class) = parts.next().and_then(|part| part.split_once('=')).ok_or(RIGHT)?;
-    let (class, file) = class.split_once('@').map_or((class, None), |(class, file)| (class, Some(file)));
-    if material.is_empty() || class.is_empty() || file.is_some_and(str::is_empty) {
+    const RIGHT: &str = "give MATERIAL=CLASS, or MATERIAL=CLASS@FILE for a plugin's, and parameters as :NAME=VALUE; \
+                         within names \\ stands before :, = and @";
+    let mut parts = pieces(text, ':').into_iter();
+    let (material, class) = parts.next().and_then(|part| split_plain(part, '=')).ok_or(RIGHT)?;
+    let (class, file) =
+        split_plain(class, '@').map_or((class, None), |(class, file)| (class, Some(unescaped(file))));
+    if material.is_empty() || class.is_empty() || file.as_ref().is_some_and(String::is_empty) {
         return Err(RIGHT.into());
     }
-    let pair = |part: &str| match part.split_once('=') {
+    let pair = |part: &str| match split_plain(part, '=') {
         Some((name, value)) if !name.is_empty() && !value.is_empty() => {
-            Ok((name.to_owned(), value.to_owned()))
+            Ok((unescaped(name), unescaped(value)))
         }
         _ => Err(format!("'{part}' is no parameter; {RIGHT}")),
     };
     let parameters = parts.map(pair).collect::<Result<_, _>>()?;
-    Ok(ShaderChoice {
-        material: material.to_owned(),
-        class: class.to_owned(),
-        file: file.map(PathBuf::from),
-        parameters,
-    })
+    let (material, class) = (unescaped(material), unescaped(class));
+    Ok(ShaderChoice { material, class, file: file.map(PathBuf::from), parameters })
+}
+
+/// What has a meaning in `--shader`, unless a backslash stands before it.
+const SHADER_SIGNS: [char; 4] = [':', '=', '@', '\\'];
+
+/// What stands before and after the first `sign` that no backslash stands before.
+fn split_plain(text: &str, sign: char) -> Option<(&str, &str)> {
+    let mut letters = text.char_indices().peekable();
+    while let Some((at, letter)) = letters.next() {
+        if letter == '\\' && letters.peek().is_some_and(|(_, next)| SHADER_SIGNS.contains(next)) {
+            letters.next();
+        } else if letter == sign {
+            return Some((&text[..at], &text[at + sign.len_utf8()..]));
+        }
+    }
+    None
+}
+
+/// The pieces between signs that no backslash stands before.
+fn pieces(mut text: &str, sign: char) -> Vec<&str> {
+    let mut pieces = Vec::new();
+    while let Some((piece, rest)) = split_plain(text, sign) {
+        pieces.push(piece);
+        text = rest;
+    }
+    pieces.push(text);
+    pieces
+}
+
+/// The text without the backslashes that take a sign's meaning away; all others stay.
+fn unescaped(text: &str) -> String {
+    let mut letters = text.chars().peekable();
+    let mut plain = String::new();
+    while let Some(letter) = letters.next() {
+        let sign = letters.next_if(|next| letter == '\\' && SHADER_SIGNS.contains(next));
+        plain.push(sign.unwrap_or(letter));
+    }
+    plain
 }
 
 /// `tev:HOST:PORT`.
@@ -426,5 +461,33 @@ mod tests {
         assert!(message.contains("scalar") && message.contains("did you mean"), "{message}");
         assert!(filter("tent").expect_err("a stranger").contains("blackman-harris"), "the list");
         assert!(tone("aces").is_err(), "no such curve");
+    }
+
+    #[test]
+    fn shaders_of_files_with_any_name() {
+        let choice = |material: &str, class: &str, file: Option<&str>, parameters: &[(&str, &str)]| {
+            let pair = |(name, value): &(&str, &str)| ((*name).to_owned(), (*value).to_owned());
+            let parameters = parameters.iter().map(pair).collect();
+            let (material, class) = (material.to_owned(), class.to_owned());
+            Ok(ShaderChoice { material, class, file: file.map(PathBuf::from), parameters })
+        };
+        for (text, wanted) in [
+            ("*=Phong", choice("*", "Phong", None, &[])),
+            ("a=b@c.so:d=1,2:e=@f.png", choice("a", "b", Some("c.so"), &[("d", "1,2"), ("e", "@f.png")])),
+            // Signs that have no meaning where they stand need no backslash.
+            ("a=b@x@y=z.so:d=e=f", choice("a", "b", Some("x@y=z.so"), &[("d", "e=f")])),
+            (
+                r"Glass\:001=b@2026\:01\@home.so:d=@a\:b.png",
+                choice("Glass:001", "b", Some("2026:01@home.so"), &[("d", "@a:b.png")]),
+            ),
+            (r"x\=y=Phong", choice("x=y", "Phong", None, &[])),
+            (r"a=b@C\:\dir\c.dll", choice("a", "b", Some(r"C:\dir\c.dll"), &[])),
+            (r"a=b@dir\\:d=1", choice("a", "b", Some(r"dir\"), &[("d", "1")])),
+        ] {
+            assert_eq!(shader(text), wanted, "'{text}'");
+        }
+        for bad in ["", "a", "=b", "a=", "a=b@", "a=b:", "a=b::c=d", "a=b:c", "a=b:=c", "a=b:c=", r"a\=b"] {
+            assert!(shader(bad).is_err(), "'{bad}' is none");
+        }
     }
 }

@@ -47,6 +47,10 @@ fn plugins_shade_what_built_in_classes_shade() {
     let [class, plugin] = ["class.pfm", "plugin.pfm"].map(|name| picture(&folder, name));
     let difference = compare(&class, &plugin).expect("one size").max_difference;
     assert!(difference < 1e-5, "the same light: {difference}");
+    // A name with the signs of the option in it.
+    std::fs::copy(folder.at("diffuse.so"), folder.at("2026:11@home.so")).expect("a file");
+    folder.gnurt(&format!(r"{line} *=diffuse@2026\:11\@home.so:color=0.9,0.5,0.2 -o named.pfm")).success();
+    assert!(folder.read("named.pfm") == folder.read("plugin.pfm"), "the same plugin");
     folder.gnurt(&format!("{line} *=diffuse@diffuse.so:color=0.2 -o dark.pfm")).success();
     assert!(
         folder.read("dark.pfm") != folder.read("plugin.pfm"),
