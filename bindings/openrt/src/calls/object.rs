@@ -13,7 +13,7 @@ impl Context {
     pub(crate) fn gen_objects(&mut self, count: i32) -> Result<u32> {
         self.outside_block()?;
         self.no_open_object()?;
-        self.objects.ids.reserve(count)
+        self.objects.reserve(count)
     }
 
     /// rtNewObject with two arguments.
@@ -31,7 +31,7 @@ impl Context {
         self.outside_block()?;
         self.no_open_object()?;
         let mode = ObjectMode::from_code(mode)?;
-        let id = self.objects.ids.reserve(1)?;
+        let id = self.objects.reserve(1)?;
         self.open_object(id, mode);
         Ok(id)
     }

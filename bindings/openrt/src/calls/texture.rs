@@ -11,7 +11,7 @@ impl Context {
     /// rtGenTextures.
     pub(crate) fn gen_textures(&mut self, count: i32) -> Result<u32> {
         self.outside_block()?;
-        self.textures.ids.reserve(count)
+        self.textures.ids.reserve(count, |_| true)
     }
 
     /// rtBindTexture.

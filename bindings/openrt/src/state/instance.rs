@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Instances: objects put somewhere, and their ids.
 //! Source: \[DWBS03\]; two levels after the paper's section 6. Space: an instance's matrix goes from object to world.
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Invariant: ids never run out while fewer than 2^32 - 2 instances are there. Proof: `tests`; tests/c/scene.c.
 
 use std::collections::BTreeMap;
 
 use super::error::{Error, Result};
+use super::ids::RT_INVALID;
 use super::matrix::Matrix;
 
 /// An object put somewhere.
@@ -17,7 +18,13 @@ pub(crate) struct Instance {
     pub(crate) world_from_object: Matrix,
 }
 
-/// All instances.
+/// Ids that instances may have; beyond them is `RT_INVALID`.
+const FIRST: u32 = 1;
+const LAST: u32 = RT_INVALID - 1;
+/// As many as there are.
+const MOST: usize = (LAST - FIRST + 1) as usize;
+
+/// All instances. Ids are given out in a circle, so that one that is gone comes back as late as possible.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Instances {
     last_id: u32,
@@ -41,9 +48,17 @@ impl Instances {
         self.all.len()
     }
 
-    /// Adds one and returns its id.
+    /// Adds one and returns its id: the next one after the last that was given out which nobody has.
     pub(crate) fn add(&mut self, instance: Instance) -> Result<u32> {
-        let id = self.last_id.checked_add(1).filter(|&id| id < u32::MAX).ok_or(Error::OutOfMemory)?;
+        if self.all.len() >= MOST {
+            return Err(Error::OutOfMemory);
+        }
+        let after = |id: u32| if id < LAST { id + 1 } else { FIRST };
+        let mut id = after(self.last_id);
+        // Passed over once per round through all ids, each: next to nothing per instance.
+        while self.all.contains_key(&id) {
+            id = after(id);
+        }
         self.last_id = id;
         self.all.insert(id, instance);
         Ok(id)
@@ -68,5 +83,37 @@ impl Instances {
     /// Removes all.
     pub(crate) fn clear(&mut self) {
         self.all.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const THERE: Instance = Instance { object: 1, world_from_object: Matrix::IDENTITY };
+
+    #[test]
+    fn ids_come_back_after_the_last_one() {
+        let mut instances = Instances::default();
+        assert_eq!([1, 2, 3].map(|_| instances.add(THERE)), [1, 2, 3].map(Ok), "from 1");
+        assert!(instances.remove(2), "it was there");
+        assert_eq!(instances.add(THERE), Ok(4), "2 does not come back at once");
+        // In fast motion: as if 2^32 frames had passed.
+        instances.last_id = LAST - 1;
+        assert_eq!(instances.add(THERE), Ok(LAST), "the last one is not RT_INVALID");
+        assert_eq!(instances.add(THERE), Ok(2), "1 is in use");
+        assert_eq!(instances.add(THERE), Ok(5), "3 and 4 are, too");
+        instances.clear();
+        assert_eq!(instances.add(THERE), Ok(6), "empty, and going on");
+    }
+
+    #[test]
+    fn frames_for_ever() {
+        let mut instances = Instances { last_id: LAST - 1500, ..Instances::default() };
+        for frame in 0..10 {
+            (0..1000).for_each(|i| assert!(instances.add(THERE).is_ok(), "instance {i} of frame {frame}"));
+            assert_eq!(instances.len(), 1000, "as many as the frame has");
+            instances.clear();
+        }
     }
 }

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 use super::block::Assembly;
 use super::enums::ObjectMode;
+use super::error::Result;
 use super::geometry::{Geometry, ShaderMesh};
 use super::ids::Ids;
 
@@ -61,6 +62,11 @@ impl Default for Objects {
 }
 
 impl Objects {
+    /// Reserves ids. Those that an instance still shows are not used again.
+    pub(crate) fn reserve(&mut self, count: i32) -> Result<u32> {
+        self.ids.reserve(count, |id| !self.defined.contains_key(&id))
+    }
+
     /// How many objects with an id have been defined, and their triangles.
     #[must_use]
     pub(crate) fn counts(&self) -> (usize, usize) {
