@@ -16,9 +16,9 @@ use crate::state::enums::SceneMode;
 use crate::state::error::{Error, Result};
 use crate::state::framebuffer::FrameBuffer;
 use crate::state::instance::Instances;
+use crate::state::listener::Listener;
 use crate::state::object::{Objects, OpenObject};
 use crate::state::progress::Seen;
-use crate::state::report::Listener;
 use crate::state::sampling::{Limits, Sampling};
 use crate::state::shader::{Bound, Shaders};
 use crate::state::shader_class::{Classes, LoadedClass};
@@ -31,7 +31,7 @@ pub(crate) struct Context {
     /// The first error since the program last asked.
     error: Option<Error>,
     /// Who wants to hear of every error.
-    pub(crate) listener: Option<Listener>,
+    pub(crate) listener: Option<Arc<Listener>>,
     /// Threads to render with; 0 = one per core.
     pub(crate) threads: usize,
     pub(crate) stacks: Stacks,
@@ -147,7 +147,7 @@ impl Context {
     }
 }
 
-/// Nothing of it goes on: a program may unload the library then.
+/// No thread of the context outlives it: a program may unload the library afterwards.
 impl Drop for Context {
     fn drop(&mut self) {
         self.end_frame();

@@ -2,7 +2,7 @@
 //! The door between C and the safe state machine: the one context behind a mutex, pointers, and context calls.
 //! Source: original. Every exported function goes through [`perform`]: it takes the lock, makes the context if there is
 //! none, notes errors, and lets no panic cross to C. A shader that calls the library while the library waits for it is
-//! turned away.
+//! turned away. Functions are `C-unwind`: exceptions of the program's own function pass to the program.
 //! Proof: the C programs of tests/c; bindings/openrt/tests/symbols.rs (exactly the functions of the header).
 
 use std::cell::Cell;
@@ -10,10 +10,13 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, LazyLock};
 
+use gnurt_plugins::host::say;
+
 use crate::context::Context;
 use crate::ffi_lock::{Biased, Guard};
 use crate::ffi_pointers::{text, writer};
 use crate::state::error::{Error, Result, Writer};
+use crate::state::listener::Listener;
 use crate::state::report;
 
 static CONTEXT: Biased<Option<Context>> = Biased::new(None);
@@ -46,14 +49,12 @@ pub(crate) fn look<T>(blind: T, at: impl FnOnce(Option<&Context>) -> T) -> T {
 /// A call from within a call of the same thread: it would wait for itself, and nothing can be noted meanwhile.
 #[cold]
 fn turn_away<T>(shown: impl FnOnce() -> String, on_error: T) -> T {
-    eprintln!(
-        "libOpenRT: {} was called by a shader while the library waits for that shader: ignored",
-        shown()
-    );
+    say(format_args!("{} was called by a shader while the library waits for that shader: ignored", shown()));
     on_error
 }
 
-/// Notes an error and reports it once the lock is free: who listens may call back.
+/// Notes an error and reports it once the lock is free: who listens may call back. An exception that leaves the listener
+/// goes on to the program: nothing here catches it, and all that stands in its way is released.
 #[cold]
 fn fail<T>(
     mut guard: Guard<'static, Option<Context>>,
@@ -63,16 +64,17 @@ fn fail<T>(
 ) -> T {
     let context = guard.get_or_insert_with(Context::default);
     context.record(error);
-    let listener = context.listener();
+    // Under the lock: from now on whoever replaces the listener waits for it.
+    let hearing = if LISTENING.get() { None } else { context.hearing() };
     drop(guard);
-    if *PRINTS || listener.is_some() {
+    if *PRINTS || hearing.is_some() {
         let call = shown();
         if *PRINTS {
-            eprintln!("{}", report::line(error, &call));
+            say(report::line(error, &call));
         }
-        if let Some(listener) = listener.filter(|_| !LISTENING.replace(true)) {
-            listener(error, &CString::new(call).unwrap_or_default());
-            LISTENING.set(false);
+        if let Some(hearing) = hearing {
+            let _listening = Listening::begin();
+            hearing.tell(error, &CString::new(call).unwrap_or_default());
         }
     }
     on_error
@@ -87,10 +89,34 @@ thread_local! {
     static LISTENING: Cell<bool> = const { Cell::new(false) };
 }
 
+/// While it lives, this thread's listener is being told of an error.
+struct Listening;
+
+impl Listening {
+    fn begin() -> Self {
+        LISTENING.set(true);
+        Self
+    }
+}
+
+impl Drop for Listening {
+    fn drop(&mut self) {
+        LISTENING.set(false);
+    }
+}
+
+/// Waits until a listener that was replaced has returned on all threads. A listener that replaces itself, or another
+/// one, does not wait: it may be what the others wait for.
+fn wait_for(replaced: Option<Arc<Listener>>) {
+    if let Some(replaced) = replaced.filter(|_| !LISTENING.get()) {
+        replaced.wait();
+    }
+}
+
 /// What a panic becomes; its message has been printed by the panic itself.
 #[cold]
 fn internal_error() -> Error {
-    eprintln!("libOpenRT: this is a bug in libOpenRT; the call failed");
+    say("this is a bug in libOpenRT; the call failed");
     Error::InvalidOperation
 }
 
@@ -114,7 +140,7 @@ pub(crate) use call;
 macro_rules! procedures {
     ($($name:ident($($argument:ident: $type:ty),*) => |$context:ident| $work:expr;)*) => {$(
         #[unsafe(no_mangle)]
-        extern "C" fn $name($($argument: $type),*) {
+        extern "C-unwind" fn $name($($argument: $type),*) {
             $crate::ffi::call!($name($($argument),*), (), |$context| $work);
         }
     )*};
@@ -125,7 +151,7 @@ pub(crate) use procedures;
 macro_rules! id_functions {
     ($($name:ident($($argument:ident: $type:ty),*) => |$context:ident| $work:expr;)*) => {$(
         #[unsafe(no_mangle)]
-        extern "C" fn $name($($argument: $type),*) -> u32 {
+        extern "C-unwind" fn $name($($argument: $type),*) -> u32 {
             $crate::ffi::call!($name($($argument),*), $crate::state::ids::RT_INVALID, |$context| $work)
         }
     )*};
@@ -166,7 +192,7 @@ unsafe fn take_arguments(count: *mut c_int, list: *mut *mut c_char) -> Vec<Vec<u
 /// # Safety
 /// As openrt/rt.h says: pointers are null or those of main.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtInit(count: *mut c_int, list: *mut *mut c_char) {
+unsafe extern "C-unwind" fn rtInit(count: *mut c_int, list: *mut *mut c_char) {
     let shown = || "rtInit()".to_owned();
     let Some(mut guard) = CONTEXT.enter() else { return turn_away(shown, ()) };
     if guard.is_some() {
@@ -178,23 +204,25 @@ unsafe extern "C" fn rtInit(count: *mut c_int, list: *mut *mut c_char) {
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtExit() {
+extern "C-unwind" fn rtExit() {
     let may_leave = call!(rtExit(), false, |context| context.exit().map(|()| true));
     if may_leave {
-        let context = CONTEXT.enter().and_then(|mut guard| guard.take());
+        let mut context = CONTEXT.enter().and_then(|mut guard| guard.take());
+        let listener = context.as_mut().and_then(|context| context.listener.take());
         // Dropping frees everything; a panic in it must not cross to C, and there is no context left to note it.
         let dropped = catch_unwind(AssertUnwindSafe(|| drop(context)));
-        dropped.unwrap_or_else(|_| eprintln!("libOpenRT: this is a bug in libOpenRT; rtExit did not finish"));
+        dropped.unwrap_or_else(|_| say("this is a bug in libOpenRT; rtExit did not finish"));
+        wait_for(listener);
     }
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtGetError() -> u32 {
+extern "C-unwind" fn rtGetError() -> u32 {
     call!(rtGetError(), Error::NONE_CODE, |context| context.take_error())
 }
 
-/// What rtDebugCallback takes.
-type DebugFunction = unsafe extern "C" fn(u32, *const c_char, *mut c_void);
+/// What rtDebugCallback takes. Exceptions may leave it.
+type DebugFunction = unsafe extern "C-unwind" fn(u32, *const c_char, *mut c_void);
 
 /// A program's pointer, handed back to it.
 struct User(*mut c_void);
@@ -205,22 +233,23 @@ unsafe impl Send for User {}
 unsafe impl Sync for User {}
 
 /// # Safety
-/// As openrt/rt.h says: `function` is null or may be called with `user` until it is replaced or the context is gone.
+/// As openrt/rt.h says: `function` is null or may be called with `user` until the call that replaces it, or rtExit, has
+/// returned.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtDebugCallback(function: Option<DebugFunction>, user: *mut c_void) {
+unsafe extern "C-unwind" fn rtDebugCallback(function: Option<DebugFunction>, user: *mut c_void) {
     let user = User(user);
-    let listener = function.map(|function| -> report::Listener {
-        Arc::new(move |error: Error, call: &CStr| {
+    let listener = function.map(|function| {
+        Listener::new(move |error: Error, call: &CStr| {
             let User(user) = &user;
             // SAFETY: the caller vouches for the function and what it takes; the text lives until it returns.
             unsafe { function(error.code(), call.as_ptr(), *user) }
         })
     });
-    call!(rtDebugCallback(), (), |context| context.set_listener(listener));
+    wait_for(call!(rtDebugCallback(), None, |context| context.set_listener(listener)));
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtGetString(name: u32) -> *const u8 {
+extern "C-unwind" fn rtGetString(name: u32) -> *const u8 {
     call!(rtGetString(name), std::ptr::null(), |context| context
         .get_string(name)
         .map(|text| text.as_ptr().cast()))
@@ -229,7 +258,7 @@ extern "C" fn rtGetString(name: u32) -> *const u8 {
 /// # Safety
 /// As openrt/rt.h says: `values` is null or has room for the value's numbers.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtGetIntegerv(name: u32, values: *mut i32) {
+unsafe extern "C-unwind" fn rtGetIntegerv(name: u32, values: *mut i32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(values) };
     call!(rtGetIntegerv(name, values), (), |context| context
@@ -239,7 +268,7 @@ unsafe extern "C" fn rtGetIntegerv(name: u32, values: *mut i32) {
 /// # Safety
 /// As openrt/rt.h says: `values` is null or has room for the value's numbers.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtGetFloatv(name: u32, values: *mut f32) {
+unsafe extern "C-unwind" fn rtGetFloatv(name: u32, values: *mut f32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(values) };
     call!(rtGetFloatv(name, values), (), |context| context

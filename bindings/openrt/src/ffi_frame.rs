@@ -31,7 +31,7 @@ impl FrameMemory for ProgramMemory {
 /// # Safety
 /// As openrt/rt.h says: `pixels` is null or has room for them until the frames that use it have ended.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtSetFrameBuffer(pixels: *mut u8, width: u32, height: u32, format: u32) {
+unsafe extern "C-unwind" fn rtSetFrameBuffer(pixels: *mut u8, width: u32, height: u32, format: u32) {
     let memory = (!pixels.is_null()).then(|| Arc::new(ProgramMemory(pixels)) as Arc<dyn FrameMemory>);
     call!(rtSetFrameBuffer(pixels, width, height, format), (), |context| context.set_frame_buffer(
         memory,
@@ -41,13 +41,13 @@ unsafe extern "C" fn rtSetFrameBuffer(pixels: *mut u8, width: u32, height: u32, 
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtFrameBufferUse(pixels: *const u8) -> u32 {
+extern "C-unwind" fn rtFrameBufferUse(pixels: *const u8) -> u32 {
     let all = RT_NEXT_FRAME_BIT | RT_IN_FLIGHT_BIT;
     crate::ffi::look(all, |context| context.map_or(0, |context| context.frame_buffer_use(pixels.addr())))
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtGetRayEpsilon() -> f32 {
+extern "C-unwind" fn rtGetRayEpsilon() -> f32 {
     call!(rtGetRayEpsilon(), 0.0, |context| context.ray_epsilon())
 }
 
@@ -61,13 +61,13 @@ fn wait_for_frame() -> bool {
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtEndRendering() {
+extern "C-unwind" fn rtEndRendering() {
     wait_for_frame();
     call!(rtEndRendering(), (), |context| context.end_rendering());
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtRender() {
+extern "C-unwind" fn rtRender() {
     call!(rtRender(), (), |context| context.begin_render());
     // A frame may have started although the call failed: it goes on without plugins that cannot take part.
     if wait_for_frame() {
@@ -76,12 +76,12 @@ extern "C" fn rtRender() {
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtRenderFrame() {
+extern "C-unwind" fn rtRenderFrame() {
     rtRender();
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtSwapBuffers() {
+extern "C-unwind" fn rtSwapBuffers() {
     wait_for_frame();
     call!(rtSwapBuffers(), (), |context| context.swap_buffers());
 }

@@ -169,7 +169,7 @@ mod barrier {
         // A child of fork has to register again.
         if !call(EXPEDITED) && !is_there() {
             // Nothing else orders another CPU's stores; the system took back what it gave.
-            eprintln!("libOpenRT: the system's membarrier does not work any more");
+            gnurt_plugins::host::say("the system's membarrier does not work any more");
             std::process::abort();
         }
     }

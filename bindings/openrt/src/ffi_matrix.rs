@@ -42,7 +42,7 @@ macro_rules! for_type {
         /// # Safety
         /// As openrt/rt.h says: `elements` is null or points to 16 numbers.
         #[unsafe(no_mangle)]
-        unsafe extern "C" fn $name(elements: *const $type) {
+        unsafe extern "C-unwind" fn $name(elements: *const $type) {
             // SAFETY: the caller vouches for 16 numbers.
             let elements: Option<[$type; 16]> = unsafe { array(elements) };
             let $matrix = elements.map(|elements| Matrix(elements.map(f64::from)));

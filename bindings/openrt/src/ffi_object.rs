@@ -26,7 +26,7 @@ procedures! {
 /// # Safety
 /// As openrt/rt.h says: `matrix` is null or has room for 16 numbers.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtGetInstanceMatrixf(instance: u32, matrix: *mut f32) {
+unsafe extern "C-unwind" fn rtGetInstanceMatrixf(instance: u32, matrix: *mut f32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(matrix) };
     call!(rtGetInstanceMatrixf(instance, matrix), (), |context| context
@@ -36,7 +36,7 @@ unsafe extern "C" fn rtGetInstanceMatrixf(instance: u32, matrix: *mut f32) {
 macro_rules! questions {
     ($($name:ident => $question:ident;)*) => {$(
         #[unsafe(no_mangle)]
-        extern "C" fn $name(id: u32) -> u8 {
+        extern "C-unwind" fn $name(id: u32) -> u8 {
             call!($name(id), 0, |context| context.$question(id).map(u8::from))
         }
     )*};

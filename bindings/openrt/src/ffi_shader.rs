@@ -23,7 +23,7 @@ procedures! {
 /// # Safety
 /// As openrt/rt.h says: both are null or texts.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtGenNewShaderClass(name: *const c_char, file: *const c_char) -> u32 {
+unsafe extern "C-unwind" fn rtGenNewShaderClass(name: *const c_char, file: *const c_char) -> u32 {
     // SAFETY: the caller vouches for the texts.
     let (name, file) = unsafe { (text(name), text(file)) };
     call!(rtGenNewShaderClass(name, file), RT_INVALID, |context| context.gen_new_shader_class(name, file))
@@ -32,14 +32,14 @@ unsafe extern "C" fn rtGenNewShaderClass(name: *const c_char, file: *const c_cha
 /// # Safety
 /// As openrt/rt.h says: `name` is null or a text.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtParameterHandle(name: *const c_char) -> u32 {
+unsafe extern "C-unwind" fn rtParameterHandle(name: *const c_char) -> u32 {
     // SAFETY: the caller vouches for the text.
     let name = unsafe { text(name) };
     call!(rtParameterHandle(name), RT_INVALID, |context| context.parameter_handle(name))
 }
 
 #[unsafe(no_mangle)]
-extern "C" fn rtGetShaderClassInfoLog() -> *const c_char {
+extern "C-unwind" fn rtGetShaderClassInfoLog() -> *const c_char {
     call!(rtGetShaderClassInfoLog(), std::ptr::null(), |context| context
         .shader_class_info_log()
         .map(|log| log.as_ptr()))
@@ -81,7 +81,7 @@ macro_rules! vector_forms {
         /// # Safety
         /// As openrt/rt.h says: `values` is null or points to as many numbers as the name says.
         #[unsafe(no_mangle)]
-        unsafe extern "C" fn $name(handle: u32, values: *const $type) {
+        unsafe extern "C-unwind" fn $name(handle: u32, values: *const $type) {
             // SAFETY: the caller vouches for the numbers.
             let values: Option<[$type; $count]> = unsafe { array(values) };
             call!($name(handle, values), (), |context| {
@@ -105,7 +105,7 @@ vector_forms! {
 /// # Safety
 /// As openrt/rt.h says: `value` is null or points to `size` bytes.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtParameterRaw(handle: u32, value: *const c_void, size: u32) {
+unsafe extern "C-unwind" fn rtParameterRaw(handle: u32, value: *const c_void, size: u32) {
     let length = size as usize;
     // SAFETY: the caller vouches for the bytes; bytes have no alignment.
     let bytes = (!value.is_null()).then(|| unsafe { std::slice::from_raw_parts(value.cast::<u8>(), length) });
@@ -116,7 +116,7 @@ unsafe extern "C" fn rtParameterRaw(handle: u32, value: *const c_void, size: u32
 /// # Safety
 /// As openrt/rt.h says: `string` is null or a text.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtParameterString(handle: u32, string: *const c_char) {
+unsafe extern "C-unwind" fn rtParameterString(handle: u32, string: *const c_char) {
     // SAFETY: the caller vouches for the text.
     let string = unsafe { text(string) };
     call!(rtParameterString(handle, string), (), |context| context
@@ -126,7 +126,7 @@ unsafe extern "C" fn rtParameterString(handle: u32, string: *const c_char) {
 /// # Safety
 /// As openrt/rt.h says: `values` is null or has room for the parameter's numbers.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtGetParameterfv(handle: u32, values: *mut f32) {
+unsafe extern "C-unwind" fn rtGetParameterfv(handle: u32, values: *mut f32) {
     // SAFETY: the caller vouches for the room.
     let mut write = unsafe { writer(values) };
     call!(rtGetParameterfv(handle, values), (), |context| context

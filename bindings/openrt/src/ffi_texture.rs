@@ -21,7 +21,7 @@ procedures! {
 /// # Safety
 /// As openrt/rt.h says: `texels` is null or points to width * height texels of this format and type.
 #[unsafe(no_mangle)]
-unsafe extern "C" fn rtTexImage2D(
+unsafe extern "C-unwind" fn rtTexImage2D(
     target: u32,
     level: i32,
     internal_format: i32,

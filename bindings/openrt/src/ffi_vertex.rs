@@ -13,7 +13,7 @@ macro_rules! family {
     ($set:path, $number:ident;
      $($by_value:ident $by_pointer:ident $type:ty: ($($given:ident),+) => [$($all:expr),+];)*) => {$(
         #[unsafe(no_mangle)]
-        extern "C" fn $by_value($($given: $type),+) {
+        extern "C-unwind" fn $by_value($($given: $type),+) {
             call!($by_value($($given),+), (), |context| {
                 $(let $given = $number::from_c($given);)+
                 $set(context, [$($all),+])
@@ -23,7 +23,7 @@ macro_rules! family {
         /// # Safety
         /// As openrt/rt.h says: the pointer is null or points to as many numbers as the name says.
         #[unsafe(no_mangle)]
-        unsafe extern "C" fn $by_pointer(numbers: *const $type) {
+        unsafe extern "C-unwind" fn $by_pointer(numbers: *const $type) {
             // SAFETY: the caller vouches for the numbers.
             let numbers: Option<[$type; [$(stringify!($given)),+].len()]> = unsafe { array(numbers) };
             call!($by_pointer(numbers), (), |context| {

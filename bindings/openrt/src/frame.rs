@@ -9,9 +9,11 @@ use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::thread::{Builder, JoinHandle};
 
-use gnurt::render::{Accumulation, CommitOptions, Integrator, RenderOptions, ShaderTable, World};
+use gnurt::render::{
+    Accumulation, CommitError, CommitOptions, Integrator, RenderError, RenderOptions, ShaderTable, World,
+};
 use gnurt::shading::CameraShader;
-use gnurt_plugins::host::PluginFrame;
+use gnurt_plugins::host::{PluginFrame, say};
 
 use crate::stage::Stage;
 use crate::state::error::{Error, Result};
@@ -71,14 +73,17 @@ impl Job {
         options.max_depth = options.max_depth.min(DEEPEST);
         let committed =
             stage.world.commit(&stage.scene, &self.shaders, &CommitOptions::default(), &self.pool);
-        committed.map_err(|error| fail(&error))?;
+        committed.map_err(|error| told(&error, kind_of_commit(&error)))?;
         let accumulation = match &mut stage.accumulation {
             Some(accumulation) if self.continues && *accumulation.options() == options => accumulation,
             Some(accumulation) => {
-                accumulation.restart(options).map_err(|error| fail(&error))?;
+                accumulation.restart(options).map_err(|error| told(&error, kind_of_options(&error)))?;
                 accumulation
             }
-            none => none.insert(Accumulation::new(options).map_err(|error| fail(&error))?),
+            none => {
+                let new = Accumulation::new(options);
+                none.insert(new.map_err(|error| told(&error, kind_of_options(&error)))?)
+            }
         };
         // One sample of each pixel first: a frame that is cancelled later has something to show.
         for pass in [1, samples - 1].into_iter().filter(|&pass| pass > 0) {
@@ -87,7 +92,10 @@ impl Job {
             }
         }
         if accumulation.samples() > 0 {
-            stage.colors.resize(self.target.width as usize * self.target.height as usize, [0.0; 4]);
+            let pixels = self.target.width as usize * self.target.height as usize;
+            let missing = pixels.saturating_sub(stage.colors.len());
+            stage.colors.try_reserve_exact(missing).map_err(|error| told(&error, Error::OutOfMemory))?;
+            stage.colors.resize(pixels, [0.0; 4]);
             accumulation.write_colors(&mut stage.colors, &self.pool);
             self.target.show(&stage.colors);
         }
@@ -95,10 +103,26 @@ impl Job {
     }
 }
 
-/// Tells the person what went wrong; the program gets a code.
-pub(crate) fn fail(error: &dyn std::fmt::Display) -> Error {
-    eprintln!("libOpenRT: {error}");
-    Error::OutOfMemory
+/// Says to people what went wrong, and gives the program its code.
+pub(crate) fn told(error: &dyn std::fmt::Display, code: Error) -> Error {
+    say(error);
+    code
+}
+
+/// The code of a commit that failed. That ids name nothing is a mistake of this library.
+fn kind_of_commit(error: &CommitError) -> Error {
+    match error {
+        CommitError::TooLarge(_) => Error::OutOfMemory,
+        CommitError::DanglingId { .. } | CommitError::UnknownShader { .. } => Error::InvalidOperation,
+    }
+}
+
+/// The code of options that leave nothing to render.
+fn kind_of_options(error: &RenderError) -> Error {
+    match error {
+        RenderError::NothingToDo { .. } | RenderError::TooLarge { .. } => Error::InvalidValue,
+        RenderError::EmptyCrop { .. } | RenderError::NoSuchPixel { .. } => Error::InvalidOperation,
+    }
 }
 
 impl Frame {
@@ -108,7 +132,7 @@ impl Frame {
         job: Job,
         plugins: PluginFrame,
     ) -> std::result::Result<Self, Box<Stage>> {
-        // The stage follows through a channel once the thread is there: a thread that is not would take it along.
+        // The stage is handed over when the thread has started. If no thread starts, it is still here, to be given back.
         let (hand_over, take_over) = channel::<Stage>();
         let flight = Arc::new(Flight::default());
         let landing = Landing(flight.clone());

@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 
 use gnurt::render::{Accumulation, ShaderTable, World};
 use gnurt::scene::{
-    Affine, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, Scene, Surface,
+    Affine, Attribute, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, Scene,
+    Surface, TEXCOORD_RQ,
 };
 use gnurt::shading::classes::{Shader as RenderShader, Value, Values};
 use gnurt_plugins::host::PluginFrame;
@@ -89,6 +90,12 @@ impl Stage {
     /// Ids of the shaders of all meshes.
     pub(crate) fn shader_ids(&self) -> impl Iterator<Item = u32> + '_ {
         self.shader_slots.keys().copied()
+    }
+
+    /// Whether a mesh has third texture coordinates, or divisors.
+    pub(crate) fn has_third_texcoords(&self) -> bool {
+        let is_it = |attribute: &Attribute| attribute.name == TEXCOORD_RQ;
+        self.scene.meshes().iter().any(|mesh| mesh.attributes.iter().any(is_it))
     }
 
     /// Whether an object has been defined, so that its instances are shown.

@@ -22,10 +22,12 @@ programs! {
     attributes
     closed_forms
     debug
+    debug_threads
     errors
     fragment_model
     fragments
     frames
+    limits
     many_vertices
     materials
     mipmaps

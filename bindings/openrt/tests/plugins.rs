@@ -173,6 +173,44 @@ fn faults() {
     assert!(lines > 0, "what is wrong is printed:\n{said}");
 }
 
+/// Nobody reads the standard error output any more, and the signal for that is ignored: no call ends the program.
+#[test]
+fn a_closed_error_output_ends_nothing() {
+    let workshop = Workshop::new();
+    plugin(&workshop, "tests/plugins/tricky.c", "tricky.so", &[]);
+    program(&workshop, "quiet.c");
+    // The shell ignores the signal for itself and for the program; `true` ends, and the pipe breaks.
+    let script = "trap '' PIPE; { sleep 0.2; ./quiet 2>&1 >said; echo status $? >status; } | true";
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &script]).current_dir(workshop.path("")).env("OPENRT_DEBUG", "1");
+    must(&mut shell);
+    let read = |name: &str| std::fs::read_to_string(workshop.path(name)).expect("the program has ended");
+    let (status, said) = (read("status"), read("said"));
+    assert_eq!(status, "status 0\n", "no panic, no abort, and its checks hold:\n{said}");
+    // The same without any standard error output at all.
+    must(
+        in_workshop(&workshop, Path::new("/bin/sh"))
+            .args(["-c", "exec 2>&-; ./quiet"])
+            .env("OPENRT_DEBUG", "1"),
+    );
+}
+
+/// Shaders that take much of the stack for themselves, in a hall of mirrors: rays end with words, not with a crash.
+#[test]
+fn deep_shaders_are_stopped() {
+    let workshop = Workshop::new();
+    plugin(&workshop, "tests/plugins/deep.c", "deep.so", &[]);
+    must(&mut in_workshop(&workshop, &program(&workshop, "plugin_deep.c")));
+}
+
+/// The third and the fourth texture coordinate reach shaders.
+#[test]
+fn texture_coordinates() {
+    let workshop = Workshop::new();
+    plugin(&workshop, "tests/plugins/texcoords.c", "texcoords.so", &[]);
+    must(&mut in_workshop(&workshop, &program(&workshop, "plugin_texcoords.c")));
+}
+
 /// Batches, parameters of all types and rates, and services are as the header says.
 #[test]
 fn probe() {

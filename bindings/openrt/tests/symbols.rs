@@ -66,3 +66,49 @@ fn the_reference_has_every_function() {
     assert!(missing.is_empty(), "not in docs/openrt-reference.md: {missing:?}");
     assert!(extra.is_empty(), "in docs/openrt-reference.md, but in no header: {extra:?}");
 }
+
+/// Words without marks and line ends: what the header and the page have in common.
+fn plain(text: &str) -> String {
+    let without_marks: String = text.chars().filter(|c| !"`*\\".contains(*c)).collect();
+    let without_links = without_marks.replace("[openrt.md](openrt.md)", "openrt.md");
+    without_links.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// What the page says below the synopsis of a function.
+fn explanation(reference: &str, function: &str) -> String {
+    let mut places = reference.match_indices("```c\n").map(|(at, fence)| &reference[at + fence.len()..]);
+    let call = format!("{function}(");
+    let below = places.find_map(|rest| {
+        let (synopsis, below) = rest.split_once("```")?;
+        let is_named = synopsis.split([' ', '*']).any(|word| word.starts_with(&call));
+        is_named.then_some(below)
+    });
+    let below = below.unwrap_or_else(|| panic!("{function} has a synopsis"));
+    plain(below.split("\n## ").next().and_then(|part| part.split("\n### ").next()).unwrap_or_default())
+}
+
+/// The page follows the header, sentence by sentence.
+#[test]
+fn the_reference_says_what_the_header_says() {
+    let read = |path: &str| std::fs::read_to_string(common::source(path)).expect("it is there");
+    let (header, reference) = (read("include/openrt/rt.h"), read("../../docs/openrt-reference.md"));
+    let (mut sentences, mut missing) = (0, Vec::new());
+    for comment in header.split("/*").skip(1) {
+        let Some((said, declarations)) = comment.split_once("*/") else { continue };
+        let Some(first) = declarations.trim_start().strip_prefix("RTAPI ") else { continue };
+        let name = first.split("RTAPIENTRY ").nth(1).and_then(|rest| rest.split('(').next());
+        let name = name.expect("a function's name");
+        let explained = explanation(&reference, name);
+        let said = plain(said);
+        // Ends of sentences and of their parts: the page has errors in a paragraph of their own.
+        for sentence in said.split(". ").flat_map(|part| part.split("; ")).flat_map(|part| part.split(": ")) {
+            let sentence = sentence.trim_end_matches(['.', ';', ':']);
+            sentences += 1;
+            if !explained.contains(sentence) {
+                missing.push(format!("{name}: {sentence}"));
+            }
+        }
+    }
+    assert!(sentences > 200, "the header was read: {sentences} sentences");
+    assert!(missing.is_empty(), "docs/openrt-reference.md does not say:\n{}", missing.join("\n"));
+}

@@ -47,7 +47,7 @@ pub struct PluginClass {
     pub parameters: Vec<PluginParameter>,
     pub(crate) calls: Calls,
     /// Keeps the functions where they are.
-    pub(crate) _library: Arc<Library>,
+    pub(crate) library: Arc<Library>,
 }
 
 impl PluginClass {

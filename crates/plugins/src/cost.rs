@@ -93,7 +93,7 @@ fn both() -> [Arc<dyn SurfaceShader>; 2] {
         .status();
     assert!(status.is_ok_and(|status| status.success()), "the plugin is built");
     let class = Arc::new(load("diffuse", &file.display().to_string()).expect("it is sound"));
-    let block = PluginBlock::new(&class);
+    let block = PluginBlock::new(&class).expect("no exception");
     let color = [0.75_f32, 0.5, 0.25];
     block.write(0, &color.map(f32::to_ne_bytes).concat());
     let frame = PluginFrame::new([(1, &block)].into_iter(), FrameState::default);

@@ -10,7 +10,9 @@ use std::ffi::{CStr, CString, c_void};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::class::PluginClass;
+use crate::ffi_catch::Thrown;
 use crate::ffi_rts::{BlockFn, Host, PrepareFn};
+use crate::say::say;
 
 /// Bytes with an alignment, all zero at first.
 struct Memory {
@@ -72,14 +74,17 @@ pub struct PluginBlock {
 
 impl PluginBlock {
     /// The block of a new shader.
-    #[must_use]
-    pub fn new(class: &Arc<PluginClass>) -> Arc<Self> {
+    ///
+    /// # Errors
+    /// A line for people: an exception left `init`.
+    pub fn new(class: &Arc<PluginClass>) -> Result<Arc<Self>, String> {
         let mut memory = Memory::new(class.shader_size, class.shader_align);
         if let Some(init) = class.calls.init {
-            call_block(init, &mut memory);
+            call_block(class, init, &mut memory)
+                .map_err(|Thrown| format!("{}: an exception left its init", class.title()))?;
         }
         let content = Content { memory, texts: BTreeMap::new(), version: 0 };
-        Arc::new(Self { class: class.clone(), content: Mutex::new(content), tried: Mutex::new(None) })
+        Ok(Arc::new(Self { class: class.clone(), content: Mutex::new(content), tried: Mutex::new(None) }))
     }
 
     fn content(&self) -> MutexGuard<'_, Content> {
@@ -152,14 +157,16 @@ impl Drop for PluginBlock {
     fn drop(&mut self) {
         if let Some(fini) = self.class.calls.fini {
             let content = self.content.get_mut().unwrap_or_else(PoisonError::into_inner);
-            call_block(fini, &mut content.memory);
+            if call_block(&self.class, fini, &mut content.memory).is_err() {
+                say(format_args!("{}: an exception left its fini", self.class.title()));
+            }
         }
     }
 }
 
-fn call_block(function: BlockFn, memory: &mut Memory) {
+fn call_block(class: &PluginClass, function: BlockFn, memory: &mut Memory) -> Result<(), Thrown> {
     // SAFETY: the block has the size and alignment that the class states, and nobody else has it.
-    unsafe { function(memory.at.cast()) }
+    class.library.call(|| unsafe { function(memory.at.cast()) })
 }
 
 fn decode(class: &PluginClass, parameter: usize, block: &[u8]) -> Vec<f32> {
@@ -193,8 +200,9 @@ impl Snapshot {
     }
 
     /// Calls `prepare` on it and returns what it does.
-    pub(crate) fn prepare(&mut self, host: &'static Host, prepare: PrepareFn) -> i32 {
+    pub(crate) fn prepare(&mut self, host: &'static Host, prepare: PrepareFn) -> Result<i32, Thrown> {
+        let (block, mut status) = (self.memory.at.cast(), 0);
         // SAFETY: the copy is as large and aligned as the class states, and we have it alone.
-        unsafe { prepare(host, self.memory.at.cast()) }
+        self.block.class.library.call(|| status = unsafe { prepare(host, block) }).map(|()| status)
     }
 }

@@ -16,7 +16,9 @@ use gnurt::shading::{SurfaceBatch, Tracer};
 
 use crate::ffi_lanes::Buffers;
 use crate::ffi_rts::{Ctx, Hits, Host, RTS_ABI, Rays, Vec3In, Vec3Out, read_sized, text};
+use crate::ffi_stack;
 use crate::frame_shader::FrameShader;
+use crate::say::say;
 
 /// The host's functions.
 pub(crate) static HOST: Host = Host {
@@ -73,9 +75,13 @@ impl<'a> Call<'a> {
         }
     }
 
-    /// Calls a plugin's function, which gets this as its context.
+    /// Calls a plugin's function, which gets this as its context. If an exception leaves it, that is counted.
     pub(crate) fn run(&mut self, work: impl FnOnce(*const Host, *mut Ctx)) {
-        work(&raw const HOST, std::ptr::from_mut(self).cast());
+        let shader = self.shader;
+        let ctx = std::ptr::from_mut(self).cast();
+        if shader.class().library.call(|| work(&raw const HOST, ctx)).is_err() {
+            shader.faults.add_exception();
+        }
         if let Some(panic) = self.panic.take() {
             resume_unwind(panic);
         }
@@ -313,6 +319,10 @@ unsafe fn answer(ctx: *mut Ctx, rays: *const Rays, out: Vec3Out, purpose: Purpos
         }
         serve(ctx, (), |call| {
             let Some(surface) = &mut call.surface else { return };
+            if purpose == Purpose::Radiance && !ffi_stack::is_enough() {
+                call.shader.faults.add_untraced(rays.n.into());
+                return;
+            }
             if !request(surface, &mut call.buffers, &rays, purpose) {
                 return;
             }
@@ -411,18 +421,18 @@ unsafe extern "C" fn log(ctx: *mut Ctx, level: c_int, message: *const c_char) {
     if ctx.is_null() {
         let printed = catch_unwind(|| {
             if !SILENT.with_borrow(|silent| *silent) {
-                eprintln!("libOpenRT: plugin: {grade}{message}");
+                say(format_args!("plugin: {grade}{message}"));
             }
             SAID.with_borrow_mut(|said| said.as_mut().map(|said| said.push(message)));
         });
-        // Standard error is gone: there is nobody left to tell.
+        // A text that cannot be kept: there is nobody left to tell.
         return drop(printed);
     }
     // SAFETY: the plugin vouches for its context.
     unsafe {
         serve(ctx, (), |call| {
             if call.shader.faults.may_speak() {
-                eprintln!("libOpenRT: {}: {grade}{message}", call.shader.class().title());
+                say(format_args!("{}: {grade}{message}", call.shader.class().title()));
             }
         });
     }

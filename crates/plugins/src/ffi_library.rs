@@ -5,13 +5,18 @@
 
 use std::path::Path;
 
+use crate::ffi_catch::{Runtime, Thrown};
 use crate::ffi_rts::{Class, Module, ModuleFn, RTS_ABI, read_sized, text};
 
 /// Name of the symbol.
 const SYMBOL: &[u8] = b"rts_module\0";
 
 /// An open library.
-pub(crate) struct Library(libloading::Library);
+pub(crate) struct Library {
+    library: libloading::Library,
+    /// Ends exceptions that leave its functions.
+    runtime: Runtime,
+}
 
 impl Library {
     /// Opens a library by its path, or by a bare name that the system's loader looks for; all its symbols must be
@@ -26,16 +31,34 @@ impl Library {
         // SAFETY: as above; other systems' loaders do so without being asked.
         #[cfg(not(unix))]
         let opened = unsafe { libloading::Library::new(path) };
-        opened.map(Self).map_err(|error| error.to_string())
+        let library = opened.map_err(|error| error.to_string())?;
+        let runtime = Runtime::of(&library);
+        Ok(Self { library, runtime })
+    }
+
+    /// The program itself, in the place of a library.
+    #[cfg(all(unix, any(test, fuzzing)))]
+    pub(crate) fn this_program() -> Self {
+        let library = libloading::os::unix::Library::this().into();
+        let runtime = Runtime::default();
+        Self { library, runtime }
+    }
+
+    /// Calls a function of it. An exception that leaves the function ends here.
+    pub(crate) fn call(&self, work: impl FnOnce()) -> Result<(), Thrown> {
+        self.runtime.call(work)
     }
 
     /// What it says about itself; an error tells which version it was asked for.
     pub(crate) fn module(&self) -> Result<ModuleReply, String> {
         // SAFETY: rts.h says which type the function of this name has.
-        let function = unsafe { self.0.get::<ModuleFn>(SYMBOL) }
+        let function = unsafe { self.library.get::<ModuleFn>(SYMBOL) }
             .map_err(|error| format!("it exports no function rts_module: {error}"))?;
+        let mut module = std::ptr::null();
         // SAFETY: as rts.h says, it takes the host's version and returns NULL or a module.
-        let module = unsafe { function(RTS_ABI) };
+        if self.call(|| module = unsafe { function(RTS_ABI) }).is_err() {
+            return Ok(ModuleReply::Throws);
+        }
         if module.is_null() {
             return Ok(ModuleReply::Refuses);
         }
@@ -48,6 +71,8 @@ impl Library {
 pub(crate) enum ModuleReply {
     /// NULL: it cannot serve our version.
     Refuses,
+    /// An exception left it.
+    Throws,
     /// A module.
     Offers(Module),
 }

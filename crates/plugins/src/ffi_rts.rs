@@ -98,15 +98,16 @@ pub(crate) struct Host {
 }
 
 /// `init` and `fini` of a class.
-pub(crate) type BlockFn = unsafe extern "C" fn(*mut c_void);
+pub(crate) type BlockFn = unsafe extern "C-unwind" fn(*mut c_void);
 /// `prepare` of a class.
-pub(crate) type PrepareFn = unsafe extern "C" fn(*const Host, *mut c_void) -> c_int;
+pub(crate) type PrepareFn = unsafe extern "C-unwind" fn(*const Host, *mut c_void) -> c_int;
 /// `shade` and `transmit` of a class.
-pub(crate) type ShadeFn = unsafe extern "C" fn(*const Host, *mut Ctx, *const Hits, Vec3Out);
+pub(crate) type ShadeFn = unsafe extern "C-unwind" fn(*const Host, *mut Ctx, *const Hits, Vec3Out);
 /// `miss` of a class.
-pub(crate) type MissFn = unsafe extern "C" fn(*const Host, *mut Ctx, *const c_void, *const Rays, Vec3Out);
+pub(crate) type MissFn =
+    unsafe extern "C-unwind" fn(*const Host, *mut Ctx, *const c_void, *const Rays, Vec3Out);
 /// `illuminate` of a class.
-pub(crate) type IlluminateFn = unsafe extern "C" fn(
+pub(crate) type IlluminateFn = unsafe extern "C-unwind" fn(
     *const Host,
     *mut Ctx,
     *const c_void,
@@ -118,8 +119,16 @@ pub(crate) type IlluminateFn = unsafe extern "C" fn(
     *mut u8,
 );
 /// `camera` of a class.
-pub(crate) type CameraFn =
-    unsafe extern "C" fn(*const Host, *mut Ctx, *const c_void, u32, *const f32, *const f32, Vec3Out, Vec3Out);
+pub(crate) type CameraFn = unsafe extern "C-unwind" fn(
+    *const Host,
+    *mut Ctx,
+    *const c_void,
+    u32,
+    *const f32,
+    *const f32,
+    Vec3Out,
+    Vec3Out,
+);
 
 /// `RTSclass`.
 #[repr(C)]
@@ -161,7 +170,7 @@ pub(crate) struct Module {
 }
 
 /// `rts_module`.
-pub(crate) type ModuleFn = unsafe extern "C" fn(u32) -> *const Module;
+pub(crate) type ModuleFn = unsafe extern "C-unwind" fn(u32) -> *const Module;
 
 /// A structure that begins with its size and may be all zeros.
 ///

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use gnurt::accel::{Ray, RayBatch};
+use gnurt::scene::TEXCOORD_RQ;
 use gnurt::shading::classes::Shader as RenderShader;
 use gnurt::shading::{
     AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, SurfaceBatch, SurfaceShader,
@@ -25,19 +26,28 @@ pub const TRIANGLE_NUMBER: &str = "openrt.triangle_number";
 /// A plugin's shader in one frame, and what it asks of meshes.
 struct PluginShader {
     shader: FrameShader,
-    /// One per parameter that varies, in the order of the parameters; then the numbers of triangles.
+    /// One per parameter that varies, in the order of the parameters; third texture coordinates, if there are any; then
+    /// the numbers of triangles.
     attributes: Vec<AttributeRequest>,
+    /// Where among them the third texture coordinates are.
+    third_texcoords: Option<usize>,
 }
 
 /// The shader as the renderer takes it.
 pub(crate) fn make(shader: FrameShader) -> RenderShader {
     let (kind, mut attributes) = (shader.class().kind, shader.varying());
+    let mut third_texcoords = None;
+    if kind == Kind::Surface && shader.frame.third_texcoords {
+        third_texcoords = Some(attributes.len());
+        let (name, default) = (TEXCOORD_RQ.to_owned(), vec![0.0, 1.0]);
+        attributes.push(AttributeRequest { name, components: 2, default });
+    }
     if kind == Kind::Surface {
         // Less than 0 = the mesh's own numbers.
         let (name, default) = (TRIANGLE_NUMBER.to_owned(), vec![-1.0; 2]);
         attributes.push(AttributeRequest { name, components: 2, default });
     }
-    let shader = Arc::new(PluginShader { shader, attributes });
+    let shader = Arc::new(PluginShader { shader, attributes, third_texcoords });
     match kind {
         Kind::Surface | Kind::RenderingObject => RenderShader::Surface(shader),
         Kind::Environment => RenderShader::Environment(shader),
@@ -85,7 +95,7 @@ impl PluginShader {
             texcoord: Vec3In {
                 x: arrays.floats(&hits.texcoord[0]),
                 y: arrays.floats(&hits.texcoord[1]),
-                z: arrays.floats_by(|_| 0.0),
+                z: arrays.floats_by(self.third_texcoord(hits)),
             },
             alpha: arrays.floats(&hits.alpha),
             object: arrays.integers(self.api_ids(hits, 0)),
@@ -94,6 +104,12 @@ impl PluginShader {
             depth: arrays.integers(std::iter::repeat_n(hits.depth, n)),
             back: arrays.bytes(backs(&hits.ng, &hits.ray_dir)),
         }
+    }
+
+    /// The third texture coordinate of each lane, divided as the other two are.
+    fn third_texcoord<'a>(&self, hits: &'a SurfaceBatch) -> impl Fn(usize) -> f32 + use<'a> {
+        let both = self.third_texcoords.and_then(|i| hits.attributes.get(i));
+        move |i| both.map_or(0.0, |rq| rq[i] / rq[hits.len() + i])
     }
 
     /// Ids of objects (0) or instances (1) in the API.

@@ -97,20 +97,14 @@ impl PluginFrame {
         &self.problems
     }
 
-    /// What went wrong in the frame so far, a line per class.
+    /// What went wrong in the frame so far, a line for each thing in each class.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
-        let line = |known: &ClassFaults| {
-            let lanes = known.faults.bad_lanes();
-            let plural = if lanes == 1 { "" } else { "s" };
-            (lanes > 0).then(|| {
-                format!(
-                    "{}: {lanes} result{plural} not written, NaN or infinite in this frame, shown black",
-                    known.class.title()
-                )
-            })
+        let lines = |known: &ClassFaults| {
+            let title = known.class.title();
+            known.faults.lines().map(move |line| format!("{title}: {line}")).collect::<Vec<_>>()
         };
-        self.faults.iter().filter_map(line).collect()
+        self.faults.iter().flat_map(lines).collect()
     }
 }
 
@@ -124,7 +118,7 @@ fn try_prepare(candidates: &mut [Candidate]) {
     let verdicts = try_all(due.len(), |i| {
         if let Some(prepare) = due[i].snapshot.block.class().calls.prepare {
             // What it says is said again by the call that counts.
-            collect_log(|| due[i].snapshot.prepare(&HOST, prepare), false);
+            let _ = collect_log(|| due[i].snapshot.prepare(&HOST, prepare), false);
         }
     });
     for (candidate, verdict) in due.iter().zip(verdicts) {
@@ -145,6 +139,10 @@ fn prepare(candidate: &mut Candidate) {
         return;
     }
     let (status, said) = collect_log(|| candidate.snapshot.prepare(&HOST, prepare), true);
+    let Ok(status) = status else {
+        candidate.problem = Some("an exception left its prepare".to_owned());
+        return;
+    };
     if status != 0 {
         let said = if said.is_empty() { String::new() } else { format!(" ({})", said.join("; ")) };
         candidate.problem = Some(format!("its prepare failed with {status}{said}"));

@@ -19,6 +19,8 @@ pub struct FrameState {
     pub textures: BTreeMap<u32, Arc<TextureSampler>>,
     /// Ids of object and instance in the API, by the scene's number of the instance.
     pub ids: Vec<[u32; 2]>,
+    /// Whether meshes have a third texture coordinate.
+    pub third_texcoords: bool,
 }
 
 /// What the shaders of a class did wrong in a frame.
@@ -26,6 +28,10 @@ pub struct FrameState {
 pub(crate) struct Faults {
     /// Lanes that were not written, or with NaN or infinities.
     bad_lanes: AtomicU64,
+    /// Calls that an exception ended.
+    exceptions: AtomicU64,
+    /// Rays that were not traced for want of stack.
+    untraced: AtomicU64,
     messages: AtomicU32,
 }
 
@@ -42,8 +48,42 @@ impl Faults {
         self.messages.fetch_add(1, Ordering::Relaxed) < MOST_MESSAGES
     }
 
-    /// Bad lanes so far.
-    pub(crate) fn bad_lanes(&self) -> u64 {
-        self.bad_lanes.load(Ordering::Relaxed)
+    /// Counts a call that an exception ended.
+    pub(crate) fn add_exception(&self) {
+        self.exceptions.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Counts rays that were not traced for want of stack.
+    pub(crate) fn add_untraced(&self, rays: u64) {
+        self.untraced.fetch_add(rays, Ordering::Relaxed);
+    }
+
+    /// What has been counted, a line each.
+    pub(crate) fn lines(&self) -> impl Iterator<Item = String> {
+        let line = |count: &AtomicU64, one: &str, many: &str, what: &str| {
+            let count = count.load(Ordering::Relaxed);
+            let noun = if count == 1 { one } else { many };
+            (count > 0).then(|| format!("{count} {noun} {what}"))
+        };
+        let exceptions = line(
+            &self.exceptions,
+            "exception",
+            "exceptions",
+            "left its callbacks in this frame; what they had not written is shown black",
+        );
+        let untraced = line(
+            &self.untraced,
+            "ray was",
+            "rays were",
+            "not traced in this frame, as too little of a thread's stack was left; they see black. Ask for less \
+             with rtSetMaxRayRecursionDepth, or keep large arrays out of the stack (`scratch`)",
+        );
+        let bad_lanes = line(
+            &self.bad_lanes,
+            "result",
+            "results",
+            "not written, NaN or infinite in this frame, shown black",
+        );
+        [exceptions, untraced, bad_lanes].into_iter().flatten()
     }
 }

@@ -16,6 +16,8 @@ mod data_type;
 mod description;
 #[expect(unsafe_code, reason = "plugins describe the memory")]
 mod ffi_block;
+#[expect(unsafe_code, reason = "exceptions of others are caught")]
+mod ffi_catch;
 #[expect(unsafe_code, reason = "plugins call in, with pointers")]
 mod ffi_host;
 #[expect(unsafe_code, reason = "plugins read and write arrays")]
@@ -26,12 +28,18 @@ mod ffi_library;
 mod ffi_rts;
 #[expect(unsafe_code, reason = "plugins are called")]
 mod ffi_shader;
+#[expect(unsafe_code, reason = "the system is asked about a stack")]
+mod ffi_stack;
+#[cfg(all(unix, any(test, fuzzing)))]
+#[expect(unsafe_code, reason = "plugins' functions are made")]
+pub mod ffi_tables;
 #[expect(unsafe_code, reason = "a child process is made")]
 mod ffi_trial;
 mod frame;
 mod frame_shader;
 mod frame_state;
 mod load;
+mod say;
 mod scene_shader;
 mod search;
 
@@ -47,4 +55,5 @@ pub mod host {
     pub use crate::frame::PluginFrame;
     pub use crate::frame_state::FrameState;
     pub use crate::load::{LoadError, load, suggestion};
+    pub use crate::say::say;
 }

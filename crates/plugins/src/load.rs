@@ -13,7 +13,7 @@ use crate::class::{Calls, PluginClass, PluginParameter};
 use crate::data_type::DataType;
 use crate::description::{Kind, Parameter};
 use crate::ffi_library::{Library, ModuleReply, RawClass, RawParameter, classes, parameters};
-use crate::ffi_rts::{Class, RTS_ABI};
+use crate::ffi_rts::{Class, Module, RTS_ABI};
 use crate::search::{PATH_VARIABLE, find};
 
 /// Why a class cannot be had: a line for people.
@@ -49,20 +49,33 @@ pub fn load(name: &str, file: &str) -> Result<PluginClass, LoadError> {
 
 /// Loads class `name` from the library at `path` as it is now, whatever was loaded from there before: from a copy, since the
 /// system's loader gives back what it has under a name, and a file that is mapped must not change.
+///
+/// The copy is made where temporary files are, or beside the library where no code may be loaded from there. Where neither
+/// can be, the library itself is loaded, so that it works, though one that was built again is not seen.
 pub(crate) fn load_anew(name: &str, path: &Path) -> Result<PluginClass, LoadError> {
-    let copy = || -> Result<Library, String> {
-        let private = |why: std::io::Error| format!("cannot copy {}: {why}", path.display());
-        let copy = tempfile::Builder::new().suffix(".so").tempfile().map_err(private)?.into_temp_path();
-        std::fs::copy(path, &copy).map_err(|why| format!("cannot read {}: {why}", path.display()))?;
-        let opened = Library::open(&copy).map_err(|why| {
-            let why = why.replace(&copy.display().to_string(), &path.display().to_string());
-            format!("cannot load library \"{}\": {why}", path.display())
-        });
-        // The loader has it: its name may go.
-        drop(copy);
-        opened
+    let beside = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folders = [&std::env::temp_dir(), beside];
+    load_by(name, &path.display().to_string(), || open_anew(path, &folders))
+}
+
+/// Opens a copy of a library in the first of these folders that allows that, or else the library itself.
+fn open_anew(path: &Path, folders: &[&Path]) -> Result<Library, String> {
+    let copy_in = |folder: &&Path| -> Option<Library> {
+        let new = tempfile::Builder::new().prefix(".gnurt-").suffix(".so").tempfile_in(folder);
+        let copy = new.ok()?.into_temp_path();
+        std::fs::copy(path, &copy).ok()?;
+        // Once the loader has it, its name may go.
+        Library::open(&copy).ok()
     };
-    load_by(name, &path.display().to_string(), copy)
+    folders
+        .iter()
+        .find_map(copy_in)
+        .map_or_else(
+            // A bare name is one that the loader would look for elsewhere.
+            || Library::open(&Path::new(".").join(path)),
+            Ok,
+        )
+        .map_err(|why| format!("cannot load library \"{}\": {why}", path.display()))
 }
 
 /// Loads class `name` from the library that `open` gives; messages call it `file`.
@@ -71,30 +84,48 @@ fn load_by(
     file: &str,
     open: impl FnOnce() -> Result<Library, String>,
 ) -> Result<PluginClass, LoadError> {
-    let title = format!("shader class \"{name}\"");
-    let library = open().map_err(|why| LoadError::Missing(format!("{title}: {why}")))?;
-    let in_file = |text: String| format!("{title}: library \"{file}\": {text}");
+    let library = open().map_err(|why| LoadError::Missing(format!("{}: {why}", title(name))))?;
+    let in_file = |text: String| format!("{}: library \"{file}\": {text}", title(name));
     let module = match library.module().map_err(|why| LoadError::Missing(in_file(why)))? {
         ModuleReply::Offers(module) => module,
+        ModuleReply::Throws => {
+            return Err(LoadError::Unfit(in_file("an exception left its rts_module".to_owned())));
+        }
         ModuleReply::Refuses => {
             let text = format!("it does not work with version {} of the shader interface", version(RTS_ABI));
             return Err(LoadError::Unfit(in_file(text)));
         }
     };
+    class_of(&module, name, file, &Arc::new(library))
+}
+
+/// The class of this name among those of a module, if it keeps the rules.
+pub(crate) fn class_of(
+    module: &Module,
+    name: &str,
+    file: &str,
+    library: &Arc<Library>,
+) -> Result<PluginClass, LoadError> {
+    let in_file = |text: String| format!("{}: library \"{file}\": {text}", title(name));
     if module.abi >> 16 != RTS_ABI >> 16 {
         let (theirs, ours) = (version(module.abi), version(RTS_ABI));
         let text = format!("it is for version {theirs} of the shader interface, this libOpenRT has {ours}");
         return Err(LoadError::Unfit(in_file(text)));
     }
-    if (module.struct_size as usize) < size_of_val(&module) {
-        let text = format!("RTSmodule has struct_size {}, not {}", module.struct_size, size_of_val(&module));
+    if (module.struct_size as usize) < size_of_val(module) {
+        let text = format!("RTSmodule has struct_size {}, not {}", module.struct_size, size_of_val(module));
         return Err(LoadError::Unfit(in_file(text)));
     }
-    let classes = classes(&module);
+    let classes = classes(module);
     let Some(found) = classes.iter().find(|class| class.name == name) else {
         return Err(LoadError::Missing(in_file(no_class(name, &classes))));
     };
-    checked(found, file, Arc::new(library)).map_err(|why| LoadError::Unfit(in_file(why)))
+    checked(found, file, library.clone()).map_err(|why| LoadError::Unfit(in_file(why)))
+}
+
+/// How messages name a class that is asked for.
+fn title(name: &str) -> String {
+    format!("shader class \"{name}\"")
 }
 
 fn version(abi: u32) -> String {
@@ -145,7 +176,7 @@ fn checked(raw: &RawClass, file: &str, library: Arc<Library>) -> Result<PluginCl
             illuminate: class.illuminate,
             camera: class.camera,
         },
-        _library: library,
+        library,
     };
     for (i, p) in parameters(class).into_iter().enumerate() {
         let parameter = checked_parameter(class, kind, p).map_err(|why| format!("parameter {i}: {why}"))?;
@@ -234,6 +265,9 @@ fn checked_parameter(class: &Class, kind: Kind, p: RawParameter) -> Result<Plugi
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+    use std::process::Command;
+
     use super::*;
 
     #[test]
@@ -242,5 +276,50 @@ mod tests {
         assert_eq!(suggestion("smaple", &names), "; did you mean \"sample\"?", "two letters exchanged");
         assert_eq!(suggestion("Mirror", &names), "; did you mean \"mirror\"?", "another case");
         assert_eq!(suggestion("environment", &names), "", "nothing is near");
+    }
+
+    /// A plugin of the tests, in a folder of its own.
+    fn built() -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("broken.so");
+        let root = concat!(env!("CARGO_MANIFEST_DIR"), "/../../bindings/openrt/");
+        let status = Command::new("cc")
+            .args(["-std=c99", "-DCASE=0", "-shared", "-fPIC", "-I"])
+            .args([&format!("{root}include"), &format!("{root}tests/plugins/broken.c"), "-o"])
+            .arg(&file)
+            .status();
+        assert!(status.is_ok_and(|status| status.success()), "the plugin is built");
+        (folder, file)
+    }
+
+    #[test]
+    fn folders_that_take_no_copy_are_passed_over() {
+        let (folder, file) = built();
+        for folders in [&[Path::new("/no/such/folder"), Path::new("/proc"), folder.path()][..], &[]] {
+            assert!(open_anew(&file, folders).is_ok(), "with {folders:?}");
+        }
+        let left: Vec<_> = std::fs::read_dir(folder.path()).expect("it is there").collect();
+        assert_eq!(left.len(), 1, "no copy is left: {left:?}");
+    }
+
+    /// In a folder that is mounted so that no code may be loaded from it, if the machine has one that we may write to.
+    #[test]
+    fn folders_without_leave_to_run_code_are_passed_over() {
+        let (_folder, file) = built();
+        let mounts = std::fs::read_to_string("/proc/mounts").unwrap_or_default();
+        let places = mounts.lines().filter_map(|line| {
+            let mut words = line.split(' ').skip(1);
+            let (place, _kind, options) = (words.next()?, words.next()?, words.next()?);
+            options.split(',').any(|option| option == "noexec").then_some(place)
+        });
+        let writable = |place: &&str| tempfile::tempfile_in(place).is_ok();
+        let Some(place) = places.into_iter().find(writable) else {
+            eprintln!("SKIPPED: no folder here is mounted noexec and may be written to");
+            return;
+        };
+        let copy = tempfile::Builder::new().suffix(".so").tempfile_in(place).expect("it is writable");
+        std::fs::copy(&file, copy.path()).expect("there is room");
+        assert!(Library::open(copy.path()).is_err(), "{place} runs no code");
+        assert!(open_anew(&file, &[Path::new(place)]).is_ok(), "the library is loaded all the same");
     }
 }

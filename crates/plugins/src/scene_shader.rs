@@ -82,7 +82,7 @@ impl SceneShader {
             return Err(format!("{} is of no surfaces", class.title()));
         }
         let described: Vec<Parameter> = class.parameters.iter().map(|p| p.description.clone()).collect();
-        let (block, mut textures) = (PluginBlock::new(&class), BTreeMap::new());
+        let (block, mut textures) = (PluginBlock::new(&class)?, BTreeMap::new());
         for (parameter, value) in parameters {
             let i = place(parameter, &described)?;
             let wrong = |why: String| format!("{}: parameter '{parameter}': {why}", class.title());
@@ -102,7 +102,7 @@ impl SceneShader {
                 }
             }
         }
-        let state = || FrameState { textures, ids: Vec::new() };
+        let state = || FrameState { textures, ..FrameState::default() };
         let plugins = PluginFrame::new(std::iter::once((1, &block)), state);
         match plugins.made(1) {
             Some(made) => surface(made).map(|surface| Self { surface, plugins }),

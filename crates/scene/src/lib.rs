@@ -22,7 +22,7 @@ pub use check::CheckError;
 pub use id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
 pub use light::Light;
 pub use material::{Material, Surface};
-pub use mesh::{Attribute, Mesh, Rate};
+pub use mesh::{Attribute, Mesh, Rate, TEXCOORD_RQ};
 pub use scene::{Instance, Object, Scene};
 pub use texture::Texture;
 pub use waste::has_area;

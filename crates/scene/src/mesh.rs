@@ -31,6 +31,11 @@ pub struct Mesh {
     pub attributes: Vec<Attribute>,
 }
 
+/// Name of the attribute, two floats per vertex, that has a third texture coordinate and what divides all three. Where a
+/// mesh has it, its texture coordinates are those before the division, which is done where a ray hits: as in OpenGL, a
+/// divisor that changes over a triangle makes a projection. Lists of lights do not look at it.
+pub const TEXCOORD_RQ: &str = "texcoord_rq";
+
 /// A named value per triangle or per vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
@@ -54,6 +59,14 @@ pub enum Rate {
 }
 
 impl Mesh {
+    /// What divides the texture coordinates of these vertices, if anything does; see [`TEXCOORD_RQ`].
+    #[must_use]
+    pub fn texcoord_divisors(&self, vertices: [usize; 3]) -> Option<[f32; 3]> {
+        let is_it = |a: &&Attribute| a.rate == Rate::Vertex && a.components == 2 && a.name == TEXCOORD_RQ;
+        let data = &self.attributes.iter().find(is_it)?.data;
+        Some(vertices.map(|i| data.get(2 * i + 1).copied().unwrap_or(1.0)))
+    }
+
     /// Bytes that its arrays hold.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {

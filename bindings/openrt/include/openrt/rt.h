@@ -51,8 +51,11 @@ RTAPI RTenum RTAPIENTRY rtGetError(void);
 
 /* Extension. Calls `function` at every error of the calls of any thread, on that thread: with the error's code, the call
  * with its arguments as text, which lives until the function returns, and `user`. It may call rt* functions; errors of
- * those are not told again. NULL calls nobody. Beside this, every error is printed on the standard error output if the
- * environment has OPENRT_DEBUG=1. BE. */
+ * those are not told again. NULL calls nobody. When rtDebugCallback or rtExit returns, the function that was there is not
+ * called any more, and has returned on all threads: they wait for it, so hold no lock that it wants. Called from within
+ * such a function they do not wait. An exception of C++ may leave `function`: it passes through the call that failed to
+ * the program. Beside this, every error is printed on the standard error output if the environment has OPENRT_DEBUG=1.
+ * BE. */
 RTAPI void RTAPIENTRY rtDebugCallback(RTdebugproc function, void *user);
 
 /* RT_VENDOR, RT_RENDERER, RT_VERSION or RT_EXTENSIONS as a string that lives as long as the library. NULL on
@@ -73,7 +76,8 @@ RTAPI RTboolean RTAPIENTRY rtIsTexture(RTuint id);
 /* ---- Frame buffer and frames --------------------------------------------------------------------------------- */
 
 /* Gives the memory for the frames that start from now on: width * height pixels in tight rows, the lowest row
- * first. It stays the caller's and must live until rtEndRendering. BE; IV if NULL; IE format; IV if a size is 0. */
+ * first. It stays the caller's and must live until rtEndRendering. BE; IV if NULL; IE format; IV if a size is 0 or
+ * there are more than 2^31 pixels. */
 RTAPI void RTAPIENTRY rtSetFrameBuffer(RTubyte *memory, RTuint width, RTuint height, RTenum format);
 
 /* Extension. What the library does with memory that rtSetFrameBuffer was given: the sum of RT_NEXT_FRAME_BIT (frames that start
@@ -82,12 +86,14 @@ RTAPI void RTAPIENTRY rtSetFrameBuffer(RTubyte *memory, RTuint width, RTuint hei
 RTAPI RTuint RTAPIENTRY rtFrameBufferUse(const RTubyte *memory);
 
 /* Takes a snapshot of scene and parameters and starts to render it in the background; the scene may be edited at
- * once. BE; OBJ; IO if a frame is in flight or there is no frame buffer. IO, too, if `prepare` of a plugin fails: the
- * frame starts and goes on without that shader, see rtGetShaderClassInfoLog. */
+ * once. BE; OBJ; IO if a frame is in flight or there is no frame buffer; RT_OUT_OF_MEMORY if there is no room for the
+ * picture, or no threads are to be had: no frame starts. IO, too, if `prepare` of a plugin fails: the frame starts and
+ * goes on without that shader, see rtGetShaderClassInfoLog. */
 RTAPI void RTAPIENTRY rtStartRendering(void);
 
 /* Waits until the frame in flight is complete in its frame buffer; other threads may call meanwhile. BE; OBJ; IO if
- * none is in flight. IO, too, if plugins gave NaN or infinities, which are shown black, see rtGetShaderClassInfoLog. */
+ * none is in flight; RT_OUT_OF_MEMORY if the scene is too large. IO, too, if plugins gave NaN or infinities, threw
+ * exceptions, or left too little stack for rays, all of which is shown black, see rtGetShaderClassInfoLog. */
 RTAPI void RTAPIENTRY rtEndRendering(void);
 
 /* Starts a frame if none is in flight, then ends it. BE; OBJ; IO without frame buffer. rtRenderFrame is the same. */
@@ -188,7 +194,8 @@ RTAPI RTuint RTAPIENTRY rtCreateObject(RTenum mode);
 RTAPI void RTAPIENTRY rtEndObject(void);
 
 /* Adds an instance of the object, placed by the current RT_MODELVIEW matrix, and returns the instance's id.
- * Closes object `id` first if it is the open one. BE; IO if another object is open; IV unknown id. */
+ * Closes object `id` first if it is the open one. The id of an instance that is gone comes back when all others have had
+ * their turn. BE; IO if another object is open; IV unknown id. */
 RTAPI RTuint RTAPIENTRY rtInstantiateObject(RTuint id);
 
 /* Frees the object's id; its instances remain. BE; OBJ; IV. */
@@ -272,7 +279,7 @@ RTAPI void RTAPIENTRY rtNormal4fv(const RTfloat *v);
 RTAPI void RTAPIENTRY rtNormal4dv(const RTdouble *v);
 
 /* Set the current texture coordinates: t = 0, r = 0, q = 1 where not given; the RT_TEXTURE matrix is applied at
- * the vertex. IV if `v` is NULL. */
+ * the vertex. Shaders see s/q, t/q and r/q, divided where the ray hits. IV if `v` is NULL. */
 RTAPI void RTAPIENTRY rtTexCoord1s(RTshort s);
 RTAPI void RTAPIENTRY rtTexCoord1i(RTint s);
 RTAPI void RTAPIENTRY rtTexCoord1f(RTfloat s);
@@ -352,7 +359,8 @@ RTAPI RTuint RTAPIENTRY rtGenNewShaderClass(const char *name, const char *file);
 /* Binds a class and unbinds the shader. BE; IO unknown id. */
 RTAPI void RTAPIENTRY rtBindShaderClass(RTuint shader_class);
 
-/* Makes a shader of the bound class with the class's defaults, binds it and returns its id. BE; IO without class. */
+/* Makes a shader of the bound class with the class's defaults, binds it and returns its id. BE; IO without class. IO,
+ * too, if a plugin's `init` throws an exception, see rtGetShaderClassInfoLog. */
 RTAPI RTuint RTAPIENTRY rtGenNewShader(void);
 
 /* Binds a shader and its class; the current values of per-triangle and per-vertex parameters start from the
@@ -402,7 +410,7 @@ RTAPI void RTAPIENTRY rtGetParameterfv(RTuint handle, RTfloat *values);
 /* Deletes a shader's id; geometry, camera and lights that use it keep it. Unbinds it if it is bound. BE; IV. */
 RTAPI void RTAPIENTRY rtDeleteShader(RTuint shader);
 
-/* Why the last rtGenNewShaderClass failed, or what plugins did wrong in a frame since; empty if nothing went wrong.
+/* Why the last rtGenNewShaderClass failed, or what plugins did wrong in a shader or a frame since; empty if nothing went wrong.
  * Valid until the next call of that function, of one that starts or ends a frame, or of rtExit. NULL on error: BE. */
 RTAPI const char *RTAPIENTRY rtGetShaderClassInfoLog(void);
 
@@ -447,7 +455,7 @@ RTAPI void RTAPIENTRY rtUseCamera(RTuint shader);
 /* Sets what rays see that hit nothing; black without. BE; IV; IO if it is no environment shader. */
 RTAPI void RTAPIENTRY rtUseEnvironmentShader(RTuint shader);
 
-/* Sets how pictures are made: a shader of class Whitted, Eyelight or another rendering object, see docs/openrt.md. BE;
+/* Sets how pictures are made: a shader of class Whitted, Eyelight or another rendering object, see openrt.md. BE;
  * IV; IO if it is none. */
 RTAPI void RTAPIENTRY rtUseRenderingObject(RTuint shader);
 

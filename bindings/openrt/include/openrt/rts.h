@@ -32,10 +32,13 @@
  *     to there. What the lanes beyond n hold means nothing.
  *  5. trace, occluded, illuminate and texture take whole batches and return when all is done. Ask for many rays at
  *     once: the host traces them together and shades what they hit in batches of one shader each. Rays deeper than
- *     the limit of rtSetMaxRayRecursionDepth see the environment.
+ *     the limit of rtSetMaxRayRecursionDepth see the environment. Rays that trace is asked for when less than 5 MiB of
+ *     the thread's 16 MiB of stack are left are not traced: they see black, and the frame has an error.
  *  6. param hides how often a parameter changes: the value per shader is copied to each lane, that per triangle is
  *     gathered, that per vertex interpolated.
- *  7. No exception, longjmp or panic may leave a callback. Callbacks must not call rt* functions.
+ *  7. Let no exception or panic leave a function. One that does ends in libOpenRT where the system allows that (Linux on
+ *     x86-64 and aarch64) and becomes an error of the call or the frame, with words in rtGetShaderClassInfoLog; elsewhere
+ *     it ends the program. longjmp must not leave a function. Callbacks must not call rt* functions.
  *  8. An offset is within the block of the parameter's own rate. init writes the defaults of the block per shader; values
  *     per triangle and per vertex start as zero. Only surface classes have the latter two.
  *  9. Classes of kind RT_RENDERING_OBJECT cannot be plugins yet.
@@ -105,7 +108,7 @@ typedef struct {
     RTSvec I;                         /* unit directions of the rays that came here */
     const float *t, *b1, *b2;         /* distances that they came, barycentric weights of the 2nd and 3rd vertex */
     RTSvec color;                     /* interpolated rtColor* */
-    RTSvec texcoord;                  /* interpolated rtTexCoord*: x = s, y = t; z = 0 */
+    RTSvec texcoord;                  /* interpolated rtTexCoord*: x = s/q, y = t/q, z = r/q */
     const float *alpha;               /* interpolated rtColor4* */
     const uint32_t *object, *instance; /* ids of the API; 0 for geometry outside of objects */
     const uint32_t *triangle;         /* from 0, in the order in which the object's triangles were given */

@@ -4,6 +4,8 @@
 
 use std::sync::Arc;
 
+use gnurt_plugins::host::say;
+
 use crate::context::Context;
 use crate::frame::{Frame, Job};
 use crate::state::enums::{MatrixMode, SceneMode};
@@ -53,11 +55,11 @@ impl Context {
     }
 
     /// Tells what was wrong with plugins: an error if anything was.
-    fn tell(&mut self, lines: &[String]) -> Result<()> {
+    pub(super) fn tell(&mut self, lines: &[String]) -> Result<()> {
         if lines.is_empty() {
             return Ok(());
         }
-        lines.iter().for_each(|line| eprintln!("libOpenRT: {line}"));
+        lines.iter().for_each(say);
         self.classes.set_info_log(&lines.join("\n"));
         Err(Error::InvalidOperation)
     }

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Who hears of errors (rtDebugCallback). Source: original, after OpenGL's KHR_debug. Proof: tests/c/debug.c.
 
+use std::sync::Arc;
+
 use crate::context::Context;
 use crate::state::error::Result;
-use crate::state::report::Listener;
+use crate::state::listener::{Hearing, Listener};
 
 impl Context {
-    /// rtDebugCallback.
-    pub(crate) fn set_listener(&mut self, listener: Option<Listener>) -> Result<()> {
+    /// rtDebugCallback: gives back the one that was there, of which calls may still be under way.
+    pub(crate) fn set_listener(&mut self, listener: Option<Arc<Listener>>) -> Result<Option<Arc<Listener>>> {
         self.outside_block()?;
-        self.listener = listener;
-        Ok(())
+        Ok(std::mem::replace(&mut self.listener, listener))
     }
 
-    /// Who wants to hear of errors.
-    #[must_use]
-    pub(crate) fn listener(&self) -> Option<Listener> {
-        self.listener.clone()
+    /// The right to tell the listener of an error, if there is one.
+    pub(crate) fn hearing(&self) -> Option<Hearing> {
+        self.listener.as_ref().map(Listener::hearing)
     }
 }

@@ -9,6 +9,9 @@ use crate::state::enums::{FrameFormat, SceneMode};
 use crate::state::error::{Error, Result, not_null};
 use crate::state::framebuffer::{FrameBuffer, FrameMemory, RT_IN_FLIGHT_BIT, RT_NEXT_FRAME_BIT};
 
+/// As many as the renderer counts.
+const MOST_PIXELS: u64 = 1 << 31;
+
 impl Context {
     /// rtSetFrameBuffer. `memory` is `None` for a null pointer.
     pub(crate) fn set_frame_buffer(
@@ -20,7 +23,8 @@ impl Context {
         self.outside_block()?;
         let memory = not_null(memory)?;
         let format = FrameFormat::from_code(format)?;
-        if width == 0 || height == 0 {
+        let pixels = u64::from(width) * u64::from(height);
+        if pixels == 0 || pixels > MOST_PIXELS {
             return Err(Error::InvalidValue);
         }
         self.frame_buffer = Some(FrameBuffer { memory, width, height, format });

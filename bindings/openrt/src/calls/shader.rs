@@ -12,7 +12,11 @@ impl Context {
         self.outside_block()?;
         let class_id = self.bound.class_id().ok_or(Error::InvalidOperation)?;
         let class = self.bound.class().ok_or(Error::InvalidOperation)?.clone();
-        let id = self.shaders.add(Shader::new(class_id, class.clone()))?;
+        let shader = Shader::new(class_id, class.clone()).or_else(|why| {
+            self.tell(&[why])?;
+            Err(Error::InvalidOperation)
+        })?;
+        let id = self.shaders.add(shader)?;
         self.bound.bind(class_id, class, Some(id));
         Ok(id)
     }

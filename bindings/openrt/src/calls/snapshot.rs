@@ -12,11 +12,11 @@ use gnurt::shading::classes::Shader as RenderShader;
 use gnurt_plugins::host::{FrameState, PluginFrame};
 
 use crate::context::Context;
-use crate::frame::{Rendering, fail};
+use crate::frame::{Rendering, told};
 use crate::stage::{Stage, UNNAMED};
 use crate::state::class::ClassCode;
 use crate::state::enums::MatrixMode;
-use crate::state::error::Result;
+use crate::state::error::{Error, Result};
 use crate::state::progress::Seen;
 
 impl Context {
@@ -74,7 +74,7 @@ impl Context {
                 ids.resize(ids.len().max(place + 1), [UNNAMED; 2]);
                 ids[place] = [object, instance];
             }
-            FrameState { textures, ids }
+            FrameState { textures, ids, third_texcoords: stage.has_third_texcoords() }
         })
     }
 
@@ -92,7 +92,8 @@ impl Context {
         if let Some(pool) = &self.pool {
             return Ok(pool.clone());
         }
-        let pool = Arc::new(gnurt::JoinedPool::new(self.threads).map_err(|error| fail(&error))?);
+        let pool =
+            Arc::new(gnurt::JoinedPool::new(self.threads).map_err(|error| told(&error, Error::OutOfMemory))?);
         self.pool = Some(pool.clone());
         Ok(pool)
     }

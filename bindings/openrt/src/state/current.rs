@@ -50,11 +50,11 @@ impl Current {
     pub(crate) fn vertex(&self, transforms: &Transforms, position: [f64; 4], has_normal: bool) -> Vertex {
         let [x, y, z] = homogeneous(transforms.point.as_ref(), position);
         let normal = if has_normal { self.unit_normal(transforms.normal.as_ref()) } else { [0.0; 3] };
-        let [s, t, _] = homogeneous(transforms.texture.as_ref(), self.texcoord);
+        let texcoord = transforms.texture.as_ref().map_or(self.texcoord, |m| m.apply(self.texcoord));
         Vertex {
             position: [x as f32, y as f32, z as f32],
             normal,
-            texcoord: [s as f32, t as f32],
+            texcoord: texcoord.map(|x| x as f32),
             color: self.color,
         }
     }

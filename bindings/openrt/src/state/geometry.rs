@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use gnurt::scene::{Attribute, Mesh, Rate, has_area};
+use gnurt::scene::{Attribute, Mesh, Rate, TEXCOORD_RQ, has_area};
 use gnurt::shading::classes::NORMALS_GIVEN;
 use gnurt_plugins::host::TRIANGLE_NUMBER;
 
@@ -20,14 +20,15 @@ pub(crate) struct Vertex {
     pub(crate) position: [f32; 3],
     /// Unit normal; zero = the program gave none.
     pub(crate) normal: [f32; 3],
-    /// Texture coordinates.
-    pub(crate) texcoord: [f32; 2],
+    /// Texture coordinates s, t, r, q: not divided yet.
+    pub(crate) texcoord: [f32; 4],
     /// Red, green, blue, alpha.
     pub(crate) color: [f32; 4],
 }
 
 const NO_NORMAL: [f32; 3] = [0.0; 3];
 const WHITE: [f32; 4] = [1.0; 4];
+const NO_THIRD: [f32; 2] = [0.0, 1.0];
 
 /// The triangles of an object that have one shader.
 pub(crate) struct Part {
@@ -38,7 +39,10 @@ pub(crate) struct Part {
     normals: Vec<[f32; 3]>,
     /// Whether some of the normals are none.
     lacks_normals: bool,
+    /// Not divided yet.
     texcoords: Vec<[f32; 2]>,
+    /// Third coordinates and divisors.
+    texcoords_rq: Vec<[f32; 2]>,
     colors: Vec<[f32; 4]>,
     /// One block per vertex, if the class has parameters per vertex.
     vertex_values: Vec<f32>,
@@ -124,6 +128,7 @@ impl Part {
             normals: Vec::new(),
             lacks_normals: false,
             texcoords: Vec::new(),
+            texcoords_rq: Vec::new(),
             colors: Vec::new(),
             vertex_values: Vec::new(),
             indices: Vec::new(),
@@ -145,7 +150,9 @@ impl Part {
         self.positions.push(vertex.position);
         push_unless_default(&mut self.normals, n, vertex.normal, NO_NORMAL);
         self.lacks_normals |= vertex.normal == NO_NORMAL;
-        push_unless_default(&mut self.texcoords, n, vertex.texcoord, [0.0; 2]);
+        let [s, t, r, q] = vertex.texcoord;
+        push_unless_default(&mut self.texcoords, n, [s, t], [0.0; 2]);
+        push_unless_default(&mut self.texcoords_rq, n, [r, q], NO_THIRD);
         push_unless_default(&mut self.colors, n, vertex.color, WHITE);
         if !values.is_empty() {
             self.vertex_values.extend_from_slice(values);
@@ -168,7 +175,21 @@ impl Part {
         is_kept
     }
 
-    fn finish(self) -> ShaderMesh {
+    /// A divisor that all vertices share is divided by here; what is left is for where rays hit.
+    fn divide_texcoords(&mut self) {
+        let Some(&[_, q]) = self.texcoords_rq.first() else { return };
+        if self.texcoords_rq.iter().any(|rq| rq[1] != q) {
+            return;
+        }
+        self.texcoords.iter_mut().for_each(|st| *st = st.map(|x| x / q));
+        self.texcoords_rq.iter_mut().for_each(|rq| *rq = [rq[0] / q, 1.0]);
+        if self.texcoords_rq.iter().all(|rq| *rq == NO_THIRD) {
+            self.texcoords_rq = Vec::new();
+        }
+    }
+
+    fn finish(mut self) -> ShaderMesh {
+        self.divide_texcoords();
         let mut attributes = attributes_of(&self.class, &self.class.vertex, Rate::Vertex, self.vertex_values);
         attributes.extend(attributes_of(
             &self.class,
@@ -176,6 +197,15 @@ impl Part {
             Rate::Triangle,
             self.triangle_values,
         ));
+        if !self.texcoords_rq.is_empty() {
+            let data = self.texcoords_rq.into_flattened();
+            attributes.push(Attribute {
+                name: TEXCOORD_RQ.to_owned(),
+                rate: Rate::Vertex,
+                components: 2,
+                data,
+            });
+        }
         // The only part of an object has its triangles in their order.
         if self.numbers.iter().zip(0..).any(|(&number, i)| number != i) {
             // Two halves: floats hold integers up to 2^24.

@@ -13,6 +13,7 @@ pub(crate) mod framebuffer;
 pub(crate) mod geometry;
 pub(crate) mod ids;
 pub(crate) mod instance;
+pub(crate) mod listener;
 pub(crate) mod matrix;
 pub(crate) mod object;
 pub(crate) mod parameter;

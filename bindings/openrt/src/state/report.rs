@@ -3,12 +3,8 @@
 //! Source: original, after OpenGL's KHR_debug. Proof: `tests`; tests/c/debug.c, tests/c_programs.rs.
 
 use std::ffi::CStr;
-use std::sync::Arc;
 
 use super::error::Error;
-
-/// Takes the error and the call with its arguments.
-pub(crate) type Listener = Arc<dyn Fn(Error, &CStr) + Send + Sync>;
 
 /// An argument of a call, as messages show it. `name` is that of the parameter.
 pub(crate) trait Shown {
@@ -73,7 +69,7 @@ impl<T> Shown for *mut T {
 /// The line that OPENRT_DEBUG prints.
 #[must_use]
 pub(crate) fn line(error: Error, call: &str) -> String {
-    format!("libOpenRT: {call}: {}: {error}", error.name())
+    format!("{call}: {}: {error}", error.name())
 }
 
 #[cfg(test)]
@@ -90,6 +86,6 @@ mod tests {
         assert_eq!(Some(c"a \"b\"").text("name"), r#""a \"b\"""#, "texts");
         assert_eq!(std::ptr::null::<u8>().text("memory"), "NULL", "memory");
         let line = line(Error::InvalidEnum, "rtBegin(0x17)");
-        assert!(line.starts_with("libOpenRT: rtBegin(0x17): RT_INVALID_ENUM: a constant"), "{line}");
+        assert!(line.starts_with("rtBegin(0x17): RT_INVALID_ENUM: a constant"), "{line}");
     }
 }

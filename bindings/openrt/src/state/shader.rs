@@ -12,6 +12,7 @@ use gnurt_plugins::host::{DataType, Kind, Parameter, PluginBlock, PluginFrame};
 use super::block::CurrentValues;
 use super::class::ClassCode;
 use super::error::{Error, Result};
+use super::ids::RT_INVALID;
 use super::shader_class::LoadedClass;
 use super::texture::Textures;
 use super::value::ParameterValue;
@@ -32,17 +33,17 @@ pub(crate) struct Shader {
 }
 
 impl Shader {
-    /// A shader with its class' defaults.
-    pub(crate) fn new(class_id: u32, class: Arc<LoadedClass>) -> Self {
+    /// A shader with its class' defaults; a line for people if a plugin cannot make one.
+    pub(crate) fn new(class_id: u32, class: Arc<LoadedClass>) -> std::result::Result<Self, String> {
         let value = |p: &Parameter| match p.kind {
             DataType::F32 => ParameterValue::Floats(p.default.clone()),
             _ => ParameterValue::Integer(p.default.first().map_or(0, |&x| x as i32)),
         };
         let (values, block) = match &class.code {
-            ClassCode::Plugin(plugin) => (Vec::new(), Some(PluginBlock::new(plugin))),
+            ClassCode::Plugin(plugin) => (Vec::new(), Some(PluginBlock::new(plugin)?)),
             _ => (class.parameters.iter().map(value).collect(), None),
         };
-        Self { class_id, class, values, block, deleted: false }
+        Ok(Self { class_id, class, values, block, deleted: false })
     }
 
     /// What it is for.
@@ -81,7 +82,15 @@ pub(crate) struct Shaders {
 impl Shaders {
     /// Adds one and returns its id.
     pub(crate) fn add(&mut self, shader: Shader) -> Result<u32> {
-        let id = self.last_id.checked_add(1).filter(|&id| id < u32::MAX).ok_or(Error::OutOfMemory)?;
+        if self.all.len() >= (RT_INVALID - 1) as usize {
+            return Err(Error::OutOfMemory);
+        }
+        let after = |id: u32| if id + 1 < RT_INVALID { id + 1 } else { 1 };
+        let mut id = after(self.last_id);
+        // As with instances: ids go round, and those in use are passed over once a round.
+        while self.all.contains_key(&id) {
+            id = after(id);
+        }
         self.last_id = id;
         self.all.insert(id, shader);
         Ok(id)

@@ -5,7 +5,7 @@
 //! Proof: crates/render/tests/lanes.rs.
 
 use glam::Mat3;
-use gnurt_scene::Mesh;
+use gnurt_scene::{Mesh, TEXCOORD_RQ};
 use gnurt_shading::lanes::{Floats, LANES, LanesOf, Mask, Vec3x16, select3};
 use gnurt_shading::materials::Lambertian;
 use gnurt_simd::{Simd, SimdFloat, f32x16, prelude::*};
@@ -47,7 +47,8 @@ impl World {
     pub(crate) fn flat_mesh(&self, inst_id: u32, geom_id: u32) -> Option<FlatMesh<'_>> {
         let instance = self.instance(inst_id);
         let mesh = &*instance.object.meshes[geom_id as usize];
-        let flat = (self.face_normals || mesh.normals.is_empty()) && mesh.colors.is_empty();
+        let is_divided = mesh.attributes.iter().any(|attribute| attribute.name == TEXCOORD_RQ);
+        let flat = (self.face_normals || mesh.normals.is_empty()) && mesh.colors.is_empty() && !is_divided;
         let look = self.shading.lambertian[mesh.material.index()].as_ref().filter(|_| flat)?;
         Some(FlatMesh { instance, mesh, look })
     }

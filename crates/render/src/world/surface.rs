@@ -42,6 +42,8 @@ struct Triangle<'w> {
     /// `None` where vertex normals are enough.
     ng: Option<Vec3>,
     uv: [[f32; 2]; 3],
+    /// What divides the interpolated coordinates, if anything does.
+    divisors: Option<[f32; 3]>,
     uv_per_length: f32,
 }
 
@@ -115,13 +117,13 @@ impl World {
         let is_enough = detail == Detail::Color && normals.is_some() && mesh.texcoords.is_empty();
         let ng = (!is_enough).then(|| geometric_normal(instance, &positions));
         // Without coordinates nothing changes with them.
-        let (uv, uv_per_length) = if mesh.texcoords.is_empty() {
-            ([[0.0; 2]; 3], 0.0)
-        } else {
-            let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
-            (uv, uv_per_length(&positions.map(|q| instance.point(q)), &uv))
-        };
-        Triangle { ids, instance, mesh, corners, positions, normals, ng, uv, uv_per_length }
+        let (mut uv, mut divisors, mut uv_per_length) = ([[0.0; 2]; 3], None, 0.0);
+        if !mesh.texcoords.is_empty() {
+            uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
+            divisors = mesh.texcoord_divisors(corners);
+            uv_per_length = scale_of(&positions.map(|q| instance.point(q)), &divided(uv, divisors));
+        }
+        Triangle { ids, instance, mesh, corners, positions, normals, ng, uv, divisors, uv_per_length }
     }
 
     /// Unit, in the object; `None` where the triangle is flat.
@@ -161,7 +163,7 @@ impl Triangle<'_> {
         let Self { instance, positions, .. } = self;
         let reach = positions[0].abs().max(positions[1].abs()).max(positions[2].abs());
         let normals = self.normals.unwrap_or_default();
-        let [dp_du, dp_dv] = change_per_uv(positions, &self.uv);
+        let [dp_du, dp_dv] = change_per_uv(positions, &divided(self.uv, self.divisors));
         Surroundings {
             error: ERROR_SCALE * instance.magnitude(reach) + epsilon,
             dp_du: instance.linear * dp_du,
@@ -209,7 +211,11 @@ impl Triangle<'_> {
         let texcoord = if self.mesh.texcoords.is_empty() {
             [0.0; 2]
         } else {
-            [0, 1].map(|k| (0..3).map(|c| weights[c] * self.uv[c][k]).sum::<f32>())
+            let mixed = [0, 1].map(|k| (0..3).map(|c| weights[c] * self.uv[c][k]).sum::<f32>());
+            match self.divisors {
+                None => mixed,
+                Some(q) => mixed.map(|x| x / (0..3).map(|c| weights[c] * q[c]).sum::<f32>()),
+            }
         };
         (out.texcoord[0][i], out.texcoord[1][i]) = (texcoord[0], texcoord[1]);
         out.uv_per_length[i] = self.uv_per_length;
@@ -275,6 +281,11 @@ pub(super) fn geometric_normal(instance: &PlacedInstance, p: &[Vec3; 3]) -> Vec3
     in_world.normalize_or(DVec3::Z).as_vec3()
 }
 
+/// The coordinates at the corners.
+fn divided(uv: [[f32; 2]; 3], divisors: Option<[f32; 3]>) -> [[f32; 2]; 3] {
+    divisors.map_or(uv, |q| std::array::from_fn(|c| uv[c].map(|x| x / q[c])))
+}
+
 /// How far a point moves per texture u and v; zero where coordinates say nothing.
 fn change_per_uv(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> [Vec3; 2] {
     let [du1, dv1] = [0, 1].map(|k| uv[1][k] - uv[0][k]);
@@ -286,7 +297,7 @@ fn change_per_uv(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> [Vec3; 2] {
 }
 
 /// Root of the triangle's area in texture coordinates over that in the world; zero where it has none.
-fn uv_per_length(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> f32 {
+fn scale_of(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> f32 {
     let [du1, dv1] = [0, 1].map(|k| uv[1][k] - uv[0][k]);
     let [du2, dv2] = [0, 1].map(|k| uv[2][k] - uv[0][k]);
     let ratio = (du1 * dv2 - du2 * dv1).abs() / (p[1] - p[0]).cross(p[2] - p[0]).length();

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Tells the compiler that fuzzers set `cfg(fuzzing)`. Source: original.
+
+fn main() {
+    println!("cargo::rustc-check-cfg=cfg(fuzzing)");
+    println!("cargo:rerun-if-changed=build.rs");
+}
