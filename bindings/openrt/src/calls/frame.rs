@@ -7,10 +7,11 @@ use std::sync::Arc;
 use gnurt_plugins::host::say;
 
 use crate::context::Context;
-use crate::frame::{Frame, Job};
+use crate::frame::{Frame, Job, told};
 use crate::state::enums::{MatrixMode, SceneMode};
 use crate::state::error::{Error, Result};
 use crate::state::flight::Flight;
+use crate::state::framebuffer::FrameBuffer;
 use crate::state::usage::Usage;
 
 impl Context {
@@ -22,6 +23,7 @@ impl Context {
             return Err(Error::InvalidOperation);
         }
         let target = self.frame_buffer.clone().ok_or(Error::InvalidOperation)?;
+        self.check_memory(&target)?;
         let pool = self.pool()?;
         self.prune();
         let mut stage = std::mem::take(&mut self.stage);
@@ -52,6 +54,21 @@ impl Context {
             }
         }
         told
+    }
+
+    /// Whether there is room for a picture of this size, where the frames before had less: asked for and given back before
+    /// anything is begun, since the parts of a picture are made one by one.
+    fn check_memory(&self, target: &FrameBuffer) -> Result<()> {
+        /// Sums of samples, and colours.
+        const PER_PIXEL: usize = 64;
+        let pixels = target.width as usize * target.height as usize;
+        let more = pixels.saturating_sub(self.stage.colors.len());
+        let room = Vec::<[u8; PER_PIXEL]>::new().try_reserve_exact(more);
+        room.map_err(|error| {
+            let size =
+                format_args!("a picture of {}x{} pixels: {error}", target.width, target.height).to_string();
+            told(&size, Error::OutOfMemory)
+        })
     }
 
     /// Tells what was wrong with plugins: an error if anything was.

@@ -15,6 +15,12 @@ int main(void)
     EXPECT(rtSetFrameBuffer((RTubyte *)frame, 65536, 65536, RT_RGB_8), RT_INVALID_VALUE);
     EXPECT(rtSetFrameBuffer((RTubyte *)frame, 0xFFFFFFFFu, 0xFFFFFFFFu, RT_RGBA_32), RT_INVALID_VALUE);
     EXPECT(rtStartRendering(), RT_INVALID_OPERATION);
+    /* As many as may be: the frame has no room, and writes nothing. */
+    EXPECT(rtSetFrameBuffer((RTubyte *)frame, 65536, 32768, RT_RGB_8), RT_NO_ERROR);
+    EXPECT(rtStartRendering(), RT_OUT_OF_MEMORY);
+    EXPECT(rtEndRendering(), RT_INVALID_OPERATION);
+    EXPECT(rtRender(), RT_OUT_OF_MEMORY);
+    EXPECT(rtSwapBuffers(), RT_OUT_OF_MEMORY);
     use_frame();
     look_at_square();
     constant_shader(0.25f, 0.5f, 0.75f);
