@@ -86,7 +86,7 @@ impl<'a> Job<'a> {
         keys.clear();
         places.clear();
         all.clear();
-        // Loops within loops are loops only from inside.
+        // An iterator of rows and columns is fast from inside only.
         pixels.for_each(|pixel| all.push(pixel));
         for sample in samples {
             keys.extend(all.iter().map(|[x, y]| SampleKey { pixel: y * width + x, sample, branch: 0 }));

@@ -14,6 +14,7 @@ mod point;
 pub mod point_lanes;
 pub mod sampling;
 pub mod shader;
+mod texels;
 pub mod texture;
 
 pub use batch::{Detail, SampleKey, SurfaceBatch, Vec3s};

@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 
 use gnurt_image::Texels;
 
-use crate::texture::{Wrap, fold, texel_of, wrap_index};
+use crate::texels::{Wrap, fold, texel_of, wrap_index};
 
 /// How a texture is read where a pixel stands for more than a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -47,10 +47,13 @@ pub(crate) struct LightVertex {
     pub(crate) survival: f32,
 }
 
-/// Random numbers of an edge: pairs 0 and 1 choose a direction, 2 a place on a lamp and the lamp, 3 decides about the end.
+/// Random numbers of an edge: which pair is for what.
 pub(crate) mod pair {
+    /// The direction.
     pub(crate) const DIRECTION: u32 = 0;
+    /// The lobe, or on edge 0 the lamp, and whether the path ends.
     pub(crate) const LOBE: u32 = 1;
+    /// The place on a lamp.
     pub(crate) const PLACE: u32 = 2;
 }
 

@@ -69,7 +69,7 @@ pub(super) struct Scratch {
 }
 
 impl Pilots {
-    /// The pilots of a set; fewer than `PILOTS` where the camera sees nothing.
+    /// The pilots of a set: at most `SEEN`, and as many where their rays end; fewer where the camera sees nothing.
     pub(super) fn new(job: &Job, tracer: &mut BatchTracer, set: u32, bound: Bound) -> Self {
         let options = job.options;
         let pixel = hash_combine(PURPOSE, set);

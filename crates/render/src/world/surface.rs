@@ -144,9 +144,15 @@ impl World {
         let (lanes, components) = (points.len(), request.components as usize);
         let default = |k: usize| request.default.get(k).copied().unwrap_or(0.0);
         let mut values = vec![0.0; lanes * components];
+        // Names are compared once for lanes of one mesh that follow each other.
+        let mut last: Option<(&Mesh, Option<&Attribute>)> = None;
         for i in 0..lanes {
             let mesh = &*self.instance(points.inst_id[i]).object.meshes[points.geom_id[i] as usize];
-            let found = mesh.attributes.iter().find(|a| a.name == request.name);
+            let found = match last {
+                Some((same, found)) if std::ptr::eq(same, mesh) => found,
+                _ => mesh.attributes.iter().find(|a| a.name == request.name),
+            };
+            last = Some((mesh, found));
             let prim_id = points.prim_id[i] as usize;
             let weights = [1.0 - points.u[i] - points.v[i], points.u[i], points.v[i]];
             for k in 0..components {

@@ -19,10 +19,12 @@ mod facets;
 pub(crate) mod fresnel;
 mod ggx;
 mod lambert;
+mod lobes;
 mod mirror;
 mod oren_nayar;
 mod principled;
 mod rough_dielectric;
+mod sample;
 mod sheen;
 #[cfg(test)]
 mod tests;
@@ -36,8 +38,10 @@ pub use conductor::{Conductor, Reflectance};
 pub use dielectric::Dielectric;
 pub use energy::SentBack;
 pub use facets::{FacetLanes, Facets};
+use lobes::Lobes;
 pub use principled::Principled;
 pub use rough_dielectric::RoughDielectric;
+pub use sample::BsdfSample;
 
 /// The BSDF of one point. Plain data: it outlives the batch that it was made from.
 #[derive(Clone, Copy, Debug)]
@@ -99,41 +103,6 @@ pub enum Lobe {
     Conductor(Conductor),
     /// Rough glass.
     RoughDielectric(RoughDielectric),
-}
-
-/// A direction that a BSDF chose.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BsdfSample {
-    /// Where the path goes on, unit, world.
-    pub wi: Vec3,
-    /// BSDF times |cos| over the density of `wi`.
-    pub weight: Vec3,
-    /// Density per solid angle with which [`Bsdf::sample`] chooses `wi`, all lobes counted; infinite if `delta`.
-    pub pdf: f32,
-    /// Whether no other direction could have been chosen by that lobe: mirrors, smooth glass. No light sample meets it.
-    pub delta: bool,
-    /// Whether it goes through the surface.
-    pub transmitted: bool,
-}
-
-/// Parts of a layered surface, as a set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Lobes(u8);
-
-impl Lobes {
-    const COAT: Self = Self(1);
-    const GLOSS: Self = Self(2);
-    const BODY: Self = Self(4);
-    const GLASS: Self = Self(8);
-    const ALL: Self = Self(15);
-
-    fn has(self, part: Self) -> bool {
-        self.0 & part.0 != 0
-    }
-
-    fn without(self, parts: Self) -> Self {
-        Self(self.0 & !parts.0)
-    }
 }
 
 /// Cosine: a `wo` nearer to the shading normal's horizon than this, or below it, counts as that near.

@@ -9,7 +9,8 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-use super::light_set::{LightId, LightKind, LightSet};
+use super::light_parts::{LightId, LightKind};
+use super::light_set::LightSet;
 use crate::point::SurfacePoint;
 use crate::sampling::warp::concentric_disk;
 use crate::sampling::{self, Basis, cosine_hemisphere, uniform_sphere};

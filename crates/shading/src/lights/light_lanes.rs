@@ -10,7 +10,7 @@ use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
 use super::area::Shape;
-use super::light_set::{LightParts, LightSample, LightSet};
+use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
 use crate::lanes::{Floats, LANES, LanesOf, Mask, Vec3x16, Words, floats, select3, transpose};
 use crate::sampling::distribution::ALMOST_ONE;
@@ -116,7 +116,7 @@ impl LightLanes {
 
     /// Samples for the lanes in `active`, whose normals are unit.
     #[inline(always)]
-    fn sample<S: Simd>(
+    pub(super) fn sample<S: Simd>(
         &self,
         parts: &LightParts,
         active: Mask<S>,
@@ -416,64 +416,15 @@ fn promise_of<S: Simd>(shape: &[Floats<S>; 14], p: Vec3x16<S>, normal: Vec3x16<S
     (before.simd_gt(zero) & above.simd_gt(zero)).select(promise, zero)
 }
 
-impl LightSet {
-    /// [`sample`](Self::sample) for the lanes in `active`; their normals are unit.
-    #[inline(always)]
-    #[must_use]
-    pub fn sample_x16<S: Simd>(
-        &self,
-        active: Mask<S>,
-        p: Vec3x16<S>,
-        ns: Vec3x16<S>,
-        u: [Floats<S>; 3],
-    ) -> LightSampleX16<S> {
-        let simd = u[0].token();
-        match (&self.lanes, &self.choice) {
-            // One group: its choice takes nothing of the number.
-            (Some(lanes), Some(choice)) if choice.len() == 1 => {
-                lanes.sample(&self.parts, active, [p, ns], u, f32x16::splat(simd, 1.0))
-            }
-            (Some(lanes), Some(choice)) => {
-                let (mut rest, mut chance, mut near, mut far) = (u[0], u[0], 0, LightSampleX16::none(simd));
-                for i in LanesOf(active.to_bitmask()) {
-                    let group = choice.sample(u[0][i]);
-                    if group.index == 0 {
-                        near |= 1 << i;
-                        (rest[i], chance[i]) = (group.rest, group.probability);
-                    } else {
-                        let place = [u[1][i], u[2][i]];
-                        let sample = self.sample_far(group.index - 1, ns.get(i), place, group.probability);
-                        far.put(i, sample.filter(is_sound));
-                    }
-                }
-                let near = Mask::from_bitmask(simd, near);
-                lanes.sample(&self.parts, near, [p, ns], [rest, u[1], u[2]], chance).or(near, far)
-            }
-            _ => {
-                let mut out = LightSampleX16::none(simd);
-                for i in LanesOf(active.to_bitmask()) {
-                    out.put(i, self.sample(p.get(i), ns.get(i), [u[0][i], u[1][i], u[2][i]]));
-                }
-                out
-            }
-        }
-    }
-}
-
-/// Whether a sample can count.
-pub(super) fn is_sound(sample: &LightSample) -> bool {
-    sample.pdf > 0.0 && sample.pdf.is_finite() && sample.radiance.is_finite()
-}
-
 impl<S: Simd> LightSampleX16<S> {
     #[inline(always)]
-    fn none(simd: S) -> Self {
+    pub(super) fn none(simd: S) -> Self {
         let (none, zero) = (mask_none(simd), Vec3x16::splat(simd, Vec3::ZERO));
         Self { dir: zero, dist: zero.x, radiance: zero, pdf: zero.x, delta: none, found: none }
     }
 
     #[inline(always)]
-    fn put(&mut self, i: usize, sample: Option<LightSample>) {
+    pub(super) fn put(&mut self, i: usize, sample: Option<LightSample>) {
         let Some(sample) = sample else { return };
         (self.dir.x[i], self.dir.y[i], self.dir.z[i]) = sample.dir.into();
         (self.radiance.x[i], self.radiance.y[i], self.radiance.z[i]) = sample.radiance.into();
@@ -484,7 +435,7 @@ impl<S: Simd> LightSampleX16<S> {
 
     /// Its own lanes where `mask` says so, else the other's.
     #[inline(always)]
-    fn or(self, mask: Mask<S>, other: Self) -> Self {
+    pub(super) fn or(self, mask: Mask<S>, other: Self) -> Self {
         Self {
             dir: select3(mask, self.dir, other.dir),
             dist: mask.select(self.dist, other.dist),

@@ -7,66 +7,15 @@
 //! normal asks for all sides. Lights of shader plugins are not in here: they only know `illuminate`.
 //! Proof: `tests`, crates/render/tests/path.rs.
 
-use std::f32::consts::{FRAC_1_PI, PI};
-use std::sync::Arc;
+use std::f32::consts::PI;
 
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 
-use super::light_lanes::{LightLanes, is_sound};
+use super::light_lanes::LightLanes;
+use super::light_parts::{LightId, LightKind, LightParts, LightSample, is_sound};
 use super::light_tree::{LightBounds, LightTree};
-use super::{
-    ConstantEnvironment, DirectionalLight, PictureEnvironment, PointLight, SpotLight, TriangleLights,
-};
-use crate::batch::SampleKey;
-use crate::sampling::{self, Basis, Distribution, cosine_hemisphere, sample_pair, uniform_sphere};
-
-/// A light of a [`LightSet`]: triangles first, then points, spots, directional lights and the environment.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct LightId(pub u32);
-
-/// What a light is, and its place among those of its kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LightKind {
-    /// A triangle that shines to one side.
-    Triangle(u32),
-    /// From a point to all sides.
-    Point(u32),
-    /// From a point into a cone.
-    Spot(u32),
-    /// From infinitely far away.
-    Directional(u32),
-    /// From everywhere.
-    Environment,
-}
-
-/// Light from everywhere.
-#[derive(Clone)]
-pub enum EnvironmentLight {
-    /// The same from everywhere.
-    Constant(Arc<ConstantEnvironment>),
-    /// By direction.
-    Picture(Arc<PictureEnvironment>),
-}
-
-/// What a light set is made of.
-#[derive(Clone, Default)]
-pub struct LightParts {
-    /// Emissive triangles.
-    pub triangles: Option<Arc<TriangleLights>>,
-    /// Instance, mesh and triangle of each of them, ascending.
-    pub triangle_ids: Vec<[u32; 3]>,
-    /// Lights without extent.
-    pub points: Vec<PointLight>,
-    /// Lights without extent.
-    pub spots: Vec<SpotLight>,
-    /// Lights infinitely far away.
-    pub directionals: Vec<DirectionalLight>,
-    /// Light from everywhere.
-    pub environment: Option<EnvironmentLight>,
-    /// Lower and upper corner of what can be lit.
-    pub bounds: [Vec3; 2],
-}
+use crate::sampling::{self, Distribution};
 
 /// All lights.
 pub struct LightSet {
@@ -80,74 +29,6 @@ pub struct LightSet {
     pub(super) ball: (Vec3, f32),
     /// By light: what paths that start at lights are shared out by.
     pub(super) power: Option<Distribution>,
-}
-
-/// A direction to a light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LightSample {
-    /// Unit, towards the light.
-    pub dir: Vec3,
-    /// How far it is; infinite for lights without a place.
-    pub dist: f32,
-    /// Radiance against `dir`; for `delta` lights the irradiance of a surface that faces them.
-    pub radiance: Vec3,
-    /// Density per solid angle, the choice of the light included; for `delta` lights the probability of the choice.
-    pub pdf: f32,
-    /// Whether no scattered ray could meet it.
-    pub delta: bool,
-    /// Which light.
-    pub light: LightId,
-}
-
-impl EnvironmentLight {
-    pub(super) fn radiance(&self, dir: Vec3) -> Vec3 {
-        match self {
-            Self::Constant(constant) => constant.radiance,
-            Self::Picture(picture) => picture.at(dir),
-        }
-    }
-
-    /// Brightness summed over all directions.
-    fn total(&self) -> f32 {
-        match self {
-            Self::Constant(constant) => 4.0 * PI * luminance(constant.radiance.into()),
-            Self::Picture(picture) => {
-                const N: u32 = 256;
-                let share = |sample| {
-                    let u = sample_pair(0, SampleKey { pixel: 0, sample, branch: 0 }, 0, 0);
-                    let (dir, pdf) = picture.sample(u);
-                    luminance(picture.at(dir).into()) / pdf / N as f32
-                };
-                (0..N).map(share).filter(|x| x.is_finite()).sum()
-            }
-        }
-    }
-
-    /// A direction for a surface that faces `normal` (zero = any), and its density.
-    fn sample(&self, normal: Vec3, u: [f32; 2]) -> (Vec3, f32) {
-        match self {
-            Self::Constant(_) if normal == Vec3::ZERO => (uniform_sphere(u), 0.25 * FRAC_1_PI),
-            Self::Constant(_) => {
-                let local = cosine_hemisphere(u);
-                let dir = Basis::around(normal).to_world(local).normalize();
-                (dir, normal.dot(dir).max(0.0) * FRAC_1_PI)
-            }
-            Self::Picture(picture) => picture.sample(u),
-        }
-    }
-
-    pub(super) fn pdf(&self, normal: Vec3, dir: Vec3) -> f32 {
-        match self {
-            Self::Constant(_) if normal == Vec3::ZERO => 0.25 * FRAC_1_PI,
-            Self::Constant(_) => normal.dot(dir).max(0.0) * FRAC_1_PI,
-            Self::Picture(picture) => picture.pdf(dir),
-        }
-    }
-
-    /// A direction for any surface, and its density.
-    pub(super) fn sample_any(&self, u: [f32; 2]) -> (Vec3, f32) {
-        self.sample(Vec3::ZERO, u)
-    }
 }
 
 impl LightSet {
@@ -364,17 +245,6 @@ impl LightSet {
             // Triangles were above; the others have no place.
             LightKind::Triangle(_) | LightKind::Directional(_) | LightKind::Environment => 0.0,
         }
-    }
-}
-
-impl LightParts {
-    pub(super) fn triangle_count(&self) -> usize {
-        self.triangles.as_ref().map_or(0, |triangles| triangles.len())
-    }
-
-    /// Lights that have a place.
-    pub(super) fn finite_count(&self) -> usize {
-        self.triangle_count() + self.points.len() + self.spots.len()
     }
 }
 

@@ -6,7 +6,9 @@ mod area;
 mod environment;
 mod light_emission;
 mod light_lanes;
+mod light_parts;
 mod light_set;
+mod light_set_lanes;
 #[cfg(test)]
 mod light_set_tests;
 mod light_tree;
@@ -16,5 +18,6 @@ pub use area::{EmissiveTriangle, Emitter, TriangleLights};
 pub use environment::{ConstantEnvironment, PictureEnvironment};
 pub use light_emission::{LightRay, SurfaceSample};
 pub use light_lanes::LightSampleX16;
-pub use light_set::{EnvironmentLight, LightId, LightKind, LightParts, LightSample, LightSet};
+pub use light_parts::{EnvironmentLight, LightId, LightKind, LightParts, LightSample};
+pub use light_set::LightSet;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};

@@ -4,7 +4,8 @@
 
 use crate::batch::{Detail, SurfaceBatch, Vec3s};
 use crate::bsdf::{Model, Scattering};
-use crate::materials::color::{Emission, PlainColor, TexturedColor};
+use crate::materials::color::{PlainColor, TexturedColor};
+use crate::materials::lambertian::Lambertian;
 use crate::materials::whitted;
 use crate::shader::{SurfaceShader, Tracer};
 
@@ -13,15 +14,6 @@ use crate::shader::{SurfaceShader, Tracer};
 pub struct Matte {
     /// Share of light that is scattered.
     pub albedo: TexturedColor,
-}
-
-/// All there is to know of a surface that is Lambert's reflector everywhere, on both sides, without holes.
-#[derive(Clone, Debug)]
-pub struct Lambertian {
-    /// Share of light that is scattered.
-    pub albedo: TexturedColor,
-    /// Radiance that leaves its front.
-    pub emission: Option<Emission>,
 }
 
 impl SurfaceShader for Matte {

@@ -6,6 +6,7 @@
 mod color;
 mod dielectric;
 mod direct;
+mod lambertian;
 mod material;
 mod matte;
 mod metallic_roughness;
@@ -16,8 +17,9 @@ mod whitted;
 pub use color::{Coverage, Emission, OpacityChannel, PlainColor, TexturedColor};
 pub use dielectric::Dielectric;
 pub use direct::direct_light;
+pub use lambertian::Lambertian;
 pub use material::Material;
-pub use matte::{Lambertian, Matte};
+pub use matte::Matte;
 pub use metallic_roughness::{Layers, MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
 pub use points::{FromPoints, metal, rough_glass, rough_matte};

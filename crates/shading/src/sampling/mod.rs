@@ -4,6 +4,7 @@
 
 pub(crate) mod distribution;
 mod grid;
+mod hash;
 mod sobol;
 mod sobol_lanes;
 pub(crate) mod warp;
@@ -11,7 +12,8 @@ mod warp_lanes;
 
 pub use distribution::{Choice, Distribution};
 pub use grid::{GridDistribution, GridPoint};
-pub use sobol::{Draws, hash_combine, purpose, sample_pair};
+pub use hash::hash_combine;
+pub use sobol::{Draws, purpose, sample_pair};
 pub use sobol_lanes::{DrawsX16, key_words, sample_pairs};
 pub use warp::{
     Basis, concentric_disk, cosine_hemisphere, cosine_hemisphere_by_series, triangle, uniform_sphere,

@@ -5,6 +5,7 @@
 //! Invariant: for a fixed key and purpose, samples 0..2^k are a (0, 2)-sequence: each elementary interval of area 2^-k
 //! holds exactly one. Proof: `tests::{every_elementary_interval_holds_one, purposes_and_seeds_are_independent}`.
 
+use super::hash::hash_combine;
 use crate::batch::SampleKey;
 
 /// What pairs of numbers are drawn for: two users of one key and depth must differ here.
@@ -62,23 +63,6 @@ impl Draws {
     }
 }
 
-/// A well-mixed function of two words.
-#[must_use]
-#[inline]
-pub fn hash_combine(a: u32, b: u32) -> u32 {
-    mix(a ^ mix(b.wrapping_add(0x9e37_79b9)).wrapping_add(a << 6).wrapping_add(a >> 2))
-}
-
-/// A bijection of words in which every input bit reaches every output bit.
-#[inline]
-pub(super) fn mix(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x21f0_aaad);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0xd35a_2d97);
-    x ^ (x >> 15)
-}
-
 /// Point `index` of the two-dimensional Sobol' sequence, as fractions of 2^32.
 #[inline]
 fn sobol(index: u32) -> [u32; 2] {
@@ -113,6 +97,7 @@ fn unit_interval(x: u32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::hash::mix;
 
     fn key(pixel: u32, sample: u32) -> SampleKey {
         SampleKey { pixel, sample, branch: 0 }

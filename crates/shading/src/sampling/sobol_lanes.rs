@@ -6,7 +6,7 @@
 
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
-use super::sobol::mix;
+use super::hash::mix;
 use crate::batch::SampleKey;
 use crate::lanes::{Floats, LANES, Words};
 

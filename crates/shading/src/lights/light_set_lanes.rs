@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Light samples for sixteen points at once. Source: as `light_set`.
+//! Invariant: the samples of [`LightSet::sample`](super::LightSet::sample), bit for bit.
+//! Proof: `light_set_tests::lanes_choose_as_points_do`.
+
+use gnurt_simd::{Simd, f32x16, prelude::*};
+
+use super::light_lanes::LightSampleX16;
+use super::light_parts::is_sound;
+use super::light_set::LightSet;
+use crate::lanes::{Floats, LanesOf, Mask, Vec3x16};
+
+impl LightSet {
+    /// [`sample`](Self::sample) for the lanes in `active`; their normals are unit.
+    #[inline(always)]
+    #[must_use]
+    pub fn sample_x16<S: Simd>(
+        &self,
+        active: Mask<S>,
+        p: Vec3x16<S>,
+        ns: Vec3x16<S>,
+        u: [Floats<S>; 3],
+    ) -> LightSampleX16<S> {
+        let simd = u[0].token();
+        match (&self.lanes, &self.choice) {
+            // One group: its choice takes nothing of the number.
+            (Some(lanes), Some(choice)) if choice.len() == 1 => {
+                lanes.sample(&self.parts, active, [p, ns], u, f32x16::splat(simd, 1.0))
+            }
+            (Some(lanes), Some(choice)) => {
+                let (mut rest, mut chance, mut near, mut far) = (u[0], u[0], 0, LightSampleX16::none(simd));
+                for i in LanesOf(active.to_bitmask()) {
+                    let group = choice.sample(u[0][i]);
+                    if group.index == 0 {
+                        near |= 1 << i;
+                        (rest[i], chance[i]) = (group.rest, group.probability);
+                    } else {
+                        let place = [u[1][i], u[2][i]];
+                        let sample = self.sample_far(group.index - 1, ns.get(i), place, group.probability);
+                        far.put(i, sample.filter(is_sound));
+                    }
+                }
+                let near = Mask::from_bitmask(simd, near);
+                lanes.sample(&self.parts, near, [p, ns], [rest, u[1], u[2]], chance).or(near, far)
+            }
+            _ => {
+                let mut out = LightSampleX16::none(simd);
+                for i in LanesOf(active.to_bitmask()) {
+                    out.put(i, self.sample(p.get(i), ns.get(i), [u[0][i], u[1][i], u[2][i]]));
+                }
+                out
+            }
+        }
+    }
+}
