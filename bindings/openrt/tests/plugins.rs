@@ -182,7 +182,7 @@ fn a_closed_error_output_ends_nothing() {
     // The shell ignores the signal for itself and for the program; `true` ends, and the pipe breaks.
     let script = "trap '' PIPE; { sleep 0.2; ./quiet 2>&1 >said; echo status $? >status; } | true";
     let mut shell = Command::new("sh");
-    shell.args(["-c", &script]).current_dir(workshop.path("")).env("OPENRT_DEBUG", "1");
+    shell.args(["-c", script]).current_dir(workshop.path("")).env("OPENRT_DEBUG", "1");
     must(&mut shell);
     let read = |name: &str| std::fs::read_to_string(workshop.path(name)).expect("the program has ended");
     let (status, said) = (read("status"), read("said"));

@@ -52,7 +52,7 @@ impl Bytes<'_> {
 
     fn flag(&mut self) -> bool {
         // More often than not.
-        self.byte() % 4 != 0
+        !self.byte().is_multiple_of(4)
     }
 }
 
