@@ -1,56 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Hits shown to a callback one by one: what filters, lists of all hits and counting are made of.
+//! Lists of all hits of a ray, made of those that are shown to a callback one by one.
 //! Source: original; filters and collecting all hits are what Embree's filter functions are used for.
-//! Cost: a call through a pointer for each candidate, so that the search is compiled once for all callbacks.
 //! Proof: `tests/filters.rs`, `tests/all_hits.rs`.
 
 use crate::Hit;
-use crate::nearest::{Collect, Nearest};
-use crate::triangle::Meeting;
-
-/// Shows candidates to a callback, which answers with how far the ray is still of interest.
-pub(crate) struct Candidates<'a> {
-    resolve: &'a dyn Fn(&Nearest) -> Hit,
-    judge: &'a mut dyn FnMut(Hit) -> f32,
-    reach: f32,
-    scale: f32,
-}
-
-impl<'a> Candidates<'a> {
-    /// `resolve` turns numbers into ids.
-    pub(crate) fn new(
-        t_far: f32,
-        resolve: &'a dyn Fn(&Nearest) -> Hit,
-        judge: &'a mut dyn FnMut(Hit) -> f32,
-    ) -> Self {
-        Self { resolve, judge, reach: t_far, scale: 1.0 }
-    }
-}
-
-impl Collect for Candidates<'_> {
-    const ANY: bool = false;
-    const CAN_END: bool = true;
-
-    #[inline(always)]
-    fn reach(&self) -> f32 {
-        self.reach
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn offer(&mut self, Meeting { t, u, v }: Meeting, number: u32, slot: u32) {
-        let hit = (self.resolve)(&Nearest { t: t * self.scale, u, v, number, slot });
-        self.reach = (self.judge)(hit) / self.scale;
-    }
-
-    fn scaled(&mut self, scale: f32, search: impl FnOnce(&mut Self)) {
-        self.reach /= scale;
-        self.scale = scale;
-        search(self);
-        self.reach *= scale;
-        self.scale = 1.0;
-    }
-}
 
 /// Whether `hit` is to be preferred to `best`: nearer, or of the lower primitive at the same `t`.
 pub(crate) fn is_better(hit: &Hit, best: Option<&Hit>) -> bool {

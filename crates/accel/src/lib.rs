@@ -117,45 +117,26 @@
 //! No motion, no curves, no subdivision. An object has at most [`MOST_TRIANGLES`] triangles.
 #![forbid(unsafe_code)]
 
-mod aabb;
+mod answers;
+mod ask;
 mod batch;
-mod bvh;
 mod candidates;
-mod control;
-mod geometry;
-mod hit;
-mod kd;
-mod nearest;
+mod engine;
 mod object;
-mod options;
-mod packet;
 mod pencil;
-mod point;
-mod queries;
-mod query;
-mod ray;
 mod scene;
-mod screened;
-mod stats;
-mod store;
-mod tile;
-mod triangle;
-mod user;
+mod sorted;
+mod target;
+mod together;
+mod under_way;
 
-pub use aabb::Aabb;
-pub use control::{BuildControl, BuildError};
-pub use geometry::{
-    BadPrimitives, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES, Quads, Spheres, Triangles,
+pub use gnurt_accel_core::{
+    Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, Geometry,
+    GeometryKind, Hit, HitBatch, INVALID_ID, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, PointHit,
+    PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, Spheres, Structure, Threads, TreeStats,
+    TriangleTest, Triangles, UserGeometry, UserHit,
 };
 pub use gnurt_simd::Level;
-pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
 pub use object::ObjectTree;
-pub use options::{BuildOptions, Memory, Quality, Structure, Threads, TriangleTest};
 pub use pencil::Pencil;
-pub use point::PointHit;
-pub use query::{Coherence, Counters, Query, Record};
-pub use ray::{AnyRay, Ray, Ray64, RayBatch};
 pub use scene::{DEEPEST_SCENE, Instance, SceneError, SceneTree, Shape};
-pub use stats::TreeStats;
-pub use store::LoadError;
-pub use user::{UserGeometry, UserHit};

@@ -4,7 +4,8 @@
 //! Space: that of the structure that is asked.
 //! Invariant: the answer for a ray is that of the same ray alone. Proof: `tests/pencils.rs`.
 
-use crate::tile::{PerRay, RayTile, TILE};
+use gnurt_accel_core::bits::TILE;
+use gnurt_accel_core::tile::{PerRay, RayTile};
 
 /// Up to 64 rays from one point, with near ends of zero, which see everything.
 ///

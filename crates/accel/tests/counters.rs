@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Counters: packets in a kd-tree count what single rays do, at every level, for closest and for any hits; costs per
-//! ray add up to the sums. Source: original.
+//! Counters: packets in a kd-tree count what single rays do, at every level, for closest and for any hits; tiles count the
+//! same at every level that has them; costs per ray add up to the sums. Source: original.
 
 mod common;
 
@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use common::{Kind, TESTS, WATERTIGHT, batch, build, queries};
 use gnurt_accel::{
-    Coherence, Counters, HitBatch, Instance, Query, RayBatch, Record, SceneTree, Structure, TriangleTest,
+    Coherence, Counters, HitBatch, Instance, Level, Query, RayBatch, Record, SceneTree, Structure,
+    TriangleTest,
 };
 use gnurt_testkit::{Soup, closed, rays};
 
@@ -47,7 +48,7 @@ fn packets_count_what_single_rays_do() {
 }
 
 #[test]
-fn all_levels_count_the_same_in_a_scene() {
+fn all_levels_with_tiles_count_the_same_in_a_scene() {
     for kind in &WATERTIGHT[3..4] {
         let rays = some_rays();
         let object = Arc::new(build(&[closed::sphere(8)], *kind));
@@ -57,14 +58,20 @@ fn all_levels_count_the_same_in_a_scene() {
             instance
         };
         let scene = SceneTree::build(&(0..9).map(place).collect::<Vec<_>>());
-        let tiles = queries().into_iter().filter(|query| query.coherence == Coherence::Coherent);
-        let counted = tiles.map(|query| {
+        let of = |query: &Query| {
             let mut record = Record::default();
-            scene.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut record);
+            scene.intersect_batch(query, &rays, &mut HitBatch::default(), &mut record);
             record.counters
-        });
-        let counted: Vec<Counters> = counted.collect();
+        };
+        // The scalar level sends rays one by one.
+        let has_tiles =
+            |query: &&Query| query.coherence == Coherence::Coherent && query.level != Level::Scalar;
+        let counted: Vec<Counters> = queries().iter().filter(has_tiles).map(of).collect();
         assert!(counted.iter().all(|c| *c == counted[0]), "{counted:?} at all levels");
+        let alone: Vec<Counters> = [Coherence::Coherent, Coherence::Incoherent]
+            .map(|coherence| of(&Query { level: Level::Scalar, coherence, ..Query::default() }))
+            .into();
+        assert_eq!(alone[0], alone[1], "without tiles, coherence does not matter");
     }
 }
 

@@ -68,6 +68,19 @@ impl Level {
         TOKENS.get_or_init(|| Self::ALL.map(Self::best_token_up_to))[self as usize]
     }
 
+    /// What [`dispatch_two!`](crate::dispatch_two) matches on: AVX2 or NEON, or no SIMD instructions.
+    #[must_use]
+    #[inline]
+    pub fn token_of_two(self) -> fearless_simd::Level {
+        match self.token() {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            fearless_simd::Level::Avx2(_) | fearless_simd::Level::Avx512(_) => Self::Avx2.token(),
+            #[cfg(target_arch = "aarch64")]
+            token @ fearless_simd::Level::Neon(_) => token,
+            _ => Self::Scalar.token(),
+        }
+    }
+
     fn best_token_up_to(self) -> fearless_simd::Level {
         let not_above = Self::ALL.into_iter().filter(|&level| level <= self).rev();
         not_above
@@ -194,5 +207,34 @@ mod tests {
             assert_eq!(ran, wanted, "{level} runs as itself");
         }
         assert!(Level::Scalar.token().is_fallback(), "scalar has no SIMD instructions");
+    }
+
+    #[test]
+    fn tables_and_pairs_go_by_level() {
+        use crate::Simd;
+        for level in Level::available() {
+            let lanes = crate::by_level!(level.token(), S => S::LANES);
+            let ran = crate::dispatch!(level, simd => lanes_of(simd));
+            assert_eq!(lanes, ran, "{level} has a table of its own");
+            let of_two = crate::dispatch_two!(level, simd => lanes_of(simd));
+            let wanted = if level > Level::Sse42 { lanes.min(8) } else { 1 };
+            assert_eq!(of_two, wanted, "{level} runs as the wide one of two, or without");
+        }
+        fn lanes_of<S: Simd>(_: S) -> usize {
+            S::LANES
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "a kernel for")]
+    fn another_level_s_token_is_refused() {
+        use crate::Simd;
+        let best = Level::best();
+        if best == Level::Scalar {
+            panic!("a kernel for nothing else");
+        }
+        crate::by_level!(Level::Scalar.token(), S => {
+            let _ = S::from_token(best.token());
+        });
     }
 }

@@ -4,7 +4,8 @@
 //!
 //! From a query to its instructions it is three hops: a caller holds a [`Level`]; [`dispatch!`] turns it into a
 //! token type and enters a function that is compiled for that CPU; in there every function that is generic over
-//! `S: Simd` is `#[inline(always)]`, or the lane operations become calls and the kernel six times slower.
+//! `S: Simd` is `#[inline(always)]`, or the lane operations become calls and the kernel six times slower. Kernels that
+//! others choose among are kept in tables of functions, one for each level: [`by_level!`] picks the table.
 //!
 //! Invariant: kernels whose numbers are results use plain `*` and `+`, never `mul_add`, so that every level gives the
 //! same bits. What only has to be on the safe side (boxes that a ray may meet) is free to fuse.
@@ -23,8 +24,17 @@ pub use memory::{prefer_huge_pages, prefetch};
 pub use stack::Stack;
 pub use token::Simd;
 
+/// Proof that the CPU has a level's instructions, whichever that is: what [`Level::token`] answers with.
+pub use fearless_simd::Level as Token;
+
 #[doc(hidden)]
-pub use fearless_simd::{Level as __Token, Simd as __Base};
+#[cfg(target_arch = "aarch64")]
+pub use fearless_simd::aarch64 as __arm;
+#[doc(hidden)]
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+pub use fearless_simd::x86 as __x86;
+#[doc(hidden)]
+pub use fearless_simd::{Fallback as __Fallback, Simd as __Base};
 
 /// Runs an expression with the token of a [`Level`]: `dispatch!(level, simd => kernel(simd, rays))`.
 ///
@@ -36,8 +46,8 @@ macro_rules! dispatch {
     ($level:expr, $simd:pat => $body:expr) => {
         $crate::dispatch_wide!($level, $simd => $body, else match $crate::Level::token($level) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::__Token::Sse4_2(token) => $crate::__enter!(token, $simd => $body),
-            $crate::__Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
+            $crate::Token::Sse4_2(token) => $crate::__enter!(token, $simd => $body),
+            $crate::Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
             other => unreachable!("no level has the token {other:?}"),
         })
     };
@@ -51,12 +61,63 @@ macro_rules! dispatch_wide {
     ($level:expr, $simd:pat => $body:expr, else $other:expr) => {
         match $crate::Level::token($level) {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::__Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
+            $crate::Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            $crate::__Token::Avx512(token) => $crate::__enter!(token, $simd => $body),
+            $crate::Token::Avx512(token) => $crate::__enter!(token, $simd => $body),
             #[cfg(target_arch = "aarch64")]
-            $crate::__Token::Neon(token) => $crate::__enter!(token, $simd => $body),
+            $crate::Token::Neon(token) => $crate::__enter!(token, $simd => $body),
             _ => $other,
+        }
+    };
+}
+
+/// As [`dispatch!`], but compiled twice and not four times: with AVX2 or NEON where the CPU has them, and without SIMD
+/// instructions. For what is not a kernel of rays: builders.
+#[macro_export]
+macro_rules! dispatch_two {
+    ($level:expr, $simd:pat => $body:expr) => {
+        match $crate::Level::token_of_two($level) {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Avx2(token) => $crate::__enter!(token, $simd => $body),
+            #[cfg(target_arch = "aarch64")]
+            $crate::Token::Neon(token) => $crate::__enter!(token, $simd => $body),
+            $crate::Token::Fallback(token) => $crate::__enter!(token, $simd => $body),
+            other => unreachable!("no level of two has the token {other:?}"),
+        }
+    };
+}
+
+/// What belongs to the level of a [`Token`], by the type `S` of its own token: `by_level!(token, S => &For::<S>::TABLE)`.
+/// So tables of functions are chosen, one for each level, once for a call or a batch.
+#[macro_export]
+macro_rules! by_level {
+    ($token:expr, $S:ident => $value:expr) => {
+        match $token {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Sse4_2(_) => {
+                type $S = $crate::__x86::Sse4_2;
+                $value
+            }
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Avx2(_) => {
+                type $S = $crate::__x86::Avx2;
+                $value
+            }
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::Token::Avx512(_) => {
+                type $S = $crate::__x86::Avx512;
+                $value
+            }
+            #[cfg(target_arch = "aarch64")]
+            $crate::Token::Neon(_) => {
+                type $S = $crate::__arm::Neon;
+                $value
+            }
+            $crate::Token::Fallback(_) => {
+                type $S = $crate::__Fallback;
+                $value
+            }
+            other => unreachable!("no level has the token {other:?}"),
         }
     };
 }

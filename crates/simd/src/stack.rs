@@ -35,6 +35,20 @@ impl<T: Copy, const N: usize> Stack<T, N> {
         Some(unsafe { self.entries[self.len].assume_init() })
     }
 
+    /// How many values there are.
+    #[inline(always)]
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there is none.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
     /// Forgets all values.
     #[inline(always)]
     pub fn clear(&mut self) {
@@ -64,8 +78,9 @@ mod tests {
     #[test]
     fn first_in_last_out() {
         let mut stack = Stack::<u64, 4>::new();
-        assert_eq!(stack.pop(), None, "nothing is in");
+        assert!(stack.pop().is_none() && stack.is_empty(), "nothing is in");
         [1, 5, 3].into_iter().for_each(|value| stack.push(value));
+        assert_eq!(stack.len(), 3, "three are in");
         stack.top(2).sort_unstable();
         assert_eq!([stack.pop(), stack.pop(), stack.pop(), stack.pop()], [Some(5), Some(3), Some(1), None]);
     }

@@ -2,26 +2,39 @@
 //! What kernels are generic over: a token type for each level, with what this project asks of it.
 //! Source: the library's trait, and two answers more. Proof: `level::tests::every_level_runs`.
 
+use fearless_simd::Level as Token;
+
 /// A token that proves that the CPU has a level's instructions. All lane operations come with it.
 pub trait Simd: fearless_simd::Simd {
     /// Floats in one register; 1 where lanes are arrays.
     const LANES: usize;
 
-    /// Runs a part of a kernel. Inlined where lanes are registers; a function of its own where they are arrays: there the
-    /// compiler's time grows with the square of a kernel's size, and calls cost nothing beside sixteen of everything.
-    /// `f` must be `#[inline(always)]`.
-    #[inline(always)]
-    fn part<R>(self, f: impl FnOnce() -> R) -> R {
-        f()
-    }
+    /// Whether kernels of sixteen lanes are compiled for it. Not where lanes are arrays: those take minutes to compile and
+    /// gain nothing.
+    const HAS_TILES: bool = Self::LANES > 1;
+
+    /// The token of this level that `token` holds.
+    ///
+    /// # Panics
+    /// If it holds another one: the function belongs to another level's table.
+    fn from_token(token: Token) -> Self;
+}
+
+/// Of another level than was expected.
+#[cold]
+fn mismatch(token: Token, wanted: &str) -> ! {
+    panic!("a kernel for {wanted} was given the token of {token:?}")
 }
 
 impl Simd for fearless_simd::Fallback {
     const LANES: usize = 1;
 
-    #[inline(never)]
-    fn part<R>(self, f: impl FnOnce() -> R) -> R {
-        f()
+    #[inline(always)]
+    fn from_token(token: Token) -> Self {
+        match token {
+            Token::Fallback(token) => token,
+            other => mismatch(other, "no SIMD instructions"),
+        }
     }
 }
 
@@ -29,18 +42,52 @@ impl Simd for fearless_simd::Fallback {
 mod x86 {
     use fearless_simd::x86::{Avx2, Avx512, Sse4_2};
 
+    use super::{Token, mismatch};
+
     impl super::Simd for Sse4_2 {
         const LANES: usize = 4;
+
+        #[inline(always)]
+        fn from_token(token: Token) -> Self {
+            match token {
+                Token::Sse4_2(token) => token,
+                other => mismatch(other, "Sse4_2"),
+            }
+        }
     }
     impl super::Simd for Avx2 {
         const LANES: usize = 8;
+
+        #[inline(always)]
+        fn from_token(token: Token) -> Self {
+            match token {
+                Token::Avx2(token) => token,
+                other => mismatch(other, "Avx2"),
+            }
+        }
     }
     impl super::Simd for Avx512 {
         const LANES: usize = 16;
+
+        #[inline(always)]
+        fn from_token(token: Token) -> Self {
+            match token {
+                Token::Avx512(token) => token,
+                other => mismatch(other, "Avx512"),
+            }
+        }
     }
 }
 
 #[cfg(target_arch = "aarch64")]
 impl Simd for fearless_simd::aarch64::Neon {
     const LANES: usize = 4;
+
+    #[inline(always)]
+    fn from_token(token: Token) -> Self {
+        match token {
+            Token::Neon(token) => token,
+            other => mismatch(other, "Neon"),
+        }
+    }
 }

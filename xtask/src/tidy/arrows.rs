@@ -4,9 +4,12 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 14] = [
+const ARROWS: [(&str, &[&str]); 17] = [
     ("simd", &[]),
-    ("accel", &["simd"]),
+    ("accel-core", &["simd"]),
+    ("accel-bvh", &["simd", "accel-core"]),
+    ("accel-kd", &["simd", "accel-core"]),
+    ("accel", &["simd", "accel-core", "accel-bvh", "accel-kd"]),
     ("image", &[]),
     ("denoise", &["simd", "image"]),
     ("scene", &["image"]),
@@ -106,7 +109,7 @@ mod tests {
     #[test]
     fn arrows_of_the_table_pass() {
         let good = [
-            package("gnurt-accel", &["gnurt-simd"]),
+            package("gnurt-accel", &["gnurt-accel-bvh", "gnurt-simd"]),
             package("openrt", &["gnurt"]),
             package("xtask", &["gnurt"]),
         ];
@@ -117,6 +120,7 @@ mod tests {
     fn other_arrows_are_found() {
         for (name, used) in [
             ("gnurt-accel", "gnurt-shading"),
+            ("gnurt-accel-kd", "gnurt-accel-bvh"),
             ("gnurt-cli", "gnurt-scene"),
             ("gnurt-simd", "gnurt-image"),
             ("gnurt-render", "gnurt-testkit"),

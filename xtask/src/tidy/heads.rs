@@ -7,8 +7,11 @@ use super::files::SourceFile;
 const LICENCE: &str = "SPDX-License-Identifier: GPL-3.0-or-later";
 
 /// Rooms whose files say `Source:` in their head.
-const CITING: [&str; 5] = [
+const CITING: [&str; 8] = [
     "crates/accel/src/",
+    "crates/accel-core/src/",
+    "crates/accel-bvh/src/",
+    "crates/accel-kd/src/",
     "crates/shading/src/",
     "crates/render/src/",
     "crates/scene/src/",

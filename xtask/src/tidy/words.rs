@@ -5,8 +5,11 @@
 use super::files::SourceFile;
 
 /// A room and the words that it must not know.
-const FORBIDDEN: [(&str, &[&str]); 2] = [
+const FORBIDDEN: [(&str, &[&str]); 5] = [
     ("crates/accel/src/", &["material", "pixel", "texture", "shader"]),
+    ("crates/accel-core/src/", &["material", "pixel", "texture", "shader"]),
+    ("crates/accel-bvh/src/", &["material", "pixel", "texture", "shader"]),
+    ("crates/accel-kd/src/", &["material", "pixel", "texture", "shader"]),
     ("crates/image/src/", &["thread", "ray", "rayon"]),
 ];
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object's tree on its way into a file and back. Source: original; the format is that of `crate::store`.
+//! An object's tree on its way into a file and back. Source: original; the format is that of `gnurt_accel_core::store`.
 //! Proof: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 
+use gnurt_accel_bvh::{BvhIndex, SphereIndex};
+use gnurt_accel_core::geometry::Numbering;
+use gnurt_accel_core::store::{Reader, Writer};
+use gnurt_accel_kd::KdIndex;
+
 use super::{Index, ObjectTree, Part};
-use crate::bvh::{BvhIndex, SphereIndex};
-use crate::geometry::Numbering;
-use crate::kd::KdIndex;
-use crate::store::{LoadError, Reader, Writer};
-use crate::{Aabb, BadPrimitives, MOST_TRIANGLES, Memory, TreeStats, TriangleTest};
+use crate::{Aabb, BadPrimitives, LoadError, MOST_TRIANGLES, Memory, TreeStats, TriangleTest};
 
 const BVH: u64 = 0;
 const KD_WATERTIGHT: u64 = 1;

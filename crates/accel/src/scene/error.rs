@@ -4,7 +4,7 @@
 
 use std::fmt;
 
-use super::DEEPEST_SCENE;
+use super::types::DEEPEST_SCENE;
 
 /// What is wrong with an instance; `inst_id` is its place in the list. All are the caller's to mend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

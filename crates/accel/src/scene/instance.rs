@@ -8,31 +8,11 @@
 
 use std::sync::Arc;
 
-use gnurt_simd::{Simd, f32x16, prelude::*};
+use gnurt_accel_core::affine::ObjectFromWorld;
 
-use crate::tile::{LANES, PerRay, RayTile, TILE};
-use crate::{Aabb, ObjectTree, Ray, SceneTree};
-
-/// What an instance shows.
-#[derive(Clone, Debug)]
-pub enum Shape {
-    /// An object.
-    Object(Arc<ObjectTree>),
-    /// A scene with instances of its own.
-    Scene(Arc<SceneTree>),
-}
-
-/// An object or a scene, and where it is.
-#[derive(Clone, Debug)]
-pub struct Instance {
-    /// Shared by all instances of it.
-    pub shape: Shape,
-    /// Columns of the affine map to the space of the scene that the instance is in: images of the x, y and z axes, then
-    /// of the origin.
-    pub world_from_object: [[f64; 3]; 4],
-    /// Which rays see it: those whose mask has a bit in common with this one.
-    pub mask: u32,
-}
+use super::box64::Box64;
+use super::types::{Exact, Instance, Placed, SceneTree, Shape};
+use crate::{Aabb, ObjectTree, Ray};
 
 impl Instance {
     /// An object or a scene at a place, seen by all rays.
@@ -93,88 +73,6 @@ impl Shape {
 
 const IDENTITY: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
 
-/// A box in double precision.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Box64 {
-    pub(super) min: [f64; 3],
-    pub(super) max: [f64; 3],
-}
-
-impl Box64 {
-    pub(super) const EMPTY: Self = Self { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
-
-    pub(super) fn is_empty(&self) -> bool {
-        (0..3).any(|k| self.min[k] > self.max[k])
-    }
-
-    pub(super) fn union(&self, other: &Self) -> Self {
-        Self {
-            min: [0, 1, 2].map(|k| self.min[k].min(other.min[k])),
-            max: [0, 1, 2].map(|k| self.max[k].max(other.max[k])),
-        }
-    }
-
-    /// With all coordinates rounded to the nearest floats.
-    pub(super) fn nearest(&self) -> Aabb {
-        Aabb { min: self.min.map(|x| x as f32), max: self.max.map(|x| x as f32) }
-    }
-
-    /// A box of floats around it.
-    pub(super) fn rounded(&self) -> Aabb {
-        let outward = |x: f64, towards: f32, next: fn(f32) -> f32| {
-            let near = x as f32;
-            if (f64::from(near) - x) * f64::from(towards) < 0.0 { next(near) } else { near }
-        };
-        Aabb {
-            min: self.min.map(|x| outward(x, -1.0, f32::next_down)),
-            max: self.max.map(|x| outward(x, 1.0, f32::next_up)),
-        }
-    }
-}
-
-impl From<Aabb> for Box64 {
-    fn from(bounds: Aabb) -> Self {
-        Self { min: bounds.min.map(f64::from), max: bounds.max.map(f64::from) }
-    }
-}
-
-impl Default for Box64 {
-    fn default() -> Self {
-        Self::EMPTY
-    }
-}
-
-/// An instance made ready for rays.
-#[derive(Debug)]
-pub(crate) struct Placed {
-    pub(super) shape: Shape,
-    /// Its number in the list that the scene was built from.
-    pub(crate) inst_id: u32,
-    /// The number of its first object among all of the scene.
-    pub(super) first_leaf: u32,
-    pub(super) mask: u32,
-    /// `None` where world and object space are the same.
-    pub(crate) object_from_world: Option<ObjectFromWorld>,
-}
-
-/// `p_object = linear * (p_world - place)`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ObjectFromWorld {
-    /// Rows of the linear part.
-    pub(crate) rows: [[f32; 3]; 3],
-    /// Where the object's origin is in the world: nearest floats, and what they leave over.
-    pub(crate) place: [[f32; 3]; 2],
-}
-
-/// The same in double precision, and its inverse.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Exact {
-    /// Rows of the linear part of the map into the object.
-    pub(super) rows: [[f64; 3]; 3],
-    /// Images of the axes, then of the origin.
-    pub(super) columns: [[f64; 3]; 4],
-}
-
 impl Exact {
     /// The inverse, where there is one.
     fn new(columns: &[[f64; 3]; 4]) -> Option<Self> {
@@ -203,53 +101,13 @@ impl Exact {
     }
 }
 
-impl ObjectFromWorld {
-    #[inline(always)]
-    pub(crate) fn ray(&self, ray: &Ray) -> Ray {
-        let [high, low] = self.place;
-        let from = |k: usize| (ray.org[k] - high[k]) - low[k];
-        let from = [from(0), from(1), from(2)];
-        Ray { org: self.vector(from), dir: self.vector(ray.dir), ..*ray }
-    }
-
-    #[inline(always)]
-    fn vector(&self, v: [f32; 3]) -> [f32; 3] {
-        let along = |r: &[f32; 3]| r[0] * v[0] + r[1] * v[1] + r[2] * v[2];
-        [along(&self.rows[0]), along(&self.rows[1]), along(&self.rows[2])]
-    }
-
-    /// The same for all rays of a tile.
-    #[inline(always)]
-    pub(super) fn tile<S: Simd>(&self, simd: S, rays: &RayTile, inside: &mut RayTile) {
-        let [high, low] = self.place;
-        let at = |value: f32| f32x16::splat(simd, value);
-        for first in (0..TILE).step_by(LANES) {
-            let load = |values: &PerRay| f32x16::from_slice(simd, &values[first..first + LANES]);
-            let [ox, oy, oz] = [load(&rays.org[0]), load(&rays.org[1]), load(&rays.org[2])];
-            let [dx, dy, dz] = [load(&rays.dir[0]), load(&rays.dir[1]), load(&rays.dir[2])];
-            let fx = (ox - at(high[0])) - at(low[0]);
-            let fy = (oy - at(high[1])) - at(low[1]);
-            let fz = (oz - at(high[2])) - at(low[2]);
-            for (k, row) in self.rows.iter().enumerate() {
-                let org = at(row[0]) * fx + at(row[1]) * fy + at(row[2]) * fz;
-                let dir = at(row[0]) * dx + at(row[1]) * dy + at(row[2]) * dz;
-                org.store_slice(&mut inside.org[k][first..first + LANES]);
-                dir.store_slice(&mut inside.dir[k][first..first + LANES]);
-            }
-        }
-        inside.t_near = rays.t_near;
-        inside.mask = rays.mask;
-    }
-}
-
 impl Placed {
     /// With its map in double precision and its box in the world; `None` where the transform has no inverse in floats,
     /// or a value that is not finite. `first_leaf` is still to be set.
     pub(super) fn new(instance: &Instance, inst_id: u32) -> Option<(Self, Exact, Box64)> {
         let columns = &instance.world_from_object;
         let exact = Exact::new(columns)?;
-        let object_from_world =
-            if *columns == IDENTITY { None } else { Some(ObjectFromWorld::rounded(&exact)?) };
+        let object_from_world = if *columns == IDENTITY { None } else { Some(rounded(&exact)?) };
         let bounds = instance.shape.bounds();
         let bounds = match object_from_world {
             None => bounds,
@@ -272,16 +130,15 @@ impl Placed {
     }
 }
 
-impl ObjectFromWorld {
-    fn rounded(exact: &Exact) -> Option<Self> {
-        let rows = exact.rows.map(|row| row.map(|x| x as f32));
-        let place = exact.columns[3];
-        let high = place.map(|x| x as f32);
-        let low = [0, 1, 2].map(|k| (place[k] - f64::from(high[k])) as f32);
-        let sound = rows.iter().chain([&high, &low]).flatten().all(|x| x.is_finite());
-        let spans = rows.iter().all(|row| row.iter().any(|&x| x != 0.0));
-        (sound && spans).then_some(Self { rows, place: [high, low] })
-    }
+/// The map in floats; `None` where these cannot hold it.
+fn rounded(exact: &Exact) -> Option<ObjectFromWorld> {
+    let rows = exact.rows.map(|row| row.map(|x| x as f32));
+    let place = exact.columns[3];
+    let high = place.map(|x| x as f32);
+    let low = [0, 1, 2].map(|k| (place[k] - f64::from(high[k])) as f32);
+    let sound = rows.iter().chain([&high, &low]).flatten().all(|x| x.is_finite());
+    let spans = rows.iter().all(|row| row.iter().any(|&x| x != 0.0));
+    (sound && spans).then_some(ObjectFromWorld { rows, place: [high, low] })
 }
 
 /// The world box of an object's box, relative to `origin`: around its eight corners, a little wider than rounding could
@@ -317,7 +174,7 @@ mod tests {
         // Scaled by 2 along x, turned a quarter around z, then moved far away.
         let columns = [[0.0, 2.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1e6 + 0.125, 0.3, -7.0]];
         let exact = Exact::new(&columns).expect("invertible");
-        let map = ObjectFromWorld::rounded(&exact).expect("in the range of floats");
+        let map = rounded(&exact).expect("in the range of floats");
         let world = Ray::new([1e6 - 1.0, 4.0, -7.0], [0.0, 2.0, 0.0]);
         let object = map.ray(&world);
         assert_eq!(object.dir, [1.0, 0.0, 0.0], "world y is object x, scaled");

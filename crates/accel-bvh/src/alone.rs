@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Rays of a tile that go alone but are prepared together, sixteen at a time: all of them where they have nothing in
+//! common, the last few of a subtree where they had.
+//! Source: the arithmetic of [`NodeRay::new`] and [`BlockRay::new`] in lanes, with the same bits.
+//! Proof: `tests/brute_force.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::bits::{TILE, each};
+use gnurt_accel_core::blocks::BlockRay;
+use gnurt_accel_core::collect::Best;
+use gnurt_accel_core::heading::{Heading, Headings};
+use gnurt_accel_core::nearest::{AnyHit, Closest, Kind, Mode};
+use gnurt_accel_core::tile::{LANES, PerRay, RayTile};
+use gnurt_accel_core::triangle::{Sheared, axes_from, shear};
+use gnurt_accel_core::trip::TileTrip;
+use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
+
+use crate::index::BvhIndex;
+use crate::node::Child;
+use crate::node_ray::NodeRay;
+use crate::planes::TilePlanes;
+
+/// Where rays are heading.
+#[derive(Clone, Copy)]
+pub(super) enum Ways {
+    /// All of them.
+    One(Heading),
+    /// Each its own way.
+    Each(Headings),
+}
+
+/// Rays prepared for nodes and blocks. Those of irregular length are not.
+#[derive(Clone, Copy)]
+pub(super) struct Alone<'a> {
+    pub(super) planes: &'a TilePlanes,
+    /// Along the axes of each ray's own sheared space.
+    pub(super) org: [&'a PerRay; 3],
+    pub(super) shear: &'a [PerRay; 3],
+    pub(super) t_near: &'a PerRay,
+    pub(super) ways: Ways,
+}
+
+impl Alone<'_> {
+    #[inline(always)]
+    pub(super) fn heading(&self, i: usize) -> Heading {
+        match &self.ways {
+            Ways::One(heading) => *heading,
+            Ways::Each(headings) => headings.of(i),
+        }
+    }
+
+    /// Ray `i` for nodes, whose nearer planes are in `rows`.
+    #[inline(always)]
+    pub(super) fn for_nodes<S: Simd>(&self, simd: S, i: usize, rows: [usize; 3]) -> NodeRay<S> {
+        self.planes.alone(simd, i, rows, self.t_near[i % TILE])
+    }
+
+    /// Ray `i` for blocks, given the axis along which it moves most.
+    #[inline(always)]
+    pub(super) fn for_blocks<S: Simd>(&self, simd: S, i: usize, longest_axis: usize) -> BlockRay<S> {
+        let i = i % TILE;
+        let ([x, y, z], [a, b, c]) = (self.org, self.shear);
+        let sheared = Sheared { org: [x[i], y[i], z[i]], shear: [a[i], b[i], c[i]] };
+        BlockRay::sheared(simd, axes_from(longest_axis), sheared, self.t_near[i])
+    }
+
+    /// Each active ray of a trip from `start` on, one after the other; returns the chunks in which an end came nearer. A
+    /// function of its own, so that walks are compiled once for all tiles.
+    #[inline(always)]
+    pub(super) fn walk<S: Simd>(&self, simd: S, index: &BvhIndex, start: Child, trip: &mut TileTrip) -> u32 {
+        match trip.kind {
+            Kind::Closest => self.walk_for::<S, Closest>(simd, index, start, trip),
+            Kind::Any => self.walk_for::<S, AnyHit>(simd, index, start, trip),
+        }
+    }
+
+    #[inline(never)]
+    fn walk_for<S: Simd, M: Mode>(
+        &self,
+        simd: S,
+        index: &BvhIndex,
+        start: Child,
+        trip: &mut TileTrip,
+    ) -> u32 {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut touched = 0;
+                each(
+                    trip.active,
+                    #[inline(always)]
+                    |i| {
+                        let before = trip.nearest.get(i);
+                        let mut best = Best::<M>::new(before);
+                        let heading = self.heading(i);
+                        let for_nodes = self.for_nodes(simd, i, heading.rows());
+                        let for_blocks = self.for_blocks(simd, i, heading.longest_axis);
+                        index.walk_blocks(
+                            simd,
+                            start,
+                            (&for_nodes, &for_blocks),
+                            trip.slot,
+                            &mut best,
+                            trip.counters,
+                        );
+                        // Also where `t` stays: a triangle with a lower number may lie there.
+                        trip.nearest.set(i, &best.0);
+                        if best.0.t != before.t {
+                            touched |= 1 << (i / LANES);
+                        }
+                    },
+                );
+                touched
+            },
+        )
+    }
+}
+
+/// What there is to know of rays that have nothing in common.
+#[repr(C, align(64))]
+pub(super) struct Prepared {
+    planes: TilePlanes,
+    /// Along the axes of each ray's own sheared space.
+    sheared: Sheared<PerRay>,
+}
+
+impl Prepared {
+    /// Prepares the first `count` rays for a tree whose greatest coordinate is `greatest`.
+    #[inline(always)]
+    pub(super) fn new<S: Simd>(simd: S, rays: &RayTile, count: usize, greatest: f32) -> Self {
+        let zero = [[0.0; TILE]; 3];
+        let mut prepared = Self { planes: TilePlanes::EMPTY, sheared: Sheared { org: zero, shear: zero } };
+        prepared.planes.prepare(simd, rays, count, greatest);
+        for at in (0..count).step_by(LANES) {
+            prepared.shear(simd, rays, at);
+        }
+        prepared
+    }
+
+    #[inline(always)]
+    fn shear<S: Simd>(&mut self, simd: S, rays: &RayTile, at: usize) {
+        let dir = rays.dir_lanes(simd, [0, 1, 2], at);
+        let [x, y, z] = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
+        let along = [x.simd_ge(y) & x.simd_ge(z), y.simd_ge(z)];
+        let org = turned(rays.org_lanes(simd, [0, 1, 2], at), along);
+        let shear = shear(turned(dir, along), f32x16::splat(simd, 1.0));
+        for k in 0..3 {
+            org[k].store_slice(&mut self.sheared.org[k][at..at + LANES]);
+            shear[k].store_slice(&mut self.sheared.shear[k][at..at + LANES]);
+        }
+    }
+
+    /// The rays, which go these ways, one by one.
+    #[inline(always)]
+    pub(super) fn alone<'a>(&'a self, rays: &'a RayTile, headings: &Headings) -> Alone<'a> {
+        let Self { planes, sheared: Sheared { org: [x, y, z], shear } } = self;
+        Alone { planes, org: [x, y, z], shear, t_near: &rays.t_near, ways: Ways::Each(*headings) }
+    }
+}
+
+/// Along the axes of the sheared space: what is along axis `k + 1` in cyclic order of rays that go along x, and so on.
+#[inline(always)]
+fn turned<S: Simd>([x, y, z]: [f32x16<S>; 3], [along_x, along_y]: [mask32x16<S>; 2]) -> [f32x16<S>; 3] {
+    [
+        along_x.select(y, along_y.select(z, x)),
+        along_x.select(z, along_y.select(x, y)),
+        along_x.select(x, along_y.select(y, z)),
+    ]
+}

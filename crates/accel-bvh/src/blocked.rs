@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A wide BVH with leaf blocks of eight of some kind: what spheres, user geometry and instances have in common.
+//! Source: original. Space: that of the primitives. Proof: `tests/mixed.rs` of `gnurt-accel`, `boxes::tests`.
+
+use gnurt_accel_core::{Aabb, Memory, Quality, Threads, TreeStats};
+
+use crate::build::build;
+use crate::node::WIDTH;
+use crate::primitives::Primitives;
+use crate::tree::Tree;
+
+/// Tree and blocks.
+#[derive(Debug)]
+pub(crate) struct Blocked<B> {
+    pub(crate) tree: Tree,
+    pub(crate) blocks: Vec<B>,
+    /// The greatest coordinate of any plane.
+    pub(crate) greatest: f32,
+    stats: TreeStats,
+}
+
+impl<B> Blocked<B> {
+    /// Over all primitives; `block` makes a block of the numbers of up to eight, padded with `INVALID_ID`.
+    pub(crate) fn build(
+        primitives: &impl Primitives,
+        quality: Quality,
+        memory: Memory,
+        threads: Threads,
+        block: impl Fn(&[u32; WIDTH]) -> B,
+    ) -> Self {
+        let mut tree = build(primitives, quality, threads);
+        tree.settle(memory);
+        let stats = tree.measure();
+        let blocks = std::mem::take(&mut tree.blocks).iter().map(block).collect();
+        Self { blocks, greatest: tree.greatest(), tree, stats }
+    }
+
+    /// Of what was saved.
+    pub(crate) fn of_parts(tree: Tree, blocks: Vec<B>, stats: TreeStats) -> Self {
+        Self { greatest: tree.greatest(), tree, blocks, stats }
+    }
+
+    /// Box around everything.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.tree.bounds
+    }
+
+    /// Size and shape.
+    pub(crate) fn stats(&self) -> TreeStats {
+        TreeStats {
+            primitives: self.stats.references,
+            tree_bytes: self.tree.node_bytes() as u64,
+            primitive_bytes: size_of_val(&self.blocks[..]) as u64,
+            ..self.stats
+        }
+    }
+
+    /// Whether nodes are the small ones.
+    pub(crate) fn is_compact(&self) -> bool {
+        self.tree.is_compact()
+    }
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The node of the binary tree that wide nodes are made from. Source: original.
+
+use gnurt_accel_core::INVALID_ID;
+
+use super::costs::{Costs, Shares};
+use super::reference::{Lanes, Reference};
+use crate::node::WIDTH;
+
+/// A node of a binary tree. It says where its children are seen from itself, so that trees may be put one behind another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BinaryNode {
+    pub(super) bounds: Lanes,
+    /// In a leaf the numbers of primitives; else the first two say where the children are.
+    pub(super) numbers: [u32; WIDTH],
+    /// Primitives of a leaf; 0 if it is none.
+    pub(super) count: u32,
+    /// How the children share the places of a wide node.
+    pub(super) shares: Shares,
+}
+
+impl BinaryNode {
+    /// Parts of one primitive count as one.
+    pub(super) fn leaf(bounds: Lanes, references: &[Reference]) -> Self {
+        let mut node = Self { bounds, numbers: [INVALID_ID; WIDTH], count: 0, shares: [0; WIDTH + 1] };
+        for number in references.iter().map(Reference::number) {
+            if !node.numbers.contains(&number) {
+                node.numbers[node.count as usize] = number;
+                node.count += 1;
+            }
+        }
+        node
+    }
+
+    /// `back` is how far before it its children are, modulo 2^32.
+    pub(super) fn inner(bounds: Lanes, back: [u32; 2], shares: Shares) -> Self {
+        let mut numbers = [INVALID_ID; WIDTH];
+        numbers[..2].copy_from_slice(&back);
+        Self { bounds, numbers, count: 0, shares }
+    }
+
+    pub(super) fn is_leaf(&self) -> bool {
+        self.count > 0
+    }
+
+    /// Where the children are of a node, no leaf, that is at `at`.
+    pub(super) fn children(&self, at: usize) -> [usize; 2] {
+        [0, 1].map(|side: usize| (at as u32).wrapping_sub(self.numbers[side]) as usize)
+    }
+}
+
+/// The nodes over a cluster, and what they cost.
+pub(super) struct Cluster<'a> {
+    pub(super) nodes: &'a [BinaryNode],
+    pub(super) costs: Costs,
+}

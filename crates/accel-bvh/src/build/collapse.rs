@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Makes nodes of eight children from a binary tree, at the least cost that it allows.
+//! Source: [YKL17] section 3.1: for each node, from the leaves to the root, what it costs in so many places at most.
+//! Invariant: no node is deeper than [`DEEPEST`], or there is no tree. Proof: `super::tests`.
+
+use gnurt_simd::prefer_huge_pages;
+use rayon::prelude::*;
+
+use super::binary_node::BinaryNode;
+use super::task_pool::TaskPool;
+use crate::node::{Child, Node8, WIDTH};
+use crate::tree::{DEEPEST, Tree};
+
+/// Nodes of this depth and what is below them are made by one thread.
+const ALONE: usize = 3;
+
+/// A node to be made of `node`, to hang at `place` of node `parent`.
+#[derive(Clone, Copy)]
+struct Pending {
+    from: usize,
+    parent: usize,
+    place: usize,
+    depth: usize,
+}
+
+/// Some nodes and the blocks below them, with places of their own.
+#[derive(Default)]
+struct Piece {
+    nodes: Vec<Node8>,
+    blocks: Vec<[u32; WIDTH]>,
+}
+
+/// The wide tree; `None` where it would be too deep. Nodes come in the order of a walk that takes first children first,
+/// whoever made them.
+pub(super) fn collapse(binary: &[BinaryNode], tasks: TaskPool) -> Option<Tree> {
+    let root = binary.last()?;
+    let bounds = root.bounds.bounds();
+    let first = Pending { from: binary.len() - 1, parent: 0, place: WIDTH, depth: 0 };
+    let alone = if tasks.parallel { ALONE } else { 0 };
+    let mut parts = Vec::new();
+    let mut waiting = vec![first];
+    while let Some(next) = waiting.pop() {
+        if next.depth == alone {
+            parts.push((next, None));
+            continue;
+        }
+        let mut piece = Piece::default();
+        let from = waiting.len();
+        piece.add(binary, next, &mut waiting);
+        // Parents of what is below are places among the parts, as long as these have none.
+        waiting[from..].iter_mut().for_each(|below| below.parent = parts.len());
+        parts.push((next, Some(piece)));
+    }
+    let below = |(next, top): &mut (Pending, Option<Piece>)| match top.take() {
+        Some(piece) => Some(piece),
+        None => Piece::below(binary, *next),
+    };
+    let pieces: Option<Vec<Piece>> = if tasks.parallel {
+        parts.par_iter_mut().map(below).collect()
+    } else {
+        parts.iter_mut().map(below).collect()
+    };
+    let pieces = pieces?;
+    // Where each piece starts in the whole; roots of pieces get known to their parents.
+    let mut starts = vec![[0, 0]];
+    for piece in &pieces {
+        let [nodes, blocks] = starts[starts.len() - 1];
+        starts.push([nodes + piece.nodes.len(), blocks + piece.blocks.len()]);
+    }
+    let mut nodes: Vec<Vec<Node8>> = Vec::with_capacity(pieces.len());
+    let mut blocks = Vec::with_capacity(pieces.len());
+    for piece in pieces {
+        nodes.push(piece.nodes);
+        blocks.push(piece.blocks);
+    }
+    let moved = |(nodes, &[node, block]): (&mut Vec<Node8>, &[usize; 2])| {
+        nodes.iter_mut().for_each(|one| one.move_children(node, block));
+    };
+    if tasks.parallel {
+        nodes.par_iter_mut().zip(&starts).for_each(moved);
+    } else {
+        nodes.iter_mut().zip(&starts).for_each(moved);
+    }
+    for (piece, (next, _)) in parts.iter().enumerate().skip(1) {
+        let (bounds, index) = (binary[next.from].bounds.bounds(), starts[piece][0]);
+        nodes[next.parent][0].set(next.place, &bounds, Child::node(index));
+    }
+    let [node_count, block_count] = starts[starts.len() - 1];
+    let mut tree = Tree {
+        nodes: Vec::with_capacity(node_count),
+        blocks: Vec::with_capacity(block_count),
+        ..Tree::new(bounds)
+    };
+    prefer_huge_pages(&tree.nodes);
+    tasks.concat(&nodes, &mut tree.nodes);
+    tasks.concat(&blocks, &mut tree.blocks);
+    Some(tree)
+}
+
+impl Piece {
+    /// All that is below a node; `None` where it would be too deep.
+    fn below(binary: &[BinaryNode], first: Pending) -> Option<Self> {
+        let mut piece = Self::default();
+        let mut waiting = vec![Pending { place: WIDTH, ..first }];
+        while let Some(next) = waiting.pop() {
+            if next.depth >= DEEPEST {
+                return None;
+            }
+            if next.place < WIDTH {
+                let index = piece.nodes.len();
+                piece.nodes[next.parent].set(
+                    next.place,
+                    &binary[next.from].bounds.bounds(),
+                    Child::node(index),
+                );
+            }
+            piece.add(binary, next, &mut waiting);
+        }
+        Some(piece)
+    }
+
+    /// Makes a node and its leaves; what else is below it goes to `waiting`, the first child on top.
+    fn add(
+        &mut self,
+        binary: &[BinaryNode],
+        Pending { from, depth, .. }: Pending,
+        waiting: &mut Vec<Pending>,
+    ) {
+        let index = self.nodes.len();
+        let mut node = Node8::EMPTY;
+        let (children, count) = open(binary, from);
+        for (place, &child) in children[..count].iter().enumerate().rev() {
+            let from = &binary[child];
+            if from.is_leaf() {
+                node.set(place, &from.bounds.bounds(), Child::leaf(self.blocks.len(), 1));
+                self.blocks.push(from.numbers);
+            } else {
+                waiting.push(Pending { from: child, parent: index, place, depth: depth + 1 });
+            }
+        }
+        self.nodes.push(node);
+    }
+}
+
+/// The nodes that become children of the node made of `node`, and how many they are.
+fn open(binary: &[BinaryNode], from: usize) -> ([usize; WIDTH], usize) {
+    let (mut children, mut count) = ([0; WIDTH], 0);
+    // What is not yet opened, with the places that it may take; these are eight in all.
+    let (mut closed, mut left) = ([(from, WIDTH); WIDTH], 1);
+    while left > 0 {
+        left -= 1;
+        let (from, mut places) = closed[left];
+        while places > 1 && binary[from].shares[places] == 0 {
+            places -= 1;
+        }
+        if places == 1 {
+            children[count] = from;
+            count += 1;
+            continue;
+        }
+        let on_left = binary[from].shares[places] as usize;
+        let [left_child, right_child] = binary[from].children(from);
+        closed[left] = (right_child, places - on_left);
+        closed[left + 1] = (left_child, on_left);
+        left += 2;
+    }
+    (children, count)
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What nodes of eight children will cost, made from a binary tree. Source: [YKL17] section 3.1: for each node of the binary
+//! tree, from the leaves to the root, what it costs in so many places at most. Proof: `super::tests`.
+
+use crate::node::WIDTH;
+
+/// Cost of a step through a node, in blocks.
+const NODE: f32 = 1.0;
+
+/// Least costs of what represents a node in at most 1, 2 ... 7 places of a node; the first element is not used.
+pub(super) type Costs = [f32; WIDTH];
+
+/// Of so many places, those for the left child; 0 where one place less does as well. With 8 it is the node made of the node
+/// itself that has them.
+pub(super) type Shares = [u8; WIDTH + 1];
+
+/// Costs of a leaf of one block, given half its surface.
+pub(super) fn leaf_costs(area: f32) -> Costs {
+    [area; WIDTH]
+}
+
+/// Costs of a node with two children, given half its surface, and how they share its places.
+pub(super) fn inner_costs(area: f32, left: &Costs, right: &Costs) -> (Costs, Shares) {
+    let (mut costs, mut shares) = ([f32::INFINITY; WIDTH], [0; WIDTH + 1]);
+    for places in (2..=WIDTH).rev() {
+        let (mut least, mut on_left) = (f32::INFINITY, 1);
+        for share in 1..places {
+            let cost = left[share] + right[places - share];
+            if cost < least {
+                (least, on_left) = (cost, share);
+            }
+        }
+        shares[places] = on_left as u8;
+        if places < WIDTH {
+            costs[places] = least;
+        } else {
+            costs[1] = least + NODE * area;
+        }
+    }
+    for places in 2..WIDTH {
+        if costs[places - 1] <= costs[places] {
+            costs[places] = costs[places - 1];
+            shares[places] = 0;
+        }
+    }
+    (costs, shares)
+}

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Building a wide BVH by the surface area heuristic.
+//! Source: binned heuristic [Wald07], improved by reinsertion [MB18], made into nodes of the least cost [YKL17]. With time to
+//! spare the same with spatial splits [SFD09]; the cheaper of both trees is taken, since either may be: splits that are
+//! good at the top of a tree leave less to gain below.
+//! In: boxes of primitives. Out: [`Tree`]. Cost: O(n log n).
+//! Invariant: every primitive is in at least one leaf whose box, and that of all nodes above, holds (its part of) it;
+//! the tree does not depend on the number of threads. Proof: `tests`.
+
+mod binary;
+mod binary_node;
+mod bins;
+mod cluster;
+mod collapse;
+mod costs;
+mod partition;
+mod reference;
+mod reinsert;
+mod spatial;
+mod stages;
+mod task_pool;
+#[cfg(test)]
+mod tests;
+
+use crate::node::{Node8, WIDTH};
+use crate::primitives::Primitives;
+use crate::tree::{DEEPEST, Tree};
+use binary::Careful;
+use binary_node::BinaryNode;
+use collapse::collapse;
+use gnurt_accel_core::control::Watch;
+use gnurt_accel_core::threads::extend;
+use gnurt_accel_core::{Aabb, BuildError, Quality, Threads};
+use gnurt_simd::Level;
+use reference::Reference;
+use reinsert::{QUICK, THOROUGH, reinsert};
+use stages::Stages;
+use task_pool::TaskPool;
+
+/// From this depth on a binary tree is divided by number alone.
+const BY_NUMBER: usize = 64;
+
+/// As above, where the wide tree became too deep: with 2^30 primitives halves of halves reach blocks after 28 more levels.
+const BY_NUMBER_WHEN_DEEP: usize = DEEPEST - 28;
+
+/// A tree with parts of primitives has to be so much cheaper, since it is larger.
+const WORTH_PARTS: f32 = 0.99;
+
+/// Builds over all primitives.
+pub(crate) fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
+    try_build(primitives, quality, threads, &Watch::new(&())).expect("nobody stops it")
+}
+
+/// The same under control. What the tree takes stays counted.
+pub(crate) fn try_build(
+    primitives: &impl Primitives,
+    quality: Quality,
+    threads: Threads,
+    watch: &Watch,
+) -> Result<Tree, BuildError> {
+    threads.run(|parallel| build_with(primitives, quality, parallel, watch))
+}
+
+fn build_with(
+    primitives: &impl Primitives,
+    quality: Quality,
+    parallel: bool,
+    watch: &Watch,
+) -> Result<Tree, BuildError> {
+    let count = primitives.count();
+    if count == 0 {
+        return Ok(Tree::new(Aabb::EMPTY));
+    }
+    // What cannot be split has no parts.
+    let first = primitives.bounds(0);
+    let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
+    let try_parts = quality == Quality::High && primitives.split(0, &first, 0, middle).is_some();
+    let with_parts = count + count / 2;
+    let mut stages = Stages::new(watch, quality, count, if try_parts { with_parts } else { 0 });
+    let mut held = 0;
+    let mut hold = |bytes| {
+        watch.recount(&mut held, bytes);
+        watch.result()
+    };
+    hold(size_of::<Reference>() * count)?;
+    let mut references = all_references(primitives, parallel);
+    let tasks = TaskPool { parallel, level: Level::best(), scale: 1.0, watch };
+    let root = tasks.around(&references);
+    let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
+    let tasks = TaskPool { scale: (1.0 / longest) as f32, ..tasks };
+    let careful = Careful::new(primitives, tasks, &root, BY_NUMBER);
+    let mut nodes = match quality {
+        Quality::Fast => cluster::build(primitives, tasks, &references, &root),
+        _ => careful.build(&mut references, root),
+    };
+    watch.grown();
+    stages.end();
+    if try_parts {
+        hold(size_of::<Reference>() * with_parts + size_of_val(&nodes[..]))?;
+        references.resize(with_parts, Reference::ZERO);
+    } else {
+        references = Vec::new();
+        hold(size_of_val(&nodes[..]))?;
+    }
+    let cost = if quality == Quality::Fast { 0.0 } else { reinsert(&mut nodes, QUICK, tasks) };
+    stages.end();
+    if try_parts {
+        let mut others = careful.build(&mut references, root);
+        watch.grown();
+        stages.end();
+        drop(references);
+        hold(size_of_val(&nodes[..]) + size_of_val(&others[..]))?;
+        if reinsert(&mut others, QUICK, tasks) < WORTH_PARTS * cost {
+            nodes = others;
+        }
+        stages.end();
+        hold(size_of_val(&nodes[..]))?;
+    }
+    if quality == Quality::High {
+        reinsert(&mut nodes, THOROUGH, tasks);
+    }
+    if let Some(tree) = collapsed(&nodes, tasks)? {
+        hold(0)?;
+        return Ok(tree);
+    }
+    // A strange scene. A flat tree is not fast, but it is one.
+    drop(nodes);
+    let mut references = all_references(primitives, parallel);
+    let nodes = Careful::new(primitives, tasks, &root, BY_NUMBER_WHEN_DEEP).build(&mut references, root);
+    let tree = collapsed(&nodes, tasks)?;
+    hold(0)?;
+    Ok(tree.expect("halving so early cannot lead deeper"))
+}
+
+/// The wide tree, where it is not too deep; it is counted.
+fn collapsed(nodes: &[BinaryNode], tasks: TaskPool) -> Result<Option<Tree>, BuildError> {
+    let watch = tasks.watch;
+    // Every second node is a leaf, and a node holds at least four of them on average; all is there twice for a while.
+    let mut held = 0;
+    watch.recount(&mut held, nodes.len() * (size_of::<[u32; WIDTH]>() + size_of::<Node8>() / 4));
+    watch.result()?;
+    let tree = collapse(nodes, tasks);
+    watch.recount(&mut held, tree.as_ref().map_or(0, Tree::memory_bytes));
+    watch.result()?;
+    Ok(tree)
+}
+
+fn all_references(primitives: &impl Primitives, parallel: bool) -> Vec<Reference> {
+    let number_and_box = |number: usize| Reference::new(number as u32, &primitives.bounds(number));
+    let mut references = Vec::new();
+    extend(parallel, &mut references, primitives.count(), number_and_box);
+    references
+}

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The leaf blocks of a wide BVH over triangles, as tests take them or in less memory.
+//! Source: original. Invariant: there are blocks or pools, not both. Proof: `tests/brute_force.rs`.
+
+use gnurt_simd::{Simd, prefer_huge_pages, prefetch};
+
+use gnurt_accel_core::blocks::TriangleBlock;
+use gnurt_accel_core::control::Watch;
+use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::threads::extend;
+use gnurt_accel_core::{BuildError, INVALID_ID, Memory, Threads};
+
+use crate::node::{Child, WIDTH};
+use crate::pools::{Filling, Pools};
+use crate::tree::Tree;
+
+/// Blocks by their numbers.
+#[derive(Debug, Default, PartialEq)]
+pub(crate) struct Leaves {
+    pub(super) blocks: Vec<TriangleBlock>,
+    pub(super) pools: Pools,
+}
+
+impl Leaves {
+    /// From numbers of triangles. What they take stays counted.
+    pub(super) fn build(
+        screened: &Screened,
+        memory: Memory,
+        in_blocks: &[[u32; WIDTH]],
+        threads: Threads,
+        watch: &Watch,
+    ) -> Result<Self, BuildError> {
+        let mut leaves = Self::default();
+        let number = |i: u32| screened.good.get(i as usize).copied().unwrap_or(INVALID_ID);
+        let block = |places: &[u32; WIDTH]| TriangleBlock::new(screened, &places.map(number));
+        if memory == Memory::Fast {
+            watch.take(size_of::<TriangleBlock>() * in_blocks.len());
+            watch.result()?;
+            leaves.blocks = Vec::with_capacity(in_blocks.len());
+            prefer_huge_pages(&leaves.blocks);
+            let blocks = &mut leaves.blocks;
+            threads.run(|parallel| extend(parallel, blocks, in_blocks.len(), |i| block(&in_blocks[i])));
+            return Ok(leaves);
+        }
+        let mut filling = Filling::new(in_blocks.len());
+        let mut held = 0;
+        for some in in_blocks.chunks(1 << 12) {
+            watch.recount(&mut held, filling.memory_bytes());
+            watch.result()?;
+            for places in some {
+                let first = number(places[0]);
+                let numbers = places.map(|i| if i == INVALID_ID { first } else { number(i) });
+                filling.push(&numbers, |number| screened.corners(number));
+            }
+        }
+        leaves.pools = filling.finish();
+        watch.recount(&mut held, leaves.pools.memory_bytes());
+        watch.result()?;
+        Ok(leaves)
+    }
+
+    /// How many there are.
+    pub(super) fn count(&self) -> usize {
+        self.blocks.len() + self.pools.blocks.len()
+    }
+
+    /// Block `index`: where it lies in memory as tests take it, or expanded into `room`.
+    ///
+    /// Compact leaves have no such blocks, and are told apart behind the check of the index, which is there anyway.
+    #[inline(always)]
+    pub(super) fn block<'a, S: Simd>(
+        &'a self,
+        simd: S,
+        index: usize,
+        room: &'a mut Option<TriangleBlock>,
+    ) -> &'a TriangleBlock {
+        match self.blocks.get(index) {
+            Some(block) => block,
+            None => {
+                let expanded = room.insert(TriangleBlock::ZERO);
+                self.pools.expand(simd, index, expanded);
+                expanded
+            }
+        }
+    }
+
+    pub(super) fn memory_bytes(&self) -> usize {
+        size_of_val(&self.blocks[..]) + self.pools.memory_bytes()
+    }
+}
+
+/// Asks for the memory of what will be visited: a node, or the first block of a leaf. Not for compact trees.
+#[inline(always)]
+pub(super) fn ask_for(tree: &Tree, leaves: &Leaves, child: Child) {
+    if child.is_leaf() {
+        prefetch(&leaves.blocks, child.blocks().start);
+    } else {
+        prefetch(&tree.nodes, child.index());
+    }
+}

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Wide bounding volume hierarchies: eight children per node, leaves of blocks of eight primitives. Triangles, spheres, user
+//! geometry, and boxes that the caller enters.
+//! Source: [WBB08]. The builder is in `build`, nodes in `node` and `compact`, what is compiled for each level in [`Kernels`].
+//!
+//! `gnurt-accel` is the door for programs; this crate is one of its structures.
+#![forbid(unsafe_code)]
+
+mod alone;
+mod apart;
+mod blocked;
+mod boxes;
+mod build;
+mod compact;
+mod index;
+mod kernels;
+mod leaves;
+mod measure;
+mod node;
+mod node_ray;
+mod planes;
+mod point;
+mod pools;
+mod primitives;
+mod spheres;
+mod tiles;
+mod tree;
+mod turns;
+mod user;
+mod walk;
+
+pub use boxes::BoxIndex;
+pub use index::BvhIndex;
+pub use kernels::Kernels;
+pub use spheres::SphereIndex;
+pub use user::UserIndex;

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The node of the wide BVH: the boxes of eight children side by side, so that one ray meets all eight at once.
+//! Source: [WBB08]; layout original. Space: that of what the tree is built over.
+//!
+//! ```text
+//!  byte 0     32     64     96     128    160    192        224      256
+//!       | x lo | x hi | y lo | y hi | z lo | z hi | children | unused |     one value for each child in every row
+//! ```
+//!
+//! Four cache lines. The two rows of an axis lie next to each other: a ray's nearer row is `2 * axis + backwards`.
+//! Children are the bits of floats and there are eight rows, so that `row & 7` needs no further check.
+//! Invariant: children that do not exist have the box from +inf to -inf, which no ray meets.
+//! Proof: `tests::children_say_what_they_are`.
+
+use gnurt_simd::{Simd, f32x8, prelude::*};
+
+use gnurt_accel_core::Aabb;
+
+pub(crate) use gnurt_accel_core::blocks::WIDTH;
+
+/// What hangs below a node at one of its eight places: a node, or a row of leaf blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Child(pub(crate) u32);
+
+/// Eight boxes and what is in them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub(crate) struct Node8 {
+    /// x lo, x hi, y lo, y hi, z lo, z hi, bits of the children, nothing.
+    pub(crate) rows: [[f32; WIDTH]; 8],
+}
+
+/// Eight boxes side by side, however they are stored.
+pub(crate) trait Boxes {
+    /// One face of all boxes along axis `k`: `row` is `2 * k` for the lower ones and `2 * k + 1` for the upper ones.
+    fn row<S: Simd>(&self, simd: S, k: usize, row: usize) -> f32x8<S>;
+    /// The same faces times `inv`, less `shift`; the compact ones with three roundings more than these.
+    fn meet<S: Simd>(&self, simd: S, k: usize, row: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S>;
+    /// Bits of the children.
+    fn children(&self) -> &[f32; WIDTH];
+}
+
+impl Boxes for Node8 {
+    #[inline(always)]
+    fn row<S: Simd>(&self, simd: S, _: usize, row: usize) -> f32x8<S> {
+        f32x8::from_slice(simd, &self.rows[row & (WIDTH - 1)])
+    }
+
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, k: usize, row: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S> {
+        self.row(simd, k, row).mul_sub(inv, shift)
+    }
+
+    #[inline(always)]
+    fn children(&self) -> &[f32; WIDTH] {
+        &self.rows[6]
+    }
+}
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+    const COUNT_SHIFT: u32 = 27;
+    /// Most blocks of one leaf.
+    pub(crate) const MOST_BLOCKS: usize = 15;
+    /// No child.
+    pub(crate) const NONE: Self = Self(Self::LEAF);
+
+    /// Node `index`.
+    pub(crate) fn node(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    /// Leaf blocks `first..first + count`; `count` is 1 to [`MOST_BLOCKS`](Self::MOST_BLOCKS).
+    pub(crate) fn leaf(first: usize, count: usize) -> Self {
+        debug_assert!((1..=Self::MOST_BLOCKS).contains(&count), "{count} blocks make no leaf");
+        Self(Self::LEAF | (count as u32) << Self::COUNT_SHIFT | first as u32)
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    /// What hangs at `place`, which is below 8, given the bits of a node's children.
+    #[inline(always)]
+    pub(crate) fn at(children: &[f32; WIDTH], place: usize) -> Self {
+        Self(children[place & (WIDTH - 1)].to_bits())
+    }
+
+    /// The node's index, where it is no leaf.
+    #[inline(always)]
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The leaf's blocks, where it is one.
+    #[inline(always)]
+    pub(crate) fn blocks(self) -> std::ops::Range<usize> {
+        let first = (self.0 & ((1 << Self::COUNT_SHIFT) - 1)) as usize;
+        first..first + (self.0 >> Self::COUNT_SHIFT & 15) as usize
+    }
+}
+
+impl Node8 {
+    /// A node without children.
+    pub(crate) const EMPTY: Self = {
+        let (lo, hi) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
+        let none = [f32::from_bits(Child::NONE.0); WIDTH];
+        Self { rows: [lo, hi, lo, hi, lo, hi, none, [0.0; WIDTH]] }
+    };
+
+    /// What hangs at `place`, which is below 8.
+    #[inline(always)]
+    pub(crate) fn child(&self, place: usize) -> Child {
+        Child::at(&self.rows[6], place)
+    }
+
+    /// Puts a child at `place`.
+    pub(crate) fn set(&mut self, place: usize, bounds: &Aabb, child: Child) {
+        for k in 0..3 {
+            self.rows[2 * k][place] = bounds.min[k];
+            self.rows[2 * k + 1][place] = bounds.max[k];
+        }
+        self.rows[6][place] = f32::from_bits(child.0);
+    }
+
+    /// Its children were counted from the first of some nodes and blocks, which got these places.
+    pub(crate) fn move_children(&mut self, first_node: usize, first_block: usize) {
+        for child in &mut self.rows[6] {
+            let old = Child(child.to_bits());
+            if old != Child::NONE {
+                let by = if old.is_leaf() { first_block } else { first_node };
+                *child = f32::from_bits(old.0 + by as u32);
+            }
+        }
+    }
+
+    /// The box at `place`.
+    pub(crate) fn bounds(&self, place: usize) -> Aabb {
+        let row = |i: usize| self.rows[i][place];
+        Aabb { min: [row(0), row(2), row(4)], max: [row(1), row(3), row(5)] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn children_say_what_they_are() {
+        assert_eq!(size_of::<Node8>(), 256, "four cache lines");
+        let leaf = Child::leaf(77, 3);
+        assert!(leaf.is_leaf() && leaf.blocks() == (77..80), "{leaf:?} is three blocks");
+        let node = Child::node(12);
+        assert!(!node.is_leaf() && node.index() == 12, "{node:?} is a node");
+        assert!(Child::NONE.is_leaf() && Child::NONE.blocks().is_empty(), "nothing is a leaf without blocks");
+        let mut node = Node8::EMPTY;
+        let bounds = Aabb { min: [1.0, 2.0, 3.0], max: [4.0, 5.0, 6.0] };
+        node.set(5, &bounds, leaf);
+        assert_eq!((node.bounds(5), node.child(5)), (bounds, leaf), "what goes in comes out");
+        assert!(node.bounds(4).is_empty(), "its neighbour is still empty");
+        node.set(2, &bounds, Child::node(9));
+        node.move_children(100, 1000);
+        let moved = [2, 4, 5].map(|place| node.child(place));
+        assert_eq!(moved, [Child::node(109), Child::NONE, Child::leaf(1077, 3)], "each by its own");
+    }
+}

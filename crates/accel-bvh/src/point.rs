@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! From a point to the nearest primitive under a wide BVH: nearest boxes first, boxes beyond the best are skipped.
+//! Source: [WBB08] for the eight boxes at once; nearest first after [RKV95]. Space: that of the tree.
+//! Invariant: a box is skipped only where it surely is farther: the point is rounded outwards, and squares of distances
+//! count as a millionth less than they were computed. Proof: `tests/closest_point.rs`.
+
+use std::ops::Range;
+
+use gnurt_accel_core::INVALID_ID;
+use gnurt_accel_core::point::{NearestPoint, Probe, on_sphere};
+use gnurt_simd::{Simd, Stack, f32x8, prelude::*};
+
+use crate::blocked::Blocked;
+use crate::index::BvhIndex;
+use crate::node::{Boxes, Child, WIDTH};
+use crate::spheres::SphereIndex;
+use crate::tree::{DEEPEST, Tree};
+use crate::user::UserIndex;
+
+/// A point in lanes: least and greatest floats around each coordinate.
+#[derive(Clone, Copy)]
+pub(crate) struct Around<S: Simd>([[f32x8<S>; 2]; 3]);
+
+impl<S: Simd> Around<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, point: &[f64; 3]) -> Self {
+        let at = |x: f64| {
+            let near = x as f32;
+            [f32x8::splat(simd, near.next_down()), f32x8::splat(simd, near.next_up())]
+        };
+        Self([at(point[0]), at(point[1]), at(point[2])])
+    }
+
+    /// Squares of the distances to the boxes of a node, or a little less; infinite where there is none.
+    #[inline(always)]
+    pub(crate) fn squares<B: Boxes>(&self, simd: S, node: &B) -> f32x8<S> {
+        let row = |i: usize| node.row(simd, i / 2, i);
+        let zero = f32x8::splat(simd, 0.0);
+        let [[x0, x1], [y0, y1], [z0, z1]] = self.0;
+        let x = (row(0) - x1).max(x0 - row(1)).max(zero);
+        let y = (row(2) - y1).max(y0 - row(3)).max(zero);
+        let z = (row(4) - z1).max(z0 - row(5)).max(zero);
+        (x * x + y * y + z * z) * f32x8::splat(simd, 1.0 - 1e-6)
+    }
+}
+
+/// The square of a distance as a float, or a little more.
+pub(crate) fn square_of(reach: f64) -> f32 {
+    ((reach * reach) as f32).next_up()
+}
+
+impl Tree {
+    /// Calls `leaf` with the blocks of leaves within `reach`; it answers with the new reach. The tree is not empty.
+    #[inline(always)]
+    pub(crate) fn near<S: Simd>(
+        &self,
+        simd: S,
+        point: &[f64; 3],
+        reach: f64,
+        mut leaf: impl FnMut(Range<usize>) -> f64,
+    ) {
+        let around = Around::new(simd, point);
+        let mut waiting = Stack::<(f32, Child), { 8 * DEEPEST }>::new();
+        let mut reach = square_of(reach);
+        waiting.push((0.0, Child::node(0)));
+        while let Some((distance, child)) = waiting.pop() {
+            if distance > reach {
+                continue;
+            }
+            if child.is_leaf() {
+                reach = square_of(leaf(child.blocks()));
+                continue;
+            }
+            let (squares, children) = match self.nodes.get(child.index()) {
+                Some(node) => (around.squares(simd, node), node.children()),
+                None => {
+                    let node = self.compact_node(child.index());
+                    (around.squares(simd, node), node.children())
+                }
+            };
+            let mut bits = squares.simd_le(f32x8::splat(simd, reach)).to_bitmask();
+            let mut count = 0;
+            while bits != 0 {
+                let place = bits.trailing_zeros() as usize & (WIDTH - 1);
+                bits &= bits - 1;
+                // Boxes from +inf to -inf are at an infinite distance, which an infinite reach reaches.
+                if Child::at(children, place) != Child::NONE {
+                    waiting.push((squares[place], Child::at(children, place)));
+                    count += 1;
+                }
+            }
+            waiting.top(count).sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        }
+    }
+}
+
+impl BvhIndex {
+    /// Improves `nearest` by the triangles.
+    #[inline(always)]
+    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+        let Self { tree, leaves, .. } = self;
+        tree.near(simd, &probe.point, probe.radius_for(nearest.distance), |range| {
+            for index in range {
+                leaves.block(simd, index, &mut None).nearest(probe, slot, nearest);
+            }
+            probe.radius_for(nearest.distance)
+        });
+    }
+}
+
+impl SphereIndex {
+    /// Improves `nearest` by the spheres' surfaces.
+    #[inline(always)]
+    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+        let Blocked { tree, blocks, .. } = &self.0;
+        tree.near(simd, &probe.point, probe.radius_for(nearest.distance), |range| {
+            for block in &blocks[range] {
+                for lane in (0..WIDTH).filter(|&lane| block.numbers[lane] != INVALID_ID) {
+                    let center = [0, 1, 2].map(|k| f64::from(block.center[k][lane]));
+                    let offset = on_sphere(probe, center, f64::from(block.radius[lane]));
+                    nearest.offer(offset, [0.0; 2], block.numbers[lane], slot);
+                }
+            }
+            probe.radius_for(nearest.distance)
+        });
+    }
+}
+
+impl UserIndex {
+    /// Improves `nearest` by what the primitives say.
+    #[inline(always)]
+    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+        let point = probe.point.map(|x| x as f32);
+        let Blocked { tree, blocks, .. } = &self.over;
+        tree.near(simd, &probe.point, probe.radius_for(nearest.distance), |range| {
+            for &number in blocks[range].iter().flatten().filter(|&&number| number != INVALID_ID) {
+                let (user, prim_id) = self.primitive(number);
+                if let Some(found) = user.closest_point(prim_id, point) {
+                    nearest.offer(probe.offset(found.map(f64::from)), [0.0; 2], number, slot);
+                }
+            }
+            probe.radius_for(nearest.distance)
+        });
+    }
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a wide BVH is built over: boxes by number, some of which may be split. Source: [SFD09] for the splits.
+
+use gnurt_accel_core::Aabb;
+use gnurt_accel_core::clip::split_boxes;
+use gnurt_accel_core::screened::Screened;
+
+/// What a tree is built over: boxes, by numbers from 0 on.
+pub(crate) trait Primitives: Sync {
+    /// How many there are.
+    fn count(&self) -> usize;
+    /// The box of one.
+    fn bounds(&self, number: usize) -> Aabb;
+    /// Boxes of the parts of `number` within `cell` on both sides of a plane; `None` where it has no part. Those that
+    /// cannot be split answer with `None` for the whole, as they do unless they say otherwise.
+    fn split(&self, _number: usize, _cell: &Aabb, _axis: usize, _at: f32) -> Option<[Option<Aabb>; 2]> {
+        None
+    }
+}
+
+/// Boxes of what cannot be split.
+impl Primitives for &[Aabb] {
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    fn bounds(&self, number: usize) -> Aabb {
+        self[number]
+    }
+}
+
+impl Primitives for Screened<'_> {
+    fn count(&self) -> usize {
+        self.good.len()
+    }
+
+    fn bounds(&self, i: usize) -> Aabb {
+        Aabb::around(&self.corners(self.good[i]))
+    }
+
+    fn split(&self, i: usize, cell: &Aabb, axis: usize, at: f32) -> Option<[Option<Aabb>; 2]> {
+        Some(split_boxes(&self.corners(self.good[i]), cell, axis, at))
+    }
+}

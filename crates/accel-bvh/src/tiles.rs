@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A tile of rays through the tree: multi-level ray tracing, and packets where it does not pay.
+//! Source: [RSH05]: subtrees, then triangles, are discarded for all rays at once. Differs: the interval test is made on
+//! the eight children of a node, then on the eight triangles of a block; the tree is searched front to back, so that a
+//! tile's common entry point is found on the way and what lies behind all hits is skipped. Where intervals leave
+//! [`MANY`] children or more, rays are tested against each child, sixteen to a step, and only those that meet it go on
+//! (masks, the paper's Figure 4); a few that are left go on alone ([BWW*12]).
+//! In: a tile whose first `count` rays have one heading. Each ray gets the hit that it would get alone.
+//! Proof: `tests/brute_force.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::bits::{TILE, all};
+use gnurt_accel_core::chunks::Chunks;
+use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::nearest::Kind;
+use gnurt_accel_core::tile::LANES;
+use gnurt_accel_core::tile_test::TileTest;
+use gnurt_accel_core::triangle::axes_from;
+use gnurt_accel_core::trip::TileTrip;
+use gnurt_simd::{Simd, Stack, prelude::*};
+
+use crate::alone::{Alone, Ways};
+use crate::index::BvhIndex;
+use crate::leaves::ask_for;
+use crate::node::{Child, WIDTH};
+use crate::planes::TilePlanes;
+use crate::walk::{MOST_WAIT, farthest_first};
+
+/// Where intervals leave this many children of a node, rays are tested one by one.
+const MANY: u32 = 2;
+/// So many rays or fewer go on alone.
+const FEW: u32 = 2;
+
+/// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
+#[derive(Clone, Copy)]
+struct Entry {
+    steps: f32,
+    child: Child,
+    rays: u64,
+}
+
+/// Improves the hits of a tile's first rays, all of them active and of one heading. Lanes beyond them up to the next
+/// multiple of 16 hold copies of rays that look for nothing (`t` is -inf).
+#[inline(always)]
+pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, trip: &mut TileTrip) {
+    let TileTrip { rays, kind, slot, .. } = *trip;
+    let count = TILE - trip.active.leading_zeros() as usize;
+    let BvhIndex { tree, leaves, greatest, .. } = index;
+    let test = TileTest { simd, rays, kind, slot, heading };
+    let waits = index.waits_for_memory();
+    let Some(mut chunks) = Chunks::new(simd, rays, count, heading, *greatest, trip.nearest, |_| false) else {
+        return;
+    };
+    let mut planes = TilePlanes::EMPTY;
+    let mut planes_ready = false;
+
+    let mut stack = Stack::<Entry, MOST_WAIT>::new();
+    stack.push(Entry { steps: 0.0, child: Child::node(0), rays: all(count) });
+    while let Some(Entry { steps, child, rays: mut bits }) = stack.pop() {
+        if steps > chunks.farthest {
+            continue;
+        }
+        if kind == Kind::Any {
+            bits &= trip.nearest.looking(simd);
+            if bits == 0 {
+                continue;
+            }
+        }
+        let here = bits.count_ones();
+        trip.counters.nodes += u64::from(here);
+        if here <= FEW {
+            if !planes_ready {
+                planes.prepare(simd, rays, count, *greatest);
+                planes_ready = true;
+            }
+            let [x, y, z] = axes_from(heading.longest_axis);
+            let org = [&rays.org[x], &rays.org[y], &rays.org[z]];
+            let (shear, t_near) = (&chunks.slopes.shear, &rays.t_near);
+            let alone = Alone { planes: &planes, org, shear, t_near, ways: Ways::One(heading) };
+            let touched = alone.walk(simd, index, child, &mut trip.only(bits));
+            if touched != 0 {
+                chunks.look_again(simd, trip.nearest, touched);
+            }
+            continue;
+        }
+        if child.is_leaf() {
+            for index in child.blocks() {
+                let mut room = None;
+                let block = leaves.block(simd, index, &mut room);
+                let counters = &mut *trip.counters;
+                chunks.block(
+                    simd,
+                    block,
+                    bits,
+                    trip.nearest,
+                    #[inline(always)]
+                    |candidate, slopes, nearest| {
+                        let tested = bits >> (candidate.chunk * LANES) & 0xffff;
+                        counters.triangles += u64::from(tested.count_ones());
+                        test.meet(block, &candidate, slopes, nearest)
+                    },
+                );
+            }
+            continue;
+        }
+
+        let expanded;
+        let node = match tree.nodes.get(child.index()) {
+            Some(node) => node,
+            None => {
+                expanded = tree.compact_node(child.index()).expand(simd);
+                &expanded
+            }
+        };
+        let (mut places, near) = chunks.beam.meet(simd, &node.rows, chunks.farthest);
+        let near = near.as_array();
+        let one_by_one = places.count_ones() >= MANY;
+        if one_by_one && !planes_ready {
+            planes.prepare(simd, rays, count, *greatest);
+            planes_ready = true;
+        }
+        let mut pushed = 0;
+        while places != 0 {
+            let place = places.trailing_zeros() as usize & (WIDTH - 1);
+            places &= places - 1;
+            let mut those = bits;
+            if one_by_one {
+                those = 0;
+                for at in (0..count).step_by(LANES) {
+                    if bits >> at & 0xffff != 0 {
+                        let meet = planes.meet(simd, (node, place), heading, rays, trip.nearest, at);
+                        those |= meet << at;
+                    }
+                }
+                those &= bits;
+                if those == 0 {
+                    continue;
+                }
+            }
+            let child = node.child(place);
+            if waits {
+                ask_for(tree, leaves, child);
+            }
+            stack.push(Entry { steps: near[place], child, rays: those });
+            pushed += 1;
+        }
+        farthest_first(stack.top(pushed), |entry: &Entry| entry.steps);
+    }
+}

@@ -1,0 +1,313 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Rays that have nothing in common, many of them on their way at the same time.
+//! Source: original; group prefetching of \[CAGM04\], applied to rays.
+//!
+//! A ray by itself waits for memory: where it goes next depends on what it has just read. Here [`AT_ONCE`] rays take turns.
+//! In each round those at nodes are tested first, one after the other without a branch between them; then each chooses its
+//! next child, whose memory is asked for at once; then those at leaves test their triangles. Where a ray is done, the next
+//! one of the tile takes its place.
+//! Invariant: each ray visits what it would visit by itself, in that order. Proof: `tests`.
+
+use gnurt_accel_core::bits::TILE;
+use gnurt_accel_core::collect::{BestOf, Collect};
+use gnurt_accel_core::heading::Headings;
+use gnurt_accel_core::nearest::Kind;
+use gnurt_accel_core::trip::TileTrip;
+use gnurt_simd::{Simd, Stack, prelude::*};
+
+use crate::alone::Alone;
+use crate::index::BvhIndex;
+use crate::leaves::ask_for;
+use crate::node::{Boxes, Child, WIDTH};
+use crate::node_ray::NodeRay;
+use crate::walk::{entry, lowest_first, nearest_first, next};
+
+/// Rays on their way at the same time, a power of two.
+const AT_ONCE: usize = 16;
+
+/// What one of them may have waiting. The deepest trees need eight times as much, but sixteen such stacks would fill half of a
+/// small thread's: a ray that may need more goes on alone.
+const MOST_WAIT: usize = if cfg!(test) { 12 } else { 64 };
+
+/// A place on a way: which of the rays under way it is, and what it visits next.
+#[derive(Clone, Copy)]
+struct Stop {
+    who: u32,
+    child: Child,
+}
+
+/// Stops that are made in one round.
+struct Stops {
+    all: [Stop; AT_ONCE],
+    count: usize,
+}
+
+impl Stops {
+    const NONE: Self = Self { all: [Stop { who: 0, child: Child::NONE }; AT_ONCE], count: 0 };
+
+    #[inline(always)]
+    fn get(&self, at: usize) -> Stop {
+        self.all[at % AT_ONCE]
+    }
+
+    #[inline(always)]
+    fn push(&mut self, stop: Stop) {
+        self.all[self.count % AT_ONCE] = stop;
+        self.count += 1;
+    }
+}
+
+/// A tile's rays on their way through one object's tree.
+pub(super) struct Turns<'a, S: Simd> {
+    pub(super) simd: S,
+    pub(super) index: &'a BvhIndex,
+    pub(super) alone: Alone<'a>,
+    pub(super) headings: &'a Headings,
+}
+
+/// What is known of the rays under way.
+struct Under {
+    /// Rays of the tile that have not started.
+    left: u64,
+    /// Each one's place in the tile.
+    ray: [u32; AT_ONCE],
+    rows: [[usize; 3]; AT_ONCE],
+    waiting: [Stack<u64, MOST_WAIT>; AT_ONCE],
+    at_nodes: Stops,
+    at_leaves: Stops,
+}
+
+impl<S: Simd> Turns<'_, S> {
+    /// Improves the hits of a tile's active rays.
+    #[inline(always)]
+    pub(super) fn run(&self, trip: &mut TileTrip) {
+        let Self { simd, index, alone, headings } = self;
+        let (simd, tree, leaves) = (*simd, &index.tree, &index.leaves);
+        let mut under = Under {
+            left: trip.active,
+            ray: [0; AT_ONCE],
+            rows: [[0; 3]; AT_ONCE],
+            waiting: [const { Stack::new() }; AT_ONCE],
+            at_nodes: Stops::NONE,
+            at_leaves: Stops::NONE,
+        };
+        for who in 0..AT_ONCE as u32 {
+            self.start(&mut under, who);
+        }
+        let mut met = [(0u32, [0.0f32; WIDTH]); AT_ONCE];
+        while under.at_nodes.count + under.at_leaves.count != 0 {
+            for at in 0..under.at_nodes.count {
+                let Stop { who, child } = under.at_nodes.get(at);
+                let who = who as usize % AT_ONCE;
+                let i = under.ray[who] as usize % TILE;
+                let ray: NodeRay<S> = alone.for_nodes(simd, i, under.rows[who]);
+                let (bits, near) = ray.meet(simd, &tree.nodes[child.index()], trip.nearest.t[i]);
+                let met = &mut met[at % AT_ONCE];
+                met.0 = bits;
+                near.store_slice(&mut met.1);
+            }
+            let count = std::mem::take(&mut under.at_nodes.count);
+            trip.counters.nodes += count as u64;
+            for at in 0..count {
+                let Stop { who, child } = under.at_nodes.get(at);
+                let (bits, near) = &met[at % AT_ONCE];
+                if *bits == 0 {
+                    self.go_on(&mut under, who, trip);
+                } else {
+                    let children = tree.nodes[child.index()].children();
+                    let waiting = &mut under.waiting[who as usize % AT_ONCE];
+                    let child = if bits & (bits - 1) == 0 {
+                        Child::at(children, bits.trailing_zeros() as usize)
+                    } else if trip.kind == Kind::Any {
+                        lowest_first(
+                            *bits,
+                            children,
+                            #[inline(always)]
+                            |child| waiting.push(entry(0.0, child)),
+                        )
+                    } else {
+                        nearest_first(*bits, near, children, waiting)
+                    };
+                    self.visit(&mut under, Stop { who, child }, trip);
+                }
+            }
+            let count = std::mem::take(&mut under.at_leaves.count);
+            trip.counters.nodes += count as u64;
+            for at in 0..count {
+                let Stop { who, child } = under.at_leaves.get(at);
+                let i = under.ray[who as usize % AT_ONCE] as usize % TILE;
+                let for_blocks = alone.for_blocks(simd, i, headings.of(i).longest_axis);
+                let mut best = BestOf { nearest: trip.nearest.get(i), kind: trip.kind };
+                for index in child.blocks() {
+                    trip.counters.triangles += WIDTH as u64;
+                    leaves.block(simd, index, &mut None).meet(simd, &for_blocks, trip.slot, &mut best);
+                    if best.is_done() {
+                        under.waiting[who as usize % AT_ONCE].clear();
+                        break;
+                    }
+                }
+                trip.nearest.set(i, &best.nearest);
+                self.go_on(&mut under, who, trip);
+            }
+        }
+    }
+
+    /// To what waits and still counts; where there is nothing, another ray starts.
+    #[inline(always)]
+    fn go_on(&self, under: &mut Under, who: u32, trip: &mut TileTrip) {
+        let at = who as usize % AT_ONCE;
+        let reach = trip.nearest.t[under.ray[at] as usize % TILE];
+        match next(&mut under.waiting[at], reach) {
+            Some(child) => self.visit(under, Stop { who, child }, trip),
+            None => self.start(under, who),
+        }
+    }
+
+    /// The next ray, if there is one.
+    #[inline(always)]
+    fn start(&self, under: &mut Under, who: u32) {
+        if under.left == 0 {
+            return;
+        }
+        let i = under.left.trailing_zeros();
+        under.left &= under.left - 1;
+        let at = who as usize % AT_ONCE;
+        under.ray[at] = i;
+        under.rows[at] = self.headings.of(i as usize).rows();
+        self.note(under, Stop { who, child: Child::node(0) });
+    }
+
+    /// Where to next: a stop of the next round, or the rest of the way alone.
+    #[inline(always)]
+    fn visit(&self, under: &mut Under, stop: Stop, trip: &mut TileTrip) {
+        // A node may leave seven children waiting.
+        if under.waiting[stop.who as usize % AT_ONCE].len() > MOST_WAIT - (WIDTH - 1) && !stop.child.is_leaf()
+        {
+            self.finish_alone(under, stop, trip);
+        } else {
+            self.note(under, stop);
+        }
+    }
+
+    /// Notes what is to be visited in the next round, and asks for its memory.
+    #[inline(always)]
+    fn note(&self, under: &mut Under, stop: Stop) {
+        ask_for(&self.index.tree, &self.index.leaves, stop.child);
+        if stop.child.is_leaf() {
+            under.at_leaves.push(stop);
+        } else {
+            under.at_nodes.push(stop);
+        }
+    }
+
+    /// All that a ray has before it, then the next one starts.
+    #[cold]
+    #[inline(never)]
+    fn finish_alone(&self, under: &mut Under, Stop { who, child }: Stop, trip: &mut TileTrip) {
+        let at = who as usize % AT_ONCE;
+        let i = under.ray[at] as usize % TILE;
+        let mut ahead = Some(child);
+        while let Some(child) = ahead {
+            self.alone.walk(self.simd, self.index, child, &mut trip.only(1 << i));
+            ahead = next(&mut under.waiting[at], trip.nearest.t[i]);
+        }
+        self.start(under, who);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gnurt_accel_core::bits::all;
+    use gnurt_accel_core::collect::Best;
+    use gnurt_accel_core::control::Watch;
+    use gnurt_accel_core::nearest::{AnyHit, Closest};
+    use gnurt_accel_core::screened::Screened;
+    use gnurt_accel_core::tile::{NearestTile, RayTile};
+    use gnurt_accel_core::tile_kernels::TileKernels;
+    use gnurt_accel_core::trip::RayTrip;
+    use gnurt_accel_core::{Counters, Memory, Quality, Ray, RayBatch, Threads, Triangles};
+    use gnurt_simd::{Level, dispatch_wide};
+    use gnurt_testkit::{Random, Soup};
+
+    use super::*;
+    use crate::alone::Prepared;
+
+    fn index_over(soup: &Soup) -> BvhIndex {
+        let meshes = [Triangles { positions: &soup.positions, indices: &soup.indices }];
+        let screened = Screened::new(&meshes);
+        BvhIndex::build(&screened, Quality::Medium, Memory::Fast, Threads::Single, &Watch::new(&()))
+            .expect("there is memory")
+    }
+
+    fn tile_of(random: &mut Random) -> (RayTile, NearestTile) {
+        let mut one = || Ray::new(random.point(), random.point()).within(0.0, random.between(0.1, 4.0));
+        let rays: RayBatch = (0..TILE).map(|_| one()).collect();
+        let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
+        tile.load(&rays, 0, &mut nearest);
+        (tile, nearest)
+    }
+
+    fn same_as_alone<S: Simd>(simd: S, level: Level, index: &BvhIndex, seed: u64, kind: Kind) {
+        for count in [64, 63, 17, 16, 1] {
+            let (rays, found) = tile_of(&mut Random::new(seed + count as u64));
+            let kernels = TileKernels::of(level.token());
+            let active = kernels.sound(&rays, &found) & all(count) & !0b100;
+            let (mut together, mut alone) = (found, found);
+            let (mut counted, mut expected) = (Counters::default(), Counters::default());
+            let headings = &kernels.headings(&rays);
+            let prepared = Prepared::new(simd, &rays, TILE, index.greatest);
+            let turns = Turns { simd, index, alone: prepared.alone(&rays, headings), headings };
+            let trip = |nearest, counters| TileTrip { rays: &rays, active, kind, slot: 3, nearest, counters };
+            turns.run(&mut trip(&mut together, &mut counted));
+            trip(&mut alone, &mut expected).one_by_one(|trip| {
+                let RayTrip { ray, slot, nearest, counters, .. } = trip;
+                if kind == Kind::Any {
+                    let mut best = Best::<AnyHit>::new(**nearest);
+                    index.search(simd, ray, *slot, &mut best, counters);
+                    **nearest = best.0;
+                } else {
+                    let mut best = Best::<Closest>::new(**nearest);
+                    index.search(simd, ray, *slot, &mut best, counters);
+                    **nearest = best.0;
+                }
+            });
+            assert_eq!(counted, expected, "{count} rays visit the same");
+            for i in 0..TILE {
+                assert_eq!(together.get(i), alone.get(i), "ray {i} of {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn rays_find_and_visit_what_they_do_alone() {
+        for (seed, triangles) in [(1, 1), (2, 60), (3, 3000)] {
+            let index = index_over(&Soup::random(seed, triangles, 0.4));
+            for level in Level::available() {
+                for kind in [Kind::Closest, Kind::Any] {
+                    dispatch_wide!(level, simd => same_as_alone(simd, level, &index, seed, kind), else ());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn only_rays_that_wait_take_turns() {
+        let (large, small) =
+            (index_over(&Soup::random(4, 60_000, 0.1)), index_over(&Soup::random(4, 3000, 0.1)));
+        assert!(
+            large.waits_for_memory() && !small.waits_for_memory(),
+            "a tree that the cache holds needs none"
+        );
+        let bounds = large.bounds();
+        for level in Level::available() {
+            let (mut rays, nearest) = tile_of(&mut Random::new(5));
+            let sound = TileKernels::of(level.token()).sound(&rays, &nearest);
+            dispatch_wide!(level, simd => {
+                assert!(rays.start_apart(simd, sound, &bounds), "places all over the scene");
+                assert!(!rays.start_apart(simd, 1, &bounds), "one ray has no neighbours");
+                rays.org = rays.org.map(|axis| axis.map(|x| 0.05 * x));
+                assert!(!rays.start_apart(simd, sound, &bounds), "neighbours");
+            }, else ());
+        }
+    }
+}

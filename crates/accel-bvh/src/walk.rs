@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One ray through the tree: nearest children first, what lies beyond the best hit is skipped.
+//! Source: [WBB08]; the entries that wait are sorted as numbers, distance in the upper bits, child in the lower.
+//! Cost: a node is one test of eight boxes. Zero, one and two children met are by far the most frequent and go without
+//! any sorting. Proof: `tests/brute_force.rs`.
+
+use std::ops::Range;
+
+use gnurt_simd::{Simd, Stack, f32x8, prelude::*};
+
+use gnurt_accel_core::beam::Beam;
+
+use crate::node::{Boxes, Child, WIDTH};
+use crate::node_ray::NodeRay;
+use crate::tree::{DEEPEST, Tree};
+
+/// What waits to be visited: at most seven children of each node on the way down, and a root.
+pub(crate) type NodeStack = Stack<u64, MOST_WAIT>;
+
+/// Entries of a stack that holds what waits on the longest way down.
+pub(crate) const MOST_WAIT: usize = 8 * DEEPEST;
+
+/// An entry: where the ray enters, and what. Entries compare as their distances do, which are not negative.
+#[inline(always)]
+pub(crate) fn entry(t: f32, child: Child) -> u64 {
+    u64::from(t.to_bits()) << 32 | u64::from(child.0)
+}
+
+#[inline(always)]
+fn distance(entry: u64) -> f32 {
+    f32::from_bits((entry >> 32) as u32)
+}
+
+/// Puts a few entries in order: by insertion, which for at most eight is the fastest.
+#[inline(always)]
+pub(crate) fn farthest_first<T: Copy, K: PartialOrd>(entries: &mut [T], distance: impl Fn(&T) -> K) {
+    for i in 1..entries.len() {
+        let moved = entries[i];
+        let mut at = i;
+        while at > 0 && distance(&entries[at - 1]) < distance(&moved) {
+            entries[at] = entries[at - 1];
+            at -= 1;
+        }
+        entries[at] = moved;
+    }
+}
+
+/// The nearest entry that still counts.
+#[inline(always)]
+pub(crate) fn next<const N: usize>(waiting: &mut Stack<u64, N>, reach: f32) -> Option<Child> {
+    while let Some(entry) = waiting.pop() {
+        if distance(entry) <= reach {
+            return Some(Child(entry as u32));
+        }
+    }
+    None
+}
+
+/// Of the children in `bits`, of which there are two or more, and which are entered at `near`: the nearest; the others wait,
+/// farthest first. Two children, by far the most frequent, need no sorting.
+#[inline(always)]
+pub(crate) fn nearest_first<const N: usize>(
+    mut bits: u32,
+    near: &[f32; WIDTH],
+    children: &[f32; WIDTH],
+    waiting: &mut Stack<u64, N>,
+) -> Child {
+    let place = bits.trailing_zeros() as usize;
+    bits &= bits - 1;
+    let mut nearest = entry(near[place & 7], Child::at(children, place));
+    let place = bits.trailing_zeros() as usize;
+    bits &= bits - 1;
+    let second = entry(near[place & 7], Child::at(children, place));
+    waiting.push(nearest.max(second));
+    nearest = nearest.min(second);
+    if bits != 0 {
+        let mut count = 1;
+        while bits != 0 {
+            let place = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let other = entry(near[place & 7], Child::at(children, place));
+            waiting.push(nearest.max(other));
+            nearest = nearest.min(other);
+            count += 1;
+        }
+        farthest_first(waiting.top(count), |&entry| entry);
+    }
+    Child(nearest as u32)
+}
+
+/// Of the children in `bits`, which is not 0: the first; the others are to wait. For any hit, which needs no order.
+#[inline(always)]
+pub(crate) fn lowest_first(mut bits: u32, children: &[f32; WIDTH], mut wait: impl FnMut(Child)) -> Child {
+    let first = Child::at(children, bits.trailing_zeros() as usize);
+    bits &= bits - 1;
+    while bits != 0 {
+        wait(Child::at(children, bits.trailing_zeros() as usize));
+        bits &= bits - 1;
+    }
+    first
+}
+
+impl Tree {
+    /// The boxes of node `index` that `ray` meets before `reach`, as bits; where it enters them; and what is in them.
+    ///
+    /// Compact trees have no such nodes, and are told apart behind the check of the index, which is there anyway.
+    #[inline(always)]
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        ray: &NodeRay<S>,
+        reach: f32,
+    ) -> (u32, f32x8<S>, &[f32; WIDTH]) {
+        match self.nodes.get(index) {
+            Some(node) => {
+                let (bits, near) = ray.meet(simd, node, reach);
+                (bits, near, node.children())
+            }
+            None => self.meet_compact(simd, index, ray, reach),
+        }
+    }
+
+    /// The same in a compact tree. Cold, so that walks of fast trees keep their registers: they would be saved around a call
+    /// that might be.
+    #[cold]
+    #[inline(never)]
+    fn meet_compact<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        ray: &NodeRay<S>,
+        reach: f32,
+    ) -> (u32, f32x8<S>, &[f32; WIDTH]) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let node = self.compact_node(index);
+                let (bits, near) = ray.meet(simd, node, reach);
+                (bits, near, node.children())
+            },
+        )
+    }
+
+    /// From `start` on, calls `leaf` with the blocks of each leaf that the ray meets before `reach`; it answers with the new reach.
+    /// Returns the number of nodes visited, leaves too. The tree is not empty.
+    #[inline(always)]
+    pub(crate) fn walk<S: Simd>(
+        &self,
+        simd: S,
+        start: Child,
+        ray: &NodeRay<S>,
+        mut reach: f32,
+        mut leaf: impl FnMut(Range<usize>) -> f32,
+    ) -> u32 {
+        let mut waiting = NodeStack::new();
+        let mut visited = 0;
+        let mut child = start;
+        loop {
+            visited += 1;
+            if child.is_leaf() {
+                reach = leaf(child.blocks());
+            } else {
+                let (bits, near, children) = self.meet(simd, child.index(), ray, reach);
+                if bits != 0 {
+                    child = if bits & (bits - 1) == 0 {
+                        Child::at(children, bits.trailing_zeros() as usize)
+                    } else {
+                        nearest_first(bits, near.as_array(), children, &mut waiting)
+                    };
+                    continue;
+                }
+            }
+            match next(&mut waiting, reach) {
+                Some(next) => child = next,
+                None => return visited,
+            }
+        }
+    }
+
+    /// [`walk`](Self::walk) for any hit: children need no order, and `leaf` says whether to go on.
+    #[inline(always)]
+    pub(crate) fn walk_any<S: Simd>(
+        &self,
+        simd: S,
+        start: Child,
+        ray: &NodeRay<S>,
+        reach: f32,
+        mut leaf: impl FnMut(Range<usize>) -> bool,
+    ) -> u32 {
+        let mut waiting = Stack::<u32, MOST_WAIT>::new();
+        let mut visited = 0;
+        let mut child = start;
+        loop {
+            visited += 1;
+            if child.is_leaf() {
+                if !leaf(child.blocks()) {
+                    return visited;
+                }
+            } else {
+                let (bits, _, children) = self.meet(simd, child.index(), ray, reach);
+                if bits != 0 {
+                    child = lowest_first(
+                        bits,
+                        children,
+                        #[inline(always)]
+                        |child| waiting.push(child.0),
+                    );
+                    continue;
+                }
+            }
+            match waiting.pop() {
+                Some(next) => child = Child(next),
+                None => return visited,
+            }
+        }
+    }
+
+    /// The same for all rays of a beam at once: `reach` counts steps. Not for compact trees.
+    #[inline(always)]
+    pub(crate) fn walk_beam<S: Simd>(
+        &self,
+        simd: S,
+        beam: &Beam,
+        mut reach: f32,
+        mut leaf: impl FnMut(Range<usize>) -> f32,
+    ) -> u32 {
+        let mut waiting = NodeStack::new();
+        let mut visited = 0;
+        let mut child = Child::node(0);
+        loop {
+            visited += 1;
+            if child.is_leaf() {
+                reach = leaf(child.blocks());
+            } else {
+                let node = &self.nodes[child.index()];
+                let (mut bits, near) = beam.meet(simd, &node.rows, reach);
+                let near = near.as_array();
+                let count = bits.count_ones() as usize;
+                while bits != 0 {
+                    let place = bits.trailing_zeros() as usize;
+                    bits &= bits - 1;
+                    waiting.push(entry(near[place & 7], node.child(place)));
+                }
+                farthest_first(waiting.top(count), |&entry| entry);
+            }
+            match next(&mut waiting, reach) {
+                Some(next) => child = next,
+                None => return visited,
+            }
+        }
+    }
+}

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Leaves of triangles: blocks of eight, corner by corner and axis by axis in lanes.
+//! Source: original; the test is [WBW13]. Space: object.
+//! Invariant: lanes that are left over repeat the block's first triangle, which changes no answer.
+//! Proof: `tests/brute_force.rs`.
+
+use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
+
+use crate::collect::Collect;
+use crate::hit::INVALID_ID;
+use crate::point::{NearestPoint, Probe, on_triangle};
+use crate::ray::Ray;
+use crate::screened::Screened;
+use crate::triangle::{Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges, relative_to, shear};
+
+/// Triangles of a block, and children of a wide BVH's node.
+pub const WIDTH: usize = 8;
+
+/// Eight triangles.
+#[derive(Clone, Debug, PartialEq)]
+#[repr(C, align(64))]
+pub struct TriangleBlock {
+    /// By corner, then by axis.
+    pub corners: [[[f32; WIDTH]; 3]; 3],
+    /// Numbers in the object.
+    pub numbers: [u32; WIDTH],
+}
+
+/// One ray prepared for blocks.
+#[derive(Clone, Copy)]
+pub struct BlockRay<S: Simd> {
+    axes: [usize; 3],
+    alone: Sheared<f32>,
+    sheared: Sheared<f32x8<S>>,
+    t_near: f32x8<S>,
+}
+
+impl<S: Simd> BlockRay<S> {
+    /// `ray` must be sound and of regular length.
+    #[inline(always)]
+    pub fn new(simd: S, ray: &Ray) -> Self {
+        let axes = axes_from(ray.longest_axis());
+        let [x, y, z] = axes;
+        let alone = Sheared {
+            org: [ray.org[x], ray.org[y], ray.org[z]],
+            shear: shear([ray.dir[x], ray.dir[y], ray.dir[z]], 1.0),
+        };
+        Self::sheared(simd, axes, alone, ray.t_near)
+    }
+
+    /// From what is known of the ray in the space with these axes.
+    #[inline(always)]
+    pub fn sheared(simd: S, axes: [usize; 3], alone: Sheared<f32>, t_near: f32) -> Self {
+        let ([x, y, z], [sx, sy, sz]) = (alone.org, alone.shear);
+        let sheared = Sheared {
+            org: [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)],
+            shear: [f32x8::splat(simd, sx), f32x8::splat(simd, sy), f32x8::splat(simd, sz)],
+        };
+        Self { axes, alone, sheared, t_near: f32x8::splat(simd, t_near) }
+    }
+}
+
+impl TriangleBlock {
+    pub const ZERO: Self = Self { corners: [[[0.0; WIDTH]; 3]; 3], numbers: [0; WIDTH] };
+
+    /// From numbers of triangles; `INVALID_ID` where there is none, which is not so for the first.
+    pub fn new(screened: &Screened, numbers: &[u32; WIDTH]) -> Self {
+        let mut block = Self { numbers: *numbers, ..Self::ZERO };
+        for lane in 0..WIDTH {
+            if block.numbers[lane] == INVALID_ID {
+                block.numbers[lane] = block.numbers[0];
+            }
+            let corners = screened.corners(block.numbers[lane]);
+            for (corner, position) in corners.iter().enumerate() {
+                for (axis, &x) in position.iter().enumerate() {
+                    block.corners[corner][axis][lane] = x;
+                }
+            }
+        }
+        block
+    }
+
+    /// Offers the meetings with `ray`.
+    #[inline(always)]
+    pub fn meet<S: Simd, C: Collect>(&self, simd: S, ray: &BlockRay<S>, slot: u32, collect: &mut C) {
+        let [x, y, z] = ray.axes;
+        let [a, b, c] = &self.corners;
+        let a = [row(simd, &a[x]), row(simd, &a[y]), row(simd, &a[z])];
+        let b = [row(simd, &b[x]), row(simd, &b[y]), row(simd, &b[z])];
+        let c = [row(simd, &c[x]), row(simd, &c[y]), row(simd, &c[z])];
+        let Sheared { org, shear } = &ray.sheared;
+        let edges = pass_edges(simd, relative_to([a, b, c], org), shear);
+        if !edges.inside.any_true() {
+            return;
+        }
+        let t_far = f32x8::splat(simd, collect.reach());
+        let (met, uncertain) = edges.meet(simd, shear[2], edges.inside, ray.t_near, t_far);
+        let mut bits = met.hit.to_bitmask();
+        if bits != 0 {
+            let (t, u, v) = (met.t.to_array(), met.u.to_array(), met.v.to_array());
+            while bits != 0 {
+                let i = bits.trailing_zeros() as usize & 7;
+                bits &= bits - 1;
+                if t[i] <= collect.reach() {
+                    collect.offer(Meeting { t: t[i], u: u[i], v: v[i] }, self.numbers[i], slot);
+                }
+            }
+        }
+        let mut bits = uncertain.to_bitmask();
+        while bits != 0 {
+            let i = bits.trailing_zeros() as usize & 7;
+            bits &= bits - 1;
+            if let Some(meeting) = self.meet_alone(i, ray, collect.reach()) {
+                collect.offer(meeting, self.numbers[i], slot);
+            }
+        }
+    }
+
+    /// One triangle, where lanes cannot decide: see [`meet_alone`].
+    #[cold]
+    #[inline(never)]
+    fn meet_alone<S: Simd>(&self, lane: usize, ray: &BlockRay<S>, t_far: f32) -> Option<Meeting> {
+        meet_alone(&self.corners_of(lane, ray.axes), &ray.alone, ray.t_near[0], t_far)
+    }
+
+    /// The corners of one triangle along three axes.
+    pub fn corners_of(&self, lane: usize, axes: [usize; 3]) -> [[f32; 3]; 3] {
+        [0, 1, 2].map(|corner: usize| axes.map(|axis| self.corners[corner][axis][lane & 7]))
+    }
+
+    /// Offers the meetings with `ray`, one triangle after the other: faster where there are no lanes.
+    #[inline(always)]
+    pub fn meet_in_turn<C: Collect>(&self, ray: &ShearedRay, t_near: f32, slot: u32, collect: &mut C) {
+        for (lane, &number) in self.numbers.iter().enumerate() {
+            if lane > 0 && number == self.numbers[0] {
+                return;
+            }
+            let corner = |k: usize| {
+                let [x, y, z] = &self.corners[k];
+                [x[lane], y[lane], z[lane]]
+            };
+            if let Some(meeting) = ray.meet(&[corner(0), corner(1), corner(2)], t_near, collect.reach()) {
+                collect.offer(meeting, number, slot);
+            }
+        }
+    }
+
+    /// Boxes of the triangles along one axis: least and greatest coordinates.
+    #[inline(always)]
+    pub fn extent<S: Simd>(&self, simd: S, axis: usize) -> [f32x8<S>; 2] {
+        let [a, b, c] = &self.corners;
+        let (a, b, c) = (row(simd, &a[axis]), row(simd, &b[axis]), row(simd, &c[axis]));
+        [a.min(b).min(c), a.max(b).max(c)]
+    }
+
+    /// One corner of one triangle along three axes, in all lanes.
+    #[inline(always)]
+    pub fn corner<S: Simd>(&self, simd: S, lane: usize, corner: usize, axes: [usize; 3]) -> [f32x16<S>; 3] {
+        let [x, y, z] = axes;
+        let corner = &self.corners[corner];
+        [
+            f32x16::splat(simd, corner[x][lane & 7]),
+            f32x16::splat(simd, corner[y][lane & 7]),
+            f32x16::splat(simd, corner[z][lane & 7]),
+        ]
+    }
+}
+
+impl TriangleBlock {
+    /// Improves `nearest` by the triangles.
+    pub fn nearest(&self, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+        for lane in 0..WIDTH {
+            let coordinate = |corner: usize, k: usize| f64::from(self.corners[corner][k][lane]);
+            let corner = |i: usize| probe.offset([coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)]);
+            let (offset, uv) = on_triangle([corner(0), corner(1), corner(2)]);
+            nearest.offer(offset, uv, self.numbers[lane], slot);
+        }
+    }
+}
+
+#[inline(always)]
+fn row<S: Simd>(simd: S, values: &[f32; WIDTH]) -> f32x8<S> {
+    f32x8::from_slice(simd, values)
+}

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A tile cut into chunks of sixteen rays: what each of them, and all together, may still meet.
+//! Source: [RSH05] (intervals); the second level of intervals is original. Invariant: `farthest` is the largest `ahead`.
+//! Proof: `tests/brute_force.rs`.
+
+use gnurt_simd::{Simd, f32x16};
+
+use crate::beam::{Beam, CHUNKS, Ranges, Slopes, has_wide_lanes};
+use crate::blocks::{TriangleBlock, WIDTH};
+use crate::faces::{Faces, Viewpoint};
+use crate::heading::Heading;
+use crate::tile::{LANES, NearestTile, RayTile};
+use crate::triangle::{axes_from, relative_to};
+
+/// Chunks of one tile.
+pub struct Chunks<'a> {
+    pub slopes: Slopes,
+    /// All rays as intervals.
+    pub beam: Beam,
+    /// How many steps any ray still looks ahead.
+    pub farthest: f32,
+    rays: &'a RayTile,
+    heading: Heading,
+    /// The tree's greatest coordinate.
+    greatest: f32,
+    count: usize,
+    /// The rays of each chunk as intervals; not known at first where all start in one point, for planes may do.
+    parts: [Beam; CHUNKS],
+    known: bool,
+    /// How many steps each chunk still looks ahead.
+    ahead: [f32; CHUNKS],
+    /// Where all rays start, if that is one point.
+    view: Option<Viewpoint>,
+}
+
+/// A triangle that a chunk's rays may meet.
+pub struct Candidate<S: Simd> {
+    pub place: usize,
+    pub chunk: usize,
+    /// Corners relative to the rays' origins, along the axes of the sheared space.
+    pub corners: [[f32x16<S>; 3]; 3],
+}
+
+impl<'a> Chunks<'a> {
+    /// The first `count` rays of a tile, all of one heading; nothing if `too_wide` says so of all of them.
+    #[inline(always)]
+    pub fn new<S: Simd>(
+        simd: S,
+        rays: &'a RayTile,
+        count: usize,
+        heading: Heading,
+        greatest: f32,
+        nearest: &NearestTile,
+        too_wide: impl Fn(&Ranges) -> bool,
+    ) -> Option<Self> {
+        let mut slopes = Slopes::EMPTY;
+        slopes.prepare(simd, rays, count, heading);
+        let origin = if const { has_wide_lanes::<S>() } { rays.one_origin(count) } else { None };
+        let mut each = [Ranges::NONE; CHUNKS];
+        let whole = if origin.is_some() {
+            slopes.all_ranges(simd, rays, count)
+        } else {
+            slopes.ranges_of_chunks(simd, rays, count, &mut each)
+        };
+        if too_wide(&whole) {
+            return None;
+        }
+        let view = origin.and_then(|org| Viewpoint::new(&whole, org, heading, greatest));
+        let chunks_of_rays = count.div_ceil(LANES);
+        let mut parts = [Beam::EMPTY; CHUNKS];
+        if origin.is_none() {
+            for (part, ranges) in parts.iter_mut().zip(&each).take(chunks_of_rays) {
+                *part = Beam::new(ranges, heading, greatest);
+            }
+        }
+        let mut chunks = Self {
+            slopes,
+            beam: Beam::new(&whole, heading, greatest),
+            farthest: f32::NEG_INFINITY,
+            rays,
+            heading,
+            greatest,
+            count: chunks_of_rays,
+            parts,
+            known: origin.is_none(),
+            ahead: [f32::NEG_INFINITY; CHUNKS],
+            view,
+        };
+        chunks.look_again(simd, nearest, u32::MAX);
+        Some(chunks)
+    }
+
+    /// After hits of the chunks in `touched`.
+    #[inline(always)]
+    pub fn look_again<S: Simd>(&mut self, simd: S, nearest: &NearestTile, touched: u32) {
+        for which in 0..self.count {
+            if touched >> which & 1 == 1 {
+                self.ahead[which] = self.slopes.chunk_ahead(simd, nearest, which);
+            }
+        }
+        let [a, b, c, d] = self.ahead;
+        self.farthest = a.max(b).max(c).max(d);
+    }
+
+    /// Calls `meet(candidate, slopes)` for each triangle of a block that rays in `bits` may meet; it says whether one did.
+    #[inline(always)]
+    pub fn block<S: Simd>(
+        &mut self,
+        simd: S,
+        block: &TriangleBlock,
+        bits: u64,
+        nearest: &mut NearestTile,
+        mut meet: impl FnMut(Candidate<S>, &Slopes, &mut NearestTile) -> bool,
+    ) {
+        let extents = [block.extent(simd, 0), block.extent(simd, 1), block.extent(simd, 2)];
+        let mut common = self.beam.meet_extents(simd, &extents, self.farthest);
+        if common == 0 {
+            return;
+        }
+        let mut touched = 0;
+        // A loop for each way: with one call of the test for both, corners would go through memory.
+        if const { has_wide_lanes::<S>() }
+            && let Some(view) = &self.view
+            && view.is_worth_it(simd, block, &extents, common)
+        {
+            let mut faces = Faces::EMPTY;
+            common &= faces.look(simd, view, block, self.farthest);
+            for which in 0..self.count {
+                if common == 0 || bits >> (which * LANES) & 0xffff == 0 {
+                    continue;
+                }
+                let mut places = common & faces.within(simd, self.ahead[which]);
+                while places != 0 {
+                    let place = places.trailing_zeros() as usize & (WIDTH - 1);
+                    places &= places - 1;
+                    if !faces.all_pass(simd, place, &self.slopes, which) {
+                        let candidate =
+                            Candidate { place, chunk: which, corners: faces.corners(simd, place) };
+                        touched |= u32::from(meet(candidate, &self.slopes, nearest)) << which;
+                    }
+                }
+            }
+        } else {
+            if const { has_wide_lanes::<S>() } && !self.known {
+                self.know_parts(simd);
+            }
+            let axes = axes_from(self.heading.longest_axis);
+            for which in 0..self.count {
+                if bits >> (which * LANES) & 0xffff == 0 {
+                    continue;
+                }
+                let mut places = self.parts[which].meet_extents(simd, &extents, self.ahead[which]);
+                while places != 0 {
+                    let place = places.trailing_zeros() as usize & (WIDTH - 1);
+                    places &= places - 1;
+                    let corners = [
+                        block.corner(simd, place, 0, axes),
+                        block.corner(simd, place, 1, axes),
+                        block.corner(simd, place, 2, axes),
+                    ];
+                    let corners = relative_to(corners, &self.rays.org_lanes(simd, axes, which * LANES));
+                    let candidate = Candidate { place, chunk: which, corners };
+                    let met = meet(candidate, &self.slopes, nearest);
+                    touched |= u32::from(met) << which;
+                }
+            }
+        }
+        if touched != 0 {
+            self.look_again(simd, nearest, touched);
+        }
+    }
+
+    /// Prepares the chunks for boxes.
+    #[inline(always)]
+    fn know_parts<S: Simd>(&mut self, simd: S) {
+        for which in 0..self.count {
+            let ranges = self.slopes.ranges(simd, self.rays, which);
+            self.parts[which] = Beam::new(&ranges, self.heading, self.greatest);
+        }
+        self.known = true;
+    }
+}

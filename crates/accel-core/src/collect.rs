@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a ray that is being traced collects. Source: original.
+//! Proof: `trip::tests`, `tests/brute_force.rs` of `gnurt-accel`.
+
+use std::marker::PhantomData;
+
+use crate::nearest::{AnyHit, Closest, Kind, Mode, Nearest};
+use crate::triangle::Meeting;
+
+/// What a single ray gathers on its way. Searches that are worth it are compiled once for each: [`Best`] of either mode,
+/// which stays in registers; a [`RayTrip`](crate::trip::RayTrip) is one for everything.
+pub trait Collect {
+    /// Whether the first offer ends the search, so that its order does not matter.
+    const ANY: bool;
+    /// Whether an offer can end the search.
+    const CAN_END: bool;
+    /// Nothing beyond it is of interest; negative infinity ends the search.
+    fn reach(&self) -> f32;
+    /// Takes a meeting at `t <= reach()`, in `[t_near, t_far]` of the ray.
+    fn offer(&mut self, meeting: Meeting, number: u32, slot: u32);
+
+    /// Whether nothing more is wanted.
+    #[inline(always)]
+    fn is_done(&self) -> bool {
+        Self::CAN_END && self.reach() == f32::NEG_INFINITY
+    }
+}
+
+/// The best hit so far, or any.
+pub struct Best<M: Mode>(pub Nearest, PhantomData<M>);
+
+impl<M: Mode> Best<M> {
+    #[inline(always)]
+    pub fn new(nearest: Nearest) -> Self {
+        Self(nearest, PhantomData)
+    }
+}
+
+impl<M: Mode> Collect for Best<M> {
+    const ANY: bool = M::ANY;
+    const CAN_END: bool = M::ANY;
+
+    #[inline(always)]
+    fn reach(&self) -> f32 {
+        self.0.t
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, meeting: Meeting, number: u32, slot: u32) {
+        self.0.offer::<M>(meeting, number, slot);
+    }
+}
+
+/// The best hit so far of one kind or the other, for searches that are compiled once for both.
+pub struct BestOf {
+    pub nearest: Nearest,
+    pub kind: Kind,
+}
+
+impl Collect for BestOf {
+    const ANY: bool = false;
+    const CAN_END: bool = true;
+
+    #[inline(always)]
+    fn reach(&self) -> f32 {
+        self.nearest.t
+    }
+
+    #[inline(always)]
+    fn offer(&mut self, meeting: Meeting, number: u32, slot: u32) {
+        match self.kind {
+            Kind::Closest => self.nearest.offer::<Closest>(meeting, number, slot),
+            Kind::Any => self.nearest.offer::<AnyHit>(meeting, number, slot),
+        }
+    }
+}

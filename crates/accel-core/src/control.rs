@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a program may say to a build while it runs, and what it is told. Source: original.
+//! Memory is counted where it is large: what grows with the number of triangles, when it is taken and given back. What
+//! few triangles take comes and goes uncounted.
+//! Invariant: without an error from [`Watch::result`] nothing was left out. Proof: `tests/control.rs`.
+
+use std::fmt;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+
+/// What a build asks and tells. All is optional: `()` lets it run and hears nothing. Called from any thread of the
+/// build, every few thousand triangles.
+pub trait BuildControl: Sync {
+    /// Whether the build is still wanted.
+    fn keep_going(&self) -> bool {
+        true
+    }
+
+    /// The share of the work that is done, 0 to 1: 1 comes last. Calls come one at a time and never go back.
+    fn progress(&self, done: f32) {
+        let _ = done;
+    }
+
+    /// Bytes that the build holds, the growing tree included, whenever that changes a lot. Calls from several threads may
+    /// come out of order.
+    fn memory(&self, bytes: u64) {
+        let _ = bytes;
+    }
+
+    /// Most bytes that it may hold; asked once. The triangles that are built over do not count.
+    fn memory_budget(&self) -> u64 {
+        u64::MAX
+    }
+}
+
+impl BuildControl for () {}
+
+/// Why there is no tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// [`BuildControl::keep_going`] said no.
+    Cancelled,
+    /// The next step would have needed more bytes than the budget allows.
+    OutOfMemory {
+        /// With that step; a build that may go on could need more.
+        needed: u64,
+        /// What [`BuildControl::memory_budget`] allowed.
+        budget: u64,
+    },
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Cancelled => f.write_str("the build was cancelled"),
+            Self::OutOfMemory { needed, budget } => {
+                write!(f, "the build needs {needed} bytes of memory or more, and may take {budget}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for BuildError {}
+
+/// One build under control.
+pub struct Watch<'a> {
+    control: &'a dyn BuildControl,
+    budget: u64,
+    stopped: AtomicBool,
+    held: AtomicU64,
+    /// The part of it that grows by itself.
+    growing: AtomicU64,
+    /// What was too much; 0 where nothing was.
+    needed: AtomicU64,
+    done: AtomicU64,
+    whole: AtomicU64,
+    /// What was told last.
+    told: Mutex<f32>,
+}
+
+impl<'a> Watch<'a> {
+    pub fn new(control: &'a dyn BuildControl) -> Self {
+        let zero = || AtomicU64::new(0);
+        Self {
+            control,
+            budget: control.memory_budget(),
+            stopped: AtomicBool::new(false),
+            held: zero(),
+            growing: zero(),
+            needed: zero(),
+            done: zero(),
+            whole: zero(),
+            told: Mutex::new(0.0),
+        }
+    }
+
+    /// Whether to go on. Once it says no, whatever comes out will be thrown away.
+    pub fn go_on(&self) -> bool {
+        if self.stopped.load(Relaxed) {
+            return false;
+        }
+        let going = self.control.keep_going();
+        if !going {
+            self.stopped.store(true, Relaxed);
+        }
+        going
+    }
+
+    /// Counts memory that is about to be taken; whether that may be.
+    pub fn take(&self, bytes: usize) -> bool {
+        let held = self.held.fetch_add(bytes as u64, Relaxed) + bytes as u64;
+        if held > self.budget {
+            self.needed.fetch_max(held, Relaxed);
+            self.stopped.store(true, Relaxed);
+            return false;
+        }
+        self.control.memory(held);
+        true
+    }
+
+    /// Counts memory that was given back.
+    pub fn give(&self, bytes: usize) {
+        let held = self.held.fetch_sub(bytes as u64, Relaxed) - bytes as u64;
+        // What was refused was counted, but never taken.
+        if !self.stopped.load(Relaxed) {
+            self.control.memory(held);
+        }
+    }
+
+    /// Counts memory of something that grows.
+    pub fn grow(&self, bytes: usize) {
+        self.growing.fetch_add(bytes as u64, Relaxed);
+        self.take(bytes);
+    }
+
+    /// All that grew is counted no longer.
+    pub fn grown(&self) {
+        self.give(self.growing.swap(0, Relaxed) as usize);
+    }
+
+    /// Replaces what was counted before by what is there now; whether that may be.
+    pub fn recount(&self, counted: &mut usize, now: usize) -> bool {
+        let before = std::mem::replace(counted, now);
+        if now >= before {
+            return self.take(now - before);
+        }
+        self.give(before - now);
+        true
+    }
+
+    /// So much more is to be done before all is finished, but for what `finish` tells.
+    pub fn start(&self, whole: usize) {
+        self.whole.fetch_add(whole as u64, Relaxed);
+    }
+
+    /// So much more is done.
+    pub fn advance(&self, steps: usize) {
+        self.tell_of(self.done.fetch_add(steps as u64, Relaxed) + steps as u64);
+    }
+
+    /// So much is done of the whole, or more: a stage that found less to do than was thought is over.
+    pub fn advance_to(&self, done: usize) {
+        self.tell_of(self.done.fetch_max(done as u64, Relaxed).max(done as u64));
+    }
+
+    fn tell_of(&self, done: u64) {
+        let whole = self.whole.load(Relaxed).max(1);
+        // What comes before and behind the division takes its time as well.
+        self.tell(0.05 + 0.8 * (done as f64 / whole as f64).min(1.0) as f32);
+    }
+
+    /// All is done.
+    pub fn finish(&self) {
+        self.tell(1.0);
+    }
+
+    /// Another thread that is telling has told enough, and may be called from within its own call.
+    fn tell(&self, done: f32) {
+        if let Ok(mut told) = self.told.try_lock()
+            && done > *told
+            && !self.stopped.load(Relaxed)
+        {
+            *told = done;
+            self.control.progress(done);
+        }
+    }
+
+    /// Whether anything has stopped the build.
+    pub fn result(&self) -> Result<(), BuildError> {
+        if self.go_on() {
+            return Ok(());
+        }
+        match self.needed.load(Relaxed) {
+            0 => Err(BuildError::Cancelled),
+            needed => Err(BuildError::OutOfMemory { needed, budget: self.budget }),
+        }
+    }
+}

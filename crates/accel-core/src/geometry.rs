@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a tree is built over: the kinds of geometry, and one numbering for all of their primitives.
+//! Source: original; the kinds and the two halves of a quad are Embree's. Space: object.
+//! Invariant: numbers ascend with the geometry, then with the primitive, so that they order hits as their ids do.
+//! Proof: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
+
+use std::sync::Arc;
+
+use crate::user::UserGeometry;
+
+/// Coordinates beyond this are dropped: squares of their differences still fit a float.
+pub const LARGEST_COORDINATE: f32 = 1.8e18;
+
+/// Most triangles of one object: what an event of the builder can number. Quads count twice, spheres and primitives
+/// of user geometries once.
+pub const MOST_TRIANGLES: usize = (1 << 30) - 1;
+
+/// One mesh: borrowed arrays. Its `geom_id` is its place in the list that is built over.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Triangles<'a> {
+    /// Vertex positions, object space.
+    pub positions: &'a [[f32; 3]],
+    /// Vertices of each triangle; its place is its `prim_id`.
+    pub indices: &'a [[u32; 3]],
+}
+
+/// One mesh of quads: borrowed arrays.
+///
+/// A quad is two triangles, of its vertices 0, 1, 3 and 2, 3, 1, and need not be flat. Where vertices 2 and 3 are one
+/// it is a triangle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Quads<'a> {
+    /// Vertex positions, object space.
+    pub positions: &'a [[f32; 3]],
+    /// Vertices of each quad, around it; its place is its `prim_id`.
+    pub indices: &'a [[u32; 4]],
+}
+
+/// Spheres: borrowed arrays of the same length; what is longer is ignored. A sphere's place is its `prim_id`.
+///
+/// A ray meets a sphere's surface twice, from inside once. Radii are positive; others are left out and counted among
+/// the primitives of zero area.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spheres<'a> {
+    /// Centres, object space.
+    pub centers: &'a [[f32; 3]],
+    /// Radii.
+    pub radii: &'a [f32],
+}
+
+/// What a geometry consists of.
+#[derive(Clone, Debug)]
+pub enum GeometryKind<'a> {
+    /// A triangle mesh.
+    Triangles(Triangles<'a>),
+    /// A mesh of quads.
+    Quads(Quads<'a>),
+    /// Spheres.
+    Spheres(Spheres<'a>),
+    /// Primitives of the caller's own making; kept by the tree.
+    User(Arc<dyn UserGeometry>),
+}
+
+/// One geometry of an object. Its `geom_id` is its place in the list that is built over.
+#[derive(Clone, Debug)]
+pub struct Geometry<'a> {
+    /// What it consists of.
+    pub kind: GeometryKind<'a>,
+    /// Which rays see it: those whose mask has a bit in common with this one.
+    ///
+    /// An object has a tree for each mask and kind, so few different masks cost nothing and many cost speed.
+    pub mask: u32,
+}
+
+impl<'a> Geometry<'a> {
+    /// A geometry that all rays see.
+    #[must_use]
+    pub fn new(kind: GeometryKind<'a>) -> Self {
+        Self { kind, mask: u32::MAX }
+    }
+
+    /// Primitives of the caller's own making.
+    #[must_use]
+    pub fn user(geometry: Arc<dyn UserGeometry>) -> Self {
+        Self::new(GeometryKind::User(geometry))
+    }
+
+    /// The same geometry, seen by rays whose mask has a bit in common with `mask`.
+    #[must_use]
+    pub fn with_mask(self, mask: u32) -> Self {
+        Self { mask, ..self }
+    }
+
+    /// How many numbers its primitives take.
+    fn count(&self) -> usize {
+        match &self.kind {
+            GeometryKind::Triangles(mesh) => mesh.indices.len(),
+            GeometryKind::Quads(mesh) => 2 * mesh.indices.len(),
+            GeometryKind::Spheres(spheres) => spheres.centers.len().min(spheres.radii.len()),
+            GeometryKind::User(user) => user.count() as usize,
+        }
+    }
+}
+
+impl<'a> From<Triangles<'a>> for Geometry<'a> {
+    fn from(mesh: Triangles<'a>) -> Self {
+        Self::new(GeometryKind::Triangles(mesh))
+    }
+}
+
+impl<'a> From<Quads<'a>> for Geometry<'a> {
+    fn from(mesh: Quads<'a>) -> Self {
+        Self::new(GeometryKind::Quads(mesh))
+    }
+}
+
+impl<'a> From<Spheres<'a>> for Geometry<'a> {
+    fn from(spheres: Spheres<'a>) -> Self {
+        Self::new(GeometryKind::Spheres(spheres))
+    }
+}
+
+/// Primitives that were left out of a tree, by the first fault found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BadPrimitives {
+    /// An index that is not below the number of positions.
+    pub bad_index: u64,
+    /// A coordinate that is not a number.
+    pub nan: u64,
+    /// An infinite coordinate.
+    pub infinite: u64,
+    /// A coordinate beyond [`LARGEST_COORDINATE`].
+    pub too_large: u64,
+    /// Corners on one line or in one point; spheres without a radius.
+    pub zero_area: u64,
+    /// More than [`MOST_TRIANGLES`] in one object.
+    pub too_many: u64,
+}
+
+impl BadPrimitives {
+    /// All of them.
+    #[must_use]
+    pub fn total(&self) -> u64 {
+        self.bad_index + self.nan + self.infinite + self.too_large + self.zero_area + self.too_many
+    }
+
+    /// Where to count a primitive with these coordinates, if they have a fault.
+    pub fn fault(&mut self, coordinates: impl Iterator<Item = f32> + Clone) -> Option<&mut u64> {
+        let any = |test: fn(f32) -> bool| coordinates.clone().any(test);
+        if any(f32::is_nan) {
+            Some(&mut self.nan)
+        } else if any(f32::is_infinite) {
+            Some(&mut self.infinite)
+        } else if any(|x| x.abs() > LARGEST_COORDINATE) {
+            Some(&mut self.too_large)
+        } else {
+            None
+        }
+    }
+}
+
+impl std::ops::AddAssign for BadPrimitives {
+    fn add_assign(&mut self, other: Self) {
+        self.bad_index += other.bad_index;
+        self.nan += other.nan;
+        self.infinite += other.infinite;
+        self.too_large += other.too_large;
+        self.zero_area += other.zero_area;
+        self.too_many += other.too_many;
+    }
+}
+
+/// Numbers of all primitives of an object: triangles, halves of quads, spheres, user primitives.
+#[derive(Clone, Debug, Default)]
+pub struct Numbering {
+    /// First number of each geometry, and one past the last.
+    pub starts: Vec<u32>,
+    /// Which geometries are quads.
+    pub quads: Vec<bool>,
+    /// Primitives that got no number.
+    pub too_many: u64,
+}
+
+/// A number taken apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    pub geom_id: u32,
+    pub prim_id: u32,
+    /// The half of a quad that holds its vertices 1, 2 and 3.
+    pub second_half: bool,
+}
+
+impl Numbering {
+    pub fn new(geometries: &[Geometry]) -> Self {
+        let mut numbering = Self { starts: vec![0], ..Self::default() };
+        let mut next = 0;
+        for geometry in geometries {
+            let quads = matches!(geometry.kind, GeometryKind::Quads(_));
+            let (count, room) = (geometry.count(), MOST_TRIANGLES - next);
+            // Quads are taken whole.
+            let taken = count.min(if quads { room / 2 * 2 } else { room });
+            numbering.too_many += ((count - taken) >> u32::from(quads)) as u64;
+            next += taken;
+            numbering.starts.push(next as u32);
+            numbering.quads.push(quads);
+        }
+        numbering
+    }
+
+    /// Numbers of one geometry.
+    pub fn range(&self, geometry: usize) -> std::ops::Range<u32> {
+        self.starts[geometry]..self.starts[geometry + 1]
+    }
+
+    /// Which primitive has this number.
+    #[inline]
+    pub fn place(&self, number: u32) -> Place {
+        let geometry = geometry_of(&self.starts, number);
+        let within = number - self.starts[geometry];
+        let geom_id = geometry as u32;
+        if self.quads[geometry] {
+            Place { geom_id, prim_id: within / 2, second_half: within & 1 == 1 }
+        } else {
+            Place { geom_id, prim_id: within, second_half: false }
+        }
+    }
+}
+
+/// The geometry that holds `number`, given where each one starts.
+#[inline]
+pub fn geometry_of(starts: &[u32], number: u32) -> usize {
+    if starts.len() == 2 { 0 } else { starts.partition_point(|&start| start <= number) - 1 }
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The ground floor of ray queries: rays, hits and geometry as plain data, the trip that goes through trees, and the
+//! arithmetic that every tree shares. `gnurt-accel` is the door for programs; trees are crates of their own.
+//! Source: see each file.
+//!
+//! From below: `float`, `bits`, `aabb`, `ray`, `hit`: numbers and plain data. `slab`, `triangle`, `blocks`: one ray against
+//! planes and triangles. `tile`, `beam`, `faces`, `chunks`, `tile_test`: up to 64 rays of one [`heading`] against boxes and
+//! triangles. [`trip`]: what goes from a query to the kernels of a tree. `geometry`, `screened`, `threads`, `control`:
+//! what trees are built over, by whom and under whose eyes. `store`: trees in files.
+//!
+//! Nothing in here is compiled for a level by itself but [`tile_kernels`]: the rest is `#[inline(always)]` for the kernels
+//! of the crates above.
+#![forbid(unsafe_code)]
+#![expect(
+    missing_docs,
+    reason = "fields and methods whose names say all, for three crates above; programs see gnurt-accel"
+)]
+
+pub mod aabb;
+pub mod affine;
+pub mod beam;
+pub mod bits;
+pub mod blocks;
+pub mod chunks;
+pub mod clip;
+pub mod collect;
+pub mod control;
+pub mod faces;
+pub mod float;
+pub mod geometry;
+pub mod heading;
+pub mod hit;
+pub mod nearest;
+pub mod options;
+pub mod point;
+pub mod query;
+pub mod ray;
+pub mod ray_batch;
+pub mod screened;
+pub mod slab;
+pub mod stats;
+pub mod store;
+pub mod threads;
+pub mod tile;
+pub mod tile_kernels;
+pub mod tile_test;
+pub mod triangle;
+pub mod trip;
+pub mod user;
+
+pub use aabb::Aabb;
+pub use control::{BuildControl, BuildError};
+pub use geometry::{
+    BadPrimitives, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES, Quads, Spheres, Triangles,
+};
+pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
+pub use options::{BuildOptions, Memory, Quality, Structure, TriangleTest};
+pub use point::PointHit;
+pub use query::{Coherence, Counters, Query, Record};
+pub use ray::{AnyRay, Ray, Ray64};
+pub use ray_batch::RayBatch;
+pub use stats::TreeStats;
+pub use store::LoadError;
+pub use threads::Threads;
+pub use user::{UserGeometry, UserHit};

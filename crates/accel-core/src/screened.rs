@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The triangles of an object, halves of quads among them, without those that cannot be traced.
+//! Source: original. Space: object. Invariant: what passes has finite, in-range, non-flat corners.
+//! Proof: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::aabb::Aabb;
+use crate::geometry::{BadPrimitives, Geometry, GeometryKind, Quads, Triangles};
+use crate::geometry::{Numbering, geometry_of};
+use crate::threads::Threads;
+
+/// Triangles of some geometries under the object's numbers; bad ones keep their number and have no corners.
+pub struct Screened<'a> {
+    surfaces: Vec<Surface<'a>>,
+    /// First number of each geometry, and one past the last.
+    pub starts: Vec<u32>,
+    /// Numbers of the triangles that can be traced, ascending.
+    pub good: Vec<u32>,
+    pub bad: BadPrimitives,
+    pub bounds: Aabb,
+}
+
+/// What is good and bad among some of them.
+struct Filtered {
+    good: Vec<u32>,
+    bad: BadPrimitives,
+    bounds: Aabb,
+}
+
+impl Default for Filtered {
+    fn default() -> Self {
+        Self { good: Vec::new(), bad: BadPrimitives::default(), bounds: Aabb::EMPTY }
+    }
+}
+
+/// Numbers that one thread looks at. Both halves of a quad are in the same piece.
+const PIECE: u32 = if cfg!(test) { 1 << 3 } else { 1 << 14 };
+
+/// What triangles of one geometry are made from.
+#[derive(Clone, Copy)]
+enum Surface<'a> {
+    Triangles(Triangles<'a>),
+    Quads(Quads<'a>),
+    /// Another kind, or for another tree.
+    None,
+}
+
+impl<'a> Screened<'a> {
+    /// Looks at every triangle and quad of those geometries that are `wanted` once.
+    pub fn over(
+        geometries: &[Geometry<'a>],
+        numbering: &Numbering,
+        wanted: impl Fn(&Geometry) -> bool,
+        threads: Threads,
+    ) -> Self {
+        let surface = |geometry: &Geometry<'a>| match &geometry.kind {
+            GeometryKind::Triangles(mesh) if wanted(geometry) => Surface::Triangles(*mesh),
+            GeometryKind::Quads(mesh) if wanted(geometry) => Surface::Quads(*mesh),
+            _ => Surface::None,
+        };
+        let surfaces: Vec<Surface> = geometries.iter().map(surface).collect();
+        let mut pieces = Vec::new();
+        for (i, surface) in surfaces.iter().enumerate() {
+            let Range { start, end } = numbering.range(i);
+            if !matches!(surface, Surface::None) {
+                let starts = (start..end).step_by(PIECE as usize);
+                pieces.extend(starts.map(|at| (surface, start, at..end.min(at.saturating_add(PIECE)))));
+            }
+        }
+        let filter = |(surface, start, range): &(&Surface, u32, Range<u32>)| {
+            let mut filtered = Filtered::default();
+            filtered.good.reserve_exact(range.len());
+            filtered.filter(surface, *start, range.clone());
+            filtered
+        };
+        let pieces_filtered: Vec<Filtered> = threads.run(|parallel| match parallel {
+            true => pieces.par_iter().map(filter).collect(),
+            false => pieces.iter().map(filter).collect(),
+        });
+        let mut screened = Self {
+            surfaces,
+            starts: numbering.starts.clone(),
+            good: Vec::with_capacity(pieces_filtered.iter().map(|filtered| filtered.good.len()).sum()),
+            bad: BadPrimitives::default(),
+            bounds: Aabb::EMPTY,
+        };
+        for Filtered { good, bad, bounds } in pieces_filtered {
+            screened.good.extend_from_slice(&good);
+            screened.bad += bad;
+            screened.bounds = screened.bounds.union(&bounds);
+        }
+        screened
+    }
+
+    /// Those of triangle meshes alone.
+    #[must_use]
+    pub fn new(meshes: &[Triangles<'a>]) -> Self {
+        let geometries: Vec<Geometry> = meshes.iter().map(|&mesh| mesh.into()).collect();
+        Self::over(&geometries, &Numbering::new(&geometries), |_| true, Threads::Single)
+    }
+
+    /// The corners of triangle `number`, which must be one of `good`.
+    #[inline]
+    pub fn corners(&self, number: u32) -> [[f32; 3]; 3] {
+        let geometry = geometry_of(&self.starts, number);
+        let within = number - self.starts[geometry];
+        match &self.surfaces[geometry] {
+            Surface::Triangles(mesh) => mesh.indices[within as usize].map(|i| mesh.positions[i as usize]),
+            Surface::Quads(mesh) => {
+                half(&mesh.indices[within as usize / 2], within & 1).map(|i| mesh.positions[i as usize])
+            }
+            Surface::None => unreachable!("{number} is not among the good numbers"),
+        }
+    }
+
+    /// One past the greatest number.
+    pub fn count(&self) -> usize {
+        self.good.last().map_or(0, |&last| last as usize + 1)
+    }
+}
+
+impl Filtered {
+    /// Takes what is good among `numbers` of a geometry whose first number is `start`.
+    fn filter(&mut self, surface: &Surface, start: u32, numbers: Range<u32>) {
+        let range = (numbers.start - start) as usize..(numbers.end - start) as usize;
+        match surface {
+            Surface::Triangles(mesh) => {
+                for (number, &corners) in numbers.zip(&mesh.indices[range]) {
+                    self.take(number, mesh.positions, corners);
+                }
+            }
+            Surface::Quads(mesh) => {
+                for (number, quad) in numbers.step_by(2).zip(&mesh.indices[range.start / 2..]) {
+                    self.take_quad(number, mesh.positions, quad);
+                }
+            }
+            Surface::None => {}
+        }
+    }
+
+    fn take(&mut self, number: u32, positions: &[[f32; 3]], corners: [u32; 3]) {
+        match check(&mut self.bad, positions, corners) {
+            Ok(triangle) => self.keep(number, &triangle),
+            Err(fault) => *fault += 1,
+        }
+    }
+
+    /// A quad with one flat half is a triangle; any other fault of a half is one of the quad.
+    fn take_quad(&mut self, number: u32, positions: &[[f32; 3]], quad: &[u32; 4]) {
+        let mut faults = BadPrimitives::default();
+        let halves = [0, 1].map(|i| match check(&mut faults, positions, half(quad, i)) {
+            Ok(triangle) => Some(triangle),
+            Err(fault) => {
+                *fault += 1;
+                None
+            }
+        });
+        if faults.total() == faults.zero_area && faults.zero_area < 2 {
+            for (i, triangle) in halves.iter().enumerate() {
+                if let Some(triangle) = triangle {
+                    self.keep(number + i as u32, triangle);
+                }
+            }
+            return;
+        }
+        // The second half may have the same fault as the first, or another one.
+        if let Err(fault) = check(&mut self.bad, positions, half(quad, u32::from(halves[0].is_some()))) {
+            *fault += 1;
+        }
+    }
+
+    fn keep(&mut self, number: u32, triangle: &[[f32; 3]; 3]) {
+        self.bounds = self.bounds.union(&Aabb::around(triangle));
+        self.good.push(number);
+    }
+}
+
+/// Vertices of one half of a quad.
+#[inline]
+fn half(&[a, b, c, d]: &[u32; 4], which: u32) -> [u32; 3] {
+    if which == 0 { [a, b, d] } else { [c, d, b] }
+}
+
+/// The corners, or where their fault is to be counted.
+fn check<'b>(
+    bad: &'b mut BadPrimitives,
+    positions: &[[f32; 3]],
+    corners: [u32; 3],
+) -> Result<[[f32; 3]; 3], &'b mut u64> {
+    if corners.iter().any(|&i| i as usize >= positions.len()) {
+        return Err(&mut bad.bad_index);
+    }
+    let triangle = corners.map(|i| positions[i as usize]);
+    // Not so of NaN.
+    if triangle.iter().flatten().all(|x| x.abs() <= crate::LARGEST_COORDINATE) {
+        return if is_flat(&triangle) { Err(&mut bad.zero_area) } else { Ok(triangle) };
+    }
+    match bad.fault(triangle.iter().flatten().copied()) {
+        Some(fault) => Err(fault),
+        None => Ok(triangle),
+    }
+}
+
+/// Whether the corners span no area, in double precision.
+fn is_flat([a, b, c]: &[[f32; 3]; 3]) -> bool {
+    let edge = |p: &[f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(a[k]));
+    let ([ux, uy, uz], [vx, vy, vz]) = (edge(b), edge(c));
+    uy * vz == uz * vy && uz * vx == ux * vz && ux * vy == uy * vx
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_fault_is_counted_once() {
+        let positions = [
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [f32::NAN, 0.0, f32::INFINITY],
+            [0.0, f32::NEG_INFINITY, 0.0],
+            [2e18, 0.0, 0.0],
+            [2.0, 0.0, 0.0],
+        ];
+        let indices = [
+            [0, 1, 2],
+            [0, 1, 7],
+            [0, 1, 3],
+            [0, 1, 4],
+            [0, 2, 5],
+            [0, 1, 6],
+            [1, 1, 2],
+            [2, 1, 0],
+            [9, 3, 3],
+        ];
+        let meshes = [Triangles::default(), Triangles { positions: &positions, indices: &indices }];
+        let screened = Screened::new(&meshes);
+        let wanted =
+            BadPrimitives { bad_index: 2, nan: 1, infinite: 1, too_large: 1, zero_area: 2, too_many: 0 };
+        assert_eq!(screened.bad, wanted, "one count per bad triangle");
+        assert_eq!(screened.bad.total(), 7, "all of them");
+        assert_eq!(screened.good, [0, 7], "what is left keeps its number");
+        assert_eq!(screened.corners(7)[0], [0.0, 1.0, 0.0], "found through an empty mesh");
+        assert_eq!(geometry_of(&screened.starts, 0), 1, "the empty mesh holds nothing");
+    }
+
+    #[test]
+    fn quads_have_two_numbers() {
+        let positions =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [f32::NAN, 1.0, 0.0]];
+        let quads = Quads {
+            positions: &positions,
+            indices: &[[0, 1, 2, 3], [0, 1, 3, 3], [0, 1, 2, 4], [0, 0, 0, 0], [9, 1, 2, 3]],
+        };
+        let triangles = Triangles { positions: &positions, indices: &[[0, 1, 2]] };
+        let geometries = [Geometry::from(triangles), quads.into(), triangles.into()];
+        let numbering = Numbering::new(&geometries);
+        assert_eq!(numbering.starts, [0, 1, 11, 12], "quads take two numbers each");
+        let screened = Screened::over(&geometries, &numbering, |_| true, Threads::Single);
+        assert_eq!(screened.good, [0, 1, 2, 3, 11], "a quad, and one that is a triangle");
+        let wanted = BadPrimitives { bad_index: 1, nan: 1, zero_area: 1, ..BadPrimitives::default() };
+        assert_eq!(screened.bad, wanted, "each quad is counted once");
+        let [first, second] = [1, 2].map(|number| screened.corners(number));
+        assert_eq!(first, [positions[0], positions[1], positions[3]], "the half at vertex 0");
+        assert_eq!(second, [positions[2], positions[3], positions[1]], "the half at vertex 2");
+        let place = numbering.place(2);
+        assert_eq!((place.geom_id, place.prim_id, place.second_half), (1, 0, true), "{place:?}");
+        assert_eq!(numbering.place(11).geom_id, 2, "triangles again");
+        let is_quad = |geometry: &Geometry| matches!(geometry.kind, GeometryKind::Quads(_));
+        let alone = Screened::over(&geometries, &numbering, is_quad, Threads::Single);
+        assert_eq!(alone.good, [1, 2, 3], "what is not wanted is left out");
+    }
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Why a file is not taken for a tree. Source: original. Proof: `tests/saved.rs`.
+
+use std::fmt;
+use std::io;
+
+/// Why [`ObjectTree::load`](crate::ObjectTree::load) has no tree to give. All but the first are the file's fault.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum LoadError {
+    /// The source could not be read.
+    Io(io::Error),
+    /// It does not start as a tree does.
+    NotATree,
+    /// It is of a version that this crate does not know: the tree is to be built again.
+    Version(u32),
+    /// It ends too early.
+    Truncated,
+    /// Its checksum is not that of what it holds.
+    Checksum,
+    /// What it holds is no tree that could have been built; the text says what is wrong.
+    Damaged(&'static str),
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Io(error) => write!(f, "a saved tree cannot be read: {error}"),
+            Self::NotATree => f.write_str("this is no saved tree"),
+            Self::Version(version) => {
+                write!(
+                    f,
+                    "a saved tree of version {version}, but only version {} is known",
+                    super::words::VERSION
+                )
+            }
+            Self::Truncated => f.write_str("a saved tree ends too early"),
+            Self::Checksum => f.write_str("a saved tree does not have the checksum that it should have"),
+            Self::Damaged(what) => write!(f, "a saved tree is damaged: {what}"),
+        }
+    }
+}
+
+impl std::error::Error for LoadError {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match self {
+            Self::Io(error) => Some(error),
+            _ => None,
+        }
+    }
+}
+
+impl From<io::Error> for LoadError {
+    fn from(error: io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::UnexpectedEof => Self::Truncated,
+            _ => Self::Io(error),
+        }
+    }
+}

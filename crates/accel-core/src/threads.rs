@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Who does the work of a build. Source: original. Invariant: what is built is the same for any number of threads.
+
+use rayon::prelude::*;
+
+/// Who does the work of a build. The tree is the same, bit for bit, whatever is chosen.
+#[derive(Clone, Copy, Default)]
+pub enum Threads<'a> {
+    /// The calling thread alone.
+    #[default]
+    Single,
+    /// The threads of this pool; may be called from inside it.
+    Pool(&'a rayon::ThreadPool),
+}
+
+impl Threads<'_> {
+    /// Runs a job, told whether several threads may work on it, among them.
+    pub fn run<R: Send>(self, job: impl FnOnce(bool) -> R + Send) -> R {
+        match self {
+            Self::Single => job(false),
+            Self::Pool(pool) => pool.install(|| job(true)),
+        }
+    }
+}
+
+/// Puts `count` values behind what is in `all`; several threads may work on it.
+pub fn extend<T: Send>(
+    parallel: bool,
+    all: &mut Vec<T>,
+    count: usize,
+    value: impl Fn(usize) -> T + Send + Sync,
+) {
+    if parallel {
+        all.par_extend((0..count).into_par_iter().with_min_len(1024).map(value));
+    } else {
+        all.extend((0..count).map(value));
+    }
+}

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One triangle against sixteen rays of a tile, and what that does to their best hits.
+//! Source: [WBW13] in lanes of rays. Space: object. In: a triangle that a chunk's rays may meet.
+//! Invariant: each ray gets the hit that it would get alone. Proof: `tests/brute_force.rs` of `gnurt-accel`.
+
+use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
+
+use crate::beam::Slopes;
+use crate::blocks::TriangleBlock;
+use crate::chunks::Candidate;
+use crate::heading::Heading;
+use crate::nearest::{AnyHit, Closest, Kind, closer};
+use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
+use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_alone, pass_edges};
+
+/// A tile of one heading, to be tested.
+pub struct TileTest<'a, S: Simd> {
+    pub simd: S,
+    pub rays: &'a RayTile,
+    pub kind: Kind,
+    pub slot: u32,
+    pub heading: Heading,
+}
+
+impl<S: Simd> TileTest<'_, S> {
+    /// One triangle against one chunk; whether any ray hits.
+    #[inline(always)]
+    pub fn meet(
+        &self,
+        block: &TriangleBlock,
+        candidate: &Candidate<S>,
+        slopes: &Slopes,
+        nearest: &mut NearestTile,
+    ) -> bool {
+        let simd = self.simd;
+        let (place, at) = (candidate.place, candidate.chunk * LANES);
+        let shear = [
+            chunk(simd, &slopes.shear[0], at),
+            chunk(simd, &slopes.shear[1], at),
+            chunk(simd, &slopes.shear[2], at),
+        ];
+        let edges = pass_edges(simd, candidate.corners, &shear);
+        if !edges.inside.any_true() {
+            return false;
+        }
+        let best = chunk(simd, &nearest.t, at);
+        let t_near = chunk(simd, &self.rays.t_near, at);
+        let (met, uncertain) = edges.meet(simd, shear[2], edges.inside, t_near, best);
+        let mut found = false;
+        if uncertain.any_true() {
+            found = self.meet_alone(block, place, slopes, at, uncertain.to_bitmask(), nearest);
+        }
+        if !met.hit.any_true() {
+            return found;
+        }
+        let LanesMeeting { t, u, v, hit } = met;
+        let best = chunk(simd, &nearest.t, at);
+        let number = u32x16::splat(simd, block.numbers[place & 7]);
+        let slot = u32x16::splat(simd, self.slot);
+        let old_number = u32x16::from_slice(simd, &nearest.number[at..at + LANES]);
+        let old_slot = u32x16::from_slice(simd, &nearest.slot[at..at + LANES]);
+        let (t, better) = match self.kind {
+            Kind::Any => (f32x16::splat(simd, f32::NEG_INFINITY), hit),
+            Kind::Closest => (t, hit & closer([t, best], [slot, old_slot], [number, old_number])),
+        };
+        store(simd, &mut nearest.t, at, better, t);
+        store(simd, &mut nearest.u, at, better, u);
+        store(simd, &mut nearest.v, at, better, v);
+        better.select(number, old_number).store_slice(&mut nearest.number[at..at + LANES]);
+        better.select(slot, old_slot).store_slice(&mut nearest.slot[at..at + LANES]);
+        true
+    }
+
+    /// Lanes that floats cannot decide.
+    #[cold]
+    #[inline(never)]
+    fn meet_alone(
+        &self,
+        block: &TriangleBlock,
+        place: usize,
+        slopes: &Slopes,
+        at: usize,
+        mut bits: u64,
+        nearest: &mut NearestTile,
+    ) -> bool {
+        let axes = axes_from(self.heading.longest_axis);
+        let corners = block.corners_of(place, axes);
+        let mut found = false;
+        while bits != 0 {
+            let i = at + bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            let mut best = nearest.get(i);
+            let alone = Sheared {
+                org: axes.map(|k| self.rays.org[k][i]),
+                shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
+            };
+            if let Some(meeting) = meet_alone(&corners, &alone, self.rays.t_near[i], best.t) {
+                match self.kind {
+                    Kind::Closest => best.offer::<Closest>(meeting, block.numbers[place & 7], self.slot),
+                    Kind::Any => best.offer::<AnyHit>(meeting, block.numbers[place & 7], self.slot),
+                }
+                nearest.set(i, &best);
+                found = true;
+            }
+        }
+        found
+    }
+}
+
+/// Overwrites the lanes in `mask`.
+#[inline(always)]
+fn store<S: Simd>(simd: S, values: &mut PerRay, at: usize, mask: mask32x16<S>, new: f32x16<S>) {
+    let old = chunk(simd, values, at);
+    mask.select(new, old).store_slice(&mut values[at..at + LANES]);
+}

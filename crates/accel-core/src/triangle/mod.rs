@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The watertight ray-triangle test, for one ray and in lanes.
+//! Source: original. Space: object.
+//! Invariant: a test gives the same bits for one ray and for a lane of a packet, at every level: both do the same
+//! roundings in the same order. Proof: `tests/brute_force.rs` (`ask`).
+
+mod lanes;
+mod meeting;
+mod watertight;
+
+pub use lanes::{LanesMeeting, Sheared, meet_alone, pass_edges, relative_to};
+pub use meeting::Meeting;
+pub use watertight::{ShearedRay, axes_from, shear};

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Geometry of the caller's own making: boxes and a test per primitive.
+//! Source: original; what Embree calls user geometry and OptiX custom primitives. Space: object.
+//! Proof: `tests/mixed.rs`.
+
+use std::fmt;
+
+use crate::aabb::Aabb;
+use crate::ray::Ray;
+
+/// Where a ray meets a user primitive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UserHit {
+    /// Ray parameter.
+    pub t: f32,
+    /// First parameter on the primitive, handed on to [`Hit::u`](crate::Hit::u).
+    pub u: f32,
+    /// Second parameter, likewise.
+    pub v: f32,
+}
+
+/// Primitives that only the caller knows: curves, distance fields, points of a cloud.
+///
+/// Calls come from all threads that trace rays. Trees call it primitive by primitive, for those whose boxes a ray meets.
+pub trait UserGeometry: Send + Sync + fmt::Debug {
+    /// How many primitives there are; must not change.
+    fn count(&self) -> u32;
+
+    /// The box around primitive `prim_id`, object space; must not change. Empty or unsound boxes leave it out.
+    fn bounds(&self, prim_id: u32) -> Aabb;
+
+    /// Calls `hit` for where `ray` meets primitive `prim_id`, in any order.
+    ///
+    /// Meetings outside `[ray.t_near, ray.t_far]` are ignored, so giving them is no mistake; `t_far` is the best hit so
+    /// far where the closest one is wanted. `ray.dir` may be a multiple of the direction that was asked for; the
+    /// parameters are those of `ray`. NaN is ignored.
+    fn intersect(&self, prim_id: u32, ray: &Ray, hit: &mut dyn FnMut(UserHit));
+
+    /// The point of primitive `prim_id` that is nearest to `point`, object space. Primitives without an answer, which
+    /// is the default, are not seen by closest point queries. Where instances are scaled differently along different
+    /// axes, the answer is taken as it is, although another point may then be nearer in the world.
+    fn closest_point(&self, prim_id: u32, point: [f32; 3]) -> Option<[f32; 3]> {
+        let _ = (prim_id, point);
+        None
+    }
+}

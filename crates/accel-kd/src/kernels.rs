@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What is compiled for each level: one table of functions over kd-trees. This is the only place where they are made, and
+//! [`Kernels`] the only door to them.
+//! Source: original; decision 0018 says why tables. Walks are compiled once for all that rays may look for.
+//! Invariant: a table's functions are called with its own token, which proves that the CPU has the level.
+//! Proof: `tests/brute_force.rs` of `gnurt-accel`, which asks at every level.
+
+use std::marker::PhantomData;
+
+use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::trip::{RayTrip, TileTrip};
+use gnurt_simd::{Simd, Token, by_level};
+
+use crate::index::KdIndex;
+
+/// The kernels of one level. Rays are sound and regular.
+#[derive(Clone, Copy)]
+pub struct Kernels {
+    token: Token,
+    table: &'static Table,
+}
+
+struct Table {
+    ray: fn(Token, &KdIndex, &mut RayTrip),
+    /// `None` where lanes are too narrow for it to pay.
+    tile: Option<fn(Token, &KdIndex, Heading, &mut TileTrip)>,
+}
+
+struct For<S>(PhantomData<S>);
+
+impl<S: Simd> For<S> {
+    const TABLE: Table = Table { ray: ray::<S>, tile: if S::HAS_TILES { Some(tile::<S>) } else { None } };
+}
+
+fn ray<S: Simd>(token: Token, index: &KdIndex, trip: &mut RayTrip) {
+    let simd = S::from_token(token);
+    simd.vectorize(
+        #[inline(always)]
+        || index.search(simd, trip),
+    );
+}
+
+fn tile<S: Simd>(token: Token, index: &KdIndex, heading: Heading, trip: &mut TileTrip) {
+    let simd = S::from_token(token);
+    simd.vectorize(
+        #[inline(always)]
+        || index.search_tile(simd, heading, trip),
+    );
+}
+
+impl Kernels {
+    /// Those of a level.
+    #[must_use]
+    pub fn of(token: Token) -> Self {
+        Self { token, table: by_level!(token, S => &For::<S>::TABLE) }
+    }
+
+    /// One ray through the tree.
+    #[inline]
+    pub fn ray(&self, index: &KdIndex, trip: &mut RayTrip) {
+        (self.table.ray)(self.token, index, trip);
+    }
+
+    /// A tile's first rays, all of them active and of one heading. Lanes beyond them up to the next multiple of 16 hold
+    /// copies of rays that look for nothing (`t` is -inf). Whether there is a kernel for it.
+    #[inline]
+    pub fn tile(&self, index: &KdIndex, heading: Heading, trip: &mut TileTrip) -> bool {
+        self.table.tile.inspect(|kernel| kernel(self.token, index, heading, trip)).is_some()
+    }
+}

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The kd-tree over an object's triangles: layout, construction, traversal by one ray and by a tile.
+//! Source: the paper's sections 4.1, 5.1 and 5.2. What is compiled for each level is in [`Kernels`].
+//!
+//! `gnurt-accel` is the door for programs; this crate is one of its structures.
+#![forbid(unsafe_code)]
+
+mod build;
+mod builder;
+mod divide;
+mod event;
+mod index;
+mod kernels;
+mod leaves;
+mod measure;
+#[cfg(test)]
+mod naive;
+mod node;
+mod packet;
+mod packet_rays;
+mod point;
+mod projected;
+mod sah;
+mod sampled;
+mod single;
+mod slab;
+mod tiles;
+
+pub use index::KdIndex;
+pub use kernels::Kernels;

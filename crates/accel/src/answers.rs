@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Where a batch's answers go. Source: original. Proof: `tests/brute_force.rs`.
+
+use gnurt_accel_core::bits::each;
+use gnurt_accel_core::nearest::Nearest;
+use gnurt_accel_core::tile::NearestTile;
+
+use crate::HitBatch;
+use crate::engine::Engine;
+use crate::target::Target;
+
+/// As long as the batch.
+pub(crate) enum Answers<'a> {
+    /// Closest hits of a target; all are misses at first.
+    Hits(Target<'a>, &'a mut HitBatch),
+    /// One flag for each ray; none is set at first.
+    Flags(&'a mut [bool]),
+}
+
+impl Answers<'_> {
+    /// Ray `i` has hit.
+    #[inline]
+    pub(crate) fn one(&mut self, i: usize, nearest: &Nearest) {
+        match self {
+            Self::Hits(target, hits) => hits.set(i, target.hit(nearest)),
+            Self::Flags(flags) => flags[i] = true,
+        }
+    }
+
+    /// Rays from `first` on, those in `active`, have been traced.
+    pub(crate) fn tile(&mut self, engine: &Engine, first: usize, active: u64, nearest: &NearestTile) {
+        match self {
+            Self::Hits(target, hits) => match target.only_mesh() {
+                Some(inst_id) if active == u64::MAX => engine.tiles.store(nearest, inst_id, hits, first),
+                _ => target.write(nearest, active & engine.tiles.hit(nearest), first, hits),
+            },
+            Self::Flags(flags) => each(active & engine.tiles.hit(nearest), |i| flags[first + i] = true),
+        }
+    }
+}

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What objects and scenes answer alike: the bodies of their methods (`object/queries.rs`, `scene/queries.rs`).
+//! Source: original. Proof: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/filters.rs`, `tests/masks.rs`.
+
+use gnurt_accel_core::nearest::Nearest;
+use gnurt_accel_core::point::{NearestPoint, Probe};
+use gnurt_accel_core::trip::{RayKind, RayTrip};
+
+use crate::candidates::{Sorted, is_better};
+use crate::engine::Engine;
+use crate::target::Target;
+use crate::{AnyRay, Counters, Hit, PointHit, Query, Ray};
+
+/// A single ray as it is asked for.
+#[derive(Clone, Copy)]
+pub(crate) struct One<'a> {
+    query: &'a Query,
+    ray: &'a Ray,
+    /// The ray's origin in double precision, where that is known.
+    origin: Option<&'a [f64; 3]>,
+}
+
+impl Target<'_> {
+    fn trace(self, One { query, ray, origin }: One, mut kind: RayKind) -> Nearest {
+        // Copied only where it must be: what has just been stored in parts cannot be loaded in lanes for a while.
+        let (masked, mask) = (&mut None, ray.mask & query.mask);
+        let ray = match mask == ray.mask {
+            true => ray,
+            false => masked.insert(Ray { mask, ..*ray }),
+        };
+        let mut nearest = Nearest::none(ray.t_far);
+        if ray.is_sound() {
+            let (counters, found) = (&mut Counters::default(), &mut nearest);
+            let trip = &mut RayTrip { ray, origin, kind: kind.again(), slot: 0, nearest: found, counters };
+            self.ray(Engine::at(query.level), trip);
+        }
+        nearest
+    }
+
+    fn closest_of(self, one: One) -> Option<Hit> {
+        let nearest = self.trace(one, RayKind::Closest);
+        nearest.is_hit().then(|| self.hit(&nearest))
+    }
+
+    fn any_of(self, one: One) -> bool {
+        self.trace(one, RayKind::Any).is_hit()
+    }
+
+    /// Shows all hits to `judge`, in any order; it answers with how far the ray is still of interest.
+    fn candidates(self, one: One, judge: &mut dyn FnMut(Hit) -> f32) {
+        self.trace(one, RayKind::Each(&mut |nearest| judge(self.hit(nearest))));
+    }
+
+    /// The closest hit.
+    #[inline]
+    pub(crate) fn closest(self, query: &Query, ray: &impl AnyRay) -> Option<Hit> {
+        self.closest_of(One { query, ray: &ray.rounded(), origin: ray.origin64().as_ref() })
+    }
+
+    /// Whether there is a hit.
+    #[inline]
+    pub(crate) fn any(self, query: &Query, ray: &impl AnyRay) -> bool {
+        self.any_of(One { query, ray: &ray.rounded(), origin: ray.origin64().as_ref() })
+    }
+
+    /// The closest hit that `accept` lets pass.
+    pub(crate) fn closest_filtered(
+        self,
+        query: &Query,
+        ray: &impl AnyRay,
+        mut accept: impl FnMut(&Ray, &Hit) -> bool,
+    ) -> Option<Hit> {
+        let (seen, origin) = (ray.rounded(), ray.origin64());
+        let mut best: Option<Hit> = None;
+        self.candidates(One { query, ray: &seen, origin: origin.as_ref() }, &mut |hit| {
+            if is_better(&hit, best.as_ref()) && accept(&seen, &hit) {
+                best = Some(hit);
+            }
+            best.map_or(seen.t_far, |best| best.t)
+        });
+        best
+    }
+
+    /// Whether there is a hit that `accept` lets pass.
+    pub(crate) fn any_filtered(
+        self,
+        query: &Query,
+        ray: &impl AnyRay,
+        mut accept: impl FnMut(&Ray, &Hit) -> bool,
+    ) -> bool {
+        let (seen, origin) = (ray.rounded(), ray.origin64());
+        let mut found = false;
+        self.candidates(One { query, ray: &seen, origin: origin.as_ref() }, &mut |hit| {
+            found = found || accept(&seen, &hit);
+            if found { f32::NEG_INFINITY } else { seen.t_far }
+        });
+        found
+    }
+
+    /// The first `n` hits in order.
+    pub(crate) fn first_hits(self, query: &Query, ray: &impl AnyRay, n: usize, hits: &mut Vec<Hit>) {
+        let (seen, origin) = (ray.rounded(), ray.origin64());
+        let mut sorted = Sorted::new(hits, n, seen.t_far);
+        if n > 0 {
+            let one = One { query, ray: &seen, origin: origin.as_ref() };
+            self.candidates(one, &mut |hit| sorted.take(hit));
+            sorted.finish();
+        }
+    }
+
+    /// The nearest point of a surface.
+    pub(crate) fn closest_point(self, query: &Query, point: [f64; 3], radius: f64) -> Option<PointHit> {
+        if !point.iter().all(|x| x.is_finite()) || radius.is_nan() {
+            return None;
+        }
+        let (probe, mut nearest) = (Probe::new(point, query.mask), NearestPoint::within(radius));
+        self.point(Engine::at(query.level), &probe, &mut nearest);
+        nearest.hit(point, |nearest| self.hit(nearest))
+    }
+}

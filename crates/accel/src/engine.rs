@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The tables of kernels of a level, together: what a query takes along through scenes and objects.
+//! Source: original; decision 0018. Proof: `tests/brute_force.rs`, which asks at every level.
+
+use std::sync::OnceLock;
+
+use gnurt_accel_core::tile_kernels::TileKernels;
+use gnurt_simd::Level;
+
+/// One table of each crate that has kernels. A new structure is a line here.
+pub(crate) struct Engine {
+    pub(crate) tiles: TileKernels,
+    pub(crate) bvh: gnurt_accel_bvh::Kernels,
+    pub(crate) kd: gnurt_accel_kd::Kernels,
+}
+
+impl Engine {
+    /// That of a level, or of the best one below it that the CPU has.
+    #[inline]
+    pub(crate) fn at(level: Level) -> &'static Self {
+        static ENGINES: OnceLock<[Engine; Level::ALL.len()]> = OnceLock::new();
+        // A single ray asks for it, too: after the first time it is a load.
+        &ENGINES.get_or_init(|| Level::ALL.map(Self::new))[level as usize]
+    }
+
+    fn new(level: Level) -> Self {
+        let token = level.token();
+        Self {
+            tiles: TileKernels::of(token),
+            bvh: gnurt_accel_bvh::Kernels::of(token),
+            kd: gnurt_accel_kd::Kernels::of(token),
+        }
+    }
+
+    /// Whether rays go together at this level. Where lanes are too narrow, they go one by one.
+    pub(crate) fn has_tiles(&self) -> bool {
+        self.bvh.has_tiles()
+    }
+}

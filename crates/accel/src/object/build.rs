@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Builds an object's trees: one for each kind of primitive and mask. Source: original. Space: object.
+//! Proof: `tests/brute_force.rs`, `tests/mixed.rs`, `tests/control.rs`.
+
+use gnurt_accel_bvh::{BvhIndex, SphereIndex, UserIndex};
+use gnurt_accel_core::control::Watch;
+use gnurt_accel_core::geometry::{GeometryKind, Numbering};
+use gnurt_accel_core::screened::Screened;
+use gnurt_accel_kd::KdIndex;
+
+use super::{Index, ObjectTree, Part};
+use crate::{
+    Aabb, BadPrimitives, BuildControl, BuildError, BuildOptions, Geometry, Structure, Threads, TreeStats,
+    Triangles,
+};
+
+/// What trees are told apart by.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Surfaces,
+    Spheres,
+    User,
+}
+
+fn kind_of(geometry: &Geometry) -> Kind {
+    match geometry.kind {
+        GeometryKind::Triangles(_) | GeometryKind::Quads(_) => Kind::Surfaces,
+        GeometryKind::Spheres(_) => Kind::Spheres,
+        GeometryKind::User(_) => Kind::User,
+    }
+}
+
+impl ObjectTree {
+    /// Builds over triangle meshes. Triangles that cannot be traced are left out and counted; no triangle at all is
+    /// fine.
+    #[must_use]
+    pub fn build(meshes: &[Triangles], options: &BuildOptions, threads: Threads) -> Self {
+        let geometries: Vec<Geometry> = meshes.iter().map(|&mesh| mesh.into()).collect();
+        Self::build_from(&geometries, options, threads)
+    }
+
+    /// The same under control: may be cancelled, tells how far it is and what memory it takes, and stays within a budget.
+    /// The tree does not depend on who listens.
+    ///
+    /// # Errors
+    /// That `control` stopped it: see [`BuildError`]. Bad triangles are no errors, but counted.
+    pub fn try_build(
+        meshes: &[Triangles],
+        options: &BuildOptions,
+        threads: Threads,
+        control: &dyn BuildControl,
+    ) -> Result<Self, BuildError> {
+        let geometries: Vec<Geometry> = meshes.iter().map(|&mesh| mesh.into()).collect();
+        Self::try_build_from(&geometries, options, threads, control)
+    }
+
+    /// Builds over geometries of any kinds. What cannot be traced is left out and counted; nothing at all is fine.
+    ///
+    /// Spheres and user geometry always get a BVH; `options.structure` is for triangles and quads.
+    #[must_use]
+    pub fn build_from(geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Self {
+        Self::try_build_from(geometries, options, threads, &()).expect("nobody stops it")
+    }
+
+    /// The same under control, as [`try_build`](Self::try_build). Trees of spheres and of user geometry are built in one
+    /// go, and their memory is not counted.
+    ///
+    /// # Errors
+    /// That `control` stopped it: see [`BuildError`].
+    pub fn try_build_from(
+        geometries: &[Geometry],
+        options: &BuildOptions,
+        threads: Threads,
+        control: &dyn BuildControl,
+    ) -> Result<Self, BuildError> {
+        let watch = Watch::new(control);
+        let numbering = Numbering::new(geometries);
+        let mut bad = BadPrimitives { too_many: numbering.too_many, ..BadPrimitives::default() };
+        let mut groups: Vec<(Kind, u32)> = Vec::new();
+        for group in geometries.iter().map(|geometry| (kind_of(geometry), geometry.mask)) {
+            if !groups.contains(&group) {
+                groups.push(group);
+            }
+        }
+        let mut parts = Vec::new();
+        let mut stats = TreeStats::default();
+        for (kind, mask) in groups {
+            let wanted = |geometry: &Geometry| (kind_of(geometry), geometry.mask) == (kind, mask);
+            let (quality, memory) = (options.quality, options.memory);
+            let mut triangles = None;
+            watch.result()?;
+            let index = match kind {
+                Kind::Surfaces => {
+                    let wanted_numbers = (0..geometries.len()).filter(|&i| wanted(&geometries[i]));
+                    let numbers: usize = wanted_numbers.map(|i| numbering.range(i).len()).sum();
+                    let bytes = size_of::<u32>() * numbers;
+                    watch.take(bytes);
+                    watch.result()?;
+                    let screened = Screened::over(geometries, &numbering, wanted, threads);
+                    bad += screened.bad;
+                    triangles = Some(screened.good.len() as u64);
+                    if screened.good.is_empty() {
+                        continue;
+                    }
+                    let index = match options.structure {
+                        Structure::Kd => Index::Kd(KdIndex::build(&screened, options, threads, &watch)?),
+                        Structure::Bvh => {
+                            Index::Bvh(BvhIndex::build(&screened, quality, memory, threads, &watch)?)
+                        }
+                    };
+                    watch.give(bytes);
+                    index
+                }
+                Kind::Spheres => Index::Spheres(SphereIndex::build(
+                    geometries, &numbering, wanted, &mut bad, quality, memory, threads,
+                )),
+                Kind::User => Index::User(UserIndex::build(
+                    geometries, &numbering, wanted, &mut bad, quality, memory, threads,
+                )),
+            };
+            if !index.bounds().is_empty() {
+                let measured = index.stats();
+                let primitives = triangles.unwrap_or(measured.primitives);
+                stats = both(stats, TreeStats { primitives, ..measured });
+                parts.push(Part { mask, index });
+            }
+        }
+        let bounds = parts.iter().fold(Aabb::EMPTY, |all, part| all.union(&part.index.bounds()));
+        watch.result()?;
+        watch.finish();
+        Ok(Self { parts, numbering, bad, bounds, stats })
+    }
+}
+
+/// The sizes of two trees together.
+fn both(a: TreeStats, b: TreeStats) -> TreeStats {
+    TreeStats {
+        primitives: a.primitives + b.primitives,
+        nodes: a.nodes + b.nodes,
+        leaves: a.leaves + b.leaves,
+        empty_leaves: a.empty_leaves + b.empty_leaves,
+        references: a.references + b.references,
+        depth: a.depth.max(b.depth),
+        sah_cost: a.sah_cost + b.sah_cost,
+        tree_bytes: a.tree_bytes + b.tree_bytes,
+        primitive_bytes: a.primitive_bytes + b.primitive_bytes,
+    }
+}

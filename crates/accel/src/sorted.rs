@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Rays that start near each other but go different ways: sorted by heading, then traced in tiles.
+//! Source: [RSH05] for what tiles gain; counting sort. Proof: `tests/brute_force.rs` (`ask`).
+
+use gnurt_accel_core::bits::{TILE, all, each};
+use gnurt_accel_core::heading::Headings;
+use gnurt_accel_core::tile::{NearestTile, RayTile};
+
+use crate::Counters;
+use crate::answers::Answers;
+use crate::under_way::UnderWay;
+
+/// Rays that are sorted at a time.
+const WINDOW: usize = 4096;
+
+/// Headings that they are sorted by, and those that cannot be traced: a power of two above their number.
+const PLACES: usize = 32;
+const _: () = assert!(Headings::CODES < PLACES, "each heading has its place");
+
+/// Sorts rays by where they are heading, then traces them in tiles.
+pub(crate) fn trace(batch: &UnderWay, answers: &mut Answers, counters: &mut Counters) {
+    let (rays, kernels) = (batch.rays, &batch.engine.tiles);
+    let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
+    // Not on the stack, which may be small.
+    let (mut codes, mut order) = (vec![0u8; WINDOW], vec![0u32; WINDOW]);
+    for window in (0..rays.len()).step_by(WINDOW) {
+        let count = WINDOW.min(rays.len() - window);
+        let mut ends = [0u32; PLACES];
+        for first in (0..count).step_by(TILE) {
+            let there = tile.load(rays, window + first, &mut nearest);
+            let sound = kernels.sound(&tile, &nearest) & all(there);
+            let of_tile = kernels.codes(&kernels.headings(&tile), sound);
+            for (code, &of_ray) in codes[first..count].iter_mut().zip(&of_tile) {
+                *code = of_ray as u8;
+                ends[of_ray as usize % PLACES] += 1;
+            }
+        }
+        let mut sum = 0;
+        for end in &mut ends {
+            sum += *end;
+            *end = sum - *end;
+        }
+        for (i, &code) in codes[..count].iter().enumerate() {
+            let place = &mut ends[code as usize % PLACES];
+            order[*place as usize % WINDOW] = (window + i) as u32;
+            *place += 1;
+        }
+        // The unsound ones come last and are left out.
+        let sound = ends[Headings::CODES - 1] as usize;
+        let mut from = 0;
+        for &end in &ends[..Headings::CODES] {
+            let end = end as usize;
+            while from < end {
+                let some = &order[from..end.min(from + TILE)];
+                tile.pick(rays, some, &mut nearest);
+                let active = all(some.len());
+                batch.tile(&mut tile, active, false, |i| some[i] as usize, &mut nearest, counters);
+                each(active & kernels.hit(&nearest), |i| answers.one(some[i] as usize, &nearest.get(i)));
+                from += some.len();
+            }
+        }
+        debug_assert_eq!(from, sound, "every sound ray was traced");
+    }
+}

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What rays are sent into: an object or a scene. Everything from here on, down to the kernels, is compiled once.
+//! Source: original.
+
+use gnurt_accel_core::bits::each;
+use gnurt_accel_core::nearest::Nearest;
+use gnurt_accel_core::point::{NearestPoint, Probe};
+use gnurt_accel_core::tile::NearestTile;
+use gnurt_accel_core::trip::{RayTrip, TileTrip};
+
+use crate::engine::Engine;
+use crate::{Hit, HitBatch, ObjectTree, SceneTree};
+
+/// An object or a scene.
+#[derive(Clone, Copy)]
+pub(crate) enum Target<'a> {
+    Object(&'a ObjectTree),
+    Scene(&'a SceneTree),
+}
+
+impl Target<'_> {
+    /// Sends a ray, which is sound.
+    #[inline]
+    pub(crate) fn ray(self, engine: &Engine, trip: &mut RayTrip) {
+        match self {
+            Self::Object(object) => object.ray(engine, trip),
+            Self::Scene(scene) => scene.ray(engine, trip),
+        }
+    }
+
+    /// Sends a tile's active rays. Where they are `apart`, they need not have anything in common.
+    pub(crate) fn tile(self, engine: &Engine, trip: &mut TileTrip, apart: bool) {
+        match self {
+            Self::Object(object) => object.tile(engine, trip, apart),
+            Self::Scene(scene) => scene.tile(engine, trip, apart),
+        }
+    }
+
+    /// Improves the nearest point.
+    pub(crate) fn point(self, engine: &Engine, probe: &Probe, nearest: &mut NearestPoint) {
+        match self {
+            Self::Object(object) => object.nearest(engine, probe, 0, nearest),
+            Self::Scene(scene) => scene.nearest(engine, probe, 0, nearest),
+        }
+    }
+
+    /// Ids of what was hit.
+    #[inline]
+    pub(crate) fn hit(self, nearest: &Nearest) -> Hit {
+        match self {
+            Self::Object(object) => object.resolve(nearest, 0, 0),
+            Self::Scene(scene) => scene.resolve(nearest),
+        }
+    }
+
+    /// Writes what those rays of a tile that are in `bits` have hit, the tile's first ray to lane `first`.
+    pub(crate) fn write(self, nearest: &NearestTile, bits: u64, first: usize, hits: &mut HitBatch) {
+        match self {
+            Self::Object(object) => {
+                each(bits, |i| hits.set(first + i, object.resolve(&nearest.get(i), 0, 0)));
+            }
+            Self::Scene(scene) => scene.write(nearest, bits, first, hits),
+        }
+    }
+
+    /// The instance, where all hits have the same one and their numbers are `prim_id`s of its only mesh.
+    pub(crate) fn only_mesh(self) -> Option<u32> {
+        match self {
+            Self::Object(object) => object.has_one_mesh().then_some(0),
+            Self::Scene(scene) => scene.only_mesh(),
+        }
+    }
+}

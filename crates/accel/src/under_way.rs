@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A batch on its way: its rays in tiles of neighbours, or one by one.
+//! Source: original. Space: that of the target. Proof: `tests/brute_force.rs` (`ask`), `tests/masks.rs`.
+
+use gnurt_accel_core::bits::{TILE, all, each};
+use gnurt_accel_core::nearest::{Kind, Nearest};
+use gnurt_accel_core::tile::{NearestTile, RayTile};
+use gnurt_accel_core::trip::{RayTrip, TileTrip};
+
+use crate::answers::Answers;
+use crate::engine::Engine;
+use crate::target::Target;
+use crate::{Counters, Ray, RayBatch};
+
+/// A batch on its way.
+pub(crate) struct UnderWay<'a> {
+    pub(crate) target: Target<'a>,
+    pub(crate) engine: &'a Engine,
+    pub(crate) rays: &'a RayBatch,
+    pub(crate) kind: Kind,
+    /// What all of its rays see at most.
+    pub(crate) mask: u32,
+}
+
+impl UnderWay<'_> {
+    /// What ray `i` sees.
+    #[inline]
+    fn mask_of(&self, i: usize) -> u32 {
+        let own = &self.rays.mask;
+        if own.is_empty() { self.mask } else { own[i] & self.mask }
+    }
+
+    /// Traces a tile's active rays, of which `i` is `place(i)` of the batch; rays that see the same go together.
+    pub(crate) fn tile(
+        &self,
+        tile: &mut RayTile,
+        active: u64,
+        apart: bool,
+        place: impl Fn(usize) -> usize,
+        nearest: &mut NearestTile,
+        counters: &mut Counters,
+    ) {
+        let mut left = active;
+        loop {
+            let mut same = left;
+            tile.mask = self.mask;
+            if !self.rays.mask.is_empty() && left != 0 {
+                tile.mask = self.mask_of(place(left.trailing_zeros() as usize));
+                each(left, |i| {
+                    if self.mask_of(place(i)) != tile.mask {
+                        same &= !(1 << i);
+                    }
+                });
+            }
+            let (rays, kind) = (&*tile, self.kind);
+            let trip = &mut TileTrip { rays, active: same, kind, slot: 0, nearest, counters };
+            self.target.tile(self.engine, trip, apart);
+            left &= !same;
+            if left == 0 {
+                return;
+            }
+        }
+    }
+
+    /// Traces rays in tiles of 64 neighbours, which may be `apart`.
+    pub(crate) fn tiles(&self, apart: bool, answers: &mut Answers, counters: &mut Counters) {
+        let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);
+        for first in (0..self.rays.len()).step_by(TILE) {
+            let count = tile.load(self.rays, first, &mut nearest);
+            let active = self.engine.tiles.sound(&tile, &nearest) & all(count);
+            self.tile(&mut tile, active, apart, |i| first + i, &mut nearest, counters);
+            answers.tile(self.engine, first, active, &nearest);
+        }
+    }
+
+    /// Traces rays one by one and notes what each costs.
+    pub(crate) fn singles(&self, answers: &mut Answers, counters: &mut Counters, costs: &mut Vec<u32>) {
+        costs.clear();
+        costs.reserve(self.rays.len());
+        for i in 0..self.rays.len() {
+            let before = counters.nodes + counters.triangles;
+            let ray = Ray { mask: self.mask_of(i), ..self.rays.get(i) };
+            if ray.is_sound() {
+                let mut nearest = Nearest::none(ray.t_far);
+                let (kind, slot) = (self.kind.into(), 0);
+                let nearest_of = &mut nearest;
+                let trip =
+                    &mut RayTrip { ray: &ray, origin: None, kind, slot, nearest: nearest_of, counters };
+                self.target.ray(self.engine, trip);
+                if nearest.is_hit() {
+                    answers.one(i, &nearest);
+                }
+            }
+            let spent = counters.nodes + counters.triangles - before;
+            costs.push(spent.min(u64::from(u32::MAX)) as u32);
+        }
+    }
+}
