@@ -2,7 +2,7 @@
 //! A wide BVH with leaf blocks of eight of some kind: what spheres, user geometry and instances have in common.
 //! Source: original. Space: that of the primitives. Proof: `tests/mixed.rs` of `gnurt-accel`, `boxes::tests`.
 
-use gnurt_accel_core::{Aabb, Memory, Quality, Threads, TreeStats};
+use gnurt_accel_core::{Aabb, BuildError, Memory, Quality, Threads, TreeStats};
 
 use crate::build::build;
 use crate::node::WIDTH;
@@ -21,23 +21,31 @@ pub(crate) struct Blocked<B> {
 
 impl<B> Blocked<B> {
     /// Over all primitives; `block` makes a block of the numbers of up to eight, padded with `INVALID_ID`.
+    ///
+    /// # Errors
+    /// That there are too many.
     pub(crate) fn build(
         primitives: &impl Primitives,
         quality: Quality,
         memory: Memory,
         threads: Threads,
         block: impl Fn(&[u32; WIDTH]) -> B,
-    ) -> Self {
-        let mut tree = build(primitives, quality, threads);
+    ) -> Result<Self, BuildError> {
+        let mut tree = build(primitives, quality, threads)?;
         tree.settle(memory);
         let stats = tree.measure();
         let blocks = std::mem::take(&mut tree.blocks).iter().map(block).collect();
-        Self { blocks, greatest: tree.greatest(), tree, stats }
+        Ok(Self { blocks, greatest: tree.greatest(), tree, stats })
     }
 
-    /// Of what was saved.
-    pub(crate) fn of_parts(tree: Tree, blocks: Vec<B>, stats: TreeStats) -> Self {
-        Self { greatest: tree.greatest(), tree, blocks, stats }
+    /// Of what was saved; to be measured once it has been checked.
+    pub(crate) fn of_parts(tree: Tree, blocks: Vec<B>) -> Self {
+        Self { greatest: tree.greatest(), tree, blocks, stats: TreeStats::default() }
+    }
+
+    /// Measures a sound tree, whose blocks hold so many references.
+    pub(crate) fn measure_again(&mut self, references: u64) {
+        self.stats = TreeStats { references, ..self.tree.measure() };
     }
 
     /// Box around everything.

@@ -28,6 +28,9 @@ pub struct BoxIndex {
 
 impl BoxIndex {
     /// Over boxes relative to `origin`, none of them empty.
+    ///
+    /// # Panics
+    /// If there are more than about 2^30.
     #[must_use]
     pub fn build(boxes: &[Aabb], origin: [f32; 3]) -> Self {
         let block = |places: &[u32; WIDTH]| {
@@ -37,7 +40,9 @@ impl BoxIndex {
             }
             block
         };
-        Self { over: Blocked::build(&boxes, Quality::Medium, Memory::Fast, Threads::Single, block), origin }
+        let over = Blocked::build(&boxes, Quality::Medium, Memory::Fast, Threads::Single, block);
+        // A billion instances take a hundred times the memory of their tree before.
+        Self { over: over.expect("there are fewer than 2^30 boxes"), origin }
     }
 
     /// What boxes are relative to.

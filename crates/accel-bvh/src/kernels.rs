@@ -187,7 +187,7 @@ impl Kernels {
     }
 
     /// One ray through triangles.
-    #[inline]
+    #[inline(always)]
     pub fn ray(&self, index: &BvhIndex, trip: &mut RayTrip) {
         let kernel = match trip.kind {
             RayKind::Closest => self.table.closest,

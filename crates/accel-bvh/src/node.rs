@@ -62,6 +62,8 @@ impl Child {
     const COUNT_SHIFT: u32 = 27;
     /// Most blocks of one leaf.
     pub(crate) const MOST_BLOCKS: usize = 15;
+    /// Most blocks of a tree: what the other bits can number. Tests have small scenes.
+    pub(crate) const MOST_NUMBERS: usize = if cfg!(test) { 1 << 14 } else { 1 << Self::COUNT_SHIFT };
     /// No child.
     pub(crate) const NONE: Self = Self(Self::LEAF);
 
@@ -72,7 +74,8 @@ impl Child {
 
     /// Leaf blocks `first..first + count`; `count` is 1 to [`MOST_BLOCKS`](Self::MOST_BLOCKS).
     pub(crate) fn leaf(first: usize, count: usize) -> Self {
-        debug_assert!((1..=Self::MOST_BLOCKS).contains(&count), "{count} blocks make no leaf");
+        assert!((1..=Self::MOST_BLOCKS).contains(&count), "{count} blocks make no leaf");
+        assert!(first + count <= Self::MOST_NUMBERS, "block {first} is beyond what a leaf can number");
         Self(Self::LEAF | (count as u32) << Self::COUNT_SHIFT | first as u32)
     }
 

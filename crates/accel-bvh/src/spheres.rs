@@ -11,7 +11,9 @@ use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::geometry::{GeometryKind, Numbering};
 use gnurt_accel_core::triangle::Meeting;
 use gnurt_accel_core::trip::RayTrip;
-use gnurt_accel_core::{Aabb, BadPrimitives, Geometry, INVALID_ID, Memory, Quality, Ray, Threads, TreeStats};
+use gnurt_accel_core::{
+    Aabb, BadPrimitives, BuildError, Geometry, INVALID_ID, Memory, Quality, Ray, Threads, TreeStats,
+};
 use gnurt_simd::{Simd, f32x8, prelude::*};
 
 use crate::blocked::Blocked;
@@ -57,6 +59,9 @@ impl Primitives for Gathered {
 
 impl SphereIndex {
     /// Over the spheres of geometries that are `wanted`; what cannot be traced is counted.
+    ///
+    /// # Errors
+    /// That there are too many.
     pub fn build(
         geometries: &[Geometry],
         numbering: &Numbering,
@@ -65,7 +70,7 @@ impl SphereIndex {
         quality: Quality,
         memory: Memory,
         threads: Threads,
-    ) -> Self {
+    ) -> Result<Self, BuildError> {
         let mut gathered = Gathered { spheres: Vec::new(), numbers: Vec::new() };
         for (i, geometry) in geometries.iter().enumerate().filter(|(_, geometry)| wanted(geometry)) {
             let GeometryKind::Spheres(spheres) = &geometry.kind else { continue };
@@ -98,7 +103,7 @@ impl SphereIndex {
             }
             block
         };
-        Self(Blocked::build(&gathered, quality, memory, threads, block))
+        Ok(Self(Blocked::build(&gathered, quality, memory, threads, block)?))
     }
 
     /// Box around all spheres.

@@ -9,7 +9,8 @@ use gnurt_accel_core::geometry::{GeometryKind, Numbering};
 use gnurt_accel_core::triangle::Meeting;
 use gnurt_accel_core::trip::RayTrip;
 use gnurt_accel_core::{
-    Aabb, BadPrimitives, Geometry, INVALID_ID, Memory, Quality, Ray, Threads, TreeStats, UserGeometry,
+    Aabb, BadPrimitives, BuildError, Geometry, INVALID_ID, Memory, Quality, Ray, Threads, TreeStats,
+    UserGeometry,
 };
 use gnurt_simd::Simd;
 
@@ -28,6 +29,9 @@ pub struct UserIndex {
 
 impl UserIndex {
     /// Over the user geometries that are `wanted`; primitives with unsound boxes are counted.
+    ///
+    /// # Errors
+    /// That there are too many.
     pub fn build(
         geometries: &[Geometry],
         numbering: &Numbering,
@@ -36,7 +40,7 @@ impl UserIndex {
         quality: Quality,
         memory: Memory,
         threads: Threads,
-    ) -> Self {
+    ) -> Result<Self, BuildError> {
         let (mut boxes, mut of_boxes) = (Vec::new(), Vec::new());
         let mut users = Vec::new();
         for (i, geometry) in geometries.iter().enumerate().filter(|(_, geometry)| wanted(geometry)) {
@@ -57,7 +61,8 @@ impl UserIndex {
         }
         let number = |i: u32| of_boxes.get(i as usize).copied().unwrap_or(INVALID_ID);
         let block = |places: &[u32; WIDTH]| places.map(number);
-        Self { over: Blocked::build(&&boxes[..], quality, memory, threads, block), geometries: users }
+        let over = Blocked::build(&&boxes[..], quality, memory, threads, block)?;
+        Ok(Self { over, geometries: users })
     }
 
     /// Box around everything.

@@ -18,18 +18,21 @@ impl Aabb {
 
     /// The smallest box around some points.
     #[must_use]
+    #[inline]
     pub fn around(points: &[[f32; 3]]) -> Self {
         points.iter().fold(Self::EMPTY, |all, &p| all.union(&Self { min: p, max: p }))
     }
 
     /// Whether no point is in.
     #[must_use]
+    #[inline]
     pub fn is_empty(&self) -> bool {
         (0..3).any(|k| self.min[k] > self.max[k])
     }
 
     /// The smallest box around both.
     #[must_use]
+    #[inline]
     pub fn union(&self, other: &Self) -> Self {
         Self {
             min: [0, 1, 2].map(|k| self.min[k].min(other.min[k])),
@@ -39,12 +42,14 @@ impl Aabb {
 
     /// Lengths of the sides; zero for an empty box.
     #[must_use]
+    #[inline]
     pub fn extent(&self) -> [f64; 3] {
         [0, 1, 2].map(|k| (f64::from(self.max[k]) - f64::from(self.min[k])).max(0.0))
     }
 
     /// Half of the surface, in double precision: huge boxes overflow a float.
     #[must_use]
+    #[inline]
     pub fn half_area(&self) -> f64 {
         let [x, y, z] = self.extent();
         x * y + y * z + z * x
@@ -52,6 +57,7 @@ impl Aabb {
 
     /// The two parts on either side of the plane `p[axis] == at`.
     #[must_use]
+    #[inline]
     pub fn split(&self, axis: usize, at: f32) -> [Self; 2] {
         let (mut left, mut right) = (*self, *self);
         left.max[axis] = at;
@@ -60,6 +66,7 @@ impl Aabb {
     }
 
     /// Greatest absolute coordinate; 0 for an empty box.
+    #[inline]
     pub fn greatest(&self) -> f32 {
         if self.is_empty() {
             return 0.0;

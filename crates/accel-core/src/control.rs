@@ -48,6 +48,13 @@ pub enum BuildError {
         /// What [`BuildControl::memory_budget`] allowed.
         budget: u64,
     },
+    /// Leaves cannot number so many blocks of eight primitives: several objects can hold them.
+    TooManyBlocks {
+        /// That the tree would have.
+        blocks: u64,
+        /// That a tree can have.
+        most: u64,
+    },
 }
 
 impl fmt::Display for BuildError {
@@ -57,6 +64,10 @@ impl fmt::Display for BuildError {
             Self::OutOfMemory { needed, budget } => {
                 write!(f, "the build needs {needed} bytes of memory or more, and may take {budget}")
             }
+            Self::TooManyBlocks { blocks, most } => write!(
+                f,
+                "the tree would have {blocks} leaf blocks of up to 8 primitives and can have {most}: divide the object"
+            ),
         }
     }
 }

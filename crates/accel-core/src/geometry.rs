@@ -208,6 +208,7 @@ impl Numbering {
     }
 
     /// Numbers of one geometry.
+    #[inline]
     pub fn range(&self, geometry: usize) -> std::ops::Range<u32> {
         self.starts[geometry]..self.starts[geometry + 1]
     }

@@ -50,6 +50,7 @@ pub struct PrimitiveId {
 impl Hit {
     /// The primitive that was hit.
     #[must_use]
+    #[inline]
     pub fn primitive(&self) -> PrimitiveId {
         PrimitiveId { leaf_id: self.leaf_id, geom_id: self.geom_id, prim_id: self.prim_id }
     }
@@ -92,18 +93,21 @@ impl HitBatch {
 
     /// Number of lanes.
     #[must_use]
+    #[inline]
     pub fn len(&self) -> usize {
         self.t.len()
     }
 
     /// Whether there are no lanes.
     #[must_use]
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.t.is_empty()
     }
 
     /// Lane `i`, or `None` where the ray missed.
     #[must_use]
+    #[inline]
     pub fn get(&self, i: usize) -> Option<Hit> {
         (self.prim_id[i] != INVALID_ID).then(|| Hit {
             t: self.t[i],
@@ -117,6 +121,7 @@ impl HitBatch {
     }
 
     /// Writes lane `i`.
+    #[inline]
     pub fn set(&mut self, i: usize, hit: Hit) {
         self.t[i] = hit.t;
         self.u[i] = hit.u;

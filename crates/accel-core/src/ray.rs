@@ -14,9 +14,10 @@ use crate::float::most;
 pub struct Ray {
     /// Origin.
     pub org: [f32; 3],
-    /// Smallest parameter that counts as a hit, inclusive, `>= 0`.
+    /// Smallest parameter that counts as a hit, inclusive. Made for `>= 0`: below zero hits behind the origin are right, too,
+    /// but nearer boxes are no longer looked at first.
     pub t_near: f32,
-    /// Direction, any length but zero.
+    /// Direction, any length but zero. Of very short ones `t` may be beyond the greatest float, and then infinite.
     pub dir: [f32; 3],
     /// Largest parameter that counts as a hit, inclusive.
     pub t_far: f32,
@@ -41,6 +42,7 @@ impl Ray {
 
     /// The same ray, seen only in `[t_near, t_far]`.
     #[must_use]
+    #[inline]
     pub fn within(self, t_near: f32, t_far: f32) -> Self {
         Self { t_near, t_far, ..self }
     }
@@ -50,12 +52,14 @@ impl Ray {
     /// It starts at the next greater float, so a loop that follows a ray from hit to hit always ends: `t` grows in
     /// every round. The price: of several surfaces at exactly the same `t` only one is seen.
     #[must_use]
+    #[inline]
     pub fn beyond(self, t: f32) -> Self {
         Self { t_near: t.next_up(), ..self }
     }
 
     /// The point at parameter `t`.
     #[must_use]
+    #[inline]
     pub fn at(&self, t: f32) -> [f32; 3] {
         [0, 1, 2].map(|k| self.org[k] + t * self.dir[k])
     }
@@ -147,6 +151,7 @@ impl Ray64 {
 
     /// The point at parameter `t`.
     #[must_use]
+    #[inline]
     pub fn at(&self, t: f32) -> [f64; 3] {
         [0, 1, 2].map(|k| self.org[k] + f64::from(t) * f64::from(self.dir[k]))
     }

@@ -38,12 +38,14 @@ impl RayBatch {
 
     /// Number of rays: of near ends, where somebody made arrays of different lengths.
     #[must_use]
+    #[inline]
     pub fn len(&self) -> usize {
         self.t_near.len()
     }
 
     /// Whether no ray is in.
     #[must_use]
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.t_near.is_empty()
     }
@@ -71,6 +73,7 @@ impl RayBatch {
     }
 
     /// Appends a ray.
+    #[inline]
     pub fn push(&mut self, ray: Ray) {
         for k in 0..3 {
             self.org[k].push(ray.org[k]);

@@ -117,6 +117,7 @@ impl<'a> Screened<'a> {
     }
 
     /// One past the greatest number.
+    #[inline]
     pub fn count(&self) -> usize {
         self.good.last().map_or(0, |&last| last as usize + 1)
     }

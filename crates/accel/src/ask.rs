@@ -21,6 +21,8 @@ pub(crate) struct One<'a> {
 }
 
 impl Target<'_> {
+    /// Inlined into its three callers, each of which knows what is looked for: single rays are short.
+    #[inline(always)]
     fn trace(self, One { query, ray, origin }: One, mut kind: RayKind) -> Nearest {
         // Copied only where it must be: what has just been stored in parts cannot be loaded in lanes for a while.
         let (masked, mask) = (&mut None, ray.mask & query.mask);
@@ -37,11 +39,13 @@ impl Target<'_> {
         nearest
     }
 
+    #[inline(never)]
     fn closest_of(self, one: One) -> Option<Hit> {
         let nearest = self.trace(one, RayKind::Closest);
         nearest.is_hit().then(|| self.hit(&nearest))
     }
 
+    #[inline(never)]
     fn any_of(self, one: One) -> bool {
         self.trace(one, RayKind::Any).is_hit()
     }

@@ -84,6 +84,7 @@ impl ObjectTree {
     }
 
     /// Improves what the ray has found; it is sound.
+    #[inline(always)]
     pub(crate) fn ray(&self, engine: &Engine, trip: &mut RayTrip) {
         if !trip.ray.is_regular() {
             return self.ray_scaled(engine, trip);
@@ -101,7 +102,13 @@ impl ObjectTree {
     fn ray_scaled(&self, engine: &Engine, trip: &mut RayTrip) {
         let (scaled, scale) = trip.ray.within(trip.ray.t_near, trip.reach()).regular();
         if scaled.is_regular() {
-            trip.scaled(&scaled, scale, |trip| self.ray(engine, trip));
+            trip.scaled(&scaled, scale, |trip| {
+                for part in self.parts.iter().filter(|part| part.mask & trip.ray.mask != 0) {
+                    if !trip.is_over() {
+                        part.index.ray(engine, trip);
+                    }
+                }
+            });
         }
     }
 
@@ -198,6 +205,7 @@ impl Index {
     }
 
     /// Improves what the ray has found; it is sound and regular.
+    #[inline(always)]
     fn ray(&self, engine: &Engine, trip: &mut RayTrip) {
         match self {
             Self::Kd(index) => engine.kd.ray(index, trip),

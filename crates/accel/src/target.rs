@@ -20,7 +20,7 @@ pub(crate) enum Target<'a> {
 
 impl Target<'_> {
     /// Sends a ray, which is sound.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn ray(self, engine: &Engine, trip: &mut RayTrip) {
         match self {
             Self::Object(object) => object.ray(engine, trip),

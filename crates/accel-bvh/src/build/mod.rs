@@ -22,7 +22,7 @@ mod task_pool;
 #[cfg(test)]
 mod tests;
 
-use crate::node::{Node8, WIDTH};
+use crate::node::{Child, Node8, WIDTH};
 use crate::primitives::Primitives;
 use crate::tree::{DEEPEST, Tree};
 use binary::Careful;
@@ -46,9 +46,16 @@ const BY_NUMBER_WHEN_DEEP: usize = DEEPEST - 28;
 /// A tree with parts of primitives has to be so much cheaper, since it is larger.
 const WORTH_PARTS: f32 = 0.99;
 
-/// Builds over all primitives.
-pub(crate) fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
-    try_build(primitives, quality, threads, &Watch::new(&())).expect("nobody stops it")
+/// Builds over all primitives, uncontrolled.
+///
+/// # Errors
+/// That there are too many.
+pub(crate) fn build(
+    primitives: &impl Primitives,
+    quality: Quality,
+    threads: Threads,
+) -> Result<Tree, BuildError> {
+    try_build(primitives, quality, threads, &Watch::new(&()))
 }
 
 /// The same under control. What the tree takes stays counted.
@@ -135,6 +142,11 @@ fn build_with(
 /// The wide tree, where it is not too deep; it is counted.
 fn collapsed(nodes: &[BinaryNode], tasks: TaskPool) -> Result<Option<Tree>, BuildError> {
     let watch = tasks.watch;
+    let blocks = nodes.iter().filter(|node| node.is_leaf()).count();
+    if blocks > Child::MOST_NUMBERS {
+        let (blocks, most) = (blocks as u64, Child::MOST_NUMBERS as u64);
+        return Err(BuildError::TooManyBlocks { blocks, most });
+    }
     // Every second node is a leaf, and a node holds at least four of them on average; all is there twice for a while.
     let mut held = 0;
     watch.recount(&mut held, nodes.len() * (size_of::<[u32; WIDTH]>() + size_of::<Node8>() / 4));

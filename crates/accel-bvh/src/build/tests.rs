@@ -7,6 +7,11 @@ use crate::node::Child;
 use gnurt_accel_core::INVALID_ID;
 use gnurt_testkit::Random;
 
+/// Of few enough primitives.
+fn build(primitives: &impl Primitives, quality: Quality, threads: Threads) -> Tree {
+    super::build(primitives, quality, threads).expect("few enough")
+}
+
 /// Corners of triangles.
 struct Corners(Vec<[[f32; 3]; 3]>);
 
@@ -259,4 +264,23 @@ fn no_other_collapse_is_cheaper() {
         let least = least_cost(&nodes, nodes.len() - 1, 1);
         assert!((found - least).abs() < 1e-5 * least, "{found} is the least of all, {least}");
     }
+}
+
+#[test]
+fn more_blocks_than_leaves_can_number_are_refused() {
+    let boxes = |count: usize| -> Vec<Aabb> {
+        let mut random = Random::new(9);
+        (0..count).map(|_| Aabb::around(&[random.point()])).collect()
+    };
+    let most = Child::MOST_NUMBERS as u64;
+    // Eight to a block, but blocks are seldom full.
+    let error = super::build(&&boxes(8 * Child::MOST_NUMBERS + 1)[..], Quality::Fast, Threads::Single);
+    let Err(BuildError::TooManyBlocks { blocks, most: told }) = error else {
+        panic!("{error:?} is no refusal")
+    };
+    assert!(blocks > most && told == most, "{blocks} of {told}");
+    assert!(
+        super::build(&&boxes(Child::MOST_NUMBERS)[..], Quality::Fast, Threads::Single).is_ok(),
+        "these fit"
+    );
 }

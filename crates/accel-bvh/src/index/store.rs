@@ -133,12 +133,7 @@ impl BvhIndex {
     }
 
     /// The lists as they are; [`check`](Self::check) comes after the checksum.
-    pub fn load(
-        reader: &mut Reader<'_, impl Read>,
-        memory: Memory,
-        bounds: Aabb,
-        stats: TreeStats,
-    ) -> Result<Self, LoadError> {
+    pub fn load(reader: &mut Reader<'_, impl Read>, memory: Memory, bounds: Aabb) -> Result<Self, LoadError> {
         let tree = Tree::load(reader, memory, bounds)?;
         let leaves = match memory {
             Memory::Fast => Leaves { blocks: reader.list(1 << 27)?, ..Leaves::default() },
@@ -147,17 +142,28 @@ impl BvhIndex {
                 Leaves { pools, ..Leaves::default() }
             }
         };
-        // As it was measured: with the numbers only of what is in the blocks.
-        let tree_bytes = tree.node_bytes() + size_of::<[u32; WIDTH]>() * leaves.count();
-        let stats = TreeStats { tree_bytes: tree_bytes as u64, ..stats };
-        Ok(Self { greatest: tree.greatest(), tree, leaves, stats })
+        Ok(Self { greatest: tree.greatest(), tree, leaves, stats: TreeStats::default() })
     }
 
-    /// Whether all that a walk relies on is so, where there are `count` triangles.
-    pub fn check(&self, count: u32) -> Result<(), LoadError> {
+    /// Whether all that a walk relies on is so, where there are `count` triangles. Then the tree is measured: what a file
+    /// says of its cost is not believed.
+    ///
+    /// # Errors
+    /// What is not so.
+    pub fn check(&mut self, count: u32) -> Result<(), LoadError> {
         self.leaves.blocks.iter().try_for_each(|block| block.check(count))?;
         self.leaves.pools.check(count)?;
-        self.tree.check(self.leaves.count())
+        self.tree.check(self.leaves.count())?;
+        let measured = self.tree.measure();
+        // As it was measured when it was built: with the numbers only of what is in the blocks, places that are left over
+        // repeat the first.
+        let tree_bytes = (self.tree.node_bytes() + size_of::<[u32; WIDTH]>() * self.leaves.count()) as u64;
+        let fast = self.leaves.blocks.iter().map(|block| &block.numbers);
+        let numbers = fast.chain(self.leaves.pools.blocks.iter().map(|block| &block.numbers));
+        let references =
+            numbers.map(|all| 1 + all[1..].iter().filter(|&&n| n != all[0]).count() as u64).sum();
+        self.stats = TreeStats { tree_bytes, references, ..measured };
+        Ok(())
     }
 }
 

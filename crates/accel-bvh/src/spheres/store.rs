@@ -9,7 +9,7 @@ use crate::blocked::Blocked;
 use crate::node::WIDTH;
 use crate::tree::Tree;
 use gnurt_accel_core::store::{LoadError, Reader, Words, Writer, get_floats, put_floats};
-use gnurt_accel_core::{Aabb, INVALID_ID, LARGEST_COORDINATE, Memory, TreeStats};
+use gnurt_accel_core::{Aabb, INVALID_ID, LARGEST_COORDINATE, Memory};
 
 impl Words for SphereBlock {
     const WORDS: usize = 5 * WIDTH;
@@ -64,22 +64,23 @@ impl SphereIndex {
     }
 
     /// The lists as they are; [`check`](Self::check) comes after the checksum.
-    pub fn load(
-        reader: &mut Reader<'_, impl Read>,
-        memory: Memory,
-        bounds: Aabb,
-        stats: TreeStats,
-    ) -> Result<Self, LoadError> {
+    pub fn load(reader: &mut Reader<'_, impl Read>, memory: Memory, bounds: Aabb) -> Result<Self, LoadError> {
         let tree = Tree::load(reader, memory, bounds)?;
         let blocks: Vec<SphereBlock> = reader.list(1 << 27)?;
-        Ok(Self(Blocked::of_parts(tree, blocks, stats)))
+        Ok(Self(Blocked::of_parts(tree, blocks)))
     }
 
-    /// Whether all that a walk relies on is so, where there are `count` primitives.
-    pub fn check(&self, count: u32) -> Result<(), LoadError> {
+    /// Whether all that a walk relies on is so, where there are `count` primitives. Then the tree is measured.
+    ///
+    /// # Errors
+    /// What is not so.
+    pub fn check(&mut self, count: u32) -> Result<(), LoadError> {
         if !self.0.blocks.iter().all(|block| block.is_sound(count)) {
             return Err(LoadError::Damaged("a sphere is none"));
         }
-        self.0.tree.check(self.0.blocks.len())
+        self.0.tree.check(self.0.blocks.len())?;
+        let numbers = self.0.blocks.iter().flat_map(|block| block.numbers);
+        self.0.measure_again(numbers.filter(|&number| number != INVALID_ID).count() as u64);
+        Ok(())
     }
 }

@@ -57,16 +57,19 @@ impl ObjectTree {
     /// Builds over geometries of any kinds. What cannot be traced is left out and counted; nothing at all is fine.
     ///
     /// Spheres and user geometry always get a BVH; `options.structure` is for triangles and quads.
+    ///
+    /// # Panics
+    /// If there are too many primitives for one tree (some 900 million): [`try_build_from`](Self::try_build_from) says so.
     #[must_use]
     pub fn build_from(geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Self {
-        Self::try_build_from(geometries, options, threads, &()).expect("nobody stops it")
+        Self::try_build_from(geometries, options, threads, &()).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The same under control, as [`try_build`](Self::try_build). Trees of spheres and of user geometry are built in one
     /// go, and their memory is not counted.
     ///
     /// # Errors
-    /// That `control` stopped it: see [`BuildError`].
+    /// That `control` stopped it, or that there are too many primitives: see [`BuildError`].
     pub fn try_build_from(
         geometries: &[Geometry],
         options: &BuildOptions,
@@ -113,10 +116,10 @@ impl ObjectTree {
                 }
                 Kind::Spheres => Index::Spheres(SphereIndex::build(
                     geometries, &numbering, wanted, &mut bad, quality, memory, threads,
-                )),
+                )?),
                 Kind::User => Index::User(UserIndex::build(
                     geometries, &numbering, wanted, &mut bad, quality, memory, threads,
-                )),
+                )?),
             };
             if !index.bounds().is_empty() {
                 let measured = index.stats();
@@ -133,7 +136,7 @@ impl ObjectTree {
 }
 
 /// The sizes of two trees together.
-fn both(a: TreeStats, b: TreeStats) -> TreeStats {
+pub(super) fn both(a: TreeStats, b: TreeStats) -> TreeStats {
     TreeStats {
         primitives: a.primitives + b.primitives,
         nodes: a.nodes + b.nodes,

@@ -9,6 +9,7 @@ use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::store::{Reader, Writer};
 use gnurt_accel_kd::KdIndex;
 
+use super::build::both;
 use super::{Index, ObjectTree, Part};
 use crate::{Aabb, BadPrimitives, LoadError, MOST_TRIANGLES, Memory, TreeStats, TriangleTest};
 
@@ -106,24 +107,23 @@ impl ObjectTree {
         if count > quads.len() as u64 {
             return Err(LoadError::Damaged("there are more trees than geometries"));
         }
-        let mut parts = Vec::new();
+        let mut parts: Vec<Part> = Vec::new();
         for _ in 0..count {
-            let (mask, kind) = (reader.number()? as u32, reader.number()?);
+            let (mask, kind) = (reader.number()?, reader.number()?);
+            let mask = u32::try_from(mask).map_err(|_| LoadError::Damaged("a mask has more than 32 bits"))?;
             let stats = load_stats(&mut reader)?;
             let bounds = reader.bounds()?;
             let index = match kind {
-                BVH => Index::Bvh(BvhIndex::load(&mut reader, Memory::Fast, bounds, stats)?),
-                COMPACT_BVH => Index::Bvh(BvhIndex::load(&mut reader, Memory::Compact, bounds, stats)?),
+                BVH => Index::Bvh(BvhIndex::load(&mut reader, Memory::Fast, bounds)?),
+                COMPACT_BVH => Index::Bvh(BvhIndex::load(&mut reader, Memory::Compact, bounds)?),
                 KD_WATERTIGHT => {
                     Index::Kd(KdIndex::load(&mut reader, bounds, stats, TriangleTest::Watertight)?)
                 }
                 KD_PROJECTED => {
                     Index::Kd(KdIndex::load(&mut reader, bounds, stats, TriangleTest::Projected)?)
                 }
-                SPHERES => Index::Spheres(SphereIndex::load(&mut reader, Memory::Fast, bounds, stats)?),
-                COMPACT_SPHERES => {
-                    Index::Spheres(SphereIndex::load(&mut reader, Memory::Compact, bounds, stats)?)
-                }
+                SPHERES => Index::Spheres(SphereIndex::load(&mut reader, Memory::Fast, bounds)?),
+                COMPACT_SPHERES => Index::Spheres(SphereIndex::load(&mut reader, Memory::Compact, bounds)?),
                 _ => return Err(LoadError::Damaged("a tree is of no kind")),
             };
             parts.push(Part { mask, index });
@@ -137,8 +137,11 @@ impl ObjectTree {
         if quads.len() + 1 != starts.len() || counts.iter().any(|&count| count > u64::MAX / 16) {
             return Err(LoadError::Damaged("its counts do not add up"));
         }
-        let (mut bounds, mut tree_bytes, mut primitive_bytes) = (Aabb::EMPTY, 0, 0);
-        for Part { index, .. } in &parts {
+        if stats.primitives > u64::from(count) {
+            return Err(LoadError::Damaged("its counts do not add up"));
+        }
+        let (mut bounds, mut measured) = (Aabb::EMPTY, TreeStats::default());
+        for Part { index, .. } in &mut parts {
             if index.bounds().is_empty() {
                 return Err(LoadError::Damaged("a tree is over nothing"));
             }
@@ -149,11 +152,10 @@ impl ObjectTree {
                 Index::User(_) => {}
             }
             bounds = bounds.union(&index.bounds());
-            let measured = index.stats();
-            tree_bytes += measured.tree_bytes;
-            primitive_bytes += measured.primitive_bytes;
+            measured = both(measured, index.stats());
         }
-        let stats = TreeStats { tree_bytes, primitive_bytes, ..stats };
+        // Which of them are the same primitive is no longer known.
+        let stats = TreeStats { primitives: stats.primitives, ..measured };
         let quads = quads.into_iter().map(|quads| quads != 0).collect();
         Ok(Self { parts, numbering: Numbering { starts, quads, too_many }, bad, bounds, stats })
     }
@@ -175,7 +177,11 @@ fn load_stats(reader: &mut Reader<'_, impl Read>) -> Result<TreeStats, LoadError
         *number = reader.number()?;
     }
     let [primitives, nodes, leaves, empty_leaves, references, depth, sah_cost] = numbers;
-    let (depth, sah_cost) = (depth as u32, f64::from_bits(sah_cost));
+    let depth = u32::try_from(depth).map_err(|_| LoadError::Damaged("a depth has more than 32 bits"))?;
+    let sah_cost = f64::from_bits(sah_cost);
+    if !(0.0..=f64::MAX).contains(&sah_cost) {
+        return Err(LoadError::Damaged("a cost is none"));
+    }
     let bytes = TreeStats::default();
     Ok(TreeStats { primitives, nodes, leaves, empty_leaves, references, depth, sah_cost, ..bytes })
 }
