@@ -88,15 +88,18 @@ impl Light {
         }
         let mut shares = Vec::new();
         for (p, taken) in &stray {
+            // On which sides the lamp is: the edge goes on where it is on one of those, too.
+            let lamp =
+                |q: usize| sides(noisy, q).map(|side| side.is_some_and(|r| seen(r) > 2.0 * mean(taken)));
+            let of_edge = lamp(*p);
             shares.clear();
             for q in around(noisy, *p, SHARED) {
                 let is_known = seen(q) > 0.0 && mean(&noisy.variance[q]) < HARDLY_SEEN * seen(q) * seen(q);
-                if !is_known {
-                    let at_the_edge = q == *p || around(noisy, q, 1).any(|r| seen(r) > 2.0 * mean(taken));
+                let goes_on = || lamp(q).iter().zip(of_edge).any(|(&a, b)| a && b);
+                if q == *p || (!is_known && goes_on()) {
                     let dx = (q % noisy.width).abs_diff(*p % noisy.width);
                     let dy = (q / noisy.width).abs_diff(*p / noisy.width);
-                    let near = 1.0 / (1 + dx * dx + dy * dy) as f32;
-                    shares.push((q, if at_the_edge { near } else { 0.02 * near }));
+                    shares.push((q, 1.0 / (1 + dx * dx + dy * dy) as f32));
                 }
             }
             let all: f32 = shares.iter().map(|(_, share)| share).sum();
@@ -114,6 +117,17 @@ fn around(noisy: &Noisy, p: usize, reach: usize) -> impl Iterator<Item = usize> 
     let columns = x.saturating_sub(reach)..(x + reach + 1).min(width);
     let rows = y.saturating_sub(reach)..(y + reach + 1).min(height);
     rows.flat_map(move |y| columns.clone().map(move |x| y * width + x))
+}
+
+/// The pixels above, below, left and right.
+fn sides(noisy: &Noisy, p: usize) -> [Option<usize>; 4] {
+    let (x, y) = (p % noisy.width, p / noisy.width);
+    [
+        (y > 0).then(|| p - noisy.width),
+        (y + 1 < noisy.height).then(|| p + noisy.width),
+        (x > 0).then(|| p - 1),
+        (x + 1 < noisy.width).then(|| p + 1),
+    ]
 }
 
 /// What light is divided by: the albedo where there is one.

@@ -11,7 +11,7 @@ use crate::noisy::Triple;
 
 /// Pixels to each side that are looked at.
 const REACH: usize = 3;
-/// A pixel is no brighter than this times the neighbour that only an eighth of them is brighter than.
+/// A pixel is no brighter than this times the neighbour that only an eighth of them is brighter than, or their mean.
 const BRIGHTER: f32 = 1.5;
 /// Columns and rows of the cells in which light is summed up that was taken.
 const CELL: usize = 16;
@@ -19,8 +19,8 @@ const CELL: usize = 16;
 const SHARED: usize = 4;
 /// Few outliers tell little of how much light is missing: this many are believed by half.
 const BELIEVED: f32 = 4.0;
-/// Pixels become brighter by less than this share.
-const MOST: f32 = 0.5;
+/// Pixels become brighter by less than this factor.
+const MOST: f32 = 30.0;
 
 /// Light that was taken from pixels.
 pub(crate) struct Outliers {
@@ -135,9 +135,9 @@ fn most(
     }
     let rank = near.len() - 1 - near.len() / 8;
     let (_, &mut bright, _) = near.select_nth_unstable_by(rank, f32::total_cmp);
-    // In the dark, where few pixels have light at all, the mean must do.
-    let around = || (near.iter().sum::<f32>() + light[y * width + x]) / (near.len() + 1) as f32;
-    Some(BRIGHTER * if bright > 0.0 { bright } else { around() })
+    // In the dark, where few pixels have light at all, those few are all that is known of it.
+    let mean = (near.iter().sum::<f32>() + light[y * width + x]) / (near.len() + 1) as f32;
+    Some(BRIGHTER * bright.max(mean))
 }
 
 #[cfg(test)]
@@ -165,14 +165,15 @@ mod tests {
             let (mut color, mut variance) = (before.clone(), vec![[light * light; 3]; width * height]);
             let outliers = Outliers::take(width, &normal, &mut color, &mut variance);
             let brightest = color.iter().map(|c| c[0] / light).fold(0.0, f32::max);
-            assert!(brightest <= BRIGHTER * 1.0001, "{brightest} times the light is left");
+            // One of 28 neighbours or more, at the picture's edge of 15, is forty times as bright.
+            assert!(brightest < 0.15 * 40.0, "{brightest} times the light is left");
             assert!(variance.iter().all(|v| v[0] <= light * light), "variances shrink with the light");
-            assert!(sum(&color) < 0.92 * sum(&before), "there was something to take");
+            assert!(sum(&color) < 0.95 * sum(&before), "there was something to take");
             outliers.give_back(width, &vec![[1.0; 3]; width * height], &mut color);
             let kept = sum(&color) / sum(&before);
             assert!((kept - 1.0).abs() < 0.05, "of all light there is {kept}");
             let brightest = color.iter().map(|c| c[0] / light).fold(0.0, f32::max);
-            assert!(brightest < 2.5, "nobody gets it all: {brightest}");
+            assert!(brightest < 0.15 * 40.0, "nobody gets it all: {brightest}");
         }
     }
 

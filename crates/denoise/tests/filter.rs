@@ -205,7 +205,7 @@ fn edges_of_sunlit_things_leave_no_noise_around() {
         Pixel { light, normal, ..flat(0, 0) }
     });
     let (before, left) = (error(&noisy, &truth), error(&clean(&noisy), &truth));
-    assert!(left < 0.5 * before, "of {before} there is left {left}");
+    assert!(left < 0.8 * before, "of {before} there is left {left}");
 }
 
 #[test]

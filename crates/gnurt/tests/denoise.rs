@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The built-in denoiser on rendered pictures: the error against many samples must fall clearly. Source: original.
+//! The built-in denoiser on rendered pictures: the error against many samples must fall clearly, and what lamps send straight
+//! to the eye is told apart. Source: original.
 
 use gnurt::denoise::{Method, Options, denoise};
-use gnurt::image::{Picture, compare};
+use gnurt::image::{ChannelData, Picture, compare};
 use gnurt::render::{
     CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
 };
 
 /// A room with lamps of its own or by default, `spp` samples per pixel.
 fn room(name: &str, spp: u32, pool: &gnurt::ThreadPool) -> Picture {
+    room_to_depth(name, spp, 5, pool)
+}
+
+/// The same with paths of at most so many edges.
+fn room_to_depth(name: &str, spp: u32, max_depth: u32, pool: &gnurt::ThreadPool) -> Picture {
     let mut scene = gnurt::load_scene(name).expect("a built-in scene").scene;
     gnurt::defaults::complete(&mut scene, 1.0);
     let mut world = World::new();
@@ -20,7 +26,7 @@ fn room(name: &str, spp: u32, pool: &gnurt::ThreadPool) -> Picture {
         spp,
         seed: u64::from(spp),
         integrator: Integrator::Path,
-        max_depth: 5,
+        max_depth,
         aovs: true,
         ..RenderOptions::default()
     };
@@ -44,4 +50,24 @@ fn denoised_pictures_are_nearer_to_the_truth() {
     let mean = |picture: &Picture| picture.color.iter().map(|p| f64::from(p[0] + p[1] + p[2])).sum::<f64>();
     let shift = mean(&clean) / mean(&noisy) - 1.0;
     assert!(shift.abs() < 0.01, "the mean moves by {shift}");
+}
+
+#[test]
+fn emission_is_what_paths_of_one_edge_bring() {
+    let pool = gnurt::thread_pool(2).expect("threads");
+    for name in ["builtin:cornell", "builtin:spheres"] {
+        let whole = room_to_depth(name, 4, 5, &pool);
+        let mut direct = room_to_depth(name, 4, 1, &pool);
+        let emission = whole.layer("emission").expect("path tells");
+        for (k, channel) in ["R", "G", "B"].into_iter().enumerate() {
+            let ChannelData::F32(values) = &emission.channel(channel).expect("three colours").data else {
+                panic!("floats")
+            };
+            for (i, (found, wanted)) in values.iter().zip(&direct.color).enumerate() {
+                assert_eq!(*found, wanted[k], "{name}: pixel {i}");
+            }
+        }
+        direct.color.retain(|pixel| pixel[0] > 0.0);
+        assert!(!direct.color.is_empty(), "{name}: something shines");
+    }
 }
