@@ -100,7 +100,7 @@ impl Around<'_> {
     #[inline(always)]
     fn explain(&self, centres: std::ops::Range<usize>, begin: usize, sums: &mut [Sum]) -> Option<()> {
         let count = self.reach.count();
-        let mut memory = Memory::default();
+        let (mut memory, mut near) = (Memory::default(), Vec::with_capacity(count));
         let mut weights = vec![0.0; self.size[0].div_ceil(STRIDE) * count];
         for y in centres.step_by(STRIDE) {
             if (self.stop)() {
@@ -108,28 +108,41 @@ impl Around<'_> {
             }
             self.planes.weights(y, STRIDE, &mut memory, &mut weights);
             for (i, weights) in weights.chunks_exact(count).enumerate() {
-                self.fit([i * STRIDE, y], weights, begin, sums);
+                self.fit([i * STRIDE, y], weights, &mut near, begin, sums);
             }
         }
         Some(())
     }
 
-    /// Fits around one centre, and adds what that says of its neighbours.
+    /// Fits around one centre, and adds what that says of its neighbours; `near` is memory.
     #[inline(always)]
-    fn fit(&self, [x, y]: [usize; 2], weights: &[f32], begin: usize, sums: &mut [Sum]) {
+    fn fit(
+        &self,
+        [x, y]: [usize; 2],
+        weights: &[f32],
+        near: &mut Vec<(usize, f32)>,
+        begin: usize,
+        sums: &mut [Sum],
+    ) {
         let [width, height] = self.size;
         let mut regression = Regression::around(&self.rows[y * width + x]);
-        let neighbours = weights.iter().enumerate().filter_map(|(number, &weight)| {
-            let [dx, dy] = self.reach.offset(number);
-            let (x, y) = (x.wrapping_add_signed(dx), y.wrapping_add_signed(dy));
-            (weight > LEAST && x < width && y < height).then(|| (y * width + x, weight))
-        });
-        for (q, weight) in neighbours.clone() {
+        near.clear();
+        let (side, step) = (self.reach.side, self.reach.step);
+        for (row, weights) in weights.chunks_exact(2 * side + 1).enumerate() {
+            let qy = (y + row * step).wrapping_sub(side * step);
+            for (column, &weight) in weights.iter().enumerate() {
+                let qx = (x + column * step).wrapping_sub(side * step);
+                if weight > LEAST && qx < width && qy < height {
+                    near.push((qy * width + qx, weight));
+                }
+            }
+        }
+        for &(q, weight) in near.iter() {
             regression.add(weight, &self.rows[q]);
         }
         let Some(fit) = regression.solve(UNSURE) else { return };
         let support = regression.weight();
-        for (q, weight) in neighbours {
+        for &(q, weight) in near.iter() {
             let color = fit.at(&self.rows[q]);
             let sum = &mut sums[q - begin * width];
             (0..3).for_each(|k| sum[k] += weight * color[k]);

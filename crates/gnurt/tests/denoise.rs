@@ -46,7 +46,7 @@ fn denoised_pictures_are_nearer_to_the_truth() {
     let (before, after) = (error(&noisy), error(&clean));
     eprintln!("relMSE {before} became {after}");
     // Half of what is left are pixels on the lamp's edge: eight samples do not tell how much of them it covers.
-    assert!(after < before / 2.2, "relMSE {before} became {after}");
+    assert!(after < before / 3.5, "relMSE {before} became {after}");
     let mean = |picture: &Picture| picture.color.iter().map(|p| f64::from(p[0] + p[1] + p[2])).sum::<f64>();
     let shift = mean(&clean) / mean(&noisy) - 1.0;
     assert!(shift.abs() < 0.01, "the mean moves by {shift}");
