@@ -11,7 +11,6 @@ mod commands;
 mod display;
 mod environment;
 mod failure;
-mod machine;
 mod messages;
 mod nearest;
 mod output;

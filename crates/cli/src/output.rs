@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 
 use gnurt::image::{self, OutputFormat, Picture, WriteOptions};
 
-use crate::arguments::LightArguments;
+use crate::arguments::{LightArguments, Look};
 use crate::failure::{Failure, Outcome};
+use crate::messages::Messages;
 use crate::nearest::unknown;
 use crate::signals::{is_leaving, while_writing};
 
@@ -42,14 +43,29 @@ impl Output {
         self.format == OutputFormat::Exr
     }
 
+    /// Whether it is for screens, so that curve and exposure show in it.
+    pub(crate) fn is_for_screens(&self) -> bool {
+        self.format == OutputFormat::Png
+    }
+
+    /// Writes it with the look that was asked for, which is chosen from the picture if that is left open; says so.
+    pub(crate) fn write_with(&self, picture: &Picture, light: LightArguments, messages: Messages) -> Outcome {
+        if !self.is_for_screens() {
+            return self.write(picture, Look::default());
+        }
+        let (look, note) = light.look(picture);
+        note.iter().for_each(|note| messages.note(note));
+        self.write(picture, look)
+    }
+
     /// Where it will be.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// Writes it, whole or not at all.
-    pub(crate) fn write(&self, picture: &Picture, light: LightArguments) -> Outcome {
-        let options = WriteOptions { tone: light.tone, exposure: light.exposure, ..WriteOptions::default() };
+    pub(crate) fn write(&self, picture: &Picture, look: Look) -> Outcome {
+        let options = WriteOptions { tone: look.tone, exposure: look.exposure, ..WriteOptions::default() };
         let bytes = image::encode(picture, self.format, &options)
             .map_err(|error| Failure::data(format_args!("{}: {error}", self.path.display())))?;
         let replaced = while_writing(|| image::replace_file_if(&self.path, &bytes, || !is_leaving()));

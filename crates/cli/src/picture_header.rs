@@ -8,7 +8,7 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use gnurt::image::Picture;
-use gnurt::render::RenderStats;
+use gnurt::render::{CameraMatrices, RenderStats};
 use gnurt::scene::Camera;
 
 use crate::arguments::FrameArguments;
@@ -27,7 +27,7 @@ pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f3
     picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
     picture.set_metadata("renderTimeSeconds", seconds);
     picture.set_metadata("depths", "depth.Z: distance along the ray; Z: along the view");
-    if let Some([camera_from_world, ndc_from_world]) = matrices(camera, aspect) {
+    if let Some(CameraMatrices { camera_from_world, ndc_from_world }) = CameraMatrices::new(camera, aspect) {
         picture.set_metadata("cameraFromWorld", numbers(&camera_from_world));
         picture.set_metadata("ndcFromWorld", numbers(&ndc_from_world));
     }
@@ -48,23 +48,6 @@ fn command_line(words: impl Iterator<Item = OsString>) -> String {
     words.map(shorten).collect::<Vec<_>>().join(" ")
 }
 
-/// From world space to that of the camera (x right, y up, z into the picture), and on to (0, 0) = upper left and
-/// (1, 1) = lower right corner of the picture after division by the last coordinate.
-fn matrices(camera: &Camera, aspect: f32) -> Option<[[f64; 16]; 2]> {
-    let frame = camera.frame()?;
-    let row = |axis: [f32; 3]| {
-        let along: f64 = (0..3).map(|k| f64::from(axis[k]) * f64::from(camera.eye[k])).sum();
-        [f64::from(axis[0]), f64::from(axis[1]), f64::from(axis[2]), -along]
-    };
-    let [x, y, z] = [frame.right, frame.up, frame.forward].map(row);
-    let half_height = (f64::from(camera.fov_y).to_radians() / 2.0).tan();
-    let half_width = half_height * f64::from(aspect);
-    let across: [f64; 4] = std::array::from_fn(|i| 0.5 * (x[i] / half_width + z[i]));
-    let down: [f64; 4] = std::array::from_fn(|i| 0.5 * (z[i] - y[i] / half_height));
-    let join = |rows: [[f64; 4]; 4]| std::array::from_fn(|i| rows[i / 4][i % 4]);
-    Some([join([x, y, z, [0.0, 0.0, 0.0, 1.0]]), join([across, down, z, z])])
-}
-
 fn numbers(matrix: &[f64; 16]) -> String {
     matrix.map(|x| x.to_string()).join(" ")
 }
@@ -79,28 +62,5 @@ mod tests {
             ["/usr/bin/gnurt", "render", "/home/me/my scene.obj", "--heatmap=/tmp/h.png", "--eye", "1,2,3"];
         let line = command_line(words.iter().map(OsString::from));
         assert_eq!(line, "gnurt render 'my scene.obj' --heatmap=h.png --eye 1,2,3", "last parts only");
-    }
-
-    #[test]
-    fn matrices_lead_to_the_picture() {
-        let camera = Camera {
-            name: String::new(),
-            eye: [1.0, 2.0, 3.0],
-            target: [1.0, 2.0, -7.0],
-            up: [0.0, 1.0, 0.0],
-            fov_y: 90.0,
-        };
-        let [to_camera, to_ndc] = matrices(&camera, 2.0).expect("a view");
-        let apply = |m: &[f64; 16], p: [f64; 3]| -> [f64; 4] {
-            std::array::from_fn(|r| {
-                m[4 * r] * p[0] + m[4 * r + 1] * p[1] + m[4 * r + 2] * p[2] + m[4 * r + 3]
-            })
-        };
-        assert_eq!(apply(&to_camera, [1.0, 2.0, -1.0]), [0.0, 0.0, 4.0, 1.0], "4 in front of the eye");
-        let corner = apply(&to_ndc, [1.0 + 8.0, 2.0 - 4.0, -1.0]).map(|x| x / 4.0);
-        assert!(
-            (corner[0] - 1.0).abs() < 1e-6 && (corner[1] - 1.0).abs() < 1e-6,
-            "the lower right corner: {corner:?}"
-        );
     }
 }

@@ -13,9 +13,9 @@ use gnurt::{BUILTIN, LoadOptions, load_scene_with};
 use crate::arguments::FileArguments;
 use crate::environment::Environment;
 use crate::failure::Failure;
-use crate::machine::bytes;
 use crate::messages::Messages;
 use crate::nearest::unknown;
+use gnurt::memory::format_bytes as bytes;
 
 /// A scene that is there, but not yet read.
 #[derive(Clone, Debug)]

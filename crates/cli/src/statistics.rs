@@ -9,7 +9,7 @@ use std::path::Path;
 use gnurt::render::{CommitReport, RenderOptions, RenderStats, WorldStats};
 use serde_json::{Value, json};
 
-use crate::machine::bytes;
+use gnurt::memory::format_bytes as bytes;
 
 /// All that is known about a rendering.
 pub(crate) struct Statistics<'a> {

@@ -4,7 +4,7 @@
 
 use gnurt::defaults;
 use gnurt::image::system_reason;
-use gnurt::render::PerspectiveCamera;
+use gnurt::render::{Integrator, PerspectiveCamera};
 use gnurt::scene::{Camera, Scene};
 
 use crate::arguments::{Resolution, ViewArguments};
@@ -29,13 +29,41 @@ pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
     }
 }
 
+/// How a scene is seen.
+pub(crate) struct Chosen {
+    pub(crate) camera: Camera,
+    pub(crate) rays: PerspectiveCamera,
+    /// What suits the light that was added, in stops.
+    pub(crate) exposure: Option<f32>,
+}
+
+/// Where a scene without light stands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Where people look at it.
+    Studio,
+    /// Under lights and nothing else: where it is measured, or only its shapes are shown.
+    Plain,
+}
+
+impl Stage {
+    /// The one for pictures of this integrator.
+    pub(crate) fn of(integrator: Integrator) -> Self {
+        match integrator {
+            Integrator::Eyelight | Integrator::Normals => Self::Plain,
+            _ => Self::Studio,
+        }
+    }
+}
+
 /// The camera, and its rays; puts the scene into its surroundings, adds cameras and lights if it has none, and says so.
 pub(crate) fn choose(
     scene: &mut Scene,
     view: &ViewArguments,
     resolution: Resolution,
+    stage: Stage,
     messages: Messages,
-) -> Result<(Camera, PerspectiveCamera), Failure> {
+) -> Result<Chosen, Failure> {
     let aspect = resolution.width as f32 / resolution.height as f32;
     let named = view.camera.as_deref().map(|name| find(scene.cameras(), name)).transpose()?;
     if let Some(note) = defaults::complete_camera(scene, aspect) {
@@ -57,11 +85,15 @@ pub(crate) fn choose(
         let up = view.up.unwrap_or([0.0, 1.0, 0.0]);
         environment.put_around(scene, up, view.surroundings.environment_turn).map_err(Failure::data)?;
     }
-    if let Some(note) = defaults::complete_lights(scene, &camera) {
+    let added = match stage {
+        Stage::Studio => defaults::complete_lights(scene, &camera, view.up.unwrap_or([0.0, 1.0, 0.0])),
+        Stage::Plain => defaults::complete_plain_lights(scene, &camera),
+    };
+    if let Some(note) = added {
         messages.note(note);
     }
     let rays = PerspectiveCamera::new(&camera).ok_or_else(no_view)?;
-    Ok((camera, rays))
+    Ok(Chosen { camera, rays, exposure: added.and_then(defaults::Note::exposure) })
 }
 
 fn same_place() -> Failure {

@@ -2,6 +2,7 @@
 //! One error for programs that call several parts of the system and want one `?`.
 //! Source: original. Messages are one line; each says whose mistake it is by its kind.
 
+use crate::memory::format_bytes;
 use crate::{image, render, scene};
 
 /// What can go wrong on the way from a file to a picture.
@@ -19,6 +20,19 @@ pub enum Error {
     /// A picture could not be read, written or compared.
     #[error(transparent)]
     Image(#[from] image::Error),
+    /// A picture is larger than what the machine has left.
+    #[error(
+        "the {}x{} picture takes {} of memory and {} are free; ask for a smaller one",
+        size[0], size[1], format_bytes(*needed), format_bytes(*free)
+    )]
+    Memory {
+        /// Columns and rows.
+        size: [u32; 2],
+        /// Bytes that it takes.
+        needed: u64,
+        /// Bytes that are left.
+        free: u64,
+    },
     /// The system did not give the threads that were asked for.
     #[error("cannot start {threads} threads: {why}")]
     Threads {

@@ -79,6 +79,8 @@
 pub mod defaults;
 mod error;
 mod load;
+pub mod look;
+pub mod memory;
 mod surroundings;
 mod threads;
 

@@ -70,7 +70,7 @@ impl Surroundings {
 }
 
 /// The smallest rotation that takes +y to `up`.
-fn upright(up: [f32; 3]) -> Affine {
+pub(crate) fn upright(up: [f32; 3]) -> Affine {
     let up = up.map(f64::from);
     let length = up.iter().map(|x| x * x).sum::<f64>().sqrt();
     if !(length > 0.0 && length.is_finite()) {

@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use crate::{Error, Picture, ssim};
+use crate::{Error, Opacity, Picture, ssim};
 
 /// Keeps relative errors of black pixels finite.
 const RELATIVE_FLOOR: f64 = 0.01;
@@ -94,8 +94,14 @@ pub fn compare(picture: &Picture, reference: &Picture) -> Result<Comparison, Err
         return Err(Error::SizesDiffer { a: sizes[0], b: sizes[1] });
     }
     let mut sums = Sums::default();
-    for (a, b) in picture.color.iter().zip(&reference.color) {
-        sums.add(a, b);
+    // Of two kinds of opacity, both as what is seen over nothing.
+    let is_mixed = picture.opacity != reference.opacity;
+    let seen = |picture: &Picture, [r, g, b, a]: [f32; 4]| match picture.opacity {
+        Opacity::Straight if is_mixed && a != 1.0 => [r * a, g * a, b * a, a],
+        _ => [r, g, b, a],
+    };
+    for (&a, &b) in picture.color.iter().zip(&reference.color) {
+        sums.add(&seen(picture, a), &seen(reference, b));
     }
     let values = picture.pixel_count() as f64 * 3.0;
     let mse = sums.squares / values;

@@ -4,6 +4,7 @@
 
 mod compare;
 mod error;
+mod exposure;
 mod file;
 mod filter;
 mod heat;
@@ -15,6 +16,7 @@ mod tone;
 
 pub use compare::{Comparison, compare};
 pub use error::{Error, system_reason};
+pub use exposure::exposure_for;
 pub use file::{
     ExrPixels, MAX_PIXELS, OutputFormat, WriteOptions, check_writable, decode, decode_data_texture,
     decode_data_texture_within, decode_texture, decode_texture_within, encode, encode_screen, encode_texels,
@@ -22,7 +24,7 @@ pub use file::{
 };
 pub use filter::{Filter, FilterShape};
 pub use heat::{heat_color, heat_map};
-pub use picture::{Channel, ChannelData, Layer, Picture};
+pub use picture::{BACKGROUND, Channel, ChannelData, Layer, Opacity, Picture};
 pub use texels::{TexelData, Texels};
 pub use tone::{ToneCurve, screen_bytes};
 

@@ -1,12 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture: linear colours with opacity, and named layers of other data beside them.
 //! Source: original. Values are linear light (Rec. 709 primaries), unclamped; row 0 is the top, columns run to the right.
-//! Opacity is the share of the pixel where something was hit; the colour is what is seen, background included: it is
-//! neither divided by the opacity nor multiplied with it when a file is written or read.
+//!
+//! The colour is what is seen. Its opacity is how much of what lies behind is hidden, [`Opacity`] how the two go together. Where
+//! the picture knows what lies behind it, that is the layer [`BACKGROUND`]: `R`, `G`, `B`, as far as they show, and `A`, the
+//! share of the pixel that shows them. Then the colour is the sum of both, and what is in front is the colour less the
+//! background, associated with its opacity [PD84]. Opacity and `A` make 1 where something was rendered.
+//! Files that can hold opacity get what is in front (EXR) or what is seen (PNG); others what is seen.
+//!
 //! Invariant: `color` and every channel hold `width * height` values; `check` proves it before a file is written.
-//! Proof: `file::tests` (every format), `tests` here.
+//! Proof: `tests/round_trip.rs` (every format), `tests` here.
 
 use crate::Error;
+
+/// The name of the layer that holds what lies behind the picture, as far as it shows.
+pub const BACKGROUND: &str = "background";
+
+/// What a colour is where its opacity is less than 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Opacity {
+    /// What would be seen if it were opaque, as PNG has it.
+    #[default]
+    Straight,
+    /// What is seen of it over nothing, multiplied with its opacity, as EXR has it \[PD84\].
+    Associated,
+}
 
 /// Linear colours with opacity, and named layers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,6 +35,8 @@ pub struct Picture {
     pub height: u32,
     /// Red, green, blue in linear light and opacity, `width * height` values in rows from the upper left pixel.
     pub color: Vec<[f32; 4]>,
+    /// How colours and opacities go together.
+    pub opacity: Opacity,
     /// What else is known of each pixel: depth, normals, ids.
     pub layers: Vec<Layer>,
     /// Names and values for the file's header, where the format has one (EXR).
@@ -91,6 +111,57 @@ impl Picture {
             Some(entry) => entry.1 = value.into(),
             None => self.metadata.push((name.into(), value.into())),
         }
+    }
+
+    /// Makes the pixels of a region, `[x0, y0, x1, y1]` with the upper left corner first and the ends excluded, opaque: on a
+    /// screen what lies behind is part of the picture. `None` = all. What reaches beyond the picture is left out.
+    pub fn make_opaque(&mut self, region: Option<[u32; 4]>) {
+        let [x0, y0, x1, y1] = region.unwrap_or([0, 0, self.width, self.height]).map(|x| x as usize);
+        let x1 = x1.min(self.width as usize);
+        let rows = self.color.chunks_exact_mut((self.width as usize).max(1));
+        for row in rows.take(y1).skip(y0) {
+            row[x0.min(x1)..x1].iter_mut().for_each(|pixel| pixel[3] = 1.0);
+        }
+    }
+
+    /// The channels R, G, B and A of what lies behind, if the picture knows it.
+    pub(crate) fn background(&self) -> Option<[&[f32]; 4]> {
+        let layer = self.layer(BACKGROUND)?;
+        let values = |name: &str| match &layer.channel(name)?.data {
+            ChannelData::F32(values) if values.len() == self.pixel_count() => Some(&values[..]),
+            _ => None,
+        };
+        Some([values("R")?, values("G")?, values("B")?, values("A")?])
+    }
+
+    /// The pixels over nothing, as associated colour and opacity: what is in front.
+    pub(crate) fn in_front(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
+        let background = self.background();
+        self.color.iter().enumerate().map(move |(i, &[r, g, b, a])| match (background, self.opacity) {
+            // Exactly nothing, whatever a filter has made of the colour.
+            (Some(_), _) if a <= 0.0 => [0.0; 4],
+            (Some([br, bg, bb, _]), _) => {
+                [(r - br[i]).max(0.0), (g - bg[i]).max(0.0), (b - bb[i]).max(0.0), a]
+            }
+            (None, Opacity::Straight) if a != 1.0 => [r * a, g * a, b * a, a],
+            (None, _) => [r, g, b, a],
+        })
+    }
+
+    /// The pixels with what lies behind, as straight colour and opacity: what a screen shows.
+    pub(crate) fn on_screen(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
+        let background = self.background();
+        self.color.iter().enumerate().map(move |(i, &[r, g, b, a])| {
+            let a = background.map_or(a, |[.., behind]| {
+                let a = a + behind[i];
+                // Sums of shares are off by a rounding.
+                if a > 0.999 { 1.0 } else { a }
+            });
+            match self.opacity {
+                Opacity::Associated if a > 0.0 && a < 1.0 => [r / a, g / a, b / a, a],
+                _ => [r, g, b, a],
+            }
+        })
     }
 
     /// Whether sizes fit: at least one pixel, and as many values everywhere as there are pixels.
@@ -186,6 +257,57 @@ mod tests {
         layered.layers.push(Layer::floats("N", [("X", vec![0.0; 6]), ("Y", vec![0.0; 5])]));
         let message = layered.check().expect_err("a short channel must be found").to_string();
         assert!(message.contains("'N.Y'"), "the message names the channel: {message}");
+    }
+
+    #[test]
+    fn what_is_seen_is_front_and_background() {
+        let mut picture = Picture::new(3, 1);
+        picture.color = vec![[0.5, 0.25, 1.0, 0.0], [0.5, 0.5, 0.5, 0.5], [0.0; 4]];
+        picture.opacity = Opacity::Associated;
+        assert_eq!(
+            picture.on_screen().nth(1).expect("a pixel"),
+            [1.0, 1.0, 1.0, 0.5],
+            "divided, for those who multiply"
+        );
+        assert_eq!(picture.in_front().nth(1).expect("a pixel"), [0.5; 4], "as it is");
+        let behind = |r: f32, a: f32| vec![r, 0.25 * a, 0.0];
+        let channels = [
+            ("R", behind(0.5, 0.4)),
+            ("G", behind(0.25, 0.4)),
+            ("B", behind(1.0, 0.4)),
+            ("A", behind(1.0, 2.0)),
+        ];
+        picture.layers.push(Layer::floats(BACKGROUND, channels));
+        assert_eq!(picture.in_front().nth(0).expect("a pixel"), [0.0; 4], "nothing is in front");
+        assert_eq!(
+            picture.on_screen().nth(0).expect("a pixel"),
+            [0.5, 0.25, 1.0, 1.0],
+            "what lies behind is seen, and opaque"
+        );
+        assert_eq!(
+            picture.in_front().nth(1).expect("a pixel"),
+            [0.4, 0.4, 0.4, 0.5],
+            "without what lies behind"
+        );
+        assert_eq!(picture.on_screen().nth(1).expect("a pixel"), [0.5, 0.5, 0.5, 1.0], "with it");
+        assert_eq!(
+            picture.on_screen().nth(2).expect("a pixel")[3],
+            0.0,
+            "what was not rendered stays transparent"
+        );
+        let straight = Picture { color: vec![[0.5, 0.5, 0.5, 0.5]], ..Picture::new(1, 1) };
+        assert_eq!(straight.in_front().nth(0).expect("a pixel"), [0.25, 0.25, 0.25, 0.5], "multiplied");
+        assert_eq!(straight.on_screen().nth(0).expect("a pixel"), [0.5; 4], "as it is");
+    }
+
+    #[test]
+    fn regions_become_opaque() {
+        let mut picture = Picture::new(3, 2);
+        picture.make_opaque(Some([1, 1, 9, 9]));
+        let opaque: Vec<_> = picture.color.iter().map(|pixel| pixel[3]).collect();
+        assert_eq!(opaque, [0.0, 0.0, 0.0, 0.0, 1.0, 1.0], "what lies in the picture");
+        picture.make_opaque(None);
+        assert!(picture.color.iter().all(|pixel| pixel[3] == 1.0), "all");
     }
 
     #[test]

@@ -6,8 +6,9 @@ mod common;
 
 use common::{colors_only, file, files, picture};
 use gnurt_image::{
-    ExrPixels, OutputFormat, Picture, TexelData, ToneCurve, WriteOptions, compare, decode,
-    decode_data_texture, decode_texture, encode, read, read_texture, screen_bytes, srgb, write,
+    BACKGROUND, ExrPixels, Layer, Opacity, OutputFormat, Picture, TexelData, ToneCurve, WriteOptions,
+    compare, decode, decode_data_texture, decode_texture, encode, read, read_texture, screen_bytes, srgb,
+    write,
 };
 
 /// Odd values that a float format must keep, bit by bit.
@@ -51,11 +52,46 @@ fn grey_and_big_endian_pfm_are_read() {
 
 #[test]
 fn exr_is_exact() {
-    let picture = with_odd_values();
+    let picture = Picture { opacity: Opacity::Associated, ..with_odd_values() };
     let back = decode(&file(&picture, OutputFormat::Exr), "").expect("our own file");
     assert_same_bits(&back, &picture, 4, "EXR");
     assert_eq!(back.layers, picture.layers, "layers, their names, types and values");
     assert_eq!(back.metadata, picture.metadata, "metadata");
+}
+
+/// What other programs put over something else is what is in front; what is seen comes back all the same.
+#[test]
+fn exr_is_associated_over_nothing() {
+    let mut picture = Picture::new(3, 1);
+    picture.opacity = Opacity::Associated;
+    picture.color = vec![[0.5, 0.25, 1.0, 0.0], [0.75, 0.5, 0.5, 0.5], [1.0, 1.0, 1.0, 1.0]];
+    let halves = |first: f32| vec![first, 0.25, 0.0];
+    let channels = [("R", halves(0.5)), ("G", halves(0.25)), ("B", halves(1.0)), ("A", vec![1.0, 0.5, 0.0])];
+    let without = picture.clone();
+    picture.layers.push(Layer::floats(BACKGROUND, channels));
+    let bytes = file(&picture, OutputFormat::Exr);
+    let back = decode(&bytes, "").expect("our own file");
+    assert_eq!(back.color, picture.color, "what is seen");
+    // As a program reads it that does not know the layer.
+    let mut bare = back.clone();
+    let background = bare.layers.pop().expect("the layer");
+    for (i, pixel) in bare.color.iter_mut().enumerate() {
+        let values = |name: &str| match &background.channel(name).expect("a channel").data {
+            gnurt_image::ChannelData::F32(values) => values[i],
+            gnurt_image::ChannelData::U32(_) => panic!("floats"),
+        };
+        pixel[..3].iter_mut().zip(["R", "G", "B"]).for_each(|(x, name)| *x -= values(name));
+    }
+    assert_eq!(bare.color, [[0.0; 4], [0.5, 0.25, 0.25, 0.5], [1.0; 4]], "nothing where alpha is 0");
+    // On a screen it is opaque; without the layer what is half there is half transparent, and keeps its colour.
+    let png = |picture: &Picture| decode(&file(picture, OutputFormat::Png), "").expect("our own file").color;
+    assert!(png(&back).iter().all(|pixel| pixel[3] == 1.0), "{:?}", png(&back));
+    let shown = png(&without)[1];
+    assert!((shown[3] - 0.5).abs() < 0.01 && shown[0] == 1.0 && (shown[1] - 1.0).abs() < 0.01, "{shown:?}");
+    // A PNG's colours are straight: in an EXR they are multiplied.
+    let straight = Picture { color: vec![[0.5, 0.5, 0.5, 0.5]], ..Picture::new(1, 1) };
+    let multiplied = decode(&file(&straight, OutputFormat::Exr), "").expect("our own file");
+    assert_eq!(multiplied.color, [[0.25, 0.25, 0.25, 0.5]], "associated");
 }
 
 #[test]
@@ -69,7 +105,7 @@ fn exr_layers_may_be_half() {
 
 #[test]
 fn exr_in_half_precision_stays_close_and_finite() {
-    let picture = with_odd_values();
+    let picture = Picture { opacity: Opacity::Associated, ..with_odd_values() };
     let options = WriteOptions { exr_pixels: ExrPixels::Half, ..WriteOptions::default() };
     let bytes = encode(&picture, OutputFormat::Exr, &options).expect("the picture is consistent");
     let back = decode(&bytes, "").expect("our own file");
@@ -192,5 +228,10 @@ fn formats_may_be_mixed_when_compared() {
     let source = picture(9, 9);
     let png = decode(&file(&source, OutputFormat::Png), "").expect("our own file");
     let exr = decode(&file(&png, OutputFormat::Exr), "").expect("our own file");
+    assert_eq!(
+        (png.opacity, exr.opacity),
+        (Opacity::Straight, Opacity::Associated),
+        "as their formats have it"
+    );
     assert!(compare(&png, &exr).expect("sizes are equal").is_equal(), "PNG and EXR hold the same light");
 }

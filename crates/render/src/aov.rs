@@ -3,7 +3,10 @@
 //! Source: original; names of layers and channels as EXR files of the field have them.
 //! Albedo and normals are means over the samples; position, depths and ids are those of the first sample, because a
 //! mean of places or numbers is none. `variance` is that of the colour's mean. `emission` is the part of the colour that no
-//! surface scattered: lamps and surroundings that camera rays meet, where the integrator tells (`path`). Space: world. Depth is the distance from the eye, Z the one along the view.
+//! surface scattered: lamps and surroundings that camera rays meet, where the integrator tells (`path`). `background` is what rays
+//! that met nothing saw, and what floors that only catch shadow let through: of such a floor as much is there as makes it as dark as
+//! it is, black, so that what it sends of other things' colours is added [PD84]. Space: world. Depth is the distance from the eye, Z
+//! the one along the view.
 
 use std::ops::Range;
 
@@ -23,6 +26,11 @@ pub(crate) struct TileAovs {
     pub(crate) normal: Vec<[f64; 3]>,
     pub(crate) emission: Vec<[f64; 3]>,
     pub(crate) first: Vec<FirstHit>,
+    /// What was seen where nothing was met, and how often.
+    missed: Vec<[f64; 4]>,
+    /// The same of floors that only catch shadow; what they show without shadow.
+    caught: Vec<[f64; 4]>,
+    behind: Vec<[f64; 3]>,
 }
 
 /// What the first ray of a pixel hit.
@@ -49,11 +57,29 @@ const NOTHING: FirstHit = FirstHit {
 
 impl TileAovs {
     pub(crate) fn new(pixels: usize) -> Self {
-        let nothing = || vec![[0.0; 3]; pixels];
-        Self { albedo: nothing(), normal: nothing(), emission: nothing(), first: vec![NOTHING; pixels] }
+        Self {
+            albedo: vec![[0.0; 3]; pixels],
+            normal: vec![[0.0; 3]; pixels],
+            first: vec![NOTHING; pixels],
+            emission: vec![[0.0; 3]; pixels],
+            missed: vec![[0.0; 4]; pixels],
+            caught: vec![[0.0; 4]; pixels],
+            behind: vec![[0.0; 3]; pixels],
+        }
     }
 
-    /// Adds what a sample of each pixel hit, that of `range`. `forward` is the unit direction of view.
+    /// What shows of what lies behind pixel `i`, summed over samples, and the weight of it.
+    pub(crate) fn background(&self, i: usize) -> [f64; 4] {
+        let ([.., count], [r, g, b]) = (self.caught[i], self.behind[i]);
+        let ratio = |k: usize, behind: f64| if behind > 0.0 { self.caught[i][k] / behind } else { 1.0 };
+        let share = [ratio(0, r), ratio(1, g), ratio(2, b)].into_iter().fold(1.0, f64::min).max(0.0);
+        // Light that is taken away and given back leaves a rounding.
+        let share = if share > 1.0 - 1e-5 { 1.0 } else { share };
+        let missed = self.missed[i];
+        [missed[0] + share * r, missed[1] + share * g, missed[2] + share * b, missed[3] + share * count]
+    }
+
+    /// Adds what a sample of each pixel hit, that of `range`, and saw. `forward` is the unit direction of view.
     pub(crate) fn add(
         &mut self,
         tracer: &mut BatchTracer,
@@ -61,6 +87,7 @@ impl TileAovs {
         range: Range<usize>,
         sample: u32,
         forward: Vec3,
+        radiance: &Vec3s,
     ) {
         let world = tracer.world;
         let first = range.start;
@@ -70,10 +97,23 @@ impl TileAovs {
                 (0..3).for_each(|c| sum[c] += f64::from(seen[c]));
             }
         }
+        let add = |sum: &mut [f64; 4], seen: Vec3| {
+            let seen = if seen.is_finite() { seen } else { Vec3::ZERO };
+            (0..3).for_each(|k| sum[k] += f64::from(seen[k]));
+            sum[3] += 1.0;
+        };
+        for lane in range.clone().filter(|&lane| camera.hits.prim_id[lane] == INVALID_ID) {
+            add(&mut self.missed[lane - first], radiance.get(lane));
+        }
         tracer.for_each_surface_in(range, camera, Wanted::Albedo, |_, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
             shader.albedo(points, &mut albedo);
+            let backdrop = shader.backdrop();
             for (k, &lane) in lanes.iter().enumerate() {
+                if let Some(behind) = backdrop {
+                    add(&mut self.caught[lane as usize - first], radiance.get(lane as usize));
+                    (0..3).for_each(|c| self.behind[lane as usize - first][c] += f64::from(behind[c]));
+                }
                 let lane = lane as usize - first;
                 let sums = [(&mut self.albedo, albedo.get(k)), (&mut self.normal, points.facing_ns(k))];
                 for (sums, value) in sums {
@@ -101,6 +141,10 @@ impl Words for TileAovs {
         for sums in [&mut self.albedo, &mut self.normal, &mut self.emission] {
             sums.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
         }
+        for sums in [&mut self.missed, &mut self.caught] {
+            sums.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
+        }
+        self.behind.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
         for hit in &mut self.first {
             let FirstHit { position, depth, z, object, instance, prim, material } = hit;
             for x in [&mut position.x, &mut position.y, &mut position.z, depth, z] {

@@ -11,7 +11,7 @@ use crate::options::RenderOptions;
 use crate::words::Words;
 
 const MAGIC: u64 = u64::from_le_bytes(*b"GNURTchk");
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
 
 impl Accumulation {
     /// All that it holds; `fingerprint` says of what, see [`fingerprint`](crate::fingerprint()).

@@ -3,12 +3,12 @@
 //! them. What the layers hold: see `aov`.
 
 use gnurt_accel::INVALID_ID;
-use gnurt_image::{Layer, Picture};
+use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
 
 use crate::aov::{FirstHit, TileAovs};
 use crate::film::TileFilm;
 
-/// Adds the layers of all tiles to the picture.
+/// Adds the layers of all tiles to the picture. What shows of the background is not opaque.
 pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
     let width = picture.width as usize;
     let pixels = picture.pixel_count();
@@ -38,9 +38,18 @@ pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
     let emission = |c: usize| plane(&|tile, aovs, i| mean(aovs.emission[i][c], tile), 0.0);
     let position = |c: usize| plane(&|_, aovs, i| aovs.first[i].position[c], 0.0);
     let variance = |c: usize| plane(&|tile, _, i| tile.variance(i)[c], 0.0);
+    let background = |c: usize| plane(&|tile, aovs, i| mean(aovs.background(i)[c], tile), 0.0);
+    let behind = [0, 1, 2, 3].map(background);
+    let inside = plane(&|tile, _, _| if tile.samples > 0 { 1.0 } else { 0.0 }, 0.0);
     let depth = plane(&|_, aovs, i| aovs.first[i].depth, f32::INFINITY);
     let z = plane(&|_, aovs, i| aovs.first[i].z, f32::INFINITY);
+    picture.opacity = Opacity::Associated;
+    for ((pixel, share), inside) in picture.color.iter_mut().zip(&behind[3]).zip(inside) {
+        pixel[3] = (inside - share).max(0.0);
+    }
+    let [r, g, b, a] = behind;
     picture.layers.extend([
+        Layer::floats(BACKGROUND, [("R", r), ("G", g), ("B", b), ("A", a)]),
         Layer::floats("albedo", [("R", albedo(0)), ("G", albedo(1)), ("B", albedo(2))]),
         Layer::floats("variance", [("R", variance(0)), ("G", variance(1)), ("B", variance(2))]),
         Layer::floats("emission", [("R", emission(0)), ("G", emission(1)), ("B", emission(2))]),

@@ -68,7 +68,7 @@ impl<'a> Sampler<'a> {
         for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
             let lanes = first..first + pixels;
             if let Some(aovs) = &mut tile.aovs {
-                aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward);
+                aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward, radiance);
             }
             tracer.stats.bad_samples += tile.add_sample(radiance, hits, lanes);
         }
@@ -114,7 +114,7 @@ impl<'a> Sampler<'a> {
         let CameraBatch { rays, keys, hits, .. } = &apart.batch;
         let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.job.options.ray_epsilon };
         if let Some(aovs) = &mut tile.aovs {
-            aovs.add(tracer, camera, 0..keys.len(), sample, self.job.forward);
+            aovs.add(tracer, camera, 0..keys.len(), sample, self.job.forward, &radiance);
         }
         tile.costs.resize(apart.costs.len(), 0);
         tile.costs.iter_mut().zip(&apart.costs).for_each(|(sum, cost)| *sum += cost);

@@ -111,6 +111,7 @@ fn textures(material: &Material) -> [Option<TextureRef>; 6] {
         Surface::Metal { .. }
         | Surface::Dielectric { .. }
         | Surface::RoughDielectric { .. }
+        | Surface::ShadowCatcher { .. }
         | Surface::Shader(_) => None,
     };
     let opacity = match material.alpha {

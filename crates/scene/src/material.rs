@@ -125,6 +125,15 @@ pub enum Surface {
         /// Tint of what goes through.
         transmittance: [f32; 3],
     },
+    /// A Lambertian floor that only catches shadow: where nothing shadows it, it shows what lies behind the scene, so that it is
+    /// not seen. In pictures with opacity it is there as far as it is darker than that.
+    ShadowCatcher {
+        /// Albedo.
+        albedo: [f32; 3],
+        /// What lies behind, and what the floor sends back where all light of the environment reaches it: albedo times
+        /// irradiance over pi.
+        radiance: [f32; 3],
+    },
     /// Whatever a shader of the renderer's shader table does; the number is its place there.
     Shader(u32),
 }
@@ -261,6 +270,7 @@ impl Material {
             Surface::Matte { base_color } | Surface::MetallicRoughness { base_color, .. } => *base_color,
             Surface::RoughMatte { base_color, .. } => *base_color,
             Surface::Principled(principled) => principled.base_color,
+            Surface::ShadowCatcher { albedo, .. } => Color::constant(*albedo),
             Surface::Mirror { reflectance } => *reflectance,
             Surface::Metal { eta, k, .. } => Color::constant(std::array::from_fn(|c| {
                 let (less, more) = ((eta[c] - 1.0).powi(2), (eta[c] + 1.0).powi(2));

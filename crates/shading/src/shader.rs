@@ -79,6 +79,12 @@ pub trait SurfaceShader: Send + Sync {
         None
     }
 
+    /// What lies behind the scene, for a Lambertian reflector that shows just that where all light of the environment reaches it
+    /// and shadow where not: in pictures with opacity it is there as far as it is darker.
+    fn backdrop(&self) -> Option<Vec3> {
+        None
+    }
+
     /// What it wants from the mesh, in the order of `SurfaceBatch::attributes`.
     fn attributes(&self) -> &[AttributeRequest] {
         &[]

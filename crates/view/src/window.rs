@@ -49,8 +49,10 @@ pub struct WindowOptions {
     pub frames: Option<u64>,
     /// Where pictures are written.
     pub folder: PathBuf,
-    /// How noise is taken out of pictures, once somebody asks for it.
+    /// How noise is taken out of pictures.
     pub denoiser: denoise::Options,
+    /// Whether it is taken out of what rests until somebody wants otherwise.
+    pub is_denoised: bool,
 }
 
 /// How long a camera that nobody holds counts as moving.
@@ -78,7 +80,9 @@ pub fn run_window(
     options.render.region()?;
     let size = [options.render.width, options.render.height];
     let shown = Shown::Light(options.render.integrator);
-    let controls = Controls::new(&options.camera, shown, options.exposure, size).ok_or(ViewError::NoView)?;
+    let mut controls =
+        Controls::new(&options.camera, shown, options.exposure, size).ok_or(ViewError::NoView)?;
+    controls.denoised = options.is_denoised;
     let no_display = |error: &dyn std::fmt::Display| ViewError::NoDisplay(error.to_string());
     let events = EventLoop::<News>::with_user_event().build().map_err(|error| no_display(&error))?;
     let proxy = events.create_proxy();
@@ -290,8 +294,13 @@ impl App {
     fn print_camera(&mut self) {
         let Camera { eye, target, up, fov_y, .. } = self.controls.flight.camera();
         let point = |[x, y, z]: [f32; 3]| format!("{x},{y},{z}");
-        let options =
-            format!("--eye {} --target {} --up {} --fov {fov_y}", point(eye), point(target), point(up));
+        let stops = self.controls.exposure.stops;
+        let options = format!(
+            "--eye {} --target {} --up {} --fov {fov_y} --exposure {stops}",
+            point(eye),
+            point(target),
+            point(up)
+        );
         self.listener.camera(&options);
         self.say(vec![format!("--eye {}", point(eye)), format!("--target {}", point(target))]);
     }

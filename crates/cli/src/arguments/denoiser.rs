@@ -6,27 +6,61 @@ use gnurt::denoise::{Method, Options};
 
 /// The option of those who write pictures.
 #[derive(Args, Clone, Copy, Debug, Default)]
+#[command(next_help_heading = "Quality")]
 pub(crate) struct DenoiserArguments {
     /// Take the noise out of the picture: auto (OIDN where its library is found or OIDN_LIB names it, else built-in),
-    /// built-in, oidn
+    /// built-in, oidn or none; `render` and `view` do so without being asked, see --help-all
     #[arg(
         long,
         value_name = "HOW",
         value_parser = super::value::denoiser,
         num_args = 0..=1,
         require_equals = true,
-        default_missing_value = "auto"
+        default_missing_value = "auto",
+        long_help = "Take the noise out of the picture: auto (OIDN where its library is found or OIDN_LIB names it, else \
+                     built-in), built-in, oidn or none. Unless it is given, `render` takes it out of PNGs of fewer than 256 \
+                     samples per pixel by path, ir, bir or mir, and `view` out of what rests, by the built-in filter; \
+                     EXR, HDR and PFM keep theirs."
     )]
-    pub(crate) denoise: Option<Method>,
+    pub(crate) denoise: Option<DenoiserChoice>,
+}
+
+/// How noise is to be taken out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DenoiserChoice {
+    /// Not at all.
+    None,
+    /// By this filter.
+    By(Method),
 }
 
 /// The variable that names OIDN's library.
 const OIDN: &str = "OIDN_LIB";
 
 impl DenoiserArguments {
-    /// How a picture is to be denoised of which only `region` was rendered, if at all.
+    /// How a picture is to be denoised of which only `region` was rendered, if somebody asks for it.
     pub(crate) fn options(self, region: Option<[u32; 4]>) -> Option<Options> {
-        let library = std::env::var_os(OIDN).filter(|file| !file.is_empty()).map(Into::into);
-        self.denoise.map(|method| Options { method, region, library })
+        match self.denoise? {
+            DenoiserChoice::None => None,
+            DenoiserChoice::By(method) => Some(by(method, region)),
+        }
     }
+
+    /// The same, and by the built-in filter, whose bits are the same everywhere, if nobody says anything.
+    pub(crate) fn options_or_built_in(self, region: Option<[u32; 4]>) -> Option<Options> {
+        match self.denoise {
+            None => Some(by(Method::BuiltIn, region)),
+            Some(_) => self.options(region),
+        }
+    }
+
+    /// Whether it is left to the program.
+    pub(crate) fn is_left_open(self) -> bool {
+        self.denoise.is_none()
+    }
+}
+
+fn by(method: Method, region: Option<[u32; 4]>) -> Options {
+    let library = std::env::var_os(OIDN).filter(|file| !file.is_empty()).map(Into::into);
+    Options { method, region, library }
 }

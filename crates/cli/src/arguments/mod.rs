@@ -6,6 +6,7 @@
 mod bench;
 mod denoiser;
 mod files;
+mod help;
 mod refusal;
 mod render;
 mod talk;
@@ -24,11 +25,12 @@ pub(crate) use bench::{
 };
 pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use files::FileArguments;
+pub(crate) use help::HelpArguments;
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::{TalkArguments, talk_behind_command};
-pub(crate) use value::{Pixel, Resolution, ShaderChoice};
-pub(crate) use view::{FrameArguments, LightArguments, MachineArguments, TreeArguments, ViewArguments};
+pub(crate) use value::{ExposureChoice, Pixel, Resolution, ShaderChoice};
+pub(crate) use view::{FrameArguments, LightArguments, Look, MachineArguments, TreeArguments, ViewArguments};
 pub(crate) use window::WindowArguments;
 
 /// Ray tracing from the command line.
@@ -62,12 +64,13 @@ The first Ctrl-C ends the rendering and saves the picture so far.";
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Render a scene to a picture
-    #[command(args_override_self = true)]
+    #[command(args_override_self = true, disable_help_flag = true)]
     Render(Box<RenderArguments>),
     /// Fly through a scene in a window
     #[command(
         args_override_self = true,
-        after_help = gnurt_view::KEYS,
+        disable_help_flag = true,
+        after_long_help = gnurt_view::KEYS,
         // A window keeps refining the picture, up to this many samples; timed frames take one sample each.
         mut_arg("spp", |spp| spp.default_value("1024").default_value_if("headless", "true", "1"))
     )]
@@ -79,10 +82,19 @@ pub(crate) enum Command {
     #[command(args_override_self = true)]
     Diff(DiffArguments),
     /// Convert a picture to another picture format, or a scene to another scene format
-    #[command(args_override_self = true)]
+    #[command(
+        args_override_self = true,
+        // A picture is taken as it is unless something is asked for.
+        mut_arg("tone", |tone| tone.default_value("clamp")),
+        mut_arg("exposure", |exposure| exposure.default_value("0"))
+    )]
     Convert(ConvertArguments),
     /// Follow the light of one pixel and print each step
-    #[command(args_override_self = true)]
+    #[command(
+        args_override_self = true,
+        // Its steps are few, and always the same.
+        mut_arg("integrator", |integrator| integrator.default_value("whitted"))
+    )]
     Trace(Box<TraceArguments>),
     /// Measure how fast this machine traces rays
     #[command(args_override_self = true)]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arguments of `render`. Source: original; names after pbrt, Mitsuba and appleseed.
+//! Arguments of `render`, in the order of its help. Source: original; names after pbrt, Mitsuba and appleseed.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
 use super::{
-    DenoiserArguments, FileArguments, FrameArguments, LightArguments, MachineArguments, TalkArguments,
+    DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments, TalkArguments,
     TreeArguments, ViewArguments,
 };
 
@@ -20,30 +20,53 @@ pub(crate) struct RenderArguments {
     /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
     pub(crate) scene: OsString,
     /// Picture to write: .png, .exr, .hdr or .pfm; without it the scene's name with .png, in the current folder
-    #[arg(short, long, value_name = "FILE", allow_hyphen_values = true)]
+    #[arg(help_heading = "Picture", short, long, value_name = "FILE", allow_hyphen_values = true)]
     pub(crate) output: Option<PathBuf>,
     /// Also write a picture of the cost of each pixel
-    #[arg(long, value_name = "FILE", allow_hyphen_values = true)]
+    #[arg(
+        help_heading = "Picture",
+        hide_short_help = true,
+        long,
+        value_name = "FILE",
+        allow_hyphen_values = true
+    )]
     pub(crate) heatmap: Option<PathBuf>,
     /// Render only these pixels, x1 and y1 excluded, from the upper left corner; the others stay black
-    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = value::crop, allow_hyphen_values = true)]
+    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "X0,Y0,X1,Y1", value_parser = value::crop, allow_hyphen_values = true)]
     pub(crate) crop: Option<Crop>,
-    /// Stop after this time and keep the picture so far: 90, 90s, 1.5m, 2h
-    #[arg(long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true)]
-    pub(crate) time: Option<Duration>,
+    #[command(flatten)]
+    pub(crate) view: ViewArguments,
+    #[command(flatten)]
+    pub(crate) frame: FrameArguments,
     #[command(flatten)]
     pub(crate) denoiser: DenoiserArguments,
+    #[command(flatten)]
+    pub(crate) light: LightArguments,
+    /// Stop after this time and keep the picture so far: 90, 90s, 1.5m, 2h
+    #[arg(help_heading = "Time and machine", long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true)]
+    pub(crate) time: Option<Duration>,
     /// Also show the picture while it is rendered, in tev: tev:HOST:PORT
-    #[arg(long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
+    #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
     pub(crate) display: Option<TevAddress>,
     /// Keep the rendering's state in this file and go on from it if it is there: a program that was killed loses little
-    #[arg(long, value_name = "FILE", allow_hyphen_values = true)]
+    #[arg(
+        help_heading = "Time and machine",
+        hide_short_help = true,
+        long,
+        value_name = "FILE",
+        allow_hyphen_values = true
+    )]
     pub(crate) checkpoint: Option<PathBuf>,
     /// Time between two checkpoints
-    #[arg(long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true, default_value = "60s", requires = "checkpoint")]
+    #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true, default_value = "60s", requires = "checkpoint")]
     pub(crate) checkpoint_every: Duration,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) trees: TreeArguments,
     /// Say what was counted and measured: a table on standard error, or json on standard output
     #[arg(
+        help_heading = "Messages", hide_short_help = true,
         long,
         value_name = "FORM",
         value_parser = StatisticsForm::parse,
@@ -53,19 +76,11 @@ pub(crate) struct RenderArguments {
     )]
     pub(crate) stats: Option<StatisticsForm>,
     #[command(flatten)]
-    pub(crate) frame: FrameArguments,
-    #[command(flatten)]
-    pub(crate) view: ViewArguments,
-    #[command(flatten)]
-    pub(crate) light: LightArguments,
-    #[command(flatten)]
-    pub(crate) machine: MachineArguments,
-    #[command(flatten)]
-    pub(crate) trees: TreeArguments,
-    #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
+    #[command(flatten)]
+    pub(crate) help: HelpArguments,
 }
 
 /// How statistics are written.

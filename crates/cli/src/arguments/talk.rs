@@ -10,12 +10,13 @@ use crate::messages::Verbosity;
 
 /// `-q` and `-v`.
 #[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Messages")]
 pub(crate) struct TalkArguments {
     /// Say nothing but errors
     #[arg(short, long, overrides_with = "verbose")]
     quiet: bool,
     /// Say what is done and how long it takes; twice: all that is known
-    #[arg(short, long, action = ArgAction::Count, overrides_with = "quiet")]
+    #[arg(short, long, hide_short_help = true, action = ArgAction::Count, overrides_with = "quiet")]
     verbose: u8,
 }
 

@@ -18,6 +18,7 @@ use gnurt::{BUILTIN, Surroundings};
 use gnurt_bench::{Class, ENGINES};
 use gnurt_view::TevAddress;
 
+use super::denoiser::DenoiserChoice;
 use crate::nearest::unknown;
 
 /// Columns and rows of a picture, at least 1 each and 2^31 together at most.
@@ -37,6 +38,15 @@ pub(crate) struct ShaderChoice {
     pub(crate) file: Option<PathBuf>,
     /// Names and values.
     pub(crate) parameters: Vec<(String, String)>,
+}
+
+/// How bright a picture for a screen is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum ExposureChoice {
+    /// As suits the picture.
+    Auto,
+    /// So many stops, each of which doubles the light.
+    Stops(f32),
 }
 
 /// Column and row of a pixel.
@@ -188,10 +198,14 @@ pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "give a number that is not negative, like 0.01".into())
 }
 
-/// -64 to 64 stops.
-pub(crate) fn exposure(text: &str) -> Result<f32, String> {
-    let stops = number(text)?;
-    if stops.abs() <= 64.0 { Ok(stops) } else { Err("give stops from -64 to 64".into()) }
+/// -64 to 64 stops, or to be chosen from the picture.
+pub(crate) fn exposure(text: &str) -> Result<ExposureChoice, String> {
+    if text == "auto" {
+        return Ok(ExposureChoice::Auto);
+    }
+    let right = || "give stops from -64 to 64, or auto".to_owned();
+    let stops = number(text).map_err(|_| right())?;
+    if stops.abs() <= 64.0 { Ok(ExposureChoice::Stops(stops)) } else { Err(right()) }
 }
 
 /// `90`, `90s`, `1.5m`, `2h`, `500ms`.
@@ -299,10 +313,14 @@ pub(crate) fn integrator(name: &str) -> Result<Integrator, String> {
     by_name("integrator", name, &Integrator::ALL[..])
 }
 
-/// A denoiser's name.
-pub(crate) fn denoiser(name: &str) -> Result<Method, String> {
-    let names = Method::ALL.map(Method::name);
-    name.parse().map_err(|_| unknown("denoiser", name, &names))
+/// A denoiser's name, or none.
+pub(crate) fn denoiser(name: &str) -> Result<DenoiserChoice, String> {
+    const NONE: &str = "none";
+    if name == NONE {
+        return Ok(DenoiserChoice::None);
+    }
+    let names: Vec<&str> = Method::ALL.into_iter().map(Method::name).chain([NONE]).collect();
+    name.parse().map(DenoiserChoice::By).map_err(|_| unknown("denoiser", name, &names))
 }
 
 /// A reconstruction filter's name.

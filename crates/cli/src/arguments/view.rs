@@ -7,18 +7,19 @@ use std::path::Path;
 use clap::Args;
 use gnurt::Surroundings;
 use gnurt::accel::Memory;
-use gnurt::image::ToneCurve;
+use gnurt::image::{Picture, ToneCurve, exposure_for};
+use gnurt::look::TONE;
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::simd::Level;
 
-use super::value::{self, Resolution, ShaderChoice};
+use super::value::{self, ExposureChoice, Resolution, ShaderChoice};
 
 /// What is computed for which pixels.
 #[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Picture")]
 pub(crate) struct FrameArguments {
     /// Size of the picture in pixels
     #[arg(
+        help_heading = "Picture",
         short,
         long,
         value_name = "WxH",
@@ -29,6 +30,7 @@ pub(crate) struct FrameArguments {
     pub(crate) resolution: Resolution,
     /// Samples per pixel
     #[arg(
+        help_heading = "Quality",
         long,
         visible_alias = "samples",
         value_name = "N",
@@ -38,19 +40,22 @@ pub(crate) struct FrameArguments {
     )]
     pub(crate) spp: u32,
     /// Seed of the random numbers: the same seed gives the same picture
-    #[arg(long, value_name = "N", value_parser = value::seed, allow_hyphen_values = true, default_value = "0")]
+    #[arg(help_heading = "Quality", hide_short_help = true, long, value_name = "N", value_parser = value::seed, allow_hyphen_values = true, default_value = "0")]
     pub(crate) seed: u64,
-    /// How light is computed: eyelight, normals, whitted, path, ir, bir or mir
+    /// How light is computed: path (all light), whitted (direct light, mirrors, glass), ir, bir, mir (all light by virtual
+    /// lights), eyelight or normals (shapes)
     #[arg(
+        help_heading = "Light", hide_short_help = true,
         long,
         value_name = "NAME",
         value_parser = value::integrator,
         allow_hyphen_values = true,
-        default_value = "whitted"
+        default_value = "path"
     )]
     pub(crate) integrator: Integrator,
     /// How samples make a pixel: box, triangle, gaussian or blackman-harris
     #[arg(
+        help_heading = "Quality", hide_short_help = true,
         long,
         value_name = "NAME",
         value_parser = value::filter,
@@ -60,28 +65,29 @@ pub(crate) struct FrameArguments {
     pub(crate) filter: ReconstructionFilter,
     /// How deep light is followed; whitted: how often it may be mirrored or refracted; path: edges of a path, 1 = light
     /// seen directly, 2 = direct light
-    #[arg(long, value_name = "N", value_parser = value::depth, allow_hyphen_values = true, default_value = "16")]
+    #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "N", value_parser = value::depth, allow_hyphen_values = true, default_value = "16")]
     pub(crate) max_depth: u32,
     /// Virtual lights of each sample per pixel, about (ir, bir, mir)
-    #[arg(long, value_name = "N", value_parser = value::virtual_lights, allow_hyphen_values = true, default_value = "1024")]
+    #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "N", value_parser = value::virtual_lights, allow_hyphen_values = true, default_value = "1024")]
     pub(crate) vpls: u32,
     /// ir, bir, mir: largest geometry term, one over area, that virtual lights bring light over; rays bring the rest; without it
     /// the scene's size decides. path: no light that was scattered more than once adds more than this where it is met (too dark)
-    #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
+    #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,
     /// ir, bir, mir: each pixel of a pattern of NxN gathers its share of the virtual lights, then light is averaged over as
     /// many pixels of a surface: N^2 times fewer rays, slightly blurred. 1, 3, 5 or 7; 1 = every pixel gathers from all
-    #[arg(long, value_name = "N", value_parser = value::interleave, allow_hyphen_values = true, default_value = "1")]
+    #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "N", value_parser = value::interleave, allow_hyphen_values = true, default_value = "1")]
     pub(crate) interleave: u32,
     /// Sample each tile until its noise falls below this share of its radiance: at least 16 samples, at most --spp
-    #[arg(long, value_name = "X", value_parser = value::noise, allow_hyphen_values = true)]
+    #[arg(help_heading = "Quality", hide_short_help = true, long, value_name = "X", value_parser = value::noise, allow_hyphen_values = true)]
     pub(crate) noise: Option<f32>,
     /// Make every material a Lambertian reflector of its base colour
-    #[arg(long)]
+    #[arg(help_heading = "Look", hide_short_help = true, long)]
     pub(crate) force_diffuse: bool,
     /// Shade a material, or all by *, by a class of libOpenRT: a built-in one, or one of a plugin's FILE; numbers between
     /// commas, textures as @FILE; may be given more than once
     #[arg(
+        help_heading = "Look", hide_short_help = true,
         long = "shader",
         value_name = "MATERIAL=CLASS[@FILE][:NAME=VALUE...]",
         value_parser = value::shader,
@@ -106,10 +112,10 @@ pub(crate) struct ViewArguments {
     #[arg(long, value_name = "X,Y,Z", value_parser = value::point, allow_hyphen_values = true)]
     pub(crate) target: Option<[f32; 3]>,
     /// What is up in the picture
-    #[arg(long, value_name = "X,Y,Z", value_parser = value::direction, allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "X,Y,Z", value_parser = value::direction, allow_hyphen_values = true)]
     pub(crate) up: Option<[f32; 3]>,
     /// Vertical angle of view in degrees
-    #[arg(long, value_name = "DEGREES", value_parser = value::angle_of_view, allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "DEGREES", value_parser = value::angle_of_view, allow_hyphen_values = true)]
     pub(crate) fov: Option<f32>,
     #[command(flatten)]
     pub(crate) surroundings: SurroundingsArguments,
@@ -117,14 +123,14 @@ pub(crate) struct ViewArguments {
 
 /// What is around the scene.
 #[derive(Args, Clone, Debug, Default)]
-#[command(next_help_heading = "Surroundings")]
+#[command(next_help_heading = "Light")]
 pub(crate) struct SurroundingsArguments {
     /// What rays see that leave the scene, and light from there: a latitude-longitude picture (.hdr, .exr, .pfm, .png, .jpg), a
     /// radiance R,G,B, or builtin:day, builtin:evening, builtin:overcast; its up is --up, or else +y
     #[arg(long, value_name = "FILE|R,G,B|SKY", value_parser = value::surroundings, allow_hyphen_values = true)]
     pub(crate) environment: Option<Surroundings>,
     /// Degrees that it is turned by around what is up
-    #[arg(long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true, default_value = "0", requires = "environment")]
+    #[arg(hide_short_help = true, long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true, default_value = "0", requires = "environment")]
     pub(crate) environment_turn: f64,
 }
 
@@ -137,45 +143,78 @@ impl SurroundingsArguments {
 
 /// What it is computed with.
 #[derive(Args, Clone, Debug)]
-#[command(next_help_heading = "Machine")]
+#[command(next_help_heading = "Time and machine")]
 pub(crate) struct MachineArguments {
     /// Threads; 0 = all cores
-    #[arg(short, long, value_name = "N", value_parser = value::threads, allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, short, long, value_name = "N", value_parser = value::threads, allow_hyphen_values = true)]
     pub(crate) threads: Option<usize>,
     /// Instruction set: auto, scalar, sse4.2, avx2, avx512 or neon
-    #[arg(long, value_name = "NAME", value_parser = value::isa, allow_hyphen_values = true)]
+    #[arg(hide_short_help = true, long, value_name = "NAME", value_parser = value::isa, allow_hyphen_values = true)]
     pub(crate) isa: Option<Level>,
 }
 
 /// What rays go through.
 #[derive(Args, Clone, Copy, Debug)]
-#[command(next_help_heading = "Machine")]
+#[command(next_help_heading = "Time and machine")]
 pub(crate) struct TreeArguments {
     /// What trees are made for: fast rays, or compact, in half the memory for slower rays; the picture is the same
-    #[arg(long, value_name = "NAME", value_parser = value::memory, allow_hyphen_values = true, default_value = "fast")]
+    #[arg(hide_short_help = true, long, value_name = "NAME", value_parser = value::memory, allow_hyphen_values = true, default_value = "fast")]
     pub(crate) memory: Memory,
 }
 
 /// From linear light to the bytes of a screen; files of floats keep the light.
-#[derive(Args, Clone, Copy, Debug, Default)]
-#[command(next_help_heading = "PNG")]
+#[derive(Args, Clone, Copy, Debug)]
+#[command(next_help_heading = "Look")]
 pub(crate) struct LightArguments {
-    /// Tone curve of PNG files: clamp, reinhard or filmic
+    /// Tone curve of PNG files: filmic (a fit of ACES), clamp or reinhard
     #[arg(
         long,
         value_name = "NAME",
         value_parser = value::tone,
         allow_hyphen_values = true,
-        default_value = "clamp"
+        default_value = TONE.name(),
+        hide_short_help = true
     )]
     pub(crate) tone: ToneCurve,
-    /// Exposure of PNG files in stops: each doubles the light
+    /// Exposure of PNG files in stops, each of which doubles the light: 0 = as it is, auto = as suits the picture
     #[arg(
         long,
         value_name = "EV",
         value_parser = value::exposure,
         allow_hyphen_values = true,
-        default_value = "0"
+        default_value = "auto"
     )]
+    pub(crate) exposure: ExposureChoice,
+}
+
+impl LightArguments {
+    /// The same where an exposure is known that suits the scene's light, and nobody gives another.
+    pub(crate) fn suited(self, exposure: Option<f32>) -> Self {
+        match (self.exposure, exposure) {
+            (ExposureChoice::Auto, Some(stops)) => Self { exposure: ExposureChoice::Stops(stops), ..self },
+            _ => self,
+        }
+    }
+
+    /// Curve and exposure of this picture; the note says what was chosen, if anything was.
+    pub(crate) fn look(self, picture: &Picture) -> (Look, Option<String>) {
+        match self.exposure {
+            ExposureChoice::Stops(exposure) => (Look { tone: self.tone, exposure }, None),
+            ExposureChoice::Auto => self.chosen(exposure_for(picture)),
+        }
+    }
+
+    /// The same for an exposure that was chosen elsewhere.
+    pub(crate) fn chosen(self, exposure: f32) -> (Look, Option<String>) {
+        let note = format!("exposure {exposure:+.2} chosen from the picture; --exposure {exposure} keeps it");
+        (Look { tone: self.tone, exposure }, Some(note))
+    }
+}
+
+/// How light becomes bytes of a screen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Look {
+    pub(crate) tone: ToneCurve,
+    /// Stops.
     pub(crate) exposure: f32,
 }

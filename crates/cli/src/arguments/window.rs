@@ -9,8 +9,8 @@ use gnurt_view::TevAddress;
 
 use super::value;
 use super::{
-    FileArguments, FrameArguments, LightArguments, MachineArguments, StatisticsForm, TalkArguments,
-    TreeArguments, ViewArguments,
+    DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments, StatisticsForm,
+    TalkArguments, TreeArguments, ViewArguments,
 };
 
 /// Arguments of `view`.
@@ -18,23 +18,43 @@ use super::{
 pub(crate) struct WindowArguments {
     /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
     pub(crate) scene: OsString,
-    /// Leave after this many pictures; without a window 1 unless given
-    #[arg(long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true)]
-    pub(crate) frames: Option<u32>,
     /// Render without a window, and say how fast that is
-    #[arg(long)]
+    #[arg(help_heading = "Picture", long)]
     pub(crate) headless: bool,
-    /// Degrees that the camera goes around its target in all frames; only without a window, 360 for several frames
-    #[arg(long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true)]
-    pub(crate) orbit: Option<f64>,
     /// Picture to write of the last frame: .png, .exr, .hdr or .pfm; only without a window
-    #[arg(short, long, value_name = "FILE", allow_hyphen_values = true)]
+    #[arg(
+        help_heading = "Picture",
+        hide_short_help = true,
+        short,
+        long,
+        value_name = "FILE",
+        allow_hyphen_values = true
+    )]
     pub(crate) output: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) view: ViewArguments,
+    /// Degrees that the camera goes around its target in all frames; only without a window, 360 for several frames
+    #[arg(help_heading = "Camera", hide_short_help = true, long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true)]
+    pub(crate) orbit: Option<f64>,
+    #[command(flatten)]
+    pub(crate) frame: FrameArguments,
+    #[command(flatten)]
+    pub(crate) denoiser: DenoiserArguments,
+    #[command(flatten)]
+    pub(crate) light: LightArguments,
+    /// Leave after this many pictures; without a window 1 unless given
+    #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true)]
+    pub(crate) frames: Option<u32>,
     /// Show the pictures in tev instead of a window: tev:HOST:PORT
-    #[arg(long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
+    #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
     pub(crate) display: Option<TevAddress>,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) trees: TreeArguments,
     /// Say how long frames took: a table on standard error, or json on standard output; only without a window
     #[arg(
+        help_heading = "Messages", hide_short_help = true,
         long,
         value_name = "FORM",
         value_parser = StatisticsForm::parse,
@@ -44,17 +64,9 @@ pub(crate) struct WindowArguments {
     )]
     pub(crate) stats: Option<StatisticsForm>,
     #[command(flatten)]
-    pub(crate) frame: FrameArguments,
-    #[command(flatten)]
-    pub(crate) view: ViewArguments,
-    #[command(flatten)]
-    pub(crate) light: LightArguments,
-    #[command(flatten)]
-    pub(crate) machine: MachineArguments,
-    #[command(flatten)]
-    pub(crate) trees: TreeArguments,
-    #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
     pub(crate) talk: TalkArguments,
+    #[command(flatten)]
+    pub(crate) help: HelpArguments,
 }

@@ -16,7 +16,7 @@ use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
 use crate::source::Source;
-use crate::view;
+use crate::view::{self, Stage};
 use crate::workers::machine;
 
 /// Measures.
@@ -26,7 +26,8 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
     let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
-    let (_, camera) = view::choose(&mut scene, &arguments.view, arguments.resolution, messages)?;
+    let view::Chosen { rays: camera, .. } =
+        view::choose(&mut scene, &arguments.view, arguments.resolution, Stage::Plain, messages)?;
     let how = CommitOptions { force_diffuse: arguments.force_diffuse, level, ..CommitOptions::default() };
     let (world, _) = commit(&scene, &ShaderTable::default(), how, &pool, messages)?;
     let picture = RenderOptions {

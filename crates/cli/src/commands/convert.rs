@@ -37,7 +37,7 @@ pub(crate) fn run(arguments: &ConvertArguments, environment: &Environment, messa
     signals::listen(FirstSignal::Leaves, messages)?;
     match (kind(&arguments.input), written_kind(output)?) {
         (Kind::Picture, Kind::Picture) => convert_picture(arguments, environment, messages),
-        (Kind::Scene, Kind::Scene) if arguments.denoiser.denoise.is_some() => {
+        (Kind::Scene, Kind::Scene) if arguments.denoiser.options(None).is_some() => {
             Err(Failure::usage("--denoise is for pictures; scenes have no noise"))
         }
         (Kind::Scene, Kind::Scene) => convert_scene(arguments, environment, messages),
@@ -85,7 +85,7 @@ fn convert_picture(arguments: &ConvertArguments, environment: &Environment, mess
         messages.note(&used);
         picture.set_metadata("denoiser", used.name());
     }
-    output.write(&picture, arguments.light)?;
+    output.write_with(&picture, arguments.light, messages)?;
     messages.detail(format_args!("wrote {}, {}x{}", output.path().display(), picture.width, picture.height));
     Ok(())
 }

@@ -14,10 +14,10 @@ use serde_json::{Value, json};
 use crate::arguments::InfoArguments;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
-use crate::machine::bytes;
 use crate::messages::{Messages, print};
 use crate::source::Source;
 use crate::workers::machine;
+use gnurt::memory::format_bytes as bytes;
 
 /// Tells what is in a scene.
 pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages: Messages) -> Outcome {

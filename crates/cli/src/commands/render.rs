@@ -3,11 +3,13 @@
 //! Source: original; the order of checks is the contract of the command line: arguments, the scene's path, the output's
 //! folder and the memory that the picture takes come before any work. Proof: `tests/`.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use gnurt::ThreadPool;
 use gnurt::denoise::{self, denoise};
 use gnurt::image::Picture;
+use gnurt::look::{FEW_SAMPLES, is_noisy};
+use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
     Accumulation, CommitOptions, CommitReport, Frame, RenderOptions, ShaderTable, World, fingerprint,
     render_on,
@@ -16,12 +18,11 @@ use gnurt::scene::Scene;
 use gnurt::simd::Level;
 use gnurt_view::TevImage;
 
-use crate::arguments::{FrameArguments, RenderArguments, StatisticsForm, TreeArguments};
+use crate::arguments::{FrameArguments, Look, RenderArguments, StatisticsForm, TreeArguments};
 use crate::checkpoint::Checkpoint;
 use crate::display::Displayed;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
-use crate::machine::{bytes, free_memory};
 use crate::messages::{Messages, print};
 use crate::output::{Output, is_same_file};
 use crate::picture_header::{describe, describe_making};
@@ -30,49 +31,102 @@ use crate::shaders::{self, Shaders};
 use crate::signals::{self, FirstSignal};
 use crate::source::Source;
 use crate::statistics::Statistics;
-use crate::view;
+use crate::view::{self, Chosen, Stage};
 use crate::workers::machine;
 
-/// What is written at the end.
+/// What was decided before any work.
+struct Plan {
+    source: Source,
+    /// What is written at the end.
+    targets: Targets,
+    /// How the noise is to be taken out: as somebody asks, or because there are few samples.
+    filter: Option<Filter>,
+}
+
 struct Targets {
     picture: Output,
     heatmap: Option<Output>,
 }
 
+struct Filter {
+    options: denoise::Options,
+    /// Whether nobody has asked for it: many samples need none then.
+    is_default: bool,
+}
+
+/// A scene that is ready for rays.
+struct Ready {
+    world: World,
+    report: CommitReport,
+    chosen: Chosen,
+    shaders: Shaders,
+    checkpoint: Option<Checkpoint>,
+    load_time: Duration,
+}
+
 /// Renders.
 pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messages: Messages) -> Outcome {
     let begin = Instant::now();
-    let (source, targets) = check(arguments, environment)?;
+    let plan = check(arguments, environment)?;
     signals::listen(FirstSignal::Saves, messages)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
+    let options = options(arguments, &plan, level);
+    let ready = prepare(arguments, &plan, &options, &pool, messages)?;
+    let mut frame = render_frame(arguments, &plan, &ready, &options, &pool, messages)?;
+    tell(&frame, arguments, messages);
+    ready.shaders.tell_faults(messages);
+    take_noise_out(&mut frame, &plan, &pool, messages)?;
+    finish(&mut frame.picture, &frame.stats, arguments, &plan, &ready, &options);
+    save(&frame, &plan.targets, &ready, arguments, messages)?;
+    report(arguments, begin, &plan, &ready, &options, &frame, messages)
+}
 
-    let mut scene = source.load(messages)?;
-    let (camera, rays) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
-    let loaded = begin.elapsed();
-    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
-    let how = commit_options(&arguments.frame, &arguments.trees, level);
-    let (world, report) = commit(&scene, &shaders.table, how, &pool, messages)?;
-
-    let options = options(arguments, &targets, level);
+/// Reads the scene and builds what rays need.
+fn prepare(
+    arguments: &RenderArguments,
+    plan: &Plan,
+    options: &RenderOptions,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Result<Ready, Failure> {
+    let begin = Instant::now();
+    let mut scene = plan.source.load(messages)?;
+    let (frame, stage) = (&arguments.frame, Stage::of(options.integrator));
+    let chosen = view::choose(&mut scene, &arguments.view, frame.resolution, stage, messages)?;
+    let load_time = begin.elapsed();
+    let shaders = Shaders::put_into(&mut scene, &frame.shaders)?;
+    let how = commit_options(frame, &arguments.trees, options.level);
+    let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
     let checkpoint = arguments.checkpoint.as_deref().map(|path| {
-        let shown = (&rays, shaders::print(&arguments.frame.shaders));
-        let print = fingerprint(&scene, arguments.frame.force_diffuse, &shown, &options);
+        let shown = (&chosen.rays, shaders::print(&frame.shaders));
+        let print = fingerprint(&scene, frame.force_diffuse, &shown, options);
         Checkpoint::new(path, print, arguments.checkpoint_every)
     });
-    drop(scene);
-    let begun = match &checkpoint {
-        Some(checkpoint) => checkpoint.begin(&options, messages)?,
+    Ok(Ready { world, report, chosen, shaders, checkpoint, load_time })
+}
+
+/// Renders, shows and keeps what it has on the way.
+fn render_frame(
+    arguments: &RenderArguments,
+    plan: &Plan,
+    ready: &Ready,
+    options: &RenderOptions,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Result<Frame, Failure> {
+    let begun = match &ready.checkpoint {
+        Some(checkpoint) => checkpoint.begin(options, messages)?,
         None => Accumulation::new(options.clone()).map_err(Failure::usage)?,
     };
-    let size = [options.width, options.height];
-    let tev = arguments.display.as_ref().map(|address| TevImage::create(address, &source.name(), size));
+    let (size, name) = ([options.width, options.height], plan.source.name());
+    let tev = arguments.display.as_ref().map(|address| TevImage::create(address, &name, size));
     let tev = tev.transpose().map_err(Failure::data)?;
     let watcher = Watcher::begin(messages.shows_progress());
     let displayed = Displayed::new(&watcher, tev);
-    let every = checkpoint.as_ref().map(|checkpoint| checkpoint.every);
+    let every = ready.checkpoint.as_ref().map(|checkpoint| checkpoint.every);
     let mut saved = Ok(());
-    let mut frame = render_on(begun, &world, &rays, &pool, &displayed, every, &mut |picture| {
-        if let Some(checkpoint) = &checkpoint {
+    let frame = render_on(begun, &ready.world, &ready.chosen.rays, pool, &displayed, every, &mut |picture| {
+        if let Some(checkpoint) = &ready.checkpoint {
             saved = checkpoint.save(picture);
         }
     });
@@ -82,32 +136,65 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
         messages.warning(format_args!("the picture is no longer shown: {why}"));
     }
     saved?;
-    tell(&frame, arguments, messages);
-    shaders.tell_faults(messages);
-    if let Some(how) = arguments.denoiser.options(options.crop) {
-        let used = denoise(&mut frame.picture, &how, &pool).map_err(Failure::data)?;
+    Ok(frame)
+}
+
+/// As planned, but nobody is asked whether many samples need it.
+fn take_noise_out(frame: &mut Frame, plan: &Plan, pool: &ThreadPool, messages: Messages) -> Outcome {
+    // Who stops a rendering does not want to wait for what nobody asked for.
+    let is_welcome = frame.stats.spp_max < FEW_SAMPLES && !signals::is_stopped();
+    let is_needed = |filter: &&Filter| !filter.is_default || is_welcome;
+    let Some(filter) = plan.filter.as_ref().filter(is_needed) else { return Ok(()) };
+    let used = denoise(&mut frame.picture, &filter.options, pool).map_err(Failure::data)?;
+    if filter.is_default {
+        messages.note(format_args!(
+            "{used}, for there are fewer than {FEW_SAMPLES} samples; --denoise=none leaves it"
+        ));
+    } else {
         messages.note(&used);
-        frame.picture.set_metadata("denoiser", used.name());
     }
+    frame.picture.set_metadata("denoiser", used.name());
+    Ok(())
+}
 
-    if !targets.picture.has_layers() {
-        make_opaque(&mut frame.picture, options.crop);
+/// What its file is to say and to show.
+fn finish(
+    picture: &mut Picture,
+    stats: &gnurt::render::RenderStats,
+    arguments: &RenderArguments,
+    plan: &Plan,
+    ready: &Ready,
+    options: &RenderOptions,
+) {
+    // On a screen the background is part of the picture: only what lies outside the crop stays transparent.
+    if !plan.targets.picture.has_layers() {
+        picture.make_opaque(options.crop);
     }
-    describe(&mut frame.picture, &arguments.frame);
-    if targets.picture.has_layers() {
+    describe(picture, &arguments.frame);
+    if plan.targets.picture.has_layers() {
         let aspect = options.width as f32 / options.height as f32;
-        describe_making(&mut frame.picture, &camera, aspect, &frame.stats);
+        describe_making(picture, &ready.chosen.camera, aspect, stats);
     }
-    save(&frame, &targets, arguments, messages)?;
+}
 
+/// What was counted and measured, if somebody asks.
+fn report(
+    arguments: &RenderArguments,
+    begin: Instant,
+    plan: &Plan,
+    ready: &Ready,
+    options: &RenderOptions,
+    frame: &Frame,
+    messages: Messages,
+) -> Outcome {
     let statistics = Statistics {
-        scene: source.name(),
-        picture: targets.picture.path(),
-        options: &options,
-        world: world.stats(),
-        report,
+        scene: plan.source.name(),
+        picture: plan.targets.picture.path(),
+        options,
+        world: ready.world.stats(),
+        report: ready.report.clone(),
         render: &frame.stats,
-        load_seconds: loaded.as_secs_f64(),
+        load_seconds: ready.load_time.as_secs_f64(),
         total_seconds: begin.elapsed().as_secs_f64(),
     };
     match arguments.stats {
@@ -121,7 +208,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
 }
 
 /// Everything that can be refused before any work.
-fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Source, Targets), Failure> {
+fn check(arguments: &RenderArguments, environment: &Environment) -> Result<Plan, Failure> {
     view::check(&arguments.view)?;
     shaders::check(&arguments.frame.shaders)?;
     let resolution = arguments.frame.resolution;
@@ -159,34 +246,32 @@ fn check(arguments: &RenderArguments, environment: &Environment) -> Result<(Sour
     picture.check()?;
     heatmap.iter().try_for_each(Output::check)?;
     let targets = Targets { picture, heatmap };
-    check_memory(arguments, &targets)?;
-    Ok((source, targets))
+    let filter = filter(arguments, &targets);
+    let mut plan = Plan { source, targets, filter };
+    let fits = |plan: &Plan| check_memory(&options(arguments, plan, Level::default()), plan.filter.is_some());
+    if plan.filter.as_ref().is_some_and(|filter| filter.is_default) && fits(&plan).is_err() {
+        // What nobody asked for must not be what is too much.
+        plan.filter = None;
+    }
+    fits(&plan).map_err(|why| Failure::data(format_args!("--resolution {resolution}: {why}")))?;
+    Ok(plan)
 }
 
-/// Whether the picture can fit into what the machine has left.
-fn check_memory(arguments: &RenderArguments, targets: &Targets) -> Outcome {
-    /// Colours, the sums they are made from, and the file's bytes.
-    const PER_PIXEL: u64 = 64;
-    /// Albedo, normal, position, depth and ids, and their bytes in the file.
-    const LAYERS_PER_PIXEL: u64 = 192;
-    /// Costs and their colours.
-    const HEAT_PER_PIXEL: u64 = 40;
-    let resolution = arguments.frame.resolution;
-    /// What a denoiser makes of them.
-    const CLEAN_PER_PIXEL: u64 = 160;
-    let layers = if needs_layers(arguments, targets) { LAYERS_PER_PIXEL } else { 0 };
-    let clean = if arguments.denoiser.denoise.is_some() { CLEAN_PER_PIXEL } else { 0 };
-    let heat = if targets.heatmap.is_some() { HEAT_PER_PIXEL } else { 0 };
-    let needed =
-        u64::from(resolution.width) * u64::from(resolution.height) * (PER_PIXEL + layers + clean + heat);
-    match free_memory().filter(|&free| needed > free) {
-        Some(free) => Err(Failure::data(format_args!(
-            "--resolution {resolution}: the picture takes {} of memory and {} are free; ask for a smaller one",
-            bytes(needed),
-            bytes(free)
-        ))),
-        None => Ok(()),
+/// How the noise is to be taken out, if somebody asks or the picture is one for screens that may have few samples.
+fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
+    let crop = arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution));
+    if let Some(options) = arguments.denoiser.options(crop) {
+        return Some(Filter { options, is_default: false });
     }
+    let FrameArguments { integrator, spp, .. } = arguments.frame;
+    // A rendering that ends early has fewer samples; one that is gone on with must look the same all the time.
+    let may_be_few = spp < FEW_SAMPLES || arguments.time.is_some() || arguments.checkpoint.is_some();
+    let is_default = arguments.denoiser.is_left_open()
+        && targets.picture.is_for_screens()
+        && is_noisy(integrator, 1)
+        && may_be_few;
+    let options = arguments.denoiser.options_or_built_in(crop);
+    options.filter(|_| is_default).map(|options| Filter { options, is_default })
 }
 
 /// How the scene is to be made ready for rays.
@@ -226,22 +311,18 @@ pub(super) fn commit(
         stats.objects,
         stats.instances,
         stats.tree_nodes,
-        bytes(stats.tree_bytes as u64),
+        format_bytes(stats.tree_bytes as u64),
         report.build_seconds
     ));
     Ok((world, report))
 }
 
-fn needs_layers(arguments: &RenderArguments, targets: &Targets) -> bool {
-    targets.picture.has_layers() || arguments.denoiser.denoise.is_some()
-}
-
-fn options(arguments: &RenderArguments, targets: &Targets, level: Level) -> RenderOptions {
+fn options(arguments: &RenderArguments, plan: &Plan, level: Level) -> RenderOptions {
     RenderOptions {
         crop: arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution)),
         time_limit: arguments.time,
-        aovs: needs_layers(arguments, targets),
-        heatmap: targets.heatmap.is_some(),
+        aovs: plan.targets.picture.has_layers() || plan.filter.is_some(),
+        heatmap: plan.targets.heatmap.is_some(),
         ..frame_options(&arguments.frame, level)
     }
 }
@@ -292,20 +373,19 @@ fn tell(frame: &Frame, arguments: &RenderArguments, messages: Messages) {
     ));
 }
 
-/// On a screen the background is part of the picture: only what lies outside the crop stays transparent.
-fn make_opaque(picture: &mut Picture, crop: Option<[u32; 4]>) {
-    let [x0, y0, x1, y1] = crop.unwrap_or([0, 0, picture.width, picture.height]);
-    let rows = picture.color.chunks_exact_mut(picture.width as usize);
-    for row in rows.take(y1 as usize).skip(y0 as usize) {
-        row[x0 as usize..x1 as usize].iter_mut().for_each(|pixel| pixel[3] = 1.0);
-    }
-}
-
-fn save(frame: &Frame, targets: &Targets, arguments: &RenderArguments, messages: Messages) -> Outcome {
-    targets.picture.write(&frame.picture, arguments.light)?;
+fn save(
+    frame: &Frame,
+    targets: &Targets,
+    ready: &Ready,
+    arguments: &RenderArguments,
+    messages: Messages,
+) -> Outcome {
+    let light = arguments.light.suited(ready.chosen.exposure);
+    targets.picture.write_with(&frame.picture, light, messages)?;
     messages.detail(format_args!("wrote {}", targets.picture.path().display()));
     if let (Some(target), Some(heatmap)) = (&targets.heatmap, &frame.heatmap) {
-        target.write(heatmap, crate::arguments::LightArguments::default())?;
+        // Its colours are no light.
+        target.write(heatmap, Look::default())?;
         messages.detail(format_args!("wrote {}", target.path().display()));
     }
     Ok(())

@@ -11,7 +11,7 @@ use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
 use crate::shaders::{self, Shaders};
 use crate::source::Source;
-use crate::view;
+use crate::view::{self, Stage};
 use crate::workers::machine;
 
 /// Follows one pixel.
@@ -31,7 +31,13 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
     let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
-    let (_, rays) = view::choose(&mut scene, &arguments.view, resolution, messages)?;
+    let view::Chosen { rays, .. } = view::choose(
+        &mut scene,
+        &arguments.view,
+        resolution,
+        Stage::of(arguments.frame.integrator),
+        messages,
+    )?;
     let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, &pool, messages)?;

@@ -6,9 +6,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gnurt::ThreadPool;
-use gnurt::denoise::Method;
 use gnurt::image::Picture;
-use gnurt::scene::Camera;
+use gnurt::look::{is_noisy, meter};
+use gnurt::render::RenderOptions;
 use gnurt::simd::Level;
 use gnurt_view::{
     Exposure, FrameTimes, HeadlessOptions, Listener, Stage, TevImage, ViewError, WindowOptions, run_headless,
@@ -17,7 +17,7 @@ use gnurt_view::{
 use serde_json::json;
 
 use super::render::{commit, commit_options, frame_options};
-use crate::arguments::{DenoiserArguments, StatisticsForm, WindowArguments};
+use crate::arguments::{ExposureChoice, LightArguments, Look, StatisticsForm, WindowArguments};
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
@@ -26,7 +26,7 @@ use crate::progress::Watcher;
 use crate::shaders::{self, Shaders};
 use crate::signals::{self, FirstSignal};
 use crate::source::Source;
-use crate::view;
+use crate::view::{self, Chosen};
 use crate::workers::machine;
 
 /// Looks at a scene.
@@ -53,15 +53,18 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
         return run_windowless(arguments, &source, output.as_ref(), &pool, level, messages);
     }
     signals::listen(FirstSignal::Leaves, messages)?;
-    let (stage, camera) = prepare(&source, arguments, level, &pool, messages)?;
+    let (stage, chosen) = prepare(&source, arguments, level, &pool, messages)?;
+    let render = frame_options(&arguments.frame, level);
+    let look = look(arguments.light, &stage, &chosen, &render, &pool, messages)?;
     let options = WindowOptions {
-        render: frame_options(&arguments.frame, level),
-        camera,
-        exposure: exposure(arguments),
+        camera: chosen.camera,
+        exposure: Exposure { stops: look.exposure, tone: look.tone },
         title: format!("{} - GNU RT", source.stem()),
         frames: arguments.frames.map(u64::from),
         folder: PathBuf::from("."),
-        denoiser: DenoiserArguments { denoise: Some(Method::Auto) }.options(None).unwrap_or_default(),
+        denoiser: arguments.denoiser.options_or_built_in(None).unwrap_or_default(),
+        is_denoised: arguments.denoiser.options_or_built_in(None).is_some() && is_noisy(render.integrator, 1),
+        render,
     };
     let again = (source, arguments.clone());
     let loader = Box::new(move |pool: &ThreadPool| {
@@ -72,8 +75,24 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     run_window(options, stage, pool, loader, Arc::new(Speaker { messages })).map_err(Failure::data)
 }
 
-fn exposure(arguments: &WindowArguments) -> Exposure {
-    Exposure { stops: arguments.light.exposure, tone: arguments.light.tone }
+/// Curve and exposure of all frames; the exposure is chosen once, from what is seen first, unless it is given.
+fn look(
+    light: LightArguments,
+    stage: &Stage,
+    chosen: &Chosen,
+    options: &RenderOptions,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Result<Look, Failure> {
+    let light = light.suited(chosen.exposure);
+    let (look, note) = match light.exposure {
+        ExposureChoice::Stops(exposure) => (Look { tone: light.tone, exposure }, None),
+        ExposureChoice::Auto => {
+            light.chosen(meter(&stage.world, &chosen.rays, options, pool).map_err(Failure::usage)?)
+        }
+    };
+    note.iter().for_each(|note| messages.note(note));
+    Ok(look)
 }
 
 /// The scene, committed, and the camera it is looked at from.
@@ -83,16 +102,22 @@ fn prepare(
     level: Level,
     pool: &ThreadPool,
     messages: Messages,
-) -> Result<(Stage, Camera), Failure> {
+) -> Result<(Stage, Chosen), Failure> {
     let (mut scene, mut files) = source.load_with_files(messages)?;
     files.extend(arguments.view.surroundings.file().map(PathBuf::from));
-    let (camera, _) = view::choose(&mut scene, &arguments.view, arguments.frame.resolution, messages)?;
+    let chosen = view::choose(
+        &mut scene,
+        &arguments.view,
+        arguments.frame.resolution,
+        view::Stage::of(arguments.frame.integrator),
+        messages,
+    )?;
     files.extend(shaders::files(&arguments.frame.shaders));
     let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, pool, messages)?;
     let shaders = shaders.watched();
-    Ok((Stage { scene, world, files, faults: Box::new(move || shaders.new_faults()) }, camera))
+    Ok((Stage { scene, world, files, faults: Box::new(move || shaders.new_faults()) }, chosen))
 }
 
 fn run_windowless(
@@ -104,7 +129,7 @@ fn run_windowless(
     messages: Messages,
 ) -> Outcome {
     signals::listen(FirstSignal::Saves, messages)?;
-    let (stage, camera) = prepare(source, arguments, level, pool, messages)?;
+    let (stage, chosen) = prepare(source, arguments, level, pool, messages)?;
     let resolution = arguments.frame.resolution;
     let size = [resolution.width, resolution.height];
     let address = arguments.display.as_ref();
@@ -113,10 +138,17 @@ fn run_windowless(
         .transpose()
         .map_err(Failure::data)?;
     let frames = arguments.frames.unwrap_or(1);
+    let render = frame_options(&arguments.frame, level);
+    // Frames that nobody keeps need not look well.
+    let is_kept = output.is_some_and(Output::is_for_screens);
+    let look = match arguments.light.exposure {
+        ExposureChoice::Auto if !is_kept => Look { tone: arguments.light.tone, exposure: 0.0 },
+        _ => look(arguments.light, &stage, &chosen, &render, pool, messages)?,
+    };
     let options = HeadlessOptions {
-        render: frame_options(&arguments.frame, level),
-        camera,
-        exposure: exposure(arguments),
+        render,
+        camera: chosen.camera,
+        exposure: Exposure { stops: look.exposure, tone: look.tone },
         frames,
         orbit: arguments.orbit.unwrap_or(if frames > 1 { 360.0 } else { 0.0 }),
     };
@@ -136,8 +168,8 @@ fn run_windowless(
     })?;
     if let (Some(output), Some(mut picture)) = (output, last) {
         // On a screen the background is part of the picture.
-        picture.color.iter_mut().for_each(|pixel| pixel[3] = 1.0);
-        output.write(&picture, arguments.light)?;
+        picture.make_opaque(None);
+        output.write(&picture, look)?;
     }
     report(&times, arguments, &options, source, messages)
 }

@@ -22,6 +22,35 @@ fn help_and_version_go_to_standard_output() {
     }
 }
 
+/// What most people need on one screen, and all of it on demand, by what they want to do.
+#[test]
+fn help_has_two_lengths() {
+    let folder = Folder::new();
+    for command in ["render", "view"] {
+        let [short, all] =
+            ["--help", "--help-all"].map(|help| folder.gnurt(&format!("{command} {help}")).success().stdout);
+        let options = |text: &str| text.lines().filter(|line| line.trim_start().starts_with('-')).count();
+        assert!((8..=15).contains(&options(&short)), "{command}: {} options:\n{short}", options(&short));
+        assert!(short.lines().count() < 60, "one screen: {short}");
+        assert!(options(&all) > 2 * options(&short), "{command}: all options:\n{all}");
+        for option in ["--resolution", "--spp", "--eye", "--exposure", "--denoise", "--help-all"] {
+            assert!(short.contains(option), "{command} {option} is for most people:\n{short}");
+        }
+        for heading in
+            ["Picture:", "Camera:", "Light:", "Quality:", "Look:", "Time and machine:", "Messages:"]
+        {
+            assert!(all.contains(heading), "{command}, {heading}\n{all}");
+        }
+        for option in ["--vpls", "--isa", "--seed", "--filter", "--shader", "--verbose"] {
+            assert!(
+                all.contains(option) && !short.contains(option),
+                "{command} {option} is for some:\n{short}"
+            );
+        }
+        assert!(folder.gnurt(&format!("{command} -h")).success().stdout == short, "the same");
+    }
+}
+
 #[test]
 fn a_reader_may_leave_early() {
     let folder = Folder::new();

@@ -37,7 +37,8 @@ fn lights_of_nobody_are_needed_there() {
     let folder = folder();
     let run =
         folder.gnurt("render a.obj -r 16x12 --spp 1 --eye 0,1,5 --target 0,1,0 --environment 1,1,1 -o p.png");
-    assert_eq!(run.success().stderr, "", "the scene has light");
+    let run = run.success();
+    assert!(!run.stderr.contains("no light"), "the scene has light: {}", run.stderr);
 }
 
 #[test]

@@ -1,25 +1,119 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light for scenes that have none: a key light from over the camera's left shoulder and a grey background. A camera
-//! that stands within the scene gets a lamp there instead, because walls and roof would stop a light from far away.
+//! Light for scenes that have none, and what counts as having some. A camera that stands within the scene gets a lamp there,
+//! because walls and roof would stop light from far away; all others stand in a studio (`studio`), or, where only rays are
+//! counted, under a key light from over the camera's left shoulder and a grey background.
 //! Source: original. Space: world; linear light. A white matte surface that faces the key light shows about 1.
 //! Proof: `tests`.
 
 use super::{bounds_of, sight};
-use crate::scene::{Affine, Camera, Light, Scene};
+use crate::image::{TexelData, srgb};
+use crate::scene::{Affine, Camera, Light, Material, Mesh, Scene};
 
 /// Irradiance of the key light.
 const KEY: f32 = 2.4;
 /// Radiance of the background, from all sides.
 const GREY: f32 = 0.25;
 
-/// Whether anything gives light: a light, an environment, or a surface that emits and is used.
+/// What glows no brighter than this, white or less, may be a display or a decal, meant to be seen in other light ...
+const DECAL: f32 = 1.0;
+/// ... and is one if it gives off no more than this in the mean over all surfaces ...
+const DIM: f64 = 0.05;
+/// ... or if more than this share of all surfaces glow: there is not much to be lit by them.
+const MOSTLY: f64 = 0.5;
+
+/// Whether anything gives light: a light, an environment, or surfaces that emit and are used. Surfaces that merely glow, as the
+/// displays of things that were modelled to stand in other light, and things that glow all over do not count: radiance of 1 at
+/// most, and either a twentieth of that in the mean over the area of everything, or from most of it.
 #[must_use]
 pub fn shines(scene: &Scene) -> bool {
-    let emits = |material: crate::scene::MaterialId| {
-        scene.materials().get(material.index()).is_some_and(|m| m.emits())
-    };
-    let emitting_mesh = || scene.meshes().iter().any(|mesh| !mesh.indices.is_empty() && emits(mesh.material));
-    !scene.lights().is_empty() || emitting_mesh()
+    !scene.lights().is_empty() || emission(scene).is_some_and(|emission| emission.is_light())
+}
+
+/// Whether something glows that is no light.
+pub(super) fn glows(scene: &Scene) -> bool {
+    emission(scene).is_some()
+}
+
+/// What surfaces give off.
+struct Emitted {
+    /// The most of any material, any channel.
+    brightest: f32,
+    /// Over the area of everything.
+    mean: f64,
+    /// Share of that area that glows at all.
+    share: f64,
+}
+
+impl Emitted {
+    fn is_light(&self) -> bool {
+        self.brightest > DECAL || (self.mean > DIM && self.share <= MOSTLY)
+    }
+}
+
+/// `None` if no surface that is used emits.
+fn emission(scene: &Scene) -> Option<Emitted> {
+    let emits = |mesh: &Mesh| scene.materials().get(mesh.material.index()).filter(|m| m.emits());
+    let shining =
+        || scene.meshes().iter().filter(|mesh| !mesh.indices.is_empty()).filter_map(|mesh| emits(mesh));
+    let brightest = shining().flat_map(|material| material.emission).fold(0.0, f32::max);
+    if brightest <= 0.0 {
+        return None;
+    }
+    if brightest > DECAL {
+        return Some(Emitted { brightest, mean: f64::INFINITY, share: 0.0 });
+    }
+    let mean_of: Vec<f64> = scene.materials().iter().map(|material| mean_emission(scene, material)).collect();
+    let (mut all, mut light, mut glowing) = (0.0, 0.0, 0.0);
+    for instance in scene.instances().iter().filter(|instance| instance.visible) {
+        let object = scene.objects().get(instance.object.index());
+        for mesh in object.into_iter().flat_map(|o| &o.meshes).filter_map(|id| scene.meshes().get(id.index()))
+        {
+            let area = area(mesh, &instance.world_from_object);
+            all += area;
+            let mean = mean_of.get(mesh.material.index()).copied().unwrap_or(0.0);
+            light += area * mean;
+            glowing += if mean > 0.0 { area } else { 0.0 };
+        }
+    }
+    // Meshes that no instance shows, as in scenes in the making, count for themselves.
+    let is_shown = all > 0.0;
+    let (mean, share) = if is_shown { (light / all, glowing / all) } else { (f64::INFINITY, 0.0) };
+    Some(Emitted { brightest, mean, share })
+}
+
+/// Luminance that a material gives off, in the mean over its texture.
+fn mean_emission(scene: &Scene, material: &Material) -> f64 {
+    if !material.emits() {
+        return 0.0;
+    }
+    let texture = material.emission_texture.and_then(|t| scene.textures().get(t.texture.index()));
+    let mean = texture.map_or([1.0; 3], |texture| {
+        let texels = &texture.texels;
+        let count = (texels.width as usize * texels.height as usize).max(1);
+        let mut sum = [0.0; 3];
+        match &texels.data {
+            TexelData::Srgb8(t) => {
+                t.iter().for_each(|t| (0..3).for_each(|k| sum[k] += f64::from(srgb::decode_u8(t[k]))))
+            }
+            TexelData::Linear8(t) => {
+                t.iter().for_each(|t| (0..3).for_each(|k| sum[k] += f64::from(t[k]) / 255.0))
+            }
+            TexelData::Float(t) => t.iter().for_each(|t| (0..3).for_each(|k| sum[k] += f64::from(t[k]))),
+        }
+        sum.map(|x| (x / count as f64) as f32)
+    });
+    f64::from(srgb::luminance([0, 1, 2].map(|k| material.emission[k] * mean[k])))
+}
+
+fn area(mesh: &Mesh, to: &Affine) -> f64 {
+    let corner = |i: u32| mesh.positions.get(i as usize).map(|p| to.point(p.map(f64::from)));
+    let areas = mesh.indices.iter().filter_map(|&[a, b, c]| {
+        let (a, b, c) = (corner(a)?, corner(b)?, corner(c)?);
+        let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        Some(0.5 * n.iter().map(|x| x * x).sum::<f64>().sqrt()).filter(|area| area.is_finite())
+    });
+    areas.sum()
 }
 
 /// From the eye to the lamp, in units of the camera's frame: right, up, forward.
@@ -28,6 +122,25 @@ const TOWARDS_LAMP: [f64; 3] = [-0.6, 0.7, -0.4];
 const LAMP_DISTANCE: f64 = 0.12;
 /// Directions whose distances are looked at: columns and rows over a picture of 4:3.
 const SIGHTS: [u32; 2] = [8, 6];
+
+/// Whether a point within the scene's box lies under the open sky: most of five ways up meet nothing.
+pub(super) fn is_open(scene: &Scene, eye: [f64; 3], up: [f64; 3]) -> bool {
+    let directions: Vec<[f64; 3]> = (0..5)
+        .map(|i| {
+            // Straight up, and four ways aslant.
+            let mut v = up;
+            for (k, x) in (0..3)
+                .filter(|&k| up[k] == 0.0)
+                .zip([[0.0; 2], [0.6, 0.3], [-0.3, 0.6], [-0.6, -0.3], [0.3, -0.6]][i])
+            {
+                v[k] = x;
+            }
+            let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            v.map(|x| x / length)
+        })
+        .collect();
+    sight::distances(scene, eye, &directions).iter().filter(|d| d.is_infinite()).count() >= 3
+}
 
 /// The lamp and the background that suit a camera within the scene; `None` if it stands outside, or sees nothing.
 #[must_use]
@@ -138,6 +251,44 @@ mod tests {
         let lights = lit_within(&room, &camera([-3.0, 0.0, 0.0])).expect("seen from within");
         let [Light::Point { position: [x, y, z], .. }, _] = lights else { panic!("a lamp") };
         assert!(x < -3.0 && y > 0.0 && z > 0.0, "behind, left and above: {x} {y} {z}");
+    }
+
+    #[test]
+    fn the_sky_is_open_or_not() {
+        let room = room();
+        for up in [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]] {
+            assert!(!is_open(&room, [0.0; 3], up), "under a roof");
+            assert!(is_open(&room, [0.0, 2.0, 9.0], up), "beside it");
+        }
+    }
+
+    /// A thing of which a surface of area 1 glows, and one of `other` does not.
+    fn thing(glow: [f32; 3], other: f32) -> Scene {
+        let mut scene = Scene::new();
+        let mut add = |area: f32, emission: [f32; 3]| {
+            let size = area.sqrt();
+            let mut material = Material::matte("", [0.5; 3]);
+            material.emission = emission;
+            let material = scene.add_material(material);
+            let positions = vec![[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]];
+            let mesh =
+                scene.add_mesh(Mesh { positions, indices: vec![[0, 1, 2]], material, ..Mesh::default() });
+            let object = scene.add_object_of("", vec![mesh]);
+            scene.instantiate(object, Affine::IDENTITY);
+        };
+        add(1.0, glow);
+        add(other, [0.0; 3]);
+        scene
+    }
+
+    #[test]
+    fn what_merely_glows_is_no_light() {
+        assert!(!shines(&thing([1.0; 3], 100.0)), "a white display on a thing");
+        assert!(glows(&thing([1.0; 3], 100.0)), "but it glows");
+        assert!(shines(&thing([1.0; 3], 5.0)), "a large white lamp");
+        assert!(!shines(&thing([1.0; 3], 0.2)), "a thing that glows nearly everywhere");
+        assert!(shines(&thing([40.0; 3], 1000.0)) && shines(&thing([40.0; 3], 0.1)), "a lamp of any size");
+        assert!(!glows(&thing([0.0; 3], 1.0)), "nothing");
     }
 
     #[test]

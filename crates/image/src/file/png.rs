@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! PNG: 8 bits per channel in sRGB with opacity when written; its chunks are checked before it is decoded.
-//! Source: original, from the PNG specification, third edition. In: linear light. Invariants: the same picture gives
+//! Source: original, from the PNG specification, third edition. In: linear light. Out: straight opacity. Invariants: the same picture gives
 //! the same bytes (no time, no metadata but the program's name); NaN becomes 0. Proof: `tests/round_trip.rs`.
 
 use std::io::SeekFrom;
@@ -14,8 +14,8 @@ use crate::{Error, Picture, TexelData, Texels, screen_bytes, srgb};
 const MAX_INFLATION: u64 = 1032;
 
 pub(super) fn encode(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
-    let pixels: Vec<u8> =
-        picture.color.iter().flat_map(|&color| screen_bytes(color, options.tone, options.exposure)).collect();
+    let bytes = |color| screen_bytes(color, options.tone, options.exposure);
+    let pixels: Vec<u8> = picture.on_screen().flat_map(bytes).collect();
     encode_bytes([picture.width, picture.height], png::ColorType::Rgba, png::Compression::default(), &pixels)
 }
 

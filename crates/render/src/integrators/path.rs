@@ -3,6 +3,8 @@
 //! Source: [Kaj86] (path tracing), [VG95] (both samples combined by the power heuristic), [AK90] (Russian roulette);
 //! wavefronts after the paper's section 8: all paths of a batch take a step together. Vertices of Lambert's reflector go
 //! by lanes (`transport::lambert`), others are shaded by material, here.
+//! A floor that only catches shadow shows what lies behind, less the light that a light sample finds kept from it, plus what
+//! scattered rays bring from other surfaces: no noise where nothing is kept away [Deb98].
 //! Space: world. An edge is a way between two vertices, the eye being one: light found at the end of edge k was scattered
 //! k - 1 times. Straight on through holes is no new edge.
 //! Invariants: unbiased without `clamp`; what a lane gets depends on its ray and key only.
@@ -110,6 +112,9 @@ fn step_by_shader(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wave
                 }
                 return;
             }
+            if let Some(behind) = vertex.backdrop {
+                add(radiance, path.lane, path.throughput * behind, path.edges, options.clamp);
+            }
             let found = vertex.scattering.emission;
             if found != Vec3::ZERO {
                 let found = counted(found, lights, &path, &vertex);
@@ -123,7 +128,7 @@ fn step_by_shader(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wave
         });
     });
     wavefront.by_shader = order;
-    sample_lights(tracer, &alive, &mut wavefront.unshadowed);
+    sample_lights(tracer, &alive, &mut wavefront.unshadowed, radiance);
     for (path, vertex) in alive {
         if let Some((path, ray)) = scatter(path, &vertex, options.seed) {
             wavefront.next.push(path, ray);
@@ -158,7 +163,12 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &Wavefront, 
 }
 
 /// Light that reaches vertices without a further one.
-fn sample_lights(tracer: &mut BatchTracer, alive: &[(Path, Vertex)], unshadowed: &mut Unshadowed) {
+fn sample_lights(
+    tracer: &mut BatchTracer,
+    alive: &[(Path, Vertex)],
+    unshadowed: &mut Unshadowed,
+    radiance: &mut Vec3s,
+) {
     let (world, options) = (tracer.world, tracer.options);
     let lights = world.light_set();
     for (path, vertex) in alive {
@@ -174,11 +184,18 @@ fn sample_lights(tracer: &mut BatchTracer, alive: &[(Path, Vertex)], unshadowed:
         if value == Vec3::ZERO || light.radiance == Vec3::ZERO {
             continue;
         }
-        let weight =
-            if light.delta { 1.0 } else { power_heuristic(light.pdf, bsdf.pdf(vertex.wo, light.dir)) };
+        let weight = match vertex.backdrop {
+            None if !light.delta => power_heuristic(light.pdf, bsdf.pdf(vertex.wo, light.dir)),
+            _ => 1.0,
+        };
         if let Some(ray) = shadow_ray(&vertex.point, bsdf, light.dir, light.dist) {
             let arriving = light.radiance * (weight / light.pdf);
-            unshadowed.push(path, ray, path.throughput * value * arriving);
+            let light_here = path.throughput * value * arriving;
+            // The backdrop holds what the environment brings: it is taken away, and comes back where nothing is in between.
+            if vertex.backdrop.is_some() && !light.delta && light.dist.is_infinite() {
+                add(radiance, path.lane, -light_here, path.edges + 1, options.clamp);
+            }
+            unshadowed.push(path, ray, light_here);
         }
     }
     let asking: Vec<Asking> = alive
@@ -240,7 +257,9 @@ fn scatter(mut path: Path, vertex: &Vertex, seed: u64) -> Option<(Path, Ray)> {
     }
     let ray = vertex.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)?;
     let ns = sampling_normal(&vertex.point, bsdf);
-    path.from = (!sample.delta).then_some(Origin { p: vertex.point.p, ns, pdf: sample.pdf });
+    // What catches shadow leaves all that light samples can find to them.
+    let pdf = if vertex.backdrop.is_some() { 0.0 } else { sample.pdf };
+    path.from = (!sample.delta).then_some(Origin { p: vertex.point.p, ns, pdf });
     path.edges += 1;
     path.layers = 0;
     Some((path, ray))

@@ -23,11 +23,13 @@ pub(crate) const ROULETTE_FROM: u32 = 4;
 /// No path goes on with more than this probability, once chance decides.
 pub(crate) const SURVIVAL: f32 = 0.95;
 
-/// Adds light that came over `edges` edges; no more than `clamp` in any channel if it was scattered more than once. It is each
-/// contribution that is limited, as production renderers limit indirect light, not their sum over a sample.
+/// Adds light that came over `edges` edges, or that did not come (negative); no more than `clamp` in any channel if it was
+/// scattered more than once. It is each contribution that is limited, as production renderers limit indirect light, not their
+/// sum over a sample.
 pub(crate) fn add(radiance: &mut Vec3s, lane: u32, mut light: Vec3, edges: u32, clamp: Option<f32>) {
-    if let Some(most) = clamp.filter(|&most| edges > 2 && light.max_element() > most) {
-        light *= most / light.max_element();
+    let size = light.abs().max_element();
+    if let Some(most) = clamp.filter(|&most| edges > 2 && size > most) {
+        light *= most / size;
     }
     radiance.add(lane as usize, light);
 }

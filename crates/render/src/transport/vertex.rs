@@ -22,6 +22,8 @@ pub(crate) struct Vertex {
     pub(crate) scattering: Scattering,
     /// Whether only its shader knows what it sends back: the emission then is all of that, and paths end here.
     pub(crate) is_final: bool,
+    /// What it shows where all light of the environment reaches it, if it only catches shadow.
+    pub(crate) backdrop: Option<Vec3>,
     /// What light straight from lamps counts here more than other light; 1 where shaders tell what they do to light.
     pub(crate) lamp_gain: f32,
     /// Whether the ray came to the side that its geometric normal points to.
@@ -82,12 +84,14 @@ impl BatchTracer<'_> {
                 }));
             }
         }
+        let backdrop = shader.backdrop();
         for (k, (&lane, &scattering)) in lanes.iter().zip(&scattering).enumerate() {
             let vertex = Vertex {
                 point: points.point(k),
                 wo: -points.ray_dir.get(k),
                 scattering,
                 is_final,
+                backdrop,
                 lamp_gain,
                 front: points.front(k),
                 t: points.t[k],

@@ -22,7 +22,8 @@ pub(super) fn surfaces(
     force_diffuse: bool,
 ) -> Vec<Arc<dyn SurfaceShader>> {
     let shader = |material: &Material| -> Arc<dyn SurfaceShader> {
-        let surface = if force_diffuse {
+        let catches = matches!(material.surface, Surface::ShadowCatcher { .. });
+        let surface = if force_diffuse && !catches {
             Arc::new(shading::Matte { albedo: color(scene, &material.diffuse_color()) })
         } else {
             surface(scene, &material.surface, shaders)
@@ -92,6 +93,9 @@ fn surface(scene: &Scene, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
             reflectance: Vec3::from(*reflectance),
             transmittance: Vec3::from(*transmittance),
         }),
+        Surface::ShadowCatcher { albedo, radiance } => {
+            Arc::new(shading::ShadowCatcher { albedo: Vec3::from(*albedo), radiance: Vec3::from(*radiance) })
+        }
         Surface::Shader(number) => shaders.surfaces[*number as usize].clone(),
     }
 }
@@ -190,6 +194,7 @@ pub(super) fn textures_of(material: &Material) -> impl Iterator<Item = TextureId
         Surface::Metal { .. }
         | Surface::Dielectric { .. }
         | Surface::RoughDielectric { .. }
+        | Surface::ShadowCatcher { .. }
         | Surface::Shader(_) => [None; 3],
     };
     let opacity = match &material.alpha {

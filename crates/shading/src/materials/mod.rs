@@ -12,6 +12,7 @@ mod matte;
 mod metallic_roughness;
 mod mirror;
 mod points;
+mod shadow_catcher;
 mod whitted;
 
 pub use color::{Coverage, Emission, OpacityChannel, PlainColor, TexturedColor};
@@ -23,4 +24,5 @@ pub use matte::Matte;
 pub use metallic_roughness::{Layers, MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
 pub use points::{FromPoints, metal, rough_glass, rough_matte};
+pub use shadow_catcher::ShadowCatcher;
 pub use whitted::SMOOTH;

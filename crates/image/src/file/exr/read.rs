@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Reading an EXR: the picture's colour is the unnamed R, G, B (or Y), else the first group of channels that has them.
 //! Source: original. A group is the part's name and what stands before the last dot of a channel's name. All other
-//! channels become layers. The picture is the display window; what the data window lacks is black and transparent.
+//! channels become layers. What the layer `background` holds, R, G, B and A, lies behind it and is added to the colour: a picture's
+//! colour is what is seen. The picture is the display window; what the data window lacks is black and transparent.
 //! Invariants: headers are checked before pixels are read; everything runs on the calling thread.
 //! Proof: `tests/{round_trip,broken}.rs`.
 
@@ -15,7 +16,7 @@ use exr::prelude::{
 
 use super::super::limits::{PICTURE_BYTES, Room, check_density, check_size};
 use super::super::source::Source;
-use crate::{Channel, ChannelData, Error, Layer, Picture};
+use crate::{Channel, ChannelData, Error, Layer, Opacity, Picture};
 
 /// Most bytes that a byte of compressed data can become in any of the format's compressions: deflate's 1032.
 const MAX_INFLATION: u64 = 1032;
@@ -130,7 +131,7 @@ fn picture(image: FlatImage) -> Result<Picture, Error> {
             found.push(Found { group, name: name.to_string(), data, half });
         }
     }
-    let mut picture = Picture { metadata, ..Picture::default() };
+    let mut picture = Picture { metadata, opacity: Opacity::Associated, ..Picture::default() };
     (picture.width, picture.height) = (window.size.0 as u32, window.size.1 as u32);
     picture.color = take_color(&mut found)?;
     for Found { group, name, data, half } in found {
@@ -140,7 +141,19 @@ fn picture(image: FlatImage) -> Result<Picture, Error> {
             None => picture.layers.push(Layer { name: group, channels: vec![channel] }),
         }
     }
+    add_background(&mut picture);
     Ok(picture)
+}
+
+/// What is seen is what is in front and what lies behind.
+fn add_background(picture: &mut Picture) {
+    let mut color = std::mem::take(&mut picture.color);
+    if let Some([r, g, b, _]) = picture.background() {
+        for (((pixel, r), g), b) in color.iter_mut().zip(r).zip(g).zip(b) {
+            (pixel[0], pixel[1], pixel[2]) = (pixel[0] + r, pixel[1] + g, pixel[2] + b);
+        }
+    }
+    picture.color = color;
 }
 
 /// Takes the channels of the picture's colour out of those that were found.

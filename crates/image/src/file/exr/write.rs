@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Writing an EXR: one flat part with the colour as R, G, B, A and every layer's channels as `layer.channel`.
-//! Source: original; names as other renderers and viewers use them. ZIP compression in blocks of 16 rows, on the
+//! Source: original; names as other renderers and viewers use them. R, G, B are what is in front, over nothing and associated
+//! with A [PD84]; what lies behind is the layer `background`, to be added. ZIP compression in blocks of 16 rows, on the
 //! calling thread alone. Invariants: pixels are exact in the chosen precision; finite values stay finite in half
 //! precision. Proof: `tests/round_trip.rs`.
 
@@ -14,7 +15,7 @@ use exr::prelude::{
 use half::f16;
 
 use super::ExrPixels;
-use crate::{Channel, ChannelData, Error, Picture};
+use crate::{BACKGROUND, Channel, ChannelData, Error, Picture};
 
 /// Names that the file format itself uses; metadata of these names gets a prefix.
 const RESERVED: [&str; 17] = [
@@ -60,8 +61,9 @@ pub(in crate::file) fn encode(picture: &Picture, pixels: ExrPixels) -> Result<Ve
 }
 
 fn channels(picture: &Picture, pixels: ExrPixels) -> Result<Vec<AnyChannel<FlatSamples>>, Error> {
+    let front: Vec<[f32; 4]> = picture.in_front().collect();
     let color = ["R", "G", "B", "A"].into_iter().enumerate().map(|(c, name)| {
-        let values = picture.color.iter().map(|pixel| pixel[c]);
+        let values = front.iter().map(|pixel| pixel[c]);
         let samples = match pixels {
             ExrPixels::Half => FlatSamples::F16(values.map(nearest_half).collect()),
             ExrPixels::Float => FlatSamples::F32(values.collect()),
@@ -69,6 +71,14 @@ fn channels(picture: &Picture, pixels: ExrPixels) -> Result<Vec<AnyChannel<FlatS
         (name.to_string(), samples)
     });
     let layers = picture.layers.iter().flat_map(|layer| {
+        // What is in front and what lies behind are added: they have one precision.
+        let is_color = layer.name == BACKGROUND && pixels == ExrPixels::Half;
+        let samples = move |channel: &Channel| match &channel.data {
+            ChannelData::F32(values) if is_color => {
+                FlatSamples::F16(values.iter().copied().map(nearest_half).collect())
+            }
+            _ => samples(channel),
+        };
         layer.channels.iter().map(move |channel| (layer.full_name(channel), samples(channel)))
     });
 

@@ -4,9 +4,9 @@
 //! KHR_texture_transform.
 //!
 //! Textures of these extensions are not shown, and say so. A specular factor of 0 without metal makes a surface matte.
-//! Unlit surfaces shine with their base colour and scatter nothing. Smooth surfaces that let through all light that they
-//! do not mirror are solid glass, tinted by the base colour; other glass is a pane unless KHR_materials_volume gives it
-//! a thickness. glTF's v runs downwards, ours upwards: [`uv_from_mesh`].
+//! Unlit surfaces shine with their base colour and scatter nothing. Glass is solid where KHR_materials_volume gives it a
+//! thickness, else a pane that bends nothing, at every roughness; solid glass that is smooth and lets through all light that it
+//! does not mirror is perfectly smooth, tinted by the base colour. glTF's v runs downwards, ours upwards: [`uv_from_mesh`].
 //! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension,
 //! tangents_come_with_normal_maps}`.
 
@@ -25,7 +25,7 @@ use crate::material::{
 use crate::scene::Scene;
 use crate::texture::{Filter, Texels, Texture, Wrap};
 
-/// Below this roughness glass is smooth.
+/// Below this roughness solid glass is perfectly smooth.
 const GLASS_ROUGHNESS: f32 = 0.05;
 /// From this factor on all light goes through.
 const CLEAR: f32 = 0.99;
@@ -115,7 +115,8 @@ impl Converter<'_, '_> {
         let layers = self.layers(extensions);
         let plain =
             Principled { transmission: layers.transmission, thin: layers.thin, ..Principled::default() };
-        if layers == plain && layers.transmission >= CLEAR && roughness < GLASS_ROUGHNESS {
+        let is_clear = layers.transmission >= CLEAR && roughness < GLASS_ROUGHNESS && !layers.thin;
+        if layers == plain && is_clear {
             material.surface =
                 Surface::Dielectric { ior, reflectance: [1.0; 3], transmittance: base_color.factor };
             material.diffuse = Some(base_color);

@@ -155,7 +155,10 @@ fn push_material(text: &mut String, material: &Material, stem: &str) {
         Surface::Dielectric { ior, transmittance, .. } => {
             writeln!(text, "Ni {ior}\nTf {}\nillum 7", triple(*transmittance))
         }
-        Surface::Matte { .. } | Surface::RoughMatte { .. } | Surface::Shader(_) => Ok(()),
+        Surface::Matte { .. }
+        | Surface::RoughMatte { .. }
+        | Surface::ShadowCatcher { .. }
+        | Surface::Shader(_) => Ok(()),
     };
     if material.emits() {
         let _ = writeln!(text, "Ke {}", triple(material.emission));

@@ -44,6 +44,10 @@ pub(super) fn material(
             extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 });
             (*base_color, 0.0, 1.0)
         }
+        Surface::ShadowCatcher { albedo, .. } => {
+            extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 });
+            (Color::constant(*albedo), 0.0, 1.0)
+        }
         Surface::Metal { roughness, .. } => (material.diffuse_color(), 1.0, *roughness),
         Surface::RoughDielectric { ior, roughness, transmittance, thin, .. } => {
             extensions["KHR_materials_ior"] = json!({ "ior": ior });
@@ -57,6 +61,8 @@ pub(super) fn material(
         Surface::Dielectric { ior, transmittance, .. } => {
             extensions["KHR_materials_ior"] = json!({ "ior": ior });
             extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
+            // What has no thickness is a pane.
+            extensions["KHR_materials_volume"] = json!({ "thicknessFactor": 1.0 });
             (Color::constant(*transmittance), 0.0, 0.0)
         }
         Surface::Shader(_) => (material.diffuse_color(), 0.0, 1.0),

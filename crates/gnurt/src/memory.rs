@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What memory a picture takes, and what the machine has left.
+//! Source: original; proc(5) and the kernel's cgroup-v2 documentation. A picture that cannot fit is to be refused before
+//! anything is computed: with overcommitted memory the allocation itself would succeed and the program be killed later.
+//! Proof: `tests`, and the command line's `tests/program/arguments.rs` (a picture too large for any machine).
+
+use std::fs::read_to_string;
+
+use crate::Error;
+use crate::render::RenderOptions;
+
+/// Colours, the sums they are made from, and the file's bytes.
+const PER_PIXEL: u64 = 64;
+/// Albedo, normal, position, depth, ids and background, and their bytes in the file.
+const LAYERS_PER_PIXEL: u64 = 360;
+/// Costs and their colours.
+const HEAT_PER_PIXEL: u64 = 40;
+/// What a denoiser makes of them.
+const CLEAN_PER_PIXEL: u64 = 160;
+
+/// Bytes that a picture under these options takes, its file's included, about; `is_denoised` if the noise is taken out of it.
+#[must_use]
+pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {
+    let layers = if options.aovs || is_denoised { LAYERS_PER_PIXEL } else { 0 };
+    let clean = if is_denoised { CLEAN_PER_PIXEL } else { 0 };
+    let heat = if options.heatmap { HEAT_PER_PIXEL } else { 0 };
+    u64::from(options.width) * u64::from(options.height) * (PER_PIXEL + layers + clean + heat)
+}
+
+/// Whether the picture fits into what the machine has left.
+///
+/// # Errors
+/// [`Error::Memory`] if it does not; where the system does not tell, it fits.
+pub fn check_memory(options: &RenderOptions, is_denoised: bool) -> Result<(), Error> {
+    let needed = picture_bytes(options, is_denoised);
+    match free_memory().filter(|&free| needed > free) {
+        Some(free) => Err(Error::Memory { size: [options.width, options.height], needed, free }),
+        None => Ok(()),
+    }
+}
+
+/// Bytes of memory that this process may still take; `None` where the system does not tell.
+#[must_use]
+pub fn free_memory() -> Option<u64> {
+    let read = |path: &str| read_to_string(path).ok();
+    let in_use =
+        read("/proc/self/statm").and_then(|text| first_number(&text)).map_or(0, |pages| pages * PAGE);
+    let limits = [
+        read("/proc/meminfo").and_then(|text| available(&text)),
+        read("/proc/self/limits")
+            .and_then(|text| address_space(&text))
+            .map(|limit| limit.saturating_sub(in_use)),
+        read("/sys/fs/cgroup/memory.max").and_then(|text| first_number(&text)).map(|limit| {
+            let used =
+                read("/sys/fs/cgroup/memory.current").and_then(|text| first_number(&text)).unwrap_or(0);
+            limit.saturating_sub(used)
+        }),
+    ];
+    tightest(limits)
+}
+
+/// Bytes per page that `statm` counts in, where nothing else is known.
+const PAGE: u64 = 4096;
+
+fn tightest(limits: [Option<u64>; 3]) -> Option<u64> {
+    limits.into_iter().flatten().min()
+}
+
+/// The first word as a number; `max` is none.
+fn first_number(text: &str) -> Option<u64> {
+    text.split_whitespace().next()?.parse().ok()
+}
+
+/// `MemAvailable` of /proc/meminfo, in bytes.
+fn available(meminfo: &str) -> Option<u64> {
+    let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    first_number(line).map(|kibibytes| kibibytes * 1024)
+}
+
+/// The soft limit of the address space of /proc/self/limits, in bytes.
+fn address_space(limits: &str) -> Option<u64> {
+    limits.lines().find_map(|line| line.strip_prefix("Max address space")).and_then(first_number)
+}
+
+/// A size for people: `1.5 GiB`.
+#[must_use]
+pub fn format_bytes(count: u64) -> String {
+    let (mut size, mut unit) = (count as f64, "B");
+    for larger in ["KiB", "MiB", "GiB", "TiB"] {
+        if size < 1024.0 {
+            break;
+        }
+        (size, unit) = (size / 1024.0, larger);
+    }
+    if unit == "B" { format!("{count} B") } else { format!("{size:.1} {unit}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tightest_limit_counts() {
+        assert_eq!(available("MemTotal: 9 kB\nMemAvailable:   2048 kB\n"), Some(2 << 20), "kibibytes");
+        let limits = "Limit Soft Hard Units\nMax address space         1073741824  unlimited  bytes\n";
+        assert_eq!(address_space(limits), Some(1 << 30), "the soft limit");
+        assert_eq!(address_space("Max address space  unlimited  unlimited  bytes"), None, "no limit");
+        assert_eq!(first_number("max\n"), None, "no limit of the group");
+        assert_eq!(tightest([Some(5), None, Some(3)]), Some(3), "the least one");
+    }
+
+    #[test]
+    fn pictures_that_cannot_fit_are_refused() {
+        let huge = RenderOptions { width: 1 << 31, height: 1 << 31, ..RenderOptions::default() };
+        let small = RenderOptions { width: 2, height: 2, ..RenderOptions::default() };
+        assert!(check_memory(&small, true).is_ok(), "four pixels fit");
+        let layered = RenderOptions { aovs: true, ..small.clone() };
+        assert!(picture_bytes(&layered, false) > picture_bytes(&small, false), "layers take memory");
+        if free_memory().is_some() {
+            let error = check_memory(&huge, false).expect_err("exabytes").to_string();
+            assert!(error.contains("2147483648x2147483648") && error.contains("smaller"), "{error}");
+        }
+    }
+
+    #[test]
+    fn sizes_for_people() {
+        assert_eq!(format_bytes(17), "17 B", "few");
+        assert_eq!(format_bytes(1536), "1.5 KiB", "more");
+        assert_eq!(format_bytes(3 << 30), "3.0 GiB", "many");
+    }
+}

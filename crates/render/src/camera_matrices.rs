@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A camera as matrices, for programs that put something else into its pictures.
+//! Source: original; what the matrices lead to is what pbrt-v4's film writes. Row-major, of column vectors; double precision.
+//! Proof: `tests::matrices_lead_to_the_picture`.
+
+use gnurt_scene::Camera;
+
+/// Where points of the world are for a camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraMatrices {
+    /// From world space to that of the camera: x right, y up, z into the picture.
+    pub camera_from_world: [f64; 16],
+    /// From world space to (0, 0) = upper left and (1, 1) = lower right corner of the picture, after division by the last
+    /// coordinate.
+    pub ndc_from_world: [f64; 16],
+}
+
+impl CameraMatrices {
+    /// Those of a camera whose picture is `aspect` times as wide as high; `None` if it has no view.
+    #[must_use]
+    pub fn new(camera: &Camera, aspect: f32) -> Option<Self> {
+        let frame = camera.frame()?;
+        let row = |axis: [f32; 3]| {
+            let along: f64 = (0..3).map(|k| f64::from(axis[k]) * f64::from(camera.eye[k])).sum();
+            [f64::from(axis[0]), f64::from(axis[1]), f64::from(axis[2]), -along]
+        };
+        let [x, y, z] = [frame.right, frame.up, frame.forward].map(row);
+        let half_height = (f64::from(camera.fov_y).to_radians() / 2.0).tan();
+        let half_width = half_height * f64::from(aspect);
+        let across: [f64; 4] = std::array::from_fn(|i| 0.5 * (x[i] / half_width + z[i]));
+        let down: [f64; 4] = std::array::from_fn(|i| 0.5 * (z[i] - y[i] / half_height));
+        let join = |rows: [[f64; 4]; 4]| std::array::from_fn(|i| rows[i / 4][i % 4]);
+        Some(Self {
+            camera_from_world: join([x, y, z, [0.0, 0.0, 0.0, 1.0]]),
+            ndc_from_world: join([across, down, z, z]),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matrices_lead_to_the_picture() {
+        let camera = Camera {
+            name: String::new(),
+            eye: [1.0, 2.0, 3.0],
+            target: [1.0, 2.0, -7.0],
+            up: [0.0, 1.0, 0.0],
+            fov_y: 90.0,
+        };
+        let CameraMatrices { camera_from_world: to_camera, ndc_from_world: to_ndc } =
+            CameraMatrices::new(&camera, 2.0).expect("a view");
+        let apply = |m: &[f64; 16], p: [f64; 3]| -> [f64; 4] {
+            std::array::from_fn(|r| {
+                m[4 * r] * p[0] + m[4 * r + 1] * p[1] + m[4 * r + 2] * p[2] + m[4 * r + 3]
+            })
+        };
+        assert_eq!(apply(&to_camera, [1.0, 2.0, -1.0]), [0.0, 0.0, 4.0, 1.0], "4 in front of the eye");
+        let corner = apply(&to_ndc, [1.0 + 8.0, 2.0 - 4.0, -1.0]).map(|x| x / 4.0);
+        assert!(
+            (corner[0] - 1.0).abs() < 1e-6 && (corner[1] - 1.0).abs() < 1e-6,
+            "the lower right corner: {corner:?}"
+        );
+    }
+}

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A floor that only catches shadow: not seen where no shadow is, as dark as a true floor where one is. Source: original;
+//! the oracle is a Lambertian floor of the same albedo under the same sky.
+
+mod common;
+
+use common::*;
+use gnurt_image::{BACKGROUND, ChannelData, Opacity, Picture};
+use gnurt_render::{Integrator, RenderOptions, Silent, render};
+use gnurt_scene::{Material, Scene, Surface};
+
+const SKY: f32 = 0.5;
+const ALBEDO: f32 = 0.6;
+
+/// A red ball on a floor under a sky of one colour, or no ball.
+fn scene(floor: Surface, ball: bool) -> Scene {
+    let mut scene = Scene::new();
+    let floor = scene.add_material(Material::of("floor", floor));
+    place(&mut scene, quad([-50.0, -50.0, 0.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], floor));
+    if ball {
+        let red = scene.add_material(Material::matte("red", [0.7, 0.1, 0.1]));
+        place(&mut scene, sphere([0.0, 0.0, 1.0], 1.0, 24, red));
+    }
+    scene.add_light(environment([SKY; 3]));
+    scene
+}
+
+fn picture(scene: &Scene, integrator: Integrator, spp: u32) -> Picture {
+    let options =
+        RenderOptions { width: 32, height: 24, spp, integrator, aovs: true, ..RenderOptions::default() };
+    let camera = camera([0.0, -8.0, 3.0], [0.0, 0.0, 0.8], 40.0);
+    render(&world_of(scene, false), &camera, &options, &pool(2), &Silent).expect("sound options").picture
+}
+
+/// A floor that sends back what it shows: under the whole sky, albedo times sky.
+fn catcher() -> Surface {
+    Surface::ShadowCatcher { albedo: [ALBEDO; 3], radiance: [ALBEDO * SKY; 3] }
+}
+
+fn background(picture: &Picture) -> Vec<[f32; 4]> {
+    let layer = picture.layer(BACKGROUND).expect("the layer");
+    let values = |name: &str| match &layer.channel(name).expect("the channel").data {
+        ChannelData::F32(values) => values.clone(),
+        ChannelData::U32(_) => panic!("floats"),
+    };
+    let [r, g, b, a] = ["R", "G", "B", "A"].map(values);
+    (0..a.len()).map(|i| [r[i], g[i], b[i], a[i]]).collect()
+}
+
+#[test]
+fn nothing_is_seen_of_it_without_shadow() {
+    let picture = picture(&scene(catcher(), false), Integrator::Path, 2);
+    assert_eq!(picture.opacity, Opacity::Associated, "so that it can be put over something");
+    let floor = ALBEDO * SKY;
+    for (i, (pixel, behind)) in picture.color.iter().zip(background(&picture)).enumerate() {
+        assert_eq!((pixel[3], behind[3]), (0.0, 1.0), "pixel {i} is clear");
+        for k in 0..3 {
+            let is_sky = pixel[k] == SKY;
+            assert!(is_sky || (floor - 1e-5..SKY).contains(&pixel[k]), "pixel {i} shows {}", pixel[k]);
+            assert!((pixel[k] - behind[k]).abs() < 1e-5, "and nothing in front of it");
+        }
+    }
+}
+
+#[test]
+fn shadows_are_those_of_a_true_floor() {
+    let matte = Surface::Matte { base_color: gnurt_scene::material::Color::constant([ALBEDO; 3]) };
+    let truth = picture(&scene(matte, true), Integrator::Path, 256);
+    for integrator in [Integrator::Path, Integrator::InstantRadiosity] {
+        let found = picture(&scene(catcher(), true), integrator, 256);
+        let mean = |picture: &Picture, rows: std::ops::Range<usize>| -> [f64; 3] {
+            let pixels = &picture.color[rows.start * 32..rows.end * 32];
+            [0, 1, 2].map(|k| pixels.iter().map(|p| f64::from(p[k])).sum::<f64>() / pixels.len() as f64)
+        };
+        for rows in [0..6, 6..12, 12..18, 18..24] {
+            let (a, b) = (mean(&found, rows.clone()), mean(&truth, rows.clone()));
+            for k in 0..3 {
+                assert!((a[k] / b[k] - 1.0).abs() < 0.01, "{integrator}, rows {rows:?}: {a:?} for {b:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn its_opacity_is_its_shadow() {
+    let picture = picture(&scene(catcher(), true), Integrator::Path, 64);
+    let behind = background(&picture);
+    // In front of the ball, in its shadow; and far from it.
+    let (near, far) = (17 * 32 + 16, 22 * 32 + 1);
+    assert!(picture.color[near][3] > 0.1, "{:?}", picture.color[near]);
+    assert!(picture.color[far][3] < 0.05, "{:?}", picture.color[far]);
+    for (pixel, behind) in picture.color.iter().zip(&behind) {
+        assert!(
+            (pixel[3] + behind[3] - 1.0).abs() < 1e-6 && (0.0..=1.0).contains(&pixel[3]),
+            "{pixel:?} {behind:?}"
+        );
+    }
+    // What is in front adds up with what lies behind, and is not negative but for noise.
+    let front = picture.color.iter().zip(&behind).map(|(a, b)| a[0] - b[0]);
+    assert!(front.fold(0.0, f32::min) > -0.02, "associated");
+}
