@@ -15,7 +15,7 @@ picture() {
     shift 3
     if [ "${ONLY:-$name}" != "$name" ]; then return; fi
     gnurt render -q "$file" -o "$out/$name.png" -r "$size" --integrator path --spp "$spp" --clamp 8 --denoise=built-in \
-        --tone filmic "$@"
+        --tone filmic --exposure 0 "$@"
 }
 
 picture bunny "$wide" "$work/bunny.obj" --eye -0.05,0.15,0.35 --target -0.017,0.11,0 --fov 30 --spp 96

@@ -6,7 +6,7 @@
 //! Proof: `tests`.
 
 use super::{bounds_of, sight};
-use crate::image::{TexelData, srgb};
+use crate::image::srgb;
 use crate::scene::{Affine, Camera, Light, Material, Mesh, Scene};
 
 /// Irradiance of the key light.
@@ -22,8 +22,8 @@ const DIM: f64 = 0.05;
 const MOSTLY: f64 = 0.5;
 
 /// Whether anything gives light: a light, an environment, or surfaces that emit and are used. Surfaces that merely glow, as the
-/// displays of things that were modelled to stand in other light, and things that glow all over do not count: radiance of 1 at
-/// most, and either a twentieth of that in the mean over the area of everything, or from most of it.
+/// displays and labels of things that were modelled to stand in other light, and things that glow all over do not count: radiance
+/// of 1 at most, and by a texture, or by a twentieth of that in the mean over the area of everything, or from most of it.
 #[must_use]
 pub fn shines(scene: &Scene) -> bool {
     !scene.lights().is_empty() || emission(scene).is_some_and(|emission| emission.is_light())
@@ -62,7 +62,6 @@ fn emission(scene: &Scene) -> Option<Emitted> {
     if brightest > DECAL {
         return Some(Emitted { brightest, mean: f64::INFINITY, share: 0.0 });
     }
-    let mean_of: Vec<f64> = scene.materials().iter().map(|material| mean_emission(scene, material)).collect();
     let (mut all, mut light, mut glowing) = (0.0, 0.0, 0.0);
     for instance in scene.instances().iter().filter(|instance| instance.visible) {
         let object = scene.objects().get(instance.object.index());
@@ -70,9 +69,9 @@ fn emission(scene: &Scene) -> Option<Emitted> {
         {
             let area = area(mesh, &instance.world_from_object);
             all += area;
-            let mean = mean_of.get(mesh.material.index()).copied().unwrap_or(0.0);
-            light += area * mean;
-            glowing += if mean > 0.0 { area } else { 0.0 };
+            let material = scene.materials().get(mesh.material.index()).filter(|material| material.emits());
+            light += area * material.map_or(0.0, lamp_luminance);
+            glowing += if material.is_some() { area } else { 0.0 };
         }
     }
     // Meshes that no instance shows, as in scenes in the making, count for themselves.
@@ -81,28 +80,9 @@ fn emission(scene: &Scene) -> Option<Emitted> {
     Some(Emitted { brightest, mean, share })
 }
 
-/// Luminance that a material gives off, in the mean over its texture.
-fn mean_emission(scene: &Scene, material: &Material) -> f64 {
-    if !material.emits() {
-        return 0.0;
-    }
-    let texture = material.emission_texture.and_then(|t| scene.textures().get(t.texture.index()));
-    let mean = texture.map_or([1.0; 3], |texture| {
-        let texels = &texture.texels;
-        let count = (texels.width as usize * texels.height as usize).max(1);
-        let mut sum = [0.0; 3];
-        match &texels.data {
-            TexelData::Srgb8(t) => {
-                t.iter().for_each(|t| (0..3).for_each(|k| sum[k] += f64::from(srgb::decode_u8(t[k]))))
-            }
-            TexelData::Linear8(t) => {
-                t.iter().for_each(|t| (0..3).for_each(|k| sum[k] += f64::from(t[k]) / 255.0))
-            }
-            TexelData::Float(t) => t.iter().for_each(|t| (0..3).for_each(|k| sum[k] += f64::from(t[k]))),
-        }
-        sum.map(|x| (x / count as f64) as f32)
-    });
-    f64::from(srgb::luminance([0, 1, 2].map(|k| material.emission[k] * mean[k])))
+/// Luminance that a material gives off as a lamp: textures of light no brighter than white are displays and labels.
+fn lamp_luminance(material: &Material) -> f64 {
+    if material.emission_texture.is_some() { 0.0 } else { f64::from(srgb::luminance(material.emission)) }
 }
 
 fn area(mesh: &Mesh, to: &Affine) -> f64 {
