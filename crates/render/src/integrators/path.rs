@@ -120,9 +120,11 @@ fn step_by_shader(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wave
                 let found = counted(found, lights, &path, &vertex);
                 add(radiance, path.lane, path.throughput * found, path.edges, options.clamp);
             }
-            if vertex.is_final {
+            // The backdrop of a shadow catcher stands for scattered light, and light is taken from it.
+            if vertex.is_final || vertex.backdrop.is_some() {
                 wavefront.finals.push(lane);
-            } else if path.edges < options.max_depth {
+            }
+            if !vertex.is_final && path.edges < options.max_depth {
                 alive.push((path, vertex));
             }
         });
