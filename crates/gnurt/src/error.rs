@@ -2,7 +2,7 @@
 //! One error for programs that call several parts of the system and want one `?`.
 //! Source: original. Messages are one line; each says whose mistake it is by its kind.
 
-use crate::memory::format_bytes;
+use crate::size::format_bytes;
 use crate::{image, render, scene};
 
 /// What can go wrong on the way from a file to a picture.

@@ -81,6 +81,7 @@ mod error;
 mod load;
 pub mod look;
 pub mod memory;
+mod size;
 mod surroundings;
 mod threads;
 

@@ -8,6 +8,7 @@ use std::fs::read_to_string;
 
 use crate::Error;
 use crate::render::RenderOptions;
+pub use crate::size::format_bytes;
 
 /// Colours, the sums they are made from, and the file's bytes.
 const PER_PIXEL: u64 = 64;
@@ -24,7 +25,8 @@ pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {
     let layers = if options.aovs || is_denoised { LAYERS_PER_PIXEL } else { 0 };
     let clean = if is_denoised { CLEAN_PER_PIXEL } else { 0 };
     let heat = if options.heatmap { HEAT_PER_PIXEL } else { 0 };
-    u64::from(options.width) * u64::from(options.height) * (PER_PIXEL + layers + clean + heat)
+    let pixels = u64::from(options.width) * u64::from(options.height);
+    pixels.saturating_mul(PER_PIXEL + layers + clean + heat)
 }
 
 /// Whether the picture fits into what the machine has left.
@@ -82,19 +84,6 @@ fn address_space(limits: &str) -> Option<u64> {
     limits.lines().find_map(|line| line.strip_prefix("Max address space")).and_then(first_number)
 }
 
-/// A size for people: `1.5 GiB`.
-#[must_use]
-pub fn format_bytes(count: u64) -> String {
-    let (mut size, mut unit) = (count as f64, "B");
-    for larger in ["KiB", "MiB", "GiB", "TiB"] {
-        if size < 1024.0 {
-            break;
-        }
-        (size, unit) = (size / 1024.0, larger);
-    }
-    if unit == "B" { format!("{count} B") } else { format!("{size:.1} {unit}") }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,12 +109,5 @@ mod tests {
             let error = check_memory(&huge, false).expect_err("exabytes").to_string();
             assert!(error.contains("2147483648x2147483648") && error.contains("smaller"), "{error}");
         }
-    }
-
-    #[test]
-    fn sizes_for_people() {
-        assert_eq!(format_bytes(17), "17 B", "few");
-        assert_eq!(format_bytes(1536), "1.5 KiB", "more");
-        assert_eq!(format_bytes(3 << 30), "3.0 GiB", "many");
     }
 }

@@ -4,6 +4,8 @@
 use clap::Args;
 use gnurt::denoise::{Method, Options};
 
+use super::value::{self, DenoiserChoice};
+
 /// The option of those who write pictures.
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Quality")]
@@ -13,7 +15,7 @@ pub(crate) struct DenoiserArguments {
     #[arg(
         long,
         value_name = "HOW",
-        value_parser = super::value::denoiser,
+        value_parser = value::denoiser,
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "auto",
@@ -23,15 +25,6 @@ pub(crate) struct DenoiserArguments {
                      EXR, HDR and PFM keep theirs."
     )]
     pub(crate) denoise: Option<DenoiserChoice>,
-}
-
-/// How noise is to be taken out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum DenoiserChoice {
-    /// Not at all.
-    None,
-    /// By this filter.
-    By(Method),
 }
 
 /// The variable that names OIDN's library.

@@ -10,7 +10,13 @@ use gnurt::LoadOptions;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FileArguments {
     /// Let the scene name files below this folder only (libraries, textures, buffers; links are followed)
-    #[arg(long, value_name = "DIR", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        help_heading = "Time and machine",
+        hide_short_help = true,
+        value_name = "DIR",
+        allow_hyphen_values = true
+    )]
     confine: Option<PathBuf>,
 }
 

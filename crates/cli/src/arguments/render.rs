@@ -10,8 +10,8 @@ use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
 use super::{
-    DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments, TalkArguments,
-    TreeArguments, ViewArguments,
+    DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments,
+    TalkArguments, TreeArguments, ViewArguments,
 };
 
 /// Arguments of `render`.

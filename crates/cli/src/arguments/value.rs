@@ -18,7 +18,6 @@ use gnurt::{BUILTIN, Surroundings};
 use gnurt_bench::{Class, ENGINES};
 use gnurt_view::TevAddress;
 
-use super::denoiser::DenoiserChoice;
 use crate::nearest::unknown;
 
 /// Columns and rows of a picture, at least 1 each and 2^31 together at most.
@@ -38,6 +37,15 @@ pub(crate) struct ShaderChoice {
     pub(crate) file: Option<PathBuf>,
     /// Names and values.
     pub(crate) parameters: Vec<(String, String)>,
+}
+
+/// How noise is to be taken out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DenoiserChoice {
+    /// Not at all.
+    None,
+    /// By this filter.
+    By(Method),
 }
 
 /// How bright a picture for a screen is.

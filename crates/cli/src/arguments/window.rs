@@ -9,8 +9,8 @@ use gnurt_view::TevAddress;
 
 use super::value;
 use super::{
-    DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments, StatisticsForm,
-    TalkArguments, TreeArguments, ViewArguments,
+    DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments,
+    StatisticsForm, TalkArguments, TreeArguments, ViewArguments,
 };
 
 /// Arguments of `view`.
