@@ -33,7 +33,12 @@ fn trace(tree: &ObjectTree) {
         let mut all = Vec::new();
         tree.all_hits(&query, &ray, &mut all);
         let _ = (tree.intersect_with(&query, &ray), tree.occluded_with(&query, &ray));
-        let _ = tree.closest_point(ray.org.map(f64::from), f64::INFINITY);
+        let point = ray.org.map(f64::from);
+        let _ = (tree.closest_point(point, f64::INFINITY), tree.crossings(&ray), tree.signed_distance(point));
+        let (mut ids, mut near) = (Vec::new(), Vec::new());
+        tree.touching_box(&query, point, point.map(|x| x + 1.0), &mut ids);
+        tree.touching_ball(&query, point, 1.0, &mut ids);
+        tree.nearest_primitives(&query, point, f64::INFINITY, 3, &mut near);
     }
     let (mut hits, mut occluded, mut record) = (HitBatch::default(), Vec::new(), Record::default());
     for coherence in [Coherence::Incoherent, Coherence::Coherent, Coherence::Fanned] {

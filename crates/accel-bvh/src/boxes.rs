@@ -45,6 +45,10 @@ impl BoxIndex {
         Self { over: over.expect("there are fewer than 2^30 boxes"), origin }
     }
 
+    pub(crate) fn over(&self) -> &Blocked<Node8> {
+        &self.over
+    }
+
     /// What boxes are relative to.
     #[must_use]
     pub fn origin(&self) -> [f32; 3] {

@@ -38,7 +38,7 @@ type EnterTile<'a> = &'a mut dyn FnMut(usize, &mut TileTrip);
 type EnterPoint<'a> = &'a mut dyn FnMut(usize) -> f64;
 type OnTile<I> = fn(Token, &I, Heading, &mut TileTrip);
 type OnBoxesTile = fn(Token, &BoxIndex, Heading, &mut TileTrip, EnterTile);
-type OnPoint<I> = fn(Token, &I, &Probe, u32, &mut NearestPoint);
+type OnPoint<I> = fn(Token, &I, &Probe, u32, &mut dyn NearestPoint);
 
 struct Table {
     closest: OnRay<BvhIndex>,
@@ -211,7 +211,7 @@ impl Kernels {
     }
 
     /// The nearest point of triangles.
-    pub fn point(&self, index: &BvhIndex, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+    pub fn point(&self, index: &BvhIndex, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         (self.table.point)(self.token, index, probe, slot, nearest);
     }
 
@@ -221,7 +221,13 @@ impl Kernels {
     }
 
     /// The nearest point of spheres.
-    pub fn spheres_point(&self, index: &SphereIndex, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+    pub fn spheres_point(
+        &self,
+        index: &SphereIndex,
+        probe: &Probe,
+        slot: u32,
+        nearest: &mut dyn NearestPoint,
+    ) {
         (self.table.spheres_point)(self.token, index, probe, slot, nearest);
     }
 
@@ -231,7 +237,7 @@ impl Kernels {
     }
 
     /// The nearest point of user geometry.
-    pub fn user_point(&self, index: &UserIndex, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+    pub fn user_point(&self, index: &UserIndex, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         (self.table.user_point)(self.token, index, probe, slot, nearest);
     }
 

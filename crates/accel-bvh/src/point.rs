@@ -97,13 +97,13 @@ impl Tree {
 impl BvhIndex {
     /// Improves `nearest` by the triangles.
     #[inline(always)]
-    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         let Self { tree, leaves, .. } = self;
-        tree.near(simd, &probe.point, probe.radius_for(nearest.distance), |range| {
+        tree.near(simd, &probe.point, probe.radius_for(nearest.distance()), |range| {
             for index in range {
                 leaves.block(simd, index, &mut None).nearest(probe, slot, nearest);
             }
-            probe.radius_for(nearest.distance)
+            probe.radius_for(nearest.distance())
         });
     }
 }
@@ -111,9 +111,9 @@ impl BvhIndex {
 impl SphereIndex {
     /// Improves `nearest` by the spheres' surfaces.
     #[inline(always)]
-    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         let Blocked { tree, blocks, .. } = &self.0;
-        tree.near(simd, &probe.point, probe.radius_for(nearest.distance), |range| {
+        tree.near(simd, &probe.point, probe.radius_for(nearest.distance()), |range| {
             for block in &blocks[range] {
                 for lane in (0..WIDTH).filter(|&lane| block.numbers[lane] != INVALID_ID) {
                     let center = [0, 1, 2].map(|k| f64::from(block.center[k][lane]));
@@ -121,7 +121,7 @@ impl SphereIndex {
                     nearest.offer(offset, [0.0; 2], block.numbers[lane], slot);
                 }
             }
-            probe.radius_for(nearest.distance)
+            probe.radius_for(nearest.distance())
         });
     }
 }
@@ -129,17 +129,17 @@ impl SphereIndex {
 impl UserIndex {
     /// Improves `nearest` by what the primitives say.
     #[inline(always)]
-    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         let point = probe.point.map(|x| x as f32);
         let Blocked { tree, blocks, .. } = &self.over;
-        tree.near(simd, &probe.point, probe.radius_for(nearest.distance), |range| {
+        tree.near(simd, &probe.point, probe.radius_for(nearest.distance()), |range| {
             for &number in blocks[range].iter().flatten().filter(|&&number| number != INVALID_ID) {
                 let (user, prim_id) = self.primitive(number);
                 if let Some(found) = user.closest_point(prim_id, point) {
                     nearest.offer(probe.offset(found.map(f64::from)), [0.0; 2], number, slot);
                 }
             }
-            probe.radius_for(nearest.distance)
+            probe.radius_for(nearest.distance())
         });
     }
 }

@@ -168,7 +168,7 @@ impl TriangleBlock {
 
 impl TriangleBlock {
     /// Improves `nearest` by the triangles.
-    pub fn nearest(&self, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+    pub fn nearest(&self, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         for lane in 0..WIDTH {
             let coordinate = |corner: usize, k: usize| f64::from(self.corners[corner][k][lane]);
             let corner = |i: usize| probe.offset([coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)]);

@@ -2,6 +2,8 @@
 //! An object's triangles under a kd-tree.
 //! Source: original. Space: object. Proof: `tests/brute_force.rs`.
 
+mod corners;
+mod region;
 mod store;
 
 use gnurt_accel_core::blocks::{BlockRay, WIDTH};
@@ -142,8 +144,8 @@ impl KdIndex {
     }
 
     /// Improves `nearest` by the triangles.
-    pub fn nearest(&self, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
-        self.tree.near(&probe.point, probe.radius_for(nearest.distance), |leaf| {
+    pub fn nearest(&self, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
+        self.tree.near(&probe.point, probe.radius_for(nearest.distance()), |leaf| {
             match &self.triangles {
                 Prepared::Watertight(leaves) => {
                     leaves.blocks[leaves.of(leaf)]
@@ -158,7 +160,7 @@ impl KdIndex {
                     }
                 }
             }
-            probe.radius_for(nearest.distance)
+            probe.radius_for(nearest.distance())
         });
     }
 

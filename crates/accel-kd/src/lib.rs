@@ -20,6 +20,7 @@ mod packet;
 mod packet_rays;
 mod point;
 mod projected;
+mod region;
 mod sah;
 mod sampled;
 mod single;

@@ -3,7 +3,7 @@
 //! Source: original. Proof: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/filters.rs`, `tests/masks.rs`.
 
 use gnurt_accel_core::nearest::Nearest;
-use gnurt_accel_core::point::{NearestPoint, Probe};
+use gnurt_accel_core::point::{ClosestPoint, NearestPoint, Probe};
 use gnurt_accel_core::trip::{RayKind, RayTrip};
 
 use crate::candidates::{Sorted, is_better};
@@ -114,11 +114,15 @@ impl Target<'_> {
 
     /// The nearest point of a surface.
     pub(crate) fn closest_point(self, query: &Query, point: [f64; 3], radius: f64) -> Option<PointHit> {
-        if !point.iter().all(|x| x.is_finite()) || radius.is_nan() {
-            return None;
-        }
-        let (probe, mut nearest) = (Probe::new(point, query.mask), NearestPoint::within(radius));
-        self.point(Engine::at(query.level), &probe, &mut nearest);
+        let mut nearest = ClosestPoint::within(radius);
+        self.near(query, point, &mut nearest);
         nearest.hit(point, |nearest| self.hit(nearest))
+    }
+
+    /// Offers points of primitives near `point`, of each the one that is nearest; of nothing near NaN.
+    pub(crate) fn near(self, query: &Query, point: [f64; 3], nearest: &mut dyn NearestPoint) {
+        if point.iter().all(|x| x.is_finite()) && !nearest.distance().is_nan() {
+            self.point(Engine::at(query.level), &Probe::new(point, query.mask), nearest);
+        }
     }
 }

@@ -121,15 +121,26 @@ mod answers;
 mod ask;
 mod batch;
 mod candidates;
+mod crossings;
 mod engine;
+mod facing;
+mod inside;
+mod lists;
+mod many;
+mod near;
 mod object;
+mod overlaps;
 mod pencil;
 mod scene;
+mod shown;
+mod slices;
 mod sorted;
+mod surfaces;
 mod target;
 mod together;
 mod under_way;
 
+pub use facing::Face;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, Geometry,
     GeometryKind, Hit, HitBatch, INVALID_ID, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, PointHit,
@@ -137,6 +148,14 @@ pub use gnurt_accel_core::{
     TriangleTest, Triangles, UserGeometry, UserHit,
 };
 pub use gnurt_simd::Level;
+pub use inside::Side;
+pub use lists::Lists;
 pub use object::ObjectTree;
 pub use pencil::Pencil;
 pub use scene::{DEEPEST_SCENE, Instance, SceneError, SceneTree, Shape};
+pub use slices::{Column, Floats, HitSlices, RaySlices, SliceError, Vectors};
+
+/// The examples of docs/queries.md.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/queries.md")]
+mod queries_page {}

@@ -6,8 +6,16 @@
 //! Proof: `tests/brute_force.rs`, `tests/mixed.rs`.
 
 mod build;
+mod corners;
+mod faces;
+mod many;
+mod places;
 mod queries;
+mod region;
 mod store;
+mod surface_queries;
+
+use std::sync::OnceLock;
 
 use gnurt_accel_bvh::{BvhIndex, SphereIndex, UserIndex};
 use gnurt_accel_core::geometry::Numbering;
@@ -16,6 +24,7 @@ use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::trip::{RayTrip, TileTrip};
 use gnurt_accel_kd::KdIndex;
+use places::Places;
 
 use crate::engine::Engine;
 use crate::together::by_heading;
@@ -30,6 +39,8 @@ pub struct ObjectTree {
     bad: BadPrimitives,
     bounds: Aabb,
     stats: TreeStats,
+    /// Where primitives are, once somebody asks by their numbers.
+    places: OnceLock<Places>,
 }
 
 /// A tree over all primitives of one kind and mask.
@@ -158,7 +169,7 @@ impl ObjectTree {
     }
 
     /// Improves the nearest point.
-    pub(crate) fn nearest(&self, engine: &Engine, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+    pub(crate) fn nearest(&self, engine: &Engine, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         for part in self.parts.iter().filter(|part| part.mask & probe.mask != 0) {
             match &part.index {
                 Index::Kd(index) => index.nearest(probe, slot, nearest),

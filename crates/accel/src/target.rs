@@ -37,7 +37,7 @@ impl Target<'_> {
     }
 
     /// Improves the nearest point.
-    pub(crate) fn point(self, engine: &Engine, probe: &Probe, nearest: &mut NearestPoint) {
+    pub(crate) fn point(self, engine: &Engine, probe: &Probe, nearest: &mut dyn NearestPoint) {
         match self {
             Self::Object(object) => object.nearest(engine, probe, 0, nearest),
             Self::Scene(scene) => scene.nearest(engine, probe, 0, nearest),

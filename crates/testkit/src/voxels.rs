@@ -152,9 +152,9 @@ mod tests {
         let six_volumes: f64 = (0..12)
             .map(|i| {
                 let [a, b, c] = mesh.corners(i).expect("a triangle").map(|p| p.map(f64::from));
-                (a[0] * (b[1] * c[2] - b[2] * c[1])
+                a[0] * (b[1] * c[2] - b[2] * c[1])
                     + a[1] * (b[2] * c[0] - b[0] * c[2])
-                    + a[2] * (b[0] * c[1] - b[1] * c[0]))
+                    + a[2] * (b[0] * c[1] - b[1] * c[0])
             })
             .sum();
         assert_eq!(six_volumes, 6.0, "normals point outwards");

@@ -13,7 +13,7 @@ mod shapes;
 pub use probe::Probe;
 pub use shapes::{on_sphere, on_triangle};
 
-use crate::hit::{Hit, INVALID_ID};
+use crate::hit::Hit;
 use crate::nearest::Nearest;
 
 /// The point of a surface that is nearest to another point.
@@ -37,41 +37,74 @@ pub struct PointHit {
     pub leaf_id: u32,
 }
 
-/// The nearest point so far.
-#[derive(Clone, Copy, Debug)]
-pub struct NearestPoint {
+/// What a search for near points looks for, and what it has found so far. Called through a pointer, so that trees are compiled
+/// once for all of them.
+pub trait NearestPoint {
     /// Nothing farther counts.
-    pub distance: f64,
-    /// From the given point to the nearest, in the space of the tree that was asked.
-    offset: [f64; 3],
-    uv: [f64; 2],
-    number: u32,
-    slot: u32,
+    fn distance(&self) -> f64;
+    /// Takes a point of a primitive: the way to it from the given one, in the space of the tree that was asked, and its
+    /// parameters. The same primitive may come several times.
+    fn offer(&mut self, offset: [f64; 3], uv: [f64; 2], number: u32, slot: u32);
 }
 
-impl NearestPoint {
-    pub fn within(radius: f64) -> Self {
-        Self { distance: radius, offset: [0.0; 3], uv: [0.0; 2], number: INVALID_ID, slot: INVALID_ID }
-    }
+/// A point of a primitive.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    pub distance: f64,
+    pub offset: [f64; 3],
+    pub uv: [f64; 2],
+    pub number: u32,
+    pub slot: u32,
+}
 
-    /// Takes a point if it is nearer, or as near and of a lower primitive.
-    pub fn offer(&mut self, offset: [f64; 3], uv: [f64; 2], number: u32, slot: u32) {
+impl Near {
+    pub fn new(offset: [f64; 3], uv: [f64; 2], number: u32, slot: u32) -> Self {
         let distance = offset.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let lower = || distance == self.distance && (slot, number) < (self.slot, self.number);
-        if distance < self.distance || lower() {
-            *self = Self { distance, offset, uv, number, slot };
-        }
+        Self { distance, offset, uv, number, slot }
     }
 
     /// What was found near `point`; `resolve` tells the ids.
-    pub fn hit(&self, point: [f64; 3], resolve: impl FnOnce(&Nearest) -> Hit) -> Option<PointHit> {
-        if self.number == INVALID_ID {
-            return None;
-        }
+    pub fn hit(&self, point: [f64; 3], resolve: impl FnOnce(&Nearest) -> Hit) -> PointHit {
         let [u, v] = self.uv.map(|x| x as f32);
         let Hit { u, v, prim_id, geom_id, inst_id, leaf_id, .. } =
             resolve(&Nearest { t: 0.0, u, v, number: self.number, slot: self.slot });
         let point = [0, 1, 2].map(|k| point[k] + self.offset[k]);
-        Some(PointHit { distance: self.distance, point, u, v, prim_id, geom_id, inst_id, leaf_id })
+        PointHit { distance: self.distance, point, u, v, prim_id, geom_id, inst_id, leaf_id }
+    }
+}
+
+/// The nearest point so far.
+#[derive(Clone, Copy, Debug)]
+pub struct ClosestPoint {
+    radius: f64,
+    best: Option<Near>,
+}
+
+impl ClosestPoint {
+    pub fn within(radius: f64) -> Self {
+        Self { radius, best: None }
+    }
+
+    /// What was found near `point`; `resolve` tells the ids.
+    pub fn hit(&self, point: [f64; 3], resolve: impl FnOnce(&Nearest) -> Hit) -> Option<PointHit> {
+        self.best.map(|best| best.hit(point, resolve))
+    }
+}
+
+impl NearestPoint for ClosestPoint {
+    fn distance(&self) -> f64 {
+        self.best.map_or(self.radius, |best| best.distance)
+    }
+
+    /// Takes a point if it is nearer, or as near and of a lower primitive.
+    fn offer(&mut self, offset: [f64; 3], uv: [f64; 2], number: u32, slot: u32) {
+        let near = Near::new(offset, uv, number, slot);
+        let is_better = match &self.best {
+            None => near.distance <= self.radius,
+            Some(best) => (near.distance, slot, number) < (best.distance, best.slot, best.number),
+        };
+        if is_better {
+            self.best = Some(near);
+        }
     }
 }

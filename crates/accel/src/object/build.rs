@@ -2,6 +2,8 @@
 //! Builds an object's trees: one for each kind of primitive and mask. Source: original. Space: object.
 //! Proof: `tests/brute_force.rs`, `tests/mixed.rs`, `tests/control.rs`.
 
+use std::sync::OnceLock;
+
 use gnurt_accel_bvh::{BvhIndex, SphereIndex, UserIndex};
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::geometry::{GeometryKind, Numbering};
@@ -131,7 +133,7 @@ impl ObjectTree {
         let bounds = parts.iter().fold(Aabb::EMPTY, |all, part| all.union(&part.index.bounds()));
         watch.result()?;
         watch.finish();
-        Ok(Self { parts, numbering, bad, bounds, stats })
+        Ok(Self { parts, numbering, bad, bounds, stats, places: OnceLock::new() })
     }
 }
 

@@ -3,6 +3,7 @@
 //! Proof: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
+use std::sync::OnceLock;
 
 use gnurt_accel_bvh::{BvhIndex, SphereIndex};
 use gnurt_accel_core::geometry::Numbering;
@@ -157,7 +158,14 @@ impl ObjectTree {
         // Which of them are the same primitive is no longer known.
         let stats = TreeStats { primitives: stats.primitives, ..measured };
         let quads = quads.into_iter().map(|quads| quads != 0).collect();
-        Ok(Self { parts, numbering: Numbering { starts, quads, too_many }, bad, bounds, stats })
+        Ok(Self {
+            parts,
+            numbering: Numbering { starts, quads, too_many },
+            bad,
+            bounds,
+            stats,
+            places: OnceLock::new(),
+        })
     }
 }
 

@@ -5,9 +5,14 @@
 mod box64;
 mod build;
 mod error;
+mod faces;
 mod instance;
+mod many;
+mod normal;
 mod point;
 mod queries;
+mod region;
+mod surface_queries;
 mod types;
 mod walk;
 

@@ -9,16 +9,16 @@ use crate::engine::Engine;
 
 impl SceneTree {
     /// Improves the nearest point.
-    pub(crate) fn nearest(&self, engine: &Engine, probe: &Probe, slot: u32, nearest: &mut NearestPoint) {
+    pub(crate) fn nearest(&self, engine: &Engine, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         if self.placed.is_empty() {
             return;
         }
         let from = self.top.origin();
         let point = [0, 1, 2].map(|k| probe.point[k] - f64::from(from[k]));
-        let radius = probe.radius_for(nearest.distance);
+        let radius = probe.radius_for(nearest.distance());
         engine.bvh.boxes_point(&self.top, &point, radius, &mut |place| {
             self.enter_nearest(engine, place, probe, slot, nearest);
-            probe.radius_for(nearest.distance)
+            probe.radius_for(nearest.distance())
         });
     }
 
@@ -29,7 +29,7 @@ impl SceneTree {
         place: usize,
         probe: &Probe,
         slot: u32,
-        nearest: &mut NearestPoint,
+        nearest: &mut dyn NearestPoint,
     ) {
         let (placed, exact) = (&self.placed[place], &self.exact[place]);
         if placed.mask & probe.mask == 0 {

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Decisions without rounding: on which side of an edge a line passes, on which side of a plane a point lies.
+//! Source: [She97] for the plan: doubles first, with a bound of their error, and exact arithmetic only where they cannot tell.
+
+mod ball;
+mod dyadic;
+mod line;
+mod number;
+mod place;
+
+pub use ball::side_of_sphere;
+pub use line::Line;
+pub use place::{Place, Triangle};

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The triangles of a kd-tree that may meet a region. Source: original.
+//! Projected triangles keep no corners: theirs are as good as what is kept. Proof: `tests/surfaces/crossings.rs`.
+
+use gnurt_accel_core::primitive::Primitive;
+use gnurt_accel_core::region::Sieve;
+
+use super::{KdIndex, Prepared};
+
+impl KdIndex {
+    /// Shows the triangles that may meet it.
+    pub fn sift(&self, sieve: &Sieve, visit: &mut dyn FnMut(u32, Primitive)) {
+        self.tree.sift(sieve, &mut |leaf| match &self.triangles {
+            Prepared::Watertight(leaves) => {
+                leaves.blocks[leaves.of(leaf)].iter().for_each(|block| block.sift(sieve, visit));
+            }
+            Prepared::Projected(triangles) => {
+                for &number in self.tree.leaf_items(leaf) {
+                    let corners = triangles.corners(number).map(|corner| corner.map(|x| x as f32));
+                    visit(number, Primitive::Triangle(corners));
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Primitives by their numbers: what leaves hold, found from outside. Source: original.
+//! The way from a number to a leaf is not kept by a tree; it is written down when it is first asked for, in one pass over the
+//! leaves: 4 bytes a primitive. Invariant: a primitive that lies in several leaves is found in one of them.
+//! Proof: `tests/surfaces/normals.rs`.
+
+use gnurt_accel_core::blocks::WIDTH;
+use gnurt_accel_core::primitive::Primitive;
+
+use super::places::Places;
+use super::{Index, ObjectTree};
+use crate::{Hit, INVALID_ID};
+
+impl Index {
+    /// How many leaf blocks there are, and the numbers of each.
+    fn numbers(&self, visit: &mut dyn FnMut(usize, &[u32; WIDTH])) -> usize {
+        match self {
+            Self::Kd(index) => index.numbers(visit),
+            Self::Bvh(index) => index.numbers(visit),
+            Self::Spheres(index) => index.numbers(visit),
+            Self::User(index) => index.numbers(visit),
+        }
+    }
+
+    fn primitive(&self, number: u32, block: usize, lane: usize) -> Option<Primitive<'_>> {
+        Some(match self {
+            Self::Kd(index) => Primitive::Triangle(index.corners_at(number, block, lane)),
+            Self::Bvh(index) => Primitive::Triangle(index.corners_at(block, lane)),
+            Self::Spheres(index) => {
+                let (center, radius) = index.sphere_at(block, lane);
+                Primitive::Sphere(center, radius)
+            }
+            Self::User(_) => return None,
+        })
+    }
+}
+
+impl ObjectTree {
+    fn places(&self) -> &Places {
+        self.places.get_or_init(|| {
+            let mut places = Places { of_number: Vec::new(), starts: Vec::new() };
+            places.of_number.resize(self.numbering.starts.last().map_or(0, |&end| end as usize), INVALID_ID);
+            let mut start = 0;
+            for part in &self.parts {
+                places.starts.push(start as u32);
+                let blocks = part.index.numbers(&mut |block, numbers| {
+                    for (lane, &number) in numbers.iter().enumerate() {
+                        if let Some(place) = places.of_number.get_mut(number as usize) {
+                            *place = (start + block * WIDTH + lane) as u32;
+                        }
+                    }
+                });
+                start += blocks * WIDTH;
+            }
+            places
+        })
+    }
+
+    /// A triangle, half of a quad or sphere; `None` of user geometry, and where there is none that can be traced.
+    fn primitive(&self, number: u32) -> Option<Primitive<'_>> {
+        let places = self.places();
+        let place = *places.of_number.get(number as usize)?;
+        if place == INVALID_ID {
+            return None;
+        }
+        let part = places.starts.partition_point(|&start| start <= place) - 1;
+        let within = (place - places.starts[part]) as usize;
+        self.parts[part].index.primitive(number, within / WIDTH, within % WIDTH)
+    }
+
+    /// The normal of what was hit, in the object's space and of any length: of triangles and quads on the side from which
+    /// their vertices go around counter-clockwise, of spheres outwards, if the point is given where they were hit.
+    pub(crate) fn raw_normal(&self, hit: &Hit, at: Option<[f64; 3]>) -> Option<[f64; 3]> {
+        let geometry = hit.geom_id as usize;
+        let &[start, end] = self.numbering.starts.get(geometry..geometry + 2)? else { return None };
+        let is_quads = *self.numbering.quads.get(geometry)?;
+        let first = if is_quads { hit.prim_id.checked_mul(2)? } else { hit.prim_id };
+        let number = start.checked_add(first).filter(|&number| number < end)?;
+        let found = if is_quads {
+            // Either half where the other is none.
+            let half = u32::from(hit.u + hit.v > 1.0);
+            self.primitive(number + half).or_else(|| self.primitive(number + 1 - half))
+        } else {
+            self.primitive(number)
+        };
+        match found? {
+            Primitive::Triangle([a, b, c]) => {
+                let edge = |p: [f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(a[k]));
+                let (u, v) = (edge(b), edge(c));
+                Some([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
+            }
+            Primitive::Sphere(center, _) => at.map(|at| [0, 1, 2].map(|k| at[k] - f64::from(center[k]))),
+            Primitive::User(..) => None,
+        }
+    }
+}

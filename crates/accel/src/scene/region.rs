@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The primitives of a scene that may meet a region. Source: original. Space: that of the scene until an instance is entered.
+//! Proof: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
+
+use gnurt_accel_core::exact::Place;
+use gnurt_accel_core::region::{Map, Region};
+
+use super::types::{SceneTree, Shape};
+use crate::surfaces::Seen;
+
+impl SceneTree {
+    /// Shows them; the scene is at `place`, and its first object has this slot.
+    pub(crate) fn show_at(
+        &self,
+        region: &Region,
+        mask: u32,
+        first_leaf: u32,
+        outer: Option<&Place>,
+        visit: &mut dyn FnMut(&Seen),
+    ) {
+        self.top.sift(region, &mut |place| self.enter_shown(place, region, mask, first_leaf, outer, visit));
+    }
+
+    /// Into one instance.
+    fn enter_shown(
+        &self,
+        place: usize,
+        region: &Region,
+        mask: u32,
+        first_leaf: u32,
+        outer: Option<&Place>,
+        visit: &mut dyn FnMut(&Seen),
+    ) {
+        let (placed, exact) = (&self.placed[place], &self.exact[place]);
+        if placed.mask & mask == 0 {
+            return;
+        }
+        let leaf = first_leaf + placed.first_leaf;
+        let here = Place { columns: &exact.columns, outer };
+        let map = Map { columns: &exact.columns, rows: &exact.rows };
+        let (region, place) = match placed.object_from_world {
+            None => (*region, outer),
+            Some(_) => (region.inside(&map), Some(&here)),
+        };
+        match &placed.shape {
+            Shape::Object(object) => object.show_at(&region, mask, leaf, place, visit),
+            Shape::Scene(scene) => scene.show_at(&region, mask, leaf, place, visit),
+        }
+    }
+}

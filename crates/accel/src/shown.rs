@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a target shows of its primitives to questions that are decided outside of it. Source: original.
+
+use gnurt_accel_core::nearest::Nearest;
+use gnurt_accel_core::region::Region;
+
+use crate::surfaces::Seen;
+use crate::target::Target;
+use crate::{Aabb, Hit, PrimitiveId};
+
+impl Target<'_> {
+    /// Shows all primitives that may meet the region and have a bit of `mask`.
+    pub(crate) fn show(self, region: &Region, mask: u32, visit: &mut dyn FnMut(&Seen)) {
+        match self {
+            Self::Object(object) => object.show_at(region, mask, 0, None, visit),
+            Self::Scene(scene) => scene.show_at(region, mask, 0, None, visit),
+        }
+    }
+
+    /// A box around everything.
+    pub(crate) fn around(self) -> Aabb {
+        match self {
+            Self::Object(object) => object.bounds(),
+            Self::Scene(scene) => scene.bounds(),
+        }
+    }
+
+    /// Ids of a primitive.
+    pub(crate) fn named(self, slot: u32, number: u32) -> PrimitiveId {
+        self.hit(&Nearest { t: 0.0, u: 0.0, v: 0.0, number, slot }).primitive()
+    }
+
+    /// The normal of what was hit, of any length; of spheres, if the point is given where they were hit.
+    pub(crate) fn raw_normal(self, hit: &Hit, at: Option<[f64; 3]>) -> Option<[f64; 3]> {
+        match self {
+            Self::Object(object) => object.raw_normal(hit, at),
+            Self::Scene(scene) => scene.raw_normal_at(hit, hit.leaf_id, at),
+        }
+    }
+}
