@@ -22,8 +22,8 @@ pub enum Error {
     Image(#[from] image::Error),
     /// A picture is larger than what the machine has left.
     #[error(
-        "the {}x{} picture takes {} of memory and {} are free; ask for a smaller one",
-        size[0], size[1], format_bytes(*needed), format_bytes(*free)
+        "the picture takes {} of memory and {} are free; ask for a smaller one than {}x{}",
+        format_bytes(*needed), format_bytes(*free), size[0], size[1]
     )]
     Memory {
         /// Columns and rows.
