@@ -58,7 +58,7 @@ fn materials_become_ours() {
         "as given"
     );
     let glass = material(
-        r#""pbrMetallicRoughness":{"roughnessFactor":0},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1},"KHR_materials_ior":{"ior":1.25}}"#,
+        r#""pbrMetallicRoughness":{"roughnessFactor":0},"extensions":{"KHR_materials_transmission":{"transmissionFactor":1},"KHR_materials_volume":{"thicknessFactor":0.5},"KHR_materials_ior":{"ior":1.25}}"#,
     );
     assert!(matches!(glass.surface, Surface::Dielectric { ior: 1.25, .. }), "glass: {:?}", glass.surface);
     let cloth = material(

@@ -49,6 +49,8 @@ pub struct WindowOptions {
     pub frames: Option<u64>,
     /// Where pictures are written.
     pub folder: PathBuf,
+    /// What people should read once there is a window.
+    pub note: Option<String>,
     /// How noise is taken out of pictures.
     pub denoiser: denoise::Options,
     /// Whether it is taken out of what rests until somebody wants otherwise.
@@ -370,6 +372,8 @@ impl ApplicationHandler<News> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if let Err(failure) = self.open(events) {
             self.fail(events, failure);
+        } else if let Some(note) = self.options.note.take() {
+            self.listener.note(&note);
         }
     }
 

@@ -86,7 +86,8 @@ fn used_command(root: &Command) -> &Command {
 }
 
 fn commands(root: &Command) -> Vec<&str> {
-    root.get_subcommands().map(Command::get_name).chain(["help"]).collect()
+    let seen = root.get_subcommands().filter(|command| !command.is_hide_set());
+    seen.map(Command::get_name).chain(["help"]).collect()
 }
 
 /// `--spp <N>` without what stands behind the name.

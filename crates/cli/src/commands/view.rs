@@ -55,7 +55,7 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     signals::listen(FirstSignal::Leaves, messages)?;
     let (stage, chosen) = prepare(&source, arguments, level, &pool, messages)?;
     let render = frame_options(&arguments.frame, level);
-    let look = look(arguments.light, &stage, &chosen, &render, &pool, messages)?;
+    let (look, note) = look(arguments.light, &stage, &chosen, &render, &pool)?;
     let options = WindowOptions {
         camera: chosen.camera,
         exposure: Exposure { stops: look.exposure, tone: look.tone },
@@ -63,6 +63,7 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
         frames: arguments.frames.map(u64::from),
         folder: PathBuf::from("."),
         denoiser: arguments.denoiser.options_or_built_in(None).unwrap_or_default(),
+        note,
         is_denoised: arguments.denoiser.options_or_built_in(None).is_some() && is_noisy(render.integrator, 1),
         render,
     };
@@ -75,24 +76,22 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     run_window(options, stage, pool, loader, Arc::new(Speaker { messages })).map_err(Failure::data)
 }
 
-/// Curve and exposure of all frames; the exposure is chosen once, from what is seen first, unless it is given.
+/// Curve and exposure of all frames, and what to say of it; the exposure is chosen once, from what is seen first, unless it is
+/// given.
 fn look(
     light: LightArguments,
     stage: &Stage,
     chosen: &Chosen,
     options: &RenderOptions,
     pool: &ThreadPool,
-    messages: Messages,
-) -> Result<Look, Failure> {
+) -> Result<(Look, Option<String>), Failure> {
     let light = light.suited(chosen.exposure);
-    let (look, note) = match light.exposure {
+    Ok(match light.exposure {
         ExposureChoice::Stops(exposure) => (Look { tone: light.tone, exposure }, None),
         ExposureChoice::Auto => {
             light.chosen(meter(&stage.world, &chosen.rays, options, pool).map_err(Failure::usage)?)
         }
-    };
-    note.iter().for_each(|note| messages.note(note));
-    Ok(look)
+    })
 }
 
 /// The scene, committed, and the camera it is looked at from.
@@ -141,10 +140,11 @@ fn run_windowless(
     let render = frame_options(&arguments.frame, level);
     // Frames that nobody keeps need not look well.
     let is_kept = output.is_some_and(Output::is_for_screens);
-    let look = match arguments.light.exposure {
-        ExposureChoice::Auto if !is_kept => Look { tone: arguments.light.tone, exposure: 0.0 },
-        _ => look(arguments.light, &stage, &chosen, &render, pool, messages)?,
+    let (look, note) = match arguments.light.exposure {
+        ExposureChoice::Auto if !is_kept => (Look { tone: arguments.light.tone, exposure: 0.0 }, None),
+        _ => look(arguments.light, &stage, &chosen, &render, pool)?,
     };
+    note.iter().for_each(|note| messages.note(note));
     let options = HeadlessOptions {
         render,
         camera: chosen.camera,

@@ -314,8 +314,9 @@ fn faults_of_plugins_are_told() {
 fn noise_goes_and_comes_back() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
-    let line = "builtin:cornell -r 80x60 --spp 1 --integrator path";
-    let mut viewer = Viewer::open(&display, &folder, &format!("view {line} --frames 100000"));
+    // A view meters what it sees first and a rendering its last picture: both are told the exposure.
+    let line = "builtin:cornell -r 80x60 --spp 1 --integrator path --exposure 0";
+    let mut viewer = Viewer::open(&display, &folder, &format!("view {line} --denoise=none --frames 100000"));
     let noisy = viewer.picture();
     display.act("key n");
     viewer.hears("denoised by");
