@@ -16,7 +16,7 @@ fn scenes_stay_in_their_folder() {
         "convert in/a.obj b.ply",
         "trace in/a.obj -r 4x4 --pixel 1,1",
         "view in/a.obj --headless -r 4x4",
-        "bench rays in/a.obj",
+        "bench light in/a.obj",
     ];
     for line in commands {
         let outside = "in/a.obj:1: in/../scene.mtl lies outside of the folder that files may be in; expected a file below ";

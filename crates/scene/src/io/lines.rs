@@ -41,9 +41,13 @@ impl<R: BufRead> LogicalLines<R> {
             if !more && self.bytes.is_empty() {
                 return Ok(None);
             }
-            while more && self.bytes.last() == Some(&b'\\') {
+            while self.bytes.last() == Some(&b'\\') {
                 self.bytes.pop();
                 self.bytes.push(b' ');
+                // At the end of the file there is nothing to be joined.
+                if !more {
+                    break;
+                }
                 more = self.physical()?;
             }
             if first == 1 && self.bytes.starts_with(b"\xef\xbb\xbf") {
@@ -112,6 +116,13 @@ mod tests {
         let expected = [(1, "v 1"), (2, "f 1  2  3"), (7, "o\tcaf\u{fffd}"), (8, "last")];
         let expected: Vec<_> = expected.map(|(n, t)| (n, t.to_owned())).into();
         assert_eq!(lines(text).expect("all text"), expected, "every kind of line end");
+    }
+
+    #[test]
+    fn a_last_backslash_joins_nothing() {
+        for text in [&b"f 1 2 3 \\"[..], b"f 1 2 3 \\\n", b"f 1 2 3\\\n"] {
+            assert_eq!(lines(text).expect("text"), [(1, "f 1 2 3".to_owned())], "{text:?}");
+        }
     }
 
     #[test]
