@@ -86,7 +86,11 @@ fn used_command(root: &Command) -> &Command {
 }
 
 fn commands(root: &Command) -> Vec<&str> {
-    root.get_subcommands().map(Command::get_name).chain(["help"]).collect()
+    root.get_subcommands()
+        .filter(|command| !command.is_hide_set())
+        .map(Command::get_name)
+        .chain(["help"])
+        .collect()
 }
 
 /// `--spp <N>` without what stands behind the name.

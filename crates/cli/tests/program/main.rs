@@ -19,6 +19,7 @@ mod harness;
 mod info;
 mod interface;
 mod interrupts;
+mod manuals;
 mod output;
 mod recoverable;
 mod samples;
