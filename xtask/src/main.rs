@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install`. Source: original.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | dist`. Source: original.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
 mod ci;
 mod command;
+mod dist;
 mod failure;
 mod install;
 mod readme;
@@ -21,7 +22,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 3] = [
+const CHORES: [Chore; 4] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -32,7 +33,12 @@ const CHORES: [Chore; 3] = [
         about: "all that must pass: fmt, clippy, tidy, doc, tests, the README's first command",
         run: ci::run,
     },
-    Chore { name: "install", about: "build and install: --prefix DIR [--destdir DIR]", run: install::run },
+    Chore {
+        name: "install",
+        about: "build and install: --prefix DIR [--destdir DIR] [--libdir DIR] ...",
+        run: install::run,
+    },
+    Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },
 ];
 
 fn main() -> ExitCode {

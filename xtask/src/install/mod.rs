@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask install --prefix DIR [--destdir DIR]`: builds and installs the program, the libraries, their headers
-//! and pkg-config files, as GNU's coding standards lay them out. Source: original.
+//! `cargo xtask install --prefix DIR ...`: builds and installs the program with its man pages and shell completions, the
+//! libraries, their headers, and their pkg-config and CMake files, as GNU's coding standards lay them out. Source: original.
 //!
 //! Files go to DESTDIR/PREFIX, but speak of PREFIX: packagers move them there later. A library's soname is set where
 //! it is linked (`bindings/*/build.rs`) and equals the first link made here.
 
-use std::path::{Path, PathBuf};
+mod archive;
+pub(crate) mod files;
+mod places;
+
+use std::path::Path;
+use std::process::Command;
 
 use crate::command;
 use crate::failure::Failure;
 use crate::workspace::Workspace;
+use files::{copy, files_in, link, read, write};
+pub(crate) use places::{Places, parse};
 
 const PROGRAM: &str = "gnurt";
 
@@ -28,167 +35,123 @@ const LIBRARIES: [Library; 2] = [
         soname: "libOpenRT.so.0",
         headers: "bindings/openrt/include/openrt",
         template: "bindings/openrt/openrt.pc.in",
-        package: "lib/pkgconfig/openrt.pc",
+        package: "openrt.pc",
     },
     Library {
         file: "librtut.so",
         soname: "librtut.so.0",
         headers: "bindings/rtut/include/openrt",
         template: "bindings/rtut/rtut.pc.in",
-        package: "lib/pkgconfig/rtut.pc",
+        package: "rtut.pc",
     },
 ];
+const CMAKE: [&str; 2] = ["OpenRTConfig.cmake", "OpenRTConfigVersion.cmake"];
 const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "COPYING"];
-
-/// Where things go.
-#[derive(Debug, PartialEq)]
-struct Places {
-    prefix: PathBuf,
-    destdir: Option<PathBuf>,
-}
 
 /// Builds in release mode and installs.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let places = parse(arguments)?;
-    command::run(command::cargo().args([
-        "build",
-        "--release",
-        "--package",
-        "gnurt-cli",
-        "--package",
-        "openrt",
-        "--package",
-        "rtut",
-    ]))?;
-    let workspace = Workspace::load()?;
-    let to = places.installed();
-    install(&workspace.target.join("release"), &command::root(), &workspace.version, &places)?;
-    eprintln!("installed in {}", to.display());
+    install_at(&places)?;
+    eprintln!("installed in {}", places.put(&places.prefix).display());
     Ok(())
 }
 
-fn parse(arguments: &[String]) -> Result<Places, Failure> {
-    let usage = "usage: cargo xtask install --prefix DIR [--destdir DIR]";
-    let mut prefix = None;
-    let mut destdir = None;
-    let mut rest = arguments.iter();
-    while let Some(argument) = rest.next() {
-        let (name, value) = match argument.split_once('=') {
-            Some((name, value)) => (name, Some(value.to_string())),
-            None => (&argument[..], rest.next().cloned()),
-        };
-        let slot = match name {
-            "--prefix" => &mut prefix,
-            "--destdir" => &mut destdir,
-            _ => return Err(format!("unknown argument '{argument}'; {usage}")),
-        };
-        let value = value.filter(|value| !value.is_empty());
-        *slot = Some(PathBuf::from(value.ok_or_else(|| format!("'{name}' needs a folder; {usage}"))?));
-    }
-    let prefix = prefix.ok_or_else(|| format!("where to? {usage}"))?;
-    // The pkg-config file needs a path that holds wherever it is read.
-    let prefix = std::path::absolute(&prefix).map_err(|error| format!("{}: {error}", prefix.display()))?;
-    Ok(Places { prefix, destdir })
-}
-
-impl Places {
-    /// The folder that files are copied into.
-    fn installed(&self) -> PathBuf {
-        match &self.destdir {
-            // Joining an absolute path would replace the destination.
-            Some(destdir) => destdir.join(self.prefix.strip_prefix("/").unwrap_or(&self.prefix)),
-            None => self.prefix.clone(),
+/// Builds, unless that was done, and installs.
+pub(crate) fn install_at(places: &Places) -> Result<(), Failure> {
+    let workspace = Workspace::load()?;
+    let built = match &places.built {
+        Some(built) => built.clone(),
+        None => {
+            let packages = ["--package", "gnurt-cli", "--package", "openrt", "--package", "rtut"];
+            command::run(command::cargo().args(["build", "--release"]).args(packages))?;
+            archive::build(&workspace.target.join("release"))?;
+            workspace.target.join("release")
         }
-    }
+    };
+    install(&built, &command::root(), &workspace.version, places)?;
+    // The program writes its own pages: it knows its options.
+    let manuals = workspace.target.join("manuals");
+    let _ = std::fs::remove_dir_all(&manuals);
+    command::run(Command::new(built.join(PROGRAM)).arg("manuals").arg(&manuals))?;
+    install_manuals(&manuals, places)
 }
 
 fn install(built: &Path, source: &Path, version: &str, places: &Places) -> Result<(), Failure> {
-    let to = places.installed();
-    copy(&built.join(PROGRAM), &to.join("bin").join(PROGRAM))?;
-
+    copy_binary(&built.join(PROGRAM), &places.put(&places.bin.join(PROGRAM)), places.strips)?;
+    let lib = places.put(&places.lib);
     for library in &LIBRARIES {
-        let lib = to.join("lib");
         let real = format!("{}.{version}", library.file);
-        copy(&built.join(library.file), &lib.join(&real))?;
+        copy_binary(&built.join(library.file), &lib.join(&real), places.strips)?;
         link(&real, &lib.join(library.soname))?;
         link(library.soname, &lib.join(library.file))?;
         let headers = files_in(&source.join(library.headers))?;
         for header in headers.iter().filter(|path| path.extension().is_some_and(|e| e == "h")) {
-            copy(header, &to.join("include/openrt").join(header.file_name().unwrap_or_default()))?;
+            let to = places.include.join("openrt").join(header.file_name().unwrap_or_default());
+            copy(header, &places.put(&to))?;
         }
-        let template = source.join(library.template);
-        let template =
-            std::fs::read_to_string(&template).map_err(|error| format!("{}: {error}", template.display()))?;
-        write(&to.join(library.package), &pkg_config(&template, &places.prefix, version))?;
+        let template = read(&source.join(library.template))?;
+        write(&lib.join("pkgconfig").join(library.package), &places.fill(&template, version))?;
+    }
+    for file in CMAKE {
+        let template = read(&source.join("bindings/openrt").join(format!("{file}.in")))?;
+        write(&places.put(&places.cmake().join(file)), &places.fill(&template, version))?;
+    }
+    let archive = built.join(archive::NAME);
+    if archive.exists() {
+        copy(&archive, &lib.join("libOpenRT.a"))?;
+    } else {
+        eprintln!("note: no {}: the static library is left out", archive.display());
     }
     for document in DOCUMENTS.iter().map(|name| source.join(name)).filter(|path| path.exists()) {
-        copy(&document, &to.join("share/doc/gnurt").join(document.file_name().unwrap_or_default()))?;
+        let to = places.share("doc/gnurt").join(document.file_name().unwrap_or_default());
+        copy(&document, &places.put(&to))?;
     }
     Ok(())
 }
 
-/// Fills in what the template leaves open.
-fn pkg_config(template: &str, prefix: &Path, version: &str) -> String {
-    let prefix = prefix.display().to_string();
-    template
-        .replace("@prefix@", &prefix)
-        .replace("@libdir@", "${prefix}/lib")
-        .replace("@includedir@", "${prefix}/include")
-        .replace("@version@", version)
-}
-
-fn copy(from: &Path, to: &Path) -> Result<(), Failure> {
-    make_folder(to)?;
-    // A running program's file cannot be written, but it can be replaced.
-    let _ = std::fs::remove_file(to);
-    std::fs::copy(from, to).map_err(|error| format!("{} to {}: {error}", from.display(), to.display()))?;
+/// Man pages and completions, by their endings.
+fn install_manuals(manuals: &Path, places: &Places) -> Result<(), Failure> {
+    for file in files_in(manuals)? {
+        let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        let to = match name.rsplit_once('.') {
+            Some((_, "1")) => places.man.join("man1").join(name),
+            Some((stem, "bash")) => places.share("bash-completion/completions").join(stem),
+            Some((_, "fish")) => places.share("fish/vendor_completions.d").join(name),
+            None if name.starts_with('_') => places.share("zsh/site-functions").join(name),
+            _ => return Err(format!("{}: nobody knows where this goes", file.display())),
+        };
+        copy(&file, &places.put(&to))?;
+    }
     Ok(())
 }
 
-fn write(to: &Path, text: &str) -> Result<(), Failure> {
-    make_folder(to)?;
-    std::fs::write(to, text).map_err(|error| format!("{}: {error}", to.display()))
+fn copy_binary(from: &Path, to: &Path, strips: bool) -> Result<(), Failure> {
+    copy(from, to)?;
+    if strips {
+        strip(to)?;
+    }
+    Ok(())
 }
 
-fn link(target: &str, to: &Path) -> Result<(), Failure> {
-    make_folder(to)?;
-    let _ = std::fs::remove_file(to);
-    #[cfg(unix)]
-    let linked = std::os::unix::fs::symlink(target, to);
-    #[cfg(not(unix))]
-    let linked = std::fs::copy(to.with_file_name(target), to).map(drop);
-    linked.map_err(|error| format!("{}: {error}", to.display()))
-}
-
-fn make_folder(file: &Path) -> Result<(), Failure> {
-    let folder = file.parent().unwrap_or(file);
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))
-}
-
-fn files_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let entries = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
-    files.sort();
-    Ok(files)
+/// Leaves out symbols and debug lines, which are nine tenths of a file.
+fn strip(file: &Path) -> Result<(), Failure> {
+    let tool = std::env::var_os("STRIP").unwrap_or_else(|| "strip".into());
+    let output = Command::new(&tool).arg("--strip-unneeded").arg(file).output();
+    match output {
+        Ok(output) if output.status.success() => Ok(()),
+        Ok(output) => {
+            Err(format!("strip {}: {}", file.display(), String::from_utf8_lossy(&output.stderr).trim()))
+        }
+        Err(error) => Err(format!(
+            "{} cannot be run: {error}; install binutils, or ask for --no-strip",
+            Path::new(&tool).display()
+        )),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn words(line: &str) -> Vec<String> {
-        line.split_whitespace().map(String::from).collect()
-    }
-
-    #[test]
-    fn arguments_are_read() {
-        let places = parse(&words("--prefix /usr --destdir=/tmp/x")).expect("both folders are given");
-        assert_eq!(places.installed(), Path::new("/tmp/x/usr"), "files go below the destination");
-        for bad in ["", "--prefix", "--prefix=", "--prefx /usr", "/usr"] {
-            let failure = parse(&words(bad)).expect_err("this is no way to call it");
-            assert!(failure.contains("usage: cargo xtask install"), "'{bad}' explains itself: {failure}");
-        }
-    }
 
     #[test]
     fn files_find_their_places() {
@@ -198,37 +161,54 @@ mod tests {
             (built.join("gnurt"), "program"),
             (built.join("libOpenRT.so"), "library"),
             (built.join("librtut.so"), "shapes"),
+            (built.join(archive::NAME), "archive"),
             (source.join("COPYING"), "licence"),
             (source.join(LIBRARIES[0].template), "prefix=@prefix@\nlibdir=@libdir@\nVersion: @version@\n"),
             (source.join(LIBRARIES[1].template), "prefix=@prefix@\nRequires: openrt\n"),
+            (source.join("bindings/openrt/OpenRTConfig.cmake.in"), "@includedir_from_here@"),
+            (source.join("bindings/openrt/OpenRTConfigVersion.cmake.in"), "@version@"),
             (source.join("bindings/openrt/include/openrt/rt.h"), "header"),
             (source.join("bindings/rtut/include/openrt/rtut.h"), "shapes' header"),
+            (root.join("manuals/gnurt-render.1"), "page"),
+            (root.join("manuals/gnurt.bash"), "bash"),
+            (root.join("manuals/gnurt.fish"), "fish"),
+            (root.join("manuals/_gnurt"), "zsh"),
         ] {
             write(&path, text).expect("the temporary folder can be written");
         }
-        let places = Places { prefix: "/opt/rt".into(), destdir: Some(root.join("to")) };
+        let to = root.join("to").display().to_string();
+        let words = ["--prefix=/opt/rt", "--no-strip", "--libdir=lib/multi", "--destdir", &to];
+        let places = parse(&words.map(String::from)).expect("these are folders");
         // Twice: what is there must be replaced.
         for _ in 0..2 {
             install(&built, &source, "1.2.3", &places).expect("all files are there");
+            install_manuals(&root.join("manuals"), &places).expect("all are known");
         }
         let read =
             |path: &str| std::fs::read_to_string(root.join("to/opt/rt").join(path)).unwrap_or_default();
         for (path, text) in [
             ("bin/gnurt", "program"),
-            ("lib/libOpenRT.so.1.2.3", "library"),
-            ("lib/libOpenRT.so.0", "library"),
-            ("lib/libOpenRT.so", "library"),
-            ("lib/librtut.so.1.2.3", "shapes"),
-            ("lib/librtut.so.0", "shapes"),
+            ("lib/multi/libOpenRT.so.1.2.3", "library"),
+            ("lib/multi/libOpenRT.so.0", "library"),
+            ("lib/multi/libOpenRT.so", "library"),
+            ("lib/multi/libOpenRT.a", "archive"),
+            ("lib/multi/librtut.so.1.2.3", "shapes"),
+            ("lib/multi/librtut.so.0", "shapes"),
+            ("lib/multi/cmake/OpenRT/OpenRTConfig.cmake", "../../../../include"),
+            ("lib/multi/cmake/OpenRT/OpenRTConfigVersion.cmake", "1.2.3"),
+            ("lib/multi/pkgconfig/rtut.pc", "prefix=/opt/rt\nRequires: openrt\n"),
             ("include/openrt/rt.h", "header"),
             ("include/openrt/rtut.h", "shapes' header"),
-            ("lib/pkgconfig/rtut.pc", "prefix=/opt/rt\nRequires: openrt\n"),
             ("share/doc/gnurt/COPYING", "licence"),
+            ("share/man/man1/gnurt-render.1", "page"),
+            ("share/bash-completion/completions/gnurt", "bash"),
+            ("share/fish/vendor_completions.d/gnurt.fish", "fish"),
+            ("share/zsh/site-functions/_gnurt", "zsh"),
         ] {
             assert_eq!(read(path), text, "{path} is in its place");
         }
         assert!(
-            read("lib/pkgconfig/openrt.pc").starts_with("prefix=/opt/rt\n"),
+            read("lib/multi/pkgconfig/openrt.pc").starts_with("prefix=/opt/rt\nlibdir=${prefix}/lib/multi\n"),
             "it speaks of the prefix alone"
         );
         let missing = install(&root.join("none"), &source, "1.2.3", &places).expect_err("nothing was built");

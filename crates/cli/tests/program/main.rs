@@ -20,6 +20,7 @@ mod info;
 mod interface;
 mod interrupts;
 mod look;
+mod manuals;
 mod output;
 mod recoverable;
 mod samples;

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt manuals`: a page for each command that the help lists, and completions that know them. Source: original.
+
+use super::harness::Folder;
+
+#[test]
+fn every_command_has_a_page() {
+    let folder = Folder::new();
+    folder.gnurt("manuals new/folder").success();
+    let read = |name: &str| String::from_utf8(folder.read(&format!("new/folder/{name}"))).expect("text");
+    for command in ["render", "view", "info", "diff", "convert", "trace", "bench", "bench-rays", "scenes"] {
+        let page = read(&format!("gnurt-{command}.1"));
+        assert!(
+            page.contains(".SH SYNOPSIS") && page.contains(".SH OPTIONS"),
+            "{command} has a page:\n{page}"
+        );
+    }
+    assert!(read("gnurt.1").contains("render"), "the first page names the others");
+    assert!(!folder.at("new/folder/gnurt-manuals.1").exists(), "it is not for everybody");
+    for name in ["gnurt.bash", "_gnurt", "gnurt.fish"] {
+        assert!(read(name).contains("render"), "{name} knows the commands");
+    }
+    folder.write("file", "");
+    folder.gnurt("manuals file/below").fails(1, "cannot write to file/below");
+}

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The static library: one object that holds what the calls of OpenRT reach, and shows nothing but those calls.
+//! Source: original, by GNU binutils. Why not the archive that rustc makes: it carries all of the standard library and of
+//! every crate (and their code for LLVM), ten times as large, and its symbols clash with those of another Rust library in the same program.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::files;
+use crate::command;
+use crate::failure::Failure;
+
+/// Its name among what was built.
+pub(super) const NAME: &str = "libOpenRT-static.a";
+
+/// One section of each kind: their thousands of names are a quarter of the file.
+const SECTIONS: &str = "SECTIONS
+{
+  .text 0 : { *(.text .text.*) }
+  .rodata 0 : { *(.rodata .rodata.*) }
+  .data.rel.ro 0 : { *(.data.rel.ro .data.rel.ro.*) }
+  .data 0 : { *(.data .data.*) }
+  .tdata 0 : { *(.tdata .tdata.*) }
+  .tbss 0 : { *(.tbss .tbss.*) }
+  .bss 0 : { *(.bss .bss.*) }
+  .gcc_except_table 0 : { *(.gcc_except_table .gcc_except_table.*) }
+  .init_array 0 : { KEEP(*(.init_array .init_array.*)) }
+  .eh_frame 0 : { KEEP(*(.eh_frame)) }
+  .note.GNU-stack 0 : { *(.note.GNU-stack) }
+  /DISCARD/ : { *(.llvmbc .llvmcmd .comment) }
+}
+";
+
+/// Makes the static library in `built`, a folder where cargo builds in release mode.
+pub(super) fn build(built: &Path) -> Result<(), Failure> {
+    if !cfg!(target_os = "linux") {
+        eprintln!("note: the static library is made on Linux only");
+        return Ok(());
+    }
+    let rustc = ["rustc", "--release", "--package", "openrt", "--lib", "--crate-type", "staticlib"];
+    command::run(command::cargo().args(rustc))?;
+    let whole = built.join("libOpenRT.a");
+    let object = built.join("libOpenRT-static.o");
+    // The calls of the header are where everything is reached from.
+    let header = files::read(&command::root().join("bindings/openrt/include/openrt/rt.h"))?;
+    let calls = calls(&header);
+    let script = built.join("libOpenRT-static.ld");
+    files::write(&script, SECTIONS)?;
+    let mut link = Command::new("ld");
+    // Groups would be shared with those of another Rust library, whose symbols are not ours.
+    link.args(["-r", "--gc-sections", "--force-group-allocation", "-T"]).arg(&script).arg("-o").arg(&object);
+    link.args(calls.iter().map(|call| format!("--undefined={call}"))).arg(&whole);
+    quietly(&mut link)?;
+    let mut hide = Command::new("objcopy");
+    hide.arg("--strip-unneeded");
+    hide.args(calls.iter().map(|call| format!("--keep-global-symbol={call}")));
+    quietly(hide.arg(&object))?;
+    let archive = built.join(NAME);
+    let _ = std::fs::remove_file(&archive);
+    quietly(Command::new("ar").arg("rcsD").arg(&archive).arg(&object))
+}
+
+/// The functions that a header declares.
+fn calls(header: &str) -> Vec<String> {
+    let name = |rest: &str| rest.split('(').next().unwrap_or_default().trim().to_owned();
+    header.split("RTAPIENTRY ").skip(1).map(name).collect()
+}
+
+/// Runs a tool whose line would fill pages.
+fn quietly(tool: &mut Command) -> Result<(), Failure> {
+    let name = tool.get_program().to_string_lossy().into_owned();
+    let output = tool.output().map_err(|error| format!("{name} of binutils cannot be run: {error}"))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    Err(format!("{name} failed: {}", said.lines().next().unwrap_or_default()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn calls_are_found() {
+        let header =
+            "#define A RTAPIENTRY\nRTAPI void RTAPIENTRY rtInit(int *c);\nRTAPI RTuint RTAPIENTRY\nx";
+        assert_eq!(calls(&header.replace("A RTAPIENTRY\n", "A\n")), ["rtInit"], "one");
+    }
+}
