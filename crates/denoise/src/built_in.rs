@@ -58,8 +58,8 @@ pub(crate) fn filter(
         let mut clean = near.color;
         for (p, clean) in clean.iter_mut().enumerate() {
             let share = (wide.support[p] / FEW).min(1.0);
-            for k in 0..3 {
-                clean[k] += (wide.color[p][k] - clean[k]) * share;
+            for (clean, wide) in clean.iter_mut().zip(wide.color[p]) {
+                *clean += (wide - *clean) * share;
             }
         }
         outliers.give_back(width, &divisor, &mut clean);

@@ -48,7 +48,7 @@ mod tests {
     fn variances_are_means_that_do_not_cross_edges_of_normals() {
         let (width, height) = (12, 9);
         let at = |p: usize| if p % width < 6 { ([0.0, 0.0, 1.0], 1.0) } else { ([1.0, 0.0, 0.0], 1000.0) };
-        let noise = |p: usize| if p % 2 == 0 { 1.5 } else { 0.5 };
+        let noise = |p: usize| if p.is_multiple_of(2) { 1.5 } else { 0.5 };
         let normal: Vec<Triple> = (0..width * height).map(|p| at(p).0).collect();
         let variance: Vec<Triple> = (0..width * height).map(|p| [at(p).1 * noise(p); 3]).collect();
         for (p, found) in smooth(&variance, &normal, width).iter().enumerate() {

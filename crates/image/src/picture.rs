@@ -278,9 +278,9 @@ mod tests {
             ("A", behind(1.0, 2.0)),
         ];
         picture.layers.push(Layer::floats(BACKGROUND, channels));
-        assert_eq!(picture.in_front().nth(0).expect("a pixel"), [0.0; 4], "nothing is in front");
+        assert_eq!(picture.in_front().next().expect("a pixel"), [0.0; 4], "nothing is in front");
         assert_eq!(
-            picture.on_screen().nth(0).expect("a pixel"),
+            picture.on_screen().next().expect("a pixel"),
             [0.5, 0.25, 1.0, 1.0],
             "what lies behind is seen, and opaque"
         );
@@ -296,8 +296,8 @@ mod tests {
             "what was not rendered stays transparent"
         );
         let straight = Picture { color: vec![[0.5, 0.5, 0.5, 0.5]], ..Picture::new(1, 1) };
-        assert_eq!(straight.in_front().nth(0).expect("a pixel"), [0.25, 0.25, 0.25, 0.5], "multiplied");
-        assert_eq!(straight.on_screen().nth(0).expect("a pixel"), [0.5; 4], "as it is");
+        assert_eq!(straight.in_front().next().expect("a pixel"), [0.25, 0.25, 0.25, 0.5], "multiplied");
+        assert_eq!(straight.on_screen().next().expect("a pixel"), [0.5; 4], "as it is");
     }
 
     #[test]

@@ -98,7 +98,8 @@ fn normal_maps_follow_coordinates_tangents_and_mirrors() {
     // A quarter turn, v' = u and u' = -v: the map's u runs along -y, its v along x.
     let turned = [0.0, 1.0, -1.0, 0.0, 0.0, 0.0];
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    let cases: [(&str, [[f64; 2]; 2], [[f64; 2]; 2]); 8] = [
+    type Mapping = [[f64; 2]; 2];
+    let cases: [(&str, Mapping, Mapping); 8] = [
         ("as it is", [lean(red, PLAIN, nothing), lean(green, PLAIN, nothing)], [[1.0, 0.0], [0.0, 1.0]]),
         (
             "mirrored coordinates",
