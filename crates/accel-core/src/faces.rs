@@ -10,7 +10,7 @@
 //! Invariant: what is left out, the test would not hit. With `m` the greatest coordinate of the corners, slopes of at most
 //! 1 and `u = 2^-24`: the test's own `w` is at most `40 u m^2` off (`px`, `py`: `3 u m` and at most `2 m`; products: `16 u m^2`
 //! for their roundings and `24 u m^2` for those of their factors); `n` is `4 u m^2` off in each component, the sum above
-//! `28 u m^2` in all. [`ROUNDING`] is 128 `u`, and [`UNDERFLOW`] covers products that are too small for floats. A viewpoint
+//! `28 u m^2` in all. `ROUNDING` is 128 `u`, and `UNDERFLOW` covers products that are too small for floats. A viewpoint
 //! is refused where products may overflow. Proof: `tests::bounds_hold`, `tests/brute_force.rs`.
 
 use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};

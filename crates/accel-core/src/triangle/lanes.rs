@@ -51,7 +51,7 @@ pub fn relative_to<S: Simd, V: Lanes<S>>([a, b, c]: [[V; 3]; 3], org: &[V; 3]) -
 }
 
 /// The first half of the test: on which side of the edges rays pass. Most lanes end here, so callers look at `inside`
-/// before they go on to [`Edges::meet`]: a test that returned all at once would be merged from two ways by copies.
+/// before they go on to `Edges::meet`: a test that returned all at once would be merged from two ways by copies.
 ///
 /// `corners` have their coordinates along the axes of the sheared space, [relative](relative_to) to the origins.
 #[inline(always)]

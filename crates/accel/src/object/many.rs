@@ -8,7 +8,7 @@ use crate::{AnyRay, HitBatch, Query, Threads};
 
 /// Any number of rays, from slices, by any number of threads.
 impl ObjectTree {
-    /// Closest hits of rays in a slice, [`Ray`]s or [`Ray64`]s; `hits` is resized to it.
+    /// Closest hits of rays in a slice, [`Ray`](crate::Ray)s or [`Ray64`](crate::Ray64)s; `hits` is resized to it.
     pub fn intersect_rays<R: AnyRay + Sync>(
         &self,
         query: &Query,
