@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lights that have no surface; surfaces shine through their material's emission.
 //! Source: glTF KHR_lights_punctual for point, spot and directional; units are radiometric, or photometric
-//! ones all over the scene: no efficacy is applied (docs/decisions/0017).
+//! ones all over the scene: no efficacy is applied (docs/decisions/0019).
 //! Space: world. Colours are linear.
 
 use crate::affine::Affine;

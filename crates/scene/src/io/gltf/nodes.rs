@@ -267,7 +267,7 @@ impl Adder<'_> {
     fn add_light(&mut self, light: &json::Light<'_>, world_from_light: Affine, warnings: &mut Warnings) {
         let position = world_from_light.point([0.0; 3]).map(|x| x as f32);
         let direction = world_from_light.vector([0.0, 0.0, -1.0]).map(|x| x as f32);
-        // Candela and lux as they are, as nits of emission are: docs/decisions/0017.
+        // Candela and lux as they are, as nits of emission are: docs/decisions/0019.
         let intensity = light.color.map(|c| c * light.intensity);
         let good = intensity.iter().chain(&position).chain(&direction).all(|x| x.is_finite());
         let light = match &*light.kind {
