@@ -140,9 +140,7 @@ impl Picture {
         self.color.iter().enumerate().map(move |(i, &[r, g, b, a])| match (background, self.opacity) {
             // Exactly nothing, whatever a filter has made of the colour.
             (Some(_), _) if a <= 0.0 => [0.0; 4],
-            (Some([br, bg, bb, _]), _) => {
-                [(r - br[i]).max(0.0), (g - bg[i]).max(0.0), (b - bb[i]).max(0.0), a]
-            }
+            (Some([br, bg, bb, _]), _) => [r - br[i], g - bg[i], b - bb[i], a],
             (None, Opacity::Straight) if a != 1.0 => [r * a, g * a, b * a, a],
             (None, _) => [r, g, b, a],
         })

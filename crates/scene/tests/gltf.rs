@@ -75,6 +75,20 @@ fn materials_become_ours() {
         let Surface::Principled(frosted) = &frosted.surface else { panic!("{:?}", frosted.surface) };
         assert_eq!((frosted.transmission, frosted.thin), (0.75, thin), "with {volume}");
     }
+    // Glass is a pane or solid by its volume, at every roughness.
+    for roughness in [0.0, 0.049, 0.051, 1.0] {
+        for (volume, thin) in [("", true), (r#","KHR_materials_volume":{"thicknessFactor":0.5}"#, false)] {
+            let glass = material(&format!(
+                r#""pbrMetallicRoughness":{{"roughnessFactor":{roughness},"metallicFactor":0}},"extensions":{{"KHR_materials_transmission":{{"transmissionFactor":1}}{volume}}}"#
+            ));
+            let is_thin = match &glass.surface {
+                Surface::Dielectric { .. } => false,
+                Surface::Principled(principled) => principled.thin,
+                other => panic!("{other:?}"),
+            };
+            assert_eq!(is_thin, thin, "roughness {roughness}, {volume}: {:?}", glass.surface);
+        }
+    }
     let lamp = material(
         r#""emissiveFactor":[1,0.5,0],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}}"#,
     );
