@@ -17,7 +17,7 @@ pub(crate) fn run(arguments: &ManualsArguments) -> Outcome {
     let failed =
         |error: std::io::Error| Failure::data(format!("cannot write to {}: {error}", folder.display()));
     std::fs::create_dir_all(folder).map_err(failed)?;
-    let mut program = Arguments::command();
+    let mut program = without_help(Arguments::command());
     program.build();
     write_pages(&program, "gnurt", folder).map_err(failed)?;
     for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
@@ -26,16 +26,24 @@ pub(crate) fn run(arguments: &ManualsArguments) -> Outcome {
     Ok(())
 }
 
+/// Without the commands `help`, which have no page.
+fn without_help(command: Command) -> Command {
+    let inner: Vec<String> = command.get_subcommands().map(|inner| inner.get_name().to_owned()).collect();
+    let command = inner.into_iter().fold(command, |command, name| command.mut_subcommand(name, without_help));
+    command.disable_help_subcommand(true)
+}
+
 /// The page of a command, and those of the commands within it.
 fn write_pages(command: &Command, name: &str, folder: &Path) -> std::io::Result<()> {
     let mut page = Vec::new();
     let title = name.to_uppercase();
     // The page speaks of "gnurt render"; its file and title are gnurt-render, as for other programs of many commands.
-    let named = command.clone().display_name(name.to_owned());
+    // What the short help leaves out would stand there without a word.
+    let named =
+        command.clone().display_name(name.to_owned()).mut_args(|argument| argument.hide_short_help(false));
     clap_mangen::Man::new(named).title(title).render(&mut page)?;
     std::fs::write(folder.join(format!("{name}.1")), page)?;
-    for inner in command.get_subcommands().filter(|inner| !inner.is_hide_set() && inner.get_name() != "help")
-    {
+    for inner in command.get_subcommands().filter(|inner| !inner.is_hide_set()) {
         write_pages(inner, &format!("{name}-{}", inner.get_name()), folder)?;
     }
     Ok(())

@@ -16,6 +16,22 @@ fn every_command_has_a_page() {
         );
     }
     assert!(read("gnurt.1").contains("render"), "the first page names the others");
+    for from in ["gnurt.1", "gnurt-bench.1"] {
+        let page = read(from).replace("\\-", "-");
+        for named in page.lines().filter_map(|line| line.strip_suffix("(1)")) {
+            assert!(
+                folder.at(&format!("new/folder/{named}.1")).exists(),
+                "{from} sends its readers to {named}"
+            );
+        }
+    }
+    let render = read("gnurt-render.1");
+    for words in ["Also write a picture of the cost of each pixel", "How deep light is followed"] {
+        assert!(
+            render.contains(words),
+            "the page says what options do that the short help leaves out: {words}"
+        );
+    }
     assert!(!folder.at("new/folder/gnurt-manuals.1").exists(), "it is not for everybody");
     for name in ["gnurt.bash", "_gnurt", "gnurt.fish"] {
         assert!(read(name).contains("render"), "{name} knows the commands");
