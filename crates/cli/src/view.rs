@@ -37,6 +37,14 @@ pub(crate) struct Chosen {
     pub(crate) exposure: Option<f32>,
 }
 
+impl Chosen {
+    /// The exposure of an integrator's pictures, where it is known before: that of light that was added, and none for colours that
+    /// are no light.
+    pub(crate) fn exposure_of(&self, integrator: Integrator) -> Option<f32> {
+        if integrator == Integrator::Normals { Some(0.0) } else { self.exposure }
+    }
+}
+
 /// Where a scene without light stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {

@@ -28,3 +28,31 @@ pub enum ViewError {
         why: String,
     },
 }
+
+impl ViewError {
+    /// A display's words, without the place in a library where they were found.
+    pub(crate) fn no_display(error: &dyn std::fmt::Display) -> Self {
+        let said = error.to_string();
+        let words = said.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+        let words = words.map_or(&said[..], |(_, words)| words);
+        Self::NoDisplay(words.trim_end_matches('.').to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_in_libraries_are_left_out() {
+        let said = |words: &str| ViewError::no_display(&words).to_string();
+        let wanted =
+            "no window can be opened: DISPLAY is not set; set DISPLAY or WAYLAND_DISPLAY, or use --headless";
+        assert_eq!(
+            said("os error at /home/a b/winit/mod.rs:765: DISPLAY is not set."),
+            wanted,
+            "a library's"
+        );
+        assert_eq!(said("DISPLAY is not set"), wanted, "others stay");
+    }
+}

@@ -85,8 +85,8 @@ pub fn run_window(
     let mut controls =
         Controls::new(&options.camera, shown, options.exposure, size).ok_or(ViewError::NoView)?;
     controls.denoised = options.is_denoised;
-    let no_display = |error: &dyn std::fmt::Display| ViewError::NoDisplay(error.to_string());
-    let events = EventLoop::<News>::with_user_event().build().map_err(|error| no_display(&error))?;
+    let events =
+        EventLoop::<News>::with_user_event().build().map_err(|error| ViewError::no_display(&error))?;
     let proxy = events.create_proxy();
     let watch = Watch::new(stage.files.clone());
     let mut app = App {
@@ -117,7 +117,7 @@ pub fn run_window(
         drawn: Vec::new(),
         seen: 0,
     };
-    events.run_app(&mut app).map_err(|error| no_display(&error))?;
+    events.run_app(&mut app).map_err(|error| ViewError::no_display(&error))?;
     app.failure.map_or(Ok(()), Err)
 }
 
@@ -163,7 +163,7 @@ struct Open {
 impl App {
     fn open(&mut self, events: &ActiveEventLoop) -> Result<(), ViewError> {
         let Some((parts, [width, height])) = self.begin.take() else { return Ok(()) };
-        let failed = |error: &dyn std::fmt::Display| ViewError::NoDisplay(error.to_string());
+        let failed = |error: &dyn std::fmt::Display| ViewError::no_display(error);
         let attributes = Window::default_attributes()
             .with_title(&self.options.title)
             .with_inner_size(PhysicalSize::new(width, height));
@@ -399,7 +399,7 @@ impl ApplicationHandler<News> for App {
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         if let WindowEvent::RedrawRequested = event {
             if let Err(error) = self.draw() {
-                self.fail(events, ViewError::NoDisplay(error.to_string()));
+                self.fail(events, ViewError::no_display(&error));
             }
             if std::mem::take(&mut self.failed_recording) {
                 self.end_recording();

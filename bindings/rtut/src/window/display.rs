@@ -26,7 +26,7 @@ use crate::guard::guard;
 /// Shows the window until somebody closes it or the program wants to leave.
 pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
     let events = guard(EventLoop::new).ok_or_else(broken)?;
-    let mut events = events.map_err(|error| error.to_string())?;
+    let mut events = events.map_err(|error| words(&error))?;
     let mut app = App { program, open: None, failure: None, happened: VecDeque::new(), drawn: 0 };
     let mut hands = Hands::default();
     let mut seen = 0;
@@ -225,6 +225,13 @@ fn character(event: &KeyEvent) -> Option<u8> {
     }
 }
 
+/// A display's words, without the place in a library where they were found.
+fn words(error: &dyn std::fmt::Display) -> String {
+    let said = error.to_string();
+    let words = said.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+    words.map_or(&said[..], |(_, words)| words).trim_end_matches('.').to_owned()
+}
+
 impl App<'_> {
     fn open(&mut self, events: &ActiveEventLoop) -> Result<(), String> {
         let (mut title, mut size) = (String::new(), [0; 2]);
@@ -232,7 +239,7 @@ impl App<'_> {
         let attributes = Window::default_attributes()
             .with_title(title)
             .with_inner_size(PhysicalSize::new(size[0], size[1]));
-        let window = Rc::new(events.create_window(attributes).map_err(|error| error.to_string())?);
+        let window = Rc::new(events.create_window(attributes).map_err(|error| words(&error))?);
         let context = Context::new(window.clone()).map_err(|error| error.to_string())?;
         let surface = Surface::new(&context, window.clone()).map_err(|error| error.to_string())?;
         self.happened.push_back(Event::Resized(window.inner_size().into()));

@@ -380,7 +380,7 @@ fn save(
     arguments: &RenderArguments,
     messages: Messages,
 ) -> Outcome {
-    let light = arguments.light.suited(ready.chosen.exposure);
+    let light = arguments.light.suited(ready.chosen.exposure_of(arguments.frame.integrator));
     targets.picture.write_with(&frame.picture, light, messages)?;
     messages.detail(format_args!("wrote {}", targets.picture.path().display()));
     if let (Some(target), Some(heatmap)) = (&targets.heatmap, &frame.heatmap) {

@@ -85,7 +85,7 @@ fn look(
     options: &RenderOptions,
     pool: &ThreadPool,
 ) -> Result<(Look, Option<String>), Failure> {
-    let light = light.suited(chosen.exposure);
+    let light = light.suited(chosen.exposure_of(options.integrator));
     Ok(match light.exposure {
         ExposureChoice::Stops(exposure) => (Look { tone: light.tone, exposure }, None),
         ExposureChoice::Auto => {

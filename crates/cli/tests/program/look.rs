@@ -39,6 +39,16 @@ fn what_is_chosen_is_said_and_can_be_given() {
 }
 
 #[test]
+fn colours_that_are_no_light_are_not_exposed() {
+    let folder = folder();
+    let line = "render a.obj -r 24x18 --spp 1 --integrator normals --eye 0,1,5 --target 0,1,0";
+    let plain = folder.gnurt(&format!("{line} -o plain.png")).success();
+    assert!(!plain.stderr.contains("exposure"), "nothing was chosen: {}", plain.stderr);
+    folder.gnurt(&format!("{line} -o zero.png --exposure 0")).success();
+    assert_eq!(folder.read("plain.png"), folder.read("zero.png"), "normals as they are");
+}
+
+#[test]
 fn twice_the_light_makes_the_same_picture() {
     let folder = folder();
     let line = "render a.obj -r 24x18 --spp 4 --eye 0,1,5 --target 0,1,0";

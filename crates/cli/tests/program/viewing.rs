@@ -73,6 +73,7 @@ fn no_display_is_a_clear_error() {
     let run = finish(command);
     run.fails(1, "no window can be opened");
     assert!(run.stderr.contains("--headless"), "what would work: {}", run.stderr);
+    assert!(!run.stderr.contains(".rs:"), "no place in a library: {}", run.stderr);
     let mut command = folder.command(&["view", "builtin:cornell", "-r", "32x32"]);
     command.env_remove("WAYLAND_DISPLAY").env("DISPLAY", ":4711");
     finish(command).fails(1, "no window can be opened");
