@@ -6,9 +6,10 @@ use std::process::Command;
 
 use crate::failure::Failure;
 
-/// The workspace's root: the folder above this package.
+/// The workspace's root: the folder above this package. Cargo says where that is today; where it was compiled it may be no more.
 pub(crate) fn root() -> PathBuf {
-    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let package = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
+    let package = Path::new(&package);
     package.parent().unwrap_or(package).to_path_buf()
 }
 
@@ -29,6 +30,16 @@ pub(crate) fn run(command: &mut Command) -> Result<(), Failure> {
         Ok(status) => Err(format!("'{line}' failed: {status}")),
         Err(error) => Err(format!("'{line}' cannot be run: {error}")),
     }
+}
+
+/// What a tool prints.
+pub(crate) fn said(tool: &str, arguments: &[&str]) -> Result<String, Failure> {
+    let output = Command::new(tool).current_dir(root()).args(arguments).output();
+    let output = output.map_err(|error| format!("{tool} cannot be run: {error}"))?;
+    if !output.status.success() {
+        return Err(format!("{tool} failed: {}", String::from_utf8_lossy(&output.stderr).trim()));
+    }
+    Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
 }
 
 /// Whether the standard library of another machine is installed.

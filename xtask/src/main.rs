@@ -8,6 +8,7 @@ mod command;
 mod dist;
 mod failure;
 mod install;
+mod installed;
 mod readme;
 mod tidy;
 mod workspace;
@@ -30,7 +31,7 @@ const CHORES: [Chore; 4] = [
     },
     Chore {
         name: "ci",
-        about: "all that must pass: fmt, clippy, tidy, doc, tests, the README's first command",
+        about: "all that must pass: fmt, clippy, tidy, doc, tests, installed files, the README's commands",
         run: ci::run,
     },
     Chore {

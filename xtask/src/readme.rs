@@ -12,6 +12,8 @@ pub(crate) struct Promises {
     pub(crate) picture: String,
     /// Runs all tests.
     pub(crate) test: Vec<String>,
+    /// Compiles and runs a program in C with what is installed, for a shell.
+    pub(crate) compile: String,
 }
 
 /// Reads README.md.
@@ -21,7 +23,7 @@ pub(crate) fn promises() -> Result<Promises, Failure> {
     parse(&text)
 }
 
-/// The first `cargo run` and the first `cargo test` (or `cargo xtask test`) within code fences.
+/// The first `cargo run`, the first `cargo test` (or `cargo xtask test`) and the first `cc` within code fences.
 fn parse(text: &str) -> Result<Promises, Failure> {
     let mut fenced = false;
     let mut commands = Vec::new();
@@ -45,31 +47,35 @@ fn parse(text: &str) -> Result<Promises, Failure> {
     let output = first.iter().position(|word| word == "-o" || word == "--output");
     let picture = output.and_then(|at| first.get(at + 1)).cloned();
     let picture = picture.ok_or("README.md: the first command names no picture with '-o'")?;
-    Ok(Promises { first, picture, test })
+    let compile = find(&[&["cc"]]).ok_or("README.md: no code block begins a line with 'cc'")?.join(" ");
+    Ok(Promises { first, picture, test, compile })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const GOOD: &str = "# Title\ncargo run no\n```sh\n$ cargo run --release -- render a -o b.png  # look\ncargo test --workspace\n```\n";
+    const GOOD: &str = "# Title\ncargo run no\n```sh\n$ cargo run --release -- render a -o b.png  # look\ncargo test --workspace\ncc a.c -o a && ./a\n```\n";
 
     #[test]
     fn commands_are_found() {
         let promises = parse(GOOD).expect("both commands are there");
         assert_eq!(promises.first.join(" "), "cargo run --release -- render a -o b.png", "the first command");
         assert_eq!(
-            (&promises.picture[..], &promises.test.join(" ")[..]),
-            ("b.png", "cargo test --workspace"),
+            (&promises.picture[..], &promises.test.join(" ")[..], &promises.compile[..]),
+            ("b.png", "cargo test --workspace", "cc a.c -o a && ./a"),
             "others"
         );
     }
 
     #[test]
     fn missing_commands_are_named() {
-        for (from, to, told) in
-            [("cargo run --", "x", "cargo run"), ("cargo test", "x", "cargo test"), (" -o ", " ", "'-o'")]
-        {
+        for (from, to, told) in [
+            ("cargo run --", "x", "cargo run"),
+            ("cargo test", "x", "cargo test"),
+            (" -o ", " ", "'-o'"),
+            ("cc ", "x", "'cc'"),
+        ] {
             let failure = parse(&GOOD.replace(from, to)).err().unwrap_or_default();
             assert!(failure.contains(told), "without {from}: {failure}");
         }

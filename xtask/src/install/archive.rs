@@ -11,7 +11,7 @@ use crate::command;
 use crate::failure::Failure;
 
 /// Its name among what was built.
-pub(super) const NAME: &str = "libOpenRT-static.a";
+pub(crate) const NAME: &str = "libOpenRT-static.a";
 
 /// One section of each kind: their thousands of names are a quarter of the file.
 const SECTIONS: &str = "SECTIONS
@@ -31,16 +31,14 @@ const SECTIONS: &str = "SECTIONS
 }
 ";
 
-/// Makes the static library in `built`, a folder where cargo builds in release mode.
-pub(super) fn build(built: &Path) -> Result<(), Failure> {
+/// Makes the static library in `built`, a folder where cargo has built the package openrt.
+pub(crate) fn build(built: &Path) -> Result<(), Failure> {
     if !cfg!(target_os = "linux") {
         eprintln!("note: the static library is made on Linux only");
         return Ok(());
     }
-    let rustc = ["rustc", "--release", "--package", "openrt", "--lib", "--crate-type", "staticlib"];
-    command::run(command::cargo().args(rustc))?;
-    let whole = built.join("libOpenRT.a");
-    let object = built.join("libOpenRT-static.o");
+    let [whole, object] = ["libOpenRT-whole.a", "libOpenRT-static.o"].map(|name| built.join(name));
+    collect(built, &whole)?;
     // The calls of the header are where everything is reached from.
     let header = files::read(&command::root().join("bindings/openrt/include/openrt/rt.h"))?;
     let calls = calls(&header);
@@ -57,7 +55,28 @@ pub(super) fn build(built: &Path) -> Result<(), Failure> {
     quietly(hide.arg(&object))?;
     let archive = built.join(NAME);
     let _ = std::fs::remove_file(&archive);
-    quietly(Command::new("ar").arg("rcsD").arg(&archive).arg(&object))
+    quietly(Command::new("ar").arg("rcsD").arg(&archive).arg(&object))?;
+    for file in [whole, object, script] {
+        files::remove(&file)?;
+    }
+    Ok(())
+}
+
+/// The archive of everything: a crate that is nothing but openrt, as it was built. `cargo rustc` would choose the features of
+/// libraries for openrt alone, which are fewer than those for the program, too, and compile half of the house again.
+fn collect(built: &Path, whole: &Path) -> Result<(), Failure> {
+    let source = built.join("libOpenRT-whole.rs");
+    files::write(&source, "extern crate OpenRT as _;\n")?;
+    let dependencies = built.join("deps");
+    let openrt = dependencies.join("libOpenRT.rlib");
+    let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    // There the toolchain is chosen that cargo has used.
+    rustc.current_dir(command::root());
+    rustc.args(["--crate-type=staticlib", "--crate-name=openrt_whole", "--edition=2024", "-Copt-level=2"]);
+    rustc.arg("-L").arg(format!("dependency={}", dependencies.display()));
+    rustc.arg("--extern").arg(format!("OpenRT={}", openrt.display()));
+    quietly(rustc.arg("-o").arg(whole).arg(&source))?;
+    files::remove(&source)
 }
 
 /// The functions that a header declares.
@@ -69,7 +88,9 @@ fn calls(header: &str) -> Vec<String> {
 /// Runs a tool whose line would fill pages.
 fn quietly(tool: &mut Command) -> Result<(), Failure> {
     let name = tool.get_program().to_string_lossy().into_owned();
-    let output = tool.output().map_err(|error| format!("{name} of binutils cannot be run: {error}"))?;
+    let output = tool.output().map_err(|error| {
+        format!("{name} cannot be run: {error}; rustc comes with cargo, the others with binutils")
+    })?;
     if output.status.success() {
         return Ok(());
     }

@@ -29,6 +29,10 @@ pub(crate) fn link(target: &str, to: &Path) -> Result<(), Failure> {
     linked.map_err(|error| format!("{}: {error}", to.display()))
 }
 
+pub(crate) fn remove(file: &Path) -> Result<(), Failure> {
+    std::fs::remove_file(file).map_err(|error| format!("{}: {error}", file.display()))
+}
+
 fn make_folder(file: &Path) -> Result<(), Failure> {
     let folder = file.parent().unwrap_or(file);
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))

@@ -5,7 +5,7 @@
 //! Files go to DESTDIR/PREFIX, but speak of PREFIX: packagers move them there later. A library's soname is set where
 //! it is linked (`bindings/*/build.rs`) and equals the first link made here.
 
-mod archive;
+pub(crate) mod archive;
 pub(crate) mod files;
 mod places;
 
@@ -16,9 +16,8 @@ use crate::command;
 use crate::failure::Failure;
 use crate::workspace::Workspace;
 use files::{copy, files_in, link, read, write};
+use places::{PROGRAM, USAGE};
 pub(crate) use places::{Places, parse};
-
-const PROGRAM: &str = "gnurt";
 
 /// A library with its run-time name, which rises when programs must be linked anew, and its pkg-config template.
 struct Library {
@@ -50,7 +49,13 @@ const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "C
 
 /// Builds in release mode and installs.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
+    if arguments == ["--help"] {
+        eprintln!("{USAGE}");
+        return Ok(());
+    }
     let places = parse(arguments)?;
+    // Better told before minutes of building than after.
+    places.check()?;
     install_at(&places)?;
     eprintln!("installed in {}", places.put(&places.prefix).display());
     Ok(())

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use super::files::relative;
 use crate::failure::Failure;
 
-pub(crate) const USAGE: &str = "usage: cargo xtask install --prefix DIR [--destdir DIR] [--bindir DIR] [--libdir DIR] \
+/// The program, as it is built and installed.
+pub(super) const PROGRAM: &str = "gnurt";
+pub(super) const USAGE: &str = "usage: cargo xtask install --prefix DIR [--destdir DIR] [--bindir DIR] [--libdir DIR] \
      [--includedir DIR] [--mandir DIR] [--built DIR] [--no-strip]";
 
 /// Where things go. All folders but the destination are absolute, as programs see them later.
@@ -76,6 +78,23 @@ impl Places {
         }
     }
 
+    /// Makes the folders, and complains of what cannot be written or was not built.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        for folder in [&self.bin, &self.lib, &self.include, &self.man].map(|folder| self.put(folder)) {
+            let failed = |error| format!("{} cannot be written: {error}", folder.display());
+            std::fs::create_dir_all(&folder).map_err(failed)?;
+            let probe = folder.join(format!(".gnurt-install-{}", std::process::id()));
+            std::fs::write(&probe, "").and_then(|()| std::fs::remove_file(&probe)).map_err(failed)?;
+        }
+        match &self.built {
+            Some(built) if !built.join(PROGRAM).exists() => Err(format!(
+                "--built {}: there is no program {PROGRAM}; `cargo build --release --workspace` builds it in target/release",
+                built.display()
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// Below the prefix's `share`.
     pub(crate) fn share(&self, path: &str) -> PathBuf {
         self.prefix.join("share").join(path)
@@ -127,6 +146,24 @@ mod tests {
             let failure = parse(&words(bad)).expect_err("this is no way to call it");
             assert!(failure.contains("usage: cargo xtask install"), "'{bad}' explains itself: {failure}");
         }
+    }
+
+    #[test]
+    fn what_cannot_be_done_is_told_at_once() {
+        let file = std::env::temp_dir().join(format!("gnurt-places-test-{}", std::process::id()));
+        std::fs::write(&file, "no folder").expect("the temporary folder can be written");
+        let places = parse(&["--prefix".to_owned(), file.display().to_string()]).expect("a folder is given");
+        let failure = places.check().expect_err("it is a file");
+        assert!(failure.contains("/bin cannot be written: "), "the folder is named: {failure}");
+        std::fs::remove_file(&file).expect("it can be removed");
+
+        let words = ["--prefix", &file.display().to_string(), "--built", "/nothing/here"].map(String::from);
+        let failure = parse(&words).expect("folders").check().expect_err("nothing was built");
+        assert!(
+            failure.contains("--built /nothing/here: there is no program gnurt"),
+            "it is told: {failure}"
+        );
+        std::fs::remove_dir_all(&file).expect("the test's folder can be removed");
     }
 
     #[test]
