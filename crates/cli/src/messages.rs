@@ -52,6 +52,11 @@ impl Messages {
         self.verbosity == Verbosity::Quiet
     }
 
+    /// The same, but for errors: for what is told elsewhere.
+    pub(crate) fn silent(self) -> Self {
+        Self { verbosity: Verbosity::Quiet, ..self }
+    }
+
     /// The reason of a failure.
     pub(crate) fn error(&self, text: impl fmt::Display) {
         self.line("error", "\x1b[1;31m", text);

@@ -5,6 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
+use gnurt::Numbered;
 use gnurt::image::{self, OutputFormat, Picture, WriteOptions};
 
 use crate::arguments::{LightArguments, Look};
@@ -56,6 +57,17 @@ impl Output {
         let (look, note) = light.look(picture);
         note.iter().for_each(|note| messages.note(note));
         self.write(picture, look)
+    }
+
+    /// Its name, if that has a place for a number.
+    pub(crate) fn numbered(&self) -> Option<Numbered> {
+        Numbered::of(&self.path)
+    }
+
+    /// The file of a frame; the same file if its name has no place for a number.
+    pub(crate) fn at(&self, frame: u32) -> Self {
+        let path = self.numbered().map_or_else(|| self.path.clone(), |numbered| numbered.at(frame));
+        Self { path, ..self.clone() }
     }
 
     /// Where it will be.

@@ -33,6 +33,8 @@ static WRITING: Mutex<()> = Mutex::new(());
 pub(crate) enum FirstSignal {
     /// Finish early and save.
     Saves,
+    /// Finish early; the frame that is rendered just then is not saved.
+    Stops,
     /// Leave.
     Leaves,
 }
@@ -44,7 +46,12 @@ pub(crate) fn listen(first: FirstSignal, messages: Messages) -> Outcome {
         if earlier > 0 || first == FirstSignal::Leaves {
             leave();
         }
-        messages.note("stopping; the picture so far is saved. Once more leaves at once and saves nothing");
+        messages.note(match first {
+            FirstSignal::Stops => {
+                "stopping; the frame that is not done is not written. Once more leaves at once"
+            }
+            _ => "stopping; the picture so far is saved. Once more leaves at once and saves nothing",
+        });
         // The handler's thread must stay free for the second signal.
         let waiter = std::thread::Builder::new().spawn(move || leave_if_nothing_is_begun(messages));
         if waiter.is_err() {

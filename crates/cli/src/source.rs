@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use gnurt::image::system_reason;
 use gnurt::scene::{Scene, io};
-use gnurt::{BUILTIN, LoadOptions, load_scene_with};
+use gnurt::{BUILTIN, LoadOptions, Numbered, load_scene_with};
 
 use crate::arguments::FileArguments;
 use crate::environment::Environment;
@@ -22,6 +22,8 @@ use gnurt::memory::format_bytes as bytes;
 pub(crate) struct Source {
     found: OsString,
     options: LoadOptions,
+    /// Where it is a sequence of files.
+    numbered: Option<Numbered>,
 }
 
 impl Source {
@@ -42,7 +44,7 @@ impl Source {
         if let Some(name) = scene.to_string_lossy().strip_prefix(BUILTIN) {
             let names = gnurt::builtin_names();
             return match names.contains(&name) {
-                true => Ok(Self { found: scene.to_owned(), options }),
+                true => Ok(Self { found: scene.to_owned(), options, numbered: None }),
                 false => Err(Failure::usage(unknown("built-in scene", name, &names))),
             };
         }
@@ -53,9 +55,41 @@ impl Source {
         let is_placed = path.is_absolute() || path.starts_with(".") || path.starts_with("..");
         let found = candidates.take(if is_placed { 1 } else { usize::MAX }).find(|path| path.exists());
         match found {
-            Some(path) => Ok(Self { found: path.into_os_string(), options }),
-            None => Err(missing(path, environment)),
+            Some(path) => Ok(Self { found: path.into_os_string(), options, numbered: None }),
+            None => match Numbered::of(path) {
+                Some(numbered) => Self::sequence(numbered, options),
+                None => Err(missing(path, environment)),
+            },
         }
+    }
+
+    /// A sequence of files, of which there must be one.
+    fn sequence(numbered: Numbered, options: LoadOptions) -> Result<Self, Failure> {
+        let pattern = numbered.pattern();
+        let first = numbered.first().map_err(|error| {
+            Failure::data(format_args!("{}: {}; check the path", pattern.display(), system_reason(&error)))
+        })?;
+        let none = || {
+            let example = numbered.at(1);
+            let name = example.file_name().unwrap_or_default().to_string_lossy();
+            Failure::data(format_args!(
+                "{}: no file of this sequence, such as {name}; check the path",
+                pattern.display()
+            ))
+        };
+        first.ok_or_else(none)?;
+        Ok(Self { found: pattern.as_os_str().to_owned(), options, numbered: Some(numbered) })
+    }
+
+    /// Its files, where it is a sequence of them.
+    pub(crate) fn numbered(&self) -> Option<&Numbered> {
+        self.numbered.as_ref()
+    }
+
+    /// One file of the sequence; the scene itself where it is none.
+    pub(crate) fn at(&self, number: u32) -> Self {
+        let Some(numbered) = &self.numbered else { return self.clone() };
+        Self { found: numbered.at(number).into_os_string(), numbered: None, ..self.clone() }
     }
 
     fn stem_or(&self, otherwise: &'static str) -> &OsStr {
@@ -68,10 +102,11 @@ impl Source {
         self.stem_or("scene").to_string_lossy().into_owned()
     }
 
-    /// What a picture of it is called.
-    pub(crate) fn picture_name(&self) -> PathBuf {
+    /// What a picture of it is called, or all pictures of a sequence.
+    pub(crate) fn picture_name(&self, is_sequence: bool) -> PathBuf {
         let mut name = self.stem_or("picture").to_owned();
-        name.push(".png");
+        let has_number = Numbered::of(Path::new(&name)).is_some();
+        name.push(if is_sequence && !has_number { ".####.png" } else { ".png" });
         name.into()
     }
 

@@ -2,7 +2,7 @@
 //! The camera of a picture: the scene's, the one that was asked for, or a default one, each part of it replaceable.
 //! Source: original; the rules are the contract of the command line. Proof: `tests/program/cameras.rs`.
 
-use gnurt::defaults;
+use gnurt::defaults::{self, Bounds};
 use gnurt::image::system_reason;
 use gnurt::render::{Integrator, PerspectiveCamera};
 use gnurt::scene::{Camera, Scene};
@@ -30,6 +30,7 @@ pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
 }
 
 /// How a scene is seen.
+#[derive(Clone)]
 pub(crate) struct Chosen {
     pub(crate) camera: Camera,
     pub(crate) rays: PerspectiveCamera,
@@ -72,21 +73,34 @@ pub(crate) fn choose(
     stage: Stage,
     messages: Messages,
 ) -> Result<Chosen, Failure> {
+    choose_around(scene, None, view, resolution, stage, messages)
+}
+
+/// The same for a scene that moves within `bounds`; `None` = that stays where it is.
+pub(crate) fn choose_around(
+    scene: &mut Scene,
+    bounds: Option<Bounds>,
+    view: &ViewArguments,
+    resolution: Resolution,
+    stage: Stage,
+    messages: Messages,
+) -> Result<Chosen, Failure> {
     let aspect = resolution.width as f32 / resolution.height as f32;
-    let named = view.camera.as_deref().map(|name| find(scene.cameras(), name)).transpose()?;
-    if let Some(note) = defaults::complete_camera(scene, aspect) {
+    if scene.cameras().is_empty() && view.camera.is_some() {
+        find_named(scene, view)?;
+    }
+    let note = match bounds {
+        Some(_) => defaults::complete_camera_around(scene, bounds, aspect),
+        None => defaults::complete_camera(scene, aspect),
+    };
+    if let Some(note) = note {
         let is_all_given = view.eye.is_some() && view.target.is_some();
         if !is_all_given {
             messages.note(note);
         }
     }
-    let camera = replaced(&scene.cameras()[named.unwrap_or(0)], view);
-    if camera.eye == camera.target {
-        return Err(same_place());
-    }
-    let no_view = || Failure::usage("the camera has no view: a number of it is too large");
-    let frame = camera.frame().ok_or_else(no_view)?;
-    if frame.up_replaced {
+    let (camera, rays) = aim(scene, view)?;
+    if camera.frame().is_some_and(|frame| frame.up_replaced) {
         messages.warning("the camera's up is parallel to its view; another up is used");
     }
     if let Some(environment) = &view.surroundings.environment {
@@ -94,14 +108,35 @@ pub(crate) fn choose(
         environment.put_around(scene, up, view.surroundings.environment_turn).map_err(Failure::data)?;
     }
     let added = match stage {
-        Stage::Studio => defaults::complete_lights(scene, &camera, view.up.unwrap_or([0.0, 1.0, 0.0])),
+        Stage::Studio => {
+            let up = view.up.unwrap_or([0.0, 1.0, 0.0]);
+            match bounds {
+                Some(_) => defaults::complete_lights_around(scene, bounds, &camera, up),
+                None => defaults::complete_lights(scene, &camera, up),
+            }
+        }
         Stage::Plain => defaults::complete_plain_lights(scene, &camera),
     };
     if let Some(note) = added {
         messages.note(note);
     }
-    let rays = PerspectiveCamera::new(&camera).ok_or_else(no_view)?;
     Ok(Chosen { camera, rays, exposure: added.and_then(defaults::Note::exposure) })
+}
+
+/// The camera that was asked for as the scene has it now, and its rays.
+pub(crate) fn aim(scene: &Scene, view: &ViewArguments) -> Result<(Camera, PerspectiveCamera), Failure> {
+    let named = find_named(scene, view)?.unwrap_or(0);
+    let camera = replaced(&scene.cameras()[named], view);
+    if camera.eye == camera.target {
+        return Err(same_place());
+    }
+    let no_view = || Failure::usage("the camera has no view: a number of it is too large");
+    let rays = PerspectiveCamera::new(&camera).ok_or_else(no_view)?;
+    Ok((camera, rays))
+}
+
+fn find_named(scene: &Scene, view: &ViewArguments) -> Result<Option<usize>, Failure> {
+    view.camera.as_deref().map(|name| find(scene.cameras(), name)).transpose()
 }
 
 fn same_place() -> Failure {

@@ -71,7 +71,8 @@
 //!
 //! * The integrators are `eyelight`, `normals`, `whitted` (direct light, mirrors, glass), `path` (all light) and `ir`, `bir`
 //!   and `mir` (all light by virtual lights).
-//! * Geometry is triangles and instances of them; no curves, no subdivision, no motion blur, no volumes.
+//! * Geometry is triangles and instances of them; no curves, no subdivision, no motion blur, no volumes. Scenes move by
+//!   [`Scene::pose`](scene::Scene::pose).
 //! * The only camera of descriptions is a pinhole; other cameras are [`CameraShader`](shading::CameraShader)s.
 //! * The API may change until version 1.0.
 #![forbid(unsafe_code)]
@@ -81,6 +82,7 @@ mod error;
 mod load;
 pub mod look;
 pub mod memory;
+mod numbered;
 mod size;
 mod surroundings;
 mod threads;
@@ -94,6 +96,7 @@ pub use gnurt_scene as scene;
 pub use gnurt_shading as shading;
 pub use gnurt_simd as simd;
 pub use load::{BUILTIN, LoadOptions, Loaded, builtin_names, builtin_scenes, load_scene, load_scene_with};
+pub use numbered::Numbered;
 pub use rayon::ThreadPool;
 pub use surroundings::Surroundings;
 pub use threads::{JoinedPool, cores, thread_pool};

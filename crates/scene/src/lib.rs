@@ -3,10 +3,12 @@
 #![forbid(unsafe_code)]
 
 pub mod affine;
+pub mod animation;
 pub mod builtin;
 pub mod camera;
 mod check;
 pub mod edit;
+pub mod factors;
 pub mod id;
 pub mod io;
 pub mod light;
@@ -17,6 +19,7 @@ pub mod texture;
 mod waste;
 
 pub use affine::Affine;
+pub use animation::Animation;
 pub use camera::Camera;
 pub use check::CheckError;
 pub use id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};

@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use crate::affine::Affine;
+use crate::animation::{Animation, Playback};
 use crate::camera::Camera;
 use crate::edit::{Cursor, Edit, EditLog};
 use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
@@ -38,7 +39,7 @@ pub struct Instance {
     pub visible: bool,
 }
 
-/// Objects, instances, materials, textures, lights and cameras, and the log of what changed.
+/// Objects, instances, materials, textures, lights and cameras, what of them moves, and the log of what changed.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     meshes: Vec<Arc<Mesh>>,
@@ -48,6 +49,8 @@ pub struct Scene {
     textures: Vec<Texture>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
+    animation: Option<Arc<Animation>>,
+    playback: Playback,
     log: EditLog,
 }
 
@@ -141,6 +144,27 @@ impl Scene {
     pub fn instantiate(&mut self, object: ObjectId, world_from_object: Affine) -> InstanceId {
         let name = self.object(object).name.clone();
         self.add_instance(Instance { name, object, world_from_object, visible: true })
+    }
+
+    /// What moves, and how; `None` = nothing. [`animate`](Self::animate) gives it, [`pose`](Self::pose) shows a moment of it.
+    #[must_use]
+    pub fn animation(&self) -> Option<&Animation> {
+        self.animation.as_deref()
+    }
+
+    pub(crate) fn shared_animation(&self) -> Option<Arc<Animation>> {
+        self.animation.clone()
+    }
+
+    /// Puts an animation that was checked in the place of the one there was.
+    pub(crate) fn set_animation(&mut self, animation: Animation) {
+        self.animation = Some(Arc::new(animation));
+        self.playback = Playback::default();
+    }
+
+    /// What is remembered of the moment that is shown.
+    pub(crate) fn playback(&mut self) -> &mut Playback {
+        &mut self.playback
     }
 
     /// The present moment of the edit log.

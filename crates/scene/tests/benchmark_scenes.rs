@@ -2,8 +2,9 @@
 //! The benchmark scenes (../shared/scenes) load with the counts of their README. Skipped, loudly, where they are absent.
 //! Source: original.
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+mod common;
+
+use common::unpacked;
 
 /// File, triangles, vertices in the file, materials in its library (a PLY has one of its own).
 const SCENES: &[(&str, usize, usize, usize)] = &[
@@ -25,20 +26,6 @@ const SCENES: &[(&str, usize, usize, usize)] = &[
     ("hand/hand.ply", 15_855, 7_929, 1),
     ("dragon/dragon.ply", 871_414, 437_645, 1),
 ];
-
-fn unpacked(folder: &Path, names: &[&str]) -> Option<PathBuf> {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes");
-    if !source.join("unpack.py").exists() {
-        eprintln!("SKIPPED: the benchmark scenes (../shared/scenes) are not here");
-        return None;
-    }
-    let done = Command::new("python3").arg(source.join("unpack.py")).arg(folder).args(names).output();
-    if !done.is_ok_and(|output| output.status.success()) {
-        eprintln!("SKIPPED: the benchmark scenes cannot be unpacked; is python3 there?");
-        return None;
-    }
-    Some(folder.to_owned())
-}
 
 #[test]
 fn counts_are_those_of_the_readme() {

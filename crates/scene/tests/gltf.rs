@@ -185,10 +185,19 @@ fn skins_follow_their_joints() {
 
 #[test]
 fn deep_and_cyclic_trees() {
-    let json =
-        r#"{"asset":{"version":"2.0"},"nodes":[{"children":[0]}],"scenes":[{"nodes":[0,0]}],"scene":0}"#;
-    let loaded = load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
-    assert_eq!(loaded.warnings.count(Oddity::BadNode), 2, "its own child, and a root twice");
+    let load =
+        |body: &str| load_named("t.gltf", format!(r#"{{"asset":{{"version":"2.0"}},{body}}}"#).as_bytes());
+    let twice = load(r#""nodes":[{"children":[1,1]},{}],"scenes":[{"nodes":[0,0]}],"scene":0"#);
+    let twice = twice.unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(twice.warnings.count(Oddity::BadNode), 2, "a child twice, and a root twice");
+    for body in [
+        r#""nodes":[{"children":[0]}],"scenes":[{"nodes":[0]}]"#,
+        r#""nodes":[{"children":[1]},{"children":[2]},{"children":[1]}],"scenes":[{"nodes":[0]}]"#,
+        r#""nodes":[{},{"children":[2]},{"children":[1]}]"#,
+    ] {
+        let error = load(body).expect_err("no tree").to_string();
+        assert!(error.contains("its children lead back to it; expected a tree"), "{body}: {error}");
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod bench;
 mod denoiser;
 mod files;
 mod help;
+mod moments;
 mod refusal;
 mod render;
 mod talk;
@@ -26,6 +27,7 @@ pub(crate) use bench::{
 pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use files::FileArguments;
 pub(crate) use help::HelpArguments;
+pub(crate) use moments::MomentArguments;
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
 pub(crate) use talk::{TalkArguments, talk_behind_command};
@@ -51,7 +53,7 @@ pub(crate) struct Arguments {
 }
 
 const AFTER_HELP: &str = "\
-Scenes: .obj (with .mtl), .ply, .gltf, .glb, or builtin:NAME (`gnurt scenes` lists them).
+Scenes: .obj (with .mtl), .ply, .gltf, .glb, or builtin:NAME (`gnurt scenes` lists them); mesh.####.ply is a sequence of files.
 Pictures: .png, .exr, .hdr, .pfm.
 
 Environment (options win): GNURT_THREADS as --threads; GNURT_ISA as --isa;

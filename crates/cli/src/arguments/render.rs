@@ -11,13 +11,13 @@ use gnurt_view::TevAddress;
 use super::value::{self, Crop};
 use super::{
     DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments,
-    TalkArguments, TreeArguments, ViewArguments,
+    MomentArguments, TalkArguments, TreeArguments, ViewArguments,
 };
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]
 pub(crate) struct RenderArguments {
-    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    /// Scene file (.obj, .ply, .gltf, .glb), a sequence of files (mesh.####.ply) or builtin:NAME
     pub(crate) scene: OsString,
     /// Picture to write: .png, .exr, .hdr or .pfm; without it the scene's name with .png, in the current folder
     #[arg(help_heading = "Picture", short, long, value_name = "FILE", allow_hyphen_values = true)]
@@ -34,6 +34,8 @@ pub(crate) struct RenderArguments {
     /// Render only these pixels, x1 and y1 excluded, from the upper left corner; the others stay black
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "X0,Y0,X1,Y1", value_parser = value::crop, allow_hyphen_values = true)]
     pub(crate) crop: Option<Crop>,
+    #[command(flatten)]
+    pub(crate) moments: MomentArguments,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
     #[command(flatten)]

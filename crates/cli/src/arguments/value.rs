@@ -70,6 +70,13 @@ pub(crate) struct Crop {
     corners: [i64; 4],
 }
 
+/// Frames of an animation, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct FrameRange {
+    pub(crate) first: u32,
+    pub(crate) last: u32,
+}
+
 const MOST_PIXELS: u64 = 1 << 31;
 const MOST_THREADS: usize = 1024;
 
@@ -378,6 +385,31 @@ pub(crate) fn columns(text: &str) -> Result<u32, String> {
     whole(text, 8, 8192)
 }
 
+/// A moment of an animation.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    value.ok_or_else(|| "give a time in seconds like 1.5".into())
+}
+
+/// Frames per second.
+pub(crate) fn frames_per_second(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|value| (1e-6..=1e6).contains(value));
+    value.ok_or_else(|| "give frames per second above 0, like 24 or 29.97".into())
+}
+
+/// `0..47`, or one number.
+pub(crate) fn frames(text: &str) -> Result<FrameRange, String> {
+    const MOST: u32 = i32::MAX as u32;
+    let number = |text: &str| text.trim().parse::<u32>().ok().filter(|&number| number <= MOST);
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    let form = || format!("give the first and the last frame like 0..47, whole numbers up to {MOST}");
+    let (first, last) = number(first).zip(number(last)).ok_or_else(form)?;
+    if last < first {
+        return Err(format!("the last frame is before the first; did you mean {last}..{first}?"));
+    }
+    Ok(FrameRange { first, last })
+}
+
 /// How often something is measured.
 pub(crate) fn rounds(text: &str) -> Result<usize, String> {
     whole(text, 1, 1000)
@@ -476,6 +508,23 @@ mod tests {
             "tolerances"
         );
         assert!(exposure("-3").is_ok() && exposure("65").is_err(), "stops");
+    }
+
+    #[test]
+    fn frames_have_both_ends() {
+        let range = |first, last| Ok(FrameRange { first, last });
+        assert_eq!(
+            (frames("0..47"), frames("7"), frames("5..5")),
+            (range(0, 47), range(7, 7), range(5, 5)),
+            "ends"
+        );
+        assert!(frames("5..2").expect_err("turned round").contains("did you mean 2..5?"), "turned round");
+        for bad in ["", "..", "1..", "..2", "-1..2", "1...2", "1..2147483648", "1.5..2", "a"] {
+            assert!(frames(bad).is_err(), "'{bad}' is no range");
+        }
+        assert_eq!((seconds("-0.5"), seconds("1e1")), (Ok(-0.5), Ok(10.0)), "moments");
+        assert!(seconds("nan").is_err() && seconds("inf").is_err() && seconds("1s").is_err(), "no moments");
+        assert!(frames_per_second("0").is_err() && frames_per_second("29.97").is_ok(), "rates");
     }
 
     #[test]

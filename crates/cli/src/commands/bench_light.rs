@@ -10,7 +10,7 @@ use gnurt_bench::light::{self, Truth};
 use gnurt_bench::light_plot;
 
 use super::bench_files::{check_outputs, write};
-use super::render::commit;
+use super::frame::commit;
 use crate::arguments::BenchLightArguments;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};

@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use gnurt::defaults::{Bounds, bounds_of};
 use gnurt::render::{CommitOptions, ShaderTable, World, WorldStats};
-use gnurt::scene::{Light, Mesh, Scene};
+use gnurt::scene::animation::Clip;
+use gnurt::scene::{Animation, Light, Mesh, Scene};
 use serde_json::{Value, json};
 
 use crate::arguments::InfoArguments;
@@ -98,6 +99,15 @@ impl Inventory {
                 "textures": self.texture_bytes,
                 "total": self.mesh_bytes + self.texture_bytes,
             },
+            "animations": clips(scene).map(|(clip, [first, last])| json!({
+                "name": clip.name,
+                "first_seconds": first,
+                "last_seconds": last,
+                "channels": clip.channels.len(),
+            })).collect::<Vec<_>>(),
+            "skins": scene.animation().map_or(0, |animation| animation.skins.len()),
+            "joints": joints(scene),
+            "morph_targets": morph_targets(scene),
             "camera_names": scene.cameras().iter().map(|camera| &camera.name[..]).collect::<Vec<_>>(),
         });
         if let (Some(tree), Value::Object(report)) = (tree, &mut report) {
@@ -131,6 +141,15 @@ impl Inventory {
             let place = format!("--eye {eye} --target {target} --up {up} --fov {}", camera.fov_y);
             row("", format!("{index} '{}': {place}", camera.name));
         }
+        if let Some(animation) = scene.animation() {
+            row("animations", animation.clips.len().to_string());
+            for (index, (clip, [first, last])) in clips(scene).enumerate() {
+                let channels = clip.channels.len();
+                row("", format!("{index} '{}': {first} to {last} s, {channels} channels", clip.name));
+            }
+            let (skins, targets) = (animation.skins.len(), morph_targets(scene));
+            row("", format!("{skins} skins of {} joints, {targets} morph targets", joints(scene)));
+        }
         row(
             "bounds",
             self.bounds.map_or("nothing to see".into(), |b| corner(b.min) + " to " + &corner(b.max)),
@@ -143,6 +162,28 @@ impl Inventory {
         }
         text
     }
+}
+
+/// What can be played, with the moments of its first and of its last key.
+fn clips(scene: &Scene) -> impl Iterator<Item = (&Clip, [f64; 2])> {
+    let clips = scene.animation().map_or(&[][..], |animation: &Animation| &animation.clips);
+    // As the file writes them.
+    clips.iter().map(|clip| (clip, clip.range().map(rounded)))
+}
+
+/// A time without the digits that single precision does not have.
+fn rounded(seconds: f64) -> f64 {
+    (seconds as f32).to_string().parse().unwrap_or(seconds)
+}
+
+/// Joints of all skins that move.
+fn joints(scene: &Scene) -> usize {
+    scene.animation().map_or(0, |animation| animation.skins.iter().map(|skin| skin.joints.len()).sum())
+}
+
+/// Morph targets of all sets of weights that bend something.
+fn morph_targets(scene: &Scene) -> usize {
+    scene.animation().map_or(0, |animation| animation.weights.iter().map(Vec::len).sum())
 }
 
 /// A place to six digits, as single precision knows it.

@@ -4,7 +4,7 @@
 
 use gnurt::render::trace_pixel;
 
-use super::render::{commit, commit_options, frame_options};
+use super::frame::{commit, commit_options, frame_options};
 use crate::arguments::TraceArguments;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};

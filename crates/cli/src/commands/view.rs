@@ -16,7 +16,7 @@ use gnurt_view::{
 };
 use serde_json::json;
 
-use super::render::{commit, commit_options, frame_options};
+use super::frame::{commit, commit_options, frame_options};
 use crate::arguments::{ExposureChoice, LightArguments, Look, StatisticsForm, WindowArguments};
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};

@@ -4,6 +4,7 @@
 
 #![expect(clippy::print_stdout, reason = "a failing table tells the row that it was at")]
 
+mod animation;
 mod arguments;
 mod bench;
 mod broken_pictures;

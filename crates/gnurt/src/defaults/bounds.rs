@@ -61,6 +61,21 @@ pub fn bounds_of(scene: &Scene) -> Option<Bounds> {
     }))
 }
 
+/// Moments at which a clip is looked at.
+const LOOKS: u32 = 9;
+
+/// The box around all visible instances while a clip is played, looked at from time to time; the scene shows the clip's first moment
+/// afterwards. Panics if there is no such clip.
+pub fn bounds_over(scene: &mut Scene, clip: usize) -> Option<Bounds> {
+    let range = scene.animation().map(|animation| animation.clips[clip].range());
+    let [first, last] = range.expect("the scene has an animation");
+    let corners = (0..LOOKS).rev().flat_map(|i| {
+        scene.pose(clip, first + (last - first) * f64::from(i) / f64::from(LOOKS - 1));
+        bounds_of(scene).into_iter().flat_map(|bounds| [bounds.min, bounds.max])
+    });
+    Bounds::around(corners.collect::<Vec<_>>())
+}
+
 fn mesh_bounds(mesh: &Mesh) -> Option<Bounds> {
     let corners = mesh.indices.iter().flatten().filter_map(|&i| mesh.positions.get(i as usize));
     Bounds::around(corners.map(|p| p.map(f64::from)))

@@ -3,6 +3,7 @@
 //! Source: original; the key light over the left shoulder is the custom of scan repositories and of photographers.
 //! Space: world, y upwards unless another axis is given. Proof: `tests` of the submodules.
 
+mod added;
 mod bounds;
 mod camera;
 mod lights;
@@ -11,7 +12,8 @@ mod studio;
 
 use std::fmt;
 
-pub use bounds::{Bounds, bounds_of};
+pub use added::{Added, Stock};
+pub use bounds::{Bounds, bounds_of, bounds_over};
 pub use camera::framing;
 pub use lights::{lit_from, lit_within, shines};
 
@@ -79,7 +81,15 @@ pub fn complete_camera(scene: &mut Scene, aspect: f32) -> Option<Note> {
     if !scene.cameras().is_empty() {
         return None;
     }
-    let camera = framing(bounds_of(scene), aspect);
+    complete_camera_around(scene, bounds_of(scene), aspect)
+}
+
+/// Adds a camera that shows all of `bounds` if there is none.
+pub fn complete_camera_around(scene: &mut Scene, bounds: Option<Bounds>, aspect: f32) -> Option<Note> {
+    if !scene.cameras().is_empty() {
+        return None;
+    }
+    let camera = framing(bounds, aspect);
     scene.add_camera(camera);
     Some(Note::Camera)
 }
@@ -90,8 +100,20 @@ pub fn complete_lights(scene: &mut Scene, camera: &Camera, up: [f32; 3]) -> Opti
     if shines(scene) {
         return None;
     }
+    complete_lights_around(scene, bounds_of(scene), camera, up)
+}
+
+/// The same for a scene that moves within `bounds`.
+pub fn complete_lights_around(
+    scene: &mut Scene,
+    bounds: Option<Bounds>,
+    camera: &Camera,
+    up: [f32; 3],
+) -> Option<Note> {
+    if shines(scene) {
+        return None;
+    }
     let (axis, eye) = (studio::axis_of(up), camera.eye.map(f64::from));
-    let bounds = bounds_of(scene);
     let is_within = bounds.is_some_and(|bounds| bounds.contains(eye)) && !is_open(scene, eye, axis);
     if let Some(lights) = is_within.then(|| lit_within(scene, camera)).flatten() {
         for light in lights {

@@ -17,11 +17,16 @@ pub(crate) fn clean(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) {
     if dropped || mesh.positions.iter().any(bad_position) {
         mesh.drop_unused_vertices();
     }
-    let replaced = replace_bad(&mut mesh.normals, [0.0; 3])
+    let replaced = clean_attributes(mesh);
+    warnings.note_many(Oddity::BadAttribute, replaced, path, None, in_mesh(mesh));
+}
+
+/// Replaces normals, texture coordinates, tangents and colours that are no numbers; says how many.
+pub(crate) fn clean_attributes(mesh: &mut Mesh) -> u64 {
+    replace_bad(&mut mesh.normals, [0.0; 3])
         + replace_bad(&mut mesh.texcoords, [0.0; 2])
         + replace_bad(&mut mesh.tangents, [0.0; 4])
-        + replace_bad(&mut mesh.colors, [1.0; 4]);
-    warnings.note_many(Oddity::BadAttribute, replaced, path, None, in_mesh(mesh));
+        + replace_bad(&mut mesh.colors, [1.0; 4])
 }
 
 fn in_mesh(mesh: &Mesh) -> String {

@@ -43,6 +43,10 @@ pub enum Oddity {
     BadCamera,
     /// Nodes whose transform flattens space or is no number, or that stand in a tree twice.
     BadNode,
+    /// Channels of animations that cannot be played.
+    BadAnimation,
+    /// Keys of animations that have the time of the key before them.
+    RepeatedKey,
     /// Bytes after the end of the data.
     TrailingData,
 }
@@ -69,6 +73,8 @@ impl Oddity {
             Self::NotShown => "not supported, left out",
             Self::BadCamera => "camera cannot be used, left out",
             Self::BadNode => "node cannot be placed, left out",
+            Self::BadAnimation => "channel of an animation cannot be played, left out",
+            Self::RepeatedKey => "keys of an animation have the same time, the last of them counts",
             Self::TrailingData => "bytes after the end of the data, ignored",
         }
     }

@@ -3,6 +3,9 @@
 //! Source: original.
 #![allow(dead_code, reason = "every test program uses a part")]
 
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
 use gnurt_scene::io::{Error, Loaded, load};
 
 /// Loads bytes as a file of this name in a folder of its own.
@@ -28,4 +31,19 @@ pub(crate) fn glb(json: &[u8], binary: &[u8]) -> Vec<u8> {
     let length = (file.len() as u32).to_le_bytes();
     file[8..12].copy_from_slice(&length);
     file
+}
+
+/// The benchmark scenes of these names, unpacked below a folder; `None`, and said, where they are absent.
+pub(crate) fn unpacked(folder: &Path, names: &[&str]) -> Option<PathBuf> {
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes");
+    if !source.join("unpack.py").exists() {
+        eprintln!("SKIPPED: the benchmark scenes (../shared/scenes) are not here");
+        return None;
+    }
+    let done = Command::new("python3").arg(source.join("unpack.py")).arg(folder).args(names).output();
+    if !done.is_ok_and(|output| output.status.success()) {
+        eprintln!("SKIPPED: the benchmark scenes cannot be unpacked; is python3 there?");
+        return None;
+    }
+    Some(folder.to_owned())
 }

@@ -21,6 +21,7 @@ use crate::io::{Error, Format, Oddity, Warnings};
 /// Extensions that are shown, or whose absence nobody would notice.
 const KNOWN_EXTENSIONS: &[&str] = &[
     "EXT_texture_webp",
+    "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
@@ -31,6 +32,7 @@ const KNOWN_EXTENSIONS: &[&str] = &[
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_node_visibility",
     "KHR_texture_transform",
 ];
 

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 use std::fmt;
 
 use serde::Deserialize;
-use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
+use serde::de::{Deserializer, Error as _, IgnoredAny, MapAccess, Visitor};
 use serde_json::value::RawValue;
 
 /// Elements of an array, not read yet.
@@ -25,7 +25,8 @@ pub(super) struct Root<'a> {
     pub(super) asset: Option<Asset<'a>>,
     #[serde(borrow)]
     pub(super) accessors: Pieces<'a>,
-    pub(super) animations: Count,
+    #[serde(borrow)]
+    pub(super) animations: Pieces<'a>,
     #[serde(borrow)]
     pub(super) buffers: Pieces<'a>,
     #[serde(borrow)]
@@ -61,6 +62,7 @@ impl Root<'_> {
         let lights = self.extensions.lights.as_ref().map_or(0, |lights| lights.lights.len());
         let arrays = [
             &self.accessors,
+            &self.animations,
             &self.buffers,
             &self.buffer_views,
             &self.cameras,
@@ -444,8 +446,9 @@ pub(super) struct Attributes {
     pub(super) normals: Option<Index>,
     pub(super) tangents: Option<Index>,
     pub(super) colors: Option<Index>,
-    pub(super) joints: Option<Index>,
-    pub(super) weights: Option<Index>,
+    /// Sets of joints of a skin and of their weights, by their numbers.
+    pub(super) joints: Vec<(u32, Index)>,
+    pub(super) weights: Vec<(u32, Index)>,
     /// Sets of texture coordinates by their numbers.
     pub(super) texcoords: Vec<(u32, Index)>,
 }
@@ -468,12 +471,17 @@ impl<'de> Deserialize<'de> for Attributes {
                         "NORMAL" => &mut found.normals,
                         "TANGENT" => &mut found.tangents,
                         "COLOR_0" => &mut found.colors,
-                        "JOINTS_0" => &mut found.joints,
-                        "WEIGHTS_0" => &mut found.weights,
                         other => {
-                            let set = other.strip_prefix("TEXCOORD_").and_then(|set| set.parse().ok());
-                            match set {
-                                Some(set) => found.texcoords.push((set, map.next_value()?)),
+                            let sets = [
+                                ("TEXCOORD_", &mut found.texcoords),
+                                ("JOINTS_", &mut found.joints),
+                                ("WEIGHTS_", &mut found.weights),
+                            ];
+                            let mut sets = sets.into_iter().filter_map(|(name, list)| {
+                                Some((other.strip_prefix(name)?.parse().ok()?, list))
+                            });
+                            match sets.next() {
+                                Some((set, list)) => list.push((set, map.next_value()?)),
                                 None => drop(map.next_value::<IgnoredAny>()?),
                             }
                             continue;
@@ -516,6 +524,21 @@ pub(super) struct Children {
 pub(super) struct NodeExtensions {
     #[serde(rename = "KHR_lights_punctual")]
     pub(super) light: Option<NodeLight>,
+    #[serde(rename = "KHR_node_visibility")]
+    pub(super) visibility: Option<NodeVisibility>,
+}
+
+/// KHR_node_visibility.
+#[derive(Deserialize)]
+#[serde(default)]
+pub(super) struct NodeVisibility {
+    pub(super) visible: bool,
+}
+
+impl Default for NodeVisibility {
+    fn default() -> Self {
+        Self { visible: true }
+    }
 }
 
 #[derive(Deserialize)]
@@ -568,30 +591,54 @@ impl std::ops::Deref for Text<'_> {
     }
 }
 
-/// How many elements an array has, whatever they are.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Count(pub(super) u64);
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct Animation<'a> {
+    pub(super) name: Option<String>,
+    #[serde(borrow)]
+    pub(super) channels: Pieces<'a>,
+    #[serde(borrow)]
+    pub(super) samplers: Pieces<'a>,
+}
 
-impl<'de> Deserialize<'de> for Count {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct CountVisitor;
-        impl<'de> Visitor<'de> for CountVisitor {
-            type Value = Count;
+#[derive(Deserialize)]
+pub(super) struct Channel<'a> {
+    pub(super) sampler: Index,
+    #[serde(borrow)]
+    pub(super) target: ChannelTarget<'a>,
+}
 
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("an array")
-            }
+/// What a channel drives: a path of a node, or what a pointer says.
+#[derive(Deserialize)]
+pub(super) struct ChannelTarget<'a> {
+    #[serde(default)]
+    pub(super) node: Option<Index>,
+    #[serde(borrow)]
+    pub(super) path: Text<'a>,
+    #[serde(default, borrow)]
+    pub(super) extensions: TargetExtensions<'a>,
+}
 
-            fn visit_seq<A: SeqAccess<'de>>(self, mut array: A) -> Result<Count, A::Error> {
-                let mut count = 0;
-                while array.next_element::<IgnoredAny>()?.is_some() {
-                    count += 1;
-                }
-                Ok(Count(count))
-            }
-        }
-        deserializer.deserialize_seq(CountVisitor)
-    }
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct TargetExtensions<'a> {
+    #[serde(rename = "KHR_animation_pointer", borrow)]
+    pub(super) pointer: Option<Pointer<'a>>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Pointer<'a> {
+    #[serde(borrow)]
+    pub(super) pointer: Text<'a>,
+}
+
+/// Keys of an animation.
+#[derive(Deserialize)]
+pub(super) struct Curve<'a> {
+    pub(super) input: Index,
+    pub(super) output: Index,
+    #[serde(default, borrow)]
+    pub(super) interpolation: Option<Text<'a>>,
 }
 
 /// A whole number, however it is written.

@@ -3,10 +3,7 @@
 //! Source: glTF 2.0 section 3.9; KHR_materials_{clearcoat, emissive_strength, ior, sheen, specular, transmission, unlit},
 //! KHR_texture_transform.
 //!
-//! Textures of these extensions are not shown, and say so. A specular factor of 0 without metal makes a surface matte.
-//! Unlit surfaces shine with their base colour and scatter nothing. Glass is solid where KHR_materials_volume gives it a
-//! thickness, else a pane that bends nothing, at every roughness; solid glass that is smooth and lets through all light that it
-//! does not mirror is perfectly smooth, tinted by the base colour. glTF's v runs downwards, ours upwards: [`uv_from_mesh`].
+//! Textures of these extensions are not shown, and say so. What material numbers and textures make is said in [`Factors`].
 //! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension,
 //! tangents_come_with_normal_maps}`.
 
@@ -16,19 +13,14 @@ use std::sync::Arc;
 use super::base64::data_uri;
 use super::document::Document;
 use super::json::{self, Index, TextureInfo, TextureTransform};
+use crate::animation::MovingMaterial;
+use crate::factors::{self, AlphaMode, Factors, MappedTexture};
 use crate::id::{MaterialId, TextureId};
 use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings, source};
-use crate::material::{
-    Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface, TextureRef,
-};
+use crate::material::{Material, Principled, Surface};
 use crate::scene::Scene;
 use crate::texture::{Filter, Texels, Texture, Wrap};
-
-/// Below this roughness solid glass is perfectly smooth.
-const GLASS_ROUGHNESS: f32 = 0.05;
-/// From this factor on all light goes through.
-const CLEAR: f32 = 0.99;
 
 /// A material of the scene, and which texture coordinates of the mesh it reads.
 #[derive(Clone, Copy)]
@@ -43,35 +35,53 @@ const MATERIAL_BYTES: usize = size_of::<Material>() + size_of::<Principled>() + 
 /// Bytes that a texture of the scene takes beside its name and its texels.
 const TEXTURE_BYTES: usize = 256;
 
-/// Adds the materials of the document and, last, the default one.
+/// The materials of a document.
+#[derive(Default)]
+pub(super) struct Materials {
+    /// By their numbers and, last, the default one.
+    pub(super) added: Vec<AddedMaterial>,
+    /// Those that change with time.
+    pub(super) moving: Vec<MovingMaterial>,
+}
+
+/// Adds the materials of the document; `is_driven` says which change with time.
 pub(super) fn add_all(
     document: &Document<'_>,
+    is_driven: impl Fn(Index) -> bool,
     scene: &mut Scene,
     warnings: &mut Warnings,
-) -> Result<Vec<AddedMaterial>, Error> {
+) -> Result<Materials, Error> {
     let count = document.root.materials.len();
     document.hold(count * (MATERIAL_BYTES + size_of::<AddedMaterial>()), "materials")?;
     let mut textures = Textures::new(document);
-    let mut added = Vec::with_capacity(count + 1);
+    let mut materials = Materials { added: Vec::with_capacity(count + 1), moving: Vec::new() };
     for i in 0..=count {
         let place = format!("materials[{i}]");
         let material = match document.root.materials.get(i) {
             Some(piece) => document.read(piece, &place)?,
             None => json::Material { name: Some("default".into()), ..json::Material::default() },
         };
+        let is_driven = i < count && is_driven(Index(i as u32));
         document.hold(material.name.as_ref().map_or(0, String::len), &place)?;
         let mut converter =
             Converter { document, scene, textures: &mut textures, warnings, texcoord_set: None };
-        let converted = converter.material(i, &material);
+        let factors = converter.factors(i, &material, is_driven);
         let texcoord_set = converter.texcoord_set.unwrap_or(0);
+        let converted = factors.material();
         let has_normal_map = match &converted.surface {
+            _ if is_driven => factors.normal_texture.is_some(),
             Surface::MetallicRoughness { normal_texture, .. } => normal_texture.is_some(),
             Surface::Principled(principled) => principled.normal_texture.is_some(),
             _ => false,
         };
-        added.push(AddedMaterial { id: scene.add_material(converted), texcoord_set, has_normal_map });
+        let id = scene.add_material(converted);
+        materials.added.push(AddedMaterial { id, texcoord_set, has_normal_map });
+        if is_driven {
+            document.hold(size_of::<MovingMaterial>() + factors.name.len(), &place)?;
+            materials.moving.push(MovingMaterial { material: id, factors });
+        }
     }
-    Ok(added)
+    Ok(materials)
 }
 
 struct Converter<'a, 't> {
@@ -84,99 +94,64 @@ struct Converter<'a, 't> {
 }
 
 impl Converter<'_, '_> {
-    fn material(&mut self, i: usize, from: &json::Material<'_>) -> Material {
+    /// What the file says of a material. Textures that it does not look at are not read, unless that may change.
+    fn factors(&mut self, i: usize, from: &json::Material<'_>, is_driven: bool) -> Factors {
         let pbr = &from.pbr_metallic_roughness;
         let extensions = &from.extensions;
-        let [r, g, b, a] = pbr.base_color_factor;
-        let base_texture = self.info(pbr.base_color_texture.as_ref(), Meaning::Color);
-        let base_color = Color { factor: [r, g, b].map(positive), texture: base_texture };
-        let strength = extensions.emissive_strength.as_ref().map_or(1.0, |s| s.emissive_strength);
-        let opacity = Opacity { factor: a, texture: base_texture, channel: OpacityChannel::Alpha };
-        let mut material = Material {
-            emission: from.emissive_factor.map(|e| positive(e * strength)),
-            emission_texture: self.info(from.emissive_texture.as_ref(), Meaning::Color),
+        let mut to = Factors {
+            name: from.name.clone().unwrap_or_else(|| format!("material {i}")),
+            base_color: pbr.base_color_factor,
+            metallic: pbr.metallic_factor,
+            roughness: pbr.roughness_factor,
+            emission: from.emissive_factor,
             alpha: match &*from.alpha_mode {
-                "MASK" => Alpha::Mask { cutoff: from.alpha_cutoff, opacity },
-                "BLEND" => Alpha::Blend { opacity },
-                _ => Alpha::Opaque,
+                "MASK" => AlphaMode::Mask,
+                "BLEND" => AlphaMode::Blend,
+                _ => AlphaMode::Opaque,
             },
-            ..Material::of(self.name(i, from), Surface::Matte { base_color })
+            alpha_cutoff: from.alpha_cutoff,
+            unlit: extensions.unlit.is_some(),
+            base_texture: self.info(pbr.base_color_texture.as_ref(), Meaning::Color),
+            emission_texture: self.info(from.emissive_texture.as_ref(), Meaning::Color),
+            ..Factors::default()
         };
-        if extensions.unlit.is_some() {
-            material.emission = base_color.factor;
-            material.emission_texture = base_texture;
-            material.surface = Surface::Matte { base_color: Color::constant([0.0; 3]) };
-            material.diffuse = Some(base_color);
-            return material;
+        if let Some(strength) = &extensions.emissive_strength {
+            to.emission_strength = strength.emissive_strength;
         }
-        let ior = extensions.ior.as_ref().map_or(1.5, |i| i.ior);
-        let ior = if ior > 0.0 && ior.is_finite() { ior } else { 1.5 };
-        let roughness = pbr.roughness_factor.clamp(0.0, 1.0);
-        let layers = self.layers(extensions);
-        let plain =
-            Principled { transmission: layers.transmission, thin: layers.thin, ..Principled::default() };
-        let is_clear = layers.transmission >= CLEAR && roughness < GLASS_ROUGHNESS && !layers.thin;
-        if layers == plain && is_clear {
-            material.surface =
-                Surface::Dielectric { ior, reflectance: [1.0; 3], transmittance: base_color.factor };
-            material.diffuse = Some(base_color);
-            return material;
+        if to.unlit {
+            return to;
         }
-        let matte =
-            Principled { specular: 0.0, specular_color: layers.specular_color, ..Principled::default() };
-        if layers == matte && pbr.metallic_factor == 0.0 && from.normal_texture.is_none() {
-            // What neither mirrors nor conducts is Lambertian, as the material is so far.
-            return material;
+        if let Some(ior) = &extensions.ior {
+            to.ior = ior.ior;
         }
-        let metallic = pbr.metallic_factor.clamp(0.0, 1.0);
-        let metallic_roughness_texture = self.info(pbr.metallic_roughness_texture.as_ref(), Meaning::Data);
-        let normal_texture = from.normal_texture.as_ref().and_then(|normal| {
-            Some(NormalMap { texture: self.info(Some(normal), Meaning::Data)?, scale: normal.scale })
-        });
-        material.surface = if layers == Principled::default() {
-            Surface::MetallicRoughness {
-                base_color,
-                metallic,
-                roughness,
-                metallic_roughness_texture,
-                ior,
-                normal_texture,
-            }
-        } else {
-            Surface::Principled(Box::new(Principled {
-                base_color,
-                metallic,
-                roughness,
-                metallic_roughness_texture,
-                ior,
-                normal_texture,
-                ..layers
-            }))
-        };
-        material
+        self.layers(extensions, &mut to);
+        if is_driven || to.has_facets(from.normal_texture.is_some()) {
+            to.metallic_roughness_texture = self.info(pbr.metallic_roughness_texture.as_ref(), Meaning::Data);
+            to.normal_texture = self.info(from.normal_texture.as_ref(), Meaning::Data);
+            to.normal_scale = from.normal_texture.as_ref().map_or(1.0, |normal| normal.scale);
+        }
+        to
     }
 
-    /// What the extensions add, over glTF's defaults for the rest.
-    fn layers(&mut self, extensions: &json::MaterialExtensions) -> Principled {
-        let mut to = Principled::default();
-        let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 };
+    /// What the extensions add.
+    fn layers(&mut self, extensions: &json::MaterialExtensions, to: &mut Factors) {
         let mut textured = Vec::new();
         if let Some(specular) = &extensions.specular {
-            to.specular = unit(specular.specular_factor);
-            to.specular_color = specular.specular_color_factor.map(positive);
+            to.specular = specular.specular_factor;
+            to.specular_color = specular.specular_color_factor;
             if specular.specular_texture.is_some() || specular.specular_color_texture.is_some() {
                 textured.push("KHR_materials_specular");
             }
         }
         if let Some(transmission) = &extensions.transmission {
-            to.transmission = unit(transmission.transmission_factor);
+            to.transmission = transmission.transmission_factor;
             if transmission.transmission_texture.is_some() {
                 textured.push("KHR_materials_transmission");
             }
         }
         if let Some(coat) = &extensions.clearcoat {
-            to.clearcoat = unit(coat.clearcoat_factor);
-            to.clearcoat_roughness = unit(coat.clearcoat_roughness_factor);
+            to.clearcoat = coat.clearcoat_factor;
+            to.clearcoat_roughness = coat.clearcoat_roughness_factor;
             let textures =
                 [coat.clearcoat_texture, coat.clearcoat_roughness_texture, coat.clearcoat_normal_texture];
             if textures.iter().any(Option::is_some) {
@@ -184,27 +159,19 @@ impl Converter<'_, '_> {
             }
         }
         if let Some(sheen) = &extensions.sheen {
-            to.sheen_color = sheen.sheen_color_factor.map(unit);
-            to.sheen_roughness = unit(sheen.sheen_roughness_factor);
+            to.sheen_color = sheen.sheen_color_factor;
+            to.sheen_roughness = sheen.sheen_roughness_factor;
             if sheen.sheen_color_texture.is_some() || sheen.sheen_roughness_texture.is_some() {
                 textured.push("KHR_materials_sheen");
             }
         }
-        to.thin = extensions.volume.as_ref().is_none_or(|volume| unit(volume.thickness_factor) == 0.0);
-        if to.transmission == 0.0 {
-            to.thin = true;
-        }
+        to.thickness = extensions.volume.as_ref().map_or(0.0, |volume| volume.thickness_factor);
         for name in textured {
             self.warnings.note(Oddity::NotShown, &self.document.path, None, format!("textures of {name}"));
         }
-        to
     }
 
-    fn name(&self, i: usize, from: &json::Material<'_>) -> String {
-        from.name.clone().unwrap_or_else(|| format!("material {i}"))
-    }
-
-    fn info(&mut self, info: Option<&TextureInfo>, meaning: Meaning) -> Option<TextureRef> {
+    fn info(&mut self, info: Option<&TextureInfo>, meaning: Meaning) -> Option<MappedTexture> {
         let info = info?;
         self.texture(info.index, info.tex_coord, info.extensions.transform.as_ref(), meaning)
     }
@@ -215,7 +182,7 @@ impl Converter<'_, '_> {
         texcoord_set: Index,
         transform: Option<&TextureTransform>,
         meaning: Meaning,
-    ) -> Option<TextureRef> {
+    ) -> Option<MappedTexture> {
         let Index(set) = transform.and_then(|t| t.tex_coord).unwrap_or(texcoord_set);
         let path = &self.document.path;
         if *self.texcoord_set.get_or_insert(set) != set {
@@ -227,29 +194,19 @@ impl Converter<'_, '_> {
             );
             return None;
         }
+        let transform = transform.map(|from| factors::TextureTransform {
+            offset: from.offset,
+            rotation: from.rotation,
+            scale: from.scale,
+        });
         match self.textures.add(index, meaning, self.scene) {
-            Ok(texture) => Some(TextureRef { texture, uv_from_mesh: uv_from_mesh(transform) }),
+            Ok(texture) => Some(MappedTexture { texture, transform }),
             Err(why) => {
                 self.warnings.note(Oddity::BadTexture, path, None, format!("textures[{}]: {why}", index.0));
                 None
             }
         }
     }
-}
-
-fn positive(x: f32) -> f32 {
-    if x.is_finite() { x.max(0.0) } else { 0.0 }
-}
-
-/// KHR_texture_transform, conjugated by the flip of v: with `v = 1 - w`,
-/// `u' = c sx u + s sy v + tx` and `v' = -s sx u + c sy v + ty` become affine in `(u, w)`.
-fn uv_from_mesh(transform: Option<&TextureTransform>) -> [f32; 6] {
-    let Some(transform) = transform else {
-        return [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-    };
-    let (s, c) = transform.rotation.sin_cos();
-    let ([sx, sy], [tx, ty]) = (transform.scale, transform.offset);
-    [c * sx, s * sx, -s * sy, c * sy, s * sy + tx, 1.0 - c * sy - ty]
 }
 
 /// Textures and pictures that were added already.

@@ -8,8 +8,8 @@ use super::document::Document;
 use super::json::{self, Index, Primitive};
 use super::material::AddedMaterial;
 use super::primitive::PrimitiveReader;
-use super::skin::Pose;
-use crate::io::clean::clean;
+use super::skin::{Bending, Parts};
+use crate::io::clean::{clean, clean_attributes};
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 
@@ -27,15 +27,15 @@ enum Mode {
     Fan,
 }
 
-/// The meshes of all primitives of `from`, glTF mesh `index`, bent by `pose`.
+/// The meshes of all primitives of `from`, glTF mesh `index`, as `bending` bends them at rest, and what bends them later.
 pub(super) fn read(
     document: &Document<'_>,
     index: Index,
     from: &json::Mesh<'_>,
-    pose: &Pose,
+    bending: &Bending,
     materials: &[AddedMaterial],
     warnings: &mut Warnings,
-) -> Result<Vec<Mesh>, Error> {
+) -> Result<Vec<(Mesh, Option<Parts>)>, Error> {
     let unnamed = || format!("mesh {}", index.0);
     let name = from.name.clone().unwrap_or_else(unnamed);
     let mut meshes = Vec::new();
@@ -44,16 +44,22 @@ pub(super) fn read(
         let primitive: Primitive = document.get(&from.primitives, Index(k as u32), &place, "primitive")?;
         let reader = PrimitiveReader { document, primitive: &primitive, place: &place };
         let before = document.budget().held();
-        let Some(mut mesh) = reader.mesh(pose, materials, warnings)? else {
+        let Some((mut mesh, mut parts)) = reader.mesh(bending, materials, warnings)? else {
             document.budget().settle(before);
             continue;
         };
         clean(&mut mesh, &document.path, warnings);
         document.budget().settle(before);
-        if !mesh.indices.is_empty() {
+        if let Some(parts) = &mut parts {
+            document.hold(parts.memory_bytes() + name.len() + MESH_BYTES, &place)?;
+            clean_attributes(&mut parts.base);
+            parts.base.name.clone_from(&name);
+        }
+        // What has no area at rest may have one later.
+        if !mesh.indices.is_empty() || parts.is_some() {
             document.hold(mesh.memory_bytes() + name.len() + MESH_BYTES, &place)?;
             mesh.name.clone_from(&name);
-            meshes.push(mesh);
+            meshes.push((mesh, parts));
         }
     }
     Ok(meshes)
@@ -62,10 +68,10 @@ pub(super) fn read(
 impl PrimitiveReader<'_> {
     fn mesh(
         &self,
-        pose: &Pose,
+        bending: &Bending,
         materials: &[AddedMaterial],
         warnings: &mut Warnings,
-    ) -> Result<Option<Mesh>, Error> {
+    ) -> Result<Option<(Mesh, Option<Parts>)>, Error> {
         let path = &self.document.path;
         let mode = match self.primitive.mode {
             4 => Mode::Triangles,
@@ -107,10 +113,17 @@ impl PrimitiveReader<'_> {
         for [_, v] in &mut mesh.texcoords {
             *v = 1.0 - *v;
         }
-        pose.bend(self, &mut mesh)?;
+        let parts = bending.bend(self, &mut mesh, warnings)?;
         mesh.indices = self.triangles(mode, count)?;
+        let parts = match parts {
+            Some(parts) => {
+                self.document.hold(size_of_val(&mesh.indices[..]) + 6 * count, self.place)?;
+                parts.with_triangles(mesh.indices.clone())
+            }
+            None => None,
+        };
         mesh.drop_unused_vertices();
-        Ok(Some(mesh))
+        Ok(Some((mesh, parts)))
     }
 
     /// An attribute that may be missing; one of a wrong length is left out with a warning.

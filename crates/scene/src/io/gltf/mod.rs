@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF 2.0, text and binary.
 //! Source: Khronos, glTF 2.0 specification; KHR_lights_punctual, KHR_materials_{emissive_strength, ior, transmission,
-//! unlit}, KHR_texture_transform, KHR_mesh_quantization, EXT_texture_webp.
+//! unlit}, KHR_texture_transform, KHR_mesh_quantization, EXT_texture_webp, KHR_animation_pointer, KHR_node_visibility.
 //!
 //! ```text
-//! file -> container (JSON, binary chunk) -> Document (buffers) -> materials, meshes -> nodes: instances, cameras, lights
+//! file -> container (JSON, binary chunk) -> Document (buffers) -> animations -> materials, meshes -> nodes: instances, cameras, lights
+//!                                                                        \-> rig: what of them moves -> the scene's Animation
 //! ```
 //!
 //! Every index is looked up where it is used, and what nobody uses is not looked at (see `json`).
 //! Each glTF mesh becomes one object, each node that shows it one instance; what a skin or morph weights bend becomes an
-//! object of its own, in its rest pose. Space: +Y up, metres, as here. Proof: `tests/gltf.rs`.
+//! object of its own. The scene is read in its rest pose. Space: +Y up, metres, as here. Proof: `tests/gltf.rs`.
 
 mod accessor;
+mod animation;
 mod base64;
 mod container;
 mod document;
@@ -19,15 +21,18 @@ mod json;
 mod material;
 mod mesh;
 mod nodes;
+mod pointer;
 mod primitive;
+mod rig;
 mod skin;
 
 use std::path::Path;
 
 use document::Document;
+use rig::Rig;
 
 use super::source::{self, Access};
-use super::{Error, Format, Loaded, Oddity, Warnings};
+use super::{Error, Format, Loaded, Warnings};
 use crate::scene::Scene;
 
 /// Loads a glTF file and all that it refers to.
@@ -38,10 +43,11 @@ pub(super) fn load(path: &Path, format: Format, access: &Access) -> Result<Loade
     let document = Document::new(path, &bytes, format, access, &mut warnings)?;
 
     let mut scene = Scene::new();
-    let materials = material::add_all(&document, &mut scene, &mut warnings)?;
-    nodes::add_all(&document, &materials, &mut scene, &mut warnings)?;
-    let animations = document.root.animations.0;
-    warnings.note_many(Oddity::NotShown, animations, path, None, "animation, shown in its rest pose");
+    let drafts = animation::read(&document, &mut warnings)?;
+    let materials =
+        material::add_all(&document, |index| drafts.drives_material(index), &mut scene, &mut warnings)?;
+    let rig = Rig::new(&document, drafts, materials.moving)?;
+    nodes::add_all(&document, &materials.added, rig, &mut scene, &mut warnings)?;
     let files = document.files();
     Ok(Loaded { scene, warnings, files })
 }

@@ -1,78 +1,95 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Nodes: where meshes, cameras and lights stand.
-//! Source: glTF 2.0 sections 3.5 and 3.10, KHR_lights_punctual. Transforms are multiplied in double precision.
-//! The tree is walked with a list, not by recursion, and each node once: neither depth nor cycles do harm.
+//! Source: glTF 2.0 sections 3.5 and 3.10, KHR_lights_punctual, KHR_node_visibility. Transforms are multiplied in double precision.
+//! The tree is walked with a list, not by recursion, and each node once: neither depth nor cycles do harm; a cycle is an error.
 //! Cost: O(nodes); memory: that of the way from the root, and a bit for each node. Proof: `tests/gltf.rs::{deep_and_cyclic_trees, cameras_and_lights}`.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::document::Document;
 use super::json::{self, Index};
 use super::material::AddedMaterial;
 use super::mesh;
-use super::skin::{Pose, joints_of_all_skins};
+use super::pointer::WeightsOf;
+use super::rig::{Rig, local};
+use super::skin::Bending;
 use crate::affine::Affine;
-use crate::camera::Camera;
+use crate::animation::{
+    Body, LightFactors, LightKind, MovingCamera, MovingInstance, MovingLight, Place, camera_at,
+};
 use crate::id::ObjectId;
 use crate::io::{Error, Oddity, Warnings};
-use crate::light::Light;
 use crate::scene::{Instance, Scene};
 
 /// Bytes that an instance, a camera or a light of the scene takes beside its name.
 const PLACED_BYTES: usize = 224;
 
-/// Adds what the nodes of the default scene, or else of all scenes, show.
+/// Adds what the nodes of the default scene, or else of all scenes, show, and the animation of what of it moves.
 pub(super) fn add_all(
     document: &Document<'_>,
     materials: &[AddedMaterial],
+    mut rig: Rig<'_>,
     scene: &mut Scene,
     warnings: &mut Warnings,
 ) -> Result<(), Error> {
-    let world_from_joint = place_joints(document)?;
-    let mut adder =
-        Adder { document, materials, world_from_joint: &world_from_joint, objects: HashMap::new(), scene };
-    walk(document, warnings, |index, node, world_from_here, warnings| {
-        adder.add(index, node, world_from_here, warnings)
-    })
-}
-
-/// Where the joints of skins stand; those that are not shown stand nowhere in particular.
-fn place_joints(document: &Document<'_>) -> Result<HashMap<Index, Affine>, Error> {
-    let mut joints = joints_of_all_skins(document)?;
-    if !joints.is_empty() {
-        // The walk that shows things says what is odd.
-        walk(document, &mut Warnings::default(), |index, _, world_from_here, _| {
-            if let Some(world_from_joint) = joints.get_mut(&index) {
-                *world_from_joint = world_from_here;
-            }
-            Ok(())
+    if !rig.is_still() {
+        // Meshes are bent by joints that may stand behind them. The walk that shows things says what is odd.
+        walk(document, &mut Warnings::default(), |index, node, parent, world_from_here, _| {
+            rig.enter(index, node, parent, world_from_here)
         })?;
     }
-    Ok(joints)
+    let mut adder = Adder { document, materials, rig, objects: HashMap::new(), scene };
+    walk(document, warnings, |index, node, parent, world_from_here, warnings| {
+        let place = adder.rig.enter(index, node, parent, world_from_here)?;
+        adder.add(index, node, Stand { world_from_here, place }, warnings)?;
+        Ok(place)
+    })?;
+    adder.rig.finish(adder.scene, warnings)
+}
+
+/// Where a node is.
+#[derive(Clone, Copy)]
+struct Stand {
+    /// At rest.
+    world_from_here: Affine,
+    place: Place,
 }
 
 /// A node on the way from the root to where the walk is: its children that are still to be seen.
 struct Ancestor {
-    world_from_here: Affine,
+    /// `None` = the file itself.
+    index: Option<Index>,
+    stand: Stand,
     children: std::vec::IntoIter<Index>,
 }
 
-/// Calls `visit` with every node that is shown, parents first, and its transform.
+/// Calls `visit` with every node that is shown, parents first, with its parent's place and its own transform; `visit` says what its
+/// own place is.
 fn walk(
     document: &Document<'_>,
     warnings: &mut Warnings,
-    mut visit: impl FnMut(Index, &json::Node, Affine, &mut Warnings) -> Result<(), Error>,
+    mut visit: impl FnMut(Index, &json::Node, Place, Affine, &mut Warnings) -> Result<Place, Error>,
 ) -> Result<(), Error> {
-    let mut seen = vec![false; document.root.nodes.len()];
-    let roots = Ancestor { world_from_here: Affine::IDENTITY, children: roots(document)?.into_iter() };
-    let mut way = vec![roots];
+    let count = document.root.nodes.len();
+    let (mut seen, mut is_above) = (vec![false; count], vec![false; count]);
+    let (roots, are_all) = roots(document)?;
+    let place = Place::Fixed { world_from_here: Affine::IDENTITY, visible: true };
+    let stand = Stand { world_from_here: Affine::IDENTITY, place };
+    let mut way = vec![Ancestor { index: None, stand, children: roots.into_iter() }];
     while let Some(parent) = way.last_mut() {
         let Some(index) = parent.children.next() else {
+            if let Some(index) = parent.index {
+                is_above[index.value()] = false;
+            }
             way.pop();
             continue;
         };
-        let world_from_parent = parent.world_from_here;
+        let parent = parent.stand;
         if seen.get(index.value()) == Some(&true) {
+            if is_above[index.value()] {
+                return Err(cycle(document, index.value()));
+            }
             let detail = format!("nodes[{}] stands in the tree twice", index.0);
             warnings.note(Oddity::BadNode, &document.path, None, detail);
             continue;
@@ -82,29 +99,41 @@ fn walk(
             _ => document.get(&document.root.nodes, index, "nodes", "node")?,
         };
         seen[index.value()] = true;
-        let world_from_here = world_from_parent * local_transform(&node);
+        let world_from_here = parent.world_from_here * local(&node).affine();
         let children = std::mem::take(&mut node.children);
-        visit(index, &node, world_from_here, warnings)?;
+        let place = visit(index, &node, parent.place, world_from_here, warnings)?;
         if !children.is_empty() {
-            way.push(Ancestor { world_from_here, children: children.into_iter() });
+            is_above[index.value()] = true;
+            let stand = Stand { world_from_here, place };
+            way.push(Ancestor { index: Some(index), stand, children: children.into_iter() });
         }
     }
-    Ok(())
+    match seen.iter().position(|&seen| !seen).filter(|_| are_all) {
+        // What no root leads to has a parent above it that leads back to it.
+        Some(index) => Err(cycle(document, index)),
+        None => Ok(()),
+    }
 }
 
-/// The first nodes of the default scene; without one, of all scenes; without scenes, all nodes that are no children.
-fn roots(document: &Document<'_>) -> Result<Vec<Index>, Error> {
+/// A node from which its own children lead back to it.
+fn cycle(document: &Document<'_>, index: usize) -> Error {
+    document.error(&format!("nodes[{index}]"), "its children lead back to it", "expected a tree of nodes")
+}
+
+/// The first nodes of the default scene; without one, of all scenes; without scenes, all nodes that are no children, which then lead to all
+/// nodes that there are.
+fn roots(document: &Document<'_>) -> Result<(Vec<Index>, bool), Error> {
     let root = &document.root;
     let scene = |index| -> Result<json::Scene, Error> { document.get(&root.scenes, index, "scene", "scene") };
     if let Some(index) = root.scene {
-        return Ok(scene(index)?.nodes);
+        return Ok((scene(index)?.nodes, false));
     }
     if !root.scenes.is_empty() {
         let mut nodes = Vec::new();
         for k in 0..root.scenes.len() {
             nodes.extend(scene(Index(k as u32))?.nodes);
         }
-        return Ok(nodes);
+        return Ok((nodes, false));
     }
     let mut is_child = vec![false; root.nodes.len()];
     for k in 0..root.nodes.len() {
@@ -115,40 +144,13 @@ fn roots(document: &Document<'_>) -> Result<Vec<Index>, Error> {
             }
         }
     }
-    Ok((0..root.nodes.len()).filter(|&i| !is_child[i]).map(|i| Index(i as u32)).collect())
-}
-
-fn local_transform(node: &json::Node) -> Affine {
-    if let Some(matrix) = &node.matrix {
-        return Affine::from_column_major(&matrix.map(f64::from));
-    }
-    let translation = node.translation.unwrap_or([0.0; 3]).map(f64::from);
-    let scale = node.scale.unwrap_or([1.0; 3]).map(f64::from);
-    let rotation = node.rotation.map_or(Affine::IDENTITY, |q| from_quaternion(q.map(f64::from)));
-    Affine::translation(translation) * rotation * Affine::scale(scale)
-}
-
-/// The rotation of a quaternion `x y z w` of any length but zero.
-fn from_quaternion(q: [f64; 4]) -> Affine {
-    let length = q.iter().map(|x| x * x).sum::<f64>().sqrt();
-    if !(length > 0.0 && length.is_finite()) {
-        return Affine::IDENTITY;
-    }
-    let [x, y, z, w] = q.map(|x| x / length);
-    Affine {
-        columns: [
-            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)],
-            [2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)],
-            [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
-            [0.0; 3],
-        ],
-    }
+    Ok(((0..root.nodes.len()).filter(|&i| !is_child[i]).map(|i| Index(i as u32)).collect(), true))
 }
 
 struct Adder<'a> {
     document: &'a Document<'a>,
     materials: &'a [AddedMaterial],
-    world_from_joint: &'a HashMap<Index, Affine>,
+    rig: Rig<'a>,
     /// Objects of meshes that no node bends; `None` = without triangles.
     objects: HashMap<Index, Option<ObjectId>>,
     scene: &'a mut Scene,
@@ -159,7 +161,7 @@ impl Adder<'_> {
         &mut self,
         index: Index,
         node: &json::Node,
-        world_from_here: Affine,
+        stand: Stand,
         warnings: &mut Warnings,
     ) -> Result<(), Error> {
         let place = format!("nodes[{}]", index.0);
@@ -169,17 +171,17 @@ impl Adder<'_> {
         let count = things.into_iter().filter(|&there| there).count();
         self.document.hold(count * (PLACED_BYTES + name.len()), &place)?;
         if let Some(mesh) = node.mesh {
-            self.add_mesh(&name, node, mesh, world_from_here, warnings)?;
+            self.add_mesh(&name, index, node, mesh, stand, warnings)?;
         }
         let root = &self.document.root;
         if let Some(camera) = node.camera {
-            let camera: json::Camera = self.document.get(&root.cameras, camera, &place, "camera")?;
-            self.add_camera(name, &camera, world_from_here, warnings);
+            let from: json::Camera = self.document.get(&root.cameras, camera, &place, "camera")?;
+            self.add_camera(&name, camera, &from, stand, warnings);
         }
         if let Some(light) = light {
             let lights = root.extensions.lights.as_ref().map_or(&[][..], |lights| &lights.lights);
-            let light: json::Light<'_> = self.document.get(lights, light.light, &place, "light")?;
-            self.add_light(&light, world_from_here, warnings);
+            let from: json::Light<'_> = self.document.get(lights, light.light, &place, "light")?;
+            self.add_light(light.light, &from, stand, warnings);
         }
         Ok(())
     }
@@ -187,25 +189,50 @@ impl Adder<'_> {
     /// The object that shows a mesh as its node bends it; `None` if it has no triangles.
     fn object(
         &mut self,
-        index: Index,
+        at: Index,
         node: &json::Node,
+        index: Index,
         warnings: &mut Warnings,
     ) -> Result<Option<ObjectId>, Error> {
+        let is_own = node.weights.is_some() || self.rig.drafts.drives_weights(WeightsOf::Node(at));
         // A mesh's own weights bend it for every node alike.
-        let is_shared = node.skin.is_none() && node.weights.is_none();
+        let is_shared = node.skin.is_none() && !is_own;
         if let Some(&known) = self.objects.get(&index).filter(|_| is_shared) {
             return Ok(known);
         }
         let document = self.document;
         let from: json::Mesh<'_> = document.get(&document.root.meshes, index, "nodes", "mesh")?;
+        let weights_of = if is_own { WeightsOf::Node(at) } else { WeightsOf::Mesh(index) };
         let before = document.budget().held();
-        let pose = Pose::of(document, node, &from, self.world_from_joint)?;
-        let for_pose = document.budget().held() - before;
-        let meshes = mesh::read(document, index, &from, &pose, self.materials, warnings)?;
-        document.budget().release(for_pose as usize);
+        let skin = node.skin.map(|skin| Ok((skin, self.rig.skin(skin)?))).transpose()?;
+        let for_skin = document.budget().held() - before;
+        let rest = node.weights.as_ref().unwrap_or(&from.weights);
+        let skin_and_rest = skin.as_ref().map(|(_, skin)| skin);
+        let bending = Bending::new(rest, skin_and_rest, self.rig.drafts.drives_weights(weights_of));
+        let meshes = mesh::read(document, index, &from, &bending, self.materials, warnings)?;
+        document.budget().release(for_skin as usize);
         let name = from.name.unwrap_or_else(|| format!("mesh {}", index.0));
         document.hold(PLACED_BYTES + name.len(), "meshes")?;
-        let ids: Vec<_> = meshes.into_iter().map(|mesh| self.scene.add_mesh(mesh)).collect();
+        let targets = meshes.iter().filter_map(|(_, parts)| parts.as_ref()).map(|parts| parts.morphs.len());
+        let targets = targets.max().unwrap_or(0);
+        let mut ids = Vec::with_capacity(meshes.len());
+        for (mesh, parts) in meshes {
+            let mesh = self.scene.add_mesh(mesh);
+            ids.push(mesh);
+            let Some(parts) = parts else { continue };
+            document.hold(size_of::<Body>(), "meshes")?;
+            let weights = match parts.morphs.is_empty() {
+                true => None,
+                false => Some(self.rig.add_weights(weights_of, rest, targets)?),
+            };
+            let skin = match (&parts.influences, &skin) {
+                (Some(_), Some((index, (skin, _)))) => Some(self.rig.add_skin(*index, skin)?),
+                _ => None,
+            };
+            let (morphs, influences) = (parts.morphs, parts.influences);
+            let base = Arc::new(parts.base);
+            self.rig.made.bodies.push(Body { mesh, base, morphs, weights, influences, skin });
+        }
         let object = (!ids.is_empty()).then(|| self.scene.add_object_of(name, ids));
         if is_shared {
             self.objects.insert(index, object);
@@ -216,80 +243,84 @@ impl Adder<'_> {
     fn add_mesh(
         &mut self,
         name: &str,
+        index: Index,
         node: &json::Node,
         mesh: Index,
-        world_from_here: Affine,
+        stand: Stand,
         warnings: &mut Warnings,
     ) -> Result<(), Error> {
         // A skinned mesh comes out in world space.
-        let world_from_object = if node.skin.is_some() { Affine::IDENTITY } else { world_from_here };
-        if world_from_object.inverse().is_none() {
+        let is_placed = node.skin.is_none();
+        let world_from_object = if is_placed { stand.world_from_here } else { Affine::IDENTITY };
+        let moves = matches!(stand.place, Place::On(_));
+        // What is flat at rest may not be so later.
+        if world_from_object.inverse().is_none() && !moves {
             warnings.note(Oddity::BadNode, &self.document.path, None, name);
             return Ok(());
         }
-        let object = self.object(mesh, node, warnings)?;
+        let object = self.object(index, node, mesh, warnings)?;
         if let Some(object) = object {
-            self.scene.add_instance(Instance {
-                name: name.to_owned(),
-                object,
-                world_from_object,
-                visible: true,
-            });
+            let visible = self.rig.is_visible(stand.place);
+            let name = name.to_owned();
+            let instance = self.scene.add_instance(Instance { name, object, world_from_object, visible });
+            if let Place::On(node) = stand.place {
+                self.rig.made.instances.push(MovingInstance { instance, node, is_placed });
+            }
         }
         Ok(())
     }
 
     fn add_camera(
         &mut self,
-        name: String,
-        camera: &json::Camera,
-        world_from_camera: Affine,
+        name: &str,
+        index: Index,
+        from: &json::Camera,
+        stand: Stand,
         warnings: &mut Warnings,
     ) {
-        let Some(perspective) = &camera.perspective else {
+        let Some(perspective) = &from.perspective else {
             let detail = format!("{name}: not a perspective camera");
             return warnings.note(Oddity::BadCamera, &self.document.path, None, detail);
         };
-        let single = |v: [f64; 3]| v.map(|x| x as f32);
-        let camera = Camera {
-            eye: single(world_from_camera.point([0.0; 3])),
-            target: single(world_from_camera.point([0.0, 0.0, -1.0])),
-            up: single(world_from_camera.vector([0.0, 1.0, 0.0])),
-            fov_y: perspective.yfov.to_degrees(),
-            name,
+        let Some(camera) = camera_at(name, &stand.world_from_here, perspective.yfov) else {
+            return warnings.note(Oddity::BadCamera, &self.document.path, None, name);
         };
-        if camera.frame().is_none() || !(camera.fov_y > 0.0 && camera.fov_y < 180.0) {
-            return warnings.note(Oddity::BadCamera, &self.document.path, None, camera.name);
+        let camera = self.scene.add_camera(camera);
+        if self.rig.drafts.drives_angle(index) || matches!(stand.place, Place::On(_)) {
+            let field_of_view = self.rig.add_angle(index, perspective.yfov);
+            self.rig.made.cameras.push(MovingCamera { camera, place: stand.place, field_of_view });
         }
-        self.scene.add_camera(camera);
     }
 
-    fn add_light(&mut self, light: &json::Light<'_>, world_from_light: Affine, warnings: &mut Warnings) {
-        let position = world_from_light.point([0.0; 3]).map(|x| x as f32);
-        let direction = world_from_light.vector([0.0, 0.0, -1.0]).map(|x| x as f32);
-        // Candela and lux as they are, as nits of emission are: docs/decisions/0019.
-        let intensity = light.color.map(|c| c * light.intensity);
-        let good = intensity.iter().chain(&position).chain(&direction).all(|x| x.is_finite());
-        let light = match &*light.kind {
-            _ if !good => None,
-            "point" => Some(Light::Point { position, intensity }),
-            "directional" => Some(Light::Directional { direction, irradiance: intensity }),
-            "spot" => {
-                let (inner, outer) = (light.spot.inner_cone_angle, light.spot.outer_cone_angle);
-                let outer_angle = outer.clamp(1e-3, std::f32::consts::FRAC_PI_2);
-                let inner_angle = inner.clamp(0.0, outer_angle * 0.999);
-                Some(Light::Spot { position, direction, intensity, inner_angle, outer_angle })
-            }
+    fn add_light(&mut self, index: Index, from: &json::Light<'_>, stand: Stand, warnings: &mut Warnings) {
+        let kind = match &*from.kind {
+            "point" => Some(LightKind::Point),
+            "directional" => Some(LightKind::Directional),
+            "spot" => Some(LightKind::Spot),
             _ => None,
         };
-        match light {
-            Some(light) => drop(self.scene.add_light(light)),
-            None => warnings.note(
-                Oddity::NotShown,
-                &self.document.path,
-                None,
-                "light of an unknown kind or without a place",
-            ),
+        let factors = kind.map(|kind| LightFactors {
+            kind,
+            color: from.color,
+            intensity: from.intensity,
+            inner_angle: from.spot.inner_cone_angle,
+            outer_angle: from.spot.outer_cone_angle,
+        });
+        let visible = self.rig.is_visible(stand.place);
+        let light =
+            factors.and_then(|factors| Some((factors, factors.light(&stand.world_from_here, visible)?)));
+        let Some((factors, light)) = light else {
+            let detail = "light of an unknown kind or without a place";
+            return warnings.note(Oddity::NotShown, &self.document.path, None, detail);
+        };
+        let moves = self.rig.drafts.drives_light(index) || matches!(stand.place, Place::On(_));
+        if !visible && !moves {
+            return;
+        }
+        let light = self.scene.add_light(light);
+        if moves {
+            let factors = self.rig.add_light(index, factors);
+            self.rig.made.lights.push(MovingLight { light, place: stand.place, factors });
         }
     }
 }

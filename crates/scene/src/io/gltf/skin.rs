@@ -1,159 +1,192 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Meshes bent by morph weights and skins, in the pose that the file itself shows.
-//! Source: glTF 2.0 sections 3.7.2.2 (morph targets) and 3.7.3 (skins: linear blending of joint matrices).
+//! What bends a primitive: morph targets and the joints of a skin, read from the file, and its pose at rest.
+//! Source: glTF 2.0 sections 3.7.2.2 (morph targets) and 3.7.3 (skins). All sets of joints count; how they bend is said in
+//! `animation/body.rs`.
 //! Space: a skinned mesh comes out in world space, for its node's own transform does not count.
-//! Proof: `tests/gltf.rs::{morph_weights_move_vertices, skins_follow_their_joints}`.
-
-use std::collections::HashMap;
+//! Proof: `tests/gltf.rs::{morph_weights_move_vertices, skins_follow_their_joints}`, `tests/animation.rs`.
 
 use super::accessor::{floats, joints};
-use super::document::Document;
-use super::json::{self, Index};
+use super::json::{Index, Target};
 use super::primitive::PrimitiveReader;
 use crate::affine::Affine;
-use crate::io::Error;
+use crate::animation::{Bend, Deltas, Influences, Morph, Place, Skin, add_morph, follow_joints};
+use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 
 /// How a node bends its mesh.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Pose {
-    /// Weights of the morph targets; empty = none.
-    weights: Vec<f32>,
-    /// World-from-mesh matrices of the skin's joints; empty = no skin.
-    joints: Vec<Affine>,
+pub(super) struct Bending {
+    rest: Bend,
+    is_skinned: bool,
+    /// Whether it bends in another way later.
+    moves: bool,
 }
 
-impl Pose {
-    /// The pose of a node that shows `mesh`, whose joints stand at `world_from_joint`.
-    pub(super) fn of(
-        document: &Document<'_>,
-        node: &json::Node,
-        mesh: &json::Mesh<'_>,
-        world_from_joint: &HashMap<Index, Affine>,
-    ) -> Result<Self, Error> {
-        let weights = node.weights.as_ref().unwrap_or(&mesh.weights);
-        let moves = weights.iter().any(|&w| w != 0.0 && w.is_finite());
-        let weights = if moves { weights.clone() } else { Vec::new() };
-        let joints = match node.skin {
-            Some(skin) => joint_matrices(document, skin, world_from_joint)?,
-            None => Vec::new(),
+/// What bends a mesh at any time.
+pub(super) struct Parts {
+    /// The mesh as nothing bends it.
+    pub(super) base: Mesh,
+    pub(super) morphs: Vec<Morph>,
+    pub(super) influences: Option<Influences>,
+}
+
+impl Bending {
+    /// With these weights, and the joints of a skin with their matrices, at rest; `are_driven` = the weights change.
+    pub(super) fn new(weights: &[f32], skin: Option<&(Skin, Vec<Affine>)>, are_driven: bool) -> Self {
+        let bends = weights.iter().any(|&w| w != 0.0 && w.is_finite());
+        let weights = if bends { weights.to_vec() } else { Vec::new() };
+        let joints = skin.map(|(_, at_rest)| at_rest.clone()).unwrap_or_default();
+        let stretches = skin.is_some_and(|(skin, _)| skin.stretches);
+        let joint_moves =
+            |(skin, _): &(Skin, _)| skin.joints.iter().any(|joint| matches!(joint.place, Place::On(_)));
+        Self {
+            rest: Bend { weights, joints, stretches },
+            is_skinned: skin.is_some(),
+            moves: are_driven || skin.is_some_and(joint_moves),
+        }
+    }
+
+    /// Moves positions, normals and tangents of a primitive's mesh, which has no triangles yet, to where they are at rest; gives
+    /// what bends it later, if anything does.
+    pub(super) fn bend(
+        &self,
+        from: &PrimitiveReader<'_>,
+        mesh: &mut Mesh,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Parts>, Error> {
+        let base = match self.moves {
+            true => {
+                from.document.hold(mesh.memory_bytes(), from.place)?;
+                Some(mesh.clone())
+            }
+            false => None,
         };
-        Ok(Self { weights, joints })
-    }
-
-    /// Whether the mesh comes out in world space.
-    pub(super) fn is_skinned(&self) -> bool {
-        !self.joints.is_empty()
-    }
-
-    /// Moves positions, normals and tangents of a primitive's mesh.
-    pub(super) fn bend(&self, from: &PrimitiveReader<'_>, mesh: &mut Mesh) -> Result<(), Error> {
-        for (target, &weight) in from.primitive.targets.iter().zip(&self.weights) {
-            for (index, values) in
-                [(target.positions, &mut mesh.positions), (target.normals, &mut mesh.normals)]
-            {
-                let Some(index) = index.filter(|_| !values.is_empty() && weight.is_finite()) else {
-                    continue;
-                };
-                let before = from.document.budget().held();
-                for (value, delta) in values.iter_mut().zip(floats::<3>(from.document, index, from.place)?) {
-                    *value = [0, 1, 2].map(|k| value[k] + weight * delta[k]);
-                }
-                from.document.budget().settle(before);
-            }
-            if let Some(index) = target.tangents.filter(|_| !mesh.tangents.is_empty() && weight.is_finite()) {
-                let before = from.document.budget().held();
-                let deltas = floats::<3>(from.document, index, from.place)?;
-                for (tangent, delta) in mesh.tangents.iter_mut().zip(deltas) {
-                    (0..3).for_each(|k| tangent[k] += weight * delta[k]);
-                }
-                from.document.budget().settle(before);
-            }
-        }
-        if self.is_skinned() {
-            self.skin(from, mesh)?;
-        }
-        Ok(())
-    }
-
-    fn skin(&self, from: &PrimitiveReader<'_>, mesh: &mut Mesh) -> Result<(), Error> {
-        let (Some(joint_index), Some(weight_index)) =
-            (from.primitive.attributes.joints, from.primitive.attributes.weights)
-        else {
-            return Ok(());
+        let mut morphs = Vec::new();
+        let weights = self.rest.weights.iter().copied();
+        let weights: Box<dyn Iterator<Item = f32>> = match self.moves {
+            true => Box::new(weights.chain(std::iter::repeat(0.0))),
+            false => Box::new(weights),
         };
-        let joints = joints(from.document, joint_index, from.place)?;
-        let weights = floats::<4>(from.document, weight_index, from.place)?;
-        for (i, (joints, weights)) in joints.iter().zip(&weights).enumerate().take(mesh.positions.len()) {
-            let world_from_mesh = self.blend(joints, weights);
-            mesh.positions[i] = world_from_mesh.point(mesh.positions[i].map(f64::from)).map(|x| x as f32);
-            if let Some(normal) = mesh.normals.get_mut(i) {
-                // Joints turn and move; where one stretches unevenly the shading is off by that little.
-                *normal = world_from_mesh.vector(normal.map(f64::from)).map(|x| x as f32);
+        for (target, weight) in from.primitive.targets.iter().zip(weights) {
+            if !self.moves && (weight == 0.0 || !weight.is_finite()) {
+                continue;
             }
-            if let Some([x, y, z, _]) = mesh.tangents.get_mut(i) {
-                [*x, *y, *z] = world_from_mesh.vector([*x, *y, *z].map(f64::from)).map(|x| x as f32);
+            let before = from.document.budget().held();
+            let morph = from.morph(target, mesh, warnings)?;
+            add_morph(&morph, weight, mesh);
+            match self.moves {
+                true => morphs.push(morph),
+                false => from.document.budget().settle(before),
             }
         }
-        Ok(())
+        let influences =
+            if self.is_skinned { from.influences(mesh, self.rest.joints.len(), warnings)? } else { None };
+        if let Some(influences) = &influences {
+            follow_joints(influences, &self.rest, mesh);
+        }
+        Ok(base.map(|base| Parts { base, morphs, influences }))
+    }
+}
+
+impl Parts {
+    /// For triangles of these corners: those that can ever have an area, and their vertices alone. `None` if there are none.
+    pub(super) fn with_triangles(mut self, mut triangles: Vec<[u32; 3]>) -> Option<Self> {
+        let count = self.base.positions.len();
+        let is_finite: Vec<bool> =
+            self.base.positions.iter().map(|p| p.iter().all(|x| x.is_finite())).collect();
+        triangles.retain(|&[a, b, c]| {
+            a != b && b != c && c != a && [a, b, c].iter().all(|&i| is_finite[i as usize])
+        });
+        let mut used = vec![false; count];
+        triangles.iter().flatten().for_each(|&i| used[i as usize] = true);
+        let kept: Vec<u32> = (0..count as u32).filter(|&i| used[i as usize]).collect();
+        self.base.indices = triangles;
+        if kept.len() < count {
+            for morph in &mut self.morphs {
+                for deltas in [&mut morph.positions, &mut morph.normals, &mut morph.tangents] {
+                    *deltas = deltas.keep(&kept);
+                }
+            }
+            self.influences = self.influences.map(|influences| influences.keep(&kept));
+            self.base.drop_unused_vertices();
+        }
+        (!kept.is_empty()).then_some(self)
     }
 
-    /// The weighted sum of four joint matrices; joints that do not exist weigh nothing.
-    fn blend(&self, joints: &[u32; 4], weights: &[f32; 4]) -> Affine {
-        let mut sum = Affine { columns: [[0.0; 3]; 4] };
-        let mut total = 0.0;
-        for (&joint, &weight) in joints.iter().zip(weights) {
-            let Some(matrix) = self.joints.get(joint as usize).filter(|_| weight > 0.0) else {
+    /// Bytes that it holds.
+    pub(super) fn memory_bytes(&self) -> usize {
+        let of = |m: &Morph| m.memory_bytes() + size_of::<Morph>();
+        self.base.memory_bytes()
+            + self.morphs.iter().map(of).sum::<usize>()
+            + self.influences.as_ref().map_or(0, Influences::memory_bytes)
+    }
+}
+
+impl PrimitiveReader<'_> {
+    /// A morph target of a primitive whose mesh is `mesh`.
+    fn morph(&self, target: &Target, mesh: &Mesh, warnings: &mut Warnings) -> Result<Morph, Error> {
+        let mut deltas = |index: Option<Index>, count: usize| -> Result<Deltas, Error> {
+            let Some(index) = index.filter(|_| count > 0) else { return Ok(Deltas::default()) };
+            let before = self.document.budget().held();
+            let values = floats::<3>(self.document, index, self.place)?;
+            if values.len() != count {
+                let detail =
+                    format!("{}: a morph target of {} of {count} vertices", self.place, values.len());
+                warnings.note(Oddity::BadAttribute, &self.document.path, None, detail);
+                self.document.budget().settle(before);
+                return Ok(Deltas::default());
+            }
+            Ok(Deltas::new(values))
+        };
+        self.document.hold(size_of::<Morph>(), self.place)?;
+        Ok(Morph {
+            positions: deltas(target.positions, mesh.positions.len())?,
+            normals: deltas(target.normals, mesh.normals.len())?,
+            tangents: deltas(target.tangents, mesh.tangents.len())?,
+        })
+    }
+
+    /// The joints of each vertex, of a skin of `count`; `None` where the primitive names none.
+    fn influences(
+        &self,
+        mesh: &Mesh,
+        count: usize,
+        warnings: &mut Warnings,
+    ) -> Result<Option<Influences>, Error> {
+        let (document, attributes) = (self.document, &self.primitive.attributes);
+        let vertices = mesh.positions.len();
+        let mut names = attributes.joints.clone();
+        names.sort_by_key(|&(set, _)| set);
+        let mut sets = Vec::new();
+        for (set, joint_index) in names {
+            let Some(&(_, weight_index)) = attributes.weights.iter().find(|(other, _)| *other == set) else {
                 continue;
             };
-            total += f64::from(weight);
-            for (to, from) in sum.columns.iter_mut().flatten().zip(matrix.columns.iter().flatten()) {
-                *to += f64::from(weight) * from;
+            // What is read, and what is made of it.
+            document.hold(vertices.saturating_mul(2 * 4 * size_of::<(u32, f32)>() + 4), self.place)?;
+            let joints = joints(document, joint_index, self.place)?;
+            let weights = floats::<4>(document, weight_index, self.place)?;
+            if joints.len() != vertices || weights.len() != vertices {
+                let (j, w) = (joints.len(), weights.len());
+                let detail = format!("{}: {j} joints and {w} weights for {vertices} vertices", self.place);
+                warnings.note(Oddity::BadAttribute, &document.path, None, detail);
+                continue;
+            }
+            sets.push((joints, weights));
+        }
+        if sets.is_empty() {
+            return Ok(None);
+        }
+        let mut influences = Influences::with_capacity(vertices);
+        for i in 0..vertices {
+            let of = |(joints, weights): &(Vec<[u32; 4]>, Vec<[f32; 4]>)| {
+                joints[i].into_iter().zip(weights[i]).collect::<Vec<_>>()
+            };
+            influences.push(sets.iter().flat_map(of));
+            if let Some(&(joint, _)) = influences.of(i).iter().find(|(joint, _)| *joint as usize >= count) {
+                let problem = format!("vertex {i} hangs on joint {joint}, but the skin has {count} joints");
+                return Err(document.error(self.place, problem, ""));
             }
         }
-        if total > 0.0 {
-            sum.columns.iter_mut().flatten().for_each(|x| *x /= total);
-            sum
-        } else {
-            Affine::IDENTITY
-        }
+        Ok(Some(influences))
     }
-}
-
-/// Where the joints of all skins stand is asked for once, before anything is bent.
-pub(super) fn joints_of_all_skins(document: &Document<'_>) -> Result<HashMap<Index, Affine>, Error> {
-    let mut joints = HashMap::new();
-    for k in 0..document.root.skins.len() {
-        let place = format!("skins[{k}]");
-        let skin: json::Skin = document.get(&document.root.skins, Index(k as u32), &place, "skin")?;
-        for joint in skin.joints {
-            if joints.insert(joint, Affine::IDENTITY).is_none() {
-                // A table is up to half empty.
-                document.hold(2 * size_of::<(Index, Affine)>(), &place)?;
-            }
-        }
-    }
-    Ok(joints)
-}
-
-fn joint_matrices(
-    document: &Document<'_>,
-    index: Index,
-    world_from_joint: &HashMap<Index, Affine>,
-) -> Result<Vec<Affine>, Error> {
-    let place = format!("skins[{}]", index.0);
-    let skin: json::Skin = document.get(&document.root.skins, index, &place, "skin")?;
-    let bytes = size_of::<Affine>() * skin.joints.len();
-    document.work(bytes, &place)?;
-    document.hold(bytes, &place)?;
-    let inverse_binds = match skin.inverse_bind_matrices {
-        Some(accessor) => floats::<16>(document, accessor, &place)?,
-        None => Vec::new(),
-    };
-    let matrix = |(k, joint): (usize, &Index)| {
-        let world_from_joint = world_from_joint.get(joint).copied().unwrap_or_default();
-        let joint_from_mesh = inverse_binds.get(k).map(|m| Affine::from_column_major(&m.map(f64::from)));
-        world_from_joint * joint_from_mesh.unwrap_or_default()
-    };
-    Ok(skin.joints.iter().enumerate().map(matrix).collect())
 }

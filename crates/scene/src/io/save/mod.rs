@@ -3,7 +3,7 @@
 //! Source: the formats' own specifications, see `io::{obj, ply, gltf}`.
 //! Every file appears whole or not at all; files that the main one refers to are written before it.
 //! What a format cannot hold is left out with a warning: OBJ and PLY hold neither instances (they are unfolded) nor
-//! cameras nor lights, PLY holds no materials, glTF no environment. Proof: `tests/save.rs`.
+//! cameras nor lights, PLY holds no materials, glTF no environment; animations are not written. Proof: `tests/save.rs`.
 
 mod files;
 mod gltf;
@@ -14,7 +14,7 @@ mod world;
 
 use std::path::Path;
 
-use super::{Error, Format, Warnings};
+use super::{Error, Format, Oddity, Warnings};
 use crate::scene::Scene;
 
 /// Writes a scene; the extension of `path` says in which format. What was left out is in the warnings.
@@ -25,6 +25,8 @@ pub fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<Warnings, Error> {
         .check()
         .map_err(|e| Error::data(path, None, e.to_string(), "the scene must be in order to be written"))?;
     let mut warnings = Warnings::default();
+    let clips = scene.animation().map_or(0, |animation| animation.clips.len());
+    warnings.note_many(Oddity::NotShown, clips as u64, path, None, "animation, written as it is shown");
     match format {
         Format::Obj => obj::save(scene, path, &mut warnings)?,
         Format::Ply => ply::save(scene, path, &mut warnings)?,

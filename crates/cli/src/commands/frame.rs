@@ -1,0 +1,403 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The steps from a scene to a picture, which stills and frames of animations share.
+//! Source: original; the order of checks is the contract of the command line: arguments, the scene's path, the output's
+//! folder and the memory that the picture takes come before any work. Proof: `tests/`.
+
+use std::time::{Duration, Instant};
+
+use gnurt::ThreadPool;
+use gnurt::denoise::{self, denoise};
+use gnurt::image::Picture;
+use gnurt::look::{FEW_SAMPLES, is_noisy};
+use gnurt::memory::{check_memory, format_bytes};
+use gnurt::render::{
+    Accumulation, CommitOptions, CommitReport, Frame, RenderOptions, ShaderTable, World, render_on,
+};
+use gnurt::scene::Scene;
+use gnurt::simd::Level;
+use gnurt_view::TevImage;
+
+use crate::arguments::{
+    FrameArguments, LightArguments, Look, RenderArguments, StatisticsForm, TreeArguments,
+};
+use crate::checkpoint::Checkpoint;
+use crate::display::Displayed;
+use crate::environment::Environment;
+use crate::failure::{Failure, Outcome};
+use crate::messages::{Messages, print};
+use crate::output::{Output, is_same_file};
+use crate::picture_header::{describe, describe_making};
+use crate::progress::Watcher;
+use crate::shaders::{self, Shaders};
+use crate::signals;
+use crate::source::Source;
+use crate::statistics::Statistics;
+use crate::view::{self, Chosen};
+
+/// What was decided before any work.
+pub(super) struct Plan {
+    pub(super) source: Source,
+    /// What is written at the end.
+    pub(super) targets: Targets,
+    /// How the noise is to be taken out: as somebody asks, or because there are few samples.
+    filter: Option<Filter>,
+}
+
+#[derive(Clone)]
+pub(super) struct Targets {
+    pub(super) picture: Output,
+    pub(super) heatmap: Option<Output>,
+}
+
+struct Filter {
+    options: denoise::Options,
+    /// Whether nobody has asked for it: many samples need none then.
+    is_default: bool,
+}
+
+/// A scene that is ready for rays.
+pub(super) struct Ready {
+    pub(super) world: World,
+    pub(super) report: CommitReport,
+    pub(super) chosen: Chosen,
+    pub(super) shaders: Shaders,
+    pub(super) checkpoint: Option<Checkpoint>,
+    pub(super) load_time: Duration,
+    /// Curve and exposure of all frames; `None` = as asked for, chosen from the picture if that is left open.
+    pub(super) light: Option<LightArguments>,
+}
+
+/// Renders a scene that is ready, and puts the picture in place.
+pub(super) fn make(
+    arguments: &RenderArguments,
+    begin: Instant,
+    plan: &Plan,
+    ready: &Ready,
+    options: &RenderOptions,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Outcome {
+    let mut frame = render_frame(arguments, plan, ready, options, pool, messages)?;
+    tell(&frame, arguments, messages);
+    ready.shaders.tell_faults(messages);
+    if signals::is_stopped() && arguments.moments.frames.is_some() {
+        // A file that is there counts as a frame that is done.
+        return Ok(());
+    }
+    take_noise_out(&mut frame, plan, pool, messages)?;
+    finish(&mut frame.picture, &frame.stats, arguments, plan, ready, options);
+    save(&frame, &plan.targets, ready, arguments, messages)?;
+    report(arguments, begin, plan, ready, options, &frame, messages)
+}
+
+/// Renders, shows and keeps what it has on the way.
+fn render_frame(
+    arguments: &RenderArguments,
+    plan: &Plan,
+    ready: &Ready,
+    options: &RenderOptions,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Result<Frame, Failure> {
+    let begun = match &ready.checkpoint {
+        Some(checkpoint) => checkpoint.begin(options, messages)?,
+        None => Accumulation::new(options.clone()).map_err(Failure::usage)?,
+    };
+    let (size, name) = ([options.width, options.height], plan.source.name());
+    let tev = arguments.display.as_ref().map(|address| TevImage::create(address, &name, size));
+    let tev = tev.transpose().map_err(Failure::data)?;
+    let watcher = Watcher::begin(messages.shows_progress());
+    let displayed = Displayed::new(&watcher, tev);
+    let every = ready.checkpoint.as_ref().map(|checkpoint| checkpoint.every);
+    let mut saved = Ok(());
+    let frame = render_on(begun, &ready.world, &ready.chosen.rays, pool, &displayed, every, &mut |picture| {
+        if let Some(checkpoint) = &ready.checkpoint {
+            saved = checkpoint.save(picture);
+        }
+    });
+    let lost = displayed.end();
+    watcher.end();
+    if let Some(why) = lost {
+        messages.warning(format_args!("the picture is no longer shown: {why}"));
+    }
+    saved?;
+    Ok(frame)
+}
+
+/// As planned, but nobody is asked whether many samples need it.
+fn take_noise_out(frame: &mut Frame, plan: &Plan, pool: &ThreadPool, messages: Messages) -> Outcome {
+    // Who stops a rendering does not want to wait for what nobody asked for.
+    let is_welcome = frame.stats.spp_max < FEW_SAMPLES && !signals::is_stopped();
+    let is_needed = |filter: &&Filter| !filter.is_default || is_welcome;
+    let Some(filter) = plan.filter.as_ref().filter(is_needed) else { return Ok(()) };
+    let used = denoise(&mut frame.picture, &filter.options, pool).map_err(Failure::data)?;
+    if filter.is_default {
+        messages.note(format_args!(
+            "{used}, for there are fewer than {FEW_SAMPLES} samples; --denoise=none leaves it"
+        ));
+    } else {
+        messages.note(&used);
+    }
+    frame.picture.set_metadata("denoiser", used.name());
+    Ok(())
+}
+
+/// What its file is to say and to show.
+fn finish(
+    picture: &mut Picture,
+    stats: &gnurt::render::RenderStats,
+    arguments: &RenderArguments,
+    plan: &Plan,
+    ready: &Ready,
+    options: &RenderOptions,
+) {
+    // On a screen the background is part of the picture: only what lies outside the crop stays transparent.
+    if !plan.targets.picture.has_layers() {
+        picture.make_opaque(options.crop);
+    }
+    describe(picture, &arguments.frame);
+    if plan.targets.picture.has_layers() {
+        let aspect = options.width as f32 / options.height as f32;
+        describe_making(picture, &ready.chosen.camera, aspect, stats);
+    }
+}
+
+/// What was counted and measured, if somebody asks.
+fn report(
+    arguments: &RenderArguments,
+    begin: Instant,
+    plan: &Plan,
+    ready: &Ready,
+    options: &RenderOptions,
+    frame: &Frame,
+    messages: Messages,
+) -> Outcome {
+    let statistics = Statistics {
+        scene: plan.source.name(),
+        picture: plan.targets.picture.path(),
+        options,
+        world: ready.world.stats(),
+        report: ready.report.clone(),
+        render: &frame.stats,
+        load_seconds: ready.load_time.as_secs_f64(),
+        total_seconds: begin.elapsed().as_secs_f64(),
+    };
+    match arguments.stats {
+        Some(StatisticsForm::Json) => print(statistics.to_json()),
+        Some(StatisticsForm::Table) => {
+            messages.table(statistics);
+            Ok(())
+        }
+        None => Ok(()),
+    }
+}
+
+/// Everything that can be refused before any work.
+pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> Result<Plan, Failure> {
+    view::check(&arguments.view)?;
+    shaders::check(&arguments.frame.shaders)?;
+    let resolution = arguments.frame.resolution;
+    if let Some(crop) = arguments.crop.filter(|crop| crop.within(resolution).is_none()) {
+        return Err(Failure::usage(format_args!(
+            "--crop '{crop}': no pixel of the {resolution} picture is in it; give x0,y0,x1,y1 with x0 < x1 and y0 < y1"
+        )));
+    }
+    let given = arguments.output.as_deref().map(Output::named).transpose()?;
+    let heatmap = arguments.heatmap.as_deref().map(Output::named).transpose()?;
+    let source = Source::find(&arguments.scene, &arguments.files, environment)?;
+    arguments.moments.check(source.numbered().is_some(), arguments.checkpoint.is_some())?;
+    let is_sequence = arguments.moments.frames.is_some();
+    let picture = given.map_or_else(|| Output::named(&source.picture_name(is_sequence)), Ok)?;
+    if is_sequence {
+        for (option, output) in [("--output", Some(&picture)), ("--heatmap", heatmap.as_ref())] {
+            if let Some(output) = output.filter(|output| output.numbered().is_none()) {
+                return Err(Failure::usage(format_args!(
+                    "{option} {}: --frames makes more than one; give a place for the number, as in frame.####.png",
+                    output.path().display()
+                )));
+            }
+        }
+    }
+    if heatmap.as_ref().is_some_and(|heatmap| is_same_file(heatmap.path(), picture.path())) {
+        return Err(Failure::usage("--heatmap and --output are the same file; give two"));
+    }
+    if let Some(checkpoint) = &arguments.checkpoint {
+        if [Some(&picture), heatmap.as_ref()]
+            .into_iter()
+            .flatten()
+            .any(|o| is_same_file(o.path(), checkpoint))
+        {
+            return Err(Failure::usage("--checkpoint is the file of a picture; give another"));
+        }
+        gnurt::image::check_writable(checkpoint).map_err(Failure::data)?;
+    }
+    if arguments.frame.noise.is_some() && arguments.frame.integrator.has_virtual_lights() {
+        return Err(Failure::usage(format_args!(
+            "--noise does not go with --integrator {}: its pixels share their noise; give --spp or --time",
+            arguments.frame.integrator
+        )));
+    }
+    if let Some(how) = arguments.denoiser.options(None) {
+        denoise::check(&how).map_err(Failure::data)?;
+    }
+    picture.check()?;
+    heatmap.iter().try_for_each(Output::check)?;
+    let targets = Targets { picture, heatmap };
+    let filter = filter(arguments, &targets);
+    let mut plan = Plan { source, targets, filter };
+    let fits = |plan: &Plan| check_memory(&options(arguments, plan, Level::default()), plan.filter.is_some());
+    if plan.filter.as_ref().is_some_and(|filter| filter.is_default) && fits(&plan).is_err() {
+        // What nobody asked for must not be what is too much.
+        plan.filter = None;
+    }
+    fits(&plan).map_err(|why| Failure::data(format_args!("--resolution {resolution}: {why}")))?;
+    Ok(plan)
+}
+
+/// How the noise is to be taken out, if somebody asks or the picture is one for screens that may have few samples.
+fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
+    let crop = arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution));
+    if let Some(options) = arguments.denoiser.options(crop) {
+        return Some(Filter { options, is_default: false });
+    }
+    let FrameArguments { integrator, spp, .. } = arguments.frame;
+    // A rendering that ends early has fewer samples; one that is gone on with must look the same all the time.
+    let may_be_few = spp < FEW_SAMPLES || arguments.time.is_some() || arguments.checkpoint.is_some();
+    let is_default = arguments.denoiser.is_left_open()
+        && targets.picture.is_for_screens()
+        && is_noisy(integrator, 1)
+        && may_be_few;
+    let options = arguments.denoiser.options_or_built_in(crop);
+    options.filter(|_| is_default).map(|options| Filter { options, is_default })
+}
+
+/// How the scene is to be made ready for rays.
+pub(super) fn commit_options(frame: &FrameArguments, trees: &TreeArguments, level: Level) -> CommitOptions {
+    CommitOptions { force_diffuse: frame.force_diffuse, level, memory: trees.memory }
+}
+
+/// Builds the trees, and tells what had to be left out.
+pub(super) fn commit(
+    scene: &Scene,
+    shaders: &ShaderTable,
+    options: CommitOptions,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Result<(World, CommitReport), Failure> {
+    let mut world = World::new();
+    let report = commit_into(&mut world, scene, shaders, options, pool, messages)?;
+    Ok((world, report))
+}
+
+/// The same for a world that may know the scene already.
+pub(super) fn commit_into(
+    world: &mut World,
+    scene: &Scene,
+    shaders: &ShaderTable,
+    options: CommitOptions,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Result<CommitReport, Failure> {
+    let report = world.commit(scene, shaders, &options, pool).map_err(Failure::data)?;
+    if report.dropped_triangles > 0 {
+        messages
+            .warning(format_args!("{} triangles without a finite area left out", report.dropped_triangles));
+    }
+    if report.dropped_instances > 0 {
+        messages.warning(format_args!(
+            "{} instances whose transform has no inverse left out",
+            report.dropped_instances
+        ));
+    }
+    // A scene without any triangle was warned about when it was read.
+    let has_triangles = scene.meshes().iter().any(|mesh| !mesh.indices.is_empty());
+    if world.bounds().is_none() && has_triangles {
+        messages.warning("no triangle is left to be seen: only the background is");
+    }
+    let stats = world.stats();
+    messages.detail(format_args!(
+        "{} triangles in {} objects, {} instances: trees of {} nodes, {}, in {:.2} s",
+        stats.triangles,
+        stats.objects,
+        stats.instances,
+        stats.tree_nodes,
+        format_bytes(stats.tree_bytes as u64),
+        report.build_seconds
+    ));
+    Ok(report)
+}
+
+pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) -> RenderOptions {
+    RenderOptions {
+        crop: arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution)),
+        time_limit: arguments.time,
+        aovs: plan.targets.picture.has_layers() || plan.filter.is_some(),
+        heatmap: plan.targets.heatmap.is_some(),
+        ..frame_options(&arguments.frame, level)
+    }
+}
+
+/// The part of the options that `trace` shares.
+pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptions {
+    RenderOptions {
+        width: frame.resolution.width,
+        height: frame.resolution.height,
+        spp: frame.spp,
+        seed: frame.seed,
+        integrator: frame.integrator,
+        filter: frame.filter,
+        max_depth: frame.max_depth,
+        vpls: frame.vpls,
+        clamp: frame.clamp,
+        noise: frame.noise,
+        interleave: frame.interleave,
+        level,
+        ..RenderOptions::default()
+    }
+}
+
+/// What people should know about the picture.
+fn tell(frame: &Frame, arguments: &RenderArguments, messages: Messages) {
+    let stats = &frame.stats;
+    if stats.bad_samples > 0 {
+        messages
+            .warning(format_args!("{} samples that were NaN or infinite became black", stats.bad_samples));
+    }
+    if !stats.complete {
+        let reason = if signals::is_stopped() { "stopped by a signal" } else { "the time is up" };
+        messages.note(format_args!(
+            "{reason}: {} to {} of {} samples per pixel were taken",
+            stats.spp_min, stats.spp_max, arguments.frame.spp
+        ));
+    }
+    let million_rays = stats.rays() as f64 * 1e-6;
+    messages.detail(format_args!(
+        "{million_rays:.2} million rays in {:.2} s on {} threads: {:.2} million per second",
+        stats.seconds,
+        stats.threads,
+        million_rays / stats.seconds.max(1e-9)
+    ));
+    messages.trace(format_args!(
+        "{} nodes visited, {} triangles tested",
+        stats.nodes_visited, stats.triangles_tested
+    ));
+}
+
+fn save(
+    frame: &Frame,
+    targets: &Targets,
+    ready: &Ready,
+    arguments: &RenderArguments,
+    messages: Messages,
+) -> Outcome {
+    let known = ready.chosen.exposure_of(arguments.frame.integrator);
+    let light = ready.light.unwrap_or(arguments.light).suited(known);
+    targets.picture.write_with(&frame.picture, light, messages)?;
+    messages.detail(format_args!("wrote {}", targets.picture.path().display()));
+    if let (Some(target), Some(heatmap)) = (&targets.heatmap, &frame.heatmap) {
+        // Its colours are no light.
+        target.write(heatmap, Look::default())?;
+        messages.detail(format_args!("wrote {}", target.path().display()));
+    }
+    Ok(())
+}

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt render --at` and `--frames`: moments of an animation, or files of a sequence.
+//! Source: original. A frame is made from the scene and its moment alone, so that a sequence has the pictures, byte for byte, that `--at`
+//! has of its moments: the default camera, the lights and the exposure are chosen where every call can find them, from the clip's
+//! first moment and the room it takes, or from the first file of a sequence that is there.
+//! Proof: `tests/program/animation.rs`.
+
+use std::time::{Duration, Instant};
+
+use gnurt::ThreadPool;
+use gnurt::defaults::{Added, Bounds, Stock, bounds_over};
+use gnurt::look::meter;
+use gnurt::render::{RenderOptions, World, fingerprint};
+use gnurt::scene::{Animation, Scene};
+
+use super::frame::{Plan, Ready, Targets, commit_into, commit_options, make};
+use crate::arguments::{ExposureChoice, LightArguments, MomentArguments, RenderArguments};
+use crate::checkpoint::Checkpoint;
+use crate::failure::{Failure, Outcome};
+use crate::messages::Messages;
+use crate::nearest::nearest;
+use crate::shaders::{self, Shaders};
+use crate::signals;
+use crate::source::Source;
+use crate::view::{self, Chosen, Stage};
+
+/// What is rendered once.
+struct Frame {
+    number: u32,
+    seconds: f64,
+    targets: Targets,
+}
+
+/// Everything that frames share.
+struct Studio<'a> {
+    arguments: &'a RenderArguments,
+    options: &'a RenderOptions,
+    pool: &'a ThreadPool,
+    /// Whether curve and exposure show.
+    is_for_screens: bool,
+    messages: Messages,
+}
+
+/// Renders the moments that were asked for.
+pub(super) fn run(
+    arguments: &RenderArguments,
+    mut plan: Plan,
+    options: &RenderOptions,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Outcome {
+    let targets = plan.targets.clone();
+    let mut due = frames(&arguments.moments, &targets)
+        .filter(|frame| !arguments.moments.skip_existing || !is_done(&frame.targets))
+        .peekable();
+    if due.peek().is_none() {
+        messages.note("all frames are there already");
+        return Ok(());
+    }
+    let is_for_screens = targets.picture.is_for_screens();
+    let studio = Studio { arguments, options, pool, is_for_screens, messages };
+    match plan.source.numbered().cloned() {
+        Some(numbered) => {
+            let first = numbered.first().ok().flatten().unwrap_or(0);
+            studio.files(&mut plan, first, due)
+        }
+        None => studio.clip(&mut plan, due),
+    }
+}
+
+/// The frames, each when it is asked for: there may be many.
+fn frames<'a>(moments: &'a MomentArguments, targets: &'a Targets) -> impl Iterator<Item = Frame> + 'a {
+    let range = moments.frames.map(|range| range.first..=range.last);
+    let one = moments.at.map(|seconds| Frame {
+        number: moments.frame_at(seconds),
+        seconds,
+        targets: targets.clone(),
+    });
+    let all = range.into_iter().flatten().map(move |number| Frame {
+        number,
+        seconds: moments.seconds(number),
+        targets: Targets {
+            picture: targets.picture.at(number),
+            heatmap: targets.heatmap.as_ref().map(|heatmap| heatmap.at(number)),
+        },
+    });
+    one.into_iter().chain(all)
+}
+
+fn is_done(targets: &Targets) -> bool {
+    let is_there = |output: &crate::output::Output| output.path().exists();
+    is_there(&targets.picture) && targets.heatmap.as_ref().is_none_or(is_there)
+}
+
+impl Studio<'_> {
+    /// Moments of a clip of one scene, which is read once.
+    fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>) -> Outcome {
+        let begin = Instant::now();
+        let mut scene = plan.source.load(self.messages)?;
+        let clip = clip(&scene, &self.arguments.moments)?;
+        let Some(clip) = clip else {
+            return Err(Failure::usage(format_args!(
+                "{}: the scene has no animation; leave out --at and --frames",
+                plan.source.name()
+            )));
+        };
+        let bounds = bounds_over(&mut scene, clip);
+        let chosen = self.choose(&mut scene, bounds)?;
+        let shaders = Shaders::put_into(&mut scene, &self.arguments.frame.shaders)?;
+        let mut world = World::new();
+        let light = self.light(&scene, &chosen, &shaders, &mut world)?;
+        let mut ready = self.ready(world, chosen, shaders, light, begin.elapsed());
+        for frame in frames {
+            let begin = Instant::now();
+            scene.pose(clip, frame.seconds);
+            self.make(plan, &mut ready, &scene, frame, begin)?;
+            if signals::is_stopped() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Files of a sequence; each may have a clip of its own.
+    fn files(&self, plan: &mut Plan, first: u32, frames: impl Iterator<Item = Frame>) -> Outcome {
+        let begin = Instant::now();
+        let all = plan.source.clone();
+        let (scene, chosen, added) = self.first(&all.at(first))?;
+        let mut light = None;
+        for frame in frames {
+            let begin = Instant::now();
+            let mut next = all.at(frame.number).load(self.messages)?;
+            if let Some(clip) = clip(&next, &self.arguments.moments)? {
+                next.pose(clip, frame.seconds);
+            }
+            added.add_to(&mut next);
+            let shaders = Shaders::put_into(&mut next, &self.arguments.frame.shaders)?;
+            let light = match light {
+                Some(light) => light,
+                None => {
+                    let mut scene = scene.clone();
+                    let shaders = Shaders::put_into(&mut scene, &self.arguments.frame.shaders)?;
+                    *light.insert(self.light(&scene, &chosen, &shaders, &mut World::new())?)
+                }
+            };
+            let mut ready = self.ready(World::new(), chosen.clone(), shaders, light, begin.elapsed());
+            plan.source = all.at(frame.number);
+            self.make(plan, &mut ready, &next, frame, begin)?;
+            if signals::is_stopped() {
+                break;
+            }
+        }
+        self.messages.detail(format_args!("the sequence took {:.2} s", begin.elapsed().as_secs_f64()));
+        Ok(())
+    }
+
+    /// The first scene of a sequence, how it is seen, and what it lacked.
+    fn first(&self, source: &Source) -> Result<(Scene, Chosen, Added), Failure> {
+        // Its oddities are told when it is rendered.
+        let mut scene = source.load(self.messages.silent())?;
+        let bounds = clip(&scene, &self.arguments.moments)?.and_then(|clip| bounds_over(&mut scene, clip));
+        let stock = Stock::of(&scene);
+        let chosen = self.choose(&mut scene, bounds)?;
+        let added = stock.added_to(&scene);
+        Ok((scene, chosen, added))
+    }
+
+    fn choose(&self, scene: &mut Scene, bounds: Option<Bounds>) -> Result<Chosen, Failure> {
+        let stage = Stage::of(self.options.integrator);
+        let resolution = self.arguments.frame.resolution;
+        view::choose_around(scene, bounds, &self.arguments.view, resolution, stage, self.messages)
+    }
+
+    /// Curve and exposure of all frames: the exposure is measured at the first moment, if it is left open and shows.
+    fn light(
+        &self,
+        scene: &Scene,
+        chosen: &Chosen,
+        shaders: &Shaders,
+        world: &mut World,
+    ) -> Result<LightArguments, Failure> {
+        let light = self.arguments.light.suited(chosen.exposure_of(self.options.integrator));
+        if light.exposure != ExposureChoice::Auto || !self.is_for_screens {
+            return Ok(light);
+        }
+        let how = commit_options(&self.arguments.frame, &self.arguments.trees, self.options.level);
+        commit_into(world, scene, &shaders.table, how, self.pool, self.messages)?;
+        let measured = meter(world, &chosen.rays, self.options, self.pool).map_err(Failure::usage)?;
+        let (look, note) = light.chosen(measured);
+        note.iter().for_each(|note| self.messages.note(note));
+        Ok(LightArguments { exposure: ExposureChoice::Stops(look.exposure), ..light })
+    }
+
+    fn ready(
+        &self,
+        world: World,
+        chosen: Chosen,
+        shaders: Shaders,
+        light: LightArguments,
+        load_time: Duration,
+    ) -> Ready {
+        let report = gnurt::render::CommitReport::default();
+        Ready { world, report, chosen, shaders, checkpoint: None, load_time, light: Some(light) }
+    }
+
+    /// Renders one frame of a scene that shows it.
+    fn make(
+        &self,
+        plan: &mut Plan,
+        ready: &mut Ready,
+        scene: &Scene,
+        frame: Frame,
+        begin: Instant,
+    ) -> Outcome {
+        let how = commit_options(&self.arguments.frame, &self.arguments.trees, self.options.level);
+        let (pool, messages) = (self.pool, self.messages);
+        (ready.chosen.camera, ready.chosen.rays) = view::aim(scene, &self.arguments.view)?;
+        ready.report = commit_into(&mut ready.world, scene, &ready.shaders.table, how, pool, messages)?;
+        ready.checkpoint = self.arguments.checkpoint.as_deref().map(|path| {
+            let shown = (&ready.chosen.rays, shaders::print(&self.arguments.frame.shaders));
+            let print = fingerprint(scene, self.arguments.frame.force_diffuse, &shown, self.options);
+            Checkpoint::new(path, print, self.arguments.checkpoint_every)
+        });
+        plan.targets = frame.targets;
+        make(self.arguments, begin, plan, ready, self.options, pool, messages)
+    }
+}
+
+/// The place of the clip that was asked for; `None` where the scene has none and none was named.
+fn clip(scene: &Scene, moments: &MomentArguments) -> Result<Option<usize>, Failure> {
+    let clips = scene.animation().map_or(&[][..], |animation: &Animation| &animation.clips);
+    let Some(name) = &moments.animation else {
+        return Ok((!clips.is_empty()).then_some(0));
+    };
+    let by_name = clips.iter().position(|clip| clip.name == *name);
+    let by_number = || name.parse().ok().filter(|&index: &usize| index < clips.len());
+    if let Some(clip) = by_name.or_else(by_number) {
+        return Ok(Some(clip));
+    }
+    if clips.is_empty() {
+        return Err(Failure::usage(format_args!("--animation '{name}': the scene has no animation")));
+    }
+    let names: Vec<&str> = clips.iter().map(|clip| &clip.name[..]).collect();
+    let meant = nearest(name, &names).map(|meant| format!("did you mean '{meant}'? ")).unwrap_or_default();
+    let list: Vec<String> = names.iter().enumerate().map(|(i, name)| format!("{i} '{name}'")).collect();
+    let list = list.join(", ");
+    Err(Failure::usage(format_args!("--animation '{name}': no such animation; {meant}valid are: {list}")))
+}

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Animation: what of a scene moves, and where it is at a moment.
+//! Source: glTF 2.0 sections 3.7.2.2 (morph targets), 3.7.3 (skins), 3.11 and appendix C (animations); KHR_animation_pointer,
+//! KHR_node_visibility.
+//!
+//! ```text
+//! Clip (channels: Sampler -> Target) -- moment --> Moment (local transforms, weights, factors)
+//!     -- rig: nodes, skins, bodies --> edits of the Scene: instances, meshes, cameras, lights, materials
+//! ```
+//!
+//! A scene holds one [`Animation`] at most; [`Scene::pose`](crate::Scene::pose) edits the scene so that it shows a moment of a clip.
+//! What a moment leaves as it is is not edited, and so costs no commit anything. There is no blur yet: a moment is a point in time;
+//! an open shutter will ask for several moments of one [`Animation`].
+//! Space: nodes relative to their parents, cameras and lights in world space. Times are seconds, as files write them.
+//! Proof: `tests/animation.rs`, `tests/animated_scenes.rs`.
+
+mod body;
+mod check;
+mod clip;
+mod local;
+mod model;
+mod moment;
+mod playback;
+mod pose;
+mod sampler;
+
+pub use body::{Bend, Body, Deltas, Influences, Morph};
+pub(crate) use body::{add_morph, follow_joints, stretches};
+pub use clip::{Channel, Clip, FactorPart, LightPart, Target, TexturePart};
+pub use local::{Local, Trs};
+pub(crate) use model::camera_at;
+pub use model::{
+    Animation, Joint, LightFactors, LightKind, MovingCamera, MovingInstance, MovingLight, MovingMaterial,
+    Node, Place, Skin,
+};
+pub(crate) use playback::Playback;
+pub use pose::Posed;
+pub use sampler::{Interpolation, Sampler, SamplerError};

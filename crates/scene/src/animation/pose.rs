@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Poses: a scene at a moment.
+//! Source: original. Only what differs is edited, so that the log names what a commit has to do and no more. Two poses of the same
+//! moment are the same, whatever was shown between them. Proof: `tests/animation.rs`.
+
+use std::sync::Arc;
+
+use super::body::Body;
+use super::model::{Animation, camera_at};
+use super::moment::{Moment, Stand, at};
+use super::playback::{Playback, Shown};
+use crate::check::CheckError;
+use crate::scene::Scene;
+
+/// How much of a scene a moment changed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Posed {
+    /// Meshes that were bent.
+    pub meshes: usize,
+    /// Instances that were moved, shown or hidden.
+    pub instances: usize,
+    /// Cameras.
+    pub cameras: usize,
+    /// Lights.
+    pub lights: usize,
+    /// Materials.
+    pub materials: usize,
+}
+
+impl Scene {
+    /// Gives the scene what moves in it, in place of what it had. What is there is taken to be at rest.
+    ///
+    /// # Errors
+    /// [`CheckError`] if a number of the animation points nowhere, or arrays do not go together.
+    pub fn animate(&mut self, animation: Animation) -> Result<(), CheckError> {
+        super::check::check(&animation, self)?;
+        self.set_animation(animation);
+        Ok(())
+    }
+
+    /// Shows the moment `seconds` of a clip; before its first and after its last keys nothing moves. What the clip does not drive is at
+    /// rest. Edits only what differs from what is shown, so that a commit does no more than that.
+    ///
+    /// ```
+    /// # use gnurt_scene::Scene;
+    /// # let mut scene = Scene::new();
+    /// # scene.animate(gnurt_scene::animation::Animation { clips: vec![Default::default()], ..Default::default() }).unwrap();
+    /// let posed = scene.pose(0, 1.5);
+    /// println!("{} meshes bent, {} instances moved", posed.meshes, posed.instances);
+    /// ```
+    ///
+    /// # Panics
+    /// If there is no such clip in [`animation`](Self::animation).
+    pub fn pose(&mut self, clip: usize, seconds: f64) -> Posed {
+        let animation = self.shared_animation().expect("the scene has an animation");
+        let mut moment = Moment::rest(&animation);
+        moment.play(&animation.clips[clip], seconds);
+        self.show(&animation, &moment)
+    }
+
+    /// Shows everything at rest, as no clip drives it. Nothing happens without an animation.
+    pub fn rest(&mut self) -> Posed {
+        let Some(animation) = self.shared_animation() else { return Posed::default() };
+        let moment = Moment::rest(&animation);
+        self.show(&animation, &moment)
+    }
+
+    fn show(&mut self, animation: &Animation, moment: &Moment) -> Posed {
+        let mut playback = std::mem::take(self.playback());
+        if !playback.is_begun {
+            playback = begin(self, animation);
+        }
+        let stands = moment.stands(animation);
+        let posed = Posed {
+            meshes: show_bodies(self, animation, moment, &stands, &mut playback),
+            instances: show_instances(self, animation, &stands, &mut playback),
+            cameras: show_cameras(self, animation, moment, &stands, &playback),
+            lights: show_lights(self, animation, moment, &stands, &playback),
+            materials: show_materials(self, animation, moment, &mut playback),
+        };
+        *self.playback() = playback;
+        posed
+    }
+}
+
+/// What is shown before the first moment.
+fn begin(scene: &Scene, animation: &Animation) -> Playback {
+    Playback {
+        is_begun: true,
+        bodies: vec![Shown::default(); animation.bodies.len()],
+        visible: animation.instances.iter().map(|i| scene.instance(i.instance).visible).collect(),
+        cameras: animation.cameras.iter().map(|c| scene.camera(c.camera).clone()).collect(),
+        lights: animation.lights.iter().map(|l| scene.light(l.light).clone()).collect(),
+        materials: animation.materials.iter().map(|m| m.factors.material()).collect(),
+    }
+}
+
+fn show_bodies(
+    scene: &mut Scene,
+    animation: &Animation,
+    moment: &Moment,
+    stands: &[Stand],
+    playback: &mut Playback,
+) -> usize {
+    let mut count = 0;
+    for (i, (body, shown)) in animation.bodies.iter().zip(&mut playback.bodies).enumerate() {
+        let bend = moment.bend(animation, i, stands);
+        if shown.bend.as_ref() == Some(&bend) {
+            continue;
+        }
+        let material = scene.mesh(body.mesh).material;
+        let mut mesh = shown.spare.take().unwrap_or_else(|| body.base.clone());
+        // Whoever still holds it keeps it as it was.
+        let to = Arc::make_mut(&mut mesh);
+        body.bend(&bend, to);
+        to.material = material;
+        shown.spare = Some(scene.meshes()[body.mesh.index()].clone()).filter(|mesh| is_of(mesh, body));
+        scene.replace_mesh(body.mesh, mesh);
+        shown.bend = Some(bend);
+        count += 1;
+    }
+    count
+}
+
+/// Whether a mesh has the arrays of a body, so that it can show it again. One from a file may lack triangles that had no area at rest.
+fn is_of(mesh: &crate::mesh::Mesh, body: &Body) -> bool {
+    mesh.positions.len() == body.base.positions.len() && mesh.indices == body.base.indices
+}
+
+fn show_instances(
+    scene: &mut Scene,
+    animation: &Animation,
+    stands: &[Stand],
+    playback: &mut Playback,
+) -> usize {
+    let mut count = 0;
+    for (moving, was_visible) in animation.instances.iter().zip(&mut playback.visible) {
+        let stand = stands[moving.node as usize];
+        let instance = scene.instance(moving.instance);
+        let moves = moving.is_placed && instance.world_from_object != stand.world_from_here;
+        // Somebody else may have hidden it.
+        let appears = *was_visible != stand.visible;
+        if !moves && !appears {
+            continue;
+        }
+        let instance = scene.edit_instance(moving.instance);
+        if moves {
+            instance.world_from_object = stand.world_from_here;
+        }
+        if appears {
+            instance.visible = stand.visible;
+            *was_visible = stand.visible;
+        }
+        count += 1;
+    }
+    count
+}
+
+fn show_cameras(
+    scene: &mut Scene,
+    animation: &Animation,
+    moment: &Moment,
+    stands: &[Stand],
+    playback: &Playback,
+) -> usize {
+    let mut count = 0;
+    for (moving, rest) in animation.cameras.iter().zip(&playback.cameras) {
+        let angle = moment.fields_of_view[moving.field_of_view as usize];
+        let stand = at(&moving.place, stands);
+        // One that has no view just then is where it is at rest.
+        let camera = camera_at(&rest.name, &stand.world_from_here, angle).unwrap_or_else(|| rest.clone());
+        if *scene.camera(moving.camera) != camera {
+            *scene.edit_camera(moving.camera) = camera;
+            count += 1;
+        }
+    }
+    count
+}
+
+fn show_lights(
+    scene: &mut Scene,
+    animation: &Animation,
+    moment: &Moment,
+    stands: &[Stand],
+    playback: &Playback,
+) -> usize {
+    let mut count = 0;
+    for (moving, rest) in animation.lights.iter().zip(&playback.lights) {
+        let stand = at(&moving.place, stands);
+        let light = moment.lights[moving.factors as usize].light(&stand.world_from_here, stand.visible);
+        let light = light.unwrap_or_else(|| rest.clone());
+        if *scene.light(moving.light) != light {
+            *scene.edit_light(moving.light) = light;
+            count += 1;
+        }
+    }
+    count
+}
+
+fn show_materials(
+    scene: &mut Scene,
+    animation: &Animation,
+    moment: &Moment,
+    playback: &mut Playback,
+) -> usize {
+    let mut count = 0;
+    let shown = animation.materials.iter().zip(&mut playback.materials).zip(&moment.materials);
+    for ((moving, was), factors) in shown {
+        let material = factors.material();
+        // What somebody else put there stays.
+        if material == *was || *scene.material(moving.material) != *was {
+            continue;
+        }
+        *scene.edit_material(moving.material) = material.clone();
+        *was = material;
+        count += 1;
+    }
+    count
+}

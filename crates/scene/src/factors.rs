@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The numbers and textures of a metallic-roughness material, and the material that they make.
+//! Source: glTF 2.0 section 3.9 and its extensions. Kept apart from [`Material`] because which of our surfaces comes of the numbers
+//! depends on them, and because they may change with time.
+//! Materials without extensions become metallic-roughness or, where they neither mirror nor conduct, Lambertian; those with specular,
+//! clear coat, sheen or transmission become principled. Glass is solid where there is a thickness, else a pane that bends nothing,
+//! at every roughness; solid glass that is smooth and lets through all light that it does not mirror is perfectly smooth, tinted by
+//! the base colour. glTF's v runs downwards, ours upwards: [`uv_from_mesh`].
+//! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
+
+use crate::id::TextureId;
+use crate::material::{
+    Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface, TextureRef,
+};
+
+/// Below this roughness solid glass is perfectly smooth.
+const GLASS_ROUGHNESS: f32 = 0.05;
+/// From this factor on all light goes through.
+const CLEAR: f32 = 0.99;
+
+/// What glTF says of a material. The defaults are glTF's.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factors {
+    /// For people.
+    pub name: String,
+    /// Linear red, green, blue, and opacity.
+    pub base_color: [f32; 4],
+    /// 0 = dielectric, 1 = metal.
+    pub metallic: f32,
+    /// Perceptual roughness.
+    pub roughness: f32,
+    /// Radiance, times `emission_strength`.
+    pub emission: [f32; 3],
+    /// KHR_materials_emissive_strength.
+    pub emission_strength: f32,
+    /// Whether and how the opacity counts.
+    pub alpha: AlphaMode,
+    /// Smallest opacity that is there.
+    pub alpha_cutoff: f32,
+    /// KHR_materials_unlit: its colour shines, nothing lights it.
+    pub unlit: bool,
+    /// KHR_materials_ior.
+    pub ior: f32,
+    /// KHR_materials_specular.
+    pub specular: f32,
+    /// KHR_materials_specular.
+    pub specular_color: [f32; 3],
+    /// KHR_materials_clearcoat.
+    pub clearcoat: f32,
+    /// KHR_materials_clearcoat.
+    pub clearcoat_roughness: f32,
+    /// KHR_materials_sheen.
+    pub sheen_color: [f32; 3],
+    /// KHR_materials_sheen.
+    pub sheen_roughness: f32,
+    /// KHR_materials_transmission.
+    pub transmission: f32,
+    /// KHR_materials_volume: above 0 = solid.
+    pub thickness: f32,
+    /// Of the base colour and the opacity.
+    pub base_texture: Option<MappedTexture>,
+    /// Green times roughness, blue times metallic.
+    pub metallic_roughness_texture: Option<MappedTexture>,
+    /// Tangent-space normals.
+    pub normal_texture: Option<MappedTexture>,
+    /// Multiplied to x and y of these normals.
+    pub normal_scale: f32,
+    /// Multiplied to the emission.
+    pub emission_texture: Option<MappedTexture>,
+}
+
+/// What the opacity means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AlphaMode {
+    /// Nothing.
+    #[default]
+    Opaque,
+    /// There or not there.
+    Mask,
+    /// There for a share of light.
+    Blend,
+}
+
+/// A texture and how it is moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MappedTexture {
+    /// The texture.
+    pub texture: TextureId,
+    /// How it lies; `None` = as the mesh says.
+    pub transform: Option<TextureTransform>,
+}
+
+/// KHR_texture_transform, in glTF's coordinates: v downwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureTransform {
+    /// Moved by this, last.
+    pub offset: [f32; 2],
+    /// Turned by this, radians.
+    pub rotation: f32,
+    /// Scaled by this, first.
+    pub scale: [f32; 2],
+}
+
+impl Default for TextureTransform {
+    fn default() -> Self {
+        Self { offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] }
+    }
+}
+
+impl Default for Factors {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: [1.0; 4],
+            metallic: 1.0,
+            roughness: 1.0,
+            emission: [0.0; 3],
+            emission_strength: 1.0,
+            alpha: AlphaMode::Opaque,
+            alpha_cutoff: 0.5,
+            unlit: false,
+            ior: 1.5,
+            specular: 1.0,
+            specular_color: [1.0; 3],
+            clearcoat: 0.0,
+            clearcoat_roughness: 0.0,
+            sheen_color: [0.0; 3],
+            sheen_roughness: 0.0,
+            transmission: 0.0,
+            thickness: 0.0,
+            base_texture: None,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            emission_texture: None,
+        }
+    }
+}
+
+/// The surfaces that factors may make.
+enum Kind {
+    Glass,
+    Matte,
+    Facets(Principled),
+}
+
+impl Factors {
+    /// What the extensions add, over glTF's defaults for the rest.
+    fn layers(&self) -> Principled {
+        let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 };
+        let transmission = unit(self.transmission);
+        Principled {
+            specular: unit(self.specular),
+            specular_color: self.specular_color.map(positive),
+            clearcoat: unit(self.clearcoat),
+            clearcoat_roughness: unit(self.clearcoat_roughness),
+            sheen_color: self.sheen_color.map(unit),
+            sheen_roughness: unit(self.sheen_roughness),
+            transmission,
+            thin: transmission == 0.0 || unit(self.thickness) == 0.0,
+            ..Principled::default()
+        }
+    }
+
+    /// `has_normals`: whether a normal map is to be looked at.
+    fn kind(&self, has_normals: bool) -> Kind {
+        let layers = self.layers();
+        let plain =
+            Principled { transmission: layers.transmission, thin: layers.thin, ..Principled::default() };
+        let is_clear = layers.transmission >= CLEAR && self.facets() < GLASS_ROUGHNESS && !layers.thin;
+        if layers == plain && is_clear {
+            return Kind::Glass;
+        }
+        let matte =
+            Principled { specular: 0.0, specular_color: layers.specular_color, ..Principled::default() };
+        if layers == matte && self.metallic == 0.0 && !has_normals {
+            return Kind::Matte;
+        }
+        Kind::Facets(layers)
+    }
+
+    /// Roughness that can be.
+    fn facets(&self) -> f32 {
+        self.roughness.clamp(0.0, 1.0)
+    }
+
+    /// Whether textures of roughness and normals are looked at, if there were one of normals.
+    #[must_use]
+    pub fn has_facets(&self, has_normals: bool) -> bool {
+        !self.unlit && matches!(self.kind(has_normals), Kind::Facets(_))
+    }
+
+    /// The material.
+    #[must_use]
+    pub fn material(&self) -> Material {
+        let [r, g, b, a] = self.base_color;
+        let mapped = |texture: Option<MappedTexture>| texture.map(|t| t.reference());
+        let base_texture = mapped(self.base_texture);
+        let base_color = Color { factor: [r, g, b].map(positive), texture: base_texture };
+        let opacity = Opacity { factor: a, texture: base_texture, channel: OpacityChannel::Alpha };
+        let mut material = Material {
+            emission: self.emission.map(|e| positive(e * self.emission_strength)),
+            emission_texture: mapped(self.emission_texture),
+            alpha: match self.alpha {
+                AlphaMode::Mask => Alpha::Mask { cutoff: self.alpha_cutoff, opacity },
+                AlphaMode::Blend => Alpha::Blend { opacity },
+                AlphaMode::Opaque => Alpha::Opaque,
+            },
+            ..Material::of(&self.name[..], Surface::Matte { base_color })
+        };
+        if self.unlit {
+            material.emission = base_color.factor;
+            material.emission_texture = base_texture;
+            material.surface = Surface::Matte { base_color: Color::constant([0.0; 3]) };
+            material.diffuse = Some(base_color);
+            return material;
+        }
+        let ior = if self.ior > 0.0 && self.ior.is_finite() { self.ior } else { 1.5 };
+        let layers = match self.kind(self.normal_texture.is_some()) {
+            Kind::Glass => {
+                material.surface =
+                    Surface::Dielectric { ior, reflectance: [1.0; 3], transmittance: base_color.factor };
+                material.diffuse = Some(base_color);
+                return material;
+            }
+            // What neither mirrors nor conducts is Lambertian, as the material is so far.
+            Kind::Matte => return material,
+            Kind::Facets(layers) => layers,
+        };
+        let roughness = self.facets();
+        let metallic = self.metallic.clamp(0.0, 1.0);
+        let metallic_roughness_texture = mapped(self.metallic_roughness_texture);
+        let normal_texture =
+            mapped(self.normal_texture).map(|texture| NormalMap { texture, scale: self.normal_scale });
+        material.surface = if layers == Principled::default() {
+            Surface::MetallicRoughness {
+                base_color,
+                metallic,
+                roughness,
+                metallic_roughness_texture,
+                ior,
+                normal_texture,
+            }
+        } else {
+            Surface::Principled(Box::new(Principled {
+                base_color,
+                metallic,
+                roughness,
+                metallic_roughness_texture,
+                ior,
+                normal_texture,
+                ..layers
+            }))
+        };
+        material
+    }
+}
+
+impl MappedTexture {
+    fn reference(self) -> TextureRef {
+        TextureRef { texture: self.texture, uv_from_mesh: uv_from_mesh(self.transform) }
+    }
+}
+
+fn positive(x: f32) -> f32 {
+    if x.is_finite() { x.max(0.0) } else { 0.0 }
+}
+
+/// KHR_texture_transform, conjugated by the flip of v: with `v = 1 - w`,
+/// `u' = c sx u + s sy v + tx` and `v' = -s sx u + c sy v + ty` become affine in `(u, w)`.
+fn uv_from_mesh(transform: Option<TextureTransform>) -> [f32; 6] {
+    let Some(transform) = transform else {
+        return [1.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+    };
+    let (s, c) = transform.rotation.sin_cos();
+    let ([sx, sy], [tx, ty]) = (transform.scale, transform.offset);
+    [c * sx, s * sx, -s * sy, c * sy, s * sy + tx, 1.0 - c * sy - ty]
+}
