@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The edit log: what changed since somebody last looked, so that a commit does only the work that is due.
-//! Source: original. The log is folded: of several edits of one thing only the last is kept, so it never grows beyond
-//! the scene itself. Any number of worlds can follow one scene, each with its own [`Cursor`].
+//! Source: original. A journal in the order of time, and the moment of each thing's last edit: of several edits of one thing
+//! only the last counts. The journal is weeded when half of it is stale, so it never grows beyond the scene itself.
+//! Cost: noting is O(1), amortised; asking costs what was noted since, however large the scene.
+//! Any number of worlds can follow one scene, each with its own [`Cursor`]; a copy of a scene is another scene.
 
-use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
 
 /// A thing that was added or replaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Edit {
-    /// A mesh's arrays: objects that hold it need a new tree.
+    /// A mesh's arrays: objects that hold it need a new tree if its triangles moved.
     Mesh(MeshId),
     /// An object's list of meshes.
     Object(ObjectId),
@@ -26,22 +28,87 @@ pub enum Edit {
     Camera(CameraId),
 }
 
+impl Edit {
+    /// The number of its kind, and its place among those.
+    fn place(self) -> (usize, usize) {
+        match self {
+            Self::Mesh(id) => (0, id.index()),
+            Self::Object(id) => (1, id.index()),
+            Self::Instance(id) => (2, id.index()),
+            Self::Material(id) => (3, id.index()),
+            Self::Texture(id) => (4, id.index()),
+            Self::Light(id) => (5, id.index()),
+            Self::Camera(id) => (6, id.index()),
+        }
+    }
+}
+
+/// Kinds of things.
+const KINDS: usize = 7;
+
 /// A moment in the life of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cursor(u64);
 
-/// Every thing with the moment of its last edit.
+/// Tells a scene from all others, its copies included: their logs go on apart.
 #[derive(Clone, Debug, Default)]
+pub struct SceneIdentity(Arc<()>);
+
+impl PartialEq for SceneIdentity {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for SceneIdentity {}
+
+/// Every thing with the moment of its last edit.
+#[derive(Debug, Default)]
 pub struct EditLog {
+    identity: SceneIdentity,
     now: u64,
-    last: BTreeMap<Edit, u64>,
+    /// What was noted, ascending in time. An entry counts while it is the last of its thing.
+    journal: Vec<(u64, Edit)>,
+    /// By kind and place: the moment of the last edit; 0 = none yet.
+    last: [Vec<u64>; KINDS],
+    /// How many entries of the journal count.
+    things: usize,
+}
+
+impl Clone for EditLog {
+    /// The same log of another scene.
+    fn clone(&self) -> Self {
+        Self {
+            identity: SceneIdentity::default(),
+            now: self.now,
+            journal: self.journal.clone(),
+            last: self.last.clone(),
+            things: self.things,
+        }
+    }
 }
 
 impl EditLog {
     /// Notes an edit.
     pub fn note(&mut self, edit: Edit) {
         self.now += 1;
-        self.last.insert(edit, self.now);
+        let (kind, place) = edit.place();
+        let last = &mut self.last[kind];
+        if last.len() <= place {
+            last.resize(place + 1, 0);
+        }
+        self.things += usize::from(last[place] == 0);
+        last[place] = self.now;
+        match self.journal.last_mut() {
+            // Often one thing is edited again and again.
+            Some((moment, same)) if *same == edit => *moment = self.now,
+            _ => self.journal.push((self.now, edit)),
+        }
+        // A few stale entries are not worth the walk.
+        if self.journal.len() > 2 * self.things + 64 {
+            let last = &self.last;
+            self.journal.retain(|entry| is_last(last, entry));
+        }
     }
 
     /// The present moment: pass it to [`since`](Self::since) next time.
@@ -50,10 +117,24 @@ impl EditLog {
         Cursor(self.now)
     }
 
-    /// What was edited after `cursor`, each thing once, in a fixed order.
-    pub fn since(&self, cursor: Cursor) -> impl Iterator<Item = Edit> + '_ {
-        self.last.iter().filter(move |&(_, &at)| at > cursor.0).map(|(&edit, _)| edit)
+    /// Whose log it is.
+    #[must_use]
+    pub fn identity(&self) -> &SceneIdentity {
+        &self.identity
     }
+
+    /// What was edited after `cursor`, each thing once, in the order of last edits.
+    pub fn since(&self, cursor: Cursor) -> impl Iterator<Item = Edit> + '_ {
+        let first = self.journal.partition_point(|&(moment, _)| moment <= cursor.0);
+        let entries = self.journal[first..].iter();
+        entries.filter(|entry| is_last(&self.last, entry)).map(|&(_, edit)| edit)
+    }
+}
+
+/// Whether an entry of the journal is the last of its thing.
+fn is_last(last: &[Vec<u64>; KINDS], &(moment, edit): &(u64, Edit)) -> bool {
+    let (kind, place) = edit.place();
+    last[kind][place] == moment
 }
 
 #[cfg(test)]
@@ -67,9 +148,52 @@ mod tests {
         let early = log.cursor();
         log.note(Edit::Instance(InstanceId(3)));
         log.note(Edit::Mesh(MeshId(0)));
+        let middle = log.cursor();
         log.note(Edit::Instance(InstanceId(3)));
         let seen: Vec<_> = log.since(early).collect();
         assert_eq!(seen, [Edit::Mesh(MeshId(0)), Edit::Instance(InstanceId(3))], "each once");
+        let seen: Vec<_> = log.since(middle).collect();
+        assert_eq!(seen, [Edit::Instance(InstanceId(3))], "only what is newer");
         assert_eq!(log.since(log.cursor()).count(), 0, "nothing is newer than now");
+        let middle = log.cursor();
+        log.note(Edit::Instance(InstanceId(3)));
+        assert_eq!(log.since(middle).count(), 1, "an edit again is an edit");
+    }
+
+    /// Against a list of all edits that is searched from its end.
+    #[test]
+    fn long_logs_stay_short_and_forget_nothing() {
+        let (mut log, mut all) = (EditLog::default(), Vec::new());
+        let mut state = 1_u32;
+        let mut cursors = vec![(log.cursor(), 0)];
+        for step in 0..20_000 {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let id = state >> 26;
+            let edit =
+                if state & 1 << 20 == 0 { Edit::Instance(InstanceId(id)) } else { Edit::Mesh(MeshId(id)) };
+            log.note(edit);
+            all.push(edit);
+            if step % 97 == 0 {
+                cursors.push((log.cursor(), all.len()));
+            }
+            assert!(log.journal.len() <= 2 * 128 + 64, "{} entries for 128 things", log.journal.len());
+        }
+        for (cursor, from) in cursors {
+            let mut wanted: Vec<Edit> = Vec::new();
+            for edit in all[from..].iter().rev() {
+                if !wanted.contains(edit) {
+                    wanted.push(*edit);
+                }
+            }
+            wanted.reverse();
+            assert_eq!(log.since(cursor).collect::<Vec<_>>(), wanted, "since edit {from}");
+        }
+    }
+
+    #[test]
+    fn copies_are_others() {
+        let log = EditLog::default();
+        assert_eq!(log.identity(), log.identity(), "itself");
+        assert_ne!(log.identity(), log.clone().identity(), "a copy goes its own way");
     }
 }

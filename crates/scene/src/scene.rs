@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::affine::Affine;
 use crate::animation::{Animation, Playback};
 use crate::camera::Camera;
-use crate::edit::{Cursor, Edit, EditLog};
+use crate::edit::{Cursor, Edit, EditLog, SceneIdentity};
 use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
 use crate::light::Light;
 use crate::material::Material;
@@ -171,6 +171,12 @@ impl Scene {
     #[must_use]
     pub fn cursor(&self) -> Cursor {
         self.log.cursor()
+    }
+
+    /// What tells this scene from all others, copies of it included.
+    #[must_use]
+    pub fn identity(&self) -> &SceneIdentity {
+        self.log.identity()
     }
 
     /// What was edited after `cursor`, each thing once.
