@@ -169,6 +169,9 @@ impl Accumulation {
         let [x0, y0, x1, y1] = self.region;
         let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
         let watched = Watched(progress);
+        if self.options.integrator.needs_light_set() {
+            world.lights().make_set(pool);
+        }
         let mut job = Job::new(world, camera, &self.options, &watched);
         job.deadline = deadline;
         job.all_samples = pixels * u64::from(self.options.spp);

@@ -53,6 +53,11 @@ impl Integrator {
         )
     }
 
+    /// Whether it chooses lights by what they promise.
+    pub(crate) fn needs_light_set(self) -> bool {
+        self == Self::Path || self.has_virtual_lights()
+    }
+
     /// The name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {

@@ -203,7 +203,7 @@ impl<'w> BatchTracer<'w> {
         let (world, widths) = (self.world, std::mem::take(&mut self.widths));
         let mut group = self.spare.pop().unwrap_or_default();
         for same in order.chunk_by(|a, b| a >> 32 == b >> 32) {
-            let shader = &*world.shading().surfaces[(same[0] >> 32) as usize];
+            let shader = world.shader((same[0] >> 32) as usize);
             let Group { lanes, points, .. } = &mut group;
             lanes.clear();
             lanes.extend(same.iter().map(|&lane| lane as u32));
@@ -247,7 +247,7 @@ impl<'w> BatchTracer<'w> {
     /// What some of the rays would see if nothing were in their way.
     pub(crate) fn environment(&mut self, rays: &RayBatch, lanes: &[usize]) -> Vec3s {
         let mut seen = Vec3s::splat(lanes.len(), Vec3::ZERO);
-        if let Some(environment) = self.world.shading().environment.as_ref().filter(|_| !lanes.is_empty()) {
+        if let Some(environment) = self.world.lights().environment.as_ref().filter(|_| !lanes.is_empty()) {
             let mut dirs = Vec3s::default();
             lanes.iter().for_each(|&lane| dirs.push(Vec3::from(rays.get(lane).dir)));
             environment.miss(&dirs, &mut seen);
@@ -337,16 +337,16 @@ impl<'w> BatchTracer<'w> {
 
 impl Tracer for BatchTracer<'_> {
     fn light_count(&self) -> usize {
-        self.world.shading().lights.len() + self.lights.map_or(0, |lights| lights.count(self))
+        self.world.lights().shaders.len() + self.lights.map_or(0, |lights| lights.count(self))
     }
 
     fn light_is_visible(&self, light: usize) -> bool {
-        self.world.shading().lights.get(light).is_some_and(|light| light.is_visible())
+        self.world.lights().shaders.get(light).is_some_and(|light| light.is_visible())
     }
 
     fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch) {
         out.reset(hits.len());
-        if let Some(number) = light.checked_sub(self.world.shading().lights.len()) {
+        if let Some(number) = light.checked_sub(self.world.lights().shaders.len()) {
             if let Some(lights) = self.lights {
                 lights.illuminate(self, number, hits, out);
             }
@@ -356,7 +356,7 @@ impl Tracer for BatchTracer<'_> {
         (0..hits.len()).for_each(|i| normal.push(hits.facing_ns(i)));
         let random: Vec<_> =
             hits.key.iter().map(|&key| self.random(key, hits.depth, purpose::LIGHT + light as u32)).collect();
-        self.world.shading().lights[light].illuminate(&hits.p, &normal, &random, out);
+        self.world.lights().shaders[light].illuminate(&hits.p, &normal, &random, out);
         if let Some(log) = &mut self.log {
             log.light(light, out);
         }
@@ -368,8 +368,8 @@ impl Tracer for BatchTracer<'_> {
             return;
         }
         self.stats.shadow_rays += request.rays.len() as u64;
-        let shading = self.world.shading();
-        let all_stop = if self.scatters() { shading.all_solid } else { shading.all_opaque };
+        let materials = self.world.materials();
+        let all_stop = if self.scatters() { materials.all_solid() } else { materials.all_opaque() };
         if all_stop {
             self.occluded_by_opaque(request, transmittance);
         } else {

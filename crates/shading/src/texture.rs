@@ -27,6 +27,22 @@ pub struct TextureSampler {
     pub uv_from_mesh: [f32; 6],
 }
 
+/// Samplers are equal if they read the same texels, not others that look the same, in the same way.
+impl PartialEq for TextureSampler {
+    fn eq(&self, other: &Self) -> bool {
+        let Self { texels, wrap, linear, minify, uv_from_mesh } = self;
+        let same_mips = match (minify, &other.minify) {
+            (None, None) => true,
+            (Some((how, mips)), Some((other_how, other_mips))) => {
+                how == other_how && Arc::ptr_eq(mips, other_mips)
+            }
+            _ => false,
+        };
+        let same_way = (wrap, linear, uv_from_mesh) == (&other.wrap, &other.linear, &other.uv_from_mesh);
+        Arc::ptr_eq(texels, &other.texels) && same_way && same_mips
+    }
+}
+
 impl TextureSampler {
     /// Repeating, bilinear, under the mesh's own coordinates.
     #[must_use]

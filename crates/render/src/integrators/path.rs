@@ -69,7 +69,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
             }
         });
     }
-    let by_shader = !world.shading().plugin_lights.is_empty();
+    let by_shader = !world.lights().plugins.is_empty();
     let around = Surroundings { world, options, from, by_shader };
     dispatch_wide!(
         options.level,
@@ -148,7 +148,7 @@ fn note_seen(tracer: &mut BatchTracer, finals: &[usize], radiance: &Vec3s) {
 /// What paths see that left the scene.
 fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &Wavefront, radiance: &mut Vec3s) {
     let missed = &wavefront.missed;
-    if missed.is_empty() || tracer.world.shading().environment.is_none() {
+    if missed.is_empty() || tracer.world.lights().environment.is_none() {
         return;
     }
     let seen = tracer.environment(from.rays, missed);

@@ -85,7 +85,7 @@ pub(super) fn total<'a>(found: impl IntoIterator<Item = &'a Candidate>) -> f32 {
 /// Whether paths may be made from both sides: what only covers a share of the light makes the densities of the reverse way
 /// unknown.
 fn both_ways(tracer: &BatchTracer, pilots: &Pilots) -> bool {
-    tracer.world.shading().all_solid && !pilots.points.is_empty() && pilots.max_depth > 2
+    tracer.world.materials().all_solid() && !pilots.points.is_empty() && pilots.max_depth > 2
 }
 
 /// Paths from lamps.

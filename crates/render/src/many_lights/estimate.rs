@@ -489,7 +489,7 @@ fn environment_of_shaders(
     rays: &RayBatch,
     radiance: &mut Vec3s,
 ) {
-    if tracer.world.light_set().has_environment() || tracer.world.shading().environment.is_none() {
+    if tracer.world.light_set().has_environment() || tracer.world.lights().environment.is_none() {
         return;
     }
     let missed: Vec<usize> = (0..walks.len()).filter(|&i| vertices[i].is_none()).collect();

@@ -107,7 +107,7 @@ impl Part {
             keys: eyes.iter().map(|eye| keys[eye.lane as usize]).collect(),
             sums: Color::default(),
             single: Single::default(),
-            by_pencils: tracer.world.shading().all_solid && tracer.costs.is_none(),
+            by_pencils: tracer.world.materials().all_solid() && tracer.costs.is_none(),
             eyes,
         }
     }

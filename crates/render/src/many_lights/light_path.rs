@@ -107,14 +107,14 @@ fn ask_plugins(world: &World, rays: &RayBatch, walks: &mut [Walk], vertices: &[O
         (0..walks.len()).filter(|&i| walks[i].plugin == Some(source) && vertices[i].is_some()).collect()
     };
     let lanes = of(Source::Environment, walks);
-    if let Some(environment) = world.shading().environment.as_ref().filter(|_| !lanes.is_empty()) {
+    if let Some(environment) = world.lights().environment.as_ref().filter(|_| !lanes.is_empty()) {
         let mut dirs = Vec3s::default();
         lanes.iter().for_each(|&i| dirs.push(-Vec3::from(rays.get(i).dir)));
         let mut seen = Vec3s::splat(lanes.len(), Vec3::ZERO);
         environment.miss(&dirs, &mut seen);
         lanes.into_iter().enumerate().for_each(|(k, i)| walks[i].power *= seen.get(k));
     }
-    for (light, shader) in world.shading().lights[world.shading().plugin_lights.clone()].iter().enumerate() {
+    for (light, shader) in world.lights().shaders[world.lights().plugins.clone()].iter().enumerate() {
         let lanes = of(Source::Light(light), walks);
         if lanes.is_empty() {
             continue;

@@ -144,7 +144,7 @@ impl Pilots {
         let mut seen = vec![Seen::default(); points.len()];
         let mut request = RayRequest::default();
         let mut lanes = Vec::new();
-        let by_pencils = tracer.world.shading().all_solid;
+        let by_pencils = tracer.world.materials().all_solid();
         for (n, (point, bsdf)) in points.iter().enumerate() {
             let is_one_sided = bsdf.lambertian().is_some() || Facets::new(bsdf, bsdf.normal()).is_some();
             for (b, group) in self.groups.iter().enumerate() {

@@ -49,8 +49,8 @@ pub(crate) fn ask_plugin_lights(
     asking: &[Asking],
     mut with: impl FnMut(usize, Offer),
 ) {
-    let shading = world.shading();
-    if shading.plugin_lights.is_empty() || asking.is_empty() {
+    let lights = world.lights();
+    if lights.plugins.is_empty() || asking.is_empty() {
         return;
     }
     let (mut p, mut normal) = (Vec3s::default(), Vec3s::default());
@@ -63,14 +63,14 @@ pub(crate) fn ask_plugin_lights(
     let behind = (0..asking.len()).filter(|&number| asking[number].bsdf.is_translucent());
     lanes.extend(behind.map(|number| lane(number, -1.0)));
     let mut arriving = LightBatch::default();
-    for light in shading.plugin_lights.clone() {
+    for light in lights.plugins.clone() {
         let draw = |&number: &usize| {
             let Asking { key, edges, .. } = asking[number];
             sample_pair(seed, key, edges, purpose::LIGHT + light as u32)
         };
         let random: Vec<_> = lanes.iter().map(draw).collect();
         arriving.reset(lanes.len());
-        shading.lights[light].illuminate(&p, &normal, &random, &mut arriving);
+        lights.shaders[light].illuminate(&p, &normal, &random, &mut arriving);
         for (i, &number) in lanes.iter().enumerate() {
             let offer = Offer {
                 dir: arriving.dir.get(i),

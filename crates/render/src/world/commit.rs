@@ -1,27 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Commit: from a description to a world, doing only what is due.
-//! Source: original. What was edited since the last commit is in the scene's log: an object is built again if its list
-//! of meshes or one of its meshes changed, or if it is needed for the first time; the top tree always is.
-//! Proof: `crates/render/tests/commit.rs`.
+//! Source: original. The scene's log says what was edited since the last commit; each edit touches its part of the world, and
+//! what hangs on that (the table in ARCHITECTURE.md). Parts are shared: a commit works on a copy of the world that has all
+//! parts in common with it, replaces those that are due, and puts the copy in its place at the end.
+//! Invariants: a clone of the world before is not touched; after an error, or a panic, neither is the world.
+//! Proof: `crates/render/tests/{commit,edits}.rs`.
 
-use std::collections::BTreeSet;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
-use gnurt_accel::{BuildOptions, Instance, Memory, ObjectTree, SceneTree, Threads, Triangles};
-use gnurt_scene::edit::Edit;
-use gnurt_scene::{Mesh, MeshId, ObjectId, Scene, Surface};
+use gnurt_scene::Scene;
 
-use super::instance::PlacedInstance;
-use super::{
-    CommitOptions, CommitReport, Followed, ShaderTable, Shading, World, WorldObject, lights, materials,
-};
+use super::due::Due;
+use super::instance::InstanceSlot;
+use super::lights::ChangedLights;
+use super::object::{self, ObjectSlot};
+use super::table::{CommitOptions, CommitReport, ShaderTable};
+use super::{Followed, World, check, top};
 use crate::error::CommitError;
 
 impl World {
     /// Brings the world up to date with `scene`. A world follows one scene: only what its log says was edited since
-    /// the last commit is built again. Bad primitives and instances are dropped and counted.
+    /// the last commit is made again; for another scene, or with other options, all is. Bad primitives and instances are
+    /// dropped and counted.
     ///
     /// # Errors
     /// [`CommitError`] if the scene names things that are not there; the world stays as it was.
@@ -32,184 +34,153 @@ impl World {
         options: &CommitOptions,
         pool: &rayon::ThreadPool,
     ) -> Result<CommitReport, CommitError> {
-        commit(self, scene, shaders, options, pool)
+        let start = Instant::now();
+        let followed = self.follows.as_ref();
+        let followed = followed.filter(|it| it.options == *options && it.identity == *scene.identity());
+        let (mut world, due) = match followed {
+            Some(followed) => (self.clone(), Due::since(followed.cursor, scene, &self.materials, shaders)),
+            None => (Self::new(), Due::everything(scene)),
+        };
+        check::check(scene, shaders, &due)?;
+        let mut report = CommitReport::default();
+        let is_first = followed.is_none();
+        world.update(is_first, &due, scene, shaders, options, pool, &mut report);
+        world.follows =
+            Some(Followed { identity: scene.identity().clone(), cursor: scene.cursor(), options: *options });
+        *self = world;
+        report.dropped_triangles = self.dropped.triangles;
+        report.dropped_instances = self.dropped.instances + self.tree.dropped_instances() as usize;
+        report.build_seconds = start.elapsed().as_secs_f64();
+        Ok(report)
     }
-}
 
-fn commit(
-    world: &mut World,
-    scene: &Scene,
-    shaders: &ShaderTable,
-    options: &CommitOptions,
-    pool: &rayon::ThreadPool,
-) -> Result<CommitReport, CommitError> {
-    let start = Instant::now();
-    check(scene, shaders)?;
-    let due = Due::new(world, scene, options);
-    let mut report = CommitReport::default();
+    #[expect(clippy::too_many_arguments, reason = "the arguments of `commit`, and what it has found out")]
+    fn update(
+        &mut self,
+        is_first: bool,
+        due: &Due,
+        scene: &Scene,
+        shaders: &ShaderTable,
+        options: &CommitOptions,
+        pool: &rayon::ThreadPool,
+        report: &mut CommitReport,
+    ) {
+        self.face_normals = options.force_diffuse;
+        let mut emission_changed = false;
+        if !due.materials.is_empty() {
+            let materials = Arc::make_mut(&mut self.materials);
+            let changed = materials.update(&due.materials, scene, shaders, options.force_diffuse);
+            (report.made_shaders, emission_changed) = (changed.made, changed.emission);
+        }
 
-    let objects = build_objects(world, scene, &due, options.memory, pool, &mut report);
-    let instances = place_instances(scene, &objects, &mut report);
-    let tree = SceneTree::build(&tree_instances(scene, &instances));
-    report.dropped_instances += tree.dropped_instances() as usize;
-    let bad = |object: &Arc<WorldObject>| object.tree.bad_primitives().total() as usize;
-    report.dropped_triangles = objects.iter().flatten().map(bad).sum();
+        let Geometry { changed, is_moved } = self.update_geometry(due, scene, options, pool, report);
+        if is_moved {
+            self.tree = top::build(scene, &self.instances, pool);
+            report.built_top_tree = true;
+        }
 
-    let surfaces = materials::surfaces(scene, shaders, options.force_diffuse);
-    let bounds = tree.bounds();
-    let lights =
-        lights::lights(scene, &instances, shaders, options, [bounds.min, bounds.max].map(Vec3::from));
-    let all_opaque = surfaces.iter().all(|surface| surface.is_opaque());
-    let all_solid = surfaces.iter().all(|surface| surface.is_solid());
-    *world = World {
-        objects: Arc::new(objects),
-        instances: Arc::new(instances),
-        tree: Arc::new(tree),
-        shading: Arc::new(Shading {
-            plain: surfaces.iter().map(|surface| surface.plain_albedo()).collect(),
-            lambertian: surfaces.iter().map(|surface| materials::lambertian(&**surface)).collect(),
-            surfaces,
-            lights: lights.shaders,
-            plugin_lights: lights.plugins,
-            environment: lights.environment,
-            all_opaque,
-            all_solid,
-            parts: lights.parts,
-            light_set: OnceLock::new(),
-            shader_lamps: OnceLock::new(),
-        }),
-        face_normals: options.force_diffuse,
-        follows: Some(Followed { cursor: scene.cursor(), options: *options }),
-    };
-    report.build_seconds = start.elapsed().as_secs_f64();
-    Ok(report)
-}
+        let lights = &self.lights;
+        let lamps = &lights.lamps;
+        let lamps = lamps.after(&changed, emission_changed, &self.instances, &self.materials, pool);
+        report.found_lamps = lamps.is_some();
+        let bounds = self.tree.bounds();
+        let changed = ChangedLights {
+            edited: is_first || !due.lights.is_empty() || !due.textures.is_empty(),
+            lamps,
+            bounds: [bounds.min, bounds.max].map(Vec3::from),
+        };
+        if let Some(lights) = lights.after(changed, scene, shaders, pool) {
+            report.made_lights = true;
+            self.lights = Arc::new(lights);
+        }
+    }
 
-/// What has to be built again.
-struct Due {
-    everything: bool,
-    meshes: BTreeSet<MeshId>,
-    objects: BTreeSet<ObjectId>,
-}
+    /// Objects and instances.
+    fn update_geometry(
+        &mut self,
+        due: &Due,
+        scene: &Scene,
+        options: &CommitOptions,
+        pool: &rayon::ThreadPool,
+        report: &mut CommitReport,
+    ) -> Geometry {
+        // Instances that are to be looked at: hidden ones that stay hidden are not there.
+        let slot = |id: u32| self.instances.get(id as usize);
+        let object_before = |id: u32| slot(id).and_then(InstanceSlot::object);
+        let is_seen = |id: &u32| scene.instances()[*id as usize].visible || object_before(*id).is_some();
+        let mut changed: Vec<u32> = due.instances.iter().copied().filter(is_seen).collect();
+        let mut is_moved = !changed.is_empty();
 
-impl Due {
-    fn new(world: &World, scene: &Scene, options: &CommitOptions) -> Self {
-        let mut due = Self { everything: false, meshes: BTreeSet::new(), objects: BTreeSet::new() };
-        match &world.follows {
-            // A cursor ahead of the log is another scene's.
-            Some(followed) if followed.options == *options && followed.cursor <= scene.cursor() => {
-                for edit in scene.edits_since(followed.cursor) {
-                    match edit {
-                        Edit::Mesh(id) => _ = due.meshes.insert(id),
-                        Edit::Object(id) => _ = due.objects.insert(id),
-                        _ => {}
-                    }
+        let mut objects_due = due.objects.clone();
+        if !changed.is_empty() || !objects_due.is_empty() {
+            let objects = Arc::make_mut(&mut self.objects);
+            objects.grow(scene.objects().len(), &ObjectSlot::default());
+            for &id in &changed {
+                let now = &scene.instances()[id as usize];
+                let now = now.visible.then_some(now.object);
+                let before = self.instances.get(id as usize).and_then(InstanceSlot::object);
+                if before == now {
+                    continue;
+                }
+                if let Some(before) = before {
+                    let slot = objects.edit(before.index());
+                    slot.users -= 1;
+                    objects_due.extend((slot.users == 0).then_some(before.0));
+                }
+                if let Some(now) = now {
+                    let slot = objects.edit(now.index());
+                    slot.users += 1;
+                    objects_due.extend((slot.users == 1).then_some(now.0));
                 }
             }
-            _ => due.everything = true,
-        }
-        due
-    }
-
-    fn object(&self, id: ObjectId, meshes: &[MeshId]) -> bool {
-        self.everything || self.objects.contains(&id) || meshes.iter().any(|mesh| self.meshes.contains(mesh))
-    }
-}
-
-/// The tree of each object that a visible instance shows: the old one where it is still good.
-fn build_objects(
-    world: &World,
-    scene: &Scene,
-    due: &Due,
-    memory: Memory,
-    pool: &rayon::ThreadPool,
-    report: &mut CommitReport,
-) -> Vec<Option<Arc<WorldObject>>> {
-    let needed: BTreeSet<ObjectId> =
-        scene.instances().iter().filter(|i| i.visible).map(|i| i.object).collect();
-    let mut objects = vec![None; scene.objects().len()];
-    for id in needed {
-        let meshes = &scene.object(id).meshes;
-        let old = world.objects.get(id.index()).cloned().flatten();
-        let object = match old.filter(|_| !due.object(id, meshes)) {
-            Some(object) => object,
-            None => {
-                report.built_objects += 1;
-                Arc::new(build_object(scene, meshes, memory, pool))
+            objects_due.sort_unstable();
+            objects_due.dedup();
+            let before = objects.clone();
+            let rebuilt = object::update(objects, &objects_due, scene, options.memory, pool);
+            let dropped = |slot: &ObjectSlot| {
+                slot.object.as_ref().map_or(0, |object| object.tree.bad_primitives().total() as usize)
+            };
+            for &id in &objects_due {
+                self.dropped.triangles += dropped(&objects[id as usize]);
+                self.dropped.triangles -= dropped(&before[id as usize]);
             }
-        };
-        objects[id.index()] = Some(object);
+            report.built_objects = rebuilt.built;
+            is_moved |= rebuilt.reshaped;
+            if !rebuilt.ids.is_empty() {
+                // Those that show it hold it.
+                let shows = |slot: &InstanceSlot| {
+                    slot.object().is_some_and(|object| rebuilt.ids.binary_search(&object.0).is_ok())
+                };
+                let more = (0..).zip(self.instances.iter()).filter(|(_, slot)| shows(slot));
+                changed.extend(more.map(|(id, _)| id));
+                changed.sort_unstable();
+                changed.dedup();
+            }
+        }
+
+        if let Some(&last) = changed.last() {
+            let before = self.instances.clone();
+            let instances = Arc::make_mut(&mut self.instances);
+            instances.grow(last as usize + 1, &InstanceSlot::Hidden);
+            let objects = &self.objects;
+            let place = |id: usize| InstanceSlot::new(&scene.instances()[id], objects);
+            pool.install(|| instances.set_all(&changed, place));
+            let is_dropped =
+                |slot: Option<&InstanceSlot>| usize::from(slot.is_some_and(InstanceSlot::is_dropped));
+            for &id in &changed {
+                self.dropped.instances += is_dropped(instances.get(id as usize));
+                self.dropped.instances -= is_dropped(before.get(id as usize));
+            }
+            report.placed_instances = changed.len();
+        }
+        Geometry { changed, is_moved }
     }
-    objects
 }
 
-fn build_object(scene: &Scene, ids: &[MeshId], memory: Memory, pool: &rayon::ThreadPool) -> WorldObject {
-    // Shared with the scene, which copies what it edits later.
-    let meshes: Vec<Arc<Mesh>> = ids.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
-    let triangles: Vec<_> =
-        meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices }).collect();
-    let options = BuildOptions { memory, ..BuildOptions::default() };
-    let tree = ObjectTree::build(&triangles, &options, Threads::Pool(pool));
-    WorldObject { meshes, tree: Arc::new(tree) }
-}
-
-/// Transforms of the visible instances; those that flatten are dropped and counted.
-fn place_instances(
-    scene: &Scene,
-    objects: &[Option<Arc<WorldObject>>],
-    report: &mut CommitReport,
-) -> Vec<Option<PlacedInstance>> {
-    let place = |instance: &gnurt_scene::Instance| {
-        let object = objects[instance.object.index()].clone().filter(|_| instance.visible)?;
-        let placed = PlacedInstance::new(object, instance.object, &instance.world_from_object);
-        report.dropped_instances += usize::from(placed.is_none());
-        placed
-    };
-    scene.instances().iter().map(place).collect()
-}
-
-/// What the top tree is built over: position for position the scene's instances, empty where rays meet nothing.
-fn tree_instances(scene: &Scene, placed: &[Option<PlacedInstance>]) -> Vec<Instance> {
-    let nothing = Arc::new(ObjectTree::build(&[], &BuildOptions::default(), Threads::Single));
-    placed
-        .iter()
-        .zip(scene.instances())
-        .map(|(placed, instance)| match placed {
-            Some(placed) => Instance::new(placed.object.tree.clone(), instance.world_from_object.columns),
-            None => Instance::identity(nothing.clone()),
-        })
-        .collect()
-}
-
-/// Whether all ids name something.
-fn check(scene: &Scene, shaders: &ShaderTable) -> Result<(), CommitError> {
-    let dangling = |what, index, used, id| CommitError::DanglingId { what, index, used, id };
-    for (index, instance) in scene.instances().iter().enumerate() {
-        if instance.object.index() >= scene.objects().len() {
-            return Err(dangling("instance", index, "object", instance.object.0));
-        }
-    }
-    for (index, object) in scene.objects().iter().enumerate() {
-        if let Some(mesh) = object.meshes.iter().find(|mesh| mesh.index() >= scene.meshes().len()) {
-            return Err(dangling("object", index, "mesh", mesh.0));
-        }
-    }
-    for (index, mesh) in scene.meshes().iter().enumerate() {
-        if mesh.material.index() >= scene.materials().len() {
-            return Err(dangling("mesh", index, "material", mesh.material.0));
-        }
-    }
-    for (index, material) in scene.materials().iter().enumerate() {
-        if let Some(texture) = materials::textures_of(material).find(|t| t.index() >= scene.textures().len())
-        {
-            return Err(dangling("material", index, "texture", texture.0));
-        }
-        if let Surface::Shader(shader) = material.surface
-            && shader as usize >= shaders.surfaces.len()
-        {
-            let known = shaders.surfaces.len();
-            return Err(CommitError::UnknownShader { material: index, shader, known });
-        }
-    }
-    lights::check(scene)
+/// What became of objects and instances.
+struct Geometry {
+    /// Instances that were placed again, ascending.
+    changed: Vec<u32>,
+    /// Whether rays may meet other things, or the same ones elsewhere.
+    is_moved: bool,
 }

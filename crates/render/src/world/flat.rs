@@ -49,7 +49,7 @@ impl World {
         let mesh = &*instance.object.meshes[geom_id as usize];
         let is_divided = mesh.attributes.iter().any(|attribute| attribute.name == TEXCOORD_RQ);
         let flat = (self.face_normals || mesh.normals.is_empty()) && mesh.colors.is_empty() && !is_divided;
-        let look = self.shading.lambertian[mesh.material.index()].as_ref().filter(|_| flat)?;
+        let look = self.material(mesh.material.index()).lambertian.as_ref().filter(|_| flat)?;
         Some(FlatMesh { instance, mesh, look })
     }
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An object put somewhere: single-precision transforms for shading. Source: original.
-//! Invariant: the transform has an inverse.
+//! Invariant: the transform of a placed instance has an inverse.
 
 use std::sync::Arc;
 
 use glam::{DMat3, Mat3, Vec3};
-use gnurt_scene::{Affine, ObjectId};
+use gnurt_scene::{Affine, Instance, ObjectId};
 
-use super::WorldObject;
+use super::chunked::Chunked;
+use super::object::{ObjectSlot, WorldObject};
 
 /// An instance as shading needs it.
 #[derive(Clone)]
@@ -22,6 +23,49 @@ pub(crate) struct PlacedInstance {
     pub(crate) normals: Mat3,
     /// Whether `linear` mirrors: triangles wind the other way round in the world.
     pub(crate) mirrors: bool,
+}
+
+/// What there is of an instance of the scene.
+#[derive(Clone, Default)]
+pub(super) enum InstanceSlot {
+    /// Rays do not meet it.
+    #[default]
+    Hidden,
+    /// They would, but its transform flattens or is not finite.
+    Dropped(ObjectId),
+    Placed(PlacedInstance),
+}
+
+impl InstanceSlot {
+    /// An instance as the scene has it, if it shows an object that is there.
+    pub(super) fn new(instance: &Instance, objects: &Chunked<ObjectSlot>) -> Self {
+        let object = objects.get(instance.object.index()).and_then(|slot| slot.object.clone());
+        let Some(object) = object.filter(|_| instance.visible) else { return Self::Hidden };
+        match PlacedInstance::new(object, instance.object, &instance.world_from_object) {
+            Some(placed) => Self::Placed(placed),
+            None => Self::Dropped(instance.object),
+        }
+    }
+
+    pub(super) fn placed(&self) -> Option<&PlacedInstance> {
+        match self {
+            Self::Placed(placed) => Some(placed),
+            Self::Hidden | Self::Dropped(_) => None,
+        }
+    }
+
+    /// The object that it needs.
+    pub(super) fn object(&self) -> Option<ObjectId> {
+        match self {
+            Self::Hidden => None,
+            Self::Dropped(object) => Some(*object),
+            Self::Placed(placed) => Some(placed.object_id),
+        }
+    }
+
+    pub(super) fn is_dropped(&self) -> bool {
+        matches!(self, Self::Dropped(_))
+    }
 }
 
 impl PlacedInstance {

@@ -1,74 +1,208 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From lights and emissive triangles of the description to light shaders.
-//! Source: original. All emissive triangles of all instances together are one light.
-//! Proof: `crates/render/tests/lights.rs`.
+//! All lights of a world: from the description's lights, its triangles that shine and the shader table's.
+//! Source: original. Each of them is kept while nothing edits it; the tree that lights are chosen by hangs on those with a
+//! place alone, an environment's distribution on its texture alone.
+//! Proof: `crates/render/tests/{lights,commit}.rs`.
 
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{Mat3, Vec3};
+use gnurt_accel::Threads;
 use gnurt_scene::material::TextureRef;
-use gnurt_scene::{Light, Material, Scene};
+use gnurt_scene::{Light, Scene};
 use gnurt_shading::lights as shading;
-use gnurt_shading::lights::EnvironmentLight;
+use gnurt_shading::lights::{EnvironmentLight, LightSet};
 use gnurt_shading::{EnvironmentShader, LightShader};
 
-use super::instance::PlacedInstance;
-use super::materials::{coverage, emission, sampler};
-use super::{CommitOptions, ShaderTable};
-use crate::error::CommitError;
+use super::lamps::Lamps;
+use super::materials::sampler;
+use super::table::ShaderTable;
+use crate::many_lights::ShaderLamps;
 
-type Environment = Option<Arc<dyn EnvironmentShader>>;
+/// Tells what shines from all else that ever shone.
+#[derive(Clone, Default)]
+pub(crate) struct LightsContent(Arc<()>);
 
-/// All lights of a world.
-pub(super) struct Lights {
-    /// As shaders ask them.
-    pub(super) shaders: Vec<Arc<dyn LightShader>>,
-    /// Which of `shaders` only know `illuminate`: those of the shader table.
-    pub(super) plugins: Range<usize>,
-    /// What misses see.
-    pub(super) environment: Environment,
-    /// All others, for whoever needs densities.
-    pub(super) parts: shading::LightParts,
+impl PartialEq for LightsContent {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
-/// All lights of a scene and of a shader table.
-pub(super) fn lights(
-    scene: &Scene,
-    instances: &[Option<PlacedInstance>],
-    shaders: &ShaderTable,
-    options: &CommitOptions,
-    bounds: [Vec3; 2],
-) -> Lights {
-    let (triangles, triangle_ids) = triangle_lights(scene, instances, options.force_diffuse);
-    let mut parts = shading::LightParts { triangles, triangle_ids, bounds, ..Default::default() };
-    let mut lights: Vec<Arc<dyn LightShader>> = Vec::new();
-    if let Some(triangles) = &parts.triangles {
-        lights.push(triangles.clone());
+/// All lights of a world.
+#[derive(Default)]
+pub(crate) struct Lights {
+    /// As shaders ask them.
+    pub(crate) shaders: Vec<Arc<dyn LightShader>>,
+    /// Which of `shaders` only know `illuminate`: those of the shader table.
+    pub(crate) plugins: Range<usize>,
+    /// What misses see.
+    pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
+    pub(super) lamps: Arc<Lamps>,
+    /// The same for lights that differ in nothing but what they light.
+    pub(super) content: LightsContent,
+    /// The scene's own environment, unless the shader table has one.
+    own_environment: Option<EnvironmentLight>,
+    /// The scene's lights without extent, in their order.
+    punctual: Vec<Light>,
+    /// All but `plugins`, for whoever needs densities.
+    parts: shading::LightParts,
+    /// Made for the first integrator that wants it.
+    set: OnceLock<LightSet>,
+    /// Likewise: where light paths start at lights that only know `illuminate`.
+    shader_lamps: OnceLock<ShaderLamps>,
+}
+
+/// What a commit has found out before it comes to lights.
+pub(super) struct ChangedLights {
+    /// Those of the scene were edited, or a texture.
+    pub(super) edited: bool,
+    /// The triangles that shine, if they are others.
+    pub(super) lamps: Option<Lamps>,
+    /// Of all that can be lit.
+    pub(super) bounds: [Vec3; 2],
+}
+
+impl Lights {
+    /// All lights but those of shader plugins, with densities; by one thread if nobody has made them yet.
+    pub(crate) fn set(&self) -> &LightSet {
+        self.set.get_or_init(|| LightSet::new(self.parts.clone(), Threads::Single))
     }
-    lights.extend(scene.lights().iter().filter_map(|light| punctual(light, &mut parts)));
-    let plugins = lights.len()..lights.len() + shaders.lights.len();
-    lights.extend(shaders.lights.iter().cloned());
-    if let Some(environment) = &shaders.environment {
-        return Lights { shaders: lights, plugins, environment: Some(environment.clone()), parts };
-    }
-    let environment: Environment = match environment(scene) {
-        Some(light) => {
-            parts.environment = Some(light.clone());
-            let (light, environment): (Arc<dyn LightShader>, Arc<dyn EnvironmentShader>) = match light {
-                EnvironmentLight::Constant(constant) => (constant.clone(), constant),
-                EnvironmentLight::Picture(picture) => (picture.clone(), picture),
-            };
-            lights.push(light);
-            Some(environment)
+
+    /// Makes what [`set`](Self::set) gives by all threads, unless it is there. Not inside of `set`: a thread that waits for
+    /// others takes up their work, and would come back to what it has not finished.
+    pub(crate) fn make_set(&self, pool: &rayon::ThreadPool) {
+        if self.set.get().is_none() {
+            let set = LightSet::new(self.parts.clone(), Threads::Pool(pool));
+            // Who comes second has made the same.
+            let _ = self.set.set(set);
         }
-        None => None,
-    };
-    Lights { shaders: lights, plugins, environment, parts }
+    }
+
+    /// Where light paths start at lights of shader plugins, within `bounds`.
+    pub(crate) fn shader_lamps(&self, bounds: Option<([f32; 3], [f32; 3])>) -> &ShaderLamps {
+        let lights = &self.shaders[self.plugins.clone()];
+        let environment = self.environment.as_deref().filter(|_| self.parts.environment.is_none());
+        self.shader_lamps.get_or_init(|| ShaderLamps::new(lights, environment, bounds))
+    }
+
+    /// The lights after changes; `None` if they are as they were.
+    pub(super) fn after(
+        &self,
+        changed: ChangedLights,
+        scene: &Scene,
+        shaders: &ShaderTable,
+        pool: &rayon::ThreadPool,
+    ) -> Option<Self> {
+        let table_changed = !self.shows(shaders);
+        let own_environment = if shaders.environment.is_some() {
+            None
+        } else if changed.edited || table_changed {
+            environment(scene, self.own_environment.as_ref(), Threads::Pool(pool))
+        } else {
+            self.own_environment.clone()
+        };
+        let same_environment = match (&own_environment, &self.own_environment) {
+            (Some(now), Some(before)) => now.is(before),
+            (None, None) => true,
+            _ => false,
+        };
+        let same_bounds = changed.bounds == self.parts.bounds;
+        let same_lights = !changed.edited && changed.lamps.is_none() && !table_changed && same_environment;
+        if same_lights && same_bounds {
+            return None;
+        }
+        let lamps = changed.lamps.map_or_else(|| self.lamps.clone(), Arc::new);
+        let mut lights = Self::of(scene, shaders, lamps, own_environment, changed.bounds);
+        if same_lights || (same_environment && !table_changed && lights.is_like(self)) {
+            // An edit of a light that nobody sees, or of a texture that is not the environment's, is none.
+            if same_bounds {
+                return None;
+            }
+            lights.content = self.content.clone();
+        }
+        if let Some(set) = self.set.get() {
+            // Where the tree is to be built that waits until somebody wants it.
+            lights.set = set.again(&lights.parts).map(OnceLock::from).unwrap_or_default();
+        }
+        Some(lights)
+    }
+
+    fn of(
+        scene: &Scene,
+        table: &ShaderTable,
+        lamps: Arc<Lamps>,
+        own_environment: Option<EnvironmentLight>,
+        bounds: [Vec3; 2],
+    ) -> Self {
+        let mut parts = shading::LightParts {
+            triangles: lamps.triangles.clone(),
+            triangle_ids: lamps.ids.clone(),
+            environment: own_environment.clone(),
+            bounds,
+            ..Default::default()
+        };
+        let is_punctual = |light: &&Light| !matches!(light, Light::Environment { .. });
+        let punctual: Vec<Light> = scene.lights().iter().filter(is_punctual).cloned().collect();
+        let mut shaders: Vec<Arc<dyn LightShader>> = Vec::new();
+        if let Some(triangles) = &parts.triangles {
+            shaders.push(triangles.clone());
+        }
+        shaders.extend(punctual.iter().filter_map(|light| without_extent(light, &mut parts)));
+        let plugins = shaders.len()..shaders.len() + table.lights.len();
+        shaders.extend(table.lights.iter().cloned());
+        let mut environment = table.environment.clone();
+        if let Some(own) = &own_environment {
+            let (light, own): (Arc<dyn LightShader>, Arc<dyn EnvironmentShader>) = match own {
+                EnvironmentLight::Constant(constant) => (constant.clone(), constant.clone()),
+                EnvironmentLight::Picture(picture) => (picture.clone(), picture.clone()),
+            };
+            shaders.push(light);
+            environment = Some(own);
+        }
+        let (set, shader_lamps, content) = Default::default();
+        Self {
+            content,
+            shaders,
+            plugins,
+            environment,
+            lamps,
+            own_environment,
+            punctual,
+            parts,
+            set,
+            shader_lamps,
+        }
+    }
+
+    /// Whether lights and environment of the shader table are those that it has.
+    fn shows(&self, table: &ShaderTable) -> bool {
+        let before = &self.shaders[self.plugins.clone()];
+        let same = |(a, b): (&Arc<dyn LightShader>, &Arc<dyn LightShader>)| Arc::ptr_eq(a, b);
+        let from_table = self.environment.as_ref().filter(|_| self.own_environment.is_none());
+        let same_environment = match (&table.environment, from_table) {
+            (Some(now), Some(before)) => Arc::ptr_eq(now, before),
+            (None, None) => true,
+            _ => false,
+        };
+        before.len() == table.lights.len() && before.iter().zip(&table.lights).all(same) && same_environment
+    }
+
+    /// Whether the parts that edits of lights reach are equal.
+    fn is_like(&self, before: &Self) -> bool {
+        Arc::ptr_eq(&self.lamps, &before.lamps) && self.punctual == before.punctual
+    }
+
+    /// The scene's own environment.
+    #[cfg(test)]
+    pub(super) fn own_environment(&self) -> Option<&EnvironmentLight> {
+        self.own_environment.as_ref()
+    }
 }
 
 /// A light without extent, which is added to `parts`, too.
-fn punctual(light: &Light, parts: &mut shading::LightParts) -> Option<Arc<dyn LightShader>> {
+fn without_extent(light: &Light, parts: &mut shading::LightParts) -> Option<Arc<dyn LightShader>> {
     match *light {
         Light::Point { position, intensity } => {
             let point = shading::PointLight { position: position.into(), intensity: intensity.into() };
@@ -91,8 +225,12 @@ fn punctual(light: &Light, parts: &mut shading::LightParts) -> Option<Arc<dyn Li
     }
 }
 
-/// The last environment of the scene.
-fn environment(scene: &Scene) -> Option<EnvironmentLight> {
+/// The last environment of the scene; what it has in common with the one before is shared.
+fn environment(
+    scene: &Scene,
+    before: Option<&EnvironmentLight>,
+    threads: Threads,
+) -> Option<EnvironmentLight> {
     let last = scene.lights().iter().rev().find_map(|light| match light {
         Light::Environment { radiance, texture, world_from_light } => {
             Some((Vec3::from(*radiance), *texture, world_from_light))
@@ -101,79 +239,22 @@ fn environment(scene: &Scene) -> Option<EnvironmentLight> {
     });
     let (radiance, texture, world_from_light) = last.filter(|(radiance, ..)| radiance.max_element() > 0.0)?;
     let Some(texture) = texture else {
-        return Some(EnvironmentLight::Constant(Arc::new(shading::ConstantEnvironment { radiance })));
+        let same = |light: &&EnvironmentLight| matches!(light, EnvironmentLight::Constant(constant) if constant.radiance == radiance);
+        let new = || EnvironmentLight::Constant(Arc::new(shading::ConstantEnvironment { radiance }));
+        return Some(before.filter(same).cloned().unwrap_or_else(new));
     };
     let [x, y, z, _] = world_from_light.to_f32();
     let unit = |v: [f32; 3]| Vec3::from(v).normalize_or_zero();
     let rotation = Mat3::from_cols(unit(x), unit(y), unit(z));
     let sampler = sampler(scene, &TextureRef::new(texture));
-    let picture = shading::PictureEnvironment::new(sampler, radiance, rotation)?;
-    Some(EnvironmentLight::Picture(Arc::new(picture)))
-}
-
-/// Every triangle of a shining material, in the world; and its instance, mesh and triangle, ascending.
-fn triangle_lights(
-    scene: &Scene,
-    instances: &[Option<PlacedInstance>],
-    force_diffuse: bool,
-) -> (Option<Arc<shading::TriangleLights>>, Vec<[u32; 3]>) {
-    let emitter = |material: &Material| {
-        let emission = emission(scene, material)?;
-        let coverage = if force_diffuse { None } else { coverage(scene, &material.alpha) };
-        Some(Arc::new(shading::Emitter { emission, coverage }))
-    };
-    let by_material: Vec<_> = scene.materials().iter().map(emitter).collect();
-    let emitters: Vec<_> = by_material.iter().flatten().cloned().collect();
-    // Position among the emitters of each material that shines.
-    let mut next = 0..;
-    let number: Vec<Option<u32>> =
-        by_material.iter().map(|emitter| emitter.as_ref().and_then(|_| next.next())).collect();
-    let (mut triangles, mut ids) = (Vec::new(), Vec::new());
-    for (inst_id, instance) in (0..).zip(instances) {
-        let Some(instance) = instance else { continue };
-        for (geom_id, mesh) in (0..).zip(&instance.object.meshes) {
-            let Some(emitter) = number[mesh.material.index()] else { continue };
-            for prim_id in 0..mesh.indices.len() {
-                if let Some(shining) = triangle(instance, mesh, prim_id, emitter) {
-                    triangles.push(shining);
-                    ids.push([inst_id, geom_id, prim_id as u32]);
-                }
+    let picture = match before {
+        Some(same @ EnvironmentLight::Picture(picture)) if picture.shows(&sampler) => {
+            if picture.shines_as(radiance, rotation) {
+                return Some(same.clone());
             }
+            picture.again(radiance, rotation)?
         }
-    }
-    match shading::TriangleLights::new(triangles, emitters) {
-        Some(lights) => (Some(Arc::new(lights)), ids),
-        None => (None, Vec::new()),
-    }
-}
-
-/// A triangle in the world; `None` if it cannot be traced, because what is not there does not shine.
-fn triangle(
-    instance: &PlacedInstance,
-    mesh: &gnurt_scene::Mesh,
-    prim_id: usize,
-    emitter: u32,
-) -> Option<shading::EmissiveTriangle> {
-    let mut corners = mesh.indices[prim_id].map(|i| i as usize);
-    if instance.mirrors {
-        corners.swap(1, 2);
-    }
-    let position = |i: usize| mesh.positions.get(i).map(|&p| instance.point(p.into()));
-    let p = [position(corners[0])?, position(corners[1])?, position(corners[2])?];
-    let area = (p[1] - p[0]).cross(p[2] - p[0]).length();
-    let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
-    let opacity = corners.map(|i| mesh.colors.get(i).map_or(1.0, |color| color[3]));
-    (area > 0.0 && area.is_finite()).then_some(shading::EmissiveTriangle { p, uv, opacity, emitter })
-}
-
-/// Whether all ids of lights name something.
-pub(super) fn check(scene: &Scene) -> Result<(), CommitError> {
-    for (index, light) in scene.lights().iter().enumerate() {
-        if let Light::Environment { texture: Some(texture), .. } = light
-            && texture.index() >= scene.textures().len()
-        {
-            return Err(CommitError::DanglingId { what: "light", index, used: "texture", id: texture.0 });
-        }
-    }
-    Ok(())
+        _ => shading::PictureEnvironment::new(sampler, radiance, rotation, threads)?,
+    };
+    Some(EnvironmentLight::Picture(Arc::new(picture)))
 }

@@ -13,29 +13,27 @@ use gnurt_shading::SurfaceShader;
 use gnurt_shading::materials as shading;
 use gnurt_shading::texture::{TextureSampler, Wrap as SamplerWrap};
 
-use super::ShaderTable;
+use super::table::ShaderTable;
 
-/// The shader of each material.
-pub(super) fn surfaces(
+/// The shader of a material that gives off `emission` and is there as `coverage` says.
+pub(super) fn shader(
     scene: &Scene,
+    material: &Material,
     shaders: &ShaderTable,
     force_diffuse: bool,
-) -> Vec<Arc<dyn SurfaceShader>> {
-    let shader = |material: &Material| -> Arc<dyn SurfaceShader> {
-        let catches = matches!(material.surface, Surface::ShadowCatcher { .. });
-        let surface = if force_diffuse && !catches {
-            Arc::new(shading::Matte { albedo: color(scene, &material.diffuse_color()) })
-        } else {
-            surface(scene, &material.surface, shaders)
-        };
-        let emission = emission(scene, material);
-        let coverage = if force_diffuse { None } else { coverage(scene, &material.alpha) };
-        if emission.is_none() && coverage.is_none() {
-            return surface;
-        }
-        Arc::new(shading::Material { surface, emission, coverage })
+    emission: Option<shading::Emission>,
+    coverage: Option<shading::Coverage>,
+) -> Arc<dyn SurfaceShader> {
+    let catches = matches!(material.surface, Surface::ShadowCatcher { .. });
+    let surface = if force_diffuse && !catches {
+        Arc::new(shading::Matte { albedo: color(scene, &material.diffuse_color()) })
+    } else {
+        surface(scene, &material.surface, shaders)
     };
-    scene.materials().iter().map(shader).collect()
+    if emission.is_none() && coverage.is_none() {
+        return surface;
+    }
+    Arc::new(shading::Material { surface, emission, coverage })
 }
 
 /// What lanes need of a surface; `None` where they do not know it.

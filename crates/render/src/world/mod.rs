@@ -2,31 +2,43 @@
 //! The world: a committed scene that rays can be sent into.
 //! Source: original; two levels (a tree per object, a top tree over instances) after the paper's section 6 and \[WBS03a\].
 //! Space: world. Invariant: whatever a hit names is there; errors ended at commit.
-//! Proof: crates/render/tests/commit.rs.
+//! Its parts are kept apart by what edits them, immutable and shared: whoever has a clone has the world as it was.
+//! Proof: crates/render/tests/{commit,edits}.rs.
 
+mod check;
+mod chunked;
 mod commit;
+mod due;
 mod flat;
 mod instance;
+mod lamps;
 mod lights;
+mod material_table;
 mod materials;
 mod object;
 mod plain;
 mod surface;
 mod table;
+#[cfg(test)]
+mod tests;
+mod top;
 
 use std::ops::Range;
-use std::sync::{Arc, OnceLock, Weak};
+use std::sync::{Arc, Weak};
 
 use gnurt_accel::{Hit, HitBatch, INVALID_ID, Ray, SceneTree};
-use gnurt_scene::edit::Cursor;
-use gnurt_shading::lights::{LightParts, LightSet};
-use gnurt_shading::materials::{Lambertian, PlainColor};
-use gnurt_shading::{EnvironmentShader, LightShader, SurfaceShader};
+use gnurt_scene::edit::{Cursor, SceneIdentity};
+use gnurt_shading::SurfaceShader;
+use gnurt_shading::lights::LightSet;
 
 use crate::many_lights::ShaderLamps;
+use chunked::Chunked;
 pub(crate) use flat::FlatLanes;
+use instance::InstanceSlot;
 pub(crate) use instance::PlacedInstance;
-pub(crate) use object::WorldObject;
+pub(crate) use lights::{Lights, LightsContent};
+pub(crate) use material_table::{MaterialEntry, MaterialTable};
+use object::ObjectSlot;
 pub(crate) use surface::HitLanes;
 pub use table::{CommitOptions, CommitReport, ShaderTable};
 
@@ -54,57 +66,56 @@ pub struct WorldStats {
 /// A committed scene. Cheap to clone: a clone is a snapshot that later commits do not touch.
 #[derive(Clone, Default)]
 pub struct World {
-    /// By object id; `None` where no visible instance needs it.
-    objects: Arc<Vec<Option<Arc<WorldObject>>>>,
-    /// By instance id; `None` where rays meet nothing.
-    instances: Arc<Vec<Option<PlacedInstance>>>,
+    /// By object id.
+    objects: Arc<Chunked<ObjectSlot>>,
+    /// By instance id; those behind the last one that rays may meet are not there.
+    instances: Arc<Chunked<InstanceSlot>>,
     tree: Arc<SceneTree>,
-    shading: Arc<Shading>,
+    /// By material id.
+    materials: Arc<MaterialTable>,
+    lights: Arc<Lights>,
     face_normals: bool,
+    dropped: Dropped,
     follows: Option<Followed>,
 }
 
 /// Tells worlds apart; keeps none of them.
 pub(crate) struct WorldMark {
+    instances: Weak<Chunked<InstanceSlot>>,
     tree: Weak<SceneTree>,
-    shading: Weak<Shading>,
+    materials: Weak<MaterialTable>,
+    lights: Weak<Lights>,
+    content: LightsContent,
 }
 
 impl WorldMark {
+    /// Whether nothing was changed.
     pub(crate) fn is_of(&self, world: &World) -> bool {
-        self.tree.as_ptr() == Arc::as_ptr(&world.tree) && self.shading.as_ptr() == Arc::as_ptr(&world.shading)
+        self.instances.as_ptr() == Arc::as_ptr(&world.instances)
+            && self.tree.as_ptr() == Arc::as_ptr(&world.tree)
+            && self.materials.as_ptr() == Arc::as_ptr(&world.materials)
+            && self.lights.as_ptr() == Arc::as_ptr(&world.lights)
+    }
+
+    /// Whether no light was changed; what they light may have grown.
+    pub(crate) fn has_lights_of(&self, world: &World) -> bool {
+        self.content == world.lights.content
     }
 }
 
 /// How far a world has followed its scene.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Followed {
+    identity: SceneIdentity,
     cursor: Cursor,
     options: CommitOptions,
 }
 
-/// All shaders of a world.
-#[derive(Default)]
-pub(crate) struct Shading {
-    /// By material id.
-    pub(crate) surfaces: Vec<Arc<dyn SurfaceShader>>,
-    /// Likewise: those that are Lambert's reflector, as lanes need them.
-    pub(crate) lambertian: Vec<Option<Lambertian>>,
-    /// Likewise: base colours, where they are plain.
-    plain: Vec<Option<PlainColor>>,
-    pub(crate) lights: Vec<Arc<dyn LightShader>>,
-    /// Which of them are not in the light set, because they only know `illuminate`.
-    pub(crate) plugin_lights: Range<usize>,
-    pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
-    /// Whether no surface lets light straight through.
-    pub(crate) all_opaque: bool,
-    /// Whether no surface has holes; one that lets light through by scattering it has none.
-    pub(crate) all_solid: bool,
-    parts: LightParts,
-    /// Built for the first integrator that wants it.
-    light_set: OnceLock<LightSet>,
-    /// Likewise: where light paths start at lights that only know `illuminate`.
-    shader_lamps: OnceLock<ShaderLamps>,
+/// What was left out, of all that is there.
+#[derive(Clone, Copy, Default)]
+struct Dropped {
+    triangles: usize,
+    instances: usize,
 }
 
 impl World {
@@ -128,10 +139,10 @@ impl World {
         let mut stats = WorldStats {
             tree_nodes: top.nodes as usize,
             tree_bytes: (top.tree_bytes + top.primitive_bytes) as usize,
-            lights: self.shading.lights.len(),
+            lights: self.lights.shaders.len(),
             ..WorldStats::default()
         };
-        for object in self.objects.iter().flatten() {
+        for object in self.objects.iter().filter_map(|slot| slot.object.as_ref()) {
             let tree = object.tree.stats();
             stats.objects += 1;
             stats.triangles += tree.primitives as usize;
@@ -139,7 +150,7 @@ impl World {
             stats.tree_bytes += (tree.tree_bytes + tree.primitive_bytes) as usize;
             stats.array_bytes += object.meshes.iter().map(|mesh| mesh.memory_bytes()).sum::<usize>();
         }
-        for instance in self.instances.iter().flatten() {
+        for instance in self.instances.iter().filter_map(InstanceSlot::placed) {
             stats.instances += 1;
             stats.instanced_triangles += instance.object.tree.stats().primitives as usize;
         }
@@ -160,28 +171,46 @@ impl World {
 
     /// All lights but those of shader plugins, with densities.
     pub(crate) fn light_set(&self) -> &LightSet {
-        self.shading.light_set.get_or_init(|| LightSet::new(self.shading.parts.clone()))
+        self.lights.set()
     }
 
     /// Where light paths start at lights of shader plugins.
     pub(crate) fn shader_lamps(&self) -> &ShaderLamps {
-        let shading = &*self.shading;
-        let lights = &shading.lights[shading.plugin_lights.clone()];
-        let environment = shading.environment.as_deref().filter(|_| shading.parts.environment.is_none());
-        shading.shader_lamps.get_or_init(|| ShaderLamps::new(lights, environment, self.bounds()))
+        self.lights.shader_lamps(self.bounds())
     }
 
     /// What tells it from any world that came of another commit.
     pub(crate) fn mark(&self) -> WorldMark {
-        WorldMark { tree: Arc::downgrade(&self.tree), shading: Arc::downgrade(&self.shading) }
+        WorldMark {
+            instances: Arc::downgrade(&self.instances),
+            tree: Arc::downgrade(&self.tree),
+            materials: Arc::downgrade(&self.materials),
+            lights: Arc::downgrade(&self.lights),
+            content: self.lights.content.clone(),
+        }
     }
 
     pub(crate) fn tree(&self) -> &SceneTree {
         &self.tree
     }
 
-    pub(crate) fn shading(&self) -> &Shading {
-        &self.shading
+    pub(crate) fn lights(&self) -> &Lights {
+        &self.lights
+    }
+
+    pub(crate) fn materials(&self) -> &MaterialTable {
+        &self.materials
+    }
+
+    /// The shader of a material.
+    pub(crate) fn shader(&self, material: usize) -> &dyn SurfaceShader {
+        &*self.materials.get(material).shader
+    }
+
+    /// A material as rays meet it.
+    #[inline]
+    fn material(&self, material: usize) -> &MaterialEntry {
+        self.materials.get(material)
     }
 
     /// The material of what was hit: its place among the surface shaders.
@@ -219,6 +248,6 @@ impl World {
 
     /// Panics where nothing can be hit; hits name only instances that are there.
     fn instance(&self, inst_id: u32) -> &PlacedInstance {
-        self.instances[inst_id as usize].as_ref().expect("hits name instances that are there")
+        self.instances[inst_id as usize].placed().expect("hits name instances that are there")
     }
 }

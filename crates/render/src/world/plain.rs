@@ -96,7 +96,7 @@ impl World {
         let [inst_id, geom_id] = ids;
         let instance = self.instance(inst_id);
         let mesh = &*instance.object.meshes[geom_id as usize];
-        Placed { ids, instance, mesh, look: self.shading.plain[mesh.material.index()], facet: None }
+        Placed { ids, instance, mesh, look: self.material(mesh.material.index()).plain, facet: None }
     }
 
     #[inline]

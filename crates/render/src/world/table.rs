@@ -40,6 +40,16 @@ pub struct CommitReport {
     pub dropped_instances: usize,
     /// Objects whose trees were built.
     pub built_objects: usize,
+    /// Instances that were placed: those that were edited, and those of objects that were.
+    pub placed_instances: usize,
+    /// Whether the tree over all instances was built.
+    pub built_top_tree: bool,
+    /// Surface shaders that were made.
+    pub made_shaders: usize,
+    /// Whether the triangles that shine were looked for.
+    pub found_lamps: bool,
+    /// Whether the list of lights was made. What is costly of it is shared with the list before while that holds.
+    pub made_lights: bool,
     /// Seconds that all of it took.
     pub build_seconds: f64,
 }

@@ -95,7 +95,7 @@ impl Parameter {
 }
 
 /// The value of one parameter.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Value {
     /// Numbers.
     Floats(Vec<f32>),

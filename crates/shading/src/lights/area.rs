@@ -16,12 +16,27 @@ use crate::sampling::{self, Distribution};
 use crate::shader::{LightBatch, LightShader};
 
 /// What a group of triangles gives off.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Emitter {
-    /// Radiance.
-    pub emission: Emission,
-    /// Where the surface is not there it does not shine.
-    pub coverage: Option<Coverage>,
+    emission: Emission,
+    coverage: Option<Coverage>,
+    /// Over the whole texture: found once, since textures are large.
+    brightness: f32,
+}
+
+impl Emitter {
+    /// Gives off `emission`, but not where `coverage` says that the surface is not there.
+    #[must_use]
+    pub fn new(emission: Emission, coverage: Option<Coverage>) -> Self {
+        let brightness = emission.mean_luminance();
+        Self { emission, coverage, brightness }
+    }
+
+    /// Whether it gives off just this.
+    #[must_use]
+    pub fn gives_off(&self, emission: &Emission, coverage: Option<&Coverage>) -> bool {
+        self.emission == *emission && self.coverage.as_ref() == coverage
+    }
 }
 
 /// A triangle that shines, world space.
@@ -118,7 +133,7 @@ impl TriangleLights {
     /// `None` if no triangle shines. Panics if a triangle names an emitter that is not there.
     #[must_use]
     pub fn new(triangles: Vec<EmissiveTriangle>, emitters: Vec<Arc<Emitter>>) -> Option<Self> {
-        let brightness: Vec<f64> = emitters.iter().map(|e| f64::from(e.emission.mean_luminance())).collect();
+        let brightness: Vec<f64> = emitters.iter().map(|e| f64::from(e.brightness)).collect();
         let power = |t: &EmissiveTriangle| double_area(t) * brightness[t.emitter as usize];
         let distribution = Distribution::new(triangles.iter().map(power))?;
         let shape = |t: &EmissiveTriangle| Shape::new(t, brightness[t.emitter as usize] as f32);
@@ -248,7 +263,7 @@ mod tests {
             emitter: 0,
         });
         let emission = Emission { factor: Vec3::new(1.0, 2.0, 3.0), texture: None };
-        TriangleLights::new(triangles.into(), vec![Arc::new(Emitter { emission, coverage: None })])
+        TriangleLights::new(triangles.into(), vec![Arc::new(Emitter::new(emission, None))])
             .expect("it shines")
     }
 
@@ -290,8 +305,7 @@ mod tests {
     }
 
     fn light_of(corners: &[[Vec3; 3]]) -> Option<TriangleLights> {
-        let shine =
-            |factor| Arc::new(Emitter { emission: Emission { factor, texture: None }, coverage: None });
+        let shine = |factor| Arc::new(Emitter::new(Emission { factor, texture: None }, None));
         let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveTriangle {
             p,
             uv: [[0.0; 2]; 3],
@@ -339,7 +353,7 @@ mod tests {
     #[test]
     fn dark_or_flat_triangles_are_no_light() {
         let emission = Emission { factor: Vec3::ONE, texture: None };
-        let emitter = Arc::new(Emitter { emission, coverage: None });
+        let emitter = Arc::new(Emitter::new(emission, None));
         let flat = EmissiveTriangle {
             p: [Vec3::ZERO, Vec3::X, Vec3::X * 2.0],
             uv: [[0.0; 2]; 3],

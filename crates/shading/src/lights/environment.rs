@@ -6,9 +6,12 @@
 //! Proof: `tests::{constant_is_exact, picture_matches_quadrature, directions_and_texels_agree}`.
 
 use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
+use gnurt_accel::Threads;
 use gnurt_image::srgb::luminance;
+use rayon::prelude::*;
 
 use crate::batch::Vec3s;
 use crate::sampling::{Basis, GridDistribution, cosine_hemisphere};
@@ -51,7 +54,8 @@ pub struct PictureEnvironment {
     texture: TextureSampler,
     radiance: Vec3,
     world_from_light: Mat3,
-    grid: GridDistribution,
+    /// A function of the texture alone.
+    grid: Arc<GridDistribution>,
 }
 
 /// The grid of choices has no more cells than this along each axis.
@@ -60,15 +64,45 @@ const MOST_CELLS: [u32; 2] = [1024, 512];
 impl PictureEnvironment {
     /// `world_from_light` is a rotation; `radiance` is multiplied to the picture. `None` if all of it is black.
     #[must_use]
-    pub fn new(texture: TextureSampler, radiance: Vec3, world_from_light: Mat3) -> Option<Self> {
+    pub fn new(
+        texture: TextureSampler,
+        radiance: Vec3,
+        world_from_light: Mat3,
+        threads: Threads,
+    ) -> Option<Self> {
         let texture = TextureSampler {
             wrap: [Wrap::Repeat, Wrap::Clamp],
             linear: true,
             uv_from_mesh: TextureSampler::new(texture.texels.clone()).uv_from_mesh,
             ..texture
         };
-        let grid = brightness_grid(&texture)?;
+        let grid = Arc::new(brightness_grid(&texture, threads)?);
         (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, grid })
+    }
+
+    /// The same picture in another light, turned elsewhere. `None` if all of it is black.
+    #[must_use]
+    pub fn again(&self, radiance: Vec3, world_from_light: Mat3) -> Option<Self> {
+        let (texture, grid) = (self.texture.clone(), self.grid.clone());
+        (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, grid })
+    }
+
+    /// Whether it shows the texels that `texture` does.
+    #[must_use]
+    pub fn shows(&self, texture: &TextureSampler) -> bool {
+        Arc::ptr_eq(&self.texture.texels, &texture.texels)
+    }
+
+    /// Whether it does so as bright, and turned the same way.
+    #[must_use]
+    pub fn shines_as(&self, radiance: Vec3, world_from_light: Mat3) -> bool {
+        (self.radiance, self.world_from_light) == (radiance, world_from_light)
+    }
+
+    /// Whether the distribution that directions are chosen by is one for both.
+    #[must_use]
+    pub fn shares_distribution(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.grid, &other.grid)
     }
 
     /// Radiance from a unit direction.
@@ -134,27 +168,34 @@ fn uv_of(dir: Vec3) -> [f32; 2] {
 
 /// Brightness times solid angle of each cell. Cells look a little beyond their edges, because interpolation carries
 /// light there: whatever shines has a chance.
-fn brightness_grid(texture: &TextureSampler) -> Option<GridDistribution> {
+fn brightness_grid(texture: &TextureSampler, threads: Threads) -> Option<GridDistribution> {
     let size = [texture.texels.width, texture.texels.height];
     let [columns, rows] = [0, 1].map(|k| size[k].clamp(1, MOST_CELLS[k]) as usize);
     // Enough places per cell that no texel is missed.
     let [across, down] =
         [0, 1].map(|k| 1 + (size[k] as usize).div_ceil([columns, rows][k]) * if size[k] > 1 { 2 } else { 1 });
     let brightness = |[r, g, b, _]: [f32; 4]| f64::from(luminance([r, g, b])).max(0.0);
-    let mut weights = Vec::with_capacity(columns * rows);
-    for row in 0..rows {
+    let of_row = |row: usize| -> Vec<f64> {
         let [upper, lower] = [0, 1].map(|k| (f64::from(PI) * (row + k) as f64 / rows as f64).cos());
-        for column in 0..columns {
+        let weight = |column: usize| {
             let mut sum = 0.0;
             for (i, j) in (0..=across).flat_map(|i| (0..=down).map(move |j| (i, j))) {
                 let u = (column as f32 + i as f32 / across as f32) / columns as f32;
                 let v = 1.0 - (row as f32 + j as f32 / down as f32) / rows as f32;
                 sum += brightness(texture.sample([u, v]));
             }
-            weights.push(sum * (upper - lower));
+            sum * (upper - lower)
+        };
+        (0..columns).map(weight).collect()
+    };
+    let weights: Vec<Vec<f64>> = threads.run(|parallel| {
+        if parallel {
+            (0..rows).into_par_iter().map(of_row).collect()
+        } else {
+            (0..rows).map(of_row).collect()
         }
-    }
-    GridDistribution::new(columns, &weights)
+    });
+    GridDistribution::new(columns, &weights.concat())
 }
 
 #[cfg(test)]
@@ -177,7 +218,7 @@ mod tests {
         let data = TexelData::Float((0..width * height).map(texel).collect());
         let texture = TextureSampler::new(Arc::new(Texels { width, height, data }));
         let turn = Mat3::from_rotation_x(0.4) * Mat3::from_rotation_y(1.1);
-        PictureEnvironment::new(texture, Vec3::splat(2.0), turn).expect("it shines")
+        PictureEnvironment::new(texture, Vec3::splat(2.0), turn, Threads::Single).expect("it shines")
     }
 
     fn irradiance(light: &dyn LightShader, normal: Vec3) -> Vec3 {

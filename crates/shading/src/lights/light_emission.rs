@@ -63,7 +63,7 @@ impl LightSet {
     /// `None` if nothing shines there.
     #[must_use]
     pub fn emit(&self, u_choice: f32, u_pos: [f32; 2], u_dir: [f32; 2]) -> Option<LightRay> {
-        let choice = self.power.as_ref()?.sample(u_choice);
+        let choice = self.power()?.sample(u_choice);
         let light = LightId(choice.index as u32);
         let kind = self.kind(light);
         let ray = match kind {
@@ -135,7 +135,7 @@ impl LightSet {
     /// Density per area with which [`emit`](Self::emit) starts at a point of an emissive triangle.
     #[must_use]
     pub fn pdf_emit_position(&self, triangle: u32) -> f32 {
-        match (&self.power, &self.parts.triangles) {
+        match (self.power(), &self.parts.triangles) {
             (Some(power), Some(triangles)) => {
                 power.probability(triangle as usize) / triangles.shapes[triangle as usize].area
             }

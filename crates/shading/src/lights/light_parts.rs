@@ -48,7 +48,7 @@ pub struct LightParts {
     /// Emissive triangles.
     pub triangles: Option<Arc<TriangleLights>>,
     /// Instance, mesh and triangle of each of them, ascending.
-    pub triangle_ids: Vec<[u32; 3]>,
+    pub triangle_ids: Arc<Vec<[u32; 3]>>,
     /// Lights without extent.
     pub points: Vec<PointLight>,
     /// Lights without extent.
@@ -84,6 +84,16 @@ pub(super) fn is_sound(sample: &LightSample) -> bool {
 }
 
 impl EnvironmentLight {
+    /// Whether it is the very same, not one like it.
+    #[must_use]
+    pub fn is(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Constant(one), Self::Constant(other)) => Arc::ptr_eq(one, other),
+            (Self::Picture(one), Self::Picture(other)) => Arc::ptr_eq(one, other),
+            _ => false,
+        }
+    }
+
     pub(super) fn radiance(&self, dir: Vec3) -> Vec3 {
         match self {
             Self::Constant(constant) => constant.radiance,
@@ -135,6 +145,16 @@ impl EnvironmentLight {
 }
 
 impl LightParts {
+    /// Whether the lights that have a place are the very same.
+    pub(super) fn same_near(&self, other: &Self) -> bool {
+        let same_triangles = match (&self.triangles, &other.triangles) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (None, None) => true,
+            _ => false,
+        };
+        same_triangles && self.points == other.points && self.spots == other.spots
+    }
+
     pub(super) fn triangle_count(&self) -> usize {
         self.triangles.as_ref().map_or(0, |triangles| triangles.len())
     }

@@ -8,8 +8,10 @@
 //! Proof: `tests`, crates/render/tests/path.rs.
 
 use std::f32::consts::PI;
+use std::sync::{Arc, OnceLock};
 
 use glam::Vec3;
+use gnurt_accel::Threads;
 use gnurt_image::srgb::luminance;
 
 use super::light_lanes::LightLanes;
@@ -20,36 +22,70 @@ use crate::sampling::{self, Distribution};
 /// All lights.
 pub struct LightSet {
     pub(super) parts: LightParts,
-    pub(super) tree: LightTree,
-    /// The tree for many points at once, where all its lights are triangles.
-    pub(super) lanes: Option<LightLanes>,
+    /// What those lights that have a place are chosen by: shared by all sets that have the same ones.
+    pub(super) near: Arc<NearLights>,
     /// Tree, directional lights, environment: how often each is sampled.
     pub(super) choice: Option<Distribution>,
     /// Centre and radius of a ball around all that can be lit.
     pub(super) ball: (Vec3, f32),
-    /// By light: what paths that start at lights are shared out by.
-    pub(super) power: Option<Distribution>,
+    /// By light: what paths that start at lights are shared out by; made when the first one starts.
+    power: OnceLock<Option<Distribution>>,
+}
+
+/// What lights that have a place are chosen by.
+pub(super) struct NearLights {
+    pub(super) tree: LightTree,
+    /// The tree for many points at once, where all its lights are triangles.
+    pub(super) lanes: Option<LightLanes>,
+    /// Watts of all of them, by brightness.
+    power: f64,
+}
+
+impl NearLights {
+    fn new(parts: &LightParts, threads: Threads) -> Self {
+        let tree = LightTree::new(&tree_lights(parts), threads);
+        let lanes = LightLanes::new(parts, &tree);
+        Self { tree, lanes, power: near_powers(parts).sum() }
+    }
 }
 
 impl LightSet {
     /// Builds the tree over them.
     #[must_use]
-    pub fn new(parts: LightParts) -> Self {
+    pub fn new(parts: LightParts, threads: Threads) -> Self {
+        let near = Arc::new(NearLights::new(&parts, threads));
+        Self::with_near(parts, near)
+    }
+
+    /// The set of other parts, which shares the tree with this one; `None` if lights that have a place are others, so that
+    /// another tree is due.
+    #[must_use]
+    pub fn again(&self, parts: &LightParts) -> Option<Self> {
+        self.parts.same_near(parts).then(|| Self::with_near(parts.clone(), self.near.clone()))
+    }
+
+    /// Whether both choose by one tree.
+    #[must_use]
+    pub fn shares_tree(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.near, &other.near)
+    }
+
+    fn with_near(parts: LightParts, near: Arc<NearLights>) -> Self {
         let ball = ball(parts.bounds);
-        let tree = LightTree::new(&tree_lights(&parts));
-        let lanes = LightLanes::new(&parts, &tree);
-        let powers = powers(&parts, ball.1);
-        let finite = parts.finite_count();
-        let (near, far) = powers.split_at(finite);
-        let near: f64 = near.iter().sum();
-        let groups: Vec<f64> =
-            std::iter::once(if tree.is_empty() { 0.0 } else { near }).chain(far.iter().copied()).collect();
+        let of_tree = if near.tree.is_empty() { 0.0 } else { near.power };
+        let groups: Vec<f64> = std::iter::once(of_tree).chain(far_powers(&parts, ball.1)).collect();
         // Half by power, half evenly: what is dim on the whole may be all that there is at a point.
         let shining = groups.iter().filter(|&&power| power > 0.0).count() as f64;
         let total: f64 = groups.iter().sum();
         let share = |&power: &f64| if power > 0.0 { power / total + 1.0 / shining } else { 0.0 };
         let choice = Distribution::new(groups.iter().map(share));
-        Self { tree, lanes, choice, ball, power: Distribution::new(powers), parts }
+        Self { near, choice, ball, power: OnceLock::new(), parts }
+    }
+
+    /// By light: what paths that start at lights are shared out by.
+    pub(super) fn power(&self) -> Option<&Distribution> {
+        let all = || near_powers(&self.parts).chain(far_powers(&self.parts, self.ball.1));
+        self.power.get_or_init(|| Distribution::new(all())).as_ref()
     }
 
     /// How many lights.
@@ -99,7 +135,7 @@ impl LightSet {
         let group = self.choice.as_ref()?.sample(u[0]);
         let sample = if group.index == 0 {
             let promise = |light| self.promise(light, p, ns);
-            let (light, probability) = self.tree.choose(p, ns, group.rest, promise)?;
+            let (light, probability) = self.near.tree.choose(p, ns, group.rest, promise)?;
             self.sample_near(light, p, [u[1], u[2]], group.probability * probability)
         } else {
             self.sample_far(group.index - 1, ns, [u[1], u[2]], group.probability)
@@ -188,7 +224,7 @@ impl LightSet {
             return 0.0;
         }
         let promise = |light| self.promise(light, p, ns);
-        choice.probability(0) * self.tree.probability(triangle, p, ns, promise) * here
+        choice.probability(0) * self.near.tree.probability(triangle, p, ns, promise) * here
     }
 
     /// What leaves the front of emissive triangle `triangle` at the weights of its second and third corner.
@@ -296,16 +332,26 @@ fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
     triangles.chain(points).chain(spots).map(Some).collect()
 }
 
-/// Watts of each light, by brightness; of what comes from far away, those that a ball of radius `radius` catches.
-fn powers(parts: &LightParts, radius: f32) -> Vec<f64> {
-    let bright = |color: Vec3| f64::from(luminance(color.into()));
+fn bright(color: Vec3) -> f64 {
+    f64::from(luminance(color.into()))
+}
+
+/// Watts of each light that has a place, by brightness.
+fn near_powers(parts: &LightParts) -> impl Iterator<Item = f64> + '_ {
     let pi = f64::from(PI);
-    let disk = pi * f64::from(radius).powi(2);
-    let triangles = parts.triangles.iter().flat_map(|t| t.shapes.iter().map(|s| pi * f64::from(s.power)));
-    let points = parts.points.iter().map(|light| 4.0 * pi * bright(light.intensity));
-    let spots =
-        parts.spots.iter().map(|light| 2.0 * pi * f64::from(1.0 - light.cos_outer) * bright(light.intensity));
-    let directionals = parts.directionals.iter().map(|light| disk * bright(light.irradiance));
-    let environment = parts.environment.iter().map(|light| disk * f64::from(light.total()));
-    triangles.chain(points).chain(spots).chain(directionals).chain(environment).collect()
+    let triangles =
+        parts.triangles.iter().flat_map(move |t| t.shapes.iter().map(move |s| pi * f64::from(s.power)));
+    let points = parts.points.iter().map(move |light| 4.0 * pi * bright(light.intensity));
+    let spots = parts
+        .spots
+        .iter()
+        .map(move |light| 2.0 * pi * f64::from(1.0 - light.cos_outer) * bright(light.intensity));
+    triangles.chain(points).chain(spots)
+}
+
+/// Watts of each light from far away, by brightness, that a ball of radius `radius` catches.
+fn far_powers(parts: &LightParts, radius: f32) -> impl Iterator<Item = f64> + '_ {
+    let disk = f64::from(PI) * f64::from(radius).powi(2);
+    let directionals = parts.directionals.iter().map(move |light| disk * bright(light.irradiance));
+    directionals.chain(parts.environment.iter().map(move |light| disk * f64::from(light.total())))
 }

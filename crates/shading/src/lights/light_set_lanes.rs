@@ -22,7 +22,7 @@ impl LightSet {
         u: [Floats<S>; 3],
     ) -> LightSampleX16<S> {
         let simd = u[0].token();
-        match (&self.lanes, &self.choice) {
+        match (&self.near.lanes, &self.choice) {
             // One group: its choice takes nothing of the number.
             (Some(lanes), Some(choice)) if choice.len() == 1 => {
                 lanes.sample(&self.parts, active, [p, ns], u, f32x16::splat(simd, 1.0))

@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
+use gnurt_accel::Threads;
 use gnurt_image::{TexelData, Texels};
 use gnurt_simd::{Level, Simd, dispatch_wide, f32x16, prelude::*};
 
@@ -24,7 +25,7 @@ fn numbers(sample: u32) -> [f32; 3] {
 fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<TriangleLights>> {
     let emitter = |&x: &f32| {
         let emission = Emission { factor: Vec3::new(x, 2.0 * x, 3.0 * x), texture: None };
-        Arc::new(Emitter { emission, coverage: None })
+        Arc::new(Emitter::new(emission, None))
     };
     let list = corners.iter().enumerate().map(|(i, &p)| EmissiveTriangle {
         opacity: [1.0; 3],
@@ -37,8 +38,11 @@ fn triangles(corners: &[[Vec3; 3]], radiance: &[f32]) -> Option<Arc<TriangleLigh
 
 fn set(parts: LightParts) -> LightSet {
     let triangle_ids =
-        (0..parts.triangles.as_ref().map_or(0, |t| t.len() as u32)).map(|i| [0, 0, i]).collect();
-    LightSet::new(LightParts { triangle_ids, bounds: [Vec3::splat(-2.0), Vec3::splat(2.0)], ..parts })
+        Arc::new((0..parts.triangles.as_ref().map_or(0, |t| t.len() as u32)).map(|i| [0, 0, i]).collect());
+    LightSet::new(
+        LightParts { triangle_ids, bounds: [Vec3::splat(-2.0), Vec3::splat(2.0)], ..parts },
+        Threads::Single,
+    )
 }
 
 /// A 2 x 2 square at height 1 that shines down.
@@ -56,7 +60,8 @@ fn picture() -> EnvironmentLight {
     let data = TexelData::Float((0..128).map(texel).collect());
     let texture = TextureSampler::new(Arc::new(Texels { width: 16, height: 8, data }));
     let turn = Mat3::from_rotation_x(0.4) * Mat3::from_rotation_y(1.1);
-    EnvironmentLight::Picture(Arc::new(PictureEnvironment::new(texture, Vec3::ONE, turn).expect("it shines")))
+    let picture = PictureEnvironment::new(texture, Vec3::ONE, turn, Threads::Single);
+    EnvironmentLight::Picture(Arc::new(picture.expect("it shines")))
 }
 
 fn irradiance(lights: &LightSet, p: Vec3, up: Vec3, n: u32) -> Vec3 {
@@ -301,7 +306,7 @@ fn light_paths_share_out_by_power() {
             }
         }
     }
-    let power = lights.power.as_ref().expect("it shines");
+    let power = lights.power().expect("it shines");
     for (i, count) in counts.iter().enumerate() {
         let wanted = f64::from(power.probability(i));
         assert!((count - wanted).abs() < 2e-3, "light {i}: {count} instead of {wanted}");

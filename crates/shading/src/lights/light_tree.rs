@@ -8,6 +8,8 @@
 //! Proof: `tests`, and those of `light_set`.
 
 use glam::Vec3;
+use gnurt_accel::Threads;
+use rayon::prelude::*;
 
 use crate::sampling::distribution::ALMOST_ONE;
 
@@ -131,6 +133,8 @@ pub(super) struct LightTree {
 const UNEVEN_DEPTH: u32 = 30;
 /// Places along each feature where cuts are tried, plus one.
 const BUCKETS: usize = 12;
+/// Lights from which on threads share the work.
+const MANY: usize = 2048;
 /// Lights that are judged one by one.
 pub(super) const LEAF: usize = 8;
 
@@ -139,42 +143,23 @@ type Promises = [f32; LEAF];
 
 impl LightTree {
     /// Lights without bounds or without power are left out: they are never chosen.
-    pub(super) fn new(lights: &[Option<LightBounds>]) -> Self {
-        let mut tree = Self { nodes: Vec::new(), order: Vec::new(), ways: vec![None; lights.len()] };
+    pub(super) fn new(lights: &[Option<LightBounds>], threads: Threads) -> Self {
         let sound = |b: &LightBounds| b.power > 0.0 && b.power.is_finite() && (b.min + b.max).is_finite();
         let mut all: Vec<(u32, LightBounds)> = (0..)
             .zip(lights)
             .filter_map(|(i, bounds)| bounds.filter(sound).map(|bounds| (i, bounds)))
             .collect();
+        let mut tree = Subtree::default();
         if !all.is_empty() {
-            tree.build(&mut all, 0, 0);
+            threads.run(|parallel| tree.build(&mut all, 0, 0, parallel));
         }
-        tree
+        let mut ways = vec![None; lights.len()];
+        tree.order.iter().zip(tree.ways).for_each(|(&light, way)| ways[light as usize] = Some(way));
+        Self { nodes: tree.nodes, order: tree.order, ways }
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.nodes.is_empty()
-    }
-
-    fn build(&mut self, lights: &mut [(u32, LightBounds)], depth: u32, way: u64) -> LightBounds {
-        let at = self.nodes.len();
-        if lights.len() <= LEAF {
-            let bounds = lights.iter().skip(1).fold(lights[0].1, |sum, light| sum.union(&light.1));
-            self.nodes.push(Node { bounds, index: self.order.len() as u32, lights: lights.len() as u32 });
-            for (light, _) in lights {
-                self.order.push(*light);
-                self.ways[*light as usize] = Some(way);
-            }
-            return bounds;
-        }
-        let middle = split(lights, depth);
-        self.nodes.push(Node { bounds: lights[0].1, index: 0, lights: 0 });
-        let (left, right) = lights.split_at_mut(middle);
-        let first = self.build(left, depth + 1, way);
-        self.nodes[at].index = self.nodes.len() as u32;
-        let second = self.build(right, depth + 1, way | 1 << depth);
-        self.nodes[at].bounds = first.union(&second);
-        self.nodes[at].bounds
     }
 
     /// What each light of a leaf promises; the rest is zero.
@@ -271,6 +256,68 @@ impl LightTree {
     }
 }
 
+/// A part of a tree in the making; places count from its own beginning.
+#[derive(Default)]
+struct Subtree {
+    nodes: Vec<Node>,
+    /// Lights by leaf.
+    order: Vec<u32>,
+    /// The way to each of them.
+    ways: Vec<u64>,
+}
+
+impl Subtree {
+    fn build(
+        &mut self,
+        lights: &mut [(u32, LightBounds)],
+        depth: u32,
+        way: u64,
+        parallel: bool,
+    ) -> LightBounds {
+        let at = self.nodes.len();
+        if lights.len() <= LEAF {
+            let bounds = lights.iter().skip(1).fold(lights[0].1, |sum, light| sum.union(&light.1));
+            self.nodes.push(Node { bounds, index: self.order.len() as u32, lights: lights.len() as u32 });
+            for (light, _) in lights {
+                self.order.push(*light);
+                self.ways.push(way);
+            }
+            return bounds;
+        }
+        let parallel = parallel && lights.len() >= MANY;
+        let middle = split(lights, depth, parallel);
+        self.nodes.push(Node { bounds: lights[0].1, index: 0, lights: 0 });
+        let (left, right) = lights.split_at_mut(middle);
+        let second_way = way | 1 << depth;
+        let [first, second] = if parallel {
+            let mut other = Self::default();
+            let (first, second) = rayon::join(
+                || self.build(left, depth + 1, way, true),
+                || other.build(right, depth + 1, second_way, true),
+            );
+            self.nodes[at].index = self.nodes.len() as u32;
+            self.append(other);
+            [first, second]
+        } else {
+            let first = self.build(left, depth + 1, way, false);
+            self.nodes[at].index = self.nodes.len() as u32;
+            [first, self.build(right, depth + 1, second_way, false)]
+        };
+        self.nodes[at].bounds = first.union(&second);
+        self.nodes[at].bounds
+    }
+
+    /// Puts another part behind this one.
+    fn append(&mut self, other: Self) {
+        let (nodes, lights) = (self.nodes.len() as u32, self.order.len() as u32);
+        let moved =
+            |node: Node| Node { index: node.index + if node.lights > 0 { lights } else { nodes }, ..node };
+        self.nodes.extend(other.nodes.into_iter().map(moved));
+        self.order.extend(other.order);
+        self.ways.extend(other.ways);
+    }
+}
+
 /// What lights are sorted by: three coordinates of the centre, three of the axis.
 fn feature(bounds: &LightBounds, k: usize) -> f32 {
     if k < 3 { bounds.centre()[k] } else { bounds.axis[k - 3] }
@@ -292,7 +339,7 @@ impl Cut {
 }
 
 /// Sorts lights into two groups that are not empty; where the second begins.
-fn split(lights: &mut [(u32, LightBounds)], depth: u32) -> usize {
+fn split(lights: &mut [(u32, LightBounds)], depth: u32, parallel: bool) -> usize {
     let range = |k: usize| {
         lights.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), light| {
             let x = feature(&light.1, k);
@@ -304,11 +351,18 @@ fn split(lights: &mut [(u32, LightBounds)], depth: u32) -> usize {
     let widest = (0..3).fold(0, |widest, k| if size(k) > size(widest) { k } else { widest });
     let mut best: Option<(f32, Cut)> = None;
     if depth < UNEVEN_DEPTH {
-        for k in (0..6).filter(|&k| size(k) > 0.0) {
+        let along = |k: usize| Cut { feature: k, low: ranges[k].0, size: size(k), cut: 0 };
+        let of_feature = |k: usize| if size(k) > 0.0 { costs(lights, &along(k)) } else { Vec::new() };
+        let of_features: Vec<_> = if parallel {
+            (0..6).into_par_iter().map(of_feature).collect()
+        } else {
+            (0..6).map(of_feature).collect()
+        };
+        for (k, costs) in of_features.into_iter().enumerate() {
             // Thin cuts through long boxes make bad groups.
             let shape = if k < 3 { size(widest) / size(k) } else { 1.0 };
-            let cut = Cut { feature: k, low: ranges[k].0, size: size(k), cut: 0 };
-            for (place, cost) in costs(lights, &cut) {
+            let cut = along(k);
+            for (place, cost) in costs {
                 if best.as_ref().is_none_or(|(least, ..)| shape * cost < *least) {
                     best = Some((shape * cost, Cut { cut: place, ..cut }));
                 }
@@ -381,7 +435,7 @@ mod tests {
     #[test]
     fn probabilities_are_those_of_choices_and_add_up() {
         let lights = grid();
-        let tree = LightTree::new(&lights);
+        let tree = LightTree::new(&lights, Threads::Single);
         for (p, n) in [
             (Vec3::new(1.0, 3.0, -2.0), Vec3::Z),
             (Vec3::new(3.0, 3.0, 3.0), Vec3::ZERO),
@@ -411,7 +465,7 @@ mod tests {
     #[test]
     fn dark_nodes_hold_nothing() {
         let lights = grid();
-        let tree = LightTree::new(&lights);
+        let tree = LightTree::new(&lights, Threads::Single);
         for k in 0..2000_u32 {
             let part = |m: u32, s: f32| ((k.wrapping_mul(m) >> 7) % 1000) as f32 / 1000.0 * s - 2.0;
             let p = Vec3::new(part(2_654_435_761, 14.0), part(40_503, 11.0), part(2_246_822_519, 9.0));
@@ -428,6 +482,25 @@ mod tests {
         }
     }
 
+    /// More lights than one thread takes at a time, at places and in directions without order.
+    #[test]
+    fn threads_do_not_show() {
+        let number = |k: u32, m: u32| (k.wrapping_mul(m) >> 8) as f32 / (1 << 24) as f32;
+        let light = |k: u32| {
+            let [x, y, z] = [2_654_435_761, 40_503_001, 2_246_822_519].map(|m| number(k, m));
+            let axis = Vec3::new(y - 0.5, z - 0.5, x - 0.5).normalize();
+            let (min, max) = (Vec3::new(x, y, z), Vec3::new(x, y, z) + 0.01);
+            Some(LightBounds { min, max, axis, cos_normals: 1.0, cos_emission: 0.0, power: 0.1 + x * y })
+        };
+        let lights: Vec<_> = (0..4 * MANY as u32).map(light).collect();
+        let alone = format!("{:?}", LightTree::new(&lights, Threads::Single));
+        for threads in [1, 3] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
+            let shared = format!("{:?}", LightTree::new(&lights, Threads::Pool(&pool)));
+            assert!(alone == shared, "{threads} threads make the same tree");
+        }
+    }
+
     #[test]
     fn many_lights_at_one_place_still_make_a_tree() {
         let one = LightBounds {
@@ -438,9 +511,9 @@ mod tests {
             cos_emission: 0.0,
             power: 1.0,
         };
-        let tree = LightTree::new(&vec![Some(one); 1000]);
+        let tree = LightTree::new(&vec![Some(one); 1000], Threads::Single);
         let chosen = tree.choose(Vec3::new(1.0, 1.0, 5.0), -Vec3::Z, 0.3, |_| 1.0).expect("a light");
         assert!((chosen.1 - 1e-3).abs() < 1e-4, "all alike: {}", chosen.1);
-        assert!(LightTree::new(&[None]).is_empty(), "no light, no tree");
+        assert!(LightTree::new(&[None], Threads::Single).is_empty(), "no light, no tree");
     }
 }

@@ -62,7 +62,7 @@ impl TexturedColor {
 }
 
 /// Radiance that leaves the side of the geometric normal.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Emission {
     /// Radiance.
     pub factor: Vec3,
@@ -98,7 +98,7 @@ pub enum OpacityChannel {
 }
 
 /// Where a surface is there.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
     /// Opacity.
     pub factor: f32,

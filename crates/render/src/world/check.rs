@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Whether all ids of what was edited name something. Source: original.
+//! What a scene has it never loses, so what was sound at the last commit still is; only shader tables get shorter.
+//! Proof: crates/render/tests/commit.rs.
+
+use gnurt_scene::{Light, Scene, Surface};
+
+use super::due::Due;
+use super::materials;
+use super::table::ShaderTable;
+use crate::error::CommitError;
+
+pub(super) fn check(scene: &Scene, shaders: &ShaderTable, due: &Due) -> Result<(), CommitError> {
+    let dangling =
+        |what, index: u32, used, id| CommitError::DanglingId { what, index: index as usize, used, id };
+    for &index in &due.instances {
+        let object = scene.instances()[index as usize].object;
+        if object.index() >= scene.objects().len() {
+            return Err(dangling("instance", index, "object", object.0));
+        }
+    }
+    for &index in &due.objects {
+        let object = &scene.objects()[index as usize];
+        if let Some(mesh) = object.meshes.iter().find(|mesh| mesh.index() >= scene.meshes().len()) {
+            return Err(dangling("object", index, "mesh", mesh.0));
+        }
+    }
+    for &index in &due.meshes {
+        let material = scene.meshes()[index as usize].material;
+        if material.index() >= scene.materials().len() {
+            return Err(dangling("mesh", index, "material", material.0));
+        }
+    }
+    for &index in &due.materials {
+        let material = &scene.materials()[index as usize];
+        if let Some(texture) = materials::textures_of(material).find(|t| t.index() >= scene.textures().len())
+        {
+            return Err(dangling("material", index, "texture", texture.0));
+        }
+        if let Surface::Shader(shader) = material.surface
+            && shader as usize >= shaders.surfaces.len()
+        {
+            let known = shaders.surfaces.len();
+            return Err(CommitError::UnknownShader { material: index as usize, shader, known });
+        }
+    }
+    for &index in &due.lights {
+        if let Light::Environment { texture: Some(texture), .. } = scene.lights()[index as usize]
+            && texture.index() >= scene.textures().len()
+        {
+            return Err(dangling("light", index, "texture", texture.0));
+        }
+    }
+    Ok(())
+}

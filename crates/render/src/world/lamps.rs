@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The triangles that shine: all those of all instances together are one light.
+//! Source: original. Space: world. Looked for again only where an instance that shines moved, came or went, an object that
+//! shines was changed, or a material shines differently. Proof: `crates/render/tests/{lights,commit}.rs`.
+
+use std::sync::Arc;
+
+use gnurt_shading::lights as shading;
+use rayon::prelude::*;
+
+use super::chunked::Chunked;
+use super::instance::{InstanceSlot, PlacedInstance};
+use super::material_table::MaterialTable;
+use super::object::WorldObject;
+
+/// All triangles that shine.
+#[derive(Default)]
+pub(super) struct Lamps {
+    pub(super) triangles: Option<Arc<shading::TriangleLights>>,
+    /// Instance, mesh and triangle of each of them, ascending.
+    pub(super) ids: Arc<Vec<[u32; 3]>>,
+    /// Instances that have a mesh that shines, ascending.
+    instances: Vec<u32>,
+}
+
+impl Lamps {
+    /// The lamps after the instances of `changed`, ascending, have changed; `None` if they are as they were.
+    pub(super) fn after(
+        &self,
+        changed: &[u32],
+        emission_changed: bool,
+        instances: &Chunked<InstanceSlot>,
+        materials: &MaterialTable,
+        pool: &rayon::ThreadPool,
+    ) -> Option<Self> {
+        let shines = |place: usize| {
+            let placed = instances.get(place).and_then(InstanceSlot::placed);
+            placed.is_some_and(|placed| object_shines(&placed.object, materials))
+        };
+        let now: Vec<u32> = if emission_changed {
+            let of_chunk = |(first, slots): (usize, &[InstanceSlot])| {
+                let places = first..first + slots.len();
+                places.filter(|&place| shines(place)).map(|place| place as u32).collect::<Vec<_>>()
+            };
+            pool.install(|| instances.par_chunks().flat_map_iter(of_chunk).collect())
+        } else {
+            let is_changed = |id: &u32| changed.binary_search(id).is_ok();
+            let come: Vec<u32> = changed.iter().copied().filter(|&id| shines(id as usize)).collect();
+            let stay: Vec<u32> = self.instances.iter().copied().filter(|id| !is_changed(id)).collect();
+            if come.is_empty() && stay.len() == self.instances.len() {
+                return None;
+            }
+            let mut now = [stay, come].concat();
+            now.sort_unstable();
+            now
+        };
+        if now.is_empty() && self.instances.is_empty() {
+            return None;
+        }
+        Some(Self::of(now, instances, materials, pool))
+    }
+
+    fn of(
+        lamps: Vec<u32>,
+        instances: &Chunked<InstanceSlot>,
+        materials: &MaterialTable,
+        pool: &rayon::ThreadPool,
+    ) -> Self {
+        let emitters: Vec<_> = materials.emitters().flatten().cloned().collect();
+        // Position among the emitters of each material that shines.
+        let mut next = 0..;
+        let number: Vec<Option<u32>> =
+            materials.emitters().map(|emitter| emitter.and_then(|_| next.next())).collect();
+        let of_instance = |&inst_id: &u32| {
+            let mut found = Vec::new();
+            let Some(instance) = instances[inst_id as usize].placed() else { return found };
+            for (geom_id, mesh) in (0..).zip(&instance.object.meshes) {
+                let Some(emitter) = number[mesh.material.index()] else { continue };
+                for prim_id in 0..mesh.indices.len() {
+                    if let Some(shining) = triangle(instance, mesh, prim_id, emitter) {
+                        found.push((shining, [inst_id, geom_id, prim_id as u32]));
+                    }
+                }
+            }
+            found
+        };
+        let (triangles, ids): (Vec<_>, Vec<_>) =
+            pool.install(|| lamps.par_iter().flat_map_iter(of_instance).unzip());
+        match shading::TriangleLights::new(triangles, emitters) {
+            Some(lights) => Self { triangles: Some(Arc::new(lights)), ids: Arc::new(ids), instances: lamps },
+            None => Self { instances: lamps, ..Self::default() },
+        }
+    }
+}
+
+fn object_shines(object: &WorldObject, materials: &MaterialTable) -> bool {
+    object.meshes.iter().any(|mesh| materials.shines(mesh.material.index()))
+}
+
+/// A triangle in the world; `None` if it cannot be traced, because what is not there does not shine.
+fn triangle(
+    instance: &PlacedInstance,
+    mesh: &gnurt_scene::Mesh,
+    prim_id: usize,
+    emitter: u32,
+) -> Option<shading::EmissiveTriangle> {
+    let mut corners = mesh.indices[prim_id].map(|i| i as usize);
+    if instance.mirrors {
+        corners.swap(1, 2);
+    }
+    let position = |i: usize| mesh.positions.get(i).map(|&p| instance.point(p.into()));
+    let p = [position(corners[0])?, position(corners[1])?, position(corners[2])?];
+    let area = (p[1] - p[0]).cross(p[2] - p[0]).length();
+    let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
+    let opacity = corners.map(|i| mesh.colors.get(i).map_or(1.0, |color| color[3]));
+    (area > 0.0 && area.is_finite()).then_some(shading::EmissiveTriangle { p, uv, opacity, emitter })
+}

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The shaders of a world's materials. An edit makes the shader of its material again and no other.
+//! Source: original. Invariant: entry by entry the scene's materials; the counts are those of all entries.
+//! Proof: crates/render/tests/commit.rs.
+
+use std::sync::Arc;
+
+use gnurt_scene::{Scene, Surface};
+use gnurt_shading::SurfaceShader;
+use gnurt_shading::lights::Emitter;
+use gnurt_shading::materials::{Lambertian, PlainColor};
+
+use super::chunked::Chunked;
+use super::materials;
+use super::table::ShaderTable;
+
+/// A material as rays meet it.
+#[derive(Clone)]
+pub(crate) struct MaterialEntry {
+    pub(crate) shader: Arc<dyn SurfaceShader>,
+    /// What lanes need of it, where it is Lambert's reflector.
+    pub(crate) lambertian: Option<Lambertian>,
+    /// Its base colour, where that is plain.
+    pub(crate) plain: Option<PlainColor>,
+    /// What it gives off, if anything.
+    pub(super) emitter: Option<Arc<Emitter>>,
+    is_opaque: bool,
+    is_solid: bool,
+    /// The shader of the table that it shows.
+    from_table: Option<Arc<dyn SurfaceShader>>,
+}
+
+/// All materials.
+#[derive(Clone, Default)]
+pub(crate) struct MaterialTable {
+    /// By material id. `None` only while a commit is under way.
+    entries: Chunked<Option<MaterialEntry>>,
+    /// Ids of those that show a shader of the shader table, ascending, and its number there.
+    from_table: Vec<(u32, u32)>,
+    /// How many let light straight through.
+    see_through: usize,
+    /// How many have holes.
+    holey: usize,
+}
+
+/// What an update has done.
+#[derive(Default)]
+pub(super) struct ChangedMaterials {
+    /// Shaders that were made.
+    pub(super) made: usize,
+    /// Whether something gives off other light.
+    pub(super) emission: bool,
+}
+
+impl MaterialTable {
+    /// One of the materials. Panics on an id of another scene.
+    #[inline]
+    pub(crate) fn get(&self, material: usize) -> &MaterialEntry {
+        self.entries[material].as_ref().expect("commit makes all materials")
+    }
+
+    /// Whether no surface lets light straight through.
+    pub(crate) fn all_opaque(&self) -> bool {
+        self.see_through == 0
+    }
+
+    /// Whether no surface has holes; one that lets light through by scattering it has none.
+    pub(crate) fn all_solid(&self) -> bool {
+        self.holey == 0
+    }
+
+    /// What each gives off, in their order.
+    pub(super) fn emitters(&self) -> impl Iterator<Item = Option<&Arc<Emitter>>> {
+        self.entries.iter().map(|entry| entry.as_ref().and_then(|entry| entry.emitter.as_ref()))
+    }
+
+    pub(super) fn shines(&self, material: usize) -> bool {
+        self.get(material).emitter.is_some()
+    }
+
+    /// Those whose shader in the table is another one now, and its number there.
+    pub(super) fn swapped<'a>(&'a self, shaders: &'a ShaderTable) -> impl Iterator<Item = (u32, u32)> + 'a {
+        let is_other = |&&(material, number): &&(u32, u32)| {
+            let before = self.get(material as usize).from_table.as_ref();
+            let now = shaders.surfaces.get(number as usize);
+            !matches!((before, now), (Some(before), Some(now)) if Arc::ptr_eq(before, now))
+        };
+        self.from_table.iter().filter(is_other).copied()
+    }
+
+    /// Makes the shaders of `due`, ascending.
+    pub(super) fn update(
+        &mut self,
+        due: &[u32],
+        scene: &Scene,
+        shaders: &ShaderTable,
+        force_diffuse: bool,
+    ) -> ChangedMaterials {
+        let mut changed = ChangedMaterials { made: due.len(), emission: false };
+        self.entries.grow(scene.materials().len(), &None);
+        for &id in due {
+            let place = self.entries.edit(id as usize);
+            let before = place.take();
+            let now = entry(scene, id, shaders, force_diffuse, before.as_ref());
+            let emitter = |entry: &MaterialEntry| entry.emitter.as_ref().map(Arc::as_ptr);
+            changed.emission |= before.as_ref().and_then(emitter) != emitter(&now);
+            let count = |what: fn(&MaterialEntry) -> bool, total: usize| {
+                total + usize::from(!what(&now))
+                    - usize::from(before.as_ref().is_some_and(|entry| !what(entry)))
+            };
+            self.see_through = count(|entry| entry.is_opaque, self.see_through);
+            self.holey = count(|entry| entry.is_solid, self.holey);
+            let listed = self.from_table.binary_search_by_key(&id, |&(material, _)| material);
+            let number = now.from_table.as_ref().and(number_of(scene, id));
+            match (listed, number) {
+                (Ok(at), Some(number)) => self.from_table[at].1 = number,
+                (Ok(at), None) => _ = self.from_table.remove(at),
+                (Err(at), Some(number)) => self.from_table.insert(at, (id, number)),
+                (Err(_), None) => {}
+            }
+            *place = Some(now);
+        }
+        changed
+    }
+}
+
+/// The number in the shader table that a material names.
+fn number_of(scene: &Scene, material: u32) -> Option<u32> {
+    match scene.materials()[material as usize].surface {
+        Surface::Shader(number) => Some(number),
+        _ => None,
+    }
+}
+
+fn entry(
+    scene: &Scene,
+    id: u32,
+    shaders: &ShaderTable,
+    force_diffuse: bool,
+    before: Option<&MaterialEntry>,
+) -> MaterialEntry {
+    let material = &scene.materials()[id as usize];
+    let emission = materials::emission(scene, material);
+    let coverage = if force_diffuse { None } else { materials::coverage(scene, &material.alpha) };
+    let emitter = emission.as_ref().map(|emission| {
+        let same = before.and_then(|before| before.emitter.as_ref());
+        let same = same.filter(|emitter| emitter.gives_off(emission, coverage.as_ref()));
+        same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission.clone(), coverage.clone())))
+    });
+    let shader = materials::shader(scene, material, shaders, force_diffuse, emission, coverage);
+    // Forced or not: who swaps it asks for the surface to be looked at again.
+    let from_table = number_of(scene, id).map(|number| shaders.surfaces[number as usize].clone());
+    MaterialEntry {
+        lambertian: materials::lambertian(&*shader),
+        plain: shader.plain_albedo(),
+        is_opaque: shader.is_opaque(),
+        is_solid: shader.is_solid(),
+        emitter,
+        from_table,
+        shader,
+    }
+}
