@@ -4,8 +4,13 @@
 //! Source: after [WBS03b] and [LSK*07] (virtual lights that are valid over frames); parts original.
 //! Space: world. A part alone is an unbiased estimate, whichever camera its lights were chosen for, with its own weights:
 //! so is the mean of all. Those that were chosen for a camera that looked elsewhere are let go: they are only noisy.
-//! Invariants: a function of the pictures before it; another world or other options begin anew. Where lights do not
-//! hang on the camera all stay as they are; and for a camera that rests nothing changes once all parts were made for it.
+//! Invariants: a function of the pictures before it; other options begin anew. Where lights do not hang on the camera all stay
+//! as they are; and for a camera that rests nothing changes once all parts were made for it.
+//! After an edit of the world all parts are made again, each from the numbers that it had, and from as many light paths,
+//! which start at the lamps that mattered before: a path that meets what it met before brings the lights that it brought, bit
+//! for bit, and lights of paths that meet other things are those of the world as it is. Which lamps matter and how many paths
+//! there are is only a choice of samples: good for any world, right in the mean. It is learned again where a light was
+//! edited, and where the number of lights that came has left what was wanted too far behind.
 //! Proof: crates/render/tests/kept_lights.rs.
 
 use std::collections::VecDeque;
@@ -76,32 +81,37 @@ impl KeptLights {
         if !options.integrator.has_virtual_lights() {
             return None;
         }
-        let same = self.of.as_ref().is_some_and(|(mark, of)| mark.is_of(job.world) && alike(of, options));
-        if !same {
-            *self = Self { of: Some((job.world.mark(), options.clone())), ..Self::default() };
-        }
+        let edited = match &self.of {
+            Some((mark, of)) if alike(of, options) => !mark.is_of(job.world),
+            _ => {
+                *self = Self::default();
+                false
+            }
+        };
         let mut stats = RenderStats::default();
         let view = View::of(job);
         let extent = job.world.bounds().map_or(0.0, |(low, high)| Vec3::from(low).distance(Vec3::from(high)));
         let is_of_paths = options.integrator == Integrator::InstantRadiosity;
-        // What lamps matter hangs on the view, too; it is looked at once in a round of parts.
-        if self.made.is_multiple_of(PARTS) || self.parts.iter().all(|part| !part.view.is_near(&view, extent))
-        {
-            self.lamps = None;
-        }
         let hangs_on_view = !is_of_paths || lamps::is_due(job.world);
         if hangs_on_view {
             self.parts.retain(|part| part.view.is_near(&view, extent));
-            if self.parts.len() == PARTS as usize {
+        }
+        if edited {
+            self.follow_edits(job, view, &mut stats);
+        } else {
+            // What lamps matter hangs on the view, too; it is looked at once in a round of parts.
+            if self.made.is_multiple_of(PARTS) || self.parts.is_empty() {
+                self.lamps = None;
+            }
+            if hangs_on_view && self.parts.len() == PARTS as usize {
                 self.parts.pop_front();
             }
         }
+        if edited || self.of.is_none() {
+            self.of = Some((job.world.mark(), options.clone()));
+        }
         for number in self.missing() {
-            let vpls = if is_of_paths {
-                self.of_paths(job, number, &mut stats)
-            } else {
-                chosen(job, number, &mut stats)
-            };
+            let vpls = self.part(job, number, &mut stats);
             self.parts.push_back(Part { vpls, number, view });
             self.made += 1;
         }
@@ -111,6 +121,42 @@ impl KeptLights {
         parts.sort_by_key(|part| part.number);
         let all = parts.into_iter().flat_map(|part| &part.vpls);
         Some(PassLights::of(job.world, options, all.map(|vpl| vpl.scaled(share)).collect(), stats))
+    }
+
+    /// Makes all parts again, for the world as it is.
+    fn follow_edits(&mut self, job: &Job, view: View, stats: &mut RenderStats) {
+        let same_lights = self.of.as_ref().is_some_and(|(mark, _)| mark.has_lights_of(job.world));
+        if !same_lights {
+            (self.lamps, self.paths) = (None, None);
+        }
+        if self.parts.is_empty() {
+            self.lamps = None;
+        }
+        let are_as_many = self.paths.is_some();
+        self.make_again(job, view, stats);
+        let found: usize = self.parts.iter().map(|part| part.vpls.len()).sum();
+        let wanted = job.options.vpls as usize * self.parts.len() / PARTS as usize;
+        if are_as_many && (4 * found < 3 * wanted || 3 * found > 4 * wanted) {
+            self.paths = None;
+            self.make_again(job, view, stats);
+        }
+    }
+
+    /// Makes all parts again, each from its numbers.
+    fn make_again(&mut self, job: &Job, view: View, stats: &mut RenderStats) {
+        for mut part in std::mem::take(&mut self.parts) {
+            (part.vpls, part.view) = (self.part(job, part.number, stats), view);
+            self.parts.push_back(part);
+        }
+    }
+
+    /// A part from the random numbers of its number.
+    fn part(&mut self, job: &Job, number: u32, stats: &mut RenderStats) -> Vec<Vpl> {
+        if job.options.integrator == Integrator::InstantRadiosity {
+            self.of_paths(job, number, stats)
+        } else {
+            chosen(job, number, stats)
+        }
     }
 
     /// Numbers of the parts that are not there.
