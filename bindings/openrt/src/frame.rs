@@ -73,7 +73,7 @@ impl Job {
         options.max_depth = options.max_depth.min(DEEPEST);
         let committed =
             stage.world.commit(&stage.scene, &self.shaders, &CommitOptions::default(), &self.pool);
-        committed.map_err(|error| told(&error, kind_of_commit(&error)))?;
+        stage.report = committed.map_err(|error| told(&error, kind_of_commit(&error)))?;
         let accumulation = match &mut stage.accumulation {
             Some(accumulation) if self.continues && *accumulation.options() == options => accumulation,
             Some(accumulation) => {

@@ -1,21 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The scene and the world that frames render, brought up to date with the program's objects when a frame starts.
 //! Source: original. The stage belongs to the frame in flight; the program edits its own description meanwhile.
-//! Invariant: a mesh, object or instance of the scene that nothing needs is empty or invisible and waits to be used
-//! again, so a program that redefines objects for ever takes no more memory than its largest frame.
-//! Proof: `tests/state_machine.rs`; tests/c/scene.c.
+//! Only what the program has changed is looked at, so that a commit finds nothing else edited.
+//! Invariants: an instance stays at its place in the scene while it is shown. A mesh, object or instance of the scene that
+//! nothing needs is empty or invisible and waits to be used again, the first place first, so a program that redefines objects
+//! for ever takes no more memory than its largest frame, and one that shows the same things again finds them there.
+//! Proof: `tests`, `calls::tests`; tests/c/scene.c.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
-use gnurt::render::{Accumulation, ShaderTable, World};
+use gnurt::render::{Accumulation, CommitReport, ShaderTable, World};
 use gnurt::scene::{
     Affine, Attribute, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, Scene,
     Surface, TEXCOORD_RQ,
 };
+use gnurt::shading::SurfaceShader;
 use gnurt::shading::classes::{Shader as RenderShader, Value, Values};
 use gnurt_plugins::host::PluginFrame;
 
 use crate::state::geometry::ShaderMesh;
+use crate::state::ids::RT_INVALID;
 use crate::state::shader::Shaders;
 use crate::state::texture::Textures;
 
@@ -33,14 +38,23 @@ pub(crate) struct Stage {
     pub(crate) accumulation: Option<Accumulation>,
     /// Their means, from the top row on: room that frames use again.
     pub(crate) colors: Vec<[f32; 4]>,
+    /// What the last frame had to do to bring the world up to date.
+    pub(crate) report: CommitReport,
     objects: BTreeMap<u32, ObjectId>,
-    /// The first ones are visible, in the order of the instances' ids.
-    instances: Vec<InstanceId>,
+    /// By id, those that are visible; `RT_INVALID` for geometry outside of objects.
+    instances: BTreeMap<u32, InstanceId>,
+    /// Whether all instances that there are have been looked at.
+    knows_instances: bool,
+    /// Objects that came or went since instances were looked at: those that show them are shown or hidden.
+    renewed: bool,
+    free_instances: BTreeSet<InstanceId>,
     free_objects: Vec<ObjectId>,
     free_meshes: Vec<MeshId>,
     /// Number of each shader in the shader table, which is also that of its material.
     shader_slots: BTreeMap<u32, u32>,
     free_slots: Vec<u32>,
+    /// What numbers without a shader show.
+    no_shader: Option<Arc<dyn SurfaceShader>>,
 }
 
 impl Stage {
@@ -61,29 +75,96 @@ impl Stage {
         let gone: Vec<u32> = self.objects.keys().copied().filter(|&id| !keep(id)).collect();
         for id in gone {
             if let Some(object) = self.objects.remove(&id) {
+                self.renewed = true;
                 self.release_meshes(object);
                 self.free_objects.push(object);
             }
         }
     }
 
-    /// Makes exactly these instances visible; those of objects without a definition show nothing.
-    pub(crate) fn show(&mut self, instances: impl Iterator<Item = (u32, Affine)>) {
-        let mut shown = 0;
-        for (id, world_from_object) in instances {
-            let Some(&object) = self.objects.get(&id) else { continue };
-            let wanted = Instance { name: String::new(), object, world_from_object, visible: true };
-            match self.instances.get(shown) {
-                Some(&slot) if *self.scene.instance(slot) == wanted => {}
-                Some(&slot) => *self.scene.edit_instance(slot) = wanted,
-                None => self.instances.push(self.scene.add_instance(wanted)),
-            }
-            shown += 1;
+    /// Brings the instances of `changed` up to date: an object's id and where it is, `None` for one that is gone. Those of
+    /// objects without a definition show nothing. `all` are looked at if this stage has not seen them yet, or if others than
+    /// before have a definition.
+    pub(crate) fn show(
+        &mut self,
+        changed: impl Iterator<Item = (u32, Option<(u32, Affine)>)>,
+        all: impl Iterator<Item = (u32, (u32, Affine))>,
+    ) {
+        if !self.knows_instances || self.renewed {
+            return self.show_all(all);
         }
-        for &slot in &self.instances[shown..] {
-            if self.scene.instance(slot).visible {
-                self.scene.edit_instance(slot).visible = false;
+        let changed: Vec<_> = changed.collect();
+        // Places of those that are gone are there for those that come.
+        for (id, wanted) in &changed {
+            let is_shown = wanted.is_some_and(|(object, _)| self.objects.contains_key(&object));
+            if !is_shown {
+                self.hide(*id);
             }
+        }
+        for (id, wanted) in changed {
+            if let Some((object, world_from_object)) = wanted {
+                self.show_one(id, object, world_from_object);
+            }
+        }
+    }
+
+    /// Makes exactly these instances visible.
+    pub(crate) fn show_all(&mut self, all: impl Iterator<Item = (u32, (u32, Affine))>) {
+        (self.knows_instances, self.renewed) = (true, false);
+        let all: Vec<_> = all.filter(|(_, (object, _))| self.objects.contains_key(object)).collect();
+        let stay: BTreeSet<u32> = all.iter().map(|&(id, _)| id).collect();
+        let mut gone = Vec::new();
+        self.instances.retain(|&id, slot| {
+            let stays = id == RT_INVALID || stay.contains(&id);
+            if !stays {
+                gone.push(*slot);
+            }
+            stays
+        });
+        self.free_instances.extend(gone.iter().copied());
+        for (id, (object, world_from_object)) in all {
+            self.show_one(id, object, world_from_object);
+        }
+        for slot in gone {
+            self.hide_if_free(slot);
+        }
+    }
+
+    /// Shows geometry outside of objects, or hides it.
+    pub(crate) fn show_unnamed(&mut self, is_there: bool) {
+        if is_there {
+            self.show_one(RT_INVALID, UNNAMED, Affine::IDENTITY);
+        } else {
+            self.hide(RT_INVALID);
+        }
+    }
+
+    fn show_one(&mut self, id: u32, object: u32, world_from_object: Affine) {
+        let Some(&object) = self.objects.get(&object) else { return };
+        let wanted = Instance { name: String::new(), object, world_from_object, visible: true };
+        let slot = self.instances.get(&id).copied().or_else(|| self.free_instances.pop_first());
+        let slot = match slot {
+            Some(slot) => {
+                if *self.scene.instance(slot) != wanted {
+                    *self.scene.edit_instance(slot) = wanted;
+                }
+                slot
+            }
+            None => self.scene.add_instance(wanted),
+        };
+        self.instances.insert(id, slot);
+    }
+
+    fn hide(&mut self, id: u32) {
+        if let Some(slot) = self.instances.remove(&id) {
+            self.free_instances.insert(slot);
+            self.hide_if_free(slot);
+        }
+    }
+
+    fn hide_if_free(&mut self, slot: InstanceId) {
+        if self.free_instances.contains(&slot) && self.scene.instance(slot).visible {
+            self.scene.edit_instance(slot).visible = false;
         }
     }
 
@@ -98,22 +179,16 @@ impl Stage {
         self.scene.meshes().iter().any(|mesh| mesh.attributes.iter().any(is_it))
     }
 
-    /// Whether an object has been defined, so that its instances are shown.
-    #[must_use]
-    pub(crate) fn has_object(&self, id: u32) -> bool {
-        self.objects.contains_key(&id)
-    }
-
-    /// The scene's numbers of the instances that were shown, in their order.
-    pub(crate) fn places(&self) -> impl Iterator<Item = usize> + '_ {
-        self.instances.iter().map(|id| id.index())
+    /// The scene's numbers of the instances that are shown, and their ids.
+    pub(crate) fn places(&self) -> impl Iterator<Item = (usize, u32)> + '_ {
+        self.instances.iter().map(|(&id, slot)| (slot.index(), id))
     }
 
     /// The surface shaders with their present values, each at its number; mid-grey where one cannot take part in the
     /// frame. Frees the numbers of those that are gone.
     pub(crate) fn surfaces(
         &mut self,
-        shaders: &Shaders,
+        shaders: &mut Shaders,
         textures: &Textures,
         plugins: &PluginFrame,
     ) -> ShaderTable {
@@ -122,27 +197,28 @@ impl Stage {
         self.free_slots.extend(gone.map(|(_, &slot)| slot));
         self.shader_slots.retain(|&id, _| is_alive(id));
         let by_slot: BTreeMap<u32, u32> = self.shader_slots.iter().map(|(&id, &slot)| (slot, id)).collect();
-        let constant = gnurt::shading::classes::find("ConstantShader").expect("a built-in class");
-        let unused = constant.make(&Values(vec![Value::Floats(vec![0.5; 3])]));
-        let made = |slot: u32| {
-            let made = by_slot.get(&slot).and_then(|&id| shaders.in_use(id)?.make(id, textures, plugins));
-            made.unwrap_or_else(|| unused.clone())
-        };
-        let surface = |made| match made {
-            RenderShader::Surface(surface) => Some(surface),
-            RenderShader::Environment(_) | RenderShader::Light(_) | RenderShader::Camera(_) => None,
+        let no_shader = self.no_shader.get_or_insert_with(|| {
+            let constant = gnurt::shading::classes::find("ConstantShader").expect("a built-in class");
+            surface(constant.make(&Values(vec![Value::Floats(vec![0.5; 3])]))).expect("it is of surfaces")
+        });
+        let mut made = |slot: u32| {
+            let id = *by_slot.get(&slot)?;
+            surface(shaders.in_use_mut(id)?.make(id, textures, plugins)?)
         };
         let slot_count = self.scene.materials().len() as u32;
         ShaderTable {
-            surfaces: (0..slot_count).map(made).filter_map(surface).collect(),
+            surfaces: (0..slot_count).map(|slot| made(slot).unwrap_or_else(|| no_shader.clone())).collect(),
             ..Default::default()
         }
     }
 
     /// The scene's object of an id.
     fn object(&mut self, id: u32) -> ObjectId {
-        let (scene, free) = (&mut self.scene, &mut self.free_objects);
-        let fresh = || free.pop().unwrap_or_else(|| scene.add_object(Object::default()));
+        let (scene, free, renewed) = (&mut self.scene, &mut self.free_objects, &mut self.renewed);
+        let fresh = || {
+            *renewed = true;
+            free.pop().unwrap_or_else(|| scene.add_object(Object::default()))
+        };
         *self.objects.entry(id).or_insert_with(fresh)
     }
 
@@ -178,6 +254,14 @@ impl Stage {
     }
 }
 
+/// Those that are of surfaces.
+fn surface(made: RenderShader) -> Option<Arc<dyn SurfaceShader>> {
+    match made {
+        RenderShader::Surface(surface) => Some(surface),
+        RenderShader::Environment(_) | RenderShader::Light(_) | RenderShader::Camera(_) => None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -189,14 +273,12 @@ mod tests {
         for round in 0..10 {
             stage.define(1, meshes(1 + round % 3));
             stage.define(2 + round, meshes(2));
-            stage.show(
-                [(1, Affine::IDENTITY), (2 + round, Affine::IDENTITY), (99, Affine::IDENTITY)].into_iter(),
-            );
+            stage.show_all([1, 2 + round, 99].into_iter().map(|object| (object, (object, Affine::IDENTITY))));
             stage.keep_objects(|id| id == 1);
         }
         let sizes = [stage.scene.meshes().len(), stage.scene.objects().len(), stage.scene.instances().len()];
         assert_eq!(sizes, [5, 2, 2], "meshes, objects and instances of the largest frame");
-        stage.show(std::iter::empty());
+        stage.show_all(std::iter::empty());
         assert!(stage.scene.instances().iter().all(|instance| !instance.visible), "nothing is shown");
     }
 }

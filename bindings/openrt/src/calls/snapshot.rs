@@ -7,7 +7,6 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use gnurt::render::ShaderTable;
-use gnurt::scene::Affine;
 use gnurt::shading::classes::Shader as RenderShader;
 use gnurt_plugins::host::{FrameState, PluginFrame};
 
@@ -17,13 +16,19 @@ use crate::stage::{Stage, UNNAMED};
 use crate::state::class::ClassCode;
 use crate::state::enums::MatrixMode;
 use crate::state::error::{Error, Result};
+use crate::state::instance::Instance;
 use crate::state::progress::Seen;
 
 impl Context {
     /// Frees objects and shaders that were removed and that nothing shows any more.
     pub(super) fn prune(&mut self) {
-        let shown: BTreeSet<u32> = self.instances.iter().map(|i| i.object).collect();
-        self.objects.prune(|id| shown.contains(&id));
+        if self.objects.has_removed() {
+            let shown: BTreeSet<u32> = self.instances.iter().map(|i| i.object).collect();
+            self.objects.prune(|id| shown.contains(&id));
+        }
+        if !self.shaders.has_deleted() {
+            return;
+        }
         let of_objects = self.objects.defined.values().flat_map(|object| object.shaders.iter().copied());
         let of_unnamed = self.unnamed.geometry.shaders();
         let used = of_objects.chain(of_unnamed).chain(self.usage.ids()).collect();
@@ -43,15 +48,24 @@ impl Context {
         if has_unnamed {
             stage.define(UNNAMED, unnamed.finish());
         }
-        let placed = self.instances.iter().map(|i| (i.object, i.world_from_object.to_affine()));
-        stage.show(placed.chain(has_unnamed.then_some((UNNAMED, Affine::IDENTITY))));
+        let place = |instance: &Instance| (instance.object, instance.world_from_object.to_affine());
+        let changes = self.instances.take_changes();
+        let all = self.instances.entries().map(|(id, instance)| (id, place(instance)));
+        let changed = changes.ids.iter().map(|&id| (id, self.instances.get(id).map(place)));
+        if changes.any {
+            stage.show_all(all);
+        } else {
+            stage.show(changed, all);
+        }
+        stage.show_unnamed(has_unnamed);
     }
 
     /// All shaders in use, with their present values.
-    pub(super) fn shader_table(&self, stage: &mut Stage, plugins: &PluginFrame) -> ShaderTable {
-        let mut table = stage.surfaces(&self.shaders, &self.textures, plugins);
+    pub(super) fn shader_table(&mut self, stage: &mut Stage, plugins: &PluginFrame) -> ShaderTable {
+        let mut table = stage.surfaces(&mut self.shaders, &self.textures, plugins);
         for id in self.usage.ids() {
-            match self.shaders.in_use(id).and_then(|shader| shader.make(id, &self.textures, plugins)) {
+            let shader = self.shaders.in_use_mut(id);
+            match shader.and_then(|shader| shader.make(id, &self.textures, plugins)) {
                 Some(RenderShader::Light(light)) => table.lights.push(light),
                 Some(RenderShader::Camera(camera)) => table.camera = Some(camera),
                 Some(RenderShader::Environment(environment)) => table.environment = Some(environment),
@@ -68,11 +82,11 @@ impl Context {
         PluginFrame::new(blocks, || {
             let sampler = |id: u32| Some((id, self.textures.sampler(i32::try_from(id).ok()?)?));
             let textures = self.textures.ids().filter_map(sampler).collect();
-            let shown = self.instances.entries().filter(|(_, instance)| stage.has_object(instance.object));
             let mut ids = Vec::new();
-            for (place, [object, instance]) in stage.places().zip(shown.map(|(id, i)| [i.object, id])) {
+            for (place, id) in stage.places() {
+                let Some(instance) = self.instances.get(id) else { continue };
                 ids.resize(ids.len().max(place + 1), [UNNAMED; 2]);
-                ids[place] = [object, instance];
+                ids[place] = [instance.object, id];
             }
             FrameState { textures, ids, third_texcoords: stage.has_third_texcoords() }
         })

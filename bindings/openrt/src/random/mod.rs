@@ -3,6 +3,8 @@
 //! Source: original. Each call takes seven bytes: which one, four of a number, two of a coordinate.
 
 #[cfg(test)]
+mod frames;
+#[cfg(test)]
 mod model;
 #[cfg(test)]
 mod state_machine;

@@ -3,7 +3,7 @@
 //! Source: \[DWBS03\]; two levels after the paper's section 6. Space: an instance's matrix goes from object to world.
 //! Invariant: ids never run out while fewer than 2^32 - 2 instances are there. Proof: `tests`; tests/c/scene.c.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::error::{Error, Result};
 use super::ids::RT_INVALID;
@@ -29,6 +29,16 @@ const MOST: usize = (LAST - FIRST + 1) as usize;
 pub(crate) struct Instances {
     last_id: u32,
     all: BTreeMap<u32, Instance>,
+    changes: Changes,
+}
+
+/// What has changed since a frame last looked.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Changes {
+    /// Whether any may have changed.
+    pub(crate) any: bool,
+    /// Else the ids of those that came, moved or went.
+    pub(crate) ids: BTreeSet<u32>,
 }
 
 impl Instances {
@@ -61,6 +71,7 @@ impl Instances {
         }
         self.last_id = id;
         self.all.insert(id, instance);
+        self.changes.note(id);
         Ok(id)
     }
 
@@ -72,17 +83,40 @@ impl Instances {
 
     /// The one of an id, to be changed.
     pub(crate) fn get_mut(&mut self, id: u32) -> Option<&mut Instance> {
-        self.all.get_mut(&id)
+        let found = self.all.get_mut(&id);
+        if found.is_some() {
+            self.changes.note(id);
+        }
+        found
     }
 
     /// Removes one; says whether it was there.
     pub(crate) fn remove(&mut self, id: u32) -> bool {
-        self.all.remove(&id).is_some()
+        let was_there = self.all.remove(&id).is_some();
+        if was_there {
+            self.changes.note(id);
+        }
+        was_there
     }
 
     /// Removes all.
     pub(crate) fn clear(&mut self) {
         self.all.clear();
+        self.changes = Changes { any: true, ids: BTreeSet::new() };
+    }
+
+    /// What has changed since the last time that this was asked.
+    pub(crate) fn take_changes(&mut self) -> Changes {
+        std::mem::take(&mut self.changes)
+    }
+}
+
+impl Changes {
+    fn note(&mut self, id: u32) {
+        // Who looks at all needs no list.
+        if !self.any {
+            self.ids.insert(id);
+        }
     }
 }
 

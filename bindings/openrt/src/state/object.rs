@@ -74,6 +74,11 @@ impl Objects {
         alive.fold((0, 0), |(n, triangles), (_, object)| (n + 1, triangles + object.triangles))
     }
 
+    /// Whether one that was removed may still be shown.
+    pub(crate) fn has_removed(&self) -> bool {
+        self.defined.keys().any(|&id| !self.ids.exists(id))
+    }
+
     /// Frees what was removed and is not in `shown`.
     pub(crate) fn prune(&mut self, shown: impl Fn(u32) -> bool) {
         self.defined.retain(|&id, _| self.ids.exists(id) || shown(id));

@@ -30,6 +30,8 @@ pub(crate) struct Shader {
     pub(crate) block: Option<Arc<PluginBlock>>,
     /// Its id is gone; it lives on while something uses it.
     pub(crate) deleted: bool,
+    /// As the renderer took it last, and the values that it had then: the same shader as long as they are the same.
+    made: Option<(Vec<Value>, RenderShader)>,
 }
 
 impl Shader {
@@ -43,7 +45,7 @@ impl Shader {
             ClassCode::Plugin(plugin) => (Vec::new(), Some(PluginBlock::new(plugin)?)),
             _ => (class.parameters.iter().map(value).collect(), None),
         };
-        Ok(Self { class_id, class, values, block, deleted: false })
+        Ok(Self { class_id, class, values, block, deleted: false, made: None })
     }
 
     /// What it is for.
@@ -52,10 +54,15 @@ impl Shader {
         self.class.kind
     }
 
-    /// The shader as the renderer takes it, with its present values; `None` if it shades nothing: a rendering object, or
-    /// a plugin that cannot take part in the frame.
+    /// The shader as the renderer takes it, with its present values: the same one as before while these are. `None` if it
+    /// shades nothing: a rendering object, or a plugin that cannot take part in the frame. Plugins' are prepared for each frame.
     #[must_use]
-    pub(crate) fn make(&self, id: u32, textures: &Textures, plugins: &PluginFrame) -> Option<RenderShader> {
+    pub(crate) fn make(
+        &mut self,
+        id: u32,
+        textures: &Textures,
+        plugins: &PluginFrame,
+    ) -> Option<RenderShader> {
         let value = |(value, parameter): (&ParameterValue, &classes::Parameter)| match value {
             ParameterValue::Floats(floats) => Value::Floats(floats.clone()),
             ParameterValue::Integer(value) if parameter.kind == ParameterType::Int => Value::Int(*value),
@@ -63,8 +70,13 @@ impl Shader {
         };
         match &self.class.code {
             ClassCode::BuiltIn(class) => {
-                let values = self.values.iter().zip(class.parameters).map(value).collect();
-                Some(class.make(&Values(values)))
+                let values: Vec<Value> = self.values.iter().zip(class.parameters).map(value).collect();
+                if let Some((_, same)) = self.made.as_ref().filter(|(before, _)| *before == values) {
+                    return Some(same.clone());
+                }
+                let made = class.make(&Values(values.clone()));
+                self.made = Some((values, made.clone()));
+                Some(made)
             }
             ClassCode::Plugin(_) => plugins.made(id),
             ClassCode::Rendering(_) => None,
@@ -111,6 +123,16 @@ impl Shaders {
     #[must_use]
     pub(crate) fn in_use(&self, id: u32) -> Option<&Shader> {
         self.all.get(&id)
+    }
+
+    /// The same, to be made ready for a frame.
+    pub(crate) fn in_use_mut(&mut self, id: u32) -> Option<&mut Shader> {
+        self.all.get_mut(&id)
+    }
+
+    /// Whether one that was deleted may still be in use.
+    pub(crate) fn has_deleted(&self) -> bool {
+        self.all.values().any(|shader| shader.deleted)
     }
 
     /// All that live, with their ids.
