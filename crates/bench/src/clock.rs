@@ -17,7 +17,8 @@ pub fn thread_seconds() -> f64 {
 
 /// Seconds of all threads of this program.
 #[cfg(unix)]
-pub(crate) fn process_seconds() -> f64 {
+#[must_use]
+pub fn process_seconds() -> f64 {
     seconds(rustix::time::ClockId::ProcessCPUTime)
 }
 
@@ -38,7 +39,8 @@ pub fn thread_seconds() -> f64 {
 
 /// Seconds of all threads of this program.
 #[cfg(not(unix))]
-pub(crate) fn process_seconds() -> f64 {
+#[must_use]
+pub fn process_seconds() -> f64 {
     wall_seconds()
 }
 

@@ -43,7 +43,7 @@ mod trees;
 mod vector;
 mod verdict;
 
-pub use clock::thread_seconds;
+pub use clock::{process_seconds, thread_seconds};
 pub use contest::Contestant;
 pub use embree::EmbreeLibrary;
 pub use error::Error;
