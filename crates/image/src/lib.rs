@@ -20,7 +20,7 @@ pub use exposure::exposure_for;
 pub use file::{
     ExrPixels, MAX_PIXELS, OutputFormat, WriteOptions, check_writable, decode, decode_data_texture,
     decode_data_texture_within, decode_texture, decode_texture_within, encode, encode_screen, encode_texels,
-    read, read_data_texture, read_texture, replace_file, replace_file_if, write,
+    expects_panics, read, read_data_texture, read_texture, replace_file, replace_file_if, write,
 };
 pub use filter::{Filter, FilterShape};
 pub use heat::{heat_color, heat_map};

@@ -111,7 +111,152 @@ fn cases() -> Vec<(String, String, Vec<u8>)> {
     bmp[30] = 1;
     bmp.extend([0xff_u8, 1].repeat((1 << 24) / 255));
     case("runs", "bmp", bmp);
+    jpeg_cases().into_iter().for_each(|(name, bytes)| case(name, "jpg", bytes));
+    webp_cases().into_iter().for_each(|(name, bytes)| case(name, "webp", bytes));
+    let mut flat = std::io::Cursor::new(Vec::new());
+    let picture = image::RgbImage::new(1 << 11, 1 << 11);
+    picture.write_to(&mut flat, image::ImageFormat::WebP).expect("memory takes all");
+    case("black", "webp", flat.into_inner());
     cases
+}
+
+/// What is written bit by bit.
+#[derive(Default)]
+struct Bits {
+    bytes: Vec<u8>,
+    used: usize,
+}
+
+impl Bits {
+    /// Bits of `value`, the lowest first, each into the lowest free place of a byte, as WebP has them.
+    fn lowest_first(&mut self, value: u32, count: usize) {
+        (0..count).for_each(|i| self.bit(value >> i & 1, |place| place));
+    }
+
+    /// Bits of `value`, the highest first, each into the highest free place of a byte, as JPEG has them.
+    fn highest_first(&mut self, value: u32, count: usize) {
+        (0..count).rev().for_each(|i| self.bit(value >> i & 1, |place| 7 - place));
+    }
+
+    fn bit(&mut self, bit: u32, place: impl Fn(usize) -> usize) {
+        if self.used % 8 == 0 {
+            self.bytes.push(0);
+        }
+        *self.bytes.last_mut().expect("one was pushed") |= (bit as u8) << place(self.used % 8);
+        self.used += 1;
+    }
+}
+
+/// A JPEG of a frame's kind, with scans of some channels and a spectrum: their data, without stuffed bytes.
+fn jpeg(frame: u8, [width, height]: [u16; 2], channels: u8, scans: &[(&[u8], [u8; 2], Vec<u8>)]) -> Vec<u8> {
+    let segment = |marker: u8, bytes: &[u8]| {
+        let length = (bytes.len() as u16 + 2).to_be_bytes();
+        [&[0xff, marker][..], &length, bytes].concat()
+    };
+    let mut file = vec![0xff, 0xd8];
+    file.extend(segment(0xdb, &[&[0][..], &[1; 64]].concat()));
+    let mut head = [&[8][..], &height.to_be_bytes(), &width.to_be_bytes(), &[channels]].concat();
+    (1..=channels).for_each(|channel| head.extend([channel, 0x11, 0]));
+    file.extend(segment(frame, &head));
+    // One code of one bit each: no difference; the rest of a block, or of 16,384 blocks and more, is zero.
+    let one = [1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+    let rest = if frame == 0xc2 { 0xe0 } else { 0 };
+    file.extend(segment(0xc4, &[&[0][..], &one, &[0], &[0x10], &one, &[rest]].concat()));
+    for (of, spectrum, data) in scans {
+        let mut head = vec![of.len() as u8];
+        of.iter().for_each(|&channel| head.extend([channel, 0]));
+        head.extend([spectrum[0], spectrum[1], 0]);
+        file.extend(segment(0xda, &head));
+        data.iter().for_each(|&byte| file.extend(if byte == 0xff { vec![byte, 0] } else { vec![byte] }));
+    }
+    file.extend([0xff, 0xd9]);
+    file
+}
+
+fn jpeg_cases() -> Vec<(&'static str, Vec<u8>)> {
+    const BLOCKS: usize = (1 << 24) / 64;
+    // All blocks without a difference, then each time nothing for all of them: 8 runs of nearly 32,768.
+    let mut nothing = Bits::default();
+    (0..BLOCKS.div_ceil(32_766)).for_each(|_| nothing.highest_first(0x3ffe, 15));
+    let mut scans = vec![(&[1][..], [0, 0], vec![0; BLOCKS / 8])];
+    scans.extend((0..200).map(|_| (&[1][..], [1, 63], nothing.bytes.clone())));
+    // Two bits a block, in scans of one channel each, between which all channels are kept.
+    let channels: [&[u8]; 4] = [&[1], &[2], &[3], &[4]];
+    let apart = channels.map(|of| (of, [0, 63], vec![0; (1 << 26) / 64 / 4 + (1 << 17)]));
+    vec![
+        ("scans", jpeg(0xc2, [1 << 12, 1 << 12], 4, &scans)),
+        ("channels apart", jpeg(0xc0, [1 << 13, 1 << 13], 4, &apart)),
+        ("declared", jpeg(0xc2, [u16::MAX, u16::MAX], 3, &scans[..1])),
+        ("declared narrow", jpeg(0xc2, [1, u16::MAX], 4, &scans[..1])),
+    ]
+}
+
+fn riff(name: &[u8; 4], bytes: &[u8]) -> Vec<u8> {
+    let padding = if bytes.len() % 2 == 1 { &[0][..] } else { &[] };
+    [&name[..], &(bytes.len() as u32).to_le_bytes(), bytes, padding].concat()
+}
+
+fn webp(chunks: &[Vec<u8>]) -> Vec<u8> {
+    riff(b"RIFF", &[&b"WEBP"[..], &chunks.concat()].concat())
+}
+
+fn vp8x(flags: u8, [width, height]: [u32; 2]) -> Vec<u8> {
+    let [w, h] = [width - 1, height - 1].map(u32::to_le_bytes);
+    riff(b"VP8X", &[&[flags, 0, 0, 0][..], &w[..3], &h[..3]].concat())
+}
+
+/// A lossy frame that only says how large it is.
+fn lossy([width, height]: [u16; 2], length: usize) -> Vec<u8> {
+    let size = [width, height].map(u16::to_le_bytes).concat();
+    riff(b"VP8 ", &[&[0x10, 0, 0, 0x9d, 1, 0x2a][..], &size, &vec![0; length]].concat())
+}
+
+/// The codes of a lossless picture of 65,536 groups, in each of which each code makes a table of 4 KiB of 12 bytes.
+fn many_codes() -> Vec<u8> {
+    let mut bits = Bits::default();
+    // No transform, no cache; groups, for squares of 4 pixels: one flat picture, whose pixels name the last group.
+    [(0, 1), (0, 1), (1, 1), (0, 3), (0, 1)].into_iter().for_each(|(value, n)| bits.lowest_first(value, n));
+    (0..2).for_each(|_| bits.lowest_first(0xff << 3 | 0b101, 11));
+    (0..3).for_each(|_| bits.lowest_first(1, 4));
+    for _ in 0..5 * 65_536 {
+        bits.lowest_first(10 << 1, 5);
+        for length in [0, 0, 0, 3, 3, 3, 3, 3, 0, 3, 4, 4, 4, 4] {
+            bits.lowest_first(length, 3);
+        }
+        bits.lowest_first(9 << 4 | 1 << 1 | 1, 8);
+        for length in [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10_u32] {
+            let (code, count) = if length < 7 { (length - 1, 3) } else { (length + 5, 4) };
+            bits.lowest_first(code.reverse_bits() >> (32 - count), count);
+        }
+    }
+    bits.bytes
+}
+
+fn lossless([width, height]: [u32; 2], codes: &[u8]) -> Vec<u8> {
+    let size = (width - 1) | (height - 1) << 14;
+    riff(b"VP8L", &[&[0x2f][..], &size.to_le_bytes(), codes].concat())
+}
+
+fn webp_cases() -> Vec<(&'static str, Vec<u8>)> {
+    let codes = many_codes();
+    let anim = riff(b"ANIM", &[0; 6]);
+    let frame = |chunks: &[u8]| {
+        riff(b"ANMF", &[&[0, 0, 0, 0, 0, 0, 3, 0, 0, 3, 0, 0, 0, 0, 0, 0][..], chunks].concat())
+    };
+    let alpha = riff(b"ALPH", &[&[1][..], &codes].concat());
+    let small = frame(&lossless([4, 4], &[0; 20]));
+    let animated = |frames: Vec<u8>| webp(&[vp8x(2, [4, 4]), anim.clone(), frames]);
+    vec![
+        ("codes", webp(&[lossless([4, 4], &codes)])),
+        ("codes of opacity", webp(&[vp8x(0x10, [4, 4]), alpha.clone(), lossy([4, 4], 4000)])),
+        ("codes of a frame", animated(frame(&lossless([4, 4], &codes)))),
+        ("codes of a frame's opacity", animated(frame(&[alpha, lossy([4, 4], 4000)].concat()))),
+        ("frames", animated(small.repeat(100_000))),
+        ("chunks", webp(&[vp8x(0, [4, 4]), riff(b"JUNK", b"").repeat(1 << 20), lossless([4, 4], &[0; 20])])),
+        ("declared", webp(&[lossless([1 << 14, 1 << 14], &[0; 1 << 16])])),
+        ("declared lossy", webp(&[lossy([16_383; 2], 1 << 18)])),
+        ("a large frame", webp(&[vp8x(0, [4, 4]), lossy([16_383; 2], 1 << 18)])),
+    ]
 }
 
 type Read = fn(&[u8], &str) -> Result<(), gnurt_image::Error>;

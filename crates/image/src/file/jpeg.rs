@@ -25,6 +25,7 @@ pub(super) fn check(source: &mut dyn Source, length: u64) -> Result<bool, Error>
     let mut has_size = false;
     let mut has_scan = false;
     let mut in_scans = false;
+    let mut channels = 0;
     loop {
         let marker = next_marker(source)?.ok_or_else(truncated)?;
         match marker {
@@ -39,25 +40,32 @@ pub(super) fn check(source: &mut dyn Source, length: u64) -> Result<bool, Error>
             .ok_or_else(|| Error::corrupt("JPEG", "a segment is shorter than its length"))?;
         // Start of frame: all of C0..CF but the tables C4, CC and the extension C8.
         let is_frame = matches!(marker, 0xc0..=0xcf) && !matches!(marker, 0xc4 | 0xc8 | 0xcc);
-        let skipped = if is_frame && rest >= 5 {
-            check_frame(source, length)?;
+        let skipped = if is_frame && rest >= 6 {
+            channels = check_frame(source, length)?;
             has_size = true;
             in_scans |= !matches!(marker, 0xc0 | 0xc1);
-            5
+            6
+        } else if marker == START_OF_SCAN && rest >= 1 {
+            let mut scanned = [0];
+            source.read_exact(&mut scanned).map_err(|_| truncated())?;
+            has_scan = true;
+            // Channels that come one after the other.
+            in_scans |= scanned[0] < channels;
+            1
         } else {
             0
         };
-        has_scan |= marker == START_OF_SCAN;
         source.seek(SeekFrom::Current(i64::from(rest) - skipped)).map_err(Error::reading)?;
     }
     source.seek(SeekFrom::Start(0)).map_err(Error::reading)?;
     if has_size && has_scan { Ok(in_scans) } else { Err(Error::corrupt("JPEG", "it holds no picture")) }
 }
 
-fn check_frame(source: &mut dyn Source, length: u64) -> Result<(), Error> {
-    let mut head = [0; 5];
+/// Checks a frame's size; tells its number of channels.
+fn check_frame(source: &mut dyn Source, length: u64) -> Result<u8, Error> {
+    let mut head = [0; 6];
     source.read_exact(&mut head).map_err(Error::reading)?;
-    let [_, h0, h1, w0, w1] = head;
+    let [_, h0, h1, w0, w1, channels] = head;
     let size = [u64::from(u16::from_be_bytes([w0, w1])), u64::from(u16::from_be_bytes([h0, h1]))];
     check_density("JPEG", size, length, PIXELS_PER_BYTE)?;
     if length > size[0] * size[1] * 8 + MAX_EXTRA_BYTES {
@@ -66,7 +74,7 @@ fn check_frame(source: &mut dyn Source, length: u64) -> Result<(), Error> {
             format!("{length} bytes are too many for {} x {} pixels", size[0], size[1]),
         ));
     }
-    Ok(())
+    Ok(channels)
 }
 
 /// Skips to the next FF that is neither stuffed (followed by 0) nor padding; gives the byte after it.

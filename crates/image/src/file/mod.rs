@@ -7,6 +7,7 @@
 
 mod exr;
 mod format;
+mod guard;
 mod hdr;
 mod jpeg;
 mod limits;
@@ -17,12 +18,15 @@ mod png;
 mod raster;
 mod replace;
 mod source;
+mod vp8l;
+mod webp;
 
 use std::io::Cursor;
 use std::path::Path;
 
 pub use exr::ExrPixels;
 pub use format::OutputFormat;
+pub use guard::expects_panics;
 pub use limits::MAX_PIXELS;
 pub use options::WriteOptions;
 pub use png::{encode_screen, encode_texels};

@@ -5,16 +5,16 @@
 //! Colour profiles and orientation tags are not read. Proof: `tests/{round_trip,broken}.rs`.
 
 use std::io::SeekFrom;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use image::codecs::{
     bmp::BmpDecoder, jpeg::JpegDecoder, png::PngDecoder, tga::TgaDecoder, webp::WebPDecoder,
 };
 use image::{DynamicImage, ImageDecoder, Limits};
 
+use super::guard::decode_guarded;
 use super::limits::{PICTURE_BYTES, Room, check_bytes, check_density};
 use super::source::Source;
-use super::{jpeg, png};
+use super::{jpeg, png, webp};
 use crate::{Error, Picture, TexelData, Texels, srgb};
 
 /// A format that the library decodes.
@@ -95,35 +95,37 @@ fn decode(
     wanted: Wanted,
 ) -> Result<DynamicImage, Error> {
     let library_error = |error: image::ImageError| Error::corrupt(format.name(), describe(&error));
-    let decoded = catch_unwind(AssertUnwindSafe(|| match format {
+    decode_guarded(format.name(), || match format {
         // Beside the pixels a decoder takes rows, or for each pixel so many bytes of coefficients, planes or frames.
         RasterFormat::Png => {
             let limits = alloc_limits(png::check(source, length)?, wanted.room);
             let decoder = PngDecoder::with_limits(source, limits).map_err(library_error)?;
-            decode_within(decoder, 0, format, wanted)
+            decode_within(decoder, Beside::pixels(0), format, wanted)
         }
         RasterFormat::Jpeg => {
             let in_scans = jpeg::check(source, length)?;
             let decoder = JpegDecoder::new(source).map_err(library_error)?;
-            decode_within(decoder, if in_scans { 8 } else { 0 }, format, wanted)
+            decode_within(decoder, Beside::pixels(if in_scans { 8 } else { 0 }), format, wanted)
         }
         RasterFormat::Tga => {
             check_tga(source, length)?;
-            decode_within(TgaDecoder::new(source).map_err(library_error)?, 4, format, wanted)
+            let decoder = TgaDecoder::new(source).map_err(library_error)?;
+            decode_within(decoder, Beside::pixels(4), format, wanted)
         }
         RasterFormat::Bmp => {
             let decoder = BmpDecoder::new(source).map_err(library_error)?;
             check_density(format.name(), size_of(&decoder), length, RUN_PIXELS_PER_BYTE)?;
-            decode_within(decoder, 4, format, wanted)
+            decode_within(decoder, Beside::pixels(4), format, wanted)
         }
         RasterFormat::Webp => {
-            check_webp(source, length)?;
+            let tables = webp::check(source, length, wanted.room)?;
             let decoder = WebPDecoder::new(source).map_err(library_error)?;
             check_density(format.name(), size_of(&decoder), length, WEBP_PIXELS_PER_BYTE)?;
-            decode_within(decoder, 8, format, wanted)
+            // An animation's frame is put together with those before.
+            let pixel_bytes = if decoder.has_animation() { 16 } else { 8 };
+            decode_within(decoder, Beside { pixel_bytes, bytes: tables }, format, wanted)
         }
-    }));
-    decoded.unwrap_or_else(|_| Err(Error::corrupt(format.name(), "the data contradicts itself")))
+    })
 }
 
 fn size_of(decoder: &impl ImageDecoder) -> [u64; 2] {
@@ -131,10 +133,25 @@ fn size_of(decoder: &impl ImageDecoder) -> [u64; 2] {
     [u64::from(width), u64::from(height)]
 }
 
+/// What a decoder takes beside what it gives.
+#[derive(Clone, Copy)]
+struct Beside {
+    /// For each pixel.
+    pixel_bytes: u64,
+    /// For all.
+    bytes: u64,
+}
+
+impl Beside {
+    fn pixels(pixel_bytes: u64) -> Self {
+        Self { pixel_bytes, bytes: 0 }
+    }
+}
+
 /// Decodes what may take the memory that it needs.
 fn decode_within(
     decoder: impl ImageDecoder,
-    decoder_bytes: u64,
+    beside: Beside,
     format: RasterFormat,
     wanted: Wanted,
 ) -> Result<DynamicImage, Error> {
@@ -143,8 +160,10 @@ fn decode_within(
     let texel = if is_wide(color) { PICTURE_BYTES } else { 4 };
     // First the decoder's own and what it gives, then that and the texels, then those and the floats.
     let last = if wanted.floats && texel < PICTURE_BYTES { texel + PICTURE_BYTES } else { 0 };
-    let pixel_bytes = (decoder_bytes + native).max(native + texel).max(last);
-    wanted.room.check(format.name(), size_of(&decoder), pixel_bytes)?;
+    let size = size_of(&decoder);
+    let decoded = (native + texel).max(last);
+    wanted.room.check(format.name(), size, decoded.max(beside.pixel_bytes + native))?;
+    wanted.room.check_bytes(size, size[0] * size[1] * (beside.pixel_bytes + native) + beside.bytes)?;
     DynamicImage::from_decoder(decoder).map_err(|error| Error::corrupt(format.name(), describe(&error)))
 }
 
@@ -173,21 +192,6 @@ fn check_tga(source: &mut dyn Source, length: u64) -> Result<(), Error> {
         9..=11 => check_density("TGA", size, length, RUN_PIXELS_PER_BYTE),
         _ => Err(Error::corrupt("TGA", format!("there is no image type {image_type}"))),
     }
-}
-
-/// Checks the length that a WebP's container declares: the decoder takes some truncated files for whole ones.
-fn check_webp(source: &mut dyn Source, length: u64) -> Result<(), Error> {
-    let mut header = [0; 12];
-    source.read_exact(&mut header).map_err(Error::reading)?;
-    source.seek(SeekFrom::Start(0)).map_err(Error::reading)?;
-    let declared = u64::from(u32::from_le_bytes([header[4], header[5], header[6], header[7]])) + 8;
-    if declared > length {
-        return Err(Error::corrupt(
-            "WebP",
-            format!("{length} of {declared} bytes are there; it is truncated"),
-        ));
-    }
-    Ok(())
 }
 
 fn texels_of(image: DynamicImage, meaning: Meaning) -> Result<Texels, Error> {
@@ -231,5 +235,6 @@ fn describe(error: &image::ImageError) -> String {
         image::ImageError::Limits(_) => "it needs too much memory".into(),
         _ => std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string),
     };
-    words.split_whitespace().collect::<Vec<_>>().join(" ")
+    // Some come in quotes.
+    words.trim_matches('"').split_whitespace().collect::<Vec<_>>().join(" ")
 }

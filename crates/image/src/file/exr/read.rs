@@ -6,14 +6,13 @@
 //! Invariants: headers are checked before pixels are read; everything runs on the calling thread.
 //! Proof: `tests/{round_trip,broken}.rs`.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use exr::block::reader::Reader;
 use exr::prelude::{
     FlatImage, FlatSamples, IntegerBounds, LayerAttributes, ReadChannels, ReadLayers, Text,
     attribute::AttributeValue, read,
 };
 
+use super::super::guard::decode_guarded;
 use super::super::limits::{PICTURE_BYTES, Room, check_density, check_size};
 use super::super::source::Source;
 use crate::{Channel, ChannelData, Error, Layer, Opacity, Picture};
@@ -26,8 +25,7 @@ const BELIEVED_BYTES: u64 = 1 << 26;
 const MAX_CHANNELS: usize = 1 << 12;
 
 pub(in crate::file) fn decode(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
-    let contradiction = |_| Err(Error::corrupt("EXR", "the data contradicts itself"));
-    catch_unwind(AssertUnwindSafe(|| decode_unguarded(source, length, room))).unwrap_or_else(contradiction)
+    decode_guarded("EXR", || decode_unguarded(source, length, room))
 }
 
 fn decode_unguarded(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
