@@ -3,10 +3,12 @@
 //! Source: original. A file that is there is gone on from; one that does not match is an error, never overwritten.
 //! Proof: `tests/program/checkpoint.rs` (a real kill).
 
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use gnurt::image;
+use gnurt::image::{self, system_reason};
 use gnurt::render::{Accumulation, CheckpointError, RenderOptions};
 
 use crate::failure::{Failure, Outcome};
@@ -33,13 +35,17 @@ impl Checkpoint {
         if std::fs::metadata(&self.path).is_ok_and(|found| !found.is_file()) {
             return Err(self.failure("is no file; give another name"));
         }
-        let bytes = match std::fs::read(&self.path) {
-            Ok(bytes) => bytes,
+        let file = match File::open(&self.path) {
+            Ok(file) => file,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
                 return Accumulation::new(options.clone()).map_err(Failure::usage);
             }
-            Err(error) => return Err(self.failure(error)),
+            Err(error) => return Err(self.failure(system_reason(&error))),
         };
+        // What is longer is no checkpoint of this picture: a word more, and that is found out.
+        let most = Accumulation::new(options.clone()).map_err(Failure::usage)?.byte_count() + 8;
+        let mut bytes = Vec::new();
+        file.take(most).read_to_end(&mut bytes).map_err(|error| self.failure(system_reason(&error)))?;
         let found = Accumulation::from_bytes(options.clone(), self.fingerprint, &bytes).map_err(|error| {
             let remedy = match error {
                 CheckpointError::MoreSamples { .. } => "ask for more, or delete it to begin again",

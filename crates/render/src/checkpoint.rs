@@ -8,6 +8,7 @@
 use crate::accumulation::Accumulation;
 use crate::error::CheckpointError;
 use crate::options::RenderOptions;
+use crate::stats::MOST;
 use crate::words::Words;
 
 const MAGIC: u64 = u64::from_le_bytes(*b"GNURTchk");
@@ -32,6 +33,18 @@ impl Accumulation {
         bytes
     }
 
+    /// How many bytes [`to_bytes`](Self::to_bytes) gives, now and later.
+    #[must_use]
+    pub fn byte_count(&self) -> u64 {
+        let mut words = self.header(0).len() as u64 + 1;
+        let mut count = |_: &mut u64| words += 1;
+        self.stats.clone().words(&mut count);
+        for tile in &self.tiles {
+            tile.clone().words(&mut count);
+        }
+        8 * words
+    }
+
     /// What [`to_bytes`](Self::to_bytes) wrote, to go on under `options`: those it was made with, but for the number of
     /// samples.
     ///
@@ -51,6 +64,10 @@ impl Accumulation {
         }
         if word(1) != Some(VERSION) {
             return Err(CheckpointError::OtherVersion);
+        }
+        // Who reads a file need not read more than a word too many.
+        if bytes.len() as u64 > accumulation.byte_count() {
+            return Err(CheckpointError::OtherPicture);
         }
         let (Some(last), true) = (words.len().checked_sub(1), rest.is_empty()) else {
             return Err(CheckpointError::Damaged);
@@ -76,7 +93,9 @@ impl Accumulation {
         for tile in &mut accumulation.tiles {
             tile.words(&mut get);
         }
-        if !enough || at != last {
+        let costs = accumulation.tiles.iter().flat_map(|tile| &tile.costs);
+        let can_go_on = accumulation.stats.are_sound() && costs.max().is_none_or(|&cost| cost <= MOST);
+        if !enough || at != last || !can_go_on {
             return Err(CheckpointError::Damaged);
         }
         let most = accumulation.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);

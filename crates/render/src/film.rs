@@ -128,7 +128,7 @@ impl TileFilm {
 
     /// Samples that it shall get, where the options say `spp`.
     pub(crate) fn wanted(&self, spp: u32) -> u32 {
-        if self.target > 0 { self.target } else { spp }
+        if self.target > 0 { self.target.min(spp) } else { spp }
     }
 
     /// Variance of the mean of a pixel, per channel, as if samples were independent: they are spread better than that,

@@ -4,6 +4,9 @@
 
 use crate::words::{Words, word_f64, word_u32};
 
+/// The largest counter that is believed.
+pub(crate) const MOST: u64 = 1 << 56;
+
 /// What a rendering did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderStats {
@@ -42,6 +45,13 @@ impl RenderStats {
     #[must_use]
     pub fn rays(&self) -> u64 {
         self.camera_rays + self.shadow_rays + self.secondary_rays
+    }
+
+    /// Whether they can be added to: no computer comes to larger numbers, but a file may hold them.
+    pub(crate) fn are_sound(&self) -> bool {
+        let rays = [self.camera_rays, self.shadow_rays, self.secondary_rays];
+        let others = [self.nodes_visited, self.triangles_tested, self.samples, self.bad_samples];
+        self.seconds.is_finite() && rays.iter().chain(&others).all(|&counter| counter <= MOST)
     }
 
     /// Adds the counters of another tile.

@@ -2,6 +2,8 @@
 //! Renderings that are broken off and go on, and tiles that get as many samples as they need. Source: original.
 
 mod common;
+#[path = "common/signed.rs"]
+mod signed;
 
 use common::*;
 use gnurt_image::{ChannelData, Picture};
@@ -40,6 +42,9 @@ fn bytes_keep_everything() {
     let bytes = first.to_bytes(7);
     let resumed = Accumulation::from_bytes(options.clone(), 7, &bytes).expect("it was just written");
     assert_eq!(resumed.to_bytes(7), bytes, "there and back");
+    assert_eq!(resumed.byte_count(), bytes.len() as u64, "as many as are said");
+    let empty = Accumulation::new(options.clone()).expect("sound");
+    assert_eq!(empty.byte_count(), bytes.len() as u64, "from the beginning");
     let mut saved = Vec::new();
     let frame = render_on(resumed, &world, &view, &pool(7), &Silent, None, &mut |a| saved = a.to_bytes(7));
     assert!(bits(&frame.picture) == bits(&whole.picture), "the same colours");
@@ -61,6 +66,8 @@ fn bad_bytes_are_refused() {
     assert_eq!(read(other, 7, &bytes), Err(CheckpointError::OtherPicture), "another size");
     assert_eq!(read(path(2), 7, &bytes), Err(CheckpointError::MoreSamples { has: 3, asked: 2 }), "too many");
     assert_eq!(read(path(4), 7, b"GNU"), Err(CheckpointError::NoCheckpoint), "short");
+    let longer = [&bytes[..], &[0; 8]].concat();
+    assert_eq!(read(path(4), 7, &longer), Err(CheckpointError::OtherPicture), "of a larger one");
     for length in (16..bytes.len()).step_by(97) {
         assert_eq!(read(path(4), 7, &bytes[..length]), Err(CheckpointError::Damaged), "cut at {length}");
     }
@@ -69,6 +76,30 @@ fn bad_bytes_are_refused() {
         changed[at] ^= 16;
         assert_eq!(read(path(4), 7, &changed), Err(CheckpointError::Damaged), "changed at {at}");
     }
+}
+
+/// Words that say sizes and counts are changed, and signed: the picture is as large as was asked for, whatever they say.
+#[test]
+fn signed_bytes_change_no_size() {
+    let (world, view) = still_life();
+    let options = RenderOptions { aovs: true, heatmap: true, ..path(4) };
+    let mut picture = Accumulation::new(options.clone()).expect("sound");
+    picture.pass(&world, &view, 2, &pool(2), &Silent);
+    let bytes = picture.to_bytes(7);
+    let mut taken = 0;
+    for at in (0..40).chain((40..bytes.len() / 8 - 1).step_by(1511)) {
+        for word in [(1 << 32) - 1, 1 << 40, u64::MAX] {
+            let mut file = bytes.clone();
+            file[8 * at..8 * at + 8].copy_from_slice(&word.to_le_bytes());
+            signed::sign(&mut file);
+            let Ok(mut other) = Accumulation::from_bytes(options.clone(), 7, &file) else { continue };
+            assert_eq!(other.byte_count(), bytes.len() as u64, "word {at} is {word:#x}");
+            other.pass(&world, &view, 1, &pool(1), &Silent);
+            assert_eq!(other.picture().pixel_count(), 45 * 33, "word {at} is {word:#x}");
+            taken += 1;
+        }
+    }
+    assert!(taken > 50, "sums are what they are: {taken}");
 }
 
 fn layer(picture: &Picture, name: &str) -> Vec<f32> {

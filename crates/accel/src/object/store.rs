@@ -179,12 +179,18 @@ fn save_stats(writer: &mut Writer<'_, impl Write>, stats: &TreeStats) -> io::Res
     Ok(())
 }
 
+/// No tree has more of anything; those of as many trees as a file can hold add up to a number.
+const MOST_OF_A_TREE: u64 = 1 << 36;
+
 fn load_stats(reader: &mut Reader<'_, impl Read>) -> Result<TreeStats, LoadError> {
     let mut numbers = [0; 7];
     for number in &mut numbers {
         *number = reader.number()?;
     }
     let [primitives, nodes, leaves, empty_leaves, references, depth, sah_cost] = numbers;
+    if [primitives, nodes, leaves, empty_leaves, references].iter().any(|&count| count > MOST_OF_A_TREE) {
+        return Err(LoadError::Damaged("its counts do not add up"));
+    }
     let depth = u32::try_from(depth).map_err(|_| LoadError::Damaged("a depth has more than 32 bits"))?;
     let sah_cost = f64::from_bits(sah_cost);
     if !(0.0..=f64::MAX).contains(&sah_cost) {

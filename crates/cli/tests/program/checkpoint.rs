@@ -57,6 +57,11 @@ fn what_does_not_match_is_refused() {
         folder.gnurt(&format!("{without} {more} -o q.png --checkpoint state")).fails(1, message);
         assert!(folder.read("state") == state, "nothing was overwritten");
     }
+    // As long as no memory is: all but the beginning is left alone.
+    let file = std::fs::File::options().write(true).open(folder.at("state")).expect("it is there");
+    file.set_len(1 << 40).expect("a file with a hole");
+    let run = folder.gnurt(&format!("{PICTURE} --spp 4 -o q.png --checkpoint state"));
+    run.fails(1, "scene, camera or options differ");
     folder.write("state", &state[..state.len() - 8]);
     folder.gnurt(&format!("{PICTURE} --spp 4 -o q.png --checkpoint state")).fails(1, "damaged");
     folder.write("state", "something else");
