@@ -27,7 +27,6 @@ programs! {
     fragment_model
     fragments
     frames
-    limits
     many_vertices
     materials
     mipmaps
@@ -35,6 +34,18 @@ programs! {
     primitives
     scene
     threads
+}
+
+/// What is too large is told in the words of the library that renders.
+#[test]
+fn limits() {
+    let workshop = Workshop::new();
+    let binary = workshop.build("cc", "c99", &source("tests/c/limits.c"));
+    let output = std::process::Command::new(&binary).output().expect("it runs");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{}\n{}{told}", output.status, String::from_utf8_lossy(&output.stdout));
+    let wanted = "the picture takes 128.0 GiB of memory and ";
+    assert!(told.contains(wanted) && told.contains("ask for a smaller one than 65536x32768"), "{told}");
 }
 
 /// Figure 1 of the paper draws: a picture of n triangles, the colours of its parameters in it.

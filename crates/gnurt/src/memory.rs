@@ -34,9 +34,16 @@ pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {
 /// # Errors
 /// [`Error::Memory`] if it does not; where the system does not tell, it fits.
 pub fn check_memory(options: &RenderOptions, is_denoised: bool) -> Result<(), Error> {
-    let needed = picture_bytes(options, is_denoised);
+    check_more([options.width, options.height], picture_bytes(options, is_denoised))
+}
+
+/// Whether there is room for so many bytes more, for a picture of that size: for who holds memory of pictures before.
+///
+/// # Errors
+/// As [`check_memory`].
+pub fn check_more(size: [u32; 2], needed: u64) -> Result<(), Error> {
     match free_memory().filter(|&free| needed > free) {
-        Some(free) => Err(Error::Memory { size: [options.width, options.height], needed, free }),
+        Some(free) => Err(Error::Memory { size, needed, free }),
         None => Ok(()),
     }
 }
@@ -55,7 +62,8 @@ pub fn free_memory() -> Option<u64> {
         read("/sys/fs/cgroup/memory.max").and_then(|text| first_number(&text)).map(|limit| {
             let used =
                 read("/sys/fs/cgroup/memory.current").and_then(|text| first_number(&text)).unwrap_or(0);
-            limit.saturating_sub(used)
+            let cached = read("/sys/fs/cgroup/memory.stat").map_or(0, |text| cached(&text));
+            limit.saturating_sub(used.saturating_sub(cached))
         }),
     ];
     tightest(limits)
@@ -79,6 +87,12 @@ fn available(meminfo: &str) -> Option<u64> {
     first_number(line).map(|kibibytes| kibibytes * 1024)
 }
 
+/// Bytes of files that the kernel keeps for a group and gives back when somebody wants the memory, of its memory.stat.
+fn cached(stat: &str) -> u64 {
+    let of = |name| stat.lines().find_map(|line| line.strip_prefix(name)).and_then(first_number);
+    ["inactive_file ", "active_file "].into_iter().filter_map(of).sum()
+}
+
 /// The soft limit of the address space of /proc/self/limits, in bytes.
 fn address_space(limits: &str) -> Option<u64> {
     limits.lines().find_map(|line| line.strip_prefix("Max address space")).and_then(first_number)
@@ -95,6 +109,8 @@ mod tests {
         assert_eq!(address_space(limits), Some(1 << 30), "the soft limit");
         assert_eq!(address_space("Max address space  unlimited  unlimited  bytes"), None, "no limit");
         assert_eq!(first_number("max\n"), None, "no limit of the group");
+        let stat = "anon 100\nfile 70\nshmem 5\ninactive_file 40\nactive_file 20\nunevictable 1\n";
+        assert_eq!(cached(stat), 60, "files that are only kept can go");
         assert_eq!(tightest([Some(5), None, Some(3)]), Some(3), "the least one");
     }
 
@@ -108,6 +124,8 @@ mod tests {
         if free_memory().is_some() {
             let error = check_memory(&huge, false).expect_err("exabytes").to_string();
             assert!(error.contains("2147483648x2147483648") && error.contains("smaller"), "{error}");
+            assert!(check_more([9, 9], 1 << 62).is_err(), "more than any machine has");
+            assert!(check_more([1 << 31, 1], 0).is_ok(), "no more than is there already");
         }
     }
 }

@@ -4,6 +4,8 @@
 
 use std::sync::Arc;
 
+use gnurt::memory::{check_more, picture_bytes};
+use gnurt::render::RenderOptions;
 use gnurt_plugins::host::say;
 
 use crate::context::Context;
@@ -56,19 +58,17 @@ impl Context {
         told
     }
 
-    /// Whether there is room for a picture of this size, where the frames before had less: asked for and given back before
-    /// anything is begun, since the parts of a picture are made one by one.
+    /// Whether there is room for a picture of this size, where the frames before had less: asked before anything is begun,
+    /// since the parts of a picture are made one by one.
     fn check_memory(&self, target: &FrameBuffer) -> Result<()> {
-        /// Sums of samples, and colours.
-        const PER_PIXEL: usize = 64;
-        let pixels = target.width as usize * target.height as usize;
-        let more = pixels.saturating_sub(self.stage.colors.len());
-        let room = Vec::<[u8; PER_PIXEL]>::new().try_reserve_exact(more);
-        room.map_err(|error| {
-            let size =
-                format_args!("a picture of {}x{} pixels: {error}", target.width, target.height).to_string();
-            told(&size, Error::OutOfMemory)
-        })
+        let [pixels, held] =
+            [u64::from(target.width) * u64::from(target.height), self.stage.colors.len() as u64];
+        if pixels <= held {
+            return Ok(());
+        }
+        let options = RenderOptions { width: target.width, height: target.height, ..Default::default() };
+        let more = picture_bytes(&options, false) / pixels * (pixels - held);
+        check_more([target.width, target.height], more).map_err(|error| told(&error, Error::OutOfMemory))
     }
 
     /// Tells what was wrong with plugins: an error if anything was.
