@@ -27,6 +27,8 @@ extern "C" {
 static void from_display() { Counted c; throw std::runtime_error("display"); }
 static void from_idle() { Counted c; throw std::runtime_error("idle"); }
 static void from_reshape(RTint, RTint) { Counted c; throw std::runtime_error("reshape"); }
+static void quiet() { rtutPostRedisplay(); }
+static void RTAPIENTRY from_listener(RTenum, const char *, void *) { Counted c; throw std::runtime_error("listener"); }
 static void swaps() { rtutSwapBuffers(); rtutPostRedisplay(); }
 }
 
@@ -57,6 +59,17 @@ int main()
         rtutReshapeFunc(from_reshape);
         throws("reshape", [] { rtutMainLoop(); });
         rtutReshapeFunc(nullptr);
+        // A frame is in flight and an object open: each call of a swap fails and is told.
+        rtutDisplayFunc(quiet);
+        rtutSwapBuffers();
+        rtDebugCallback(from_listener, nullptr);
+        rtCreateObject(RT_DEFINE);
+        throws("listener", [] { rtutSwapBuffers(); });
+        throws("listener", [] { rtutSwapBuffers(); });
+        rtEndObject();
+        throws("listener", [] { rtutSphere(8, 4); });
+        rtDebugCallback(nullptr, nullptr);
+        rtEnd();
         rtutSwapBuffers();
         while (rtGetError() != RT_NO_ERROR) {
         }
