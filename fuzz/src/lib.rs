@@ -3,6 +3,7 @@
 //! The promise under test: a scene, or one error of one line; never a panic, a hang or a great deal of memory.
 
 use std::cell::RefCell;
+use std::sync::Once;
 
 use tempfile::TempDir;
 
@@ -10,8 +11,23 @@ thread_local! {
     static FOLDER: RefCell<TempDir> = RefCell::new(tempfile::tempdir().expect("a temporary folder"));
 }
 
+/// Lets decoders of pictures panic where that becomes an error: the fuzzer's own hook would end the run before anybody
+/// catches them.
+pub fn let_decoders_panic() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let end = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if !gnurt_image::expects_panics() {
+                end(panic);
+            }
+        }));
+    });
+}
+
 /// Loads `bytes` as a scene file called `name`, beside the `companions` (name and contents).
 pub fn load_scene(name: &str, bytes: &[u8], companions: &[(&str, &[u8])]) {
+    let_decoders_panic();
     FOLDER.with_borrow(|folder| {
         let write = |name: &str, bytes: &[u8]| {
             let path = folder.path().join(name);
