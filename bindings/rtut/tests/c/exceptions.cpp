@@ -68,8 +68,12 @@ int main()
         throws("listener", [] { rtutSwapBuffers(); });
         rtEndObject();
         throws("listener", [] { rtutSphere(8, 4); });
+        // The shape was left in the middle: within a block no listener can be changed.
+        try {
+            rtEnd();
+        } catch (const std::runtime_error &) {
+        }
         rtDebugCallback(nullptr, nullptr);
-        rtEnd();
         rtutSwapBuffers();
         while (rtGetError() != RT_NO_ERROR) {
         }
