@@ -139,7 +139,7 @@ impl Bits {
     }
 
     fn bit(&mut self, bit: u32, place: impl Fn(usize) -> usize) {
-        if self.used % 8 == 0 {
+        if self.used.is_multiple_of(8) {
             self.bytes.push(0);
         }
         *self.bytes.last_mut().expect("one was pushed") |= (bit as u8) << place(self.used % 8);
