@@ -67,6 +67,10 @@ fn check(arguments: &[String]) -> Result<(), Failure> {
 fn places(arguments: &[String], destdir: &Path, prefix: &str, lib: &str) -> Result<Places, Failure> {
     let mut words = vec!["--prefix".to_owned(), prefix.to_owned(), "--libdir".to_owned(), lib.to_owned()];
     words.extend(["--destdir".to_owned(), destdir.display().to_string()]);
+    // Debian has it in the package of development files.
+    if cfg!(target_os = "linux") {
+        words.push("--static".to_owned());
+    }
     words.extend_from_slice(arguments);
     parse(&words)
 }

@@ -11,7 +11,7 @@ use crate::command;
 use crate::failure::Failure;
 
 /// Its name among what was built.
-pub(crate) const NAME: &str = "libOpenRT-static.a";
+pub(super) const NAME: &str = "libOpenRT-static.a";
 
 /// One section of each kind: their thousands of names are a quarter of the file.
 const SECTIONS: &str = "SECTIONS
@@ -32,10 +32,9 @@ const SECTIONS: &str = "SECTIONS
 ";
 
 /// Makes the static library in `built`, a folder where cargo has built the package openrt.
-pub(crate) fn build(built: &Path) -> Result<(), Failure> {
+pub(super) fn build(built: &Path) -> Result<(), Failure> {
     if !cfg!(target_os = "linux") {
-        eprintln!("note: the static library is made on Linux only");
-        return Ok(());
+        return Err("--static: the static library can be made on Linux only".into());
     }
     let [whole, object] = ["libOpenRT-whole.a", "libOpenRT-static.o"].map(|name| built.join(name));
     collect(built, &whole)?;

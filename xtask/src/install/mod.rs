@@ -5,7 +5,7 @@
 //! Files go to DESTDIR/PREFIX, but speak of PREFIX: packagers move them there later. A library's soname is set where
 //! it is linked (`bindings/*/build.rs`) and equals the first link made here.
 
-pub(crate) mod archive;
+mod archive;
 pub(crate) mod files;
 mod places;
 
@@ -69,10 +69,12 @@ pub(crate) fn install_at(places: &Places) -> Result<(), Failure> {
         None => {
             let packages = ["--package", "gnurt-cli", "--package", "openrt", "--package", "rtut"];
             command::run(command::cargo().args(["build", "--release"]).args(packages))?;
-            archive::build(&workspace.target.join("release"))?;
             workspace.target.join("release")
         }
     };
+    if places.has_static {
+        archive::build(&built)?;
+    }
     install(&built, &command::root(), &workspace.version, places)?;
     // The program writes its own pages: it knows its options.
     let manuals = workspace.target.join("manuals");
@@ -101,11 +103,8 @@ fn install(built: &Path, source: &Path, version: &str, places: &Places) -> Resul
         let template = read(&source.join("bindings/openrt").join(format!("{file}.in")))?;
         write(&places.put(&places.cmake().join(file)), &places.fill(&template, version))?;
     }
-    let archive = built.join(archive::NAME);
-    if archive.exists() {
-        copy(&archive, &lib.join("libOpenRT.a"))?;
-    } else {
-        eprintln!("note: no {}: the static library is left out", archive.display());
+    if places.has_static {
+        copy(&built.join(archive::NAME), &lib.join("libOpenRT.a"))?;
     }
     for document in DOCUMENTS.iter().map(|name| source.join(name)).filter(|path| path.exists()) {
         let to = places.share("doc/gnurt").join(document.file_name().unwrap_or_default());
@@ -182,7 +181,7 @@ mod tests {
             write(&path, text).expect("the temporary folder can be written");
         }
         let to = root.join("to").display().to_string();
-        let words = ["--prefix=/opt/rt", "--no-strip", "--libdir=lib/multi", "--destdir", &to];
+        let words = ["--prefix=/opt/rt", "--no-strip", "--static", "--libdir=lib/multi", "--destdir", &to];
         let places = parse(&words.map(String::from)).expect("these are folders");
         // Twice: what is there must be replaced.
         for _ in 0..2 {

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 /// The program, as it is built and installed.
 pub(super) const PROGRAM: &str = "gnurt";
 pub(super) const USAGE: &str = "usage: cargo xtask install --prefix DIR [--destdir DIR] [--bindir DIR] [--libdir DIR] \
-     [--includedir DIR] [--mandir DIR] [--built DIR] [--no-strip]";
+     [--includedir DIR] [--mandir DIR] [--built DIR] [--static] [--no-strip]";
 
 /// Where things go. All folders but the destination are absolute, as programs see them later.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,6 +24,8 @@ pub(crate) struct Places {
     pub(crate) destdir: Option<PathBuf>,
     /// What cargo has built already; else it builds.
     pub(crate) built: Option<PathBuf>,
+    /// Whether the static library is installed, which is a third of all files.
+    pub(crate) has_static: bool,
     /// Whether symbols and debug lines are left out.
     pub(crate) strips: bool,
 }
@@ -33,11 +35,15 @@ pub(crate) fn parse(arguments: &[String]) -> Result<Places, Failure> {
     const NAMES: [&str; 7] =
         ["--prefix", "--destdir", "--bindir", "--libdir", "--includedir", "--mandir", "--built"];
     let mut given: [Option<PathBuf>; NAMES.len()] = Default::default();
-    let mut strips = true;
+    let (mut strips, mut has_static) = (true, false);
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {
         if argument == "--no-strip" {
             strips = false;
+            continue;
+        }
+        if argument == "--static" {
+            has_static = true;
             continue;
         }
         let (name, value) = match argument.split_once('=') {
@@ -63,6 +69,7 @@ pub(crate) fn parse(arguments: &[String]) -> Result<Places, Failure> {
         man: below(man, "share/man"),
         destdir,
         built,
+        has_static,
         strips,
         prefix,
     })
@@ -142,6 +149,8 @@ mod tests {
             places.strips && !parse(&words("--prefix a --no-strip")).expect("no folder").strips,
             "symbols"
         );
+        let has_static = |line| parse(&words(line)).expect("no folder").has_static;
+        assert!(has_static("--static --prefix a") && !has_static("--prefix a"), "the static library");
         for bad in ["", "--prefix", "--prefix=", "--prefx /usr", "/usr", "--prefix / --libdir"] {
             let failure = parse(&words(bad)).expect_err("this is no way to call it");
             assert!(failure.contains("usage: cargo xtask install"), "'{bad}' explains itself: {failure}");
