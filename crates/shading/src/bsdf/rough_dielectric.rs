@@ -288,7 +288,8 @@ fn average(entries: &[f32; COSINES]) -> f32 {
 
 /// A row of the table, made when it is first asked for: a scene has few kinds of glass.
 fn row(index: usize, roughness: usize) -> &'static Row {
-    static ROWS: [[OnceLock<Row>; ROUGHNESSES]; INDICES] =
+    // Boxes: room for all rows would be 400 KB of each program's and library's file.
+    static ROWS: [[OnceLock<Box<Row>>; ROUGHNESSES]; INDICES] =
         [const { [const { OnceLock::new() }; ROUGHNESSES] }; INDICES];
     ROWS[index][roughness].get_or_init(|| {
         let s = index as f32 / (INDICES - 1) as f32 - 0.5;
@@ -296,7 +297,7 @@ fn row(index: usize, roughness: usize) -> &'static Row {
         let entry =
             |c: usize| one_bounce(ggx, (1.0 + s) / (1.0 - s), (c as f32 / (COSINES - 1) as f32).max(1e-4));
         let albedo = std::array::from_fn(entry);
-        Row { albedo, average: average(&albedo) }
+        Box::new(Row { albedo, average: average(&albedo) })
     })
 }
 
