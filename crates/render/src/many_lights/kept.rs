@@ -11,7 +11,7 @@
 //! for bit, and lights of paths that meet other things are those of the world as it is. Which lamps matter and how many paths
 //! there are is only a choice of samples: good for any world, right in the mean. It is learned again where a light was
 //! edited, and where the number of lights that came has left what was wanted too far behind.
-//! Proof: crates/render/tests/kept_lights.rs.
+//! Proof: `tests`, crates/render/tests/kept_lights.rs.
 
 use std::collections::VecDeque;
 
@@ -194,4 +194,61 @@ fn alike(a: &RenderOptions, b: &RenderOptions) -> bool {
     let what =
         |o: &RenderOptions| (o.integrator, o.vpls, o.max_depth, o.clamp, o.seed, o.white, o.ray_epsilon);
     what(a) == what(b)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use gnurt_scene::{InstanceId, Scene};
+
+    use super::*;
+    use crate::camera::PerspectiveCamera;
+    use crate::progress::Unwatched;
+    use crate::world::{CommitOptions, ShaderTable, World};
+
+    /// Places of the lights of the next picture.
+    fn places(kept: &mut KeptLights, world: &World, scene: &Scene, options: &RenderOptions) -> Vec<[u32; 3]> {
+        let camera = PerspectiveCamera::new(&scene.cameras()[0]).expect("a view");
+        let pass = kept.next(&Job::new(world, &camera, options, &Unwatched)).expect("virtual lights");
+        pass.vpls.iter().map(|vpl| vpl.point.p.to_array().map(f32::to_bits)).collect()
+    }
+
+    /// A thing goes and comes back: lights whose paths never met it stay where they are.
+    #[test]
+    fn paths_that_meet_nothing_new_bring_the_same_lights() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
+        let mut scene = gnurt_scene::builtin::load("cornell").expect("it is built in");
+        let integrator = Integrator::InstantRadiosity;
+        let options =
+            RenderOptions { width: 8, height: 8, vpls: 512, integrator, ..RenderOptions::default() };
+        let (mut world, mut kept) = (World::new(), KeptLights::default());
+        let commit = |world: &mut World, scene: &Scene| {
+            let how = CommitOptions::default();
+            world.commit(scene, &ShaderTable::default(), &how, &pool).expect("the scene is sound");
+        };
+        commit(&mut world, &scene);
+        // So many lamps that which of them matter is learned: learned anew, all paths would start elsewhere.
+        let [low, high] = world.bounds().map(|(low, high)| [low, high]).expect("a room");
+        for i in 1..6 {
+            let at = |k: usize| low[k] + (high[k] - low[k]) * ((i * (k + 2)) as f32 * 0.37).fract();
+            let intensity = [0.02 * (high[0] - low[0]).powi(2) * i as f32; 3];
+            scene.add_light(gnurt_scene::Light::Point { position: [0, 1, 2].map(at), intensity });
+        }
+        commit(&mut world, &scene);
+        let first = places(&mut kept, &world, &scene, &options);
+        let last = InstanceId(scene.instances().len() as u32 - 1);
+        scene.edit_instance(last).visible = false;
+        commit(&mut world, &scene);
+        let without = places(&mut kept, &world, &scene, &options);
+        let anew = places(&mut KeptLights::default(), &world, &scene, &options);
+        let before: HashSet<_> = first.iter().collect();
+        let staying = |now: &[[u32; 3]]| now.iter().filter(|place| before.contains(place)).count();
+        let [stay, by_chance] = [&without, &anew].map(|now| staying(now));
+        assert!(2 * stay > without.len(), "{stay} of {} stay", without.len());
+        assert!(10 * stay > 11 * by_chance, "{stay} stay, and {by_chance} would if all were learned anew");
+        scene.edit_instance(last).visible = true;
+        commit(&mut world, &scene);
+        assert_eq!(places(&mut kept, &world, &scene, &options), first, "all as it was, bit for bit");
+    }
 }
