@@ -7,6 +7,7 @@
 
 mod arguments;
 mod checkpoint;
+mod clips;
 mod commands;
 mod display;
 mod environment;

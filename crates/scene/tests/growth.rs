@@ -120,6 +120,39 @@ fn gltf_cases() -> Vec<(String, Vec<u8>, Outcome)> {
         ),
         Loaded,
     );
+    let curve = r#""samplers":[{"input":0,"output":0,"interpolation":"STEP"}]"#;
+    let scale = r#"{"sampler":0,"target":{"node":0,"path":"scale"}}"#;
+    case(
+        "channels",
+        format!(r#"{TRIANGLE},"nodes":[{{}}],"animations":[{{{curve},"channels":[{}]}}]"#, list(scale, 9)),
+        Either,
+    );
+    case(
+        "clips",
+        format!(
+            r#"{TRIANGLE},"nodes":[{{}}],"animations":[{}]"#,
+            list(&format!(r#"{{{curve},"channels":[{scale}]}}"#), 9)
+        ),
+        Either,
+    );
+    case(
+        "long times",
+        format!(
+            r#""accessors":[{{"componentType":5126,"count":20000000,"type":"SCALAR"}}],"nodes":[{{}}],"animations":[{}]"#,
+            list(&format!(r#"{{{curve},"channels":[{scale}]}}"#), 1)
+        ),
+        Refused,
+    );
+    case(
+        "driven morph targets",
+        format!(
+            r#"{TRIANGLE},"nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"targets":[{}]}}]}}],
+            "animations":[{{"samplers":[{{"input":1,"output":1}}],"channels":[{{"sampler":0,"target":{{"node":0,"path":"weights"}}}}]}}]"#,
+            list("{}", 9)
+        )
+        .replace(r#""type":"VEC3"}]"#, r#""type":"VEC3"},{"bufferView":0,"componentType":5126,"count":1,"type":"SCALAR"}]"#),
+        Either,
+    );
     case("deep", format!(r#""extras":{}{}"#, "[".repeat(4 << 20), "]".repeat(4 << 20)), Loaded);
     let nodes = (1..130_000).map(|k| format!(r#"{{"children":[{k}]}}"#)).collect::<Vec<_>>().join(",");
     case("a chain", format!(r#""nodes":[{nodes},{{}}],"scenes":[{{"nodes":[0]}}],"scene":0"#), Loaded);

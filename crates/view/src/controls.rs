@@ -11,6 +11,7 @@ use gnurt::scene::Camera;
 use crate::exposure::Exposure;
 use crate::flight::Flight;
 use crate::input::{Button, Input, Key};
+use crate::playing::Playing;
 use crate::shown::Shown;
 
 /// What the controls ask of the world around them.
@@ -49,6 +50,8 @@ pub struct Controls {
     pub denoised: bool,
     /// Whether pictures are written as they come.
     pub recording: bool,
+    /// What is played, where something moves.
+    pub playing: Option<Playing>,
     home: Flight,
     home_exposure: Exposure,
     fullscreen: bool,
@@ -115,6 +118,7 @@ impl Controls {
             paused: false,
             denoised: false,
             recording: false,
+            playing: None,
             fullscreen: false,
             held: Vec::new(),
             shift: false,
@@ -134,7 +138,13 @@ impl Controls {
     /// Whether something moves as long as nothing happens.
     #[must_use]
     pub fn is_flying(&self) -> bool {
-        !self.held.is_empty()
+        !self.held.is_empty() || self.is_playing()
+    }
+
+    /// Whether a clip runs.
+    #[must_use]
+    pub fn is_playing(&self) -> bool {
+        self.playing.as_ref().is_some_and(Playing::is_running)
     }
 
     /// Whether a drag or a key holds the camera: it will probably move on.
@@ -170,8 +180,11 @@ impl Controls {
         None
     }
 
-    /// Lets time pass: keys that are held move the camera.
+    /// Lets time pass: keys that are held move the camera, a clip runs on.
     pub fn pass_time(&mut self, seconds: f64) {
+        if let Some(playing) = &mut self.playing {
+            playing.pass_time(seconds);
+        }
         let held = |key: Key| f64::from(u8::from(self.held.contains(&key)));
         let between = |plus: Key, minus: Key| (held(plus) - held(minus)) * seconds;
         let [right, up, forward] = [('d', 'a'), ('e', 'q'), ('w', 's')]
@@ -231,6 +244,8 @@ impl Controls {
         match key {
             Key::Char('+' | '=') => self.speed = (self.speed * FASTER).min(1e12),
             Key::Char('-' | '_') => self.speed = (self.speed / FASTER).max(1e-12),
+            Key::Char('.' | '>') => self.step(1.0),
+            Key::Char(',' | '<') => self.step(-1.0),
             Key::Char('b') => self.expose(STOPS),
             Key::Char('B') => self.expose(-STOPS),
             _ if repeat => {}
@@ -244,11 +259,19 @@ impl Controls {
             Key::Char('h' | 'H' | '?') | Key::F(1) => self.help = !self.help,
             Key::Char('g' | 'G') => self.hud = !self.hud,
             Key::Char('p' | 'P') => self.paused = !self.paused,
+            Key::Char(' ') => {
+                if let Some(playing) = &mut self.playing {
+                    playing.toggle();
+                }
+            }
             Key::Char('n' | 'N') => self.denoised = !self.denoised,
             Key::Char('t' | 'T') => self.exposure.tone = self.exposure.next_tone(),
             Key::Char('r' | 'R') => {
                 self.flight = self.home.clone();
                 self.exposure = self.home_exposure;
+                if let Some(playing) = &mut self.playing {
+                    playing.rewind();
+                }
             }
             Key::Tab => self.shown = self.shown.beside(if self.shift { -1 } else { 1 }),
             Key::Char(digit @ '0'..='9') => {
@@ -259,6 +282,12 @@ impl Controls {
             _ => {}
         }
         None
+    }
+
+    fn step(&mut self, frames: f64) {
+        if let Some(playing) = &mut self.playing {
+            playing.step(frames);
+        }
     }
 
     fn expose(&mut self, stops: f32) {
@@ -382,6 +411,23 @@ mod tests {
         let distance = c.flight.distance();
         feed(&mut c, &[Input::Wheel(1.0)]);
         assert!(c.flight.distance() < distance, "nearer");
+    }
+
+    #[test]
+    fn space_plays_and_keys_step() {
+        let mut c = controls();
+        feed(&mut c, &[down(Key::Char(' ')), down(Key::Char('.'))]);
+        assert!(!c.is_playing(), "nothing moves here");
+        c.playing = Some(Playing::new([0.0, 2.0]));
+        feed(&mut c, &[down(Key::Char(' ')), Input::KeyDown { key: Key::Char(' '), repeat: true }]);
+        assert!(c.is_playing() && c.is_flying() && c.is_held(), "it runs");
+        c.pass_time(0.5);
+        assert_eq!(c.playing.as_ref().and_then(Playing::moment), Some(0.5), "half a second");
+        feed(&mut c, &[down(Key::Char('.')), down(Key::Char('.')), down(Key::Char(','))]);
+        assert_eq!(c.playing.as_ref().and_then(Playing::moment), Some(13.0 / 24.0), "one frame on, stopped");
+        assert!(!c.is_playing(), "it was stepped");
+        feed(&mut c, &[down(Key::Char('r'))]);
+        assert_eq!(c.playing.as_ref().and_then(Playing::moment), None, "back to rest");
     }
 
     #[test]

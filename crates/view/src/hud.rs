@@ -19,6 +19,8 @@ pub(crate) struct Readings {
     pub(crate) rendered: [u32; 2],
     /// Whether the noise was taken out of it.
     pub(crate) denoised: bool,
+    /// Seconds that it took to bring the scene to its moment: poses, trees, lights.
+    pub(crate) update_seconds: f64,
 }
 
 /// The keys, a line each.
@@ -34,7 +36,9 @@ R                   back to the beginning
 1 .. 9 0, Tab       what is shown
 b B                 brighter, darker
 T                   tone curve
-P                   pause
+P                   pause: no more samples
+space               play, stop
+, .                 a frame back, a frame on
 N                   take the noise out
 C                   print the camera
 F12, Ctrl-S         write a picture
@@ -70,6 +74,7 @@ pub(crate) fn lines(
         format!("{:.2} Mray/s  {} MiB", readings.rays as f64 * 1e-6 / seconds, memory >> 20),
         format!("{}  EV {:+.2}  {}", controls.shown, exposure.stops, exposure.tone),
     ];
+    lines.extend(controls.playing.as_ref().map(|playing| playing.line(readings.update_seconds * 1e3)));
     lines.extend(said.iter().cloned());
     lines
 }
@@ -85,12 +90,16 @@ pub(crate) fn draw(screen: &mut [u32], size: [u32; 2], controls: &Controls, line
     } else if controls.hud {
         text::draw(screen, size, [8, 8], scale, lines);
     }
+    if let Some(playing) = controls.playing.as_ref().filter(|_| controls.hud) {
+        playing.draw_bar(screen, size, scale);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::exposure::Exposure;
+    use crate::playing::Playing;
     use crate::shown::Shown;
 
     #[test]
@@ -112,7 +121,12 @@ mod tests {
             samples: [3, 64],
             rendered: [640, 360],
             denoised: true,
+            update_seconds: 0.0125,
         };
+        let mut playing = Playing::new([0.0, 2.0]);
+        playing.toggle();
+        playing.pass_time(0.5);
+        controls.playing = Some(playing);
         let said = ["material 'oak'".to_owned()];
         let text = lines(&controls, &readings, 12.34, 77 << 20, &said).join("\n");
         for part in [
@@ -128,6 +142,8 @@ mod tests {
             "clamp",
             "denoised",
             "paused",
+            "0.50 of 2.00 s",
+            "update 12.5 ms",
             "oak",
         ] {
             assert!(text.contains(part), "'{part}' is in:\n{text}");

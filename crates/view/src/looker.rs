@@ -36,6 +36,8 @@ pub(crate) struct Wish {
     pub(crate) paused: bool,
     /// Whether the noise is to be taken out of what rests.
     pub(crate) denoised: bool,
+    /// The moment of the clip; `None` = the scene at rest.
+    pub(crate) moment: Option<f64>,
 }
 
 impl Wish {
@@ -143,6 +145,8 @@ impl Looker {
             used: None,
             noisy_seconds: 0.0,
             clean_seconds: 0.0,
+            moment: None,
+            update_seconds: 0.0,
         };
         let thread = std::thread::Builder::new().name("gnurt-looker".into()).spawn(move || work.run());
         Ok(Self { shared, thread: Some(thread.map_err(ViewError::Thread)?) })
@@ -155,7 +159,8 @@ impl Looker {
             return;
         }
         let old = &wanted.wish;
-        if (&old.camera, old.shown, old.size) != (&wish.camera, wish.shown, wish.size) {
+        let seen = |wish: &Wish| (wish.shown, wish.size, wish.moment);
+        if old.camera != wish.camera || seen(old) != seen(wish) {
             wanted.view += 1;
             self.shared.view.store(wanted.view, Ordering::Relaxed);
         }
@@ -222,6 +227,9 @@ struct Work {
     /// Seconds of passes since then, and seconds that it took.
     noisy_seconds: f64,
     clean_seconds: f64,
+    /// What the world shows, and what it cost to bring it there.
+    moment: Option<f64>,
+    update_seconds: f64,
 }
 
 /// What the eye has in the making.
@@ -289,6 +297,9 @@ impl Work {
                 present = Some(Present::nothing(view, wish.shown));
                 continue;
             }
+            if let Err(why) = self.update(wish.moment) {
+                (self.tell)(News::Trouble(why));
+            }
             let next = match self.next(present.take(), &wish, view) {
                 Ok(next) => next,
                 Err(error) => {
@@ -299,6 +310,28 @@ impl Work {
             };
             present = Some(self.look(next, &wish));
         }
+    }
+
+    /// Brings the world to a moment, if it is at another.
+    fn update(&mut self, moment: Option<f64>) -> Result<(), String> {
+        if self.moment == moment {
+            return Ok(());
+        }
+        // One that cannot be shown is not tried again and again.
+        self.moment = moment;
+        let begin = Instant::now();
+        loop {
+            let mut shared = lock(&self.shared.stage);
+            // Whoever asks what is under the cursor has it for a moment.
+            if let Some(stage) = Arc::get_mut(&mut shared) {
+                stage.show(moment, &self.pool)?;
+                break;
+            }
+            drop(shared);
+            std::thread::yield_now();
+        }
+        self.update_seconds = begin.elapsed().as_secs_f64();
+        Ok(())
     }
 
     /// Whether there is nothing to do for what is wanted.
@@ -397,6 +430,7 @@ impl Work {
                 samples: [self.eye.samples(), self.eye.target_samples()],
                 rendered: size,
                 denoised: false,
+                update_seconds: self.update_seconds,
             };
         }
         self.back.readings.denoised = is_clean;
@@ -461,6 +495,7 @@ impl Work {
             Ok(stage) => {
                 let files = stage.files.clone();
                 *lock(&self.shared.stage) = Arc::new(stage);
+                self.moment = None;
                 // What is shown until the next picture is of the old scene.
                 let mut wanted = lock(&self.shared.wish);
                 wanted.view += 1;
@@ -491,7 +526,7 @@ mod tests {
         let mut world = World::new();
         let report = world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), pool);
         report.map_err(|error| error.to_string())?;
-        Ok(Stage { scene, world, files: Vec::new(), faults: Box::new(Vec::new) })
+        Ok(Stage { scene, world, files: Vec::new(), clip: None, faults: Box::new(Vec::new) })
     }
 
     fn options() -> RenderOptions {
@@ -499,8 +534,15 @@ mod tests {
     }
 
     fn begin(loader: Loader) -> (Looker, Receiver<News>, Wish) {
+        begin_with(loader, load)
+    }
+
+    fn begin_with(
+        loader: Loader,
+        first: fn(&ThreadPool) -> Result<Stage, String>,
+    ) -> (Looker, Receiver<News>, Wish) {
         let pool = gnurt::thread_pool(2).expect("two threads");
-        let stage = load(&pool).expect("the box is built in");
+        let stage = first(&pool).expect("the box is built in");
         let wish = Wish {
             camera: stage.scene.cameras()[0].clone(),
             shown: Shown::Light(Integrator::Whitted),
@@ -509,6 +551,7 @@ mod tests {
             moving: false,
             paused: false,
             denoised: false,
+            moment: None,
         };
         let (sender, news) = channel();
         let tell = Box::new(move |what| drop(sender.send(what)));
@@ -610,6 +653,61 @@ mod tests {
         wish.camera.eye[0] += 0.01;
         looker.want(&wish);
         wait_for(&looker, "passing look", |front| !front.whole && !front.readings.denoised);
+    }
+
+    /// The box with a ball of a triangle that falls from 0 to 1 s.
+    fn falling(pool: &ThreadPool) -> Result<Stage, String> {
+        use gnurt::scene::animation::{
+            Channel, Clip, Interpolation, Local, MovingInstance, Node, Place, Sampler, Target, Trs,
+        };
+        let mut stage = load(pool)?;
+        let instance = stage.scene.instantiate(gnurt::scene::ObjectId(0), gnurt::scene::Affine::IDENTITY);
+        let keys =
+            Sampler::new([0.0, 1.0].into(), vec![0.0, 0.5, 0.0, 0.0, 0.0, 0.0], 3, Interpolation::Linear);
+        let ground = Place::Fixed { world_from_here: gnurt::scene::Affine::IDENTITY, visible: true };
+        let node =
+            Node { name: "n".into(), parent: ground, rest: Local::Parts(Trs::default()), visible: true };
+        let channel = Channel { target: Target::Translation(0), sampler: Arc::new(keys.expect("keys")) };
+        let animated = stage.scene.animate(gnurt::scene::Animation {
+            clips: vec![Clip { name: "fall".into(), channels: vec![channel] }],
+            nodes: vec![node],
+            instances: vec![MovingInstance { instance, node: 0, is_placed: true }],
+            ..gnurt::scene::Animation::default()
+        });
+        animated.map_err(|error| error.to_string())?;
+        let how = CommitOptions::default();
+        let clip = crate::stage::StageClip { number: 0, shaders: ShaderTable::default(), how };
+        stage.clip = Some(clip);
+        stage.show(None, pool)?;
+        Ok(stage)
+    }
+
+    #[test]
+    fn moments_are_those_of_the_scene() {
+        let pool = gnurt::thread_pool(1).expect("a thread");
+        let (looker, news, mut wish) = begin_with(Box::new(falling), falling);
+        wait_for(&looker, "finished picture", is_finished);
+        // Played: moments come faster than pictures, and are seen all the same.
+        wish.moving = true;
+        for step in 1..40 {
+            wish.moment = Some(f64::from(step) / 80.0);
+            looker.want(&wish);
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        wait_for(&looker, "passing look", |front| !front.whole && front.readings.update_seconds > 0.0);
+        for moment in [Some(0.25), Some(0.75), None] {
+            (wish.moving, wish.moment) = (false, moment);
+            looker.want(&wish);
+            let view = lock(&looker.shared.wish).view;
+            wait_for(&looker, "moment", |front| is_finished(front) && front.view == view);
+            let mut stage = falling(&pool).expect("a box");
+            stage.show(moment, &pool).expect("it can be shown");
+            let camera = PerspectiveCamera::new(&wish.camera).expect("a view");
+            let options = RenderOptions { width: 61, height: 47, ..options() };
+            let frame = render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options");
+            assert!(looker.front().colors == frame.picture.color, "{moment:?}: the same bits");
+        }
+        assert!(!news.try_iter().any(|news| matches!(news, News::Trouble(_))), "no trouble");
     }
 
     #[test]

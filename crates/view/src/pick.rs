@@ -102,7 +102,7 @@ mod tests {
         world
             .commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool)
             .expect("the scene is sound");
-        let stage = Stage { scene, world, files: Vec::new(), faults: Box::new(Vec::new) };
+        let stage = Stage { scene, world, files: Vec::new(), clip: None, faults: Box::new(Vec::new) };
         let camera =
             |target| Camera { name: String::new(), eye: [0.0; 3], target, up: [0.0, 1.0, 0.0], fov_y: 45.0 };
         let pick =

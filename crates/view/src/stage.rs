@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use gnurt::ThreadPool;
-use gnurt::render::World;
+use gnurt::render::{CommitOptions, ShaderTable, World};
 use gnurt::scene::Scene;
 
 /// A scene that can be rendered, and where it came from.
@@ -16,8 +16,43 @@ pub struct Stage {
     pub world: World,
     /// Files that it was read from: if one changes, it is read again.
     pub files: Vec<PathBuf>,
+    /// What is played, where something moves.
+    pub clip: Option<StageClip>,
     /// Tells what shaders have done wrong since it was asked last, a line each.
     pub faults: Faults,
+}
+
+/// A clip of a stage's scene, and what commits its moments.
+pub struct StageClip {
+    /// Its place among the clips.
+    pub number: usize,
+    /// What the world was committed with.
+    pub shaders: ShaderTable,
+    /// Likewise.
+    pub how: CommitOptions,
+}
+
+impl Stage {
+    /// The moments of the first and of the last key of what is played.
+    #[must_use]
+    pub fn range(&self) -> Option<[f64; 2]> {
+        let clip = self.clip.as_ref()?;
+        self.scene.animation()?.clips.get(clip.number).map(|clip| clip.range())
+    }
+
+    /// Shows a moment of its clip, or the scene at rest.
+    ///
+    /// # Errors
+    /// What the commit says; the world stays as it was.
+    pub(crate) fn show(&mut self, moment: Option<f64>, pool: &ThreadPool) -> Result<(), String> {
+        let Some(clip) = &self.clip else { return Ok(()) };
+        match moment {
+            Some(seconds) => self.scene.pose(clip.number, seconds),
+            None => self.scene.rest(),
+        };
+        let committed = self.world.commit(&self.scene, &clip.shaders, &clip.how, pool);
+        committed.map(drop).map_err(|error| error.to_string())
+    }
 }
 
 /// Asked from time to time, from any thread.

@@ -29,6 +29,7 @@ use crate::input::{Button, Input, Key};
 use crate::looker::{Looker, LookerParts, News, Wish};
 use crate::memory;
 use crate::pick::Pick;
+use crate::playing::Playing;
 use crate::recorder::Recorder;
 use crate::screenshot;
 use crate::shown::Shown;
@@ -85,6 +86,7 @@ pub fn run_window(
     let mut controls =
         Controls::new(&options.camera, shown, options.exposure, size).ok_or(ViewError::NoView)?;
     controls.denoised = options.is_denoised;
+    controls.playing = stage.range().map(Playing::new);
     let events =
         EventLoop::<News>::with_user_event().build().map_err(|error| ViewError::no_display(&error))?;
     let proxy = events.create_proxy();
@@ -191,6 +193,7 @@ impl App {
             moving: self.moved.elapsed() < REST,
             paused: self.controls.paused,
             denoised: self.controls.denoised,
+            moment: self.controls.playing.as_ref().and_then(Playing::moment),
         }
     }
 
@@ -206,9 +209,9 @@ impl App {
 
     fn handle(&mut self, events: &ActiveEventLoop, input: Input) {
         self.catch_up();
-        let before = self.controls.flight.clone();
+        let before = (self.controls.flight.clone(), self.controls.playing.clone());
         let effect = self.controls.handle(input);
-        if self.controls.flight != before {
+        if self.controls.flight != before.0 || self.controls.playing != before.1 {
             self.moved = self.now;
         }
         match effect {
@@ -382,6 +385,11 @@ impl ApplicationHandler<News> for App {
             News::Picture => self.take_screenshot(),
             News::Reloaded(files) => {
                 self.watch = Watch::new(files);
+                let range = self.open.as_ref().and_then(|open| open.looker.stage().range());
+                let is_same = self.controls.playing.as_ref().map(Playing::range) == range;
+                if !is_same {
+                    self.controls.playing = range.map(Playing::new);
+                }
                 self.listener.note("the scene was read again");
                 self.say(vec!["the scene was read again".into()]);
             }
@@ -487,6 +495,7 @@ fn key(key: &WinitKey) -> Option<Key> {
             NamedKey::ArrowDown => Some(Key::Down),
             NamedKey::Escape => Some(Key::Escape),
             NamedKey::Tab => Some(Key::Tab),
+            NamedKey::Space => Some(Key::Char(' ')),
             NamedKey::F1 => Some(Key::F(1)),
             NamedKey::F11 => Some(Key::F(11)),
             NamedKey::F12 => Some(Key::F(12)),

@@ -42,6 +42,9 @@ pub(crate) struct WindowArguments {
     pub(crate) denoiser: DenoiserArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
+    /// Animation that the space bar plays, by its name or its number from 0; without it the first
+    #[arg(help_heading = "Animation", long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
+    pub(crate) animation: Option<String>,
     /// Leave after this many pictures; without a window 1 unless given
     #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true)]
     pub(crate) frames: Option<u32>,

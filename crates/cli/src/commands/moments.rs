@@ -11,14 +11,14 @@ use gnurt::ThreadPool;
 use gnurt::defaults::{Added, Bounds, Stock, bounds_over};
 use gnurt::look::meter;
 use gnurt::render::{RenderOptions, World, fingerprint};
-use gnurt::scene::{Animation, Scene};
+use gnurt::scene::Scene;
 
 use super::frame::{Plan, Ready, Targets, commit_into, commit_options, make};
 use crate::arguments::{ExposureChoice, LightArguments, MomentArguments, RenderArguments};
 use crate::checkpoint::Checkpoint;
+use crate::clips::clip;
 use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
-use crate::nearest::nearest;
 use crate::shaders::{self, Shaders};
 use crate::signals;
 use crate::source::Source;
@@ -97,7 +97,7 @@ impl Studio<'_> {
     fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>) -> Outcome {
         let begin = Instant::now();
         let mut scene = plan.source.load(self.messages)?;
-        let clip = clip(&scene, &self.arguments.moments)?;
+        let clip = clip(&scene, self.arguments.moments.animation.as_deref())?;
         let Some(clip) = clip else {
             return Err(Failure::usage(format_args!(
                 "{}: the scene has no animation; leave out --at and --frames",
@@ -130,7 +130,7 @@ impl Studio<'_> {
         for frame in frames {
             let begin = Instant::now();
             let mut next = all.at(frame.number).load(self.messages)?;
-            if let Some(clip) = clip(&next, &self.arguments.moments)? {
+            if let Some(clip) = clip(&next, self.arguments.moments.animation.as_deref())? {
                 next.pose(clip, frame.seconds);
             }
             added.add_to(&mut next);
@@ -158,7 +158,8 @@ impl Studio<'_> {
     fn first(&self, source: &Source) -> Result<(Scene, Chosen, Added), Failure> {
         // Its oddities are told when it is rendered.
         let mut scene = source.load(self.messages.silent())?;
-        let bounds = clip(&scene, &self.arguments.moments)?.and_then(|clip| bounds_over(&mut scene, clip));
+        let bounds = clip(&scene, self.arguments.moments.animation.as_deref())?
+            .and_then(|clip| bounds_over(&mut scene, clip));
         let stock = Stock::of(&scene);
         let chosen = self.choose(&mut scene, bounds)?;
         let added = stock.added_to(&scene);
@@ -224,25 +225,4 @@ impl Studio<'_> {
         plan.targets = frame.targets;
         make(self.arguments, begin, plan, ready, self.options, pool, messages)
     }
-}
-
-/// The place of the clip that was asked for; `None` where the scene has none and none was named.
-fn clip(scene: &Scene, moments: &MomentArguments) -> Result<Option<usize>, Failure> {
-    let clips = scene.animation().map_or(&[][..], |animation: &Animation| &animation.clips);
-    let Some(name) = &moments.animation else {
-        return Ok((!clips.is_empty()).then_some(0));
-    };
-    let by_name = clips.iter().position(|clip| clip.name == *name);
-    let by_number = || name.parse().ok().filter(|&index: &usize| index < clips.len());
-    if let Some(clip) = by_name.or_else(by_number) {
-        return Ok(Some(clip));
-    }
-    if clips.is_empty() {
-        return Err(Failure::usage(format_args!("--animation '{name}': the scene has no animation")));
-    }
-    let names: Vec<&str> = clips.iter().map(|clip| &clip.name[..]).collect();
-    let meant = nearest(name, &names).map(|meant| format!("did you mean '{meant}'? ")).unwrap_or_default();
-    let list: Vec<String> = names.iter().enumerate().map(|(i, name)| format!("{i} '{name}'")).collect();
-    let list = list.join(", ");
-    Err(Failure::usage(format_args!("--animation '{name}': no such animation; {meant}valid are: {list}")))
 }

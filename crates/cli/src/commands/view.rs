@@ -11,13 +11,14 @@ use gnurt::look::{is_noisy, meter};
 use gnurt::render::RenderOptions;
 use gnurt::simd::Level;
 use gnurt_view::{
-    Exposure, FrameTimes, HeadlessOptions, Listener, Stage, TevImage, ViewError, WindowOptions, run_headless,
-    run_window,
+    Exposure, FrameTimes, HeadlessOptions, Listener, Stage, StageClip, TevImage, ViewError, WindowOptions,
+    run_headless, run_window,
 };
 use serde_json::json;
 
 use super::frame::{commit, commit_options, frame_options};
 use crate::arguments::{ExposureChoice, LightArguments, Look, StatisticsForm, WindowArguments};
+use crate::clips::clip;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
@@ -103,6 +104,7 @@ fn prepare(
     messages: Messages,
 ) -> Result<(Stage, Chosen), Failure> {
     let (mut scene, mut files) = source.load_with_files(messages)?;
+    let clip = clip(&scene, arguments.animation.as_deref())?;
     files.extend(arguments.view.surroundings.file().map(PathBuf::from));
     let chosen = view::choose(
         &mut scene,
@@ -115,8 +117,9 @@ fn prepare(
     let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, pool, messages)?;
+    let clip = clip.map(|number| StageClip { number, shaders: shaders.table.clone(), how });
     let shaders = shaders.watched();
-    Ok((Stage { scene, world, files, faults: Box::new(move || shaders.new_faults()) }, chosen))
+    Ok((Stage { scene, world, files, clip, faults: Box::new(move || shaders.new_faults()) }, chosen))
 }
 
 fn run_windowless(

@@ -5,7 +5,7 @@ use super::harness::Folder;
 
 /// A triangle that turns in steps of 90 degrees within 2 seconds and glows more and more, a light that fades, a camera that moves
 /// away; and a second clip in which nothing but the triangle moves.
-fn animated(folder: &Folder) {
+pub(crate) fn animated(folder: &Folder) {
     let half = std::f32::consts::FRAC_1_SQRT_2;
     let floats: &[&[f32]] = &[
         &[-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0],

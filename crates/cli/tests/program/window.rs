@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use gnurt::image::{Picture, compare};
 
 use super::harness::Folder;
-use super::{samples, shaders};
+use super::{animation, samples, shaders};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -168,6 +168,31 @@ impl Drop for Viewer<'_> {
 
 fn differ(a: &Picture, b: &Picture) -> bool {
     compare(a, b).map_or(true, |comparison| comparison.mse > 1e-5)
+}
+
+#[test]
+fn clips_are_played_and_stepped() {
+    let Some(display) = Display::new() else { return };
+    let folder = Folder::new();
+    animation::animated(&folder);
+    let same = "a.gltf -r 64x48 --spp 1 -t 2 --exposure 0 --tone clamp --denoise=none --eye 0,0,4 --target 0,0,0 --up 0,1,0 --fov 45";
+    let mut viewer = Viewer::open(&display, &folder, &format!("view {same}"));
+    let rest = viewer.picture();
+    for _ in 0..13 {
+        display.act("key period");
+    }
+    display.act("key comma");
+    let stepped = viewer.picture();
+    assert!(differ(&rest, &stepped), "twelve frames on");
+    folder.gnurt(&format!("render {same} --at 0.5 -o half.png")).success();
+    let half = gnurt::image::read(&folder.at("half.png")).expect("a picture");
+    assert_eq!(compare(&half, &stepped).expect("two pictures").max_difference, 0.0, "half a second");
+    display.act("key space sleep 0.3 key space");
+    assert!(differ(&stepped, &viewer.picture()), "it went on, and stopped");
+    display.act("key r");
+    assert!(viewer.picture() == rest, "at rest again");
+    display.act("key Escape");
+    viewer.ends(0);
 }
 
 #[test]

@@ -61,6 +61,11 @@ impl Bending {
             false => None,
         };
         let mut morphs = Vec::new();
+        if self.moves {
+            let count = from.primitive.targets.len();
+            from.document.hold(size_of::<Morph>() * count, from.place)?;
+            morphs.reserve_exact(count);
+        }
         let weights = self.rest.weights.iter().copied();
         let weights: Box<dyn Iterator<Item = f32>> = match self.moves {
             true => Box::new(weights.chain(std::iter::repeat(0.0))),
@@ -137,7 +142,6 @@ impl PrimitiveReader<'_> {
             }
             Ok(Deltas::new(values))
         };
-        self.document.hold(size_of::<Morph>(), self.place)?;
         Ok(Morph {
             positions: deltas(target.positions, mesh.positions.len())?,
             normals: deltas(target.normals, mesh.normals.len())?,
