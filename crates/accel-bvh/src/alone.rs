@@ -90,7 +90,8 @@ impl Alone<'_> {
                     #[inline(always)]
                     |i| {
                         let before = trip.nearest.get(i);
-                        let mut best = Best::<M>::new(before);
+                        let mut found = before;
+                        let mut best = Best::<M>::new(&mut found);
                         let heading = self.heading(i);
                         let for_nodes = self.for_nodes(simd, i, heading.rows());
                         let for_blocks = self.for_blocks(simd, i, heading.longest_axis);
@@ -103,8 +104,8 @@ impl Alone<'_> {
                             trip.counters,
                         );
                         // Also where `t` stays: a triangle with a lower number may lie there.
-                        trip.nearest.set(i, &best.0);
-                        if best.0.t != before.t {
+                        trip.nearest.set(i, &found);
+                        if found.t != before.t {
                             touched |= 1 << (i / LANES);
                         }
                     },

@@ -124,9 +124,10 @@ fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, trip: &mut RayTrip) 
     simd.vectorize(
         #[inline(always)]
         || {
-            let mut best = Best::<M>::new(*trip.nearest);
+            // The trip as a whole: its fields would be copied, in other sizes than they were written in.
+            let trip = &mut *trip;
+            let mut best = Best::<M>::new(trip.nearest);
             index.search(simd, trip.ray, trip.slot, &mut best, trip.counters);
-            *trip.nearest = best.0;
         },
     );
 }
@@ -136,6 +137,7 @@ fn search_each<S: Simd>(token: Token, index: &BvhIndex, trip: &mut RayTrip) {
     simd.vectorize(
         #[inline(always)]
         || {
+            let trip = &mut *trip;
             let (ray, slot, mut counters) = (trip.ray, trip.slot, *trip.counters);
             index.search(simd, ray, slot, trip, &mut counters);
             *trip.counters = counters;

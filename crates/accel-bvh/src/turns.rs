@@ -262,13 +262,9 @@ mod tests {
             trip(&mut alone, &mut expected).one_by_one(|trip| {
                 let RayTrip { ray, slot, nearest, counters, .. } = trip;
                 if kind == Kind::Any {
-                    let mut best = Best::<AnyHit>::new(**nearest);
-                    index.search(simd, ray, *slot, &mut best, counters);
-                    **nearest = best.0;
+                    index.search(simd, ray, *slot, &mut Best::<AnyHit>::new(nearest), counters);
                 } else {
-                    let mut best = Best::<Closest>::new(**nearest);
-                    index.search(simd, ray, *slot, &mut best, counters);
-                    **nearest = best.0;
+                    index.search(simd, ray, *slot, &mut Best::<Closest>::new(nearest), counters);
                 }
             });
             assert_eq!(counted, expected, "{count} rays visit the same");

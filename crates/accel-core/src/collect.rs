@@ -7,8 +7,7 @@ use std::marker::PhantomData;
 use crate::nearest::{AnyHit, Closest, Kind, Mode, Nearest};
 use crate::triangle::Meeting;
 
-/// What a single ray gathers on its way. Searches that are worth it are compiled once for each: [`Best`] of either mode,
-/// which stays in registers; a [`RayTrip`](crate::trip::RayTrip) is one for everything.
+/// What a single ray gathers on its way. Searches that are worth it are compiled once for each: [`Best`] of either mode; a [`RayTrip`](crate::trip::RayTrip) is one for everything.
 pub trait Collect {
     /// Whether the first offer ends the search, so that its order does not matter.
     const ANY: bool;
@@ -26,17 +25,17 @@ pub trait Collect {
     }
 }
 
-/// The best hit so far, or any.
-pub struct Best<M: Mode>(pub Nearest, PhantomData<M>);
+/// The best hit so far, or any, where it is kept: what is written in parts and copied as a whole at once makes the CPU wait.
+pub struct Best<'a, M: Mode>(pub &'a mut Nearest, PhantomData<M>);
 
-impl<M: Mode> Best<M> {
+impl<'a, M: Mode> Best<'a, M> {
     #[inline(always)]
-    pub fn new(nearest: Nearest) -> Self {
+    pub fn new(nearest: &'a mut Nearest) -> Self {
         Self(nearest, PhantomData)
     }
 }
 
-impl<M: Mode> Collect for Best<M> {
+impl<M: Mode> Collect for Best<'_, M> {
     const ANY: bool = M::ANY;
     const CAN_END: bool = M::ANY;
 

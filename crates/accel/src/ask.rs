@@ -21,38 +21,47 @@ pub(crate) struct One<'a> {
 }
 
 impl Target<'_> {
-    /// Inlined into its three callers, each of which knows what is looked for: single rays are short.
+    /// Improves what was found. Inlined into its three callers, each of which knows what is looked for: single rays are short.
     #[inline(always)]
-    fn trace(self, One { query, ray, origin }: One, mut kind: RayKind) -> Nearest {
+    fn trace(self, One { query, ray, origin }: One, mut kind: RayKind, nearest: &mut Nearest) {
         // Copied only where it must be: what has just been stored in parts cannot be loaded in lanes for a while.
         let (masked, mask) = (&mut None, ray.mask & query.mask);
         let ray = match mask == ray.mask {
             true => ray,
             false => masked.insert(Ray { mask, ..*ray }),
         };
-        let mut nearest = Nearest::none(ray.t_far);
         if ray.is_sound() {
-            let (counters, found) = (&mut Counters::default(), &mut nearest);
-            let trip = &mut RayTrip { ray, origin, kind: kind.again(), slot: 0, nearest: found, counters };
+            let counters = &mut Counters::default();
+            let trip = &mut RayTrip { ray, origin, kind: kind.again(), slot: 0, nearest, counters };
             self.ray(Engine::at(query.level), trip);
         }
-        nearest
     }
 
     #[inline(never)]
     fn closest_of(self, one: One) -> Option<Hit> {
-        let nearest = self.trace(one, RayKind::Closest);
-        nearest.is_hit().then(|| self.hit(&nearest))
+        let mut nearest = Nearest::none(one.ray.t_far);
+        self.trace(one, RayKind::Closest, &mut nearest);
+        if !nearest.is_hit() {
+            return None;
+        }
+        // Each straight into the answer: what is written in parts and copied as a whole at once makes the CPU wait.
+        match self {
+            Self::Object(object) => Some(object.resolve(&nearest, 0, 0)),
+            Self::Scene(scene) => Some(scene.resolve(&nearest)),
+        }
     }
 
     #[inline(never)]
     fn any_of(self, one: One) -> bool {
-        self.trace(one, RayKind::Any).is_hit()
+        let mut nearest = Nearest::none(one.ray.t_far);
+        self.trace(one, RayKind::Any, &mut nearest);
+        nearest.is_hit()
     }
 
     /// Shows all hits to `judge`, in any order; it answers with how far the ray is still of interest.
     fn candidates(self, one: One, judge: &mut dyn FnMut(Hit) -> f32) {
-        self.trace(one, RayKind::Each(&mut |nearest| judge(self.hit(nearest))));
+        let mut nearest = Nearest::none(one.ray.t_far);
+        self.trace(one, RayKind::Each(&mut |found| judge(self.hit(found))), &mut nearest);
     }
 
     /// The closest hit.

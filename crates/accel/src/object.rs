@@ -186,7 +186,7 @@ impl ObjectTree {
     }
 
     /// Ids of a hit in this object.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn resolve(&self, nearest: &Nearest, inst_id: u32, leaf_id: u32) -> Hit {
         let Nearest { t, u, v, number, .. } = *nearest;
         let place = self.numbering.place(number);
