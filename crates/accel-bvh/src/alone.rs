@@ -5,8 +5,8 @@
 //! Proof: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::bits::{TILE, each};
-use gnurt_accel_core::blocks::BlockRay;
-use gnurt_accel_core::collect::Best;
+use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
+use gnurt_accel_core::collect::{Best, BestOf, Collect};
 use gnurt_accel_core::heading::{Heading, Headings};
 use gnurt_accel_core::nearest::{AnyHit, Closest, Kind, Mode};
 use gnurt_accel_core::tile::{LANES, PerRay, RayTile};
@@ -15,9 +15,10 @@ use gnurt_accel_core::trip::TileTrip;
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 use crate::index::BvhIndex;
-use crate::node::Child;
+use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::planes::TilePlanes;
+use crate::triangles::Prepared;
 
 /// Where rays are heading.
 #[derive(Clone, Copy)]
@@ -63,11 +64,22 @@ impl Alone<'_> {
         BlockRay::sheared(simd, axes_from(longest_axis), sheared, self.t_near[i])
     }
 
+    /// Ray `i`.
+    #[inline(always)]
+    fn prepared<S: Simd>(&self, simd: S, i: usize) -> Prepared<S> {
+        let heading = self.heading(i);
+        Prepared {
+            for_nodes: self.for_nodes(simd, i, heading.rows()),
+            for_blocks: self.for_blocks(simd, i, heading.longest_axis),
+        }
+    }
+
     /// Each active ray of a trip from `start` on, one after the other; returns the chunks in which an end came nearer. A
     /// function of its own, so that walks are compiled once for all tiles.
     #[inline(always)]
     pub(super) fn walk<S: Simd>(&self, simd: S, index: &BvhIndex, start: Child, trip: &mut TileTrip) -> u32 {
         match trip.kind {
+            _ if index.is_compact() => self.walk_compact(simd, index, start, trip),
             Kind::Closest => self.walk_for::<S, Closest>(simd, index, start, trip),
             Kind::Any => self.walk_for::<S, AnyHit>(simd, index, start, trip),
         }
@@ -89,42 +101,79 @@ impl Alone<'_> {
                     trip.active,
                     #[inline(always)]
                     |i| {
-                        let before = trip.nearest.get(i);
-                        let mut found = before;
+                        let before = trip.nearest.t[i % TILE];
+                        let mut found = trip.nearest.get(i);
                         let mut best = Best::<M>::new(&mut found);
-                        let heading = self.heading(i);
-                        let for_nodes = self.for_nodes(simd, i, heading.rows());
-                        let for_blocks = self.for_blocks(simd, i, heading.longest_axis);
-                        index.walk_blocks(
-                            simd,
-                            start,
-                            (&for_nodes, &for_blocks),
-                            trip.slot,
-                            &mut best,
-                            trip.counters,
-                        );
+                        let ray = self.prepared(simd, i);
+                        index.walk(simd, start, &ray, trip.slot, &mut best, trip.counters);
                         // Also where `t` stays: a triangle with a lower number may lie there.
                         trip.nearest.set(i, &found);
-                        if found.t != before.t {
-                            touched |= 1 << (i / LANES);
-                        }
+                        touched |= u32::from(found.t != before) << (i / LANES);
                     },
                 );
                 touched
             },
         )
     }
+
+    /// The same in a compact tree.
+    #[inline(never)]
+    fn walk_compact<S: Simd>(&self, simd: S, index: &BvhIndex, start: Child, trip: &mut TileTrip) -> u32 {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut touched = 0;
+                each(
+                    trip.active,
+                    #[inline(always)]
+                    |i| {
+                        let before = trip.nearest.t[i % TILE];
+                        let ray = self.prepared(simd, i);
+                        trip.only(1 << i).one_by_one(
+                            #[inline(always)]
+                            |trip| index.walk_compact(simd, start, &ray, trip),
+                        );
+                        touched |= u32::from(trip.nearest.t[i % TILE] != before) << (i / LANES);
+                    },
+                );
+                touched
+            },
+        )
+    }
+
+    /// Each active ray of a trip that still looks for something against the triangles of a block; returns as
+    /// [`walk`](Self::walk) does.
+    #[inline(always)]
+    pub(super) fn meet<S: Simd>(&self, simd: S, block: &TriangleBlock, trip: &mut TileTrip) -> u32 {
+        let mut touched = 0;
+        each(
+            trip.active,
+            #[inline(always)]
+            |i| {
+                let before = trip.nearest.t[i % TILE];
+                let mut best = BestOf { nearest: trip.nearest.get(i), kind: trip.kind };
+                if !best.is_done() {
+                    let ray = self.for_blocks(simd, i, self.heading(i).longest_axis);
+                    trip.counters.triangles += WIDTH as u64;
+                    block.meet(simd, &ray, trip.slot, &mut best);
+                    trip.nearest.set(i, &best.nearest);
+                    touched |= u32::from(best.nearest.t != before) << (i / LANES);
+                }
+            },
+        );
+        touched
+    }
 }
 
 /// What there is to know of rays that have nothing in common.
 #[repr(C, align(64))]
-pub(super) struct Prepared {
+pub(super) struct PreparedTile {
     planes: TilePlanes,
     /// Along the axes of each ray's own sheared space.
     sheared: Sheared<PerRay>,
 }
 
-impl Prepared {
+impl PreparedTile {
     /// Prepares the first `count` rays for a tree whose greatest coordinate is `greatest`.
     #[inline(always)]
     pub(super) fn new<S: Simd>(simd: S, rays: &RayTile, count: usize, greatest: f32) -> Self {

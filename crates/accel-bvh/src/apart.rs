@@ -8,7 +8,7 @@ use gnurt_accel_core::heading::Headings;
 use gnurt_accel_core::trip::TileTrip;
 use gnurt_simd::Simd;
 
-use crate::alone::Prepared;
+use crate::alone::PreparedTile;
 use crate::index::BvhIndex;
 use crate::node::Child;
 use crate::turns::Turns;
@@ -17,7 +17,7 @@ use crate::turns::Turns;
 #[inline(always)]
 pub(crate) fn walk_apart<S: Simd>(simd: S, index: &BvhIndex, headings: &Headings, trip: &mut TileTrip) {
     let count = TILE - trip.active.leading_zeros() as usize;
-    let prepared = &Prepared::new(simd, trip.rays, count, index.greatest);
+    let prepared = &PreparedTile::new(simd, trip.rays, count, index.greatest);
     let alone = prepared.alone(trip.rays, headings);
     if const { has_wide_lanes::<S>() }
         && index.waits_for_memory()

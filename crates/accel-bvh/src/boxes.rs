@@ -17,6 +17,7 @@ use crate::blocked::Blocked;
 use crate::node::{Child, Node8, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::point::{Around, square_of};
+use crate::walk::walk;
 
 /// Tree over boxes by their places in a list.
 #[derive(Debug)]
@@ -80,7 +81,8 @@ impl BoxIndex {
     ) -> u32 {
         let Blocked { tree, blocks, greatest, .. } = &self.over;
         let for_nodes = NodeRay::new(simd, ray, *greatest);
-        tree.walk(
+        walk(
+            tree,
             simd,
             Child::node(0),
             &for_nodes,

@@ -122,7 +122,8 @@ impl Boxes for CompactNode {
     }
 
     #[inline(always)]
-    fn meet<S: Simd>(&self, simd: S, k: usize, row: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S> {
+    fn meet<S: Simd>(&self, simd: S, k: usize, at: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S> {
+        let row = at / WIDTH;
         let (origin, step) = (f32x8::splat(simd, self.origin[k]), f32x8::splat(simd, self.step[k]));
         self.counts(simd, k, row).mul_add(step * inv, origin.mul_sub(inv, shift))
     }

@@ -4,17 +4,12 @@
 
 mod store;
 
-use gnurt_accel_core::blocks::BlockRay;
-use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::screened::Screened;
-use gnurt_accel_core::{Aabb, BuildError, Counters, Memory, Quality, Ray, Threads, TreeStats};
-use gnurt_simd::Simd;
+use gnurt_accel_core::{Aabb, BuildError, Memory, Quality, Threads, TreeStats};
 
 use crate::build::try_build;
 use crate::leaves::Leaves;
-use crate::node::{Child, WIDTH};
-use crate::node_ray::NodeRay;
 use crate::tree::Tree;
 
 /// Tree and triangles.
@@ -66,21 +61,6 @@ impl BvhIndex {
             ..self.stats
         }
     }
-
-    /// Offers what `ray` meets; it is sound and regular, the tree not empty.
-    #[inline(always)]
-    pub(crate) fn search<S: Simd, C: Collect>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        slot: u32,
-        collect: &mut C,
-        counters: &mut Counters,
-    ) {
-        let for_nodes = NodeRay::new(simd, ray, self.greatest);
-        let for_blocks = BlockRay::new(simd, ray);
-        self.walk_blocks(simd, Child::node(0), (&for_nodes, &for_blocks), slot, collect, counters);
-    }
 }
 
 /// Where rays are expected to miss the cache more often than this, they take turns: the least that pays of six scenes has
@@ -97,55 +77,5 @@ impl BvhIndex {
         let bytes = size_of_val(&self.tree.nodes[..]) + size_of_val(&self.leaves.blocks[..]);
         let elsewhere = 1.0 - CACHED / (bytes as f32).max(CACHED);
         self.stats.sah_cost as f32 * elsewhere > WORTH_TURNS
-    }
-
-    /// One ray, prepared for nodes and blocks, from `start` on.
-    #[inline(always)]
-    pub(crate) fn walk_blocks<S: Simd, C: Collect>(
-        &self,
-        simd: S,
-        start: Child,
-        (for_nodes, for_blocks): (&NodeRay<S>, &BlockRay<S>),
-        slot: u32,
-        collect: &mut C,
-        counters: &mut Counters,
-    ) {
-        let mut tested = 0;
-        let visited = if C::ANY {
-            self.tree.walk_any(
-                simd,
-                start,
-                for_nodes,
-                collect.reach(),
-                #[inline(always)]
-                |range| {
-                    for index in range {
-                        tested += 1;
-                        self.leaves.block(simd, index, &mut None).meet(simd, for_blocks, slot, collect);
-                        if collect.is_done() {
-                            return false;
-                        }
-                    }
-                    true
-                },
-            )
-        } else {
-            self.tree.walk(
-                simd,
-                start,
-                for_nodes,
-                collect.reach(),
-                #[inline(always)]
-                |range| {
-                    for index in range {
-                        tested += 1;
-                        self.leaves.block(simd, index, &mut None).meet(simd, for_blocks, slot, collect);
-                    }
-                    collect.reach()
-                },
-            )
-        };
-        counters.nodes += u64::from(visited);
-        counters.triangles += tested * WIDTH as u64;
     }
 }

@@ -121,6 +121,9 @@ impl<S: Simd> For<S> {
 
 fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, trip: &mut RayTrip) {
     let simd = S::from_token(token);
+    if index.is_compact() {
+        return search_compact(simd, index, trip);
+    }
     simd.vectorize(
         #[inline(always)]
         || {
@@ -132,8 +135,21 @@ fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, trip: &mut RayTrip) 
     );
 }
 
+/// Not for any of them to save the registers for.
+#[cold]
+#[inline(never)]
+fn search_compact<S: Simd>(simd: S, index: &BvhIndex, trip: &mut RayTrip) {
+    simd.vectorize(
+        #[inline(always)]
+        || index.search_compact(simd, trip),
+    );
+}
+
 fn search_each<S: Simd>(token: Token, index: &BvhIndex, trip: &mut RayTrip) {
     let simd = S::from_token(token);
+    if index.is_compact() {
+        return search_compact(simd, index, trip);
+    }
     simd.vectorize(
         #[inline(always)]
         || {

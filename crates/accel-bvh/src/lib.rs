@@ -31,6 +31,7 @@ mod region;
 mod spheres;
 mod tiles;
 mod tree;
+mod triangles;
 mod turns;
 mod user;
 mod walk;

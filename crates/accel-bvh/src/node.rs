@@ -34,8 +34,9 @@ pub(crate) struct Node8 {
 pub(crate) trait Boxes {
     /// One face of all boxes along axis `k`: `row` is `2 * k` for the lower ones and `2 * k + 1` for the upper ones.
     fn row<S: Simd>(&self, simd: S, k: usize, row: usize) -> f32x8<S>;
-    /// The same faces times `inv`, less `shift`; the compact ones with three roundings more than these.
-    fn meet<S: Simd>(&self, simd: S, k: usize, row: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S>;
+    /// The faces of the row that begins with float `at` of a [`Node8`], times `inv`, less `shift`; the compact ones with three
+    /// roundings more than these.
+    fn meet<S: Simd>(&self, simd: S, k: usize, at: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S>;
     /// Bits of the children.
     fn children(&self) -> &[f32; WIDTH];
 }
@@ -47,8 +48,10 @@ impl Boxes for Node8 {
     }
 
     #[inline(always)]
-    fn meet<S: Simd>(&self, simd: S, k: usize, row: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S> {
-        self.row(simd, k, row).mul_sub(inv, shift)
+    fn meet<S: Simd>(&self, simd: S, _: usize, at: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S> {
+        // The mask is known to be superfluous where the ray was prepared.
+        let at = at & (WIDTH * (WIDTH - 1));
+        f32x8::from_slice(simd, &self.rows.as_flattened()[at..at + WIDTH]).mul_sub(inv, shift)
     }
 
     #[inline(always)]

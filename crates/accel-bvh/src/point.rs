@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use gnurt_accel_core::INVALID_ID;
 use gnurt_accel_core::point::{NearestPoint, Probe, on_sphere};
-use gnurt_simd::{Simd, Stack, f32x8, prelude::*};
+use gnurt_simd::{Simd, StackRoom, f32x8, prelude::*};
 
 use crate::blocked::Blocked;
 use crate::index::BvhIndex;
@@ -60,7 +60,8 @@ impl Tree {
         mut leaf: impl FnMut(Range<usize>) -> f64,
     ) {
         let around = Around::new(simd, point);
-        let mut waiting = Stack::<(f32, Child), { 8 * DEEPEST }>::new();
+        let mut room = StackRoom::<(f32, Child), { 8 * DEEPEST }>::new();
+        let mut waiting = room.stack();
         let mut reach = square_of(reach);
         waiting.push((0.0, Child::node(0)));
         while let Some((distance, child)) = waiting.pop() {

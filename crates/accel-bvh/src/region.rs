@@ -10,7 +10,7 @@ use gnurt_accel_core::bits::each;
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::{Region, Rows, Sieve};
 use gnurt_accel_core::sift::{NOTHING, sift_triangles};
-use gnurt_simd::Stack;
+use gnurt_simd::StackRoom;
 
 use crate::blocked::Blocked;
 use crate::boxes::BoxIndex;
@@ -27,7 +27,8 @@ impl Tree {
         if self.nodes.is_empty() && self.compact.is_empty() {
             return;
         }
-        let mut waiting = Stack::<Child, { 8 * DEEPEST }>::new();
+        let mut room = StackRoom::<Child, { 8 * DEEPEST }>::new();
+        let mut waiting = room.stack();
         waiting.push(Child::node(0));
         while let Some(child) = waiting.pop() {
             if child.is_leaf() {

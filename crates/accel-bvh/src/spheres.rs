@@ -20,6 +20,7 @@ use crate::blocked::Blocked;
 use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::primitives::Primitives;
+use crate::walk::walk;
 
 /// Eight spheres. Lanes that are left over have a radius of NaN, which no ray meets.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,7 +130,8 @@ impl SphereIndex {
         let square = dir[0] * dir[0] + dir[1] * dir[1] + dir[2] * dir[2];
         let over = 1.0 / square;
         let mut tested = 0;
-        let visited = tree.walk(
+        let visited = walk(
+            tree,
             simd,
             Child::node(0),
             &for_nodes,

@@ -4,19 +4,21 @@
 //! the eight children of a node, then on the eight triangles of a block; the tree is searched front to back, so that a
 //! tile's common entry point is found on the way and what lies behind all hits is skipped. Where intervals leave
 //! [`MANY`] children or more, rays are tested against each child, sixteen to a step, and only those that meet it go on
-//! (masks, the paper's Figure 4); a few that are left go on alone ([BWW*12]).
+//! (masks, the paper's Figure 4); a few that are left go on alone ([BWW*12]), and a few that come to a leaf are tested there
+//! one by one.
 //! In: a tile whose first `count` rays have one heading. Each ray gets the hit that it would get alone.
 //! Proof: `tests/brute_force.rs` of `gnurt-accel`.
 
+use gnurt_accel_core::beam::Slopes;
 use gnurt_accel_core::bits::{TILE, all};
 use gnurt_accel_core::chunks::Chunks;
 use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::nearest::Kind;
-use gnurt_accel_core::tile::LANES;
+use gnurt_accel_core::tile::{LANES, RayTile};
 use gnurt_accel_core::tile_test::TileTest;
 use gnurt_accel_core::triangle::axes_from;
 use gnurt_accel_core::trip::TileTrip;
-use gnurt_simd::{Simd, Stack, prelude::*};
+use gnurt_simd::{Simd, StackRoom, prelude::*};
 
 use crate::alone::{Alone, Ways};
 use crate::index::BvhIndex;
@@ -28,7 +30,13 @@ use crate::walk::{MOST_WAIT, farthest_first};
 /// Where intervals leave this many children of a node, rays are tested one by one.
 const MANY: u32 = 2;
 /// So many rays or fewer go on alone.
-const FEW: u32 = 2;
+const FEW: u32 = 3;
+
+/// So many rays of a chunk or fewer are tested one by one against the eight triangles of a block. Tests of sixteen rays, of
+/// which there is one for each triangle that may be met, take twice as long where a register holds eight.
+const fn few_in_leaf<S: Simd>() -> u32 {
+    if S::LANES >= LANES { 4 } else { 7 }
+}
 
 /// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
 #[derive(Clone, Copy)]
@@ -53,7 +61,8 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
     let mut planes = TilePlanes::EMPTY;
     let mut planes_ready = false;
 
-    let mut stack = Stack::<Entry, MOST_WAIT>::new();
+    let mut room = StackRoom::<Entry, MOST_WAIT>::new();
+    let mut stack = room.stack();
     stack.push(Entry { steps: 0.0, child: Child::node(0), rays: all(count) });
     while let Some(Entry { steps, child, rays: mut bits }) = stack.pop() {
         if steps > chunks.farthest {
@@ -72,10 +81,7 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
                 planes.prepare(simd, rays, count, *greatest);
                 planes_ready = true;
             }
-            let [x, y, z] = axes_from(heading.longest_axis);
-            let org = [&rays.org[x], &rays.org[y], &rays.org[z]];
-            let (shear, t_near) = (&chunks.slopes.shear, &rays.t_near);
-            let alone = Alone { planes: &planes, org, shear, t_near, ways: Ways::One(heading) };
+            let alone = one_by_one(rays, &planes, &chunks.slopes, heading);
             let touched = alone.walk(simd, index, child, &mut trip.only(bits));
             if touched != 0 {
                 chunks.look_again(simd, trip.nearest, touched);
@@ -86,6 +92,16 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
             for index in child.blocks() {
                 let mut room = None;
                 let block = leaves.block(simd, index, &mut room);
+                let few = few_of::<S>(bits);
+                let alone = one_by_one(rays, &planes, &chunks.slopes, heading);
+                let touched = alone.meet(simd, block, &mut trip.only(few));
+                if touched != 0 {
+                    chunks.look_again(simd, trip.nearest, touched);
+                }
+                let bits = bits & !few;
+                if bits == 0 {
+                    continue;
+                }
                 let counters = &mut *trip.counters;
                 chunks.block(
                     simd,
@@ -145,4 +161,30 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
         }
         farthest_first(stack.top(pushed), |entry: &Entry| entry.steps);
     }
+}
+
+/// The rays, all of one heading, as far as they have been prepared.
+#[inline(always)]
+fn one_by_one<'a>(
+    rays: &'a RayTile,
+    planes: &'a TilePlanes,
+    slopes: &'a Slopes,
+    heading: Heading,
+) -> Alone<'a> {
+    let [x, y, z] = axes_from(heading.longest_axis);
+    let org = [&rays.org[x], &rays.org[y], &rays.org[z]];
+    Alone { planes, org, shear: &slopes.shear, t_near: &rays.t_near, ways: Ways::One(heading) }
+}
+
+/// Those in `bits` that have few others in their chunks.
+#[inline(always)]
+fn few_of<S: Simd>(bits: u64) -> u64 {
+    let mut few = 0;
+    for at in (0..TILE).step_by(LANES) {
+        let chunk = bits & 0xffff << at;
+        if chunk.count_ones() <= few_in_leaf::<S>() {
+            few |= chunk;
+        }
+    }
+    few
 }

@@ -13,14 +13,14 @@ use gnurt_accel_core::collect::{BestOf, Collect};
 use gnurt_accel_core::heading::Headings;
 use gnurt_accel_core::nearest::Kind;
 use gnurt_accel_core::trip::TileTrip;
-use gnurt_simd::{Simd, Stack, prelude::*};
+use gnurt_simd::{Simd, StackRoom, prelude::*};
 
 use crate::alone::Alone;
 use crate::index::BvhIndex;
 use crate::leaves::ask_for;
 use crate::node::{Boxes, Child, WIDTH};
 use crate::node_ray::NodeRay;
-use crate::walk::{entry, lowest_first, nearest_first, next};
+use crate::walk::{entry, last_first, nearest_first, next};
 
 /// Rays on their way at the same time, a power of two.
 const AT_ONCE: usize = 16;
@@ -72,7 +72,7 @@ struct Under {
     /// Each one's place in the tile.
     ray: [u32; AT_ONCE],
     rows: [[usize; 3]; AT_ONCE],
-    waiting: [Stack<u64, MOST_WAIT>; AT_ONCE],
+    waiting: [StackRoom<u64, MOST_WAIT>; AT_ONCE],
     at_nodes: Stops,
     at_leaves: Stops,
 }
@@ -87,7 +87,7 @@ impl<S: Simd> Turns<'_, S> {
             left: trip.active,
             ray: [0; AT_ONCE],
             rows: [[0; 3]; AT_ONCE],
-            waiting: [const { Stack::new() }; AT_ONCE],
+            waiting: [const { StackRoom::new() }; AT_ONCE],
             at_nodes: Stops::NONE,
             at_leaves: Stops::NONE,
         };
@@ -118,15 +118,19 @@ impl<S: Simd> Turns<'_, S> {
                     let waiting = &mut under.waiting[who as usize % AT_ONCE];
                     let child = if bits & (bits - 1) == 0 {
                         Child::at(children, bits.trailing_zeros() as usize)
-                    } else if trip.kind == Kind::Any {
-                        lowest_first(
-                            *bits,
-                            children,
-                            #[inline(always)]
-                            |child| waiting.push(entry(0.0, child)),
-                        )
                     } else {
-                        nearest_first(*bits, near, children, waiting)
+                        waiting.resume(
+                            #[inline(always)]
+                            |waiting| match trip.kind {
+                                Kind::Any => last_first(
+                                    *bits,
+                                    children,
+                                    #[inline(always)]
+                                    |child| waiting.push(entry(0.0, child)),
+                                ),
+                                Kind::Closest => nearest_first(*bits, near, children, waiting),
+                            },
+                        )
                     };
                     self.visit(&mut under, Stop { who, child }, trip);
                 }
@@ -140,7 +144,7 @@ impl<S: Simd> Turns<'_, S> {
                 let mut best = BestOf { nearest: trip.nearest.get(i), kind: trip.kind };
                 for index in child.blocks() {
                     trip.counters.triangles += WIDTH as u64;
-                    leaves.block(simd, index, &mut None).meet(simd, &for_blocks, trip.slot, &mut best);
+                    leaves.blocks[index].meet(simd, &for_blocks, trip.slot, &mut best);
                     if best.is_done() {
                         under.waiting[who as usize % AT_ONCE].clear();
                         break;
@@ -157,7 +161,11 @@ impl<S: Simd> Turns<'_, S> {
     fn go_on(&self, under: &mut Under, who: u32, trip: &mut TileTrip) {
         let at = who as usize % AT_ONCE;
         let reach = trip.nearest.t[under.ray[at] as usize % TILE];
-        match next(&mut under.waiting[at], reach) {
+        let child = under.waiting[at].resume(
+            #[inline(always)]
+            |waiting| next(waiting, reach),
+        );
+        match child {
             Some(child) => self.visit(under, Stop { who, child }, trip),
             None => self.start(under, who),
         }
@@ -209,7 +217,7 @@ impl<S: Simd> Turns<'_, S> {
         let mut ahead = Some(child);
         while let Some(child) = ahead {
             self.alone.walk(self.simd, self.index, child, &mut trip.only(1 << i));
-            ahead = next(&mut under.waiting[at], trip.nearest.t[i]);
+            ahead = under.waiting[at].resume(|waiting| next(waiting, trip.nearest.t[i]));
         }
         self.start(under, who);
     }
@@ -230,7 +238,7 @@ mod tests {
     use gnurt_testkit::{Random, Soup};
 
     use super::*;
-    use crate::alone::Prepared;
+    use crate::alone::PreparedTile;
 
     fn index_over(soup: &Soup) -> BvhIndex {
         let meshes = [Triangles { positions: &soup.positions, indices: &soup.indices }];
@@ -255,7 +263,7 @@ mod tests {
             let (mut together, mut alone) = (found, found);
             let (mut counted, mut expected) = (Counters::default(), Counters::default());
             let headings = &kernels.headings(&rays);
-            let prepared = Prepared::new(simd, &rays, TILE, index.greatest);
+            let prepared = PreparedTile::new(simd, &rays, TILE, index.greatest);
             let turns = Turns { simd, index, alone: prepared.alone(&rays, headings), headings };
             let trip = |nearest, counters| TileTrip { rays: &rays, active, kind, slot: 3, nearest, counters };
             turns.run(&mut trip(&mut together, &mut counted));

@@ -17,6 +17,7 @@ use gnurt_simd::Simd;
 use crate::blocked::Blocked;
 use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
+use crate::walk::walk;
 
 /// Tree, and who knows what is in it.
 #[derive(Debug)]
@@ -97,7 +98,8 @@ impl UserIndex {
         let Blocked { tree, blocks, greatest, .. } = &self.over;
         let for_nodes = NodeRay::new(simd, ray, *greatest);
         let mut tested = 0;
-        let visited = tree.walk(
+        let visited = walk(
+            tree,
             simd,
             Child::node(0),
             &for_nodes,

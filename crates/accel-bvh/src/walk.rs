@@ -6,16 +6,17 @@
 
 use std::ops::Range;
 
-use gnurt_simd::{Simd, Stack, f32x8, prelude::*};
+use gnurt_simd::{Simd, Stack, StackRoom, f32x8, prelude::*};
 
 use gnurt_accel_core::beam::Beam;
 
+use crate::compact::CompactNode;
 use crate::node::{Boxes, Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::tree::{DEEPEST, Tree};
 
 /// What waits to be visited: at most seven children of each node on the way down, and a root.
-pub(crate) type NodeStack = Stack<u64, MOST_WAIT>;
+type NodeStack = StackRoom<u64, MOST_WAIT>;
 
 /// Entries of a stack that holds what waits on the longest way down.
 pub(crate) const MOST_WAIT: usize = 8 * DEEPEST;
@@ -47,7 +48,7 @@ pub(crate) fn farthest_first<T: Copy, K: PartialOrd>(entries: &mut [T], distance
 
 /// The nearest entry that still counts.
 #[inline(always)]
-pub(crate) fn next<const N: usize>(waiting: &mut Stack<u64, N>, reach: f32) -> Option<Child> {
+pub(crate) fn next(waiting: &mut Stack<u64>, reach: f32) -> Option<Child> {
     while let Some(entry) = waiting.pop() {
         if distance(entry) <= reach {
             return Some(Child(entry as u32));
@@ -59,11 +60,11 @@ pub(crate) fn next<const N: usize>(waiting: &mut Stack<u64, N>, reach: f32) -> O
 /// Of the children in `bits`, of which there are two or more, and which are entered at `near`: the nearest; the others wait,
 /// farthest first. Two children, by far the most frequent, need no sorting.
 #[inline(always)]
-pub(crate) fn nearest_first<const N: usize>(
+pub(crate) fn nearest_first(
     mut bits: u32,
     near: &[f32; WIDTH],
     children: &[f32; WIDTH],
-    waiting: &mut Stack<u64, N>,
+    waiting: &mut Stack<u64>,
 ) -> Child {
     let place = bits.trailing_zeros() as usize;
     bits &= bits - 1;
@@ -88,22 +89,50 @@ pub(crate) fn nearest_first<const N: usize>(
     Child(nearest as u32)
 }
 
-/// Of the children in `bits`, which is not 0: the first; the others are to wait. For any hit, which needs no order.
+/// Of the children in `bits`, which is not 0: the last; the others are to wait, the first of them longest. For any hit, which
+/// needs no order: the builder puts last what promises most.
 #[inline(always)]
-pub(crate) fn lowest_first(mut bits: u32, children: &[f32; WIDTH], mut wait: impl FnMut(Child)) -> Child {
-    let first = Child::at(children, bits.trailing_zeros() as usize);
+pub(crate) fn last_first(mut bits: u32, children: &[f32; WIDTH], mut wait: impl FnMut(Child)) -> Child {
+    let mut child = Child::at(children, bits.trailing_zeros() as usize);
     bits &= bits - 1;
     while bits != 0 {
-        wait(Child::at(children, bits.trailing_zeros() as usize));
+        wait(child);
+        child = Child::at(children, bits.trailing_zeros() as usize);
         bits &= bits - 1;
     }
-    first
+    child
 }
 
-impl Tree {
+/// Nodes by their numbers.
+pub(crate) trait Nodes {
     /// The boxes of node `index` that `ray` meets before `reach`, as bits; where it enters them; and what is in them.
-    ///
-    /// Compact trees have no such nodes, and are told apart behind the check of the index, which is there anyway.
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        ray: &NodeRay<S>,
+        reach: f32,
+    ) -> (u32, f32x8<S>, &[f32; WIDTH]);
+}
+
+/// Of one form: for walks that are compiled for it.
+impl<N: Boxes> Nodes for [N] {
+    #[inline(always)]
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        ray: &NodeRay<S>,
+        reach: f32,
+    ) -> (u32, f32x8<S>, &[f32; WIDTH]) {
+        let node = &self[index];
+        let (bits, near) = ray.meet(simd, node, reach);
+        (bits, near, node.children())
+    }
+}
+
+/// Of either form: for walks that are compiled once for both.
+impl Nodes for Tree {
     #[inline(always)]
     fn meet<S: Simd>(
         &self,
@@ -117,105 +146,107 @@ impl Tree {
                 let (bits, near) = ray.meet(simd, node, reach);
                 (bits, near, node.children())
             }
-            None => self.meet_compact(simd, index, ray, reach),
+            None => meet_compact(simd, self.compact_node(index), ray, reach),
         }
     }
+}
 
-    /// The same in a compact tree. Cold, so that walks of fast trees keep their registers: they would be saved around a call
-    /// that might be.
-    #[cold]
-    #[inline(never)]
-    fn meet_compact<S: Simd>(
-        &self,
-        simd: S,
-        index: usize,
-        ray: &NodeRay<S>,
-        reach: f32,
-    ) -> (u32, f32x8<S>, &[f32; WIDTH]) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let node = self.compact_node(index);
-                let (bits, near) = ray.meet(simd, node, reach);
-                (bits, near, node.children())
-            },
-        )
-    }
+/// A node of a compact tree. Cold, so that walks of other trees keep their registers: they would be saved around a call that
+/// might be.
+#[cold]
+#[inline(never)]
+fn meet_compact<'a, S: Simd>(
+    simd: S,
+    node: &'a CompactNode,
+    ray: &NodeRay<S>,
+    reach: f32,
+) -> (u32, f32x8<S>, &'a [f32; WIDTH]) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (bits, near) = ray.meet(simd, node, reach);
+            (bits, near, node.children())
+        },
+    )
+}
 
-    /// From `start` on, calls `leaf` with the blocks of each leaf that the ray meets before `reach`; it answers with the new reach.
-    /// Returns the number of nodes visited, leaves too. The tree is not empty.
-    #[inline(always)]
-    pub(crate) fn walk<S: Simd>(
-        &self,
-        simd: S,
-        start: Child,
-        ray: &NodeRay<S>,
-        mut reach: f32,
-        mut leaf: impl FnMut(Range<usize>) -> f32,
-    ) -> u32 {
-        let mut waiting = NodeStack::new();
-        let mut visited = 0;
-        let mut child = start;
-        loop {
-            visited += 1;
-            if child.is_leaf() {
-                reach = leaf(child.blocks());
-            } else {
-                let (bits, near, children) = self.meet(simd, child.index(), ray, reach);
-                if bits != 0 {
-                    child = if bits & (bits - 1) == 0 {
-                        Child::at(children, bits.trailing_zeros() as usize)
-                    } else {
-                        nearest_first(bits, near.as_array(), children, &mut waiting)
-                    };
-                    continue;
-                }
-            }
-            match next(&mut waiting, reach) {
-                Some(next) => child = next,
-                None => return visited,
+/// From `start` on, calls `leaf` with the blocks of each leaf that the ray meets before `reach`; it answers with the new reach.
+/// Returns the number of nodes visited, leaves too. The tree is not empty.
+#[inline(always)]
+pub(crate) fn walk<S: Simd>(
+    nodes: &(impl Nodes + ?Sized),
+    simd: S,
+    start: Child,
+    ray: &NodeRay<S>,
+    mut reach: f32,
+    mut leaf: impl FnMut(Range<usize>) -> f32,
+) -> u32 {
+    let mut room = NodeStack::new();
+    let mut waiting = room.stack();
+    let mut visited = 0;
+    let mut child = start;
+    loop {
+        visited += 1;
+        if child.is_leaf() {
+            reach = leaf(child.blocks());
+        } else {
+            let (bits, near, children) = nodes.meet(simd, child.index(), ray, reach);
+            if bits != 0 {
+                child = if bits & (bits - 1) == 0 {
+                    Child::at(children, bits.trailing_zeros() as usize)
+                } else {
+                    nearest_first(bits, near.as_array(), children, &mut waiting)
+                };
+                continue;
             }
         }
-    }
-
-    /// [`walk`](Self::walk) for any hit: children need no order, and `leaf` says whether to go on.
-    #[inline(always)]
-    pub(crate) fn walk_any<S: Simd>(
-        &self,
-        simd: S,
-        start: Child,
-        ray: &NodeRay<S>,
-        reach: f32,
-        mut leaf: impl FnMut(Range<usize>) -> bool,
-    ) -> u32 {
-        let mut waiting = Stack::<u32, MOST_WAIT>::new();
-        let mut visited = 0;
-        let mut child = start;
-        loop {
-            visited += 1;
-            if child.is_leaf() {
-                if !leaf(child.blocks()) {
-                    return visited;
-                }
-            } else {
-                let (bits, _, children) = self.meet(simd, child.index(), ray, reach);
-                if bits != 0 {
-                    child = lowest_first(
-                        bits,
-                        children,
-                        #[inline(always)]
-                        |child| waiting.push(child.0),
-                    );
-                    continue;
-                }
-            }
-            match waiting.pop() {
-                Some(next) => child = Child(next),
-                None => return visited,
-            }
+        match next(&mut waiting, reach) {
+            Some(next) => child = next,
+            None => return visited,
         }
     }
+}
 
+/// [`walk`] for any hit: children need no order, and `leaf` says whether to go on.
+#[inline(always)]
+pub(crate) fn walk_any<S: Simd>(
+    nodes: &(impl Nodes + ?Sized),
+    simd: S,
+    start: Child,
+    ray: &NodeRay<S>,
+    reach: f32,
+    mut leaf: impl FnMut(Range<usize>) -> bool,
+) -> u32 {
+    let mut room = StackRoom::<u32, MOST_WAIT>::new();
+    let mut waiting = room.stack();
+    let mut visited = 0;
+    let mut child = start;
+    loop {
+        visited += 1;
+        if child.is_leaf() {
+            if !leaf(child.blocks()) {
+                return visited;
+            }
+        } else {
+            let (bits, _, children) = nodes.meet(simd, child.index(), ray, reach);
+            if bits != 0 {
+                child = last_first(
+                    bits,
+                    children,
+                    #[inline(always)]
+                    |child| waiting.push(child.0),
+                );
+                continue;
+            }
+        }
+        match waiting.pop() {
+            Some(next) => child = Child(next),
+            None => return visited,
+        }
+    }
+}
+
+impl Tree {
     /// The same for all rays of a beam at once: `reach` counts steps. Not for compact trees.
     #[inline(always)]
     pub(crate) fn walk_beam<S: Simd>(
@@ -225,7 +256,8 @@ impl Tree {
         mut reach: f32,
         mut leaf: impl FnMut(Range<usize>) -> f32,
     ) -> u32 {
-        let mut waiting = NodeStack::new();
+        let mut room = NodeStack::new();
+        let mut waiting = room.stack();
         let mut visited = 0;
         let mut child = Child::node(0);
         loop {

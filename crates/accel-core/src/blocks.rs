@@ -30,7 +30,6 @@ pub struct TriangleBlock {
 #[derive(Clone, Copy)]
 pub struct BlockRay<S: Simd> {
     axes: [usize; 3],
-    alone: Sheared<f32>,
     sheared: Sheared<f32x8<S>>,
     t_near: f32x8<S>,
 }
@@ -56,7 +55,14 @@ impl<S: Simd> BlockRay<S> {
             org: [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)],
             shear: [f32x8::splat(simd, sx), f32x8::splat(simd, sy), f32x8::splat(simd, sz)],
         };
-        Self { axes, alone, sheared, t_near: f32x8::splat(simd, t_near) }
+        Self { axes, sheared, t_near: f32x8::splat(simd, t_near) }
+    }
+
+    /// What [`sheared`](Self::sheared) was given: out of the lanes, since few ask for it.
+    #[inline(always)]
+    fn alone(&self) -> Sheared<f32> {
+        let ([x, y, z], [sx, sy, sz]) = (self.sheared.org, self.sheared.shear);
+        Sheared { org: [x[0], y[0], z[0]], shear: [sx[0], sy[0], sz[0]] }
     }
 }
 
@@ -110,20 +116,17 @@ impl TriangleBlock {
         while bits != 0 {
             let i = bits.trailing_zeros() as usize & 7;
             bits &= bits - 1;
-            if let Some(meeting) = self.meet_alone(i, ray, collect.reach()) {
+            // By value: a ray whose address is taken lives in memory.
+            let corners = self.corners_of(i, ray.axes);
+            if let Some(meeting) = meet_alone(&corners, &ray.alone(), ray.t_near[0], collect.reach()) {
                 collect.offer(meeting, self.numbers[i], slot);
             }
         }
     }
 
-    /// One triangle, where lanes cannot decide: see [`meet_alone`].
+    /// The corners of one triangle along three axes.
     #[cold]
     #[inline(never)]
-    fn meet_alone<S: Simd>(&self, lane: usize, ray: &BlockRay<S>, t_far: f32) -> Option<Meeting> {
-        meet_alone(&self.corners_of(lane, ray.axes), &ray.alone, ray.t_near[0], t_far)
-    }
-
-    /// The corners of one triangle along three axes.
     pub fn corners_of(&self, lane: usize, axes: [usize; 3]) -> [[f32; 3]; 3] {
         [0, 1, 2].map(|corner: usize| axes.map(|axis| self.corners[corner][axis][lane & 7]))
     }

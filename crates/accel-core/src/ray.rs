@@ -4,8 +4,6 @@
 
 use std::borrow::Cow;
 
-use crate::float::most;
-
 /// A ray `org + t * dir` for `t` in `[t_near, t_far]`.
 ///
 /// `dir` need not be of unit length: `t` counts in multiples of it. A ray with a NaN, an infinite direction, an origin
@@ -71,22 +69,12 @@ impl Ray {
     pub const SHORTEST: f32 = 1.0 / Self::LONGEST;
     pub const LONGEST: f32 = (1 << 20) as f32;
 
-    /// Whether it can hit anything. Every comparison is false for a NaN.
+    /// Whether it can hit anything.
     #[inline(always)]
     pub fn is_sound(&self) -> bool {
-        let limit = Self::FARTHEST_ORIGIN;
-        let ([x, y, z], [dx, dy, dz]) = (self.org, self.dir);
-        let near = x.abs() <= limit && y.abs() <= limit && z.abs() <= limit;
-        let finite = dx.abs() <= f32::MAX && dy.abs() <= f32::MAX && dz.abs() <= f32::MAX;
-        near && finite && self.longest() > 0.0 && self.t_near <= self.t_far
-    }
-
-    /// The largest component of the direction, without its sign.
-    #[inline(always)]
-    pub fn longest(&self) -> f32 {
-        // Written out: `map` over an array may be a call, and `f32::max` minds NaNs, which sound rays have none of.
-        let [x, y, z] = [self.dir[0].abs(), self.dir[1].abs(), self.dir[2].abs()];
-        most(most(x, y), z)
+        let longest = size_bits(self.dir);
+        let moves = longest != 0 && longest <= f32::MAX.to_bits();
+        size_bits(self.org) <= Self::FARTHEST_ORIGIN.to_bits() && moves && self.t_near <= self.t_far
     }
 
     /// The axis along which it moves most; the first of equals.
@@ -119,8 +107,15 @@ impl Ray {
     /// Whether the direction is of a length that kernels take as it is.
     #[inline(always)]
     pub fn is_regular(&self) -> bool {
-        (Self::SHORTEST..=Self::LONGEST).contains(&self.longest())
+        (Self::SHORTEST.to_bits()..=Self::LONGEST.to_bits()).contains(&size_bits(self.dir))
     }
+}
+
+/// Bits of the largest magnitude: they are in the order of magnitudes, and those of infinities and then NaNs come last.
+#[inline(always)]
+fn size_bits([x, y, z]: [f32; 3]) -> u32 {
+    let bits = |x: f32| x.to_bits() & 0x7fff_ffff;
+    bits(x).max(bits(y)).max(bits(z))
 }
 
 /// A ray whose origin is in double precision, for scenes far from the world's origin.

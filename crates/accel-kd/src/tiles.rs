@@ -15,7 +15,7 @@ use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::tile::LANES;
 use gnurt_accel_core::tile_test::TileTest;
 use gnurt_accel_core::trip::TileTrip;
-use gnurt_simd::{Simd, Stack};
+use gnurt_simd::{Simd, StackRoom};
 
 use crate::leaves::Leaves;
 use crate::node::{DEEPEST, KdTree};
@@ -122,7 +122,8 @@ impl Blocked<'_> {
         if first > last {
             return;
         }
-        let mut waiting = Stack::<FarChild, DEEPEST>::new();
+        let mut room = StackRoom::<FarChild, DEEPEST>::new();
+        let mut waiting = room.stack();
         let mut at = 0;
         loop {
             let mut node = self.tree.nodes[at as usize];

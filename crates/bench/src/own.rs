@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Our trees, asked as a program asks them. Source: original.
 
-use gnurt::accel::{Coherence, INVALID_ID, ObjectTree, Query, RayBatch};
+use gnurt::accel::{Coherence, INVALID_ID, ObjectTree, Query, Ray, RayBatch};
 use gnurt::simd::Level;
 
 use crate::job::Asked;
@@ -20,6 +20,20 @@ impl OwnEngine<'_> {
     }
 }
 
+/// Takes the rays out one by one, for as little as it costs to take them out for Embree.
+#[inline(always)]
+fn each(rays: &RayBatch, mut ask: impl FnMut(usize, Ray)) {
+    let count = rays.len();
+    let ([x, y, z], [dx, dy, dz]) = (&rays.org, &rays.dir);
+    let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
+    let (dx, dy, dz) = (&dx[..count], &dy[..count], &dz[..count]);
+    let (t_near, t_far) = (&rays.t_near[..count], &rays.t_far[..count]);
+    for i in 0..count {
+        let ray = Ray::new([x[i], y[i], z[i]], [dx[i], dy[i], dz[i]]);
+        ask(i, ray.within(t_near[i], t_far[i]));
+    }
+}
+
 impl Engine for OwnEngine<'_> {
     fn closest(&self, rays: &RayBatch, answers: &mut Answers) {
         match self.asked {
@@ -28,12 +42,14 @@ impl Engine for OwnEngine<'_> {
                 self.tree.intersect_batch(&query, rays, &mut answers.hits, &mut answers.record);
             }
             Asked::One => {
+                let query = self.query(Coherence::default());
                 answers.resize(rays.len());
-                for i in 0..rays.len() {
-                    let hit = self.tree.intersect(&rays.get(i));
-                    answers.hits.t[i] = hit.map_or(f32::INFINITY, |hit| hit.t);
-                    answers.hits.prim_id[i] = hit.map_or(INVALID_ID, |hit| hit.prim_id);
-                }
+                let (t, prim_id) =
+                    (&mut answers.hits.t[..rays.len()], &mut answers.hits.prim_id[..rays.len()]);
+                each(rays, |i, ray| {
+                    let hit = self.tree.intersect_with(&query, &ray);
+                    (t[i], prim_id[i]) = hit.map_or((f32::INFINITY, INVALID_ID), |hit| (hit.t, hit.prim_id));
+                });
             }
         }
     }
@@ -45,10 +61,10 @@ impl Engine for OwnEngine<'_> {
                 self.tree.occluded_batch(&query, rays, &mut answers.occluded, &mut answers.record);
             }
             Asked::One => {
+                let query = self.query(Coherence::default());
                 answers.resize(rays.len());
-                for i in 0..rays.len() {
-                    answers.occluded[i] = self.tree.occluded(&rays.get(i));
-                }
+                let occluded = &mut answers.occluded[..rays.len()];
+                each(rays, |i, ray| occluded[i] = self.tree.occluded_with(&query, &ray));
             }
         }
     }

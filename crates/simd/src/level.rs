@@ -29,6 +29,7 @@ impl Level {
 
     /// The best level of this CPU; found once.
     #[must_use]
+    #[inline]
     pub fn best() -> Self {
         static BEST: OnceLock<Level> = OnceLock::new();
         *BEST
@@ -120,6 +121,7 @@ impl Level {
 
 impl Default for Level {
     /// The best of this CPU.
+    #[inline]
     fn default() -> Self {
         Self::best()
     }

@@ -1,25 +1,70 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A stack of fixed size whose memory is not cleared first: a traversal touches a few entries of many.
-//! Source: original. Clearing 4 KiB for each ray would cost as much as a short ray does.
+//! Source: original. Clearing 4 KiB for each ray would cost as much as a short ray does. The length is kept apart from the
+//! memory, so that a walk has it in a register.
 //! Invariant: the first `len` entries have been written. Proof: `tests::first_in_last_out`.
 
 use std::mem::MaybeUninit;
 
-/// Up to `N` values, last in first out.
+/// Memory for up to `N` values, and how many of them there are.
 #[derive(Debug)]
-pub struct Stack<T: Copy, const N: usize> {
+pub struct StackRoom<T: Copy, const N: usize> {
     entries: [MaybeUninit<T>; N],
     len: usize,
 }
 
-impl<T: Copy, const N: usize> Stack<T, N> {
-    /// An empty one.
+/// Values, last in first out, in a [`StackRoom`].
+#[derive(Debug)]
+pub struct Stack<'a, T: Copy> {
+    entries: &'a mut [MaybeUninit<T>],
+    len: usize,
+}
+
+impl<T: Copy, const N: usize> StackRoom<T, N> {
+    /// Without values.
     #[inline(always)]
     #[must_use]
     pub const fn new() -> Self {
         Self { entries: [const { MaybeUninit::uninit() }; N], len: 0 }
     }
 
+    /// An empty stack in this memory.
+    #[inline(always)]
+    pub fn stack(&mut self) -> Stack<'_, T> {
+        Stack { entries: &mut self.entries, len: 0 }
+    }
+
+    /// Goes on with the stack that was left here.
+    #[inline(always)]
+    pub fn resume<R>(&mut self, work: impl FnOnce(&mut Stack<'_, T>) -> R) -> R {
+        let mut stack = Stack { entries: &mut self.entries, len: self.len };
+        let result = work(&mut stack);
+        self.len = stack.len;
+        result
+    }
+
+    /// How many values were left here.
+    #[inline(always)]
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether none was left here.
+    #[inline(always)]
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Forgets all values.
+    #[inline(always)]
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+}
+
+impl<T: Copy> Stack<'_, T> {
     /// Puts a value on top. Panics where there is no room.
     #[inline(always)]
     pub fn push(&mut self, value: T) {
@@ -31,7 +76,8 @@ impl<T: Copy, const N: usize> Stack<T, N> {
     #[inline(always)]
     pub fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;
-        // SAFETY: `push` is all that raises `len`, and it has written the entry below the new one.
+        // SAFETY: `push` is all that raises `len`, and it has written the entry below the new one; a room's `len` is that of
+        // the stack that was in it last.
         Some(unsafe { self.entries[self.len].assume_init() })
     }
 
@@ -49,12 +95,6 @@ impl<T: Copy, const N: usize> Stack<T, N> {
         self.len == 0
     }
 
-    /// Forgets all values.
-    #[inline(always)]
-    pub fn clear(&mut self) {
-        self.len = 0;
-    }
-
     /// The upmost `count` values, lowest first, to be put in order.
     #[inline(always)]
     pub fn top(&mut self, count: usize) -> &mut [T] {
@@ -65,7 +105,7 @@ impl<T: Copy, const N: usize> Stack<T, N> {
     }
 }
 
-impl<T: Copy, const N: usize> Default for Stack<T, N> {
+impl<T: Copy, const N: usize> Default for StackRoom<T, N> {
     fn default() -> Self {
         Self::new()
     }
@@ -77,7 +117,8 @@ mod tests {
 
     #[test]
     fn first_in_last_out() {
-        let mut stack = Stack::<u64, 4>::new();
+        let mut room = StackRoom::<u64, 4>::new();
+        let mut stack = room.stack();
         assert!(stack.pop().is_none() && stack.is_empty(), "nothing is in");
         [1, 5, 3].into_iter().for_each(|value| stack.push(value));
         assert_eq!(stack.len(), 3, "three are in");
@@ -86,9 +127,20 @@ mod tests {
     }
 
     #[test]
+    fn what_is_left_is_found_again() {
+        let mut room = StackRoom::<u32, 4>::new();
+        room.resume(|stack| [7, 8].into_iter().for_each(|value| stack.push(value)));
+        assert_eq!((room.len(), room.resume(|stack| stack.pop())), (2, Some(8)), "two were left");
+        assert_eq!(room.len(), 1, "one is left");
+        room.clear();
+        assert_eq!(room.resume(|stack| stack.pop()), None, "nothing is left");
+    }
+
+    #[test]
     #[should_panic(expected = "index out of bounds")]
     fn a_full_stack_panics() {
-        let mut stack = Stack::<u8, 1>::new();
+        let mut room = StackRoom::<u8, 1>::new();
+        let mut stack = room.stack();
         stack.push(1);
         stack.push(2);
     }

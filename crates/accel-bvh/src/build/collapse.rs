@@ -128,7 +128,8 @@ impl Piece {
     ) {
         let index = self.nodes.len();
         let mut node = Node8::EMPTY;
-        let (children, count) = open(binary, from);
+        let (mut children, count) = open(binary, from);
+        by_promise(binary, &mut children[..count]);
         for (place, &child) in children[..count].iter().enumerate().rev() {
             let from = &binary[child];
             if from.is_leaf() {
@@ -139,6 +140,25 @@ impl Piece {
             }
         }
         self.nodes.push(node);
+    }
+}
+
+/// Puts children in order, those that rays without an order should visit first last: leaves, where a ray may end, after what
+/// only leads to them, and large ones, which more rays meet, after small ones.
+fn by_promise(binary: &[BinaryNode], children: &mut [usize]) {
+    let promise = |child: usize| {
+        let node = &binary[child];
+        (node.is_leaf(), node.bounds.bounds().half_area() as f32)
+    };
+    let mut promises = [(false, 0.0); WIDTH];
+    for i in 0..children.len() {
+        let (child, mine) = (children[i], promise(children[i]));
+        let mut at = i;
+        while at > 0 && promises[at - 1] > mine {
+            (children[at], promises[at]) = (children[at - 1], promises[at - 1]);
+            at -= 1;
+        }
+        (children[at], promises[at]) = (child, mine);
     }
 }
 

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One ray through the triangles of a wide BVH. Walks of fast trees, whose nodes and blocks lie in memory as tests take them,
+//! are compiled for what is looked for; those of compact ones once.
+//! Source: original. Space: object. Proof: `tests/brute_force.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
+use gnurt_accel_core::collect::Collect;
+use gnurt_accel_core::trip::RayTrip;
+use gnurt_accel_core::{Counters, Ray};
+use gnurt_simd::Simd;
+
+use crate::index::BvhIndex;
+use crate::node::{Child, WIDTH};
+use crate::node_ray::NodeRay;
+use crate::walk::{walk, walk_any};
+
+/// A ray prepared for nodes and for blocks.
+pub(crate) struct Prepared<S: Simd> {
+    pub(crate) for_nodes: NodeRay<S>,
+    pub(crate) for_blocks: BlockRay<S>,
+}
+
+impl<S: Simd> Prepared<S> {
+    /// `ray` is sound and regular.
+    #[inline(always)]
+    fn new(simd: S, ray: &Ray, greatest: f32) -> Self {
+        Self { for_nodes: NodeRay::new(simd, ray, greatest), for_blocks: BlockRay::new(simd, ray) }
+    }
+}
+
+impl BvhIndex {
+    /// Offers what `ray` meets; it is sound and regular, the tree fast and not empty.
+    #[inline(always)]
+    pub(crate) fn search<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        slot: u32,
+        collect: &mut C,
+        counters: &mut Counters,
+    ) {
+        let ray = Prepared::new(simd, ray, self.greatest);
+        self.walk(simd, Child::node(0), &ray, slot, collect, counters);
+    }
+
+    /// The same in a compact tree.
+    #[inline(always)]
+    pub(crate) fn search_compact<S: Simd>(&self, simd: S, trip: &mut RayTrip) {
+        let ray = Prepared::new(simd, trip.ray, self.greatest);
+        self.walk_compact(simd, Child::node(0), &ray, trip);
+    }
+
+    /// From `start` on, in a fast tree.
+    #[inline(always)]
+    pub(crate) fn walk<S: Simd, C: Collect>(
+        &self,
+        simd: S,
+        start: Child,
+        Prepared { for_nodes, for_blocks }: &Prepared<S>,
+        slot: u32,
+        collect: &mut C,
+        counters: &mut Counters,
+    ) {
+        let (nodes, blocks) = (&self.tree.nodes[..], &self.leaves.blocks[..]);
+        let mut tested = 0;
+        let visited = if C::ANY {
+            walk_any(
+                nodes,
+                simd,
+                start,
+                for_nodes,
+                collect.reach(),
+                #[inline(always)]
+                |range| {
+                    for index in range {
+                        tested += 1;
+                        blocks[index].meet(simd, for_blocks, slot, collect);
+                        if collect.is_done() {
+                            return false;
+                        }
+                    }
+                    true
+                },
+            )
+        } else {
+            walk(
+                nodes,
+                simd,
+                start,
+                for_nodes,
+                collect.reach(),
+                #[inline(always)]
+                |range| {
+                    for index in range {
+                        tested += 1;
+                        blocks[index].meet(simd, for_blocks, slot, collect);
+                    }
+                    collect.reach()
+                },
+            )
+        };
+        counters.nodes += u64::from(visited);
+        counters.triangles += tested * WIDTH as u64;
+    }
+
+    /// The same in a compact tree, whose blocks are expanded one by one.
+    #[inline(never)]
+    pub(crate) fn walk_compact<S: Simd>(
+        &self,
+        simd: S,
+        start: Child,
+        Prepared { for_nodes, for_blocks }: &Prepared<S>,
+        trip: &mut RayTrip,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let (slot, mut tested, mut block) = (trip.slot, 0, TriangleBlock::ZERO);
+                let visited = walk(
+                    &self.tree.compact[..],
+                    simd,
+                    start,
+                    for_nodes,
+                    trip.reach(),
+                    #[inline(always)]
+                    |range| {
+                        for index in range {
+                            tested += 1;
+                            self.leaves.pools.expand(simd, index, &mut block);
+                            block.meet(simd, for_blocks, slot, trip);
+                            if trip.is_done() {
+                                break;
+                            }
+                        }
+                        trip.reach()
+                    },
+                );
+                trip.counters.nodes += u64::from(visited);
+                trip.counters.triangles += tested * WIDTH as u64;
+            },
+        );
+    }
+}
