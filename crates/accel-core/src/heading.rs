@@ -15,6 +15,14 @@ pub struct Heading {
 }
 
 impl Heading {
+    /// The one that [`TileKernels::codes`](crate::tile_kernels::TileKernels::codes) gives this number; `None` of irregular rays.
+    #[must_use]
+    pub fn of_code(code: usize) -> Option<Self> {
+        let has = |bit: usize| code >> bit & 1 == 1;
+        (code < Headings::CODES - 1)
+            .then(|| Self { backwards: [has(2), has(1), has(0)], longest_axis: code / 8 })
+    }
+
     /// Rows of a node of the wide BVH with its nearer planes; the farther ones are next to them.
     #[inline(always)]
     pub fn rows(&self) -> [usize; 3] {

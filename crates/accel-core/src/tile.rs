@@ -10,6 +10,7 @@ use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 use crate::aabb::Aabb;
 use crate::bits::TILE;
+use crate::heading::Heading;
 use crate::hit::INVALID_ID;
 use crate::nearest::Nearest;
 use crate::ray::Ray;
@@ -39,6 +40,9 @@ pub struct RayTile {
     /// Whether lanes that are not active hold rays all the same, which look for nothing (`t` is -inf): then the tile
     /// need not be copied where a few lanes are missing.
     pub is_full: bool,
+    /// Where all rays are heading, if that is known: then lanes behind the first rays up to a multiple of 16 look for
+    /// nothing, and nobody need look which ways they go.
+    pub heading: Option<Heading>,
 }
 
 /// Best hits of a tile's rays; see [`Nearest`].
@@ -59,11 +63,13 @@ impl RayTile {
         t_near: [0.0; TILE],
         mask: u32::MAX,
         is_full: false,
+        heading: None,
     };
 
     /// Loads rays `first..first + 64` of a batch as far as it goes; returns how many there are.
     pub fn load(&mut self, rays: &RayBatch, first: usize, nearest: &mut NearestTile) -> usize {
         let count = (rays.len() - first).min(TILE);
+        self.heading = None;
         for k in 0..3 {
             self.org[k][..count].copy_from_slice(&rays.org[k][first..first + count]);
             self.dir[k][..count].copy_from_slice(&rays.dir[k][first..first + count]);
@@ -75,8 +81,15 @@ impl RayTile {
         count
     }
 
-    /// Loads the rays of a batch with these numbers, 64 at most.
-    pub fn pick(&mut self, rays: &RayBatch, numbers: &[u32], nearest: &mut NearestTile) {
+    /// Loads the rays of a batch with these numbers, 64 at most and one at least, which have this heading, if any.
+    pub fn pick(
+        &mut self,
+        rays: &RayBatch,
+        numbers: &[u32],
+        heading: Option<Heading>,
+        nearest: &mut NearestTile,
+    ) {
+        self.heading = heading;
         // Of one length, in which numbers are, so that the compiler checks neither.
         let count = rays.len();
         let ([x, y, z], [dx, dy, dz]) = (&rays.org, &rays.dir);
@@ -94,6 +107,10 @@ impl RayTile {
             self.t_near[lane] = t_near[from];
             nearest.t[lane] = t_far[from];
         }
+        for lane in numbers.len()..numbers.len().next_multiple_of(LANES).min(TILE) {
+            self.repeat(lane);
+            nearest.t[lane] = f32::NEG_INFINITY;
+        }
         nearest.number = [INVALID_ID; TILE];
         nearest.slot = [INVALID_ID; TILE];
     }
@@ -109,6 +126,7 @@ impl RayTile {
     ) -> usize {
         rays.mask = self.mask;
         rays.is_full = false;
+        rays.heading = None;
         let first = bits.trailing_zeros() as usize & (TILE - 1);
         let mut count = 0;
         while bits != 0 {
@@ -122,6 +140,17 @@ impl RayTile {
             best.set(lane, &Nearest::none(f32::NEG_INFINITY));
         }
         count
+    }
+
+    /// Puts the first ray into another lane.
+    #[inline(always)]
+    fn repeat(&mut self, to: usize) {
+        let to = to & (TILE - 1);
+        for k in 0..3 {
+            self.org[k][to] = self.org[k][0];
+            self.dir[k][to] = self.dir[k][0];
+        }
+        self.t_near[to] = self.t_near[0];
     }
 
     #[inline(always)]

@@ -315,6 +315,8 @@ mod tests {
                 let own = 8 * longest_axis + 4 * usize::from(x) + 2 * usize::from(y) + usize::from(z);
                 let own = if i == 63 { Headings::CODES } else { own };
                 assert_eq!(code as usize, own, "code of ray {i} at {level}");
+                let known = (i != 63).then(|| ways.of(i));
+                assert_eq!(Heading::of_code(own), known, "heading of ray {i} at {level}");
             }
             let mut left = sound;
             while left != 0 {

@@ -3,7 +3,7 @@
 //! Source: [RSH05] for what tiles gain; counting sort. Proof: `tests/brute_force.rs` (`ask`).
 
 use gnurt_accel_core::bits::{TILE, all, each};
-use gnurt_accel_core::heading::Headings;
+use gnurt_accel_core::heading::{Heading, Headings};
 use gnurt_accel_core::tile::{NearestTile, RayTile};
 
 use crate::Counters;
@@ -48,11 +48,11 @@ pub(crate) fn trace(batch: &UnderWay, answers: &mut Answers, counters: &mut Coun
         // The unsound ones come last and are left out.
         let sound = ends[Headings::CODES - 1] as usize;
         let mut from = 0;
-        for &end in &ends[..Headings::CODES] {
+        for (code, &end) in ends[..Headings::CODES].iter().enumerate() {
             let end = end as usize;
             while from < end {
                 let some = &order[from..end.min(from + TILE)];
-                tile.pick(rays, some, &mut nearest);
+                tile.pick(rays, some, Heading::of_code(code), &mut nearest);
                 let active = all(some.len());
                 batch.tile(&mut tile, active, false, |i| some[i] as usize, &mut nearest, counters);
                 each(active & kernels.hit(&nearest), |i| answers.one(some[i] as usize, &nearest.get(i)));

@@ -20,6 +20,16 @@ pub(crate) fn by_heading(
     trip: &mut TileTrip,
     go: &mut dyn FnMut(Heading, &mut TileTrip),
 ) -> u64 {
+    if let Some(heading) = trip.rays.heading
+        && trip.active.trailing_ones() == trip.active.count_ones()
+    {
+        if trip.active.count_ones() < WORTH_A_TILE {
+            return trip.active;
+        }
+        let active = trip.active;
+        go(heading, &mut trip.only(active));
+        return 0;
+    }
     let headings = engine.tiles.headings(trip.rays);
     let mut alone = trip.active & !headings.regular;
     let mut left = trip.active & headings.regular;

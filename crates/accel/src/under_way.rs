@@ -52,6 +52,10 @@ impl UnderWay<'_> {
                     }
                 });
             }
+            if same != left {
+                // The others, which see something else, look for something, too.
+                tile.heading = None;
+            }
             let (rays, kind) = (&*tile, self.kind);
             let trip = &mut TileTrip { rays, active: same, kind, slot: 0, nearest, counters };
             self.target.tile(self.engine, trip, apart);
