@@ -5,7 +5,7 @@
 //! Materials without extensions become metallic-roughness or, where they neither mirror nor conduct, Lambertian; those with specular,
 //! clear coat, sheen or transmission become principled. Glass is solid where there is a thickness, else a pane that bends nothing,
 //! at every roughness; solid glass that is smooth and lets through all light that it does not mirror is perfectly smooth, tinted by
-//! the base colour. glTF's v runs downwards, ours upwards: [`uv_from_mesh`].
+//! the base colour. glTF's v runs downwards, ours upwards: `uv_from_mesh`.
 //! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
 
 use crate::id::TextureId;
