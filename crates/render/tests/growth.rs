@@ -23,7 +23,7 @@ fn cost<T>(work: impl FnOnce() -> T) -> usize {
 
 #[test]
 fn checkpoints_cost_what_their_pictures_take() {
-    let options = RenderOptions { width: 200, height: 150, aovs: true, heatmap: true, ..Default::default() };
+    let options = RenderOptions { width: 96, height: 64, aovs: true, heatmap: true, ..Default::default() };
     let new = || Accumulation::new(options.clone()).expect("sound");
     let allowed = 2 * cost(new) + (1 << 20);
     let sound = new().to_bytes(7);
