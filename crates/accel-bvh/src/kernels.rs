@@ -135,7 +135,7 @@ fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, trip: &mut RayTrip) 
     );
 }
 
-/// Not for any of them to save the registers for.
+/// A compact tree, whatever is looked for. Cold, so that the kernels above keep their registers.
 #[cold]
 #[inline(never)]
 fn search_compact<S: Simd>(simd: S, index: &BvhIndex, trip: &mut RayTrip) {

@@ -48,7 +48,7 @@ impl Pools {
     /// Block `index` as tests take it.
     ///
     /// A function of its own for the compiler, once for each level. What comes out goes to memory and not through
-    /// registers twice: a block is larger than all of them. Cold, for the reason of `Tree::meet_compact`.
+    /// registers twice: a block is larger than all of them. Cold, so that walks of tiles through fast trees keep their registers.
     #[cold]
     #[inline(never)]
     pub(crate) fn expand<S: Simd>(&self, simd: S, index: usize, into: &mut TriangleBlock) {
