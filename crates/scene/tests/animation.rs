@@ -521,7 +521,7 @@ fn programs_make_animations() {
         Arc::new(Sampler::new([0.0, 1.0].into(), values, width, Interpolation::Linear).expect("keys"))
     };
     let node = |parent| Node { name: "n".into(), parent, rest: Local::Parts(Trs::default()), visible: true };
-    let ground = Place::Fixed { world_from_here: Affine::IDENTITY, visible: true };
+    let ground = Place::Fixed { world_from_node: Affine::IDENTITY, visible: true };
     let good = Animation {
         nodes: vec![node(ground), node(Place::On(0))],
         instances: vec![gnurt_scene::animation::MovingInstance { instance, node: 1, is_placed: true }],

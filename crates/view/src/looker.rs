@@ -664,7 +664,7 @@ mod tests {
         let instance = stage.scene.instantiate(gnurt::scene::ObjectId(0), gnurt::scene::Affine::IDENTITY);
         let keys =
             Sampler::new([0.0, 1.0].into(), vec![0.0, 0.5, 0.0, 0.0, 0.0, 0.0], 3, Interpolation::Linear);
-        let ground = Place::Fixed { world_from_here: gnurt::scene::Affine::IDENTITY, visible: true };
+        let ground = Place::Fixed { world_from_node: gnurt::scene::Affine::IDENTITY, visible: true };
         let node =
             Node { name: "n".into(), parent: ground, rest: Local::Parts(Trs::default()), visible: true };
         let channel = Channel { target: Target::Translation(0), sampler: Arc::new(keys.expect("keys")) };

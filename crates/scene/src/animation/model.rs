@@ -61,7 +61,7 @@ pub enum Place {
     /// Where it always is.
     Fixed {
         /// Its place.
-        world_from_here: Affine,
+        world_from_node: Affine,
         /// Whether all above it are seen.
         visible: bool,
     },

@@ -23,8 +23,8 @@ pub(super) struct Moment {
 
 /// Where a node is, and whether it is seen.
 #[derive(Clone, Copy)]
-pub(super) struct Stand {
-    pub(super) world_from_here: Affine,
+pub(super) struct NodePose {
+    pub(super) world_from_node: Affine,
     pub(super) visible: bool,
 }
 
@@ -83,24 +83,25 @@ impl Moment {
     }
 
     /// Where all nodes are.
-    pub(super) fn stands(&self, animation: &Animation) -> Vec<Stand> {
-        let mut stands: Vec<Stand> = Vec::with_capacity(animation.nodes.len());
+    pub(super) fn node_poses(&self, animation: &Animation) -> Vec<NodePose> {
+        let mut node_poses: Vec<NodePose> = Vec::with_capacity(animation.nodes.len());
         for (i, node) in animation.nodes.iter().enumerate() {
-            let parent = at(&node.parent, &stands);
-            stands.push(Stand {
-                world_from_here: parent.world_from_here * self.locals[i].affine(),
+            let parent = at(&node.parent, &node_poses);
+            node_poses.push(NodePose {
+                world_from_node: parent.world_from_node * self.locals[i].affine(),
                 visible: parent.visible && self.visible[i],
             });
         }
-        stands
+        node_poses
     }
 
     /// How a body is bent.
-    pub(super) fn bend(&self, animation: &Animation, body: usize, stands: &[Stand]) -> Bend {
+    pub(super) fn bend(&self, animation: &Animation, body: usize, node_poses: &[NodePose]) -> Bend {
         let body = &animation.bodies[body];
         let weights = body.weights.map(|set| self.weights[set as usize].clone());
         let skin = body.skin.map(|skin| &animation.skins[skin as usize]);
-        let matrix = |joint: &super::Joint| at(&joint.place, stands).world_from_here * joint.joint_from_mesh;
+        let matrix =
+            |joint: &super::Joint| at(&joint.place, node_poses).world_from_node * joint.joint_from_mesh;
         Bend {
             weights: weights.unwrap_or_default(),
             joints: skin.map(|skin| skin.joints.iter().map(matrix).collect()).unwrap_or_default(),
@@ -110,10 +111,10 @@ impl Moment {
 }
 
 /// Where something is.
-pub(super) fn at(place: &Place, stands: &[Stand]) -> Stand {
+pub(super) fn at(place: &Place, node_poses: &[NodePose]) -> NodePose {
     match *place {
-        Place::On(node) => stands[node as usize],
-        Place::Fixed { world_from_here, visible } => Stand { world_from_here, visible },
+        Place::On(node) => node_poses[node as usize],
+        Place::Fixed { world_from_node, visible } => NodePose { world_from_node, visible },
     }
 }
 

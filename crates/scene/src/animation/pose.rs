@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use super::body::Body;
 use super::model::{Animation, camera_at};
-use super::moment::{Moment, Stand, at};
+use super::moment::{Moment, NodePose, at};
 use super::playback::{Playback, Shown};
 use crate::check::CheckError;
 use crate::scene::Scene;
@@ -70,12 +70,12 @@ impl Scene {
         if !playback.is_begun {
             playback = begin(self, animation);
         }
-        let stands = moment.stands(animation);
+        let node_poses = moment.node_poses(animation);
         let posed = Posed {
-            meshes: show_bodies(self, animation, moment, &stands, &mut playback),
-            instances: show_instances(self, animation, &stands, &mut playback),
-            cameras: show_cameras(self, animation, moment, &stands, &playback),
-            lights: show_lights(self, animation, moment, &stands, &playback),
+            meshes: show_bodies(self, animation, moment, &node_poses, &mut playback),
+            instances: show_instances(self, animation, &node_poses, &mut playback),
+            cameras: show_cameras(self, animation, moment, &node_poses, &playback),
+            lights: show_lights(self, animation, moment, &node_poses, &playback),
             materials: show_materials(self, animation, moment, &mut playback),
         };
         *self.playback() = playback;
@@ -99,12 +99,12 @@ fn show_bodies(
     scene: &mut Scene,
     animation: &Animation,
     moment: &Moment,
-    stands: &[Stand],
+    node_poses: &[NodePose],
     playback: &mut Playback,
 ) -> usize {
     let mut count = 0;
     for (i, (body, shown)) in animation.bodies.iter().zip(&mut playback.bodies).enumerate() {
-        let bend = moment.bend(animation, i, stands);
+        let bend = moment.bend(animation, i, node_poses);
         if shown.bend.as_ref() == Some(&bend) {
             continue;
         }
@@ -130,26 +130,26 @@ fn is_of(mesh: &crate::mesh::Mesh, body: &Body) -> bool {
 fn show_instances(
     scene: &mut Scene,
     animation: &Animation,
-    stands: &[Stand],
+    node_poses: &[NodePose],
     playback: &mut Playback,
 ) -> usize {
     let mut count = 0;
     for (moving, was_visible) in animation.instances.iter().zip(&mut playback.visible) {
-        let stand = stands[moving.node as usize];
+        let node = node_poses[moving.node as usize];
         let instance = scene.instance(moving.instance);
-        let moves = moving.is_placed && instance.world_from_object != stand.world_from_here;
+        let moves = moving.is_placed && instance.world_from_object != node.world_from_node;
         // Somebody else may have hidden it.
-        let appears = *was_visible != stand.visible;
+        let appears = *was_visible != node.visible;
         if !moves && !appears {
             continue;
         }
         let instance = scene.edit_instance(moving.instance);
         if moves {
-            instance.world_from_object = stand.world_from_here;
+            instance.world_from_object = node.world_from_node;
         }
         if appears {
-            instance.visible = stand.visible;
-            *was_visible = stand.visible;
+            instance.visible = node.visible;
+            *was_visible = node.visible;
         }
         count += 1;
     }
@@ -160,15 +160,15 @@ fn show_cameras(
     scene: &mut Scene,
     animation: &Animation,
     moment: &Moment,
-    stands: &[Stand],
+    node_poses: &[NodePose],
     playback: &Playback,
 ) -> usize {
     let mut count = 0;
     for (moving, rest) in animation.cameras.iter().zip(&playback.cameras) {
         let angle = moment.fields_of_view[moving.field_of_view as usize];
-        let stand = at(&moving.place, stands);
+        let node = at(&moving.place, node_poses);
         // One that has no view just then is where it is at rest.
-        let camera = camera_at(&rest.name, &stand.world_from_here, angle).unwrap_or_else(|| rest.clone());
+        let camera = camera_at(&rest.name, &node.world_from_node, angle).unwrap_or_else(|| rest.clone());
         if *scene.camera(moving.camera) != camera {
             *scene.edit_camera(moving.camera) = camera;
             count += 1;
@@ -181,13 +181,13 @@ fn show_lights(
     scene: &mut Scene,
     animation: &Animation,
     moment: &Moment,
-    stands: &[Stand],
+    node_poses: &[NodePose],
     playback: &Playback,
 ) -> usize {
     let mut count = 0;
     for (moving, rest) in animation.lights.iter().zip(&playback.lights) {
-        let stand = at(&moving.place, stands);
-        let light = moment.lights[moving.factors as usize].light(&stand.world_from_here, stand.visible);
+        let node = at(&moving.place, node_poses);
+        let light = moment.lights[moving.factors as usize].light(&node.world_from_node, node.visible);
         let light = light.unwrap_or_else(|| rest.clone());
         if *scene.light(moving.light) != light {
             *scene.edit_light(moving.light) = light;

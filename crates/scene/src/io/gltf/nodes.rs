@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Nodes: where meshes, cameras and lights stand.
+//! Nodes: where meshes, cameras and lights are.
 //! Source: glTF 2.0 sections 3.5 and 3.10, KHR_lights_punctual, KHR_node_visibility. Transforms are multiplied in double precision.
 //! The tree is walked with a list, not by recursion, and each node once: neither depth nor cycles do harm; a cycle is an error.
 //! Cost: O(nodes); memory: that of the way from the root, and a bit for each node. Proof: `tests/gltf.rs::{deep_and_cyclic_trees, cameras_and_lights}`.
@@ -35,14 +35,14 @@ pub(super) fn add_all(
 ) -> Result<(), Error> {
     if !rig.is_still() {
         // Meshes are bent by joints that may stand behind them. The walk that shows things says what is odd.
-        walk(document, &mut Warnings::default(), |index, node, parent, world_from_here, _| {
-            rig.enter(index, node, parent, world_from_here)
+        walk(document, &mut Warnings::default(), |index, node, parent, world_from_node, _| {
+            rig.enter(index, node, parent, world_from_node)
         })?;
     }
     let mut adder = Adder { document, materials, rig, objects: HashMap::new(), scene };
-    walk(document, warnings, |index, node, parent, world_from_here, warnings| {
-        let place = adder.rig.enter(index, node, parent, world_from_here)?;
-        adder.add(index, node, Stand { world_from_here, place }, warnings)?;
+    walk(document, warnings, |index, node, parent, world_from_node, warnings| {
+        let place = adder.rig.enter(index, node, parent, world_from_node)?;
+        adder.add(index, node, NodePlace { world_from_node, place }, warnings)?;
         Ok(place)
     })?;
     adder.rig.finish(adder.scene, warnings)
@@ -50,9 +50,9 @@ pub(super) fn add_all(
 
 /// Where a node is.
 #[derive(Clone, Copy)]
-struct Stand {
+struct NodePlace {
     /// At rest.
-    world_from_here: Affine,
+    world_from_node: Affine,
     place: Place,
 }
 
@@ -60,7 +60,7 @@ struct Stand {
 struct Ancestor {
     /// `None` = the file itself.
     index: Option<Index>,
-    stand: Stand,
+    placed: NodePlace,
     children: std::vec::IntoIter<Index>,
 }
 
@@ -74,9 +74,9 @@ fn walk(
     let count = document.root.nodes.len();
     let (mut seen, mut is_above) = (vec![false; count], vec![false; count]);
     let (roots, are_all) = roots(document)?;
-    let place = Place::Fixed { world_from_here: Affine::IDENTITY, visible: true };
-    let stand = Stand { world_from_here: Affine::IDENTITY, place };
-    let mut way = vec![Ancestor { index: None, stand, children: roots.into_iter() }];
+    let place = Place::Fixed { world_from_node: Affine::IDENTITY, visible: true };
+    let placed = NodePlace { world_from_node: Affine::IDENTITY, place };
+    let mut way = vec![Ancestor { index: None, placed, children: roots.into_iter() }];
     while let Some(parent) = way.last_mut() {
         let Some(index) = parent.children.next() else {
             if let Some(index) = parent.index {
@@ -85,7 +85,7 @@ fn walk(
             way.pop();
             continue;
         };
-        let parent = parent.stand;
+        let parent = parent.placed;
         if seen.get(index.value()) == Some(&true) {
             if is_above[index.value()] {
                 return Err(cycle(document, index.value()));
@@ -99,13 +99,13 @@ fn walk(
             _ => document.get(&document.root.nodes, index, "nodes", "node")?,
         };
         seen[index.value()] = true;
-        let world_from_here = parent.world_from_here * local(&node).affine();
+        let world_from_node = parent.world_from_node * local(&node).affine();
         let children = std::mem::take(&mut node.children);
-        let place = visit(index, &node, parent.place, world_from_here, warnings)?;
+        let place = visit(index, &node, parent.place, world_from_node, warnings)?;
         if !children.is_empty() {
             is_above[index.value()] = true;
-            let stand = Stand { world_from_here, place };
-            way.push(Ancestor { index: Some(index), stand, children: children.into_iter() });
+            let placed = NodePlace { world_from_node, place };
+            way.push(Ancestor { index: Some(index), placed, children: children.into_iter() });
         }
     }
     match seen.iter().position(|&seen| !seen).filter(|_| are_all) {
@@ -161,7 +161,7 @@ impl Adder<'_> {
         &mut self,
         index: Index,
         node: &json::Node,
-        stand: Stand,
+        placed: NodePlace,
         warnings: &mut Warnings,
     ) -> Result<(), Error> {
         let place = format!("nodes[{}]", index.0);
@@ -171,17 +171,17 @@ impl Adder<'_> {
         let count = things.into_iter().filter(|&there| there).count();
         self.document.hold(count * (PLACED_BYTES + name.len()), &place)?;
         if let Some(mesh) = node.mesh {
-            self.add_mesh(&name, index, node, mesh, stand, warnings)?;
+            self.add_mesh(&name, index, node, mesh, placed, warnings)?;
         }
         let root = &self.document.root;
         if let Some(camera) = node.camera {
             let from: json::Camera = self.document.get(&root.cameras, camera, &place, "camera")?;
-            self.add_camera(&name, camera, &from, stand, warnings);
+            self.add_camera(&name, camera, &from, placed, warnings);
         }
         if let Some(light) = light {
             let lights = root.extensions.lights.as_ref().map_or(&[][..], |lights| &lights.lights);
             let from: json::Light<'_> = self.document.get(lights, light.light, &place, "light")?;
-            self.add_light(light.light, &from, stand, warnings);
+            self.add_light(light.light, &from, placed, warnings);
         }
         Ok(())
     }
@@ -246,13 +246,13 @@ impl Adder<'_> {
         index: Index,
         node: &json::Node,
         mesh: Index,
-        stand: Stand,
+        placed: NodePlace,
         warnings: &mut Warnings,
     ) -> Result<(), Error> {
         // A skinned mesh comes out in world space.
         let is_placed = node.skin.is_none();
-        let world_from_object = if is_placed { stand.world_from_here } else { Affine::IDENTITY };
-        let moves = matches!(stand.place, Place::On(_));
+        let world_from_object = if is_placed { placed.world_from_node } else { Affine::IDENTITY };
+        let moves = matches!(placed.place, Place::On(_));
         // What is flat at rest may not be so later.
         if world_from_object.inverse().is_none() && !moves {
             warnings.note(Oddity::BadNode, &self.document.path, None, name);
@@ -260,10 +260,10 @@ impl Adder<'_> {
         }
         let object = self.object(index, node, mesh, warnings)?;
         if let Some(object) = object {
-            let visible = self.rig.is_visible(stand.place);
+            let visible = self.rig.is_visible(placed.place);
             let name = name.to_owned();
             let instance = self.scene.add_instance(Instance { name, object, world_from_object, visible });
-            if let Place::On(node) = stand.place {
+            if let Place::On(node) = placed.place {
                 self.rig.made.instances.push(MovingInstance { instance, node, is_placed });
             }
         }
@@ -275,24 +275,30 @@ impl Adder<'_> {
         name: &str,
         index: Index,
         from: &json::Camera,
-        stand: Stand,
+        placed: NodePlace,
         warnings: &mut Warnings,
     ) {
         let Some(perspective) = &from.perspective else {
             let detail = format!("{name}: not a perspective camera");
             return warnings.note(Oddity::BadCamera, &self.document.path, None, detail);
         };
-        let Some(camera) = camera_at(name, &stand.world_from_here, perspective.yfov) else {
+        let Some(camera) = camera_at(name, &placed.world_from_node, perspective.yfov) else {
             return warnings.note(Oddity::BadCamera, &self.document.path, None, name);
         };
         let camera = self.scene.add_camera(camera);
-        if self.rig.drafts.drives_angle(index) || matches!(stand.place, Place::On(_)) {
+        if self.rig.drafts.drives_angle(index) || matches!(placed.place, Place::On(_)) {
             let field_of_view = self.rig.add_angle(index, perspective.yfov);
-            self.rig.made.cameras.push(MovingCamera { camera, place: stand.place, field_of_view });
+            self.rig.made.cameras.push(MovingCamera { camera, place: placed.place, field_of_view });
         }
     }
 
-    fn add_light(&mut self, index: Index, from: &json::Light<'_>, stand: Stand, warnings: &mut Warnings) {
+    fn add_light(
+        &mut self,
+        index: Index,
+        from: &json::Light<'_>,
+        placed: NodePlace,
+        warnings: &mut Warnings,
+    ) {
         let kind = match &*from.kind {
             "point" => Some(LightKind::Point),
             "directional" => Some(LightKind::Directional),
@@ -306,21 +312,21 @@ impl Adder<'_> {
             inner_angle: from.spot.inner_cone_angle,
             outer_angle: from.spot.outer_cone_angle,
         });
-        let visible = self.rig.is_visible(stand.place);
+        let visible = self.rig.is_visible(placed.place);
         let light =
-            factors.and_then(|factors| Some((factors, factors.light(&stand.world_from_here, visible)?)));
+            factors.and_then(|factors| Some((factors, factors.light(&placed.world_from_node, visible)?)));
         let Some((factors, light)) = light else {
             let detail = "light of an unknown kind or without a place";
             return warnings.note(Oddity::NotShown, &self.document.path, None, detail);
         };
-        let moves = self.rig.drafts.drives_light(index) || matches!(stand.place, Place::On(_));
+        let moves = self.rig.drafts.drives_light(index) || matches!(placed.place, Place::On(_));
         if !visible && !moves {
             return;
         }
         let light = self.scene.add_light(light);
         if moves {
             let factors = self.rig.add_light(index, factors);
-            self.rig.made.lights.push(MovingLight { light, place: stand.place, factors });
+            self.rig.made.lights.push(MovingLight { light, place: placed.place, factors });
         }
     }
 }

@@ -72,13 +72,13 @@ impl<'a> Rig<'a> {
         index: Index,
         node: &json::Node,
         parent: Place,
-        world_from_here: Affine,
+        world_from_node: Affine,
     ) -> Result<Place, Error> {
         let visible = node.extensions.visibility.as_ref().is_none_or(|v| v.visible);
         let place = match (self.nodes.get(&index), parent) {
             (Some(&known), _) => Place::On(known),
             (None, Place::Fixed { visible: above, .. }) if !self.drafts.drives_node(index) => {
-                Place::Fixed { world_from_here, visible: above && visible }
+                Place::Fixed { world_from_node, visible: above && visible }
             }
             (None, parent) => {
                 let name = node.name.clone().unwrap_or_default();
@@ -91,7 +91,7 @@ impl<'a> Rig<'a> {
             }
         };
         if let Some(joint) = self.joints.get_mut(&index) {
-            *joint = (place, world_from_here);
+            *joint = (place, world_from_node);
         }
         Ok(place)
     }
@@ -108,7 +108,7 @@ impl<'a> Rig<'a> {
     fn may_stretch(&self) -> bool {
         let uneven = |node: &Node| {
             let above = match node.parent {
-                Place::Fixed { world_from_here, .. } => stretches(&world_from_here),
+                Place::Fixed { world_from_node, .. } => stretches(&world_from_node),
                 Place::On(_) => false,
             };
             above || stretches(&node.rest.affine())
@@ -135,12 +135,12 @@ impl<'a> Rig<'a> {
         let mut at_rest = Vec::with_capacity(skin.joints.len());
         let mut joints = Vec::with_capacity(skin.joints.len());
         for (k, joint) in skin.joints.iter().enumerate() {
-            let (stand, world_from_joint) =
+            let (place, world_from_joint) =
                 self.joints.get(joint).copied().unwrap_or((NOWHERE, Affine::IDENTITY));
             let bind = inverse_binds.get(k).map(|m| Affine::from_column_major(&m.map(f64::from)));
             let joint_from_mesh = bind.unwrap_or_default();
             at_rest.push(world_from_joint * joint_from_mesh);
-            joints.push(Joint { place: stand, joint_from_mesh });
+            joints.push(Joint { place, joint_from_mesh });
         }
         let moves = joints.iter().any(|joint| matches!(joint.place, Place::On(_)));
         let stretches = at_rest.iter().any(stretches) || (moves && self.may_stretch());
@@ -252,7 +252,7 @@ impl<'a> Rig<'a> {
 }
 
 /// Where joints are that are not shown.
-const NOWHERE: Place = Place::Fixed { world_from_here: Affine::IDENTITY, visible: true };
+const NOWHERE: Place = Place::Fixed { world_from_node: Affine::IDENTITY, visible: true };
 
 /// Where a node is on its parent, at rest.
 pub(super) fn local(node: &json::Node) -> Local {
