@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 17] = [
+const ARROWS: [(&str, &[&str]); 18] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -14,6 +14,7 @@ const ARROWS: [(&str, &[&str]); 17] = [
     ("denoise", &["simd", "image"]),
     ("scene", &["image"]),
     ("shading", &["simd", "image", "accel"]),
+    ("sl-lib", &["simd"]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
     ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render"]),
     ("bench", &["gnurt"]),

@@ -7,7 +7,7 @@ use super::files::SourceFile;
 const LICENCE: &str = "SPDX-License-Identifier: GPL-3.0-or-later";
 
 /// Rooms whose files say `Source:` in their head.
-const CITING: [&str; 8] = [
+const CITING: [&str; 9] = [
     "crates/accel/src/",
     "crates/accel-core/src/",
     "crates/accel-bvh/src/",
@@ -16,6 +16,7 @@ const CITING: [&str; 8] = [
     "crates/render/src/",
     "crates/scene/src/",
     "crates/image/src/",
+    "crates/sl-lib/src/",
 ];
 
 /// The first line, or the second after `#!`, names the licence.

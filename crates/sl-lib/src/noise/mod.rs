@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Noise of every kind, in 1 to 4 dimensions.
+//!
+//! Points are arrays of their coordinates: a point and a time are `[x, y, z, t]`. Functions that end in 3 give three
+//! noises; those that begin with p repeat.
+
+mod cell;
+mod hash;
+mod period;
+mod perlin;
+mod simplex;
+
+pub use cell::{
+    cellnoise, cellnoise3, hashnoise, hashnoise3, pcellnoise, pcellnoise3, phashnoise, phashnoise3,
+};
+pub use hash::{hash_floats, hash_int, hash_words};
+pub use perlin::{noise, noise3, pnoise, pnoise3, psnoise, psnoise3, snoise, snoise3};
+pub use simplex::{simplex, simplex3, usimplex, usimplex3};

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Perlin's gradient noise in 1 to 4 dimensions, with derivatives where coordinates have them.
+//! Source: [Per02], with the hash, gradients and scales of OSL 1.14. Signed noise is in [-1, 1], unsigned noise in [0, 1].
+//! Invariant: the bits of OSL's noise without derivatives, which interpolates along z, then x, y and w. Its noise with
+//! derivatives takes another order in four dimensions and differs from that by a rounding; here both are the same.
+//! Proof: `tests/noise.rs`.
+
+use super::hash::hash_words;
+use super::period::whole_periods;
+use crate::number::{Number, Real, Words};
+
+type WordsOf<N> = <<N as Number>::Real as Real>::Words;
+
+/// Scales that bring each dimension's noise to about [-1, 1].
+const SCALES: [f32; 4] = [0.25, 0.6616, 0.982, 0.8344];
+
+/// a (1 - t) + b t.
+#[inline(always)]
+fn lerp<N: Number>(a: N, b: N, t: N) -> N {
+    a * t.subtracted_from(1.0) + b * t
+}
+
+/// The blend of corners: 6 t^5 - 15 t^4 + 10 t^3.
+#[inline(always)]
+fn fade<N: Number>(t: N) -> N {
+    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+}
+
+/// The gradient that a hash chooses, times the way `p` from its corner.
+#[inline(always)]
+fn gradient<N: Number, const D: usize>(hash: WordsOf<N>, p: [N; D]) -> N {
+    let pick = |mask, a: N, b: N| N::pick(mask, a, b);
+    match D {
+        1 => {
+            let slope = N::Real::from_unsigned(hash & 7) + 1.0;
+            N::lift(slope.negated_where((hash >> 3) & 1)) * p[0]
+        }
+        2 => {
+            let low = (hash & 7).below(4);
+            let (u, v) = (pick(low, p[0], p[1]), pick(low, p[1], p[0]) * 2.0);
+            u.negated_where(hash & 1) + v.negated_where((hash >> 1) & 1)
+        }
+        3 => {
+            let h = hash & 15;
+            let u = pick(h.below(8), p[0], p[1]);
+            let v = pick(h.below(4), p[1], pick(h.equal(12) | h.equal(14), p[0], p[2]));
+            u.negated_where(hash & 1) + v.negated_where((hash >> 1) & 1)
+        }
+        _ => {
+            let h = hash & 31;
+            let u = pick(h.below(24), p[0], p[1]);
+            let v = pick(h.below(16), p[1], p[2]);
+            let s = pick(h.below(8), p[2], p[3]);
+            u.negated_where(hash & 1) + v.negated_where((hash >> 1) & 1) + s.negated_where((hash >> 2) & 1)
+        }
+    }
+}
+
+/// A point between the corners of its cell.
+#[derive(Clone, Copy)]
+struct Place<N: Number, const D: usize> {
+    /// The lower corner.
+    cell: [WordsOf<N>; D],
+    /// The way from there, in [0, 1).
+    rest: [N; D],
+    /// How much of the upper corners to take.
+    blend: [N; D],
+    /// After how many cells the noise repeats.
+    period: Option<[WordsOf<N>; D]>,
+}
+
+impl<N: Number, const D: usize> Place<N, D> {
+    #[inline(always)]
+    fn new(p: [N; D], period: Option<[WordsOf<N>; D]>) -> Self {
+        let cell = p.map(|x| x.value().floor_int());
+        let mut rest = p;
+        for i in 0..D {
+            rest[i] = p[i].with_value(p[i].value() - N::Real::from_int(cell[i]));
+        }
+        Self { cell, rest, blend: rest.map(fade), period }
+    }
+
+    /// The hash of a corner: bit i of `corner` is set where coordinate i is the upper one.
+    #[inline(always)]
+    fn hash(&self, corner: usize) -> WordsOf<N> {
+        let mut key = self.cell;
+        for i in 0..D {
+            let at = if corner >> i & 1 == 1 { self.cell[i] + 1 } else { self.cell[i] };
+            key[i] = if let Some(period) = self.period { at.wrapped(period[i]) } else { at };
+        }
+        hash_words(key)
+    }
+
+    /// What a corner with this hash contributes.
+    #[inline(always)]
+    fn contribution(&self, corner: usize, hash: WordsOf<N>) -> N {
+        let mut way = self.rest;
+        for (i, way) in way.iter_mut().enumerate() {
+            if corner >> i & 1 == 1 {
+                *way = *way - 1.0;
+            }
+        }
+        gradient(hash, way)
+    }
+
+    /// All corners blended; `hashes` are theirs.
+    #[inline(always)]
+    fn blended(&self, hashes: &[WordsOf<N>; 16]) -> N {
+        let corner = |i: usize| self.contribution(i, hashes[i]);
+        let [u, v, w, s] = [0, 1, 2, 3].map(|i| self.blend[if i < D { i } else { 0 }]);
+        let noise = match D {
+            1 => lerp(corner(0), corner(1), u),
+            2 => lerp(lerp(corner(0), corner(1), u), lerp(corner(2), corner(3), u), v),
+            _ => {
+                let cube = |low: usize| {
+                    let edge = |i: usize| lerp(corner(low + i), corner(low + i + 4), w);
+                    lerp(lerp(edge(0), edge(1), u), lerp(edge(2), edge(3), u), v)
+                };
+                if D == 3 { cube(0) } else { lerp(cube(0), cube(8), s) }
+            }
+        };
+        noise * SCALES[D - 1]
+    }
+
+    #[inline(always)]
+    fn hashes(&self) -> [WordsOf<N>; 16] {
+        let mut hashes = [self.cell[0]; 16];
+        for (corner, hash) in hashes[..1 << D].iter_mut().enumerate() {
+            *hash = self.hash(corner);
+        }
+        hashes
+    }
+
+    #[inline(always)]
+    fn one(self) -> N {
+        self.blended(&self.hashes())
+    }
+
+    /// Three noises from three bytes of each corner's hash.
+    #[inline(always)]
+    fn three(self) -> [N; 3] {
+        let hashes = self.hashes();
+        [0, 8, 16].map(
+            #[inline(always)]
+            |shift| {
+                let mut bytes = hashes;
+                for byte in &mut bytes[..1 << D] {
+                    *byte = (*byte >> shift) & 0xff;
+                }
+                self.blended(&bytes)
+            },
+        )
+    }
+}
+
+/// From [-1, 1] to [0, 1].
+#[inline(always)]
+pub(super) fn halved<N: Number>(x: N) -> N {
+    (x + 1.0) * 0.5
+}
+
+/// Signed noise, in about [-1, 1]. `p` has 1 to 4 coordinates.
+#[inline(always)]
+pub fn snoise<N: Number, const D: usize>(p: [N; D]) -> N {
+    Place::new(p, None).one()
+}
+
+/// Three signed noises.
+#[inline(always)]
+pub fn snoise3<N: Number, const D: usize>(p: [N; D]) -> [N; 3] {
+    Place::new(p, None).three()
+}
+
+/// Noise in about [0, 1].
+#[inline(always)]
+pub fn noise<N: Number, const D: usize>(p: [N; D]) -> N {
+    halved(snoise(p))
+}
+
+/// Three noises.
+#[inline(always)]
+pub fn noise3<N: Number, const D: usize>(p: [N; D]) -> [N; 3] {
+    snoise3(p).map(halved)
+}
+
+/// Signed noise that repeats after `period`, which is rounded down and at least 1.
+#[inline(always)]
+pub fn psnoise<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> N {
+    Place::new(p, Some(whole_periods(period))).one()
+}
+
+/// Three signed noises that repeat.
+#[inline(always)]
+pub fn psnoise3<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> [N; 3] {
+    Place::new(p, Some(whole_periods(period))).three()
+}
+
+/// Noise that repeats.
+#[inline(always)]
+pub fn pnoise<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> N {
+    halved(psnoise(p, period))
+}
+
+/// Three noises that repeat.
+#[inline(always)]
+pub fn pnoise3<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> [N; 3] {
+    psnoise3(p, period).map(halved)
+}
