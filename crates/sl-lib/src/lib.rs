@@ -21,11 +21,14 @@
 //! Where OSL's documentation leaves a choice, its implementation at commit ad63273a decides, approximations included: shaders
 //! print the digits that they print there. Differences are said where they are.
 
+pub mod color;
 mod dual;
 pub mod math;
+pub mod matrix;
 pub mod noise;
 mod number;
 mod number_lanes;
+pub mod spline;
 
 pub use dual::Dual;
 pub use number::{Arithmetic, Mask, Number, Real, Word, Words};

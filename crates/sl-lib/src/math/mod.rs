@@ -5,6 +5,7 @@ mod arithmetic;
 mod exponential;
 mod steps;
 mod trigonometry;
+pub mod vectors;
 
 pub use arithmetic::{
     abs, abs_int, cbrt, ceil, clamp, degrees, div, div_int, floor, fmod, hypot, hypot3, inversesqrt, max,

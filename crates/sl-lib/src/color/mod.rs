@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Colours: spaces by name, luminance, black bodies, light of one wavelength.
+
+mod convert;
+mod matching;
+mod spectrum;
+mod system;
+
+pub use system::{ColorSystem, UnknownColorSpace};
