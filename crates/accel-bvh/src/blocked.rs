@@ -10,7 +10,7 @@ use crate::primitives::Primitives;
 use crate::tree::Tree;
 
 /// Tree and blocks.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Blocked<B> {
     pub(crate) tree: Tree,
     pub(crate) blocks: Vec<B>,
@@ -46,6 +46,11 @@ impl<B> Blocked<B> {
     /// Measures a sound tree, whose blocks hold so many references.
     pub(crate) fn measure_again(&mut self, references: u64) {
         self.stats = TreeStats { references, ..self.tree.measure() };
+    }
+
+    /// Its nodes have other boxes, of this cost.
+    pub(crate) fn refitted(&mut self, cost: f64) {
+        (self.greatest, self.stats.sah_cost) = (self.tree.greatest(), cost);
     }
 
     /// Box around everything.

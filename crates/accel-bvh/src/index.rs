@@ -10,16 +10,26 @@ use gnurt_accel_core::{Aabb, BuildError, Memory, Quality, Threads, TreeStats};
 
 use crate::build::try_build;
 use crate::leaves::Leaves;
+use crate::refit::Moving;
 use crate::tree::Tree;
 
 /// Tree and triangles.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct BvhIndex {
     pub(crate) tree: Tree,
     pub(crate) leaves: Leaves,
     /// The greatest coordinate of any plane.
     pub(crate) greatest: f32,
-    stats: TreeStats,
+    pub(crate) stats: TreeStats,
+    /// Once it has been refitted.
+    pub(crate) moving: Option<Box<Moving>>,
+}
+
+/// Whether two have the same nodes and blocks.
+impl PartialEq for BvhIndex {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.tree, &self.leaves) == (&other.tree, &other.leaves)
+    }
 }
 
 impl BvhIndex {
@@ -43,7 +53,7 @@ impl BvhIndex {
         let leaves = Leaves::build(screened, memory, &in_blocks, threads, watch)?;
         watch.give(size_of_val(&in_blocks[..]));
         let greatest = tree.greatest();
-        Ok(Self { tree, leaves, greatest, stats })
+        Ok(Self { tree, leaves, greatest, stats, moving: None })
     }
 
     /// Box around all triangles.
@@ -55,8 +65,9 @@ impl BvhIndex {
     /// Size and shape.
     #[must_use]
     pub fn stats(&self) -> TreeStats {
+        let moving = self.moving.as_deref().map_or(0, Moving::memory_bytes);
         TreeStats {
-            tree_bytes: self.tree.node_bytes() as u64,
+            tree_bytes: (self.tree.node_bytes() + moving) as u64,
             primitive_bytes: self.leaves.memory_bytes() as u64,
             ..self.stats
         }

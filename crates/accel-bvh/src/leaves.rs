@@ -15,7 +15,7 @@ use crate::pools::{Filling, Pools};
 use crate::tree::Tree;
 
 /// Blocks by their numbers.
-#[derive(Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Leaves {
     pub(super) blocks: Vec<TriangleBlock>,
     pub(super) pools: Pools,
@@ -32,7 +32,9 @@ impl Leaves {
     ) -> Result<Self, BuildError> {
         let mut leaves = Self::default();
         let number = |i: u32| screened.good.get(i as usize).copied().unwrap_or(INVALID_ID);
-        let block = |places: &[u32; WIDTH]| TriangleBlock::new(screened, &places.map(number));
+        let block = |places: &[u32; WIDTH]| {
+            TriangleBlock::new(|number| screened.corners(number), &places.map(number))
+        };
         if memory == Memory::Fast {
             watch.take(size_of::<TriangleBlock>() * in_blocks.len());
             watch.result()?;

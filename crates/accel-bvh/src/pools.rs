@@ -102,7 +102,7 @@ fn expand<S: Simd>(simd: S, block: &PooledBlock, pool: &[f32; WINDOW], into: &mu
 
 /// From points, with anything behind their three coordinates, to coordinates.
 #[inline(always)]
-fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 3] {
+pub(crate) fn transposed<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 3] {
     let (ac, bd) = (a.zip_low(c), b.zip_low(d));
     [ac.zip_low(bd), ac.zip_high(bd), a.zip_high(c).zip_low(b.zip_high(d))]
 }

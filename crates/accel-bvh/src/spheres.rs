@@ -33,7 +33,7 @@ pub(crate) struct SphereBlock {
 }
 
 /// Tree and spheres.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct SphereIndex(pub(crate) Blocked<SphereBlock>);
 
 /// The spheres that can be traced.
@@ -49,13 +49,14 @@ impl Primitives for Gathered {
 
     fn bounds(&self, i: usize) -> Aabb {
         let (center, radius) = self.spheres[i];
-        // One float more on either side is what rounding may have taken.
-        let side = |k: usize, sign: f32| center[k] + sign * radius;
-        Aabb {
-            min: [0, 1, 2].map(|k| side(k, -1.0).next_down()),
-            max: [0, 1, 2].map(|k| side(k, 1.0).next_up()),
-        }
+        sphere_box(center, radius)
     }
+}
+
+/// The box around a sphere. One float more on either side is what rounding may have taken.
+pub(crate) fn sphere_box(center: [f32; 3], radius: f32) -> Aabb {
+    let side = |k: usize, sign: f32| center[k] + sign * radius;
+    Aabb { min: [0, 1, 2].map(|k| side(k, -1.0).next_down()), max: [0, 1, 2].map(|k| side(k, 1.0).next_up()) }
 }
 
 impl SphereIndex {

@@ -20,12 +20,12 @@ use crate::node_ray::NodeRay;
 use crate::walk::walk;
 
 /// Tree, and who knows what is in it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct UserIndex {
     /// Blocks are numbers in the object.
     pub(crate) over: Blocked<[u32; WIDTH]>,
     /// Geometries and their first numbers, ascending.
-    geometries: Vec<(u32, Arc<dyn UserGeometry>)>,
+    pub(crate) geometries: Vec<(u32, Arc<dyn UserGeometry>)>,
 }
 
 impl UserIndex {

@@ -10,7 +10,6 @@ use crate::collect::Collect;
 use crate::hit::INVALID_ID;
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::ray::Ray;
-use crate::screened::Screened;
 use crate::triangle::{Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges, relative_to, shear};
 
 /// Triangles of a block, and children of a wide BVH's node.
@@ -69,14 +68,14 @@ impl<S: Simd> BlockRay<S> {
 impl TriangleBlock {
     pub const ZERO: Self = Self { corners: [[[0.0; WIDTH]; 3]; 3], numbers: [0; WIDTH] };
 
-    /// From numbers of triangles; `INVALID_ID` where there is none, which is not so for the first.
-    pub fn new(screened: &Screened, numbers: &[u32; WIDTH]) -> Self {
+    /// From numbers of triangles and their corners; `INVALID_ID` where there is none, which is not so for the first.
+    pub fn new(corners: impl Fn(u32) -> [[f32; 3]; 3], numbers: &[u32; WIDTH]) -> Self {
         let mut block = Self { numbers: *numbers, ..Self::ZERO };
         for lane in 0..WIDTH {
             if block.numbers[lane] == INVALID_ID {
                 block.numbers[lane] = block.numbers[0];
             }
-            let corners = screened.corners(block.numbers[lane]);
+            let corners = corners(block.numbers[lane]);
             for (corner, position) in corners.iter().enumerate() {
                 for (axis, &x) in position.iter().enumerate() {
                     block.corners[corner][axis][lane] = x;

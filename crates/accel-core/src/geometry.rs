@@ -171,7 +171,7 @@ impl std::ops::AddAssign for BadPrimitives {
 }
 
 /// Numbers of all primitives of an object: triangles, halves of quads, spheres, user primitives.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Numbering {
     /// First number of each geometry, and one past the last.
     pub starts: Vec<u32>,

@@ -8,15 +8,13 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::aabb::Aabb;
-use crate::geometry::{BadPrimitives, Geometry, GeometryKind, Quads, Triangles};
-use crate::geometry::{Numbering, geometry_of};
+use crate::geometry::{BadPrimitives, Geometry, Numbering, Triangles};
+use crate::surfaces::{Surface, Surfaces, check, check_quad};
 use crate::threads::Threads;
 
 /// Triangles of some geometries under the object's numbers; bad ones keep their number and have no corners.
 pub struct Screened<'a> {
-    surfaces: Vec<Surface<'a>>,
-    /// First number of each geometry, and one past the last.
-    pub starts: Vec<u32>,
+    pub surfaces: Surfaces<'a>,
     /// Numbers of the triangles that can be traced, ascending.
     pub good: Vec<u32>,
     pub bad: BadPrimitives,
@@ -39,15 +37,6 @@ impl Default for Filtered {
 /// Numbers that one thread looks at. Both halves of a quad are in the same piece.
 const PIECE: u32 = if cfg!(test) { 1 << 3 } else { 1 << 14 };
 
-/// What triangles of one geometry are made from.
-#[derive(Clone, Copy)]
-enum Surface<'a> {
-    Triangles(Triangles<'a>),
-    Quads(Quads<'a>),
-    /// Another kind, or for another tree.
-    None,
-}
-
 impl<'a> Screened<'a> {
     /// Looks at every triangle and quad of those geometries that are `wanted` once.
     pub fn over(
@@ -56,14 +45,9 @@ impl<'a> Screened<'a> {
         wanted: impl Fn(&Geometry) -> bool,
         threads: Threads,
     ) -> Self {
-        let surface = |geometry: &Geometry<'a>| match &geometry.kind {
-            GeometryKind::Triangles(mesh) if wanted(geometry) => Surface::Triangles(*mesh),
-            GeometryKind::Quads(mesh) if wanted(geometry) => Surface::Quads(*mesh),
-            _ => Surface::None,
-        };
-        let surfaces: Vec<Surface> = geometries.iter().map(surface).collect();
+        let surfaces = Surfaces::new(geometries, numbering, wanted);
         let mut pieces = Vec::new();
-        for (i, surface) in surfaces.iter().enumerate() {
+        for (i, surface) in surfaces.meshes.iter().enumerate() {
             let Range { start, end } = numbering.range(i);
             if !matches!(surface, Surface::None) {
                 let starts = (start..end).step_by(PIECE as usize);
@@ -82,7 +66,6 @@ impl<'a> Screened<'a> {
         });
         let mut screened = Self {
             surfaces,
-            starts: numbering.starts.clone(),
             good: Vec::with_capacity(pieces_filtered.iter().map(|filtered| filtered.good.len()).sum()),
             bad: BadPrimitives::default(),
             bounds: Aabb::EMPTY,
@@ -105,15 +88,7 @@ impl<'a> Screened<'a> {
     /// The corners of triangle `number`, which must be one of `good`.
     #[inline]
     pub fn corners(&self, number: u32) -> [[f32; 3]; 3] {
-        let geometry = geometry_of(&self.starts, number);
-        let within = number - self.starts[geometry];
-        match &self.surfaces[geometry] {
-            Surface::Triangles(mesh) => mesh.indices[within as usize].map(|i| mesh.positions[i as usize]),
-            Surface::Quads(mesh) => {
-                half(&mesh.indices[within as usize / 2], within & 1).map(|i| mesh.positions[i as usize])
-            }
-            Surface::None => unreachable!("{number} is not among the good numbers"),
-        }
+        self.surfaces.corners(number)
     }
 
     /// One past the greatest number.
@@ -149,27 +124,11 @@ impl Filtered {
         }
     }
 
-    /// A quad with one flat half is a triangle; any other fault of a half is one of the quad.
     fn take_quad(&mut self, number: u32, positions: &[[f32; 3]], quad: &[u32; 4]) {
-        let mut faults = BadPrimitives::default();
-        let halves = [0, 1].map(|i| match check(&mut faults, positions, half(quad, i)) {
-            Ok(triangle) => Some(triangle),
-            Err(fault) => {
-                *fault += 1;
-                None
+        for (i, triangle) in (0..).zip(check_quad(&mut self.bad, positions, quad)) {
+            if let Some(triangle) = triangle {
+                self.keep(number + i, &triangle);
             }
-        });
-        if faults.total() == faults.zero_area && faults.zero_area < 2 {
-            for (i, triangle) in halves.iter().enumerate() {
-                if let Some(triangle) = triangle {
-                    self.keep(number + i as u32, triangle);
-                }
-            }
-            return;
-        }
-        // The second half may have the same fault as the first, or another one.
-        if let Err(fault) = check(&mut self.bad, positions, half(quad, u32::from(halves[0].is_some()))) {
-            *fault += 1;
         }
     }
 
@@ -179,42 +138,10 @@ impl Filtered {
     }
 }
 
-/// Vertices of one half of a quad.
-#[inline]
-fn half(&[a, b, c, d]: &[u32; 4], which: u32) -> [u32; 3] {
-    if which == 0 { [a, b, d] } else { [c, d, b] }
-}
-
-/// The corners, or where their fault is to be counted.
-fn check<'b>(
-    bad: &'b mut BadPrimitives,
-    positions: &[[f32; 3]],
-    corners: [u32; 3],
-) -> Result<[[f32; 3]; 3], &'b mut u64> {
-    if corners.iter().any(|&i| i as usize >= positions.len()) {
-        return Err(&mut bad.bad_index);
-    }
-    let triangle = corners.map(|i| positions[i as usize]);
-    // Not so of NaN.
-    if triangle.iter().flatten().all(|x| x.abs() <= crate::LARGEST_COORDINATE) {
-        return if is_flat(&triangle) { Err(&mut bad.zero_area) } else { Ok(triangle) };
-    }
-    match bad.fault(triangle.iter().flatten().copied()) {
-        Some(fault) => Err(fault),
-        None => Ok(triangle),
-    }
-}
-
-/// Whether the corners span no area, in double precision.
-fn is_flat([a, b, c]: &[[f32; 3]; 3]) -> bool {
-    let edge = |p: &[f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(a[k]));
-    let ([ux, uy, uz], [vx, vy, vz]) = (edge(b), edge(c));
-    uy * vz == uz * vy && uz * vx == ux * vz && ux * vy == uy * vx
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{GeometryKind, Quads, geometry_of};
 
     #[test]
     fn each_fault_is_counted_once() {
@@ -246,7 +173,7 @@ mod tests {
         assert_eq!(screened.bad.total(), 7, "all of them");
         assert_eq!(screened.good, [0, 7], "what is left keeps its number");
         assert_eq!(screened.corners(7)[0], [0.0, 1.0, 0.0], "found through an empty mesh");
-        assert_eq!(geometry_of(&screened.starts, 0), 1, "the empty mesh holds nothing");
+        assert_eq!(geometry_of(&screened.surfaces.starts, 0), 1, "the empty mesh holds nothing");
     }
 
     #[test]

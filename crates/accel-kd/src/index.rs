@@ -26,7 +26,7 @@ use crate::slab::RaySlabs;
 use crate::tiles::Blocked;
 
 /// Tree and triangles.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct KdIndex {
     tree: KdTree,
     triangles: Prepared,
@@ -36,7 +36,7 @@ pub struct KdIndex {
 }
 
 /// Triangles for the test that was chosen.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Prepared {
     /// In the leaves, in blocks.
     Watertight(Leaves),

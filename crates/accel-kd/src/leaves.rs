@@ -14,7 +14,7 @@ use gnurt_accel_core::threads::extend;
 use gnurt_accel_core::{INVALID_ID, Threads};
 
 /// Blocks of all leaves.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Leaves {
     /// First block of each leaf, and one past the last of all.
     starts: Vec<u32>,
@@ -35,7 +35,7 @@ impl Leaves {
         let block = |i: usize| {
             let (numbers, mut padded) = (in_blocks[i], [INVALID_ID; WIDTH]);
             padded[..numbers.len()].copy_from_slice(numbers);
-            TriangleBlock::new(screened, &padded)
+            TriangleBlock::new(|number| screened.corners(number), &padded)
         };
         let mut blocks = Vec::with_capacity(in_blocks.len());
         threads.run(|parallel| extend(parallel, &mut blocks, in_blocks.len(), block));

@@ -85,7 +85,7 @@ fn nearest_with_axis(axis: usize, plane: f32) -> f32 {
 pub(crate) const DEEPEST: usize = 64;
 
 /// A tree; node 0 is the root.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct KdTree {
     pub(crate) nodes: Vec<Node>,
     pub(crate) items: Vec<u32>,

@@ -29,7 +29,7 @@ struct Projected {
 }
 
 /// Projected triangles by number; those of dropped ones are never looked at.
-#[derive(Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ProjectedTriangles {
     triangles: Vec<Projected>,
 }

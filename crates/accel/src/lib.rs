@@ -112,9 +112,30 @@
 //! assert_eq!(tree.closest_point([0.0, 3.0, 0.0], 1.9), None); // nothing within that radius
 //! ```
 //!
+//! # What moves
+//!
+//! A tree whose triangles have moved is refitted in a fraction of a build's time ([`ObjectTree::refit`]); [`MovingTree`] does so from
+//! frame to frame, and builds again when that pays:
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! # use std::sync::Arc;
+//! let options = BuildOptions::default();
+//! let mut positions = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]];
+//! fn mesh(positions: &[[f32; 3]]) -> [Geometry<'_>; 1] {
+//!     [Triangles { positions, indices: &[[0, 1, 2]] }.into()]
+//! }
+//! let mut moving = MovingTree::build(&mesh(&positions), &options, Motion::Auto, Threads::Single);
+//! let before = Arc::clone(moving.tree());
+//! positions.iter_mut().for_each(|p| p[2] = 0.5);
+//! assert_eq!(moving.update(&mesh(&positions), &options, Threads::Single), Update::Refitted);
+//! let t = |tree: &ObjectTree| tree.intersect(&Ray::new([0.25, 0.5, 1.0], [0.0, 0.0, -1.0])).map(|hit| hit.t);
+//! assert_eq!((t(moving.tree()), t(&before)), (Some(0.5), Some(1.0)));
+//! ```
+//!
 //! # Limits today
 //!
-//! No motion, no curves, no subdivision. An object has at most [`MOST_TRIANGLES`] triangles.
+//! No motion blur, no curves, no subdivision. An object has at most [`MOST_TRIANGLES`] triangles.
 #![forbid(unsafe_code)]
 
 mod answers;
@@ -127,6 +148,7 @@ mod facing;
 mod inside;
 mod lists;
 mod many;
+mod moving;
 mod near;
 mod object;
 mod overlaps;
@@ -144,12 +166,13 @@ pub use facing::Face;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, Geometry,
     GeometryKind, Hit, HitBatch, INVALID_ID, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, PointHit,
-    PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, Spheres, Structure, Threads, TreeStats,
-    TriangleTest, Triangles, UserGeometry, UserHit,
+    PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, Spheres, Structure,
+    Threads, TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
 };
 pub use gnurt_simd::Level;
 pub use inside::Side;
 pub use lists::Lists;
+pub use moving::{Motion, MovingTree, Update};
 pub use object::ObjectTree;
 pub use pencil::Pencil;
 pub use scene::{DEEPEST_SCENE, Instance, SceneError, SceneTree, Shape};

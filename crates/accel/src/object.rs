@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One object's geometry, ready to be asked for rays: built once, never changed, shared through `Arc`.
+//! One object's geometry, ready to be asked for rays: shared through `Arc`, refitted by who holds it alone.
 //! Source: original; a tree for each kind of primitive, searched one after the other up to the best hit so far, is what
 //! Embree does. Space: object; `inst_id` is 0 in all hits.
 //! Invariant: primitives are numbered through all geometries, so what is best does not depend on the order of trees.
@@ -8,9 +8,11 @@
 mod build;
 mod corners;
 mod faces;
+mod kind;
 mod many;
 mod places;
 mod queries;
+mod refit;
 mod region;
 mod store;
 mod surface_queries;
@@ -24,6 +26,7 @@ use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::trip::{RayTrip, TileTrip};
 use gnurt_accel_kd::KdIndex;
+use kind::{Group, Kind};
 use places::Places;
 
 use crate::engine::Engine;
@@ -31,10 +34,12 @@ use crate::together::by_heading;
 use crate::{Aabb, BadPrimitives, Hit, TreeStats};
 
 /// Trees over an object's geometries.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct ObjectTree {
     /// None of them empty.
     parts: Vec<Part>,
+    /// By geometry; `None` where a tree that was loaded holds nothing of it.
+    groups: Vec<Option<Group>>,
     numbering: Numbering,
     bad: BadPrimitives,
     bounds: Aabb,
@@ -44,14 +49,14 @@ pub struct ObjectTree {
 }
 
 /// A tree over all primitives of one kind and mask.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Part {
     mask: u32,
     index: Index,
 }
 
 /// What was built. To add a structure is to add a line here and in the matches below.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 enum Index {
     Kd(KdIndex),
     Bvh(BvhIndex),
@@ -193,6 +198,18 @@ impl ObjectTree {
         // The second half of a quad has its vertices 2, 3 and 1.
         let (u, v) = if place.second_half { (1.0 - u, 1.0 - v) } else { (u, v) };
         Hit { t, u, v, prim_id: place.prim_id, geom_id: place.geom_id, inst_id, leaf_id }
+    }
+}
+
+impl Part {
+    /// What it is over.
+    fn group(&self) -> Group {
+        let kind = match self.index {
+            Index::Kd(_) | Index::Bvh(_) => Kind::Surfaces,
+            Index::Spheres(_) => Kind::Spheres,
+            Index::User(_) => Kind::User,
+        };
+        (kind, self.mask)
     }
 }
 

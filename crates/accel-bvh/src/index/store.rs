@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A wide BVH's way into a file and back. Source: original; the format is that of `crate::store`.
-//! Invariant: what is loaded is one tree of nodes, children behind their parents, none deeper than a build would put it;
-//! its leaves hold each block once. Proof: `tests/saved.rs`.
+//! Invariant: what is loaded is one tree of nodes and blocks in the order of a walk, none deeper than a build would put it. Proof: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 
@@ -142,7 +141,7 @@ impl BvhIndex {
                 Leaves { pools, ..Leaves::default() }
             }
         };
-        Ok(Self { greatest: tree.greatest(), tree, leaves, stats: TreeStats::default() })
+        Ok(Self { greatest: tree.greatest(), tree, leaves, stats: TreeStats::default(), moving: None })
     }
 
     /// Whether all that a walk relies on is so, where there are `count` triangles. Then the tree is measured: what a file
@@ -199,17 +198,18 @@ impl Tree {
         if (count == 0) != self.bounds.is_empty() {
             return damaged("its bounds are not those of its nodes");
         }
-        // One more than the depth of each node whose parent has been seen.
-        let mut depths = vec![0u8; count];
-        depths.iter_mut().take(1).for_each(|root| *root = 1);
-        let mut in_leaves = 0;
+        // Nodes that are to come, the next one last, and their depths; and the next block.
+        let mut waiting = if count == 0 { Vec::new() } else { vec![(0, 0)] };
+        let mut next_block = 0;
         for at in 0..count {
-            let depth = depths[at];
-            if depth == 0 {
-                return damaged("a node has no parent before it");
+            let Some((_, depth)) = waiting.pop().filter(|&(next, _)| next == at) else {
+                return damaged("a node is not where a walk comes to it");
+            };
+            if depth >= DEEPEST {
+                return damaged("it is too deep");
             }
             self.compact.get(at).map_or(Ok(()), CompactNode::check)?;
-            for place in 0..WIDTH {
+            for place in (0..WIDTH).rev() {
                 let (child, bounds) = self.child(at, place);
                 if child == Child::NONE {
                     if bounds != Aabb::EMPTY {
@@ -222,24 +222,17 @@ impl Tree {
                 }
                 if child.is_leaf() {
                     let range = child.blocks();
-                    in_leaves += range.len();
-                    if range.is_empty() || range.end > blocks {
-                        return damaged("a leaf has blocks that do not exist");
+                    if range.is_empty() || range.start != next_block || range.end > blocks {
+                        return damaged("a leaf's blocks are not where a walk comes to them");
                     }
+                    next_block = range.end;
                 } else {
-                    let index = child.index();
-                    if index <= at || depths.get(index) != Some(&0) {
-                        return damaged("a node is the child of several, or does not exist");
-                    }
-                    if depth as usize >= DEEPEST {
-                        return damaged("it is too deep");
-                    }
-                    depths[index] = depth + 1;
+                    waiting.push((child.index(), depth + 1));
                 }
             }
         }
-        if in_leaves != blocks {
-            return damaged("a block is in several leaves, or in none");
+        if !waiting.is_empty() || next_block != blocks {
+            return damaged("nodes or blocks are missing, or there are too many");
         }
         Ok(())
     }

@@ -6,31 +6,16 @@ use std::sync::OnceLock;
 
 use gnurt_accel_bvh::{BvhIndex, SphereIndex, UserIndex};
 use gnurt_accel_core::control::Watch;
-use gnurt_accel_core::geometry::{GeometryKind, Numbering};
+use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::screened::Screened;
 use gnurt_accel_kd::KdIndex;
 
+use super::kind::{Group, Kind, group_of};
 use super::{Index, ObjectTree, Part};
 use crate::{
     Aabb, BadPrimitives, BuildControl, BuildError, BuildOptions, Geometry, Structure, Threads, TreeStats,
     Triangles,
 };
-
-/// What trees are told apart by.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Surfaces,
-    Spheres,
-    User,
-}
-
-fn kind_of(geometry: &Geometry) -> Kind {
-    match geometry.kind {
-        GeometryKind::Triangles(_) | GeometryKind::Quads(_) => Kind::Surfaces,
-        GeometryKind::Spheres(_) => Kind::Spheres,
-        GeometryKind::User(_) => Kind::User,
-    }
-}
 
 impl ObjectTree {
     /// Builds over triangle meshes. Triangles that cannot be traced are left out and counted; no triangle at all is
@@ -81,8 +66,8 @@ impl ObjectTree {
         let watch = Watch::new(control);
         let numbering = Numbering::new(geometries);
         let mut bad = BadPrimitives { too_many: numbering.too_many, ..BadPrimitives::default() };
-        let mut groups: Vec<(Kind, u32)> = Vec::new();
-        for group in geometries.iter().map(|geometry| (kind_of(geometry), geometry.mask)) {
+        let mut groups: Vec<Group> = Vec::new();
+        for group in geometries.iter().map(group_of) {
             if !groups.contains(&group) {
                 groups.push(group);
             }
@@ -90,7 +75,7 @@ impl ObjectTree {
         let mut parts = Vec::new();
         let mut stats = TreeStats::default();
         for (kind, mask) in groups {
-            let wanted = |geometry: &Geometry| (kind_of(geometry), geometry.mask) == (kind, mask);
+            let wanted = |geometry: &Geometry| group_of(geometry) == (kind, mask);
             let (quality, memory) = (options.quality, options.memory);
             let mut triangles = None;
             watch.result()?;
@@ -133,7 +118,8 @@ impl ObjectTree {
         let bounds = parts.iter().fold(Aabb::EMPTY, |all, part| all.union(&part.index.bounds()));
         watch.result()?;
         watch.finish();
-        Ok(Self { parts, numbering, bad, bounds, stats, places: OnceLock::new() })
+        let groups = geometries.iter().map(|geometry| Some(group_of(geometry))).collect();
+        Ok(Self { parts, groups, numbering, bad, bounds, stats, places: OnceLock::new() })
     }
 }
 

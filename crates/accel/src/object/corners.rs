@@ -13,7 +13,7 @@ use crate::{Hit, INVALID_ID};
 
 impl Index {
     /// How many leaf blocks there are, and the numbers of each.
-    fn numbers(&self, visit: &mut dyn FnMut(usize, &[u32; WIDTH])) -> usize {
+    pub(super) fn numbers(&self, visit: &mut dyn FnMut(usize, &[u32; WIDTH])) -> usize {
         match self {
             Self::Kd(index) => index.numbers(visit),
             Self::Bvh(index) => index.numbers(visit),

@@ -2,7 +2,7 @@
 //! Where the primitives of an object are, by their numbers. Source: original.
 
 /// A place in a leaf block for each number, counted through all blocks of all parts.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Places {
     /// [`INVALID_ID`](crate::INVALID_ID) where there is none.
     pub(super) of_number: Vec<u32>,

@@ -6,7 +6,7 @@ use std::io::{self, Read, Write};
 use std::sync::OnceLock;
 
 use gnurt_accel_bvh::{BvhIndex, SphereIndex};
-use gnurt_accel_core::geometry::Numbering;
+use gnurt_accel_core::geometry::{Numbering, geometry_of};
 use gnurt_accel_core::store::{Reader, Writer};
 use gnurt_accel_kd::KdIndex;
 
@@ -158,14 +158,16 @@ impl ObjectTree {
         // Which of them are the same primitive is no longer known.
         let stats = TreeStats { primitives: stats.primitives, ..measured };
         let quads = quads.into_iter().map(|quads| quads != 0).collect();
-        Ok(Self {
-            parts,
-            numbering: Numbering { starts, quads, too_many },
-            bad,
-            bounds,
-            stats,
-            places: OnceLock::new(),
-        })
+        let numbering = Numbering { starts, quads, too_many };
+        let mut groups = vec![None; numbering.quads.len()];
+        for part in &parts {
+            part.index.numbers(&mut |_, numbers| {
+                for number in numbers.iter().filter(|&&number| number < count) {
+                    groups[geometry_of(&numbering.starts, *number)] = Some(part.group());
+                }
+            });
+        }
+        Ok(Self { parts, groups, numbering, bad, bounds, stats, places: OnceLock::new() })
     }
 }
 

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Fitting a wide BVH to primitives that have moved: the same nodes and leaves, with other boxes.
+//! Source: [WBS06] section 4. Cost: O(n), each block and each node once, by all threads.
+//! Invariant: hits are those of a tree that is built anew, whatever has become of the boxes. Proof: `tests/refit.rs` of
+//! `gnurt-accel`.
+
+mod nodes;
+mod others;
+mod state;
+mod triangles;
+
+pub(crate) use state::Moving;
+pub use triangles::Refitted;

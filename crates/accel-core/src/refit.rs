@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Why a tree cannot be fitted to geometry that has moved. Source: original.
+
+/// Why a tree cannot be refitted: it is to be built again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RefitError {
+    /// There are more or fewer geometries or primitives than the tree was built over, or they are of other kinds or masks.
+    OtherGeometry,
+    /// A primitive that could not be traced now can be; or so many no longer can that a leaf is empty.
+    OtherPrimitives,
+    /// A kd-tree: it divides space, and triangles that move are elsewhere in it.
+    Structure,
+}
+
+impl std::fmt::Display for RefitError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::OtherGeometry => {
+                "geometries are not those that the tree was built over: their numbers, kinds, masks and numbers of primitives have to be the same"
+            }
+            Self::OtherPrimitives => "other primitives than before can be traced: the tree has to be built again",
+            Self::Structure => "a kd-tree cannot be refitted: use Structure::Bvh for what moves",
+        })
+    }
+}
+
+impl std::error::Error for RefitError {}

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A tree that follows its geometry from frame to frame: refitted while that pays, rebuilt where it no longer does.
+//! Source: [WBS06] for the refit; when to rebuild is the rule of ski rental (rent until the rent has come to the price), with
+//! the cost of [MB90] as the rent; docs/moving.md has its measurements. Space: object.
+//! Invariant: a tree that somebody else holds is never touched: frames in flight keep theirs. Proof: `tests/moving.rs`.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::{BuildOptions, Geometry, ObjectTree, Quality, Structure, Threads};
+
+/// How an object's primitives move within it, as far as the program says. Instances move as they like with each of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Motion {
+    /// The program says nothing: what moves is found out.
+    #[default]
+    Auto,
+    /// Not at all. An edit is the exception, and gets a new tree.
+    Static,
+    /// As a whole, by its instances: the same as `Static` for the object.
+    Rigid,
+    /// Again and again: trees are built without what a refit spoils (spatial splits).
+    Deforming,
+    /// Among poses that come back: refitted, and never rebuilt for its quality.
+    Known,
+}
+
+/// What an update did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Update {
+    /// Boxes were fitted; the tree is the one that it was.
+    Refitted,
+    /// Boxes were fitted, and the subtrees that had suffered most were built again.
+    PartlyRebuilt,
+    /// All was built again.
+    Rebuilt,
+}
+
+/// A tree, and how it came to be. A copy shares the tree, and follows its own geometry from then on.
+#[derive(Clone, Debug)]
+pub struct MovingTree {
+    tree: Arc<ObjectTree>,
+    motion: Motion,
+    /// The tree of the update before last, to be written over once nobody else holds it.
+    spare: Arc<Mutex<Option<Arc<ObjectTree>>>>,
+    /// Nanoseconds that rays are thought to have lost since the last build.
+    debt: f64,
+}
+
+/// Rays that an object is thought to meet from one update to the next: a frame of a megapixel with some light.
+const RAYS: f64 = 4e6;
+
+/// Nanoseconds for a ray to do what counts as 1 in a tree's cost.
+const STEP: f64 = 10.0;
+
+/// Nanoseconds that a build takes for each triangle.
+const BUILD: f64 = 600.0;
+
+/// Growth of the cost below this is noise, and has no price.
+const NOISE: f64 = 1.02;
+
+impl MovingTree {
+    /// Builds the first tree. For [`Motion::Deforming`] and [`Motion::Known`] `High` quality is taken for `Medium`.
+    #[must_use]
+    pub fn build(geometries: &[Geometry], options: &BuildOptions, motion: Motion, threads: Threads) -> Self {
+        let tree = Arc::new(ObjectTree::build_from(geometries, &options_for(options, motion), threads));
+        Self::of(tree, motion)
+    }
+
+    /// Takes over a tree that was built, or loaded.
+    #[must_use]
+    pub fn of(tree: Arc<ObjectTree>, motion: Motion) -> Self {
+        Self { tree, motion, spare: Arc::default(), debt: 0.0 }
+    }
+
+    /// The tree as it is now.
+    #[must_use]
+    pub fn tree(&self) -> &Arc<ObjectTree> {
+        &self.tree
+    }
+
+    /// Follows the geometry: afterwards [`tree`](Self::tree) is over it. Trees that were handed out stay as they are. Where the
+    /// geometry is another one than before, or has other good triangles, or the structure knows no refit, or
+    /// nothing is to move, the tree is built with `options`.
+    pub fn update(&mut self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Update {
+        let is_fixed = matches!(self.motion, Motion::Static | Motion::Rigid);
+        let refitted = (!is_fixed).then(|| self.room().refit_from(geometries, threads).ok()).flatten();
+        let Some(tree) = refitted else {
+            *self = Self::build(geometries, options, self.motion, threads);
+            return Update::Rebuilt;
+        };
+        let (growth, cost) = (tree.cost_growth(), tree.stats().sah_cost);
+        let lost = if growth > NOISE { cost - cost / growth } else { 0.0 };
+        self.debt += RAYS * STEP * lost;
+        let price = BUILD * tree.stats().primitives as f64;
+        if self.motion != Motion::Known && self.debt > price {
+            // What has moved will move again, whatever was said.
+            let built = Self::build(geometries, options, Motion::Deforming, threads);
+            *self = Self { motion: self.motion, ..built };
+            return Update::Rebuilt;
+        }
+        self.replace(Arc::new(tree));
+        Update::Refitted
+    }
+
+    /// A tree to be written over: the last but one, if nobody else holds it, or a copy.
+    fn room(&self) -> ObjectTree {
+        let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).take();
+        spare.and_then(|spare| Arc::try_unwrap(spare).ok()).unwrap_or_else(|| (*self.tree).clone())
+    }
+
+    fn replace(&mut self, tree: Arc<ObjectTree>) {
+        let before = std::mem::replace(&mut self.tree, tree);
+        *self.spare.lock().unwrap_or_else(PoisonError::into_inner) = Some(before);
+    }
+}
+
+/// Spatial splits are worth nothing once triangles have moved.
+fn options_for(options: &BuildOptions, motion: Motion) -> BuildOptions {
+    let moves = matches!(motion, Motion::Deforming | Motion::Known);
+    match options.quality {
+        Quality::High if moves && options.structure == Structure::Bvh => {
+            BuildOptions { quality: Quality::Medium, ..*options }
+        }
+        _ => *options,
+    }
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Which geometries of an object share a tree: those of one kind and one mask. Source: original.
+
+use gnurt_accel_core::geometry::GeometryKind;
+
+use crate::Geometry;
+
+/// What trees are told apart by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Surfaces,
+    Spheres,
+    User,
+}
+
+/// A kind, and a mask.
+pub(super) type Group = (Kind, u32);
+
+/// The group of a geometry.
+pub(super) fn group_of(geometry: &Geometry) -> Group {
+    let kind = match geometry.kind {
+        GeometryKind::Triangles(_) | GeometryKind::Quads(_) => Kind::Surfaces,
+        GeometryKind::Spheres(_) => Kind::Spheres,
+        GeometryKind::User(_) => Kind::User,
+    };
+    (kind, geometry.mask)
+}
