@@ -29,6 +29,7 @@ pub mod noise;
 mod number;
 mod number_lanes;
 pub mod spline;
+pub mod text;
 
 pub use dual::Dual;
 pub use number::{Arithmetic, Mask, Number, Real, Word, Words};

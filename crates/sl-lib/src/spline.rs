@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Splines over knots at equal distances, and their inverse.
-//! Source: the OSL 1.14 language reference, "spline"; [CR74] and the standard bases; the inverse by regula falsi that falls
+//! Source: the OSL 1.14 language reference, "spline", for its bases; the inverse by regula falsi that falls
 //! back to bisection. Positions are in [0, 1] from the first segment's start to the last one's end.
 //! Invariant: sums are done in OSL's order, for its bits.
 //! Proof: `tests/splines.rs`.
 
-use crate::math::div;
 use crate::number::{Number, Real, Words};
 
 /// The kinds of spline.
@@ -193,27 +192,34 @@ pub fn spline<N: Number>(basis: Basis, x: N, knots: impl Knots<N>) -> N {
 }
 
 /// Where the spline is `y`: its inverse for knots that only rise or only fall. 0 and 1 beyond its ends.
+///
+/// Derivatives are those of the search's steps, as with OSL: within 1e-3 of one over the slope where the spline is smooth.
 #[must_use]
-pub fn splineinverse(basis: Basis, y: f32, knots: &[f32]) -> f32 {
+pub fn splineinverse<'a, N>(basis: Basis, y: N, knots: &'a [f32]) -> N
+where
+    N: Number<Real = f32, Mask = bool>,
+    &'a [f32]: Knots<N>,
+{
+    let zero = y.constant(0.0);
     let segments = basis.segments(knots.len());
     if segments == 0 {
-        return 0.0;
+        return zero;
     }
     let outer = usize::from(basis.step() == 1);
     let (low, high) = (knots[outer], knots[knots.len() - 1 - outer]);
     let rising = knots[1] < knots[knots.len() - 2];
-    if if rising { y <= low } else { y >= low } {
-        return 0.0;
+    let value = y.value();
+    if if rising { value <= low } else { value >= low } {
+        return zero;
     }
-    if if rising { y >= high } else { y <= high } {
-        return 1.0;
+    if if rising { value >= high } else { value <= high } {
+        return y.constant(1.0);
     }
-    let at = |x: f32| spline(basis, x, knots);
+    let at = |x: N| spline(basis, x, knots);
     // Knots that rise may still make a curve that does not: each segment is searched by itself.
-    let mut start = 0.0;
-    let mut x = 0.0;
+    let (mut start, mut x) = (zero, zero);
     for segment in 1..=segments {
-        let end = (1.0 / segments as f32) * segment as f32;
+        let end = y.constant((1.0 / segments as f32) * segment as f32);
         let (found, bracketed) = invert(at, y, start, end);
         x = found;
         if bracketed {
@@ -224,40 +230,38 @@ pub fn splineinverse(basis: Basis, y: f32, knots: &[f32]) -> f32 {
     x
 }
 
-/// [`splineinverse`] with derivatives: one over the spline's slope there, and 0 where it has none.
-#[must_use]
-pub fn splineinverse_dual(basis: Basis, y: crate::Dual<f32>, knots: &[f32]) -> crate::Dual<f32> {
-    let x = splineinverse(basis, y.value, knots);
-    let slope = spline(basis, crate::Dual::new(x, 1.0, 0.0), knots).dx;
-    let inside = x > 0.0 && x < 1.0;
-    y.chain(x, || if inside { div(1.0, slope) } else { 0.0 })
-}
-
 /// A place between two where a function is `y`, and whether it is so there at all.
-fn invert(function: impl Fn(f32) -> f32, y: f32, mut start: f32, mut end: f32) -> (f32, bool) {
+fn invert<N: Number<Real = f32, Mask = bool>>(
+    function: impl Fn(N) -> N,
+    y: N,
+    mut start: N,
+    mut end: N,
+) -> (N, bool) {
     const CLOSE: f32 = 1e-6;
     const STEPS: u32 = 32;
+    let is_close = |a: N, b: N| (a.value() - b.value()).abs() < CLOSE;
     let (mut at_start, mut at_end) = (function(start), function(end));
-    let rising = at_start < at_end;
+    let rising = at_start.value() < at_end.value();
     let (low, high) = if rising { (at_start, at_end) } else { (at_end, at_start) };
-    if y < low || y > high {
-        return (if (y < low) == rising { start } else { end }, false);
+    if y.value() < low.value() || y.value() > high.value() {
+        return (if (y.value() < low.value()) == rising { start } else { end }, false);
     }
     let mut x = start;
-    if (at_start - at_end).abs() < CLOSE {
+    if is_close(at_start, at_end) {
         return (x, true);
     }
     for step in 0..STEPS {
-        let t = if step < 3 * STEPS / 4 { (y - at_start) / (at_end - at_start) } else { 0.5 };
-        let t = if t > 0.0 && t < 1.0 { t } else { 0.5 };
-        x = start * (1.0 - t) + end * t;
+        let falsi = (y - at_start) / (at_end - at_start);
+        let sound = step < 3 * STEPS / 4 && falsi.value() > 0.0 && falsi.value() < 1.0;
+        let t = if sound { falsi } else { y.constant(0.5) };
+        x = start * t.subtracted_from(1.0) + end * t;
         let value = function(x);
-        if (value < y) == rising {
+        if (value.value() < y.value()) == rising {
             (start, at_start) = (x, value);
         } else {
             (end, at_end) = (x, value);
         }
-        if (end - start).abs() < CLOSE || (value - y).abs() < CLOSE {
+        if is_close(end, start) || is_close(value, y) {
             break;
         }
     }
