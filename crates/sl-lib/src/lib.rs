@@ -28,6 +28,7 @@ pub mod matrix;
 pub mod noise;
 mod number;
 mod number_lanes;
+pub mod regex;
 pub mod spline;
 pub mod text;
 

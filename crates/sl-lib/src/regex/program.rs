@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a regular expression is compiled to: steps for a machine that goes back where it fails.
+//! Source: original, after Cox's "Regular Expression Matching: the Virtual Machine Approach".
+//! Proof: `tests/regex.rs`.
+
+/// A set of bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Set([u64; 4]);
+
+impl Set {
+    pub(super) fn of(bytes: impl IntoIterator<Item = u8>) -> Self {
+        let mut set = Self::default();
+        bytes.into_iter().for_each(|byte| set.add(byte));
+        set
+    }
+
+    pub(super) fn add(&mut self, byte: u8) {
+        self.0[usize::from(byte >> 6)] |= 1 << (byte & 63);
+    }
+
+    pub(super) fn join(&mut self, other: Self) {
+        self.0.iter_mut().zip(other.0).for_each(|(a, b)| *a |= b);
+    }
+
+    pub(super) fn inverse(self) -> Self {
+        Self(self.0.map(|word| !word))
+    }
+
+    pub(super) fn has(&self, byte: u8) -> bool {
+        self.0[usize::from(byte >> 6)] >> (byte & 63) & 1 == 1
+    }
+}
+
+/// What letters, digits and the underscore are.
+pub(super) fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
+}
+
+/// One step. Places are numbers of steps.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Step {
+    /// One byte of a set.
+    One(Set),
+    /// The first place, and the second one if that leads nowhere.
+    Either(usize, usize),
+    /// Another place.
+    Jump(usize),
+    /// Where a group begins or ends.
+    Save(usize),
+    /// The start of the subject.
+    Start,
+    /// Its end.
+    End,
+    /// Between a letter and none, or, if not, elsewhere.
+    Boundary(bool),
+    /// What a group holds, again.
+    Again(usize),
+    /// What follows up to the next `Seen` of this level must come, or must not; then on from the place.
+    Look { wanted: bool, then: usize },
+    /// The end of a look.
+    Seen,
+    /// Notes where a turn of a loop begins.
+    Turn(usize),
+    /// Leads nowhere if that turn took nothing.
+    Moved(usize),
+    /// All is found.
+    Found,
+}

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Runs regular expressions: tries ways in order, and goes back where one fails.
+//! Source: original; the meaning of results is that of OSL 1.14, `regex_search`.
+//! Invariants: no pattern and no subject makes it panic, recurse more deeply than lookaheads are nested, or take more than
+//! `MOST_STEPS` steps. Proof: `tests/regex.rs`.
+
+use super::parse::parse;
+use super::program::{Step, is_word};
+
+/// A search gives up after so many: a tenth of a second or so.
+pub(super) const MOST_STEPS: u64 = 10_000_000;
+
+/// A compiled regular expression.
+#[derive(Clone, Debug)]
+pub struct Regex {
+    steps: Vec<Step>,
+    saves: usize,
+    turns: usize,
+    pattern_length: usize,
+}
+
+/// A pattern that is none.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RegexError {
+    /// The pattern.
+    pub pattern: String,
+    /// At which byte.
+    pub at: usize,
+    /// Why.
+    pub reason: &'static str,
+}
+
+impl std::fmt::Display for RegexError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "regular expression \"{}\", byte {}: {}", self.pattern, self.at, self.reason)
+    }
+}
+
+impl std::error::Error for RegexError {}
+
+/// A search was given up, for it tried too many ways.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooManySteps;
+
+impl std::fmt::Display for TooManySteps {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "a regular expression was given up after {MOST_STEPS} steps: repetitions within repetitions multiply"
+        )
+    }
+}
+
+impl std::error::Error for TooManySteps {}
+
+const UNSET: usize = usize::MAX;
+
+/// What to do where a way ends.
+enum Back {
+    /// Goes on from here.
+    Try { step: usize, at: usize },
+    /// Puts a number back.
+    Restore { slot: usize, value: usize },
+}
+
+struct Machine<'a> {
+    steps: &'a [Step],
+    subject: &'a [u8],
+    /// Starts and ends of groups, then starts of turns.
+    slots: Vec<usize>,
+    turns_at: usize,
+    whole: bool,
+    steps_left: u64,
+}
+
+impl Machine<'_> {
+    fn set(&mut self, back: &mut Vec<Back>, slot: usize, value: usize) {
+        back.push(Back::Restore { slot, value: self.slots[slot] });
+        self.slots[slot] = value;
+    }
+
+    /// Runs from a step on; `true` if it reaches the end, which for a look is where it has seen all.
+    fn run(&mut self, mut step: usize, mut at: usize) -> Result<bool, TooManySteps> {
+        let mut back = Vec::new();
+        loop {
+            self.steps_left = self.steps_left.checked_sub(1).ok_or(TooManySteps)?;
+            let byte = self.subject.get(at).copied();
+            let next = match &self.steps[step] {
+                Step::One(set) => byte.filter(|byte| set.has(*byte)).map(|_| (step + 1, at + 1)),
+                Step::Either(first, second) => {
+                    back.push(Back::Try { step: *second, at });
+                    Some((*first, at))
+                }
+                Step::Jump(place) => Some((*place, at)),
+                Step::Save(slot) => {
+                    self.set(&mut back, *slot, at);
+                    Some((step + 1, at))
+                }
+                Step::Start => (at == 0).then_some((step + 1, at)),
+                Step::End => byte.is_none().then_some((step + 1, at)),
+                Step::Boundary(wanted) => {
+                    let before = at > 0 && is_word(self.subject[at - 1]);
+                    let found = before != byte.is_some_and(is_word);
+                    (found == *wanted).then_some((step + 1, at))
+                }
+                Step::Again(group) => {
+                    let (start, end) = (self.slots[2 * group], self.slots[2 * group + 1]);
+                    // A group that holds nothing yet is met by nothing.
+                    let held = if start == UNSET || end == UNSET {
+                        &[]
+                    } else {
+                        &self.subject[start..end.max(start)]
+                    };
+                    self.subject[at..].starts_with(held).then_some((step + 1, at + held.len()))
+                }
+                Step::Look { wanted, then } => {
+                    let (wanted, then, before) = (*wanted, *then, self.slots.clone());
+                    let seen = self.run(step + 1, at)?;
+                    let found = std::mem::replace(&mut self.slots, before);
+                    if seen && wanted {
+                        for (slot, value) in found.into_iter().enumerate() {
+                            if self.slots[slot] != value {
+                                self.set(&mut back, slot, value);
+                            }
+                        }
+                    }
+                    (seen == wanted).then_some((then, at))
+                }
+                Step::Turn(turn) => {
+                    self.set(&mut back, self.turns_at + turn, at);
+                    Some((step + 1, at))
+                }
+                Step::Moved(turn) => (self.slots[self.turns_at + turn] != at).then_some((step + 1, at)),
+                Step::Seen => return Ok(true),
+                Step::Found if !self.whole || byte.is_none() => return Ok(true),
+                Step::Found => None,
+            };
+            if let Some(next) = next {
+                (step, at) = next;
+                continue;
+            }
+            loop {
+                match back.pop() {
+                    Some(Back::Try { step: there, at: place }) => {
+                        (step, at) = (there, place);
+                        break;
+                    }
+                    Some(Back::Restore { slot, value }) => self.slots[slot] = value,
+                    None => return Ok(false),
+                }
+            }
+        }
+    }
+}
+
+impl Regex {
+    /// Reads a pattern.
+    ///
+    /// # Errors
+    /// If it is none, with the place and the reason.
+    pub fn new(pattern: &str) -> Result<Self, RegexError> {
+        let parsed =
+            parse(pattern).map_err(|(at, reason)| RegexError { pattern: pattern.to_owned(), at, reason })?;
+        let pattern_length = pattern.len();
+        Ok(Self { steps: parsed.steps, saves: parsed.saves, turns: parsed.turns, pattern_length })
+    }
+
+    /// The first match: start and end in bytes of the whole and of each group; groups that took no part are `None`.
+    ///
+    /// # Errors
+    /// If the search was given up.
+    pub fn find(
+        &self,
+        subject: &str,
+        whole: bool,
+    ) -> Result<Option<Vec<Option<(usize, usize)>>>, TooManySteps> {
+        let mut machine = Machine {
+            steps: &self.steps,
+            subject: subject.as_bytes(),
+            slots: vec![UNSET; self.saves + self.turns],
+            turns_at: self.saves,
+            whole,
+            steps_left: MOST_STEPS,
+        };
+        let last = if whole { 0 } else { subject.len() };
+        for start in 0..=last {
+            machine.slots.fill(UNSET);
+            if machine.run(0, start)? {
+                let groups = machine.slots[..self.saves].chunks_exact(2);
+                let span =
+                    |pair: &[usize]| (pair[0] != UNSET && pair[1] != UNSET).then_some((pair[0], pair[1]));
+                return Ok(Some(groups.map(span).collect()));
+            }
+        }
+        Ok(None)
+    }
+
+    /// `regex_search`, or `regex_match` if the `whole` subject must match: 1 or 0. The start and the end of the match and of
+    /// each group go to `results`, pair by pair; a group that took no part begins and ends where the subject does, and what there
+    /// is no group for, or no match, gets the pattern's length.
+    ///
+    /// # Errors
+    /// If the search was given up.
+    pub fn search(&self, subject: &str, whole: bool, results: &mut [i32]) -> Result<i32, TooManySteps> {
+        let found = self.find(subject, whole)?;
+        let groups = found.as_deref().unwrap_or_default();
+        for (i, result) in results.iter_mut().enumerate() {
+            let value = match groups.get(i / 2) {
+                Some(group) => {
+                    let (start, end) = group.unwrap_or((subject.len(), subject.len()));
+                    if i % 2 == 0 { start } else { end }
+                }
+                None => self.pattern_length,
+            };
+            *result = value.try_into().unwrap_or(i32::MAX);
+        }
+        Ok(found.is_some().into())
+    }
+}
