@@ -22,7 +22,7 @@ pub struct Options {
     pub threads: usize,
     /// Instruction set.
     pub level: Level,
-    /// Share of the rays that may be hits for one engine only.
+    /// Share of the rays that may be hits for one engine only; ten times as many may be hits elsewhere.
     pub tolerance: f64,
 }
 
@@ -37,7 +37,8 @@ impl Default for Options {
             batch: 4096,
             threads: 1,
             level: Level::best(),
-            tolerance: 1e-5,
+            // Embree's fast mode with AVX-512 moves 1.5e-4 of the diffuse rays of the conference room by more than rounding.
+            tolerance: 2e-5,
         }
     }
 }
