@@ -20,7 +20,8 @@ const ARROWS: [(&str, &[&str]); 18] = [
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),
     ("plugins", &["gnurt"]),
-    ("cli", &["gnurt", "bench", "view", "plugins"]),
+    ("sl", &["sl-lib"]),
+    ("cli", &["gnurt", "bench", "view", "plugins", "sl"]),
     ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),
 ];

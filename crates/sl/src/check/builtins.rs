@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Functions of the library whose arguments the language itself cannot describe. All others stand in `include/stdosl.h`.
+//! Source: the OSL specification, chapter 7; what they take is OSL's.
+
+use super::signature::Signature;
+
+/// Marks behind the codes: `p` has a format string, `t` takes texture options.
+const TABLE: &[(&str, &[&str], &str)] = &[
+    ("area", &["fp"], ""),
+    ("arraylength", &["i?[]"], ""),
+    ("bump", &["xf", "xsf", "xv"], ""),
+    ("calculatenormal", &["vp"], ""),
+    ("cellnoise", NOISE, ""),
+    ("concat", &["sss"], ""),
+    ("dict_find", &["iss", "iis"], ""),
+    ("dict_next", &["ii"], ""),
+    ("dict_value", &["iis?"], ""),
+    ("Dx", DERIVATIVE, ""),
+    ("Dy", DERIVATIVE, ""),
+    ("Dz", DERIVATIVE, ""),
+    ("displace", &["xf", "xsf", "xv"], ""),
+    ("environment", &["fsv.", "fsvvv.", "csv.", "csvvv.", "vsv.", "vsvvv."], "t"),
+    ("error", &["xs*"], "p"),
+    ("exit", &["x"], ""),
+    ("filterwidth", &["ff", "vp", "vv"], ""),
+    ("format", &["ss*"], "p"),
+    ("fprintf", &["xss*"], "p"),
+    ("getattribute", &["is?", "is?[]", "iss?", "iss?[]", "isi?", "isi?[]", "issi?", "issi?[]"], ""),
+    ("getmessage", &["is?", "is?[]", "iss?", "iss?[]"], ""),
+    ("gettextureinfo", &["iss?", "iss?[]", "isffs?", "isffs?[]"], ""),
+    ("hashnoise", NOISE, ""),
+    ("isconnected", &["i?"], ""),
+    ("isconstant", &["i?"], ""),
+    ("noise", NAMED_NOISE, ""),
+    ("pnoise", NAMED_PNOISE, ""),
+    ("pointcloud_search", &["ispfi.", "ispfii."], ""),
+    ("pointcloud_get", &["isi[]is?[]"], ""),
+    ("pointcloud_write", &["isp."], ""),
+    ("printf", &["xs*"], "p"),
+    ("psnoise", PNOISE, ""),
+    ("random", &["f", "c", "p", "v", "n"], ""),
+    ("regex_match", &["iss", "isi[]s"], ""),
+    ("regex_search", &["iss", "isi[]s"], ""),
+    ("setmessage", &["xs?", "xs?[]"], ""),
+    ("sincos", &["xfff", "xccc", "xppp", "xvvv", "xnnn"], ""),
+    ("snoise", NOISE, ""),
+    (
+        "spline",
+        &[
+            "fsff[]", "csfc[]", "psfp[]", "vsfv[]", "nsfn[]", "fsfif[]", "csfic[]", "psfip[]", "vsfiv[]",
+            "nsfin[]",
+        ],
+        "",
+    ),
+    ("splineinverse", &["fsff[]", "fsfif[]"], ""),
+    ("split", &["iss[]si", "iss[]s", "iss[]"], ""),
+    ("surfacearea", &["f"], ""),
+    ("texture", &["fsff.", "fsffffff.", "csff.", "csffffff.", "vsff.", "vsffffff."], "t"),
+    ("texture3d", &["fsp.", "fspvvv.", "csp.", "cspvvv.", "vsp.", "vspvvv."], "t"),
+    ("trace", &["ipv."], ""),
+    ("warning", &["xs*"], "p"),
+];
+
+const DERIVATIVE: &[&str] = &["ff", "vp", "vv", "vn", "cc"];
+const NOISE: &[&str] = &["ff", "fff", "fp", "fpf", "cf", "cff", "cp", "cpf", "vf", "vff", "vp", "vpf"];
+const PNOISE: &[&str] =
+    &["fff", "fffff", "fpp", "fpfpf", "cff", "cffff", "cpp", "cpfpf", "vff", "vffff", "vpp", "vpfpf"];
+const NAMED_NOISE: &[&str] = &[
+    "fsf.", "fsff.", "fsp.", "fspf.", "csf.", "csff.", "csp.", "cspf.", "vsf.", "vsff.", "vsp.", "vspf.",
+    "ff", "fff", "fp", "fpf", "cf", "cff", "cp", "cpf", "vf", "vff", "vp", "vpf",
+];
+const NAMED_PNOISE: &[&str] = &[
+    "fsff.", "fsffff.", "fspp.", "fspfpf.", "csff.", "csffff.", "cspp.", "cspfpf.", "vsff.", "vsffff.",
+    "vspp.", "vspfpf.", "fff", "fffff", "fpp", "fpfpf", "cff", "cffff", "cpp", "cpfpf", "vff", "vffff",
+    "vpp", "vpfpf",
+];
+
+/// All of them; of each name the first is tried first.
+pub(super) fn signatures() -> impl Iterator<Item = Signature> {
+    TABLE.iter().flat_map(|(name, codes, marks)| {
+        codes.iter().map(move |code| Signature {
+            printf: marks.contains('p'),
+            texture: marks.contains('t'),
+            ..Signature::from_codes(name, code)
+        })
+    })
+}

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Looks up names, checks types and chooses overloads: tree in, checked tree out.
+//! Source: original; the rules and the words of messages are OSL's.
+//!
+//! `signature` and `builtins` say which functions there are, `scope` keeps names, `checker` keeps the state; `expression`,
+//! `operator`, `assignment`, `call`, `overload`, `initializer`, `printf`, `special` and `statement` each check a part of the
+//! language; `declaration` checks files.
+
+mod assignment;
+mod builtins;
+mod call;
+mod checker;
+mod declaration;
+mod expression;
+mod initializer;
+mod literal;
+mod operator;
+mod overload;
+mod printf;
+mod scope;
+mod signature;
+mod special;
+mod statement;
+
+pub use checker::Options;
+pub use declaration::check;
+pub(crate) use literal::literal;

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Names and the blocks in which they hold.
+//! Source: original; that a shader's own variables stand beside the library's functions is OSL's rule.
+
+use crate::hir::VarId;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// What a name stands for.
+#[derive(Clone, Debug)]
+pub(super) enum Named {
+    /// A variable.
+    Var(VarId),
+    /// Functions, by the numbers of their signatures, the one to try first last.
+    Funcs(Vec<u32>),
+    /// A struct.
+    Struct(u16),
+}
+
+/// All names that hold where the checker is.
+#[derive(Debug, Default)]
+pub(super) struct Scopes {
+    open: Vec<(u32, HashMap<Arc<str>, Named>)>,
+    next: u32,
+}
+
+impl Scopes {
+    /// Opens a scope.
+    pub(super) fn push(&mut self) {
+        self.open.push((self.next, HashMap::new()));
+        self.next += 1;
+    }
+
+    /// Closes the innermost scope.
+    pub(super) fn pop(&mut self) {
+        self.open.pop();
+    }
+
+    /// The innermost scope's number; 0 is the file's.
+    pub(super) fn number(&self) -> u32 {
+        self.open.last().map_or(0, |s| s.0)
+    }
+
+    /// What a name stands for here.
+    pub(super) fn find(&self, name: &str) -> Option<&Named> {
+        self.open.iter().rev().find_map(|scope| scope.1.get(name))
+    }
+
+    /// What a name stands for that was declared in the innermost scope.
+    pub(super) fn clash(&self, name: &str) -> Option<&Named> {
+        self.open.last().and_then(|scope| scope.1.get(name))
+    }
+
+    /// Gives a name its meaning from here on.
+    pub(super) fn insert(&mut self, name: Arc<str>, named: Named) {
+        if let Some(scope) = self.open.last_mut() {
+            scope.1.insert(name, named);
+        }
+    }
+}

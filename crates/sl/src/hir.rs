@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The checked program as a tree: every name looked up, every expression with its type, every call with its function.
+//! Source: original.
+
+use crate::ast::{Binary, Unary};
+use crate::source::Loc;
+use crate::types::{Structs, Type};
+use std::sync::Arc;
+
+/// Number of a variable.
+pub type VarId = u32;
+/// Number of a function.
+pub type FuncId = u32;
+
+/// What a variable is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VarKind {
+    /// Given by the renderer.
+    Global,
+    /// A shader's parameter.
+    Param,
+    /// A shader's output parameter.
+    Output,
+    /// All others.
+    Local,
+}
+
+/// A value that is known from the text.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Data {
+    /// Integers.
+    Int(Vec<i32>),
+    /// Floats, of triples and matrices as well.
+    Float(Vec<f32>),
+    /// Texts.
+    Str(Vec<Arc<str>>),
+}
+
+/// One metadatum.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Meta {
+    /// Its type.
+    pub ty: Type,
+    /// Its name.
+    pub name: Arc<str>,
+    /// Its value.
+    pub value: Data,
+}
+
+/// A variable.
+#[derive(Clone, Debug)]
+pub struct Var {
+    /// Its name; of locals of inner scopes with the scope's number, so that names are unique.
+    pub name: Arc<str>,
+    /// Its type.
+    pub ty: Type,
+    /// What it is.
+    pub kind: VarKind,
+    /// What it starts with.
+    pub init: Option<Expr>,
+    /// Metadata.
+    pub meta: Vec<Meta>,
+    /// Where it is declared.
+    pub loc: Loc,
+}
+
+/// A function of the source text.
+#[derive(Clone, Debug)]
+pub struct Func {
+    /// Its name.
+    pub name: Arc<str>,
+    /// What it returns.
+    pub returns: Type,
+    /// Its parameters, and whether each is written to.
+    pub formals: Vec<(VarId, bool)>,
+    /// What it does; none if only declared.
+    pub body: Option<Vec<Stmt>>,
+}
+
+/// The whole program.
+#[derive(Clone, Debug, Default)]
+pub struct Program {
+    /// All structs.
+    pub structs: Structs,
+    /// All variables.
+    pub vars: Vec<Var>,
+    /// All functions of the text.
+    pub funcs: Vec<Func>,
+    /// `surface`, `displacement`, `volume` or `shader`.
+    pub kind: Arc<str>,
+    /// The shader's name.
+    pub name: Arc<str>,
+    /// The shader's metadata.
+    pub meta: Vec<Meta>,
+    /// The shader's parameters in order.
+    pub params: Vec<VarId>,
+    /// What the shader does.
+    pub body: Vec<Stmt>,
+}
+
+/// An expression.
+#[derive(Clone, Debug)]
+pub struct Expr {
+    /// What it is.
+    pub kind: ExprKind,
+    /// Its type.
+    pub ty: Type,
+    /// Where it is.
+    pub loc: Loc,
+}
+
+/// A call of a function of the library.
+#[derive(Clone, Debug)]
+pub struct Builtin {
+    /// The operation.
+    pub name: Arc<str>,
+    /// Its arguments.
+    pub args: Vec<Expr>,
+    /// What each argument must become; unknown where any type goes.
+    pub formals: Vec<Type>,
+    /// Which arguments it writes; bit 0 is the first.
+    pub writes: u64,
+    /// Which arguments it reads.
+    pub reads: u64,
+    /// Of which arguments it takes derivatives.
+    pub derivs: u64,
+}
+
+/// Kinds of expressions.
+#[derive(Clone, Debug)]
+pub enum ExprKind {
+    /// A number.
+    Int(i32),
+    /// A number.
+    Float(f32),
+    /// A text.
+    Str(Arc<str>),
+    /// A variable.
+    Var(VarId),
+    /// The number of the member of a struct.
+    Field(Box<Expr>, u32),
+    /// An element of an array, a component of a triple or matrix, or of such an element.
+    Index(Box<Expr>, Vec<Expr>),
+    /// An operator.
+    Unary(Unary, Box<Expr>),
+    /// An operator.
+    Binary(Binary, Box<Expr>, Box<Expr>),
+    /// A choice.
+    Ternary(Box<[Expr; 3]>),
+    /// Target and value.
+    Assign(Box<Expr>, Box<Expr>),
+    /// What the target of the assignment around it was before.
+    Old,
+    /// `++a` or `--a`
+    Before(bool, Box<Expr>),
+    /// `a++` or `a--`
+    After(bool, Box<Expr>),
+    /// All in order; the last is the value.
+    Comma(Vec<Expr>),
+    /// Conversion to the expression's type.
+    Cast(Box<Expr>),
+    /// A triple, matrix, float or int made of parts.
+    Construct(Vec<Expr>),
+    /// A struct made of its members; may be fewer.
+    StructList(Vec<Expr>),
+    /// An array made of its elements; may be fewer.
+    ArrayList(Vec<Expr>),
+    /// A function of the text.
+    Call(FuncId, Vec<Expr>),
+    /// A function of the library.
+    Builtin(Box<Builtin>),
+    /// Wrong; a message has been given.
+    Error,
+}
+
+/// A statement.
+#[derive(Clone, Debug)]
+pub struct Stmt {
+    /// What it is.
+    pub kind: StmtKind,
+    /// Where it starts.
+    pub loc: Loc,
+}
+
+/// Kinds of statements.
+#[derive(Clone, Debug)]
+pub enum StmtKind {
+    /// Several.
+    Block(Vec<Stmt>),
+    /// A choice.
+    If(Expr, Vec<Stmt>, Vec<Stmt>),
+    /// A loop.
+    Loop {
+        /// `for`, `while` or `dowhile`.
+        word: &'static str,
+        /// Done once, before.
+        init: Vec<Stmt>,
+        /// Whether to go on.
+        condition: Expr,
+        /// Done after each turn.
+        step: Option<Expr>,
+        /// Done each turn.
+        body: Vec<Stmt>,
+    },
+    /// Leaves the loop.
+    Break,
+    /// Goes to the loop's next turn.
+    Continue,
+    /// Leaves the function.
+    Return(Option<Expr>),
+    /// Gives variables their first value.
+    Declare(Vec<VarId>),
+    /// For what it does.
+    Expr(Expr),
+}

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Reads the text form, `.oso`, as OSL's compiler and ours write it.
+//! Source: original; the format is OSL's.
+//! Invariant: no text makes it panic or take memory that the text does not account for; what it returns passes [`verify`].
+
+use super::flat::Flat;
+use super::shader::{Op, Place, Shader, SymId, Symbol, SymbolKind};
+use super::tokens::{Word, parts, words};
+use super::verify::verify;
+use crate::hir::{Data, Meta};
+use crate::parse::unescape;
+use crate::types::{Base, Field, Struct, Type};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// A shader from its text.
+///
+/// # Errors
+/// The line and what is wrong there.
+pub fn read(text: &str) -> Result<Shader, String> {
+    let mut reader = Reader::default();
+    let mut head = false;
+    for (i, line) in text.lines().enumerate() {
+        if line.starts_with("%preprocessed_source") {
+            break;
+        }
+        let list = words(line);
+        if list.is_empty() {
+            continue;
+        }
+        let done = if head { reader.line(&list) } else { reader.head(&list, &mut head) };
+        done.map_err(|message| format!("line {}: {message}", i + 1))?;
+    }
+    if !head || reader.shader.name.is_empty() {
+        return Err(
+            "not an .oso file: it starts with 'OpenShadingLanguage 1.00' and a shader's type and name".into(),
+        );
+    }
+    reader.finish()
+}
+
+#[derive(Default)]
+struct Reader {
+    shader: Shader,
+    names: HashMap<Arc<str>, SymId>,
+    rows: Vec<(String, Vec<Flat>)>,
+    ops: usize,
+    in_code: bool,
+    place: Place,
+}
+
+fn plain(words: &[Word], i: usize) -> Result<&str, String> {
+    match words.get(i) {
+        Some(Word::Plain(word)) => Ok(word),
+        _ => Err(format!("word {} is missing", i + 1)),
+    }
+}
+
+impl Reader {
+    fn head(&mut self, list: &[Word], head: &mut bool) -> Result<(), String> {
+        let first = plain(list, 0)?;
+        if first == "OpenShadingLanguage" {
+            let version = plain(list, 1)?;
+            let major = version.split('.').next().and_then(|m| m.parse::<u32>().ok());
+            return if major == Some(1) { Ok(()) } else { Err(format!("version {version}; 1.00 is known")) };
+        }
+        if !matches!(first, "surface" | "displacement" | "volume" | "shader" | "light") {
+            return Err(format!("'{first}' is not a type of shader"));
+        }
+        self.shader.kind = first.into();
+        self.shader.name = match list.get(1) {
+            Some(Word::Plain(name) | Word::Text(name)) => name.as_str().into(),
+            _ => return Err("the shader's name is missing".into()),
+        };
+        for word in list {
+            if let Word::Hint(name, inner) = word
+                && name == "meta"
+            {
+                self.shader.meta.extend(metadatum(inner));
+            }
+        }
+        *head = true;
+        Ok(())
+    }
+
+    fn line(&mut self, list: &[Word]) -> Result<(), String> {
+        let first = plain(list, 0)?;
+        if first == "code" {
+            self.in_code = true;
+            self.rows.push((plain(list, 1)?.to_owned(), Vec::new()));
+            self.place = Place::default();
+            return Ok(());
+        }
+        if !self.in_code {
+            return self.symbol(list);
+        }
+        if first == "end" {
+            return Ok(());
+        }
+        self.operation(list)
+    }
+
+    fn ty(&mut self, list: &[Word], at: &mut usize) -> Result<Type, String> {
+        let mut word = plain(list, *at)?.to_owned();
+        *at += 1;
+        if word == "closure" {
+            word = plain(list, *at)?.to_owned();
+            *at += 1;
+            let (_, array) = length(&word)?;
+            return Ok(Type::CLOSURE.array_of(array));
+        }
+        if word == "struct" {
+            word = plain(list, *at)?.to_owned();
+            *at += 1;
+            let (name, array) = length(&word)?;
+            return Ok(Type::of(Base::Struct(self.structure(name))).array_of(array));
+        }
+        let (name, array) = length(&word)?;
+        let base = Base::from_word(name)
+            .filter(|b| *b != Base::Void)
+            .ok_or_else(|| format!("'{name}' is not a type"))?;
+        Ok(Type::of(base).array_of(array))
+    }
+
+    fn structure(&mut self, name: &str) -> u16 {
+        if let Some(found) = self.shader.structs.0.iter().position(|s| s.name == name) {
+            return found as u16;
+        }
+        let number = self.shader.structs.0.len().min(usize::from(u16::MAX) - 1) as u16;
+        if usize::from(number) == self.shader.structs.0.len() {
+            self.shader.structs.0.push(Struct { name: name.to_owned(), scope: 0, fields: Vec::new() });
+        }
+        number
+    }
+
+    fn symbol(&mut self, list: &[Word]) -> Result<(), String> {
+        let word = plain(list, 0)?;
+        let kind = SymbolKind::from_word(word).ok_or_else(|| format!("'{word}' is not a kind of symbol"))?;
+        let mut at = 1;
+        let ty = self.ty(list, &mut at)?;
+        let name: Arc<str> = plain(list, at)?.into();
+        at += 1;
+        let mut symbol = Symbol::new(name.clone(), kind, ty);
+        let literals: Vec<&Word> = list[at..].iter().take_while(|w| !matches!(w, Word::Hint(..))).collect();
+        if ty.struct_id().is_none() && (kind.is_param() || kind == SymbolKind::Const) {
+            symbol.value = Some(literal(ty, &literals)?);
+        }
+        for word in &list[at..] {
+            let Word::Hint(hint, inner) = word else { continue };
+            match hint.as_str() {
+                "meta" => symbol.meta.extend(metadatum(inner)),
+                "derivs" => symbol.derivs = true,
+                "mystruct" => {
+                    if let Some(&owner) = self.names.get(inner.as_str()) {
+                        symbol.member_of = Some((owner, 0));
+                    }
+                }
+                "mystructfield" => {
+                    if let Some(member) = &mut symbol.member_of {
+                        member.1 = inner.parse().unwrap_or(0);
+                    }
+                }
+                "structfields" => self.fields(ty, &parts(inner)),
+                "structfieldtypes" => self.field_types(ty, inner.trim_matches('"')),
+                _ => {}
+            }
+        }
+        let id = self.shader.symbols.len() as SymId;
+        self.shader.symbols.push(symbol);
+        self.names.insert(name, id);
+        Ok(())
+    }
+
+    fn fields(&mut self, ty: Type, names: &[String]) {
+        let Some(spec) = ty.struct_id().and_then(|id| self.shader.structs.0.get_mut(usize::from(id))) else {
+            return;
+        };
+        if spec.fields.is_empty() {
+            spec.fields = names.iter().map(|n| Field { name: n.clone(), ty: Type::UNKNOWN }).collect();
+        }
+    }
+
+    fn field_types(&mut self, ty: Type, codes: &str) {
+        let Some(spec) = ty.struct_id().and_then(|id| self.shader.structs.0.get_mut(usize::from(id))) else {
+            return;
+        };
+        let mut rest = codes.chars().peekable();
+        for field in &mut spec.fields {
+            let base = match rest.next() {
+                Some('i') => Base::Int,
+                Some('f') => Base::Float,
+                Some('c') => Base::Color,
+                Some('p') => Base::Point,
+                Some('v') => Base::Vector,
+                Some('n') => Base::Normal,
+                Some('m') => Base::Matrix,
+                Some('s') => Base::String,
+                Some('C') => Base::Closure,
+                Some('S') => {
+                    while rest.next_if(char::is_ascii_digit).is_some() {}
+                    Base::Unknown
+                }
+                _ => Base::Unknown,
+            };
+            let mut array = 0;
+            if rest.next_if_eq(&'[').is_some() {
+                let mut digits = String::new();
+                while let Some(c) = rest.next_if(char::is_ascii_digit) {
+                    digits.push(c);
+                }
+                rest.next_if_eq(&']');
+                array = digits.parse().unwrap_or(-1);
+            }
+            field.ty = Type::of(base).array_of(array);
+        }
+    }
+
+    fn operation(&mut self, list: &[Word]) -> Result<(), String> {
+        let name: Arc<str> = plain(list, 0)?.into();
+        let (mut args, mut jumps) = (Vec::new(), Vec::new());
+        for word in &list[1..] {
+            let Word::Plain(word) = word else { continue };
+            match self.names.get(word.as_str()) {
+                Some(&id) => args.push(id),
+                None => match word.parse::<usize>() {
+                    Ok(jump) => jumps.push(jump),
+                    Err(_) => return Err(format!("{name}: no symbol '{word}'")),
+                },
+            }
+        }
+        let mut op = Op { name, args, reads: !1, writes: 1, derivs: 0, at: self.place };
+        for word in list {
+            let Word::Hint(hint, inner) = word else { continue };
+            match hint.as_str() {
+                "filename" => op.at.file = self.file(inner.trim_matches('"')),
+                "line" => op.at.line = inner.parse().unwrap_or(0),
+                "argrw" => {
+                    (op.reads, op.writes) = (0, 0);
+                    for (i, c) in inner.trim_matches('"').chars().enumerate().take(64) {
+                        op.reads |= u64::from(matches!(c, 'r' | 'W')) << i;
+                        op.writes |= u64::from(matches!(c, 'w' | 'W')) << i;
+                    }
+                }
+                "argderivs" => {
+                    let numbers = inner.split(',').filter_map(|n| n.trim().parse::<u32>().ok());
+                    op.derivs = numbers.filter(|&n| n < 64).fold(0, |bits, n| bits | 1 << n);
+                }
+                _ => {}
+            }
+        }
+        self.place = op.at;
+        let Some((_, row)) = self.rows.last_mut() else { return Err("an operation before 'code'".into()) };
+        let start = self.ops - row.len();
+        let jumps = jumps.into_iter().map(|j| j.checked_sub(start)).collect::<Option<Vec<_>>>();
+        row.push(Flat { op, jumps: jumps.ok_or("a jump out of the block")? });
+        self.ops += 1;
+        Ok(())
+    }
+
+    fn file(&mut self, name: &str) -> u16 {
+        if let Some(found) = self.shader.files.iter().position(|f| &**f == name) {
+            return found as u16;
+        }
+        self.shader.files.push(name.into());
+        (self.shader.files.len() - 1).min(usize::from(u16::MAX)) as u16
+    }
+
+    fn finish(mut self) -> Result<Shader, String> {
+        for (method, row) in std::mem::take(&mut self.rows) {
+            let block = Flat::nest(&row, 0, row.len(), 0).map_err(|e| format!("code {method}: {e}"))?;
+            if method == "___main___" {
+                self.shader.code.extend(block);
+            } else {
+                let id = *self
+                    .names
+                    .get(method.as_str())
+                    .ok_or_else(|| format!("code {method}: no such symbol"))?;
+                self.shader.symbols[id as usize].init.extend(block);
+            }
+        }
+        verify(&self.shader)?;
+        Ok(self.shader)
+    }
+}
+
+/// `name[3]`, `name[]`, `name`
+fn length(word: &str) -> Result<(&str, i32), String> {
+    let Some((name, rest)) = word.split_once('[') else { return Ok((word, 0)) };
+    let inner = rest.strip_suffix(']').ok_or_else(|| format!("'{word}': ']' is missing"))?;
+    if inner.is_empty() {
+        return Ok((name, -1));
+    }
+    let length = inner.parse::<i32>().ok().filter(|&n| n > 0);
+    length.map(|n| (name, n)).ok_or_else(|| format!("'{inner}' is not an array's length"))
+}
+
+fn literal(ty: Type, words: &[&Word]) -> Result<Data, String> {
+    let number = |w: &&Word| match w {
+        Word::Plain(text) => text.parse::<f32>().map_err(|_| format!("'{text}' is not a number")),
+        _ => Err("a number is missing".to_owned()),
+    };
+    Ok(match ty.base {
+        Base::String => Data::Str(
+            words
+                .iter()
+                .map(|w| match w {
+                    Word::Text(text) => Ok(text.as_str().into()),
+                    _ => Err("a text in quotes is missing".to_owned()),
+                })
+                .collect::<Result<_, String>>()?,
+        ),
+        Base::Int => Data::Int(
+            words
+                .iter()
+                .map(|w| match w {
+                    Word::Plain(text) => text
+                        .parse::<i64>()
+                        .map(|v| v as i32)
+                        .map_err(|_| format!("'{text}' is not an integer")),
+                    _ => Err("an integer is missing".to_owned()),
+                })
+                .collect::<Result<_, String>>()?,
+        ),
+        base if base.is_float_based() => {
+            Data::Float(words.iter().map(number).collect::<Result<_, String>>()?)
+        }
+        _ => Data::Int(Vec::new()),
+    })
+}
+
+fn metadatum(inner: &str) -> Option<Meta> {
+    let list = parts(inner);
+    let (name, array) = length(list.first()?.trim()).ok()?;
+    let base = Base::from_word(name)?;
+    let ty = Type::of(base).array_of(array);
+    let rest = list.get(2..)?;
+    let value = match base {
+        Base::String => Data::Str(rest.iter().map(|t| unescape(t.trim()).into()).collect()),
+        Base::Int => Data::Int(rest.iter().map(|t| t.trim().parse().unwrap_or(0)).collect()),
+        _ => Data::Float(rest.iter().map(|t| t.trim().parse().unwrap_or(0.0)).collect()),
+    };
+    Some(Meta { ty, name: list.get(1)?.trim().into(), value })
+}

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Expressions.
+//! Source: original.
+
+use super::lowerer::{Lowerer, Value};
+use crate::ast::{Binary, Unary};
+use crate::hir::{Data, Expr, ExprKind};
+use crate::source::Loc;
+use crate::types::{Base, Type};
+
+impl Lowerer<'_> {
+    /// Symbols to leave a result in: the wanted ones if they fit.
+    pub(super) fn result(&mut self, ty: Type, wanted: Option<&Value>) -> Value {
+        match wanted {
+            Some(value)
+                if ty.struct_id().is_none()
+                    && value.ty.equivalent(ty, &self.program.structs)
+                    && !ty.is_array() =>
+            {
+                Value { ty, ..value.clone() }
+            }
+            _ => self.temp(ty),
+        }
+    }
+
+    /// Works out an expression. Its value is left in `wanted` if that is as easy.
+    pub(super) fn expr(&mut self, e: &Expr, wanted: Option<&Value>) -> Value {
+        let loc = e.loc;
+        match &e.kind {
+            ExprKind::Int(value) => self.constant(Type::INT, Data::Int(vec![*value])),
+            ExprKind::Float(value) => self.constant(Type::FLOAT, Data::Float(vec![*value])),
+            ExprKind::Str(value) => self.constant(Type::STRING, Data::Str(vec![value.clone()])),
+            ExprKind::Var(id) => self.var(*id),
+            ExprKind::Field(..) | ExprKind::Index(..) => {
+                let target = self.target(e);
+                self.load(&target, loc)
+            }
+            ExprKind::Old => match self.old.last() {
+                Some(value) => value.clone(),
+                None => self.temp(e.ty),
+            },
+            ExprKind::Unary(op, a) => self.unary(*op, a, e.ty, wanted, loc),
+            ExprKind::Binary(op @ (Binary::And | Binary::Or), a, b) => {
+                self.logic(*op == Binary::And, a, b, loc)
+            }
+            ExprKind::Binary(op, a, b) => self.binary(*op, [a, b], e.ty, wanted, loc),
+            ExprKind::Ternary(parts) => self.ternary(parts, e.ty, loc),
+            ExprKind::Assign(target, value) => self.assign(target, value, loc),
+            ExprKind::Before(up, a) => self.increment(*up, true, a, loc),
+            ExprKind::After(up, a) => self.increment(*up, false, a, loc),
+            ExprKind::Comma(list) => {
+                let mut last = None;
+                for item in list {
+                    last = Some(self.expr(item, None));
+                }
+                last.unwrap_or_else(|| self.temp(e.ty))
+            }
+            ExprKind::Cast(a) => {
+                let value = self.expr(a, None);
+                self.convert(value, e.ty, loc)
+            }
+            ExprKind::Construct(parts) => self.construct(parts, e.ty, wanted, loc),
+            ExprKind::StructList(list) | ExprKind::ArrayList(list) => {
+                let out = self.temp(e.ty);
+                self.fill(&out, list, loc);
+                out
+            }
+            ExprKind::Call(func, args) => self.call(*func, args, e.ty, loc),
+            ExprKind::Builtin(call) => self.builtin(call, e.ty, wanted, loc),
+            ExprKind::Error => {
+                self.error(loc, "cannot be compiled");
+                self.temp(Type::INT)
+            }
+        }
+    }
+
+    fn unary(&mut self, op: Unary, a: &Expr, ty: Type, wanted: Option<&Value>, loc: Loc) -> Value {
+        let value = self.expr(a, None);
+        if op == Unary::Not {
+            // Not is a comparison with zero, whatever the type.
+            let zero = match value.ty.base {
+                Base::String => self.text(""),
+                Base::Int | Base::Closure => self.int(0),
+                _ => self.float(0.0),
+            };
+            let out = self.result(Type::INT, wanted);
+            self.emit("eq", &[out.symbol(), value.symbol(), zero], loc);
+            return out;
+        }
+        let out = self.result(ty, wanted);
+        if ty == Type::CLOSURE {
+            let minus = self.float(-1.0);
+            self.emit("mul", &[out.symbol(), value.symbol(), minus], loc);
+        } else {
+            self.emit(op.word(), &[out.symbol(), value.symbol()], loc);
+        }
+        out
+    }
+
+    fn binary(
+        &mut self,
+        op: Binary,
+        [a, b]: [&Expr; 2],
+        ty: Type,
+        wanted: Option<&Value>,
+        loc: Loc,
+    ) -> Value {
+        let mut left = self.expr(a, None);
+        // What the right side changes must not change what was read before.
+        left = self.settle(left, b, loc);
+        let mut right = self.expr(b, None);
+        if ty == Type::CLOSURE {
+            if op == Binary::Mul && right.ty != Type::FLOAT {
+                right = self.convert(right, Type::COLOR, loc);
+            }
+        } else if matches!(op, Binary::Mul | Binary::Div | Binary::Add | Binary::Sub) {
+            if left.ty.base.is_float_based() && right.ty == Type::INT {
+                right = self.convert(right, Type::FLOAT, loc);
+            } else if right.ty.base.is_float_based() && left.ty == Type::INT {
+                left = self.convert(left, Type::FLOAT, loc);
+            }
+        }
+        let out = self.result(ty, wanted);
+        self.emit(op.word(), &[out.symbol(), left.symbol(), right.symbol()], loc);
+        out
+    }
+
+    /// A copy of `value` if it is a variable and `next` may change variables.
+    fn settle(&mut self, value: Value, next: &Expr, loc: Loc) -> Value {
+        use crate::ir::SymbolKind::{Const, Param, Temp};
+        let fixed = value.leaves.iter().all(|&s| matches!(self.kind(s), Const | Param | Temp));
+        if fixed || !changes(next) {
+            return value;
+        }
+        let out = self.temp(value.ty);
+        self.copy(&out, &value, loc);
+        out
+    }
+
+    fn assign(&mut self, target: &Expr, value: &Expr, loc: Loc) -> Value {
+        let compound = uses_old(value);
+        let place = if compound || matches!(target.kind, ExprKind::Var(_) | ExprKind::Field(..)) {
+            Some(self.target(target))
+        } else {
+            None
+        };
+        if compound {
+            let old = match &place {
+                Some(place) => self.load(place, loc),
+                None => self.temp(target.ty),
+            };
+            self.old.push(old);
+        }
+        let wanted = place.as_ref().and_then(Self::whole);
+        let given = self.expr(value, wanted.as_ref());
+        if compound {
+            self.old.pop();
+        }
+        let place = match place {
+            Some(place) => place,
+            None => self.target(target),
+        };
+        if target.ty == Type::CLOSURE && given.ty != Type::CLOSURE {
+            // The number 0 stands for the empty closure.
+            self.store(&place, &given, loc);
+            return given;
+        }
+        let given = self.convert(given, target.ty, loc);
+        self.store(&place, &given, loc);
+        wanted.unwrap_or(given)
+    }
+
+    fn increment(&mut self, up: bool, before: bool, target: &Expr, loc: Loc) -> Value {
+        let place = self.target(target);
+        let old = self.load(&place, loc);
+        let one = if target.ty == Type::INT { self.int(1) } else { self.float(1.0) };
+        let kept = if before {
+            None
+        } else {
+            let kept = self.temp(target.ty);
+            self.copy(&kept, &old, loc);
+            Some(kept)
+        };
+        let new = Self::whole(&place).unwrap_or_else(|| self.temp(target.ty));
+        self.emit(if up { "add" } else { "sub" }, &[new.symbol(), old.symbol(), one], loc);
+        self.store(&place, &new, loc);
+        kept.unwrap_or(new)
+    }
+}
+
+fn uses_old(e: &Expr) -> bool {
+    match &e.kind {
+        ExprKind::Old => true,
+        ExprKind::Binary(_, a, b) => uses_old(a) || uses_old(b),
+        ExprKind::Call(_, args) => args.iter().any(uses_old),
+        _ => false,
+    }
+}
+
+/// Whether working it out may change a variable.
+fn changes(e: &Expr) -> bool {
+    match &e.kind {
+        ExprKind::Assign(..) | ExprKind::Before(..) | ExprKind::After(..) | ExprKind::Call(..) => true,
+        ExprKind::Builtin(call) => call.writes != 0 || call.args.iter().any(changes),
+        ExprKind::Unary(_, a) | ExprKind::Cast(a) | ExprKind::Field(a, _) => changes(a),
+        ExprKind::Binary(_, a, b) => changes(a) || changes(b),
+        ExprKind::Ternary(parts) => parts.iter().any(changes),
+        ExprKind::Index(a, list) => changes(a) || list.iter().any(changes),
+        ExprKind::Comma(list)
+        | ExprKind::Construct(list)
+        | ExprKind::StructList(list)
+        | ExprKind::ArrayList(list) => list.iter().any(changes),
+        ExprKind::Int(_)
+        | ExprKind::Float(_)
+        | ExprKind::Str(_)
+        | ExprKind::Var(_)
+        | ExprKind::Old
+        | ExprKind::Error => false,
+    }
+}

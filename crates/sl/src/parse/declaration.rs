@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Declarations: shaders, functions, structs, variables and metadata.
+//! Source: original; the grammar is OSL's.
+
+use super::reader::{Parse, Parsed, Parser};
+use crate::ast::{
+    Declarator, Expr, Function, Item, Metadatum, Parameter, Shader, StructDecl, TypeRef, TypeWord,
+};
+use crate::token::Tok;
+use crate::types::Base;
+
+const KINDS: [&str; 4] = ["shader", "surface", "displacement", "volume"];
+
+impl Parser {
+    /// Reads a whole file.
+    #[must_use]
+    pub fn file(mut self) -> Parsed {
+        while self.peek().tok != Tok::End {
+            match self.item() {
+                Ok(item) => self.out.items.push(item),
+                Err(_) => break,
+            }
+        }
+        self.out
+    }
+
+    fn item(&mut self) -> Parse<Item> {
+        if self.take_word("struct") {
+            return Ok(Item::Struct(self.structure()?));
+        }
+        let kind = self.peek().ident().filter(|n| KINDS.contains(&&***n)).cloned();
+        let ty = self.type_ref()?;
+        let function = self.function(ty)?;
+        Ok(match kind {
+            Some(kind) => Item::Shader(Shader { kind, function }),
+            None => Item::Function(function),
+        })
+    }
+
+    /// A type.
+    pub(super) fn type_ref(&mut self) -> Parse<TypeRef> {
+        let loc = self.loc();
+        if self.take_word("closure") {
+            return match self.peek().ident().and_then(|n| Base::from_word(n)) {
+                Some(_) => {
+                    self.next();
+                    Ok(TypeRef { word: TypeWord::Closure, loc })
+                }
+                None => Err(self.syntax("'color' after 'closure'")),
+            };
+        }
+        if let Some(base) = self.peek().ident().and_then(|n| Base::from_word(n)) {
+            self.next();
+            return Ok(TypeRef { word: TypeWord::Simple(base), loc });
+        }
+        if !self.is_name(0) {
+            return Err(self.syntax("a type"));
+        }
+        let (name, loc) = self.name()?;
+        Ok(TypeRef { word: TypeWord::Named(name), loc })
+    }
+
+    /// A function or shader after its type.
+    pub(super) fn function(&mut self, returns: TypeRef) -> Parse<Function> {
+        let (name, loc) = self.name()?;
+        let mut metadata = self.metadata()?;
+        self.expect("(")?;
+        let mut parameters = Vec::new();
+        while !self.is(")") {
+            parameters.push(self.parameter()?);
+            if !self.take(",") {
+                break;
+            }
+        }
+        self.expect(")")?;
+        metadata.extend(self.metadata()?);
+        let body = if self.take(";") {
+            None
+        } else {
+            self.expect("{")?;
+            Some(self.statements()?)
+        };
+        Ok(Function { returns, name, loc, parameters, metadata, body })
+    }
+
+    fn parameter(&mut self) -> Parse<Parameter> {
+        let output = self.take_word("output");
+        let ty = self.type_ref()?;
+        let declarator = self.declarator()?;
+        let metadata = self.metadata()?;
+        Ok(Parameter { output, ty, declarator, metadata })
+    }
+
+    fn array_length(&mut self) -> Parse<Option<i32>> {
+        if !self.take("[") {
+            return Ok(None);
+        }
+        if self.take("]") {
+            return Ok(Some(-1));
+        }
+        let Tok::Int(text) = self.peek().tok.clone() else { return Err(self.syntax("a length")) };
+        let loc = self.next().loc;
+        let length = text.parse::<i32>().unwrap_or(0);
+        if length < 1 {
+            self.error(loc, format!("Invalid array length ({length})"));
+        }
+        self.expect("]")?;
+        Ok(Some(length))
+    }
+
+    fn declarator(&mut self) -> Parse<Declarator> {
+        let (name, loc) = self.name()?;
+        let array = self.array_length()?;
+        let init = if self.take("=") { Some(self.initial(array.is_some())?) } else { None };
+        Ok(Declarator { name, loc, array, init })
+    }
+
+    fn initial(&mut self, array: bool) -> Parse<Expr> {
+        if array && !self.is("{") {
+            return Err(self.syntax("'{' and the array's values"));
+        }
+        self.expression_or_braces()
+    }
+
+    /// Variables up to a semicolon, which is taken.
+    pub(super) fn declarators(&mut self) -> Parse<Vec<Declarator>> {
+        let mut list = vec![self.declarator()?];
+        while self.take(",") {
+            list.push(self.declarator()?);
+        }
+        self.expect(";")?;
+        Ok(list)
+    }
+
+    fn structure(&mut self) -> Parse<StructDecl> {
+        let (name, loc) = self.name()?;
+        self.expect("{")?;
+        let mut fields = Vec::new();
+        while !self.take("}") {
+            let ty = self.type_ref()?;
+            loop {
+                let (name, loc) = self.name()?;
+                let array = self.array_length()?;
+                fields.push((ty.clone(), Declarator { name, loc, array, init: None }));
+                if !self.take(",") {
+                    break;
+                }
+            }
+            self.expect(";")?;
+        }
+        self.expect(";")?;
+        Ok(StructDecl { name, loc, fields })
+    }
+
+    fn metadata(&mut self) -> Parse<Vec<Metadatum>> {
+        let mut list = Vec::new();
+        if !self.take("[[") {
+            return Ok(list);
+        }
+        while !self.is("]") {
+            let Some(base) = self.peek().ident().and_then(|n| Base::from_word(n)) else {
+                return Err(self.syntax("a type"));
+            };
+            self.next();
+            let declarator = self.declarator()?;
+            if declarator.init.is_none() {
+                return Err(self.syntax("'=' and a value"));
+            }
+            list.push(Metadatum { base, declarator });
+            if !self.take(",") {
+                break;
+            }
+        }
+        self.expect("]")?;
+        self.expect("]")?;
+        Ok(list)
+    }
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Where a tool writes to: two streams whose texts keep their order.
+//! Source: original.
+
+use std::io::Write;
+
+/// Standard output and standard error, or what stands for them in a test.
+pub struct Console<'a> {
+    out: &'a mut dyn Write,
+    err: &'a mut dyn Write,
+    /// Whether the tool was called by its own name, by a link, and so stands for OSL's.
+    pub link: bool,
+}
+
+impl<'a> Console<'a> {
+    /// On two streams.
+    pub fn new(out: &'a mut dyn Write, err: &'a mut dyn Write, link: bool) -> Self {
+        Self { out, err, link }
+    }
+
+    /// Writes to standard output. A reader that has gone away is no reason to stop.
+    pub fn print(&mut self, text: &str) {
+        let _ = self.out.write_all(text.as_bytes());
+    }
+
+    /// Writes bytes to standard output.
+    pub fn print_bytes(&mut self, bytes: &[u8]) {
+        let _ = self.out.write_all(bytes);
+    }
+
+    /// Writes to standard error, after all that was printed before.
+    pub fn complain(&mut self, text: &str) {
+        let _ = self.out.flush();
+        let _ = self.err.write_all(text.as_bytes());
+        let _ = self.err.flush();
+    }
+
+    /// Writes out what is still kept.
+    pub fn flush(&mut self) {
+        let _ = self.out.flush();
+    }
+}

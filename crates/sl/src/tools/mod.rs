@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! OSL's command-line tools: what `gnurt oslc`, `gnurt oslinfo` and `gnurt testshade` do, with OSL's options and output.
+//! Source: original; options and output are those of OSL's tools.
+
+mod console;
+mod oslc;
+mod oslinfo;
+
+pub use console::Console;
+pub use oslc::oslc;
+pub use oslinfo::oslinfo;
+
+/// The tool of a name.
+#[must_use]
+pub fn tool(name: &str) -> Option<fn(&[String], &mut Console<'_>) -> i32> {
+    match name {
+        "oslc" => Some(oslc),
+        "oslinfo" => Some(oslinfo),
+        _ => None,
+    }
+}
