@@ -94,9 +94,18 @@ class Test:
         names["oiiotool"] = lambda args, silent=False: "oiiotool " + args + ("" if silent else redirect) + " ;\n"
         names["maketx"] = lambda args: "maketx " + args + redirect + " ;\n"
         names["run_app"] = lambda a, silent=False, concat=True: a + ("" if silent else redirect) + (" ;\n" if concat else "")
-        here = os.getcwd()
-        exec(compile(open(os.path.join(source, "run.py")).read(), "run.py", "exec"), names)
-        os.chdir(here)
+        why = []
+
+        def runtest(commands, outputs=["out.txt"], *_, **__):
+            found = self.commands(place, bin, commands, outputs, names)
+            why.extend(found)
+            return 1 if found else 0
+
+        names["runtest"] = runtest
+        try:
+            exec(compile(open(os.path.join(source, "run.py")).read(), "run.py", "exec"), names)
+        except (Exception, SystemExit) as e:
+            return [f"run.py: {e}"]
         commands = names["command"]
         if names["compile_osl_files"]:
             files = sorted(os.path.basename(p) for p in glob.glob(os.path.join(place, "*.osl")))
@@ -105,6 +114,14 @@ class Test:
         for extension in ["exr", "tif"]:
             if os.path.exists(os.path.join(place, "ref", "out." + extension)) and "out." + extension not in outputs:
                 outputs.append("out." + extension)
+        try:
+            names["runtest"](commands, outputs)
+        except (Exception, SystemExit) as e:
+            why.append(f"run.py: {e}")
+        return why
+
+    def commands(self, place, bin, commands, outputs, names):
+        source = os.path.join(self.suite, "testsuite", self.name)
         level = "2" if os.path.exists(os.path.join(source, "OPTIMIZEONLY")) else "0"
         environment = dict(os.environ, OSLHOME=os.path.join(self.suite, "src"), TESTSHADE_OPT=level)
         open(os.path.join(place, "out.txt"), "w").close()

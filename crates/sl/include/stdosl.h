@@ -26,7 +26,7 @@
 #define FLOATS(line) TRIPLES(line) line(float)
 
 // Angles, powers, roots and rounding
-#define ONE(T) T cos(T x) LIB; T sin(T x) LIB; T tan(T x) LIB; T acos(T x) LIB; T asin(T x) LIB; T atan(T x) LIB; T cosh(T x) LIB; T sinh(T x) LIB; T tanh(T x) LIB; T exp(T x) LIB; T exp2(T x) LIB; T expm1(T x) LIB; T log(T x) LIB; T log2(T x) LIB; T log10(T x) LIB; T logb(T x) LIB; T sqrt(T x) LIB; T inversesqrt(T x) LIB; T cbrt(T x) LIB; T abs(T x) LIB; T fabs(T x) LIB; T sign(T x) LIB; T floor(T x) LIB; T ceil(T x) LIB; T round(T x) LIB; T trunc(T x) LIB;
+#define ONE(T) T cos(T x) LIB; T sin(T x) LIB; T tan(T x) LIB; T acos(T x) LIB; T asin(T x) LIB; T atan(T x) LIB; T cosh(T x) LIB; T sinh(T x) LIB; T tanh(T x) LIB; T exp(T x) LIB; T exp2(T x) LIB; T expm1(T x) LIB; T log(T x) LIB; T log2(T x) LIB; T log10(T x) LIB; T logb(T x) LIB; T sqrt(T x) LIB; T inversesqrt(T x) LIB; T cbrt(T x) LIB; T fabs(T x) LIB; T sign(T x) LIB; T floor(T x) LIB; T ceil(T x) LIB; T round(T x) LIB; T trunc(T x) LIB;
 FLOATS(ONE)
 #undef ONE
 #define TWO(T) T atan2(T x, T y) LIB; T pow(T x, T y) LIB; T fmod(T x, T y) LIB; T min(T x, T y) LIB; T max(T x, T y) LIB;
@@ -84,6 +84,24 @@ float linearstep(float low, float high, float x)
         return step(low, x);
     return clamp((x - low) / (high - low), 0.0, 1.0);
 }
+// What needs nothing else
+vector cross(vector a, vector b) LIB;
+float dot(vector a, vector b) LIB;
+float length(vector v) LIB;
+float distance(point a, point b) LIB;
+normal normalize(normal v) LIB;
+vector normalize(vector v) LIB;
+float determinant(matrix m) LIB;
+matrix transpose(matrix m) LIB;
+int getmatrix(string from, string to, output matrix m) LIB;
+float luminance(color c) LIB;
+color blackbody(float kelvin) LIB;
+color wavelength_color(float nanometres) LIB;
+color transformc(string from, string to, color c) LIB;
+int strlen(string s) LIB;
+#define ABS(T) T abs(T x) LIB;
+FLOATS(ABS)
+#undef ABS
 float smooth_linearstep(float low, float high, float x, float width)
 {
     if (low == high)
@@ -120,10 +138,6 @@ float aastep(float edge, float s, float s_width) { return aastep(edge, s, filter
 float aastep(float edge, float s) { return aastep(edge, s, filterwidth(edge), filterwidth(s)); }
 
 // Vectors and spaces
-vector cross(vector a, vector b) LIB;
-float dot(vector a, vector b) LIB;
-float length(vector v) LIB;
-float distance(point a, point b) LIB;
 float distance(point a, point b, point q)
 {
     vector along = b - a;
@@ -132,8 +146,6 @@ float distance(point a, point b, point q)
         return distance(q, a);
     return distance(q, a + clamp(dot(q - a, along) / squared, 0.0, 1.0) * along);
 }
-normal normalize(normal v) LIB;
-vector normalize(vector v) LIB;
 vector faceforward(vector n, vector i, vector reference) { return (dot(i, reference) > 0) ? -n : n; }
 vector faceforward(vector n, vector i) { return faceforward(n, i, Ng); }
 vector reflect(vector i, vector n) { return i - 2 * dot(n, i) * n; }
@@ -184,16 +196,9 @@ point rotate(point p, float angle, point a, point b)
     return transform(turn, p - a) + a;
 }
 point rotate(point p, float angle, vector axis) { return rotate(p, angle, point(0), axis); }
-float determinant(matrix m) LIB;
-matrix transpose(matrix m) LIB;
-int getmatrix(string from, string to, output matrix m) LIB;
 int getmatrix(string from, output matrix m) { return getmatrix(from, "common", m); }
 
 // Colours
-float luminance(color c) LIB;
-color blackbody(float kelvin) LIB;
-color wavelength_color(float nanometres) LIB;
-color transformc(string from, string to, color c) LIB;
 color transformc(string to, color c) { return transformc("rgb", to, c); }
 
 // Patterns
@@ -205,7 +210,6 @@ int hash(point p, float t) LIB;
 int hash(string s) LIB;
 
 // Texts
-int strlen(string s) LIB;
 int getchar(string s, int i) LIB;
 int startswith(string s, string start) LIB;
 int endswith(string s, string end) LIB;

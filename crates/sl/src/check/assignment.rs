@@ -63,7 +63,7 @@ impl Checker<'_> {
         let target = self.expr(target, Type::UNKNOWN);
         self.writable(&target, loc);
         let ty = target.ty;
-        if !ty.is_unknown() && !(ty.is_scalar() || ty.is_triple()) {
+        if !(ty.is_unknown() || ty.is_scalar() || ty.is_triple()) {
             let sign = if up { "++" } else { "--" };
             self.error(loc, format!("Can't do '{sign}' to a {}.", self.show(ty)));
             return wrong(loc);

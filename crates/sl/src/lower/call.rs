@@ -5,7 +5,7 @@
 use super::lowerer::{Inline, Lowerer, Value};
 use super::place::Target;
 use crate::hir::{Builtin, Expr, ExprKind, FuncId};
-use crate::ir::{Node, SymId, SymbolKind};
+use crate::ir::{Node, SymId};
 use crate::source::Loc;
 use crate::types::Type;
 use std::collections::HashSet;
@@ -54,9 +54,13 @@ impl Lowerer<'_> {
             };
             bindings.push((*formal, *output, value));
         }
+        for id in self.effects.of(program, func).iter() {
+            if let Some(value) = self.values.get(id) {
+                written.extend(value.leaves.iter());
+            }
+        }
         for (formal, output, value) in bindings {
-            let value =
-                if output { value } else { self.by_value(value, &written, function.body.is_some(), loc) };
+            let value = if output { value } else { self.by_value(value, &written, loc) };
             self.values.insert(formal, value);
         }
         let result = (ty != Type::VOID).then(|| self.temp(ty));
@@ -75,16 +79,9 @@ impl Lowerer<'_> {
         result.unwrap_or_else(|| Value { ty, leaves: [].into() })
     }
 
-    /// A value that the function's body cannot change from outside: globals and variables of the shader are copied unless
-    /// nothing writes them in between.
-    fn by_value(&mut self, value: Value, written: &HashSet<SymId>, _defined: bool, loc: Loc) -> Value {
-        let safe = value.leaves.iter().all(|s| {
-            let kind = self.kind(*s);
-            let array = self.shader.symbol(*s).ty.is_array();
-            matches!(kind, SymbolKind::Const | SymbolKind::Temp | SymbolKind::Param)
-                || (!written.contains(s) && (array || kind == SymbolKind::Local))
-        });
-        if safe {
+    /// A value that the function's body cannot change from outside.
+    fn by_value(&mut self, value: Value, written: &HashSet<SymId>, loc: Loc) -> Value {
+        if value.leaves.iter().all(|s| !written.contains(s)) {
             return value;
         }
         let out = self.temp(value.ty);

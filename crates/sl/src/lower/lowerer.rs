@@ -2,6 +2,7 @@
 //! The state of lowering: symbols, blocks that are being written, constants.
 //! Source: original.
 
+use super::effects::Effects;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::hir::{Data, Expr, FuncId, Program, VarId, VarKind};
 use crate::ir::{Block, Node, Op, Place as At, Shader, SymId, Symbol, SymbolKind};
@@ -43,6 +44,7 @@ pub(super) struct Lowerer<'a> {
     pub(super) inlines: Vec<Inline>,
     /// What targets of assignments that are under way were before.
     pub(super) old: Vec<Value>,
+    pub(super) effects: Effects,
     temps: usize,
     ops: usize,
     files: HashMap<u16, u16>,
@@ -67,6 +69,7 @@ impl<'a> Lowerer<'a> {
             constants: HashMap::new(),
             inlines: Vec::new(),
             old: Vec::new(),
+            effects: Effects::default(),
             temps: 0,
             ops: 0,
             files: HashMap::new(),
@@ -252,9 +255,10 @@ impl<'a> Lowerer<'a> {
     /// The value as one of type `to`.
     pub(super) fn convert(&mut self, value: Value, to: Type, loc: Loc) -> Value {
         let from = value.ty;
-        let open = to.array < 0 && from.is_array();
-        if from.equivalent(to, &self.program.structs) || open || to.is_unknown() {
-            return Value { ty: if open { from } else { to }, ..value };
+        // Arrays are copied as far as both go.
+        let arrays = from.is_array() && to.is_array();
+        if from.equivalent(to, &self.program.structs) || arrays || to.is_unknown() {
+            return Value { ty: if arrays { from } else { to }, ..value };
         }
         if to.base.is_float_based()
             && !to.is_array()

@@ -8,6 +8,7 @@
 
 mod aggregate;
 mod call;
+mod effects;
 mod expression;
 mod logic;
 mod lowerer;

@@ -3,5 +3,9 @@
 //! Source: original.
 
 mod derivatives;
+mod fold;
+mod uniform;
 
 pub use derivatives::mark_derivatives;
+pub use fold::fold;
+pub use uniform::varying;

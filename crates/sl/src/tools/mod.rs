@@ -5,10 +5,13 @@
 mod console;
 mod oslc;
 mod oslinfo;
+mod picture;
+mod testshade;
 
 pub use console::Console;
 pub use oslc::oslc;
 pub use oslinfo::oslinfo;
+pub use testshade::testshade;
 
 /// The tool of a name.
 #[must_use]
@@ -16,6 +19,7 @@ pub fn tool(name: &str) -> Option<fn(&[String], &mut Console<'_>) -> i32> {
     match name {
         "oslc" => Some(oslc),
         "oslinfo" => Some(oslinfo),
+        "testshade" => Some(testshade),
         _ => None,
     }
 }

@@ -1,0 +1,482 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A group laid out in memory, its operations bound to what they do.
+//! Source: original; which layers wait until they are asked for is OSL's.
+
+use super::machine::{Copy, Flow, Instruction, LayerPlan, Loop, Param, Plan, Source, Step};
+use super::slot::Slot;
+use super::strings::Strings;
+use super::table::action;
+use crate::group::{Group, Part};
+use crate::hir::Data;
+use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
+use crate::passes::{fold, mark_derivatives};
+use crate::types::{Base, Type};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// How groups are run.
+#[derive(Clone, Debug)]
+pub struct PlanOptions {
+    /// Outputs that are wanted: `name` or `layer.name`; their layers run in any case.
+    pub outputs: Vec<String>,
+    /// Layers that write globals wait until they are asked for.
+    pub lazy_globals: bool,
+    /// Layers that trace rays wait.
+    pub lazy_trace: bool,
+    /// Layers that call `error` wait.
+    pub lazy_error: bool,
+    /// All layers wait.
+    pub lazy_layers: bool,
+    /// Layers that nothing is connected to wait.
+    pub lazy_unconnected: bool,
+    /// Parameters that come from the geometry count as connected.
+    pub userdata_isconnected: bool,
+    /// Says when a layer starts and ends.
+    pub debug_layers: bool,
+    /// Layers that may be started by themselves.
+    pub entries: Vec<usize>,
+}
+
+impl Default for PlanOptions {
+    fn default() -> Self {
+        Self {
+            outputs: Vec::new(),
+            lazy_globals: true,
+            lazy_trace: true,
+            lazy_error: true,
+            lazy_layers: true,
+            lazy_unconnected: true,
+            userdata_isconnected: false,
+            debug_layers: false,
+            entries: Vec::new(),
+        }
+    }
+}
+
+/// Cells of a group.
+const CELLS: usize = 1 << 28;
+
+const GLOBALS: [(&str, Type); 13] = [
+    ("P", Type::POINT),
+    ("I", Type::VECTOR),
+    ("N", Type::NORMAL),
+    ("Ng", Type::NORMAL),
+    ("u", Type::FLOAT),
+    ("v", Type::FLOAT),
+    ("dPdu", Type::VECTOR),
+    ("dPdv", Type::VECTOR),
+    ("Ps", Type::POINT),
+    ("Ci", Type::CLOSURE),
+    ("time", Type::FLOAT),
+    ("dtime", Type::FLOAT),
+    ("dPdtime", Type::VECTOR),
+];
+
+impl Plan {
+    /// Lays out a group.
+    ///
+    /// # Errors
+    /// An operation that is not known, with its place; a group that is too large.
+    pub fn new(group: &Group, options: &PlanOptions) -> Result<Self, String> {
+        let mut plan = Self {
+            name: group.name.clone(),
+            layers: Vec::new(),
+            globals: HashMap::new(),
+            memory: Vec::new(),
+            strings: Strings::default(),
+            debug_layers: options.debug_layers,
+            entries: options.entries.clone(),
+        };
+        for (name, ty) in GLOBALS {
+            let slot = plan.place(ty, ty.base != Base::Closure)?;
+            plan.globals.insert(name.into(), slot);
+        }
+        let shaders = prepared(group);
+        for (number, shader) in shaders.into_iter().enumerate() {
+            plan.layer(group, number, shader, options)?;
+        }
+        Ok(plan)
+    }
+
+    /// How many layers there are.
+    #[must_use]
+    pub fn layer_count(&self) -> usize {
+        self.layers.len()
+    }
+
+    fn place(&mut self, ty: Type, derivs: bool) -> Result<Slot, String> {
+        let slot = Slot::new(self.memory.len(), ty, derivs);
+        let end = self.memory.len() + slot.cells();
+        if end > CELLS {
+            return Err(format!("the group needs more than {CELLS} values"));
+        }
+        self.memory.resize(end, 0);
+        Ok(slot)
+    }
+
+    fn fill(&mut self, slot: &Slot, data: &Data) {
+        let at = slot.at as usize;
+        let size = slot.size as usize;
+        match data {
+            Data::Int(list) => {
+                for (i, &v) in list.iter().take(size).enumerate() {
+                    self.memory[at + i] =
+                        if slot.ty.base == Base::Int { v as u32 } else { (v as f32).to_bits() };
+                }
+                if slot.ty.base == Base::Closure {
+                    self.memory[at..at + size].fill(0);
+                }
+            }
+            Data::Float(list) => {
+                for (i, &v) in list.iter().take(size).enumerate() {
+                    self.memory[at + i] = v.to_bits();
+                }
+            }
+            Data::Str(list) => {
+                for (i, v) in list.iter().take(size).enumerate() {
+                    self.memory[at + i] = self.strings.number(v);
+                }
+            }
+        }
+    }
+
+    fn layer(
+        &mut self,
+        group: &Group,
+        number: usize,
+        shader: Arc<Shader>,
+        options: &PlanOptions,
+    ) -> Result<(), String> {
+        let layer = &group.layers[number];
+        let mut slots = Vec::with_capacity(shader.symbols.len());
+        for (id, symbol) in shader.symbols.iter().enumerate() {
+            if let (SymbolKind::Global, Some(slot)) = (symbol.kind, self.globals.get(&symbol.name)) {
+                slots.push(*slot);
+                continue;
+            }
+            let mut ty = symbol.ty;
+            let given = layer.values.get(&(id as SymId)).or(symbol.value.as_ref());
+            if ty.array < 0 {
+                let count = given.map_or(0, length) / ty.base.components().max(1);
+                ty = ty.array_of(i32::try_from(count.max(1)).unwrap_or(1));
+            }
+            let slot = self.place(ty, symbol.derivs)?;
+            if let Some(data) = given {
+                self.fill(&slot, data);
+            }
+            slots.push(slot);
+        }
+        let mut connected = vec![0_u8; shader.symbols.len()];
+        let mut copies = Vec::new();
+        for c in &group.connections {
+            if c.from_layer == number {
+                mark(&shader, &mut connected, c.from.symbol, 2);
+            }
+            if c.to_layer == number {
+                mark(&shader, &mut connected, c.to.symbol, 1);
+                let (from, from_derivs) = self.part(c.from_layer, &c.from);
+                let (to, to_derivs) = cut(slots[c.to.symbol as usize], &c.to);
+                copies.push(Copy {
+                    layer: c.from_layer,
+                    from,
+                    from_derivs,
+                    to,
+                    to_derivs,
+                    to_symbol: c.to.symbol,
+                });
+            }
+        }
+        for output in &options.outputs {
+            let name = match output.split_once('.') {
+                Some((l, name)) if l == &*layer.name => name,
+                _ => output,
+            };
+            if let Some(id) =
+                shader.find(name).filter(|&id| shader.symbol(id).kind == SymbolKind::OutputParam)
+            {
+                connected[id as usize] |= 2;
+            }
+        }
+        let reads: Vec<bool> = connected.iter().map(|c| c & 1 != 0).collect();
+        let binder = Binder { shader: &shader, slots: &slots, connected: &reads };
+        let code = binder.block(&shader.code)?;
+        let mut params = Vec::new();
+        for (id, symbol) in shader.params() {
+            if symbol.ty.struct_id().is_some() {
+                continue;
+            }
+            let interpolated = layer.interpolated(id);
+            if interpolated && options.userdata_isconnected {
+                connected[id as usize] |= 1;
+            }
+            let whole = group.connections.iter().any(|c| {
+                c.to_layer == number
+                    && c.to.symbol == id
+                    && c.to.element.is_none()
+                    && c.to.component.is_none()
+            });
+            let source = match (reads[id as usize], interpolated) {
+                (true, _) => Source::Connected,
+                (_, true) => Source::Geometry,
+                _ => Source::Value,
+            };
+            let init =
+                if layer.values.contains_key(&id) { Vec::new() } else { binder.block(&symbol.init)? };
+            if source != Source::Value || !init.is_empty() {
+                params.push(Param { symbol: id, source, whole, init });
+            }
+        }
+        let lazy = number + 1 != group.layers.len() && waits(group, number, &shader, options);
+        let constant = constants(group, number, &shader);
+        self.layers.push(LayerPlan {
+            name: layer.name.clone(),
+            shader,
+            slots,
+            params,
+            copies,
+            code,
+            lazy,
+            connected,
+            constant,
+        });
+        Ok(())
+    }
+
+    fn part(&self, layer: usize, part: &Part) -> (Slot, u32) {
+        cut(self.layers[layer].slots[part.symbol as usize], part)
+    }
+}
+
+fn length(data: &Data) -> usize {
+    match data {
+        Data::Int(list) => list.len(),
+        Data::Float(list) => list.len(),
+        Data::Str(list) => list.len(),
+    }
+}
+
+/// Marks a member's struct as well.
+fn mark(shader: &Shader, connected: &mut [u8], id: SymId, bit: u8) {
+    let mut at = Some(id);
+    while let Some(id) = at {
+        connected[id as usize] |= bit;
+        at = shader.symbol(id).member_of.map(|m| m.0);
+    }
+}
+
+/// The stretch that a part is, and the cells between its value and derivatives if that is not its own size.
+fn cut(slot: Slot, part: &Part) -> (Slot, u32) {
+    if part.element.is_none() && part.component.is_none() {
+        return (slot, 0);
+    }
+    let offset = part.element.unwrap_or(0) * slot.one + part.component.unwrap_or(0);
+    let stride = if slot.derivs { slot.size } else { 0 };
+    let mut inner = Slot::new((slot.at + offset) as usize, part.ty, false);
+    inner.derivs = false;
+    (inner, stride)
+}
+
+fn waits(group: &Group, number: usize, shader: &Shader, options: &PlanOptions) -> bool {
+    let layer = &group.layers[number];
+    let has = |name: &str| {
+        let mut found = false;
+        ops(&shader.code, &mut |op| found |= &*op.name == name);
+        found
+    };
+    let mut writes_globals = false;
+    uses(&shader.code, &mut |id, usage| {
+        writes_globals |= usage == Use::Write && shader.symbol(id).kind == SymbolKind::Global;
+    });
+    let outgoing = group.connections.iter().any(|c| c.from_layer == number);
+    let wanted = shader.params().any(|(_, s)| {
+        s.kind == SymbolKind::OutputParam
+            && options.outputs.iter().any(|o| **o == *s.name || *o == format!("{}.{}", layer.name, s.name))
+    });
+    options.lazy_layers
+        && (options.lazy_globals || !writes_globals)
+        && !wanted
+        && (outgoing || options.lazy_unconnected)
+        && (options.lazy_error || !has("error"))
+        && (options.lazy_trace || !has("trace"))
+}
+
+/// Values of parameters that nothing changes while the group runs.
+fn fixed(group: &Group, number: usize) -> HashMap<SymId, Data> {
+    let layer = &group.layers[number];
+    let mut out = HashMap::new();
+    for (id, symbol) in layer.shader.params() {
+        let connected = group.connections.iter().any(|c| c.to_layer == number && c.to.symbol == id);
+        let plain = symbol.kind == SymbolKind::Param
+            && !connected
+            && !layer.interpolated(id)
+            && !layer.interactive(id);
+        let value = match layer.values.get(&id) {
+            Some(data) => Some(data),
+            None if symbol.init.is_empty() => symbol.value.as_ref(),
+            None => None,
+        };
+        if let (true, Some(data)) = (plain, value) {
+            out.insert(id, data.clone());
+        }
+    }
+    out
+}
+
+/// The shaders without what their parameters leave out, outputs having derivatives where what they are connected to needs them.
+fn prepared(group: &Group) -> Vec<Arc<Shader>> {
+    let mut shaders: Vec<Arc<Shader>> = group.layers.iter().map(|l| l.shader.clone()).collect();
+    for (number, shader) in shaders.iter_mut().enumerate() {
+        fold(Arc::make_mut(shader), &fixed(group, number));
+    }
+    for number in (0..shaders.len()).rev() {
+        let due: Vec<SymId> = group
+            .connections
+            .iter()
+            .filter(|c| c.from_layer == number && shaders[c.to_layer].symbol(c.to.symbol).derivs)
+            .map(|c| c.from.symbol)
+            .filter(|&id| !shaders[number].symbol(id).derivs)
+            .collect();
+        if due.is_empty() {
+            continue;
+        }
+        let shader = Arc::make_mut(&mut shaders[number]);
+        for id in due {
+            shader.symbols[id as usize].derivs = true;
+        }
+        mark_derivatives(shader);
+    }
+    shaders
+}
+
+struct Binder<'a> {
+    shader: &'a Shader,
+    slots: &'a [Slot],
+    connected: &'a [bool],
+}
+
+impl Binder<'_> {
+    fn pulls(&self, symbols: impl Iterator<Item = SymId>) -> Box<[u32]> {
+        symbols.filter(|&id| self.connected[id as usize]).collect()
+    }
+
+    fn block(&self, block: &Block) -> Result<Vec<Instruction>, String> {
+        block.iter().map(|node| self.node(node)).collect()
+    }
+
+    fn node(&self, node: &Node) -> Result<Instruction, String> {
+        let slot = |id: SymId| self.slots[id as usize];
+        let pull = |id: SymId| self.pulls(std::iter::once(id));
+        Ok(match node {
+            Node::Op(op) => self.operation(op)?,
+            Node::If { condition, yes, no, .. } => Instruction::If {
+                condition: slot(*condition),
+                pulls: pull(*condition),
+                yes: self.block(yes)?,
+                no: self.block(no)?,
+            },
+            Node::Loop { word, init, test, condition, body, step, at } => Instruction::Loop(Box::new(Loop {
+                body_first: *word == "dowhile",
+                init: self.block(init)?,
+                test: self.block(test)?,
+                condition: slot(*condition),
+                pulls: pull(*condition),
+                body: self.block(body)?,
+                step: self.block(step)?,
+                at: *at,
+            })),
+            Node::Call { body, .. } => Instruction::Call(self.block(body)?),
+        })
+    }
+
+    fn operation(&self, op: &Op) -> Result<Instruction, String> {
+        let flow = match &*op.name {
+            "break" => Some(Flow::Break),
+            "continue" => Some(Flow::Continue),
+            "return" => Some(Flow::Return),
+            "exit" => Some(Flow::Exit),
+            _ => None,
+        };
+        if let Some(flow) = flow {
+            return Ok(Instruction::Leave(flow));
+        }
+        let args: Box<[Slot]> = op.args.iter().map(|&id| self.slots[id as usize]).collect();
+        let Some(action) = action(&op.name, &args) else {
+            let file = self.shader.files.get(usize::from(op.at.file)).map_or("", |f| f);
+            return Err(format!(
+                "Parsing shader \"{}\": unknown instruction \"{}\" at {file}:{}",
+                self.shader.name, op.name, op.at.line
+            ));
+        };
+        // What asks about the parameter itself does not fetch it.
+        let reads = !matches!(&*op.name, "isconnected" | "isconstant" | "arraylength");
+        let pulls = if reads { self.pulls(op.args.iter().copied()) } else { [].into() };
+        let symbols = op.args.clone().into();
+        Ok(Instruction::Do(Step { name: op.name.clone(), action, args, symbols, at: op.at, pulls }))
+    }
+}
+
+/// Symbols whose value is known before the group runs: parameters that nothing changes, and what is made of constants alone.
+fn constants(group: &Group, number: usize, shader: &Shader) -> Vec<bool> {
+    let layer = &group.layers[number];
+    let mut known: Vec<bool> = shader
+        .symbols
+        .iter()
+        .enumerate()
+        .map(|(id, s)| {
+            let id = id as SymId;
+            let connected = group.connections.iter().any(|c| c.to_layer == number && c.to.symbol == id);
+            let fixed = !connected && !layer.interpolated(id) && !layer.interactive(id);
+            match s.kind {
+                SymbolKind::Const => true,
+                SymbolKind::Param => fixed && (s.init.is_empty() || layer.values.contains_key(&id)),
+                SymbolKind::Temp | SymbolKind::Local => true,
+                _ => false,
+            }
+        })
+        .collect();
+    // What is written once, of known values, by an operation that asks nobody, is known.
+    let mut writes = vec![0_u32; known.len()];
+    uses(&shader.code, &mut |id, usage| writes[id as usize] += u32::from(usage == Use::Write));
+    for (id, symbol) in shader.symbols.iter().enumerate() {
+        if matches!(symbol.kind, SymbolKind::Temp | SymbolKind::Local) {
+            known[id] = writes[id] == 1;
+        }
+    }
+    let asks = |name: &str| {
+        matches!(
+            name,
+            "getattribute"
+                | "getmessage"
+                | "raytype"
+                | "trace"
+                | "backfacing"
+                | "surfacearea"
+                | "random"
+                | "texture"
+                | "texture3d"
+                | "environment"
+                | "gettextureinfo"
+                | "transform"
+                | "transformv"
+                | "transformn"
+                | "getmatrix"
+        )
+    };
+    let mut changed = true;
+    while std::mem::take(&mut changed) {
+        ops(&shader.code, &mut |op| {
+            let unknown = asks(&op.name)
+                || op
+                    .args
+                    .iter()
+                    .enumerate()
+                    .any(|(i, &a)| op.is_read(i) && !op.is_written(i) && !known[a as usize]);
+            for (i, &arg) in op.args.iter().enumerate() {
+                if op.is_written(i) && unknown && std::mem::take(&mut known[arg as usize]) {
+                    changed = true;
+                }
+            }
+        });
+    }
+    known
+}

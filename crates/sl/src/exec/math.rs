@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Vectors, derivatives and splines: arguments to the library and back.
+//! Source: original.
+
+use super::machine::{D, Machine, Step};
+use super::slot::Slot;
+use gnurt_sl_lib::math::{self, vectors};
+use gnurt_sl_lib::spline as curve;
+use gnurt_sl_lib::{Dual, matrix as mx};
+
+pub(super) fn determinant(m: &mut Machine<'_>, s: &Step) {
+    let value = mx::determinant(&m.matrix(&s.args[1]));
+    m.set(&s.args[0], 0, value.into());
+}
+
+pub(super) fn transpose(m: &mut Machine<'_>, s: &Step) {
+    let value = mx::transpose(&m.matrix(&s.args[1]));
+    m.set_matrix(&s.args[0], &value);
+}
+
+pub(super) fn dot(m: &mut Machine<'_>, s: &Step) {
+    let value = vectors::dot(m.triple(&s.args[1]), m.triple(&s.args[2]));
+    m.set(&s.args[0], 0, value);
+}
+
+pub(super) fn cross(m: &mut Machine<'_>, s: &Step) {
+    let value = vectors::cross(m.triple(&s.args[1]), m.triple(&s.args[2]));
+    m.set_triple(&s.args[0], value);
+}
+
+pub(super) fn length(m: &mut Machine<'_>, s: &Step) {
+    let value = vectors::length(m.triple(&s.args[1]));
+    m.set(&s.args[0], 0, value);
+}
+
+pub(super) fn distance(m: &mut Machine<'_>, s: &Step) {
+    let value = vectors::distance(m.triple(&s.args[1]), m.triple(&s.args[2]));
+    m.set(&s.args[0], 0, value);
+}
+
+pub(super) fn normalize(m: &mut Machine<'_>, s: &Step) {
+    let value = vectors::normalize(m.triple(&s.args[1]));
+    m.set_triple(&s.args[0], value);
+}
+
+pub(super) fn sincos(m: &mut Machine<'_>, s: &Step) {
+    let [angle, sine, cosine] = &*s.args else { return };
+    for i in 0..sine.size as usize {
+        let (a, b) = math::sincos(m.dual(angle, i));
+        m.set(sine, i, a);
+        m.set(cosine, i, b);
+    }
+}
+
+pub(super) fn derivative(m: &mut Machine<'_>, s: &Step) {
+    let [out, a] = &*s.args else { return };
+    for i in 0..out.size as usize {
+        let value = m.dual(a, i);
+        let change = match &*s.name {
+            "Dx" => value.dx,
+            "Dy" => value.dy,
+            _ => 0.0,
+        };
+        m.set(out, i, change.into());
+    }
+}
+
+pub(super) fn filterwidth(m: &mut Machine<'_>, s: &Step) {
+    let [out, a] = &*s.args else { return };
+    for i in 0..out.size as usize {
+        let value = m.dual(a, i);
+        m.set(out, i, math::filterwidth(value.dx, value.dy).into());
+    }
+}
+
+fn changes(value: [D; 3]) -> ([f32; 3], [f32; 3]) {
+    (value.map(|d| d.dx), value.map(|d| d.dy))
+}
+
+pub(super) fn area(m: &mut Machine<'_>, s: &Step) {
+    let (dx, dy) = changes(m.triple(&s.args[1]));
+    m.set(&s.args[0], 0, vectors::area(dx, dy).into());
+}
+
+pub(super) fn calculatenormal(m: &mut Machine<'_>, s: &Step) {
+    let (dx, dy) = changes(m.triple(&s.args[1]));
+    let value = vectors::calculatenormal(dx, dy, m.point.flipped);
+    m.set_triple(&s.args[0], Dual::from(value).components());
+}
+
+/// The knots of one component.
+fn knots(m: &Machine<'_>, slot: &Slot, component: usize, count: usize) -> Vec<D> {
+    let one = slot.one as usize;
+    (0..count).map(|k| m.dual(slot, k * one + component)).collect()
+}
+
+/// Name, place and knots of a spline; the knots' number may stand before them.
+fn parts<'s>(m: &Machine<'_>, s: &'s Step) -> Option<(curve::Basis, D, &'s Slot, usize)> {
+    let basis = curve::Basis::named(&m.text(&s.args[1]));
+    let x = m.dual(&s.args[2], 0);
+    let list = s.args.last()?;
+    let all = list.ty.elements();
+    let count = match s.args.len() {
+        5 => usize::try_from(m.int(&s.args[3])).unwrap_or(0).min(all),
+        _ => all,
+    };
+    Some((basis, x, list, count))
+}
+
+pub(super) fn spline(m: &mut Machine<'_>, s: &Step) {
+    let out = s.args[0];
+    let Some((basis, x, list, count)) = parts(m, s) else { return };
+    let values: Vec<D> = (0..out.size as usize)
+        .map(|i| curve::spline(basis, x, &*knots(m, list, i.min(list.one as usize - 1), count)))
+        .collect();
+    for (i, value) in values.into_iter().enumerate() {
+        m.set(&out, i, value);
+    }
+}
+
+pub(super) fn splineinverse(m: &mut Machine<'_>, s: &Step) {
+    let Some((basis, y, list, count)) = parts(m, s) else { return };
+    let knots: Vec<f32> = knots(m, list, 0, count).into_iter().map(|k| k.value).collect();
+    let value = curve::splineinverse(basis, y, &knots);
+    m.set(&s.args[0], 0, value);
+}

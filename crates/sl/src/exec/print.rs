@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `printf` and its kin.
+//! Source: original; the words before messages are OSL's.
+
+use super::machine::{Event, Machine, Step};
+use super::slot::Slot;
+use crate::hir::Data;
+use crate::types::Base;
+use gnurt_sl_lib::text::{Argument, Format};
+
+/// Texts of one point.
+const LIMIT: usize = 100_000;
+
+enum Owned {
+    Ints(Vec<i32>),
+    Floats(Vec<f32>),
+    Texts(Vec<String>),
+}
+
+fn argument(m: &Machine<'_>, slot: &Slot) -> Owned {
+    if slot.ty.base == Base::Closure {
+        return Owned::Texts((0..slot.size as usize).map(|i| m.closure_text(m.word(slot, i))).collect());
+    }
+    match m.data(slot) {
+        Data::Int(list) => Owned::Ints(list),
+        Data::Float(list) => Owned::Floats(list),
+        Data::Str(list) => Owned::Texts(list.iter().map(|s| s.to_string()).collect()),
+    }
+}
+
+fn filled(m: &Machine<'_>, format: &str, args: &[Slot]) -> Result<String, String> {
+    let owned: Vec<Owned> = args.iter().map(|a| argument(m, a)).collect();
+    let texts: Vec<Vec<&str>> = owned
+        .iter()
+        .map(|o| match o {
+            Owned::Texts(list) => list.iter().map(String::as_str).collect(),
+            _ => Vec::new(),
+        })
+        .collect();
+    let args: Vec<Argument<'_>> = owned
+        .iter()
+        .zip(&texts)
+        .map(|(o, texts)| match o {
+            Owned::Ints(list) => Argument::Ints(list),
+            Owned::Floats(list) => Argument::Floats(list),
+            Owned::Texts(_) => Argument::Strings(texts),
+        })
+        .collect();
+    Format::new(format).fill(&args).map_err(|e| e.to_string())
+}
+
+pub(super) fn print(m: &mut Machine<'_>, s: &Step) {
+    let head = match &*s.name {
+        "format" | "fprintf" => 1,
+        _ => 0,
+    };
+    let (Some(format), Some(args)) = (s.args.get(head), s.args.get(head + 1..)) else { return };
+    let format = m.text(format);
+    let text = match filled(m, &format, args) {
+        Ok(text) => text,
+        Err(message) => {
+            let place = m.place(s.at);
+            m.error(format!("{message} at {place}"));
+            return;
+        }
+    };
+    if &*s.name == "format" {
+        m.set_text(&s.args[0], 0, &text);
+        return;
+    }
+    if m.events.len() >= LIMIT * 10 {
+        return;
+    }
+    let (_, shader) = m.layer_names();
+    let event = match &*s.name {
+        "error" => Event::Error(format!("Shader error [{shader}]: {text}")),
+        "warning" => Event::Warning(format!("Shader warning [{shader}]: {text}")),
+        "fprintf" => Event::File(m.text(&s.args[0]).to_string(), text),
+        _ => Event::Print(text),
+    };
+    m.events.push(event);
+}

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Runs a group for a point: layers when they are needed, connections when they are read.
+//! Source: original; the order is OSL's.
+
+use super::host::Point;
+use super::machine::{Action, Copy, Event, Flow, Instruction, Loop, Machine, Source, Step};
+use super::slot::Slot;
+use crate::hir::Data;
+use crate::types::{Base, Type};
+
+/// Turns of loops that a point may take before it is stopped.
+const FUEL: u64 = 20_000_000;
+
+impl Machine<'_> {
+    /// Runs the group; outputs are then read with [`output`](Self::output).
+    pub fn run(&mut self, point: &Point) {
+        self.begin(point);
+        let Some(last) = self.plan.layers.len().checked_sub(1) else { return };
+        self.say_layer(last, "enter");
+        self.done[last] = true;
+        for layer in 0..last {
+            if !self.plan.layers[layer].lazy && !self.done[layer] {
+                self.layer_once(layer);
+            }
+        }
+        self.layer_body(last);
+        self.say_layer(last, "exit");
+    }
+
+    fn say_layer(&mut self, layer: usize, what: &str) {
+        if self.plan.debug_layers {
+            let code = &self.plan.layers[layer];
+            let (shader, name) = (&code.shader.name, &code.name);
+            self.events
+                .push(Event::Print(format!("({shader} {name}) {what} layer {layer} {name} {shader}\n")));
+        }
+    }
+
+    /// Forgets the point before.
+    pub fn begin(&mut self, point: &Point) {
+        self.memory.clone_from(&self.plan.memory);
+        self.strings.truncate(self.plan.strings.count());
+        self.closures.clear();
+        self.messages.clear();
+        self.done.fill(false);
+        for list in &mut self.pulled {
+            list.fill(false);
+        }
+        self.fuel = FUEL;
+        self.point = point.clone();
+        self.set_globals();
+    }
+
+    fn set_globals(&mut self) {
+        let point = self.point.clone();
+        let fixed = |v: [f32; 3]| gnurt_sl_lib::Dual::from(v).components();
+        let globals = &self.plan.globals;
+        for (name, value) in [
+            ("P", point.p.components()),
+            ("I", point.i.components()),
+            ("N", fixed(point.n)),
+            ("Ng", fixed(point.ng)),
+            ("dPdu", fixed(point.dpdu)),
+            ("dPdv", fixed(point.dpdv)),
+            ("Ps", point.ps.components()),
+            ("dPdtime", fixed(point.dpdtime)),
+        ] {
+            if let Some(slot) = globals.get(name) {
+                self.set_triple(slot, value);
+            }
+        }
+        for (name, value) in
+            [("u", point.u), ("v", point.v), ("time", point.time.into()), ("dtime", point.dtime.into())]
+        {
+            if let Some(slot) = globals.get(name) {
+                self.set(slot, 0, value);
+            }
+        }
+    }
+
+    /// Runs a layer, if it has not been run for this point.
+    pub fn run_layer(&mut self, layer: usize) {
+        if self.plan.entries.contains(&layer) {
+            self.say_layer(layer, "checking for already-run");
+        }
+        if self.done[layer] {
+            self.say_layer(layer, "  taking early exit, already executed");
+            return;
+        }
+        self.layer_once(layer);
+    }
+
+    fn layer_once(&mut self, layer: usize) {
+        self.done[layer] = true;
+        self.say_layer(layer, "enter");
+        self.layer_body(layer);
+        self.say_layer(layer, "exit");
+    }
+
+    fn layer_body(&mut self, layer: usize) {
+        let outer = std::mem::replace(&mut self.layer, layer);
+        let plan = self.plan;
+        let code = &plan.layers[layer];
+        for param in &code.params {
+            match param.source {
+                Source::Connected if param.whole => continue,
+                Source::Geometry => {
+                    let slot = code.slots[param.symbol as usize];
+                    let name = code.shader.symbol(param.symbol).name.clone();
+                    if let Some(given) = self.host.userdata(&name, slot.ty, &self.point) {
+                        self.give(&slot, &given);
+                        continue;
+                    }
+                }
+                _ => {}
+            }
+            if self.block(&param.init) == Flow::Exit {
+                break;
+            }
+        }
+        self.block(&code.code);
+        self.layer = outer;
+    }
+
+    /// Fetches what is connected to parameters.
+    fn pull(&mut self, pulls: &[u32]) {
+        for &symbol in pulls {
+            let layer = self.layer;
+            if std::mem::replace(&mut self.pulled[layer][symbol as usize], true) {
+                continue;
+            }
+            let plan = self.plan;
+            for copy in plan.layers[layer].copies.iter().filter(|c| c.to_symbol == symbol) {
+                if !self.done[copy.layer] {
+                    self.run_layer(copy.layer);
+                }
+                self.copy_connection(copy);
+            }
+        }
+    }
+
+    fn copy_connection(&mut self, copy: &Copy) {
+        let (from, to) = (&copy.from, &copy.to);
+        if from.ty.base == Base::Closure
+            || from.ty.base == Base::String
+            || from.ty.base == Base::Int && to.ty.base == Base::Int
+        {
+            for i in 0..from.size.min(to.size) as usize {
+                let word = self.word(from, i);
+                self.set_word(to, i, word);
+            }
+            return;
+        }
+        for i in 0..to.size as usize {
+            if from.size > 1 && i >= from.size as usize {
+                break;
+            }
+            let value =
+                if copy.from_derivs > 0 { self.part(from, i, copy.from_derivs) } else { self.dual(from, i) };
+            if copy.to_derivs > 0 {
+                self.set_part(to, i, value, copy.to_derivs)
+            } else {
+                self.set(to, i, value)
+            }
+        }
+    }
+
+    /// A component of a larger value, whose derivatives are `stride` cells away.
+    fn part(&self, slot: &Slot, i: usize, stride: u32) -> super::machine::D {
+        let i = if slot.size == 1 { 0 } else { i };
+        let at = |k: usize| f32::from_bits(self.word(slot, i + k * stride as usize));
+        gnurt_sl_lib::Dual::new(at(0), at(1), at(2))
+    }
+
+    fn set_part(&mut self, slot: &Slot, i: usize, value: super::machine::D, stride: u32) {
+        for (k, v) in [value.value, value.dx, value.dy].into_iter().enumerate() {
+            self.set_word(slot, i + k * stride as usize, v.to_bits());
+        }
+    }
+
+    pub(super) fn block(&mut self, list: &[Instruction]) -> Flow {
+        for instruction in list {
+            match instruction {
+                Instruction::Do(step) => self.step(step),
+                Instruction::If { condition, pulls, yes, no } => {
+                    self.pull(pulls);
+                    let flow = self.block(if self.word(condition, 0) != 0 { yes } else { no });
+                    if flow != Flow::Next {
+                        return flow;
+                    }
+                }
+                Instruction::Loop(inner) => match self.turns(inner) {
+                    Flow::Next => {}
+                    flow => return flow,
+                },
+                Instruction::Call(body) => {
+                    if self.block(body) == Flow::Exit {
+                        return Flow::Exit;
+                    }
+                }
+                Instruction::Leave(flow) => return *flow,
+            }
+        }
+        Flow::Next
+    }
+
+    fn turns(&mut self, inner: &Loop) -> Flow {
+        match self.block(&inner.init) {
+            Flow::Next => {}
+            flow => return flow,
+        }
+        let mut skip_test = inner.body_first;
+        loop {
+            if !std::mem::take(&mut skip_test) {
+                match self.block(&inner.test) {
+                    Flow::Next => {}
+                    flow => return flow,
+                }
+                self.pull(&inner.pulls);
+                if self.word(&inner.condition, 0) == 0 {
+                    return Flow::Next;
+                }
+            }
+            if self.fuel == 0 {
+                let place = self.place(inner.at);
+                self.error(format!("stopped: a loop at {place} did not end after {FUEL} turns"));
+                return Flow::Exit;
+            }
+            self.fuel -= 1;
+            match self.block(&inner.body) {
+                Flow::Break => return Flow::Next,
+                Flow::Next | Flow::Continue => {}
+                flow => return flow,
+            }
+            match self.block(&inner.step) {
+                Flow::Next => {}
+                flow => return flow,
+            }
+        }
+    }
+
+    fn step(&mut self, step: &Step) {
+        self.pull(&step.pulls);
+        match step.action {
+            Action::Whole(run) => run(self, step),
+            Action::Map1(f) => {
+                let [out, a, ..] = &*step.args else { return };
+                for i in 0..out.size as usize {
+                    let value = f(self.dual(a, i));
+                    self.set(out, i, value);
+                }
+            }
+            Action::Map2(f) => {
+                let [out, a, b, ..] = &*step.args else { return };
+                for i in 0..out.size as usize {
+                    let value = f(self.dual(a, i), self.dual(b, i));
+                    self.set(out, i, value);
+                }
+            }
+            Action::Map3(f) => {
+                let [out, a, b, c, ..] = &*step.args else { return };
+                for i in 0..out.size as usize {
+                    let value = f(self.dual(a, i), self.dual(b, i), self.dual(c, i));
+                    self.set(out, i, value);
+                }
+            }
+        }
+    }
+
+    /// The value and type of a layer's output, or of `Ci` and other globals.
+    #[must_use]
+    pub fn output(&self, layer: Option<usize>, name: &str) -> Option<(Type, Data)> {
+        if let (None, Some(slot)) = (layer, self.plan.globals.get(name)) {
+            return Some((slot.ty, self.data(slot)));
+        }
+        let code = self.plan.layers.get(layer?)?;
+        let slot = code.slots[code.shader.find(name)? as usize];
+        Some((slot.ty, self.data(&slot)))
+    }
+
+    /// The number of the closure in `Ci`; see [`components`](Self::components).
+    #[must_use]
+    pub fn ci(&self) -> u32 {
+        self.plan.globals.get("Ci").map_or(0, |slot| self.word(slot, 0))
+    }
+}

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Texts by number, so that a cell can hold one.
+//! Source: original. Invariant: number 0 is the empty text.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+/// Bytes that a point's texts may take.
+const LIMIT: usize = 64 << 20;
+
+/// Texts and their numbers.
+#[derive(Clone, Debug)]
+pub struct Strings {
+    list: Vec<Arc<str>>,
+    numbers: HashMap<Arc<str>, u32>,
+    bytes: usize,
+}
+
+impl Default for Strings {
+    fn default() -> Self {
+        let mut this = Self { list: Vec::new(), numbers: HashMap::new(), bytes: 0 };
+        this.number("");
+        this
+    }
+}
+
+impl Strings {
+    /// The number of a text. Past 64 MiB of texts it is that of the empty one.
+    pub fn number(&mut self, text: &str) -> u32 {
+        if let Some(&number) = self.numbers.get(text) {
+            return number;
+        }
+        self.bytes += text.len() + 16;
+        if self.bytes > LIMIT {
+            return 0;
+        }
+        let number = self.list.len() as u32;
+        let text: Arc<str> = text.into();
+        self.list.push(text.clone());
+        self.numbers.insert(text, number);
+        number
+    }
+
+    /// The text of a number.
+    #[must_use]
+    pub fn text(&self, number: u32) -> &Arc<str> {
+        &self.list[if (number as usize) < self.list.len() { number as usize } else { 0 }]
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.list.len()
+    }
+
+    /// Forgets all but the first `count`.
+    pub fn truncate(&mut self, count: usize) {
+        while self.list.len() > count.max(1) {
+            if let Some(text) = self.list.pop() {
+                self.bytes -= text.len() + 16;
+                self.numbers.remove(&text);
+            }
+        }
+    }
+}

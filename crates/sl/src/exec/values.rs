@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How values are read and written.
+//! Source: original.
+
+use super::host::Given;
+use super::machine::{D, Event, Machine};
+use super::slot::Slot;
+use crate::hir::Data;
+use crate::ir::Place;
+use crate::types::Base;
+use gnurt_sl_lib::Dual;
+use std::sync::Arc;
+
+impl Machine<'_> {
+    pub(super) fn word(&self, slot: &Slot, i: usize) -> u32 {
+        self.memory[slot.at as usize + i]
+    }
+
+    pub(super) fn set_word(&mut self, slot: &Slot, i: usize, word: u32) {
+        self.memory[slot.at as usize + i] = word;
+    }
+
+    pub(super) fn int(&self, slot: &Slot) -> i32 {
+        match slot.ty.base {
+            Base::Int => self.word(slot, 0) as i32,
+            _ => f32::from_bits(self.word(slot, 0)) as i32,
+        }
+    }
+
+    pub(super) fn set_int(&mut self, slot: &Slot, value: i32) {
+        match slot.ty.base {
+            Base::Int => self.set_word(slot, 0, value as u32),
+            _ => self.set(slot, 0, (value as f32).into()),
+        }
+    }
+
+    /// The text in a slot.
+    pub(super) fn text(&self, slot: &Slot) -> Arc<str> {
+        self.text_at(slot, 0)
+    }
+
+    pub(super) fn text_at(&self, slot: &Slot, i: usize) -> Arc<str> {
+        if slot.ty.base == Base::String { self.strings.text(self.word(slot, i)).clone() } else { "".into() }
+    }
+
+    pub(super) fn set_text(&mut self, slot: &Slot, i: usize, text: &str) {
+        let number = self.strings.number(text);
+        self.set_word(slot, i, number);
+    }
+
+    /// Number `i` of a slot as a float. Single numbers stand for all components.
+    pub(super) fn float(&self, slot: &Slot, i: usize) -> f32 {
+        let i = if slot.size == 1 { 0 } else { i };
+        let word = self.word(slot, i);
+        if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) }
+    }
+
+    /// The same with its derivatives.
+    pub(super) fn dual(&self, slot: &Slot, i: usize) -> D {
+        let value = self.float(slot, i);
+        if !slot.derivs {
+            return value.into();
+        }
+        let i = if slot.size == 1 { 0 } else { i };
+        let size = slot.size as usize;
+        let part = |k: usize| f32::from_bits(self.word(slot, k * size + i));
+        Dual::new(value, part(1), part(2))
+    }
+
+    /// Puts a number and its derivatives.
+    pub(super) fn set(&mut self, slot: &Slot, i: usize, value: D) {
+        if slot.ty.base == Base::Int {
+            self.set_word(slot, i, value.value as i32 as u32);
+            return;
+        }
+        self.set_word(slot, i, value.value.to_bits());
+        if slot.derivs {
+            let size = slot.size as usize;
+            self.set_word(slot, size + i, value.dx.to_bits());
+            self.set_word(slot, 2 * size + i, value.dy.to_bits());
+        }
+    }
+
+    /// Three numbers with derivatives.
+    pub(super) fn triple(&self, slot: &Slot) -> [D; 3] {
+        [self.dual(slot, 0), self.dual(slot, 1), self.dual(slot, 2)]
+    }
+
+    pub(super) fn set_triple(&mut self, slot: &Slot, value: [D; 3]) {
+        for (i, v) in value.into_iter().enumerate() {
+            self.set(slot, i, v);
+        }
+    }
+
+    /// Three numbers.
+    pub(super) fn triple_value(&self, slot: &Slot) -> [f32; 3] {
+        [self.float(slot, 0), self.float(slot, 1), self.float(slot, 2)]
+    }
+
+    pub(super) fn matrix(&self, slot: &Slot) -> [[f32; 4]; 4] {
+        std::array::from_fn(|r| {
+            std::array::from_fn(|c| match slot.size {
+                1 if r != c => 0.0,
+                _ => self.float(slot, r * 4 + c),
+            })
+        })
+    }
+
+    pub(super) fn set_matrix(&mut self, slot: &Slot, m: &[[f32; 4]; 4]) {
+        for (i, &value) in m.iter().flatten().enumerate() {
+            self.set(slot, i, value.into());
+        }
+    }
+
+    /// The value of a slot by itself.
+    pub(super) fn data(&self, slot: &Slot) -> Data {
+        let words = &self.memory[slot.at as usize..][..slot.size as usize];
+        match slot.ty.base {
+            Base::String => Data::Str(words.iter().map(|&w| self.strings.text(w).clone()).collect()),
+            Base::Int | Base::Closure => Data::Int(words.iter().map(|&w| w as i32).collect()),
+            _ => Data::Float(words.iter().map(|&w| f32::from_bits(w)).collect()),
+        }
+    }
+
+    /// Puts a value from outside, as much of it as there is room for.
+    pub(super) fn give(&mut self, slot: &Slot, given: &Given) {
+        let size = slot.size as usize;
+        match &given.value {
+            Data::Int(list) => {
+                for (i, &v) in list.iter().take(size).enumerate() {
+                    if slot.ty.base == Base::Int {
+                        self.set_word(slot, i, v as u32)
+                    } else {
+                        self.set(slot, i, (v as f32).into())
+                    }
+                }
+            }
+            Data::Float(list) => {
+                for (i, &v) in list.iter().take(size).enumerate() {
+                    let part = |k: usize| given.derivs[k].get(i).copied().unwrap_or(0.0);
+                    self.set(slot, i, Dual::new(v, part(0), part(1)));
+                }
+            }
+            Data::Str(list) => {
+                for (i, v) in list.iter().take(size).enumerate() {
+                    self.set_text(slot, i, v);
+                }
+            }
+        }
+    }
+
+    /// The names of the layer that runs, and of its shader.
+    pub(super) fn layer_names(&self) -> (Arc<str>, Arc<str>) {
+        let layer = &self.plan.layers[self.layer];
+        (layer.name.clone(), layer.shader.name.clone())
+    }
+
+    /// `file:line`
+    pub(super) fn place(&self, at: Place) -> String {
+        let shader = &self.plan.layers[self.layer].shader;
+        format!("{}:{}", shader.files.get(usize::from(at.file)).map_or("", |f| f), at.line)
+    }
+
+    pub(super) fn error(&mut self, message: String) {
+        self.events.push(Event::Error(message));
+    }
+}

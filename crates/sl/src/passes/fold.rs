@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Works out what is known before a shader runs: numbers made of constants and of parameters that nothing changes, and which
+//! way conditions on them go. Then leaves out what nobody reads.
+//! Source: original; constant propagation and dead code elimination over symbols that are written once.
+//! Invariant: what a shader prints and puts out is the same with and without it.
+//! Proof: `tests/passes.rs`, and OSL's test suite, which runs through it.
+
+use crate::hir::Data;
+use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, uses};
+use crate::types::{Base, Type};
+use std::collections::HashMap;
+
+/// Folds a shader whose parameters in `known` have the values that they have there.
+pub fn fold(shader: &mut Shader, known: &HashMap<SymId, Data>) {
+    loop {
+        let mut writes = vec![0_u32; shader.symbols.len()];
+        uses(&shader.code, &mut |id, usage| writes[id as usize] += u32::from(usage == Use::Write));
+        let mut folder = Folder { shader, known, writes: &writes, made: HashMap::new(), changed: false };
+        let mut code = std::mem::take(&mut folder.shader.code);
+        code = folder.block(code);
+        let (made, mut changed) = (std::mem::take(&mut folder.made), folder.changed);
+        for (id, data) in made {
+            let symbol = &mut shader.symbols[id as usize];
+            symbol.kind = SymbolKind::Const;
+            symbol.value = Some(data);
+        }
+        shader.code = code;
+        changed |= remove_dead(shader);
+        if !changed {
+            return;
+        }
+    }
+}
+
+struct Folder<'a> {
+    shader: &'a mut Shader,
+    known: &'a HashMap<SymId, Data>,
+    writes: &'a [u32],
+    /// Symbols that turn out to be constants.
+    made: HashMap<SymId, Data>,
+    changed: bool,
+}
+
+#[derive(Clone, Copy)]
+enum Number {
+    Int(i32),
+    Float(f32),
+}
+
+impl Folder<'_> {
+    fn value(&self, id: SymId) -> Option<&Data> {
+        let symbol = self.shader.symbol(id);
+        match symbol.kind {
+            SymbolKind::Const => symbol.value.as_ref(),
+            SymbolKind::Param => self.known.get(&id),
+            _ => self.made.get(&id),
+        }
+    }
+
+    fn number(&self, id: SymId) -> Option<Number> {
+        match (self.value(id)?, self.shader.symbol(id).ty) {
+            (Data::Int(list), Type::INT) => list.first().map(|&v| Number::Int(v)),
+            (Data::Float(list), Type::FLOAT) => list.first().map(|&v| Number::Float(v)),
+            _ => None,
+        }
+    }
+
+    fn block(&mut self, block: Block) -> Block {
+        let mut out = Vec::with_capacity(block.len());
+        for node in block {
+            match node {
+                Node::Op(op) => match self.operation(&op) {
+                    Some((id, data)) => {
+                        self.made.insert(id, data);
+                        self.changed = true;
+                    }
+                    None => out.push(Node::Op(op)),
+                },
+                Node::If { condition, yes, no, at } => match self.number(condition) {
+                    Some(number) => {
+                        let taken = matches!(number, Number::Int(v) if v != 0);
+                        self.changed = true;
+                        out.extend(self.block(if taken { yes } else { no }));
+                    }
+                    None => out.push(Node::If { condition, yes: self.block(yes), no: self.block(no), at }),
+                },
+                Node::Loop { word, init, test, condition, body, step, at } => {
+                    let init = self.block(init);
+                    let test = self.block(test);
+                    let never = word != "dowhile" && matches!(self.number(condition), Some(Number::Int(0)));
+                    if never {
+                        self.changed = true;
+                        out.extend(init);
+                        out.extend(test);
+                        continue;
+                    }
+                    let (body, step) = (self.block(body), self.block(step));
+                    out.push(Node::Loop { word, init, test, condition, body, step, at });
+                }
+                Node::Call { name, body, at } => out.push(Node::Call { name, body: self.block(body), at }),
+            }
+        }
+        out
+    }
+
+    /// The symbol and value that an operation always makes.
+    fn operation(&self, op: &Op) -> Option<(SymId, Data)> {
+        let (&out, args) = op.args.split_first()?;
+        let symbol = self.shader.symbol(out);
+        let once =
+            matches!(symbol.kind, SymbolKind::Temp | SymbolKind::Local) && self.writes[out as usize] == 1;
+        // A variable that is declared may be read before it is written, in a loop: only what the compiler made is sure.
+        if !once || symbol.kind == SymbolKind::Local || symbol.derivs && symbol.ty != Type::INT {
+            return None;
+        }
+        if (&*op.name == "neq" || &*op.name == "eq")
+            && let (Some(Data::Str(a)), Some(Data::Str(b))) = (self.value(args[0]), self.value(*args.get(1)?))
+        {
+            return Some((out, Data::Int(vec![i32::from((a.first() == b.first()) == (&*op.name == "eq"))])));
+        }
+        let a = self.number(*args.first()?)?;
+        let result = match args.get(1) {
+            None => one(&op.name, a)?,
+            Some(&b) => two(&op.name, a, self.number(b)?)?,
+        };
+        match (result, symbol.ty.base) {
+            (Number::Int(v), Base::Int) if !symbol.ty.is_array() => Some((out, Data::Int(vec![v]))),
+            (Number::Int(v), Base::Float) if !symbol.ty.is_array() => {
+                Some((out, Data::Float(vec![v as f32])))
+            }
+            (Number::Float(v), Base::Float) if !symbol.ty.is_array() => Some((out, Data::Float(vec![v]))),
+            _ => None,
+        }
+    }
+}
+
+fn one(name: &str, a: Number) -> Option<Number> {
+    Some(match (name, a) {
+        ("assign", a) => a,
+        ("neg", Number::Int(v)) => Number::Int(v.wrapping_neg()),
+        ("neg", Number::Float(v)) => Number::Float(-v),
+        ("compl", Number::Int(v)) => Number::Int(!v),
+        _ => return None,
+    })
+}
+
+fn two(name: &str, a: Number, b: Number) -> Option<Number> {
+    use Number::{Float, Int};
+    let (x, y) = match (a, b) {
+        (Int(a), Int(b)) => {
+            let truth = |t: bool| Int(i32::from(t));
+            return Some(match name {
+                "add" => Int(a.wrapping_add(b)),
+                "sub" => Int(a.wrapping_sub(b)),
+                "mul" => Int(a.wrapping_mul(b)),
+                "div" => Int(gnurt_sl_lib::math::div_int(a, b)),
+                "mod" => Int(gnurt_sl_lib::math::rem_int(a, b)),
+                "bitand" => Int(a & b),
+                "bitor" => Int(a | b),
+                "xor" => Int(a ^ b),
+                "eq" => truth(a == b),
+                "neq" => truth(a != b),
+                "lt" => truth(a < b),
+                "gt" => truth(a > b),
+                "le" => truth(a <= b),
+                "ge" => truth(a >= b),
+                _ => return None,
+            });
+        }
+        (Int(a), Float(b)) => (a as f32, b),
+        (Float(a), Int(b)) => (a, b as f32),
+        (Float(a), Float(b)) => (a, b),
+    };
+    let truth = |t: bool| Int(i32::from(t));
+    Some(match name {
+        "add" => Float(x + y),
+        "sub" => Float(x - y),
+        "mul" => Float(x * y),
+        "div" => Float(gnurt_sl_lib::math::div(x, y)),
+        "eq" => truth(x == y),
+        "neq" => truth(x != y),
+        "lt" => truth(x < y),
+        "gt" => truth(x > y),
+        "le" => truth(x <= y),
+        "ge" => truth(x >= y),
+        _ => return None,
+    })
+}
+
+/// Whether an operation does nothing but make its result, and says nothing about wrong indices or names.
+fn is_pure(name: &str) -> bool {
+    matches!(
+        name,
+        "assign"
+            | "arraycopy"
+            | "add"
+            | "sub"
+            | "mul"
+            | "div"
+            | "mod"
+            | "neg"
+            | "eq"
+            | "neq"
+            | "lt"
+            | "gt"
+            | "le"
+            | "ge"
+            | "and"
+            | "or"
+            | "bitand"
+            | "bitor"
+            | "xor"
+            | "compl"
+            | "shl"
+            | "shr"
+            | "sin"
+            | "cos"
+            | "tan"
+            | "sqrt"
+            | "pow"
+            | "exp"
+            | "log"
+            | "abs"
+            | "fabs"
+            | "floor"
+            | "ceil"
+            | "min"
+            | "max"
+            | "mix"
+            | "dot"
+            | "cross"
+            | "length"
+            | "normalize"
+            | "snoise"
+            | "cellnoise"
+            | "Dx"
+            | "Dy"
+            | "Dz"
+            | "filterwidth"
+    )
+}
+
+/// Leaves out what makes values that nobody reads; whether there was something.
+fn remove_dead(shader: &mut Shader) -> bool {
+    let mut read = vec![false; shader.symbols.len()];
+    uses(&shader.code, &mut |id, usage| read[id as usize] |= usage == Use::Read);
+    let dead = |op: &Op| {
+        is_pure(&op.name)
+            && op.args.iter().enumerate().filter(|(i, _)| op.is_written(*i)).all(|(_, &id)| {
+                let symbol = &shader.symbols[id as usize];
+                matches!(symbol.kind, SymbolKind::Temp | SymbolKind::Local) && !read[id as usize]
+            })
+    };
+    let mut removed = false;
+    let code = sweep(&shader.code, &dead, &mut removed);
+    if removed {
+        shader.code = code;
+    }
+    removed
+}
+
+fn sweep(block: &Block, dead: &dyn Fn(&Op) -> bool, removed: &mut bool) -> Block {
+    let mut out = Vec::with_capacity(block.len());
+    for node in block {
+        match node {
+            Node::Op(op) if dead(op) => *removed = true,
+            Node::Op(_) => out.push(node.clone()),
+            Node::If { condition, yes, no, at } => {
+                let (yes, no) = (sweep(yes, dead, removed), sweep(no, dead, removed));
+                if yes.is_empty() && no.is_empty() {
+                    *removed = true;
+                } else {
+                    out.push(Node::If { condition: *condition, yes, no, at: *at });
+                }
+            }
+            Node::Loop { word, init, test, condition, body, step, at } => out.push(Node::Loop {
+                word,
+                init: sweep(init, dead, removed),
+                test: sweep(test, dead, removed),
+                condition: *condition,
+                body: sweep(body, dead, removed),
+                step: sweep(step, dead, removed),
+                at: *at,
+            }),
+            Node::Call { name, body, at } => {
+                let body = sweep(body, dead, removed);
+                if body.is_empty() {
+                    *removed = true;
+                } else {
+                    out.push(Node::Call { name: *name, body, at: *at });
+                }
+            }
+        }
+    }
+    out
+}

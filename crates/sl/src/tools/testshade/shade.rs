@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Runs the group for all points.
+//! Source: original; the order of output is that of OSL's `testshade`.
+
+use super::options::{Options, Setup};
+use super::report::{Recent, report};
+use super::world::World;
+use crate::exec::{Event, Machine, Plan, PlanOptions};
+use crate::format::general;
+use crate::group::Group;
+use crate::hir::Data;
+use crate::ir::{SymbolKind, ops, uses};
+use crate::tools::console::Console;
+use crate::tools::picture::Picture;
+use crate::types::Type;
+
+/// An output that is wanted and found.
+struct Output {
+    name: String,
+    file: String,
+    layer: usize,
+    ty: Type,
+    pixels: Vec<f32>,
+}
+
+fn flag(list: &str, name: &str, default: bool) -> bool {
+    let found = list.split(',').filter_map(|word| word.split_once('=')).find(|(n, _)| n.trim() == name);
+    found.map_or(default, |(_, v)| v.trim() != "0")
+}
+
+fn find_outputs(options: &Options, group: &Group) -> Vec<Output> {
+    let default = [("Cout".to_owned(), "null".to_owned())];
+    let wanted: &[(String, String)] = if options.outputs.is_empty() { &default } else { &options.outputs };
+    let mut out = Vec::new();
+    for (name, file) in wanted {
+        let (layer, var) = name.split_once('.').map_or((None, name.as_str()), |(l, v)| (Some(l), v));
+        let found = group.layers.iter().enumerate().rev().find_map(|(number, l)| {
+            if layer.is_some_and(|wanted| wanted != &*l.name) {
+                return None;
+            }
+            let id = l.shader.find(var).filter(|&id| l.shader.symbol(id).kind == SymbolKind::OutputParam)?;
+            Some((number, l.shader.symbol(id).ty))
+        });
+        if let Some((layer, ty)) = found {
+            out.push(Output { name: var.to_owned(), file: file.clone(), layer, ty, pixels: Vec::new() });
+        }
+    }
+    out
+}
+
+fn plan(group: &Group, options: &Options, entries: &[usize], console: &mut Console<'_>) -> Option<Plan> {
+    let default = PlanOptions::default();
+    let wanted = if options.outputs.is_empty() {
+        vec!["Cout".to_owned()]
+    } else {
+        options.outputs.iter().map(|o| o.0.clone()).collect()
+    };
+    let plan_options = PlanOptions {
+        outputs: wanted,
+        lazy_globals: flag(&options.extra, "lazyglobals", default.lazy_globals),
+        lazy_trace: flag(&options.extra, "lazytrace", default.lazy_trace),
+        lazy_error: flag(&options.extra, "lazyerror", default.lazy_error),
+        lazy_layers: flag(&options.extra, "lazylayers", default.lazy_layers),
+        lazy_unconnected: flag(&options.extra, "lazyunconnected", default.lazy_unconnected),
+        userdata_isconnected: options.userdata_isconnected,
+        debug_layers: flag(&options.extra, "llvm_debug_layers", false),
+        entries: entries.to_vec(),
+    };
+    match Plan::new(group, &plan_options) {
+        Ok(plan) => Some(plan),
+        Err(message) => {
+            console.complain(&format!("ERROR: {message}\n"));
+            None
+        }
+    }
+}
+
+/// Shades, prints and saves; returns the exit status.
+pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'_>) -> i32 {
+    if !options.outputs.is_empty() {
+        console.print("\n");
+    }
+    let mut entries = Vec::new();
+    if !options.entries.is_empty() {
+        console.print("Entry layers:");
+        for name in &options.entries {
+            let found = group.find(name);
+            console.print(&format!(" {name}({})", found.map_or(-1, |n| n as i64)));
+            entries.extend(found);
+        }
+        console.print("\n");
+    }
+    let mut outputs = find_outputs(options, &group);
+    for (output, asked) in outputs.iter().map(|o| (o, &o.file)) {
+        if asked != "null" {
+            let name = options.outputs.iter().find(|o| o.1 == *asked).map_or(&output.name, |o| &o.0);
+            console.print(&format!("Output {name} to {asked}\n"));
+        }
+    }
+    let mut starts = entries.clone();
+    if !options.entry_outputs.is_empty() {
+        starts.clear();
+        console.print("Entry outputs:");
+        for name in &options.entry_outputs {
+            let (layer, var) = name.split_once('.').map_or((None, name.as_str()), |(l, v)| (Some(l), v));
+            let found = group
+                .layers
+                .iter()
+                .rposition(|l| layer.is_none_or(|n| n == &*l.name) && l.shader.find(var).is_some());
+            let Some(found) = found else {
+                console.print(&format!("\nEntry output {name} not found. Abording.\n"));
+                return 1;
+            };
+            starts.push(found);
+            console.print(&format!(" {name}"));
+        }
+        console.print("\n");
+    }
+    if options.debug {
+        globals(&group, console);
+    }
+    warn_of_errors(&group, options, console);
+    let world = World::new(options);
+    let repeats = flag(&options.extra, "error_repeats", false);
+    let mut recent = Recent::default();
+    let mut said: Vec<Event> = Vec::new();
+    for turn in 0..options.iterations {
+        if group.layers.is_empty() {
+            break;
+        }
+        let Some(plan) = plan(&group, options, &entries, console) else { return 1 };
+        let mut machine = Machine::new(&plan, &world);
+        let last = turn + 1 == options.iterations;
+        points(options, &world, &mut machine, &starts, if last { Some(&mut outputs) } else { None }, console);
+        said.append(&mut machine.events);
+        if !last {
+            for step in &options.setup {
+                if let Setup::Reparam(layer, param, value) = step
+                    && let Err(message) = group.reparameter(layer, param, value)
+                {
+                    console.complain(&format!("ERROR: {message}\n"));
+                }
+            }
+        }
+    }
+    report(&said, repeats, &mut recent, console);
+    let only = if options.outputs.is_empty() { "null" } else { &options.outputs[0].1 };
+    if options.outputs.len() <= 1 && only == "null" {
+        console.print("\n");
+    }
+    save(options, &outputs, console)
+}
+
+fn points(
+    options: &Options,
+    world: &World,
+    machine: &mut Machine<'_>,
+    entries: &[usize],
+    mut outputs: Option<&mut Vec<Output>>,
+    console: &mut Console<'_>,
+) {
+    let [width, height] = options.size;
+    for y in 0..height {
+        for x in 0..width {
+            let point = world.point(options, x, y);
+            if entries.is_empty() {
+                machine.run(&point);
+            } else {
+                machine.begin(&point);
+                for &layer in entries {
+                    machine.run_layer(layer);
+                }
+            }
+            let Some(outputs) = outputs.as_deref_mut() else { continue };
+            if options.print {
+                console.print(&format!("Pixel ({x}, {y}):\n"));
+            }
+            for output in outputs {
+                keep(options, machine, output, console);
+            }
+        }
+    }
+}
+
+fn keep(options: &Options, machine: &Machine<'_>, output: &mut Output, console: &mut Console<'_>) {
+    let (words, numbers): (Vec<String>, Vec<f32>) = match machine.output(Some(output.layer), &output.name) {
+        Some((_, Data::Float(list))) => (list.iter().map(|&f| general(f64::from(f), 6)).collect(), list),
+        Some((_, Data::Int(list))) => {
+            (list.iter().map(ToString::to_string).collect(), list.iter().map(|&v| v as f32).collect())
+        }
+        _ => return,
+    };
+    if options.print {
+        console.print(&format!("  {} : {}\n", output.name, words.join(" ")));
+    }
+    output.pixels.extend(numbers);
+}
+
+fn save(options: &Options, outputs: &[Output], console: &mut Console<'_>) -> i32 {
+    for output in outputs.iter().filter(|o| !options.print && o.file != "null" && !o.pixels.is_empty()) {
+        let [width, height] = options.size;
+        let channels = output.ty.size();
+        let picture = Picture { width, height, channels, values: output.pixels.clone() };
+        if let Err(message) = picture.save(&output.file, &options.format) {
+            console.complain(&format!("ERROR: {message}\n"));
+            return 1;
+        }
+    }
+    0
+}
+
+/// Which globals the group asks for.
+fn globals(group: &Group, console: &mut Console<'_>) {
+    let mut names: Vec<String> = Vec::new();
+    let mut add = |name: &str| {
+        if !names.iter().any(|n| n == name) {
+            names.push(name.to_owned());
+        }
+    };
+    for layer in &group.layers {
+        uses(&layer.shader.code, &mut |id, _| {
+            let symbol = layer.shader.symbol(id);
+            if symbol.kind == SymbolKind::Global {
+                add(&symbol.name);
+            }
+        });
+        ops(&layer.shader.code, &mut |op| match &*op.name {
+            "backfacing" => add("backfacing"),
+            "surfacearea" => add("surfacearea"),
+            "calculatenormal" => add("flipHandedness"),
+            _ => {}
+        });
+    }
+    console.print(&format!("Need {} globals:  {}\n", names.len(), names.join(" ")));
+}
+
+/// What `error()` in a layer that does not wait costs, if that is asked for.
+fn warn_of_errors(group: &Group, options: &Options, console: &mut Console<'_>) {
+    if !flag(&options.extra, "opt_warnings", false) || flag(&options.extra, "lazyerror", true) {
+        return;
+    }
+    for layer in &group.layers {
+        ops(&layer.shader.code, &mut |op| {
+            if &*op.name == "error" {
+                let file = layer.shader.files.get(usize::from(op.at.file)).map_or("", |f| f);
+                console.complain(&format!(
+                    "WARNING: Optimization warning:\n  group:  {}\n  layer:  {}\n  source: {file}:{}\n  issue:  error() call present in optimized shader.\n",
+                    group.name, layer.name, op.at.line
+                ));
+            }
+        });
+    }
+}
