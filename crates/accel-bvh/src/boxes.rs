@@ -3,53 +3,43 @@
 //! Source: [WBS03a] for the two levels. A kd-tree would list large instances again and again, and an object costs far
 //! more than a triangle to test twice. A leaf block is eight boxes again, with their places as children, so that a ray
 //! meets eight of them in one test.
-//! Space: that of the boxes, which are relative to an origin. Proof: `tests::every_box_is_in_one_block`,
-//! `tests/instances.rs` of `gnurt-accel`.
+//! Boxes that lie near each other are in one [`Treelet`], and an upper one is over those, so that who changes a box makes one
+//! treelet and the upper one anew and shares all others with the tree before. A few boxes are one treelet, and no more.
+//! Space: that of the boxes, which are relative to an origin. Invariant: a box is in one treelet, and `homes` tells in which.
+//! Proof: `build::tests`, `update::tests`, `tests/instances.rs` and `tests/moving_instances.rs` of `gnurt-accel`.
 
-use gnurt_accel_core::beam::{Beam, Slopes};
-use gnurt_accel_core::bits::{TILE, all};
-use gnurt_accel_core::heading::Heading;
-use gnurt_accel_core::trip::TileTrip;
-use gnurt_accel_core::{Aabb, INVALID_ID, Memory, Quality, Ray, Threads, TreeStats};
-use gnurt_simd::{Simd, prelude::*};
+mod build;
+mod search;
+mod tile;
+mod update;
 
-use crate::blocked::Blocked;
-use crate::node::{Child, Node8, WIDTH};
-use crate::node_ray::NodeRay;
-use crate::point::{Around, square_of};
-use crate::walk::walk;
+use gnurt_accel_core::{Aabb, Quality, SharedList, TreeStats};
 
-/// Tree over boxes by their places in a list.
-#[derive(Debug)]
+use crate::treelet::Treelet;
+
+pub use update::BoxEdit;
+
+/// Tree over boxes by their places in a list. A clone shares all of it.
+#[derive(Clone, Debug)]
 pub struct BoxIndex {
-    over: Blocked<Node8>,
+    treelets: Vec<Treelet>,
+    /// Over the boxes of treelets, its members their numbers; empty where there is one treelet, or none.
+    upper: Treelet,
+    /// By place: the number of the treelet and 1; 0 without a box.
+    homes: SharedList<u32>,
     /// Boxes are relative to it.
     origin: [f32; 3],
+    /// Around everything.
+    bounds: Aabb,
+    quality: Quality,
+    /// How many boxes there are.
+    count: usize,
+    /// Its [`BoxIndex::cost`], and how many treelets there were, when all of it was built.
+    built_cost: f64,
+    built_treelets: usize,
 }
 
 impl BoxIndex {
-    /// Over boxes relative to `origin`, none of them empty.
-    ///
-    /// # Panics
-    /// If there are more than about 2^30.
-    #[must_use]
-    pub fn build(boxes: &[Aabb], origin: [f32; 3]) -> Self {
-        let block = |places: &[u32; WIDTH]| {
-            let mut block = Node8::EMPTY;
-            for (lane, &place) in places.iter().enumerate().filter(|&(_, &place)| place != INVALID_ID) {
-                block.set(lane, &boxes[place as usize], Child::node(place as usize));
-            }
-            block
-        };
-        let over = Blocked::build(&boxes, Quality::Medium, Memory::Fast, Threads::Single, block);
-        // A billion instances take a hundred times the memory of their tree before.
-        Self { over: over.expect("there are fewer than 2^30 boxes"), origin }
-    }
-
-    pub(crate) fn over(&self) -> &Blocked<Node8> {
-        &self.over
-    }
-
     /// What boxes are relative to.
     #[must_use]
     pub fn origin(&self) -> [f32; 3] {
@@ -59,136 +49,67 @@ impl BoxIndex {
     /// Box around everything, relative to the origin.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        self.over.bounds()
+        self.bounds
+    }
+
+    /// How many boxes there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// The place of the only box, where there is one only.
+    #[must_use]
+    pub fn only(&self) -> Option<usize> {
+        let mut members = self.treelets.iter().flat_map(Treelet::members);
+        if self.count == 1 { members.next().map(|(place, _)| place as usize) } else { None }
+    }
+
+    /// How carefully it is built.
+    #[must_use]
+    pub fn quality(&self) -> Quality {
+        self.quality
+    }
+
+    pub(crate) fn treelets(&self) -> &[Treelet] {
+        &self.treelets
+    }
+
+    pub(crate) fn upper(&self) -> &Treelet {
+        &self.upper
+    }
+
+    /// The greatest coordinate of any plane.
+    pub(crate) fn greatest(&self) -> f32 {
+        self.bounds.greatest()
+    }
+
+    /// What a ray that meets the whole is expected to visit, beside the first node: by the surface area heuristic, a visit of
+    /// a node or a block costing 1.
+    fn cost(&self) -> f64 {
+        let areas = self.upper.areas() + self.treelets.iter().map(Treelet::areas).sum::<f64>();
+        let whole = self.bounds.half_area();
+        if whole > 0.0 { areas / whole } else { 0.0 }
     }
 
     /// Size and shape; blocks count to the tree.
     #[must_use]
     pub fn stats(&self) -> TreeStats {
-        let stats = self.over.stats();
-        TreeStats { tree_bytes: stats.tree_bytes + stats.primitive_bytes, ..stats }
-    }
-
-    /// Calls `enter` with the places of boxes that `ray`, which is regular and relative to the origin, meets before
-    /// `reach`, nearer ones first; it answers with the new reach. Returns the number of nodes visited. There are boxes.
-    #[inline(always)]
-    pub(crate) fn search<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        mut reach: f32,
-        enter: &mut dyn FnMut(usize) -> f32,
-    ) -> u32 {
-        let Blocked { tree, blocks, greatest, .. } = &self.over;
-        let for_nodes = NodeRay::new(simd, ray, *greatest);
-        walk(
-            tree,
-            simd,
-            Child::node(0),
-            &for_nodes,
-            reach,
-            #[inline(always)]
-            |range| {
-                for block in &blocks[range] {
-                    let (mut bits, _) = for_nodes.meet(simd, block, reach);
-                    while bits != 0 {
-                        let place = block.child(bits.trailing_zeros() as usize).index();
-                        bits &= bits - 1;
-                        reach = enter(place);
-                    }
-                }
-                reach
-            },
-        )
-    }
-
-    /// The same for a tile's first rays, all of them active and of one heading: `enter` gets the trip of those that still
-    /// look for something.
-    #[inline(always)]
-    pub(crate) fn search_tile<S: Simd>(
-        &self,
-        simd: S,
-        heading: Heading,
-        trip: &mut TileTrip,
-        enter: &mut dyn FnMut(usize, &mut TileTrip),
-    ) {
-        let Blocked { tree, blocks, greatest, .. } = &self.over;
-        let count = TILE - trip.active.leading_zeros() as usize;
-        let mut slopes = Slopes::EMPTY;
-        slopes.prepare(simd, trip.rays, count, heading);
-        let whole = slopes.all_ranges(simd, trip.rays, count);
-        let beam = Beam::new(&whole.relative_to(self.origin), heading, *greatest);
-        let mut farthest = slopes.steps_ahead(simd, trip.nearest, count);
-        let visited = tree.walk_beam(
-            simd,
-            &beam,
-            farthest,
-            #[inline(always)]
-            |range| {
-                for block in &blocks[range] {
-                    let (mut bits, _) = beam.meet(simd, &block.rows, farthest);
-                    while bits != 0 {
-                        let place = block.child(bits.trailing_zeros() as usize).index();
-                        bits &= bits - 1;
-                        let active = all(count) & trip.nearest.looking(simd);
-                        enter(place, &mut trip.only(active));
-                    }
-                }
-                farthest = slopes.steps_ahead(simd, trip.nearest, count);
-                farthest
-            },
-        );
-        trip.counters.nodes += u64::from(visited) * count as u64;
-    }
-
-    /// Calls `enter` with the places of boxes within `radius` of `point`, which is relative to the origin, nearer ones
-    /// first; it answers with the new radius. There are boxes.
-    #[inline(always)]
-    pub(crate) fn near<S: Simd>(
-        &self,
-        simd: S,
-        point: &[f64; 3],
-        mut radius: f64,
-        enter: &mut dyn FnMut(usize) -> f64,
-    ) {
-        let Blocked { tree, blocks, .. } = &self.over;
-        let around = Around::new(simd, point);
-        tree.near(simd, point, radius, |range| {
-            for block in &blocks[range] {
-                let squares = around.squares(simd, block).to_array();
-                for (lane, square) in squares.into_iter().enumerate() {
-                    if square <= square_of(radius) && !block.bounds(lane).is_empty() {
-                        radius = enter(block.child(lane).index());
-                    }
-                }
-            }
-            radius
-        });
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_box_is_in_one_block() {
-        let boxes: Vec<Aabb> = (0..500u32)
-            .map(|i| {
-                let corner = [i % 7, i * i % 31, i % 13].map(|x| x as f32);
-                Aabb { min: corner, max: corner.map(|x| x + (i % 3) as f32) }
-            })
-            .collect();
-        let top = BoxIndex::build(&boxes, [0.0; 3]);
-        let mut seen = vec![0; boxes.len()];
-        for block in &top.over.blocks {
-            for lane in (0..8).filter(|&lane| !block.bounds(lane).is_empty()) {
-                let place = block.child(lane).index();
-                assert_eq!(block.bounds(lane), boxes[place], "a block has the boxes of its instances");
-                seen[place] += 1;
-            }
+        let mut stats = TreeStats {
+            primitives: self.count as u64,
+            references: self.count as u64,
+            sah_cost: if self.count == 0 { 0.0 } else { 1.0 + self.cost() },
+            tree_bytes: self.homes.memory_bytes() as u64,
+            ..TreeStats::default()
+        };
+        for treelet in self.treelets.iter().chain([&self.upper]) {
+            let nodes = treelet.nodes();
+            stats.nodes += nodes.len() as u64;
+            stats.leaves += (nodes.len() - treelet.node_count()) as u64;
+            stats.tree_bytes += (size_of_val(nodes) + size_of::<Treelet>()) as u64;
         }
-        assert!(seen.iter().all(|&n| n == 1), "each box is in one block");
-        assert!(BoxIndex::build(&[], [0.0; 3]).over.tree.nodes.is_empty(), "nothing to see");
+        let deepest = self.treelets.iter().map(Treelet::depth).max().unwrap_or(0);
+        stats.depth = self.upper.depth() + deepest;
+        stats
     }
 }

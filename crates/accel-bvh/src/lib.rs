@@ -32,12 +32,13 @@ mod region;
 mod spheres;
 mod tiles;
 mod tree;
+mod treelet;
 mod triangles;
 mod turns;
 mod user;
 mod walk;
 
-pub use boxes::BoxIndex;
+pub use boxes::{BoxEdit, BoxIndex};
 pub use index::BvhIndex;
 pub use kernels::Kernels;
 pub use refit::Refitted;

@@ -141,6 +141,14 @@ impl Node8 {
         }
     }
 
+    /// The box around those of all children.
+    pub(crate) fn whole(&self) -> Aabb {
+        let least = |row: &[f32; WIDTH]| row.iter().fold(f32::INFINITY, |least, &x| least.min(x));
+        let most = |row: &[f32; WIDTH]| row.iter().fold(f32::NEG_INFINITY, |most, &x| most.max(x));
+        let [x0, x1, y0, y1, z0, z1, ..] = &self.rows;
+        Aabb { min: [least(x0), least(y0), least(z0)], max: [most(x1), most(y1), most(z1)] }
+    }
+
     /// The box at `place`.
     pub(crate) fn bounds(&self, place: usize) -> Aabb {
         let row = |i: usize| self.rows[i][place];

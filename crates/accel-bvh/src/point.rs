@@ -57,41 +57,59 @@ impl Tree {
         simd: S,
         point: &[f64; 3],
         reach: f64,
-        mut leaf: impl FnMut(Range<usize>) -> f64,
+        leaf: impl FnMut(Range<usize>) -> f64,
     ) {
         let around = Around::new(simd, point);
-        let mut room = StackRoom::<(f32, Child), { 8 * DEEPEST }>::new();
-        let mut waiting = room.stack();
-        let mut reach = square_of(reach);
-        waiting.push((0.0, Child::node(0)));
-        while let Some((distance, child)) = waiting.pop() {
-            if distance > reach {
-                continue;
-            }
-            if child.is_leaf() {
-                reach = square_of(leaf(child.blocks()));
-                continue;
-            }
-            let (squares, children) = match self.nodes.get(child.index()) {
+        walk_near(
+            simd,
+            reach,
+            #[inline(always)]
+            |index| match self.nodes.get(index) {
                 Some(node) => (around.squares(simd, node), node.children()),
                 None => {
-                    let node = self.compact_node(child.index());
+                    let node = self.compact_node(index);
                     (around.squares(simd, node), node.children())
                 }
-            };
-            let mut bits = squares.simd_le(f32x8::splat(simd, reach)).to_bitmask();
-            let mut count = 0;
-            while bits != 0 {
-                let place = bits.trailing_zeros() as usize & (WIDTH - 1);
-                bits &= bits - 1;
-                // Boxes from +inf to -inf are at an infinite distance, which an infinite reach reaches.
-                if Child::at(children, place) != Child::NONE {
-                    waiting.push((squares[place], Child::at(children, place)));
-                    count += 1;
-                }
-            }
-            waiting.top(count).sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+            },
+            leaf,
+        );
+    }
+}
+
+/// Calls `leaf` with the blocks of leaves within `reach`; it answers with the new reach. `squares` tells the squares of the
+/// distances to the boxes of a node, and its children; the first node is the root.
+#[inline(always)]
+pub(crate) fn walk_near<'a, S: Simd>(
+    simd: S,
+    reach: f64,
+    squares: impl Fn(usize) -> (f32x8<S>, &'a [f32; WIDTH]),
+    mut leaf: impl FnMut(Range<usize>) -> f64,
+) {
+    let mut room = StackRoom::<(f32, Child), { 8 * DEEPEST }>::new();
+    let mut waiting = room.stack();
+    let mut reach = square_of(reach);
+    waiting.push((0.0, Child::node(0)));
+    while let Some((distance, child)) = waiting.pop() {
+        if distance > reach {
+            continue;
         }
+        if child.is_leaf() {
+            reach = square_of(leaf(child.blocks()));
+            continue;
+        }
+        let (squares, children) = squares(child.index());
+        let mut bits = squares.simd_le(f32x8::splat(simd, reach)).to_bitmask();
+        let mut count = 0;
+        while bits != 0 {
+            let place = bits.trailing_zeros() as usize & (WIDTH - 1);
+            bits &= bits - 1;
+            // Boxes from +inf to -inf are at an infinite distance, which an infinite reach reaches.
+            if Child::at(children, place) != Child::NONE {
+                waiting.push((squares[place], Child::at(children, place)));
+                count += 1;
+            }
+        }
+        waiting.top(count).sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     }
 }
 

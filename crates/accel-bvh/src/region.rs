@@ -15,10 +15,11 @@ use gnurt_simd::StackRoom;
 use crate::blocked::Blocked;
 use crate::boxes::BoxIndex;
 use crate::index::BvhIndex;
-use crate::node::{Child, WIDTH};
+use crate::node::{Child, Node8, WIDTH};
 use crate::pools::Pools;
 use crate::spheres::SphereIndex;
 use crate::tree::{DEEPEST, Tree};
+use crate::treelet::Treelet;
 use crate::user::UserIndex;
 
 impl Tree {
@@ -36,10 +37,7 @@ impl Tree {
                 continue;
             }
             match self.nodes.get(child.index()) {
-                Some(node) => {
-                    let rows: &Rows = node.rows.first_chunk().unwrap_or(&NOTHING);
-                    each(u64::from(sieve.meets(rows)), |place| waiting.push(node.child(place)));
-                }
+                Some(node) => meeting(node, sieve, |place| waiting.push(node.child(place))),
                 None => {
                     let node = self.compact_node(child.index());
                     let mut rows = NOTHING;
@@ -53,6 +51,12 @@ impl Tree {
             }
         }
     }
+}
+
+/// Shows `visit` the places of boxes that may meet it.
+fn meeting(node: &Node8, sieve: &Sieve, visit: impl FnMut(usize)) {
+    let rows: &Rows = node.rows.first_chunk().unwrap_or(&NOTHING);
+    each(u64::from(sieve.meets(rows)), visit);
 }
 
 impl Pools {
@@ -120,16 +124,33 @@ impl UserIndex {
     }
 }
 
+impl Treelet {
+    /// Shows `visit` the members whose boxes may meet it.
+    fn sift(&self, sieve: &Sieve, visit: &mut dyn FnMut(usize)) {
+        let mut room = StackRoom::<Child, { 8 * DEEPEST }>::new();
+        let mut waiting = room.stack();
+        waiting.push(Child::node(0));
+        while let Some(child) = waiting.pop() {
+            if child.is_leaf() {
+                for block in &self.nodes()[child.blocks()] {
+                    meeting(block, sieve, |place| visit(block.child(place).index()));
+                }
+            } else {
+                let node = &self.nodes()[child.index()];
+                meeting(node, sieve, |place| waiting.push(node.child(place)));
+            }
+        }
+    }
+}
+
 impl BoxIndex {
     /// Shows `enter` the places of boxes that may meet a region, which is not relative to their origin.
     pub fn sift(&self, region: &Region, enter: &mut dyn FnMut(usize)) {
-        let Blocked { tree, blocks, greatest, .. } = self.over();
-        let sieve = region.moved(self.origin()).sieve(*greatest);
-        tree.sift(&sieve, &mut |range| {
-            for block in &blocks[range] {
-                let rows: &Rows = block.rows.first_chunk().unwrap_or(&NOTHING);
-                each(u64::from(sieve.meets(rows)), |place| enter(block.child(place).index()));
-            }
-        });
+        let sieve = region.moved(self.origin()).sieve(self.greatest());
+        match self.treelets() {
+            [] => {}
+            [only] => only.sift(&sieve, enter),
+            treelets => self.upper().sift(&sieve, &mut |number| treelets[number].sift(&sieve, enter)),
+        }
     }
 }

@@ -11,7 +11,7 @@ use gnurt_simd::{Simd, Stack, StackRoom, f32x8, prelude::*};
 use gnurt_accel_core::beam::Beam;
 
 use crate::compact::CompactNode;
-use crate::node::{Boxes, Child, WIDTH};
+use crate::node::{Boxes, Child, Node8, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::tree::{DEEPEST, Tree};
 
@@ -178,10 +178,23 @@ pub(crate) fn walk<S: Simd>(
     simd: S,
     start: Child,
     ray: &NodeRay<S>,
+    reach: f32,
+    leaf: impl FnMut(Range<usize>) -> f32,
+) -> u32 {
+    walk_with(NodeStack::new(), nodes, simd, start, ray, reach, leaf)
+}
+
+/// The same on a stack that holds what waits on the longest way down.
+#[inline(always)]
+pub(crate) fn walk_with<S: Simd, const WAIT: usize>(
+    mut room: StackRoom<u64, WAIT>,
+    nodes: &(impl Nodes + ?Sized),
+    simd: S,
+    start: Child,
+    ray: &NodeRay<S>,
     mut reach: f32,
     mut leaf: impl FnMut(Range<usize>) -> f32,
 ) -> u32 {
-    let mut room = NodeStack::new();
     let mut waiting = room.stack();
     let mut visited = 0;
     let mut child = start;
@@ -246,40 +259,38 @@ pub(crate) fn walk_any<S: Simd>(
     }
 }
 
-impl Tree {
-    /// The same for all rays of a beam at once: `reach` counts steps. Not for compact trees.
-    #[inline(always)]
-    pub(crate) fn walk_beam<S: Simd>(
-        &self,
-        simd: S,
-        beam: &Beam,
-        mut reach: f32,
-        mut leaf: impl FnMut(Range<usize>) -> f32,
-    ) -> u32 {
-        let mut room = NodeStack::new();
-        let mut waiting = room.stack();
-        let mut visited = 0;
-        let mut child = Child::node(0);
-        loop {
-            visited += 1;
-            if child.is_leaf() {
-                reach = leaf(child.blocks());
-            } else {
-                let node = &self.nodes[child.index()];
-                let (mut bits, near) = beam.meet(simd, &node.rows, reach);
-                let near = near.as_array();
-                let count = bits.count_ones() as usize;
-                while bits != 0 {
-                    let place = bits.trailing_zeros() as usize;
-                    bits &= bits - 1;
-                    waiting.push(entry(near[place & 7], node.child(place)));
-                }
-                farthest_first(waiting.top(count), |&entry| entry);
+/// [`walk`] for all rays of a beam at once, from the first of `nodes` on: `reach` counts steps.
+#[inline(always)]
+pub(crate) fn walk_beam<S: Simd>(
+    nodes: &[Node8],
+    simd: S,
+    beam: &Beam,
+    mut reach: f32,
+    mut leaf: impl FnMut(Range<usize>) -> f32,
+) -> u32 {
+    let mut room = NodeStack::new();
+    let mut waiting = room.stack();
+    let mut visited = 0;
+    let mut child = Child::node(0);
+    loop {
+        visited += 1;
+        if child.is_leaf() {
+            reach = leaf(child.blocks());
+        } else {
+            let node = &nodes[child.index()];
+            let (mut bits, near) = beam.meet(simd, &node.rows, reach);
+            let near = near.as_array();
+            let count = bits.count_ones() as usize;
+            while bits != 0 {
+                let place = bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                waiting.push(entry(near[place & 7], node.child(place)));
             }
-            match next(&mut waiting, reach) {
-                Some(next) => child = next,
-                None => return visited,
-            }
+            farthest_first(waiting.top(count), |&entry| entry);
+        }
+        match next(&mut waiting, reach) {
+            Some(next) => child = next,
+            None => return visited,
         }
     }
 }

@@ -29,7 +29,7 @@ struct Table {
     hit: fn(Token, &NearestTile) -> u64,
     fill: fn(Token, &mut RayTile, [f32; 3], &mut NearestTile) -> u64,
     carry: fn(Token, &ObjectFromWorld, &RayTile, &mut RayTile),
-    store: fn(Token, &NearestTile, u32, &mut HitBatch, usize),
+    store: fn(Token, &NearestTile, [u32; 2], &mut HitBatch, usize),
 }
 
 struct For<S>(PhantomData<S>);
@@ -78,11 +78,11 @@ impl<S: Simd> For<S> {
                 || carry(simd, map, rays, inside),
             );
         },
-        store: |token, nearest, inst_id, hits, first| {
+        store: |token, nearest, ids, hits, first| {
             let simd = S::from_token(token);
             simd.vectorize(
                 #[inline(always)]
-                || store(simd, nearest, inst_id, hits, first),
+                || store(simd, nearest, ids, hits, first),
             );
         },
     };
@@ -138,8 +138,8 @@ impl TileKernels {
 
     /// Writes a whole tile, whose numbers are `prim_id`s of one mesh in instance `inst_id`, from lane `first` on.
     #[inline]
-    pub fn store(&self, nearest: &NearestTile, inst_id: u32, hits: &mut HitBatch, first: usize) {
-        (self.table.store)(self.token, nearest, inst_id, hits, first);
+    pub fn store(&self, nearest: &NearestTile, ids: [u32; 2], hits: &mut HitBatch, first: usize) {
+        (self.table.store)(self.token, nearest, ids, hits, first);
     }
 }
 
@@ -266,7 +266,8 @@ fn carry<S: Simd>(simd: S, map: &ObjectFromWorld, rays: &RayTile, inside: &mut R
 }
 
 #[inline(always)]
-fn store<S: Simd>(simd: S, nearest: &NearestTile, inst_id: u32, hits: &mut HitBatch, first: usize) {
+fn store<S: Simd>(simd: S, nearest: &NearestTile, ids: [u32; 2], hits: &mut HitBatch, first: usize) {
+    let [inst_id, leaf_id] = ids;
     let (none, zero) = (u32x16::splat(simd, INVALID_ID), f32x16::splat(simd, 0.0));
     for lane in (0..TILE).step_by(LANES) {
         let at = first + lane..first + lane + LANES;
@@ -280,7 +281,7 @@ fn store<S: Simd>(simd: S, nearest: &NearestTile, inst_id: u32, hits: &mut HitBa
         v.store_slice(&mut hits.v[at.clone()]);
         number.store_slice(&mut hits.prim_id[at.clone()]);
         missed.select(none, u32x16::splat(simd, 0)).store_slice(&mut hits.geom_id[at.clone()]);
-        missed.select(none, u32x16::splat(simd, 0)).store_slice(&mut hits.leaf_id[at.clone()]);
+        missed.select(none, u32x16::splat(simd, leaf_id)).store_slice(&mut hits.leaf_id[at.clone()]);
         missed.select(none, u32x16::splat(simd, inst_id)).store_slice(&mut hits.inst_id[at]);
     }
 }

@@ -31,7 +31,7 @@ fn scene(mesh: &Soup, (structure, quality, memory): Kind, distance: f64) -> Scen
     let options = BuildOptions { structure, quality, memory, ..BuildOptions::default() };
     let mut instance = Instance::identity(Arc::new(ObjectTree::build(&triangles, &options, Threads::Single)));
     instance.world_from_object[3] = [distance, -distance, distance];
-    SceneTree::build(&[instance])
+    SceneTree::build(&[instance], &BuildOptions::default(), Threads::Single)
 }
 
 fn main() -> Result<(), String> {

@@ -31,7 +31,7 @@ impl Answers<'_> {
     pub(crate) fn tile(&mut self, engine: &Engine, first: usize, active: u64, nearest: &NearestTile) {
         match self {
             Self::Hits(target, hits) => match target.only_mesh() {
-                Some(inst_id) if active == u64::MAX => engine.tiles.store(nearest, inst_id, hits, first),
+                Some(ids) if active == u64::MAX => engine.tiles.store(nearest, ids, hits, first),
                 _ => target.write(nearest, active & engine.tiles.hit(nearest), first, hits),
             },
             Self::Flags(flags) => each(active & engine.tiles.hit(nearest), |i| flags[first + i] = true),

@@ -12,7 +12,7 @@
 //!
 //! let mesh = Triangles { positions: &[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], indices: &[[0, 1, 2]] };
 //! let object = Arc::new(ObjectTree::build(&[mesh], &BuildOptions::default(), Threads::Single));
-//! let scene = SceneTree::build(&[Instance::identity(object)]);
+//! let scene = SceneTree::build(&[Instance::identity(object)], &BuildOptions::default(), Threads::Single);
 //! let hit = scene.intersect(&Ray::new([0.25, 0.5, 1.0], [0.0, 0.0, -2.0])).expect("it aims at the triangle");
 //! assert_eq!((hit.t, hit.u, hit.v, hit.prim_id), (0.5, 0.25, 0.5, 0));
 //! ```
@@ -61,7 +61,8 @@
 //! # use std::sync::Arc;
 //! # let balls = Spheres { centers: &[[0.0; 3]], radii: &[1.0] };
 //! # let ball = Arc::new(ObjectTree::build_from(&[balls.into()], &BuildOptions::default(), Threads::Single));
-//! let scene = SceneTree::build(&[Instance::identity(ball).with_mask(0b01)]);
+//! let ball = Instance::identity(ball).with_mask(0b01);
+//! let scene = SceneTree::build(&[ball], &BuildOptions::default(), Threads::Single);
 //! let ray = Ray::new([-2.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
 //! assert!(scene.occluded(&ray.with_mask(0b11)) && !scene.occluded(&ray.with_mask(0b10)));
 //! let query = Query { mask: 0b10, ..Query::default() }; // for all rays of a call or a batch
@@ -94,8 +95,10 @@
 //! # let balls = Spheres { centers: &[[0.0; 3]], radii: &[1.0] };
 //! # let ball = Arc::new(ObjectTree::build_from(&[balls.into()], &BuildOptions::default(), Threads::Single));
 //! let at = |x: f64| [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.0, 0.0]];
-//! let pair = Arc::new(SceneTree::build(&[Instance::new(ball.clone(), at(0.0)), Instance::new(ball, at(4.125))]));
-//! let scene = SceneTree::try_build(&[Instance::new(pair, at(1e7))])?;
+//! let (options, threads) = (BuildOptions::default(), Threads::Single);
+//! let balls = [Instance::new(ball.clone(), at(0.0)), Instance::new(ball, at(4.125))];
+//! let pair = Arc::new(SceneTree::build(&balls, &options, threads));
+//! let scene = SceneTree::try_build(&[Instance::new(pair, at(1e7))], &options, threads, &())?;
 //! let hit = scene.intersect(&Ray64::new([1e7 + 9.0, 0.0, 0.0], [-1.0, 0.0, 0.0])).expect("the second ball");
 //! assert_eq!((hit.t, scene.instance_path(hit.leaf_id)), (3.875, Some(vec![0, 1])));
 //! # Ok::<(), SceneError>(())
@@ -166,8 +169,8 @@ pub use facing::Face;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, Geometry,
     GeometryKind, Hit, HitBatch, INVALID_ID, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, PointHit,
-    PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, Spheres, Structure,
-    Threads, TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
+    PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres,
+    Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
 };
 pub use gnurt_simd::Level;
 pub use inside::Side;

@@ -63,10 +63,11 @@ impl Target<'_> {
         }
     }
 
-    /// The instance, where all hits have the same one and their numbers are `prim_id`s of its only mesh.
-    pub(crate) fn only_mesh(self) -> Option<u32> {
+    /// The instance and the object's number, where all hits have the same ones and their numbers are `prim_id`s of its only
+    /// mesh.
+    pub(crate) fn only_mesh(self) -> Option<[u32; 2]> {
         match self {
-            Self::Object(object) => object.has_one_mesh().then_some(0),
+            Self::Object(object) => object.has_one_mesh().then_some([0; 2]),
             Self::Scene(scene) => scene.only_mesh(),
         }
     }

@@ -6,9 +6,9 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{TESTS, WATERTIGHT, build, options};
+use common::{TESTS, WATERTIGHT, build, options, scene_of};
 use gnurt_accel::{
-    Geometry, Instance, Level, ObjectTree, PointHit, Quads, Query, SceneTree, Spheres, Threads, Triangles,
+    Geometry, Instance, Level, ObjectTree, PointHit, Quads, Query, Spheres, Threads, Triangles,
 };
 use gnurt_testkit::{Random, Soup, closed};
 
@@ -149,14 +149,14 @@ fn scenes_equal_brute_force() {
             let maps: Vec<Columns> = (0..n).map(|_| any_map(&mut random, even)).collect();
             let instance = |(i, map): (usize, &Columns)| Instance::new(Arc::clone(&objects[i % 2]), *map);
             let instances: Vec<Instance> = maps.iter().enumerate().map(instance).collect();
-            let scene = Arc::new(SceneTree::build(&instances));
+            let scene = Arc::new(scene_of(&instances));
             let plain: Vec<(&[Soup], Columns)> =
                 maps.iter().enumerate().map(|(i, map)| (&shapes[i % 2][..], *map)).collect();
 
             // The same scene in another one, by an uneven map.
             let outer = any_map(&mut random, false);
-            let nested = SceneTree::build(&[
-                Instance::identity(Arc::new(SceneTree::build(&[]))),
+            let nested = scene_of(&[
+                Instance::identity(Arc::new(scene_of(&[]))),
                 Instance::new(Arc::clone(&scene), outer),
             ]);
             let outward = |map: &Columns| {
@@ -230,7 +230,7 @@ fn spheres_quads_and_masks() {
 fn nothing_is_near_nothing() {
     let empty = build(&[], WATERTIGHT[0]);
     assert_eq!(empty.closest_point([0.0; 3], f64::INFINITY), None, "an empty object");
-    assert_eq!(SceneTree::build(&[]).closest_point([0.0; 3], f64::INFINITY), None, "an empty scene");
+    assert_eq!(scene_of(&[]).closest_point([0.0; 3], f64::INFINITY), None, "an empty scene");
     for kind in WATERTIGHT {
         let object = build(&[closed::cube(1)], kind);
         for point in [[f64::NAN, 0.0, 0.0], [0.0, f64::INFINITY, 0.0]] {

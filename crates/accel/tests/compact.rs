@@ -6,10 +6,10 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{Ask, ask, batch};
+use common::{Ask, ask, batch, scene_of};
 use gnurt_accel::{
     Aabb, BuildOptions, Geometry, Instance, Memory, ObjectTree, Quads, Quality, Query, Ray, RayBatch,
-    SceneTree, Spheres, Threads, Triangles, UserGeometry, UserHit,
+    Spheres, Threads, Triangles, UserGeometry, UserHit,
 };
 use gnurt_testkit::{Random, Soup, closed, rays};
 
@@ -163,8 +163,8 @@ fn all_kinds_are_hit_alike() {
             let at = [f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, 0.3 * f64::from(i)];
             Instance::new(Arc::clone(&tree), [turn[0], turn[1], turn[2], at])
         };
-        let row = Arc::new(SceneTree::build(&(0..9).map(place).collect::<Vec<_>>()));
-        SceneTree::build(&[Instance::identity(row)])
+        let row = Arc::new(scene_of(&(0..9).map(place).collect::<Vec<_>>()));
+        scene_of(&[Instance::identity(row)])
     });
     let rays = around(&scenes[0].bounds(), 10, 500);
     assert_same("a scene", [&scenes[0], &scenes[1]], &rays);

@@ -6,10 +6,9 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{Kind, TESTS, WATERTIGHT, batch, build, queries};
+use common::{Kind, TESTS, WATERTIGHT, batch, build, queries, scene_of};
 use gnurt_accel::{
-    Coherence, Counters, HitBatch, Instance, Level, Query, RayBatch, Record, SceneTree, Structure,
-    TriangleTest,
+    Coherence, Counters, HitBatch, Instance, Level, Query, RayBatch, Record, Structure, TriangleTest,
 };
 use gnurt_testkit::{Soup, closed, rays};
 
@@ -57,7 +56,7 @@ fn all_levels_with_tiles_count_the_same_in_a_scene() {
             instance.world_from_object[3] = [f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, 0.25];
             instance
         };
-        let scene = SceneTree::build(&(0..9).map(place).collect::<Vec<_>>());
+        let scene = scene_of(&(0..9).map(place).collect::<Vec<_>>());
         let of = |query: &Query| {
             let mut record = Record::default();
             scene.intersect_batch(query, &rays, &mut HitBatch::default(), &mut record);

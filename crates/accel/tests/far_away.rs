@@ -6,8 +6,8 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{Ask, WATERTIGHT, batch, build};
-use gnurt_accel::{Instance, Level, Query, Ray, Ray64, SceneTree};
+use common::{Ask, WATERTIGHT, batch, build, scene_of};
+use gnurt_accel::{Instance, Level, Query, Ray, Ray64};
 use gnurt_testkit::{Random, Soup, closed, rays};
 
 const FAR: [f64; 3] = [1e7 + 0.3, -2e7 - 0.7, 0.9e7 + 0.123_456_7];
@@ -30,7 +30,7 @@ fn far_scenes_are_as_precise_as_near_ones() {
                 let columns = [axes[0], axes[1], axes[2], at(far, place)];
                 Instance::new(Arc::clone(&objects[i % 2]), columns)
             };
-            SceneTree::build(&places.iter().enumerate().map(instance).collect::<Vec<_>>())
+            scene_of(&places.iter().enumerate().map(instance).collect::<Vec<_>>())
         };
         let (near, away) = (scene(0.0), scene(1.0));
         // A scene that lies far away and is brought back, and one that is near and is brought there.
@@ -38,11 +38,11 @@ fn far_scenes_are_as_precise_as_near_ones() {
             let [x, y, z, _] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
             [x, y, z, at(by, [0.0; 3])]
         };
-        let back = SceneTree::build(&[
+        let back = scene_of(&[
             Instance::new(Arc::new(scene(1.0)), shift(-1.0)),
-            Instance::identity(Arc::new(SceneTree::build(&[]))),
+            Instance::identity(Arc::new(scene_of(&[]))),
         ]);
-        let there = SceneTree::build(&[Instance::new(Arc::new(scene(0.0)), shift(1.0))]);
+        let there = scene_of(&[Instance::new(Arc::new(scene(0.0)), shift(1.0))]);
 
         let mut plain = rays::random(4, 600);
         plain.extend(rays::aimed(&closed::sphere(4), [0.3, 0.1, 1.9], 1));
@@ -87,7 +87,7 @@ fn rays_of_single_precision_see_far_scenes() {
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0, 1, 2].map(|k| far[k] + at[k])];
         Instance::new(Arc::clone(&object), columns)
     };
-    let scene = SceneTree::build(&(0..25).map(place).collect::<Vec<_>>());
+    let scene = scene_of(&(0..25).map(place).collect::<Vec<_>>());
     let bounds = scene.bounds();
     assert!(bounds.min[0] < 1e7 && bounds.max[0] > 1e7 + 16.0 && bounds.max[0] < 1e7 + 20.0, "{bounds:?}");
     let plain: Vec<_> = (0..25)

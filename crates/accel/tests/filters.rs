@@ -6,7 +6,7 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{WATERTIGHT, batch, build};
+use common::{WATERTIGHT, batch, build, scene_of};
 use gnurt_accel::{Hit, HitBatch, Instance, Level, ObjectTree, Query, Ray, RayBatch, SceneTree};
 use gnurt_testkit::{Soup, closed, rays};
 
@@ -85,7 +85,7 @@ fn filters_see_every_candidate() {
             instance.world_from_object[3] = [f64::from(i) * 0.3 - 0.5, 0.1, f64::from(i % 2)];
             instance
         };
-        let scene = SceneTree::build(&(0..5).map(place).collect::<Vec<_>>());
+        let scene = scene_of(&(0..5).map(place).collect::<Vec<_>>());
         check("scene", &rays, &scene);
     }
 }

@@ -5,8 +5,8 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
-use gnurt_accel::{Instance, ObjectTree, SceneTree};
+use common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build, scene_of};
+use gnurt_accel::{Instance, ObjectTree};
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 
 /// Rotated about, scaled differently along the axes, mirrored now and then, moved.
@@ -37,7 +37,7 @@ fn scenes_equal_brute_force() {
                 instances.push(Instance::new(Arc::clone(&objects[shape]), world_from_object));
                 oracles.push(OracleInstance { meshes: &shapes[shape], world_from_object });
             }
-            let scene = SceneTree::build(&instances);
+            let scene = scene_of(&instances);
             let rays = batch(&rays::random(2, 300));
             assert_hits(&oracles, &rays, &ask(&scene, &rays), 10.0 * margin);
         }
@@ -52,7 +52,7 @@ fn instances_that_cannot_be_undone_are_counted() {
         instances[0].world_from_object[1] = [0.0; 3];
         instances[2].world_from_object[3][0] = f64::NAN;
         instances[3].world_from_object[3][2] = 5.0;
-        let scene = SceneTree::build(&instances);
+        let scene = scene_of(&instances);
         assert_eq!(scene.dropped_instances(), 2, "one is flat, one is nowhere");
         let hits =
             ask(&scene, &batch(&[([0.1, 0.2, -3.0], [0.0, 0.0, 1.0]), ([0.1, 0.2, 9.0], [0.0, 0.0, -1.0])]));
@@ -63,7 +63,7 @@ fn instances_that_cannot_be_undone_are_counted() {
 
 #[test]
 fn an_empty_scene_is_a_scene() {
-    let scene = SceneTree::build(&[]);
+    let scene = scene_of(&[]);
     assert!(scene.bounds().is_empty(), "no instance, no box");
     assert!(ask(&scene, &batch(&rays::random(3, 20))).iter().all(Option::is_none), "and no hit");
 }

@@ -5,9 +5,9 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{TESTS, WATERTIGHT, ask, build, queries};
+use common::{TESTS, WATERTIGHT, ask, build, queries, scene_of};
 use gnurt_accel::{
-    HitBatch, Instance, Level, ObjectTree, Pencil, Query, Ray, Ray64, RayBatch, Record, SceneTree, Spheres,
+    HitBatch, Instance, Level, ObjectTree, Pencil, Query, Ray, Ray64, RayBatch, Record, Spheres,
 };
 use gnurt_testkit::{Random, Soup, closed, rays};
 
@@ -61,7 +61,7 @@ fn directions_of_any_length_hit() {
                 [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.0, 0.0]],
             )
         };
-        let scene = SceneTree::build(&[apart(0.0), apart(1.0)]);
+        let scene = scene_of(&[apart(0.0), apart(1.0)]);
         for hits in [ask(&*object, &batch), ask(&scene, &batch)] {
             for (hit, length) in hits.iter().zip(&lengths) {
                 let t = hit.unwrap_or_else(|| panic!("{length:e} misses, {kind:?}")).t;
@@ -118,7 +118,7 @@ fn small_stacks_are_enough() {
     let balls = Spheres { centers: &[[0.0, 2.0, 0.0]], radii: &[0.5] };
     let balls = ObjectTree::build_from(&[balls.into()], &Default::default(), Default::default());
     let at = |x: f64| [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.0, 0.0]];
-    let mut scene = Arc::new(SceneTree::build(&[
+    let mut scene = Arc::new(scene_of(&[
         Instance::identity(large),
         Instance::new(small, at(2.0)),
         Instance::new(compact, at(-2.0)),
@@ -127,7 +127,7 @@ fn small_stacks_are_enough() {
     for level in 1..gnurt_accel::DEEPEST_SCENE {
         // What is beside is too far away to take time.
         let beside = Instance::new(Arc::clone(&scene), at(1000.0 * f64::from(level)));
-        scene = Arc::new(SceneTree::build(&[Instance::new(scene, at(0.001)), beside]));
+        scene = Arc::new(scene_of(&[Instance::new(scene, at(0.001)), beside]));
     }
     assert_eq!(scene.depth(), gnurt_accel::DEEPEST_SCENE, "scenes in one another");
     let mut plain = rays::random(1, 200);

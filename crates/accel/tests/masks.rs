@@ -7,8 +7,8 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{Ask, WATERTIGHT, options, queries};
-use gnurt_accel::{Geometry, Hit, Instance, ObjectTree, Query, Ray, RayBatch, SceneTree, Threads, Triangles};
+use common::{Ask, WATERTIGHT, options, queries, scene_of};
+use gnurt_accel::{Geometry, Hit, Instance, ObjectTree, Query, Ray, RayBatch, Threads, Triangles};
 use gnurt_testkit::{Random, Soup, closed, rays};
 
 const MASKS: [u32; 4] = [1, 2, 6, u32::MAX];
@@ -39,7 +39,7 @@ fn rays_see_what_their_masks_say() {
             instance.world_from_object[3] = [f64::from(i) * 0.4 - 1.0, 0.1, f64::from(i % 2)];
             instance
         };
-        let scene = SceneTree::build(&(0..6).map(place).collect::<Vec<_>>());
+        let scene = scene_of(&(0..6).map(place).collect::<Vec<_>>());
         let in_object = |hit: &Hit| MASKS[hit.geom_id as usize % 4];
         check(&*object, |mask, hit| in_object(hit) & mask != 0);
         check(&scene, |mask, hit| in_object(hit) & mask != 0 && !(1 << (hit.inst_id % 3)) & mask != 0);

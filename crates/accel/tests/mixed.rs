@@ -6,10 +6,10 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{Ask, WATERTIGHT, ask, batch, options};
+use common::{Ask, WATERTIGHT, ask, batch, options, scene_of};
 use gnurt_accel::{
-    Aabb, BadPrimitives, Geometry, Hit, Instance, ObjectTree, Quads, Ray, RayBatch, SceneTree, Spheres,
-    Threads, Triangles, UserGeometry, UserHit,
+    Aabb, BadPrimitives, Geometry, Hit, Instance, ObjectTree, Quads, Ray, RayBatch, Spheres, Threads,
+    Triangles, UserGeometry, UserHit,
 };
 use gnurt_testkit::{Random, Soup, rays};
 
@@ -275,7 +275,7 @@ fn mixed_kinds_are_one_object() {
         instances[1].world_from_object =
             [[0.0, 0.5, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.0, 0.5], [1.0, 0.0, 0.5]];
         instances[2].world_from_object[3] = [0.0, 2.0, 0.0];
-        let found = ask(&SceneTree::build(&instances), &rays).iter().flatten().count();
+        let found = ask(&scene_of(&instances), &rays).iter().flatten().count();
         assert!(found > hits.iter().flatten().count(), "instances of it are hit, too");
     }
 }

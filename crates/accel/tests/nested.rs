@@ -6,7 +6,7 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
+use common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build, scene_of, try_scene_of};
 use gnurt_accel::{DEEPEST_SCENE, Instance, ObjectTree, SceneError, SceneTree, Shape};
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 
@@ -72,9 +72,9 @@ fn nested_scenes_equal_flat_ones() {
                 let place = if i == 1 { IDENTITY } else { turned(&mut random, 0.9) };
                 instances.push(Instance::new(shape, place));
             }
-            instances.push(Instance::identity(Arc::new(SceneTree::build(&[]))));
+            instances.push(Instance::identity(Arc::new(scene_of(&[]))));
             let kept = instances[..instances.len() - 1].to_vec();
-            lists.push((Arc::new(SceneTree::try_build(&instances).expect("fine instances")), kept));
+            lists.push((Arc::new(try_scene_of(&instances).expect("fine instances")), kept));
         }
         let (scene, instances) = lists.last().expect("four scenes");
         assert_eq!(scene.depth(), 4, "each holds the one before");
@@ -116,8 +116,8 @@ fn nested_scenes_equal_flat_ones() {
 #[test]
 fn masks_count_at_each_level() {
     let object = Arc::new(build(&[closed::cube(1)], WATERTIGHT[0]));
-    let inner = SceneTree::build(&[Instance::identity(object).with_mask(3)]);
-    let scene = SceneTree::build(&[Instance::identity(Arc::new(inner)).with_mask(6)]);
+    let inner = scene_of(&[Instance::identity(object).with_mask(3)]);
+    let scene = scene_of(&[Instance::identity(Arc::new(inner)).with_mask(6)]);
     let ray = gnurt_accel::Ray::new([0.1, 0.2, 3.0], [0.0, 0.0, -1.0]);
     let seen: Vec<bool> = [1, 2, 4, 5].iter().map(|&mask| scene.occluded(&ray.with_mask(mask))).collect();
     // 5 has a bit in common with each of them.
@@ -127,24 +127,24 @@ fn masks_count_at_each_level() {
 #[test]
 fn too_deep_and_too_many_are_refused() {
     let object = Arc::new(build(&[closed::cube(1)], WATERTIGHT[0]));
-    let mut scene = Arc::new(SceneTree::build(&[Instance::identity(object)]));
+    let mut scene = Arc::new(scene_of(&[Instance::identity(object)]));
     for depth in 2..=DEEPEST_SCENE {
-        scene = Arc::new(SceneTree::try_build(&[Instance::identity(scene)]).expect("not too deep"));
+        scene = Arc::new(try_scene_of(&[Instance::identity(scene)]).expect("not too deep"));
         assert_eq!(scene.depth(), depth, "one more");
     }
     let ray = gnurt_accel::Ray::new([0.1, 0.2, 3.0], [0.0, 0.0, -1.0]);
     assert_eq!(scene.intersect(&ray).map(|hit| hit.t), Some(2.0), "seen through all of them");
-    let deeper = [Instance::identity(Arc::new(SceneTree::build(&[]))), Instance::identity(scene)];
-    let error = SceneTree::try_build(&deeper).expect_err("one too many");
+    let deeper = [Instance::identity(Arc::new(scene_of(&[]))), Instance::identity(scene)];
+    let error = try_scene_of(&deeper).expect_err("one too many");
     assert_eq!(error, SceneError::TooDeep { inst_id: 1 }, "{error}");
-    assert_eq!(SceneTree::build(&deeper).dropped_instances(), 1, "or it is left out");
+    assert_eq!(scene_of(&deeper).dropped_instances(), 1, "or it is left out");
 
     let object = Arc::new(build(&[closed::cube(1)], WATERTIGHT[0]));
-    let mut scene = Arc::new(SceneTree::build(&vec![Instance::identity(object); 100]));
+    let mut scene = Arc::new(scene_of(&vec![Instance::identity(object); 100]));
     for _ in 0..3 {
-        scene = Arc::new(SceneTree::try_build(&vec![Instance::identity(scene); 100]).expect("10^8 objects"));
+        scene = Arc::new(try_scene_of(&vec![Instance::identity(scene); 100]).expect("10^8 objects"));
     }
     assert!(scene.occluded(&ray), "10^8 objects");
-    let error = SceneTree::try_build(&vec![Instance::identity(scene); 43]).expect_err("4.3 * 10^9");
+    let error = try_scene_of(&vec![Instance::identity(scene); 43]).expect_err("4.3 * 10^9");
     assert_eq!(error, SceneError::TooManyObjects { inst_id: 42 }, "{error}");
 }

@@ -6,8 +6,8 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{TESTS, build};
-use gnurt_accel::{Instance, Level, Pencil, Query, Ray, Record, SceneTree};
+use common::{TESTS, build, scene_of};
+use gnurt_accel::{Instance, Level, Pencil, Query, Ray, Record};
 use gnurt_testkit::{Random, Soup};
 
 /// About `width` wide around one direction, each up to somewhere; some lanes hold no ray, or one that cannot hit.
@@ -47,8 +47,8 @@ fn pencils_hit_what_rays_hit() {
         let object = Arc::new(build(&[Soup::random(3, 300, 0.2)], kind));
         let mut moved = Instance::identity(Arc::clone(&object));
         moved.world_from_object = [[0.0, 0.5, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.0, 0.5], [0.5, 0.1, -0.2]];
-        let one = SceneTree::build(&[Instance::identity(Arc::clone(&object))]);
-        let two = SceneTree::build(&[Instance::identity(Arc::clone(&object)).with_mask(1), moved]);
+        let one = scene_of(&[Instance::identity(Arc::clone(&object))]);
+        let two = scene_of(&[Instance::identity(Arc::clone(&object)).with_mask(1), moved]);
         let (mut random, mut hit, mut missed) = (Random::new(5), 0, 0);
         for n in 0..120 {
             let width = [0.02, 0.2, 1.0][n % 3];

@@ -6,8 +6,8 @@ mod common;
 
 use std::sync::Arc;
 
-use common::{WATERTIGHT, ask, batch, build};
-use gnurt_accel::{Instance, SceneTree};
+use common::{WATERTIGHT, ask, batch, build, scene_of};
+use gnurt_accel::Instance;
 use gnurt_testkit::{Soup, closed, rays};
 
 /// Closed meshes, each with points that are well inside.
@@ -62,7 +62,7 @@ fn nothing_leaks_far_away_as_an_instance() {
                 [[0.6, 0.8, 0.0], [-1.6, 1.2, 0.0], [0.0, 0.0, 1.5], [distance, -distance, 0.5 * distance]];
             for (name, mesh, inside) in meshes() {
                 let object = Arc::new(build(std::slice::from_ref(&mesh), kind));
-                let scene = SceneTree::build(&[Instance::new(object, world_from_object)]);
+                let scene = scene_of(&[Instance::new(object, world_from_object)]);
                 let carry = |p: [f32; 3], w: f64| {
                     let p = p.map(f64::from);
                     let m = &world_from_object;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Embree 4 through its C interface, loaded at run time: the declarations that are needed, and safe functions on them.
 //! Source: the public headers of Embree 4.4 (rtcore_device.h, rtcore_scene.h, rtcore_ray.h), from which names, numbers and
-//! layouts are restated. Nothing else in this crate is `unsafe`.
+//! layouts are restated. Scenes of instances are in `ffi_instances.rs`.
 //!
 //! Invariants: a [`Library`] outlives its devices, a [`Device`] its scenes, arrays the scene that shares them; layouts
 //! are used only after the library has said that it is version 4. A committed scene may be asked by many threads.
@@ -13,7 +13,7 @@ use std::path::Path;
 use std::ptr::null_mut;
 use std::sync::atomic::{AtomicI64, Ordering};
 
-type Handle = *mut c_void;
+pub(crate) type Handle = *mut c_void;
 
 /// `RTCRayHit` (N = 1), `RTCRayHit4`, `RTCRayHit8`, `RTCRayHit16`: rows of N values, the ray first.
 ///
@@ -112,16 +112,18 @@ pub(crate) struct Library {
     device_error: unsafe extern "C" fn(Handle) -> c_int,
     device_property: unsafe extern "C" fn(Handle, c_int) -> isize,
     set_monitor: unsafe extern "C" fn(Handle, Option<Monitor>, *mut c_void),
-    new_scene: unsafe extern "C" fn(Handle) -> Handle,
+    pub(crate) new_scene: unsafe extern "C" fn(Handle) -> Handle,
     release_scene: unsafe extern "C" fn(Handle),
-    set_quality: unsafe extern "C" fn(Handle, c_int),
-    set_flags: unsafe extern "C" fn(Handle, c_int),
-    commit_scene: unsafe extern "C" fn(Handle),
-    new_geometry: unsafe extern "C" fn(Handle, c_int) -> Handle,
-    release_geometry: unsafe extern "C" fn(Handle),
+    pub(crate) set_quality: unsafe extern "C" fn(Handle, c_int),
+    pub(crate) set_flags: unsafe extern "C" fn(Handle, c_int),
+    pub(crate) commit_scene: unsafe extern "C" fn(Handle),
+    pub(crate) new_geometry: unsafe extern "C" fn(Handle, c_int) -> Handle,
+    pub(crate) release_geometry: unsafe extern "C" fn(Handle),
     share_buffer: unsafe extern "C" fn(Handle, c_int, c_uint, c_int, *const c_void, usize, usize, usize),
-    commit_geometry: unsafe extern "C" fn(Handle),
-    attach: unsafe extern "C" fn(Handle, Handle) -> c_uint,
+    pub(crate) set_instanced: unsafe extern "C" fn(Handle, Handle),
+    pub(crate) set_transform: unsafe extern "C" fn(Handle, c_uint, c_int, *const c_void),
+    pub(crate) commit_geometry: unsafe extern "C" fn(Handle),
+    pub(crate) attach: unsafe extern "C" fn(Handle, Handle) -> c_uint,
     intersect1: Intersect1,
     intersect4: IntersectN,
     intersect8: IntersectN,
@@ -162,6 +164,8 @@ impl Library {
             new_geometry: function!(c"rtcNewGeometry"),
             release_geometry: function!(c"rtcReleaseGeometry"),
             share_buffer: function!(c"rtcSetSharedGeometryBuffer"),
+            set_instanced: function!(c"rtcSetGeometryInstancedScene"),
+            set_transform: function!(c"rtcSetGeometryTransform"),
             commit_geometry: function!(c"rtcCommitGeometry"),
             attach: function!(c"rtcAttachGeometry"),
             intersect1: function!(c"rtcIntersect1"),
@@ -200,8 +204,8 @@ unsafe extern "C" fn count_memory(memory: *mut c_void, bytes: isize, _after: boo
 
 /// An Embree device.
 pub(crate) struct Device<'a> {
-    library: &'a Library,
-    raw: Handle,
+    pub(crate) library: &'a Library,
+    pub(crate) raw: Handle,
     memory: Box<Memory>,
 }
 
@@ -257,7 +261,7 @@ impl<'a> Device<'a> {
         (now, self.memory.peak.swap(now, Ordering::Relaxed))
     }
 
-    fn check(&self) -> Result<(), String> {
+    pub(crate) fn check(&self) -> Result<(), String> {
         // SAFETY: the device is open.
         match unsafe { (self.library.device_error)(self.raw) } {
             0 => Ok(()),
@@ -276,11 +280,11 @@ impl Drop for Device<'_> {
     }
 }
 
-/// A committed scene over one mesh.
+/// A committed scene over one mesh, or over instances of one.
 pub(crate) struct Scene<'a> {
-    library: &'a Library,
-    raw: Handle,
-    arrays: PhantomData<&'a [u32]>,
+    pub(crate) library: &'a Library,
+    pub(crate) raw: Handle,
+    pub(crate) arrays: PhantomData<&'a [u32]>,
 }
 
 // SAFETY: a committed scene is only read; Embree allows queries from any number of threads.

@@ -17,6 +17,8 @@ mod embree;
 mod error;
 #[allow(unsafe_code, reason = "the one door to the library of C")]
 mod ffi_embree;
+#[allow(unsafe_code, reason = "the same library's scenes of instances")]
+mod ffi_instances;
 #[allow(unsafe_code, reason = "a call of the C library's allocator")]
 mod ffi_malloc;
 mod job;
@@ -39,6 +41,7 @@ mod subject;
 pub mod table;
 mod ties;
 mod timing;
+pub mod top;
 mod trees;
 mod vector;
 mod verdict;

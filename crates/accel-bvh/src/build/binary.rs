@@ -25,7 +25,7 @@ const LEAST_OVERLAP: f32 = 1e-5;
 const LEAST_OWN_OVERLAP: f32 = 0.05;
 
 /// Memory that is used again and again.
-struct Workspace {
+pub(super) struct Workspace {
     bins: Bins,
     buffer: Buffer,
     right: Vec<Reference>,
@@ -135,7 +135,7 @@ impl<'a, P: Primitives> Careful<'a, P> {
     }
 
     /// Cuts `part`, the first of `references`, in two; the second starts where its room does.
-    fn divide(
+    pub(super) fn divide(
         &self,
         references: &mut [Reference],
         part: &Part,
@@ -194,7 +194,7 @@ impl<'a, P: Primitives> Careful<'a, P> {
 }
 
 impl Workspace {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self { bins: Bins::EMPTY, buffer: Buffer::EMPTY, right: Vec::new() }
     }
 }

@@ -14,6 +14,7 @@ mod cluster;
 mod collapse;
 mod costs;
 mod partition;
+pub(crate) mod parts;
 mod reference;
 mod reinsert;
 mod spatial;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Why an instance cannot be placed in a scene.
+//! Why there is no scene: an instance that cannot be placed, or a build that was stopped.
 //! Source: original. Proof: `tests/nested.rs`.
 
 use std::fmt;
 
 use super::types::DEEPEST_SCENE;
+use crate::BuildError;
 
-/// What is wrong with an instance; `inst_id` is its place in the list. All are the caller's to mend.
+/// What is wrong; `inst_id` is an instance's place in the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneError {
     /// Its transform has no inverse in floats, or a value that is not finite.
@@ -24,6 +25,14 @@ pub enum SceneError {
         /// The instance.
         inst_id: u32,
     },
+    /// The build was stopped, or there are too many instances.
+    Build(BuildError),
+}
+
+impl From<BuildError> for SceneError {
+    fn from(error: BuildError) -> Self {
+        Self::Build(error)
+    }
 }
 
 impl fmt::Display for SceneError {
@@ -38,6 +47,7 @@ impl fmt::Display for SceneError {
             Self::TooManyObjects { inst_id } => {
                 write!(f, "with instance {inst_id} the scene shows more than 2^32 - 2 objects")
             }
+            Self::Build(error) => error.fmt(f),
         }
     }
 }

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use gnurt_accel_core::affine::ObjectFromWorld;
 
 use super::box64::Box64;
-use super::types::{Exact, Instance, Placed, SceneTree, Shape};
+use super::types::{Exact, Instance, Placed, SceneTree, Shape, Slot};
 use crate::{Aabb, ObjectTree, Ray};
 
 impl Instance {
@@ -51,7 +51,7 @@ impl Shape {
     pub(super) fn depth(&self) -> u32 {
         match self {
             Self::Object(_) => 0,
-            Self::Scene(scene) => scene.depth,
+            Self::Scene(scene) => scene.depth(),
         }
     }
 
@@ -59,14 +59,14 @@ impl Shape {
     pub(super) fn leaves(&self) -> u32 {
         match self {
             Self::Object(_) => 1,
-            Self::Scene(scene) => scene.leaves,
+            Self::Scene(scene) => scene.leaf_count(),
         }
     }
 
     fn bounds(&self) -> Box64 {
         match self {
             Self::Object(object) => Box64::from(object.bounds()),
-            Self::Scene(scene) => scene.bounds64,
+            Self::Scene(scene) => scene.bounds64(),
         }
     }
 }
@@ -102,31 +102,36 @@ impl Exact {
 }
 
 impl Placed {
-    /// With its map in double precision and its box in the world; `None` where the transform has no inverse in floats,
-    /// or a value that is not finite. `first_leaf` is still to be set.
-    pub(super) fn new(instance: &Instance, inst_id: u32) -> Option<(Self, Exact, Box64)> {
+    /// With its box, in floats and relative to `origin`; `None` where the transform has no inverse in floats, or a value that
+    /// is not finite, or where floats cannot hold the box.
+    pub(super) fn new(instance: &Instance, origin: [f32; 3]) -> Option<(Self, Aabb)> {
         let columns = &instance.world_from_object;
         let exact = Exact::new(columns)?;
         let object_from_world = if *columns == IDENTITY { None } else { Some(rounded(&exact)?) };
-        let bounds = instance.shape.bounds();
-        let bounds = match object_from_world {
-            None => bounds,
-            Some(_) => carry_box(columns, &bounds, [0.0; 3])?,
-        };
         let shape = instance.shape.clone();
-        let placed = Self { shape, inst_id, first_leaf: 0, mask: instance.mask, object_from_world };
-        Some((placed, exact, bounds))
+        let placed = Self { shape, mask: instance.mask, object_from_world, exact };
+        let bounds = placed.bounds_from(origin)?;
+        Some((placed, bounds))
     }
 
-    /// The box in floats, relative to `origin`.
-    pub(super) fn bounds_from(&self, exact: &Exact, origin: [f32; 3]) -> Aabb {
+    /// The box in floats, relative to `origin`; `None` where they cannot hold it.
+    fn bounds_from(&self, origin: [f32; 3]) -> Option<Aabb> {
         let bounds = self.shape.bounds();
         let in_floats = matches!(self.shape, Shape::Object(_)) || bounds == Box64::from(bounds.rounded());
         if self.object_from_world.is_none() && origin == [0.0; 3] && in_floats {
-            return bounds.rounded();
+            return Some(bounds.rounded());
         }
-        let carried = carry_box(&exact.columns, &bounds, origin.map(f64::from));
-        carried.map_or(Aabb::EMPTY, |carried| carried.nearest())
+        carry_box(&self.exact.columns, &bounds, origin.map(f64::from)).map(|carried| carried.nearest())
+    }
+}
+
+impl Slot {
+    /// The box in floats, relative to `origin`; empty where there is nothing to see.
+    pub(super) fn bounds_from(&self, origin: [f32; 3]) -> Aabb {
+        match self {
+            Self::Placed(placed) => placed.bounds_from(origin).unwrap_or(Aabb::EMPTY),
+            Self::Absent | Self::Refused => Aabb::EMPTY,
+        }
     }
 }
 
@@ -191,8 +196,14 @@ mod tests {
         for (column, value) in [(0, 0.0), (3, f64::NAN), (1, f64::INFINITY), (2, 1e-300)] {
             let mut instance = Instance::identity(Arc::clone(&object));
             instance.world_from_object[column] = [value; 3];
-            assert!(Placed::new(&instance, 0).is_none(), "{value} in column {column} cannot be undone");
+            assert!(
+                Placed::new(&instance, [0.0; 3]).is_none(),
+                "{value} in column {column} cannot be undone"
+            );
         }
-        assert!(Placed::new(&Instance::identity(object), 0).is_some(), "an empty object can be placed");
+        assert!(
+            Placed::new(&Instance::identity(object), [0.0; 3]).is_some(),
+            "an empty object can be placed"
+        );
     }
 }

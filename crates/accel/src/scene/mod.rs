@@ -6,7 +6,9 @@ mod box64;
 mod build;
 mod error;
 mod faces;
+mod facts;
 mod instance;
+mod leaves;
 mod many;
 mod normal;
 mod point;
@@ -14,6 +16,7 @@ mod queries;
 mod region;
 mod surface_queries;
 mod types;
+mod update;
 mod walk;
 
 pub use error::SceneError;

@@ -9,15 +9,12 @@ impl SceneTree {
     /// As that of an object, in the scene's space: by the transposed inverse of each instance's map, so that a normal looks
     /// to the side that it looks to inside, mirrored or not.
     pub(crate) fn raw_normal_at(&self, hit: &Hit, leaf: u32, at: Option<[f64; 3]>) -> Option<[f64; 3]> {
-        if leaf >= self.leaves {
-            return None;
-        }
-        let place = self.placed.partition_point(|placed| placed.first_leaf <= leaf).checked_sub(1)?;
-        let (placed, exact) = (&self.placed[place], &self.exact[place]);
+        let (place, placed) = self.placed_at(leaf)?;
+        let exact = &placed.exact;
         let at = at.map(|at| if placed.object_from_world.is_some() { exact.point(at) } else { at });
         let inside = match &placed.shape {
             Shape::Object(object) => object.raw_normal(hit, at),
-            Shape::Scene(scene) => scene.raw_normal_at(hit, leaf - placed.first_leaf, at),
+            Shape::Scene(scene) => scene.raw_normal_at(hit, leaf - self.leaves.first(place), at),
         }?;
         if placed.object_from_world.is_none() {
             return Some(inside);

@@ -10,7 +10,7 @@ use crate::engine::Engine;
 impl SceneTree {
     /// Improves the nearest point.
     pub(crate) fn nearest(&self, engine: &Engine, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
-        if self.placed.is_empty() {
+        if self.top.count() == 0 {
             return;
         }
         let from = self.top.origin();
@@ -31,11 +31,11 @@ impl SceneTree {
         slot: u32,
         nearest: &mut dyn NearestPoint,
     ) {
-        let (placed, exact) = (&self.placed[place], &self.exact[place]);
-        if placed.mask & probe.mask == 0 {
+        let Some(placed) = self.placed(place).filter(|placed| placed.mask & probe.mask != 0) else {
             return;
-        }
-        let slot = slot + placed.first_leaf;
+        };
+        let slot = slot + self.leaves.first(place);
+        let exact = &placed.exact;
         let [axes @ .., _] = exact.columns;
         let inside = match placed.object_from_world {
             None => *probe,

@@ -31,11 +31,11 @@ impl SceneTree {
         outer: Option<&Place>,
         visit: &mut dyn FnMut(&Seen),
     ) {
-        let (placed, exact) = (&self.placed[place], &self.exact[place]);
-        if placed.mask & mask == 0 {
+        let Some(placed) = self.placed(place).filter(|placed| placed.mask & mask != 0) else {
             return;
-        }
-        let leaf = first_leaf + placed.first_leaf;
+        };
+        let leaf = first_leaf + self.leaves.first(place);
+        let exact = &placed.exact;
         let here = Place { columns: &exact.columns, outer };
         let map = Map { columns: &exact.columns, rows: &exact.rows };
         let (region, place) = match placed.object_from_world {

@@ -1,37 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What scenes are made of. In one file, since scenes hold instances and instances show scenes. Source: [WBS03a].
 //! Space: world, unless it says otherwise. Invariant: objects are numbered in the order of the instances on the way to them, so
-//! the lowest number is the lowest path. Proof: `tests/instances.rs`, `tests/nested.rs`.
+//! the lowest number is the lowest path. Proof: `tests/instances.rs`, `tests/nested.rs`, `tests/moving_instances.rs`.
 
 use std::sync::Arc;
 
 use gnurt_accel_bvh::BoxIndex;
 use gnurt_accel_core::affine::ObjectFromWorld;
 
-use super::box64::Box64;
-use crate::ObjectTree;
+use super::leaves::Leaves;
+use crate::{ObjectTree, SharedList};
 
 /// Most scenes that may lie in one another, the outermost included.
 pub const DEEPEST_SCENE: u32 = 16;
 
-/// A scene of instances; cheap to build anew when they move.
-#[derive(Debug)]
+/// A scene of instances. When some of them move, come or go, [`updated`](Self::updated) makes the next one, which shares
+/// with it what did not change.
+#[derive(Clone, Debug)]
 pub struct SceneTree {
-    /// Over the world boxes of instances, relative to a point near them where the scene is far away for its size; built
-    /// anew whenever they move.
+    /// Over the world boxes of instances, relative to a point near them where the scene is far away for its size.
     pub(super) top: BoxIndex,
-    /// Instances that can be hit, in the order of their ids.
-    pub(super) placed: Vec<Placed>,
-    /// Their maps in double precision.
-    pub(super) exact: Vec<Exact>,
-    pub(super) bounds64: Box64,
+    /// The place of the only one that can be hit, where there is one only.
+    pub(super) only: Option<usize>,
+    /// By place in the list that the scene was built from.
+    pub(super) slots: SharedList<Slot>,
+    /// The numbers of objects.
+    pub(super) leaves: Leaves,
+    /// Instances by the depth of what they show: 0 of objects.
+    pub(super) depths: [u32; DEEPEST_SCENE as usize],
     pub(super) dropped: u64,
-    /// Scenes on the longest way down, this one included.
-    pub(super) depth: u32,
-    /// Objects in all.
-    pub(super) leaves: u32,
-    /// Whether all instances are objects.
-    pub(super) flat: bool,
 }
 
 /// What an instance shows.
@@ -55,17 +52,26 @@ pub struct Instance {
     pub mask: u32,
 }
 
+/// What there is of an instance.
+#[derive(Clone, Debug, Default)]
+pub(crate) enum Slot {
+    /// None: it was taken out, or never put in.
+    #[default]
+    Absent,
+    /// It cannot be placed.
+    Refused,
+    Placed(Placed),
+}
+
 /// An instance made ready for rays.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Placed {
     pub(super) shape: Shape,
-    /// Its number in the list that the scene was built from.
-    pub(crate) inst_id: u32,
-    /// The number of its first object among all of the scene.
-    pub(super) first_leaf: u32,
     pub(super) mask: u32,
     /// `None` where world and object space are the same.
     pub(crate) object_from_world: Option<ObjectFromWorld>,
+    /// The map in double precision.
+    pub(super) exact: Exact,
 }
 
 /// [`ObjectFromWorld`] in double precision, and its inverse.

@@ -7,7 +7,7 @@ use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::tile::RayTile;
 use gnurt_accel_core::trip::{RayTrip, TileTrip};
 
-use super::types::{Placed, SceneTree, Shape};
+use super::types::{SceneTree, Shape};
 use crate::Ray;
 use crate::engine::Engine;
 use crate::together::by_heading;
@@ -19,10 +19,10 @@ const DEEPEST_TILE: u32 = 4;
 impl SceneTree {
     /// Improves what the ray has found; it is sound. The trip's slot is the number of the scene's first object in the whole.
     pub(crate) fn ray(&self, engine: &Engine, trip: &mut RayTrip) {
-        if let [_] = &self.placed[..] {
-            return self.enter(engine, 0, trip);
+        if let Some(only) = self.only {
+            return self.enter(engine, only, trip);
         }
-        if self.placed.is_empty() {
+        if self.top.count() == 0 {
             return;
         }
         // Boxes are met by the regular ray; what is compared are its parameters.
@@ -57,11 +57,10 @@ impl SceneTree {
 
     /// Into one instance.
     fn enter(&self, engine: &Engine, place: usize, trip: &mut RayTrip) {
-        let placed = &self.placed[place];
-        if placed.mask & trip.ray.mask == 0 {
+        let Some(placed) = self.placed(place).filter(|placed| placed.mask & trip.ray.mask != 0) else {
             return;
-        }
-        let slot = trip.slot + placed.first_leaf;
+        };
+        let slot = trip.slot + self.leaves.first(place);
         let (ray, origin) = (trip.ray, trip.origin);
         match (&placed.object_from_world, origin) {
             (None, _) => placed.shape.ray(engine, &mut trip.inside(ray, origin, slot)),
@@ -72,7 +71,7 @@ impl SceneTree {
                 }
             }
             (Some(_), Some(origin)) => {
-                let (inside, precise) = self.exact[place].ray(ray, origin);
+                let (inside, precise) = placed.exact.ray(ray, origin);
                 if inside.is_sound() {
                     placed.shape.ray(engine, &mut trip.inside(&inside, Some(&precise), slot));
                 }
@@ -87,13 +86,13 @@ impl SceneTree {
 
     /// The same where this is scene number `depth` on the way down.
     fn tile_at(&self, engine: &Engine, trip: &mut TileTrip, apart: bool, depth: u32) {
-        if self.placed.is_empty() || trip.active == 0 {
+        if self.top.count() == 0 || trip.active == 0 {
             return;
         }
         let alone = if depth > DEEPEST_TILE {
             trip.active
-        } else if let [only] = &self.placed[..] {
-            return only.tile(engine, trip, apart, depth);
+        } else if let Some(only) = self.only {
+            return self.enter_tile(engine, only, trip, apart, depth);
         } else if apart || !engine.has_tiles() {
             trip.active
         } else {
@@ -105,27 +104,26 @@ impl SceneTree {
     /// For a tile's first rays, all of them active and of one heading.
     fn together(&self, engine: &Engine, heading: Heading, trip: &mut TileTrip, depth: u32) {
         engine.bvh.boxes_tile(&self.top, heading, trip, &mut |place, trip| {
-            self.placed[place].tile(engine, trip, false, depth);
+            self.enter_tile(engine, place, trip, false, depth);
         });
     }
-}
 
-impl Placed {
-    fn tile(&self, engine: &Engine, trip: &mut TileTrip, apart: bool, depth: u32) {
-        if self.mask & trip.rays.mask == 0 {
+    /// Into one instance.
+    fn enter_tile(&self, engine: &Engine, place: usize, trip: &mut TileTrip, apart: bool, depth: u32) {
+        let Some(placed) = self.placed(place).filter(|placed| placed.mask & trip.rays.mask != 0) else {
             return;
-        }
-        let slot = trip.slot + self.first_leaf;
-        match &self.object_from_world {
+        };
+        let slot = trip.slot + self.leaves.first(place);
+        match &placed.object_from_world {
             None => {
                 let (rays, active) = (trip.rays, trip.active);
-                self.shape.tile(engine, &mut trip.inside(rays, active, slot), apart, depth);
+                placed.shape.tile(engine, &mut trip.inside(rays, active, slot), apart, depth);
             }
             Some(map) => {
                 let mut inside = RayTile::EMPTY;
                 engine.tiles.carry(map, trip.rays, &mut inside);
                 let active = trip.active & engine.tiles.sound(&inside, trip.nearest);
-                self.shape.tile(engine, &mut trip.inside(&inside, active, slot), apart, depth);
+                placed.shape.tile(engine, &mut trip.inside(&inside, active, slot), apart, depth);
             }
         }
     }

@@ -4,8 +4,8 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use gnurt_accel::{
-    BuildOptions, Coherence, Hit, HitBatch, Level, Memory, ObjectTree, Quality, Query, Ray, RayBatch, Record,
-    Structure, Threads, TriangleTest, Triangles,
+    BuildOptions, Coherence, Hit, HitBatch, Instance, Level, Memory, ObjectTree, Quality, Query, Ray,
+    RayBatch, Record, SceneError, SceneTree, Structure, Threads, TriangleTest, Triangles,
 };
 use gnurt_testkit::{OracleInstance, Soup, oracle, rays::PlainRay};
 
@@ -51,6 +51,16 @@ pub(crate) fn build_with(meshes: &[Soup], options: &BuildOptions, threads: Threa
     let meshes: Vec<Triangles> =
         meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices }).collect();
     ObjectTree::build(&meshes, options, threads)
+}
+
+/// A scene by default options; what cannot be placed is left out.
+pub(crate) fn scene_of(instances: &[Instance]) -> SceneTree {
+    SceneTree::build(instances, &BuildOptions::default(), Threads::Single)
+}
+
+/// A scene of all instances by default options.
+pub(crate) fn try_scene_of(instances: &[Instance]) -> Result<SceneTree, SceneError> {
+    SceneTree::try_build(instances, &BuildOptions::default(), Threads::Single, &())
 }
 
 /// Plain rays over `[0, inf]`.
@@ -121,7 +131,7 @@ macro_rules! can_be_asked {
         }
     )*};
 }
-can_be_asked!(ObjectTree, gnurt_accel::SceneTree);
+can_be_asked!(ObjectTree, SceneTree);
 
 /// Compares answers with the oracle. A hit must be one of the triangle that it names, up to `margin`; it must not lie
 /// behind anything that is surely hit; and a miss must not pass through anything that is surely hit. Where rays graze

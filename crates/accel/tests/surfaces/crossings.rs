@@ -5,12 +5,11 @@
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Instance, Level, ObjectTree, Quads, Query, Ray, Ray64, SceneTree, Spheres, Threads,
-    Triangles,
+    BuildOptions, Instance, Level, ObjectTree, Quads, Query, Ray, Ray64, Spheres, Threads, Triangles,
 };
 use gnurt_testkit::{Random, Soup, Voxels, closed, lattice};
 
-use crate::common::{WATERTIGHT, build, options};
+use crate::common::{WATERTIGHT, build, options, scene_of};
 
 /// A ray from outside through a point of a grid, in half sides of its cubes.
 fn aimed(random: &mut Random, n: i64) -> ([i64; 3], [i64; 3]) {
@@ -130,8 +129,8 @@ fn instances_are_exact() {
     // Scaled and moved by whole numbers, through two instances: the same grid in another place.
     let inner = [[4.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 4.0], [12.0, 0.0, -8.0]];
     let outer = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5], [1e9, -3.0, 7.0]];
-    let group = Arc::new(SceneTree::build(&[Instance::new(Arc::clone(&object), inner)]));
-    let scene = SceneTree::build(&[Instance::new(group, outer)]);
+    let group = Arc::new(scene_of(&[Instance::new(Arc::clone(&object), inner)]));
+    let scene = scene_of(&[Instance::new(group, outer)]);
     for _ in 0..2000 {
         let (org, dir) = aimed(&mut random, 4);
         // A half side is 1 in the world.
@@ -143,7 +142,7 @@ fn instances_are_exact() {
     // Turned and sheared: corners are no floats any more, and rays through what is nearest to one still cross evenly.
     let turned = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.01], [0.48, 0.64, 0.6], [1e5, 2e5, -7e4]];
     let cube = Arc::new(build(&[closed::cube(3)], WATERTIGHT[0]));
-    let scene = SceneTree::build(&[Instance::new(Arc::clone(&cube), turned), Instance::new(object, inner)]);
+    let scene = scene_of(&[Instance::new(Arc::clone(&cube), turned), Instance::new(object, inner)]);
     let mesh = closed::cube(3);
     for _ in 0..2000 {
         let corner = mesh.positions[random.below(mesh.positions.len())].map(f64::from);

@@ -4,12 +4,10 @@
 
 use std::sync::Arc;
 
-use gnurt_accel::{
-    BuildOptions, Instance, Level, ObjectTree, Query, Ray64, SceneTree, Side, Spheres, Threads,
-};
+use gnurt_accel::{BuildOptions, Instance, Level, ObjectTree, Query, Ray64, Side, Spheres, Threads};
 use gnurt_testkit::{Random, Soup, Voxels, Where, closed};
 
-use crate::common::{WATERTIGHT, build};
+use crate::common::{WATERTIGHT, build, scene_of};
 
 fn expected(place: Where) -> Side {
     match place {
@@ -131,7 +129,7 @@ fn objects_are_solids_of_their_own() {
     assert_eq!(balls.side([0.25, 0.0, 0.0]), Side::Inside, "in two balls");
     assert_eq!(balls.side([-1.0, 0.0, 0.0]), Side::Surface, "on one");
     assert_eq!(balls.side([1.0, 0.0, 0.0]), Side::Inside, "on one, in the other");
-    let scene = SceneTree::build(&[
+    let scene = scene_of(&[
         Instance::new(Arc::clone(&cube), at(0.0)),
         Instance::new(cube, at(1.0)),
         Instance::new(Arc::new(balls), at(9.0)),

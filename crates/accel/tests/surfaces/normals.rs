@@ -4,12 +4,12 @@
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Face, Hit, HitBatch, Instance, ObjectTree, Quads, Query, Ray, RayBatch, Record, SceneTree,
-    Spheres, Threads,
+    BuildOptions, Face, Hit, HitBatch, Instance, ObjectTree, Quads, Query, Ray, RayBatch, Record, Spheres,
+    Threads,
 };
 use gnurt_testkit::{Random, Soup, closed};
 
-use crate::common::{TESTS, WATERTIGHT, build};
+use crate::common::{TESTS, WATERTIGHT, build, scene_of};
 
 fn along(a: [f32; 3], b: [f32; 3]) -> f32 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
@@ -73,8 +73,8 @@ fn kinds_and_instances() {
 
     // Mirrored and stretched along x.
     let columns = [[-2.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [100.0, 0.0, 0.0]];
-    let inner = Arc::new(SceneTree::build(&[Instance::new(Arc::new(object), columns)]));
-    let scene = SceneTree::build(&[Instance::identity(Arc::clone(&inner)), Instance::identity(inner)]);
+    let inner = Arc::new(scene_of(&[Instance::new(Arc::new(object), columns)]));
+    let scene = scene_of(&[Instance::identity(Arc::clone(&inner)), Instance::identity(inner)]);
     let hit = scene.intersect(&Ray::new([96.8, 1.7, 3.0], [0.0, 0.0, -1.0])).expect("the quad is there");
     let normal = scene.normal(&hit).expect("a quad");
     let mut edges = normal_of([2, 3, 1].map(|i: usize| positions[i]));
@@ -89,7 +89,7 @@ fn faces_are_looked_through() {
     for kind in WATERTIGHT {
         let cube = Arc::new(build(&[closed::cube(2)], kind));
         let mirrored = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
-        let scene = SceneTree::build(&[Instance::new(Arc::clone(&cube), mirrored)]);
+        let scene = scene_of(&[Instance::new(Arc::clone(&cube), mirrored)]);
         let ray = Ray::new([0.3, 0.2, 5.0], [0.0, 0.0, -1.0]);
         for (face, t) in [(Face::Front, 4.0), (Face::Back, 6.0)] {
             assert_eq!(cube.intersect_face(&query, &ray, face).map(|hit| hit.t), Some(t), "{face:?}");

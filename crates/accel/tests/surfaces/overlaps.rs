@@ -5,12 +5,12 @@
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Instance, Lists, ObjectTree, PointHit, PrimitiveId, Quads, Query, SceneTree, Spheres,
-    Threads, Triangles,
+    BuildOptions, Instance, Lists, ObjectTree, PointHit, PrimitiveId, Quads, Query, Spheres, Threads,
+    Triangles,
 };
 use gnurt_testkit::{Random, Soup, closed};
 
-use crate::common::{WATERTIGHT, build};
+use crate::common::{WATERTIGHT, build, scene_of};
 
 /// What is left of a triangle in a box, cut side by side; whole multiples of small powers of two are cut exactly enough to tell
 /// nothing from something.
@@ -157,7 +157,7 @@ fn mixed_objects_and_instances() {
     assert_eq!(ids.len(), 1, "one through its rim does");
     let turned = [[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 2.0], [10.0, 0.0, 0.0]];
     let object = Arc::new(object);
-    let scene = SceneTree::build(&[Instance::identity(Arc::clone(&object)), Instance::new(object, turned)]);
+    let scene = scene_of(&[Instance::identity(Arc::clone(&object)), Instance::new(object, turned)]);
     scene.touching_box(&query, [8.5, 0.5, -0.1], [8.6, 0.6, 0.1], &mut ids);
     let leaves: Vec<(u32, u32)> = ids.iter().map(|id| (id.leaf_id, id.geom_id)).collect();
     assert_eq!(leaves, [(1, 0)], "the quad of the second; its triangle lies beside");

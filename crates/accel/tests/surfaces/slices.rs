@@ -9,12 +9,12 @@ use gnurt_accel::{
 };
 use gnurt_testkit::{Random, Soup, closed};
 
-use crate::common::{WATERTIGHT, build};
+use crate::common::{WATERTIGHT, build, scene_of};
 
 fn scene(distance: f64) -> SceneTree {
     let object = Arc::new(build(&[closed::torus(12), Soup::random(5, 60, 0.3)], WATERTIGHT[0]));
     let at = |x: f64| [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [distance + x, distance, 0.0]];
-    SceneTree::build(&[Instance::new(Arc::clone(&object), at(0.0)), Instance::new(object, at(2.0))])
+    scene_of(&[Instance::new(Arc::clone(&object), at(0.0)), Instance::new(object, at(2.0))])
 }
 
 fn rays(n: usize) -> Vec<([f64; 3], [f64; 3])> {

@@ -75,7 +75,7 @@ impl World {
 
         let Geometry { changed, is_moved } = self.update_geometry(due, scene, options, pool, report);
         if is_moved {
-            self.tree = top::build(scene, &self.instances, pool);
+            self.tree = top::after(&self.tree, scene, &self.instances, &changed, pool);
             report.built_top_tree = true;
         }
 
@@ -114,7 +114,7 @@ impl World {
         let mut objects_due = due.objects.clone();
         if !changed.is_empty() || !objects_due.is_empty() {
             let objects = Arc::make_mut(&mut self.objects);
-            objects.grow(scene.objects().len(), &ObjectSlot::default());
+            objects.grow(scene.objects().len());
             for &id in &changed {
                 let now = &scene.instances()[id as usize];
                 let now = now.visible.then_some(now.object);
@@ -161,10 +161,10 @@ impl World {
         if let Some(&last) = changed.last() {
             let before = self.instances.clone();
             let instances = Arc::make_mut(&mut self.instances);
-            instances.grow(last as usize + 1, &InstanceSlot::Hidden);
+            instances.grow(last as usize + 1);
             let objects = &self.objects;
             let place = |id: usize| InstanceSlot::new(&scene.instances()[id], objects);
-            pool.install(|| instances.set_all(&changed, place));
+            pool.install(|| instances.set_all(&changed, true, place));
             let is_dropped =
                 |slot: Option<&InstanceSlot>| usize::from(slot.is_some_and(InstanceSlot::is_dropped));
             for &id in &changed {

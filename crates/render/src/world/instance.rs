@@ -5,9 +5,9 @@
 use std::sync::Arc;
 
 use glam::{DMat3, Mat3, Vec3};
+use gnurt_accel::SharedList;
 use gnurt_scene::{Affine, Instance, ObjectId};
 
-use super::chunked::Chunked;
 use super::object::{ObjectSlot, WorldObject};
 
 /// An instance as shading needs it.
@@ -38,7 +38,7 @@ pub(super) enum InstanceSlot {
 
 impl InstanceSlot {
     /// An instance as the scene has it, if it shows an object that is there.
-    pub(super) fn new(instance: &Instance, objects: &Chunked<ObjectSlot>) -> Self {
+    pub(super) fn new(instance: &Instance, objects: &SharedList<ObjectSlot>) -> Self {
         let object = objects.get(instance.object.index()).and_then(|slot| slot.object.clone());
         let Some(object) = object.filter(|_| instance.visible) else { return Self::Hidden };
         match PlacedInstance::new(object, instance.object, &instance.world_from_object) {

@@ -5,10 +5,10 @@
 
 use std::sync::Arc;
 
+use gnurt_accel::SharedList;
 use gnurt_shading::lights as shading;
 use rayon::prelude::*;
 
-use super::chunked::Chunked;
 use super::instance::{InstanceSlot, PlacedInstance};
 use super::material_table::MaterialTable;
 use super::object::WorldObject;
@@ -29,7 +29,7 @@ impl Lamps {
         &self,
         changed: &[u32],
         emission_changed: bool,
-        instances: &Chunked<InstanceSlot>,
+        instances: &SharedList<InstanceSlot>,
         materials: &MaterialTable,
         pool: &rayon::ThreadPool,
     ) -> Option<Self> {
@@ -42,7 +42,7 @@ impl Lamps {
                 let places = first..first + slots.len();
                 places.filter(|&place| shines(place)).map(|place| place as u32).collect::<Vec<_>>()
             };
-            pool.install(|| instances.par_chunks().flat_map_iter(of_chunk).collect())
+            pool.install(|| instances.par_pieces().flat_map_iter(of_chunk).collect())
         } else {
             let is_changed = |id: &u32| changed.binary_search(id).is_ok();
             let come: Vec<u32> = changed.iter().copied().filter(|&id| shines(id as usize)).collect();
@@ -62,7 +62,7 @@ impl Lamps {
 
     fn of(
         lamps: Vec<u32>,
-        instances: &Chunked<InstanceSlot>,
+        instances: &SharedList<InstanceSlot>,
         materials: &MaterialTable,
         pool: &rayon::ThreadPool,
     ) -> Self {

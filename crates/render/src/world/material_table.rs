@@ -5,12 +5,12 @@
 
 use std::sync::Arc;
 
+use gnurt_accel::SharedList;
 use gnurt_scene::{Scene, Surface};
 use gnurt_shading::SurfaceShader;
 use gnurt_shading::lights::Emitter;
 use gnurt_shading::materials::{Lambertian, PlainColor};
 
-use super::chunked::Chunked;
 use super::materials;
 use super::table::ShaderTable;
 
@@ -34,7 +34,7 @@ pub(crate) struct MaterialEntry {
 #[derive(Clone, Default)]
 pub(crate) struct MaterialTable {
     /// By material id. `None` only while a commit is under way.
-    entries: Chunked<Option<MaterialEntry>>,
+    entries: SharedList<Option<MaterialEntry>>,
     /// Ids of those that show a shader of the shader table, ascending, and its number there.
     from_table: Vec<(u32, u32)>,
     /// How many let light straight through.
@@ -97,7 +97,7 @@ impl MaterialTable {
         force_diffuse: bool,
     ) -> ChangedMaterials {
         let mut changed = ChangedMaterials { made: due.len(), emission: false };
-        self.entries.grow(scene.materials().len(), &None);
+        self.entries.grow(scene.materials().len());
         for &id in due {
             let place = self.entries.edit(id as usize);
             let before = place.take();

@@ -6,7 +6,6 @@
 //! Proof: crates/render/tests/{commit,edits}.rs.
 
 mod check;
-mod chunked;
 mod commit;
 mod due;
 mod flat;
@@ -26,13 +25,12 @@ mod top;
 use std::ops::Range;
 use std::sync::{Arc, Weak};
 
-use gnurt_accel::{Hit, HitBatch, INVALID_ID, Ray, SceneTree};
+use gnurt_accel::{Hit, HitBatch, INVALID_ID, Ray, SceneTree, SharedList};
 use gnurt_scene::edit::{Cursor, SceneIdentity};
 use gnurt_shading::SurfaceShader;
 use gnurt_shading::lights::LightSet;
 
 use crate::many_lights::ShaderLamps;
-use chunked::Chunked;
 pub(crate) use flat::FlatLanes;
 use instance::InstanceSlot;
 pub(crate) use instance::PlacedInstance;
@@ -67,9 +65,9 @@ pub struct WorldStats {
 #[derive(Clone, Default)]
 pub struct World {
     /// By object id.
-    objects: Arc<Chunked<ObjectSlot>>,
+    objects: Arc<SharedList<ObjectSlot>>,
     /// By instance id; those behind the last one that rays may meet are not there.
-    instances: Arc<Chunked<InstanceSlot>>,
+    instances: Arc<SharedList<InstanceSlot>>,
     tree: Arc<SceneTree>,
     /// By material id.
     materials: Arc<MaterialTable>,
@@ -81,7 +79,7 @@ pub struct World {
 
 /// Tells worlds apart; keeps none of them.
 pub(crate) struct WorldMark {
-    instances: Weak<Chunked<InstanceSlot>>,
+    instances: Weak<SharedList<InstanceSlot>>,
     tree: Weak<SceneTree>,
     materials: Weak<MaterialTable>,
     lights: Weak<Lights>,

@@ -5,11 +5,9 @@
 
 use std::sync::Arc;
 
-use gnurt_accel::{BuildOptions, Memory, ObjectTree, Threads, Triangles};
+use gnurt_accel::{BuildOptions, Memory, ObjectTree, SharedList, Threads, Triangles};
 use gnurt_scene::{Mesh, Scene};
 use rayon::prelude::*;
-
-use super::chunked::Chunked;
 
 /// An object's arrays and the tree over them.
 pub(crate) struct WorldObject {
@@ -39,7 +37,7 @@ pub(super) struct ChangedObjects {
 
 /// Brings those of `due`, ascending, up to date: builds what is needed, lets go what is not.
 pub(super) fn update(
-    objects: &mut Chunked<ObjectSlot>,
+    objects: &mut SharedList<ObjectSlot>,
     due: &[u32],
     scene: &Scene,
     memory: Memory,

@@ -42,7 +42,7 @@ pub struct CommitReport {
     pub built_objects: usize,
     /// Instances that were placed: those that were edited, and those of objects that were.
     pub placed_instances: usize,
-    /// Whether the tree over all instances was built.
+    /// Whether the tree over all instances was brought up to date.
     pub built_top_tree: bool,
     /// Surface shaders that were made.
     pub made_shaders: usize,

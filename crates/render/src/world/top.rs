@@ -1,35 +1,50 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The top tree over the instances that rays may meet, made anew when one of them moved, came or went.
+//! The top tree over the instances that rays may meet, brought up to date when some of them moved, came or went.
 //! Source: [WBS03a], the paper's section 6. Space: world.
-//! The list that it is built from has an entry for each instance of the scene, so that hits name those; it is written by all
-//! threads and lives for the build only. Proof: crates/render/tests/{commit,edits}.rs.
+//! It has an entry for each instance of the scene, so that hits name those. Where most of them changed, as at first, it is
+//! built; else it is made of the one before, which frames under way keep. Proof: crates/render/tests/{commit,edits}.rs.
 
 use std::sync::Arc;
 
-use gnurt_accel::{BuildOptions, Instance, ObjectTree, SceneTree, Threads};
+use gnurt_accel::{BuildOptions, Instance, ObjectTree, SceneTree, SharedList, Threads};
 use gnurt_scene::Scene;
 use rayon::prelude::*;
 
-use super::chunked::Chunked;
 use super::instance::InstanceSlot;
 
-/// The top tree over instances as they are now.
-pub(super) fn build(
+/// The top tree over instances as they are now, where those of `changed`, ascending, are others than `before`.
+pub(super) fn after(
+    before: &SceneTree,
     scene: &Scene,
-    instances: &Chunked<InstanceSlot>,
+    instances: &SharedList<InstanceSlot>,
+    changed: &[u32],
     pool: &rayon::ThreadPool,
 ) -> Arc<SceneTree> {
-    let nothing = Arc::new(ObjectTree::build(&[], &BuildOptions::default(), Threads::Single));
-    let shown = |place: usize, slot: &InstanceSlot| match slot.placed() {
-        Some(placed) => {
-            let world_from_object = scene.instances()[place].world_from_object.columns;
-            Instance::new(placed.object.tree.clone(), world_from_object)
-        }
-        None => Instance::identity(nothing.clone()),
+    let shown = |place: usize| {
+        let placed = instances[place].placed()?;
+        let world_from_object = scene.instances()[place].world_from_object.columns;
+        Some(Instance::new(placed.object.tree.clone(), world_from_object))
     };
-    let of_chunk = |(first, slots): (usize, &[InstanceSlot])| {
-        slots.iter().enumerate().map(|(i, slot)| shown(first + i, slot)).collect::<Vec<_>>()
+    let threads = Threads::Pool(pool);
+    let tree = if changed.len() > instances.len() / 2 {
+        let nothing = Arc::new(ObjectTree::build(&[], &BuildOptions::default(), Threads::Single));
+        let shown_or_nothing =
+            |place: usize| shown(place).unwrap_or_else(|| Instance::identity(nothing.clone()));
+        let list: Vec<Instance> = pool.install(|| {
+            let places = (0..instances.len()).into_par_iter();
+            places.with_min_len(FEW).map(shown_or_nothing).collect()
+        });
+        SceneTree::build(&list, &BuildOptions::default(), threads)
+    } else {
+        let change = |&place: &u32| (place, shown(place as usize));
+        let changes: Vec<(u32, Option<Instance>)> = match changed.len() > FEW {
+            true => pool.install(|| changed.par_iter().with_min_len(FEW).map(change).collect()),
+            false => changed.iter().map(change).collect(),
+        };
+        before.updated(instances.len(), &changes, threads)
     };
-    let list: Vec<Instance> = pool.install(|| instances.par_chunks().flat_map_iter(of_chunk).collect());
-    Arc::new(SceneTree::build(&list))
+    Arc::new(tree)
 }
+
+/// Instances that are not worth a thread.
+const FEW: usize = 64;

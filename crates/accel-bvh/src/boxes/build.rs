@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Builds a top tree: boxes into parts, a treelet for each, then the upper one. Source: [Wald07] for both.
+//! Space: that of the boxes. Invariant: threads do not matter. Proof: `tests`.
+
+use gnurt_accel_core::control::Watch;
+use gnurt_accel_core::{Aabb, BuildError, Quality, SharedList, Threads};
+
+use super::BoxIndex;
+use crate::build::build;
+use crate::build::parts::{PartOptions, build_parts};
+use crate::treelet::Treelet;
+
+/// Most boxes of a treelet when it is built: the fewer, the less an edit copies, and the more often rays change treelets.
+pub(super) const MOST: usize = 128;
+
+/// So many boxes or fewer are one treelet.
+pub(super) const FEW: usize = 1024;
+
+impl BoxIndex {
+    /// Over boxes relative to `origin`, those that are not empty. High quality optimises treelets; the upper one is built
+    /// as `quality` says.
+    ///
+    /// # Errors
+    /// That `watch` stopped it, or that there are too many boxes (some 2^30).
+    pub fn build(
+        boxes: &[Aabb],
+        origin: [f32; 3],
+        quality: Quality,
+        threads: Threads,
+        watch: &Watch,
+    ) -> Result<Self, BuildError> {
+        let most = if boxes.len() <= FEW { FEW } else { MOST };
+        let treelets = build_parts(boxes, PartOptions { most, quality }, threads, watch, |tree| {
+            Treelet::new(&tree, |place| (place, boxes[place as usize]))
+        })?;
+        let mut homes = vec![0; boxes.len()];
+        let mut count = 0;
+        for (home, treelet) in (1..).zip(&treelets) {
+            for (place, _) in treelet.members() {
+                homes[place as usize] = home;
+                count += 1;
+            }
+        }
+        let homes = threads.run(|parallel| SharedList::new(homes.len(), parallel, |place| homes[place]));
+        let upper = upper(&treelets, quality, threads)?;
+        let bounds = match &treelets[..] {
+            [only] => only.bounds(),
+            _ => upper.bounds(),
+        };
+        let built_treelets = treelets.len();
+        let mut index =
+            Self { treelets, upper, homes, origin, bounds, quality, count, built_cost: 0.0, built_treelets };
+        index.built_cost = index.cost();
+        Ok(index)
+    }
+}
+
+/// The treelet over others; an empty one where it is not needed.
+pub(super) fn upper(treelets: &[Treelet], quality: Quality, threads: Threads) -> Result<Treelet, BuildError> {
+    if treelets.len() < 2 {
+        return Ok(Treelet::default());
+    }
+    let all = (0..).zip(treelets).map(|(number, treelet)| (number, treelet.bounds()));
+    let members: Vec<(u32, Aabb)> = all.filter(|(_, bounds)| !bounds.is_empty()).collect();
+    let boxes: Vec<Aabb> = members.iter().map(|(_, bounds)| *bounds).collect();
+    let tree = build(&&boxes[..], quality, threads)?;
+    Ok(Treelet::new(&tree, |number| members[number as usize]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gnurt_testkit::Random;
+
+    /// Boxes of all sizes, a few in one place, some empty.
+    fn boxes(count: usize) -> Vec<Aabb> {
+        let mut random = Random::new(count as u64);
+        let mut next = |i: usize| match i % 50 {
+            0 => Aabb::EMPTY,
+            1 => Aabb { min: [0.5; 3], max: [0.5; 3] },
+            _ => {
+                let (corner, size) = (random.point(), random.between(0.0, 0.1));
+                Aabb { min: corner, max: corner.map(|x| x + size) }
+            }
+        };
+        (0..count).map(&mut next).collect()
+    }
+
+    #[test]
+    fn every_box_is_in_one_treelet() {
+        for count in [0, 1, 2, 9, FEW, FEW + 1, 5000] {
+            let boxes = boxes(count);
+            for quality in [Quality::Fast, Quality::Medium, Quality::High] {
+                let watch = Watch::new(&());
+                let index = BoxIndex::build(&boxes, [0.0; 3], quality, Threads::Single, &watch)
+                    .expect("nobody stops it");
+                let mut seen = vec![0; count];
+                for (home, treelet) in (1..).zip(&index.treelets) {
+                    assert!(
+                        treelet.members().count() <= if count > FEW { MOST } else { FEW },
+                        "not too many"
+                    );
+                    for (place, bounds) in treelet.members() {
+                        assert_eq!(bounds, boxes[place as usize], "it has its box");
+                        assert_eq!(index.homes[place as usize], home, "and knows its home");
+                        seen[place as usize] += 1;
+                    }
+                }
+                let shown = |i: usize| usize::from(!boxes[i].is_empty());
+                assert!(seen.iter().enumerate().all(|(i, &n)| n == shown(i)), "each is there once");
+                assert_eq!(index.count(), seen.iter().sum::<usize>(), "as many as there are");
+                let numbers: Vec<u32> = index.upper.members().map(|(number, _)| number).collect();
+                let wanted = if index.treelets.len() > 1 { index.treelets.len() } else { 0 };
+                assert_eq!(numbers.len(), wanted, "all treelets are in the upper one");
+                let whole = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+                assert_eq!(index.bounds(), whole, "around all");
+            }
+        }
+    }
+
+    #[test]
+    fn threads_do_not_show() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads start");
+        let boxes = boxes(20_000);
+        let build = |threads| {
+            let watch = Watch::new(&());
+            let index = BoxIndex::build(&boxes, [0.0; 3], Quality::Medium, threads, &watch);
+            index.expect("nobody stops it")
+        };
+        let (alone, together) = (build(Threads::Single), build(Threads::Pool(&pool)));
+        assert_eq!(alone.treelets.len(), together.treelets.len(), "as many treelets");
+        for (a, b) in alone.treelets.iter().zip(&together.treelets).chain([(&alone.upper, &together.upper)]) {
+            assert_eq!(a.nodes(), b.nodes(), "the same nodes");
+        }
+    }
+}

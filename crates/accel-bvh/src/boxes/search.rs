@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One ray, or one point, through a top tree. Source: [WBB08] as `walk`, [RKV95] as `point`. Space: that of the boxes.
+//! Each treelet is walked by a function of its own: nested scenes of few instances are not to take the stack of two walks.
+//! Proof: `tests/instances.rs`, `tests/closest_point.rs` and `tests/limits.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::Ray;
+use gnurt_simd::{Simd, StackRoom, prelude::*};
+
+use super::BoxIndex;
+use crate::node::{Boxes, Child};
+use crate::node_ray::NodeRay;
+use crate::point::{Around, square_of, walk_near};
+use crate::tree::DEEPEST;
+use crate::treelet::{DEEPEST_TREELET, Treelet};
+use crate::walk::walk_with;
+
+impl BoxIndex {
+    /// Calls `enter` with the places of boxes that `ray`, which is regular and relative to the origin, meets before
+    /// `reach`, nearer ones first; it answers with the new reach. Returns the number of nodes visited. There are boxes.
+    #[inline(always)]
+    pub(crate) fn search<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        reach: f32,
+        enter: &mut dyn FnMut(usize) -> f32,
+    ) -> u32 {
+        let for_nodes = &NodeRay::new(simd, ray, self.greatest());
+        match &self.treelets[..] {
+            [only] => search_treelet(simd, only, for_nodes, reach, enter).1,
+            treelets => search_upper(simd, &self.upper, treelets, for_nodes, reach, enter),
+        }
+    }
+
+    /// Calls `enter` with the places of boxes within `radius` of `point`, which is relative to the origin, nearer ones
+    /// first; it answers with the new radius. There are boxes.
+    #[inline(always)]
+    pub(crate) fn near<S: Simd>(
+        &self,
+        simd: S,
+        point: &[f64; 3],
+        radius: f64,
+        enter: &mut dyn FnMut(usize) -> f64,
+    ) {
+        let around = &Around::new(simd, point);
+        match &self.treelets[..] {
+            [only] => near_treelet(simd, only, around, radius, enter),
+            treelets => near_upper(simd, &self.upper, treelets, around, radius, enter),
+        };
+    }
+}
+
+/// What waits in the upper treelet, which is built as any tree, and in those below: scenes in one another hold one of these each.
+type Long = StackRoom<u64, { 8 * DEEPEST }>;
+type Short = StackRoom<u64, { 8 * DEEPEST_TREELET }>;
+
+/// Calls `enter` with the members whose boxes the ray meets before `reach`, and with that; it answers with the new one.
+/// Returns the last one, and the number of nodes visited.
+#[inline(always)]
+fn search_nodes<S: Simd, const WAIT: usize>(
+    simd: S,
+    room: StackRoom<u64, WAIT>,
+    treelet: &Treelet,
+    ray: &NodeRay<S>,
+    mut reach: f32,
+    mut enter: impl FnMut(usize, f32) -> f32,
+) -> (f32, u32) {
+    let nodes = treelet.nodes();
+    let visited = walk_with(
+        room,
+        nodes,
+        simd,
+        Child::node(0),
+        ray,
+        reach,
+        #[inline(always)]
+        |range| {
+            for block in &nodes[range] {
+                let (mut bits, _) = ray.meet(simd, block, reach);
+                while bits != 0 {
+                    let member = block.child(bits.trailing_zeros() as usize).index();
+                    bits &= bits - 1;
+                    reach = enter(member, reach);
+                }
+            }
+            reach
+        },
+    );
+    (reach, visited)
+}
+
+/// The same, as a function of its own: for the treelets below the upper one.
+#[inline(never)]
+fn search_treelet<S: Simd>(
+    simd: S,
+    treelet: &Treelet,
+    ray: &NodeRay<S>,
+    reach: f32,
+    enter: &mut dyn FnMut(usize) -> f32,
+) -> (f32, u32) {
+    simd.vectorize(
+        #[inline(always)]
+        || search_nodes(simd, Short::new(), treelet, ray, reach, |place, _| enter(place)),
+    )
+}
+
+/// The same through the upper treelet into those below; returns the number of nodes visited.
+#[inline(never)]
+fn search_upper<S: Simd>(
+    simd: S,
+    upper: &Treelet,
+    treelets: &[Treelet],
+    ray: &NodeRay<S>,
+    reach: f32,
+    enter: &mut dyn FnMut(usize) -> f32,
+) -> u32 {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut visited = 0;
+            let above = search_nodes(
+                simd,
+                Long::new(),
+                upper,
+                ray,
+                reach,
+                #[inline(always)]
+                |number, reach| {
+                    let (reach, count) = search_treelet(simd, &treelets[number], ray, reach, enter);
+                    visited += count;
+                    reach
+                },
+            );
+            visited + above.1
+        },
+    )
+}
+
+/// Calls `enter` with the members within `radius`, and with that; it answers with the new one. Returns the last one.
+#[inline(always)]
+fn near_nodes<S: Simd>(
+    simd: S,
+    treelet: &Treelet,
+    around: &Around<S>,
+    mut radius: f64,
+    mut enter: impl FnMut(usize, f64) -> f64,
+) -> f64 {
+    let nodes = treelet.nodes();
+    walk_near(
+        simd,
+        radius,
+        #[inline(always)]
+        |index| (around.squares(simd, &nodes[index]), nodes[index].children()),
+        #[inline(always)]
+        |range| {
+            for block in &nodes[range] {
+                let squares = around.squares(simd, block).to_array();
+                for (lane, square) in squares.into_iter().enumerate() {
+                    if square <= square_of(radius) && !block.bounds(lane).is_empty() {
+                        radius = enter(block.child(lane).index(), radius);
+                    }
+                }
+            }
+            radius
+        },
+    );
+    radius
+}
+
+/// The same, as a function of its own: for the treelets below the upper one.
+#[inline(never)]
+fn near_treelet<S: Simd>(
+    simd: S,
+    treelet: &Treelet,
+    around: &Around<S>,
+    radius: f64,
+    enter: &mut dyn FnMut(usize) -> f64,
+) -> f64 {
+    simd.vectorize(
+        #[inline(always)]
+        || near_nodes(simd, treelet, around, radius, |place, _| enter(place)),
+    )
+}
+
+/// The same through the upper treelet into those below.
+#[inline(never)]
+fn near_upper<S: Simd>(
+    simd: S,
+    upper: &Treelet,
+    treelets: &[Treelet],
+    around: &Around<S>,
+    radius: f64,
+    enter: &mut dyn FnMut(usize) -> f64,
+) -> f64 {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            near_nodes(
+                simd,
+                upper,
+                around,
+                radius,
+                #[inline(always)]
+                |number, radius| near_treelet(simd, &treelets[number], around, radius, enter),
+            )
+        },
+    )
+}

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A top tree after some boxes moved, came or went, that shares what did not change with the one before.
+//! Source: [WBS06] for refits and for rebuilding when the cost has risen; original for the rest.
+//! A box that stays within its treelet's is moved there; one that leaves goes to the treelet whose box grows least. Treelets that
+//! are touched are refitted; those that are worn or have no room are built again, parted where they are too large. The upper
+//! one is refitted, or built again where treelets came. Where all costs so much more than when it was built, all is.
+//! Invariant: as for any build; threads do not matter. Proof: `tests`, `tests/moving_instances.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::control::Watch;
+use gnurt_accel_core::{Aabb, Threads};
+use rayon::prelude::*;
+
+use super::BoxIndex;
+use super::build::{FEW, MOST, upper};
+use crate::build::parts::{PartOptions, build_parts};
+use crate::treelet::{Treelet, growth};
+
+/// A tree that costs this much more than when all of it was built is built again.
+const WORN: f64 = 1.5;
+
+/// Where so many of all boxes are new, or one of so many is edited, searches for better treelets do not pay.
+const MANY: usize = 4;
+
+/// A box that is given, or taken away, at a place.
+pub type BoxEdit = (u32, Option<Aabb>);
+
+/// What is to be done in a treelet.
+struct Due<'a> {
+    number: usize,
+    edits: &'a [BoxEdit],
+}
+
+impl BoxIndex {
+    /// The tree with other boxes at some places, which ascend: `None` and empty boxes are taken out.
+    #[must_use]
+    pub fn updated(&self, edits: &[BoxEdit], threads: Threads) -> Self {
+        let length = edits.last().map_or(0, |edit| edit.0 as usize + 1).max(self.homes.len());
+        let comes =
+            |edit: &&BoxEdit| self.home(edit.0).is_none() && edit.1.is_some_and(|bounds| !bounds.is_empty());
+        let fits = if self.treelets.len() == 1 { length <= FEW } else { self.treelets.len() > 1 };
+        if !fits || edits.iter().filter(comes).count() > self.count / MANY {
+            return self.built_again(edits, length, threads);
+        }
+        let stay = edits.len() > self.count / MANY;
+        let orders = threads.run(|parallel| self.orders(edits, stay, parallel));
+        let made = self.made(&orders, threads);
+        let mut after = self.clone();
+        after.homes.grow(length);
+        after.rehome(&orders, edits, threads);
+        let mut touched: Vec<(u32, Option<Aabb>)> = Vec::with_capacity(made.len());
+        for (number, mut pieces) in made {
+            if let Some(first) = pieces.first() {
+                touched.push((number as u32, Some(first.bounds())));
+            }
+            for (i, piece) in pieces.drain(..).enumerate() {
+                if i == 0 {
+                    after.treelets[number] = piece;
+                    continue;
+                }
+                after.treelets.push(piece);
+                let home = after.treelets.len() as u32;
+                let members = after.treelets[home as usize - 1].members().map(|(place, _)| place);
+                let mut members: Vec<u32> = members.collect();
+                members.sort_unstable();
+                after.homes.set_all(&members, false, |_| home);
+            }
+        }
+        after.settle(self.treelets.len(), &touched, threads);
+        let grown = after.treelets.len() > 2 * after.built_treelets.max(8);
+        if grown || after.cost() > WORN * after.built_cost {
+            return after.built_again(&[], length, threads);
+        }
+        after
+    }
+
+    /// The number of the treelet that has the box of a place.
+    fn home(&self, place: u32) -> Option<usize> {
+        self.homes.get(place as usize).and_then(|&home| (home as usize).checked_sub(1))
+    }
+
+    /// All of it from scratch.
+    fn built_again(&self, edits: &[BoxEdit], length: usize, threads: Threads) -> Self {
+        let mut boxes = vec![Aabb::EMPTY; length];
+        for (place, bounds) in self.treelets.iter().flat_map(Treelet::members) {
+            boxes[place as usize] = bounds;
+        }
+        for &(place, bounds) in edits {
+            boxes[place as usize] = bounds.unwrap_or(Aabb::EMPTY);
+        }
+        let watch = Watch::new(&());
+        // A billion boxes take a hundred times the memory of their tree before.
+        Self::build(&boxes, self.origin, self.quality, threads, &watch)
+            .unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// What is to be done: treelet, place and box, ascending. Where `stay`, boxes stay in their treelets.
+    fn orders(&self, edits: &[BoxEdit], stay: bool, parallel: bool) -> Vec<(u32, BoxEdit)> {
+        let order = |&(place, bounds): &BoxEdit| {
+            let bounds = bounds.filter(|bounds| !bounds.is_empty());
+            let leave = |home: usize| (home as u32, (place, None));
+            let enter = |home: usize, bounds| (home as u32, (place, Some(bounds)));
+            match (self.home(place), bounds) {
+                (None, None) => [None, None],
+                (Some(home), None) => [Some(leave(home)), None],
+                (None, Some(bounds)) => [Some(enter(self.best_home(&bounds), bounds)), None],
+                (Some(home), Some(bounds)) => match self.better_home(home, &bounds) {
+                    Some(other) if !stay => [Some(leave(home)), Some(enter(other, bounds))],
+                    _ => [Some(enter(home, bounds)), None],
+                },
+            }
+        };
+        let mut orders: Vec<(u32, BoxEdit)> = if parallel {
+            edits
+                .par_iter()
+                .with_min_len(64)
+                .flat_map_iter(|edit| order(edit).into_iter().flatten())
+                .collect()
+        } else {
+            edits.iter().flat_map(|edit| order(edit).into_iter().flatten()).collect()
+        };
+        orders.sort_unstable_by_key(|&(number, (place, _))| (number, place));
+        orders
+    }
+
+    /// The treelet whose box grows least.
+    fn best_home(&self, bounds: &Aabb) -> usize {
+        if self.treelets.len() == 1 { 0 } else { self.upper.best_member(bounds) as usize }
+    }
+
+    /// Another treelet that would grow less by a box than its home.
+    fn better_home(&self, home: usize, bounds: &Aabb) -> Option<usize> {
+        let by = |number: usize| growth(&self.treelets[number].bounds(), bounds);
+        let here = by(home);
+        if here == 0.0 || self.treelets.len() == 1 {
+            return None;
+        }
+        let other = self.best_home(bounds);
+        (other != home && by(other) < here).then_some(other)
+    }
+
+    /// Treelets after their orders: one each, several where it had to be parted.
+    fn made(&self, orders: &[(u32, BoxEdit)], threads: Threads) -> Vec<(usize, Vec<Treelet>)> {
+        let edits: Vec<BoxEdit> = orders.iter().map(|(_, edit)| *edit).collect();
+        let mut rest = &edits[..];
+        let mut due = Vec::new();
+        for run in orders.chunk_by(|a, b| a.0 == b.0) {
+            let (edits, others) = rest.split_at(run.len());
+            rest = others;
+            due.push(Due { number: run[0].0 as usize, edits });
+        }
+        threads.run(|parallel| {
+            let make = |due: &Due| (due.number, self.remade(due));
+            if parallel { due.par_iter().map(make).collect() } else { due.iter().map(make).collect() }
+        })
+    }
+
+    fn remade(&self, Due { number, edits }: &Due) -> Vec<Treelet> {
+        let before = &self.treelets[*number];
+        if let Some(after) = before.edited(edits).filter(|after| !after.is_worn()) {
+            return vec![after];
+        }
+        let members = before.members_after(edits);
+        let boxes: Vec<Aabb> = members.iter().map(|(_, bounds)| *bounds).collect();
+        let full = if self.treelets.len() == 1 { FEW } else { MOST + MOST / 4 };
+        let most = if members.len() <= full { full } else { MOST };
+        let options = PartOptions { most, quality: self.quality };
+        let watch = Watch::new(&());
+        let make = |tree| Treelet::new(&tree, |number| members[number as usize]);
+        build_parts(&boxes, options, Threads::Single, &watch, make).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// Enters the homes of what came and left.
+    fn rehome(&mut self, orders: &[(u32, BoxEdit)], edits: &[BoxEdit], threads: Threads) {
+        let mut homes: Vec<(u32, u32)> = orders
+            .iter()
+            .filter_map(|&(number, (place, bounds))| bounds.map(|_| (place, number + 1)))
+            .collect();
+        homes.sort_unstable();
+        let home = |place: u32| match homes.binary_search_by_key(&place, |home| home.0) {
+            Ok(at) => homes[at].1,
+            Err(_) => 0,
+        };
+        let other = |&place: &u32| self.homes[place as usize] != home(place);
+        let places: Vec<u32> = edits.iter().map(|edit| edit.0).filter(other).collect();
+        let before = self.home_count(&places);
+        threads.run(|parallel| self.homes.set_all(&places, parallel, |place| home(place as u32)));
+        self.count = self.count + self.home_count(&places) - before;
+    }
+
+    /// How many of these places have a box.
+    fn home_count(&self, places: &[u32]) -> usize {
+        places.iter().filter(|&&place| self.homes[place as usize] != 0).count()
+    }
+
+    /// Brings the upper treelet up to date, where there were so many treelets and these have other boxes.
+    fn settle(&mut self, before: usize, touched: &[(u32, Option<Aabb>)], threads: Threads) {
+        if let [only] = &self.treelets[..] {
+            self.bounds = only.bounds();
+            return;
+        }
+        let refitted = match self.treelets.len() == before {
+            true => self.upper.edited(touched).filter(|upper| !upper.is_worn()),
+            false => None,
+        };
+        self.upper = match refitted {
+            Some(refitted) => refitted,
+            None => upper(&self.treelets, self.quality, threads).unwrap_or_else(|error| panic!("{error}")),
+        };
+        self.bounds = self.upper.bounds();
+    }
+}

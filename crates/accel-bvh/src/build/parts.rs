@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Boxes that lie near each other, in parts of limited size, with a tree for each part: what a top tree is made of, so that an
+//! edit makes few of them anew. Source: original; parts come of the binned heuristic [Wald07] from the whole on downwards.
+//! Invariant: each box is in one part; threads do not matter. Proof: `boxes::build::tests`.
+
+use gnurt_accel_core::control::Watch;
+use gnurt_accel_core::{Aabb, BuildError, Quality, Threads};
+use gnurt_simd::Level;
+
+use super::binary::{Careful, Workspace};
+use super::collapse::collapse;
+use super::reference::{Part, Reference};
+use super::reinsert::{THOROUGH, reinsert};
+use super::task_pool::TaskPool;
+use super::{BY_NUMBER, BY_NUMBER_WHEN_DEEP, all_references};
+use crate::tree::Tree;
+
+/// More boxes than this are divided by several threads. Tests have small scenes.
+const PIECE: usize = if cfg!(test) { 1 << 9 } else { 1 << 12 };
+
+/// How boxes are parted.
+#[derive(Clone, Copy)]
+pub(crate) struct PartOptions {
+    /// Most boxes of a part.
+    pub(crate) most: usize,
+    pub(crate) quality: Quality,
+}
+
+/// The trees of all parts, made into something by `make`; empty boxes are in none. Numbers are places in `boxes`.
+///
+/// # Errors
+/// That `watch` stopped it.
+pub(crate) fn build_parts<T: Send>(
+    boxes: &[Aabb],
+    options: PartOptions,
+    threads: Threads,
+    watch: &Watch,
+    make: impl Fn(Tree) -> T + Sync,
+) -> Result<Vec<T>, BuildError> {
+    threads.run(|parallel| {
+        let bytes = size_of::<Reference>() * boxes.len();
+        watch.take(bytes);
+        watch.result()?;
+        let mut references = all_references(&boxes, parallel);
+        references.retain(|reference| !reference.bounds().is_empty());
+        watch.start(references.len());
+        let tasks = TaskPool { parallel, level: Level::best(), scale: 1.0, watch };
+        let root = tasks.around(&references);
+        let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
+        let tasks = TaskPool { scale: (1.0 / longest) as f32, ..tasks };
+        let parting = Parting {
+            careful: Careful::new(&boxes, tasks, &root, BY_NUMBER),
+            alone: Careful::new(&boxes, TaskPool { parallel: false, ..tasks }, &root, BY_NUMBER_WHEN_DEEP),
+            options,
+            make: &make,
+        };
+        let mut parts = Vec::new();
+        if !references.is_empty() {
+            parting.part(&mut references, root, 0, &mut Workspace::new(), &mut parts);
+        }
+        watch.give(bytes);
+        watch.result()?;
+        Ok(parts)
+    })
+}
+
+struct Parting<'a, M> {
+    careful: Careful<'a, &'a [Aabb]>,
+    alone: Careful<'a, &'a [Aabb]>,
+    options: PartOptions,
+    make: &'a M,
+}
+
+impl<T: Send, M: Fn(Tree) -> T + Sync> Parting<'_, M> {
+    /// Divides `references`, all of `part`, until parts are small enough.
+    fn part(
+        &self,
+        references: &mut [Reference],
+        part: Part,
+        depth: usize,
+        workspace: &mut Workspace,
+        parts: &mut Vec<T>,
+    ) {
+        let tasks = self.careful.tasks;
+        let count = part.count();
+        if count <= self.options.most {
+            parts.extend(self.tree(references, part).map(self.make));
+            tasks.watch.advance(count);
+            return;
+        }
+        let large = count > PIECE;
+        if large && !tasks.watch.go_on() {
+            return;
+        }
+        let [left, right] = self.careful.divide(references, &part, depth, workspace);
+        let (left_references, right_references) = references.split_at_mut(right.start);
+        let right = Part { start: 0, end: right.count(), ..right };
+        if tasks.parallel && large {
+            let mut apart = Vec::new();
+            tasks.both(
+                || self.part(left_references, left, depth + 1, workspace, parts),
+                || self.part(right_references, right, depth + 1, &mut Workspace::new(), &mut apart),
+            );
+            parts.append(&mut apart);
+        } else {
+            self.part(left_references, left, depth + 1, workspace, parts);
+            self.part(right_references, right, depth + 1, workspace, parts);
+        }
+    }
+
+    /// The tree of a part.
+    fn tree(&self, references: &mut [Reference], part: Part) -> Option<Tree> {
+        let mut nodes = self.alone.build(references, part);
+        if self.options.quality == Quality::High {
+            reinsert(&mut nodes, THOROUGH, self.alone.tasks);
+        }
+        collapse(&nodes, self.alone.tasks)
+    }
+}

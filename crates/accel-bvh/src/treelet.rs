@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A wide BVH over boxes in one piece of memory, which its copies share: the part of a top tree that an edit makes anew.
+//! Source: [WBB08] for the nodes, [WBS06] for the refit. Leaf blocks are eight boxes again, with the numbers of members as
+//! children, and lie behind the nodes; children come after their parents, so that one pass from the end refits.
+//! Space: that of the boxes. Invariant: a box of a node is the smallest around what is below it, or empty.
+//! Proof: `tests`, `boxes::update::tests`.
+
+use std::sync::Arc;
+
+use gnurt_accel_core::{Aabb, INVALID_ID};
+
+use crate::node::{Child, Node8, WIDTH};
+use crate::tree::Tree;
+
+/// Nodes, then blocks.
+#[derive(Clone, Debug)]
+pub(crate) struct Treelet {
+    nodes: Arc<[Node8]>,
+    first_block: usize,
+    /// Half the surfaces of all boxes of nodes together: what a ray is expected to visit, times half of the whole's surface.
+    areas: f64,
+    /// What a ray that meets the whole was expected to visit when this was built.
+    built_cost: f64,
+}
+
+impl Default for Treelet {
+    /// Without members.
+    fn default() -> Self {
+        Self { nodes: Arc::new([]), first_block: 0, areas: 0.0, built_cost: 0.0 }
+    }
+}
+
+/// Nodes lie less deep than this in a treelet that `build::parts` makes: it divides by number from half of it on.
+pub(crate) const DEEPEST_TREELET: usize = 32;
+
+/// A tree that costs this much more than when it was built is worth another one.
+const WORN: f64 = 1.3;
+
+impl Treelet {
+    /// Of a tree whose numbers stand for these members and their boxes.
+    pub(crate) fn new(tree: &Tree, member: impl Fn(u32) -> (u32, Aabb)) -> Self {
+        let first_block = tree.nodes.len();
+        let behind_nodes = |node: &Node8| {
+            let mut node = *node;
+            node.move_children(0, first_block);
+            node
+        };
+        let block = |numbers: &[u32; WIDTH]| {
+            let mut block = Node8::EMPTY;
+            for (lane, &number) in numbers.iter().enumerate().filter(|&(_, &number)| number != INVALID_ID) {
+                let (member, bounds) = member(number);
+                block.set(lane, &bounds, Child::node(member as usize));
+            }
+            block
+        };
+        let nodes = tree.nodes.iter().map(behind_nodes).chain(tree.blocks.iter().map(block)).collect();
+        let mut treelet = Self { nodes, first_block, areas: 0.0, built_cost: 0.0 };
+        treelet.areas = treelet.measure();
+        treelet.built_cost = treelet.cost();
+        treelet
+    }
+
+    /// All nodes and blocks; a child of a node is a place among them.
+    #[inline(always)]
+    pub(crate) fn nodes(&self) -> &[Node8] {
+        &self.nodes
+    }
+
+    /// How many of them are nodes.
+    pub(crate) fn node_count(&self) -> usize {
+        self.first_block
+    }
+
+    /// Box around all members.
+    pub(crate) fn bounds(&self) -> Aabb {
+        self.nodes.first().map_or(Aabb::EMPTY, Node8::whole)
+    }
+
+    /// As the field says.
+    pub(crate) fn areas(&self) -> f64 {
+        self.areas
+    }
+
+    /// What a ray that meets the whole is expected to visit.
+    fn cost(&self) -> f64 {
+        let whole = self.bounds().half_area();
+        if whole > 0.0 { self.areas / whole } else { 0.0 }
+    }
+
+    /// Whether edits have made it so much worse that it is worth building another one.
+    pub(crate) fn is_worn(&self) -> bool {
+        self.cost() > WORN * self.built_cost
+    }
+
+    fn measure(&self) -> f64 {
+        let boxes = self.nodes[..self.first_block].iter().flat_map(|node| (0..WIDTH).map(|i| node.bounds(i)));
+        boxes.map(|bounds| bounds.half_area()).sum()
+    }
+
+    /// All members and their boxes.
+    pub(crate) fn members(&self) -> impl Iterator<Item = (u32, Aabb)> {
+        let lanes =
+            self.nodes[self.first_block..].iter().flat_map(|block| (0..WIDTH).map(move |i| (block, i)));
+        let taken = lanes.filter(|(block, lane)| block.child(*lane) != Child::NONE);
+        taken.map(|(block, lane)| (block.child(lane).index() as u32, block.bounds(lane)))
+    }
+
+    /// Nodes on the longest way down.
+    pub(crate) fn depth(&self) -> u32 {
+        let mut depths = vec![1; self.nodes.len()];
+        for at in 0..self.first_block {
+            let depth = depths[at] + 1;
+            below(&self.nodes[at]).for_each(|(_, child)| depths[child] = depth);
+        }
+        depths.into_iter().max().unwrap_or(0)
+    }
+
+    /// The same with some members' boxes changed, taken out (`None`) or put in; `edits` ascend by member. `None` where there is
+    /// no room for those that come.
+    pub(crate) fn edited(&self, edits: &[(u32, Option<Aabb>)]) -> Option<Self> {
+        let mut all: Arc<[Node8]> = Arc::from(&*self.nodes);
+        let nodes = Arc::get_mut(&mut all)?;
+        let mut known = 0;
+        for block in &mut nodes[self.first_block..] {
+            for lane in 0..WIDTH {
+                let child = block.child(lane);
+                if child == Child::NONE {
+                    continue;
+                }
+                if let Ok(at) = edits.binary_search_by_key(&(child.index() as u32), |edit| edit.0) {
+                    known += 1;
+                    match edits[at].1 {
+                        Some(bounds) => block.set(lane, &bounds, child),
+                        None => block.set(lane, &Aabb::EMPTY, Child::NONE),
+                    }
+                }
+            }
+        }
+        if known < edits.len() {
+            for (member, bounds) in self.strangers(edits) {
+                let child = Child::node(member as usize);
+                let block = best_room(&mut nodes[self.first_block..], &bounds)?;
+                let free = (0..WIDTH).find(|&lane| block.child(lane) == Child::NONE)?;
+                block.set(free, &bounds, child);
+            }
+        }
+        refit(nodes, self.first_block);
+        let mut treelet = Self { nodes: all, ..*self };
+        treelet.areas = treelet.measure();
+        Some(treelet)
+    }
+
+    /// The members to be, with their boxes, where edits ascend by member.
+    pub(crate) fn members_after(&self, edits: &[(u32, Option<Aabb>)]) -> Vec<(u32, Aabb)> {
+        let edit = |member: u32| edits.binary_search_by_key(&member, |edit| edit.0).ok();
+        let stay = self.members().filter_map(|(member, bounds)| match edit(member) {
+            Some(at) => edits[at].1.map(|bounds| (member, bounds)),
+            None => Some((member, bounds)),
+        });
+        stay.chain(self.strangers(edits)).collect()
+    }
+
+    /// Those of `edits` that are no members yet and have a box.
+    fn strangers(&self, edits: &[(u32, Option<Aabb>)]) -> Vec<(u32, Aabb)> {
+        let mut known = vec![false; edits.len()];
+        for (member, _) in self.members() {
+            if let Ok(at) = edits.binary_search_by_key(&member, |edit| edit.0) {
+                known[at] = true;
+            }
+        }
+        let strange = edits.iter().zip(known).filter(|(_, known)| !known);
+        strange.filter_map(|(&(member, bounds), _)| Some((member, bounds?))).collect()
+    }
+
+    /// The member whose box grows least when it takes another one in: node by node the child that does. There are members.
+    pub(crate) fn best_member(&self, bounds: &Aabb) -> u32 {
+        let mut at = 0;
+        loop {
+            let node = &self.nodes[at];
+            let children = (0..WIDTH).filter(|&lane| node.child(lane) != Child::NONE);
+            let growth = |&lane: &usize| growth(&node.bounds(lane), bounds);
+            let best = children.min_by(|a, b| growth(a).total_cmp(&growth(b)));
+            let child = best.map_or(Child::NONE, |lane| node.child(lane));
+            if at >= self.first_block {
+                return child.0;
+            }
+            at = if child.is_leaf() { child.blocks().start } else { child.index() };
+        }
+    }
+}
+
+/// How much more surface one box has with another.
+pub(crate) fn growth(bounds: &Aabb, other: &Aabb) -> f64 {
+    bounds.union(other).half_area() - bounds.half_area()
+}
+
+/// The block with room whose box grows least.
+fn best_room<'a>(blocks: &'a mut [Node8], bounds: &Aabb) -> Option<&'a mut Node8> {
+    let has_room = |block: &&mut Node8| (0..WIDTH).any(|lane| block.child(lane) == Child::NONE);
+    let growth = |block: &Node8| growth(&block.whole(), bounds);
+    blocks.iter_mut().filter(has_room).min_by(|a, b| growth(a).total_cmp(&growth(b)))
+}
+
+/// Lanes of a node that have a child, and the place of that.
+fn below(node: &Node8) -> impl Iterator<Item = (usize, usize)> {
+    let taken = (0..WIDTH).map(|lane| (lane, node.child(lane))).filter(|(_, child)| *child != Child::NONE);
+    taken.map(|(lane, child)| (lane, if child.is_leaf() { child.blocks().start } else { child.index() }))
+}
+
+/// Makes the boxes of nodes the smallest again.
+fn refit(nodes: &mut [Node8], first_block: usize) {
+    for at in (0..first_block).rev() {
+        let mut node = nodes[at];
+        for (lane, child) in below(&nodes[at]) {
+            node.set(lane, &nodes[child].whole(), node.child(lane));
+        }
+        nodes[at] = node;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build::build;
+    use gnurt_accel_core::{Quality, Threads};
+
+    fn boxes(count: usize, seed: u64) -> Vec<Aabb> {
+        let mut random = gnurt_testkit::Random::new(seed);
+        (0..count).map(|_| Aabb::around(&[random.point(), random.point()])).collect()
+    }
+
+    fn treelet(boxes: &[Aabb]) -> Treelet {
+        let tree = build(&boxes, Quality::Medium, Threads::Single).expect("a few boxes");
+        Treelet::new(&tree, |number| (10 * number, boxes[number as usize]))
+    }
+
+    fn sorted(members: impl Iterator<Item = (u32, Aabb)>) -> Vec<(u32, Aabb)> {
+        let mut members: Vec<(u32, Aabb)> = members.collect();
+        members.sort_by_key(|(member, _)| *member);
+        members
+    }
+
+    /// Every box of a node is the smallest around what is below.
+    fn assert_fits(treelet: &Treelet) {
+        for (at, node) in treelet.nodes[..treelet.first_block].iter().enumerate() {
+            for (lane, child) in below(node) {
+                assert!(child > at, "children come after their parents");
+                assert_eq!(node.bounds(lane), treelet.nodes[child].whole(), "node {at}, lane {lane}");
+            }
+        }
+    }
+
+    #[test]
+    fn edits_leave_what_they_say() {
+        for count in [1, 7, 8, 9, 100] {
+            let boxes = boxes(count, count as u64);
+            let before = treelet(&boxes);
+            assert_fits(&before);
+            let other = Aabb { min: [5.0; 3], max: [6.0; 3] };
+            let edits = [(0, Some(other)), (10, None), (11, None), (15, Some(boxes[0]))];
+            let Some(after) = before.edited(&edits) else {
+                assert!(count % WIDTH == 0, "there is room among {count}");
+                continue;
+            };
+            assert_fits(&after);
+            let all = boxes.iter().enumerate().map(|(i, bounds)| (10 * i as u32, *bounds));
+            let mut wanted: Vec<(u32, Aabb)> = all.filter(|(member, _)| *member != 10).collect();
+            wanted[0].1 = other;
+            wanted.push((15, boxes[0]));
+            let wanted = sorted(wanted.into_iter());
+            assert_eq!(sorted(after.members()), wanted, "of {count}");
+            assert_eq!(sorted(before.members_after(&edits).into_iter()), wanted, "the same as a list");
+            assert_eq!(before.members().count(), count, "the one before stays");
+            let whole = wanted.iter().fold(Aabb::EMPTY, |all, (_, bounds)| all.union(bounds));
+            assert_eq!(after.bounds(), whole, "around all");
+        }
+    }
+
+    #[test]
+    fn full_and_empty_ones() {
+        let full = treelet(&boxes(8, 1));
+        let one_more = [(3, Some(Aabb { min: [0.0; 3], max: [1.0; 3] }))];
+        assert!(full.edited(&one_more).is_none(), "no room");
+        assert_eq!(full.members_after(&one_more).len(), 9, "but nine members");
+        let all: Vec<(u32, Option<Aabb>)> = full.members().map(|(member, _)| (member, None)).collect();
+        let mut all = all;
+        all.sort_by_key(|(member, _)| *member);
+        let empty = full.edited(&all).expect("nothing comes");
+        assert!(empty.bounds().is_empty() && empty.members().count() == 0, "nothing is left");
+        let again = empty.edited(&one_more).expect("much room");
+        assert_eq!(again.members().count(), 1, "it can be filled again");
+        assert_fits(&again);
+    }
+
+    #[test]
+    fn wears_out() {
+        let boxes = boxes(100, 3);
+        let small: Vec<Aabb> =
+            boxes.iter().map(|b| Aabb { min: b.min, max: b.min.map(|x| x + 0.01) }).collect();
+        let fresh = treelet(&small);
+        assert!(!fresh.is_worn(), "as it was built");
+        let moved: Vec<(u32, Option<Aabb>)> =
+            (0..100).map(|i| (10 * i as u32, Some(small[(i * 37 + 11) % 100]))).collect();
+        let worn = fresh.edited(&moved).expect("nobody comes");
+        assert!(worn.is_worn(), "{} after {}", worn.cost(), fresh.cost());
+    }
+
+    #[test]
+    fn finds_where_to_grow() {
+        let boxes = boxes(300, 4);
+        let small: Vec<Aabb> =
+            boxes.iter().map(|b| Aabb { min: b.min, max: b.min.map(|x| x + 0.01) }).collect();
+        let treelet = treelet(&small);
+        let found = (0..300).filter(|&i| treelet.best_member(&small[i]) == 10 * i as u32).count();
+        assert!(found > 200, "most boxes find themselves, {found} of 300");
+    }
+}

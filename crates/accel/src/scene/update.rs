@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A scene after some of its instances moved, came or went. Source: [WBS06] for refits, [WBS03a] for the two levels.
+//! Space: world. Invariant: rays hit what they would in a scene built from the list as it is now.
+//! Proof: `tests/moving_instances.rs`.
+
+use gnurt_accel_bvh::{BoxEdit, BoxIndex};
+use gnurt_accel_core::control::Watch;
+use gnurt_accel_core::threads::extend;
+
+use super::build::{Facts, is_near, origin_for, place};
+use super::types::{Instance, SceneTree, Slot};
+use crate::{INVALID_ID, SceneError, Threads};
+
+/// What becomes of a place: what is there afterwards, and what there is to know of it.
+type Change = (u32, Slot, Facts);
+
+impl SceneTree {
+    /// The scene of `len` instances that differs from this one in those that are `changed`: places, and what is there now;
+    /// `None`: nothing. Of several changes of one place the last one counts. Places that are new and not among them show
+    /// nothing; places from `len` on are gone. Instances that cannot be placed are left out and counted, as by
+    /// [`build`](Self::build).
+    ///
+    /// It shares with this one what did not change, so it costs about the number of changes, and this one stays as it is for
+    /// frames that are under way. Boxes of the top tree are refitted; parts of it, or all, are built again where by the
+    /// surface area heuristic it costs much more than when it was built. Hits are those of a scene that was built from the
+    /// list, but for one thing: instances that were left out because there were too many objects
+    /// ([`SceneError::TooManyObjects`]) stay out until they are changed.
+    ///
+    /// # Panics
+    /// If a place is not below `len`.
+    #[must_use]
+    pub fn updated(&self, len: usize, changed: &[(u32, Option<Instance>)], threads: Threads) -> Self {
+        let mut last: Vec<usize> = (0..changed.len()).collect();
+        last.sort_by_key(|&i| changed[i].0);
+        // Stable: of equal places the last one is the last.
+        let last: Vec<usize> =
+            last.chunk_by(|&a, &b| changed[a].0 == changed[b].0).map(|same| same[same.len() - 1]).collect();
+        if let Some(&i) = last.last() {
+            assert!((changed[i].0 as usize) < len, "instance {} of {len}", changed[i].0);
+        }
+        let origin = self.top.origin();
+        let mut changes: Vec<Change> = Vec::new();
+        threads.run(|parallel| {
+            let parallel = parallel && last.len() > FEW;
+            extend(parallel, &mut changes, last.len(), |i| {
+                let (inst_id, instance) = &changed[last[i]];
+                let (slot, facts) = match instance {
+                    Some(instance) => place(instance, *inst_id, origin),
+                    None => (Slot::Absent, Facts::ABSENT),
+                };
+                (*inst_id, slot, facts)
+            });
+        });
+        self.after(len, changes, threads)
+    }
+
+    fn after(&self, len: usize, mut changes: Vec<Change>, threads: Threads) -> Self {
+        let before = self.slots.len();
+        let mut scene = self.clone();
+        for place in len..before {
+            scene.forget(&self.slots[place]);
+        }
+        scene.slots.truncate(len);
+        scene.slots.grow(len);
+        scene.depths[0] += len.saturating_sub(before) as u32;
+        for (place, ..) in &changes {
+            // Places that are new are absent, and so known as one object's.
+            scene.forget(self.slots.get(*place as usize).unwrap_or(&Slot::Absent));
+        }
+        scene.number(before, len, &mut changes);
+        for (_, _, facts) in &changes {
+            scene.depths[facts.depth as usize] += 1;
+            scene.dropped += u64::from(facts.error.is_some());
+        }
+        let gone = (len..before).map(|place| (place as u32, None));
+        let edit = |(place, _, facts): &Change| (*place, Some(facts.bounds));
+        let edits: Vec<BoxEdit> = changes.iter().map(edit).chain(gone).collect();
+        let places: Vec<u32> = changes.iter().map(|change| change.0).collect();
+        threads.run(|parallel| {
+            scene.slots.set_all(&places, parallel, |place| {
+                let at = places.partition_point(|&other| (other as usize) < place);
+                changes[at].1.clone()
+            });
+        });
+        scene.top = self.top.updated(&edits, threads);
+        let bounds = scene.bounds64();
+        if !is_near(&bounds, scene.top.origin()) {
+            scene.move_origin(origin_for(&bounds), threads);
+        }
+        scene.only = scene.top.only();
+        scene
+    }
+
+    /// An instance is no longer counted.
+    fn forget(&mut self, slot: &Slot) {
+        let depth = match slot {
+            Slot::Placed(placed) => placed.shape.depth(),
+            Slot::Absent | Slot::Refused => 0,
+        };
+        self.depths[depth as usize] -= 1;
+        self.dropped -= u64::from(matches!(slot, Slot::Refused));
+    }
+
+    /// Numbers objects anew; what makes them too many is refused.
+    fn number(&mut self, before: usize, len: usize, changes: &mut [Change]) {
+        let counts = |changes: &[Change]| -> Vec<(u32, u32)> {
+            changes.iter().map(|(place, _, facts)| (*place, facts.leaves)).collect()
+        };
+        let none: Vec<(u32, u32)> = changes.iter().map(|change| (change.0, 0)).collect();
+        let wanted: u64 = changes.iter().map(|(_, _, facts)| u64::from(facts.leaves)).sum();
+        let most = u64::from(INVALID_ID);
+        // As most, those there were, and one for each that is new.
+        if u64::from(self.leaves.count()) + wanted + len.saturating_sub(before) as u64 >= most {
+            let mut leaves = u64::from(self.leaves.updated(before, len, &none).count());
+            for (inst_id, slot, facts) in changes.iter_mut() {
+                if leaves + u64::from(facts.leaves) >= most {
+                    *slot = Slot::Refused;
+                    let error = SceneError::TooManyObjects { inst_id: *inst_id };
+                    *facts = Facts { error: facts.error.or(Some(error)), leaves: 0, ..Facts::ABSENT };
+                }
+                leaves += u64::from(facts.leaves);
+            }
+        }
+        self.leaves = self.leaves.updated(before, len, &counts(changes));
+    }
+
+    /// Builds the top tree relative to another point.
+    fn move_origin(&mut self, origin: [f32; 3], threads: Threads) {
+        let mut boxes = Vec::new();
+        let slots = &self.slots;
+        threads.run(|parallel| extend(parallel, &mut boxes, slots.len(), |i| slots[i].bounds_from(origin)));
+        // A billion boxes take a hundred times the memory of their tree before.
+        self.top = BoxIndex::build(&boxes, origin, self.top.quality(), threads, &Watch::new(&()))
+            .unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+/// Changes that are not worth a thread.
+const FEW: usize = 64;

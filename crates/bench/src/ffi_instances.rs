@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Embree's scenes of instances, behind safe functions. Source: the public headers of Embree 4.4 (rtcore_geometry.h,
+//! rtcore_common.h), from which names and numbers are restated; the other declarations are in `ffi_embree.rs`.
+//! Invariant: an instance holds the scene that it shows, so that may be dropped before. Proof: `top::tests`.
+
+use std::ffi::{c_int, c_uint};
+use std::marker::PhantomData;
+
+use crate::ffi_embree::{Device, Handle, Scene};
+
+const GEOMETRY_INSTANCE: c_int = 121;
+const FORMAT_FLOAT3X4_COLUMNS: c_int = 0x9234;
+
+/// A scene of instances, and what is to be told where they are.
+pub(crate) struct Instances<'a> {
+    pub(crate) scene: Scene<'a>,
+    geometries: Vec<Handle>,
+}
+
+impl<'a> Instances<'a> {
+    /// `count` instances of a scene, not yet placed nor committed.
+    pub(crate) fn new(
+        device: &'a Device<'a>,
+        shown: &Scene<'a>,
+        count: usize,
+        quality: i32,
+        flags: i32,
+    ) -> Self {
+        let library = device.library;
+        // SAFETY: handles are used as Embree's manual shows; the scene holds its geometries, which hold what they show.
+        unsafe {
+            let raw = (library.new_scene)(device.raw);
+            (library.set_quality)(raw, quality);
+            (library.set_flags)(raw, flags);
+            let geometries = (0..count)
+                .map(|_| {
+                    let geometry = (library.new_geometry)(device.raw, GEOMETRY_INSTANCE);
+                    (library.set_instanced)(geometry, shown.raw);
+                    (library.attach)(raw, geometry);
+                    (library.release_geometry)(geometry);
+                    geometry
+                })
+                .collect();
+            Self { scene: Scene { library, raw, arrays: PhantomData }, geometries }
+        }
+    }
+
+    /// Puts the instances at these places: columns of affine maps, one for each instance.
+    pub(crate) fn place(&self, columns: &[[[f32; 3]; 4]]) {
+        assert_eq!(columns.len(), self.geometries.len(), "a place for each instance");
+        let first: c_uint = 0;
+        for (geometry, columns) in self.geometries.iter().zip(columns) {
+            // SAFETY: the scene holds the geometry; twelve floats are read, and copied.
+            unsafe {
+                (self.scene.library.set_transform)(
+                    *geometry,
+                    first,
+                    FORMAT_FLOAT3X4_COLUMNS,
+                    columns.as_ptr().cast(),
+                );
+                (self.scene.library.commit_geometry)(*geometry);
+            }
+        }
+    }
+
+    /// Builds the tree over them.
+    pub(crate) fn commit(&mut self) {
+        // SAFETY: nobody asks the scene meanwhile.
+        unsafe { (self.scene.library.commit_scene)(self.scene.raw) };
+    }
+}

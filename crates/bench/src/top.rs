@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the tree over the instances of a scene costs to build and to update, and how fast rays are through it, beside
+//! Embree's. Source: original; two levels after [WBS03a].
+//! Times are processor seconds of the whole program. Ours holds all that is done for a list of instances: inverses, boxes, the
+//! tree. Embree's is told apart: `place` is what the program calls for each instance, `build` the commit of the scene.
+//! Both are asked for the same rays, and must hit the same instances at the same distances, but for ties.
+//! Proof: `tests::both_hit_the_same`.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use gnurt::ThreadPool;
+use gnurt::accel::{
+    BuildOptions, Coherence, HitBatch, INVALID_ID, Instance, ObjectTree, Query, Ray, RayBatch, Record,
+    SceneTree, Threads, Triangles,
+};
+use gnurt::simd::Level;
+
+use crate::clock::process_seconds;
+use crate::embree::EmbreeLibrary;
+use crate::error::Error;
+use crate::ffi_embree::{Active, Arguments, Packet, Scene};
+use crate::ffi_instances::Instances;
+use crate::random::Random;
+use crate::row::median;
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TopRow {
+    /// What was done: `build`, `place`, `all move`, `one moves`, `1000 move`, or `rays`.
+    pub what: &'static str,
+    /// `gnurt` or `embree4`.
+    pub engine: &'static str,
+    /// Threads of the pool; 1: the calling thread alone.
+    pub threads: usize,
+    /// Median of the processor time of all threads, in milliseconds; of rays: for a million.
+    pub cpu_ms: f64,
+    /// Median of the time on the wall, in milliseconds; of rays: for a million.
+    pub wall_ms: f64,
+}
+
+/// Columns of a map: turned about, between half and one and a half times as large.
+fn somewhere(random: &mut Random, spread: f32) -> [[f32; 3]; 4] {
+    let mut next = || random.unit();
+    let (turn, size) = (std::f32::consts::TAU * next(), 0.5 + next());
+    let (s, c) = turn.sin_cos();
+    let place = [spread * next(), spread * next(), spread * next()];
+    [[size * c, 0.0, -size * s], [0.0, size, 0.0], [size * s, 0.0, size * c], place]
+}
+
+/// A ball of 8 x 8 quadrangles.
+fn ball() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+    let side = 8;
+    let corner = |i: u32| {
+        let (u, v) = ((i % (side + 1)) as f32 / side as f32, (i / (side + 1)) as f32 / side as f32);
+        let (azimuth, polar) = (std::f32::consts::TAU * u, std::f32::consts::PI * v);
+        [0.5 * polar.sin() * azimuth.cos(), 0.5 * polar.cos(), 0.5 * polar.sin() * azimuth.sin()]
+    };
+    let positions = (0..(side + 1) * (side + 1)).map(corner).collect();
+    let quad = |i: u32| {
+        let a = i / side * (side + 1) + i % side;
+        [[a, a + 1, a + side + 1], [a + side + 1, a + 1, a + side + 2]]
+    };
+    (positions, (0..side * side).flat_map(quad).collect())
+}
+
+/// Measures `count` instances of a ball, each thing `rounds` times, engines in turns.
+///
+/// # Errors
+/// [`Error::Embree`] if Embree fails, or if its answers are others than ours.
+pub fn run(
+    count: usize,
+    rounds: usize,
+    embree: Option<&EmbreeLibrary>,
+    pool: &ThreadPool,
+) -> Result<Vec<TopRow>, Error> {
+    let (positions, indices) = ball();
+    let spread = 2.0 * (count as f32).cbrt();
+    let mut random = Random::new(1);
+    let places: Vec<[[f32; 3]; 4]> = (0..count).map(|_| somewhere(&mut random, spread)).collect();
+    let rays = rays(&mut random, spread);
+    let mesh = Triangles { positions: &positions, indices: &indices };
+    let options = BuildOptions::default();
+    let object = Arc::new(ObjectTree::build(&[mesh], &options, Threads::Single));
+    let instance = |place: &[[f32; 3]; 4]| Instance::new(object.clone(), place.map(|c| c.map(f64::from)));
+    let list: Vec<Instance> = places.iter().map(instance).collect();
+    let mut padded = positions.clone();
+    padded.push([0.0; 3]);
+
+    let all_threads = pool.current_num_threads();
+    let mut table = Table::default();
+    for threads in if all_threads == 1 { vec![1] } else { vec![1, all_threads] } {
+        let ours = if threads == 1 { Threads::Single } else { Threads::Pool(pool) };
+        let device = embree.map(|library| library.device(Level::best(), threads)).transpose()?;
+        let theirs = match (&device, embree) {
+            (Some(device), Some(library)) => {
+                let shown = Scene::build(device, &padded, &indices, 1, 0).map_err(|e| library.failed(e))?;
+                Some(Instances::new(device, &shown, count, 1, 0))
+            }
+            _ => None,
+        };
+        let mut theirs = theirs;
+        let mut scene = SceneTree::default();
+        for round in 0..rounds {
+            scene = table.time("build", "gnurt", threads, || SceneTree::build(&list, &options, ours));
+            if let Some(theirs) = &mut theirs {
+                table.time("place", "embree4", threads, || theirs.place(&places));
+                table.time("build", "embree4", threads, || theirs.commit());
+            }
+            for (what, step) in [("all move", 1), ("1000 move", count.div_ceil(1000)), ("one moves", count)] {
+                let moved = |place: usize| {
+                    let mut instance = list[place].clone();
+                    instance.world_from_object[3][1] += 0.1 * (round + 1) as f64;
+                    (place as u32, Some(instance))
+                };
+                let changed: Vec<_> = (0..count).step_by(step).map(moved).collect();
+                drop(table.time(what, "gnurt", threads, || scene.updated(count, &changed, ours)));
+            }
+        }
+        if threads == 1 {
+            let mut hits = HitBatch::default();
+            for _ in 0..rounds {
+                let per_million = rays.len() as f64 / 1e6;
+                let query = Query { coherence: Coherence::Incoherent, ..Query::default() };
+                let ask = || scene.intersect_batch(&query, &rays, &mut hits, &mut Record::default());
+                table.time_of("rays", "gnurt", threads, per_million, ask);
+                if let (Some(theirs), Some(library)) = (&theirs, embree) {
+                    let found = table
+                        .time_of("rays", "embree4", threads, per_million, || closest(&theirs.scene, &rays));
+                    compare(&hits, &found).map_err(|e| library.failed(e))?;
+                }
+            }
+        }
+        if let (Some(device), Some(library)) = (&device, embree) {
+            device.check().map_err(|e| library.failed(e))?;
+        }
+    }
+    Ok(table.rows())
+}
+
+/// Rays from one side of the cube to the other.
+fn rays(random: &mut Random, spread: f32) -> RayBatch {
+    (0..50_000)
+        .map(|_| {
+            let mut next = || spread * random.unit();
+            let (from, to) = ([next(), next(), -1.0], [next(), next(), spread + 1.0]);
+            Ray::new(from, [0, 1, 2].map(|k: usize| to[k] - from[k]))
+        })
+        .collect()
+}
+
+/// Instances and distances of the closest hits.
+fn closest(scene: &Scene, rays: &RayBatch) -> Vec<(u32, f32)> {
+    let (arguments, active) = (Arguments::new(false), Active([-1; 1]));
+    let mut packet = Packet::<1>::new();
+    let ask = |i: usize| {
+        let ray = rays.get(i);
+        for k in 0..3 {
+            (packet.org[k], packet.dir[k]) = ([ray.org[k]], [ray.dir[k]]);
+        }
+        (packet.t_near, packet.t_far) = ([ray.t_near], [ray.t_far]);
+        (packet.geom_id, packet.inst_id) = ([INVALID_ID], [INVALID_ID]);
+        scene.intersect(&active, &mut packet, &arguments);
+        match packet.geom_id[0] {
+            INVALID_ID => (INVALID_ID, f32::INFINITY),
+            _ => (packet.inst_id[0], packet.t_far[0]),
+        }
+    };
+    (0..rays.len()).map(ask).collect()
+}
+
+/// Whether both found the same, but for one ray in a thousand: Embree's default test is not watertight, and its arithmetic
+/// another one.
+fn compare(ours: &HitBatch, theirs: &[(u32, f32)]) -> Result<(), String> {
+    let differs = |(i, &(inst_id, t)): (usize, &(u32, f32))| {
+        let near = ours.t[i] == t || (ours.t[i] - t).abs() < 1e-4;
+        !near || ours.inst_id[i] != inst_id
+    };
+    let wrong = theirs.iter().enumerate().filter(|&pair| differs(pair)).count();
+    match wrong * 1000 > theirs.len() {
+        true => Err(format!("{wrong} of {} rays hit other instances than ours", theirs.len())),
+        false => Ok(()),
+    }
+}
+
+/// What is measured: processor and wall milliseconds of all runs.
+#[derive(Default)]
+struct Table(Vec<(TopRow, Vec<[f64; 2]>)>);
+
+impl Table {
+    fn time<T>(
+        &mut self,
+        what: &'static str,
+        engine: &'static str,
+        threads: usize,
+        job: impl FnOnce() -> T,
+    ) -> T {
+        self.time_of(what, engine, threads, 1.0, job)
+    }
+
+    /// A job of so many units.
+    fn time_of<T>(
+        &mut self,
+        what: &'static str,
+        engine: &'static str,
+        threads: usize,
+        units: f64,
+        job: impl FnOnce() -> T,
+    ) -> T {
+        let (start, before) = (Instant::now(), process_seconds());
+        let result = job();
+        let times = [process_seconds() - before, start.elapsed().as_secs_f64()].map(|s| 1e3 * s / units);
+        let same =
+            |(row, _): &&mut (TopRow, _)| (row.what, row.engine, row.threads) == (what, engine, threads);
+        match self.0.iter_mut().find(same) {
+            Some((_, all)) => all.push(times),
+            None => {
+                let row = TopRow { what, engine, threads, cpu_ms: 0.0, wall_ms: 0.0 };
+                self.0.push((row, vec![times]));
+            }
+        }
+        result
+    }
+
+    fn rows(self) -> Vec<TopRow> {
+        let middle = |(row, times): (TopRow, Vec<[f64; 2]>)| {
+            let of = |which: usize| median(&times.iter().map(|times| times[which]).collect::<Vec<f64>>());
+            TopRow { cpu_ms: of(0), wall_ms: of(1), ..row }
+        };
+        self.0.into_iter().map(middle).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn both_hit_the_same() {
+        let file = std::env::var_os("EMBREE4_LIB");
+        let library = file.map(|file| EmbreeLibrary::open(Path::new(&file)).expect("Embree 4"));
+        let pool = gnurt::thread_pool(2).expect("threads start");
+        let rows = run(3000, 1, library.as_ref(), &pool).expect("they agree");
+        let engines = if library.is_some() { 2 } else { 1 };
+        let builds = rows.iter().filter(|row| row.what == "build").count();
+        assert_eq!(builds, 2 * engines, "{rows:?}");
+        assert!(rows.iter().all(|row| row.cpu_ms >= 0.0), "{rows:?}");
+    }
+}
