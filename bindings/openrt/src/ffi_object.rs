@@ -17,6 +17,7 @@ procedures! {
     rtEndObject() => |context| context.end_object();
     rtRemoveObject(id: u32) => |context| context.remove_object(id);
     rtUpdateInstance(instance: u32) => |context| context.update_instance(instance);
+    rtInstanceMask(instance: u32, mask: u32) => |context| context.instance_mask(instance, mask);
     rtDeleteInstance(instance: u32) => |context| context.delete_instance(instance);
     rtClearInstances() => |context| context.clear_instances();
     rtBegin(mode: u32) => |context| context.begin(mode);

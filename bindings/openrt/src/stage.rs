@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use gnurt::render::{Accumulation, CommitReport, ShaderTable, World};
 use gnurt::scene::{
-    Affine, Attribute, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, Scene,
-    Surface, TEXCOORD_RQ,
+    Affine, Attribute, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, RayMask,
+    Scene, Surface, TEXCOORD_RQ,
 };
 use gnurt::shading::SurfaceShader;
 use gnurt::shading::classes::{Shader as RenderShader, Value, Values};
@@ -57,6 +57,15 @@ pub(crate) struct Stage {
     no_shader: Option<Arc<dyn SurfaceShader>>,
 }
 
+/// An instance as the program has it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shown {
+    /// The object's id.
+    pub(crate) object: u32,
+    pub(crate) world_from_object: Affine,
+    pub(crate) mask: RayMask,
+}
+
 impl Stage {
     /// Gives an object new meshes.
     pub(crate) fn define(&mut self, id: u32, meshes: Vec<ShaderMesh>) {
@@ -82,13 +91,13 @@ impl Stage {
         }
     }
 
-    /// Brings the instances of `changed` up to date: an object's id and where it is, `None` for one that is gone. Those of
+    /// Brings the instances of `changed` up to date: what they show, `None` for one that is gone. Those of
     /// objects without a definition show nothing. `all` are looked at if this stage has not seen them yet, or if others than
     /// before have a definition.
     pub(crate) fn show(
         &mut self,
-        changed: impl Iterator<Item = (u32, Option<(u32, Affine)>)>,
-        all: impl Iterator<Item = (u32, (u32, Affine))>,
+        changed: impl Iterator<Item = (u32, Option<Shown>)>,
+        all: impl Iterator<Item = (u32, Shown)>,
     ) {
         if !self.knows_instances || self.renewed {
             return self.show_all(all);
@@ -96,22 +105,22 @@ impl Stage {
         let changed: Vec<_> = changed.collect();
         // Places of those that are gone are there for those that come.
         for (id, wanted) in &changed {
-            let is_shown = wanted.is_some_and(|(object, _)| self.objects.contains_key(&object));
+            let is_shown = wanted.is_some_and(|shown| self.objects.contains_key(&shown.object));
             if !is_shown {
                 self.hide(*id);
             }
         }
         for (id, wanted) in changed {
-            if let Some((object, world_from_object)) = wanted {
-                self.show_one(id, object, world_from_object);
+            if let Some(shown) = wanted {
+                self.show_one(id, shown);
             }
         }
     }
 
     /// Makes exactly these instances visible.
-    pub(crate) fn show_all(&mut self, all: impl Iterator<Item = (u32, (u32, Affine))>) {
+    pub(crate) fn show_all(&mut self, all: impl Iterator<Item = (u32, Shown)>) {
         (self.knows_instances, self.renewed) = (true, false);
-        let all: Vec<_> = all.filter(|(_, (object, _))| self.objects.contains_key(object)).collect();
+        let all: Vec<_> = all.filter(|(_, shown)| self.objects.contains_key(&shown.object)).collect();
         let stay: BTreeSet<u32> = all.iter().map(|&(id, _)| id).collect();
         let mut gone = Vec::new();
         self.instances.retain(|&id, slot| {
@@ -122,8 +131,8 @@ impl Stage {
             stays
         });
         self.free_instances.extend(gone.iter().copied());
-        for (id, (object, world_from_object)) in all {
-            self.show_one(id, object, world_from_object);
+        for (id, shown) in all {
+            self.show_one(id, shown);
         }
         for slot in gone {
             self.hide_if_free(slot);
@@ -133,15 +142,16 @@ impl Stage {
     /// Shows geometry outside of objects, or hides it.
     pub(crate) fn show_unnamed(&mut self, is_there: bool) {
         if is_there {
-            self.show_one(RT_INVALID, UNNAMED, Affine::IDENTITY);
+            let (object, world_from_object) = (UNNAMED, Affine::IDENTITY);
+            self.show_one(RT_INVALID, Shown { object, world_from_object, mask: RayMask::ALL });
         } else {
             self.hide(RT_INVALID);
         }
     }
 
-    fn show_one(&mut self, id: u32, object: u32, world_from_object: Affine) {
+    fn show_one(&mut self, id: u32, Shown { object, world_from_object, mask }: Shown) {
         let Some(&object) = self.objects.get(&object) else { return };
-        let wanted = Instance { name: String::new(), object, world_from_object, visible: true };
+        let wanted = Instance { name: String::new(), object, world_from_object, visible: true, mask };
         let slot = self.instances.get(&id).copied().or_else(|| self.free_instances.pop_first());
         let slot = match slot {
             Some(slot) => {
@@ -273,7 +283,9 @@ mod tests {
         for round in 0..10 {
             stage.define(1, meshes(1 + round % 3));
             stage.define(2 + round, meshes(2));
-            stage.show_all([1, 2 + round, 99].into_iter().map(|object| (object, (object, Affine::IDENTITY))));
+            let shown =
+                |object| (object, Shown { object, world_from_object: Affine::IDENTITY, mask: RayMask::ALL });
+            stage.show_all([1, 2 + round, 99].into_iter().map(shown));
             stage.keep_objects(|id| id == 1);
         }
         let sizes = [stage.scene.meshes().len(), stage.scene.objects().len(), stage.scene.instances().len()];

@@ -5,6 +5,7 @@
 use std::fmt;
 
 use gnurt_accel::Coherence;
+use gnurt_scene::RayMask;
 use gnurt_shading::{CameraShader, Vec3s};
 
 use crate::camera_batch::CameraBatch;
@@ -63,7 +64,7 @@ pub fn trace_pixel(
     let mut batch = CameraBatch::default();
     job.camera_rays(std::iter::once([x, y]), 0..1, &mut batch);
     let CameraBatch { rays, keys, .. } = batch;
-    let hits = tracer.intersect(&rays, &keys, Coherence::Coherent);
+    let hits = tracer.intersect(RayMask::CAMERA, &rays, &keys, Coherence::Coherent);
     if let Some(log) = &mut tracer.log {
         log.rays(0, &rays, &hits);
     }

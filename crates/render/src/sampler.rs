@@ -7,6 +7,7 @@
 use std::sync::atomic::Ordering;
 
 use gnurt_accel::Coherence;
+use gnurt_scene::RayMask;
 use gnurt_shading::Vec3s;
 
 use crate::camera_batch::CameraBatch;
@@ -61,7 +62,7 @@ impl<'a> Sampler<'a> {
         let samples = tile.samples..last.min(tile.samples.saturating_add(at_once));
         self.job.camera_rays(tile.pixels(), samples.clone(), &mut batch);
         let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
-        tracer.intersect_into(rays, keys, Coherence::Coherent, hits);
+        tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
         let epsilon = self.job.options.ray_epsilon;
         let camera = HitLanes { rays, keys, hits, depth: 0, epsilon };
         integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, radiance);
@@ -83,7 +84,7 @@ impl<'a> Sampler<'a> {
         self.job.camera_rays(tile.pixels(), sample..sample + 1, &mut batch);
         tracer.costs = self.job.options.heatmap.then(|| TileCosts::new(tile.rect, self.job.options.width));
         let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
-        tracer.intersect_into(rays, keys, Coherence::Coherent, hits);
+        tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
         let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.job.options.ray_epsilon };
         let mut lanes = vec![Texel::default(); keys.len()];
         if let Some(pass) = self.pass {

@@ -9,6 +9,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Pencil, Query, RayBatch, Record};
+use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::Scattering;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{Detail, LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
@@ -138,27 +139,29 @@ impl<'w> BatchTracer<'w> {
         std::mem::take(&mut self.stats)
     }
 
-    /// Closest hits of rays with these keys.
+    /// Closest hits of rays of a kind with these keys.
     pub(crate) fn intersect(
         &mut self,
+        kind: RayMask,
         rays: &RayBatch,
         keys: &[SampleKey],
         coherence: Coherence,
     ) -> HitBatch {
         let mut hits = HitBatch::default();
-        self.intersect_into(rays, keys, coherence, &mut hits);
+        self.intersect_into(kind, rays, keys, coherence, &mut hits);
         hits
     }
 
     /// As [`intersect`](Self::intersect), into memory that is there.
     pub(crate) fn intersect_into(
         &mut self,
+        kind: RayMask,
         rays: &RayBatch,
         keys: &[SampleKey],
         coherence: Coherence,
         hits: &mut HitBatch,
     ) {
-        let query = Query { level: self.options.level, coherence, ..Query::default() };
+        let query = Query { level: self.options.level, coherence, mask: kind.0 };
         self.world.tree().intersect_batch(&query, rays, hits, &mut self.record);
         self.note_costs(keys);
     }
@@ -257,14 +260,14 @@ impl<'w> BatchTracer<'w> {
 
     /// Whether rays with these keys, neighbours of each other, hit anything.
     pub(crate) fn occluded_batch(&mut self, rays: &RayBatch, keys: &[SampleKey], blocked: &mut Vec<bool>) {
-        let query = Query { level: self.options.level, coherence: self.shadows, ..Query::default() };
+        let query = Query { level: self.options.level, coherence: self.shadows, mask: RayMask::SHADOW.0 };
         self.world.tree().occluded_batch(&query, rays, blocked, &mut self.record);
         self.note_costs(keys);
     }
 
     /// Which of a virtual light's rays hit anything, as bits.
     pub(crate) fn occluded_pencil(&mut self, rays: &mut Pencil) -> u64 {
-        let query = Query { level: self.options.level, ..Query::default() };
+        let query = Query { level: self.options.level, mask: RayMask::SHADOW.0, ..Query::default() };
         self.world.tree().occluded_pencil(&query, rays, &mut self.record)
     }
 
@@ -284,7 +287,7 @@ impl<'w> BatchTracer<'w> {
         // Which ray of the request each lane still serves.
         let mut serves: Vec<u32> = (0..rays.len() as u32).collect();
         for layer in 0.. {
-            let hits = self.intersect(&rays, &keys, Coherence::Coherent);
+            let hits = self.intersect(RayMask::SHADOW, &rays, &keys, Coherence::Coherent);
             let from = HitLanes {
                 rays: &rays,
                 keys: &keys,
@@ -392,7 +395,7 @@ impl Tracer for BatchTracer<'_> {
             return;
         }
         self.stats.secondary_rays += request.rays.len() as u64;
-        let hits = self.intersect(&request.rays, &request.key, Coherence::Incoherent);
+        let hits = self.intersect(RayMask::OTHER, &request.rays, &request.key, Coherence::Incoherent);
         if let Some(log) = &mut self.log {
             log.rays(depth, &request.rays, &hits);
         }

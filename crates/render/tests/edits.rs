@@ -17,7 +17,7 @@ use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
 use gnurt_scene::texture::{Filter, Texture, Wrap};
 use gnurt_scene::{
     Affine, CameraId, InstanceId, Light, LightId, Material, MaterialId, Mesh, MeshId, Object, ObjectId,
-    Scene, Surface, TextureId,
+    RayMask, Scene, Surface, TextureId,
 };
 use gnurt_shading::{EnvironmentShader, LightBatch, LightShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
@@ -241,10 +241,14 @@ impl Edited {
                 }
                 "an object defined again"
             }
-            12 | 13 => {
+            12 => {
                 let instance = scene.edit_instance(instance);
                 instance.visible = !instance.visible;
                 "an instance gone or back"
+            }
+            13 => {
+                scene.edit_instance(instance).mask = RayMask(random.below(8) as u32);
+                "other rays"
             }
             14 => {
                 scene.edit_instance(instance).object = object;
@@ -400,6 +404,7 @@ fn what_is_not_due_is_not_made() {
         object,
         world_from_object: Affine::IDENTITY,
         visible: false,
+        mask: RayMask::ALL,
     };
     let instance = edited.scene.add_instance(instance);
     edited.scene.edit_mesh(MeshId(1)).positions[0][0] += 0.1;

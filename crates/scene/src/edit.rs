@@ -16,7 +16,7 @@ pub enum Edit {
     Mesh(MeshId),
     /// An object's list of meshes.
     Object(ObjectId),
-    /// An instance's transform, object or visibility: only the top tree changes.
+    /// An instance's transform, object, visibility or mask: only the top tree changes.
     Instance(InstanceId),
     /// A material.
     Material(MaterialId),

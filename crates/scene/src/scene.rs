@@ -15,6 +15,7 @@ use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, Tex
 use crate::light::Light;
 use crate::material::Material;
 use crate::mesh::Mesh;
+use crate::ray_mask::RayMask;
 use crate::texture::Texture;
 
 /// Meshes that share one acceleration structure and move together.
@@ -37,6 +38,8 @@ pub struct Instance {
     pub world_from_object: Affine,
     /// Whether rays meet it.
     pub visible: bool,
+    /// Which rays do, where it is visible.
+    pub mask: RayMask,
 }
 
 /// Objects, instances, materials, textures, lights and cameras, what of them moves, and the log of what changed.
@@ -143,7 +146,7 @@ impl Scene {
     /// Puts `object` at `world_from_object`.
     pub fn instantiate(&mut self, object: ObjectId, world_from_object: Affine) -> InstanceId {
         let name = self.object(object).name.clone();
-        self.add_instance(Instance { name, object, world_from_object, visible: true })
+        self.add_instance(Instance { name, object, world_from_object, visible: true, mask: RayMask::ALL })
     }
 
     /// What moves, and how; `None` = nothing. [`animate`](Self::animate) gives it, [`pose`](Self::pose) shows a moment of it.

@@ -7,7 +7,7 @@ mod common;
 use common::load_named;
 use gnurt_scene::io::Oddity;
 use gnurt_scene::material::{Alpha, TextureRef};
-use gnurt_scene::{Light, Material, Scene, Surface};
+use gnurt_scene::{Light, Material, RayMask, Scene, Surface};
 
 /// Accessors: 0 = triangle (0,0,0) (1,0,0) (0,1,0) as floats, 1 = its first vertex three times, 2 = joints 0,
 /// 3 = weights 1, 4 = the triangle with vertex 2 replaced by (1,0,0) through a sparse accessor.
@@ -212,4 +212,33 @@ fn cameras_and_lights() {
     assert!((camera.fov_y - 90.0).abs() < 1e-3, "degrees: {}", camera.fov_y);
     let expected = Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0, 1.0, 0.0] };
     assert_eq!(scene.lights(), [expected], "colour times intensity");
+}
+
+#[test]
+fn masks_are_among_the_extras() {
+    let file = |extras: &str| {
+        let bytes = r#"{ "asset": { "version": "2.0" }, "nodes": [{ "mesh": 0EXTRAS }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }],
+            "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+            "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+            "buffers": [{ "byteLength": 36, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }] }"#;
+        let bytes = bytes.replace("EXTRAS", extras);
+        let loaded =
+            common::load_named("masks.gltf", bytes.as_bytes()).unwrap_or_else(|e| panic!("{extras}: {e}"));
+        (loaded.scene.instances()[0].mask, loaded.warnings.count(Oddity::BadNode))
+    };
+    for (extras, mask) in [
+        ("", RayMask::ALL),
+        (r#", "extras": { "mask": 6 }"#, RayMask::SHADOW | RayMask::OTHER),
+        (r#", "extras": { "mask": 0.0, "other": [1] }"#, RayMask::NONE),
+        (r#", "extras": { "mask": 4294967295 }"#, RayMask::ALL),
+        (r#", "extras": "mask""#, RayMask::ALL),
+        (r#", "extras": [{ "mask": 1 }]"#, RayMask::ALL),
+    ] {
+        assert_eq!(file(extras), (mask, 0), "{extras}");
+    }
+    for bad in ["-1", "4294967296", "1.5", "\"1\"", "null", "[1]"] {
+        let extras = format!(r#", "extras": {{ "mask": {bad} }}"#);
+        assert_eq!(file(&extras), (RayMask::ALL, 1), "{bad} is told of");
+    }
 }

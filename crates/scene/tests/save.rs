@@ -8,7 +8,7 @@ use gnurt_scene::builtin;
 use gnurt_scene::io::{load, save};
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
-use gnurt_scene::{Material, Scene, Surface, TextureId};
+use gnurt_scene::{Material, RayMask, Scene, Surface, TextureId};
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -63,6 +63,16 @@ fn geometry_comes_back() {
             let found = area(&there_and_back(&scene, file));
             assert!((found / expected - 1.0).abs() < 1e-5, "{name} as {file}: area {found} of {expected}");
         }
+    }
+}
+
+#[test]
+fn masks_come_back() {
+    let mut scene = builtin::load("textures").expect("it is built in");
+    scene.edit_instance(gnurt_scene::InstanceId(0)).mask = RayMask::CAMERA | RayMask::OTHER;
+    let masks = |scene: &Scene| scene.instances().iter().map(|i| i.mask).collect::<Vec<RayMask>>();
+    for name in ["out.gltf", "out.glb"] {
+        assert_eq!(masks(&there_and_back(&scene, name)), masks(&scene), "{name}");
     }
 }
 

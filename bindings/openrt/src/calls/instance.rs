@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Instances (rtUpdateInstance, rtDeleteInstance, rtClearInstances, rtGetInstanceMatrixf, rtIsInstance).
+//! Instances (rtUpdateInstance, rtInstanceMask, rtDeleteInstance, rtClearInstances, rtGetInstanceMatrixf, rtIsInstance).
 //! Source: \[DWBS03\]. Proof: tests/c/scene.c, tests/c/errors.c.
 
 use crate::context::Context;
@@ -10,7 +10,7 @@ impl Context {
     /// Adds an instance of an object that exists.
     pub(super) fn add_instance(&mut self, object: u32) -> Result<u32> {
         let world_from_object = self.modelview();
-        self.instances.add(Instance { object, world_from_object })
+        self.instances.add(Instance { object, world_from_object, mask: u32::MAX })
     }
 
     /// rtUpdateInstance.
@@ -19,6 +19,13 @@ impl Context {
         let world_from_object = self.modelview();
         let instance = self.instances.get_mut(id).ok_or(Error::InvalidValue)?;
         instance.world_from_object = world_from_object;
+        Ok(())
+    }
+
+    /// rtInstanceMask.
+    pub(crate) fn instance_mask(&mut self, id: u32, mask: u32) -> Result<()> {
+        self.outside_block()?;
+        self.instances.get_mut(id).ok_or(Error::InvalidValue)?.mask = mask;
         Ok(())
     }
 

@@ -7,12 +7,13 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use gnurt::render::ShaderTable;
+use gnurt::scene::RayMask;
 use gnurt::shading::classes::Shader as RenderShader;
 use gnurt_plugins::host::{FrameState, PluginFrame};
 
 use crate::context::Context;
 use crate::frame::{Rendering, told};
-use crate::stage::{Stage, UNNAMED};
+use crate::stage::{Shown, Stage, UNNAMED};
 use crate::state::class::ClassCode;
 use crate::state::enums::MatrixMode;
 use crate::state::error::{Error, Result};
@@ -48,7 +49,11 @@ impl Context {
         if has_unnamed {
             stage.define(UNNAMED, unnamed.finish());
         }
-        let place = |instance: &Instance| (instance.object, instance.world_from_object.to_affine());
+        let place = |instance: &Instance| Shown {
+            object: instance.object,
+            world_from_object: instance.world_from_object.to_affine(),
+            mask: RayMask(instance.mask),
+        };
         let changes = self.instances.take_changes();
         let all = self.instances.entries().map(|(id, instance)| (id, place(instance)));
         let changed = changes.ids.iter().map(|&id| (id, self.instances.get(id).map(place)));

@@ -16,6 +16,8 @@ pub(crate) struct Instance {
     pub(crate) object: u32,
     /// Where it is put.
     pub(crate) world_from_object: Matrix,
+    /// Which kinds of rays see it, as bits.
+    pub(crate) mask: u32,
 }
 
 /// Ids that instances may have; beyond them is `RT_INVALID`.
@@ -124,7 +126,7 @@ impl Changes {
 mod tests {
     use super::*;
 
-    const THERE: Instance = Instance { object: 1, world_from_object: Matrix::IDENTITY };
+    const THERE: Instance = Instance { object: 1, world_from_object: Matrix::IDENTITY, mask: u32::MAX };
 
     #[test]
     fn ids_come_back_after_the_last_one() {

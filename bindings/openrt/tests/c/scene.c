@@ -102,6 +102,13 @@ static void instances_and_objects(void)
     rtLoadIdentity();
     rtRender();
     SHOWS(0.5, 0, 0, 0, 0); SHOWS(0, 0.5, 1, 0, 0);
+    /* A mask hides it from the camera, then from nobody. */
+    rtInstanceMask(b, 2 | 4);
+    rtRender();
+    SHOWS(0.5, 0, 0, 0, 0); SHOWS(0, 0.5, 0, 0, 0);
+    rtInstanceMask(b, ~0u);
+    rtRender();
+    SHOWS(0, 0.5, 1, 0, 0);
     /* A parameter recolours what is there; a new definition and an update show in all instances. */
     rtParameter3f(handle, 0, 2, 0);
     rtNewObject(object, RT_DEFINE);

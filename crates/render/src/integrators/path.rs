@@ -12,6 +12,7 @@
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, Ray};
+use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::sampling::{Draws, purpose, sample_pair};
@@ -45,7 +46,7 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         // Lent out while the step is taken.
         let (rays, keys) = wavefront.paths.lend();
         tracer.stats.secondary_rays += rays.len() as u64;
-        tracer.intersect_into(&rays, &keys, Coherence::Incoherent, &mut hits);
+        tracer.intersect_into(RayMask::OTHER, &rays, &keys, Coherence::Incoherent, &mut hits);
         if let Some(log) = &mut tracer.log {
             log.rays(round, &rays, &hits);
         }

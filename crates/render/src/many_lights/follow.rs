@@ -3,6 +3,7 @@
 //! Source: original. Space: world. Proof: crates/render/tests/many_lights.rs.
 
 use gnurt_accel::{Coherence, RayBatch};
+use gnurt_scene::RayMask;
 use gnurt_shading::SampleKey;
 use gnurt_shading::sampling::sample_pair;
 
@@ -25,7 +26,7 @@ impl BatchTracer<'_> {
         coherence: Coherence,
     ) -> Vec<Option<Vertex>> {
         self.stats.secondary_rays += rays.len() as u64;
-        let hits = self.intersect(rays, keys, coherence);
+        let hits = self.intersect(RayMask::OTHER, rays, keys, coherence);
         let from = HitLanes { rays, keys, hits: &hits, depth, epsilon: self.options.ray_epsilon };
         let mut vertices = self.vertices(from);
         self.pass_on(&mut vertices, depth);
@@ -49,7 +50,7 @@ impl BatchTracer<'_> {
                 return;
             }
             self.stats.secondary_rays += rays.len() as u64;
-            let hits = self.intersect(&rays, &keys, Coherence::Incoherent);
+            let hits = self.intersect(RayMask::OTHER, &rays, &keys, Coherence::Incoherent);
             let epsilon = self.options.ray_epsilon;
             let next = self.vertices(HitLanes { rays: &rays, keys: &keys, hits: &hits, depth, epsilon });
             // What was stopped is not asked again.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, Mat3, Vec3};
 use gnurt_accel::SharedList;
-use gnurt_scene::{Affine, Instance, ObjectId};
+use gnurt_scene::{Affine, Instance, ObjectId, RayMask};
 
 use super::object::{ObjectSlot, WorldObject};
 
@@ -15,6 +15,8 @@ use super::object::{ObjectSlot, WorldObject};
 pub(crate) struct PlacedInstance {
     pub(crate) object: Arc<WorldObject>,
     pub(crate) object_id: ObjectId,
+    /// Which rays see it.
+    pub(crate) mask: RayMask,
     /// Linear part of `world_from_object`.
     pub(crate) linear: Mat3,
     /// Where the object's origin is in the world.
@@ -41,7 +43,7 @@ impl InstanceSlot {
     pub(super) fn new(instance: &Instance, objects: &SharedList<ObjectSlot>) -> Self {
         let object = objects.get(instance.object.index()).and_then(|slot| slot.object.clone());
         let Some(object) = object.filter(|_| instance.visible) else { return Self::Hidden };
-        match PlacedInstance::new(object, instance.object, &instance.world_from_object) {
+        match PlacedInstance::new(object, instance.object, &instance.world_from_object, instance.mask) {
             Some(placed) => Self::Placed(placed),
             None => Self::Dropped(instance.object),
         }
@@ -74,6 +76,7 @@ impl PlacedInstance {
         object: Arc<WorldObject>,
         object_id: ObjectId,
         world_from_object: &Affine,
+        mask: RayMask,
     ) -> Option<Self> {
         world_from_object.inverse()?;
         let [x, y, z, origin] = world_from_object.columns;
@@ -87,6 +90,7 @@ impl PlacedInstance {
         let placed = Self {
             object,
             object_id,
+            mask,
             linear: linear.as_mat3(),
             origin: Vec3::from(origin.map(|x| x as f32)),
             normals: normals.as_mat3(),

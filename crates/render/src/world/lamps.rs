@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use gnurt_accel::SharedList;
+use gnurt_scene::RayMask;
 use gnurt_shading::lights as shading;
 use rayon::prelude::*;
 
@@ -35,7 +36,10 @@ impl Lamps {
     ) -> Option<Self> {
         let shines = |place: usize| {
             let placed = instances.get(place).and_then(InstanceSlot::placed);
-            placed.is_some_and(|placed| object_shines(&placed.object, materials))
+            // What rays of light do not see gives off none.
+            placed.is_some_and(|placed| {
+                placed.mask.meets(RayMask::OTHER) && object_shines(&placed.object, materials)
+            })
         };
         let now: Vec<u32> = if emission_changed {
             let of_chunk = |(first, slots): (usize, &[InstanceSlot])| {

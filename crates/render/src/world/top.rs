@@ -23,7 +23,7 @@ pub(super) fn after(
     let shown = |place: usize| {
         let placed = instances[place].placed()?;
         let world_from_object = scene.instances()[place].world_from_object.columns;
-        Some(Instance::new(placed.object.tree.clone(), world_from_object))
+        Some(Instance::new(placed.object.tree.clone(), world_from_object).with_mask(placed.mask.0))
     };
     let threads = Threads::Pool(pool);
     let tree = if changed.len() > instances.len() / 2 {

@@ -21,6 +21,7 @@ use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::id::ObjectId;
 use crate::material::{Material, Surface};
+use crate::ray_mask::RayMask;
 use crate::scene::{Instance, Scene};
 
 /// Half the side of the sea's sheet.
@@ -92,5 +93,5 @@ fn put(scene: &mut Scene, object: ObjectId, at: [f32; 3], size: f32, turn: f32, 
         * Affine::rotation([0.0, 1.0, 0.0], f64::from(turn) * std::f64::consts::TAU)
         * Affine::scale([size, size * (1.0 + f64::from(stretch)), size]);
     let name = scene.object(object).name.clone();
-    scene.add_instance(Instance { name, object, world_from_object, visible: true });
+    scene.add_instance(Instance { name, object, world_from_object, visible: true, mask: RayMask::ALL });
 }

@@ -502,6 +502,7 @@ pub(super) struct Node {
     pub(super) camera: Option<Index>,
     pub(super) children: Vec<Index>,
     pub(super) extensions: NodeExtensions,
+    pub(super) extras: Option<serde_json::Value>,
     pub(super) matrix: Option<[f32; 16]>,
     pub(super) mesh: Option<Index>,
     pub(super) name: Option<String>,

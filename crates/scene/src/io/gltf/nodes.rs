@@ -20,6 +20,7 @@ use crate::animation::{
 };
 use crate::id::ObjectId;
 use crate::io::{Error, Oddity, Warnings};
+use crate::ray_mask::RayMask;
 use crate::scene::{Instance, Scene};
 
 /// Bytes that an instance, a camera or a light of the scene takes beside its name.
@@ -262,12 +263,32 @@ impl Adder<'_> {
         if let Some(object) = object {
             let visible = self.rig.is_visible(placed.place);
             let name = name.to_owned();
-            let instance = self.scene.add_instance(Instance { name, object, world_from_object, visible });
+            let mask = self.ray_mask(&name, node, warnings);
+            let instance =
+                self.scene.add_instance(Instance { name, object, world_from_object, visible, mask });
             if let Place::On(node) = placed.place {
                 self.rig.made.instances.push(MovingInstance { instance, node, is_placed });
             }
         }
         Ok(())
+    }
+
+    /// What a node's `extras` say of who sees its mesh.
+    fn ray_mask(&self, name: &str, node: &json::Node, warnings: &mut Warnings) -> RayMask {
+        let Some(mask) = node.extras.as_ref().and_then(|extras| extras.get("mask")) else {
+            return RayMask::ALL;
+        };
+        // Programs write whole numbers as floats, too.
+        let whole =
+            mask.as_f64().filter(|mask| mask.fract() == 0.0 && (0.0..=u32::MAX.into()).contains(mask));
+        whole.map_or_else(
+            || {
+                let detail = format!("{name}: extras.mask is {mask}, not a number of 0 to 4294967295");
+                warnings.note(Oddity::BadNode, &self.document.path, None, detail);
+                RayMask::ALL
+            },
+            |mask| RayMask(mask as u32),
+        )
     }
 
     fn add_camera(

@@ -23,6 +23,7 @@ use crate::io::{Error, Format, Warnings};
 use crate::light::Light;
 use crate::material::TextureRef;
 use crate::mesh::Mesh;
+use crate::ray_mask::RayMask;
 use crate::scene::Scene;
 
 pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Warnings) -> Result<(), Error> {
@@ -172,7 +173,14 @@ fn unit_tangent(&[x, y, z, side]: &[f32; 4]) -> [f32; 4] {
 fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> (Vec<Value>, Vec<Value>) {
     let shown = scene.instances().iter().filter(|instance| instance.visible);
     let mut nodes: Vec<Value> = shown
-        .map(|i| json!({ "name": i.name, "mesh": i.object.0, "matrix": i.world_from_object.to_column_major() }))
+        .map(|i| {
+            let matrix = i.world_from_object.to_column_major();
+            let mut node = json!({ "name": i.name, "mesh": i.object.0, "matrix": matrix });
+            if i.mask != RayMask::ALL {
+                node["extras"] = json!({ "mask": i.mask.0 });
+            }
+            node
+        })
         .collect();
     let mut lights = Vec::new();
     for light in scene.lights() {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Which rays see an instance: for each kind of ray the picture is that of the scene with or without it. Source: original.
+
+mod common;
+
+use common::*;
+use gnurt_render::{Integrator, PerspectiveCamera, RenderOptions, Silent, World, render};
+use gnurt_scene::{InstanceId, Light, Material, RayMask, Scene, Surface};
+
+const INTEGRATORS: [Integrator; 2] = [Integrator::Path, Integrator::Whitted];
+
+/// What a narrow camera sees.
+fn seen(world: &World, camera: &PerspectiveCamera, integrator: Integrator) -> f32 {
+    let options =
+        RenderOptions { width: 2, height: 2, spp: 4, max_depth: 3, integrator, ..RenderOptions::default() };
+    let frame = render(world, camera, &options, &pool(1), &Silent).expect("sound options");
+    frame.picture.color.iter().map(|pixel| pixel[0]).sum::<f32>() / 4.0
+}
+
+/// What it sees with the last instance seen by all rays but those of a kind, by those only, and without it.
+fn with_and_without(
+    scene: &mut Scene,
+    kind: RayMask,
+    view: [[f32; 3]; 2],
+    integrator: Integrator,
+) -> [f32; 3] {
+    let camera = camera(view[0], view[1], 0.5);
+    let last = InstanceId(scene.instances().len() as u32 - 1);
+    let mut world = World::new();
+    [(!kind, true), (kind, true), (RayMask::ALL, false)].map(|(mask, visible)| {
+        let instance = scene.edit_instance(last);
+        (instance.mask, instance.visible) = (mask, visible);
+        let made = world.commit(scene, &Default::default(), &Default::default(), &pool(1));
+        made.expect("all ids name something");
+        seen(&world, &camera, integrator)
+    })
+}
+
+/// A floor under a light from above.
+fn lit_floor() -> Scene {
+    let mut scene = floor(0.5, 10.0);
+    scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0; 3] });
+    scene
+}
+
+#[test]
+fn the_camera_sees_through_what_its_rays_do_not_see() {
+    for integrator in INTEGRATORS {
+        let mut scene = lit_floor();
+        let black = matte(&mut scene, [0.0; 3]);
+        // Between the camera and the floor, upright: no shadow falls on what is looked at.
+        place(&mut scene, quad([-1.0, -2.0, 0.5], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], black));
+        let view = [[0.0, -4.0, 2.0], [0.0, 0.0, 0.0]];
+        let [hidden, shown, gone] = with_and_without(&mut scene, RayMask::CAMERA, view, integrator);
+        assert!(gone > 0.1, "the floor is lit: {gone}");
+        assert!((hidden - gone).abs() < 1e-4, "{integrator:?}: seen through: {hidden}, not {gone}");
+        assert_eq!(shown, 0.0, "{integrator:?}: in front");
+    }
+}
+
+#[test]
+fn nothing_casts_a_shadow_that_shadow_rays_do_not_see() {
+    for integrator in INTEGRATORS {
+        let mut scene = lit_floor();
+        let black = matte(&mut scene, [0.0; 3]);
+        place(&mut scene, quad([-1.0, -1.0, 5.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], black));
+        let view = [[0.0, -4.0, 2.0], [0.0, 0.0, 0.0]];
+        let [unseen, seen, gone] = with_and_without(&mut scene, RayMask::SHADOW, view, integrator);
+        assert!(gone > 0.1, "the floor is lit: {gone}");
+        assert!(unseen > 0.9 * gone, "{integrator:?}: no shadow: {unseen}, not {gone}");
+        assert!(seen < 1e-6, "{integrator:?}: in the shadow: {seen}");
+    }
+}
+
+#[test]
+fn mirrors_show_what_other_rays_see() {
+    for integrator in INTEGRATORS {
+        let mut scene = Scene::new();
+        let reflectance = gnurt_scene::material::Color::constant([1.0; 3]);
+        let mirror = scene.add_material(Material::of("mirror", Surface::Mirror { reflectance }));
+        place(&mut scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], mirror));
+        let shining = emitter(&mut scene, [3.0; 3]);
+        // Its light side looks down.
+        place(&mut scene, quad([-1.0, 1.0, 3.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], shining));
+        let view = [[0.0, -2.0, 3.0], [0.0, 0.0, 0.0]];
+        let [unseen, seen, gone] = with_and_without(&mut scene, RayMask::OTHER, view, integrator);
+        assert_eq!((unseen, gone), (0.0, 0.0), "{integrator:?}: not in the mirror");
+        assert!((seen - 3.0).abs() < 1e-4, "{integrator:?}: in the mirror: {seen}");
+    }
+}
+
+#[test]
+fn lamps_that_other_rays_do_not_see_give_no_light() {
+    let mut scene = floor(0.5, 10.0);
+    let shining = emitter(&mut scene, [3.0; 3]);
+    place(&mut scene, quad([-1.0, -1.0, 3.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], shining));
+    let view = [[0.0, -4.0, 2.0], [0.0, 0.0, 0.0]];
+    let [unseen, seen, gone] = with_and_without(&mut scene, RayMask::OTHER, view, Integrator::Path);
+    assert_eq!((unseen, gone), (0.0, 0.0), "it does not shine on the floor");
+    assert!(seen > 0.1, "it does: {seen}");
+    let camera = camera([0.0, 0.0, 0.5], [0.0, 0.1, 3.0], 0.5);
+    let last = scene.edit_instance(InstanceId(1));
+    (last.mask, last.visible) = (RayMask::CAMERA, true);
+    assert_eq!(seen_of(&scene, &camera), 3.0, "the camera sees that it shines");
+}
+
+fn seen_of(scene: &Scene, camera: &PerspectiveCamera) -> f32 {
+    seen(&world_of(scene, false), camera, Integrator::Path)
+}
