@@ -106,7 +106,7 @@ impl BoxIndex {
             let nodes = treelet.nodes();
             stats.nodes += nodes.len() as u64;
             stats.leaves += (nodes.len() - treelet.node_count()) as u64;
-            stats.tree_bytes += (size_of_val(nodes) + size_of::<Treelet>()) as u64;
+            stats.tree_bytes += treelet.memory_bytes() as u64;
         }
         let deepest = self.treelets.iter().map(Treelet::depth).max().unwrap_or(0);
         stats.depth = self.upper.depth() + deepest;

@@ -76,6 +76,11 @@ impl Treelet {
         self.nodes.first().map_or(Aabb::EMPTY, Node8::whole)
     }
 
+    /// Of nodes and blocks.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        size_of::<Self>() + size_of_val(&self.nodes[..])
+    }
+
     /// As the field says.
     pub(crate) fn areas(&self) -> f64 {
         self.areas

@@ -126,11 +126,11 @@ impl<T: Default + Clone + Send + Sync> SharedList<T> {
             return;
         }
         self.branches.truncate(len.div_ceil(SPAN));
-        if len % SPAN != 0
+        if !len.is_multiple_of(SPAN)
             && let Some(last) = self.branches.last_mut()
         {
             let mut leaves: Vec<Leaf<T>> = last[..(len % SPAN).div_ceil(LEAF)].to_vec();
-            if len % LEAF != 0
+            if !len.is_multiple_of(LEAF)
                 && let Some(leaf) = leaves.last_mut()
             {
                 Arc::make_mut(leaf)[len % LEAF..].fill(T::default());

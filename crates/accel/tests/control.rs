@@ -7,7 +7,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use common::{TESTS, options};
-use gnurt_accel::{BuildControl, BuildError, BuildOptions, ObjectTree, Quality, Threads, Triangles};
+use gnurt_accel::{
+    BuildControl, BuildError, BuildOptions, Instance, ObjectTree, Quality, SceneError, SceneTree, Threads,
+    Triangles,
+};
 use gnurt_testkit::{Soup, closed};
 
 /// Notes what it is told, and stops a build.
@@ -153,6 +156,52 @@ fn a_build_stays_within_its_budget() {
                     assert!(needed > budget && needed <= peak, "{kind:?}: {needed} of {peak} bytes");
                 }
                 other => panic!("{kind:?}: {other:?} with {budget} of {peak} bytes"),
+            }
+        }
+    }
+}
+
+/// Scenes of instances are built under the same control; the last one that says no wins over instances that are fine.
+#[test]
+fn scenes_are_built_under_control() {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
+    let ball = std::sync::Arc::new(common::build(&[closed::sphere(4)], common::WATERTIGHT[0]));
+    let at = |i: u32| {
+        let mut instance = Instance::identity(ball.clone());
+        instance.world_from_object[3] = [f64::from(i % 70), f64::from(i / 70), f64::from(i * i % 13)];
+        instance
+    };
+    let list: Vec<Instance> = (0..6000).map(at).collect();
+    for quality in [Quality::Fast, Quality::Medium, Quality::High] {
+        let options = BuildOptions { quality, ..BuildOptions::default() };
+        for threads in [Threads::Single, Threads::Pool(&pool)] {
+            let build = |notes: &Notes| SceneTree::try_build(&list, &options, threads, notes);
+            let free = Notes::default();
+            let stats = build(&free).expect("nobody stops it").stats();
+            let told = free.told.into_inner().expect("nobody panics");
+            assert!(told.len() > 2 && told.is_sorted() && told.last() == Some(&1.0), "{told:?} goes to 1");
+            let (peak, last) = (free.peak.into_inner(), free.last.into_inner());
+            let result = stats.tree_bytes + stats.primitive_bytes;
+            assert!(peak > result, "{peak} at its peak for {result}");
+            assert!((result * 9 / 10..result * 3 / 2).contains(&last), "{last} at the end for {result}");
+            for no in [1, 2, free.asked.into_inner() - 1] {
+                let notes = Notes { no, ..Notes::default() };
+                let error = build(&notes).err();
+                assert_eq!(
+                    error,
+                    Some(SceneError::Build(BuildError::Cancelled)),
+                    "no, when asked for time {no}"
+                );
+            }
+            for budget in [0, peak / 2, peak - 1] {
+                let notes = Notes { budget: Some(budget), ..Notes::default() };
+                let error = build(&notes).err();
+                let is_named = matches!(
+                    error,
+                    Some(SceneError::Build(BuildError::OutOfMemory { needed, budget: allowed }))
+                        if needed > budget && allowed == budget
+                );
+                assert!(is_named, "{error:?} with {budget} of {peak} bytes");
             }
         }
     }

@@ -33,6 +33,9 @@ impl BoxIndex {
         let treelets = build_parts(boxes, PartOptions { most, quality }, threads, watch, |tree| {
             Treelet::new(&tree, |place| (place, boxes[place as usize]))
         })?;
+        let bytes: usize = treelets.iter().map(Treelet::memory_bytes).sum();
+        watch.take(bytes + size_of::<u32>() * boxes.len());
+        watch.result()?;
         let mut homes = vec![0; boxes.len()];
         let mut count = 0;
         for (home, treelet) in (1..).zip(&treelets) {

@@ -60,7 +60,7 @@ pub(super) struct Facts {
     pub(super) bounds: Aabb,
     /// Objects in what it shows.
     pub(super) leaves: u32,
-    /// Of what it shows.
+    /// Of what can be seen of it.
     pub(super) depth: u32,
     /// Why it is refused.
     pub(super) error: Option<SceneError>,
@@ -73,14 +73,13 @@ impl Facts {
 
 /// An instance made ready, its box relative to `origin`.
 pub(super) fn place(instance: &Instance, inst_id: u32, origin: [f32; 3]) -> (Slot, Facts) {
-    let depth = instance.shape.depth();
     let refused = |error| (Slot::Refused, Facts { error: Some(error), ..Facts::ABSENT });
-    if depth >= DEEPEST_SCENE {
+    if instance.shape.depth() >= DEEPEST_SCENE {
         return refused(SceneError::TooDeep { inst_id });
     }
     match Placed::new(instance, origin) {
         Some((placed, bounds)) => {
-            let leaves = placed.shape.leaves();
+            let (leaves, depth) = (placed.shape.leaves(), placed.shape.seen_depth());
             (Slot::Placed(placed), Facts { bounds, leaves, depth, error: None })
         }
         None => refused(SceneError::NoInverse { inst_id }),

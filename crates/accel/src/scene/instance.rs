@@ -55,6 +55,11 @@ impl Shape {
         }
     }
 
+    /// The same, but 0 where nothing of it can be seen.
+    pub(super) fn seen_depth(&self) -> u32 {
+        if self.bounds().is_empty() { 0 } else { self.depth() }
+    }
+
     /// How many objects are in it.
     pub(super) fn leaves(&self) -> u32 {
         match self {

@@ -26,7 +26,7 @@ pub struct SceneTree {
     pub(super) slots: SharedList<Slot>,
     /// The numbers of objects.
     pub(super) leaves: Leaves,
-    /// Instances by the depth of what they show: 0 of objects.
+    /// Instances by the depth of what can be seen of them: 0 of objects.
     pub(super) depths: [u32; DEEPEST_SCENE as usize],
     pub(super) dropped: u64,
 }
@@ -53,6 +53,7 @@ pub struct Instance {
 }
 
 /// What there is of an instance.
+#[expect(clippy::large_enum_variant, reason = "almost all are placed")]
 #[derive(Clone, Debug, Default)]
 pub(crate) enum Slot {
     /// None: it was taken out, or never put in.

@@ -94,7 +94,7 @@ impl SceneTree {
     /// An instance is no longer counted.
     fn forget(&mut self, slot: &Slot) {
         let depth = match slot {
-            Slot::Placed(placed) => placed.shape.depth(),
+            Slot::Placed(placed) => placed.shape.seen_depth(),
             Slot::Absent | Slot::Refused => 0,
         };
         self.depths[depth as usize] -= 1;
