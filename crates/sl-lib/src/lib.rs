@@ -31,6 +31,7 @@ mod number_lanes;
 pub mod regex;
 pub mod spline;
 pub mod text;
+pub mod wide;
 
 pub use dual::Dual;
 pub use number::{Arithmetic, Mask, Number, Real, Word, Words};
