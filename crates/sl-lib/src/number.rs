@@ -119,6 +119,9 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
     fn from_int(x: Self::Words) -> Self;
     /// The floats nearest to whole numbers without sign.
     fn from_unsigned(x: Self::Words) -> Self;
+    /// Does what is large: for a float in a function of its own, so that callers stay small; in lanes where it is called,
+    /// for a call would lose the CPU level.
+    fn apart<T>(work: impl FnOnce() -> T) -> T;
 
     /// `low` where below it or NaN, `high` where above.
     #[inline(always)]
@@ -386,5 +389,10 @@ impl Real for f32 {
     #[inline(always)]
     fn from_unsigned(x: Word) -> f32 {
         x.0 as f32
+    }
+
+    #[inline(never)]
+    fn apart<T>(work: impl FnOnce() -> T) -> T {
+        work()
     }
 }

@@ -139,4 +139,9 @@ impl<S: Simd> Real for f32x16<S> {
     fn from_unsigned(x: u32x16<S>) -> Self {
         Self::float_from(x)
     }
+
+    #[inline(always)]
+    fn apart<T>(work: impl FnOnce() -> T) -> T {
+        work()
+    }
 }

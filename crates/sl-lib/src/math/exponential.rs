@@ -125,11 +125,16 @@ fn pow_value<R: Real>(x: R, y: R) -> R {
 pub fn pow<N: Number>(x: N, y: N) -> N {
     let (u, v) = (x.value(), y.value());
     let value = pow_value(u, v);
-    x.chain2(y, value, || {
-        let zero = u.of(0.0);
-        let log = N::Real::choose(zero.less(u), log(u), zero);
-        (v * pow_value(u, v - 1.0), log * value)
-    })
+    x.chain2(
+        y,
+        value,
+        #[inline(always)]
+        || {
+            let zero = u.of(0.0);
+            let log = N::Real::choose(zero.less(u), log(u), zero);
+            (v * pow_value(u, v - 1.0), log * value)
+        },
+    )
 }
 
 /// The error function of values.

@@ -24,7 +24,11 @@ fn nearest<R: Real>(x: R) -> R::Words {
 #[inline(always)]
 fn reduced<R: Real>(x: R, turns: R::Words, quarters: f32) -> R {
     let turns = R::from_int(turns);
-    QUARTER_PI_PARTS.into_iter().fold(x, |x, part| turns * (-part * quarters) + x)
+    let mut x = x;
+    for part in &QUARTER_PI_PARTS {
+        x = turns * (-part * quarters) + x;
+    }
+    x
 }
 
 /// `x` at a polynomial with these coefficients, highest power first.
@@ -91,10 +95,14 @@ pub fn tan<N: Number>(x: N) -> N {
     );
     let tangent = square * (series * reduced) + reduced;
     let tangent = N::Real::choose(odd, tangent.of(-1.0) / tangent, tangent);
-    x.chain(tangent, || {
-        let (_, cosine) = sin_cos_values(value);
-        cosine.of(1.0) / (cosine * cosine)
-    })
+    x.chain(
+        tangent,
+        #[inline(always)]
+        || {
+            let (_, cosine) = sin_cos_values(value);
+            cosine.of(1.0) / (cosine * cosine)
+        },
+    )
 }
 
 /// The arc cosine of the absolute value.

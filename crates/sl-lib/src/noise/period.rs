@@ -18,8 +18,10 @@ pub(super) fn wrap<R: Real, const N: usize>(p: [R; N], period: [R; N]) -> [R; N]
 /// Periods as whole numbers of at least 1, for [`Words::wrapped`].
 #[inline(always)]
 pub(super) fn whole_periods<R: Real, const N: usize>(period: [R; N]) -> [R::Words; N] {
-    period.map(|period| {
-        let whole = period.floor_int();
-        whole.signed_max(whole.constant(1))
-    })
+    let mut periods = [period[0].bits(); N];
+    for (whole, period) in periods.iter_mut().zip(period) {
+        let floor = period.floor_int();
+        *whole = floor.signed_max(floor.constant(1));
+    }
+    periods
 }

@@ -29,7 +29,6 @@ fn fade<N: Number>(t: N) -> N {
 /// The gradient that a hash chooses, times the way `p` from its corner.
 #[inline(always)]
 fn gradient<N: Number, const D: usize>(hash: WordsOf<N>, p: [N; D]) -> N {
-    let pick = |mask, a: N, b: N| N::pick(mask, a, b);
     match D {
         1 => {
             let slope = N::Real::from_unsigned(hash & 7) + 1.0;
@@ -37,20 +36,20 @@ fn gradient<N: Number, const D: usize>(hash: WordsOf<N>, p: [N; D]) -> N {
         }
         2 => {
             let low = (hash & 7).below(4);
-            let (u, v) = (pick(low, p[0], p[1]), pick(low, p[1], p[0]) * 2.0);
+            let (u, v) = (N::pick(low, p[0], p[1]), N::pick(low, p[1], p[0]) * 2.0);
             u.negated_where(hash & 1) + v.negated_where((hash >> 1) & 1)
         }
         3 => {
             let h = hash & 15;
-            let u = pick(h.below(8), p[0], p[1]);
-            let v = pick(h.below(4), p[1], pick(h.equal(12) | h.equal(14), p[0], p[2]));
+            let u = N::pick(h.below(8), p[0], p[1]);
+            let v = N::pick(h.below(4), p[1], N::pick(h.equal(12) | h.equal(14), p[0], p[2]));
             u.negated_where(hash & 1) + v.negated_where((hash >> 1) & 1)
         }
         _ => {
             let h = hash & 31;
-            let u = pick(h.below(24), p[0], p[1]);
-            let v = pick(h.below(16), p[1], p[2]);
-            let s = pick(h.below(8), p[2], p[3]);
+            let u = N::pick(h.below(24), p[0], p[1]);
+            let v = N::pick(h.below(16), p[1], p[2]);
+            let s = N::pick(h.below(8), p[2], p[3]);
             u.negated_where(hash & 1) + v.negated_where((hash >> 1) & 1) + s.negated_where((hash >> 2) & 1)
         }
     }
@@ -72,12 +71,13 @@ struct Place<N: Number, const D: usize> {
 impl<N: Number, const D: usize> Place<N, D> {
     #[inline(always)]
     fn new(p: [N; D], period: Option<[WordsOf<N>; D]>) -> Self {
-        let cell = p.map(|x| x.value().floor_int());
-        let mut rest = p;
+        let (mut cell, mut rest, mut blend) = ([p[0].value().bits(); D], p, p);
         for i in 0..D {
+            cell[i] = p[i].value().floor_int();
             rest[i] = p[i].with_value(p[i].value() - N::Real::from_int(cell[i]));
+            blend[i] = fade(rest[i]);
         }
-        Self { cell, rest, blend: rest.map(fade), period }
+        Self { cell, rest, blend, period }
     }
 
     /// The hash of a corner: bit i of `corner` is set where coordinate i is the upper one.
@@ -106,20 +106,35 @@ impl<N: Number, const D: usize> Place<N, D> {
     /// All corners blended; `hashes` are theirs.
     #[inline(always)]
     fn blended(&self, hashes: &[WordsOf<N>; 16]) -> N {
-        let corner = |i: usize| self.contribution(i, hashes[i]);
-        let [u, v, w, s] = [0, 1, 2, 3].map(|i| self.blend[if i < D { i } else { 0 }]);
         let noise = match D {
-            1 => lerp(corner(0), corner(1), u),
-            2 => lerp(lerp(corner(0), corner(1), u), lerp(corner(2), corner(3), u), v),
-            _ => {
-                let cube = |low: usize| {
-                    let edge = |i: usize| lerp(corner(low + i), corner(low + i + 4), w);
-                    lerp(lerp(edge(0), edge(1), u), lerp(edge(2), edge(3), u), v)
-                };
-                if D == 3 { cube(0) } else { lerp(cube(0), cube(8), s) }
-            }
+            1 => self.edge(hashes, 0, 1),
+            2 => self.square(hashes),
+            3 => self.cube(hashes, 0),
+            _ => lerp(self.cube(hashes, 0), self.cube(hashes, 8), self.blend[D - 1]),
         };
         noise * SCALES[D - 1]
+    }
+
+    /// Two corners blended along the axis that bit `step` of their numbers is of.
+    #[inline(always)]
+    fn edge(&self, hashes: &[WordsOf<N>; 16], low: usize, step: usize) -> N {
+        let high = low + step;
+        let axis = step.trailing_zeros() as usize;
+        lerp(self.contribution(low, hashes[low]), self.contribution(high, hashes[high]), self.blend[axis])
+    }
+
+    /// Four corners blended along x, then y.
+    #[inline(always)]
+    fn square(&self, hashes: &[WordsOf<N>; 16]) -> N {
+        lerp(self.edge(hashes, 0, 1), self.edge(hashes, 2, 1), self.blend[D.min(2) - 1])
+    }
+
+    /// Eight corners blended along z, then x, then y.
+    #[inline(always)]
+    fn cube(&self, hashes: &[WordsOf<N>; 16], low: usize) -> N {
+        let near = lerp(self.edge(hashes, low, 4), self.edge(hashes, low + 1, 4), self.blend[0]);
+        let far = lerp(self.edge(hashes, low + 2, 4), self.edge(hashes, low + 3, 4), self.blend[0]);
+        lerp(near, far, self.blend[D.min(2) - 1])
     }
 
     #[inline(always)]
@@ -139,17 +154,15 @@ impl<N: Number, const D: usize> Place<N, D> {
     /// Three noises from three bytes of each corner's hash.
     #[inline(always)]
     fn three(self) -> [N; 3] {
-        let hashes = self.hashes();
-        [0, 8, 16].map(
-            #[inline(always)]
-            |shift| {
-                let mut bytes = hashes;
-                for byte in &mut bytes[..1 << D] {
-                    *byte = (*byte >> shift) & 0xff;
-                }
-                self.blended(&bytes)
-            },
-        )
+        let mut hashes = self.hashes();
+        let mut noises = [self.rest[0]; 3];
+        for noise in &mut noises {
+            *noise = self.blended(&hashes);
+            for hash in &mut hashes[..1 << D] {
+                *hash = *hash >> 8;
+            }
+        }
+        noises
     }
 }
 
@@ -159,16 +172,28 @@ pub(super) fn halved<N: Number>(x: N) -> N {
     (x + 1.0) * 0.5
 }
 
+/// Written out: in lanes a function that is handed to `map` may become a call.
+#[inline(always)]
+pub(super) fn three_halved<N: Number>([a, b, c]: [N; 3]) -> [N; 3] {
+    [halved(a), halved(b), halved(c)]
+}
+
 /// Signed noise, in about [-1, 1]. `p` has 1 to 4 coordinates.
 #[inline(always)]
 pub fn snoise<N: Number, const D: usize>(p: [N; D]) -> N {
-    Place::new(p, None).one()
+    N::Real::apart(
+        #[inline(always)]
+        || Place::new(p, None).one(),
+    )
 }
 
 /// Three signed noises.
 #[inline(always)]
 pub fn snoise3<N: Number, const D: usize>(p: [N; D]) -> [N; 3] {
-    Place::new(p, None).three()
+    N::Real::apart(
+        #[inline(always)]
+        || Place::new(p, None).three(),
+    )
 }
 
 /// Noise in about [0, 1].
@@ -180,19 +205,25 @@ pub fn noise<N: Number, const D: usize>(p: [N; D]) -> N {
 /// Three noises.
 #[inline(always)]
 pub fn noise3<N: Number, const D: usize>(p: [N; D]) -> [N; 3] {
-    snoise3(p).map(halved)
+    three_halved(snoise3(p))
 }
 
 /// Signed noise that repeats after `period`, which is rounded down and at least 1.
 #[inline(always)]
 pub fn psnoise<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> N {
-    Place::new(p, Some(whole_periods(period))).one()
+    N::Real::apart(
+        #[inline(always)]
+        || Place::new(p, Some(whole_periods(period))).one(),
+    )
 }
 
 /// Three signed noises that repeat.
 #[inline(always)]
 pub fn psnoise3<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> [N; 3] {
-    Place::new(p, Some(whole_periods(period))).three()
+    N::Real::apart(
+        #[inline(always)]
+        || Place::new(p, Some(whole_periods(period))).three(),
+    )
 }
 
 /// Noise that repeats.
@@ -204,5 +235,5 @@ pub fn pnoise<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> N {
 /// Three noises that repeat.
 #[inline(always)]
 pub fn pnoise3<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> [N; 3] {
-    psnoise3(p, period).map(halved)
+    three_halved(psnoise3(p, period))
 }

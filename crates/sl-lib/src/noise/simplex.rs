@@ -5,7 +5,7 @@
 //! dimensions. Proof: `tests/noise.rs`.
 
 use super::hash::finish;
-use super::perlin::halved;
+use super::perlin::{halved, three_halved};
 use crate::number::{Number, Real, Words};
 
 /// A corner's gradients are 1, -1 or 0 along each axis: for each dimension and axis, which gradients are 1 and which -1.
@@ -148,10 +148,23 @@ fn one_where<W: Words>(mask: W::Mask, like: W) -> W {
     W::pick(mask, like.constant(1), like.constant(0))
 }
 
+/// The values of coordinates.
+#[inline(always)]
+fn values<N: Number, const D: usize>(p: [N; D]) -> [N::Real; D] {
+    let mut values = [p[0].value(); D];
+    for (value, x) in values.iter_mut().zip(p) {
+        *value = x.value();
+    }
+    values
+}
+
 /// Signed simplex noise; other seeds give other noises. `p` has 1 to 4 coordinates.
 #[inline(always)]
 fn seeded<N: Number, const D: usize>(p: [N; D], seed: u32) -> N {
-    let (noise, slopes) = noise_with_slopes(p.map(N::value), seed);
+    let (noise, slopes) = N::Real::apart(
+        #[inline(always)]
+        || noise_with_slopes(values(p), seed),
+    );
     let mut out = N::lift(noise);
     for (x, slope) in p.into_iter().zip(slopes) {
         // The chain rule, one axis at a time; the value stays.
@@ -181,5 +194,5 @@ pub fn usimplex<N: Number, const D: usize>(p: [N; D]) -> N {
 /// Three simplex noises.
 #[inline(always)]
 pub fn usimplex3<N: Number, const D: usize>(p: [N; D]) -> [N; 3] {
-    simplex3(p).map(halved)
+    three_halved(simplex3(p))
 }

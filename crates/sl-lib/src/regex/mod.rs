@@ -8,4 +8,4 @@ mod parse;
 mod program;
 mod run;
 
-pub use run::{Regex, RegexError, TooManySteps};
+pub use run::{Groups, Regex, RegexError, TooManySteps};

@@ -20,6 +20,9 @@ pub(super) struct Parsed {
 /// Where and why a pattern is none.
 pub(super) type Fault = (usize, &'static str);
 
+/// Whether a byte is in a class.
+type IsIn = fn(u8) -> bool;
+
 pub(super) fn parse(pattern: &str) -> Result<Parsed, Fault> {
     let mut parser = Parser { text: pattern.as_bytes(), at: 0, groups: 0, turns: 0, depth: 0, steps: vec![] };
     parser.steps.push(Step::Save(0));
@@ -327,7 +330,7 @@ impl Parser<'_> {
     }
 
     fn named_class(&mut self, at: usize) -> Result<Set, Fault> {
-        const NAMES: [(&str, fn(u8) -> bool); 13] = [
+        const NAMES: [(&str, IsIn); 13] = [
             ("alpha:]", |c| c.is_ascii_alphabetic()),
             ("digit:]", |c| c.is_ascii_digit()),
             ("alnum:]", |c| c.is_ascii_alphanumeric()),

@@ -53,6 +53,9 @@ impl std::fmt::Display for TooManySteps {
 
 impl std::error::Error for TooManySteps {}
 
+/// Start and end in bytes of the whole match, then of each group; `None` for groups that took no part.
+pub type Groups = Vec<Option<(usize, usize)>>;
+
 const UNSET: usize = usize::MAX;
 
 /// What to do where a way ends.
@@ -165,15 +168,11 @@ impl Regex {
         Ok(Self { steps: parsed.steps, saves: parsed.saves, turns: parsed.turns, pattern_length })
     }
 
-    /// The first match: start and end in bytes of the whole and of each group; groups that took no part are `None`.
+    /// The first match.
     ///
     /// # Errors
     /// If the search was given up.
-    pub fn find(
-        &self,
-        subject: &str,
-        whole: bool,
-    ) -> Result<Option<Vec<Option<(usize, usize)>>>, TooManySteps> {
+    pub fn find(&self, subject: &str, whole: bool) -> Result<Option<Groups>, TooManySteps> {
         let mut machine = Machine {
             steps: &self.steps,
             subject: subject.as_bytes(),
