@@ -4,7 +4,7 @@
 use std::process::Command;
 
 use crate::failure::Failure;
-use crate::{command, installed, readme, tidy};
+use crate::{command, installed, python, readme, tidy};
 
 /// Runs all checks, the quick ones first; stops at the first that fails.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
@@ -23,6 +23,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let promises = readme::promises()?;
     run_words(&promises.test)?;
     installed::check()?;
+    python::run(&[])?;
     first_command(&promises)?;
     eprintln!("all checks passed");
     Ok(())

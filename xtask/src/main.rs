@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | dist`. Source: original.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | python | dist`. Source: original.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
@@ -9,6 +9,7 @@ mod dist;
 mod failure;
 mod install;
 mod installed;
+mod python;
 mod readme;
 mod tidy;
 mod workspace;
@@ -23,7 +24,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 4] = [
+const CHORES: [Chore; 5] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -38,6 +39,11 @@ const CHORES: [Chore; 4] = [
         name: "install",
         about: "build and install: --prefix DIR [--destdir DIR] [--libdir DIR] ...",
         run: install::run,
+    },
+    Chore {
+        name: "python",
+        about: "build the Python package's compiled part, and run its tests",
+        run: python::run,
     },
     Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },
 ];

@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 19] = [
+const ARROWS: [(&str, &[&str]); 20] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -24,6 +24,7 @@ const ARROWS: [(&str, &[&str]); 19] = [
     ("cli", &["gnurt", "bench", "view", "plugins", "sl"]),
     ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),
+    ("python", &["accel"]),
 ];
 
 /// Packages without arrows of their own: tests and chores, which nobody may use in turn.

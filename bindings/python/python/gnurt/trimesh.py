@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rays for trimesh: `gnurt.trimesh.install()`, or `mesh.ray = gnurt.trimesh.RayMeshIntersector(mesh)`.
+
+Hits of triangles that share a corner or an edge at one place are one hit of the surface, as `RayScene.crossings` counts.
+"""
+
+import copy as _copy
+
+import numpy as np
+
+from . import RayScene
+
+__all__ = ["RayMeshIntersector", "install"]
+
+
+def install():
+    """All meshes that trimesh makes from now on ask GNU RT. May be called again."""
+    import sys
+
+    import trimesh
+
+    trimesh.ray.ray_pyembree = sys.modules[__name__]
+    trimesh.ray.has_embree = True
+
+
+class RayMeshIntersector:
+    """What `mesh.ray` offers; follows changes of the mesh. `scale_to_box` and `threads` change no answer."""
+
+    def __init__(self, geometry, scale_to_box=True, threads=0):
+        self.mesh = geometry
+        self._scale_to_box = scale_to_box
+        self._threads = threads
+        self._built = (None, None)
+
+    def __getstate__(self):
+        return {**self.__dict__, "_built": (None, None)}
+
+    def __copy__(self, *_):
+        return type(self)(self.mesh, self._scale_to_box, self._threads)
+
+    def __deepcopy__(self, memo):
+        return type(self)(_copy.deepcopy(self.mesh, memo), self._scale_to_box, self._threads)
+
+    @property
+    def _scene(self):
+        # The key is what trimesh itself tells changes by.
+        key, scene = self._built
+        if scene is None or key != hash(self.mesh):
+            scene = RayScene()
+            scene.add_triangles(self.mesh.vertices, self.mesh.faces)
+            self._built = (hash(self.mesh), scene)
+        return scene
+
+    def _rays(self, origins, directions):
+        origins, directions = (np.asanyarray(a, dtype=np.float64) for a in (origins, directions))
+        if origins.shape != directions.shape or origins.shape[1:] != (3,):
+            shapes = f"{origins.shape} and {directions.shape}"
+            raise ValueError(f"ray_origins and ray_directions: expected two arrays of one shape (n, 3), not {shapes}")
+        return origins, directions
+
+    def _hits(self, origins, directions, multiple_hits, max_hits):
+        """Rays, triangles and parameters of hits, those of a ray in order."""
+        if not multiple_hits:
+            hits = self._scene.intersect(origins, directions, threads=self._threads)
+            rays = np.nonzero(hits.prim_id >= 0)[0]
+            return rays, hits.prim_id[rays], hits.t[rays]
+        hits = self._scene.all_hits(origins, directions, threads=self._threads)
+        rays, faces, t = hits.ray_id, hits.prim_id, hits.t
+        if len(rays) == 0:
+            return rays, faces, t
+        keep = self._once(rays, faces, t)
+        rays, faces, t = rays[keep], faces[keep], t[keep]
+        # The number of each hit along its ray.
+        first = np.r_[True, rays[1:] != rays[:-1]]
+        number = np.arange(len(rays)) - np.maximum.accumulate(np.where(first, np.arange(len(rays)), 0))
+        keep = number < max_hits
+        return rays[keep], faces[keep], t[keep]
+
+    def _once(self, rays, faces, t):
+        """False where a hit at the place of the one before is on a triangle that shares a corner with it."""
+        keep = np.ones(len(rays), bool)
+        near = np.nonzero((rays[1:] == rays[:-1]) & (t[1:] == t[:-1]))[0] + 1
+        if len(near) == 0:
+            return keep
+        corners = self.mesh.triangles
+        for i in near:
+            j = i - 1
+            while j >= 0 and rays[j] == rays[i] and t[j] == t[i]:
+                a, b = corners[faces[i]], corners[faces[j]]
+                if keep[j] and (a[:, None] == b[None]).all(axis=2).any():
+                    keep[i] = False
+                    break
+                j -= 1
+        return keep
+
+    def _locations(self, origins, directions, rays, faces):
+        """Where rays meet the planes of triangles, in double precision."""
+        corners = self.mesh.triangles[faces]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        o, d = origins[rays], directions[rays]
+        along = np.einsum("ij,ij->i", d, normals)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            t = np.einsum("ij,ij->i", corners[:, 0] - o, normals) / along
+        return o, d, t
+
+    def intersects_location(self, ray_origins, ray_directions, multiple_hits=True, **_):
+        """`(locations (m, 3), index_ray (m,), index_tri (m,))`."""
+        tri, rays, locations = self.intersects_id(
+            ray_origins, ray_directions, multiple_hits=multiple_hits, return_locations=True
+        )
+        return locations, rays, tri
+
+    def intersects_id(
+        self, ray_origins, ray_directions, multiple_hits=True, max_hits=100, return_locations=False, **_
+    ):
+        """`(index_tri (m,), index_ray (m,))`, and `locations (m, 3)` if asked for."""
+        origins, directions = self._rays(ray_origins, ray_directions)
+        rays, faces, t = self._hits(origins, directions, multiple_hits, max_hits)
+        rays, faces = rays.astype(np.int64), faces.astype(np.int64)
+        if not return_locations:
+            return faces, rays
+        o, d, exact = self._locations(origins, directions, rays, faces)
+        t = np.where(np.isfinite(exact), exact, t)
+        return faces, rays, (o + d * t[:, None]).reshape(-1, 3)
+
+    def intersects_first(self, ray_origins, ray_directions, **_):
+        """int (n,): the first triangle that each ray hits, -1 where it misses."""
+        origins, directions = self._rays(ray_origins, ray_directions)
+        return self._scene.intersect(origins, directions, threads=self._threads).prim_id.astype(np.int64)
+
+    def intersects_any(self, ray_origins, ray_directions, **_):
+        """bool (n,): whether each ray hits anything."""
+        origins, directions = self._rays(ray_origins, ray_directions)
+        return self._scene.occluded(origins, directions, threads=self._threads)
+
+    def contains_points(self, points):
+        """bool (n,): whether points are inside of a closed mesh."""
+        points = np.asanyarray(points, dtype=np.float64)
+        if points.shape[1:] != (3,):
+            raise ValueError(f"points: expected shape (n, 3), not {points.shape}")
+        return self._scene.contains(points, threads=self._threads)

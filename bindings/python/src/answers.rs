@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Queries, block by block: Ctrl-C is heard between blocks, other Python threads run meanwhile.
+//! Source: original. Proof: `tests/test_rays.py`, `tests/test_points.py`.
+
+use std::sync::Arc;
+
+use gnurt_accel::{Hit, HitSlices, PointHit, Query, Ray64};
+use pyo3::prelude::*;
+use rayon::prelude::*;
+
+use crate::arrays::New;
+use crate::hits::{AllHits, Found, Hits};
+use crate::pool::Workers;
+use crate::rays::Rays;
+use crate::trees::{Trees, ask};
+
+/// Points that are asked for between two looks for Ctrl-C.
+const POINTS: usize = 1 << 16;
+
+/// A scene that is asked, and who works.
+pub(crate) struct Asked {
+    pub(crate) trees: Arc<Trees>,
+    pub(crate) workers: Workers,
+}
+
+impl Asked {
+    pub(crate) fn intersect(self, py: Python<'_>, rays: &Rays) -> PyResult<Hits> {
+        let n = rays.count();
+        let [mut t, mut u, mut v] =
+            [New::<f32>::empty(py, n, 1)?, New::empty(py, n, 1)?, New::empty(py, n, 1)?];
+        let [mut prim, mut geom, mut inst] =
+            [New::<u32>::empty(py, n, 1)?, New::empty(py, n, 1)?, New::empty(py, n, 1)?];
+        let mut hits = Vec::with_capacity(n);
+        {
+            let (t, u, v) = (t.all(), u.all(), v.all());
+            let (prim, geom, inst) = (prim.all(), geom.all(), inst.all());
+            for range in rays.blocks() {
+                let slices = rays.slices(&range)?;
+                let r = || range.clone();
+                let (t, u, v) = (&mut t[r()], &mut u[r()], &mut v[r()]);
+                let (prim, geom, inst) = (&mut prim[r()], &mut geom[r()], &mut inst[r()]);
+                py.detach(|| {
+                    let mut leaf = vec![0; range.len()];
+                    let mut into = HitSlices {
+                        t: Some(&mut *t),
+                        u: Some(&mut *u),
+                        v: Some(&mut *v),
+                        prim_id: Some(&mut *prim),
+                        geom_id: Some(&mut *geom),
+                        inst_id: Some(&mut *inst),
+                        leaf_id: Some(&mut leaf),
+                        normal: None,
+                    };
+                    let query = Query { coherence: rays.coherence(&slices), ..Query::default() };
+                    let traced =
+                        ask!(&*self.trees, tree => tree.intersect_slices(&query, &slices, self.workers.threads(), &mut into));
+                    traced.expect("arrays were made for these rays");
+                    for i in 0..range.len() {
+                        let hit = Hit {
+                            t: t[i],
+                            u: u[i],
+                            v: v[i],
+                            prim_id: prim[i],
+                            geom_id: geom[i],
+                            inst_id: inst[i],
+                            leaf_id: leaf[i],
+                        };
+                        hits.push((prim[i] != u32::MAX).then_some(hit));
+                        (geom[i], inst[i]) = self.trees.ids(geom[i], inst[i]);
+                    }
+                });
+                py.check_signals()?;
+            }
+        }
+        Ok(Hits {
+            t: t.done(),
+            prim_id: prim.done_as("int32")?,
+            geom_id: geom.done_as("int32")?,
+            inst_id: inst.done_as("int32")?,
+            u: u.done(),
+            v: v.done(),
+            count: n,
+            found: Found { trees: self.trees, workers: self.workers, hits },
+        })
+    }
+
+    pub(crate) fn occluded(self, py: Python<'_>, rays: &Rays) -> PyResult<Py<PyAny>> {
+        let mut answers = New::<u8>::empty(py, rays.count(), 1)?;
+        let all = answers.all();
+        for range in rays.blocks() {
+            let slices = rays.slices(&range)?;
+            let part = &mut all[range.clone()];
+            py.detach(|| {
+                let mut occluded = vec![false; part.len()];
+                let query = Query { coherence: rays.coherence(&slices), ..Query::default() };
+                let traced = ask!(&*self.trees, tree => tree.occluded_slices(&query, &slices, self.workers.threads(), &mut occluded));
+                traced.expect("an array was made for these rays");
+                part.iter_mut().zip(occluded).for_each(|(into, is)| *into = u8::from(is));
+            });
+            py.check_signals()?;
+        }
+        answers.done_as("bool")
+    }
+
+    pub(crate) fn all_hits(self, py: Python<'_>, rays: &Rays, most: usize) -> PyResult<AllHits> {
+        let mut splits = vec![0i64];
+        let mut all: Vec<Hit> = Vec::new();
+        for range in rays.blocks() {
+            let list = rays.list(&range)?;
+            py.detach(|| {
+                let of = |part: &[Ray64]| {
+                    let (mut hits, mut counts, mut one) = (Vec::new(), Vec::new(), Vec::new());
+                    for ray in part {
+                        ask!(&*self.trees, tree => tree.first_hits(&Query::default(), ray, most, &mut one));
+                        hits.extend_from_slice(&one);
+                        counts.push(one.len() as i64);
+                    }
+                    (hits, counts)
+                };
+                let parts: Vec<_> = self.workers.threads().run(|parallel| {
+                    if parallel {
+                        list.par_chunks(1024).map(of).collect()
+                    } else {
+                        list.chunks(1024).map(of).collect()
+                    }
+                });
+                for (hits, counts) in parts {
+                    all.extend(hits);
+                    for count in counts {
+                        splits.push(splits[splits.len() - 1] + count);
+                    }
+                }
+            });
+            py.check_signals()?;
+        }
+        let of_rays = splits.windows(2).enumerate();
+        let ray_ids: Vec<i64> =
+            of_rays.flat_map(|(i, ends)| (ends[0]..ends[1]).map(move |_| i as i64)).collect();
+        let floats = |field: fn(&Hit) -> f32| -> PyResult<Py<PyAny>> {
+            Ok(New::of(py, &all.iter().map(field).collect::<Vec<f32>>())?.done())
+        };
+        let ids = |field: &dyn Fn(&Hit) -> u32| -> PyResult<Py<PyAny>> {
+            New::of(py, &all.iter().map(field).collect::<Vec<u32>>())?.done_as("int32")
+        };
+        let named = |hit: &Hit| self.trees.ids(hit.geom_id, hit.inst_id);
+        Ok(AllHits {
+            splits: New::of(py, &splits)?.done(),
+            ray_id: New::of(py, &ray_ids)?.done(),
+            t: floats(|hit| hit.t)?,
+            prim_id: ids(&|hit| hit.prim_id)?,
+            geom_id: ids(&|hit| named(hit).0)?,
+            inst_id: ids(&|hit| named(hit).1)?,
+            u: floats(|hit| hit.u)?,
+            v: floats(|hit| hit.v)?,
+        })
+    }
+
+    pub(crate) fn crossings(self, py: Python<'_>, rays: &Rays) -> PyResult<Py<PyAny>> {
+        let mut answers = New::<u32>::empty(py, rays.count(), 1)?;
+        let all = answers.all();
+        for range in rays.blocks() {
+            let list = rays.list(&range)?;
+            let part = &mut all[range];
+            py.detach(|| {
+                let mut counts = Vec::new();
+                ask!(&*self.trees, tree => tree.crossings_batch(&Query::default(), &list, self.workers.threads(), &mut counts));
+                part.copy_from_slice(&counts);
+            });
+            py.check_signals()?;
+        }
+        answers.done_as("int32")
+    }
+
+    pub(crate) fn contains(self, py: Python<'_>, points: &[[f64; 3]]) -> PyResult<Py<PyAny>> {
+        let mut answers = New::<u8>::empty(py, points.len(), 1)?;
+        for (points, part) in points.chunks(POINTS).zip(answers.all().chunks_mut(POINTS)) {
+            py.detach(|| {
+                let mut inside = Vec::new();
+                ask!(&*self.trees, tree => tree.contains_batch(&Query::default(), points, self.workers.threads(), &mut inside));
+                part.iter_mut().zip(inside).for_each(|(into, is)| *into = u8::from(is));
+            });
+            py.check_signals()?;
+        }
+        answers.done_as("bool")
+    }
+
+    /// Distances, those from inside of a closed surface negative if `signed`.
+    pub(crate) fn distance(self, py: Python<'_>, points: &[[f64; 3]], signed: bool) -> PyResult<Py<PyAny>> {
+        let mut answers = New::<f64>::empty(py, points.len(), 1)?;
+        for (points, part) in points.chunks(POINTS).zip(answers.all().chunks_mut(POINTS)) {
+            py.detach(|| {
+                let (query, threads) = (Query::default(), self.workers.threads());
+                if signed {
+                    let mut distances = Vec::new();
+                    ask!(&*self.trees, tree => tree.signed_distance_batch(&query, points, threads, &mut distances));
+                    part.copy_from_slice(&distances);
+                } else {
+                    let mut hits = Vec::new();
+                    ask!(&*self.trees, tree => tree.closest_points(&query, points, f64::INFINITY, threads, &mut hits));
+                    let distance = |hit: &Option<PointHit>| hit.map_or(f64::INFINITY, |hit| hit.distance);
+                    part.iter_mut().zip(&hits).for_each(|(into, hit)| *into = distance(hit));
+                }
+            });
+            py.check_signals()?;
+        }
+        Ok(answers.done())
+    }
+
+    /// Points, distances, primitives and geometries.
+    pub(crate) fn closest_point(self, py: Python<'_>, points: &[[f64; 3]]) -> PyResult<[Py<PyAny>; 4]> {
+        let n = points.len();
+        let [mut at, mut distance] = [New::<f64>::empty(py, n, 3)?, New::empty(py, n, 1)?];
+        let [mut prim, mut geom] = [New::<u32>::empty(py, n, 1)?, New::empty(py, n, 1)?];
+        {
+            let (at, distance, prim, geom) = (at.all(), distance.all(), prim.all(), geom.all());
+            for (block, points) in points.chunks(POINTS).enumerate() {
+                let mut hits = Vec::new();
+                py.detach(|| {
+                    ask!(&*self.trees, tree => tree.closest_points(&Query::default(), points, f64::INFINITY, self.workers.threads(), &mut hits));
+                });
+                for (i, hit) in hits.iter().enumerate() {
+                    let i = block * POINTS + i;
+                    let point = hit.map_or([f64::NAN; 3], |hit| hit.point);
+                    at[3 * i..3 * i + 3].copy_from_slice(&point);
+                    distance[i] = hit.map_or(f64::INFINITY, |hit| hit.distance);
+                    prim[i] = hit.map_or(u32::MAX, |hit| hit.prim_id);
+                    geom[i] = hit.map_or(u32::MAX, |hit| self.trees.ids(hit.geom_id, hit.inst_id).0);
+                }
+                py.check_signals()?;
+            }
+        }
+        Ok([at.done(), distance.done(), prim.done_as("int32")?, geom.done_as("int32")?])
+    }
+}

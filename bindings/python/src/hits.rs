@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What rays hit, as arrays. Source: original; docs/python.md. Proof: `tests/test_rays.py`.
+
+use std::sync::Arc;
+
+use gnurt_accel::Hit;
+use pyo3::prelude::*;
+
+use crate::arrays::New;
+use crate::pool::Workers;
+use crate::trees::Trees;
+
+/// As the trees name it: what a normal is asked with.
+pub(crate) struct Found {
+    pub(crate) trees: Arc<Trees>,
+    pub(crate) workers: Workers,
+    pub(crate) hits: Vec<Option<Hit>>,
+}
+
+/// Where each ray hits first. `len(hits)` is the number of rays.
+#[pyclass(module = "gnurt", frozen)]
+pub(crate) struct Hits {
+    /// float32 (n,): how many lengths of the direction away; inf where the ray missed.
+    #[pyo3(get)]
+    pub(crate) t: Py<PyAny>,
+    /// int32 (n,): the row of `faces`; -1 where the ray missed.
+    #[pyo3(get)]
+    pub(crate) prim_id: Py<PyAny>,
+    /// int32 (n,): the geometry; -1 where the ray missed.
+    #[pyo3(get)]
+    pub(crate) geom_id: Py<PyAny>,
+    /// int32 (n,): the instance; -1 where the ray missed, or hit a geometry itself.
+    #[pyo3(get)]
+    pub(crate) inst_id: Py<PyAny>,
+    /// float32 (n,): weight of the triangle's second corner.
+    #[pyo3(get)]
+    pub(crate) u: Py<PyAny>,
+    /// float32 (n,): weight of the triangle's third corner.
+    #[pyo3(get)]
+    pub(crate) v: Py<PyAny>,
+    pub(crate) count: usize,
+    pub(crate) found: Found,
+}
+
+#[pymethods]
+impl Hits {
+    /// float32 (n, 3): unit normals by the right hand rule; zeros where the ray missed.
+    #[getter]
+    fn normal(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let mut normals = New::<f32>::empty(py, self.count, 3)?;
+        let all = normals.all();
+        let Found { trees, workers, hits } = &self.found;
+        py.detach(|| {
+            workers.threads().run(|parallel| {
+                let set = |(normal, hit): (&mut [f32], &Option<Hit>)| {
+                    normal.copy_from_slice(&hit.map(|hit| trees.normal(&hit)).unwrap_or_default());
+                };
+                if parallel {
+                    use rayon::prelude::*;
+                    all.par_chunks_exact_mut(3).zip(hits).with_min_len(1024).for_each(set);
+                } else {
+                    all.chunks_exact_mut(3).zip(hits).for_each(set);
+                }
+            });
+        });
+        Ok(normals.done())
+    }
+
+    fn __len__(&self) -> usize {
+        self.count
+    }
+
+    fn __repr__(&self) -> String {
+        let hit = self.found.hits.iter().flatten().count();
+        format!("<gnurt.Hits: {} rays, {hit} hit>", self.count)
+    }
+}
+
+/// All that each ray hits, in order. What ray `i` hits is `[splits[i]:splits[i + 1]]` of the other arrays.
+#[pyclass(module = "gnurt", frozen, get_all)]
+pub(crate) struct AllHits {
+    /// int64 (n + 1,).
+    pub(crate) splits: Py<PyAny>,
+    /// int64 (m,): the ray.
+    pub(crate) ray_id: Py<PyAny>,
+    /// float32 (m,), as are u and v; int32 (m,) as are the others: see `Hits`.
+    pub(crate) t: Py<PyAny>,
+    pub(crate) prim_id: Py<PyAny>,
+    pub(crate) geom_id: Py<PyAny>,
+    pub(crate) inst_id: Py<PyAny>,
+    pub(crate) u: Py<PyAny>,
+    pub(crate) v: Py<PyAny>,
+}
+
+#[pymethods]
+impl AllHits {
+    fn __len__(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.splits.bind(py).len()? - 1)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let hits = self.t.bind(py).len()?;
+        Ok(format!("<gnurt.AllHits: {} rays, {hits} hits>", self.__len__(py)?))
+    }
+}

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The part of the Python package `gnurt` that is compiled: ray queries on numpy arrays.
+//! Source: original; docs/python.md. Proof: `bindings/python/tests`.
+
+mod answers;
+mod arrays;
+mod ffi_arrays;
+mod hits;
+mod meshes;
+mod pool;
+mod ray_scene;
+mod rays;
+mod trees;
+
+use pyo3::prelude::*;
+
+/// What `import gnurt` finds.
+#[pymodule]
+fn _gnurt(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<hits::Hits>()?;
+    module.add_class::<hits::AllHits>()?;
+    module.add_class::<ray_scene::RayScene>()
+}

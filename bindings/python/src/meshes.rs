@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a ray scene holds: meshes and instances by their numbers, which stay when others are removed.
+//! Source: original. Invariant: corner numbers are in range. Proof: `tests/test_scene.py`.
+
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::arrays::{Numbers, array, numpy, of_type, transform};
+use crate::ffi_arrays::Rows;
+
+/// Triangles. The arrays are kept, so that they can be pickled and built again.
+pub(crate) struct Mesh {
+    /// float32, (n, 3), without gaps.
+    pub(crate) vertices: Py<PyAny>,
+    /// uint32, (m, 3), without gaps.
+    pub(crate) faces: Py<PyAny>,
+    /// Columns of an affine map.
+    pub(crate) place: Option<[[f64; 3]; 4]>,
+}
+
+/// A mesh shown once more.
+#[derive(Clone, Copy)]
+pub(crate) struct Placed {
+    pub(crate) geom_id: u32,
+    pub(crate) place: [[f64; 3]; 4],
+}
+
+/// Rows of three numbers of an array that is kept.
+pub(crate) fn triples<T: pyo3::buffer::Element + Copy>(array: &Bound<'_, PyAny>) -> PyResult<Vec<[T; 3]>> {
+    let rows = Rows::<T>::new(array)?.ok_or_else(|| PyValueError::new_err("an array has gaps"))?;
+    Ok(rows.all().chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect())
+}
+
+impl Mesh {
+    /// Checked. `copy` is for arrays that need no conversion.
+    pub(crate) fn new(
+        vertices: &Bound<'_, PyAny>,
+        faces: &Bound<'_, PyAny>,
+        place: Option<&Bound<'_, PyAny>>,
+        copy: bool,
+    ) -> PyResult<Self> {
+        let count = Numbers::new("vertices", vertices, Some(3))?.count();
+        let kept = |array: &Bound<'_, PyAny>, given: &Bound<'_, PyAny>| -> PyResult<Py<PyAny>> {
+            // What was converted is ours already.
+            let is_theirs =
+                || numpy(array.py())?.call_method1("may_share_memory", (array, given))?.is_truthy();
+            Ok(if copy && is_theirs()? { array.call_method0("copy")? } else { array.clone() }.unbind())
+        };
+        let (given, found) = (array("vertices", vertices)?, array("faces", faces)?);
+        let (kind, shape): (String, Vec<usize>) =
+            (found.getattr("dtype")?.getattr("kind")?.extract()?, found.getattr("shape")?.extract()?);
+        if !matches!(kind.as_str(), "i" | "u") {
+            let dtype = found.getattr("dtype")?;
+            return Err(PyTypeError::new_err(format!("faces: expected whole numbers, not {dtype}")));
+        }
+        if !matches!(shape[..], [_, 3]) {
+            let shape = found.getattr("shape")?;
+            return Err(PyValueError::new_err(format!("faces: expected shape (m, 3), not {shape}")));
+        }
+        let wide = of_type(&found, "int64")?;
+        let rows = Rows::<i64>::new(&wide)?.ok_or_else(|| PyValueError::new_err("faces: has gaps"))?;
+        if let Some(bad) = rows.all().iter().position(|&corner| corner < 0 || corner as u64 >= count as u64) {
+            let (row, corner) = (bad / 3, rows.all()[bad]);
+            return Err(PyValueError::new_err(format!(
+                "faces: row {row} names vertex {corner}, and there are {count} vertices, from 0 on"
+            )));
+        }
+        Ok(Self {
+            vertices: kept(&of_type(&given, "float32")?, &given)?,
+            faces: kept(&of_type(&found, "uint32")?, &found)?,
+            place: place.map(|place| transform("transform", place)).transpose()?,
+        })
+    }
+
+    /// The same arrays.
+    pub(crate) fn shared(&self, py: Python<'_>) -> Self {
+        let Self { vertices, faces, place } = self;
+        Self { vertices: vertices.clone_ref(py), faces: faces.clone_ref(py), place: *place }
+    }
+
+    /// The same mesh with other vertices: as many.
+    pub(crate) fn moved(&self, py: Python<'_>, vertices: &Bound<'_, PyAny>, copy: bool) -> PyResult<Self> {
+        let new = Self::new(vertices, self.faces.bind(py), None, copy)?;
+        let count = |mesh: &Self| mesh.vertices.bind(py).len();
+        if count(&new)? != count(self)? {
+            let (expected, found) = (count(self)?, count(&new)?);
+            return Err(PyValueError::new_err(format!(
+                "vertices: expected shape ({expected}, 3) as before, not ({found}, 3)"
+            )));
+        }
+        Ok(Self { place: self.place, faces: self.faces.clone_ref(py), vertices: new.vertices })
+    }
+
+    pub(crate) fn positions(&self, py: Python<'_>) -> PyResult<Vec<[f32; 3]>> {
+        triples(self.vertices.bind(py))
+    }
+
+    pub(crate) fn indices(&self, py: Python<'_>) -> PyResult<Vec<[u32; 3]>> {
+        triples(self.faces.bind(py))
+    }
+}
+
+/// A point carried to its place.
+pub(crate) fn carried([x, y, z, w]: &[[f64; 3]; 4], point: [f32; 3]) -> [f32; 3] {
+    let [a, b, c] = point.map(f64::from);
+    [0, 1, 2].map(|k| (x[k] * a + y[k] * b + z[k] * c + w[k]) as f32)
+}

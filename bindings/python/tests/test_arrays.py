@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import array
+
+import numpy as np
+import pytest
+
+import gnurt
+from conftest import cube
+
+
+def test_any_layout_gives_the_same(scene, rays):
+    origins, directions = (a.astype(np.float32).astype(float) for a in rays)
+    expected = scene.intersect(origins, directions).t
+    rows = np.concatenate([origins, directions], axis=1)
+    wide = np.zeros((1000, 9))
+    wide[:, 1:7] = rows
+    for org, dir in (
+        (rows[:, :3], rows[:, 3:]),
+        (rows.astype(np.float32)[:, :3], rows[:, 3:]),
+        (wide[:, 1:4], wide[:, 4:7]),
+        (np.asfortranarray(origins), directions.tolist()),
+        (origins[::-1][::-1], np.repeat(directions, 2, axis=0)[::2]),
+        (origins.astype(">f8"), np.ascontiguousarray(directions.T).T),
+    ):
+        assert (scene.intersect(org, dir).t == expected).all()
+
+
+def test_other_arrays(scene):
+    class Array:
+        def __array__(self, dtype=None, copy=None):
+            return np.array([[0.5, 0.5, 3]])
+
+    down = memoryview(array.array("d", [0, 0, -1])).cast("B").cast("d", [1, 3])
+    assert scene.intersect(Array(), down).t == [2]
+    assert scene.intersect([[0, 0, 3]], np.array([[0, 0, -1]], np.int8)).t == [2]
+
+
+@pytest.mark.parametrize(
+    "call, error, words",
+    [
+        (lambda s: s.intersect(np.zeros((5, 2)), np.zeros((5, 3))), ValueError, r"origins: .*\(n, 3\).*\(5, 2\)"),
+        (lambda s: s.intersect(np.zeros(3), np.zeros((5, 3))), ValueError, r"origins: .*\(3,\)"),
+        (lambda s: s.occluded(np.zeros((5, 3)), np.zeros((4, 3))), ValueError, r"directions: .*\(5, 3\).*\(4, 3\)"),
+        (lambda s: s.intersect("rays", np.zeros((5, 3))), TypeError, "origins"),
+        (lambda s: s.intersect(np.zeros((5, 3), complex), np.zeros((5, 3))), TypeError, "origins: .*complex"),
+        (lambda s: s.intersect(np.zeros((5, 3)), np.ones((5, 3)), t_far=np.zeros(4)), ValueError, "t_far: .*5.*4"),
+        (lambda s: s.intersect(np.zeros((5, 3)), np.ones((5, 3)), t_near="a"), TypeError, "t_near"),
+        (lambda s: s.contains(np.zeros((5, 4))), ValueError, "points"),
+        (lambda s: s.contains(np.zeros((5, 3)), threads=-1), OverflowError, "negative"),
+        (lambda s: s.contains(np.zeros((5, 3)), threads=10**6), ValueError, "threads"),
+        (lambda s: s.add_triangles(np.zeros((5, 3)), [[0, 1, 5]]), ValueError, "faces: row 0 names vertex 5.*5"),
+        (lambda s: s.add_triangles(np.zeros((5, 3)), [[0, 1, -1]]), ValueError, "faces: .*-1"),
+        (lambda s: s.add_triangles(np.zeros((5, 3)), [[0.5, 1, 2]]), TypeError, "faces: .*whole"),
+        (lambda s: s.add_triangles(np.zeros((5, 3)), [[0, 1, 2, 3]]), ValueError, r"faces: .*\(m, 3\)"),
+        (lambda s: s.add_triangles(np.zeros((5, 2)), [[0, 1, 2]]), ValueError, "vertices"),
+        (lambda s: s.add_triangles(*cube(), transform=np.eye(3)), ValueError, r"transform: .*\(3, 3\)"),
+        (lambda s: s.add_triangles(*cube(), transform=np.zeros((3, 4))), ValueError, "transform: .*singular"),
+        (lambda s: s.add_instance(0, np.eye(4) * np.nan), ValueError, "transform: .*finite"),
+        (lambda s: s.add_instance(0, np.ones((4, 4))), ValueError, "transform: .*last row"),
+        (lambda s: s.update(0, vertices=np.zeros((3, 3))), ValueError, "vertices|faces"),
+        (lambda s: s.update(), TypeError, "geom_id or inst_id"),
+    ],
+)
+def test_wrong_arguments(scene, call, error, words):
+    before = repr(scene)
+    with pytest.raises(error, match=words):
+        call(scene)
+    assert repr(scene) == before

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import sys
+
+import numpy as np
+import pytest
+
+import gnurt.compat
+import gnurt.igl
+import gnurt.open3d
+from conftest import brute_force, cube
+
+
+def test_embreex(rays):
+    sys.modules.pop("embreex", None)
+    gnurt.compat.install_embreex()
+    from embreex.mesh_construction import ElementMesh, TriangleMesh
+    from embreex.rtcore_scene import EmbreeScene
+
+    vertices, faces = cube()
+    expected = brute_force(vertices, faces, *rays).min(axis=1)
+    scene, soup = EmbreeScene(), EmbreeScene()
+    TriangleMesh(scene, vertices, faces)
+    TriangleMesh(soup, vertices[faces])
+    rays = [a.astype(np.float32) for a in rays]
+    found = scene.run(*rays, query="DISTANCE")
+    assert np.allclose(np.where(found > 1e36, np.inf, found), expected, rtol=1e-4)
+    assert (scene.run(*rays) == soup.run(*rays)).all()
+    assert ((scene.run(*rays, query="OCCLUDED") == 0) == np.isfinite(expected)).all()
+    far = np.full(1000, 1e37, np.float32)
+    assert set(scene.run(*rays, dists=far, output=1)) == {"u", "v", "Ng", "tfar", "primID", "geomID"}
+    assert (far == found).all(), "far ends are written in place"
+    bricks = EmbreeScene()
+    ElementMesh(bricks, vertices, np.array([[0, 1, 3, 2, 4, 5, 7, 6]]))
+    assert np.allclose(bricks.run(*rays, query="DISTANCE"), found)
+    with pytest.raises(ValueError, match="vec_origins: expected float32"):
+        scene.run(np.zeros((1, 3)), rays[1])
+
+
+def test_open3d(rays):
+    vertices, faces = cube()
+    scene = gnurt.open3d.RaycastingScene()
+    scene.add_triangles(vertices.astype(np.float32), faces.astype(np.uint32))
+    picture = scene.create_rays_pinhole(60, [0.5, 0.5, 0.5], [0.5, 0.5, 4], [0, 1, 0], 8, 6)
+    hits = scene.cast_rays(picture)
+    assert hits["t_hit"].shape == (6, 8) and hits["primitive_uvs"].shape == (6, 8, 2)
+    assert hits["primitive_ids"][0, 0] == scene.INVALID_ID and np.isclose(hits["t_hit"][3, 4], 3)
+    assert (scene.count_intersections(picture) == 2 * np.isfinite(hits["t_hit"])).all()
+    points = np.float32([[[0.5, 0.5, 0.75], [0.25, 0.5, 3]]])
+    assert scene.compute_signed_distance(points, nsamples=3).tolist() == [[-0.25, 2]]
+    near = scene.compute_closest_points(points)
+    assert near["points"].tolist() == [[[0.5, 0.5, 1], [0.25, 0.5, 1]]]
+    assert near["primitive_normals"].tolist() == [[[0, 0, 1]] * 2]
+    assert scene.list_intersections(picture)["ray_splits"].shape == (49,)
+
+
+def test_igl():
+    vertices, faces = cube()
+    hits = gnurt.igl.ray_mesh_intersect([0.25, 0.3, 3], [0, 0, -1], vertices, faces)
+    assert [round(t, 6) for _, t, _, _ in hits] == [2, 3]
+    distances, triangles, points, normals = gnurt.igl.signed_distance([[0.5, 0.4, 0.9]], vertices, faces)
+    assert np.allclose(distances, -0.1) and np.allclose(points, [[0.5, 0.4, 1]]) and np.allclose(normals, [[0, 0, 1]])
+
+
+def test_trimesh(rays):
+    trimesh = pytest.importorskip("trimesh")
+    import gnurt.trimesh
+
+    mesh = trimesh.Trimesh(*cube(), process=False)
+    mesh.ray = gnurt.trimesh.RayMeshIntersector(mesh)
+    expected = brute_force(*cube(), *rays).min(axis=1)
+    assert (mesh.ray.intersects_any(*rays) == np.isfinite(expected)).all()
+    locations, index_ray, _ = mesh.ray.intersects_location(*rays)
+    counts = gnurt.igl._scene(*cube()).crossings(*rays)
+    assert (np.bincount(index_ray, minlength=1000) == counts).all() and locations.shape == (counts.sum(), 3)
+    assert mesh.ray.contains_points([[0.5, 0.5, 0.5], [2, 0, 0]]).tolist() == [True, False]

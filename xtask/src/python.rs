@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `cargo xtask python`: builds the Python package's compiled part into its source folder, and runs its tests. Source: original.
+//! The wheel itself is maturin's business (`pip install ./bindings/python`).
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::command;
+use crate::failure::Failure;
+use crate::workspace::Workspace;
+
+/// What the tests need.
+const PACKAGES: [&str; 2] = ["numpy", "pytest"];
+
+/// Builds and tests. Without a Python that the package is for, or without its packages, that is told and skipped.
+pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
+    if let Some(argument) = arguments.first() {
+        return Err(format!("python takes no arguments, not '{argument}'"));
+    }
+    command::run(command::cargo().args(["build", "--package", "gnurt-python"]))?;
+    let target = Workspace::load()?.target;
+    let source = command::root().join("bindings/python");
+    let built = target.join("debug/lib_gnurt.so");
+    let module = source.join("python/gnurt/_gnurt.abi3.so");
+    std::fs::copy(&built, &module).map_err(|error| format!("{}: {error}", built.display()))?;
+    let environment = target.join("python");
+    let Some(python) = environment_with_packages(&environment) else { return Ok(()) };
+    let mut tests = Command::new(&python);
+    let options = ["-m", "pytest", "-q", "-p", "no:cacheprovider", "tests"];
+    command::run(
+        tests
+            .current_dir(&source)
+            .args(options)
+            .env("PYTHONPATH", "python")
+            .env("PYTHONDONTWRITEBYTECODE", "1"),
+    )
+}
+
+/// The interpreter of an environment that has what the tests need.
+fn environment_with_packages(folder: &Path) -> Option<std::path::PathBuf> {
+    let is_new = "import sys, ensurepip; sys.exit(sys.version_info < (3, 11))";
+    if !succeeds(Command::new("python3").args(["-c", is_new])) {
+        eprintln!("SKIPPED: tests of the Python package; they need Python 3.11 or later with venv");
+        return None;
+    }
+    let python = folder.join("bin/python");
+    let imports = PACKAGES.map(|package| format!("import {package}")).join("; ");
+    let has_packages = || succeeds(Command::new(&python).args(["-c", &imports]));
+    if !has_packages() {
+        let made = succeeds(Command::new("python3").args(["-m", "venv"]).arg(folder));
+        let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+        if !made || !succeeds(Command::new(&python).args(install).args(PACKAGES)) {
+            eprintln!(
+                "SKIPPED: tests of the Python package; pip could not install {}",
+                PACKAGES.join(" and ")
+            );
+            return None;
+        }
+    }
+    Some(python)
+}
+
+fn succeeds(command: &mut Command) -> bool {
+    command.status().is_ok_and(|status| status.success())
+}
