@@ -30,7 +30,7 @@ impl Asked {
             [New::<f32>::empty(py, n, 1)?, New::empty(py, n, 1)?, New::empty(py, n, 1)?];
         let [mut prim, mut geom, mut inst] =
             [New::<u32>::empty(py, n, 1)?, New::empty(py, n, 1)?, New::empty(py, n, 1)?];
-        let mut hits = Vec::with_capacity(n);
+        let mut ids = Vec::with_capacity(n);
         {
             let (t, u, v) = (t.all(), u.all(), v.all());
             let (prim, geom, inst) = (prim.all(), geom.all(), inst.all());
@@ -56,16 +56,7 @@ impl Asked {
                         ask!(&*self.trees, tree => tree.intersect_slices(&query, &slices, self.workers.threads(), &mut into));
                     traced.expect("arrays were made for these rays");
                     for i in 0..range.len() {
-                        let hit = Hit {
-                            t: t[i],
-                            u: u[i],
-                            v: v[i],
-                            prim_id: prim[i],
-                            geom_id: geom[i],
-                            inst_id: inst[i],
-                            leaf_id: leaf[i],
-                        };
-                        hits.push((prim[i] != u32::MAX).then_some(hit));
+                        ids.push([prim[i], geom[i], inst[i], leaf[i]]);
                         (geom[i], inst[i]) = self.trees.ids(geom[i], inst[i]);
                     }
                 });
@@ -80,7 +71,7 @@ impl Asked {
             u: u.done(),
             v: v.done(),
             count: n,
-            found: Found { trees: self.trees, workers: self.workers, hits },
+            found: Found { trees: self.trees, workers: self.workers, ids },
         })
     }
 

@@ -3,18 +3,18 @@
 
 use std::sync::Arc;
 
-use gnurt_accel::Hit;
 use pyo3::prelude::*;
 
 use crate::arrays::New;
 use crate::pool::Workers;
 use crate::trees::Trees;
 
-/// As the trees name it: what a normal is asked with.
+/// What a normal is asked with, if somebody asks.
 pub(crate) struct Found {
     pub(crate) trees: Arc<Trees>,
     pub(crate) workers: Workers,
-    pub(crate) hits: Vec<Option<Hit>>,
+    /// Triangle, geometry, instance and leaf of each ray's hit, as the trees name them.
+    pub(crate) ids: Vec<[u32; 4]>,
 }
 
 /// Where each ray hits first. `len(hits)` is the number of rays.
@@ -49,17 +49,16 @@ impl Hits {
     fn normal(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let mut normals = New::<f32>::empty(py, self.count, 3)?;
         let all = normals.all();
-        let Found { trees, workers, hits } = &self.found;
+        let Found { trees, workers, ids } = &self.found;
         py.detach(|| {
             workers.threads().run(|parallel| {
-                let set = |(normal, hit): (&mut [f32], &Option<Hit>)| {
-                    normal.copy_from_slice(&hit.map(|hit| trees.normal(&hit)).unwrap_or_default());
-                };
+                let set =
+                    |(normal, ids): (&mut [f32], &[u32; 4])| normal.copy_from_slice(&trees.normal(*ids));
                 if parallel {
                     use rayon::prelude::*;
-                    all.par_chunks_exact_mut(3).zip(hits).with_min_len(1024).for_each(set);
+                    all.par_chunks_exact_mut(3).zip(ids).with_min_len(1024).for_each(set);
                 } else {
-                    all.chunks_exact_mut(3).zip(hits).for_each(set);
+                    all.chunks_exact_mut(3).zip(ids).for_each(set);
                 }
             });
         });
@@ -71,7 +70,7 @@ impl Hits {
     }
 
     fn __repr__(&self) -> String {
-        let hit = self.found.hits.iter().flatten().count();
+        let hit = self.found.ids.iter().filter(|[prim_id, ..]| *prim_id != u32::MAX).count();
         format!("<gnurt.Hits: {} rays, {hit} hit>", self.count)
     }
 }

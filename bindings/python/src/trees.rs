@@ -107,7 +107,11 @@ impl Trees {
     }
 
     /// Unit normal of a triangle that was hit; zeros where there is none.
-    pub(crate) fn normal(&self, hit: &Hit) -> [f32; 3] {
-        ask!(self, tree => tree.normal(hit)).unwrap_or_default()
+    pub(crate) fn normal(&self, [prim_id, geom_id, inst_id, leaf_id]: [u32; 4]) -> [f32; 3] {
+        if prim_id == u32::MAX {
+            return [0.0; 3];
+        }
+        let hit = Hit { t: 0.0, u: 0.0, v: 0.0, prim_id, geom_id, inst_id, leaf_id };
+        ask!(self, tree => tree.normal(&hit)).unwrap_or_default()
     }
 }
