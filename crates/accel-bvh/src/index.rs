@@ -5,12 +5,12 @@
 mod store;
 
 use gnurt_accel_core::control::Watch;
-use gnurt_accel_core::screened::Screened;
 use gnurt_accel_core::{Aabb, BuildError, Memory, Quality, Threads, TreeStats};
 
 use crate::build::try_build;
 use crate::leaves::Leaves;
 use crate::refit::Moving;
+use crate::screen::Screen;
 use crate::tree::Tree;
 
 /// Tree and triangles.
@@ -38,19 +38,20 @@ impl BvhIndex {
     /// # Errors
     /// That `watch` stopped it, or that there are more blocks than leaves can number.
     pub fn build(
-        screened: &Screened,
+        screen: &mut Screen,
         quality: Quality,
         memory: Memory,
         threads: Threads,
         watch: &Watch,
     ) -> Result<Self, BuildError> {
-        let mut tree = try_build(screened, quality, threads, watch)?;
+        let references = screen.take_references();
+        let mut tree = try_build(screen, references, quality, threads, watch)?;
         let mut held = tree.node_bytes();
         tree.settle(memory);
         watch.recount(&mut held, tree.node_bytes());
         let stats = tree.measure();
         let in_blocks = std::mem::take(&mut tree.blocks);
-        let leaves = Leaves::build(screened, memory, &in_blocks, threads, watch)?;
+        let leaves = Leaves::build(screen, memory, &in_blocks, threads, watch)?;
         watch.give(size_of_val(&in_blocks[..]));
         let greatest = tree.greatest();
         Ok(Self { tree, leaves, greatest, stats, moving: None })

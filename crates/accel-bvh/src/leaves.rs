@@ -2,16 +2,18 @@
 //! The leaf blocks of a wide BVH over triangles, as tests take them or in less memory.
 //! Source: original. Invariant: there are blocks or pools, not both. Proof: `tests/brute_force.rs`.
 
-use gnurt_simd::{Simd, prefer_huge_pages, prefetch};
+use gnurt_simd::{Level, Simd, dispatch_two, prefer_huge_pages, prefetch};
 
 use gnurt_accel_core::blocks::TriangleBlock;
 use gnurt_accel_core::control::Watch;
-use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::surfaces::Mesh;
 use gnurt_accel_core::threads::extend;
 use gnurt_accel_core::{BuildError, INVALID_ID, Memory, Threads};
 
+use crate::gather::{Eight, store};
 use crate::node::{Child, WIDTH};
 use crate::pools::{Filling, Pools};
+use crate::screen::Screen;
 use crate::tree::Tree;
 
 /// Blocks by their numbers.
@@ -24,17 +26,17 @@ pub(crate) struct Leaves {
 impl Leaves {
     /// From numbers of triangles. What they take stays counted.
     pub(super) fn build(
-        screened: &Screened,
+        screen: &Screen,
         memory: Memory,
         in_blocks: &[[u32; WIDTH]],
         threads: Threads,
         watch: &Watch,
     ) -> Result<Self, BuildError> {
         let mut leaves = Self::default();
-        let number = |i: u32| screened.good.get(i as usize).copied().unwrap_or(INVALID_ID);
-        let block = |places: &[u32; WIDTH]| {
-            TriangleBlock::new(|number| screened.corners(number), &places.map(number))
-        };
+        let number = |i: u32| screen.good.get(i as usize).copied().unwrap_or(INVALID_ID);
+        let level = Level::best();
+        let block =
+            |places: &[u32; WIDTH]| dispatch_two!(level, simd => block(simd, screen, &places.map(number)));
         if memory == Memory::Fast {
             watch.take(size_of::<TriangleBlock>() * in_blocks.len());
             watch.result()?;
@@ -52,7 +54,7 @@ impl Leaves {
             for places in some {
                 let first = number(places[0]);
                 let numbers = places.map(|i| if i == INVALID_ID { first } else { number(i) });
-                filling.push(&numbers, |number| screened.corners(number));
+                filling.push(&numbers, |number| screen.surfaces.corners(number));
             }
         }
         leaves.pools = filling.finish();
@@ -89,6 +91,16 @@ impl Leaves {
     pub(super) fn memory_bytes(&self) -> usize {
         size_of_val(&self.blocks[..]) + self.pools.memory_bytes()
     }
+}
+
+/// A block of these triangles; `INVALID_ID` where there is none, which is not so for the first.
+#[inline(always)]
+fn block<S: Simd>(simd: S, screen: &Screen, numbers: &[u32; WIDTH]) -> TriangleBlock {
+    let numbers = numbers.map(|number| if number == INVALID_ID { numbers[0] } else { number });
+    let mut block = TriangleBlock { numbers, ..TriangleBlock::ZERO };
+    let triangles = Eight::gather(simd, &screen.surfaces, &mut { Mesh::NONE }, &numbers, None);
+    store(&triangles.rows(), &mut block);
+    block
 }
 
 /// Asks for the memory of what will be visited: a node, or the first block of a leaf. Not for compact trees.

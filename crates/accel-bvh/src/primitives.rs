@@ -2,8 +2,6 @@
 //! What a wide BVH is built over: boxes by number, some of which may be split. Source: [SFD09] for the splits.
 
 use gnurt_accel_core::Aabb;
-use gnurt_accel_core::clip::split_boxes;
-use gnurt_accel_core::screened::Screened;
 
 /// What a tree is built over: boxes, by numbers from 0 on.
 pub(crate) trait Primitives: Sync {
@@ -26,19 +24,5 @@ impl Primitives for &[Aabb] {
 
     fn bounds(&self, number: usize) -> Aabb {
         self[number]
-    }
-}
-
-impl Primitives for Screened<'_> {
-    fn count(&self) -> usize {
-        self.good.len()
-    }
-
-    fn bounds(&self, i: usize) -> Aabb {
-        Aabb::around(&self.corners(self.good[i]))
-    }
-
-    fn split(&self, i: usize, cell: &Aabb, axis: usize, at: f32) -> Option<[Option<Aabb>; 2]> {
-        Some(split_boxes(&self.corners(self.good[i]), cell, axis, at))
     }
 }

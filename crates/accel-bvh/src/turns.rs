@@ -228,8 +228,9 @@ mod tests {
     use gnurt_accel_core::bits::all;
     use gnurt_accel_core::collect::Best;
     use gnurt_accel_core::control::Watch;
+    use gnurt_accel_core::geometry::Numbering;
     use gnurt_accel_core::nearest::{AnyHit, Closest};
-    use gnurt_accel_core::screened::Screened;
+    use gnurt_accel_core::surfaces::Surfaces;
     use gnurt_accel_core::tile::{NearestTile, RayTile};
     use gnurt_accel_core::tile_kernels::TileKernels;
     use gnurt_accel_core::trip::RayTrip;
@@ -239,11 +240,13 @@ mod tests {
 
     use super::*;
     use crate::alone::PreparedTile;
+    use crate::screen::Screen;
 
     fn index_over(soup: &Soup) -> BvhIndex {
-        let meshes = [Triangles { positions: &soup.positions, indices: &soup.indices }];
-        let screened = Screened::new(&meshes);
-        BvhIndex::build(&screened, Quality::Medium, Memory::Fast, Threads::Single, &Watch::new(&()))
+        let meshes = [Triangles { positions: &soup.positions, indices: &soup.indices }.into()];
+        let surfaces = Surfaces::new(&meshes, &Numbering::new(&meshes), |_| true);
+        let mut screen = Screen::over(surfaces, Threads::Single);
+        BvhIndex::build(&mut screen, Quality::Medium, Memory::Fast, Threads::Single, &Watch::new(&()))
             .expect("there is memory")
     }
 

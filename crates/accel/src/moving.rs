@@ -42,6 +42,8 @@ pub struct MovingTree {
     motion: Motion,
     /// The tree of the update before last, to be written over once nobody else holds it.
     spare: Arc<Mutex<Option<Arc<ObjectTree>>>>,
+    /// Refits since the last build.
+    refits: u32,
     /// Nanoseconds that rays are thought to have lost since the last build.
     debt: f64,
 }
@@ -69,7 +71,7 @@ impl MovingTree {
     /// Takes over a tree that was built, or loaded.
     #[must_use]
     pub fn of(tree: Arc<ObjectTree>, motion: Motion) -> Self {
-        Self { tree, motion, spare: Arc::default(), debt: 0.0 }
+        Self { tree, motion, spare: Arc::default(), refits: 0, debt: 0.0 }
     }
 
     /// The tree as it is now.
@@ -110,7 +112,11 @@ impl MovingTree {
 
     fn replace(&mut self, tree: Arc<ObjectTree>) {
         let before = std::mem::replace(&mut self.tree, tree);
-        *self.spare.lock().unwrap_or_else(PoisonError::into_inner) = Some(before);
+        self.refits += 1;
+        // Who edits once need not pay with memory.
+        if self.motion != Motion::Auto || self.refits > 1 {
+            *self.spare.lock().unwrap_or_else(PoisonError::into_inner) = Some(before);
+        }
     }
 }
 

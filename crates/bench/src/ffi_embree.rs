@@ -120,6 +120,8 @@ pub(crate) struct Library {
     pub(crate) new_geometry: unsafe extern "C" fn(Handle, c_int) -> Handle,
     pub(crate) release_geometry: unsafe extern "C" fn(Handle),
     share_buffer: unsafe extern "C" fn(Handle, c_int, c_uint, c_int, *const c_void, usize, usize, usize),
+    set_geometry_quality: unsafe extern "C" fn(Handle, c_int),
+    update_buffer: unsafe extern "C" fn(Handle, c_int, c_uint),
     pub(crate) set_instanced: unsafe extern "C" fn(Handle, Handle),
     pub(crate) set_transform: unsafe extern "C" fn(Handle, c_uint, c_int, *const c_void),
     pub(crate) commit_geometry: unsafe extern "C" fn(Handle),
@@ -166,6 +168,8 @@ impl Library {
             share_buffer: function!(c"rtcSetSharedGeometryBuffer"),
             set_instanced: function!(c"rtcSetGeometryInstancedScene"),
             set_transform: function!(c"rtcSetGeometryTransform"),
+            set_geometry_quality: function!(c"rtcSetGeometryBuildQuality"),
+            update_buffer: function!(c"rtcUpdateGeometryBuffer"),
             commit_geometry: function!(c"rtcCommitGeometry"),
             attach: function!(c"rtcAttachGeometry"),
             intersect1: function!(c"rtcIntersect1"),
@@ -372,6 +376,78 @@ impl Drop for Scene<'_> {
     fn drop(&mut self) {
         // SAFETY: the scene is released once, before its device.
         unsafe { (self.library.release_scene)(self.raw) };
+    }
+}
+
+/// A scene over one mesh whose vertices move: Embree refits its structure, as its manual says how to ask for.
+pub(crate) struct MovingScene<'a> {
+    scene: Scene<'a>,
+    geometry: Handle,
+    /// Embree's view of the vertices, with one more at the end.
+    padded: Vec<[f32; 3]>,
+}
+
+impl<'a> MovingScene<'a> {
+    /// Builds over the triangles; what `padded` and `indices` are is what [`Scene::build`] says.
+    pub(crate) fn build(
+        device: &'a Device<'a>,
+        padded: Vec<[f32; 3]>,
+        indices: &'a [[u32; 3]],
+    ) -> Result<Self, String> {
+        const REFIT: c_int = 3;
+        const LOW: c_int = 0;
+        const DYNAMIC: c_int = 1;
+        let highest = indices.iter().flatten().max().map_or(0, |&i| i as usize + 1);
+        assert!(highest < padded.len(), "index {highest} needs a vertex and one behind it: {}", padded.len());
+        let library = device.library;
+        // SAFETY: handles are used as Embree's manual shows. The indices outlive the scene and are in range; the vertices lie
+        // in a vector of the scene's own, which is never made longer, so that they stay where they are; one vertex
+        // behind the last that is used makes 16 bytes readable from each. The geometry is kept for later calls.
+        let (scene, geometry) = unsafe {
+            let geometry = (library.new_geometry)(device.raw, GEOMETRY_TRIANGLE);
+            (library.set_geometry_quality)(geometry, REFIT);
+            let (vertices, triangles) = (padded.as_ptr().cast(), indices.as_ptr().cast());
+            let share = library.share_buffer;
+            share(geometry, BUFFER_VERTEX, 0, FORMAT_FLOAT3, vertices, 0, 12, padded.len() - 1);
+            share(geometry, BUFFER_INDEX, 0, FORMAT_UINT3, triangles, 0, 12, indices.len());
+            (library.commit_geometry)(geometry);
+            let raw = (library.new_scene)(device.raw);
+            (library.set_quality)(raw, LOW);
+            (library.set_flags)(raw, DYNAMIC);
+            (library.attach)(raw, geometry);
+            (library.commit_scene)(raw);
+            (Scene { library, raw, arrays: PhantomData }, geometry)
+        };
+        device.check()?;
+        Ok(Self { scene, geometry, padded })
+    }
+
+    /// Moves the vertices; the scene does not know yet.
+    pub(crate) fn move_to(&mut self, positions: &[[f32; 3]]) {
+        let count = self.padded.len() - 1;
+        self.padded[..count].copy_from_slice(&positions[..count]);
+    }
+
+    /// Fits the scene to its vertices.
+    pub(crate) fn refit(&mut self) {
+        let library = self.scene.library;
+        // SAFETY: geometry and scene are there, and nobody asks the scene meanwhile: it is borrowed for us alone.
+        unsafe {
+            (library.update_buffer)(self.geometry, BUFFER_VERTEX, 0);
+            (library.commit_geometry)(self.geometry);
+            (library.commit_scene)(self.scene.raw);
+        }
+    }
+
+    pub(crate) fn scene(&self) -> &Scene<'a> {
+        &self.scene
+    }
+}
+
+impl Drop for MovingScene<'_> {
+    fn drop(&mut self) {
+        // SAFETY: our hold on the geometry is released once; the scene, which is dropped after this, has its own.
+        unsafe { (self.scene.library.release_geometry)(self.geometry) };
     }
 }
 

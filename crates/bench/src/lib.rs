@@ -13,6 +13,7 @@
 pub mod builds;
 mod clock;
 mod contest;
+pub mod dynamic;
 mod embree;
 mod error;
 #[allow(unsafe_code, reason = "the one door to the library of C")]

@@ -6,7 +6,7 @@ mod common;
 use common::*;
 use gnurt_accel::Ray;
 use gnurt_render::{CommitError, CommitOptions, CommitReport, ShaderTable, World};
-use gnurt_scene::{Affine, InstanceId, Material, MaterialId, MeshId, ObjectId, Scene, Surface};
+use gnurt_scene::{Affine, InstanceId, Material, MaterialId, MeshId, Motion, ObjectId, Scene, Surface};
 
 fn update(world: &mut World, scene: &Scene) -> CommitReport {
     let options = CommitOptions::default();
@@ -27,7 +27,13 @@ fn only_what_changed_is_built() {
     assert_eq!(update(&mut world, &scene).built_objects, 3, "all at first");
     assert_eq!(update(&mut world, &scene).built_objects, 0, "nothing changed");
     scene.edit_mesh(MeshId(1)).positions.iter_mut().for_each(|p| p[2] += 0.1);
-    assert_eq!(update(&mut world, &scene).built_objects, 1, "one mesh moved");
+    let report = update(&mut world, &scene);
+    assert_eq!((report.built_objects, report.refitted_objects), (0, 1), "one mesh moved");
+    let object = scene.edit_object(ObjectId(1));
+    object.motion = Motion::Rigid;
+    assert_eq!(update(&mut world, &scene).built_objects, 0, "its triangles are the same");
+    scene.edit_mesh(MeshId(1)).positions.iter_mut().for_each(|p| p[2] += 0.1);
+    assert_eq!(update(&mut world, &scene).built_objects, 1, "what was not to move did");
     scene.edit_instance(InstanceId(2)).world_from_object = Affine::translation([0.0, 0.0, 1.0]);
     scene.edit_material(MaterialId(0)).emission = [1.0; 3];
     assert_eq!(update(&mut world, &scene).built_objects, 0, "instances and materials need no trees");

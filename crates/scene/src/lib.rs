@@ -14,6 +14,7 @@ pub mod io;
 pub mod light;
 pub mod material;
 pub mod mesh;
+pub mod motion;
 mod ray_mask;
 mod scene;
 pub mod texture;
@@ -27,6 +28,7 @@ pub use id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, Textur
 pub use light::Light;
 pub use material::{Material, Surface};
 pub use mesh::{Attribute, Mesh, Rate, TEXCOORD_RQ};
+pub use motion::Motion;
 pub use ray_mask::RayMask;
 pub use scene::{Instance, Object, Scene};
 pub use texture::Texture;

@@ -15,6 +15,7 @@ use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, Tex
 use crate::light::Light;
 use crate::material::Material;
 use crate::mesh::Mesh;
+use crate::motion::Motion;
 use crate::ray_mask::RayMask;
 use crate::texture::Texture;
 
@@ -25,6 +26,8 @@ pub struct Object {
     pub name: String,
     /// Its meshes; a hit's `geom_id` is a position in this list.
     pub meshes: Vec<MeshId>,
+    /// What becomes of its tree when they are edited.
+    pub motion: Motion,
 }
 
 /// An object put somewhere.
@@ -140,7 +143,7 @@ impl Scene {
 
     /// Adds an object of `meshes`.
     pub fn add_object_of(&mut self, name: impl Into<String>, meshes: Vec<MeshId>) -> ObjectId {
-        self.add_object(Object { name: name.into(), meshes })
+        self.add_object(Object { name: name.into(), meshes, motion: Motion::Auto })
     }
 
     /// Puts `object` at `world_from_object`.

@@ -92,7 +92,13 @@ fn frames_do_what_is_due() {
     context.new_object(quad, 0x200).expect("it is there");
     geometry(&mut context, 0.5);
     context.end_object().expect("closed");
-    assert_eq!(frame(&mut context).built_objects, 1, "others do");
+    let deformed = frame(&mut context);
+    assert_eq!((deformed.built_objects, deformed.refitted_objects), (0, 1), "moved ones are a deformation");
+    context.new_object(quad, 0x202).expect("it is there");
+    geometry(&mut context, 0.75);
+    context.end_object().expect("closed");
+    let updated = frame(&mut context);
+    assert_eq!((updated.built_objects, updated.refitted_objects), (0, 1), "RT_UPDATE says so");
 
     context.delete_instance(first).expect("it is there");
     let gone = frame(&mut context);

@@ -33,7 +33,7 @@ use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::threads::extend;
 use gnurt_accel_core::{Aabb, BuildError, Quality, Threads};
 use gnurt_simd::Level;
-use reference::Reference;
+pub(crate) use reference::{Lanes, Reference};
 use reinsert::{QUICK, THOROUGH, reinsert};
 use stages::Stages;
 use task_pool::TaskPool;
@@ -56,21 +56,23 @@ pub(crate) fn build(
     quality: Quality,
     threads: Threads,
 ) -> Result<Tree, BuildError> {
-    try_build(primitives, quality, threads, &Watch::new(&()))
+    try_build(primitives, Vec::new(), quality, threads, &Watch::new(&()))
 }
 
-/// The same under control. What the tree takes stays counted.
+/// The same under control; with references where they are there already, which are counted from here on. What the tree takes stays counted.
 pub(crate) fn try_build(
     primitives: &impl Primitives,
+    references: Vec<Reference>,
     quality: Quality,
     threads: Threads,
     watch: &Watch,
 ) -> Result<Tree, BuildError> {
-    threads.run(|parallel| build_with(primitives, quality, parallel, watch))
+    threads.run(|parallel| build_with(primitives, references, quality, parallel, watch))
 }
 
 fn build_with(
     primitives: &impl Primitives,
+    given: Vec<Reference>,
     quality: Quality,
     parallel: bool,
     watch: &Watch,
@@ -91,7 +93,7 @@ fn build_with(
         watch.result()
     };
     hold(size_of::<Reference>() * count)?;
-    let mut references = all_references(primitives, parallel);
+    let mut references = if given.is_empty() { all_references(primitives, parallel) } else { given };
     let tasks = TaskPool { parallel, level: Level::best(), scale: 1.0, watch };
     let root = tasks.around(&references);
     let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);

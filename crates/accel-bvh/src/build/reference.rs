@@ -22,31 +22,45 @@ const NORMAL: u32 = 0x2000_0000;
 /// Eight floats in half a cache line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
-pub(super) struct Lanes(pub(super) [f32; 8]);
+pub(crate) struct Lanes(pub(super) [f32; 8]);
 
 /// A primitive's box, or that of a part of it.
-pub(super) type Reference = Lanes;
+pub(crate) type Reference = Lanes;
 
 impl Lanes {
     /// The box around nothing, or the range of no middles.
     pub(super) const EMPTY: Self = Self([f32::NEG_INFINITY; 8]);
-    pub(super) const ZERO: Self = Self([0.0; 8]);
+    pub(crate) const ZERO: Self = Self([0.0; 8]);
 
     /// `number` is below 2^30.
     #[inline(always)]
-    pub(super) fn new(number: u32, bounds: &Aabb) -> Self {
+    pub(crate) fn new(number: u32, bounds: &Aabb) -> Self {
         let Aabb { min, max } = bounds;
         let number = f32::from_bits(number + NORMAL);
         Self([-min[0], -min[1], -min[2], number, max[0], max[1], max[2], 0.0])
     }
 
+    /// From least coordinates, negated, and greatest ones; the fourth of both are replaced.
     #[inline(always)]
-    pub(super) fn number(&self) -> u32 {
+    pub(crate) fn of_corners([x, y, z, _]: [f32; 4], [xx, yy, zz, _]: [f32; 4], number: u32) -> Self {
+        Self([x, y, z, f32::from_bits(number + NORMAL), xx, yy, zz, 0.0])
+    }
+
+    /// The same box under a number so much greater.
+    #[inline(always)]
+    pub(crate) fn moved(&self, by: u32) -> Self {
+        let mut moved = *self;
+        moved.0[3] = f32::from_bits(self.0[3].to_bits() + by);
+        moved
+    }
+
+    #[inline(always)]
+    pub(crate) fn number(&self) -> u32 {
         self.0[3].to_bits() - NORMAL
     }
 
     #[inline(always)]
-    pub(super) fn bounds(&self) -> Aabb {
+    pub(crate) fn bounds(&self) -> Aabb {
         let [x, y, z, _, xx, yy, zz, _] = self.0;
         Aabb { min: [-x, -y, -z], max: [xx, yy, zz] }
     }

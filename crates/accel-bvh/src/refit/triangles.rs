@@ -7,14 +7,15 @@
 
 use gnurt_accel_core::blocks::TriangleBlock;
 use gnurt_accel_core::surfaces::{Mesh, Surfaces};
-use gnurt_accel_core::{Aabb, BadPrimitives, INVALID_ID, LARGEST_COORDINATE, RefitError, Threads, Triangles};
-use gnurt_simd::{Level, Simd, dispatch_two, f32x4, f32x8, prefetch, prelude::*};
+use gnurt_accel_core::{Aabb, BadPrimitives, INVALID_ID, RefitError, Threads};
+use gnurt_simd::{Level, Simd, dispatch_two};
 use rayon::prelude::*;
 
+use crate::gather::{Eight, are_certain, store};
 use crate::index::BvhIndex;
 use crate::leaves::Leaves;
 use crate::node::WIDTH;
-use crate::pools::{Filling, transposed};
+use crate::pools::Filling;
 use crate::refit::state::Moving;
 
 /// Blocks that one thread takes at a time.
@@ -173,92 +174,14 @@ fn gather_piece<S: Simd>(
     for at in 0..blocks.len() {
         let ahead = blocks.get(at + AHEAD).map(|block| block.numbers);
         let block = &mut blocks[at];
-        let mut corners = [[f32x4::splat(simd, 0.0); WIDTH]; 3];
-        if !mesh.holds(&block.numbers) {
-            mesh = surfaces.mesh(block.numbers[0]);
-        }
-        match mesh.as_triangles().filter(|_| mesh.holds(&block.numbers)) {
-            Some((start, Triangles { positions, indices })) => {
-                for number in ahead.into_iter().flatten() {
-                    prefetch(indices, number.wrapping_sub(start) as usize);
-                }
-                let positions = positions.as_flattened();
-                for (lane, &number) in block.numbers.iter().enumerate() {
-                    let [a, b, c] = indices[(number - start) as usize];
-                    corners[0][lane] = vertex(simd, positions, a);
-                    corners[1][lane] = vertex(simd, positions, b);
-                    corners[2][lane] = vertex(simd, positions, c);
-                }
-            }
-            None => {
-                for (lane, &number) in block.numbers.iter().enumerate() {
-                    let (positions, vertices) = surfaces.indices(number);
-                    for (corner, at) in corners.iter_mut().zip(vertices) {
-                        corner[lane] = vertex(simd, positions.as_flattened(), at);
-                    }
-                }
-            }
-        }
-        let mut low = corners[0][0];
-        let mut high = low;
-        for &corner in corners.as_flattened() {
-            low = low.min(corner);
-            high = high.max(corner);
-        }
-        let rows = [rows(simd, &corners[0]), rows(simd, &corners[1]), rows(simd, &corners[2])];
-        for (to, rows) in block.corners.as_flattened_mut().iter_mut().zip(rows.as_flattened()) {
-            rows.store_slice(to);
-        }
-        let (low, high) = (low.to_array(), high.to_array());
-        let bounds = Aabb { min: [low[0], low[1], low[2]], max: [high[0], high[1], high[2]] };
+        let triangles = Eight::gather(simd, surfaces, &mut mesh, &block.numbers, ahead.as_ref());
+        let (rows, bounds) = (triangles.rows(), triangles.bounds());
+        store(&rows, block);
         boxes[at] = bounds;
-        if !is_certain(simd, &rows) || bounds.greatest() > LARGEST_COORDINATE {
+        if !are_certain(simd, &rows, &bounds) {
             doubtful.push(first + at);
         }
     }
-}
-
-/// A vertex and anything behind it; no numbers where there is none.
-#[inline(always)]
-fn vertex<S: Simd>(simd: S, positions: &[f32], vertex: u32) -> f32x4<S> {
-    let at = 3 * vertex as usize;
-    match positions.get(at..at + 4) {
-        Some(vertex) => f32x4::from_slice(simd, vertex),
-        None => f32x4::load_array(simd, last_vertex(positions, at)),
-    }
-}
-
-#[cold]
-#[inline(never)]
-fn last_vertex(positions: &[f32], at: usize) -> [f32; 4] {
-    match positions.get(at..at + 3) {
-        Some(&[x, y, z]) => [x, y, z, 0.0],
-        _ => [f32::NAN; 4],
-    }
-}
-
-/// One corner of all triangles by axes.
-#[inline(always)]
-fn rows<S: Simd>(_: S, corner: &[f32x4<S>; WIDTH]) -> [f32x8<S>; 3] {
-    let [a, b, c, d, e, f, g, h] = *corner;
-    let ([x, y, z], [xx, yy, zz]) = (transposed([a, b, c, d]), transposed([e, f, g, h]));
-    [x.combine(xx), y.combine(yy), z.combine(zz)]
-}
-
-/// Whether all triangles surely span an area: by far more than floats are rounded by. Where one does not one has to look
-/// closely.
-#[inline(always)]
-fn is_certain<S: Simd>(simd: S, [a, b, c]: &[[f32x8<S>; 3]; 3]) -> bool {
-    let (least, share) = (f32x8::splat(simd, 1e-30), f32x8::splat(simd, 1.0 / (1 << 20) as f32));
-    let u = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-    let v = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
-    let along = |j: usize, k: usize| {
-        let (p, q) = (u[j] * v[k], u[k] * v[j]);
-        (p - q).abs().simd_gt((p.abs() + q.abs()).mul_add(share, least))
-    };
-    // What is no number in one coordinate spoils this.
-    let all = u[0] + u[1] + u[2] + v[0] + v[1] + v[2];
-    ((along(0, 1) | along(1, 2) | along(2, 0)) & all.simd_eq(all)).all_true()
 }
 
 /// What is known before the first refit.

@@ -4,10 +4,11 @@
 
 use std::sync::OnceLock;
 
-use gnurt_accel_bvh::{BvhIndex, SphereIndex, UserIndex};
+use gnurt_accel_bvh::{BvhIndex, Screen, SphereIndex, UserIndex};
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::surfaces::Surfaces;
 use gnurt_accel_kd::KdIndex;
 
 use super::kind::{Group, Kind, group_of};
@@ -83,23 +84,40 @@ impl ObjectTree {
                 Kind::Surfaces => {
                     let wanted_numbers = (0..geometries.len()).filter(|&i| wanted(&geometries[i]));
                     let numbers: usize = wanted_numbers.map(|i| numbering.range(i).len()).sum();
-                    let bytes = size_of::<u32>() * numbers;
-                    watch.take(bytes);
-                    watch.result()?;
-                    let screened = Screened::over(geometries, &numbering, wanted, threads);
-                    bad += screened.bad;
-                    triangles = Some(screened.good.len() as u64);
-                    if screened.good.is_empty() {
-                        continue;
-                    }
-                    let index = match options.structure {
-                        Structure::Kd => Index::Kd(KdIndex::build(&screened, options, threads, &watch)?),
-                        Structure::Bvh => {
-                            Index::Bvh(BvhIndex::build(&screened, quality, memory, threads, &watch)?)
+                    let number = size_of::<u32>();
+                    match options.structure {
+                        Structure::Kd => {
+                            watch.take(number * numbers);
+                            watch.result()?;
+                            let screened = Screened::over(geometries, &numbering, wanted, threads);
+                            bad += screened.bad;
+                            triangles = Some(screened.good.len() as u64);
+                            if screened.good.is_empty() {
+                                continue;
+                            }
+                            let index = KdIndex::build(&screened, options, threads, &watch)?;
+                            watch.give(number * numbers);
+                            Index::Kd(index)
                         }
-                    };
-                    watch.give(bytes);
-                    index
+                        Structure::Bvh => {
+                            let each = number + size_of::<[f32; 8]>();
+                            watch.take(each * numbers);
+                            watch.result()?;
+                            let surfaces = Surfaces::new(geometries, &numbering, wanted);
+                            let mut screen = Screen::over(surfaces, threads);
+                            bad += screen.bad;
+                            let count = screen.count();
+                            triangles = Some(count as u64);
+                            // It counts the boxes itself, as long as it needs them.
+                            watch.give(each * numbers - number * count);
+                            if count == 0 {
+                                continue;
+                            }
+                            let index = BvhIndex::build(&mut screen, quality, memory, threads, &watch)?;
+                            watch.give(number * count);
+                            Index::Bvh(index)
+                        }
+                    }
                 }
                 Kind::Spheres => Index::Spheres(SphereIndex::build(
                     geometries, &numbering, wanted, &mut bad, quality, memory, threads,

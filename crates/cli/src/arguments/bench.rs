@@ -30,6 +30,9 @@ pub(crate) enum BenchCommand {
     /// Measure how long trees take to build and how large they are, beside Embree's
     #[command(args_override_self = true)]
     Build(BenchBuildArguments),
+    /// Measure what it takes to follow a scene that is deformed, beside Embree's refit and builds
+    #[command(args_override_self = true)]
+    Dynamic(BenchDynamicArguments),
     /// Measure what tables 1 and 2 of the paper say of kd-trees, with its figures beside ours
     #[command(args_override_self = true)]
     Paper(BenchPaperArguments),
@@ -43,6 +46,7 @@ impl BenchCommand {
         match self {
             Self::Rays(arguments) => &arguments.talk,
             Self::Build(arguments) => &arguments.talk,
+            Self::Dynamic(arguments) => &arguments.talk,
             Self::Paper(arguments) => &arguments.talk,
             Self::Light(arguments) => &arguments.talk,
         }
@@ -52,6 +56,7 @@ impl BenchCommand {
         match self {
             Self::Rays(arguments) => Some(&arguments.machine),
             Self::Build(arguments) => Some(&arguments.machine),
+            Self::Dynamic(arguments) => Some(&arguments.machine),
             Self::Paper(_) => None,
             Self::Light(arguments) => Some(&arguments.machine),
         }
@@ -112,6 +117,32 @@ pub(crate) struct BenchBuildArguments {
     #[arg(long = "mode", value_name = "LIST", value_delimiter = ',')]
     pub(crate) modes: Vec<String>,
     /// Runs of each mode, in turns
+    #[arg(long, value_name = "N", value_parser = value::rounds, allow_hyphen_values = true, default_value = "5")]
+    pub(crate) rounds: usize,
+    /// Write the numbers as JSON
+    #[arg(long, value_name = "FILE")]
+    pub(crate) json: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) files: FileArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}
+
+/// Arguments of `bench dynamic`.
+#[derive(Args, Debug)]
+pub(crate) struct BenchDynamicArguments {
+    /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is deformed and measured by itself
+    #[arg(value_name = "SCENE", default_value = "builtin:materials")]
+    pub(crate) scenes: Vec<OsString>,
+    /// Frames of deformation
+    #[arg(long, value_name = "N", value_parser = value::rounds, allow_hyphen_values = true, default_value = "100")]
+    pub(crate) frames: usize,
+    /// Columns and rows of the primary rays that diffuse ones start from
+    #[arg(long, value_name = "N", value_parser = value::columns, allow_hyphen_values = true, default_value = "512")]
+    pub(crate) size: u32,
+    /// Builds of each quality, and runs over the rays, in turns
     #[arg(long, value_name = "N", value_parser = value::rounds, allow_hyphen_values = true, default_value = "5")]
     pub(crate) rounds: usize,
     /// Write the numbers as JSON

@@ -21,8 +21,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 
 pub(crate) use bench::{
-    BenchArguments, BenchBuildArguments, BenchCommand, BenchLightArguments, BenchPaperArguments,
-    BenchRaysArguments,
+    BenchArguments, BenchBuildArguments, BenchCommand, BenchDynamicArguments, BenchLightArguments,
+    BenchPaperArguments, BenchRaysArguments,
 };
 pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use files::FileArguments;

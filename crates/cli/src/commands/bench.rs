@@ -7,13 +7,14 @@ use std::path::PathBuf;
 
 use gnurt_bench::rays::News;
 use gnurt_bench::{
-    Class, EmbreeLibrary, Error, Filter, Subject, builds, paper, plot, rays, record, table, to_json,
+    Class, EmbreeLibrary, Error, Filter, Subject, builds, dynamic, paper, plot, rays, record, table, to_json,
 };
 
 use super::bench_files::{check_outputs, write};
 use super::bench_light;
 use crate::arguments::{
-    BenchArguments, BenchBuildArguments, BenchCommand, BenchPaperArguments, BenchRaysArguments, FileArguments,
+    BenchArguments, BenchBuildArguments, BenchCommand, BenchDynamicArguments, BenchPaperArguments,
+    BenchRaysArguments, FileArguments,
 };
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
@@ -29,6 +30,7 @@ pub(crate) fn run(arguments: &BenchArguments, environment: &Environment, message
     match &arguments.command {
         BenchCommand::Rays(arguments) => measure_rays(arguments, environment, messages),
         BenchCommand::Build(arguments) => measure_builds(arguments, environment, messages),
+        BenchCommand::Dynamic(arguments) => measure_motion(arguments, environment, messages),
         BenchCommand::Paper(arguments) => measure_paper(arguments, environment, messages),
         BenchCommand::Light(arguments) => bench_light::run(arguments, environment, messages),
     }
@@ -101,6 +103,28 @@ fn measure_builds(arguments: &BenchBuildArguments, environment: &Environment, me
         rows.extend(measured);
     }
     write(arguments.json.as_deref(), || builds::to_json(&rows).to_string())
+}
+
+fn measure_motion(
+    arguments: &BenchDynamicArguments,
+    environment: &Environment,
+    messages: Messages,
+) -> Outcome {
+    check_outputs(&[&arguments.json])?;
+    let sources = find(&arguments.scenes, &arguments.files, environment)?;
+    let embree = rival(&Filter::default(), messages)?;
+    let (pool, level) = machine(&arguments.machine, environment)?;
+    let options =
+        dynamic::Options { frames: arguments.frames, rounds: arguments.rounds, size: arguments.size, level };
+    let mut rows = Vec::new();
+    for source in sources {
+        let subject = Subject::new(&source.stem(), &source.load(messages)?);
+        let measured = dynamic::run(&subject, &options, embree.as_ref(), &pool, &mut quietly(messages));
+        let measured = measured.map_err(failure)?;
+        print(dynamic::table(&measured))?;
+        rows.extend(measured);
+    }
+    write(arguments.json.as_deref(), || dynamic::to_json(&rows).to_string())
 }
 
 fn measure_paper(arguments: &BenchPaperArguments, environment: &Environment, messages: Messages) -> Outcome {

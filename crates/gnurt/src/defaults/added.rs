@@ -92,7 +92,7 @@ impl Added {
         for object in &self.objects {
             let mesh = |&MeshId(id): &MeshId| MeshId(moved(id, before.meshes, now.meshes));
             let meshes = object.meshes.iter().map(mesh).collect();
-            scene.add_object(Object { meshes, name: object.name.clone() });
+            scene.add_object(Object { meshes, name: object.name.clone(), motion: object.motion });
         }
         for instance in &self.instances {
             let object = ObjectId(moved(instance.object.0, before.objects, now.objects));

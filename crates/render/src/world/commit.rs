@@ -144,7 +144,7 @@ impl World {
                 self.dropped.triangles += dropped(&objects[id as usize]);
                 self.dropped.triangles -= dropped(&before[id as usize]);
             }
-            report.built_objects = rebuilt.built;
+            (report.built_objects, report.refitted_objects) = (rebuilt.built, rebuilt.refitted);
             is_moved |= rebuilt.reshaped;
             if !rebuilt.ids.is_empty() {
                 // Those that show it hold it.

@@ -5,7 +5,9 @@
 
 use std::sync::Arc;
 
-use gnurt_accel::{BuildOptions, Memory, ObjectTree, SharedList, Threads, Triangles};
+use gnurt_accel::{
+    BuildOptions, Geometry, Memory, Motion, MovingTree, ObjectTree, SharedList, Threads, Triangles, Update,
+};
 use gnurt_scene::{Mesh, Scene};
 use rayon::prelude::*;
 
@@ -14,6 +16,9 @@ pub(crate) struct WorldObject {
     /// By geometry id: what the scene's meshes were at commit. Shared with the scene until it edits them.
     pub(crate) meshes: Vec<Arc<Mesh>>,
     pub(crate) tree: Arc<ObjectTree>,
+    /// The same tree, with what it takes to follow the meshes.
+    moving: MovingTree,
+    motion: gnurt_scene::Motion,
 }
 
 /// What there is of an object of the scene.
@@ -29,8 +34,10 @@ pub(super) struct ObjectSlot {
 #[derive(Default)]
 pub(super) struct ChangedObjects {
     pub(super) ids: Vec<u32>,
-    /// Trees that were built for them.
+    /// Trees that were built for them, at least in part.
     pub(super) built: usize,
+    /// Trees that were fitted to what has moved.
+    pub(super) refitted: usize,
     /// Whether what rays meet has changed: meshes may have got other coordinates for textures only.
     pub(super) reshaped: bool,
 }
@@ -47,17 +54,17 @@ pub(super) fn update(
     let ids: Vec<u32> = due.iter().filter(needed).copied().collect();
     let before = |id: u32| objects[id as usize].object.clone();
     let build = |&id: &u32| {
-        let before = before(id);
-        let object = Arc::new(build(scene, id, before.as_deref(), memory, pool));
-        let same = before.is_some_and(|before| Arc::ptr_eq(&before.tree, &object.tree));
-        (object, !same)
+        let (object, update) = build(scene, id, before(id).as_deref(), memory, pool);
+        (Arc::new(object), update)
     };
-    let made: Vec<(Arc<WorldObject>, bool)> = match &ids[..] {
+    let made: Vec<(Arc<WorldObject>, Option<Update>)> = match &ids[..] {
         [id] => vec![build(id)],
         // Large and small ones come in any order: each is shared out for itself, too.
         _ => pool.install(|| ids.par_iter().with_max_len(1).map(build).collect()),
     };
-    let built = made.iter().filter(|(_, is_new)| *is_new).count();
+    let count = |of: fn(Update) -> bool| made.iter().filter(|(_, update)| update.is_some_and(of)).count();
+    let refitted = count(|update| update == Update::Refitted);
+    let built = count(|update| update != Update::Refitted);
     for &id in due {
         let slot = objects.edit(id as usize);
         if slot.users == 0 {
@@ -67,38 +74,72 @@ pub(super) fn update(
     for (&id, (object, _)) in ids.iter().zip(made) {
         objects.edit(id as usize).object = Some(object);
     }
-    ChangedObjects { ids, built, reshaped: built > 0 }
+    ChangedObjects { ids, built, refitted, reshaped: built + refitted > 0 }
 }
 
-/// An object as the scene has it now; its tree is the one before where no triangle has moved.
+/// An object as the scene has it now, and what was done for it: its tree is the one before where no triangle has moved, and
+/// that one refitted where vertices have.
 fn build(
     scene: &Scene,
     id: u32,
     before: Option<&WorldObject>,
     memory: Memory,
     pool: &rayon::ThreadPool,
-) -> WorldObject {
+) -> (WorldObject, Option<Update>) {
     // Shared with the scene, which copies what it edits later.
-    let ids = &scene.objects()[id as usize].meshes;
-    let meshes: Vec<Arc<Mesh>> = ids.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
-    if let Some(before) = before.filter(|before| same_triangles(&before.meshes, &meshes)) {
-        return WorldObject { meshes, tree: before.tree.clone() };
-    }
-    let triangles: Vec<_> =
-        meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices }).collect();
-    let options = BuildOptions { memory, ..BuildOptions::default() };
-    let tree = ObjectTree::build(&triangles, &options, Threads::Pool(pool));
-    WorldObject { meshes, tree: Arc::new(tree) }
+    let object = &scene.objects()[id as usize];
+    let meshes: Vec<Arc<Mesh>> = object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
+    let known = before.map(|before| match before.motion == object.motion {
+        true => before.moving.clone(),
+        false => MovingTree::of(before.tree.clone(), motion(object.motion)),
+    });
+    let known = before.zip(known).filter(|(before, _)| same_topology(&before.meshes, &meshes));
+    let (moving, update) = match known {
+        Some((before, moving)) if same_positions(&before.meshes, &meshes) => (moving, None),
+        known => {
+            let triangles = meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices });
+            let geometries: Vec<Geometry> = triangles.map(Geometry::from).collect();
+            let options = BuildOptions { memory, ..BuildOptions::default() };
+            let threads = Threads::Pool(pool);
+            match known {
+                Some((_, mut moving)) => {
+                    let update = moving.update(&geometries, &options, threads);
+                    (moving, Some(update))
+                }
+                None => {
+                    let moving = MovingTree::build(&geometries, &options, motion(object.motion), threads);
+                    (moving, Some(Update::Rebuilt))
+                }
+            }
+        }
+    };
+    (WorldObject { tree: moving.tree().clone(), moving, motion: object.motion, meshes }, update)
 }
 
-/// Whether rays see no difference. Where something moved the answer comes soon: mostly the first vertex has.
-fn same_triangles(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
-    let same_bits = |a: &[[f32; 3]], b: &[[f32; 3]]| {
-        let bits = |p: &[f32; 3]| p.map(f32::to_bits);
-        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| bits(a) == bits(b))
-    };
+fn motion(motion: gnurt_scene::Motion) -> Motion {
+    match motion {
+        gnurt_scene::Motion::Auto => Motion::Auto,
+        gnurt_scene::Motion::Static => Motion::Static,
+        gnurt_scene::Motion::Rigid => Motion::Rigid,
+        gnurt_scene::Motion::Deforming => Motion::Deforming,
+        gnurt_scene::Motion::Known => Motion::Known,
+    }
+}
+
+/// Whether nothing but vertices can have moved.
+fn same_topology(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
     let same = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| {
-        Arc::ptr_eq(a, b) || (same_bits(&a.positions, &b.positions) && a.indices == b.indices)
+        Arc::ptr_eq(a, b) || (a.positions.len() == b.positions.len() && a.indices == b.indices)
     };
     before.len() == now.len() && before.iter().zip(now).all(same)
+}
+
+/// Whether rays see no difference, where the topology is the same. Where something moved the answer comes soon: mostly the
+/// first vertex has.
+fn same_positions(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
+    let bits = |p: &[f32; 3]| p.map(f32::to_bits);
+    let same = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| {
+        Arc::ptr_eq(a, b) || a.positions.iter().zip(&b.positions).all(|(a, b)| bits(a) == bits(b))
+    };
+    before.iter().zip(now).all(same)
 }

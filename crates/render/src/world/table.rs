@@ -38,8 +38,10 @@ pub struct CommitReport {
     pub dropped_triangles: usize,
     /// Instances that were left out: their transform has no inverse or is not finite.
     pub dropped_instances: usize,
-    /// Objects whose trees were built.
+    /// Objects whose trees were built, in whole or in part.
     pub built_objects: usize,
+    /// Objects whose trees were only fitted to vertices that have moved.
+    pub refitted_objects: usize,
     /// Instances that were placed: those that were edited, and those of objects that were.
     pub placed_instances: usize,
     /// Whether the tree over all instances was brought up to date.

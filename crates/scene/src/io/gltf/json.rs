@@ -403,6 +403,21 @@ pub(super) struct Mesh<'a> {
     #[serde(borrow)]
     pub(super) primitives: Pieces<'a>,
     pub(super) weights: Vec<f32>,
+    /// What any program puts there, of any form.
+    #[serde(borrow)]
+    extras: Option<&'a RawValue>,
+}
+
+impl Mesh<'_> {
+    /// What its object is said to do, if it is said here.
+    pub(super) fn motion(&self) -> Option<String> {
+        #[derive(Deserialize)]
+        struct Extras {
+            gnurt_motion: String,
+        }
+        let extras = serde_json::from_str(self.extras?.get());
+        extras.ok().map(|Extras { gnurt_motion }| gnurt_motion)
+    }
 }
 
 #[derive(Deserialize)]

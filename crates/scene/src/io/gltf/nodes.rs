@@ -20,8 +20,9 @@ use crate::animation::{
 };
 use crate::id::ObjectId;
 use crate::io::{Error, Oddity, Warnings};
+use crate::motion::Motion;
 use crate::ray_mask::RayMask;
-use crate::scene::{Instance, Scene};
+use crate::scene::{Instance, Object, Scene};
 
 /// Bytes that an instance, a camera or a light of the scene takes beside its name.
 const PLACED_BYTES: usize = 224;
@@ -212,6 +213,7 @@ impl Adder<'_> {
         let bending = Bending::new(rest, skin_and_rest, self.rig.drafts.drives_weights(weights_of));
         let meshes = mesh::read(document, index, &from, &bending, self.materials, warnings)?;
         document.budget().release(for_skin as usize);
+        let motion = from.motion();
         let name = from.name.unwrap_or_else(|| format!("mesh {}", index.0));
         document.hold(PLACED_BYTES + name.len(), "meshes")?;
         let targets = meshes.iter().filter_map(|(_, parts)| parts.as_ref()).map(|parts| parts.morphs.len());
@@ -234,7 +236,12 @@ impl Adder<'_> {
             let base = Arc::new(parts.base);
             self.rig.made.bodies.push(Body { mesh, base, morphs, weights, influences, skin });
         }
-        let object = (!ids.is_empty()).then(|| self.scene.add_object_of(name, ids));
+        let motion = motion.map_or(Ok(Motion::Auto), |word| word.parse()).unwrap_or_else(|unknown| {
+            let detail = format!("meshes[{}].extras.gnurt_motion: {unknown}", index.0);
+            warnings.note(Oddity::NotShown, &document.path, None, detail);
+            Motion::Auto
+        });
+        let object = (!ids.is_empty()).then(|| self.scene.add_object(Object { name, meshes: ids, motion }));
         if is_shared {
             self.objects.insert(index, object);
         }

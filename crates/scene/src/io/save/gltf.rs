@@ -23,6 +23,7 @@ use crate::io::{Error, Format, Warnings};
 use crate::light::Light;
 use crate::material::TextureRef;
 use crate::mesh::Mesh;
+use crate::motion::Motion;
 use crate::ray_mask::RayMask;
 use crate::scene::Scene;
 
@@ -33,7 +34,11 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
         .iter()
         .map(|object| {
             let primitives = object.meshes.iter().map(|&id| primitive(scene.mesh(id), &mut buffer));
-            json!({ "name": object.name, "primitives": primitives.collect::<Vec<_>>() })
+            let mut mesh = json!({ "name": object.name, "primitives": primitives.collect::<Vec<_>>() });
+            if object.motion != Motion::Auto {
+                mesh["extras"] = json!({ "gnurt_motion": object.motion.to_string() });
+            }
+            mesh
         })
         .collect();
     let mut merged = Vec::new();

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a wide BVH over triangles is built from: those that can be traced, as references, in one pass over them.
+//! Source: original. Space: object. Invariant: what is taken, and what is counted, is what `accel_core::screened` takes and
+//! counts. Proof: `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
+
+use std::ops::Range;
+
+use gnurt_accel_core::clip::split_boxes;
+use gnurt_accel_core::surfaces::{Mesh, Surfaces};
+use gnurt_accel_core::{Aabb, BadPrimitives, Threads};
+use gnurt_simd::{Level, Simd, dispatch_two, prefer_huge_pages, prelude::*};
+use rayon::prelude::*;
+
+use crate::build::{Lanes, Reference};
+use crate::gather::{Eight, are_certain};
+use crate::node::WIDTH;
+use crate::primitives::Primitives;
+
+/// Numbers that one thread looks at: eights, and so whole quads. Tests have small scenes.
+const PIECE: u32 = if cfg!(test) { 1 << 4 } else { 1 << 14 };
+
+/// Triangles that can be traced.
+pub struct Screen<'a> {
+    pub(crate) surfaces: Surfaces<'a>,
+    /// Their numbers, ascending.
+    pub(crate) good: Vec<u32>,
+    /// Their boxes, each with its place in `good`.
+    references: Vec<Reference>,
+    /// The others.
+    pub bad: BadPrimitives,
+}
+
+/// Of some numbers.
+#[derive(Default)]
+struct Piece {
+    good: Vec<u32>,
+    references: Vec<Reference>,
+    bad: BadPrimitives,
+}
+
+impl<'a> Screen<'a> {
+    /// Looks at all triangles once.
+    #[must_use]
+    pub fn over(surfaces: Surfaces<'a>, threads: Threads) -> Self {
+        let (level, ranges) = (Level::best(), surfaces.numbers().collect::<Vec<Range<u32>>>());
+        let look = |range: &Range<u32>, piece: &mut Piece| {
+            dispatch_two!(level, simd => piece.add(simd, &surfaces, range.clone()));
+        };
+        let piece = threads.run(|parallel| {
+            let mut all = Piece::default();
+            if !parallel {
+                let count = ranges.iter().map(Range::len).sum();
+                all.good.reserve_exact(count);
+                all.references.reserve_exact(count);
+                prefer_huge_pages(&all.references);
+                ranges.iter().for_each(|range| look(range, &mut all));
+                return all;
+            }
+            let cut = |range: &Range<u32>| {
+                let end = range.end;
+                range.clone().step_by(PIECE as usize).map(move |at| at..end.min(at.saturating_add(PIECE)))
+            };
+            let cut: Vec<Range<u32>> = ranges.iter().flat_map(cut).collect();
+            let one = |range: &Range<u32>| {
+                let mut piece = Piece::default();
+                look(range, &mut piece);
+                piece
+            };
+            let pieces: Vec<Piece> = cut.par_iter().map(one).collect();
+            let count = pieces.iter().map(|piece| piece.good.len()).sum();
+            all.good.reserve_exact(count);
+            all.references.reserve_exact(count);
+            prefer_huge_pages(&all.references);
+            for Piece { good, references, bad } in pieces {
+                let first = all.good.len() as u32;
+                all.good.extend_from_slice(&good);
+                all.references.extend(references.iter().map(|reference| reference.moved(first)));
+                all.bad += bad;
+            }
+            all
+        });
+        let Piece { good, references, bad } = piece;
+        Self { surfaces, good, references, bad }
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.good.len()
+    }
+
+    /// The references, for once.
+    pub(crate) fn take_references(&mut self) -> Vec<Reference> {
+        std::mem::take(&mut self.references)
+    }
+}
+
+impl Piece {
+    /// Takes what is good among `numbers` of one geometry.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, surfaces: &Surfaces, numbers: Range<u32>) {
+        let mut mesh = Mesh::NONE;
+        for first in numbers.clone().step_by(WIDTH) {
+            let mut eight = [first; WIDTH];
+            for (lane, number) in (0..).zip(&mut eight) {
+                *number = (first + lane).min(numbers.end - 1);
+            }
+            let triangles = Eight::gather(simd, surfaces, &mut mesh, &eight, None);
+            let are_certain = are_certain(simd, &triangles.rows(), &triangles.bounds());
+            let count = WIDTH.min((numbers.end - first) as usize);
+            let place = self.good.len() as u32;
+            if are_certain {
+                let [a, b, c] = &triangles.0;
+                let mut references = [Reference::ZERO; WIDTH];
+                for (lane, reference) in references.iter_mut().enumerate() {
+                    let low = a[lane].min(b[lane]).min(c[lane]);
+                    let high = a[lane].max(b[lane]).max(c[lane]);
+                    *reference = Lanes::of_corners((-low).to_array(), high.to_array(), place + lane as u32);
+                }
+                self.references.extend_from_slice(&references[..count]);
+                self.good.extend_from_slice(&eight[..count]);
+                continue;
+            }
+            for &number in &eight[..count] {
+                if surfaces.judge(number, &mut self.bad) {
+                    let bounds = Aabb::around(&surfaces.corners(number));
+                    self.references.push(Reference::new(self.good.len() as u32, &bounds));
+                    self.good.push(number);
+                }
+            }
+        }
+    }
+}
+
+impl Primitives for Screen<'_> {
+    fn count(&self) -> usize {
+        self.good.len()
+    }
+
+    fn bounds(&self, i: usize) -> Aabb {
+        Aabb::around(&self.surfaces.corners(self.good[i]))
+    }
+
+    fn split(&self, i: usize, cell: &Aabb, axis: usize, at: f32) -> Option<[Option<Aabb>; 2]> {
+        Some(split_boxes(&self.surfaces.corners(self.good[i]), cell, axis, at))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gnurt_accel_core::geometry::Numbering;
+    use gnurt_accel_core::screened::Screened;
+    use gnurt_accel_core::{Geometry, Quads, Triangles};
+    use gnurt_testkit::Soup;
+
+    #[test]
+    fn both_screens_agree() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
+        for seed in 0..20 {
+            let soups = [Soup::degenerate(seed, 150), Soup::random(seed, 37, 0.5), Soup::grid(seed, 40)];
+            let quads: Vec<[u32; 4]> = soups[0]
+                .indices
+                .windows(2)
+                .map(|pair| [pair[0][0], pair[0][1], pair[1][1], pair[1][0]])
+                .collect();
+            let mut geometries: Vec<Geometry> = soups
+                .iter()
+                .map(|soup| Triangles { positions: &soup.positions, indices: &soup.indices }.into())
+                .collect();
+            geometries.push(Quads { positions: &soups[0].positions, indices: &quads }.into());
+            let numbering = Numbering::new(&geometries);
+            let screened = Screened::over(&geometries, &numbering, |_| true, Threads::Single);
+            assert!(screened.bad.total() > 0, "there is something to find: {:?}", screened.bad);
+            for threads in [Threads::Single, Threads::Pool(&pool)] {
+                let surfaces = Surfaces::new(&geometries, &numbering, |_| true);
+                let screen = Screen::over(surfaces, threads);
+                assert_eq!((&screen.good, screen.bad), (&screened.good, screened.bad), "seed {seed}");
+                for (i, reference) in screen.references.iter().enumerate() {
+                    assert_eq!(reference.number() as usize, i, "places in a row");
+                    let bounds = Aabb::around(&screened.corners(screened.good[i]));
+                    assert_eq!(reference.bounds(), bounds, "seed {seed}, triangle {i}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How an object moves within itself, as far as somebody says. Source: original; docs/moving.md. glTF: the string
+//! `gnurt_motion` in a mesh's `extras`. Proof: `tests::words`, `tests/save.rs`.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// What is done about an object's tree when its vertices are edited. Its instances may move whatever is said here.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Motion {
+    /// Found out from what is edited.
+    #[default]
+    Auto,
+    /// Vertices stay: an edit is the exception, and the tree is built again.
+    Static,
+    /// The object moves as a whole, by its instances.
+    Rigid,
+    /// Vertices move again and again: the tree is refitted, and built again when that pays.
+    Deforming,
+    /// Vertices move among poses that come back: the tree is refitted, and not built again.
+    Known,
+}
+
+impl Motion {
+    const WORDS: [(&'static str, Self); 5] = [
+        ("auto", Self::Auto),
+        ("static", Self::Static),
+        ("rigid", Self::Rigid),
+        ("deforming", Self::Deforming),
+        ("known", Self::Known),
+    ];
+}
+
+impl fmt::Display for Motion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let word = Self::WORDS.into_iter().find(|(_, motion)| motion == self);
+        f.write_str(word.map_or("auto", |(word, _)| word))
+    }
+}
+
+/// A word that is none of the five.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnknownMotion(String);
+
+impl fmt::Display for UnknownMotion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} is no motion: auto, static, rigid, deforming and known are", self.0)
+    }
+}
+
+impl std::error::Error for UnknownMotion {}
+
+impl FromStr for Motion {
+    type Err = UnknownMotion;
+
+    fn from_str(word: &str) -> Result<Self, UnknownMotion> {
+        let known = Self::WORDS.into_iter().find(|(known, _)| *known == word);
+        known.map(|(_, motion)| motion).ok_or_else(|| UnknownMotion(word.chars().take(40).collect()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words() {
+        for (word, motion) in Motion::WORDS {
+            assert_eq!((word.parse(), motion.to_string()), (Ok(motion), word.to_owned()), "there and back");
+        }
+        let error = "wobbly".parse::<Motion>().expect_err("no such word").to_string();
+        assert!(error.contains("wobbly") && error.contains("deforming"), "{error}");
+    }
+}
