@@ -8,7 +8,7 @@ SUITE is a checkout of OpenShadingLanguage (its files stay where they are), PROG
 when it is called by a link of that name (`gnurt`, or the example `osl` of gnurt-sl).
 
 Rules: text is equal to ref/out.txt or to any other ref/*.txt; pictures are compared by failthresh, failpercent and hardfail,
-of the same extension, sizes never differing; a status other than 0 fails unless the test says failureok; 30 s a command.
+by `oiiotool` (Debian: openimageio-tools), of the same extension; a status other than 0 fails unless the test says failureok; 30 s a command.
 """
 import argparse, filecmp, glob, os, re, shutil, subprocess, sys, tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -164,9 +164,10 @@ class Test:
                     show = [part[first].rstrip("\n") if first < len(part) else "(end)" for part in lines]
                     said = f"{output} line {first + 1}: {show[0]!r} should be {show[1]!r}"
             elif extension in (".tif", ".exr"):
-                limits = [str(names[k]) for k in ("failthresh", "failpercent", "hardfail")]
-                done = subprocess.run([os.path.join(place, "../.bin/testshade"), "--compare", path, ref, *limits],
-                                      capture_output=True, text=True)
+                limits = []
+                for option, key in [("-fail", "failthresh"), ("-failpercent", "failpercent"), ("-hardfail", "hardfail")]:
+                    limits += [option, str(names[key])]
+                done = subprocess.run(["oiiotool", "-a", *limits, path, ref, "--diff"], capture_output=True, text=True)
                 if done.returncode == 0:
                     return None
                 if ref == refs[0]:

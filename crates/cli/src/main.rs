@@ -14,6 +14,7 @@ mod environment;
 mod failure;
 mod messages;
 mod nearest;
+mod osl;
 mod output;
 mod picture_header;
 mod program;

@@ -15,6 +15,7 @@ use crate::commands;
 use crate::environment::{Environment, Overridden};
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, Verbosity, print};
+use crate::osl;
 
 /// Runs the program and says how it ended.
 pub(crate) fn run() -> ExitCode {
@@ -36,6 +37,9 @@ fn tell_once(text: &str) {
 }
 
 fn parse_and_run() -> ExitCode {
+    if let Some(status) = osl::run() {
+        return status;
+    }
     let arguments = match Arguments::try_parse_from(talk_behind_command(
         std::env::args_os().collect(),
         &Arguments::command(),

@@ -55,6 +55,7 @@ pub(crate) struct Arguments {
 const AFTER_HELP: &str = "\
 Scenes: .obj (with .mtl), .ply, .gltf, .glb, or builtin:NAME (`gnurt scenes` lists them); mesh.####.ply is a sequence of files.
 Pictures: .png, .exr, .hdr, .pfm.
+Shaders: `gnurt oslc`, `gnurt oslinfo` and `gnurt testshade` are OSL's tools with its options (`gnurt oslc --help`).
 
 Environment (options win): GNURT_THREADS as --threads; GNURT_ISA as --isa;
 GNURT_LOG = error, warning, info or debug; GNURT_PATH = folders to look for scenes in.

@@ -152,7 +152,7 @@ fn line(out: &mut String, shader: &Shader, symbol: &Symbol, life: Life) {
             names.len()
         );
     }
-    if let Some((owner, field)) = symbol.member_of {
+    if let Some((owner, field)) = symbol.member_of.filter(|_| symbol.kind.is_param()) {
         let _ = write!(out, " %mystruct{{{}}} %mystructfield{{{field}}}", shader.symbol(owner).name);
     }
     if symbol.derivs {

@@ -40,8 +40,6 @@ testshade [options] shader...
     --expr EXPR                  Specify an OSL expression to evaluate
     --userdata NAME VALUE        Add userdata (options: type=%s)
     --userdata_isconnected       Consider interpolated=1 to be isconnected()
-    --compare A B [FAIL PERCENT HARDFAIL]
-                                 Compare two pictures instead
 ";
 
 /// What makes the group, in order.

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The shading language's tools: `gnurt oslc`, `gnurt oslinfo`, `gnurt testshade`, and the same through links of those names.
+//! Source: original. Their options are OSL's and not clap's, so they are looked at before all others.
+
+use std::io::{BufWriter, stderr, stdout};
+use std::path::Path;
+use std::process::ExitCode;
+
+use gnurt_sl::tools::{Console, tool};
+
+/// Runs the tool that is asked for; none if it is another command.
+pub(crate) fn run() -> Option<ExitCode> {
+    let mut words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+    let called = words.next()?;
+    let called = Path::new(&called).file_stem()?.to_string_lossy().into_owned();
+    let link = tool(&called).is_some();
+    let name = if link { called } else { words.next()? };
+    let run = tool(&name)?;
+    let rest: Vec<String> = words.collect();
+    let (mut out, mut err) = (BufWriter::new(stdout()), stderr());
+    let mut console = Console::new(&mut out, &mut err, link);
+    let status = run(&rest, &mut console);
+    console.flush();
+    Some(ExitCode::from(u8::try_from(status).unwrap_or(1)))
+}

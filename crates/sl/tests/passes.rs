@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Passes: what they find and leave out, and that the shader's meaning stays.
+
+mod common;
+use common::{said, shader};
+use gnurt_sl::group::{Group, parse_value};
+use gnurt_sl::ir::{Shader, ops};
+use gnurt_sl::passes::{fold, varying};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+fn names(shader: &Shader) -> Vec<String> {
+    let mut out = Vec::new();
+    ops(&shader.code, &mut |op| out.push(op.name.to_string()));
+    out
+}
+
+#[test]
+fn a_branch_that_a_parameter_closes_is_left_out() {
+    let text = r#"shader test(int k = 0, string s = "a") { if (k == 1 && s != "") printf("one"); else printf("other"); }"#;
+    let mut folded = shader(text);
+    let known: HashMap<_, _> =
+        folded.params().filter_map(|(id, s)| s.value.clone().map(|v| (id, v))).collect();
+    fold(&mut folded, &known);
+    assert_eq!(names(&folded), ["printf"], "one print is left");
+    for (value, wanted) in [("1", "one"), ("0", "other")] {
+        let mut group = Group::default();
+        let values = [("k".to_owned(), parse_value(None, value), Default::default())];
+        group.add(Arc::new(shader(text)), None, &values, &mut Vec::new());
+        assert_eq!(said(&group), [gnurt_sl::exec::Event::Print(wanted.into())], "k = {value}");
+    }
+}
+
+#[test]
+fn what_depends_on_the_point_varies() {
+    let text = "shader test(float k = 1) { float a = k * 2; float b = 0; if (u > 0.5) b = 1; float c = a + 1; float d = b + c; printf(\"%g\", d); }";
+    let shader = shader(text);
+    let state = varying(&shader, &|_| false);
+    let is = |name: &str| state[shader.find(name).unwrap_or_else(|| panic!("no {name}")) as usize];
+    assert_eq!([is("a"), is("b"), is("c"), is("d")], [false, true, false, true], "by data and by control");
+}
+
+#[test]
+fn derivatives_are_kept_where_they_are_asked_for() {
+    let shader = shader(
+        "shader test() { float a = u * 2; float b = v * 2; float c = a + 1; printf(\"%g %g\", Dx(c), b); }",
+    );
+    let derivs = |name: &str| shader.symbol(shader.find(name).expect("it is there")).derivs;
+    assert_eq!([derivs("a"), derivs("b"), derivs("c")], [true, false, true], "what c is made of");
+}
