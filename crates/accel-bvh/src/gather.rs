@@ -123,7 +123,7 @@ pub(crate) fn are_certain<S: Simd>(simd: S, [a, b, c]: &Rows<S>, bounds: &Aabb) 
     let products = [[u[0] * v[1], u[1] * v[0]], [u[1] * v[2], u[2] * v[1]], [u[2] * v[0], u[0] * v[2]]];
     let mut spans = mask32x8::splat(simd, false);
     for [p, q] in products {
-        spans = spans | (p - q).abs().simd_gt((p.abs() + q.abs()).mul_add(share, least));
+        spans |= (p - q).abs().simd_gt((p.abs() + q.abs()).mul_add(share, least));
     }
     (spans & all.simd_eq(all)).all_true() && bounds.greatest() <= LARGEST_COORDINATE
 }

@@ -141,7 +141,7 @@ fn other_geometry_is_refused() {
     let tree = build(&meshes, WATERTIGHT[0]);
     let refused = |geometries: &[Geometry]| tree.clone().refit_from(geometries, Threads::Single).err();
     let [a, b] = [0, 1].map(|i: usize| Geometry::from(triangles(&meshes)[i]));
-    assert_eq!(refused(&[a.clone()]), Some(RefitError::OtherGeometry), "fewer meshes");
+    assert_eq!(refused(std::slice::from_ref(&a)), Some(RefitError::OtherGeometry), "fewer meshes");
     assert_eq!(
         refused(&[b.clone(), a.clone()]),
         Some(RefitError::OtherGeometry),
