@@ -22,6 +22,7 @@
 //! print the digits that they print there. Differences are said where they are.
 
 pub mod color;
+pub mod dictionary;
 mod dual;
 pub mod math;
 pub mod matrix;
