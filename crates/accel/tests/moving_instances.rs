@@ -142,7 +142,7 @@ fn a_few_instances_follow_their_list() {
         let mut following = Following::new(20, 0.4, Quality::Medium, seed);
         let mut before: Option<(SceneTree, Vec<Option<Hit>>)> = None;
         let mut found = 0;
-        for step in 0..40 {
+        for step in 0..16 {
             let (len, edits) = following.some_edits(nested);
             following.edit(len, &edits, Threads::Single);
             let rays = some_rays(seed, 30);
@@ -153,7 +153,7 @@ fn a_few_instances_follow_their_list() {
             }
             before = Some((following.scene.clone(), hits));
         }
-        assert!(found > 500, "{found} hits");
+        assert!(found > 200, "{found} hits");
     }
 }
 
@@ -163,14 +163,14 @@ fn many_instances_follow_their_list() {
     for (seed, quality) in [(3, Quality::Medium), (4, Quality::Fast), (5, Quality::High)] {
         let mut following = Following::new(1400, 0.08, quality, seed);
         let mut found = 0;
-        for step in 0..16 {
-            let (len, edits) = following.some_edits(step > 8);
+        for step in 0..6 {
+            let (len, edits) = following.some_edits(step > 2);
             let threads = if step % 2 == 0 { Threads::Pool(&pool) } else { Threads::Single };
             following.edit(len, &edits, threads);
-            let hits = following.check(&some_rays(seed + step as u64, 40), step);
+            let hits = following.check(&some_rays(seed + step as u64, 30), step);
             found += hits.iter().flatten().count();
         }
-        assert!(found > 100, "{found} hits");
+        assert!(found > 40, "{found} hits");
     }
 }
 

@@ -18,7 +18,7 @@ use crate::treelet::{Treelet, growth};
 /// A tree that costs this much more than when all of it was built is built again.
 const WORN: f64 = 1.5;
 
-/// Where so many of all boxes are new, or one of so many is edited, searches for better treelets do not pay.
+/// Where more than one of so many boxes is edited, all is built again: that takes less time.
 const MANY: usize = 4;
 
 /// A box that is given, or taken away, at a place.
@@ -35,14 +35,11 @@ impl BoxIndex {
     #[must_use]
     pub fn updated(&self, edits: &[BoxEdit], threads: Threads) -> Self {
         let length = edits.last().map_or(0, |edit| edit.0 as usize + 1).max(self.homes.len());
-        let comes =
-            |edit: &&BoxEdit| self.home(edit.0).is_none() && edit.1.is_some_and(|bounds| !bounds.is_empty());
         let fits = if self.treelets.len() == 1 { length <= FEW } else { self.treelets.len() > 1 };
-        if !fits || edits.iter().filter(comes).count() > self.count / MANY {
+        if !fits || edits.len() > self.count / MANY {
             return self.built_again(edits, length, threads);
         }
-        let stay = edits.len() > self.count / MANY;
-        let orders = threads.run(|parallel| self.orders(edits, stay, parallel));
+        let orders = threads.run(|parallel| self.orders(edits, parallel));
         let made = self.made(&orders, threads);
         let mut after = self.clone();
         after.homes.grow(length);
@@ -93,8 +90,8 @@ impl BoxIndex {
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// What is to be done: treelet, place and box, ascending. Where `stay`, boxes stay in their treelets.
-    fn orders(&self, edits: &[BoxEdit], stay: bool, parallel: bool) -> Vec<(u32, BoxEdit)> {
+    /// What is to be done: treelet, place and box, ascending.
+    fn orders(&self, edits: &[BoxEdit], parallel: bool) -> Vec<(u32, BoxEdit)> {
         let order = |&(place, bounds): &BoxEdit| {
             let bounds = bounds.filter(|bounds| !bounds.is_empty());
             let leave = |home: usize| (home as u32, (place, None));
@@ -104,8 +101,8 @@ impl BoxIndex {
                 (Some(home), None) => [Some(leave(home)), None],
                 (None, Some(bounds)) => [Some(enter(self.best_home(&bounds), bounds)), None],
                 (Some(home), Some(bounds)) => match self.better_home(home, &bounds) {
-                    Some(other) if !stay => [Some(leave(home)), Some(enter(other, bounds))],
-                    _ => [Some(enter(home, bounds)), None],
+                    Some(other) => [Some(leave(home)), Some(enter(other, bounds))],
+                    None => [Some(enter(home, bounds)), None],
                 },
             }
         };
@@ -207,5 +204,86 @@ impl BoxIndex {
             None => upper(&self.treelets, self.quality, threads).unwrap_or_else(|error| panic!("{error}")),
         };
         self.bounds = self.upper.bounds();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gnurt_accel_core::Quality;
+    use gnurt_testkit::Random;
+
+    /// Every box is in one treelet that is its home, and the upper treelet has the box of each.
+    fn check(index: &BoxIndex, boxes: &[Aabb]) {
+        let mut seen = vec![0; boxes.len()];
+        for (number, treelet) in index.treelets.iter().enumerate() {
+            for (place, bounds) in treelet.members() {
+                assert_eq!(bounds, boxes[place as usize], "place {place}");
+                assert_eq!(index.home(place), Some(number), "the home of {place}");
+                seen[place as usize] += 1;
+            }
+        }
+        for (place, &n) in seen.iter().enumerate() {
+            assert_eq!(n, usize::from(!boxes[place].is_empty()), "place {place} is there as often");
+            assert_eq!(index.home(place as u32).is_some(), n == 1, "and has a home");
+        }
+        assert_eq!(index.count, seen.iter().sum::<usize>(), "as many as there are");
+        for (number, bounds) in index.upper.members() {
+            assert_eq!(bounds, index.treelets[number as usize].bounds(), "treelet {number} in the upper one");
+        }
+        let whole = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
+        assert_eq!(index.bounds(), whole, "around all");
+    }
+
+    fn small(corner: [f32; 3]) -> Aabb {
+        Aabb { min: corner, max: corner.map(|x| x + 0.01) }
+    }
+
+    #[test]
+    fn any_edits_leave_a_sound_tree() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
+        let mut random = Random::new(1);
+        let mut boxes: Vec<Aabb> = (0..3000).map(|_| small(random.point())).collect();
+        let build = |boxes: &[Aabb]| {
+            BoxIndex::build(boxes, [0.0; 3], Quality::Medium, Threads::Single, &Watch::new(&()))
+                .expect("nobody stops it")
+        };
+        let mut index = build(&boxes);
+        let mut parted = 0;
+        for step in 0..60 {
+            let len = boxes.len() + 40 * usize::from(step % 3 == 0);
+            boxes.resize(len, Aabb::EMPTY);
+            let mut edits: Vec<BoxEdit> = Vec::new();
+            for place in 0..len as u32 {
+                let is_new = place as usize + 40 >= len && step % 3 == 0;
+                if is_new || random.below(100) == 0 {
+                    // Many come to one corner, whose treelets have no room soon.
+                    let near = random.point().map(|x| 0.05 * x);
+                    let bounds = match random.below(4) {
+                        0 => None,
+                        1 => Some(small(random.point())),
+                        _ => Some(small(near)),
+                    };
+                    edits.push((place, bounds));
+                    boxes[place as usize] = bounds.unwrap_or(Aabb::EMPTY);
+                }
+            }
+            let before = index.treelets.len();
+            let alone = index.updated(&edits, Threads::Single);
+            index = index.updated(&edits, Threads::Pool(&pool));
+            check(&index, &boxes);
+            let pairs = alone.treelets.iter().zip(&index.treelets).chain([(&alone.upper, &index.upper)]);
+            assert!(pairs.into_iter().all(|(a, b)| a.nodes() == b.nodes()), "threads do not show");
+            parted += usize::from(index.treelets.len() > before);
+            let fresh = build(&boxes);
+            let (cost, least) = (index.cost(), fresh.cost());
+            assert!(cost < 2.0 * least, "step {step}: it costs {cost}, built again {least}");
+        }
+        assert!(parted > 3, "treelets were parted {parted} times");
+        let all: Vec<BoxEdit> = (0..boxes.len() as u32 / 8).map(|place| (place, None)).collect();
+        for (place, _) in &all {
+            boxes[*place as usize] = Aabb::EMPTY;
+        }
+        check(&index.updated(&all, Threads::Single), &boxes);
     }
 }
