@@ -115,7 +115,7 @@ fn seconds(shader: &dyn SurfaceShader, tracer: &mut Lights, hits: &SurfaceBatch,
     let start = now();
     for _ in 0..20 {
         out.reset(hits.len(), [0.0; 3].into());
-        shader.shade(tracer, hits, out);
+        shader.radiance().expect("it shades").shade(tracer, hits, out);
     }
     (now() - start) / 20.0
 }
@@ -132,7 +132,7 @@ fn plugins_shade_the_same() {
         let (hits, mut tracer) = (points(n), lights(3));
         let shade = |shader: &dyn SurfaceShader, tracer: &mut Lights| {
             let mut out = Vec3s::splat(n, [0.0; 3].into());
-            shader.shade(tracer, &hits, &mut out);
+            shader.radiance().expect("it shades").shade(tracer, &hits, &mut out);
             out
         };
         let (wanted, seen) = (shade(&*built_in, &mut tracer), shade(&*plugin, &mut tracer));

@@ -9,8 +9,8 @@ use gnurt::accel::{Ray, RayBatch};
 use gnurt::scene::TEXCOORD_RQ;
 use gnurt::shading::classes::Shader as RenderShader;
 use gnurt::shading::{
-    AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, SurfaceBatch, SurfaceShader,
-    Tracer, Vec3s,
+    AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, RadianceShader, SurfaceBatch,
+    SurfaceShader, Tracer, Vec3s,
 };
 
 use crate::description::Kind;
@@ -165,11 +165,17 @@ fn all_finite(values: &[f32]) -> bool {
     values.iter().fold(0, |bad, x| bad | u32::from(x.to_bits() & EXPONENT == EXPONENT)) == 0
 }
 
-impl SurfaceShader for PluginShader {
+impl RadianceShader for PluginShader {
     fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         if let Some(shade) = self.shader.class().calls.shade {
             self.call_surface(shade, tracer, hits, out);
         }
+    }
+}
+
+impl SurfaceShader for PluginShader {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 
     fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -105,7 +105,7 @@ impl TileAovs {
         for lane in range.clone().filter(|&lane| camera.hits.prim_id[lane] == INVALID_ID) {
             add(&mut self.missed[lane - first], radiance.get(lane));
         }
-        tracer.for_each_surface_in(range, camera, Wanted::Albedo, |_, shader, lanes, points| {
+        tracer.for_each_surface_in(range, camera, Wanted::Sides, |_, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
             shader.albedo(points, &mut albedo);
             let backdrop = shader.backdrop();

@@ -10,7 +10,8 @@ use std::ops::Range;
 use glam::Vec3;
 use gnurt_accel::{Coherence, HitBatch, Pencil, Query, RayBatch, Record};
 use gnurt_scene::RayMask;
-use gnurt_shading::bsdf::Scattering;
+use gnurt_shading::bsdf::ClosureBatch;
+use gnurt_shading::materials::recursive_radiance;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{Detail, LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
@@ -72,10 +73,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) camera: CameraBatch,
     /// And of paths.
     pub(crate) wavefront: Wavefront,
-    /// And of what vertices do to light.
-    pub(crate) scattering: Vec<Scattering>,
-    /// And of lanes in order of their materials.
-    pub(crate) order: Vec<u64>,
+    /// And of what points do to light.
+    pub(crate) closures: ClosureBatch,
     /// How shadow rays lie beside each other.
     pub(crate) shadows: Coherence,
     /// And of what shadow rays hit.
@@ -87,12 +86,8 @@ pub(crate) struct BatchTracer<'w> {
 pub(crate) enum Wanted {
     /// All that shaders can do.
     Light,
-    /// Base colours and shading normals, of either side.
-    Color,
     /// Base colours, places and normals.
-    Albedo,
-    /// Places and normals.
-    Normals,
+    Sides,
 }
 
 /// Memory of a batch of points.
@@ -124,8 +119,7 @@ impl<'w> BatchTracer<'w> {
             spare: Vec::new(),
             camera: CameraBatch::default(),
             wavefront: Wavefront::default(),
-            scattering: Vec::new(),
-            order: Vec::new(),
+            closures: ClosureBatch::default(),
             shadows: Coherence::Coherent,
             blocked: Vec::new(),
         }
@@ -210,13 +204,8 @@ impl<'w> BatchTracer<'w> {
             let Group { lanes, points, .. } = &mut group;
             lanes.clear();
             lanes.extend(same.iter().map(|&lane| lane as u32));
-            let detail = match wanted {
-                Wanted::Light => Detail::Full,
-                Wanted::Color => shader.albedo_detail(),
-                Wanted::Albedo => shader.albedo_detail().min(Detail::Sides),
-                Wanted::Normals => Detail::Sides,
-            };
-            world.surface_points(from, lanes, detail, shader.attributes(), points);
+            let detail = if wanted == Wanted::Light { Detail::Full } else { Detail::Sides };
+            world.surface_points((self.options.level, from), lanes, detail, shader.attributes(), points);
             self.cone.widen(points, lanes, &widths);
             with(self, shader, lanes, points);
         }
@@ -232,7 +221,9 @@ impl<'w> BatchTracer<'w> {
                 log.surface(points);
             }
             let mut shaded = Vec3s::splat(lanes.len(), Vec3::ZERO);
-            shader.shade(tracer, points, &mut shaded);
+            let mut closures = std::mem::take(&mut tracer.closures);
+            recursive_radiance(tracer, points, shader, &mut closures, &mut shaded);
+            tracer.closures = closures;
             for (k, &lane) in lanes.iter().enumerate() {
                 radiance.set(lane as usize, shaded.get(k));
             }

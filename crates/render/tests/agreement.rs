@@ -17,7 +17,7 @@ use gnurt_render::{
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{Affine, Light, Material, MaterialId, Scene, Surface, TextureId};
-use gnurt_shading::bsdf::{Bsdf, Lobe, Model, RoughDielectric};
+use gnurt_shading::bsdf::{Bsdf, Lobe};
 use gnurt_shading::lights::PointLight;
 use gnurt_shading::{LightBatch, LightShader, Vec3s};
 
@@ -262,8 +262,8 @@ fn sheet(scene: &mut Scene, material: MaterialId) {
 fn lights_behind_rough_glass_shine_through() {
     let (ior, roughness) = (1.5_f32, 0.6_f32);
     let glass = |thin| {
-        let lobe = RoughDielectric::new(roughness * roughness, 1.0 / ior, Vec3::ONE, Vec3::ONE, thin);
-        Bsdf::new(Vec3::Z, Model::Lobe(Lobe::RoughDielectric(lobe)))
+        let alpha = roughness * roughness;
+        Bsdf::new(Vec3::Z, Lobe::rough_glass(alpha, 1.0 / ior, Vec3::ONE, Vec3::ONE, thin))
     };
     let wo = Vec3::new(0.4, -0.8, 2.0).normalize();
     for (thin, up) in [(true, 1.0), (true, -1.0), (false, 1.0), (false, -1.0)] {

@@ -15,7 +15,7 @@ use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{
     Affine, Attribute, InstanceId, Light, MaterialId, MeshId, Rate, Scene, Surface, TextureId,
 };
-use gnurt_shading::{AttributeRequest, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_shading::{AttributeRequest, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 fn texture(scene: &mut Scene, width: u32, texels: Vec<[f32; 4]>) -> TextureId {
     let height = texels.len() as u32 / width;
@@ -178,13 +178,19 @@ fn textures_modulate_emission_seen_and_given() {
 /// Shows its two attributes and what it gets where there is none.
 struct Show(Vec<AttributeRequest>);
 
-impl SurfaceShader for Show {
+impl RadianceShader for Show {
     fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         for i in 0..hits.len() {
             let [triangle, vertex, missing] = [0, 1, 2].map(|a| &hits.attributes[a]);
             // Two components per vertex: the second is what is shown.
             out.set(i, Vec3::new(triangle[i], vertex[hits.len() + i], missing[i]));
         }
+    }
+}
+
+impl SurfaceShader for Show {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

@@ -19,14 +19,22 @@ use gnurt_scene::{
     Affine, CameraId, InstanceId, Light, LightId, Material, MaterialId, Mesh, MeshId, Motion, Object,
     ObjectId, RayMask, Scene, Surface, TextureId,
 };
-use gnurt_shading::{EnvironmentShader, LightBatch, LightShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_shading::{
+    EnvironmentShader, LightBatch, LightShader, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s,
+};
 
 /// A surface of the shader table.
 struct Glow(Vec3);
 
-impl SurfaceShader for Glow {
+impl RadianceShader for Glow {
     fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, self.0));
+    }
+}
+
+impl SurfaceShader for Glow {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 }
 

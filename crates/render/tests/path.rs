@@ -16,7 +16,7 @@ use gnurt_render::{
 use gnurt_scene::material::{Alpha, Opacity, OpacityChannel};
 use gnurt_scene::{Light, Material, MaterialId, Mesh, Scene, Surface};
 use gnurt_shading::lights::PointLight;
-use gnurt_shading::{SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_shading::{RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 const ALBEDO: f32 = 0.6;
 
@@ -105,9 +105,15 @@ fn lights_without_extent_and_rectangles() {
 /// Sends the same radiance to all sides, and does not say how it scatters.
 struct Tells(f32);
 
-impl SurfaceShader for Tells {
+impl RadianceShader for Tells {
     fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, Vec3::splat(self.0)));
+    }
+}
+
+impl SurfaceShader for Tells {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 }
 

@@ -15,7 +15,8 @@ use gnurt_render::{
 };
 use gnurt_scene::{Material, MaterialId, Scene, Surface};
 use gnurt_shading::{
-    EnvironmentShader, LightBatch, LightShader, RayRequest, SurfaceBatch, SurfaceShader, Tracer, Vec3s,
+    EnvironmentShader, LightBatch, LightShader, RadianceShader, RayRequest, SurfaceBatch, SurfaceShader,
+    Tracer, Vec3s,
 };
 
 const SIZE: u32 = 16;
@@ -48,7 +49,7 @@ impl LightShader for Lamp {
 /// What an old program's shader does: light times colour times cosine, one light after the other, with shadows.
 struct Diffuse(Vec3);
 
-impl SurfaceShader for Diffuse {
+impl RadianceShader for Diffuse {
     fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let (mut light, mut through) = (LightBatch::default(), Vec3s::default());
         for number in 0..tracer.light_count() {
@@ -65,6 +66,12 @@ impl SurfaceShader for Diffuse {
                 out.add(i, self.0 * light.radiance.get(i) * through.get(i) * cos);
             }
         }
+    }
+}
+
+impl SurfaceShader for Diffuse {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 }
 

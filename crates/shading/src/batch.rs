@@ -115,8 +115,6 @@ pub enum Detail {
     Full,
     /// Places and normals: all but `error`, `lift`, `dp_du` and `dp_dv`, which are empty.
     Sides,
-    /// What base colours are made of: as `Sides`, but `ng` is `ns` where there are vertex normals and no texture coordinates.
-    Color,
 }
 
 /// Surface points that share one shader, world space.
@@ -240,10 +238,11 @@ impl SurfaceBatch {
     pub fn point(&self, i: usize) -> SurfacePoint {
         SurfacePoint {
             p: self.p.get(i),
-            error: self.error[i],
+            // What was left out counts as nothing.
+            error: self.error.get(i).copied().unwrap_or(0.0),
             ng: self.facing_ng(i),
             ns: self.facing_ns(i),
-            lift: self.lift.get(i),
+            lift: if self.lift.is_empty() { Vec3::ZERO } else { self.lift.get(i) },
         }
     }
 

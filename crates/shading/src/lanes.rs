@@ -9,6 +9,8 @@
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 
+use crate::real::Vector;
+
 /// How many points.
 pub const LANES: usize = 16;
 
@@ -26,43 +28,13 @@ pub fn floats<S: Simd>(simd: S, x: f32) -> Floats<S> {
 }
 
 /// Three floats in each lane.
-#[derive(Clone, Copy, Debug)]
-pub struct Vec3x16<S: Simd> {
-    /// First components.
-    pub x: Floats<S>,
-    /// Second components.
-    pub y: Floats<S>,
-    /// Third components.
-    pub z: Floats<S>,
-}
+pub type Vec3x16<S> = Vector<f32x16<S>>;
 
 impl<S: Simd> Vec3x16<S> {
-    /// From its components.
-    #[inline(always)]
-    pub fn new(x: Floats<S>, y: Floats<S>, z: Floats<S>) -> Self {
-        Self { x, y, z }
-    }
-
     /// The same in all lanes.
     #[inline(always)]
     pub fn splat(simd: S, v: Vec3) -> Self {
         Self { x: f32x16::splat(simd, v.x), y: f32x16::splat(simd, v.y), z: f32x16::splat(simd, v.z) }
-    }
-
-    /// Sixteen values of three arrays, from place `at` on. Panics if an array ends before.
-    #[inline(always)]
-    pub fn load(simd: S, [x, y, z]: [&[f32]; 3], at: usize) -> Self {
-        Self {
-            x: f32x16::from_slice(simd, &x[at..at + LANES]),
-            y: f32x16::from_slice(simd, &y[at..at + LANES]),
-            z: f32x16::from_slice(simd, &z[at..at + LANES]),
-        }
-    }
-
-    /// Lane `i`.
-    #[inline(always)]
-    pub fn get(&self, i: usize) -> Vec3 {
-        Vec3::new(self.x[i], self.y[i], self.z[i])
     }
 
     /// Lane `i` in all lanes.
@@ -70,108 +42,12 @@ impl<S: Simd> Vec3x16<S> {
     pub fn spread(self, i: usize) -> Self {
         Self::splat(self.x.token(), self.get(i))
     }
-
-    /// Without signs.
-    #[inline(always)]
-    pub fn abs(self) -> Self {
-        Self { x: self.x.abs(), y: self.y.abs(), z: self.z.abs() }
-    }
-
-    /// The larger of each pair of components.
-    #[inline(always)]
-    pub fn max(self, other: Self) -> Self {
-        Self { x: self.x.max(other.x), y: self.y.max(other.y), z: self.z.max(other.z) }
-    }
-
-    /// Dot product.
-    #[inline(always)]
-    pub fn dot(self, other: Self) -> Floats<S> {
-        self.x * other.x + self.y * other.y + self.z * other.z
-    }
-
-    /// Square of the length.
-    #[inline(always)]
-    pub fn length_squared(self) -> Floats<S> {
-        self.dot(self)
-    }
-
-    /// Divided by its length, as `Vec3::normalize` does it.
-    #[inline(always)]
-    pub fn normalize(self) -> Self {
-        let length = self.length_squared().sqrt();
-        self * (f32x16::splat(length.token(), 1.0) / length)
-    }
-
-    /// Each component over the divisor, as `Vec3 / f32` does it.
-    #[inline(always)]
-    pub fn over(self, divisor: Floats<S>) -> Self {
-        Self { x: self.x / divisor, y: self.y / divisor, z: self.z / divisor }
-    }
-
-    /// Largest component.
-    #[inline(always)]
-    pub fn max_element(self) -> Floats<S> {
-        self.x.max(self.y).max(self.z)
-    }
-
-    /// Lanes in which all components are finite.
-    #[inline(always)]
-    pub fn is_finite(self) -> Mask<S> {
-        self.x.is_finite() & self.y.is_finite() & self.z.is_finite()
-    }
-
-    /// Lanes in which all components are zero.
-    #[inline(always)]
-    pub fn is_zero(self) -> Mask<S> {
-        let zero = f32x16::splat(self.x.token(), 0.0);
-        self.x.simd_eq(zero) & self.y.simd_eq(zero) & self.z.simd_eq(zero)
-    }
-}
-
-impl<S: Simd> std::ops::Add for Vec3x16<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self { x: self.x + other.x, y: self.y + other.y, z: self.z + other.z }
-    }
-}
-
-impl<S: Simd> std::ops::Sub for Vec3x16<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y, z: self.z - other.z }
-    }
-}
-
-impl<S: Simd> std::ops::Mul for Vec3x16<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self { x: self.x * other.x, y: self.y * other.y, z: self.z * other.z }
-    }
-}
-
-impl<S: Simd> std::ops::Mul<Floats<S>> for Vec3x16<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, scale: Floats<S>) -> Self {
-        Self { x: self.x * scale, y: self.y * scale, z: self.z * scale }
-    }
-}
-
-impl<S: Simd> std::ops::Neg for Vec3x16<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self { x: -self.x, y: -self.y, z: -self.z }
-    }
 }
 
 /// `a` where `mask` says so, else `b`.
 #[inline(always)]
 pub fn select3<S: Simd>(mask: Mask<S>, a: Vec3x16<S>, b: Vec3x16<S>) -> Vec3x16<S> {
-    Vec3x16 { x: mask.select(a.x, b.x), y: mask.select(a.y, b.y), z: mask.select(a.z, b.z) }
+    Vec3x16::pick(mask, a, b)
 }
 
 /// Rows to columns: lane `i` of result `k` is lane `k` of row `i`.

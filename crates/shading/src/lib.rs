@@ -11,15 +11,15 @@ pub mod lights;
 pub mod materials;
 pub mod mipmap;
 mod point;
-pub mod point_lanes;
+pub mod real;
 pub mod sampling;
 pub mod shader;
 mod texels;
 pub mod texture;
 
 pub use batch::{Detail, SampleKey, SurfaceBatch, Vec3s};
-pub use point::SurfacePoint;
+pub use point::{Leaving, Rays, SurfacePoint};
 pub use shader::{
-    AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, RayRequest, SurfaceShader,
-    Tracer,
+    AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, RadianceShader, RayRequest,
+    SurfaceShader, Tracer,
 };

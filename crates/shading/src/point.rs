@@ -5,11 +5,13 @@
 //! Horizon: light and scattered rays obey one rule, so that the two ways to meet a light agree. On the side that the
 //! path came from, a direction must be above the shading normal's horizon and, where the mesh is flat or hollow, above
 //! the facet's; through the surface it must be below both.
-//! Sixteen at once: `point_lanes`.
+//! Written once for one point and for sixteen.
 //! Proof: `tests`, crates/render/tests/{offsets,terminator}.rs.
 
 use glam::Vec3;
 use gnurt_accel::Ray;
+
+use crate::real::{Real, Vector};
 
 /// What rays that leave a point need to know of it.
 #[derive(Clone, Copy, Debug)]
@@ -26,12 +28,91 @@ pub struct SurfacePoint {
     pub lift: Vec3,
 }
 
+/// The same of many points.
+#[derive(Clone, Copy, Debug)]
+pub struct Leaving<R> {
+    /// Where they are.
+    pub p: Vector<R>,
+    /// How far they may be off.
+    pub error: R,
+    /// Geometric normals.
+    pub ng: Vector<R>,
+    /// Shading normals.
+    pub ns: Vector<R>,
+    /// To the curved surfaces.
+    pub lift: Vector<R>,
+}
+
+/// Rays of many points; near ends are zero.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays<R> {
+    /// Origins.
+    pub org: Vector<R>,
+    /// Unit directions.
+    pub dir: Vector<R>,
+    /// Far ends.
+    pub t_far: R,
+}
+
+impl Rays<f32> {
+    fn ray(self) -> Ray {
+        let [org, dir] = [self.org, self.dir].map(|v| Vec3::from(v).into());
+        Ray::new(org, dir).within(0.0, self.t_far)
+    }
+}
+
+impl<R: Real> Leaving<R> {
+    /// See [`SurfacePoint::scatters_to`].
+    #[inline(always)]
+    pub fn scatters_to(&self, dir: Vector<R>, transmitted: R::Mask) -> R::Mask {
+        let zero = self.error.all(0.0);
+        let (above_ns, above_ng) = (self.ns.dot(dir), self.ng.dot(dir));
+        let below_both = zero.above(above_ns) & zero.above(above_ng);
+        let above = above_ns.above(zero) & (above_ng.above(zero) | !self.lift.is_zero());
+        (transmitted & below_both) | (!transmitted & above)
+    }
+
+    /// Where rays towards `dir` start, where they may.
+    #[inline(always)]
+    fn origins(&self, dir: Vector<R>, transmitted: R::Mask) -> Vector<R> {
+        let up = self.ng.dot(dir);
+        let below = self.error.all(0.0).above(up);
+        // Off to the side of the viewer, even where `dir` points below the facet.
+        let raised = !(transmitted | self.lift.is_zero());
+        let p = Vector::pick(raised, self.p + self.lift, self.p);
+        off_surface(p, self.ng, below & !raised, self.error)
+    }
+
+    /// See [`SurfacePoint::scatter_ray`]; the points that send one.
+    #[inline(always)]
+    pub fn scatter_rays(&self, dir: Vector<R>, transmitted: R::Mask) -> (Rays<R>, R::Mask) {
+        let rays = Rays { org: self.origins(dir, transmitted), dir, t_far: self.error.all(f32::INFINITY) };
+        (rays, self.scatters_to(dir, transmitted))
+    }
+
+    /// See [`SurfacePoint::shadow_ray`]; the points that send one.
+    #[inline(always)]
+    pub fn shadow_rays(&self, dir: Vector<R>, dist: R, transmitted: R::Mask) -> (Rays<R>, R::Mask) {
+        let from = self.origins(dir, transmitted);
+        (rays_between(self.p, from, dir, dist, self.error), self.scatters_to(dir, transmitted))
+    }
+}
+
 impl SurfacePoint {
+    fn leaving(&self) -> Leaving<f32> {
+        let Self { p, error, ng, ns, lift } = *self;
+        Leaving { p: p.into(), error, ng: ng.into(), ns: ns.into(), lift: lift.into() }
+    }
+
+    fn off_surface(&self, dir: Vec3) -> Vector<f32> {
+        off_surface(self.p.into(), self.ng.into(), self.ng.dot(dir) < 0.0, self.error)
+    }
+
     /// A ray towards `dir` that will not meet the surface it leaves: its origin is off the surface by the point's error,
     /// on the side that `dir` points to.
     #[must_use]
     pub fn spawn(&self, dir: Vec3, t_far: f32) -> Ray {
-        Ray::new(off_surface(self.p, self.ng, dir, self.error).into(), dir.into()).within(0.0, t_far)
+        Rays { org: self.off_surface(dir), dir: dir.into(), t_far }.ray()
     }
 
     /// A ray that ends at `dist` along the unit direction `dir`, seen from the point itself: what
@@ -39,7 +120,7 @@ impl SurfacePoint {
     /// may lie on a surface, which must not shadow it.
     #[must_use]
     pub fn spawn_to(&self, dir: Vec3, dist: f32) -> Ray {
-        ray_between(self.p, off_surface(self.p, self.ng, dir, self.error), dir, dist, self.error)
+        rays_between(self.p.into(), self.off_surface(dir), dir.into(), dist, self.error).ray()
     }
 
     /// The ray that decides whether light from the unit direction `dir`, `dist` away, reaches the point; `None` where
@@ -47,46 +128,29 @@ impl SurfacePoint {
     /// and the ray starts there \[Hanika2021\]; elsewhere both normals must see the light.
     #[must_use]
     pub fn shadow_ray(&self, dir: Vec3, dist: f32) -> Option<Ray> {
-        let from = self.origin_towards(dir, false)?;
-        Some(ray_between(self.p, from, dir, dist, self.error))
+        let (ray, some) = self.leaving().shadow_rays(dir.into(), dist, false);
+        some.then(|| ray.ray())
     }
 
     /// The same for light that arrives through the surface, from the side that the path did not come from.
     #[must_use]
     pub fn shadow_ray_through(&self, dir: Vec3, dist: f32) -> Option<Ray> {
-        let from = self.origin_towards(dir, true)?;
-        Some(ray_between(self.p, from, dir, dist, self.error))
+        let (ray, some) = self.leaving().shadow_rays(dir.into(), dist, true);
+        some.then(|| ray.ray())
     }
 
     /// The ray on which a path goes on in the unit direction `dir` that a BSDF chose, `transmitted` or not; `None` where
     /// light samples from there would bring nothing, either.
     #[must_use]
     pub fn scatter_ray(&self, dir: Vec3, transmitted: bool, t_far: f32) -> Option<Ray> {
-        let from = self.origin_towards(dir, transmitted)?;
-        Some(Ray::new(from.into(), dir.into()).within(0.0, t_far))
+        let (ray, some) = self.leaving().scatter_rays(dir.into(), transmitted);
+        some.then(|| Rays { t_far, ..ray }.ray())
     }
 
     /// Whether [`scatter_ray`](Self::scatter_ray) gives a ray; `dir` may have any length.
     #[must_use]
     pub fn scatters_to(&self, dir: Vec3, transmitted: bool) -> bool {
-        let (above_ns, above_ng) = (self.ns.dot(dir), self.ng.dot(dir));
-        if transmitted {
-            above_ns < 0.0 && above_ng < 0.0
-        } else {
-            above_ns > 0.0 && (above_ng > 0.0 || self.lift != Vec3::ZERO)
-        }
-    }
-
-    /// Where rays towards `dir` start; `None` below the horizon.
-    fn origin_towards(&self, dir: Vec3, transmitted: bool) -> Option<Vec3> {
-        if !self.scatters_to(dir, transmitted) {
-            return None;
-        }
-        if transmitted || self.lift == Vec3::ZERO {
-            return Some(off_surface(self.p, self.ng, dir, self.error));
-        }
-        // Off to the side of the viewer, even where `dir` points below the facet.
-        Some(off_surface(self.p + self.lift, self.ng, self.ng, self.error))
+        self.leaving().scatters_to(dir.into(), transmitted)
     }
 
     /// The unit normal `ns`, bent as little as it takes that a ray from `wo` (unit, above `ng`) sees it from the front
@@ -113,30 +177,33 @@ impl SurfacePoint {
 const LOWEST_MIRROR_IMAGE: f32 = 1e-3;
 
 /// How far rounding may move the end of a ray, as a multiple of its length.
-pub(crate) const END_ERROR: f32 = 8.0 * f32::EPSILON;
+const END_ERROR: f32 = 8.0 * f32::EPSILON;
 
-/// The ray from `from` to what is seen from `p` along `dir`, `dist` away; it stops short by `error` and its rounding.
-fn ray_between(p: Vec3, from: Vec3, dir: Vec3, dist: f32, error: f32) -> Ray {
-    if dist.is_infinite() {
-        return Ray::new(from.into(), dir.into()).within(0.0, dist);
-    }
+/// The rays from `from` to what is seen from `p` along `dir`, `dist` away; they stop short by `error` and their rounding.
+#[inline(always)]
+fn rays_between<R: Real>(p: Vector<R>, from: Vector<R>, dir: Vector<R>, dist: R, error: R) -> Rays<R> {
+    let zero = dist.all(0.0);
+    let near = dist.is_number();
     let way = p + dir * dist - from;
-    let length = way.length();
-    let dir = if length > 0.0 { way / length } else { dir };
-    let end = length * (1.0 - END_ERROR) - error;
-    Ray::new(from.into(), dir.into()).within(0.0, end.max(0.0))
+    let length = way.length_squared().root();
+    let towards = Vector::pick(length.above(zero) & near, way.over(length), dir);
+    let end = (length * (1.0 - END_ERROR) - error).or_more(zero);
+    Rays { org: from, dir: towards, t_far: R::pick(near, end, dist) }
 }
 
-/// Moves `p` along `normal` by `error`, to the side that `dir` points to, and then away from it by one float more in
+/// Moves `p` along `normal` by `error`, or against it where `below`, and then away from it by one float more in
 /// each coordinate: adding a small number to a large one may have moved nothing.
-fn off_surface(p: Vec3, normal: Vec3, dir: Vec3, error: f32) -> Vec3 {
-    let offset = if normal.dot(dir) < 0.0 { -normal * error } else { normal * error };
-    let step = |x: f32, d: f32| match d {
-        d if d > 0.0 => (x + d).next_up(),
-        d if d < 0.0 => (x + d).next_down(),
-        _ => x,
-    };
-    Vec3::new(step(p.x, offset.x), step(p.y, offset.y), step(p.z, offset.z))
+#[inline(always)]
+fn off_surface<R: Real>(p: Vector<R>, normal: Vector<R>, below: R::Mask, error: R) -> Vector<R> {
+    let offset = Vector::pick(below, -normal * error, normal * error);
+    p.with(
+        offset,
+        #[inline(always)]
+        |x, d| {
+            let (zero, moved) = (x.all(0.0), x + d);
+            R::pick(d.above(zero), moved.next_up(), R::pick(zero.above(d), moved.next_down(), x))
+        },
+    )
 }
 
 #[cfg(test)]

@@ -6,9 +6,8 @@
 use glam::Vec3;
 use gnurt_accel::RayBatch;
 
-use crate::batch::{Detail, SampleKey, SurfaceBatch, Vec3s};
-use crate::bsdf::Scattering;
-use crate::materials::{Lambertian, PlainColor};
+use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
+use crate::bsdf::ClosureBatch;
 
 /// A value that a shader wants for each hit from its mesh.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,10 +20,19 @@ pub struct AttributeRequest {
     pub default: Vec<f32>,
 }
 
-/// The look of a surface.
+/// A surface: what its points do to light.
 pub trait SurfaceShader: Send + Sync {
-    /// Writes the radiance that leaves each point against its ray; `out` has `hits.len()` lanes, all zero.
-    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s);
+    /// Writes what light does at each point; `out` has `hits.len()` points that do nothing. That is all there is to know of a
+    /// surface, but for one that has [`radiance`](Self::radiance).
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        let _ = (hits, out);
+    }
+
+    /// Itself, if it computes its radiance by its own rays and loops over lights, as shaders of OpenRT do. Integrators that
+    /// scatter light themselves take that as if the surface emitted it, beside what it emits, and end there.
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        None
+    }
 
     /// Writes the share of light that goes straight through; `out` has `hits.len()` lanes, all zero.
     /// Called only if [`is_opaque`](Self::is_opaque) says no.
@@ -55,30 +63,6 @@ pub trait SurfaceShader: Send + Sync {
         let _ = (hits, out);
     }
 
-    /// What [`albedo`](Self::albedo) reads of a batch: those who only look at colours need not compute the rest.
-    fn albedo_detail(&self) -> Detail {
-        Detail::Full
-    }
-
-    /// What [`albedo`](Self::albedo) writes, if it needs nothing of the points but the mesh's own colours: those who only
-    /// look at colours need not ask for each batch.
-    fn plain_albedo(&self) -> Option<PlainColor> {
-        None
-    }
-
-    /// Appends what light does at each point, `hits.len()` values, and says so. `false` = only [`shade`](Self::shade)
-    /// knows: integrators that scatter light themselves take its radiance as if the surface emitted it, and end there.
-    fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {
-        let _ = (hits, out);
-        false
-    }
-
-    /// What it is, if it is Lambert's reflector everywhere and nothing but that: integrators may then scatter light
-    /// themselves, by lanes, without asking for each batch.
-    fn lambertian(&self) -> Option<Lambertian> {
-        None
-    }
-
     /// What lies behind the scene, for a Lambertian reflector that shows just that where all light of the environment reaches it
     /// and shadow where not: in pictures with opacity it is there as far as it is darker.
     fn backdrop(&self) -> Option<Vec3> {
@@ -89,6 +73,12 @@ pub trait SurfaceShader: Send + Sync {
     fn attributes(&self) -> &[AttributeRequest] {
         &[]
     }
+}
+
+/// A surface that computes its radiance itself.
+pub trait RadianceShader: Send + Sync {
+    /// Writes the radiance that leaves each point against its ray; `out` has `hits.len()` lanes, all zero.
+    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s);
 }
 
 /// Light arriving at points.

@@ -4,9 +4,7 @@
 //! Source: original. What holds on average (chi-square, furnaces) is in `bsdf::tests`, for chosen parameters.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{
-    Bsdf, BsdfSample, Conductor, Dielectric, Lobe, Model, Principled, Reflectance, RoughDielectric,
-};
+use gnurt_shading::bsdf::{Bsdf, BsdfSample, Kind, Lobe, Lobes, Principled};
 use proptest::prelude::*;
 
 fn color() -> impl Strategy<Value = Vec3> {
@@ -14,27 +12,21 @@ fn color() -> impl Strategy<Value = Vec3> {
 }
 
 fn metal() -> impl Strategy<Value = Lobe> {
-    let schlick = color().prop_map(|f0| Reflectance::Schlick { f0 });
-    let index =
-        (color(), color()).prop_map(|(eta, k)| Reflectance::Index { eta: eta * 4.0 + 0.05, k: k * 8.0 });
-    (0.001_f32..=1.0, prop_oneof![schlick, index])
-        .prop_map(|(alpha, reflectance)| Lobe::Conductor(Conductor::new(alpha, reflectance)))
+    let schlick = (0.001_f32..=1.0, color()).prop_map(|(alpha, f0)| Lobe::facets(alpha, f0, Vec3::ONE));
+    let index = (0.001_f32..=1.0, color(), color())
+        .prop_map(|(alpha, eta, k)| Lobe::metal(alpha, eta * 4.0 + 0.05, k * 8.0));
+    prop_oneof![schlick, index]
 }
 
 fn lobe() -> impl Strategy<Value = Lobe> {
-    let rough =
-        (color(), 0.0_f32..=1.0).prop_map(|(albedo, roughness)| Lobe::OrenNayar { albedo, roughness });
-    let glass = (0.001_f32..=1.0, 0.3_f32..3.0, color(), color(), any::<bool>()).prop_map(
-        |(alpha, eta, r, t, thin)| Lobe::RoughDielectric(RoughDielectric::new(alpha, eta, r, t, thin)),
-    );
-    let smooth = (0.3_f32..3.0, color(), color(), any::<bool>()).prop_map(
-        |(eta, reflectance, transmittance, thin)| {
-            Lobe::Dielectric(Dielectric { eta, reflectance, transmittance, thin })
-        },
-    );
+    let rough = (color(), 0.0_f32..=1.0).prop_map(|(albedo, roughness)| Lobe::oren_nayar(albedo, roughness));
+    let glass = (0.001_f32..=1.0, 0.3_f32..3.0, color(), color(), any::<bool>())
+        .prop_map(|(alpha, eta, r, t, thin)| Lobe::rough_glass(alpha, eta, r, t, thin));
+    let smooth = (0.3_f32..3.0, color(), color(), any::<bool>())
+        .prop_map(|(eta, r, t, thin)| Lobe::glass(eta, r, t, thin));
     prop_oneof![
-        color().prop_map(|albedo| Lobe::Lambert { albedo }),
-        color().prop_map(|reflectance| Lobe::Mirror { reflectance }),
+        color().prop_map(Lobe::lambert),
+        color().prop_map(Lobe::mirror),
         rough,
         metal(),
         glass,
@@ -42,7 +34,7 @@ fn lobe() -> impl Strategy<Value = Lobe> {
     ]
 }
 
-fn layered() -> impl Strategy<Value = Model> {
+fn layered() -> impl Strategy<Value = Lobes> {
     let base = (color(), 0.0_f32..=1.0, 0.0_f32..=1.0, 1.0_f32..2.5);
     let coat = (0.0_f32..=1.0, 0.001_f32..=1.0);
     let sheen = (color(), 0.0_f32..=1.0);
@@ -58,19 +50,14 @@ fn layered() -> impl Strategy<Value = Model> {
             (layers.coat, layers.coat_alpha) = (coat, coat_alpha);
             (layers.sheen, layers.sheen_roughness) = (sheen, sheen_roughness);
             (layers.transmission, layers.thin) = (transmission, thin);
-            Model::Principled(layers)
+            layers.into()
         },
     )
 }
 
-fn model() -> impl Strategy<Value = Model> {
-    let mix = (lobe(), lobe(), 0.0_f32..=1.0).prop_map(|(a, b, share_b)| Model::Mix { a, b, share_b });
-    prop_oneof![
-        color().prop_map(|albedo| Model::Lambert { albedo }),
-        lobe().prop_map(Model::Lobe),
-        mix,
-        layered()
-    ]
+fn model() -> impl Strategy<Value = Lobes> {
+    let mix = (lobe(), lobe(), 0.0_f32..=1.0).prop_map(|(a, b, share)| Lobes::from(a).mixed(b, share));
+    prop_oneof![lobe().prop_map(Lobes::from), mix, layered()]
 }
 
 /// A unit vector; for views only the upper half is meant.
@@ -146,7 +133,7 @@ proptest! {
         prop_assume!(wo.z > 0.05);
         let bsdf = Bsdf::new(Vec3::Z, model);
         // Cloth seen at grazing angles is drawn by the cosine, which does not know its narrow rim.
-        let has_rim = matches!(model, Model::Principled(layers) if layers.sheen != Vec3::ZERO);
+        let has_rim = model.as_slice().iter().any(|lobe| lobe.kind == Kind::Sheen);
         let (most, all) = if has_rim { (1000.0, 1.15) } else { (50.0, 1.03) };
         let n = 4096_u32;
         let mut sum = Vec3::ZERO;

@@ -4,7 +4,7 @@
 //! quadratures at the very roughness, ours are interpolated.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{Bsdf, Lobe, Model, Principled, RoughDielectric};
+use gnurt_shading::bsdf::{Bsdf, Lobe, Lobes, Principled};
 
 /// Share of a value, and of a white surface's, that interpolation may cost.
 const RELATIVE: f32 = 0.002;
@@ -37,18 +37,15 @@ fn values_are_those_of_the_definitions() {
         };
         let [wo, wi, wanted] = [0, 3, 6].map(|k| Vec3::from_slice(&rest[k..]));
         let base = Vec3::new(*r, *g, *b);
-        let model = match model {
+        let model: Lobes = match model {
             "layered" | "partly pane" | "partly glass" => {
                 let mut layered = Principled::new(base, *metallic, alpha.sqrt(), *ior);
                 (layered.coat, layered.coat_alpha) = (*coat, *coat_alpha);
                 (layered.sheen, layered.sheen_roughness) = (Vec3::new(*sr, *sg, *sb), *sheen_roughness);
                 (layered.transmission, layered.thin) = (*transmission, model == "partly pane");
-                Model::Principled(layered)
+                layered.into()
             }
-            "glass" | "pane" => {
-                let glass = RoughDielectric::new(*alpha, 1.0 / ior, Vec3::ONE, base, model == "pane");
-                Model::Lobe(Lobe::RoughDielectric(glass))
-            }
+            "glass" | "pane" => Lobe::rough_glass(*alpha, 1.0 / ior, Vec3::ONE, base, model == "pane").into(),
             other => panic!("no such model: {other}"),
         };
         let found = Bsdf::new(Vec3::Z, model).eval(wo, wi);

@@ -10,19 +10,13 @@ use crate::world::HitLanes;
 
 pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
     radiance.reset(camera.rays.len(), Vec3::ZERO);
-    let [x, y, z] = &camera.rays.dir;
-    let mut others = std::mem::take(&mut tracer.order);
-    tracer.world.plain_looks(camera, &mut others, |lane, color, normal| {
-        let cos = normal.dot(Vec3::new(x[lane], y[lane], z[lane])).abs();
-        radiance.set(lane, color * cos);
-    });
-    tracer.for_each_surface_of(&others, camera, Wanted::Color, |_, shader, lanes, points| {
-        let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
+    let mut albedo = Vec3s::default();
+    tracer.for_each_surface(camera, Wanted::Sides, |_, shader, lanes, points| {
+        albedo.reset(lanes.len(), MID_GREY);
         shader.albedo(points, &mut albedo);
         for (k, &lane) in lanes.iter().enumerate() {
             let cos = points.ns.get(k).dot(points.ray_dir.get(k)).abs();
             radiance.set(lane as usize, albedo.get(k) * cos);
         }
     });
-    tracer.order = others;
 }

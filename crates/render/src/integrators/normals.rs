@@ -9,7 +9,7 @@ use crate::world::HitLanes;
 
 pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
     radiance.reset(camera.rays.len(), Vec3::ZERO);
-    tracer.for_each_surface(camera, Wanted::Normals, |_, _, lanes, points| {
+    tracer.for_each_surface(camera, Wanted::Sides, |_, _, lanes, points| {
         for (k, &lane) in lanes.iter().enumerate() {
             radiance.set(lane as usize, Vec3::splat(0.5) + 0.5 * points.facing_ns(k));
         }

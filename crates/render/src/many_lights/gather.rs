@@ -13,12 +13,12 @@ use std::time::Instant;
 use glam::Vec3;
 use gnurt_shading::sampling::sample_pair;
 use gnurt_shading::{RayRequest, SampleKey, Tracer, Vec3s};
-use gnurt_simd::dispatch;
+use gnurt_simd::{dispatch, dispatch_wide, f32x16, prelude::*};
 
 use super::bound::Bound;
 use super::cut::{MOST, cut};
 use super::eye::EyePoint;
-use super::lanes::{BLOCK, Block, Color, END, Light, Source, Work};
+use super::lanes::{BLOCK, Block, Color, END, Light, Source};
 use super::neighbours;
 use super::vpl::{self, Vpl};
 use crate::tracer::BatchTracer;
@@ -86,7 +86,6 @@ const NEAR: usize = 8;
 #[derive(Default)]
 struct Room {
     light: Box<Light>,
-    work: Box<Work>,
 }
 
 /// Points that are one block, and what they get.
@@ -115,12 +114,12 @@ impl Part {
     /// Adds what one virtual light brings.
     fn gather(&mut self, tracer: &mut BatchTracer, source: &Source, bound: &Bound, room: &mut Room) {
         let Self { eyes, keys, block, sums, single, by_pencils } = self;
-        let Room { light, work } = room;
+        let Room { light } = room;
         let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
         let lanes = if block.other.len() == eyes.len() {
             None
         } else if block.may_get(source) {
-            dispatch!(level, _simd => block.light(source, work, light))
+            dispatch_wide!(level, simd => block.light(f32x16::splat(simd, 0.0), source, light), else block.light(0.0_f32, source, light))
         } else {
             Some(0)
         };
@@ -162,15 +161,14 @@ fn blocks(points: &[EyePoint]) -> impl Iterator<Item = Vec<EyePoint>> {
     (0..all.len()).step_by(BLOCK).map(move |first| all[first..all.len().min(first + BLOCK)].to_vec())
 }
 
-/// Lambertian, of facets, or what lanes may not know.
+/// Lambertian, another, or one that light goes through, which lanes do not know.
 fn kind_of(eye: &EyePoint) -> usize {
-    use gnurt_shading::bsdf::Facets;
     if eye.bsdf.lambertian().is_some() {
         0
-    } else if Facets::new(&eye.bsdf, eye.wo).is_some() {
-        1
-    } else {
+    } else if eye.bsdf.is_translucent() {
         2
+    } else {
+        1
     }
 }
 

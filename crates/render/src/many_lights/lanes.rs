@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One virtual light on a block of points, lane by lane: geometry, both ends' BSDFs, the bound.
-//! Source: [Kel97]; loops over arrays that compilers turn into vector code. Space: world.
-//! Ends are Lambertian, or facets over a body, of which Lambert's reflector is one; what is neither is left to
-//! `Vpl::brings`. Shadow rays start at the light: as a cone from one point they are narrower than as a bundle to it.
+//! One virtual light on a block of points, as many at a time as the CPU's registers hold: geometry, both ends' BSDFs, the bound.
+//! Source: [Kel97]. Space: world.
+//! What light goes through is left to `Vpl::brings`. Shadow rays start at the light: as a cone from one point they are narrower
+//! than as a bundle to it.
 //! Invariant: lanes compute what `Vpl::brings` computes, up to rounding; every CPU level gives the same bits.
 //! Proof: `tests::lanes_agree_with_single_points`.
-
-use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 use gnurt_accel::Pencil;
 use gnurt_shading::SurfacePoint;
-use gnurt_shading::bsdf::{FacetLanes, Facets, GRAZING, SentBack};
+use gnurt_shading::bsdf::{GRAZING, Kept, Seen};
+use gnurt_shading::lanes::LANES;
+use gnurt_shading::real::{Real, Vector};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
@@ -21,26 +21,25 @@ use super::vpl::{self, Vpl};
 pub(super) const BLOCK: usize = Pencil::MOST;
 
 pub(super) type Lanes = [f32; BLOCK];
+type Lanes3 = [Lanes; 3];
 
 /// Points as lanes.
 pub(super) struct Block {
-    p: [Lanes; 3],
+    p: Lanes3,
     /// Where rays end on the side of the normals.
-    end: [Lanes; 3],
+    end: Lanes3,
     /// Shading normals of the BSDFs, those of the mesh, geometric ones; where a point is lifted to the curved surface that
     /// the mesh stands for, the latter do not count.
-    bent: [Lanes; 3],
-    ns: [Lanes; 3],
-    ng: [Lanes; 3],
+    bent: Lanes3,
+    ns: Lanes3,
+    ng: Lanes3,
     lifted: Lanes,
-    /// Albedo / pi times throughput where the point is Lambertian.
-    diffuse: [Lanes; 3],
-    throughput: [Lanes; 3],
+    throughput: Lanes3,
     /// Most edges that a virtual light's path may have.
     most_edges: Lanes,
-    /// All lanes that are facets over a body or Lambertian, if some are not Lambertian.
-    facets: Option<Box<FacetLanes<BLOCK>>>,
-    /// Lanes that are neither.
+    /// What they do to light, seen from the eye, by sixteens.
+    kept: Vec<Kept>,
+    /// Lanes that light may go through.
     pub(super) other: Vec<usize>,
     /// Least and greatest places and shading normals.
     places: Extent,
@@ -129,43 +128,30 @@ pub(crate) struct Source {
     start: Vec3,
     bent: Vec3,
     ng: Vec3,
-    /// Of Lambertian ones.
-    diffuse: Option<Vec3>,
     edges: f32,
     /// On the density, per area.
     bound: f32,
-    /// Of facets over a body.
-    facets: Option<Box<Sender>>,
+    /// Its BSDF seen from where the light came from, and what to multiply to its value times the cosine of the geometric normal over
+    /// that of the shading normal; `None` where light goes through.
+    sender: Option<(Box<Seen<f32>>, Vec3)>,
     pub(super) vpl: Vpl,
-}
-
-/// Facets over a body that send light.
-#[derive(Clone, Debug)]
-struct Sender {
-    /// Seen from where the light came from.
-    facets: Facets,
-    table: SentBack,
-    /// What to multiply to their value, times the cosine of the geometric normal over that of the shading normal.
-    power: Vec3,
 }
 
 impl Source {
     pub(super) fn new(vpl: &Vpl, bound: &Bound) -> Self {
         let sender = || {
-            let came = vpl.point.ng.dot(vpl.from);
-            let facets = Facets::new(&vpl.bsdf, vpl.from)?;
-            let power = vpl.power * (facets.cos() / came);
-            Some(Box::new(Sender { facets, table: facets.sent_back(), power }))
+            let (ns, came) = (vpl.bsdf.normal(), vpl.point.ng.dot(vpl.from));
+            let power = vpl.power * (ns.dot(vpl.from).max(GRAZING) / came);
+            (Box::new(vpl.bsdf.seen(vpl.from)), power)
         };
         Self {
             p: vpl.point.p,
             start: vpl::end(&vpl.point, vpl.point.ng),
             bent: vpl.bsdf.normal(),
             ng: vpl.point.ng,
-            diffuse: vpl.diffuse,
             edges: vpl.edges as f32,
             bound: bound.density(),
-            facets: if vpl.diffuse.is_some() { None } else { sender() },
+            sender: (!vpl.bsdf.is_translucent()).then(sender),
             vpl: *vpl,
         }
     }
@@ -173,16 +159,10 @@ impl Source {
     /// The same light, `share` times as strong.
     pub(super) fn scaled(&self, share: f32) -> Self {
         let mut scaled = Self { vpl: self.vpl.scaled(share), ..self.clone() };
-        scaled.diffuse = scaled.vpl.diffuse;
-        if let Some(facets) = &mut scaled.facets {
-            facets.power *= share;
+        if let Some((_, power)) = &mut scaled.sender {
+            *power *= share;
         }
         scaled
-    }
-
-    /// Whether lanes know what it sends.
-    fn is_known(&self) -> bool {
-        self.diffuse.is_some() || self.facets.is_some()
     }
 }
 
@@ -196,44 +176,37 @@ impl Block {
             ns: zero,
             ng: zero,
             lifted: [0.0; BLOCK],
-            diffuse: zero,
             throughput: zero,
             most_edges: [-1.0; BLOCK],
-            facets: None,
+            kept: Vec::with_capacity(BLOCK / LANES),
             other: Vec::new(),
             places: Extent::NONE,
             normals: Extent::NONE,
         };
-        if points.iter().any(|eye| eye.bsdf.lambertian().is_none()) {
-            block.facets = Some(Box::default());
-        }
         for (i, eye) in points.iter().enumerate() {
             let point = &eye.point;
             // Lights below the horizon are left out later.
             let end = point.scatter_ray(point.ns, false, 1.0).map_or(point.p, |ray| ray.org.into());
-            let lambertian = eye.bsdf.lambertian();
-            let diffuse = lambertian.unwrap_or(Vec3::ZERO) * eye.throughput * FRAC_1_PI;
             for k in 0..3 {
                 block.p[k][i] = point.p[k];
                 block.end[k][i] = end[k];
                 block.bent[k][i] = eye.bsdf.normal()[k];
                 block.ns[k][i] = point.ns[k];
                 block.ng[k][i] = point.ng[k];
-                block.diffuse[k][i] = diffuse[k];
                 block.throughput[k][i] = eye.throughput[k];
             }
             block.places.add(point.p);
             block.normals.add(point.ns);
             block.lifted[i] = f32::from(u8::from(point.lift != Vec3::ZERO));
             block.most_edges[i] = max_edges as f32 - 1.0 - eye.edges as f32;
-            let facets = block
-                .facets
-                .as_mut()
-                .map(|lanes| Facets::new(&eye.bsdf, eye.wo).map(|facets| lanes.set(i, &facets)).is_some());
-            if !facets.unwrap_or(true) {
+            if eye.bsdf.is_translucent() {
                 block.other.push(i);
                 block.most_edges[i] = -1.0;
             }
+        }
+        for some in points.chunks(LANES) {
+            let seen: Vec<_> = some.iter().map(|eye| (eye.bsdf, eye.wo)).collect();
+            block.kept.push(Kept::new(&seen));
         }
         block
     }
@@ -250,299 +223,128 @@ impl Block {
 /// Rays end this share short of the far end: rounding of their own numbers.
 pub(crate) const END: f32 = 1.0 - 8.0 * f32::EPSILON;
 
-/// Room for what lanes need on the way.
-pub(super) struct Work {
-    /// Unit, towards the light.
-    to: [Lanes; 3],
-    /// Cosines to the shading normals of both ends, of points and of the light.
-    eye_b: Lanes,
-    vpl_b: Lanes,
-    /// To the geometric ones.
-    eye_g: Lanes,
-    vpl_g: Lanes,
-    /// One over the square of the distance; 0 where nothing is brought.
-    near: Lanes,
-    /// What facets of one end send back at once.
-    back: [Lanes; 2],
-    /// What the light sends, and the density with which it chooses points.
-    sent: [Lanes; 3],
-    pdf_vpl: Lanes,
-}
-
-impl Default for Work {
-    fn default() -> Self {
-        let none = [0.0; BLOCK];
-        Self {
-            to: [none; 3],
-            eye_b: none,
-            vpl_b: none,
-            eye_g: none,
-            vpl_g: none,
-            near: none,
-            back: [none; 2],
-            sent: [none; 3],
-            pdf_vpl: none,
-        }
-    }
+#[inline(always)]
+fn at<R: Real>(like: R, [x, y, z]: &Lanes3, first: usize) -> Vector<R> {
+    Vector::load(like, [x, y, z], first)
 }
 
 impl Block {
     /// What `source` brings; the lanes of `other` are left dark. Says how many lanes get something, if lanes know what it
-    /// sends.
+    /// sends. `like` only tells how many points go at a time.
     #[inline(always)]
-    pub(super) fn light(&self, source: &Source, work: &mut Work, light: &mut Light) -> Option<u32> {
-        if !source.is_known() {
-            return None;
-        }
+    pub(super) fn light<R: Real>(&self, like: R, source: &Source, light: &mut Light) -> Option<u32> {
+        let (sender, power) = source.sender.as_ref()?;
         light.rays.org = source.start.into();
-        if let (None, Some(diffuse)) = (&self.facets, source.diffuse) {
-            return Some(lambertian(self, source, diffuse, light));
+        let (zero, mut lit) = (like.all(0.0), 0);
+        let ([wx, wy, wz], t_far) = light.rays.lanes();
+        let [bent_light, ng_light] = [source.bent, source.ng].map(|v| Vector::all(zero, v));
+        let (start, p_light) = (Vector::all(zero, source.start), Vector::all(zero, source.p));
+        for first in (0..BLOCK).step_by(R::LANES) {
+            let way = p_light - at(zero, &self.p, first);
+            let near = zero.all(1.0) / way.length_squared();
+            let to = way * near.root();
+            let (eye_b, eye_s) = (at(zero, &self.bent, first).dot(to), at(zero, &self.ns, first).dot(to));
+            let eye_g = at(zero, &self.ng, first).dot(to);
+            let (vpl_b, vpl_g) = (-bent_light.dot(to), -ng_light.dot(to));
+            let above = eye_s.above(zero)
+                & (eye_g.above(zero) | zero.load(&self.lifted, first).above(zero))
+                & eye_b.above(zero);
+            let sees = above
+                & vpl_g.above(zero)
+                & zero.load(&self.most_edges, first).above(zero.all(source.edges - 0.5))
+                & near.is_number();
+            let mut color = Vector::grey(zero);
+            let mut bright = sees;
+            if R::any(sees) {
+                // Raised to where it sees the light's front, as views are.
+                let lift = (zero.all(GRAZING) - vpl_b).or_more(zero);
+                let away = (bent_light * lift - to).normalize();
+                let (value, pdf) = sender.eval_pdf_all(away);
+                let sent = value * Vector::all(zero, *power) * (vpl_g / bent_light.dot(away));
+                let pdf_vpl = R::pick(vpl_b.above(zero), pdf, zero);
+                let (got, pdf_eye) = self.kept_at(first, to);
+                // Both ways to choose the edge, as densities per area.
+                let largest = (pdf_eye * vpl_g).or_more(pdf_vpl * eye_g.size()) * near;
+                let bound = zero.all(source.bound);
+                let share = R::pick(largest.above(bound), bound / largest, zero.all(1.0));
+                let brought = got * at(zero, &self.throughput, first) * sent * (near * share);
+                color = Vector::pick(sees & brought.is_finite(), brought, color);
+                bright = color.sum().above(zero);
+            }
+            let to_lanes = at(zero, &self.end, first) - start;
+            let far = R::pick(bright, zero.all(END), zero.all(-1.0));
+            let all = zero.is(zero);
+            lit += R::bits(bright).count_ones();
+            let [r, g, b] = &mut light.color.0;
+            color.squeeze(all, [r, g, b], first);
+            to_lanes.squeeze(all, [wx, wy, wz], first);
+            far.squeeze(all, t_far, first);
         }
-        geometry(self, source, work, light);
-        match &source.facets {
-            Some(sender) => sent_by_facets(sender, work),
-            None => sent_by_lambert(source.diffuse.unwrap_or_default(), work),
+        Some(lit)
+    }
+
+    /// What the points from `first` on make of light from the unit `to`, and the density with which they choose it.
+    #[inline(always)]
+    fn kept_at<R: Real>(&self, first: usize, to: Vector<R>) -> (Vector<R>, R) {
+        match self.kept.get(first / LANES) {
+            Some(kept) => kept.eval_pdf(first % LANES, to),
+            None => (Vector::grey(to.x.all(0.0)), to.x.all(0.0)),
         }
-        Some(match &self.facets {
-            Some(facets) => got_by_facets(self, facets, source.bound, work, light),
-            None => got_by_lambert(self, source.bound, work, light),
-        })
     }
 
     /// Where lane `i`'s shadow ray from a light ends.
     pub(super) fn end(&self, i: usize) -> Vec3 {
         Vec3::new(self.end[0][i], self.end[1][i], self.end[2][i])
     }
-}
 
-/// Cosines to the way between a lane and a light, times the length of the way.
-struct Cosines {
-    /// To the shading normals of point and light.
-    eye_b: f32,
-    vpl_b: f32,
-    /// To the geometric ones.
-    eye_g: f32,
-    vpl_g: f32,
-    /// Whether each sees the other's front, and paths may be that long.
-    sees: bool,
-}
-
-impl Block {
-    /// From lane `i` to the light.
-    #[inline(always)]
-    fn way(&self, i: usize, source: &Source) -> [f32; 3] {
-        [source.p.x - self.p[0][i], source.p.y - self.p[1][i], source.p.z - self.p[2][i]]
-    }
-
-    #[inline(always)]
-    fn cosines(&self, i: usize, source: &Source, [x, y, z]: [f32; 3]) -> Cosines {
-        let to = |normal: &[Lanes; 3]| normal[0][i] * x + normal[1][i] * y + normal[2][i] * z;
-        let from = |normal: Vec3| -(normal.x * x + normal.y * y + normal.z * z);
-        let (eye_b, eye_s, eye_g) = (to(&self.bent), to(&self.ns), to(&self.ng));
-        let (vpl_b, vpl_g) = (from(source.bent), from(source.ng));
-        let above = (eye_s > 0.0) & ((eye_g > 0.0) | (self.lifted[i] > 0.0));
-        let sees = above & (eye_b > 0.0) & (vpl_g > 0.0) & (source.edges <= self.most_edges[i]);
-        Cosines { eye_b, vpl_b, eye_g, vpl_g, sees }
-    }
-
-    /// The shadow ray's way.
-    #[inline(always)]
-    fn shadow_way(&self, i: usize, source: &Source) -> [f32; 3] {
-        let [x, y, z] = &self.end;
-        [x[i] - source.start.x, y[i] - source.start.y, z[i] - source.start.z]
-    }
-}
-
-/// Lambertian virtual light on a Lambertian block: a plain loop that becomes lanes. So there is no sum of floats in it,
-/// whose order would keep the compiler from that.
-#[inline(always)]
-fn lambertian(block: &Block, source: &Source, diffuse: Vec3, light: &mut Light) -> u32 {
-    let (mut lit, bound) = (0, source.bound * PI);
-    let ([wx, wy, wz], t_far) = light.rays.lanes();
-    let [r, g, b] = &mut light.color.0;
-    for i in 0..BLOCK {
-        let [x, y, z] = block.way(i, source);
-        let distance2 = x * x + y * y + z * z;
-        let Cosines { eye_b, vpl_b, eye_g, vpl_g, sees } = block.cosines(i, source, [x, y, z]);
-        let over = 1.0 / (distance2 * distance2);
-        // Both ways to choose the edge, as cosines over distance squared.
-        let largest = (eye_b * vpl_g).max(vpl_b * eye_g.abs()) * over;
-        let share = if largest > bound { bound / largest } else { 1.0 };
-        let value = if sees & (over < f32::INFINITY) { eye_b * vpl_g * over * share } else { 0.0 };
-        r[i] = value * block.diffuse[0][i] * diffuse.x;
-        g[i] = value * block.diffuse[1][i] * diffuse.y;
-        b[i] = value * block.diffuse[2][i] * diffuse.z;
-        let is_lit = r[i] + g[i] + b[i] > 0.0;
-        t_far[i] = if is_lit { END } else { -1.0 };
-        lit += u32::from(is_lit);
-        [wx[i], wy[i], wz[i]] = block.shadow_way(i, source);
-    }
-    lit
-}
-
-/// What arrives at points that are facets or Lambertian.
-#[inline(always)]
-fn got_by_facets(
-    block: &Block,
-    facets: &FacetLanes<BLOCK>,
-    bound: f32,
-    work: &mut Work,
-    light: &mut Light,
-) -> u32 {
-    facets.sent_back(&work.eye_b, &mut work.back);
-    let work = &*work;
-    let Work { to, eye_b, back, .. } = work;
-    let throughput = &block.throughput;
-    got(
-        bound,
-        work,
-        light,
-        #[inline(always)]
-        |i| {
-            let to = [to[0][i], to[1][i], to[2][i]];
-            let ([r, g, b], pdf) = facets.lane(i).eval(to, eye_b[i], [back[0][i], back[1][i]]);
-            ([r * throughput[0][i], g * throughput[1][i], b * throughput[2][i]], pdf)
-        },
-    )
-}
-
-/// What arrives at Lambertian points.
-#[inline(always)]
-fn got_by_lambert(block: &Block, bound: f32, work: &Work, light: &mut Light) -> u32 {
-    let [r, g, b] = &block.diffuse;
-    let cos = &work.eye_b;
-    got(
-        bound,
-        work,
-        light,
-        #[inline(always)]
-        |i| ([r[i] * cos[i], g[i] * cos[i], b[i] * cos[i]], cos[i] * FRAC_1_PI),
-    )
-}
-
-/// `value(i)` is what lane `i` makes of light, and the density with which it chooses where that comes from.
-#[inline(always)]
-fn got(bound: f32, work: &Work, light: &mut Light, value: impl Fn(usize) -> ([f32; 3], f32)) -> u32 {
-    let Work { eye_g, vpl_g, near, sent, pdf_vpl, .. } = work;
-    let [r, g, b] = &mut light.color.0;
-    let (_, t_far) = light.rays.lanes();
-    let mut lit = 0;
-    for i in 0..BLOCK {
-        let (got, pdf_eye) = value(i);
-        // Both ways to choose the edge, as densities per area.
-        let largest = (pdf_eye * vpl_g[i]).max(pdf_vpl[i] * eye_g[i].abs()) * near[i];
-        let value = near[i] * if largest > bound { bound / largest } else { 1.0 };
-        let is_near = near[i] > 0.0;
-        r[i] = if is_near { got[0] * sent[0][i] * value } else { 0.0 };
-        g[i] = if is_near { got[1] * sent[1][i] * value } else { 0.0 };
-        b[i] = if is_near { got[2] * sent[2][i] * value } else { 0.0 };
-        let is_lit = r[i] + g[i] + b[i] > 0.0;
-        t_far[i] = if is_lit { END } else { -1.0 };
-        lit += u32::from(is_lit);
-    }
-    lit
-}
-
-/// What a virtual light of facets sends, and the density with which it chooses each lane.
-#[inline(always)]
-fn sent_by_facets(sender: &Sender, work: &mut Work) {
-    let Sender { facets, table, power } = sender;
-    let Work { to, vpl_b, vpl_g, back, sent, pdf_vpl, .. } = work;
-    for i in 0..BLOCK {
-        [back[0][i], back[1][i]] = table.at(vpl_b[i].max(GRAZING));
-    }
-    let (n, [x, y, z]) = (facets.normal(), sent);
-    for i in 0..BLOCK {
-        let lift = (GRAZING - vpl_b[i]).max(0.0);
-        let way = [lift * n[0] - to[0][i], lift * n[1] - to[1][i], lift * n[2] - to[2][i]];
-        let to_unit = 1.0 / (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt();
-        let way = [way[0] * to_unit, way[1] * to_unit, way[2] * to_unit];
-        let cos = (vpl_b[i] + lift) * to_unit;
-        let (value, pdf) = facets.eval(way, cos, [back[0][i], back[1][i]]);
-        let tilt = vpl_g[i] / cos;
-        (x[i], y[i], z[i]) =
-            (value[0] * power.x * tilt, value[1] * power.y * tilt, value[2] * power.z * tilt);
-        pdf_vpl[i] = if vpl_b[i] > 0.0 { pdf } else { 0.0 };
-    }
-}
-
-/// The same of a Lambertian one.
-#[inline(always)]
-fn sent_by_lambert(diffuse: Vec3, work: &mut Work) {
-    let Work { vpl_b, vpl_g, sent, pdf_vpl, .. } = work;
-    let [x, y, z] = sent;
-    for i in 0..BLOCK {
-        (x[i], y[i], z[i]) = (diffuse.x * vpl_g[i], diffuse.y * vpl_g[i], diffuse.z * vpl_g[i]);
-        pdf_vpl[i] = vpl_b[i].max(0.0) * FRAC_1_PI;
-    }
-}
-
-/// Directions, cosines, distances, and the ways of shadow rays.
-#[inline(always)]
-fn geometry(block: &Block, source: &Source, work: &mut Work, light: &mut Light) {
-    let ([wx, wy, wz], _) = light.rays.lanes();
-    let [tx, ty, tz] = &mut work.to;
-    for i in 0..BLOCK {
-        let [x, y, z] = block.way(i, source);
-        let near = 1.0 / (x * x + y * y + z * z);
-        let to_unit = near.sqrt();
-        let to = [x * to_unit, y * to_unit, z * to_unit];
-        let Cosines { eye_b, vpl_b, eye_g, vpl_g, sees } = block.cosines(i, source, to);
-        work.near[i] = if sees & (near < f32::INFINITY) { near } else { 0.0 };
-        work.eye_b[i] = eye_b.max(f32::MIN_POSITIVE);
-        work.vpl_b[i] = vpl_b;
-        (work.eye_g[i], work.vpl_g[i]) = (eye_g, vpl_g);
-        [tx[i], ty[i], tz[i]] = to;
-        [wx[i], wy[i], wz[i]] = block.shadow_way(i, source);
-    }
-}
-
-impl Block {
     /// Shadow rays from a point to the lanes that see its front; those of `other` count as others do, by their normals.
     #[inline(always)]
-    pub(super) fn ways_from(&self, point: &SurfacePoint, rays: &mut Pencil) {
-        let (p, n, start) = (point.p, point.ng, vpl::end(point, point.ng));
+    pub(super) fn ways_from<R: Real>(&self, like: R, point: &SurfacePoint, rays: &mut Pencil) {
+        let zero = like.all(0.0);
+        let start = vpl::end(point, point.ng);
+        let (p, n, from) =
+            (Vector::all(zero, point.p), Vector::all(zero, point.ng), Vector::all(zero, start));
         rays.org = start.into();
         let ([wx, wy, wz], t_far) = rays.lanes();
-        for i in 0..BLOCK {
-            let way = [p.x - self.p[0][i], p.y - self.p[1][i], p.z - self.p[2][i]];
-            let to =
-                |normal: &[Lanes; 3]| normal[0][i] * way[0] + normal[1][i] * way[1] + normal[2][i] * way[2];
-            let above = (to(&self.ns) > 0.0) & ((to(&self.ng) > 0.0) | (self.lifted[i] > 0.0));
-            let front = n.x * way[0] + n.y * way[1] + n.z * way[2] < 0.0;
-            t_far[i] = if above & front { END } else { -1.0 };
-            let [x, y, z] = &self.end;
-            (wx[i], wy[i], wz[i]) = (x[i] - start.x, y[i] - start.y, z[i] - start.z);
+        for first in (0..BLOCK).step_by(R::LANES) {
+            let way = p - at(zero, &self.p, first);
+            let above = at(zero, &self.ns, first).dot(way).above(zero)
+                & (at(zero, &self.ng, first).dot(way).above(zero)
+                    | zero.load(&self.lifted, first).above(zero));
+            let front = zero.above(n.dot(way));
+            let (all, to_lanes) = (zero.is(zero), at(zero, &self.end, first) - from);
+            R::pick(above & front, zero.all(END), zero.all(-1.0)).squeeze(all, t_far, first);
+            to_lanes.squeeze(all, [wx, wy, wz], first);
         }
     }
 
     /// Densities per area with which rays that the lanes' BSDFs choose meet the front of a point, if nothing is in between;
     /// of `other` lanes they are not known.
     #[inline(always)]
-    pub(super) fn densities(&self, point: &SurfacePoint, out: &mut Lanes) {
-        let (p, n) = (point.p, point.ng);
-        for (i, out) in out.iter_mut().enumerate() {
-            let [x, y, z] = [p.x - self.p[0][i], p.y - self.p[1][i], p.z - self.p[2][i]];
-            let near = 1.0 / (x * x + y * y + z * z);
-            let to_unit = near.sqrt();
-            let to = [x * to_unit, y * to_unit, z * to_unit];
-            let cos = self.bent[0][i] * to[0] + self.bent[1][i] * to[1] + self.bent[2][i] * to[2];
-            let front = -(n.x * to[0] + n.y * to[1] + n.z * to[2]);
-            let chosen = match &self.facets {
-                Some(facets) => facets.lane(i).eval(to, cos.max(f32::MIN_POSITIVE), [0.0; 2]).1,
-                None => cos * FRAC_1_PI,
-            };
+    pub(super) fn densities<R: Real>(&self, like: R, point: &SurfacePoint, out: &mut Lanes) {
+        let zero = like.all(0.0);
+        let (p, n) = (Vector::all(zero, point.p), Vector::all(zero, point.ng));
+        for first in (0..BLOCK).step_by(R::LANES) {
+            let way = p - at(zero, &self.p, first);
+            let near = zero.all(1.0) / way.length_squared();
+            let to = way * near.root();
+            let front = -n.dot(to);
+            let (_, chosen) = self.kept_at(first, to);
             let density = chosen * front * near;
-            *out = if (cos > 0.0) & (front > 0.0) & (density < f32::INFINITY) { density } else { 0.0 };
+            let good =
+                at(zero, &self.bent, first).dot(to).above(zero) & front.above(zero) & density.is_number();
+            R::pick(good, density, zero).squeeze(zero.is(zero), out, first);
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use gnurt_shading::bsdf::{Bsdf, Lobe, Model, Principled};
+    use gnurt_shading::bsdf::{Bsdf, Lobe, Principled};
     use gnurt_shading::sampling::{Basis, sample_pair, uniform_sphere};
     use gnurt_shading::{SampleKey, SurfacePoint};
+
+    use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 
     use super::*;
 
@@ -560,7 +362,7 @@ mod tests {
 
     fn lambert(n: u32, ns: Vec3) -> Bsdf {
         let [r, g] = random(n, 3);
-        Bsdf::new(ns, Model::Lambert { albedo: Vec3::new(r, g, 0.5) })
+        Bsdf::new(ns, Lobe::lambert(Vec3::new(r, g, 0.5)))
     }
 
     /// Plastic, metal, something between, or Lambert's reflector.
@@ -568,10 +370,27 @@ mod tests {
         let metallic = [0.0, 1.0, 0.5][n as usize % 3];
         let roughness = 0.3 + 0.7 * random(n, 4)[0];
         let principled = Principled::new(Vec3::new(0.8, 0.5, 0.2), metallic, roughness, 1.5);
-        if n.is_multiple_of(4) { lambert(n, ns) } else { Bsdf::new(ns, Model::Principled(principled)) }
+        if n.is_multiple_of(4) { lambert(n, ns) } else { Bsdf::new(ns, principled) }
     }
 
     type Make = fn(u32, Vec3) -> Bsdf;
+
+    /// What the CPU's lanes say, which must have the bits of single points.
+    fn by_lanes(block: &Block, source: &Source, light: &mut Light) -> Option<u32> {
+        let (mut one, lit) = (Light::default(), block.light(0.0_f32, source, light));
+        for level in Level::available() {
+            let many = dispatch_wide!(level, simd => block.light(f32x16::splat(simd, 0.0), source, &mut one), else continue);
+            assert_eq!(many, lit, "{level}");
+            if lit.is_none() {
+                continue;
+            }
+            assert!(
+                one.color.0 == light.color.0 && one.rays.t_far() == light.rays.t_far(),
+                "{level} has other bits"
+            );
+        }
+        lit
+    }
 
     #[test]
     fn lanes_agree_with_single_points() {
@@ -594,13 +413,12 @@ mod tests {
         let (max_edges, bound) = (6, Bound::on_geometry_term(3.0));
         let block = Block::new(&eyes, max_edges);
         let (mut lit, mut bounded) = (0, 0);
-        let mut work = Work::default();
         for n in 1000..1100 {
             let point = point(n);
             let bsdf = of_lights(n, point.ns);
             let vpl = Vpl::new(point, bsdf, point.ns, Vec3::new(3.0, 2.0, 1.0), 2 + n % 3);
             let (source, mut light) = (Source::new(&vpl, &bound), Light::default());
-            let asked = block.light(&source, &mut work, &mut light).expect("lanes know");
+            let asked = by_lanes(&block, &source, &mut light).expect("lanes know");
             assert!(block.other.is_empty(), "all of them");
             assert!(asked == 0 || block.may_get(&source), "light {n} is not left out");
             let rays = light.rays.t_far().iter().filter(|&&far| far > 0.0).count();
@@ -635,8 +453,8 @@ mod tests {
             let (mut densities, mut rays, mut some) = (Densities::default(), Pencil::EMPTY, 0);
             for n in 1000..1020 {
                 let point = point(n);
-                block.densities(&point, &mut densities.0);
-                block.ways_from(&point, &mut rays);
+                block.densities(0.0_f32, &point, &mut densities.0);
+                block.ways_from(0.0_f32, &point, &mut rays);
                 for (i, eye) in eyes.iter().enumerate() {
                     let way = point.p - eye.point.p;
                     let to = way.normalize();
@@ -665,7 +483,7 @@ mod tests {
     #[test]
     fn what_lanes_do_not_know_is_left_out() {
         let rough = |n: u32, ns: Vec3| {
-            Bsdf::new(ns, Model::Lobe(Lobe::OrenNayar { albedo: Vec3::ONE, roughness: n as f32 }))
+            Bsdf::new(ns, Lobe::rough_glass(0.3 + n as f32, 1.5, Vec3::ONE, Vec3::ONE, true))
         };
         let eye = |n: u32| {
             let point = point(n);
@@ -674,18 +492,18 @@ mod tests {
         };
         let eyes: Vec<EyePoint> = (0..5).map(eye).collect();
         let (block, bound) = (Block::new(&eyes, 6), Bound::on_geometry_term(3.0));
-        assert_eq!(block.other, [2], "one is neither Lambertian nor of facets");
-        let (mut light, mut work) = (Light::default(), Work::default());
+        assert_eq!(block.other, [2], "light goes through one");
+        let mut light = Light::default();
         let mut some = 0;
         for n in 1000..1100 {
             let point = point(n);
             let vpl = Vpl::new(point, lambert(n, point.ns), point.ns, Vec3::ONE, 1);
-            let lit = block.light(&Source::new(&vpl, &bound), &mut work, &mut light);
+            let lit = by_lanes(&block, &Source::new(&vpl, &bound), &mut light);
             some += u32::from(lit > Some(0));
             let is_dark = light.rays.t_far()[2] < 0.0 && light.color.get(2) == Vec3::ZERO;
             assert!(is_dark, "dark until somebody else says");
             let other = Vpl::new(point, rough(1, point.ns), point.ns, Vec3::ONE, 1);
-            let none = block.light(&Source::new(&other, &bound), &mut work, &mut light);
+            let none = by_lanes(&block, &Source::new(&other, &bound), &mut light);
             assert!(none.is_none(), "lanes cannot know");
         }
         assert!(some > 10, "others are lit");

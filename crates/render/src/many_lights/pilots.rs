@@ -11,14 +11,14 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_image::srgb::luminance;
-use gnurt_shading::bsdf::{Bsdf, Facets};
+use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
 use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
-use gnurt_simd::{Level, dispatch};
+use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
-use super::lanes::{BLOCK, Block, Densities, END, Light, Source, Work};
+use super::lanes::{BLOCK, Block, Densities, END, Light, Source};
 use super::neighbours;
 use super::vpl::{self, Vpl};
 use crate::job::Job;
@@ -63,7 +63,6 @@ struct Group {
 /// Room for what lanes compute.
 #[derive(Default)]
 pub(super) struct Scratch {
-    work: Box<Work>,
     light: Box<Light>,
     densities: Box<Densities>,
 }
@@ -146,13 +145,17 @@ impl Pilots {
         let mut lanes = Vec::new();
         let by_pencils = tracer.world.materials().all_solid();
         for (n, (point, bsdf)) in points.iter().enumerate() {
-            let is_one_sided = bsdf.lambertian().is_some() || Facets::new(bsdf, bsdf.normal()).is_some();
+            let is_one_sided = !bsdf.is_translucent();
             for (b, group) in self.groups.iter().enumerate() {
                 let mut one_by_one = u64::MAX;
                 if is_one_sided && by_pencils {
                     one_by_one = group.other;
                     let rays = &mut scratch.light.rays;
-                    dispatch!(self.level, _simd => group.block.ways_from(point, rays));
+                    dispatch_wide!(
+                        self.level,
+                        simd => group.block.ways_from(f32x16::splat(simd, 0.0), point, rays),
+                        else group.block.ways_from(0.0_f32, point, rays)
+                    );
                     let asked =
                         (0..BLOCK).filter(|&i| rays.t_far()[i] > 0.0).fold(0, |mask, i| mask | 1_u64 << i);
                     if asked != 0 {
@@ -190,7 +193,11 @@ impl Pilots {
         let mut sum = 0.0;
         for (b, group) in self.groups.iter().enumerate().filter(|&(b, _)| seen[b] != 0) {
             let densities = &mut scratch.densities.0;
-            dispatch!(self.level, _simd => group.block.densities(point, densities));
+            dispatch_wide!(
+                self.level,
+                simd => group.block.densities(f32x16::splat(simd, 0.0), point, densities),
+                else group.block.densities(0.0_f32, point, densities)
+            );
             sum += bits(seen[b] & !group.other).map(|i| densities[i]).sum::<f32>();
             for (_, eye) in self.of_block(b, seen[b] & group.other) {
                 let way = point.p - eye.point.p;
@@ -212,9 +219,14 @@ impl Pilots {
             if light < f32::INFINITY { light } else { 0.0 }
         };
         for (b, group) in self.groups.iter().enumerate().filter(|&(b, _)| seen[b] != 0) {
-            let Scratch { work, light, .. } = &mut *scratch;
+            let light = &mut *scratch.light;
             let mut one_by_one = seen[b];
-            match dispatch!(self.level, _simd => group.block.light(&source, work, light)) {
+            let lit = dispatch_wide!(
+                self.level,
+                simd => group.block.light(f32x16::splat(simd, 0.0), &source, light),
+                else group.block.light(0.0_f32, &source, light)
+            );
+            match lit {
                 None => {}
                 Some(0) => one_by_one &= group.other,
                 Some(_) => {

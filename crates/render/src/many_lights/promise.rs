@@ -7,11 +7,11 @@
 
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
-use gnurt_simd::{Level, dispatch};
+use gnurt_simd::{Level, dispatch, dispatch_wide, f32x16, prelude::*};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
-use super::lanes::{BLOCK, Block, Lanes, Light, Source, Work};
+use super::lanes::{BLOCK, Block, Lanes, Light, Source};
 use super::vpl::Vpl;
 
 /// What virtual lights promise to a block of points.
@@ -21,7 +21,6 @@ pub(super) struct Promises<'a> {
     max_edges: u32,
     /// Sums over the lights up to each.
     sums: Vec<Lanes>,
-    work: Box<Work>,
     light: Box<Light>,
 }
 
@@ -29,7 +28,7 @@ impl<'a> Promises<'a> {
     /// `sources` are made for this bound.
     pub(super) fn new(sources: &'a [Source], bound: Bound, max_edges: u32) -> Self {
         let sums = Vec::with_capacity(sources.len());
-        Self { sources, bound, max_edges, sums, work: Box::default(), light: Box::default() }
+        Self { sources, bound, max_edges, sums, light: Box::default() }
     }
 
     /// Asks all lights what they bring to these points, `BLOCK` at most.
@@ -38,15 +37,17 @@ impl<'a> Promises<'a> {
         let mut sum = [0.0; BLOCK];
         self.sums.clear();
         for source in self.sources {
-            let (work, light) = (&mut *self.work, &mut *self.light);
+            let light = &mut *self.light;
             let known = if block.may_get(source) {
-                dispatch!(level, _simd => {
-                    let known = block.light(source, work, light);
-                    if known.is_some_and(|lit| lit > 0) {
-                        add(light, &mut sum);
-                    }
-                    known
-                })
+                let known = dispatch_wide!(
+                    level,
+                    simd => block.light(f32x16::splat(simd, 0.0), source, light),
+                    else block.light(0.0_f32, source, light)
+                );
+                if known.is_some_and(|lit| lit > 0) {
+                    dispatch!(level, _simd => add(light, &mut sum));
+                }
+                known
             } else {
                 Some(0)
             };
@@ -104,7 +105,7 @@ fn add(light: &Light, sum: &mut Lanes) {
 
 #[cfg(test)]
 mod tests {
-    use gnurt_shading::bsdf::{Bsdf, Model};
+    use gnurt_shading::bsdf::{Bsdf, Lobe};
     use gnurt_shading::sampling::{sample_pair, uniform_sphere};
     use gnurt_shading::{SampleKey, SurfacePoint};
 
@@ -117,7 +118,7 @@ mod tests {
     fn surface(n: u32) -> (SurfacePoint, Bsdf) {
         let ([x, y], [z, _]) = (random(n, 0), random(n, 1));
         let ng = uniform_sphere(random(n, 2));
-        let bsdf = Bsdf::new(ng, Model::Lambert { albedo: Vec3::new(0.8, 0.5, 0.3) });
+        let bsdf = Bsdf::new(ng, Lobe::lambert(Vec3::new(0.8, 0.5, 0.3)));
         (SurfacePoint { p: Vec3::new(x, y, z), error: 1e-6, ng, ns: ng, lift: Vec3::ZERO }, bsdf)
     }
 

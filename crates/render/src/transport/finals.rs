@@ -8,9 +8,9 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{Bsdf, Model, Scattering};
+use gnurt_shading::bsdf::{ClosureBatch, Lobe};
 use gnurt_shading::sampling::Basis;
-use gnurt_shading::{LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_shading::{LightBatch, RadianceShader, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s};
 
 /// Cosines and azimuths (in turns) of the lights: middles of parts of the hemisphere that have equal weight.
 const LIGHTS: [[f32; 2]; 4] = [[0.935, 0.0], [0.79, 0.25], [0.61, 0.5], [0.35, 0.75]];
@@ -51,36 +51,36 @@ impl Tracer for Probe {
     }
 }
 
-/// Appends what each point does to light; `white` is what a white diffuse surface shows where light 1 arrives.
+/// Writes what each point does to light, and says what it shows without any; `white` is what a white diffuse surface shows where
+/// light 1 arrives.
 pub(crate) fn probe(
-    shader: &dyn SurfaceShader,
+    shader: &dyn RadianceShader,
     points: &SurfaceBatch,
     white: f32,
-    out: &mut Vec<Scattering>,
-) {
+    out: &mut ClosureBatch,
+) -> Vec3s {
     let [mut dark, mut lit] = [(); 2].map(|()| Vec3s::splat(points.len(), Vec3::ZERO));
     shader.shade(&mut Probe { lights: 0, strength: 0.0 }, points, &mut dark);
     let strength = 1.0 / (white * LIGHTS.len() as f32);
     shader.shade(&mut Probe { lights: LIGHTS.len(), strength }, points, &mut lit);
-    out.extend((0..points.len()).map(|i| {
+    for i in 0..points.len() {
         let albedo = (lit.get(i) - dark.get(i)).clamp(Vec3::ZERO, Vec3::ONE);
         let albedo = if albedo.is_finite() { albedo } else { Vec3::ZERO };
-        Scattering {
-            bsdf: Bsdf::new(points.facing_ns(i), Model::Lambert { albedo }),
-            emission: dark.get(i),
-            coverage: 1.0,
-        }
-    }));
+        out.set(i, points.facing_ns(i), &[Lobe::lambert(albedo)]);
+    }
+    dark
 }
 
 #[cfg(test)]
 mod tests {
+    use gnurt_shading::SurfaceShader;
+
     use super::*;
 
     /// Shows a glow and `color` times what arrives by the cosine.
     struct Diffuse(Vec3);
 
-    impl SurfaceShader for Diffuse {
+    impl RadianceShader for Diffuse {
         fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
             let mut light = LightBatch::default();
             for i in 0..hits.len() {
@@ -96,6 +96,12 @@ mod tests {
         }
     }
 
+    impl SurfaceShader for Diffuse {
+        fn radiance(&self) -> Option<&dyn RadianceShader> {
+            Some(self)
+        }
+    }
+
     #[test]
     fn diffuse_shaders_are_understood() {
         let mut points = SurfaceBatch::default();
@@ -108,12 +114,14 @@ mod tests {
         }
         for (white, albedo) in [(1.0, 1.0), (1.0 / PI, PI)] {
             let color = Vec3::new(0.1, 0.2, 0.3);
-            let mut found = Vec::new();
-            probe(&Diffuse(color), &points, white, &mut found);
-            for (i, point) in found.iter().enumerate() {
+            let mut found = ClosureBatch::default();
+            found.reset(points.len());
+            let dark = probe(&Diffuse(color), &points, white, &mut found);
+            for i in 0..points.len() {
+                let point = found.point(i);
                 let seen = point.bsdf.lambertian().expect("it is Lambertian");
                 assert!((seen - color * albedo).length() < 1e-5, "point {i}: {seen}");
-                assert_eq!(point.emission, Vec3::new(0.0, 0.0, 2.0), "point {i} glows");
+                assert_eq!(dark.get(i), Vec3::new(0.0, 0.0, 2.0), "point {i} glows");
             }
         }
     }

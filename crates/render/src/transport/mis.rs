@@ -5,17 +5,18 @@
 
 use glam::Vec3;
 use gnurt_shading::lights::LightSet;
+use gnurt_shading::real::Real;
 
 use super::paths::Path;
 
-/// Weight of what was sampled with density `own` and might have been with `other`.
-pub(crate) fn power_heuristic(own: f32, other: f32) -> f32 {
-    if own.is_infinite() {
-        return 1.0;
-    }
+/// Weight of what was sampled with density `own` and might have been with `other`; of one point or of many.
+#[inline(always)]
+pub(crate) fn power_heuristic<R: Real>(own: R, other: R) -> R {
+    let (zero, one) = (own.all(0.0), own.all(1.0));
     // The ratio is squared, not the densities: these may be huge or tiny.
     let ratio = other / own;
-    if own > 0.0 { 1.0 / (1.0 + ratio * ratio) } else { 0.0 }
+    let weight = R::pick(own.above(zero), one / (one + ratio * ratio), zero);
+    R::pick(own.is_number(), weight, one)
 }
 
 /// How much the light counts that a path's ray along `dir` found on triangle `ids` (instance, mesh, triangle) at `p`:
@@ -41,11 +42,11 @@ mod tests {
 
     #[test]
     fn weights_add_up() {
-        for (a, b) in [(1.0, 1.0), (1e-30, 1e30), (3.0, 0.5), (1e38, 1e-3), (0.2, 0.0)] {
+        for (a, b) in [(1.0_f32, 1.0), (1e-30, 1e30), (3.0, 0.5), (1e38, 1e-3), (0.2, 0.0)] {
             let sum = power_heuristic(a, b) + power_heuristic(b, a);
             assert!((sum - 1.0).abs() < 1e-6, "{a} and {b}: {sum}");
         }
-        assert_eq!(power_heuristic(3.0, 1.0), 0.9, "by the squares");
-        assert_eq!(power_heuristic(0.0, 0.0), 0.0, "what is not sampled has no weight");
+        assert_eq!(power_heuristic(3.0_f32, 1.0), 0.9, "by the squares");
+        assert_eq!(power_heuristic(0.0_f32, 0.0), 0.0, "what is not sampled has no weight");
     }
 }

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What integrators that scatter light themselves share: the vertices of paths, weights of samples; and the lanes of the
-//! path tracer.
+//! What integrators that scatter light themselves share: the vertices of paths, weights of samples; and the steps of the
+//! path tracer, many paths at a time.
 //! Source: see each file; [AK90] (Russian roulette).
 
 mod finals;
-pub(crate) mod lambert;
 mod light_samples;
 mod mis;
 mod paths;
+pub(crate) mod step;
 mod vertex;
+pub(crate) mod width;
 
 use glam::Vec3;
 use gnurt_shading::Vec3s;
 
 pub(crate) use light_samples::{Asking, Offer, ask_plugin_lights, sampling_normal, shadow_ray};
-pub(crate) use mis::{power_heuristic, weigh};
-pub(crate) use paths::{Origin, Path, Unshadowed, Wavefront};
-pub(crate) use vertex::Vertex;
+pub(crate) use mis::power_heuristic;
+pub(crate) use paths::Wavefront;
+pub(crate) use vertex::{Known, Vertex};
 
 /// Paths of fewer edges are never ended by chance.
 pub(crate) const ROULETTE_FROM: u32 = 4;

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Many paths between two edges, as structures of arrays, and the light on its way to them.
 //! Source: original; wavefronts after the paper's section 8. Space: world.
-//! Invariant: all arrays have `len()` values, but between `begin` and `end`, when lanes are written in sixteens: then they
-//! are longer, and `len()` says how many count. Memory stays from step to step.
+//! Invariant: all arrays have `len()` values, but between `begin` and `end`, while they are written: then they are longer,
+//! and `len()` says how many count. Memory stays from step to step.
 //! Proof: crates/render/tests/{path,lanes}.rs.
 
 use glam::Vec3;
 use gnurt_accel::{HitBatch, Ray, RayBatch};
-use gnurt_shading::lanes::{Floats, LANES, LanesOf, Mask, Vec3x16, Words};
-use gnurt_shading::point_lanes::RayX16;
-use gnurt_shading::{RayRequest, SampleKey, Vec3s};
-use gnurt_simd::{Simd, prelude::*, u32x16};
+use gnurt_shading::bsdf::ClosureBatch;
+use gnurt_shading::lanes::{LANES, LanesOf};
+use gnurt_shading::real::{Real, Vector};
+use gnurt_shading::{RayRequest, Rays, SampleKey, Vec3s};
 
 /// A path that goes on.
 pub(crate) struct Path {
@@ -38,7 +38,7 @@ pub(crate) struct Origin {
 }
 
 /// The density that stands for no origin.
-const NOWHERE: f32 = -1.0;
+pub(crate) const NOWHERE: f32 = -1.0;
 
 /// Many of them.
 #[derive(Default)]
@@ -56,22 +56,26 @@ pub(crate) struct Paths {
     rays: RayBatch,
 }
 
-/// Paths of sixteen lanes that go on from vertices, by one edge.
-pub(crate) struct Scattered<S: Simd> {
-    pub(crate) ray: RayX16<S>,
-    pub(crate) throughput: Vec3x16<S>,
-    /// Edges up to the vertices.
-    pub(crate) edges: Words<S>,
-    pub(crate) p: Vec3x16<S>,
-    pub(crate) ns: Vec3x16<S>,
-    pub(crate) pdf: Floats<S>,
+/// Paths that go on from as many points as are looked at at once.
+pub(crate) struct Scattered<R> {
+    pub(crate) ray: Rays<R>,
+    pub(crate) throughput: Vector<R>,
+    pub(crate) p: Vector<R>,
+    pub(crate) ns: Vector<R>,
+    /// [`NOWHERE`] where no light sample could have found what the ray meets.
+    pub(crate) pdf: R,
+}
+
+/// Which paths some points belong to.
+#[derive(Clone, Copy)]
+pub(crate) struct Of<'a> {
+    pub(crate) paths: &'a Paths,
+    pub(crate) keys: &'a [SampleKey],
+    /// Numbers of paths, one for each point.
+    pub(crate) numbers: &'a [u32],
 }
 
 impl Paths {
-    pub(crate) fn len(&self) -> usize {
-        self.count
-    }
-
     pub(crate) fn is_empty(&self) -> bool {
         self.count == 0
     }
@@ -115,19 +119,23 @@ impl Paths {
         (self.rays, self.keys) = (rays, keys);
     }
 
-    /// Forgets all paths and makes room to write up to `n` of them in sixteens.
-    pub(crate) fn begin(&mut self, n: usize) {
+    /// Forgets all paths.
+    pub(crate) fn begin(&mut self) {
         self.count = 0;
         self.keys.clear();
-        self.resize(n + LANES);
-        self.rays.t_near.clear();
-        self.rays.t_far.clear();
     }
 
-    /// Ends writing in sixteens.
+    /// Makes room for `more` paths behind those that are there, and as many lanes as are written at once.
+    pub(crate) fn reserve(&mut self, more: usize) {
+        self.resize(self.count + more + LANES);
+    }
+
+    /// Ends writing.
     pub(crate) fn end(&mut self) {
         self.resize(self.count);
+        self.rays.t_near.clear();
         self.rays.t_near.resize(self.count, 0.0);
+        self.rays.t_far.clear();
         self.rays.t_far.resize(self.count, f32::INFINITY);
     }
 
@@ -140,52 +148,45 @@ impl Paths {
         self.rays.org.iter_mut().chain(&mut self.rays.dir).for_each(|array| array.resize(n, 0.0));
     }
 
-    /// Appends, between [`begin`](Self::begin) and [`end`](Self::end), the paths that are left in `alive` of those that
-    /// were sixteen from `first` on.
+    /// Appends the paths of the points in `alive`, one edge longer; there must be room.
     #[inline(always)]
-    pub(crate) fn push_lanes<S: Simd>(
-        &mut self,
-        alive: Mask<S>,
-        (before, keys): (&Self, &[SampleKey]),
-        first: usize,
-        next: &Scattered<S>,
-    ) {
-        let simd = next.pdf.token();
+    pub(crate) fn push_all<R: Real>(&mut self, alive: R::Mask, of: Of, next: &Scattered<R>) {
         let at = self.count;
-        write_words(&mut self.lane, at, alive, load_words(simd, &before.lane, first));
-        write_words(&mut self.edges, at, alive, next.edges + 1);
-        write_words(&mut self.layers, at, alive, u32x16::splat(simd, 0));
         let (RayBatch { org, dir, .. }, Vec3s { x, y, z }) = (&mut self.rays, &mut self.throughput);
-        write_vectors([x, y, z], at, alive, next.throughput);
+        next.throughput.squeeze(alive, [x, y, z], at);
         let Vec3s { x, y, z } = &mut self.from_p;
-        write_vectors([x, y, z], at, alive, next.p);
+        next.p.squeeze(alive, [x, y, z], at);
         let Vec3s { x, y, z } = &mut self.from_ns;
-        write_vectors([x, y, z], at, alive, next.ns);
+        next.ns.squeeze(alive, [x, y, z], at);
         let [x, y, z] = org;
-        write_vectors([x, y, z], at, alive, next.ray.org);
+        next.ray.org.squeeze(alive, [x, y, z], at);
         let [x, y, z] = dir;
-        write_vectors([x, y, z], at, alive, next.ray.dir);
-        write_floats(&mut self.from_pdf, at, alive, next.pdf);
-        let bits = alive.to_bitmask();
-        for i in LanesOf(bits) {
-            self.keys.push(keys[first + i]);
+        next.ray.dir.squeeze(alive, [x, y, z], at);
+        next.pdf.squeeze(alive, &mut self.from_pdf, at);
+        for i in LanesOf(R::bits(alive)) {
+            let number = of.numbers[i] as usize;
+            self.lane[self.count] = of.paths.lane[number];
+            self.edges[self.count] = of.paths.edges[number] + 1;
+            self.layers[self.count] = 0;
+            self.keys.push(of.keys[number]);
+            self.count += 1;
         }
-        self.count += bits.count_ones() as usize;
     }
 
-    /// Appends one.
+    /// Appends one; there must be room.
     pub(crate) fn push(&mut self, path: Path, ray: Ray) {
+        let at = self.count;
         self.count += 1;
-        self.lane.push(path.lane);
+        (self.lane[at], self.edges[at], self.layers[at]) = (path.lane, path.edges, path.layers);
         self.keys.push(path.key);
-        self.throughput.push(path.throughput);
-        self.edges.push(path.edges);
-        self.layers.push(path.layers);
+        self.throughput.set(at, path.throughput);
         let from = path.from.unwrap_or(Origin { p: Vec3::ZERO, ns: Vec3::ZERO, pdf: NOWHERE });
-        self.from_p.push(from.p);
-        self.from_ns.push(from.ns);
-        self.from_pdf.push(from.pdf);
-        self.rays.push(ray);
+        self.from_p.set(at, from.p);
+        self.from_ns.set(at, from.ns);
+        self.from_pdf[at] = from.pdf;
+        for k in 0..3 {
+            (self.rays.org[k][at], self.rays.dir[k][at]) = (ray.org[k], ray.dir[k]);
+        }
     }
 }
 
@@ -203,16 +204,20 @@ pub(crate) struct Unshadowed {
 
 impl Unshadowed {
     /// As [`Paths::begin`].
-    pub(crate) fn begin(&mut self, n: usize) {
+    pub(crate) fn begin(&mut self) {
         self.count = 0;
         self.request.key.clear();
-        self.resize(n + LANES);
-        self.request.rays.t_near.clear();
+    }
+
+    /// As [`Paths::reserve`].
+    pub(crate) fn reserve(&mut self, more: usize) {
+        self.resize(self.count + more + LANES);
     }
 
     /// As [`Paths::end`].
     pub(crate) fn end(&mut self) {
         self.resize(self.count);
+        self.request.rays.t_near.clear();
         self.request.rays.t_near.resize(self.count, 0.0);
     }
 
@@ -224,42 +229,38 @@ impl Unshadowed {
         floats.for_each(|array| array.resize(n, 0.0));
     }
 
-    /// As [`Paths::push_lanes`]: light over `edges` edges.
+    /// As [`Paths::push_all`]: light at the eye.
     #[inline(always)]
-    pub(crate) fn push_lanes<S: Simd>(
-        &mut self,
-        lit: Mask<S>,
-        (paths, keys): (&Paths, &[SampleKey]),
-        first: usize,
-        ray: &RayX16<S>,
-        (radiance, edges): (Vec3x16<S>, Words<S>),
-    ) {
+    pub(crate) fn push_all<R: Real>(&mut self, lit: R::Mask, of: Of, ray: &Rays<R>, light: Vector<R>) {
         let at = self.count;
         let RayRequest { rays, parent, key, .. } = &mut self.request;
-        write_words(parent, at, lit, load_words(edges.token(), &paths.lane, first));
-        write_words(&mut self.edges, at, lit, edges);
         let Vec3s { x, y, z } = &mut self.radiance;
-        write_vectors([x, y, z], at, lit, radiance);
+        light.squeeze(lit, [x, y, z], at);
         let [x, y, z] = &mut rays.org;
-        write_vectors([x, y, z], at, lit, ray.org);
+        ray.org.squeeze(lit, [x, y, z], at);
         let [x, y, z] = &mut rays.dir;
-        write_vectors([x, y, z], at, lit, ray.dir);
-        write_floats(&mut rays.t_far, at, lit, ray.t_far);
-        let bits = lit.to_bitmask();
-        for i in LanesOf(bits) {
-            key.push(keys[first + i]);
+        ray.dir.squeeze(lit, [x, y, z], at);
+        ray.t_far.squeeze(lit, &mut rays.t_far, at);
+        for i in LanesOf(R::bits(lit)) {
+            let number = of.numbers[i] as usize;
+            parent[self.count] = of.paths.lane[number];
+            self.edges[self.count] = of.paths.edges[number] + 1;
+            key.push(of.keys[number]);
+            self.count += 1;
         }
-        self.count += bits.count_ones() as usize;
     }
 
-    /// Appends light to the vertex at the end of a path.
+    /// Appends light to the vertex at the end of a path; there must be room.
     pub(crate) fn push(&mut self, path: &Path, ray: Ray, radiance: Vec3) {
+        let at = self.count;
         self.count += 1;
-        self.request.rays.push(ray);
-        self.request.parent.push(path.lane);
-        self.request.key.push(path.key);
-        self.radiance.push(radiance);
-        self.edges.push(path.edges + 1);
+        let RayRequest { rays, parent, key, .. } = &mut self.request;
+        for k in 0..3 {
+            (rays.org[k][at], rays.dir[k][at]) = (ray.org[k], ray.dir[k]);
+        }
+        (rays.t_far[at], parent[at], self.edges[at]) = (ray.t_far, path.lane, path.edges + 1);
+        key.push(path.key);
+        self.radiance.set(at, radiance);
     }
 
     /// Light `k`: whose radiance it is, how much and over how many edges.
@@ -277,57 +278,9 @@ pub(crate) struct Wavefront {
     pub(crate) hits: HitBatch,
     pub(crate) unshadowed: Unshadowed,
     pub(crate) through: Vec3s,
-    /// Lanes that hit nothing.
-    pub(crate) missed: Vec<usize>,
-    /// Lanes that go by batches of their shader: material in the upper half, lane in the lower one.
-    pub(crate) by_shader: Vec<u64>,
+    /// Paths in order of the materials that they met: material in the upper half, number in the lower one.
+    pub(crate) order: Vec<u64>,
     /// Lanes whose shader says what comes back from there, and not why.
-    pub(crate) finals: Vec<usize>,
-}
-
-/// Writes the lanes of a set side by side, from place `at` on, and anything up to sixteen places beyond.
-#[inline(always)]
-fn write_words<S: Simd>(array: &mut [u32], at: usize, lanes: Mask<S>, words: Words<S>) {
-    words.compress(lanes).store_slice(&mut array[at..at + LANES]);
-}
-
-#[inline(always)]
-fn write_floats<S: Simd>(array: &mut [f32], at: usize, lanes: Mask<S>, floats: Floats<S>) {
-    floats.compress(lanes).store_slice(&mut array[at..at + LANES]);
-}
-
-#[inline(always)]
-fn write_vectors<S: Simd>([x, y, z]: [&mut [f32]; 3], at: usize, lanes: Mask<S>, vectors: Vec3x16<S>) {
-    write_floats(x, at, lanes, vectors.x);
-    write_floats(y, at, lanes, vectors.y);
-    write_floats(z, at, lanes, vectors.z);
-}
-
-/// Sixteen words from place `at` on; zeros beyond the end.
-#[inline(always)]
-pub(crate) fn load_words<S: Simd>(simd: S, array: &[u32], at: usize) -> Words<S> {
-    match array.get(at..at + LANES) {
-        Some(part) => u32x16::from_slice(simd, part),
-        None => u32x16::from_slice(simd, &padded(&array[at..])),
-    }
-}
-
-/// Sixteen floats from place `at` on; zeros beyond the end.
-#[inline(always)]
-pub(crate) fn load_floats<S: Simd>(simd: S, array: &[f32], at: usize) -> Floats<S> {
-    match array.get(at..at + LANES) {
-        Some(part) => Floats::from_slice(simd, part),
-        None => Floats::from_slice(simd, &padded(&array[at..])),
-    }
-}
-
-/// The last lanes of an array, and zeros.
-fn padded<T: Copy + Default>(rest: &[T]) -> [T; LANES] {
-    std::array::from_fn(|i| rest.get(i).copied().unwrap_or_default())
-}
-
-/// Sixteen vectors from place `at` on; zeros beyond the end.
-#[inline(always)]
-pub(crate) fn load_vectors<S: Simd>(simd: S, [x, y, z]: [&[f32]; 3], at: usize) -> Vec3x16<S> {
-    Vec3x16::new(load_floats(simd, x, at), load_floats(simd, y, at), load_floats(simd, z, at))
+    pub(crate) finals: Vec<u32>,
+    pub(crate) closures: ClosureBatch,
 }

@@ -4,12 +4,23 @@
 //! Proof: the integrators' tests.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{Bsdf, Scattering};
+use gnurt_shading::bsdf::{ClosureBatch, Scattering};
 use gnurt_shading::{SampleKey, SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
 
 use super::finals;
 use crate::tracer::{BatchTracer, Wanted};
 use crate::world::HitLanes;
+
+/// How what a surface does to light is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Known {
+    /// Its shader tells.
+    Told,
+    /// Its shader only shows: it was shown under a few lights.
+    Probed,
+    /// Not at all: emission is what its shader shows.
+    Shown,
+}
 
 /// A point of a path on a surface.
 #[derive(Clone, Copy, Debug)]
@@ -22,18 +33,12 @@ pub(crate) struct Vertex {
     pub(crate) scattering: Scattering,
     /// Whether only its shader knows what it sends back: the emission then is all of that, and paths end here.
     pub(crate) is_final: bool,
-    /// What it shows where all light of the environment reaches it, if it only catches shadow.
-    pub(crate) backdrop: Option<Vec3>,
     /// What light straight from lamps counts here more than other light; 1 where shaders tell what they do to light.
     pub(crate) lamp_gain: f32,
-    /// Whether the ray came to the side that its geometric normal points to.
-    pub(crate) front: bool,
     /// How far the ray came.
     pub(crate) t: f32,
     /// What was hit: instance, mesh, triangle.
     pub(crate) ids: [u32; 3],
-    /// Where on the triangle: weights of its second and third corner.
-    pub(crate) place: [f32; 2],
     /// Key of its random numbers.
     pub(crate) key: SampleKey,
 }
@@ -51,6 +56,31 @@ impl BatchTracer<'_> {
         vertices
     }
 
+    /// Writes what points of one shader do to light, and says how that is known.
+    pub(crate) fn closures_of(
+        &mut self,
+        shader: &dyn SurfaceShader,
+        points: &SurfaceBatch,
+        closures: &mut ClosureBatch,
+    ) -> Known {
+        closures.reset(points.len());
+        shader.evaluate(points, closures);
+        let Some(shader) = shader.radiance() else { return Known::Told };
+        if self.probes {
+            let dark = finals::probe(shader, points, self.options.white, closures);
+            (0..points.len()).for_each(|k| closures.emit(k, dark.get(k)));
+            return Known::Probed;
+        }
+        let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
+        shader.shade(self, points, &mut radiance);
+        if self.is_interleaved {
+            // What light is averaged without.
+            finals::probe(shader, points, self.options.white, closures);
+        }
+        (0..points.len()).for_each(|k| closures.emit(k, radiance.get(k)));
+        Known::Shown
+    }
+
     /// Calls `with(lane, vertex)` for each point of a batch.
     pub(crate) fn vertices_of(
         &mut self,
@@ -59,48 +89,23 @@ impl BatchTracer<'_> {
         points: &SurfaceBatch,
         with: &mut dyn FnMut(usize, Vertex),
     ) {
-        let mut scattering = std::mem::take(&mut self.scattering);
-        scattering.clear();
-        let is_known = shader.scatter(points, &mut scattering);
-        let is_final = !(is_known || self.probes);
-        let mut lamp_gain = 1.0;
-        if !is_known && self.probes {
-            let white = self.options.white;
-            finals::probe(shader, points, white, &mut scattering);
-            lamp_gain = std::f32::consts::PI * white;
-        }
-        if is_final {
-            let mut radiance = Vec3s::splat(lanes.len(), Vec3::ZERO);
-            shader.shade(self, points, &mut radiance);
-            if self.is_interleaved {
-                // What light is averaged without.
-                finals::probe(shader, points, self.options.white, &mut scattering);
-                scattering.iter_mut().enumerate().for_each(|(k, point)| point.emission = radiance.get(k));
-            } else {
-                scattering.extend((0..lanes.len()).map(|k| Scattering {
-                    bsdf: Bsdf::black(points.facing_ns(k)),
-                    emission: radiance.get(k),
-                    coverage: 1.0,
-                }));
-            }
-        }
-        let backdrop = shader.backdrop();
-        for (k, (&lane, &scattering)) in lanes.iter().zip(&scattering).enumerate() {
+        let mut closures = std::mem::take(&mut self.closures);
+        let known = self.closures_of(shader, points, &mut closures);
+        let is_final = known == Known::Shown;
+        let lamp_gain = if known == Known::Probed { std::f32::consts::PI * self.options.white } else { 1.0 };
+        for (k, &lane) in lanes.iter().enumerate() {
             let vertex = Vertex {
                 point: points.point(k),
                 wo: -points.ray_dir.get(k),
-                scattering,
+                scattering: closures.point(k),
                 is_final,
-                backdrop,
                 lamp_gain,
-                front: points.front(k),
                 t: points.t[k],
                 ids: [points.inst_id[k], points.geom_id[k], points.prim_id[k]],
-                place: [points.u[k], points.v[k]],
                 key: points.key[k],
             };
             with(lane as usize, vertex);
         }
-        self.scattering = scattering;
+        self.closures = closures;
     }
 }

@@ -104,11 +104,4 @@ impl PlacedInstance {
     pub(crate) fn point(&self, p: Vec3) -> Vec3 {
         self.linear * p + self.origin
     }
-
-    /// Largest coordinate that occurs while a point within `reach` (per axis, object space) goes to the world: rounding
-    /// errors are in proportion to it.
-    pub(crate) fn magnitude(&self, reach: Vec3) -> f32 {
-        let m = self.linear.x_axis.abs() * reach.x + self.linear.y_axis.abs() * reach.y;
-        (m + self.linear.z_axis.abs() * reach.z + self.origin.abs()).max_element()
-    }
 }

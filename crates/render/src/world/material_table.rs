@@ -9,7 +9,6 @@ use gnurt_accel::SharedList;
 use gnurt_scene::{Scene, Surface};
 use gnurt_shading::SurfaceShader;
 use gnurt_shading::lights::Emitter;
-use gnurt_shading::materials::{Lambertian, PlainColor};
 
 use super::materials;
 use super::table::ShaderTable;
@@ -18,10 +17,6 @@ use super::table::ShaderTable;
 #[derive(Clone)]
 pub(crate) struct MaterialEntry {
     pub(crate) shader: Arc<dyn SurfaceShader>,
-    /// What lanes need of it, where it is Lambert's reflector.
-    pub(crate) lambertian: Option<Lambertian>,
-    /// Its base colour, where that is plain.
-    pub(crate) plain: Option<PlainColor>,
     /// What it gives off, if anything.
     pub(super) emitter: Option<Arc<Emitter>>,
     is_opaque: bool,
@@ -150,13 +145,5 @@ fn entry(
     let shader = materials::shader(scene, material, shaders, force_diffuse, emission, coverage);
     // Forced or not: who swaps it asks for the surface to be looked at again.
     let from_table = number_of(scene, id).map(|number| shaders.surfaces[number as usize].clone());
-    MaterialEntry {
-        lambertian: materials::lambertian(&*shader),
-        plain: shader.plain_albedo(),
-        is_opaque: shader.is_opaque(),
-        is_solid: shader.is_solid(),
-        emitter,
-        from_table,
-        shader,
-    }
+    MaterialEntry { is_opaque: shader.is_opaque(), is_solid: shader.is_solid(), emitter, from_table, shader }
 }

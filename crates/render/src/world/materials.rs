@@ -36,15 +36,6 @@ pub(super) fn shader(
     Arc::new(shading::Material { surface, emission, coverage })
 }
 
-/// What lanes need of a surface; `None` where they do not know it.
-pub(super) fn lambertian(surface: &dyn SurfaceShader) -> Option<shading::Lambertian> {
-    // Smaller copies of textures are chosen by widths, which lanes do not have.
-    let sharp = |look: &shading::Lambertian| {
-        look.albedo.texture.as_ref().is_none_or(|texture| texture.minify.is_none())
-    };
-    surface.lambertian().filter(sharp)
-}
-
 fn surface(scene: &Scene, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn SurfaceShader> {
     match surface {
         Surface::Matte { base_color } => Arc::new(shading::Matte { albedo: color(scene, base_color) }),

@@ -8,14 +8,13 @@
 mod check;
 mod commit;
 mod due;
-mod flat;
 mod instance;
 mod lamps;
 mod lights;
 mod material_table;
 mod materials;
+mod normals;
 mod object;
-mod plain;
 mod surface;
 mod table;
 #[cfg(test)]
@@ -31,11 +30,10 @@ use gnurt_shading::SurfaceShader;
 use gnurt_shading::lights::LightSet;
 
 use crate::many_lights::ShaderLamps;
-pub(crate) use flat::FlatLanes;
 use instance::InstanceSlot;
 pub(crate) use instance::PlacedInstance;
 pub(crate) use lights::{Lights, LightsContent};
-pub(crate) use material_table::{MaterialEntry, MaterialTable};
+pub(crate) use material_table::MaterialTable;
 use object::ObjectSlot;
 pub(crate) use surface::HitLanes;
 pub use table::{CommitOptions, CommitReport, ShaderTable};
@@ -203,12 +201,6 @@ impl World {
     /// The shader of a material.
     pub(crate) fn shader(&self, material: usize) -> &dyn SurfaceShader {
         &*self.materials.get(material).shader
-    }
-
-    /// A material as rays meet it.
-    #[inline]
-    fn material(&self, material: usize) -> &MaterialEntry {
-        self.materials.get(material)
     }
 
     /// The material of what was hit: its place among the surface shaders.

@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From hits to surface points: positions, normals, coordinates and attributes out of the meshes' arrays.
+//! From hits to surface points: positions, normals, coordinates and attributes out of the meshes' arrays, as many points at a time
+//! as the CPU's registers hold.
 //! Source: [PJH23] section 6.8 (bounding the error of a hit point); [Hanika2021] (`lift`); original. Space: world.
 //! Points are computed from barycentric weights, not from `org + t dir`: they lie in their triangle's plane up to
 //! rounding, and `error` bounds that from the largest coordinate involved.
-//! Proof: crates/render/tests/{offsets,terminator,appearance}.rs.
+//! Invariant: every CPU level gives the same bits. Proof: crates/render/tests/{offsets,terminator,appearance,lanes}.rs.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use gnurt_accel::{HitBatch, RayBatch};
 use gnurt_scene::{Attribute, Mesh, Rate};
-use gnurt_shading::{AttributeRequest, Detail, SampleKey, SurfaceBatch};
+use gnurt_shading::lanes::LANES;
+use gnurt_shading::real::{Real, Vector};
+use gnurt_shading::{AttributeRequest, Detail, SampleKey, SurfaceBatch, Vec3s};
+use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 
+use super::normals::{Columns, Precise};
 use super::{PlacedInstance, World};
 
 /// Rounding errors of the point, of its transform, and of the test that the next ray makes against the same triangle,
 /// as a multiple of the largest coordinate.
-pub(super) const ERROR_SCALE: f32 = 8.0 * f32::EPSILON;
+const ERROR_SCALE: f32 = 8.0 * f32::EPSILON;
 
 /// What a batch of points is made from.
 #[derive(Clone, Copy)]
@@ -28,50 +33,158 @@ pub(crate) struct HitLanes<'a> {
     pub(crate) epsilon: f32,
 }
 
-/// All that the points of one triangle have in common.
-struct Triangle<'w> {
-    /// Primitive, geometry and instance, as hits name them.
-    ids: [u32; 3],
-    instance: &'w PlacedInstance,
-    mesh: &'w Mesh,
-    corners: [usize; 3],
-    /// Object space.
-    positions: [Vec3; 3],
-    /// Unit, object space; `None` where it is flat.
-    normals: Option<[Vec3; 3]>,
-    /// `None` where vertex normals are enough.
-    ng: Option<Vec3>,
-    uv: [[f32; 2]; 3],
-    /// What divides the interpolated coordinates, if anything does.
-    divisors: Option<[f32; 3]>,
-    uv_per_length: f32,
+type Row = [f32; LANES];
+
+/// What some points are made from, out of the meshes' arrays; rows of vectors stand one after the other.
+struct Gathered<'w> {
+    instances: [Option<&'w PlacedInstance>; LANES],
+    meshes: [Option<&'w Mesh>; LANES],
+    vertices: [[usize; 3]; LANES],
+    /// Three corners, object space.
+    corners: [Row; 9],
+    /// Their normals, of any length; zero where there are none.
+    normals: [Row; 9],
+    /// Their texture coordinates.
+    uv: [Row; 6],
+    /// Linear part, matrix of normals, origin.
+    place: [Row; 21],
+    has: Has,
 }
 
-/// What only points need that rays leave from; world space.
-struct Surroundings {
-    error: f32,
-    dp_du: Vec3,
-    dp_dv: Vec3,
-    /// Of the corners, object space, scaled as the two above are; where the mesh has any.
-    tangents: Option<Tangents>,
-    corners: [Vec3; 3],
-    /// Unit normals of the corners, where it has any.
-    normals: [Vec3; 3],
+/// What some of them have.
+#[derive(Clone, Copy, Default)]
+struct Has {
+    normals: bool,
+    uv: bool,
+    colors: bool,
+    tangents: bool,
+    divisors: bool,
 }
 
-/// Tangents of a triangle's corners, and how far points move along them and across them per texture u and v.
-struct Tangents {
-    corners: [Vec3; 3],
-    /// 1 or -1: see `Mesh::tangents`.
-    side: f32,
-    lengths: [f32; 2],
+impl<'w> Gathered<'w> {
+    fn new() -> Self {
+        Self {
+            instances: [None; LANES],
+            meshes: [None; LANES],
+            vertices: [[0; 3]; LANES],
+            corners: [[0.0; LANES]; 9],
+            normals: [[0.0; LANES]; 9],
+            uv: [[0.0; LANES]; 6],
+            place: [[0.0; LANES]; 21],
+            has: Has::default(),
+        }
+    }
+
+    /// Reads what the points of these lanes need, sixteen or fewer.
+    fn read(&mut self, world: &'w World, hits: &HitBatch, lanes: &[u32]) {
+        self.has = Has::default();
+        let (mut last, mut known) = ([u32::MAX; 2], None);
+        for (i, &lane) in lanes.iter().enumerate().take(LANES) {
+            let lane = lane as usize;
+            let ids = [hits.inst_id[lane], hits.geom_id[lane]];
+            if ids != last {
+                let instance = world.instance(ids[0]);
+                known = Some((instance, &*instance.object.meshes[ids[1] as usize]));
+                last = ids;
+            }
+            let Some((instance, mesh)) = known else { continue };
+            (self.instances[i], self.meshes[i]) = (Some(instance), Some(mesh));
+            let vertices = mesh.indices[hits.prim_id[lane] as usize].map(|v| v as usize);
+            self.vertices[i] = vertices;
+            for (c, &vertex) in vertices.iter().enumerate() {
+                put_vector(&mut self.corners, 3 * c, i, mesh.positions[vertex]);
+            }
+            self.read_attributes(i, mesh, !world.face_normals);
+        }
+        self.read_places(lanes.len().min(LANES));
+    }
+
+    /// Reads what only some meshes have.
+    fn read_attributes(&mut self, i: usize, mesh: &Mesh, normals: bool) {
+        let smooth = normals && !mesh.normals.is_empty();
+        // Lanes without any are zero, but need not be written where no lane has some.
+        if smooth && !self.has.normals {
+            (self.normals, self.has.normals) = ([[0.0; LANES]; 9], true);
+        }
+        if !mesh.texcoords.is_empty() && !self.has.uv {
+            (self.uv, self.has.uv) = ([[0.0; LANES]; 6], true);
+        }
+        for (c, &vertex) in self.vertices[i].iter().enumerate() {
+            if let Some(&normal) = mesh.normals.get(vertex).filter(|_| smooth) {
+                put_vector(&mut self.normals, 3 * c, i, normal);
+            }
+            if let Some(&[u, v]) = mesh.texcoords.get(vertex) {
+                (self.uv[2 * c][i], self.uv[2 * c + 1][i]) = (u, v);
+            }
+        }
+        self.has.divisors |= self.has.uv && !mesh.attributes.is_empty();
+        self.has.colors |= !mesh.colors.is_empty();
+        self.has.tangents |= !mesh.tangents.is_empty();
+    }
+
+    /// Reads where the first `count` lanes' objects are: once for neighbours of one object.
+    fn read_places(&mut self, count: usize) {
+        let mut first = 0;
+        while first < count {
+            let Some(instance) = self.instances[first] else { return };
+            let is_same = |i: &usize| self.instances[*i].is_some_and(|other| std::ptr::eq(other, instance));
+            let end = (first + 1..count).find(|i| !is_same(i)).unwrap_or(count);
+            let PlacedInstance { linear, normals, origin, .. } = instance;
+            let (linear, normals) = (linear.to_cols_array(), normals.to_cols_array());
+            for k in 0..9 {
+                self.place[k][first..end].fill(linear[k]);
+                self.place[9 + k][first..end].fill(normals[k]);
+            }
+            for k in 0..3 {
+                self.place[18 + k][first..end].fill(origin[k]);
+            }
+            first = end;
+        }
+    }
+}
+
+/// Writes lane `i` of rows `k` to `k + 2`.
+#[inline(always)]
+fn put_vector(rows: &mut [Row; 9], k: usize, i: usize, [x, y, z]: [f32; 3]) {
+    (rows[k][i], rows[k + 1][i], rows[k + 2][i]) = (x, y, z);
+}
+
+/// Rows `k` to `k + 2` from lane `first` on.
+#[inline(always)]
+fn vector<R: Real>(like: R, rows: &[Row], k: usize, first: usize) -> Vector<R> {
+    Vector::load(like, [&rows[k], &rows[k + 1], &rows[k + 2]], first)
+}
+
+#[inline(always)]
+fn vectors<R: Real>(like: R, rows: &[Row], k: usize, first: usize) -> [Vector<R>; 3] {
+    [vector(like, rows, k, first), vector(like, rows, k + 3, first), vector(like, rows, k + 6, first)]
+}
+
+#[inline(always)]
+fn mix<R: Real>(values: &[Vector<R>; 3], [a, b, c]: [R; 3]) -> Vector<R> {
+    values[0] * a + values[1] * b + values[2] * c
+}
+
+/// Writes `count` lanes of a batch's array from place `at` on.
+#[inline(always)]
+fn put<R: Real>(out: &mut [f32], (at, count): (usize, usize), value: R) {
+    for (i, out) in out[at..at + count].iter_mut().enumerate() {
+        *out = value.lane(i);
+    }
+}
+
+#[inline(always)]
+fn put3<R: Real>(out: &mut Vec3s, range: (usize, usize), v: Vector<R>) {
+    put(&mut out.x, range, v.x);
+    put(&mut out.y, range, v.y);
+    put(&mut out.z, range, v.z);
 }
 
 impl World {
     /// Writes the points of some lanes, all of which hit something: others panic.
     pub(crate) fn surface_points(
         &self,
-        from: HitLanes,
+        (level, from): (Level, HitLanes),
         lanes: &[u32],
         detail: Detail,
         attributes: &[AttributeRequest],
@@ -80,63 +193,26 @@ impl World {
         points.resize(lanes.len(), detail);
         points.depth = from.depth;
         let (hits, [x, y, z]) = (from.hits, &from.rays.dir);
-        let (mut last, mut around): (Option<Triangle>, _) = (None, None);
         for (i, &lane) in lanes.iter().enumerate() {
             let lane = lane as usize;
-            let (t, u, v) = (hits.t[lane], hits.u[lane], hits.v[lane]);
-            let ids = [hits.prim_id[lane], hits.geom_id[lane], hits.inst_id[lane]];
-            // Neighbours often hit the same triangle.
-            let triangle = match &last {
-                Some(triangle) if triangle.ids == ids => triangle,
-                _ => {
-                    let triangle = last.insert(self.triangle(ids, detail));
-                    if detail == Detail::Full {
-                        around = Some(triangle.surroundings(from.epsilon));
-                    }
-                    triangle
-                }
-            };
-            let ray_dir = Vec3::new(x[lane], y[lane], z[lane]);
-            points.ray_dir.set(i, ray_dir);
+            points.ray_dir.set(i, Vec3::new(x[lane], y[lane], z[lane]));
             points.key[i] = from.keys[lane];
-            (points.t[i], points.u[i], points.v[i]) = (t, u, v);
-            (points.prim_id[i], points.geom_id[i], points.inst_id[i]) = (ids[0], ids[1], ids[2]);
-            triangle.write_point(i, [u, v], ray_dir, around.as_ref(), points);
+            (points.t[i], points.u[i], points.v[i]) = (hits.t[lane], hits.u[lane], hits.v[lane]);
+            points.prim_id[i] = hits.prim_id[lane];
+            (points.geom_id[i], points.inst_id[i]) = (hits.geom_id[lane], hits.inst_id[lane]);
+        }
+        let mut gathered = Gathered::new();
+        for (block, some) in lanes.chunks(LANES).enumerate() {
+            gathered.read(self, hits, some);
+            let at = block * LANES;
+            dispatch_wide!(
+                level,
+                simd => gathered.points(f32x16::splat(simd, 0.0), (0, some.len()), at, from.epsilon, points),
+                else (0..some.len()).for_each(|i| gathered.points(0.0_f32, (i, 1), at + i, from.epsilon, points))
+            );
+            gathered.rare(some.len(), at, points);
         }
         points.attributes = attributes.iter().map(|request| self.attribute(request, points)).collect();
-    }
-
-    #[inline]
-    fn triangle(&self, ids: [u32; 3], detail: Detail) -> Triangle<'_> {
-        let [prim_id, geom_id, inst_id] = ids;
-        let instance = self.instance(inst_id);
-        let mesh = &*instance.object.meshes[geom_id as usize];
-        let corners = mesh.indices[prim_id as usize].map(|i| i as usize);
-        let positions = corners.map(|i| Vec3::from(mesh.positions[i]));
-        let normals = self.vertex_normals(mesh, corners);
-        let is_enough = detail == Detail::Color && normals.is_some() && mesh.texcoords.is_empty();
-        let ng = (!is_enough).then(|| geometric_normal(instance, &positions));
-        // Without coordinates nothing changes with them.
-        let (mut uv, mut divisors, mut uv_per_length) = ([[0.0; 2]; 3], None, 0.0);
-        if !mesh.texcoords.is_empty() {
-            uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
-            divisors = mesh.texcoord_divisors(corners);
-            uv_per_length = scale_of(&positions.map(|q| instance.point(q)), &divided(uv, divisors));
-        }
-        Triangle { ids, instance, mesh, corners, positions, normals, ng, uv, divisors, uv_per_length }
-    }
-
-    /// Unit, in the object; `None` where the triangle is flat.
-    pub(super) fn vertex_normals(&self, mesh: &Mesh, corners: [usize; 3]) -> Option<[Vec3; 3]> {
-        if self.face_normals || mesh.normals.is_empty() {
-            return None;
-        }
-        let mut normals = [Vec3::ZERO; 3];
-        for (normal, corner) in normals.iter_mut().zip(corners) {
-            // Normals of any length: each counts as a direction.
-            *normal = Vec3::from(*mesh.normals.get(corner)?).try_normalize()?;
-        }
-        Some(normals)
     }
 
     /// Component k of lane i at `[k * lanes + i]`.
@@ -164,90 +240,169 @@ impl World {
     }
 }
 
-impl Triangle<'_> {
-    fn surroundings(&self, epsilon: f32) -> Surroundings {
-        let Self { instance, positions, .. } = self;
-        let reach = positions[0].abs().max(positions[1].abs()).max(positions[2].abs());
-        let normals = self.normals.unwrap_or_default();
-        let [dp_du, dp_dv] = change_per_uv(positions, &divided(self.uv, self.divisors));
-        Surroundings {
-            error: ERROR_SCALE * instance.magnitude(reach) + epsilon,
-            dp_du: instance.linear * dp_du,
-            dp_dv: instance.linear * dp_dv,
-            tangents: self.tangents([dp_du, dp_dv]),
-            corners: positions.map(|q| instance.point(q)),
-            normals: normals.map(|n| (instance.normals * n).normalize_or_zero()),
-        }
-    }
-
-    /// The mesh's own tangents, where all corners have one and normals to go with them.
-    fn tangents(&self, [dp_du, dp_dv]: [Vec3; 2]) -> Option<Tangents> {
-        if self.mesh.tangents.is_empty() {
-            return None;
-        }
-        self.normals?;
-        let mut corners = [Vec3::ZERO; 3];
-        let mut side = 0.0;
-        for (tangent, corner) in corners.iter_mut().zip(self.corners) {
-            let [x, y, z, w] = *self.mesh.tangents.get(corner)?;
-            *tangent = Vec3::new(x, y, z).try_normalize()?;
-            side += w;
-        }
-        let length = |v: Vec3| if v == Vec3::ZERO { 1.0 } else { v.length() };
-        Some(Tangents { corners, side: 1.0_f32.copysign(side), lengths: [length(dp_du), length(dp_dv)] })
-    }
-
-    /// Writes what follows from the place on the triangle.
-    #[inline]
-    fn write_point(
+impl Gathered<'_> {
+    /// Writes points from place `at` of the batch on, `count` of the lanes from `first` on.
+    #[inline(always)]
+    fn points<R: Precise>(
         &self,
-        i: usize,
-        [u, v]: [f32; 2],
-        ray_dir: Vec3,
-        around: Option<&Surroundings>,
+        like: R,
+        (first, count): (usize, usize),
+        at: usize,
+        epsilon: f32,
         out: &mut SurfaceBatch,
     ) {
-        let (instance, weights) = (self.instance, [1.0 - u - v, u, v]);
-        let p = instance.point(mix3(&self.positions, weights));
-        let ns = self.normals.and_then(|n| (instance.normals * mix3(&n, weights)).try_normalize());
-        let ng = self.ng.or(ns).unwrap_or_else(|| geometric_normal(instance, &self.positions));
-        out.p.set(i, p);
-        out.ng.set(i, ng);
-        out.ns.set(i, ns.unwrap_or(ng));
-        let texcoord = if self.mesh.texcoords.is_empty() {
-            [0.0; 2]
-        } else {
-            let mixed = [0, 1].map(|k| (0..3).map(|c| weights[c] * self.uv[c][k]).sum::<f32>());
-            match self.divisors {
-                None => mixed,
-                Some(q) => mixed.map(|x| x / (0..3).map(|c| weights[c] * q[c]).sum::<f32>()),
-            }
-        };
-        (out.texcoord[0][i], out.texcoord[1][i]) = (texcoord[0], texcoord[1]);
-        out.uv_per_length[i] = self.uv_per_length;
-        let color = vertex_color(self.mesh, self.corners, weights);
-        out.color.set(i, Vec3::new(color[0], color[1], color[2]));
-        out.alpha[i] = color[3];
-        if let Some(around) = around {
-            out.error[i] = around.error;
-            let own = around.tangents.as_ref().and_then(|tangents| {
-                let tangent = mix3(&tangents.corners, weights).try_normalize()?;
-                let across =
-                    mix3(self.normals.as_ref()?, weights).cross(tangent).try_normalize()? * tangents.side;
-                let [u, v] = tangents.lengths;
-                Some([instance.linear * (tangent * u), instance.linear * (across * v)])
-            });
-            let [dp_du, dp_dv] = own.unwrap_or([around.dp_du, around.dp_dv]);
-            out.dp_du.set(i, dp_du);
-            out.dp_dv.set(i, dp_dv);
-            let lift = ns.map_or(Vec3::ZERO, |ns| {
+        let (zero, one, range) = (like.all(0.0), like.all(1.0), (at, count));
+        let corners = vectors(zero, &self.corners, 0, first);
+        let linear = Columns(vectors(zero, &self.place, 0, first));
+        let normals = Columns(vectors(zero, &self.place, 9, first));
+        let origin = vector(zero, &self.place, 18, first);
+        let (u, v) = (zero.load(&out.u, at), zero.load(&out.v, at));
+        let weights = [one - u - v, u, v];
+        let p = linear.times(mix(&corners, weights)) + origin;
+        let ng = R::geometric_normals(&corners, &normals);
+        put3(&mut out.p, range, p);
+        put3(&mut out.ng, range, ng);
+        let full = !out.error.is_empty();
+        let (mut ns, mut lift) = (ng, Vector::grey(zero));
+        if self.has.normals {
+            // Normals of any length: each counts as a direction. The triangle is flat if one has none.
+            let black = Vector::grey(zero);
+            let units = vectors(zero, &self.normals, 0, first).map(
+                #[inline(always)]
+                |n| n.normalize_or(black),
+            );
+            let mixed = normals.times(mix(&units, weights)).normalize_or(black);
+            let flat = units[0].is_zero() | units[1].is_zero() | units[2].is_zero() | mixed.is_zero();
+            ns = Vector::pick(flat, ng, mixed);
+            if full {
                 // On the side that the ray comes from, as the facing shading normal is.
-                let to_viewer = if ng.dot(ray_dir) <= 0.0 { ng } else { -ng };
-                let seen = if ns.dot(to_viewer) < 0.0 { around.normals.map(|n| -n) } else { around.normals };
-                lift(p, &around.corners, &seen, weights)
-            });
-            out.lift.set(i, lift);
+                let ray_dir = Vector::load(zero, [&out.ray_dir.x, &out.ray_dir.y, &out.ray_dir.z], at);
+                let to_viewer = Vector::pick(ng.dot(ray_dir).above(zero), -ng, ng);
+                let behind = zero.above(ns.dot(to_viewer));
+                for (corner, (unit, weight)) in corners.iter().zip(units.iter().zip(weights)) {
+                    let normal = normals.times(*unit).normalize_or(black);
+                    let seen = Vector::pick(behind, -normal, normal);
+                    let below = (linear.times(*corner) + origin - p).dot(seen).or_more(zero);
+                    lift = lift + seen * below * weight;
+                }
+                lift = Vector::pick(flat, black, lift);
+            }
         }
+        put3(&mut out.ns, range, ns);
+        let mut uv = [zero; 2];
+        if self.has.uv {
+            for (k, uv) in uv.iter_mut().enumerate() {
+                for (c, &weight) in weights.iter().enumerate() {
+                    *uv = *uv + weight * zero.load(&self.uv[2 * c + k], first);
+                }
+            }
+        }
+        put(&mut out.texcoord[0], range, uv[0]);
+        put(&mut out.texcoord[1], range, uv[1]);
+        put3(&mut out.color, range, Vector::grey(one));
+        put(&mut out.alpha, range, one);
+        if full {
+            let reach = corners[0].abs().max(corners[1].abs()).max(corners[2].abs());
+            let [x, y, z] = linear.0;
+            let most = x.abs() * reach.x + y.abs() * reach.y;
+            let magnitude = (most + z.abs() * reach.z + origin.abs()).max_element();
+            put(&mut out.error, range, magnitude * ERROR_SCALE + zero.all(epsilon));
+            put3(&mut out.lift, range, lift);
+        }
+        self.changes((zero, first), &corners, &linear, range, out);
+    }
+
+    /// Writes how points and texture coordinates change with each other.
+    #[inline(always)]
+    fn changes<R: Real>(
+        &self,
+        (zero, first): (R, usize),
+        corners: &[Vector<R>; 3],
+        linear: &Columns<R>,
+        range: (usize, usize),
+        out: &mut SurfaceBatch,
+    ) {
+        let black = Vector::grey(zero);
+        let (mut dp_du, mut dp_dv, mut scale) = (black, black, zero);
+        if self.has.uv {
+            let uv = |c: usize, k: usize| zero.load(&self.uv[2 * c + k], first);
+            let (du1, dv1) = (uv(1, 0) - uv(0, 0), uv(1, 1) - uv(0, 1));
+            let (du2, dv2) = (uv(2, 0) - uv(0, 0), uv(2, 1) - uv(0, 1));
+            let area = du1 * dv2 - du2 * dv1;
+            let (a, b) = (corners[1] - corners[0], corners[2] - corners[0]);
+            let (du, dv) = ((a * dv2 - b * dv1).over(area), (b * du1 - a * du2).over(area));
+            dp_du = Vector::pick(du.is_finite(), linear.times(du), black);
+            dp_dv = Vector::pick(dv.is_finite(), linear.times(dv), black);
+            // Root of the triangle's area in texture coordinates over that in the world.
+            let ratio = area.size() / linear.times(a).cross(linear.times(b)).length_squared().root();
+            scale = R::pick(ratio.is_number(), ratio, zero).root();
+        }
+        put(&mut out.uv_per_length, range, scale);
+        if !out.error.is_empty() {
+            put3(&mut out.dp_du, range, dp_du);
+            put3(&mut out.dp_dv, range, dp_dv);
+        }
+    }
+
+    /// Writes what few meshes have: colours, tangents, coordinates with divisors.
+    fn rare(&self, count: usize, at: usize, out: &mut SurfaceBatch) {
+        let Has { colors, tangents, divisors, .. } = self.has;
+        if !(colors || tangents || divisors) {
+            return;
+        }
+        for i in 0..count {
+            let (Some(mesh), Some(instance), vertices) =
+                (self.meshes[i], self.instances[i], self.vertices[i])
+            else {
+                continue;
+            };
+            let place = at + i;
+            let (u, v) = (out.u[place], out.v[place]);
+            let weights = [1.0 - u - v, u, v];
+            let [r, g, b, a] = vertex_color(mesh, vertices, weights);
+            out.color.set(place, Vec3::new(r, g, b));
+            out.alpha[place] = a;
+            if divisors && let Some(q) = mesh.texcoord_divisors(vertices) {
+                let divisor = (0..3).map(|c| weights[c] * q[c]).sum::<f32>();
+                (out.texcoord[0][place], out.texcoord[1][place]) =
+                    (out.texcoord[0][place] / divisor, out.texcoord[1][place] / divisor);
+                let mut divided = Self::new();
+                divided.has.uv = true;
+                for (k, row) in divided.uv.iter_mut().enumerate() {
+                    row[0] = self.uv[k][i] / q[k / 2];
+                }
+                let corners = vertices.map(|v| Vector::from(Vec3::from(mesh.positions[v])));
+                let linear = instance.linear;
+                let linear = Columns([linear.x_axis, linear.y_axis, linear.z_axis].map(Vector::from));
+                divided.changes((0.0_f32, 0), &corners, &linear, (place, 1), out);
+            }
+            if !out.error.is_empty()
+                && let Some([along, across]) = self.tangents(i, weights)
+            {
+                let length = |v: Vec3| if v == Vec3::ZERO { 1.0 } else { v.length() };
+                let lengths = [out.dp_du.get(place), out.dp_dv.get(place)].map(length);
+                out.dp_du.set(place, (instance.linear * along).normalize_or_zero() * lengths[0]);
+                out.dp_dv.set(place, (instance.linear * across).normalize_or_zero() * lengths[1]);
+            }
+        }
+    }
+
+    /// The mesh's own tangents at lane `i`, where all corners have one and normals to go with them: unit, object space.
+    fn tangents(&self, i: usize, weights: [f32; 3]) -> Option<[Vec3; 2]> {
+        let mesh = self.meshes[i]?;
+        if mesh.tangents.is_empty() {
+            return None;
+        }
+        let (mut tangent, mut normal, mut side) = (Vec3::ZERO, Vec3::ZERO, 0.0);
+        for (c, &vertex) in self.vertices[i].iter().enumerate() {
+            let [x, y, z, w] = *mesh.tangents.get(vertex)?;
+            tangent += Vec3::new(x, y, z).try_normalize()? * weights[c];
+            let [x, y, z] = [0, 1, 2].map(|k| self.normals[3 * c + k][i]);
+            normal += Vec3::new(x, y, z).try_normalize()? * weights[c];
+            side += w;
+        }
+        let tangent = tangent.try_normalize()?;
+        Some([tangent, normal.cross(tangent).try_normalize()? * 1.0_f32.copysign(side)])
     }
 }
 
@@ -262,52 +417,6 @@ fn attribute_at(a: &Attribute, mesh: &Mesh, prim_id: usize, weights: [f32; 3], k
             (0..3).try_fold(0.0, |sum, c| Some(sum + weights[c] * value(corners[c])?))
         }
     }
-}
-
-/// From `p` to the curved surface: `p` is raised to the plane through each corner across its normal where it lies below
-/// it, and the three are mixed.
-fn lift(p: Vec3, corners: &[Vec3; 3], normals: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {
-    let raised: [Vec3; 3] = std::array::from_fn(|k| {
-        let below = (corners[k] - p).dot(normals[k]).max(0.0);
-        normals[k] * below
-    });
-    mix3(&raised, weights)
-}
-
-pub(super) fn mix3(values: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {
-    values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
-}
-
-/// Unit, in the world, on the side from which the mesh's triangle winds counter-clockwise.
-pub(super) fn geometric_normal(instance: &PlacedInstance, p: &[Vec3; 3]) -> Vec3 {
-    // Double precision: squares of tiny or huge edges leave the range of floats.
-    let [a, b, c] = p.map(Vec3::as_dvec3);
-    let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
-    let in_world = instance.normals.as_dmat3() * normal;
-    in_world.normalize_or(DVec3::Z).as_vec3()
-}
-
-/// The coordinates at the corners.
-fn divided(uv: [[f32; 2]; 3], divisors: Option<[f32; 3]>) -> [[f32; 2]; 3] {
-    divisors.map_or(uv, |q| std::array::from_fn(|c| uv[c].map(|x| x / q[c])))
-}
-
-/// How far a point moves per texture u and v; zero where coordinates say nothing.
-fn change_per_uv(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> [Vec3; 2] {
-    let [du1, dv1] = [0, 1].map(|k| uv[1][k] - uv[0][k]);
-    let [du2, dv2] = [0, 1].map(|k| uv[2][k] - uv[0][k]);
-    let area = du1 * dv2 - du2 * dv1;
-    let (a, b) = (p[1] - p[0], p[2] - p[0]);
-    let finite = |change: Vec3| if change.is_finite() { change } else { Vec3::ZERO };
-    [finite((a * dv2 - b * dv1) / area), finite((b * du1 - a * du2) / area)]
-}
-
-/// Root of the triangle's area in texture coordinates over that in the world; zero where it has none.
-fn scale_of(p: &[Vec3; 3], uv: &[[f32; 2]; 3]) -> f32 {
-    let [du1, dv1] = [0, 1].map(|k| uv[1][k] - uv[0][k]);
-    let [du2, dv2] = [0, 1].map(|k| uv[2][k] - uv[0][k]);
-    let ratio = (du1 * dv2 - du2 * dv1).abs() / (p[1] - p[0]).cross(p[2] - p[0]).length();
-    if ratio.is_finite() { ratio.sqrt() } else { 0.0 }
 }
 
 /// Red, green, blue and opacity; white where the mesh has none.

@@ -11,8 +11,9 @@ use std::sync::OnceLock;
 
 use glam::{Vec2, Vec3};
 
-use super::fresnel::{schlick_average, schlick_rise};
+use super::fresnel::schlick_rise;
 use super::ggx::Ggx;
+use crate::real::{Real, Vector};
 
 /// Steps of the cosine and of the roughness (the root of alpha), both in [0, 1].
 const COSINES: usize = 48;
@@ -26,114 +27,68 @@ struct Table {
     average: [Split; ROUGHNESSES],
 }
 
-/// A roughness: the entry at or before it, and how far it is beyond.
-pub(super) type Row = (usize, f32);
-
-/// What comes back of light from cosine `cos` after one bounce, by reflectance at normal and grazing incidence.
-#[inline]
-pub(super) fn look_up(row: Row, cos: f32) -> Split {
-    let (column, t) = place(cos, COSINES);
-    let at = |row: usize| {
-        let row = &table().albedo[row];
-        mix(row[column], row[column + 1], t)
-    };
-    mix(at(row.0), at(row.0 + 1), row.1)
-}
-
-/// The table's entries of one roughness, by reflectance at normal and grazing incidence: for many look-ups. Arrays of a
-/// power of two, so that lanes need no check.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SentBack([[f32; 64]; 2]);
-
-impl SentBack {
-    pub(super) fn of(row: Row) -> Self {
-        let [below, above] = [row.0, row.0 + 1].map(|row| &table().albedo[row]);
-        let mut entries = [[0.0; 64]; 2];
-        for column in 0..COSINES {
-            [entries[0][column], entries[1][column]] = mix(below[column], above[column], row.1).into();
-        }
-        Self(entries)
-    }
-
-    /// Share of light from cosine `cos` that facets send back at once, by reflectance at normal and grazing incidence.
-    #[inline(always)]
-    #[must_use]
-    pub fn at(&self, cos: f32) -> [f32; 2] {
-        let scaled = cos.clamp(0.0, 1.0) * (COSINES - 1) as f32;
-        let entry = (scaled as u32).min(COSINES as u32 - 2);
-        let (low, high) = (entry as usize & 63, (entry as usize + 1) & 63);
-        let (t, [normal, grazing]) = (scaled - entry as f32, &self.0);
-        [normal[low] + (normal[high] - normal[low]) * t, grazing[low] + (grazing[high] - grazing[low]) * t]
-    }
-}
-
 /// What facets of one roughness do to light on the whole.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Energy {
-    row: Row,
-    average: Split,
+pub(super) struct Energy<R> {
+    /// Root of the facets' width.
+    roughness: R,
+    /// Parts of the albedo averaged over a cosine-weighted hemisphere.
+    pub(super) average: [R; 2],
 }
 
-impl Energy {
-    pub(super) fn of(ggx: Ggx) -> Self {
-        let row = place(ggx.alpha().sqrt(), ROUGHNESSES);
-        let average = mix(table().average[row.0], table().average[row.0 + 1], row.1);
-        Self { row, average }
-    }
-
-    /// Where the tables hold its roughness.
-    pub(super) fn row(self) -> Row {
-        self.row
+impl<R: Real> Energy<R> {
+    #[inline(always)]
+    pub(super) fn of(ggx: Ggx<R>) -> Self {
+        let roughness = ggx.alpha().root();
+        let average = roughness.each_pair(
+            #[inline(always)]
+            |i| {
+                let (row, beyond) = place(roughness.lane(i), ROUGHNESSES);
+                mix(table().average[row], table().average[row + 1], beyond).into()
+            },
+        );
+        Self { roughness, average }
     }
 
     /// What comes back of light from cosine `cos` after one bounce, by reflectance at normal and grazing incidence.
-    fn split(self, cos: f32) -> Split {
-        look_up(self.row, cos)
+    #[inline(always)]
+    pub(super) fn split(self, cos: R) -> [R; 2] {
+        let table = table();
+        cos.each_pair(
+            #[inline(always)]
+            |i| {
+                let (row, beyond) = place(self.roughness.lane(i), ROUGHNESSES);
+                let (column, t) = place(cos.lane(i), COSINES);
+                let at = |row: &[Split; COSINES]| mix(row[column], row[column + 1], t);
+                mix(at(&table.albedo[row]), at(&table.albedo[row + 1]), beyond).into()
+            },
+        )
     }
 
-    /// Albedo after one bounce, for Schlick's reflectances `f0` and `f90`.
-    pub(super) fn once(self, cos: f32, f0: Vec3, f90: f32) -> Vec3 {
-        let split = self.split(cos);
-        f0 * split.x + Vec3::splat(f90 * split.y)
+    /// Share of a first bounce's rest between the facets that comes out in the end, for facets that mirror `average` of the
+    /// light, averaged over all angles.
+    #[inline(always)]
+    pub(super) fn more(self, average: Vector<R>) -> Vector<R> {
+        let white = self.average[0] + self.average[1];
+        average.map(
+            #[inline(always)]
+            |a| a * a * white / (a * white.rest()).rest(),
+        )
     }
 
-    /// Albedo after one bounce of facets that mirror all.
-    pub(super) fn white(self, cos: f32) -> f32 {
-        // Rounding must not make light.
-        self.split(cos).element_sum().min(1.0)
+    /// What multiplies the loss of both directions and the cosine of one for the lobe of all bounces but the first.
+    #[inline(always)]
+    pub(super) fn more_scale(self) -> R {
+        let lost = (self.average[0] + self.average[1]).rest();
+        let scale = lost.all(FRAC_1_PI) / lost;
+        R::pick(lost.above_all(1e-6), scale, lost.all(0.0))
     }
+}
 
-    /// [`white`](Self::white), averaged over a cosine-weighted hemisphere.
-    pub(super) fn white_average(self) -> f32 {
-        self.average.element_sum()
-    }
-
-    /// Share of what a first bounce leaves between the facets that comes out in the end, for facets that mirror
-    /// `average` of the light, averaged over all angles.
-    pub(super) fn more(self, average: Vec3) -> Vec3 {
-        let white = self.average.element_sum();
-        average * average * white / (Vec3::ONE - average * (1.0 - white))
-    }
-
-    /// The lobe of all bounces but the first, times the cosine of `wi`, before [`more`](Self::more) colours it.
-    pub(super) fn more_cos(self, cos_o: f32, cos_i: f32) -> f32 {
-        let lost = 1.0 - self.average.element_sum();
-        if lost < 1e-6 {
-            return 0.0;
-        }
-        (1.0 - self.white(cos_o)) * (1.0 - self.white(cos_i)) * FRAC_1_PI * cos_i / lost
-    }
-
-    /// Albedo after all bounces.
-    pub(super) fn all(self, cos: f32, f0: Vec3, f90: f32) -> Vec3 {
-        self.once(cos, f0, f90) + self.more(schlick_average(f0, f90)) * (1.0 - self.white(cos))
-    }
-
-    /// [`all`](Self::all), averaged over a cosine-weighted hemisphere.
-    pub(super) fn all_average(self, f0: Vec3, f90: f32) -> Vec3 {
-        let once = f0 * self.average.x + Vec3::splat(f90 * self.average.y);
-        once + self.more(schlick_average(f0, f90)) * (1.0 - self.average.element_sum())
-    }
+/// Share of light that facets which mirror all leave between them after one bounce. Rounding must not make light.
+#[inline(always)]
+pub(super) fn lost<R: Real>(split: [R; 2]) -> R {
+    (split[0] + split[1]).rest().or_more(split[0].all(0.0))
 }
 
 #[inline(always)]
@@ -142,6 +97,7 @@ fn mix(a: Split, b: Split, t: f32) -> Split {
 }
 
 /// The entry at or before `x` of [0, 1] cut into `n` entries, and how far `x` is beyond it.
+#[inline(always)]
 pub(super) fn place(x: f32, n: usize) -> (usize, f32) {
     let scaled = x.clamp(0.0, 1.0) * (n - 1) as f32;
     let entry = (scaled as usize).min(n - 2);
@@ -167,10 +123,11 @@ fn table() -> &'static Table {
 }
 
 /// One bounce of light from cosine `cos`.
-fn albedo(ggx: Ggx, cos: f32) -> Split {
+fn albedo(ggx: Ggx<f32>, cos: f32) -> Split {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     ggx.mean_visible(wo, |h| {
-        let weight = ggx.sample_weight(wo, (-wo).reflect(h));
+        let wi = (-wo).reflect(h);
+        let weight = if wi.z > 0.0 { ggx.sample_weight(wo.z, wi.z) } else { 0.0 };
         let rise = schlick_rise(wo.dot(h));
         Split::new(weight * (1.0 - rise), weight * rise)
     })
@@ -207,14 +164,17 @@ mod tests {
                 let (s, c) = (azimuth * std::f32::consts::TAU).sin_cos();
                 let wi = Vec3::new(sin * c, sin * s, z);
                 let h = (wo + wi).normalize();
-                sum += f64::from(ggx.lobe_cos(wo, wi, h) * (0.1 + 0.9 * schlick_rise(wo.dot(h))));
+                let density = ggx.density(h.z, h.x * h.x + h.y * h.y);
+                let lobe = density / ((1.0 + ggx.lambda(cos) + ggx.lambda(z)) * 4.0 * cos);
+                sum += f64::from(lobe * (0.1 + 0.9 * schlick_rise(wo.dot(h))));
             }
             let wanted = sum * std::f64::consts::TAU / f64::from(rings * sectors);
-            let found = Energy::of(ggx).once(cos, Vec3::splat(0.1), 1.0).x;
+            let [normal, grazing] = Energy::of(ggx).split(cos);
+            let found = 0.1 * normal + grazing;
             assert!((f64::from(found) - wanted).abs() < 2e-3, "{roughness} {cos}: {found}, not {wanted}");
         }
         // A sanity bound: the value itself is compared above.
-        assert!(Energy::of(Ggx::new(1.0)).white(1.0) < 0.75, "one bounce loses light");
+        assert!(lost(Energy::of(Ggx::new(1.0)).split(1.0)) > 0.25, "one bounce loses light");
     }
 
     #[test]
@@ -222,16 +182,18 @@ mod tests {
         for roughness in [0.0, 0.1, 0.45, 0.8, 1.0] {
             let energy = Energy::of(Ggx::new(roughness));
             for cos in [0.02, 0.4, 0.97] {
-                assert!((energy.all(cos, Vec3::ONE, 1.0).x - 1.0).abs() < 1e-5, "by the closed form");
-                let n = 4000;
+                let (n, left, scale) = (4000, lost(energy.split(cos)), energy.more_scale());
                 let more: f32 = (0..n)
                     .map(|i| (i as f32 + 0.5) / n as f32)
-                    .map(|cos_i| std::f32::consts::TAU * energy.more_cos(cos, cos_i) / n as f32)
+                    .map(|cos_i| {
+                        std::f32::consts::TAU * cos_i * left * lost(energy.split(cos_i)) * scale / n as f32
+                    })
                     .sum();
-                let wanted = 1.0 - energy.white(cos);
+                let wanted = left;
                 assert!((more - wanted).abs() < 2e-3 + 2e-3 * wanted, "{roughness} {cos}: {more} {wanted}");
             }
-            assert!((energy.all_average(Vec3::ONE, 1.0).x - 1.0).abs() < 1e-5, "and on average");
+            let more = energy.more(Vector::grey(1.0)).x;
+            assert!((more - 1.0).abs() < 1e-5, "white facets let all out in the end");
         }
     }
 }

@@ -4,20 +4,19 @@
 //! Space: `cos` is that of the angle to the normal on the side that light comes from.
 //! Proof: `tests`.
 
-use glam::Vec3;
+use crate::real::{Real, Vector};
 
 /// Share of unpolarised light that is mirrored; `cos` of the angle to the normal on the side that light comes from,
 /// `eta` = index there over index beyond.
-pub(crate) fn dielectric(cos: f32, eta: f32) -> f32 {
-    let cos = cos.clamp(0.0, 1.0);
-    let sin2_beyond = eta * eta * (1.0 - cos * cos);
-    if sin2_beyond >= 1.0 {
-        return 1.0;
-    }
-    let beyond = (1.0 - sin2_beyond).sqrt();
+#[inline(always)]
+pub(crate) fn dielectric<R: Real>(cos: R, eta: R) -> R {
+    let cos = cos.within(0.0, 1.0);
+    let sin2_beyond = eta * eta * (cos * cos).rest();
+    let beyond = sin2_beyond.rest().or_more(cos.all(0.0)).root();
     let parallel = (cos - eta * beyond) / (cos + eta * beyond);
     let perpendicular = (eta * cos - beyond) / (eta * cos + beyond);
-    (0.5 * (parallel * parallel + perpendicular * perpendicular)).min(1.0)
+    let share = ((parallel * parallel + perpendicular * perpendicular) * 0.5).or_less(cos.all(1.0));
+    R::pick(cos.all(1.0).above(sin2_beyond), share, cos.all(1.0))
 }
 
 /// Share that a boundary mirrors at normal incidence; `ior` = index of one side over that of the other.
@@ -27,31 +26,36 @@ pub(crate) fn normal_reflectance(ior: f32) -> f32 {
 }
 
 /// How far Schlick's approximation has risen from the reflectance at normal incidence (0) to that at grazing (1).
-pub(crate) fn schlick_rise(cos: f32) -> f32 {
-    let m = 1.0 - cos.clamp(0.0, 1.0);
+#[inline(always)]
+pub(crate) fn schlick_rise<R: Real>(cos: R) -> R {
+    let m = cos.within(0.0, 1.0).rest();
     let m2 = m * m;
     m2 * m2 * m
 }
 
 /// Schlick's approximation averaged over a cosine-weighted hemisphere.
-pub(crate) fn schlick_average(f0: Vec3, f90: f32) -> Vec3 {
-    f0 * (20.0 / 21.0) + Vec3::splat(f90 / 21.0)
+#[inline(always)]
+pub(crate) fn schlick_average<R: Real>(f0: Vector<R>, f90: Vector<R>) -> Vector<R> {
+    let one = f0.x.all(1.0);
+    f0 * (one * (20.0 / 21.0)) + f90 * (one * (1.0 / 21.0))
 }
 
-/// A metal's reflectance from its complex index `eta + i k`, per channel, seen from vacuum.
-pub(crate) fn conductor(cos: f32, eta: Vec3, k: Vec3) -> Vec3 {
-    let cos = cos.clamp(0.0, 1.0);
-    let (cos2, sin2) = (cos * cos, 1.0 - cos * cos);
+/// A metal's reflectance in one channel from its complex index `eta + i k`, seen from vacuum.
+#[inline(always)]
+pub(crate) fn conductor<R: Real>(cos: R, eta: R, k: R) -> R {
+    let (zero, least) = (cos.all(0.0), cos.all(f32::MIN_POSITIVE));
+    let cos = cos.within(0.0, 1.0);
+    let (cos2, sin2) = (cos * cos, (cos * cos).rest());
     let (eta2, k2) = (eta * eta, k * k);
-    let t0 = eta2 - k2 - Vec3::splat(sin2);
-    let a2_plus_b2 = (t0 * t0 + 4.0 * eta2 * k2).map(f32::sqrt);
-    let t1 = a2_plus_b2 + Vec3::splat(cos2);
-    let t2 = (0.5 * (a2_plus_b2 + t0)).max(Vec3::ZERO).map(f32::sqrt) * (2.0 * cos);
-    let perpendicular = (t1 - t2) / (t1 + t2).max(Vec3::splat(f32::MIN_POSITIVE));
-    let t3 = a2_plus_b2 * cos2 + Vec3::splat(sin2 * sin2);
+    let t0 = eta2 - k2 - sin2;
+    let a2_plus_b2 = (t0 * t0 + eta2 * k2 * 4.0).root();
+    let t1 = a2_plus_b2 + cos2;
+    let t2 = ((a2_plus_b2 + t0) * 0.5).or_more(zero).root() * (cos * 2.0);
+    let perpendicular = (t1 - t2) / (t1 + t2).or_more(least);
+    let t3 = a2_plus_b2 * cos2 + sin2 * sin2;
     let t4 = t2 * sin2;
-    let parallel = perpendicular * (t3 - t4) / (t3 + t4).max(Vec3::splat(f32::MIN_POSITIVE));
-    (0.5 * (parallel + perpendicular)).clamp(Vec3::ZERO, Vec3::ONE)
+    let parallel = perpendicular * (t3 - t4) / (t3 + t4).or_more(least);
+    ((parallel + perpendicular) * 0.5).within(0.0, 1.0)
 }
 
 #[cfg(test)]
@@ -74,13 +78,13 @@ mod tests {
 
     #[test]
     fn conductors_without_absorption_are_dielectrics() {
-        for cos in [0.05, 0.3, 0.7, 1.0] {
-            let metal = conductor(cos, Vec3::splat(1.5), Vec3::ZERO).x;
+        for cos in [0.05_f32, 0.3, 0.7, 1.0] {
+            let metal = conductor(cos, 1.5, 0.0);
             assert!((metal - dielectric(cos, 1.0 / 1.5)).abs() < 1e-5, "cos {cos}: {metal}");
         }
         let (eta, k) = (0.2_f32, 3.9_f32);
         let wanted = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
-        let found = conductor(1.0, Vec3::splat(eta), Vec3::splat(k)).x;
+        let found = conductor(1.0, eta, k);
         assert!((found - wanted).abs() < 1e-5, "the closed form at normal incidence");
     }
 
@@ -89,8 +93,8 @@ mod tests {
         let n = 4000;
         let sum: f32 = (0..n)
             .map(|i| (i as f32 + 0.5) / n as f32)
-            .map(|cos| 2.0 * cos * (0.04 + 0.96 * schlick_rise(cos)) / n as f32)
+            .map(|cos: f32| 2.0 * cos * (0.04 + 0.96 * schlick_rise(cos)) / n as f32)
             .sum();
-        assert!((sum - schlick_average(Vec3::splat(0.04), 1.0).x).abs() < 1e-4, "{sum}");
+        assert!((sum - schlick_average(Vector::grey(0.04_f32), Vector::grey(1.0)).x).abs() < 1e-4, "{sum}");
     }
 }

@@ -1,22 +1,111 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parts of a layered surface. Source: original.
+//! A weighted sum of lobes, some of them below others: all that a surface says of how it scatters.
+//! Source: original; sums and layers as shading languages have them (MaterialX's `layer`).
+//! Invariant: lobes above others come first; no lobe lies below itself. Proof: `tests`.
 
-/// Parts of a layered surface, as a set.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Lobes(pub(super) u8);
+use glam::Vec3;
+
+use super::lobe::{Kind, Lobe};
+
+/// Most lobes of one point. What is added beyond is left out.
+pub const MOST: usize = 8;
+
+/// A weighted sum of lobes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lobes {
+    lobes: [Lobe; MOST],
+    count: u32,
+}
+
+impl From<Lobe> for Lobes {
+    fn from(lobe: Lobe) -> Self {
+        let mut lobes = Self::default();
+        lobes.push(lobe);
+        lobes
+    }
+}
 
 impl Lobes {
-    pub(super) const COAT: Self = Self(1);
-    pub(super) const GLOSS: Self = Self(2);
-    pub(super) const BODY: Self = Self(4);
-    pub(super) const GLASS: Self = Self(8);
-    pub(super) const ALL: Self = Self(15);
-
-    pub(super) fn has(self, part: Self) -> bool {
-        self.0 & part.0 != 0
+    /// The lobes.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Lobe] {
+        &self.lobes[..self.count as usize]
     }
 
-    pub(super) fn without(self, parts: Self) -> Self {
-        Self(self.0 & !parts.0)
+    pub(super) fn as_mut_slice(&mut self) -> &mut [Lobe] {
+        &mut self.lobes[..self.count as usize]
+    }
+
+    pub(super) fn push(&mut self, lobe: Lobe) {
+        if let Some(place) = self.lobes.get_mut(self.count as usize) {
+            *place = lobe;
+            self.count += 1;
+        }
+    }
+
+    /// Appends a lobe below those whose bits are set; gives its bit.
+    pub(super) fn put(&mut self, lobe: Lobe, under: u32) -> u32 {
+        self.push(Lobe { under, ..lobe });
+        1 << (self.count - 1)
+    }
+
+    /// The sum of both.
+    #[must_use]
+    pub fn plus(mut self, other: impl Into<Self>) -> Self {
+        let first = self.count;
+        for lobe in other.into().as_slice() {
+            self.push(Lobe { under: lobe.under << first, ..*lobe });
+        }
+        self
+    }
+
+    /// All of it times a colour.
+    #[must_use]
+    pub fn times(mut self, weight: Vec3) -> Self {
+        self.as_mut_slice().iter_mut().for_each(|lobe| lobe.weight *= weight);
+        self
+    }
+
+    /// `(1 - share)` of it and `share` of the other.
+    #[must_use]
+    pub fn mixed(self, other: impl Into<Self>, share: f32) -> Self {
+        let other = other.into().times(Vec3::splat(share));
+        self.times(Vec3::splat(1.0 - share)).plus(other)
+    }
+
+    /// It above `base`, which gets what it does not send back: with the loss of the larger of both directions where `base`
+    /// has facets, with that of both where it is diffuse, so that a white body sends back all that it gets.
+    #[must_use]
+    pub fn over(mut self, base: impl Into<Self>) -> Self {
+        let above = (1_u32 << self.count) - 1;
+        for lobe in self.as_mut_slice() {
+            lobe.cover = lobe.weight.max_element();
+        }
+        let first = self.count;
+        for lobe in base.into().as_slice() {
+            self.push(Lobe { under: lobe.under << first | above, ..*lobe });
+        }
+        self
+    }
+
+    /// The lobes for which `keep` says so; the others send nothing, but still cover what lies below.
+    #[must_use]
+    pub fn filtered(mut self, keep: impl Fn(&Lobe) -> bool) -> Self {
+        for lobe in self.as_mut_slice() {
+            if !keep(lobe) {
+                lobe.weight = Vec3::ZERO;
+            }
+        }
+        self
+    }
+
+    /// The albedo, where it is nothing but Lambert's reflector.
+    #[must_use]
+    pub fn lambertian(&self) -> Option<Vec3> {
+        match self.as_slice() {
+            [] => Some(Vec3::ZERO),
+            [lobe] if lobe.kind == Kind::Diffuse && lobe.alpha == 0.0 => Some(lobe.a * lobe.weight),
+            _ => None,
+        }
     }
 }

@@ -1,46 +1,69 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rough diffuse surfaces, dusty ones: Oren's and Nayar's model as Fujii's fit, with all bounces between the facets.
-//! Source: [PKH25] (EON), which mends [ON94]. Space: the shading frame. `roughness` is in [0, 1]; 0 is Lambert's reflector.
-//! Proof: `tests` of `bsdf`.
+//! Source: [PKH25] (EON), which mends [ON94]; [Lam60] where the roughness is 0. Directions are given by their cosines to the
+//! shading normal. `roughness` is in [0, 1]. Proof: `tests` of `bsdf`.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use glam::Vec3;
+use crate::real::{Real, Vector};
 
 const C1: f32 = 0.5 - 2.0 / (3.0 * PI);
 const C2: f32 = 2.0 / 3.0 - 28.0 / (15.0 * PI);
 
-pub(super) fn eval(albedo: Vec3, roughness: f32, wo: Vec3, wi: Vec3) -> Vec3 {
-    if wi.z <= 0.0 {
-        return Vec3::ZERO;
-    }
-    let s = wo.dot(wi) - wo.z * wi.z;
-    let s_over_t = if s > 0.0 { s / wo.z.max(wi.z) } else { s };
-    let a = 1.0 / (1.0 + C1 * roughness);
-    let once = albedo * (a * (1.0 + roughness * s_over_t));
-    let average = a * (1.0 + C2 * roughness);
-    let lost = (1.0 - average).max(1e-7);
-    let lobe = (1.0 - white_once(roughness, wo.z)) * (1.0 - white_once(roughness, wi.z)) / lost;
-    (once + more(albedo, average) * lobe).max(Vec3::ZERO) * (FRAC_1_PI * wi.z)
+/// The value times the cosine of `wi` for two directions whose dot product is `dot`; `white_o` is [`white_once`] of `wo`.
+#[inline(always)]
+pub(super) fn eval<R: Real>(
+    albedo: Vector<R>,
+    roughness: R,
+    white_o: R,
+    dot: R,
+    [o, i]: [R; 2],
+) -> Vector<R> {
+    let zero = dot.all(0.0);
+    let s = dot - o * i;
+    let s_over_t = R::pick(s.above_all(0.0), s / o.or_more(i), s);
+    let a = dot.all(1.0) / (roughness * C1 + dot.all(1.0));
+    let once = albedo * (a * (roughness * s_over_t + dot.all(1.0)));
+    let average = average(roughness);
+    let lost = average.rest().or_more(dot.all(1e-7));
+    let lobe = white_o.rest() * white_once(roughness, i).rest() / lost;
+    (once + more(albedo, average) * lobe).max(Vector::grey(zero)) * (i * FRAC_1_PI)
 }
 
-pub(super) fn albedo(albedo: Vec3, roughness: f32, wo: Vec3) -> Vec3 {
-    let once = white_once(roughness, wo.z);
-    let average = (1.0 + C2 * roughness) / (1.0 + C1 * roughness);
-    albedo * once + more(albedo, average) * (1.0 - once)
+/// Share of light from a direction that is sent back; `white_o` is its [`white_once`].
+#[inline(always)]
+pub(super) fn albedo<R: Real>(albedo: Vector<R>, roughness: R, white_o: R) -> Vector<R> {
+    albedo * white_o + more(albedo, average(roughness)) * white_o.rest()
+}
+
+#[inline(always)]
+fn average<R: Real>(roughness: R) -> R {
+    let one = roughness.all(1.0);
+    (roughness * C2 + one) / (roughness * C1 + one)
 }
 
 /// Colour of all bounces but the first.
-fn more(albedo: Vec3, average: f32) -> Vec3 {
-    albedo * albedo * average / (Vec3::ONE - albedo * (1.0 - average))
+#[inline(always)]
+fn more<R: Real>(albedo: Vector<R>, average: R) -> Vector<R> {
+    albedo.map(
+        #[inline(always)]
+        |a| a * a * average / (a * average.rest()).rest(),
+    )
 }
 
 /// Albedo after one bounce of a white surface seen at the cosine `cos`: the integral in closed form.
-fn white_once(roughness: f32, cos: f32) -> f32 {
-    let cos = cos.clamp(0.0, 1.0);
-    let sin = (1.0 - cos * cos).sqrt();
-    // (sin / cos) (1 - sin³) without the cancellation: 1 - sin = cos² / (1 + sin).
-    let tail = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);
-    let g = sin * (cos.acos() - sin * cos) + 2.0 / 3.0 * (tail - sin);
-    (1.0 + roughness * FRAC_1_PI * g) / (1.0 + C1 * roughness)
+#[inline(always)]
+pub(super) fn white_once<R: Real>(roughness: R, cos: R) -> R {
+    let cos = cos.within(0.0, 1.0);
+    cos.each(
+        #[inline(always)]
+        |i| {
+            let (roughness, cos) = (roughness.lane(i), cos.lane(i));
+            let sin = (1.0 - cos * cos).sqrt();
+            // (sin / cos) (1 - sin³) without the cancellation: 1 - sin = cos² / (1 + sin).
+            let tail = sin * cos * (1.0 + sin + sin * sin) / (1.0 + sin);
+            let g = sin * (cos.acos() - sin * cos) + 2.0 / 3.0 * (tail - sin);
+            (1.0 + roughness * FRAC_1_PI * g) / (1.0 + C1 * roughness)
+        },
+    )
 }

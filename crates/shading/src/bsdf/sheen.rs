@@ -12,6 +12,7 @@ use std::sync::OnceLock;
 use glam::Vec3;
 
 use super::energy::place;
+use crate::real::Real;
 
 /// Equal steps of the root of the cosine, and of the logarithm of the roughness from the smallest on.
 const COSINES: usize = 64;
@@ -19,25 +20,42 @@ const ROUGHNESSES: usize = 24;
 /// Smallest roughness: below it the lobe is a ring too thin to sample.
 const SMOOTHEST: f32 = 0.07;
 
-/// The lobe of white fibres times the cosine of `wi`; `roughness` is glTF's, in [0, 1]. Where the model sends back more than
-/// all, for either direction, it is scaled down: that keeps it reciprocal, and no light is made.
-pub(super) fn lobe_cos(roughness: f32, wo: Vec3, wi: Vec3) -> f32 {
+/// The lobe of white fibres times the cosine of `wi`; `roughness` is glTF's, in [0, 1]; `sin` is that of the half vector. Where
+/// the model sends back more than all, for either direction, it is scaled down: that keeps it reciprocal, and no light is made.
+#[inline(always)]
+pub(super) fn lobe_cos<R: Real>(roughness: R, [o, i]: [R; 2], sin: R) -> R {
+    o.each(
+        #[inline(always)]
+        |k| scaled(roughness.lane(k), [o.lane(k), i.lane(k)], sin.lane(k)),
+    )
+}
+
+fn scaled(roughness: f32, [o, i]: [f32; 2], sin: f32) -> f32 {
+    if i <= 0.0 {
+        return 0.0;
+    }
     let table = table();
     let made = |cos| look_up(&table.made, roughness, cos);
-    model_cos(roughness, wo, wi) / made(wo.z).max(made(wi.z)).max(1.0)
+    model_cos(roughness, [o, i], sin) / made(o).max(made(i)).max(1.0)
 }
 
 /// The lobe as the papers have it.
-fn model_cos(roughness: f32, wo: Vec3, wi: Vec3) -> f32 {
-    let h = (wo + wi).normalize_or(Vec3::Z);
-    let sin = (h.x * h.x + h.y * h.y).sqrt();
+fn model_cos(roughness: f32, [o, i]: [f32; 2], sin: f32) -> f32 {
     let power = 1.0 / alpha(roughness);
     let density = (2.0 + power) * sin.powf(power) / TAU;
-    density * wi.z / (4.0 * (wo.z + wi.z - wo.z * wi.z))
+    density * i / (4.0 * (o + i - o * i))
 }
 
 /// Share of light that white fibres send back, seen at the cosine `cos`.
-pub(super) fn albedo(roughness: f32, cos: f32) -> f32 {
+#[inline(always)]
+pub(super) fn albedo<R: Real>(roughness: R, cos: R) -> R {
+    cos.each(
+        #[inline(always)]
+        |i| sent_back(roughness.lane(i), cos.lane(i)),
+    )
+}
+
+fn sent_back(roughness: f32, cos: f32) -> f32 {
     let table = table();
     let [made, kept] = [&table.made, &table.kept].map(|entries| look_up(entries, roughness, cos));
     (made.min(1.0) * kept).clamp(0.0, 1.0)
@@ -74,7 +92,7 @@ fn table() -> &'static Table {
         let cos = |column: usize| (column as f32 / (COSINES - 1) as f32).powi(2).max(1e-4);
         for row in 0..ROUGHNESSES {
             let roughness = roughness(row);
-            let model = |wo, wi| model_cos(roughness, wo, wi);
+            let model = |wo: Vec3, wi: Vec3| model_cos(roughness, [wo.z, wi.z], sin_half(wo, wi));
             for column in 0..COSINES {
                 table.made[row][column] = integral(cos(column), GRID, model);
             }
@@ -88,6 +106,12 @@ fn table() -> &'static Table {
         }
         table
     })
+}
+
+/// Sine of the half vector to the shading normal z.
+fn sin_half(wo: Vec3, wi: Vec3) -> f32 {
+    let h = (wo + wi).normalize_or(Vec3::Z);
+    (h.x * h.x + h.y * h.y).sqrt()
 }
 
 /// Rings and sectors that tables are sums over.
@@ -123,7 +147,8 @@ mod tests {
     #[test]
     fn albedo_is_what_the_lobe_sends_back() {
         for (roughness, cos) in places() {
-            let wanted = integral(cos, [300, 100], |wo, wi| lobe_cos(roughness, wo, wi));
+            let wanted =
+                integral(cos, [300, 100], |wo, wi| lobe_cos(roughness, [wo.z, wi.z], sin_half(wo, wi)));
             let found = albedo(roughness, cos);
             assert!((found - wanted).abs() < 0.005, "{roughness} {cos}: {found}, not {wanted}");
             assert!(wanted < 1.005, "{roughness} {cos}: makes light: {wanted}");
@@ -133,12 +158,15 @@ mod tests {
     #[test]
     fn only_what_makes_light_is_scaled() {
         for (roughness, cos) in places() {
-            let made = |cos| integral(cos, [300, 100], |wo, wi| model_cos(roughness, wo, wi));
+            let made = |cos| {
+                integral(cos, [300, 100], |wo, wi| model_cos(roughness, [wo.z, wi.z], sin_half(wo, wi)))
+            };
             let z = 0.3;
             let (wo, wi) =
                 (Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos), Vec3::new(0.0, (1.0_f32 - z * z).sqrt(), z));
-            let wanted = model_cos(roughness, wo, wi) / made(cos).max(made(z)).max(1.0);
-            let found = lobe_cos(roughness, wo, wi);
+            let wanted =
+                model_cos(roughness, [wo.z, wi.z], sin_half(wo, wi)) / made(cos).max(made(z)).max(1.0);
+            let found = lobe_cos(roughness, [wo.z, wi.z], sin_half(wo, wi));
             assert!(
                 (found - wanted).abs() < 0.005 * wanted + 1e-6,
                 "{roughness} {cos}: {found}, not {wanted}"

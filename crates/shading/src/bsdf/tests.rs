@@ -8,41 +8,40 @@ use glam::Vec3;
 
 use super::*;
 use crate::batch::SampleKey;
-use crate::sampling::sample_pair;
+use crate::lanes::{LANES, Vec3x16};
+use crate::sampling::{sample_pair, uniform_sphere};
+use gnurt_simd::{Level, Simd, dispatch_wide, f32x16, prelude::*};
 
 /// Models under test, white where a colour is free.
-fn models() -> Vec<(String, Model)> {
+fn models() -> Vec<(String, Lobes)> {
     let white = Vec3::ONE;
-    let mut models: Vec<(String, Model)> = vec![("lambert".into(), Model::Lambert { albedo: white })];
-    let mut add = |name: String, model| models.push((name, model));
+    let lambert = Lobe::lambert(white);
+    let mut models: Vec<(String, Lobes)> = vec![("lambert".into(), lambert.into())];
+    let mut add = |name: String, lobes| models.push((name, lobes));
     for alpha in [0.1, 0.4, 1.0] {
-        let metal = Conductor::new(alpha, Reflectance::Schlick { f0: white });
-        add(format!("conductor {alpha}"), Model::Lobe(Lobe::Conductor(metal)));
-        add(
-            format!("half conductor {alpha}, half lambert"),
-            Model::Mix { a: Lobe::Conductor(metal), b: Lobe::Lambert { albedo: white }, share_b: 0.5 },
-        );
+        let metal = Lobe::facets(alpha, white, white);
+        add(format!("conductor {alpha}"), metal.into());
+        add(format!("half conductor {alpha}, half lambert"), Lobes::from(metal).mixed(lambert, 0.5));
     }
     for roughness in [0.3, 1.0] {
-        add(format!("oren-nayar {roughness}"), Model::Lobe(Lobe::OrenNayar { albedo: white, roughness }));
+        add(format!("oren-nayar {roughness}"), Lobe::oren_nayar(white, roughness).into());
     }
     for (alpha, eta, thin) in [(0.15, 0.66, false), (0.5, 1.5, false), (1.0, 0.75, false), (0.3, 0.66, true)]
     {
-        let glass = RoughDielectric::new(alpha, eta, white, white, thin);
-        add(format!("glass {alpha} {eta} {thin}"), Model::Lobe(Lobe::RoughDielectric(glass)));
+        add(format!("glass {alpha} {eta} {thin}"), Lobe::rough_glass(alpha, eta, white, white, thin).into());
     }
     for (metallic, roughness) in [(0.0, 0.3), (0.0, 1.0), (1.0, 0.5), (1.0, 1.0), (0.5, 0.6)] {
         let plain = Principled::new(white, metallic, roughness, 1.5);
-        add(format!("principled {metallic} {roughness}"), Model::Principled(plain));
+        add(format!("principled {metallic} {roughness}"), plain.into());
         if (metallic, roughness) == (0.0, 1.0) || (metallic, roughness) == (1.0, 0.5) {
             continue;
         }
         let coated = Principled { coat: 1.0, coat_alpha: 0.15, ..plain };
-        add(format!("coated {metallic} {roughness}"), Model::Principled(coated));
+        add(format!("coated {metallic} {roughness}"), coated.into());
         let cloth = Principled { sheen: white, sheen_roughness: 0.6, ..plain };
-        add(format!("cloth {metallic} {roughness}"), Model::Principled(cloth));
+        add(format!("cloth {metallic} {roughness}"), cloth.into());
         let glass = Principled { transmission: 0.7, ..plain };
-        add(format!("glassy {metallic} {roughness}"), Model::Principled(glass));
+        add(format!("glassy {metallic} {roughness}"), glass.into());
     }
     models
 }
@@ -51,8 +50,18 @@ fn views() -> impl Iterator<Item = Vec3> {
     [0.05_f32, 0.6, 1.1, 1.45].into_iter().map(|angle| Vec3::new(angle.sin(), 0.0, angle.cos()))
 }
 
-fn around_z(model: Model) -> Bsdf {
-    Bsdf { basis: Basis { tangent: Vec3::X, bitangent: Vec3::Y, normal: Vec3::Z }, model }
+fn around_z(lobes: impl Into<Lobes>) -> Bsdf {
+    Bsdf::new(Vec3::Z, lobes)
+}
+
+/// The same surface met from the other side, in the same frame.
+fn turned_over(lobes: &Lobes) -> Lobes {
+    let mut over = *lobes;
+    over.as_mut_slice().iter_mut().filter(|lobe| lobe.kind == Kind::Glass).for_each(|lobe| {
+        let other = Lobe::rough_glass(lobe.alpha, 1.0 / lobe.eta, lobe.a, lobe.b, false);
+        (lobe.eta, lobe.c) = (other.eta, other.c);
+    });
+    over
 }
 
 fn randoms(n: u32) -> impl Iterator<Item = [f32; 3]> {
@@ -101,14 +110,14 @@ fn samples_follow_the_density() {
             };
             let mut wanted = vec![0.0; CELLS[0] * CELLS[1]];
             let mut counts = wanted.clone();
-            fine(|w, area| wanted[cell(w)] += f64::from(bsdf.pdf(wo, w)) * area);
+            let seen = bsdf.seen(wo);
+            fine(|w, area| wanted[cell(w)] += f64::from(seen.eval_pdf(w.into()).1) * area);
             for u in randoms(N) {
                 let Some(sample) = bsdf.sample(wo, u) else { continue };
                 assert!((sample.wi.length() - 1.0).abs() < 1e-5, "{name}: unit directions");
                 counts[cell(sample.wi)] += 1.0;
-                let pdf = bsdf.pdf(wo, sample.wi);
+                let (value, pdf) = bsdf.eval_pdf(wo, sample.wi);
                 assert!((sample.pdf - pdf).abs() <= 2e-3 * pdf, "{name}: {} is {pdf}", sample.pdf);
-                let value = bsdf.eval(wo, sample.wi);
                 let off = (sample.weight * sample.pdf - value).abs().max_element();
                 assert!(
                     off <= 2e-3 * value.max_element() + 1e-7,
@@ -169,9 +178,10 @@ fn densities_and_values_integrate() {
     for (name, model) in models() {
         let bsdf = around_z(model);
         for wo in views() {
-            let density = integrate(|wi| f64::from(bsdf.pdf(wo, wi)));
+            let seen = bsdf.seen(wo);
+            let density = integrate(|wi| f64::from(seen.eval_pdf(wi.into()).1));
             assert!(density < 1.01 && density > 0.3, "{name} from {wo}: density {density}");
-            let value = integrate(|wi| f64::from(bsdf.eval(wo, wi).x));
+            let value = integrate(|wi| f64::from(seen.eval_pdf(wi.into()).0.x));
             let said = f64::from(bsdf.albedo(wo).x);
             // Coat and sheen take a little more of gloss below them than they send back, where two directions differ.
             let lost = match name.split(' ').next() {
@@ -191,11 +201,11 @@ fn densities_and_values_integrate() {
 fn smooth_cloth_keeps_light() {
     for sheen_roughness in [0.0, 0.15, 0.25, 0.5] {
         let matte = Principled { f0: Vec3::ZERO, f90: 0.0, ..Principled::new(Vec3::ONE, 0.0, 1.0, 1.5) };
-        let bsdf = around_z(Model::Principled(Principled { sheen: Vec3::ONE, sheen_roughness, ..matte }));
+        let bsdf = around_z(Principled { sheen: Vec3::ONE, sheen_roughness, ..matte });
         for cos in [0.02_f32, 0.06, 0.1, 0.2, 0.5, 0.9] {
             let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-            let mut value = 0.0;
-            fine(|wi, area| value += f64::from(bsdf.eval(wo, wi).x) * area);
+            let (seen, mut value) = (bsdf.seen(wo), 0.0);
+            fine(|wi, area| value += f64::from(seen.eval_pdf(wi.into()).0.x) * area);
             assert!((value - 1.0).abs() < 0.008, "{sheen_roughness} from {cos}: {value} of 1 comes back");
         }
     }
@@ -205,14 +215,7 @@ fn smooth_cloth_keeps_light() {
 fn light_may_go_both_ways() {
     for (name, model) in models() {
         let bsdf = around_z(model);
-        // The same surface met from the other side, in the same frame.
-        let behind = around_z(match model {
-            Model::Lobe(Lobe::RoughDielectric(glass)) => {
-                Model::Lobe(Lobe::RoughDielectric(glass.turned_over()))
-            }
-            Model::Principled(p) => Model::Principled(Principled { eta: 1.0 / p.eta, ..p }),
-            other => other,
-        });
+        let behind = around_z(turned_over(&model));
         let eta = bsdf.eta();
         for (wo, u) in views().flat_map(|wo| randoms(64).map(move |u| (wo, u))) {
             let Some(BsdfSample { wi, .. }) = bsdf.sample(wo, u).filter(|s| s.wi.z.abs() > 0.01) else {
@@ -233,17 +236,10 @@ fn light_may_go_both_ways() {
 
 #[test]
 fn delta_lobes_keep_all_light() {
-    let glass = |thin, eta| {
-        Lobe::Dielectric(Dielectric { eta, reflectance: Vec3::ONE, transmittance: Vec3::ONE, thin })
-    };
-    let lobes = [
-        Lobe::Mirror { reflectance: Vec3::ONE },
-        glass(false, 1.0 / 1.5),
-        glass(false, 1.5),
-        glass(true, 0.7),
-    ];
+    let glass = |thin, eta| Lobe::glass(eta, Vec3::ONE, Vec3::ONE, thin);
+    let lobes = [Lobe::mirror(Vec3::ONE), glass(false, 1.0 / 1.5), glass(false, 1.5), glass(true, 0.7)];
     for (lobe, wo) in lobes.iter().flat_map(|lobe| views().map(move |wo| (lobe, wo))) {
-        let bsdf = around_z(Model::Lobe(*lobe));
+        let bsdf = around_z(*lobe);
         let branches: Vec3 = bsdf.delta_branches(wo).iter().flatten().map(|s| s.weight).sum();
         assert!((branches - Vec3::ONE).length() < 1e-5, "{lobe:?}: branches {branches}");
         assert!((bsdf.albedo(wo) - Vec3::ONE).length() < 1e-5, "{lobe:?}: albedo");
@@ -280,7 +276,7 @@ fn narrow_and_wide_lobes_make_the_whole() {
 #[test]
 fn light_paths_are_corrected() {
     let (ng, ns) = (Vec3::Z, Vec3::new(0.3, -0.2, 0.9).normalize());
-    let bsdf = Bsdf::new(ns, Model::Lambert { albedo: Vec3::ONE });
+    let bsdf = Bsdf::new(ns, Lobe::lambert(Vec3::ONE));
     let (eye, light) = (Vec3::new(0.5, 0.1, 0.8).normalize(), Vec3::new(-0.4, 0.3, 0.7).normalize());
     let from_eye = bsdf.eval(eye, light).x;
     // What a light path scatters is counted per area across its way: ng's cosines stand for the surface.
@@ -288,8 +284,7 @@ fn light_paths_are_corrected() {
     let wanted = from_eye * (ng.dot(eye) / ng.dot(light)).abs();
     assert!((from_light - wanted).abs() < 1e-5, "{from_light}, not {wanted}");
     assert_eq!(bsdf.adjoint_correction(Vec3::new(0.0, 0.9, 0.05), eye, ng), 0.0, "light from below");
-    let glass = Dielectric { eta: 1.0 / 1.5, reflectance: Vec3::ONE, transmittance: Vec3::ONE, thin: false };
-    let glass = around_z(Model::Lobe(Lobe::Dielectric(glass)));
+    let glass = around_z(Lobe::glass(1.0 / 1.5, Vec3::ONE, Vec3::ONE, false));
     let [_, through] = glass.delta_branches(light);
     let wi = through.expect("light enters").wi;
     let correction = glass.adjoint_correction(light, wi, ng);
@@ -305,4 +300,101 @@ fn silhouettes_are_not_black() {
         let light: Vec3 = randoms(256).filter_map(|u| bsdf.sample(wo, u)).map(|s| s.weight / 256.0).sum();
         assert!(light.x > 0.9 && light.x < 1.04, "{name}: {light}");
     }
+}
+
+/// Value, density, and what was chosen, as bits.
+type Found = (Vec3, f32, Option<BsdfSample>, Vec3);
+
+#[inline(always)]
+fn in_lanes<S: Simd>(
+    simd: S,
+    closures: &ClosureBatch,
+    wo: Vec3,
+    wi: Vec3,
+    u: &[[f32; 3]; LANES],
+) -> [Found; LANES] {
+    let seen = closures.seen(simd, 0, Vec3x16::splat(simd, wo));
+    let (value, pdf) = seen.eval_pdf(Vec3x16::splat(simd, wi));
+    let s = seen.sample([0, 1, 2].map(|k| f32x16::from_fn(simd, |i| u[i][k])));
+    let (found, delta, through) = (s.found.to_bitmask(), s.delta.to_bitmask(), s.transmitted.to_bitmask());
+    std::array::from_fn(|i| {
+        let has = |bits: u64| bits >> i & 1 != 0;
+        let sample = BsdfSample {
+            wi: s.wi.get(i),
+            weight: s.weight.get(i),
+            pdf: s.pdf[i],
+            delta: has(delta),
+            transmitted: has(through),
+        };
+        (value.get(i), pdf[i], has(found).then_some(sample), seen.albedo().get(i))
+    })
+}
+
+#[test]
+fn sixteen_points_have_the_bits_of_one_at_every_level() {
+    let mut models = models();
+    let tint = Vec3::new(0.9, 0.4, 0.2);
+    let smooth =
+        Lobes::from(Lobe::glass(0.7, tint, Vec3::ONE, false)).mixed(Lobe::oren_nayar(tint, 0.4), 0.3);
+    let turned = Lobe { normal: Vec3::new(0.6, 0.0, 0.8), ..Lobe::facets(0.2, tint, Vec3::ONE) };
+    for (name, lobes) in [
+        ("nothing", Lobes::default()),
+        ("metal", Lobe::metal(0.3, tint * 2.0, tint * 5.0).into()),
+        ("mirror under cloth", Lobes::from(Lobe::sheen(tint, 0.3)).over(Lobe::mirror(tint))),
+        ("glass and dust", smooth),
+        ("pane", Lobe::glass(0.7, tint, tint, true).into()),
+        ("two normals", Lobes::from(turned).plus(Lobe::lambert(tint))),
+    ] {
+        models.push((name.into(), lobes));
+    }
+    let mut samples = 0;
+    for round in 0..400_u32 {
+        let draw = |n| sample_pair(3, SampleKey { pixel: round, sample: 0, branch: 0 }, 0, n);
+        let (normal, wo, wi) = (uniform_sphere(draw(0)), uniform_sphere(draw(1)), uniform_sphere(draw(2)));
+        let mut closures = ClosureBatch::default();
+        closures.reset(LANES);
+        // Of one kind, as most are, or of any.
+        let first = if round % 2 == 0 { round as usize } else { (draw(3)[0] * 1000.0) as usize };
+        let model = |i: usize| &models[(first + if round % 2 == 0 { 0 } else { 5 * i }) % models.len()];
+        (0..LANES).for_each(|i| closures.set(i, normal, model(i).1.as_slice()));
+        let u = std::array::from_fn(|i| {
+            let pair = |n| sample_pair(4, SampleKey { pixel: round, sample: i as u32, branch: 0 }, 0, n);
+            [pair(0)[0], pair(1)[0], pair(1)[1]]
+        });
+        for level in Level::available() {
+            let found = dispatch_wide!(level, simd => in_lanes(simd, &closures, wo, wi, &u), else continue);
+            for (i, (value, pdf, sample, albedo)) in found.into_iter().enumerate() {
+                let (name, bsdf) = (&model(i).0, closures.point(i).bsdf);
+                assert_eq!(bsdf.eval_pdf(wo, wi), (value, pdf), "{name} at {level}");
+                assert_eq!(bsdf.sample(wo, u[i]), sample, "{name} at {level}");
+                assert_eq!(bsdf.albedo(wo), albedo, "{name} at {level}");
+                samples += u32::from(sample.is_some());
+            }
+        }
+    }
+    assert!(samples > 4000 || Level::available().len() < 3, "the test has something to test: {samples}");
+}
+
+#[test]
+fn layers_are_as_they_are_put_together() {
+    let tint = Vec3::new(0.8, 0.5, 0.3);
+    let plain = Principled::new(tint, 0.3, 0.5, 1.5);
+    let p = Principled {
+        coat: 0.6,
+        coat_alpha: 0.1,
+        sheen: tint,
+        sheen_roughness: 0.4,
+        transmission: 0.25,
+        ..plain
+    };
+    let plastic = Lobes::from(Lobe::facets(p.alpha, p.f0, Vec3::splat(p.f90))).over(Lobe::lambert(tint));
+    let glass = Lobes::from(Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, tint, p.thin));
+    let metal = Lobes::from(Lobe::facets(p.alpha, tint, Vec3::ONE));
+    let by = |lobes: Lobes, share: f32| lobes.times(Vec3::splat(share));
+    let rest = 1.0 - p.metallic;
+    let body = by(plastic, rest * (1.0 - p.transmission)).plus(by(metal, p.metallic));
+    let body = body.plus(by(glass, rest * p.transmission));
+    let cloth = Lobes::from(Lobe::sheen(tint, p.sheen_roughness)).over(body);
+    let coated = by(Lobe::coat(p.coat_alpha).into(), p.coat).over(cloth);
+    assert_eq!(Lobes::from(p), coated, "the same lobes, one below the other");
 }

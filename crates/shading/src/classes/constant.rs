@@ -13,7 +13,7 @@ use glam::Vec3;
 
 use super::class::{Kind, Parameter, Shader, ShaderClass};
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{SurfaceShader, Tracer};
+use crate::shader::{RadianceShader, SurfaceShader, Tracer};
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "ConstantShader",
@@ -26,9 +26,15 @@ struct Constant {
     value: Vec3,
 }
 
-impl SurfaceShader for Constant {
+impl RadianceShader for Constant {
     fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         out.reset(hits.len(), self.value);
+    }
+}
+
+impl SurfaceShader for Constant {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 }
 

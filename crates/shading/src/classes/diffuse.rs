@@ -15,7 +15,7 @@ use glam::Vec3;
 use super::class::{Kind, Parameter, Shader, ShaderClass};
 use super::lambert::{Shadows, direct_light, normals_given, shading_normals};
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{AttributeRequest, SurfaceShader, Tracer};
+use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "DiffuseShader",
@@ -31,11 +31,17 @@ struct Diffuse {
     attributes: [AttributeRequest; 1],
 }
 
-impl SurfaceShader for Diffuse {
+impl RadianceShader for Diffuse {
     fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let normals = shading_normals(hits, 0);
         let light = direct_light(tracer, hits, &normals, Shadows::Ignored);
         (0..hits.len()).for_each(|i| out.set(i, self.color * light.get(i)));
+    }
+}
+
+impl SurfaceShader for Diffuse {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

@@ -14,7 +14,7 @@ use glam::Vec3;
 use super::class::{Kind, Parameter, Shader, ShaderClass};
 use super::lambert::{normals_given, shading_normals};
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{AttributeRequest, RayRequest, SurfaceShader, Tracer};
+use crate::shader::{AttributeRequest, RadianceShader, RayRequest, SurfaceShader, Tracer};
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "MirrorShader",
@@ -30,7 +30,7 @@ struct Mirror {
     attributes: [AttributeRequest; 1],
 }
 
-impl SurfaceShader for Mirror {
+impl RadianceShader for Mirror {
     fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let mut request = RayRequest::default();
         for (i, normal) in shading_normals(hits, 0).into_iter().enumerate() {
@@ -42,6 +42,12 @@ impl SurfaceShader for Mirror {
         }
         tracer.trace(hits.depth, &request, out);
         (0..hits.len()).for_each(|i| out.set(i, self.attenuation * out.get(i)));
+    }
+}
+
+impl SurfaceShader for Mirror {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

@@ -26,7 +26,7 @@ use super::lambert::{normals_given, shading_normals};
 use super::mirror::reflection;
 use super::texture::texel_colors;
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{AttributeRequest, LightBatch, RayRequest, SurfaceShader, Tracer};
+use crate::shader::{AttributeRequest, LightBatch, RadianceShader, RayRequest, SurfaceShader, Tracer};
 use crate::texture::TextureSampler;
 
 /// What shininess is multiplied with to be the exponent.
@@ -149,7 +149,7 @@ impl Phong {
     }
 }
 
-impl SurfaceShader for Phong {
+impl RadianceShader for Phong {
     fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let (normals, colors) = (shading_normals(hits, 0), self.colors(hits));
         (0..hits.len()).for_each(|i| out.set(i, self.emissive + self.ambient * colors.get(i)));
@@ -166,6 +166,12 @@ impl SurfaceShader for Phong {
                 Self::add_seen(tracer, hits, dirs, (STRAIGHT, self.transparency), out);
             }
         }
+    }
+}
+
+impl SurfaceShader for Phong {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 
     fn transmit(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -6,6 +6,8 @@ use glam::Vec3;
 use gnurt_accel::Ray;
 
 use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
+use crate::bsdf::ClosureBatch;
+use crate::materials::recursive_radiance;
 use crate::shader::{LightBatch, RayRequest, SurfaceShader, Tracer};
 
 /// Answers of a renderer.
@@ -76,6 +78,6 @@ pub(super) fn floor() -> SurfaceBatch {
 /// What a shader shows at the only point of `hits`.
 pub(super) fn shade(shader: &dyn SurfaceShader, probe: &mut Probe, hits: &SurfaceBatch) -> Vec3 {
     let mut out = Vec3s::splat(hits.len(), Vec3::ZERO);
-    shader.shade(probe, hits, &mut out);
+    recursive_radiance(probe, hits, shader, &mut ClosureBatch::default(), &mut out);
     out.get(0)
 }

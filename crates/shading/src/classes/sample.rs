@@ -18,7 +18,7 @@ use glam::Vec3;
 use super::class::{Kind, Parameter, ParameterRate, Shader, ShaderClass};
 use super::lambert::{Shadows, direct_light, normals_given, shading_normals};
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{AttributeRequest, SurfaceShader, Tracer};
+use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
 
 const PARAMETERS: [Parameter; 3] = [
     Parameter::floats("shader_color", &[1.0; 3]),
@@ -54,7 +54,7 @@ impl Sample {
     }
 }
 
-impl SurfaceShader for Sample {
+impl RadianceShader for Sample {
     fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let normals = shading_normals(hits, 2);
         let light = if tracer.light_count() == 0 {
@@ -66,6 +66,12 @@ impl SurfaceShader for Sample {
             direct_light(tracer, hits, &normals, Shadows::Ignored)
         };
         (0..hits.len()).for_each(|i| out.set(i, self.color(hits, i) * light.get(i)));
+    }
+}
+
+impl SurfaceShader for Sample {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

@@ -13,7 +13,7 @@ use glam::Vec3;
 
 use super::class::{Kind, Parameter, Shader, ShaderClass};
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{SurfaceShader, Tracer};
+use crate::shader::{RadianceShader, SurfaceShader, Tracer};
 use crate::texture::TextureSampler;
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
@@ -27,9 +27,15 @@ struct Texture {
     texture: Option<Arc<TextureSampler>>,
 }
 
-impl SurfaceShader for Texture {
+impl RadianceShader for Texture {
     fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         texel_colors(self.texture.as_deref(), hits, out);
+    }
+}
+
+impl SurfaceShader for Texture {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 }
 

@@ -17,7 +17,7 @@ use super::class::{Kind, Parameter, Shader, ShaderClass};
 use super::lambert::{Shadows, direct_light, normals_given, shading_normals};
 use super::texture::texel_colors;
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{AttributeRequest, SurfaceShader, Tracer};
+use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
 use crate::texture::TextureSampler;
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
@@ -36,12 +36,18 @@ struct TexturedDiffuse {
     attributes: [AttributeRequest; 1],
 }
 
-impl SurfaceShader for TexturedDiffuse {
+impl RadianceShader for TexturedDiffuse {
     fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let normals = shading_normals(hits, 0);
         let light = direct_light(tracer, hits, &normals, Shadows::Traced);
         texel_colors(self.texture.as_deref(), hits, out);
         (0..hits.len()).for_each(|i| out.set(i, out.get(i) * (self.ambient + light.get(i))));
+    }
+}
+
+impl SurfaceShader for TexturedDiffuse {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

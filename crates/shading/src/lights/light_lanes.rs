@@ -13,24 +13,49 @@ use super::area::Shape;
 use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
 use crate::lanes::{Floats, LANES, LanesOf, Mask, Vec3x16, Words, floats, select3, transpose};
+use crate::real::{Real, Vector};
 use crate::sampling::distribution::ALMOST_ONE;
 use crate::sampling::triangle_x16;
 
-/// Directions to lights from sixteen points: see [`LightSample`].
-#[derive(Clone, Copy, Debug)]
-pub struct LightSampleX16<S: Simd> {
+/// Directions to lights from many points: see [`LightSample`].
+#[derive(Clone, Copy)]
+pub struct LightSamples<R: Real> {
     /// Unit, towards the light.
-    pub dir: Vec3x16<S>,
+    pub dir: Vector<R>,
     /// How far it is; infinite for lights without a place.
-    pub dist: Floats<S>,
+    pub dist: R,
     /// Radiance against `dir`; irradiance for `delta` lights.
-    pub radiance: Vec3x16<S>,
+    pub radiance: Vector<R>,
     /// Density per solid angle, the choice included; the probability of the choice for `delta` lights.
-    pub pdf: Floats<S>,
-    /// Lanes whose light no scattered ray could meet.
-    pub delta: Mask<S>,
-    /// Lanes that found a light; the others hold anything.
-    pub found: Mask<S>,
+    pub pdf: R,
+    /// Points whose light no scattered ray could meet.
+    pub delta: R::Mask,
+    /// Points that found a light; the others hold anything.
+    pub found: R::Mask,
+}
+
+/// The same of sixteen.
+pub type LightSampleX16<S> = LightSamples<f32x16<S>>;
+
+impl From<Option<LightSample>> for LightSamples<f32> {
+    fn from(sample: Option<LightSample>) -> Self {
+        let none = Self {
+            dir: Vector::grey(0.0),
+            dist: 0.0,
+            radiance: Vector::grey(0.0),
+            pdf: 0.0,
+            delta: false,
+            found: false,
+        };
+        sample.map_or(none, |LightSample { dir, dist, radiance, pdf, delta, .. }| Self {
+            dir: dir.into(),
+            dist,
+            radiance: radiance.into(),
+            pdf,
+            delta,
+            found: true,
+        })
+    }
 }
 
 /// Sixteen floats that are read at once.

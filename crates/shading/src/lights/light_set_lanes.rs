@@ -3,6 +3,7 @@
 //! Invariant: the samples of [`LightSet::sample`](super::LightSet::sample), bit for bit.
 //! Proof: `light_set_tests::lanes_choose_as_points_do`.
 
+use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*};
 
 use super::light_lanes::LightSampleX16;
@@ -11,10 +12,26 @@ use super::light_set::LightSet;
 use crate::lanes::{Floats, LanesOf, Mask, Vec3x16};
 
 impl LightSet {
-    /// [`sample`](Self::sample) for the lanes in `active`; their normals are unit.
+    /// [`sample`](Self::sample) for the lanes in `active`; those in `from_all_sides` ask for all sides, whatever their normals.
     #[inline(always)]
     #[must_use]
     pub fn sample_x16<S: Simd>(
+        &self,
+        active: Mask<S>,
+        from_all_sides: Mask<S>,
+        [p, ns]: [Vec3x16<S>; 2],
+        u: [Floats<S>; 3],
+    ) -> LightSampleX16<S> {
+        let mut out = self.sample_facing(active & !from_all_sides, p, ns, u);
+        for i in LanesOf((active & from_all_sides).to_bitmask()) {
+            out.put(i, self.sample(p.get(i), Vec3::ZERO, [u[0][i], u[1][i], u[2][i]]));
+        }
+        out
+    }
+
+    /// The same for lanes that face their unit normals.
+    #[inline(always)]
+    fn sample_facing<S: Simd>(
         &self,
         active: Mask<S>,
         p: Vec3x16<S>,

@@ -341,7 +341,7 @@ fn in_lanes<S: Simd>(simd: S, lights: &LightSet, asked: &Asked, active: u64) -> 
     };
     let (p, ns) = (vectors(&|i| asked[i].0), vectors(&|i| asked[i].1));
     let u = [0, 1, 2].map(|k| lanes(&|i| asked[i].2[k]));
-    let found = lights.sample_x16(Mask::from_bitmask(simd, active), p, ns, u);
+    let found = lights.sample_x16(Mask::from_bitmask(simd, active), Mask::from_bitmask(simd, 0), [p, ns], u);
     std::array::from_fn(|i| {
         let bit = |mask: Mask<S>| mask.to_bitmask() >> i & 1 == 1;
         bit(found.found).then(|| LightSample {

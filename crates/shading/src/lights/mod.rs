@@ -17,7 +17,7 @@ mod punctual;
 pub use area::{EmissiveTriangle, Emitter, TriangleLights};
 pub use environment::{ConstantEnvironment, PictureEnvironment};
 pub use light_emission::{LightRay, SurfaceSample};
-pub use light_lanes::LightSampleX16;
+pub use light_lanes::{LightSampleX16, LightSamples};
 pub use light_parts::{EnvironmentLight, LightId, LightKind, LightParts, LightSample};
 pub use light_set::LightSet;
 pub use punctual::{DirectionalLight, PointLight, SpotLight};

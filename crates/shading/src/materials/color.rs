@@ -18,22 +18,7 @@ pub struct TexturedColor {
     pub texture: Option<TextureSampler>,
 }
 
-/// A base colour without textures.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlainColor {
-    /// Linear red, green, blue.
-    pub factor: Vec3,
-    /// Whether the mesh's own colours are multiplied to it.
-    pub tinted: bool,
-}
-
 impl TexturedColor {
-    /// Itself, where it has no texture.
-    #[must_use]
-    pub fn plain(&self) -> Option<PlainColor> {
-        self.texture.is_none().then_some(PlainColor { factor: self.factor, tinted: true })
-    }
-
     /// The same everywhere.
     #[must_use]
     pub fn constant(factor: Vec3) -> Self {

@@ -7,10 +7,8 @@
 
 use glam::Vec3;
 
-use crate::batch::{Detail, SurfaceBatch, Vec3s};
-use crate::bsdf::{self, Lobe, Model, Scattering, fresnel};
-use crate::materials::color::PlainColor;
-use crate::materials::whitted;
+use crate::batch::{SurfaceBatch, Vec3s};
+use crate::bsdf::{Bsdf, ClosureBatch, Lobe, fresnel};
 use crate::shader::{SurfaceShader, Tracer};
 
 /// Smooth glass; the geometric normal points out of it.
@@ -25,23 +23,16 @@ pub struct Dielectric {
 }
 
 impl SurfaceShader for Dielectric {
-    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
-        whitted::shade(tracer, hits, self, out);
-    }
-
-    fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {
-        out.extend((0..hits.len()).map(|i| {
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        for i in 0..hits.len() {
             let eta = if hits.front(i) { 1.0 / self.ior } else { self.ior };
-            let (reflectance, transmittance) = (self.reflectance, self.transmittance);
-            let glass = bsdf::Dielectric { eta, reflectance, transmittance, thin: false };
+            let lobes = Lobe::glass(eta, self.reflectance, self.transmittance, false);
             let (point, wo) = (hits.point(i), -hits.ray_dir.get(i));
-            let around = |ns| Scattering::around(ns, Model::Lobe(Lobe::Dielectric(glass)));
-            let bent = around(point.bent_normal(hits.facing_ns(i), wo));
-            let [_, through] = bent.bsdf.delta_branches(wo);
+            let bent = point.bent_normal(hits.facing_ns(i), wo);
+            let [_, through] = Bsdf::new(bent, lobes).delta_branches(wo);
             let leads_in = through.is_none_or(|s| point.scatter_ray(s.wi, true, f32::INFINITY).is_some());
-            if leads_in { bent } else { around(point.ng) }
-        }));
-        true
+            out.set(i, if leads_in { bent } else { point.ng }, &[lobes]);
+        }
     }
 
     fn transmit(&self, _tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
@@ -63,13 +54,5 @@ impl SurfaceShader for Dielectric {
 
     fn albedo(&self, _hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..out.len()).for_each(|i| out.set(i, self.transmittance.max(self.reflectance)));
-    }
-
-    fn albedo_detail(&self) -> Detail {
-        Detail::Color
-    }
-
-    fn plain_albedo(&self) -> Option<PlainColor> {
-        Some(PlainColor { factor: self.transmittance.max(self.reflectance), tinted: false })
     }
 }

@@ -6,10 +6,10 @@
 
 use glam::Vec3;
 
-use crate::batch::{Detail, SurfaceBatch, Vec3s};
-use crate::bsdf::{Model, Principled, Scattering, fresnel};
-use crate::materials::color::{PlainColor, TexturedColor};
-use crate::materials::whitted::{self, SMOOTH};
+use crate::batch::{SurfaceBatch, Vec3s};
+use crate::bsdf::{ClosureBatch, Lobes, Principled, fresnel};
+use crate::materials::SMOOTH;
+use crate::materials::color::TexturedColor;
 use crate::sampling::Basis;
 use crate::shader::{SurfaceShader, Tracer};
 use crate::texture::TextureSampler;
@@ -113,12 +113,8 @@ impl MetallicRoughness {
 }
 
 impl SurfaceShader for MetallicRoughness {
-    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
-        whitted::shade(tracer, hits, self, out);
-    }
-
-    fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {
-        out.extend((0..hits.len()).map(|i| {
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        for i in 0..hits.len() {
             let uv = [hits.texcoord[0][i], hits.texcoord[1][i]];
             let texel = self.metallic_roughness_texture.as_ref().map_or([1.0; 4], |t| t.sample(uv));
             let roughness = (self.roughness * texel[1]).clamp(0.0, 1.0);
@@ -136,9 +132,8 @@ impl SurfaceShader for MetallicRoughness {
             model.transmission = layers.transmission.clamp(0.0, 1.0);
             model.eta = if hits.front(i) { 1.0 / self.ior } else { self.ior };
             model.thin = layers.thin;
-            Scattering::around(ns, Model::Principled(model))
-        }));
-        true
+            out.set(i, ns, Lobes::from(model).as_slice());
+        }
     }
 
     fn transmit(&self, _tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
@@ -164,13 +159,5 @@ impl SurfaceShader for MetallicRoughness {
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, self.base_color.at_hit(hits, i)));
-    }
-
-    fn albedo_detail(&self) -> Detail {
-        Detail::Color
-    }
-
-    fn plain_albedo(&self) -> Option<PlainColor> {
-        self.base_color.plain()
     }
 }

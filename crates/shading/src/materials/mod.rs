@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The built-in surfaces, as shaders: each says what BSDF its points have, and what Whitted's renderer shows follows from
-//! that alone (`whitted.rs`); [`Material`] adds emission and holes around any of them.
+//! that alone; [`Material`] adds emission and holes around any of them.
 //! Source: see each file. One model, one file.
 
 mod color;
 mod dielectric;
 mod direct;
-mod lambertian;
 mod material;
 mod matte;
 mod metallic_roughness;
@@ -15,14 +14,18 @@ mod points;
 mod shadow_catcher;
 mod whitted;
 
-pub use color::{Coverage, Emission, OpacityChannel, PlainColor, TexturedColor};
+pub use color::{Coverage, Emission, OpacityChannel, TexturedColor};
 pub use dielectric::Dielectric;
 pub use direct::direct_light;
-pub use lambertian::Lambertian;
 pub use material::Material;
 pub use matte::Matte;
 pub use metallic_roughness::{Layers, MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
 pub use points::{FromPoints, metal, rough_glass, rough_matte};
 pub use shadow_catcher::ShadowCatcher;
-pub use whitted::SMOOTH;
+pub use whitted::recursive_radiance;
+
+/// Perceptual roughness below which Whitted's renderer traces reflections, and sees straight through glass. Just above 0.5, which
+/// many glTF files have: there, at grazing views, rays drawn from the facets leave a tenth to a quarter of the error that light
+/// samples leave.
+pub const SMOOTH: f32 = 0.55;

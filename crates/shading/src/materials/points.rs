@@ -5,27 +5,24 @@
 use glam::Vec3;
 
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::bsdf::{Conductor, Lobe, Model, Reflectance, RoughDielectric, Scattering};
+use crate::bsdf::{Bsdf, ClosureBatch, Lobe};
 use crate::materials::color::TexturedColor;
-use crate::materials::whitted;
-use crate::shader::{SurfaceShader, Tracer};
+use crate::shader::SurfaceShader;
 
 /// A surface whose points scatter as the function says for a lane of a batch.
 #[derive(Clone)]
 pub struct FromPoints<F>(pub F);
 
-impl<F: Fn(&SurfaceBatch, usize) -> Scattering + Send + Sync> SurfaceShader for FromPoints<F> {
-    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
-        whitted::shade(tracer, hits, self, out);
-    }
-
-    fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {
-        out.extend((0..hits.len()).map(|i| (self.0)(hits, i)));
-        true
+impl<F: Fn(&SurfaceBatch, usize) -> Bsdf + Send + Sync> SurfaceShader for FromPoints<F> {
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        for i in 0..hits.len() {
+            let bsdf = (self.0)(hits, i);
+            out.set(i, bsdf.normal(), bsdf.lobes().as_slice());
+        }
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
-        (0..hits.len()).for_each(|i| out.set(i, (self.0)(hits, i).bsdf.albedo(-hits.ray_dir.get(i))));
+        (0..hits.len()).for_each(|i| out.set(i, (self.0)(hits, i).albedo(-hits.ray_dir.get(i))));
     }
 }
 
@@ -34,15 +31,15 @@ impl<F: Fn(&SurfaceBatch, usize) -> Scattering + Send + Sync> SurfaceShader for 
 pub fn rough_matte(albedo: TexturedColor, roughness: f32) -> impl SurfaceShader {
     FromPoints(move |hits: &SurfaceBatch, i| {
         let albedo = albedo.at_hit(hits, i).clamp(Vec3::ZERO, Vec3::ONE);
-        Scattering::new(hits, i, Model::Lobe(Lobe::OrenNayar { albedo, roughness }))
+        Bsdf::new(hits.facing_ns(i), Lobe::oren_nayar(albedo, roughness))
     })
 }
 
 /// A metal by its complex index of refraction; `roughness` is glTF's, in [0, 1].
 #[must_use]
 pub fn metal(eta: Vec3, k: Vec3, roughness: f32) -> impl SurfaceShader {
-    let metal = Conductor::new(roughness * roughness, Reflectance::Index { eta, k });
-    FromPoints(move |hits: &SurfaceBatch, i| shiny(hits, i, hits.facing_ns(i), Lobe::Conductor(metal)))
+    let metal = Lobe::metal(roughness * roughness, eta, k);
+    FromPoints(move |hits: &SurfaceBatch, i| shiny(hits, i, hits.facing_ns(i), metal))
 }
 
 /// Rough glass of index `ior`, a pane if `thin`; `roughness` is glTF's, in [0, 1].
@@ -54,16 +51,16 @@ pub fn rough_glass(
     transmittance: Vec3,
     thin: bool,
 ) -> impl SurfaceShader {
-    let side = |eta| RoughDielectric::new(roughness * roughness, eta, reflectance, transmittance, thin);
+    let side = |eta| Lobe::rough_glass(roughness * roughness, eta, reflectance, transmittance, thin);
     let (front, back) = (side(1.0 / ior), side(ior));
     FromPoints(move |hits: &SurfaceBatch, i| {
         let glass = if hits.front(i) { front } else { back };
-        shiny(hits, i, hits.facing_ns(i), Lobe::RoughDielectric(glass))
+        shiny(hits, i, hits.facing_ns(i), glass)
     })
 }
 
 /// A lane that scatters around the normal `ns`, bent so that mirror images stay above.
-fn shiny(hits: &SurfaceBatch, i: usize, ns: Vec3, lobe: Lobe) -> Scattering {
+fn shiny(hits: &SurfaceBatch, i: usize, ns: Vec3, lobe: Lobe) -> Bsdf {
     let ns = hits.point(i).bent_normal(ns, -hits.ray_dir.get(i));
-    Scattering::around(ns, Model::Lobe(lobe))
+    Bsdf::new(ns, lobe)
 }

@@ -6,11 +6,9 @@
 
 use glam::Vec3;
 
-use crate::batch::{Detail, SurfaceBatch, Vec3s};
-use crate::bsdf::{Model, Scattering};
-use crate::materials::color::PlainColor;
-use crate::materials::whitted;
-use crate::shader::{SurfaceShader, Tracer};
+use crate::batch::{SurfaceBatch, Vec3s};
+use crate::bsdf::{ClosureBatch, Lobe};
+use crate::shader::SurfaceShader;
 
 /// A floor that only catches shadow.
 #[derive(Clone, Copy, Debug)]
@@ -22,14 +20,9 @@ pub struct ShadowCatcher {
 }
 
 impl SurfaceShader for ShadowCatcher {
-    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
-        whitted::shade(tracer, hits, self, out);
-    }
-
-    fn scatter(&self, hits: &SurfaceBatch, out: &mut Vec<Scattering>) -> bool {
-        let model = Model::Lambert { albedo: self.albedo };
-        out.extend((0..hits.len()).map(|i| Scattering::new(hits, i, model)));
-        true
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        let lobes = [Lobe::lambert(self.albedo)];
+        (0..hits.len()).for_each(|i| out.set(i, hits.facing_ns(i), &lobes));
     }
 
     fn backdrop(&self) -> Option<Vec3> {
@@ -38,13 +31,5 @@ impl SurfaceShader for ShadowCatcher {
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, self.albedo));
-    }
-
-    fn albedo_detail(&self) -> Detail {
-        Detail::Color
-    }
-
-    fn plain_albedo(&self) -> Option<PlainColor> {
-        Some(PlainColor { factor: self.albedo, tinted: false })
     }
 }

@@ -8,34 +8,72 @@
 //! Proof: crates/render/tests/{mirrors,appearance,lights}.rs.
 
 use glam::Vec3;
+use gnurt_accel::Ray;
 
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::bsdf::{Bsdf, BsdfSample, Scattering};
+use crate::bsdf::{Bsdf, BsdfSample, ClosureBatch, Scattering};
+use crate::materials::SMOOTH;
 use crate::materials::direct::direct_light;
 use crate::sampling::purpose;
 use crate::shader::{RayRequest, SurfaceShader, Tracer};
 
-/// Perceptual roughness below which reflections are traced. Just above 0.5, which many glTF files have: there, at grazing
-/// views, rays drawn from the facets leave a tenth to a quarter of the error that light samples leave.
-pub const SMOOTH: f32 = 0.55;
-
 /// Numbers of the branches that leave a hit.
-pub(crate) mod branch {
-    pub(crate) const REFLECTED: u32 = 0;
-    pub(crate) const REFRACTED: u32 = 1;
-    pub(crate) const STRAIGHT: u32 = 2;
+mod branch {
+    pub(super) const REFLECTED: u32 = 0;
+    pub(super) const REFRACTED: u32 = 1;
+    pub(super) const STRAIGHT: u32 = 2;
 }
 
-/// Adds to `out` the light that the surface, which must say how it scatters, sends against each ray.
-pub(super) fn shade(
+/// Adds to `out` the radiance that leaves each point against its ray: coverage * (scattered + emitted) + (1 - coverage) * what
+/// lies straight behind. `closures` is memory.
+pub fn recursive_radiance(
     tracer: &mut dyn Tracer,
     hits: &SurfaceBatch,
     surface: &dyn SurfaceShader,
+    closures: &mut ClosureBatch,
     out: &mut Vec3s,
 ) {
-    let mut points = Vec::with_capacity(hits.len());
-    surface.scatter(hits, &mut points);
-    shade_points(tracer, hits, &points, out);
+    closures.reset(hits.len());
+    surface.evaluate(hits, closures);
+    let lanes_where = |there: &dyn Fn(f32) -> bool| -> Vec<u32> {
+        (0..hits.len() as u32).filter(|&i| there(closures.coverage(i as usize))).collect()
+    };
+    let (solid, open) = (lanes_where(&|c| c > 0.0), lanes_where(&|c| c < 1.0));
+    let points: Vec<Scattering> = (0..hits.len()).map(|i| closures.point(i)).collect();
+    if open.is_empty() {
+        solid_radiance(tracer, hits, surface, &points, out);
+    } else if !solid.is_empty() {
+        let (part, mut radiance) = (hits.gather(&solid), Vec3s::splat(solid.len(), Vec3::ZERO));
+        let some: Vec<Scattering> = solid.iter().map(|&i| points[i as usize]).collect();
+        solid_radiance(tracer, &part, surface, &some, &mut radiance);
+        for (k, &i) in solid.iter().enumerate() {
+            out.add(i as usize, radiance.get(k) * points[i as usize].coverage);
+        }
+    }
+    let mut behind = Branches::default();
+    for &i in &open {
+        let i = i as usize;
+        let straight = hits.spawn(i, hits.ray_dir.get(i), f32::INFINITY);
+        behind.push(hits, i, straight, (branch::STRAIGHT, Vec3::splat(1.0 - points[i].coverage)));
+    }
+    behind.trace(tracer, hits, out);
+}
+
+/// The same of what is there.
+fn solid_radiance(
+    tracer: &mut dyn Tracer,
+    hits: &SurfaceBatch,
+    surface: &dyn SurfaceShader,
+    points: &[Scattering],
+    out: &mut Vec3s,
+) {
+    match surface.radiance() {
+        Some(shader) => shader.shade(tracer, hits, out),
+        None => shade_points(tracer, hits, points, out),
+    }
+    for (i, point) in points.iter().enumerate().filter(|(_, point)| point.emission != Vec3::ZERO) {
+        out.add(i, point.emission);
+    }
 }
 
 fn shade_points(tracer: &mut dyn Tracer, hits: &SurfaceBatch, points: &[Scattering], out: &mut Vec3s) {
@@ -55,12 +93,12 @@ fn shade_points(tracer: &mut dyn Tracer, hits: &SurfaceBatch, points: &[Scatteri
         }
         let deltas = narrow.delta_branches(wo(i));
         if hits.depth == 0 && !narrow.is_smooth() {
-            deltas.into_iter().flatten().for_each(|sample| rays.push(hits, i, &sample));
+            deltas.into_iter().flatten().for_each(|sample| rays.push_sample(hits, i, &sample));
         } else {
             let pair = tracer.random(hits.key[i], hits.depth, purpose::DIRECTION);
             let choice = tracer.random(hits.key[i], hits.depth, purpose::CHOICE)[0];
             if let Some(sample) = narrow.sample(wo(i), [choice, pair[0], pair[1]]) {
-                rays.push(hits, i, &sample);
+                rays.push_sample(hits, i, &sample);
             }
         }
     }
@@ -75,19 +113,20 @@ struct Branches {
 }
 
 impl Branches {
-    fn push(&mut self, hits: &SurfaceBatch, i: usize, sample: &BsdfSample) {
-        if sample.weight == Vec3::ZERO {
-            return;
-        }
-        let Some(ray) = hits.point(i).scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) else {
-            return;
-        };
+    fn push_sample(&mut self, hits: &SurfaceBatch, i: usize, sample: &BsdfSample) {
         let number = if sample.transmitted { branch::REFRACTED } else { branch::REFLECTED };
+        let ray = hits.point(i).scatter_ray(sample.wi, sample.transmitted, f32::INFINITY);
+        if let Some(ray) = ray.filter(|_| sample.weight != Vec3::ZERO) {
+            self.push(hits, i, ray, (number, sample.weight));
+        }
+    }
+
+    fn push(&mut self, hits: &SurfaceBatch, i: usize, ray: Ray, (number, weight): (u32, Vec3)) {
         self.request.rays.push(ray);
         self.request.parent.push(i as u32);
         self.request.key.push(hits.key[i].fork(number));
         self.request.width.push(hits.footprint.get(i).copied().unwrap_or(0.0));
-        self.weight.push(sample.weight);
+        self.weight.push(weight);
     }
 
     fn trace(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -7,6 +7,8 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{Vec2, Vec3};
 
+use super::warp_lanes::cosine_hemisphere_of;
+
 /// A right-handed frame around a unit vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Basis {
@@ -55,25 +57,7 @@ impl Basis {
 /// A direction around +z with density cos / pi per solid angle.
 #[must_use]
 pub fn cosine_hemisphere(u: [f32; 2]) -> Vec3 {
-    let d = concentric_disk(u);
-    Vec3::new(d.x, d.y, (1.0 - d.length_squared()).max(0.0).sqrt())
-}
-
-/// The same to rounding, with the bits of [`cosine_hemisphere_x16`](super::cosine_hemisphere_x16): the same on every system,
-/// whatever its library's sine is.
-#[must_use]
-pub fn cosine_hemisphere_by_series(u: [f32; 2]) -> Vec3 {
-    let [x, y] = u.map(|u| u * 2.0 - 1.0);
-    let wide = x.abs() > y.abs();
-    let (radius, less) = if wide { (x, y) } else { (y, x) };
-    let a = if radius == 0.0 { 0.0 } else { FRAC_PI_4 * (less / radius) };
-    let a2 = a * a;
-    let sin = ((a2 * (1.0 / 362_880.0) + -1.0 / 5_040.0) * a2 + 1.0 / 120.0) * a2;
-    let sin = a + a * ((sin + -1.0 / 6.0) * a2);
-    let cos = ((a2 * (1.0 / 40_320.0) + -1.0 / 720.0) * a2 + 1.0 / 24.0) * a2;
-    let cos = 1.0 + (cos + -0.5) * a2;
-    let (x, y) = if wide { (radius * cos, radius * sin) } else { (radius * sin, radius * cos) };
-    Vec3::new(x, y, (1.0 - (x * x + y * y)).max(0.0).sqrt())
+    cosine_hemisphere_of(u).into()
 }
 
 /// A direction to any side, uniform by solid angle.

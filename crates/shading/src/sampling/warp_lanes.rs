@@ -1,42 +1,51 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Maps from the unit square for sixteen samples at once: see `warp`.
-//! Source: as `warp`; sine and cosine by Taylor's series, which within an eighth of a turn end soon.
-//! Invariants: all have the bits of the scalar form, directions those of `cosine_hemisphere_by_series`, which differ from
-//! `cosine_hemisphere` by rounding only.
-//! Proof: `tests::the_same_maps`.
+//! Maps from the unit square for one sample or sixteen: see `warp`.
+//! Source: as `warp`; sine and cosine by Taylor's series, which within an eighth of a turn end soon: so they are the same on
+//! every system, whatever its library's sine is.
+//! Proof: `tests`, those of `warp`.
 
-use std::f32::consts::FRAC_PI_4;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use gnurt_simd::{Simd, f32x16, prelude::*};
+use gnurt_simd::{Simd, prelude::*};
 
-use crate::lanes::{Floats, Vec3x16, floats};
+use crate::lanes::Floats;
+use crate::real::{Real, Vector};
 
-/// See [`cosine_hemisphere_by_series`](super::cosine_hemisphere_by_series).
+/// See [`cosine_hemisphere`](super::cosine_hemisphere).
 #[inline(always)]
-pub fn cosine_hemisphere_x16<S: Simd>(u: [Floats<S>; 2]) -> Vec3x16<S> {
-    let simd = u[0].token();
-    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+pub fn cosine_hemisphere_of<R: Real>(u: [R; 2]) -> Vector<R> {
+    let (zero, one) = (u[0].all(0.0), u[0].all(1.0));
     let (x, y) = (u[0] * 2.0 - one, u[1] * 2.0 - one);
-    let wide = x.abs().simd_gt(y.abs());
-    let (radius, less) = (wide.select(x, y), wide.select(y, x));
+    let wide = x.size().above(y.size());
+    let (radius, less) = (R::pick(wide, x, y), R::pick(wide, y, x));
     // Where both are zero the radius is, and any angle will do.
-    let angle = radius.simd_eq(zero).select(zero, f32x16::splat(simd, FRAC_PI_4) * (less / radius));
+    let angle = R::pick(radius.is(zero), zero, less / radius * FRAC_PI_4);
     let (sin, cos) = sin_cos(angle);
-    let (x, y) = (radius * wide.select(cos, sin), radius * wide.select(sin, cos));
-    let z = (one - (x * x + y * y)).max(zero).sqrt();
-    Vec3x16::new(x, y, z)
+    let (x, y) = (radius * R::pick(wide, cos, sin), radius * R::pick(wide, sin, cos));
+    let z = (x * x + y * y).rest().or_more(zero).root();
+    Vector::new(x, y, z)
 }
 
 /// Sine and cosine of angles of at most an eighth of a turn.
 #[inline(always)]
-fn sin_cos<S: Simd>(a: Floats<S>) -> (Floats<S>, Floats<S>) {
-    let simd = a.token();
+fn sin_cos<R: Real>(a: R) -> (R, R) {
     let a2 = a * a;
-    let sin = ((a2 * (1.0 / 362_880.0) + floats(simd, -1.0 / 5_040.0)) * a2 + floats(simd, 1.0 / 120.0)) * a2;
-    let sin = a + a * ((sin + floats(simd, -1.0 / 6.0)) * a2);
-    let cos = ((a2 * (1.0 / 40_320.0) + floats(simd, -1.0 / 720.0)) * a2 + floats(simd, 1.0 / 24.0)) * a2;
-    let cos = floats(simd, 1.0) + (cos + floats(simd, -0.5)) * a2;
+    let sin = ((a2 * (1.0 / 362_880.0) + a.all(-1.0 / 5_040.0)) * a2 + a.all(1.0 / 120.0)) * a2;
+    let sin = a + a * ((sin + a.all(-1.0 / 6.0)) * a2);
+    let cos = ((a2 * (1.0 / 40_320.0) + a.all(-1.0 / 720.0)) * a2 + a.all(1.0 / 24.0)) * a2;
+    let cos = a.all(1.0) + (cos + a.all(-0.5)) * a2;
     (sin, cos)
+}
+
+/// Sine and cosine of `turns` in [0, 1], 1 being all around.
+#[inline(always)]
+pub(crate) fn sin_cos_of_turn<R: Real>(turns: R) -> (R, R) {
+    let quarters = (turns * 4.0 + turns.all(0.5)).whole();
+    let (sin, cos) = sin_cos((turns * 4.0 - quarters) * FRAC_PI_2);
+    let is = |k: f32| quarters.is(turns.all(k));
+    let odd = is(1.0) | is(3.0);
+    let (s, c) = (R::pick(odd, cos, sin), R::pick(odd, sin, cos));
+    (R::pick(is(2.0) | is(3.0), -s, s), R::pick(is(1.0) | is(2.0), -c, c))
 }
 
 /// See [`triangle`](super::triangle).
@@ -47,56 +56,67 @@ pub fn triangle_x16<S: Simd>([a, b]: [Floats<S>; 2]) -> [Floats<S>; 2] {
     [above.select(half_a, a - half_b), above.select(b - half_a, half_b)]
 }
 
-/// `v` in the frame that [`Basis::around`](super::Basis::around) makes, in the world.
+/// The frame that [`Basis::around`](super::Basis::around) makes: tangent and bitangent.
 #[inline(always)]
-pub fn to_world_x16<S: Simd>(normal: Vec3x16<S>, v: Vec3x16<S>) -> Vec3x16<S> {
-    let n = normal;
-    let one = f32x16::splat(n.x.token(), 1.0);
-    let sign = one.copysign(n.z);
+pub(crate) fn frame_around<R: Real>(n: Vector<R>) -> [Vector<R>; 2] {
+    let one = n.x.all(1.0);
+    // A negative zero counts as positive, which no frame needs to know.
+    let sign = R::pick(n.z.all(0.0).above(n.z), -one, one);
     let a = -one / (sign + n.z);
     let b = n.x * n.y * a;
-    let tangent = Vec3x16::new(one + sign * n.x * n.x * a, sign * b, -sign * n.x);
-    let bitangent = Vec3x16::new(b, sign + n.y * n.y * a, -n.y);
-    tangent * v.x + bitangent * v.y + n * v.z
+    let tangent = Vector::new(one + sign * n.x * n.x * a, sign * b, -sign * n.x);
+    let bitangent = Vector::new(b, sign + n.y * n.y * a, -n.y);
+    [tangent, bitangent]
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Basis, cosine_hemisphere, cosine_hemisphere_by_series, triangle};
+    use super::super::{Basis, triangle};
     use super::*;
     use crate::batch::SampleKey;
-    use crate::lanes::LANES;
+    use crate::lanes::{LANES, Vec3x16};
     use crate::sampling::sample_pair;
     use glam::Vec3;
-    use gnurt_simd::{Level, dispatch_wide};
+    use gnurt_simd::{Level, dispatch, f32x16};
+
+    type Found = (Vec3, [f32; 2], Vec3, [f32; 2]);
+
+    fn maps<R: Real>(u: [R; 2], n: Vector<R>) -> (Vector<R>, Vector<R>, (R, R)) {
+        let (dir, [tangent, bitangent]) = (cosine_hemisphere_of(u), frame_around(n));
+        (dir, tangent * dir.x + bitangent * dir.y + n * dir.z, sin_cos_of_turn(u[0]))
+    }
 
     #[inline(always)]
-    fn in_lanes<S: Simd>(simd: S, u: &[[f32; 2]; LANES], n: Vec3) -> [(Vec3, [f32; 2], Vec3); LANES] {
+    fn in_lanes<S: Simd>(simd: S, u: &[[f32; 2]; LANES], n: Vec3) -> [Found; LANES] {
         let numbers = [0, 1].map(|k| f32x16::from_fn(simd, |i| u[i][k]));
-        let (dir, weights) = (cosine_hemisphere_x16(numbers), triangle_x16(numbers));
-        let world = to_world_x16(Vec3x16::splat(simd, n), dir);
-        std::array::from_fn(|i| (dir.get(i), weights.map(|w| w[i]), world.get(i)))
+        let ((dir, world, (sin, cos)), weights) =
+            (maps(numbers, Vec3x16::splat(simd, n)), triangle_x16(numbers));
+        std::array::from_fn(|i| (dir.get(i), weights.map(|w| w[i]), world.get(i), [sin[i], cos[i]]))
     }
 
     #[test]
-    fn the_same_maps() {
+    fn the_same_maps_at_every_level() {
         for round in 0..512 {
             let u = std::array::from_fn(|i| {
                 let key = SampleKey { pixel: round, sample: i as u32, branch: 0 };
                 // Centre, edges and diagonals too.
                 if round == 0 { [i % 4, i / 4].map(|k| k as f32 * 0.25) } else { sample_pair(1, key, 0, 0) }
             });
-            let n = cosine_hemisphere(sample_pair(2, SampleKey::default(), round, 3));
+            let n = super::super::cosine_hemisphere(sample_pair(2, SampleKey::default(), round, 3));
             let n = if round % 2 == 0 { n } else { -n };
-            let found = dispatch_wide!(Level::default(), simd => in_lanes(simd, &u, n), else return);
-            for (u, (dir, weights, world)) in u.into_iter().zip(found) {
-                assert_eq!(dir, cosine_hemisphere_by_series(u), "{u:?}");
-                let wanted = cosine_hemisphere(u);
-                // The height of what is nearly flat is a root of what rounding left.
-                let error = (dir - wanted).abs() * Vec3::new(1.0, 1.0, wanted.z.max(1e-3));
-                assert!(error.max_element() < 2.5e-7, "{u:?}: {dir} instead of {wanted}");
-                assert_eq!(weights, triangle(u), "{u:?}");
-                assert_eq!(world, Basis::around(n).to_world(dir), "{u:?} around {n}");
+            for level in Level::available() {
+                let found = dispatch!(level, simd => in_lanes(simd, &u, n));
+                for (u, (dir, weights, world, turned)) in u.into_iter().zip(found) {
+                    let (wanted, of_world, (sin, cos)) = maps(u, n.into());
+                    assert_eq!((dir, world), (wanted.into(), of_world.into()), "{u:?} around {n} at {level}");
+                    assert_eq!(turned, [sin, cos], "{u:?} at {level}");
+                    let (s, c) = (f64::from(u[0]) * std::f64::consts::TAU).sin_cos();
+                    let off = (f64::from(sin) - s).abs().max((f64::from(cos) - c).abs());
+                    assert!(off < 3e-7, "{u:?}: {sin}, {cos} for {s}, {c}");
+                    assert_eq!(weights, triangle(u), "{u:?}");
+                    let basis = Basis::around(n).to_world(dir);
+                    assert!((world - basis).length() < 1e-6, "{u:?} around {n}: {world}, {basis}");
+                }
             }
         }
     }

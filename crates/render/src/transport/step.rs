@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One step of paths that met surfaces of one shader, as many at a time as the CPU's registers hold: light found, a light asked, a
+//! direction chosen.
+//! Source: as `integrators::path`. Space: world.
+//! Invariant: what a path does depends on its ray and key only: not on the paths beside it, nor on how many take the step at once.
+//! Proof: crates/render/tests/{lanes,path,agreement}.rs.
+
+use glam::Vec3;
+use gnurt_shading::bsdf::{ClosureBatch, Sampled, Seen};
+use gnurt_shading::lanes::{LANES, LanesOf};
+use gnurt_shading::lights::LightSet;
+use gnurt_shading::real::{Real, Vector};
+use gnurt_shading::sampling::{purpose, sample_pair};
+use gnurt_shading::{Leaving, SurfaceBatch, Vec3s};
+
+use super::mis::{power_heuristic, weigh};
+use super::paths::{NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
+use super::width::Width;
+use super::{ROULETTE_FROM, SURVIVAL, add};
+use crate::options::RenderOptions;
+use crate::world::{HitLanes, World};
+
+/// See-through surfaces that a path may pass between two vertices; behind more it is dark.
+const MOST_LAYERS: u32 = 256;
+/// Branch of a path's key where it goes straight on.
+const STRAIGHT: u32 = 2;
+
+/// Paths that met one shader.
+#[derive(Clone, Copy)]
+pub(crate) struct Met<'a> {
+    pub(crate) world: &'a World,
+    pub(crate) options: &'a RenderOptions,
+    /// What the rays of all paths hit.
+    pub(crate) from: HitLanes<'a>,
+    pub(crate) paths: &'a Paths,
+    /// Numbers of those that met it.
+    pub(crate) numbers: &'a [u32],
+    /// Where, and what happens there.
+    pub(crate) points: &'a SurfaceBatch,
+    pub(crate) closures: &'a ClosureBatch,
+    /// What it shows where all light of the environment reaches it, if it only catches shadow.
+    pub(crate) backdrop: Option<Vec3>,
+    /// Whether emission is all that is known of what it sends back: paths end here.
+    pub(crate) is_final: bool,
+}
+
+/// Where the step leads.
+pub(crate) struct Onward<'a> {
+    pub(crate) next: &'a mut Paths,
+    pub(crate) unshadowed: &'a mut Unshadowed,
+    pub(crate) radiance: &'a mut Vec3s,
+}
+
+impl Met<'_> {
+    /// The path at point `k`.
+    pub(crate) fn path(&self, k: usize) -> Path {
+        let number = self.numbers[k] as usize;
+        self.paths.get(number, self.from.keys[number])
+    }
+
+    /// Whether the path at point `k` meets the surface; else it goes through a hole.
+    pub(crate) fn is_there(&self, k: usize, path: &Path) -> bool {
+        let coverage = self.closures.coverage(k);
+        let drawn = || sample_pair(self.options.seed, path.key, path.edges, purpose::COVERAGE)[0];
+        coverage >= 1.0 || drawn() < coverage
+    }
+
+    /// Sends the path at point `k` on if it goes through a hole, and says so.
+    fn passes(&self, k: usize, onward: &mut Onward) -> bool {
+        let mut path = self.path(k);
+        if self.is_there(k, &path) {
+            return false;
+        }
+        path.layers += 1;
+        path.key = path.key.fork(STRAIGHT);
+        if path.layers <= MOST_LAYERS {
+            onward.next.push(path, self.points.spawn(k, self.points.ray_dir.get(k), f32::INFINITY));
+        }
+        true
+    }
+
+    /// Takes the light that the surface gives off, and what lies behind it.
+    fn take_light(&self, k: usize, lights: &LightSet, onward: &mut Onward) {
+        let (path, clamp) = (self.path(k), self.options.clamp);
+        if let Some(behind) = self.backdrop {
+            add(onward.radiance, path.lane, path.throughput * behind, path.edges, clamp);
+        }
+        let found = self.closures.emission(k);
+        if found != Vec3::ZERO {
+            let found = self.counted(found, lights, &path, k);
+            add(onward.radiance, path.lane, path.throughput * found, path.edges, clamp);
+        }
+    }
+
+    /// What counts of the light that a scattered ray met: light samples find it, too. Of surfaces that only tell their
+    /// radiance, they find what the description lets shine.
+    fn counted(&self, found: Vec3, lights: &LightSet, path: &Path, k: usize) -> Vec3 {
+        let points = self.points;
+        let [instance, mesh, triangle] = [points.inst_id[k], points.geom_id[k], points.prim_id[k]];
+        let weight = weigh(lights, path, [instance, mesh, triangle], points.p.get(k), points.ray_dir.get(k));
+        match lights.triangle(instance, mesh, triangle) {
+            Some(triangle) if self.is_final && points.front(k) && path.from.is_some() => {
+                let place = [points.u[k], points.v[k]];
+                found - lights.radiance_of_triangle(triangle, place) * (1.0 - weight)
+            }
+            _ => found * weight,
+        }
+    }
+}
+
+/// Takes the step of all paths that met the shader.
+#[inline(always)]
+pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
+    let count = met.numbers.len();
+    onward.next.reserve(count);
+    onward.unshadowed.reserve(count);
+    let looks = met.closures.emits() || met.closures.has_holes() || met.backdrop.is_some();
+    for first in (0..count).step_by(W::R::LANES) {
+        let mut there = u64::MAX >> (64 - W::R::LANES.min(count - first));
+        if looks {
+            for i in LanesOf(there) {
+                if met.closures.has_holes() && met.passes(first + i, onward) {
+                    there &= !(1 << i);
+                } else {
+                    met.take_light(first + i, met.world.light_set(), onward);
+                }
+            }
+        }
+        let mut edges = [0; LANES];
+        for i in LanesOf(there) {
+            edges[i] = met.paths.edges[met.numbers[first + i] as usize];
+            if edges[i] >= met.options.max_depth {
+                there &= !(1 << i);
+            }
+        }
+        if there != 0 && !met.is_final {
+            scatter(width, met, first, there, &edges, onward);
+        }
+    }
+}
+
+/// Samples light for the points from `first` on that are `there`, and scatters their paths.
+#[inline(always)]
+fn scatter<W: Width>(
+    width: W,
+    met: &Met,
+    first: usize,
+    there: u64,
+    edges: &[u32; LANES],
+    onward: &mut Onward,
+) {
+    let (options, points, lights) = (met.options, met.points, met.world.light_set());
+    let (zero, one) = (width.zero(), width.zero().all(1.0));
+    let of = Of { paths: met.paths, keys: met.from.keys, numbers: &met.numbers[first..] };
+    let there = zero.points(there);
+    let wo = -vectors(zero, &points.ray_dir, first);
+    let at = leaving(zero, points, first, wo);
+    let seen = width.seen(met.closures, first, wo);
+    let mut throughput = Vector::grey(zero);
+    throughput.x = zero.each(
+        #[inline(always)]
+        |i| number_of(of, i).map_or(0.0, |number| met.paths.throughput.x[number]),
+    );
+    throughput.y = zero.each(
+        #[inline(always)]
+        |i| number_of(of, i).map_or(0.0, |number| met.paths.throughput.y[number]),
+    );
+    throughput.z = zero.each(
+        #[inline(always)]
+        |i| number_of(of, i).map_or(0.0, |number| met.paths.throughput.z[number]),
+    );
+    let draws = width.draws(options.seed, &points.key[first..], edges);
+    let translucent = seen.is_translucent();
+    if !lights.is_empty() {
+        let asks = there & seen.is_smooth();
+        if W::R::any(asks) {
+            let [x, y] = W::pair(draws, purpose::LIGHT_PLACE);
+            let [choice, _] = W::pair(draws, purpose::LIGHT_CHOICE);
+            let light = width.lights(lights, [asks, translucent], [at.p, at.ns], [choice, x, y]);
+            let (value, pdf) = seen.eval_pdf(light.dir);
+            let lit = asks & light.found & !value.is_zero() & !light.radiance.is_zero();
+            let weight = if met.backdrop.is_some() { one } else { power_heuristic(light.pdf, pdf) };
+            let weight = W::R::pick(light.delta, one, weight);
+            let arriving = light.radiance * (weight / light.pdf);
+            let transmitted = zero.above(seen.normal().dot(light.dir));
+            let (ray, sends) = at.shadow_rays(light.dir, light.dist, transmitted);
+            let (lit, here) = (lit & sends, throughput * value * arriving);
+            if met.backdrop.is_some() {
+                // The backdrop holds what the environment brings: it is taken away, and comes back where nothing is in between.
+                let far = lit & !light.delta & !light.dist.is_number();
+                for i in LanesOf(W::R::bits(far)) {
+                    let path = met.path(first + i);
+                    add(onward.radiance, path.lane, -here.get(i), path.edges + 1, options.clamp);
+                }
+            }
+            onward.unshadowed.push_all(lit, of, &ray, here);
+        }
+    }
+    let [x, y] = W::pair(draws, purpose::DIRECTION);
+    let [choice, survival] = W::pair(draws, purpose::CHOICE);
+    let chosen = seen.sample([choice, x, y]);
+    go_on(met, (of, there), &at, &seen, (chosen, throughput), (survival, edges), onward);
+}
+
+/// Sends on the paths that are there, in the directions that were chosen.
+#[inline(always)]
+fn go_on<R: Real>(
+    met: &Met,
+    (of, there): (Of, R::Mask),
+    at: &Leaving<R>,
+    seen: &Seen<R>,
+    (chosen, throughput): (Sampled<R>, Vector<R>),
+    (survival, edges): (R, &[u32; LANES]),
+    onward: &mut Onward,
+) {
+    let (zero, one) = (at.error.all(0.0), at.error.all(1.0));
+    let mut throughput = throughput * chosen.weight;
+    let mut alive = there & chosen.found;
+    let mut long = 0;
+    for (i, &edges) in edges.iter().enumerate().take(R::LANES) {
+        long |= u64::from(edges >= ROULETTE_FROM) << i;
+    }
+    if long != 0 {
+        let long = zero.points(long);
+        let keep = throughput.max_element().or_less(one * SURVIVAL);
+        alive = alive & (keep.above(survival) | !long);
+        throughput = Vector::pick(long, throughput.over(keep), throughput);
+    }
+    alive = alive & throughput.is_finite() & !throughput.is_zero();
+    let (ray, sends) = at.scatter_rays(chosen.wi, chosen.transmitted);
+    // What catches shadow leaves all that light samples can find to them.
+    let pdf = if met.backdrop.is_some() { zero } else { chosen.pdf };
+    let pdf = R::pick(chosen.delta, one.all(NOWHERE), pdf);
+    let ns = Vector::pick(seen.is_translucent(), Vector::grey(zero), at.ns);
+    onward.next.push_all(alive & sends, of, &Scattered { ray, throughput, p: at.p, ns, pdf });
+}
+
+#[inline(always)]
+fn number_of(of: Of, i: usize) -> Option<usize> {
+    of.numbers.get(i).map(|&number| number as usize)
+}
+
+#[inline(always)]
+fn vectors<R: Real>(like: R, v: &Vec3s, first: usize) -> Vector<R> {
+    Vector::load(like, [&v.x, &v.y, &v.z], first)
+}
+
+/// What rays that leave the points from `first` on need to know; see [`SurfaceBatch::point`].
+#[inline(always)]
+fn leaving<R: Real>(like: R, points: &SurfaceBatch, first: usize, wo: Vector<R>) -> Leaving<R> {
+    let zero = like.all(0.0);
+    let (ng, ns) = (vectors(like, &points.ng, first), vectors(like, &points.ns, first));
+    let ng = Vector::pick(zero.above(ng.dot(wo)), -ng, ng);
+    let ns = Vector::pick(zero.above(ns.dot(ng)), -ns, ns);
+    Leaving {
+        p: vectors(like, &points.p, first),
+        error: like.load(&points.error, first),
+        ng,
+        ns,
+        lift: vectors(like, &points.lift, first),
+    }
+}

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How many paths take a step at once: sixteen where the CPU's registers are wide enough, else one. What differs is how
+//! points are read, random numbers drawn and lights chosen.
+//! Source: original. Invariant: both give the same bits. Proof: crates/render/tests/lanes.rs.
+
+use glam::Vec3;
+use gnurt_shading::SampleKey;
+use gnurt_shading::bsdf::{ClosureBatch, Seen};
+use gnurt_shading::lanes::LANES;
+use gnurt_shading::lights::{LightSamples, LightSet};
+use gnurt_shading::real::{Real, Vector};
+use gnurt_shading::sampling::{Draws, DrawsX16, key_words};
+use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
+
+/// How many points at once.
+pub(crate) trait Width: Copy {
+    type R: Real;
+    type Draws: Copy;
+
+    /// Zeros.
+    fn zero(self) -> Self::R;
+    /// Points of a batch from `first` on, seen from `wo`.
+    fn seen(self, closures: &ClosureBatch, first: usize, wo: Vector<Self::R>) -> Seen<Self::R>;
+    /// The random numbers of some keys at some edges, as many as there are points or fewer.
+    fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Self::Draws;
+    /// The pair for a purpose.
+    fn pair(draws: Self::Draws, purpose: u32) -> [Self::R; 2];
+    /// Lights for the points in the first of two masks, at the first of two vectors; they face the second, and those in the second
+    /// mask face all sides.
+    fn lights(
+        self,
+        lights: &LightSet,
+        masks: [<Self::R as Real>::Mask; 2],
+        at: [Vector<Self::R>; 2],
+        u: [Self::R; 3],
+    ) -> LightSamples<Self::R>;
+}
+
+/// One.
+#[derive(Clone, Copy)]
+pub(crate) struct One;
+
+/// Sixteen.
+#[derive(Clone, Copy)]
+pub(crate) struct Sixteen<S>(pub(crate) S);
+
+impl Width for One {
+    type R = f32;
+    type Draws = Draws;
+
+    fn zero(self) -> f32 {
+        0.0
+    }
+
+    fn seen(self, closures: &ClosureBatch, first: usize, wo: Vector<f32>) -> Seen<f32> {
+        closures.point(first).bsdf.seen(wo.into())
+    }
+
+    fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Draws {
+        Draws::new(seed, keys[0], edges[0])
+    }
+
+    fn pair(draws: Draws, purpose: u32) -> [f32; 2] {
+        draws.pair(purpose)
+    }
+
+    fn lights(
+        self,
+        lights: &LightSet,
+        [active, from_all_sides]: [bool; 2],
+        [p, ns]: [Vector<f32>; 2],
+        u: [f32; 3],
+    ) -> LightSamples<f32> {
+        let ns = if from_all_sides { Vec3::ZERO } else { ns.into() };
+        active.then(|| lights.sample(p.into(), ns, u)).flatten().into()
+    }
+}
+
+impl<S: Simd> Width for Sixteen<S> {
+    type R = f32x16<S>;
+    type Draws = DrawsX16<S>;
+
+    #[inline(always)]
+    fn zero(self) -> f32x16<S> {
+        f32x16::splat(self.0, 0.0)
+    }
+
+    #[inline(always)]
+    fn seen(self, closures: &ClosureBatch, first: usize, wo: Vector<f32x16<S>>) -> Seen<f32x16<S>> {
+        closures.seen(self.0, first, wo)
+    }
+
+    #[inline(always)]
+    fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> DrawsX16<S> {
+        DrawsX16::new(self.0, seed, key_words(self.0, keys), u32x16::from_slice(self.0, edges))
+    }
+
+    #[inline(always)]
+    fn pair(draws: DrawsX16<S>, purpose: u32) -> [f32x16<S>; 2] {
+        draws.pair(purpose)
+    }
+
+    #[inline(always)]
+    fn lights(
+        self,
+        lights: &LightSet,
+        [active, from_all_sides]: [<f32x16<S> as Real>::Mask; 2],
+        at: [Vector<f32x16<S>>; 2],
+        u: [f32x16<S>; 3],
+    ) -> LightSamples<f32x16<S>> {
+        lights.sample_x16(active, from_all_sides, at, u)
+    }
+}

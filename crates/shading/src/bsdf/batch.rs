@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What many points do to light: the only output of a surface, and all that integrators read.
+//! Source: original, shaped by the paper's section 8; a list of weighted lobes for each point is what shading languages make,
+//! too. Layout: blocks of sixteen points; in a block each number of each place of the lists is a row, aligned, so that sixteen
+//! points are read at once. Points beyond the last one have no lobes.
+//! Proof: `tests`.
+
+use glam::Vec3;
+use gnurt_simd::{Simd, f32x16, prelude::*};
+
+use super::lobe::{Kind, Lobe};
+use super::lobes::{Lobes, MOST};
+use super::seen::Seen;
+use super::seen_lobe::LobesAt;
+use super::{Bsdf, Scattering};
+use crate::lanes::{LANES, Vec3x16};
+use crate::real::Vector;
+
+/// A number of sixteen points.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(64))]
+struct Row<T>([T; LANES]);
+
+/// One place of sixteen points' lists: see [`Lobe`].
+#[derive(Clone, Copy, Debug, Default)]
+struct LobeRows {
+    /// [`Kind`] as a number.
+    kind: Row<f32>,
+    /// Weight, normal, a, b, c; alpha, eta, cover.
+    numbers: [Row<f32>; 18],
+    under: Row<u32>,
+    /// Kinds that are there, and bits of all lobes that lie above some.
+    kinds: u32,
+    under_any: u32,
+    covers: bool,
+}
+
+/// Sixteen points.
+#[derive(Clone, Copy, Debug, Default)]
+struct Block {
+    normal: [Row<f32>; 3],
+    emission: [Row<f32>; 3],
+    coverage: Row<f32>,
+    /// Places that are in use.
+    count: u32,
+    lobes: [LobeRows; MOST],
+}
+
+/// What many points do to light.
+#[derive(Clone, Debug, Default)]
+pub struct ClosureBatch {
+    len: usize,
+    blocks: Vec<Block>,
+    emits: bool,
+    has_holes: bool,
+}
+
+impl LobeRows {
+    fn clear(&mut self) {
+        (self.kind, self.under) = (Row::default(), Row::default());
+        (self.kinds, self.under_any, self.covers) = (0, 0, false);
+    }
+
+    fn set(&mut self, i: usize, lobe: &Lobe) {
+        self.kind.0[i] = lobe.kind as u32 as f32;
+        let Lobe { weight, normal, a, b, c, .. } = lobe;
+        for (rows, v) in self.numbers.chunks_exact_mut(3).zip([weight, normal, a, b, c]) {
+            (rows[0].0[i], rows[1].0[i], rows[2].0[i]) = (v.x, v.y, v.z);
+        }
+        let [.., alpha, eta, cover] = &mut self.numbers;
+        (alpha.0[i], eta.0[i], cover.0[i]) = (lobe.alpha, lobe.eta, lobe.cover);
+        self.under.0[i] = lobe.under;
+        self.kinds |= lobe.kind.bit();
+        self.under_any |= lobe.under;
+        self.covers |= lobe.cover > 0.0;
+    }
+
+    fn get(&self, i: usize) -> Lobe {
+        let v =
+            |k: usize| Vec3::new(self.numbers[k].0[i], self.numbers[k + 1].0[i], self.numbers[k + 2].0[i]);
+        let kind = Kind::ALL.into_iter().find(|&kind| kind as u32 as f32 == self.kind.0[i]);
+        Lobe {
+            kind: kind.unwrap_or_default(),
+            weight: v(0),
+            normal: v(3),
+            a: v(6),
+            b: v(9),
+            c: v(12),
+            alpha: self.numbers[15].0[i],
+            eta: self.numbers[16].0[i],
+            cover: self.numbers[17].0[i],
+            under: self.under.0[i],
+        }
+    }
+
+    #[inline(always)]
+    fn row<S: Simd>(&self, simd: S, k: usize) -> f32x16<S> {
+        f32x16::from_slice(simd, &self.numbers[k].0)
+    }
+
+    #[inline(always)]
+    fn vector<S: Simd>(&self, simd: S, k: usize) -> Vec3x16<S> {
+        Vec3x16::new(self.row(simd, k), self.row(simd, k + 1), self.row(simd, k + 2))
+    }
+
+    #[inline(always)]
+    fn lanes<S: Simd>(&self, simd: S) -> LobesAt<'_, f32x16<S>> {
+        LobesAt {
+            kind: f32x16::from_slice(simd, &self.kind.0),
+            kinds: self.kinds,
+            weight: self.vector(simd, 0),
+            normal: self.vector(simd, 3),
+            a: self.vector(simd, 6),
+            b: self.vector(simd, 9),
+            c: self.vector(simd, 12),
+            alpha: self.row(simd, 15),
+            eta: self.row(simd, 16),
+            cover: self.row(simd, 17),
+            under: &self.under.0,
+            under_any: self.under_any,
+            covers: self.covers,
+        }
+    }
+}
+
+impl ClosureBatch {
+    /// Makes it `n` points that are there, scatter nothing and give off nothing, and keeps the memory.
+    pub fn reset(&mut self, n: usize) {
+        self.len = n;
+        (self.emits, self.has_holes) = (false, false);
+        let blocks = n.div_ceil(LANES);
+        if self.blocks.len() < blocks {
+            self.blocks.resize(blocks, Block::default());
+        }
+        for block in &mut self.blocks[..blocks] {
+            block.count = 0;
+            (block.emission, block.coverage) = (Default::default(), Row([1.0; LANES]));
+            block.normal = [Row([0.0; LANES]), Row([0.0; LANES]), Row([1.0; LANES])];
+        }
+    }
+
+    /// Number of points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Says how point `i` scatters: by these lobes around the unit shading normal `ns`, which is on the side that the first
+    /// ray came from. Once for each point.
+    pub fn set(&mut self, i: usize, ns: Vec3, lobes: &[Lobe]) {
+        let (block, i) = (&mut self.blocks[i / LANES], i % LANES);
+        for (row, x) in block.normal.iter_mut().zip(ns.to_array()) {
+            row.0[i] = x;
+        }
+        for (k, lobe) in lobes.iter().take(MOST).enumerate() {
+            if k as u32 == block.count {
+                block.count += 1;
+                block.lobes[k].clear();
+            }
+            block.lobes[k].set(i, lobe);
+        }
+    }
+
+    /// Radiance that point `i` sends against its ray.
+    #[must_use]
+    pub fn emission(&self, i: usize) -> Vec3 {
+        let [x, y, z] = &self.blocks[i / LANES].emission;
+        Vec3::new(x.0[i % LANES], y.0[i % LANES], z.0[i % LANES])
+    }
+
+    /// Whether some point may give off light.
+    #[must_use]
+    pub fn emits(&self) -> bool {
+        self.emits
+    }
+
+    /// Whether some point may let light through holes.
+    #[must_use]
+    pub fn has_holes(&self) -> bool {
+        self.has_holes
+    }
+
+    /// Adds to it.
+    pub fn emit(&mut self, i: usize, radiance: Vec3) {
+        self.emits = true;
+        for (row, x) in self.blocks[i / LANES].emission.iter_mut().zip(radiance.to_array()) {
+            row.0[i % LANES] += x;
+        }
+    }
+
+    /// Share of light that point `i` stops, in [0, 1]; the rest goes straight on as if nothing were there.
+    #[must_use]
+    pub fn coverage(&self, i: usize) -> f32 {
+        self.blocks[i / LANES].coverage.0[i % LANES]
+    }
+
+    /// Makes point `i` stop no more than this share of the light that it would have stopped.
+    pub fn cover(&mut self, i: usize, share: f32) {
+        self.has_holes |= share < 1.0;
+        self.blocks[i / LANES].coverage.0[i % LANES] *= share;
+    }
+
+    /// Point `i` alone.
+    #[must_use]
+    pub fn point(&self, i: usize) -> Scattering {
+        let (block, lane) = (&self.blocks[i / LANES], i % LANES);
+        let [x, y, z] = &block.normal;
+        let mut lobes = Lobes::default();
+        block.lobes[..block.count as usize].iter().for_each(|rows| lobes.push(rows.get(lane)));
+        let bsdf = Bsdf::new(Vec3::new(x.0[lane], y.0[lane], z.0[lane]), lobes);
+        Scattering { bsdf, emission: self.emission(i), coverage: self.coverage(i) }
+    }
+
+    /// Kinds that the sixteen points from `first` on have, as bits by [`Kind`].
+    #[must_use]
+    pub fn kinds(&self, first: usize) -> u32 {
+        let block = &self.blocks[first / LANES];
+        block.lobes[..block.count as usize].iter().fold(0, |kinds, rows| kinds | rows.kinds)
+    }
+
+    /// Normals of the sixteen points from `first` on, a multiple of sixteen.
+    #[inline(always)]
+    pub fn normals<S: Simd>(&self, simd: S, first: usize) -> Vec3x16<S> {
+        let [x, y, z] = &self.blocks[first / LANES].normal;
+        Vector::load(f32x16::splat(simd, 0.0), [&x.0, &y.0, &z.0], 0)
+    }
+
+    /// The sixteen points from `first` on, a multiple of sixteen, seen from the unit directions `wo`.
+    #[inline(always)]
+    pub fn seen<S: Simd>(&self, simd: S, first: usize, wo: Vec3x16<S>) -> Seen<f32x16<S>> {
+        let block = &self.blocks[first / LANES];
+        Seen::new(
+            block.count as usize,
+            #[inline(always)]
+            |k| block.lobes[k].lanes(simd),
+            self.normals(simd, first),
+            wo,
+        )
+    }
+}

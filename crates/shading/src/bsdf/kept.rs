@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Lobes of points seen from one direction each, as they are kept to be asked about many others: at the ends of shadow rays to
+//! and from virtual lights.
+//! Source: original. Invariant: the bits of [`Seen::eval_pdf`]. Proof: many_lights/lanes.rs of `render`.
+
+use glam::Vec3;
+
+use super::Bsdf;
+use super::lobes::MOST;
+use super::seen::Seen;
+use super::seen_lobe::{SeenLobe, eval_pdf};
+use crate::lanes::LANES;
+use crate::real::{Real, Vector};
+
+/// Sixteen points' lobes, each seen from one direction, as they are kept to be asked about many others.
+#[derive(Clone, Debug, Default)]
+pub struct Kept {
+    normal: [Row; 3],
+    lobes: Vec<SeenLobe<Row>>,
+}
+
+/// A number of sixteen points.
+type Row = [f32; LANES];
+
+impl Kept {
+    /// Points of a batch, sixteen from `first` on or fewer, seen from `wo`.
+    #[must_use]
+    pub fn new(points: &[(Bsdf, Vec3)]) -> Self {
+        let mut kept = Self::default();
+        for (i, (bsdf, wo)) in points.iter().enumerate().take(LANES) {
+            let seen = bsdf.seen(*wo);
+            for (row, x) in kept.normal.iter_mut().zip(bsdf.normal().to_array()) {
+                row[i] = x;
+            }
+            for (k, lobe) in seen.lobes.iter().enumerate().take(seen.count) {
+                if k == kept.lobes.len() {
+                    kept.lobes.push(SeenLobe::none(0.0).map(|_| [0.0; LANES], 0));
+                }
+                kept.lobes[k].put(i, lobe);
+            }
+        }
+        kept
+    }
+
+    /// [`Seen::eval_pdf`] for the points from `first` on.
+    #[inline(always)]
+    pub fn eval_pdf<R: Real>(&self, first: usize, wi: Vector<R>) -> (Vector<R>, R) {
+        let [x, y, z] = &self.normal;
+        eval_pdf(
+            self.lobes.len(),
+            #[inline(always)]
+            |k| {
+                self.lobes[k].map(
+                    #[inline(always)]
+                    |row| wi.x.load(row, first),
+                    first,
+                )
+            },
+            Vector::load(wi.x, [x, y, z], first),
+            wi,
+        )
+    }
+}
+
+impl Seen<f32> {
+    /// [`Seen::eval_pdf`] of one point for many directions.
+    #[inline(always)]
+    pub fn eval_pdf_all<R: Real>(&self, wi: Vector<R>) -> (Vector<R>, R) {
+        eval_pdf(
+            self.count,
+            #[inline(always)]
+            |k| {
+                let lobe = &self.lobes[k % MOST];
+                let all = lobe.map(
+                    #[inline(always)]
+                    |&x| wi.x.all(x),
+                    0,
+                );
+                // All points are as the one.
+                let under = std::array::from_fn(|j| if lobe.under[j] & 1 != 0 { u32::MAX } else { 0 });
+                SeenLobe { under, ..all }
+            },
+            Vector::new(wi.x.all(self.normal.x), wi.x.all(self.normal.y), wi.x.all(self.normal.z)),
+            wi,
+        )
+    }
+}
+
+impl<Q> SeenLobe<Q> {
+    /// The same with other numbers, of the points from `first` on.
+    #[inline(always)]
+    fn map<R>(&self, f: impl Fn(&Q) -> R + Copy, first: usize) -> SeenLobe<R> {
+        let mut under = self.under;
+        for under in &mut under {
+            *under >>= first;
+        }
+        SeenLobe {
+            kind: f(&self.kind),
+            kinds: self.kinds,
+            normal: self.normal.each(f),
+            wo: self.wo.each(f),
+            cos: f(&self.cos),
+            weight: self.weight.each(f),
+            left: self.left.each(f),
+            a: self.a.each(f),
+            b: self.b.each(f),
+            c: self.c.each(f),
+            more: self.more.each(f),
+            alpha: f(&self.alpha),
+            eta: f(&self.eta),
+            hidden: f(&self.hidden),
+            lost: f(&self.lost),
+            chance: f(&self.chance),
+            share_of_more: f(&self.share_of_more),
+            cover: f(&self.cover),
+            covers: self.covers,
+            under,
+            under_any: self.under_any,
+        }
+    }
+}
+
+impl SeenLobe<Row> {
+    /// Writes point `i`.
+    fn put(&mut self, i: usize, lobe: &SeenLobe<f32>) {
+        let numbers = [
+            (&mut self.kind, lobe.kind),
+            (&mut self.cos, lobe.cos),
+            (&mut self.alpha, lobe.alpha),
+            (&mut self.eta, lobe.eta),
+            (&mut self.hidden, lobe.hidden),
+            (&mut self.lost, lobe.lost),
+            (&mut self.chance, lobe.chance),
+            (&mut self.share_of_more, lobe.share_of_more),
+            (&mut self.cover, lobe.cover),
+        ];
+        numbers.into_iter().for_each(|(row, x)| row[i] = x);
+        let vectors = [
+            (&mut self.normal, lobe.normal),
+            (&mut self.wo, lobe.wo),
+            (&mut self.weight, lobe.weight),
+            (&mut self.left, lobe.left),
+            (&mut self.a, lobe.a),
+            (&mut self.b, lobe.b),
+            (&mut self.c, lobe.c),
+            (&mut self.more, lobe.more),
+        ];
+        vectors.into_iter().for_each(|(rows, v)| (rows.x[i], rows.y[i], rows.z[i]) = (v.x, v.y, v.z));
+        for (under, from) in self.under.iter_mut().zip(lobe.under) {
+            *under |= (from & 1) << i;
+        }
+        self.kinds |= lobe.kinds;
+        self.under_any |= lobe.under_any;
+        self.covers |= lobe.covers;
+    }
+}

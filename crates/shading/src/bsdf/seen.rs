@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Lobes seen from one direction: what is the same for all other directions is computed once, then values, densities and
+//! samples follow. Written once for one point and for sixteen.
+//! Source: \[WMLT07\], \[Hei14\], \[DB23\] (facets); \[KC17\] (further bounces; what a layer sends back is taken from a diffuse body
+//! in its reciprocal form); facets below layers lose by the larger share of both directions. \[VG95\] (one sample, all lobes).
+//! Space: world, unit directions away from the surface.
+//! Invariants: a direction is chosen with the density that [`Seen::eval_pdf`] tells; one point and sixteen give the same bits at
+//! every CPU level. Proof: `tests`.
+
+use glam::Vec3;
+
+use super::energy::Energy;
+use super::ggx::Ggx;
+use super::lobe::{Kind, Lobe};
+use super::lobes::MOST;
+use super::seen_lobe::{LobesAt, SeenLobe, eval_pdf};
+use crate::real::{Real, Vector};
+use crate::sampling::{cosine_hemisphere_of, frame_around};
+
+/// Cosine: a `wo` nearer to the shading normal's horizon than this, or below it, counts as that near.
+pub const GRAZING: f32 = 1e-3;
+
+/// A direction that was chosen for each point.
+#[derive(Clone, Copy)]
+pub struct Sampled<R: Real> {
+    /// Unit, world.
+    pub wi: Vector<R>,
+    /// BSDF times |cos| over the density.
+    pub weight: Vector<R>,
+    /// Density per solid angle, all lobes counted; infinite where `delta`.
+    pub pdf: R,
+    /// Points at which no light sample meets it.
+    pub delta: R::Mask,
+    /// Points at which it leads through the surface.
+    pub transmitted: R::Mask,
+    /// Points that chose one; others hold anything.
+    pub found: R::Mask,
+}
+
+/// Lobes of points, each seen from one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<R> {
+    pub(super) normal: Vector<R>,
+    pub(super) count: usize,
+    pub(super) lobes: [SeenLobe<R>; MOST],
+    /// Share of light that is scattered.
+    pub(super) albedo: Vector<R>,
+}
+
+/// Gauss's rule with four points for the measure 2 cos dcos on [0, 1].
+const RULE: [(f32, f32); 4] = [
+    (0.139_759_86, 0.062_361_94),
+    (0.416_409_57, 0.259_695_1),
+    (0.723_157, 0.406_929_14),
+    (0.942_895_8, 0.271_013_83),
+];
+
+impl<R: Real> Seen<R> {
+    /// Points' lobes, `count` places of them, seen from the unit `wo`; `normal` is unit.
+    #[inline(always)]
+    pub(crate) fn new<'a>(
+        count: usize,
+        at: impl Fn(usize) -> LobesAt<'a, R>,
+        normal: Vector<R>,
+        wo: Vector<R>,
+    ) -> Self {
+        let (zero, one) = (wo.x.all(0.0), wo.x.all(1.0));
+        let none = SeenLobe::none(zero);
+        let mut seen = Self { normal, count, lobes: [none; MOST], albedo: Vector::grey(zero) };
+        let mut total = zero;
+        for k in 0..count {
+            let from = at(k);
+            let mut lobe = SeenLobe { kind: from.kind, kinds: from.kinds, ..none };
+            let own = !from.normal.is_zero();
+            lobe.normal = Vector::pick(own, from.normal, normal);
+            let cos = lobe.normal.dot(wo);
+            let lift = (one.all(GRAZING) - cos).or_more(zero);
+            let raised = lift.above(zero);
+            let lifted = (wo + lobe.normal * lift).normalize();
+            lobe.wo = Vector::pick(raised, lifted, wo);
+            lobe.cos = R::pick(raised, lobe.normal.dot(lifted), cos);
+            (lobe.a, lobe.b, lobe.c) = (from.a, from.b, from.c);
+            (lobe.alpha, lobe.eta, lobe.cover) = (from.alpha, from.eta, from.cover);
+            (lobe.covers, lobe.under_any) = (from.covers, from.under_any);
+            (lobe.weight, lobe.left) = (from.weight, Vector::grey(one));
+            let albedo = lobe.look();
+            if lobe.under_any != 0 {
+                for (j, under) in lobe.under.iter_mut().enumerate() {
+                    for (i, bits) in from.under.iter().enumerate() {
+                        *under |= (bits >> j & 1) << i;
+                    }
+                }
+                let left = seen.left(&lobe, None);
+                // A diffuse body gets what is left of both directions, over the mean of what is left.
+                let average = seen.left_on_average(&lobe);
+                let is = lobe.is(Kind::Diffuse);
+                let shared = (lobe.weight * left).with(
+                    average,
+                    #[inline(always)]
+                    |w, a| w / a.or_more(a.all(1e-6)),
+                );
+                let scattered = (lobe.weight * left * albedo).max_element();
+                lobe.chance = scattered;
+                seen.albedo = seen.albedo + lobe.weight * left * albedo;
+                lobe.weight = Vector::pick(is, shared, lobe.weight);
+                lobe.left = Vector::pick(is, Vector::grey(one.all(f32::MAX)), left);
+            } else {
+                lobe.chance = (lobe.weight * albedo).max_element();
+                seen.albedo = seen.albedo + lobe.weight * albedo;
+            }
+            total = total + lobe.chance;
+            seen.lobes[k] = lobe;
+        }
+        let scale = R::pick(total.above(zero), one / total, zero);
+        for lobe in seen.lobes.iter_mut().take(count) {
+            lobe.chance = lobe.chance * scale;
+        }
+        seen
+    }
+
+    /// What the lobes above `lobe` leave of light from where they are seen, or towards one cosine.
+    #[inline(always)]
+    fn left(&self, lobe: &SeenLobe<R>, towards: Option<f32>) -> Vector<R> {
+        let one = lobe.cos.all(1.0);
+        let mut left = Vector::grey(one);
+        for (j, top) in self.lobes.iter().enumerate() {
+            if lobe.under_any >> j & 1 != 0 {
+                let cos = towards.map_or(top.cos, |cos| one.all(cos));
+                let back = top.sent_back(cos, top.split(cos));
+                left = Vector::pick(lobe.below(j), left * back.rest(), left);
+            }
+        }
+        left
+    }
+
+    /// The same, averaged over a cosine-weighted hemisphere: by the tables where one layer of facets is above.
+    #[inline(always)]
+    fn left_on_average(&self, lobe: &SeenLobe<R>) -> Vector<R> {
+        let one = lobe.cos.all(1.0);
+        let (mut any, mut twice) = (0, 0);
+        for &under in &lobe.under {
+            twice |= any & under;
+            any |= under;
+        }
+        let mut average = Vector::grey(one);
+        let mut rest = u64::from(any);
+        for (j, top) in self.lobes.iter().enumerate() {
+            let single = lobe.under[j] & !twice;
+            if single != 0 && top.has(Kind::Facets) {
+                let by_table = one.points(u64::from(single)) & top.is(Kind::Facets);
+                let left = top.sent_back(one, Energy::of(Ggx::from_alpha(top.alpha)).average).rest();
+                average = Vector::pick(by_table, left, average);
+                rest &= !R::bits(by_table);
+            }
+        }
+        if rest != 0 {
+            let mut sum = Vector::grey(one.all(0.0));
+            for (cos, weight) in RULE {
+                sum = sum + self.left(lobe, Some(cos)) * one.all(weight);
+            }
+            average = Vector::pick(one.points(rest), sum, average);
+        }
+        average
+    }
+
+    /// BSDF times |cos| of the unit `wi`, and the density per solid angle with which [`sample`](Self::sample) chooses it;
+    /// delta lobes count nothing.
+    #[inline(always)]
+    pub fn eval_pdf(&self, wi: Vector<R>) -> (Vector<R>, R) {
+        eval_pdf(
+            self.count,
+            #[inline(always)]
+            |k| self.lobes[k % MOST],
+            self.normal,
+            wi,
+        )
+    }
+
+    /// Chooses where paths go on; `u` holds numbers in [0, 1), the first of which chooses between lobes.
+    #[inline(always)]
+    pub fn sample(&self, u: [R; 3]) -> Sampled<R> {
+        let (zero, one) = (u[0].all(0.0), u[0].all(1.0));
+        // The lobe, and the number as a new one.
+        let mut lobe = self.lobes[0];
+        let mut before = zero;
+        for next in self.lobes.iter().take(self.count).skip(1) {
+            let past = before + lobe.chance;
+            let on = !past.above(u[0]) & next.chance.above(zero);
+            // Lobes without a chance stand between others and take none of the numbers.
+            before = R::pick(on, past, before);
+            lobe = lobe.or_with(on, next);
+        }
+        let first = ((u[0] - before) / lobe.chance).within(0.0, 0.999_999_9);
+        let [tangent, bitangent] = frame_around(lobe.normal);
+        let wo = Vector::new(tangent.dot(lobe.wo), bitangent.dot(lobe.wo), lobe.cos);
+        let cosine = cosine_hemisphere_of([u[1], u[2]]);
+        let mut wi = cosine;
+        let mut found = lobe.chance.above(zero);
+        if lobe.has(Kind::Facets) || lobe.has(Kind::Metal) {
+            let is = (lobe.is(Kind::Facets) | lobe.is(Kind::Metal)) & !lobe.share_of_more.above(first);
+            let h = Ggx::from_alpha(lobe.alpha).sample_visible(wo, [u[1], u[2]]);
+            wi = Vector::pick(is, h * (wo.dot(h) * 2.0) - wo, wi);
+        }
+        let mut through_is_fine = one.above(one);
+        for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
+            if lobe.has(kind) {
+                let (glass, seen) = lobe.glass(thin);
+                let (chosen, some) = glass.sample(seen, wo, [first, u[1], u[2]], cosine);
+                let is = lobe.is(kind);
+                wi = Vector::pick(is, chosen, wi);
+                found = found & (some | !is);
+                through_is_fine = through_is_fine | is;
+            }
+        }
+        let mut delta = one.above(one);
+        let mut weight = Vector::grey(zero);
+        let deltas = Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit();
+        if lobe.kinds & deltas != 0 {
+            delta = lobe.is(Kind::Mirror) | lobe.is(Kind::SmoothGlass) | lobe.is(Kind::SmoothPane);
+            let glass = !lobe.is(Kind::Mirror);
+            let (branches, share) = lobe.branches(wo);
+            let mirrors = !glass | share.above(first);
+            let chance = R::pick(glass, R::pick(mirrors, share, share.rest()), one);
+            let [(mirrored, light_mirrored), (through, light_through)] = branches;
+            let light = Vector::pick(mirrors, light_mirrored, light_through);
+            wi = Vector::pick(delta, Vector::pick(mirrors, mirrored, through), wi);
+            weight = (light * lobe.weight * lobe.left.min(Vector::grey(one))).over(chance * lobe.chance);
+            through_is_fine = through_is_fine | (delta & glass);
+        }
+        found = found & (wi.z.above(zero) | through_is_fine);
+        let wi = (tangent * wi.x + bitangent * wi.y + lobe.normal * wi.z).normalize();
+        let mut pdf = one.all(f32::INFINITY);
+        if R::bits(found & !delta) != 0 {
+            let (value, density) = self.eval_pdf(wi);
+            weight = Vector::pick(delta, weight, value.over(density));
+            pdf = R::pick(delta, pdf, density);
+        }
+        let transmitted = zero.above(self.normal.dot(wi));
+        found = found & pdf.above(zero) & weight.is_finite() & wi.is_finite();
+        Sampled { wi, weight, pdf, delta, transmitted, found }
+    }
+
+    /// Points of which some lobe has kinds for which `what` says so.
+    #[inline(always)]
+    fn any(&self, what: impl Fn(Kind) -> bool) -> R::Mask {
+        let zero = self.normal.x.all(0.0);
+        let mut any = zero.above(zero);
+        for lobe in self.lobes.iter().take(self.count) {
+            for kind in Kind::ALL {
+                if lobe.has(kind) && what(kind) {
+                    any = any | (lobe.is(kind) & !lobe.weight.is_zero());
+                }
+            }
+        }
+        any
+    }
+
+    /// Points at which light samples can bring anything: some lobe is not a delta.
+    #[inline(always)]
+    pub fn is_smooth(&self) -> R::Mask {
+        self.any(
+            #[inline(always)]
+            |kind| kind != Kind::None && !kind.is_delta(),
+        )
+    }
+
+    /// Points at which light samples from behind can, too.
+    #[inline(always)]
+    pub fn is_translucent(&self) -> R::Mask {
+        self.any(
+            #[inline(always)]
+            |kind| kind.goes_through() && !kind.is_delta(),
+        )
+    }
+
+    /// Shading normals.
+    #[inline(always)]
+    pub fn normal(&self) -> Vector<R> {
+        self.normal
+    }
+
+    /// Share of light that is scattered to all sides, in [0, 1]; about, where no closed form is known.
+    #[inline(always)]
+    pub fn albedo(&self) -> Vector<R> {
+        self.albedo
+    }
+}
+
+impl Seen<f32> {
+    /// One point's lobes.
+    pub(super) fn of_point(lobes: &[Lobe], normal: Vec3, wo: Vec3) -> Self {
+        let at = |k: usize| LobesAt::of_point(&lobes[k]);
+        Self::new(lobes.len(), at, normal.into(), wo.into())
+    }
+
+    /// What leaves by delta lobes, mirrored and through the surface: unit directions in the world, and shares of the light.
+    /// Two refractions of one point differ in direction if their indices do: the heavier one stands for both.
+    pub(super) fn delta_branches(&self) -> [Option<(Vec3, Vec3)>; 2] {
+        let mut out: [Option<(Vec3, Vec3)>; 2] = [None; 2];
+        for lobe in &self.lobes[..self.count] {
+            if lobe.kinds & (Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit()) == 0 {
+                continue;
+            }
+            let [tangent, bitangent] = frame_around(lobe.normal);
+            let wo = Vector::new(tangent.dot(lobe.wo), bitangent.dot(lobe.wo), lobe.cos);
+            let (branches, _) = lobe.branches(wo);
+            for (out, (wi, light)) in out.iter_mut().zip(branches) {
+                let light = Vec3::from(light * lobe.weight * lobe.left);
+                if light == Vec3::ZERO {
+                    continue;
+                }
+                let wi = Vec3::from((tangent * wi.x + bitangent * wi.y + lobe.normal * wi.z).normalize());
+                *out = Some(match *out {
+                    Some((other, before)) if before.element_sum() >= light.element_sum() => {
+                        (other, before + light)
+                    }
+                    Some((_, before)) => (wi, before + light),
+                    None => (wi, light),
+                });
+            }
+        }
+        out
+    }
+}

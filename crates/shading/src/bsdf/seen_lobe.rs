@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One lobe of each of many points, seen from one direction each: what follows from the view, values and densities, branches.
+//! Source: \[WMLT07\], \[Hei14\] (facets); \[KC17\] (further bounces); \[PJH23\] chapter 9. Space: world, unit directions away from the
+//! surface. Invariant: one point and sixteen give the same bits at every CPU level. Proof: `tests` of `bsdf`.
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+
+use super::energy::{Energy, lost};
+use super::ggx::Ggx;
+use super::lobe::{Kind, Lobe};
+use super::lobes::MOST;
+use super::rough_dielectric::{Glass, SeenGlass};
+use super::{dielectric, fresnel, oren_nayar, sheen};
+use crate::real::{Real, Vector};
+
+/// The lobes in one place of many points' lists, as numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct LobesAt<'a, R> {
+    /// [`Kind`] by point, and the set of those that are there.
+    pub(super) kind: R,
+    pub(super) kinds: u32,
+    pub(super) weight: Vector<R>,
+    pub(super) normal: Vector<R>,
+    pub(super) a: Vector<R>,
+    pub(super) b: Vector<R>,
+    pub(super) c: Vector<R>,
+    pub(super) alpha: R,
+    pub(super) eta: R,
+    pub(super) cover: R,
+    /// Which lobes lie above, by point; a bit set for all of them.
+    pub(super) under: &'a [u32],
+    pub(super) under_any: u32,
+    pub(super) covers: bool,
+}
+
+/// Points' lobes in one place of their lists, seen from one direction each.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenLobe<R> {
+    pub(super) kind: R,
+    pub(super) kinds: u32,
+    pub(super) normal: Vector<R>,
+    /// Where it is seen from, raised to where that sees the front, and its cosine.
+    pub(super) wo: Vector<R>,
+    pub(super) cos: R,
+    /// Multiplied to its values, but for what the layers above leave: `left` of that from where it is seen.
+    pub(super) weight: Vector<R>,
+    pub(super) left: Vector<R>,
+    pub(super) a: Vector<R>,
+    pub(super) b: Vector<R>,
+    pub(super) c: Vector<R>,
+    /// Colour of further bounces between facets.
+    pub(super) more: Vector<R>,
+    pub(super) alpha: R,
+    pub(super) eta: R,
+    /// Smith's auxiliary function, and what facets lose after one bounce.
+    pub(super) hidden: R,
+    pub(super) lost: R,
+    /// Chance that it is drawn from; that further bounces are, if it is.
+    pub(super) chance: R,
+    pub(super) share_of_more: R,
+    pub(super) cover: R,
+    pub(super) covers: bool,
+    /// Bits of the points below each of the lobes before.
+    pub(super) under: [u32; MOST],
+    pub(super) under_any: u32,
+}
+
+impl<R: Real> SeenLobe<R> {
+    #[inline(always)]
+    pub(super) fn none(like: R) -> Self {
+        let (zero, black) = (like.all(0.0), Vector::grey(like.all(0.0)));
+        Self {
+            kind: zero,
+            kinds: 0,
+            normal: black,
+            wo: black,
+            cos: zero,
+            weight: black,
+            left: black,
+            a: black,
+            b: black,
+            c: black,
+            more: black,
+            alpha: zero,
+            eta: zero,
+            hidden: zero,
+            lost: zero,
+            chance: zero,
+            share_of_more: zero,
+            cover: zero,
+            covers: false,
+            under: [0; MOST],
+            under_any: 0,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn has(&self, kind: Kind) -> bool {
+        self.kinds & kind.bit() != 0
+    }
+
+    #[inline(always)]
+    pub(super) fn is(&self, kind: Kind) -> R::Mask {
+        self.kind.is(self.kind.all(kind as u32 as f32))
+    }
+
+    #[inline(always)]
+    pub(super) fn glass(&self, thin: bool) -> (Glass<R>, SeenGlass<R>) {
+        let glass = Glass { alpha: self.alpha, eta: self.eta, tints: [self.a, self.b], losses: self.c, thin };
+        (glass, SeenGlass { hidden: self.hidden, lost: self.lost })
+    }
+
+    /// Fills in what follows from the view; says which share of light the lobe scatters, without its weight.
+    #[inline(always)]
+    pub(super) fn look(&mut self) -> Vector<R> {
+        let (zero, one) = (self.cos.all(0.0), self.cos.all(1.0));
+        let mut albedo = Vector::grey(zero);
+        if self.has(Kind::Diffuse) {
+            let is = self.is(Kind::Diffuse);
+            let smooth = self.alpha.is(zero);
+            let mut white = one;
+            if R::bits(is & !smooth) != 0 {
+                white = R::pick(smooth, one, oren_nayar::white_once(self.alpha, self.cos));
+            }
+            let rough = oren_nayar::albedo(self.a, self.alpha, white);
+            // What is kept of one bounce stands in the place of what facets lose.
+            self.lost = R::pick(is, white, self.lost);
+            albedo = Vector::pick(is, Vector::pick(smooth, self.a, rough), albedo);
+        }
+        if self.has(Kind::Facets) || self.has(Kind::Metal) {
+            let metal = self.is(Kind::Metal);
+            let is = self.is(Kind::Facets) | metal;
+            let ggx = Ggx::from_alpha(self.alpha);
+            let energy = Energy::of(ggx);
+            let split = energy.split(self.cos);
+            let lost_here = lost(split);
+            let average = Vector::pick(metal, self.c, fresnel::schlick_average(self.a, self.b));
+            let more = energy.more(average);
+            let schlick = self.a * split[0] + self.b * split[1];
+            let once = Vector::pick(metal, self.c * lost_here.rest(), schlick);
+            let further = more * lost_here;
+            let (by_facets, by_cosine) = (once.max_element(), further.max_element());
+            let both = (by_facets + by_cosine).or_more(one.all(f32::MIN_POSITIVE));
+            self.share_of_more = R::pick(is, by_cosine / both, self.share_of_more);
+            self.more = Vector::pick(is, more, self.more);
+            self.lost = R::pick(is, lost_here * energy.more_scale(), self.lost);
+            self.hidden = R::pick(is, ggx.lambda(self.cos), self.hidden);
+            albedo = Vector::pick(is, once + further, albedo);
+        }
+        for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
+            if self.has(kind) {
+                let is = self.is(kind);
+                let (glass, _) = self.glass(thin);
+                let seen = glass.seen(self.cos);
+                self.lost = R::pick(is, seen.lost, self.lost);
+                self.hidden = R::pick(is, seen.hidden, self.hidden);
+                // About: facets mirror as the plane does, blurred.
+                let blurred = self.cos + (one.all(0.7) - self.cos) * (self.alpha * 0.5);
+                let mirrored = glass.mirrored(blurred);
+                albedo = Vector::pick(is, self.b + (self.a - self.b) * mirrored, albedo);
+            }
+        }
+        if self.has(Kind::Sheen) {
+            let is = self.is(Kind::Sheen);
+            albedo = Vector::pick(is, Vector::grey(sheen::albedo(self.alpha, self.cos)), albedo);
+        }
+        if self.has(Kind::Mirror) {
+            albedo = Vector::pick(self.is(Kind::Mirror), self.a, albedo);
+        }
+        if self.has(Kind::SmoothGlass) || self.has(Kind::SmoothPane) {
+            let is = self.is(Kind::SmoothGlass) | self.is(Kind::SmoothPane);
+            let mirrored = self.mirrored_by_plane();
+            albedo = Vector::pick(is, self.a * mirrored + self.b * mirrored.rest(), albedo);
+        }
+        albedo
+    }
+
+    /// Share of light that smooth glass mirrors.
+    #[inline(always)]
+    fn mirrored_by_plane(&self) -> R {
+        let once = fresnel::dielectric(self.cos, self.eta);
+        R::pick(self.is(Kind::SmoothPane), dielectric::pane(once), once)
+    }
+
+    /// Share of light that a lobe which covers others sends back, towards the cosine `cos`; `split` is that of its facets there.
+    #[inline(always)]
+    pub(super) fn sent_back(&self, cos: R, split: [R; 2]) -> Vector<R> {
+        let facets = self.a * split[0] + self.b * split[1] + self.more * lost(split);
+        let is_facets = self.is(Kind::Facets);
+        let mut back = Vector::pick(is_facets, facets, self.c);
+        if self.has(Kind::Sheen) {
+            back = Vector::pick(self.is(Kind::Sheen), Vector::grey(sheen::albedo(self.alpha, cos)), back);
+        }
+        let flat = self.is(Kind::Diffuse) | self.is(Kind::Mirror);
+        back = Vector::pick(flat, self.a, back);
+        let clear = !(is_facets | self.is(Kind::Sheen) | self.is(Kind::Metal) | flat);
+        Vector::pick(clear, Vector::grey(cos.all(0.0)), back) * self.cover
+    }
+
+    #[inline(always)]
+    pub(super) fn split(&self, cos: R) -> [R; 2] {
+        if self.has(Kind::Facets) || self.has(Kind::Metal) {
+            Energy::of(Ggx::from_alpha(self.alpha)).split(cos)
+        } else {
+            [cos.all(0.0); 2]
+        }
+    }
+
+    /// Points that lie below lobe `j`.
+    #[inline(always)]
+    pub(super) fn below(&self, j: usize) -> R::Mask {
+        self.cos.points(u64::from(self.under[j]))
+    }
+
+    /// Value times the cosine, without weight, and density for `wi` at the cosine `i`, on the side `above` of the point;
+    /// `split` is that of facets at `i`.
+    #[inline(always)]
+    fn eval_pdf(&self, wi: Vector<R>, i: R, above: R::Mask, split: [R; 2]) -> (Vector<R>, R) {
+        let zero = i.all(0.0);
+        let mut value = Vector::grey(zero);
+        let mut pdf = zero;
+        let front = above & i.above(zero);
+        let i_front = i.or_more(i.all(1e-20));
+        let by_cosine = i_front * FRAC_1_PI;
+        if self.has(Kind::Diffuse) {
+            let is = self.is(Kind::Diffuse) & front;
+            let smooth = self.alpha.is(zero);
+            let mut diffuse = self.a * by_cosine;
+            if R::bits(is & !smooth) != 0 {
+                let rough =
+                    oren_nayar::eval(self.a, self.alpha, self.lost, self.wo.dot(wi), [self.cos, i_front]);
+                diffuse = Vector::pick(smooth, diffuse, rough);
+            }
+            (value, pdf) = (Vector::pick(is, diffuse, value), R::pick(is, by_cosine, pdf));
+        }
+        let facets = Kind::Facets.bit() | Kind::Metal.bit() | Kind::Sheen.bit();
+        if self.kinds & facets != 0 {
+            let h = (self.wo + wi).normalize_or(self.normal);
+            let sin2 = self.normal.cross(h).length_squared();
+            if self.has(Kind::Facets) || self.has(Kind::Metal) {
+                let is = (self.is(Kind::Facets) | self.is(Kind::Metal)) & front;
+                let ggx = Ggx::from_alpha(self.alpha);
+                let density = ggx.density(self.normal.dot(h), sin2) / (self.cos * 4.0);
+                let (one, cos_h) = (i.all(1.0), self.wo.dot(h));
+                let lobe = density / (self.hidden + ggx.lambda(i_front) + one);
+                let rise = fresnel::schlick_rise(cos_h);
+                let mut reflectance = self.a + (self.b - self.a) * rise;
+                if self.has(Kind::Metal) {
+                    let metal = self.a.with(
+                        self.b,
+                        #[inline(always)]
+                        |eta, k| fresnel::conductor(cos_h, eta, k),
+                    );
+                    reflectance = Vector::pick(self.is(Kind::Metal), metal, reflectance);
+                }
+                let further = self.more * (self.lost * lost(split) * i_front);
+                let mixed = self.share_of_more.rest() * density / (self.hidden + one)
+                    + self.share_of_more * by_cosine;
+                value = Vector::pick(is, reflectance * lobe + further, value);
+                pdf = R::pick(is, mixed, pdf);
+            }
+            if self.has(Kind::Sheen) {
+                let is = self.is(Kind::Sheen) & front;
+                let lobe = sheen::lobe_cos(self.alpha, [self.cos, i_front], sin2.root());
+                (value, pdf) = (Vector::pick(is, Vector::grey(lobe), value), R::pick(is, by_cosine, pdf));
+            }
+        }
+        for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
+            if self.has(kind) {
+                let (glass, seen) = self.glass(thin);
+                let (light, density) = glass.eval_pdf(seen, self.normal, [self.wo, wi], [self.cos, i]);
+                // Both normals must say the same of the side.
+                let is = self.is(kind) & (front | (!above & zero.above(i)));
+                (value, pdf) = (Vector::pick(is, light, value), R::pick(is, density, pdf));
+            }
+        }
+        (value, pdf)
+    }
+}
+
+/// A direction and its share of the light.
+type Branch<R> = (Vector<R>, Vector<R>);
+
+impl<R: Real> SeenLobe<R> {
+    /// `next` where the mask says so.
+    #[inline(always)]
+    pub(super) fn or_with(self, mask: R::Mask, next: &Self) -> Self {
+        Self {
+            kind: R::pick(mask, next.kind, self.kind),
+            kinds: self.kinds | next.kinds,
+            normal: Vector::pick(mask, next.normal, self.normal),
+            wo: Vector::pick(mask, next.wo, self.wo),
+            cos: R::pick(mask, next.cos, self.cos),
+            weight: Vector::pick(mask, next.weight, self.weight),
+            left: Vector::pick(mask, next.left, self.left),
+            a: Vector::pick(mask, next.a, self.a),
+            b: Vector::pick(mask, next.b, self.b),
+            c: Vector::pick(mask, next.c, self.c),
+            alpha: R::pick(mask, next.alpha, self.alpha),
+            eta: R::pick(mask, next.eta, self.eta),
+            hidden: R::pick(mask, next.hidden, self.hidden),
+            lost: R::pick(mask, next.lost, self.lost),
+            chance: R::pick(mask, next.chance, self.chance),
+            share_of_more: R::pick(mask, next.share_of_more, self.share_of_more),
+            ..self
+        }
+    }
+
+    /// Where delta lobes send light, mirrored and through, in the frame of `wo`, with its share of the light; and the
+    /// probability with which the former is followed.
+    #[inline(always)]
+    pub(super) fn branches(&self, wo: Vector<R>) -> ([Branch<R>; 2], R) {
+        let (zero, one) = (wo.z.all(0.0), wo.z.all(1.0));
+        let mirrored = Vector::new(-wo.x, -wo.y, wo.z);
+        let is_mirror = self.is(Kind::Mirror);
+        let share = R::pick(is_mirror, one, self.mirrored_by_plane());
+        let (bent, some) = dielectric::refract(wo, Vector::all(one, Vec3::Z), self.eta);
+        let pane = self.is(Kind::SmoothPane);
+        let (through, some) = (Vector::pick(pane, -wo, bent), some | pane);
+        let lights = [self.a * share, self.b * share.rest()];
+        let lights = [lights[0], Vector::pick(some & !is_mirror, lights[1], Vector::grey(zero))];
+        let [a, b] = lights.map(
+            #[inline(always)]
+            |light| light.sum(),
+        );
+        let chance = R::pick((a + b).above(zero), a / (a + b), one);
+        ([(mirrored, lights[0]), (through, lights[1])], chance)
+    }
+}
+
+/// Value and density of lobes at points with these normals.
+#[inline(always)]
+pub(super) fn eval_pdf<R: Real>(
+    count: usize,
+    at: impl Fn(usize) -> SeenLobe<R>,
+    normal: Vector<R>,
+    wi: Vector<R>,
+) -> (Vector<R>, R) {
+    let zero = wi.x.all(0.0);
+    let above = normal.dot(wi).above(zero);
+    let (mut value, mut pdf) = (Vector::grey(zero), zero);
+    let mut left = [Vector::grey(zero); MOST];
+    for k in 0..count.min(MOST) {
+        let lobe = at(k);
+        let i = lobe.normal.dot(wi);
+        let split = lobe.split(i.size());
+        if lobe.covers {
+            left[k] = lobe.sent_back(i.size(), split).rest();
+        }
+        let (light, density) = lobe.eval_pdf(wi, i, above, split);
+        let mut weight = lobe.weight;
+        if lobe.under_any != 0 {
+            let mut rest = Vector::grey(zero.all(1.0));
+            for (j, &left) in left.iter().enumerate() {
+                if lobe.under_any >> j & 1 != 0 {
+                    rest = Vector::pick(lobe.below(j), rest * left, rest);
+                }
+            }
+            weight = weight * rest.min(lobe.left);
+        }
+        value = value + light * weight;
+        pdf = pdf + density * lobe.chance;
+    }
+    (value, pdf)
+}
+
+impl<'a> LobesAt<'a, f32> {
+    /// That of one point.
+    pub(super) fn of_point(lobe: &'a Lobe) -> Self {
+        Self {
+            kind: lobe.kind as u32 as f32,
+            kinds: lobe.kind.bit(),
+            weight: lobe.weight.into(),
+            normal: lobe.normal.into(),
+            a: lobe.a.into(),
+            b: lobe.b.into(),
+            c: lobe.c.into(),
+            alpha: lobe.alpha,
+            eta: lobe.eta,
+            cover: lobe.cover,
+            under: std::slice::from_ref(&lobe.under),
+            under_any: lobe.under,
+            covers: lobe.cover > 0.0,
+        }
+    }
+}
