@@ -196,15 +196,14 @@ def main():
         tests = [n for n in tests if n in options.only]
     elif options.tier != "all":
         tests = [n for n in tests if tier(suite, n) == options.tier]
-    with ThreadPoolExecutor(options.j) as pool:
-        results = list(pool.map(lambda n: (n, Test(suite, program, n, options.keep).run()), tests))
     good = 0
-    for name, why in results:
-        good += not why
-        if why:
-            print(f"FAIL {name}: " + " | ".join(why[: 9 if options.v else 1]))
-    print(f"{good} of {len(results)} tests of tier {options.tier} pass")
-    return 0 if good == len(results) else 1
+    with ThreadPoolExecutor(options.j) as pool:
+        for name, why in pool.map(lambda n: (n, Test(suite, program, n, options.keep).run()), tests):
+            good += not why
+            if why:
+                print(f"FAIL {name}: " + " | ".join(why[: 9 if options.v else 1]), flush=True)
+    print(f"{good} of {len(tests)} tests of tier {options.tier} pass")
+    return 0 if good == len(tests) else 1
 
 
 if __name__ == "__main__":
