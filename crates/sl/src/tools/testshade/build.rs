@@ -129,7 +129,11 @@ pub(super) fn group(options: &Options, console: &mut Console<'_>) -> Option<Grou
             Setup::Expr(text) => {
                 let name = format!("expr_{expressions}");
                 expressions += 1;
-                let shader = loader.compile(&name, &expression(&name, text), console)?;
+                let text = expression(&name, text);
+                if options.verbose {
+                    console.print(&format!("Expression-based shader text is:\n---\n{text}---\n"));
+                }
+                let shader = loader.compile(&name, &text, console)?;
                 group.add(shader, layer.take().as_deref(), &pending, &mut said);
                 pending.clear();
             }

@@ -186,7 +186,9 @@ fn keep(options: &Options, machine: &Machine<'_>, output: &mut Output, console: 
     let (words, numbers): (Vec<String>, Vec<f32>) = match machine.output(Some(output.layer), &output.name) {
         Some((_, Data::Float(list))) => (list.iter().map(|&f| general(f64::from(f), 6)).collect(), list),
         Some((_, Data::Int(list))) => {
-            (list.iter().map(ToString::to_string).collect(), list.iter().map(|&v| v as f32).collect())
+            // Pictures hold ints as parts of the largest one.
+            let parts = list.iter().map(|&v| v as f32 / i32::MAX as f32).collect();
+            (list.iter().map(ToString::to_string).collect(), parts)
         }
         _ => return,
     };
