@@ -33,12 +33,18 @@ const LAMP: u32 = 71;
 /// What is edited, by the number of the run.
 type Change = fn(&mut Scene, usize);
 
-const EDITS: [(&str, Change); 8] = [
+const EDITS: [(&str, Change); 9] = [
     ("nothing", |_, _| ()),
     ("camera", |scene, run| scene.edit_camera(gnurt::scene::CameraId(0)).eye[0] += run as f32 + 1.0),
     ("one matrix", |scene, run| {
         let middle = InstanceId(scene.instances().len() as u32 / 2);
         scene.edit_instance(middle).world_from_object.columns[3][1] += 0.1 * (run + 1) as f64;
+    }),
+    ("1,000 matrices", |scene, run| {
+        let count = scene.instances().len();
+        for id in (0..count as u32).step_by(count.div_ceil(1000)).skip(1) {
+            scene.edit_instance(InstanceId(id)).world_from_object.columns[3][1] += 0.1 * (run + 1) as f64;
+        }
     }),
     ("one shader parameter", |scene, run| {
         let base_color = Color::constant([0.1 * run as f32 + 0.2; 3]);
