@@ -29,8 +29,6 @@ pub enum Motion {
 pub enum Update {
     /// Boxes were fitted; the tree is the one that it was.
     Refitted,
-    /// Boxes were fitted, and the subtrees that had suffered most were built again.
-    PartlyRebuilt,
     /// All was built again.
     Rebuilt,
 }

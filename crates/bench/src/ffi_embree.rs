@@ -91,6 +91,8 @@ impl Arguments {
 }
 
 const COHERENT: c_uint = 1 << 16;
+/// RTC_BUILD_QUALITY_LOW.
+const LOW: c_int = 0;
 const GEOMETRY_TRIANGLE: c_int = 0;
 const BUFFER_INDEX: c_int = 0;
 const BUFFER_VERTEX: c_int = 1;
@@ -312,6 +314,10 @@ impl<'a> Scene<'a> {
         // one vertex behind the last that is used makes 16 bytes readable from each.
         let scene = unsafe {
             let geometry = (library.new_geometry)(device.raw, GEOMETRY_TRIANGLE);
+            if quality == LOW {
+                // The scene's quality alone builds the mesh as ever.
+                (library.set_geometry_quality)(geometry, LOW);
+            }
             let (vertices, triangles) = (padded.as_ptr().cast(), indices.as_ptr().cast());
             let share = library.share_buffer;
             share(geometry, BUFFER_VERTEX, 0, FORMAT_FLOAT3, vertices, 0, 12, padded.len() - 1);
@@ -395,7 +401,6 @@ impl<'a> MovingScene<'a> {
         indices: &'a [[u32; 3]],
     ) -> Result<Self, String> {
         const REFIT: c_int = 3;
-        const LOW: c_int = 0;
         const DYNAMIC: c_int = 1;
         let highest = indices.iter().flatten().max().map_or(0, |&i| i as usize + 1);
         assert!(highest < padded.len(), "index {highest} needs a vertex and one behind it: {}", padded.len());

@@ -52,7 +52,7 @@ pub fn ops_mut(block: &mut Block, visit: &mut dyn FnMut(&mut Op)) {
 }
 
 /// Calls `visit` for every use of a symbol.
-pub fn uses(block: &Block, visit: &mut dyn FnMut(SymId, Use)) {
+pub fn uses(block: &[Node], visit: &mut dyn FnMut(SymId, Use)) {
     for node in block {
         match node {
             Node::Op(op) => {

@@ -15,7 +15,8 @@ pub fn fold(shader: &mut Shader, known: &HashMap<SymId, Data>) {
     loop {
         let mut writes = vec![0_u32; shader.symbols.len()];
         uses(&shader.code, &mut |id, usage| writes[id as usize] += u32::from(usage == Use::Write));
-        let mut folder = Folder { shader, known, writes: &writes, made: HashMap::new(), changed: false };
+        let (made, now) = (HashMap::new(), HashMap::new());
+        let mut folder = Folder { shader, known, writes: &writes, made, now, changed: false };
         let mut code = std::mem::take(&mut folder.shader.code);
         code = folder.block(code);
         let (made, mut changed) = (std::mem::take(&mut folder.made), folder.changed);
@@ -38,6 +39,8 @@ struct Folder<'a> {
     writes: &'a [u32],
     /// Symbols that turn out to be constants.
     made: HashMap<SymId, Data>,
+    /// What the compiler's own variables hold where the folder is, also those that are written more than once.
+    now: HashMap<SymId, Data>,
     changed: bool,
 }
 
@@ -53,8 +56,25 @@ impl Folder<'_> {
         match symbol.kind {
             SymbolKind::Const => symbol.value.as_ref(),
             SymbolKind::Param => self.known.get(&id),
-            _ => self.made.get(&id),
+            _ => self.made.get(&id).or_else(|| self.now.get(&id)),
         }
+    }
+
+    /// What these nodes write is not known behind them.
+    fn forget(&mut self, nodes: &[Node]) {
+        uses(nodes, &mut |id, usage| {
+            if usage == Use::Write {
+                self.now.remove(&id);
+            }
+        });
+    }
+
+    /// Nodes that may run or not, or several times: what they begin with is what is known, not what they end with.
+    fn inner(&mut self, block: Block) -> Block {
+        let before = self.now.clone();
+        let block = self.block(block);
+        self.now = before;
+        block
     }
 
     fn number(&self, id: SymId) -> Option<Number> {
@@ -70,11 +90,19 @@ impl Folder<'_> {
         for node in block {
             match node {
                 Node::Op(op) => match self.operation(&op) {
-                    Some((id, data)) => {
+                    Some((id, data)) if self.writes[id as usize] == 1 => {
                         self.made.insert(id, data);
                         self.changed = true;
                     }
-                    None => out.push(Node::Op(op)),
+                    Some((id, data)) => {
+                        self.now.insert(id, data);
+                        out.push(Node::Op(op));
+                    }
+                    None => {
+                        let node = Node::Op(op);
+                        self.forget(std::slice::from_ref(&node));
+                        out.push(node);
+                    }
                 },
                 Node::If { condition, yes, no, at } => match self.number(condition) {
                     Some(number) => {
@@ -82,9 +110,16 @@ impl Folder<'_> {
                         self.changed = true;
                         out.extend(self.block(if taken { yes } else { no }));
                     }
-                    None => out.push(Node::If { condition, yes: self.block(yes), no: self.block(no), at }),
+                    None => {
+                        let node = Node::If { condition, yes: self.inner(yes), no: self.inner(no), at };
+                        self.forget(std::slice::from_ref(&node));
+                        out.push(node);
+                    }
                 },
                 Node::Loop { word, init, test, condition, body, step, at } => {
+                    for part in [&init, &test, &body, &step] {
+                        self.forget(part);
+                    }
                     let init = self.block(init);
                     let test = self.block(test);
                     let never = word != "dowhile" && matches!(self.number(condition), Some(Number::Int(0)));
@@ -94,10 +129,18 @@ impl Folder<'_> {
                         out.extend(test);
                         continue;
                     }
-                    let (body, step) = (self.block(body), self.block(step));
-                    out.push(Node::Loop { word, init, test, condition, body, step, at });
+                    let body = self.inner(body);
+                    self.forget(&body);
+                    let step = self.inner(step);
+                    let node = Node::Loop { word, init, test, condition, body, step, at };
+                    self.forget(std::slice::from_ref(&node));
+                    out.push(node);
                 }
-                Node::Call { name, body, at } => out.push(Node::Call { name, body: self.block(body), at }),
+                Node::Call { name, body, at } => {
+                    let node = Node::Call { name, body: self.inner(body), at };
+                    self.forget(std::slice::from_ref(&node));
+                    out.push(node);
+                }
             }
         }
         out
@@ -107,10 +150,8 @@ impl Folder<'_> {
     fn operation(&self, op: &Op) -> Option<(SymId, Data)> {
         let (&out, args) = op.args.split_first()?;
         let symbol = self.shader.symbol(out);
-        let once =
-            matches!(symbol.kind, SymbolKind::Temp | SymbolKind::Local) && self.writes[out as usize] == 1;
         // A variable that is declared may be read before it is written, in a loop: only what the compiler made is sure.
-        if !once || symbol.kind == SymbolKind::Local || symbol.derivs && symbol.ty != Type::INT {
+        if symbol.kind != SymbolKind::Temp || symbol.derivs && symbol.ty != Type::INT {
             return None;
         }
         if (&*op.name == "neq" || &*op.name == "eq")
