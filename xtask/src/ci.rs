@@ -22,7 +22,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
 
     let promises = readme::promises()?;
     run_words(&promises.test)?;
-    installed::check()?;
+    installed::check(&[])?;
     python::run(&[])?;
     first_command(&promises)?;
     eprintln!("all checks passed");

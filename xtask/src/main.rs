@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | python | dist`. Source: original.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | dist`. Source: original.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
@@ -24,7 +24,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 5] = [
+const CHORES: [Chore; 6] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -45,6 +45,11 @@ const CHORES: [Chore; 5] = [
         about: "build the Python package's compiled part, and run its tests",
         run: python::run,
     },
+    Chore {
+        name: "installed",
+        about: "install what the tests have built, and use it",
+        run: installed::check,
+    },
     Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },
 ];
 
@@ -60,7 +65,7 @@ fn main() -> ExitCode {
 }
 
 fn dispatch(arguments: &[String]) -> Result<(), Failure> {
-    let list = || CHORES.map(|chore| format!("\n  {:<8} {}", chore.name, chore.about)).concat();
+    let list = || CHORES.map(|chore| format!("\n  {:<9} {}", chore.name, chore.about)).concat();
     let Some((name, rest)) = arguments.split_first() else {
         return Err(format!("which chore? one of:{}", list()));
     };
