@@ -53,7 +53,7 @@ impl Asked {
                     };
                     let query = Query { coherence: rays.coherence(&slices), ..Query::default() };
                     let traced =
-                        ask!(&*self.trees, tree => tree.intersect_slices(&query, &slices, self.workers.threads(), &mut into));
+                        ask!(self.trees, tree => tree.intersect_slices(&query, &slices, self.workers.threads(), &mut into));
                     traced.expect("arrays were made for these rays");
                     for i in 0..range.len() {
                         ids.push([prim[i], geom[i], inst[i], leaf[i]]);
@@ -84,7 +84,7 @@ impl Asked {
             py.detach(|| {
                 let mut occluded = vec![false; part.len()];
                 let query = Query { coherence: rays.coherence(&slices), ..Query::default() };
-                let traced = ask!(&*self.trees, tree => tree.occluded_slices(&query, &slices, self.workers.threads(), &mut occluded));
+                let traced = ask!(self.trees, tree => tree.occluded_slices(&query, &slices, self.workers.threads(), &mut occluded));
                 traced.expect("an array was made for these rays");
                 part.iter_mut().zip(occluded).for_each(|(into, is)| *into = u8::from(is));
             });
@@ -102,7 +102,7 @@ impl Asked {
                 let of = |part: &[Ray64]| {
                     let (mut hits, mut counts, mut one) = (Vec::new(), Vec::new(), Vec::new());
                     for ray in part {
-                        ask!(&*self.trees, tree => tree.first_hits(&Query::default(), ray, most, &mut one));
+                        ask!(self.trees, tree => tree.first_hits(&Query::default(), ray, most, &mut one));
                         hits.extend_from_slice(&one);
                         counts.push(one.len() as i64);
                     }
@@ -154,7 +154,7 @@ impl Asked {
             let part = &mut all[range];
             py.detach(|| {
                 let mut counts = Vec::new();
-                ask!(&*self.trees, tree => tree.crossings_batch(&Query::default(), &list, self.workers.threads(), &mut counts));
+                ask!(self.trees, tree => tree.crossings_batch(&Query::default(), &list, self.workers.threads(), &mut counts));
                 part.copy_from_slice(&counts);
             });
             py.check_signals()?;
@@ -167,7 +167,7 @@ impl Asked {
         for (points, part) in points.chunks(POINTS).zip(answers.all().chunks_mut(POINTS)) {
             py.detach(|| {
                 let mut inside = Vec::new();
-                ask!(&*self.trees, tree => tree.contains_batch(&Query::default(), points, self.workers.threads(), &mut inside));
+                ask!(self.trees, tree => tree.contains_batch(&Query::default(), points, self.workers.threads(), &mut inside));
                 part.iter_mut().zip(inside).for_each(|(into, is)| *into = u8::from(is));
             });
             py.check_signals()?;
@@ -183,11 +183,11 @@ impl Asked {
                 let (query, threads) = (Query::default(), self.workers.threads());
                 if signed {
                     let mut distances = Vec::new();
-                    ask!(&*self.trees, tree => tree.signed_distance_batch(&query, points, threads, &mut distances));
+                    ask!(self.trees, tree => tree.signed_distance_batch(&query, points, threads, &mut distances));
                     part.copy_from_slice(&distances);
                 } else {
                     let mut hits = Vec::new();
-                    ask!(&*self.trees, tree => tree.closest_points(&query, points, f64::INFINITY, threads, &mut hits));
+                    ask!(self.trees, tree => tree.closest_points(&query, points, f64::INFINITY, threads, &mut hits));
                     let distance = |hit: &Option<PointHit>| hit.map_or(f64::INFINITY, |hit| hit.distance);
                     part.iter_mut().zip(&hits).for_each(|(into, hit)| *into = distance(hit));
                 }
@@ -197,29 +197,48 @@ impl Asked {
         Ok(answers.done())
     }
 
-    /// Points, distances, primitives and geometries.
-    pub(crate) fn closest_point(self, py: Python<'_>, points: &[[f64; 3]]) -> PyResult<[Py<PyAny>; 4]> {
+    /// Points, distances, primitives and geometries; weights of the second and third corner and unit normals, too, if `detailed`.
+    pub(crate) fn closest_point(
+        self,
+        py: Python<'_>,
+        points: &[[f64; 3]],
+        detailed: bool,
+    ) -> PyResult<Vec<Py<PyAny>>> {
         let n = points.len();
         let [mut at, mut distance] = [New::<f64>::empty(py, n, 3)?, New::empty(py, n, 1)?];
         let [mut prim, mut geom] = [New::<u32>::empty(py, n, 1)?, New::empty(py, n, 1)?];
+        let m = if detailed { n } else { 0 };
+        let [mut uv, mut normal] = [New::<f32>::empty(py, m, 2)?, New::empty(py, m, 3)?];
         {
             let (at, distance, prim, geom) = (at.all(), distance.all(), prim.all(), geom.all());
+            let (uv, normal) = (uv.all(), normal.all());
             for (block, points) in points.chunks(POINTS).enumerate() {
-                let mut hits = Vec::new();
                 py.detach(|| {
-                    ask!(&*self.trees, tree => tree.closest_points(&Query::default(), points, f64::INFINITY, self.workers.threads(), &mut hits));
+                    let mut hits = Vec::new();
+                    ask!(self.trees, tree => tree.closest_points(&Query::default(), points, f64::INFINITY, self.workers.threads(), &mut hits));
+                    for (i, hit) in hits.iter().enumerate() {
+                        let i = block * POINTS + i;
+                        let point = hit.map_or([f64::NAN; 3], |hit| hit.point);
+                        at[3 * i..3 * i + 3].copy_from_slice(&point);
+                        distance[i] = hit.map_or(f64::INFINITY, |hit| hit.distance);
+                        prim[i] = hit.map_or(u32::MAX, |hit| hit.prim_id);
+                        geom[i] = hit.map_or(u32::MAX, |hit| self.trees.ids(hit.geom_id, hit.inst_id).0);
+                        if detailed {
+                            let ids = hit.map(|hit| [hit.prim_id, hit.geom_id, hit.inst_id, hit.leaf_id]);
+                            uv[2 * i..2 * i + 2]
+                                .copy_from_slice(&hit.map_or([0.0; 2], |hit| [hit.u, hit.v]));
+                            normal[3 * i..3 * i + 3]
+                                .copy_from_slice(&ids.map_or([0.0; 3], |ids| self.trees.normal(ids)));
+                        }
+                    }
                 });
-                for (i, hit) in hits.iter().enumerate() {
-                    let i = block * POINTS + i;
-                    let point = hit.map_or([f64::NAN; 3], |hit| hit.point);
-                    at[3 * i..3 * i + 3].copy_from_slice(&point);
-                    distance[i] = hit.map_or(f64::INFINITY, |hit| hit.distance);
-                    prim[i] = hit.map_or(u32::MAX, |hit| hit.prim_id);
-                    geom[i] = hit.map_or(u32::MAX, |hit| self.trees.ids(hit.geom_id, hit.inst_id).0);
-                }
                 py.check_signals()?;
             }
         }
-        Ok([at.done(), distance.done(), prim.done_as("int32")?, geom.done_as("int32")?])
+        let mut all = vec![at.done(), distance.done(), prim.done_as("int32")?, geom.done_as("int32")?];
+        if detailed {
+            all.extend([uv.done(), normal.done()]);
+        }
+        Ok(all)
     }
 }

@@ -16,10 +16,14 @@ pub(crate) struct Mesh {
     pub(crate) faces: Py<PyAny>,
     /// Columns of an affine map.
     pub(crate) place: Option<[[f64; 3]; 4]>,
+    /// Which edit of the scene gave it these vertices; edits count from 1.
+    pub(crate) shape: u64,
+    /// Which edit gave it these vertices or this place.
+    pub(crate) state: u64,
 }
 
 /// A mesh shown once more.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     pub(crate) geom_id: u32,
     pub(crate) place: [[f64; 3]; 4],
@@ -69,17 +73,23 @@ impl Mesh {
             vertices: kept(&of_type(&given, "float32")?, &given)?,
             faces: kept(&of_type(&found, "uint32")?, &found)?,
             place: place.map(|place| transform("transform", place)).transpose()?,
+            shape: 0,
+            state: 0,
         })
     }
 
     /// The same arrays.
     pub(crate) fn shared(&self, py: Python<'_>) -> Self {
-        let Self { vertices, faces, place } = self;
-        Self { vertices: vertices.clone_ref(py), faces: faces.clone_ref(py), place: *place }
+        Self { vertices: self.vertices.clone_ref(py), faces: self.faces.clone_ref(py), ..*self }
     }
 
-    /// The same mesh with other vertices: as many.
-    pub(crate) fn moved(&self, py: Python<'_>, vertices: &Bound<'_, PyAny>, copy: bool) -> PyResult<Self> {
+    /// Other vertices for it, checked: as many.
+    pub(crate) fn moved(
+        &self,
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        copy: bool,
+    ) -> PyResult<Py<PyAny>> {
         let new = Self::new(vertices, self.faces.bind(py), None, copy)?;
         let count = |mesh: &Self| mesh.vertices.bind(py).len();
         if count(&new)? != count(self)? {
@@ -88,7 +98,7 @@ impl Mesh {
                 "vertices: expected shape ({expected}, 3) as before, not ({found}, 3)"
             )));
         }
-        Ok(Self { place: self.place, faces: self.faces.clone_ref(py), vertices: new.vertices })
+        Ok(new.vertices)
     }
 
     pub(crate) fn positions(&self, py: Python<'_>) -> PyResult<Vec<[f32; 3]>> {

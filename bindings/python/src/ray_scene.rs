@@ -21,8 +21,25 @@ use crate::trees::{Plan, Trees};
 struct State {
     meshes: Vec<Option<Mesh>>,
     instances: Vec<Option<Placed>>,
-    /// `None` after a change.
-    trees: Option<Arc<Trees>>,
+    /// How often the above were changed.
+    edits: u64,
+    /// The last trees that were built, and after how many edits.
+    trees: Option<(u64, Arc<Trees>)>,
+}
+
+impl State {
+    /// The number of an edit that is being made, from 1 on.
+    fn edit(&mut self) -> u64 {
+        self.edits += 1;
+        self.edits
+    }
+}
+
+/// Trees as a query finds them.
+enum Found {
+    UpToDate(Arc<Trees>),
+    /// What is to be built, and after how many edits.
+    Due(Plan, u64),
 }
 
 /// Triangle meshes to be asked with rays and points. Every query may be called from several threads at once.
@@ -49,17 +66,25 @@ impl RayScene {
 
     fn asked(&self, py: Python<'_>, threads: usize) -> PyResult<Asked> {
         let workers = Workers::new(threads)?;
-        let known = self.with(py, |state| match &state.trees {
-            Some(trees) => Ok((Some(trees.clone()), None)),
-            None => Plan::new(py, &state.meshes, &state.instances).map(|plan| (None, Some(plan))),
+        let found = self.with(py, |state| match &state.trees {
+            Some((edits, trees)) if *edits == state.edits => Ok(Found::UpToDate(trees.clone())),
+            before => {
+                let before = before.as_ref().map(|(_, trees)| trees.clone());
+                let plan = Plan::new(py, &state.meshes, &state.instances, before)?;
+                PyResult::Ok(Found::Due(plan, state.edits))
+            }
         })?;
-        let trees = match known {
-            (Some(trees), _) => trees,
-            (None, plan) => {
-                let plan = plan.ok_or_else(|| PyValueError::new_err("nothing to build"))?;
+        let trees = match found {
+            Found::UpToDate(trees) => trees,
+            Found::Due(plan, edits) => {
                 // Two threads that come at once both build; the answers are the same.
                 let trees = Arc::new(py.detach(|| plan.build(workers.threads()))?);
-                self.with(py, |state| state.trees = Some(trees.clone()));
+                self.with(py, |state| {
+                    // Who edits meanwhile has made these trees those of an earlier state, which others must not take for theirs.
+                    if state.edits == edits {
+                        state.trees = Some((edits, trees.clone()));
+                    }
+                });
                 trees
             }
         };
@@ -89,8 +114,8 @@ impl RayScene {
     ) -> PyResult<usize> {
         let mesh = Mesh::new(vertices, faces, transform, copy)?;
         Ok(self.with(py, |state| {
-            state.trees = None;
-            state.meshes.push(Some(mesh));
+            let edit = state.edit();
+            state.meshes.push(Some(Mesh { shape: edit, state: edit, ..mesh }));
             state.meshes.len() - 1
         }))
     }
@@ -102,7 +127,7 @@ impl RayScene {
             if !matches!(state.meshes.get(geom_id), Some(Some(_))) {
                 return Err(Self::no_geometry(geom_id));
             }
-            state.trees = None;
+            state.edit();
             state.instances.push(Some(Placed { geom_id: geom_id as u32, place }));
             Ok(state.instances.len() - 1)
         })
@@ -130,11 +155,14 @@ impl RayScene {
         };
         self.with(py, |state| match (geom_id, inst_id) {
             (Some(id), None) => {
+                let edit = state.edit();
                 let mesh = state.meshes.get_mut(id).and_then(Option::as_mut);
                 let mesh = mesh.ok_or_else(|| Self::no_geometry(id))?;
-                let place = place.or(mesh.place);
-                *mesh = Mesh { place, ..moved.unwrap_or_else(|| mesh.shared(py)) };
-                state.trees = None;
+                mesh.state = edit;
+                mesh.place = place.or(mesh.place);
+                if let Some(vertices) = moved {
+                    (mesh.vertices, mesh.shape) = (vertices, edit);
+                }
                 Ok(())
             }
             (None, Some(id)) if vertices.is_none() => {
@@ -142,7 +170,7 @@ impl RayScene {
                 let placed =
                     placed.ok_or_else(|| PyIndexError::new_err(format!("there is no instance {id}")))?;
                 placed.place = place.unwrap_or(placed.place);
-                state.trees = None;
+                state.edit();
                 Ok(())
             }
             (None, Some(_)) => {
@@ -168,7 +196,7 @@ impl RayScene {
                 (None, Some(id)) => state.instances.get_mut(id).and_then(Option::take).map(drop),
                 _ => return Err(PyTypeError::new_err("remove() takes either geom_id or inst_id")),
             };
-            state.trees = None;
+            state.edit();
             gone.ok_or_else(|| match geom_id {
                 Some(id) => Self::no_geometry(id),
                 None => {
@@ -254,7 +282,19 @@ impl RayScene {
         threads: usize,
     ) -> PyResult<Bound<'py, PyTuple>> {
         let points = Numbers::new("points", points, Some(3))?.points();
-        PyTuple::new(py, self.asked(py, threads)?.closest_point(py, &points)?)
+        PyTuple::new(py, self.asked(py, threads)?.closest_point(py, &points, false)?)
+    }
+
+    /// For the packages whose names we have: as `closest_point`, then `(n, 2)` weights and `(n, 3)` normals.
+    #[pyo3(signature = (points, *, threads=0))]
+    fn _nearest<'py>(
+        &self,
+        py: Python<'py>,
+        points: Object,
+        threads: usize,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        let points = Numbers::new("points", points, Some(3))?.points();
+        PyTuple::new(py, self.asked(py, threads)?.closest_point(py, &points, true)?)
     }
 
     #[pyo3(signature = (points, *, threads=0))]
@@ -276,7 +316,7 @@ impl RayScene {
             for mesh in &state.meshes {
                 match mesh {
                     None => meshes.append(py.None())?,
-                    Some(Mesh { vertices, faces, place }) => {
+                    Some(Mesh { vertices, faces, place, .. }) => {
                         meshes.append((vertices, faces, place.as_ref().map(matrix)))?;
                     }
                 }
@@ -322,7 +362,13 @@ impl RayScene {
                 }
             });
         }
-        self.with(py, |state| *state = State { meshes, instances, trees: None });
+        self.with(py, |state| {
+            let edit = state.edit();
+            for mesh in meshes.iter_mut().flatten() {
+                (mesh.shape, mesh.state) = (edit, edit);
+            }
+            *state = State { meshes, instances, edits: edit, trees: None };
+        });
         Ok(())
     }
 

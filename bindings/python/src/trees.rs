@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Trees over what a ray scene holds. Source: original.
 //! Meshes lie in one object, each a geometry of it, at their places; instances need a scene: object 0 is that of all meshes,
-//! the others follow. Invariant: ids that come out are those that were given. Proof: `tests/test_scene.py`.
+//! the others follow. Trees of an earlier state are the start of new ones: what has not changed is shared, what has only moved is
+//! refitted (`docs/moving.md`). Invariant: ids that come out are those that were given. Proof: `tests/test_scene.py`.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use gnurt_accel::{BuildOptions, Hit, Instance, ObjectTree, SceneTree, Threads, Triangles};
+use gnurt_accel::{
+    BuildOptions, Geometry, Hit, Instance, Motion, MovingTree, ObjectTree, SceneTree, Threads, Triangles,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -13,18 +17,36 @@ use crate::meshes::{Mesh, Placed, carried};
 
 /// What is asked.
 #[derive(Debug)]
-pub(crate) enum Trees {
-    Object(ObjectTree),
-    /// And the instances after the first: their numbers and their geometries.
-    Scene(SceneTree, Vec<(u32, u32)>),
+pub(crate) struct Trees {
+    /// Of all meshes, at their places.
+    all: Part,
+    /// Of meshes that instances show, as they are.
+    shown: BTreeMap<u32, Part>,
+    /// `None` without instances.
+    scene: Option<SceneTree>,
+    /// Instances of the scene after the first.
+    placed: Vec<(u32, Placed)>,
+}
+
+/// A tree, and which states of meshes it is over: 0 for one that was removed.
+#[derive(Clone, Debug)]
+struct Part {
+    tree: MovingTree,
+    states: Vec<u64>,
+}
+
+/// Either kind of tree.
+pub(crate) enum Target<'a> {
+    Object(&'a ObjectTree),
+    Scene(&'a SceneTree),
 }
 
 /// Runs an expression for either kind of tree, which have methods of the same names.
 macro_rules! ask {
     ($trees:expr, $tree:ident => $answer:expr) => {
-        match $trees {
-            $crate::trees::Trees::Object($tree) => $answer,
-            $crate::trees::Trees::Scene($tree, _) => $answer,
+        match $trees.target() {
+            $crate::trees::Target::Object($tree) => $answer,
+            $crate::trees::Target::Scene($tree) => $answer,
         }
     };
 }
@@ -32,78 +54,163 @@ pub(crate) use ask;
 
 type Soup = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
-/// Arrays of all that is built, taken out of Python.
+/// Arrays of all that is to be built, taken out of Python.
 pub(crate) struct Plan {
-    meshes: Vec<Soup>,
-    instances: Vec<(u32, Placed, Soup)>,
+    before: Option<Arc<Trees>>,
+    all: Wanted,
+    shown: BTreeMap<u32, Wanted>,
+    placed: Vec<(u32, Placed)>,
+}
+
+/// Meshes that one tree is over.
+struct Wanted {
+    states: Vec<u64>,
+    /// `None` if the tree before is over the same.
+    soups: Option<Vec<Soup>>,
+}
+
+impl Wanted {
+    fn new(
+        states: Vec<u64>,
+        before: Option<&Part>,
+        soups: impl FnOnce() -> PyResult<Vec<Soup>>,
+    ) -> PyResult<Self> {
+        let is_same = before.is_some_and(|part| part.states == states);
+        Ok(Self { states, soups: if is_same { None } else { Some(soups()?) } })
+    }
 }
 
 impl Plan {
-    pub(crate) fn new(py: Python<'_>, meshes: &[Option<Mesh>], placed: &[Option<Placed>]) -> PyResult<Self> {
-        let soup = |mesh: &Mesh| -> PyResult<Soup> { Ok((mesh.positions(py)?, mesh.indices(py)?)) };
+    /// What is to be done for these meshes and instances, where there may be trees of an earlier state.
+    pub(crate) fn new(
+        py: Python<'_>,
+        meshes: &[Option<Mesh>],
+        placed: &[Option<Placed>],
+        before: Option<Arc<Trees>>,
+    ) -> PyResult<Self> {
         let at_place = |mesh: &Option<Mesh>| -> PyResult<Soup> {
             // What was removed keeps its number.
             let Some(mesh) = mesh else { return Ok(Soup::default()) };
-            let (mut positions, indices) = soup(mesh)?;
+            let (mut positions, indices) = soup(py, mesh)?;
             if let Some(place) = &mesh.place {
                 positions.iter_mut().for_each(|at| *at = carried(place, *at));
             }
             Ok((positions, indices))
         };
-        let of = |(i, placed): (usize, &Option<Placed>)| {
-            let placed = (*placed)?;
-            let mesh = meshes.get(placed.geom_id as usize)?.as_ref()?;
-            Some(soup(mesh).map(|soup| (i as u32, placed, soup)))
-        };
-        Ok(Self {
-            meshes: meshes.iter().map(at_place).collect::<PyResult<_>>()?,
-            instances: placed.iter().enumerate().filter_map(of).collect::<PyResult<_>>()?,
-        })
+        let states = meshes.iter().map(|mesh| mesh.as_ref().map_or(0, |mesh| mesh.state)).collect();
+        let all = Wanted::new(states, before.as_ref().map(|trees| &trees.all), || {
+            meshes.iter().map(at_place).collect()
+        })?;
+        let placed: Vec<(u32, Placed)> =
+            placed.iter().enumerate().filter_map(|(i, placed)| Some((i as u32, (*placed)?))).collect();
+        let mut shown = BTreeMap::new();
+        for (_, Placed { geom_id, .. }) in &placed {
+            let Some(Some(mesh)) = meshes.get(*geom_id as usize) else { continue };
+            if !shown.contains_key(geom_id) {
+                let before = before.as_ref().and_then(|trees| trees.shown.get(geom_id));
+                let wanted = Wanted::new(vec![mesh.shape], before, || Ok(vec![soup(py, mesh)?]))?;
+                shown.insert(*geom_id, wanted);
+            }
+        }
+        Ok(Self { before, all, shown, placed })
     }
 
     /// Builds; without the interpreter.
     pub(crate) fn build(self, threads: Threads) -> PyResult<Trees> {
-        let object = |soups: &[Soup]| {
-            let meshes: Vec<Triangles> =
-                soups.iter().map(|(positions, indices)| Triangles { positions, indices }).collect();
-            ObjectTree::try_build(&meshes, &BuildOptions::default(), threads, &())
-                .map_err(|error| PyValueError::new_err(error.to_string()))
+        let Self { before, all, shown, placed } = self;
+        let all = Part::new(all, before.as_ref().map(|trees| &trees.all), threads)?;
+        let part = |(id, wanted): (u32, Wanted)| {
+            let before = before.as_ref().and_then(|trees| trees.shown.get(&id));
+            Ok((id, Part::new(wanted, before, threads)?))
         };
-        let all = object(&self.meshes)?;
-        if self.instances.is_empty() {
-            return Ok(Trees::Object(all));
+        let shown = shown.into_iter().map(part).collect::<PyResult<BTreeMap<u32, Part>>>()?;
+        let mut trees = Trees { all, shown, scene: None, placed };
+        if !trees.placed.is_empty() {
+            trees.scene = Some(trees.top(before.as_deref(), threads)?);
         }
-        let mut shown = vec![Instance::identity(Arc::new(all))];
-        let mut ids = Vec::with_capacity(self.instances.len());
-        let mut built: Vec<(u32, Arc<ObjectTree>)> = Vec::new();
-        for (inst_id, Placed { geom_id, place }, soup) in self.instances {
-            let known = built.iter().find(|(id, _)| *id == geom_id).map(|(_, tree)| tree.clone());
-            let tree = match known {
-                Some(tree) => tree,
-                None => {
-                    let tree = Arc::new(object(&[soup])?);
-                    built.push((geom_id, tree.clone()));
-                    tree
-                }
-            };
-            shown.push(Instance::new(tree, place));
-            ids.push((inst_id, geom_id));
+        Ok(trees)
+    }
+}
+
+/// A mesh's arrays.
+fn soup(py: Python<'_>, mesh: &Mesh) -> PyResult<Soup> {
+    Ok((mesh.positions(py)?, mesh.indices(py)?))
+}
+
+impl Part {
+    fn new(wanted: Wanted, before: Option<&Self>, threads: Threads) -> PyResult<Self> {
+        let Wanted { states, soups } = wanted;
+        let soups = match (soups, before) {
+            (None, Some(before)) => return Ok(before.clone()),
+            (soups, _) => soups.unwrap_or_default(),
+        };
+        let options = BuildOptions::default();
+        let meshes: Vec<Triangles> =
+            soups.iter().map(|(positions, indices)| Triangles { positions, indices }).collect();
+        // Meshes under the same numbers have the same triangles: they can only have moved.
+        let numbers = |states: &[u64]| states.iter().map(|state| *state != 0).collect::<Vec<bool>>();
+        if let Some(before) = before.filter(|before| numbers(&before.states) == numbers(&states)) {
+            let mut tree = before.tree.clone();
+            let geometries: Vec<Geometry> = meshes.into_iter().map(Geometry::from).collect();
+            tree.update(&geometries, &options, threads);
+            return Ok(Self { tree, states });
         }
-        let scene = SceneTree::try_build(&shown, &BuildOptions::default(), threads, &())
+        let tree = ObjectTree::try_build(&meshes, &options, threads, &())
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Ok(Trees::Scene(scene, ids))
+        Ok(Self { tree: MovingTree::of(Arc::new(tree), Motion::Auto), states })
     }
 }
 
 impl Trees {
+    /// The tree over all instances: that of an earlier state with what has changed, if as many are shown.
+    fn top(&self, before: Option<&Self>, threads: Threads) -> PyResult<SceneTree> {
+        let before = before.filter(|before| before.placed.len() == self.placed.len());
+        if let Some((before, scene)) = before.and_then(|before| Some((before, before.scene.as_ref()?))) {
+            let has_changed = |i: &usize| {
+                let id = self.geom_id(*i);
+                id != before.geom_id(*i)
+                    || !Arc::ptr_eq(self.object(id), before.object(id))
+                    || i.checked_sub(1).is_some_and(|i| self.placed[i].1.place != before.placed[i].1.place)
+            };
+            let changed: Vec<_> = (0..=self.placed.len())
+                .filter(has_changed)
+                .map(|i| (i as u32, Some(self.instance(i))))
+                .collect();
+            return Ok(scene.updated(self.placed.len() + 1, &changed, threads));
+        }
+        let instances: Vec<Instance> = (0..=self.placed.len()).map(|i| self.instance(i)).collect();
+        SceneTree::try_build(&instances, &BuildOptions::default(), threads, &())
+            .map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// The mesh that the scene's instance `i` shows; `None` for the first, which shows all.
+    fn geom_id(&self, i: usize) -> Option<u32> {
+        i.checked_sub(1).map(|i| self.placed[i].1.geom_id)
+    }
+
+    fn object(&self, geom_id: Option<u32>) -> &Arc<ObjectTree> {
+        geom_id.and_then(|id| self.shown.get(&id)).unwrap_or(&self.all).tree.tree()
+    }
+
+    fn instance(&self, i: usize) -> Instance {
+        let object = self.object(self.geom_id(i)).clone();
+        match i.checked_sub(1) {
+            None => Instance::identity(object),
+            Some(i) => Instance::new(object, self.placed[i].1.place),
+        }
+    }
+
+    pub(crate) fn target(&self) -> Target<'_> {
+        self.scene.as_ref().map_or_else(|| Target::Object(self.all.tree.tree()), Target::Scene)
+    }
+
     /// Geometry and instance, or -1, of an answer in which the trees gave these.
     pub(crate) fn ids(&self, geom_id: u32, inst_id: u32) -> (u32, u32) {
-        match self {
-            Self::Scene(_, ids) if inst_id != 0 && inst_id != u32::MAX => {
-                ids.get(inst_id as usize - 1).map_or((u32::MAX, u32::MAX), |&(inst, geom)| (geom, inst))
-            }
-            _ => (geom_id, u32::MAX),
+        if self.scene.is_none() || inst_id == 0 || inst_id == u32::MAX {
+            return (geom_id, u32::MAX);
         }
+        let shown = self.placed.get(inst_id as usize - 1);
+        shown.map_or((u32::MAX, u32::MAX), |(inst_id, placed)| (placed.geom_id, *inst_id))
     }
 
     /// Unit normal of a triangle that was hit; zeros where there is none.

@@ -50,6 +50,10 @@ def test_open3d(rays):
     near = scene.compute_closest_points(points)
     assert near["points"].tolist() == [[[0.5, 0.5, 1], [0.25, 0.5, 1]]]
     assert near["primitive_normals"].tolist() == [[[0, 0, 1]] * 2]
+    u, v = np.moveaxis(near["primitive_uvs"][0], -1, 0)[..., None]
+    a, b, c = np.moveaxis(vertices[faces[near["primitive_ids"][0]]], 1, 0)
+    assert np.allclose((1 - u - v) * a + u * b + v * c, near["points"][0])
+    assert np.isnan(gnurt.open3d.RaycastingScene().compute_closest_points(points)["points"]).all()
     assert scene.list_intersections(picture)["ray_splits"].shape == (49,)
 
 

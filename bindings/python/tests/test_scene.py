@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import copy
+import os
 import pickle
+import subprocess
+import sys
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -74,3 +79,87 @@ def test_arrays_are_copied_unless_said():
         scene.add_triangles(own, faces, copy=copied)
         own += 1
         assert (scene.intersect(above, DOWN).t == [2]).all() == copied
+
+
+def sheet(n):
+    """`2 n^2` triangles over the unit square, at height 0."""
+    x, y = np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1))
+    vertices = np.stack([x, y, 0 * x], axis=-1).reshape(-1, 3)
+    corner = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).reshape(-1, 1)
+    return vertices, np.concatenate([corner + [0, 1, n + 2], corner + [0, n + 2, n + 1]])
+
+
+def test_what_is_added_during_a_build_is_seen():
+    scene, vertices = gnurt.RayScene(), cube()
+    scene.add_triangles(*sheet(300))
+    above = [[0.5, 0.5, 9.0]]
+    began, found = threading.Event(), []
+
+    def ask():
+        began.set()
+        found.append(scene.intersect(above, DOWN, threads=1).t[0])
+
+    thread = threading.Thread(target=ask)
+    thread.start()
+    began.wait()
+    heights = []
+    while thread.is_alive() and len(heights) < 50:
+        heights.append(1 + len(heights) / 8)
+        place = np.eye(4)
+        place[2, 3] = heights[-1] - 1
+        scene.add_triangles(*vertices, transform=place)
+        time.sleep(0.005)
+    thread.join()
+    assert len(heights) > 1 and found[0] <= 9, "cubes came while the trees were built"
+    assert scene.intersect(above, DOWN).t == [9 - heights[-1]], "trees of an earlier state are not kept"
+
+
+@pytest.mark.parametrize("with_instances", [False, True])
+def test_updates_answer_as_new_scenes(with_instances):
+    random = np.random.default_rng(7)
+    vertices, faces = sheet(40)
+    places = [at(x) for x in (2, 4, 6)]
+
+    def made(heights, shift, places):
+        scene = gnurt.RayScene()
+        scene.add_triangles(vertices + heights, faces, transform=shift)
+        scene.add_triangles(*cube(), transform=at(8))
+        for place in places if with_instances else []:
+            scene.add_instance(0, place)
+        return scene
+
+    origins = random.uniform([0, 0, 3], [9, 1, 4], size=(2000, 3))
+    scene, shift = made(0 * vertices, None, places), None
+    for frame in range(6):
+        heights = random.uniform(0, 0.2, size=vertices.shape)
+        scene.update(0, vertices=vertices + heights)
+        if frame % 2:
+            shift = at(frame / 8)
+            scene.update(0, transform=shift)
+        if with_instances:
+            places[frame % 3] = at(2 + frame / 4)
+            scene.update(inst_id=frame % 3, transform=places[frame % 3])
+        hits, expected = scene.intersect(origins, DOWN), made(heights, shift, places).intersect(origins, DOWN)
+        assert (hits.prim_id >= 0).sum() > 300
+        for name in ("t", "u", "v", "prim_id", "geom_id", "inst_id", "normal"):
+            assert (getattr(hits, name) == getattr(expected, name)).all(), f"{name} in frame {frame}"
+
+
+def test_instances_share_arrays():
+    program = """if True:
+        import resource, sys
+        import numpy as np
+        import gnurt
+        from test_scene import at, sheet
+        scene = gnurt.RayScene()
+        scene.add_triangles(*sheet(200))
+        scene.commit()
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        for i in range(200):
+            scene.add_instance(0, at(i))
+        assert scene.intersect([[150.5, 0.5, 1]], [[0, 0, -1.0]]).inst_id == [150]
+        print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024)
+    """
+    answer = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=os.path.dirname(__file__))
+    assert answer.returncode == 0, answer.stderr
+    assert float(answer.stdout) < 60, "a copy of the arrays for each of 200 instances would be 290 MB"

@@ -41,7 +41,7 @@ class RayScene(_RayScene):
                 arrays[f"vertices{i}"], arrays[f"faces{i}"] = mesh[0], mesh[1]
                 if mesh[2] is not None:
                     arrays[f"transform{i}"] = np.array(mesh[2])
-        shown = [placed for placed in state["instances"]]
+        shown = state["instances"]
         arrays["instances"] = np.array([-1 if placed is None else placed[0] for placed in shown], np.int64)
         identity = np.eye(4)
         arrays["places"] = np.array([identity if p is None else p[1] for p in shown], float).reshape(-1, 4, 4)

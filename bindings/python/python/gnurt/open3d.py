@@ -77,9 +77,7 @@ class RaycastingScene:
     def compute_closest_points(self, query_points, nthreads=0):
         """The nearest point of any surface."""
         points, shape = _floats("query_points", query_points, 3)
-        at, _, prims, geoms = self._scene.closest_point(points, **self._asked(nthreads))
-        # What a ray from the outside straight to it would hit tells weights and normal.
-        uvs, normals = self._at(at, prims, geoms)
+        at, _, prims, geoms, uvs, normals = self._scene._nearest(points, **self._asked(nthreads))
         return {
             "points": at.astype(np.float32).reshape(*shape, 3),
             "geometry_ids": geoms.view(np.uint32).reshape(shape),
@@ -87,23 +85,6 @@ class RaycastingScene:
             "primitive_uvs": uvs.reshape(*shape, 2),
             "primitive_normals": normals.reshape(*shape, 3),
         }
-
-    def _at(self, points, prims, geoms):
-        """Weights of the second and third corner at points of triangles, and unit normals."""
-        corners = np.zeros((len(points), 3, 3))
-        for geom, mesh in enumerate(self._scene.__getstate__()["meshes"]):
-            here = geoms == geom
-            corners[here] = np.asarray(mesh[0], np.float64)[mesh[1][prims[here]]]
-        a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-        p = points - corners[:, 0]
-        dot = lambda x, y: np.einsum("ij,ij->i", x, y)  # noqa: E731
-        aa, ab, bb, pa, pb = dot(a, a), dot(a, b), dot(b, b), dot(p, a), dot(p, b)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            area = aa * bb - ab * ab
-            uvs = np.stack([(bb * pa - ab * pb) / area, (aa * pb - ab * pa) / area], axis=-1)
-            normals = np.cross(a, b)
-            normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-        return np.nan_to_num(uvs).astype(np.float32), np.nan_to_num(normals).astype(np.float32)
 
     def compute_distance(self, query_points, nthreads=0):
         """Distance to the nearest surface."""
