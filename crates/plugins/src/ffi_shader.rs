@@ -9,8 +9,8 @@ use gnurt::accel::{Ray, RayBatch};
 use gnurt::scene::TEXCOORD_RQ;
 use gnurt::shading::classes::Shader as RenderShader;
 use gnurt::shading::{
-    AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, RadianceShader, SurfaceBatch,
-    SurfaceShader, Tracer, Vec3s,
+    AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, LightBatch, LightShader,
+    RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s,
 };
 
 use crate::description::Kind;
@@ -231,7 +231,8 @@ impl LightShader for PluginShader {
 }
 
 impl CameraShader for PluginShader {
-    fn rays(&self, xy: &[[f32; 2]], _aspect: f32, out: &mut RayBatch) {
+    fn rays(&self, samples: &CameraSamples, _aspect: f32, out: &mut RayBatch) {
+        let xy = samples.places;
         let Some(function) = self.shader.class().calls.camera.filter(|_| !xy.is_empty()) else { return };
         let mut call = Call::new(&self.shader);
         let mut arrays = call.buffers.arrays(xy.len(), 2 + 6);

@@ -6,7 +6,7 @@
 use glam::Vec3;
 use gnurt_accel::RayBatch;
 use gnurt_scene::Camera;
-use gnurt_shading::CameraShader;
+use gnurt_shading::{CameraSamples, CameraShader};
 
 /// A pinhole camera with a vertical angle of view; the horizontal one follows from the aspect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,14 +52,14 @@ impl PerspectiveCamera {
 }
 
 impl CameraShader for PerspectiveCamera {
-    fn rays(&self, xy: &[[f32; 2]], aspect: f32, out: &mut RayBatch) {
+    fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
         let (right, up) = (self.right * (self.half_height * aspect), self.up * self.half_height);
         let first = out.len();
-        let end = first + xy.len();
+        let end = first + samples.len();
         let [dx, dy, dz] = &mut out.dir;
         [&mut *dx, &mut *dy, &mut *dz].into_iter().for_each(|array| array.resize(end, 0.0));
         let places = dx[first..].iter_mut().zip(&mut dy[first..]).zip(&mut dz[first..]);
-        for (((dx, dy), dz), [x, y]) in places.zip(xy) {
+        for (((dx, dy), dz), [x, y]) in places.zip(samples.places) {
             let dir = self.forward + right * (2.0 * x - 1.0) + up * (2.0 * y - 1.0);
             [*dx, *dy, *dz] = dir.normalize().into();
         }
@@ -90,7 +90,7 @@ mod tests {
     fn corners_and_centre() {
         let camera = PerspectiveCamera::new(&camera()).expect("a view");
         let mut rays = RayBatch::default();
-        camera.rays(&[[0.5, 0.5], [0.0, 0.0], [1.0, 1.0]], 2.0, &mut rays);
+        camera.rays(&CameraSamples::sharp(&[[0.5, 0.5], [0.0, 0.0], [1.0, 1.0]]), 2.0, &mut rays);
         assert_eq!(rays.get(0).dir, [0.0, 0.0, -1.0], "the middle looks forward");
         let corner = Vec3::new(2.0, 1.0, 1.0).normalize();
         let dirs = [1, 2].map(|i| Vec3::from(rays.get(i).dir));

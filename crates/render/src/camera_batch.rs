@@ -13,6 +13,8 @@ pub(crate) struct CameraBatch {
     pub(crate) keys: Vec<SampleKey>,
     /// Where they go through the picture.
     pub(crate) places: Vec<[f32; 2]>,
+    /// And through the lens; empty if it has no extent.
+    pub(crate) lens: Vec<[f32; 2]>,
     pub(crate) hits: HitBatch,
     pub(crate) radiance: Vec3s,
 }

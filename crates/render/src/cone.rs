@@ -5,7 +5,7 @@
 //! Proof: `tests`; the OpenRT binding's tests/c/mipmaps.c.
 
 use gnurt_accel::RayBatch;
-use gnurt_shading::{CameraShader, SurfaceBatch};
+use gnurt_shading::{CameraSamples, CameraShader, SurfaceBatch};
 
 use crate::options::RenderOptions;
 
@@ -24,7 +24,7 @@ impl Cone {
         let (width, height) = (options.width as f32, options.height as f32);
         let mut rays = RayBatch::default();
         let beside = [[0.5, 0.5], [0.5 + 1.0 / width, 0.5], [0.5, 0.5 + 1.0 / height]];
-        camera.rays(&beside, width / height, &mut rays);
+        camera.rays(&CameraSamples::sharp(&beside), width / height, &mut rays);
         if rays.len() < beside.len() {
             return Self::default();
         }

@@ -11,7 +11,7 @@ use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
 use gnurt_image::Filter;
 use gnurt_shading::sampling::{purpose, sample_pair, sample_pairs};
-use gnurt_shading::{CameraShader, SampleKey};
+use gnurt_shading::{CameraSamples, CameraShader, SampleKey};
 use gnurt_simd::dispatch_wide;
 
 use crate::camera_batch::CameraBatch;
@@ -81,7 +81,7 @@ impl<'a> Job<'a> {
         batch: &mut CameraBatch,
     ) {
         let (width, height) = (self.options.width, self.options.height);
-        let CameraBatch { pixels: all, rays, keys, places, .. } = batch;
+        let CameraBatch { pixels: all, rays, keys, places, lens, .. } = batch;
         rays.clear();
         keys.clear();
         places.clear();
@@ -98,12 +98,7 @@ impl<'a> Job<'a> {
                 places.extend(all.iter().map(centre));
             }
         } else {
-            let (seed, level) = (self.options.seed, self.options.level);
-            dispatch_wide!(
-                level,
-                simd => sample_pairs(simd, seed, keys, 0, purpose::PIXEL, places),
-                else places.extend(keys.iter().map(|&key| sample_pair(seed, key, 0, purpose::PIXEL)))
-            );
+            self.draw(keys, purpose::PIXEL, places);
             for (place, &[x, y]) in places.iter_mut().zip(all.iter().cycle()) {
                 let [dx, dy] = self.filter.sample(*place).map(f64::from);
                 let across = (f64::from(x) + 0.5 + dx) / f64::from(width);
@@ -111,11 +106,27 @@ impl<'a> Job<'a> {
                 *place = [across as f32, up as f32];
             }
         }
-        self.camera.rays(places, width as f32 / height as f32, rays);
+        lens.clear();
+        // One sample in the middle of each pixel is a sharp look.
+        if self.camera.has_lens() && !(self.options.pixel_centres && self.options.spp == 1) {
+            self.draw(keys, purpose::LENS, lens);
+        }
+        let samples = CameraSamples { places, lens, times: &[] };
+        self.camera.rays(&samples, width as f32 / height as f32, rays);
         // A camera that gives too few rays leaves the rest dark: a ray without direction hits nothing.
         while rays.len() < keys.len() {
             rays.push(Ray::new([0.0; 3], [0.0; 3]));
         }
+    }
+
+    /// Appends the pair of numbers of each key for what camera rays need.
+    fn draw(&self, keys: &[SampleKey], purpose: u32, pairs: &mut Vec<[f32; 2]>) {
+        let (seed, level) = (self.options.seed, self.options.level);
+        dispatch_wide!(
+            level,
+            simd => sample_pairs(simd, seed, keys, 0, purpose, pairs),
+            else pairs.extend(keys.iter().map(|&key| sample_pair(seed, key, 0, purpose)))
+        );
     }
 
     /// Whether to finish now; once yes, always yes.
@@ -140,7 +151,11 @@ fn centres(width: u32, height: u32) -> [Vec<f32>; 2] {
 /// Where the middle of the picture is seen from, and its unit direction.
 fn middle(camera: &dyn CameraShader, options: &RenderOptions) -> [Vec3; 2] {
     let mut rays = RayBatch::default();
-    camera.rays(&[[0.5, 0.5]], options.width as f32 / options.height as f32, &mut rays);
+    camera.rays(
+        &CameraSamples::sharp(&[[0.5, 0.5]]),
+        options.width as f32 / options.height as f32,
+        &mut rays,
+    );
     if rays.is_empty() {
         return [Vec3::ZERO, Vec3::NEG_Z];
     }

@@ -11,7 +11,7 @@ use gnurt_accel::RayBatch;
 use gnurt_render::{Integrator, PerspectiveCamera, Progress, RenderOptions, Silent, render, trace_pixel};
 use gnurt_scene::material::Color;
 use gnurt_scene::{Light, Material, Scene, Surface};
-use gnurt_shading::CameraShader;
+use gnurt_shading::{CameraSamples, CameraShader};
 use gnurt_simd::Level;
 
 /// A bit of everything.
@@ -130,8 +130,8 @@ fn time_limits_hold() {
 struct BrokenCamera;
 
 impl CameraShader for BrokenCamera {
-    fn rays(&self, xy: &[[f32; 2]], _aspect: f32, out: &mut RayBatch) {
-        for (i, _) in xy.iter().enumerate().take(xy.len() / 2) {
+    fn rays(&self, samples: &CameraSamples, _aspect: f32, out: &mut RayBatch) {
+        for i in 0..samples.len() / 2 {
             let bad = if i % 2 == 0 { f32::NAN } else { 0.0 };
             out.push(gnurt_accel::Ray::new([bad, 0.0, 0.0], [0.0, bad, 0.0]));
         }

@@ -20,6 +20,6 @@ pub mod texture;
 pub use batch::{Detail, SampleKey, SurfaceBatch, Vec3s};
 pub use point::{Leaving, Rays, SurfacePoint};
 pub use shader::{
-    AttributeRequest, CameraShader, EnvironmentShader, LightBatch, LightShader, RadianceShader, RayRequest,
-    SurfaceShader, Tracer,
+    AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, LightBatch, LightShader,
+    RadianceShader, RayRequest, SurfaceShader, Tracer,
 };

@@ -115,11 +115,59 @@ pub trait LightShader: Send + Sync {
     }
 }
 
+/// What camera rays are made of, ray by ray.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CameraSamples<'a> {
+    /// Where they go through the picture: both in [0, 1], (0, 0) = lower left corner, y upwards.
+    pub places: &'a [[f32; 2]],
+    /// Where they go through the lens, each two numbers in [0, 1), uniform for light that falls on all of it alike; empty = through
+    /// its middle.
+    pub lens: &'a [[f32; 2]],
+    /// When they do within the time that the shutter is open, from 0 to 1; empty = in its middle.
+    pub times: &'a [f32],
+}
+
+impl<'a> CameraSamples<'a> {
+    /// Rays through the middle of the lens, in the middle of the time.
+    #[must_use]
+    pub fn sharp(places: &'a [[f32; 2]]) -> Self {
+        Self { places, ..Self::default() }
+    }
+
+    /// How many.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.places.is_empty()
+    }
+
+    /// Where ray `i` goes through the lens; [0.5, 0.5] is its middle.
+    #[must_use]
+    pub fn lens(&self, i: usize) -> [f32; 2] {
+        self.lens.get(i).copied().unwrap_or([0.5; 2])
+    }
+
+    /// When ray `i` does.
+    #[must_use]
+    pub fn time(&self, i: usize) -> f32 {
+        self.times.get(i).copied().unwrap_or(0.5)
+    }
+}
+
 /// A camera.
 pub trait CameraShader: Send + Sync {
-    /// Appends one ray for each `(x, y)`: both in [0, 1], (0, 0) = lower left corner of the picture, y upwards.
-    /// Directions are unit. `aspect` = width / height.
-    fn rays(&self, xy: &[[f32; 2]], aspect: f32, out: &mut RayBatch);
+    /// Appends one ray for each of `samples`. Directions are unit, or zero for a ray that sees nothing. `aspect` = width / height.
+    fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch);
+
+    /// Whether its rays depend on where they go through the lens: if not, nobody need draw numbers for that.
+    fn has_lens(&self) -> bool {
+        false
+    }
 }
 
 /// What rays see that hit nothing.

@@ -7,7 +7,7 @@ use std::fmt;
 use gnurt::accel::RayBatch;
 use gnurt::render::PerspectiveCamera;
 use gnurt::scene::Camera;
-use gnurt::shading::CameraShader;
+use gnurt::shading::{CameraSamples, CameraShader};
 
 use crate::stage::Stage;
 
@@ -38,7 +38,7 @@ impl Pick {
         let middle = |at: u32, side: u32| (f64::from(at) + 0.5) / f64::from(side.max(1));
         let place = [middle(x, width) as f32, (1.0 - middle(y, height)) as f32];
         let mut batch = RayBatch::default();
-        rays.rays(&[place], width as f32 / height.max(1) as f32, &mut batch);
+        rays.rays(&CameraSamples::sharp(&[place]), width as f32 / height.max(1) as f32, &mut batch);
         let ray = batch.get(0);
         let hit = stage.world.intersect(&ray)?;
         let scene = &stage.scene;

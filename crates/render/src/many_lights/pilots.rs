@@ -13,7 +13,7 @@ use gnurt_accel::{Coherence, RayBatch};
 use gnurt_image::srgb::luminance;
 use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
-use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
+use gnurt_shading::{CameraSamples, RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 
 use super::bound::Bound;
@@ -82,7 +82,10 @@ impl Pilots {
         };
         let places: Vec<[f32; 2]> = keys.iter().map(place).collect();
         let mut rays = RayBatch::default();
-        job.camera.rays(&places, options.width as f32 / options.height as f32, &mut rays);
+        let lens: Vec<[f32; 2]> =
+            keys.iter().map(|&key| sample_pair(options.seed, key, 0, PURPOSE + 5)).collect();
+        let samples = CameraSamples { places: &places, lens: &lens, times: &[] };
+        job.camera.rays(&samples, options.width as f32 / options.height as f32, &mut rays);
         let mut lanes: Vec<(SampleKey, Vec3)> = keys.into_iter().map(|key| (key, Vec3::ONE)).collect();
         lanes.truncate(rays.len());
         let mut points = Vec::new();

@@ -18,7 +18,7 @@ use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
 
 use super::class::{Kind, Parameter, Shader, ShaderClass};
-use crate::shader::CameraShader;
+use crate::shader::{CameraSamples, CameraShader};
 
 /// Tangent of 30 degrees.
 const TAN_30: f32 = 0.577_350_26;
@@ -46,8 +46,8 @@ struct PinholeCamera {
 }
 
 impl CameraShader for PinholeCamera {
-    fn rays(&self, xy: &[[f32; 2]], _aspect: f32, out: &mut RayBatch) {
-        for &[x, y] in xy {
+    fn rays(&self, samples: &CameraSamples, _aspect: f32, out: &mut RayBatch) {
+        for &[x, y] in samples.places {
             let dir = self.lower_left + x * self.horizontal + y * self.vertical;
             // A camera without a view sees nothing: a ray with a zero direction hits nothing.
             out.push(Ray::new(self.origin.into(), dir.normalize_or_zero().into()));
@@ -63,7 +63,7 @@ mod tests {
     fn looks_through_its_corners() {
         let Shader::Camera(camera) = CLASS.make(&CLASS.defaults()) else { panic!("a camera") };
         let mut rays = RayBatch::default();
-        camera.rays(&[[0.5, 0.5], [0.5, 1.0]], 7.0, &mut rays);
+        camera.rays(&CameraSamples::sharp(&[[0.5, 0.5], [0.5, 1.0]]), 7.0, &mut rays);
         assert_eq!(rays.get(0), Ray::new([0.0; 3], [0.0, 0.0, -1.0]), "the middle");
         let angle = (-rays.get(1).dir[2]).acos().to_degrees();
         assert!((angle - 30.0).abs() < 1e-3, "upper edge: {angle}");

@@ -8,7 +8,7 @@
 use glam::{DMat4, DVec3, DVec4};
 use gnurt_accel::{Ray, RayBatch};
 
-use crate::shader::CameraShader;
+use crate::shader::{CameraSamples, CameraShader};
 
 /// A camera with a projection matrix.
 #[derive(Clone, Debug)]
@@ -66,9 +66,9 @@ impl ProjectionCamera {
 }
 
 impl CameraShader for ProjectionCamera {
-    fn rays(&self, xy: &[[f32; 2]], aspect: f32, out: &mut RayBatch) {
+    fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
         let stretch = if self.follows_aspect { f64::from(aspect) } else { 1.0 };
-        out.extend(xy.iter().map(|&[x, y]| {
+        out.extend(samples.places.iter().map(|&[x, y]| {
             let [clip_x, clip_y] = [x, y].map(|v| 2.0 * f64::from(v) - 1.0);
             self.ray(clip_x * stretch, clip_y)
         }));
@@ -85,7 +85,7 @@ mod tests {
         let camera =
             ProjectionCamera::new([1.0, 2.0, 3.0], AXES, &projection.to_cols_array(), follows_aspect);
         let mut rays = RayBatch::default();
-        camera.expect("it has an inverse").rays(&[xy], aspect, &mut rays);
+        camera.expect("it has an inverse").rays(&CameraSamples::sharp(&[xy]), aspect, &mut rays);
         rays.get(0)
     }
 

@@ -22,6 +22,10 @@ pub mod purpose {
     pub const LIGHT_CHOICE: u32 = 4;
     /// Whether a surface that is there in part is met.
     pub const COVERAGE: u32 = 5;
+    /// Place on the camera's lens.
+    pub const LENS: u32 = 6;
+    /// Time within which the shutter is open.
+    pub const TIME: u32 = 7;
     /// First of those that shaders outside this crate may use.
     pub const SHADER: u32 = 0x100;
     /// Point on light 0; light i has `LIGHT + i`.
