@@ -133,7 +133,7 @@ impl Rays {
         let ray = |i| {
             let (ray, origin) = slices.get(i);
             let org = origin.unwrap_or_else(|| ray.org.map(f64::from));
-            Ray64 { org, t_near: ray.t_near, dir: ray.dir, t_far: ray.t_far, mask: ray.mask }
+            Ray64 { org, t_near: ray.t_near, dir: ray.dir, t_far: ray.t_far, mask: ray.mask, time: ray.time }
         };
         Ok((0..slices.len()).map(ray).collect())
     }

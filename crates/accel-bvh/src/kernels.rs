@@ -21,6 +21,7 @@ use gnurt_simd::{Simd, Token, by_level};
 use crate::apart::walk_apart;
 use crate::boxes::BoxIndex;
 use crate::index::BvhIndex;
+use crate::motion::MotionIndex;
 use crate::spheres::SphereIndex;
 use crate::tiles::walk_tile;
 use crate::user::UserIndex;
@@ -48,6 +49,7 @@ struct Table {
     tile: Option<OnTile<BvhIndex>>,
     apart: Option<fn(Token, &BvhIndex, &Headings, &mut TileTrip)>,
     point: OnPoint<BvhIndex>,
+    moving: [OnRay<MotionIndex>; 3],
     spheres: OnRay<SphereIndex>,
     spheres_point: OnPoint<SphereIndex>,
     user: OnRay<UserIndex>,
@@ -73,6 +75,7 @@ impl<S: Simd> For<S> {
                 || index.nearest(simd, probe, slot, nearest),
             );
         },
+        moving: [moving::<S, Closest>, moving::<S, AnyHit>, moving_each::<S>],
         spheres: |token, index, trip| {
             let simd = S::from_token(token);
             simd.vectorize(
@@ -161,6 +164,31 @@ fn search_each<S: Simd>(token: Token, index: &BvhIndex, trip: &mut RayTrip) {
     );
 }
 
+fn moving<S: Simd, M: Mode>(token: Token, index: &MotionIndex, trip: &mut RayTrip) {
+    let simd = S::from_token(token);
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let trip = &mut *trip;
+            let mut best = Best::<M>::new(trip.nearest);
+            index.search(simd, trip.ray, trip.slot, &mut best, trip.counters);
+        },
+    );
+}
+
+fn moving_each<S: Simd>(token: Token, index: &MotionIndex, trip: &mut RayTrip) {
+    let simd = S::from_token(token);
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let trip = &mut *trip;
+            let (ray, slot, mut counters) = (trip.ray, trip.slot, *trip.counters);
+            index.search(simd, ray, slot, trip, &mut counters);
+            *trip.counters = counters;
+        },
+    );
+}
+
 fn tile<S: Simd>(token: Token, index: &BvhIndex, heading: Heading, trip: &mut TileTrip) {
     let simd = S::from_token(token);
     simd.vectorize(
@@ -211,6 +239,18 @@ impl Kernels {
             RayKind::Closest => self.table.closest,
             RayKind::Any => self.table.any,
             RayKind::Each(_) => self.table.each,
+        };
+        kernel(self.token, index, trip);
+    }
+
+    /// One ray through triangles that move, at its moment.
+    #[inline]
+    pub fn moving(&self, index: &MotionIndex, trip: &mut RayTrip) {
+        let [closest, any, each] = self.table.moving;
+        let kernel = match trip.kind {
+            RayKind::Closest => closest,
+            RayKind::Any => any,
+            RayKind::Each(_) => each,
         };
         kernel(self.token, index, trip);
     }

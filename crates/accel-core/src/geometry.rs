@@ -48,6 +48,26 @@ pub struct Spheres<'a> {
     pub radii: &'a [f32],
 }
 
+/// One mesh that moves while the shutter is open: borrowed arrays.
+///
+/// Vertices go in straight lines from key to key. What rays of [`Ray::time`](crate::Ray::time) 0 see is the first key, what
+/// those of 1 see the last one. A triangle that has a bad coordinate at some key is left out.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MovingTriangles<'a> {
+    /// Vertex positions, object space, at moments evenly spaced from 0 to 1: a list for each. One list stands still.
+    pub keys: &'a [&'a [[f32; 3]]],
+    /// Vertices of each triangle; its place is its `prim_id`.
+    pub indices: &'a [[u32; 3]],
+}
+
+impl<'a> MovingTriangles<'a> {
+    /// The mesh at a key. Panics where there is none.
+    #[must_use]
+    pub fn at_key(&self, key: usize) -> Triangles<'a> {
+        Triangles { positions: self.keys[key], indices: self.indices }
+    }
+}
+
 /// What a geometry consists of.
 #[derive(Clone, Debug)]
 pub enum GeometryKind<'a> {
@@ -57,6 +77,8 @@ pub enum GeometryKind<'a> {
     Quads(Quads<'a>),
     /// Spheres.
     Spheres(Spheres<'a>),
+    /// A triangle mesh that moves while the shutter is open.
+    Moving(MovingTriangles<'a>),
     /// Primitives of the caller's own making; kept by the tree.
     User(Arc<dyn UserGeometry>),
 }
@@ -97,6 +119,8 @@ impl<'a> Geometry<'a> {
             GeometryKind::Triangles(mesh) => mesh.indices.len(),
             GeometryKind::Quads(mesh) => 2 * mesh.indices.len(),
             GeometryKind::Spheres(spheres) => spheres.centers.len().min(spheres.radii.len()),
+            GeometryKind::Moving(mesh) if mesh.keys.is_empty() => 0,
+            GeometryKind::Moving(mesh) => mesh.indices.len(),
             GeometryKind::User(user) => user.count() as usize,
         }
     }
@@ -105,6 +129,12 @@ impl<'a> Geometry<'a> {
 impl<'a> From<Triangles<'a>> for Geometry<'a> {
     fn from(mesh: Triangles<'a>) -> Self {
         Self::new(GeometryKind::Triangles(mesh))
+    }
+}
+
+impl<'a> From<MovingTriangles<'a>> for Geometry<'a> {
+    fn from(mesh: MovingTriangles<'a>) -> Self {
+        Self::new(GeometryKind::Moving(mesh))
     }
 }
 

@@ -35,6 +35,7 @@ pub mod float;
 pub mod geometry;
 pub mod heading;
 pub mod hit;
+pub mod motion;
 pub mod nearest;
 pub mod options;
 pub mod point;
@@ -62,9 +63,11 @@ pub mod user;
 pub use aabb::Aabb;
 pub use control::{BuildControl, BuildError};
 pub use geometry::{
-    BadPrimitives, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES, Quads, Spheres, Triangles,
+    BadPrimitives, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES, MovingTriangles, Quads,
+    Spheres, Triangles,
 };
 pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
+pub use motion::Moment;
 pub use options::{BuildOptions, Memory, Quality, Structure, TriangleTest};
 pub use point::PointHit;
 pub use query::{Coherence, Counters, Query, Record};

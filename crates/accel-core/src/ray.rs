@@ -21,14 +21,16 @@ pub struct Ray {
     pub t_far: f32,
     /// It sees an instance or a geometry where its mask and theirs have a bit in common.
     pub mask: u32,
+    /// The moment at which it sees what moves, from 0 to 1; what lies beyond is clamped, NaN is 0.
+    pub time: f32,
 }
 
 impl Ray {
-    /// The ray from `org` towards `dir` over `[0, inf]`, which sees everything.
+    /// The ray from `org` towards `dir` over `[0, inf]`, which sees everything at moment 0.
     #[must_use]
     #[inline]
     pub fn new(org: [f32; 3], dir: [f32; 3]) -> Self {
-        Self { org, t_near: 0.0, dir, t_far: f32::INFINITY, mask: u32::MAX }
+        Self { org, t_near: 0.0, dir, t_far: f32::INFINITY, mask: u32::MAX, time: 0.0 }
     }
 
     /// The same ray, with a mask that says what it sees.
@@ -36,6 +38,13 @@ impl Ray {
     #[inline]
     pub fn with_mask(self, mask: u32) -> Self {
         Self { mask, ..self }
+    }
+
+    /// The same ray at another moment.
+    #[must_use]
+    #[inline]
+    pub fn with_time(self, time: f32) -> Self {
+        Self { time, ..self }
     }
 
     /// The same ray, seen only in `[t_near, t_far]`.
@@ -135,13 +144,15 @@ pub struct Ray64 {
     pub t_far: f32,
     /// See [`Ray::mask`].
     pub mask: u32,
+    /// See [`Ray::time`].
+    pub time: f32,
 }
 
 impl Ray64 {
     /// The ray from `org` towards `dir` over `[0, inf]`, which sees everything.
     #[must_use]
     pub fn new(org: [f64; 3], dir: [f32; 3]) -> Self {
-        Self { org, t_near: 0.0, dir, t_far: f32::INFINITY, mask: u32::MAX }
+        Self { org, t_near: 0.0, dir, t_far: f32::INFINITY, mask: u32::MAX, time: 0.0 }
     }
 
     /// The point at parameter `t`.
@@ -174,8 +185,8 @@ impl AnyRay for Ray {
 
 impl AnyRay for Ray64 {
     fn rounded(&self) -> Cow<'_, Ray> {
-        let Self { org, t_near, dir, t_far, mask } = *self;
-        Cow::Owned(Ray { org: org.map(|x| x as f32), t_near, dir, t_far, mask })
+        let Self { org, t_near, dir, t_far, mask, time } = *self;
+        Cow::Owned(Ray { org: org.map(|x| x as f32), t_near, dir, t_far, mask, time })
     }
 
     fn origin64(&self) -> Option<[f64; 3]> {

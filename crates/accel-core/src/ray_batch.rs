@@ -2,7 +2,7 @@
 //! Many rays, one array per component.
 //! Source: [SSM*05]; fields as structure of arrays after the paper's Figure 4.
 //! Space: that of the structure that is asked.
-//! Invariant: all vectors of a batch have the same length, but for the masks, which may be missing altogether.
+//! Invariant: all vectors of a batch have the same length, but for masks and moments, which may be missing altogether.
 //! Proof: `tests::push_and_get`.
 
 use crate::ray::Ray;
@@ -20,6 +20,8 @@ pub struct RayBatch {
     pub t_far: Vec<f32>,
     /// Masks; empty as long as all rays see everything.
     pub mask: Vec<u32>,
+    /// Moments; empty as long as all rays are of moment 0.
+    pub time: Vec<f32>,
 }
 
 impl RayBatch {
@@ -33,6 +35,7 @@ impl RayBatch {
             t_near: array(),
             t_far: array(),
             mask: Vec::new(),
+            time: Vec::new(),
         }
     }
 
@@ -68,8 +71,9 @@ impl RayBatch {
         for (name, len) in arrays {
             assert!(len == n, "a batch of {n} rays (t_near) has {len} values in {name}");
         }
-        let masks = self.mask.len();
+        let (masks, moments) = (self.mask.len(), self.time.len());
         assert!(masks == 0 || masks == n, "a batch of {n} rays has {masks} masks: none, or one each");
+        assert!(moments == 0 || moments == n, "a batch of {n} rays has {moments} moments: none, or one each");
     }
 
     /// Appends a ray.
@@ -85,6 +89,10 @@ impl RayBatch {
             self.mask.resize(self.t_near.len() - 1, u32::MAX);
             self.mask.push(ray.mask);
         }
+        if ray.time != 0.0 || !self.time.is_empty() {
+            self.time.resize(self.t_near.len() - 1, 0.0);
+            self.time.push(ray.time);
+        }
     }
 
     /// Ray `i`. Panics if `i >= len()`.
@@ -96,7 +104,8 @@ impl RayBatch {
         let [dx, dy, dz] = &self.dir;
         let (org, dir) = ([x[i], y[i], z[i]], [dx[i], dy[i], dz[i]]);
         let mask = self.mask.get(i).copied().unwrap_or(u32::MAX);
-        Ray { org, t_near: self.t_near[i], dir, t_far: self.t_far[i], mask }
+        let time = self.time.get(i).copied().unwrap_or(0.0);
+        Ray { org, t_near: self.t_near[i], dir, t_far: self.t_far[i], mask, time }
     }
 
     /// Removes all rays and keeps the memory.
@@ -108,6 +117,7 @@ impl RayBatch {
         self.t_near.clear();
         self.t_far.clear();
         self.mask.clear();
+        self.time.clear();
     }
 }
 
@@ -134,17 +144,21 @@ mod tests {
         let rays = [
             Ray::new([1.0, 2.0, 3.0], [0.0, 0.0, 1.0]),
             Ray::new([4.0, 5.0, 6.0], [1.0, 0.0, 0.0]).within(0.5, 2.0),
-            Ray::new([7.0, 8.0, 9.0], [1.0, 0.0, 0.0]).with_mask(5),
+            Ray::new([7.0, 8.0, 9.0], [1.0, 0.0, 0.0]).with_mask(5).with_time(0.25),
         ];
         let mut batch: RayBatch = rays.into_iter().collect();
         assert_eq!(batch.len(), 3, "three rays went in");
         assert_eq!([0, 1, 2].map(|i| batch.get(i)), rays, "what goes in comes out");
         assert_eq!(batch.mask, [u32::MAX, u32::MAX, 5], "masks are kept from the first that matters");
+        assert_eq!(batch.time, [0.0, 0.0, 0.25], "so are moments");
         assert_eq!(rays[1].at(2.0), [6.0, 5.0, 6.0], "a point on the ray");
         batch.clear();
-        assert!(batch.is_empty() && batch.mask.is_empty(), "nothing is left");
+        assert!(batch.is_empty() && batch.mask.is_empty() && batch.time.is_empty(), "nothing is left");
         batch.push(rays[0]);
-        assert!(batch.mask.is_empty(), "rays that see everything need no masks");
+        assert!(
+            batch.mask.is_empty() && batch.time.is_empty(),
+            "rays that see everything need no masks, those of moment 0 no moments"
+        );
     }
 
     #[test]
@@ -152,11 +166,12 @@ mod tests {
         let batch: RayBatch = [Ray::new([0.0; 3], [1.0; 3]); 3].into_iter().collect();
         batch.check();
         type Spoil = fn(&mut RayBatch);
-        let spoiled: [(&str, Spoil); 4] = [
+        let spoiled: [(&str, Spoil); 5] = [
             ("org[1]", |batch| batch.org[1].truncate(2)),
             ("dir[2]", |batch| batch.dir[2].push(0.0)),
             ("t_far", |batch| batch.t_far.clear()),
             ("masks", |batch| batch.mask.push(1)),
+            ("moments", |batch| batch.time.push(1.0)),
         ];
         for (name, spoil) in spoiled {
             let mut batch = batch.clone();

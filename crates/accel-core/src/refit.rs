@@ -8,7 +8,7 @@ pub enum RefitError {
     OtherGeometry,
     /// A primitive that could not be traced now can be; or so many no longer can that a leaf is empty.
     OtherPrimitives,
-    /// A kd-tree: it divides space, and triangles that move are elsewhere in it.
+    /// A kd-tree: it divides space, and triangles that move are elsewhere in it. Or a tree with several keys.
     Structure,
 }
 
@@ -19,7 +19,9 @@ impl std::fmt::Display for RefitError {
                 "geometries are not those that the tree was built over: their numbers, kinds, masks and numbers of primitives have to be the same"
             }
             Self::OtherPrimitives => "other primitives than before can be traced: the tree has to be built again",
-            Self::Structure => "a kd-tree cannot be refitted: use Structure::Bvh for what moves",
+            Self::Structure => {
+                "a kd-tree, or one over meshes with several keys, cannot be refitted: use Structure::Bvh and meshes of one moment"
+            }
         })
     }
 }

@@ -46,6 +46,20 @@ impl<'a> Surfaces<'a> {
         Self { meshes: geometries.iter().map(surface).collect(), starts: numbering.starts.clone() }
     }
 
+    /// Those of moving meshes that are `wanted`, at a key that all of them have.
+    pub fn at_key(
+        geometries: &[Geometry<'a>],
+        numbering: &Numbering,
+        wanted: impl Fn(&Geometry) -> bool,
+        key: usize,
+    ) -> Self {
+        let surface = |geometry: &Geometry<'a>| match &geometry.kind {
+            GeometryKind::Moving(mesh) if wanted(geometry) => Surface::Triangles(mesh.at_key(key)),
+            _ => Surface::None,
+        };
+        Self { meshes: geometries.iter().map(surface).collect(), starts: numbering.starts.clone() }
+    }
+
     /// The numbers of all its triangles, good and bad, geometry by geometry.
     pub fn numbers(&self) -> impl Iterator<Item = Range<u32>> + '_ {
         let some = |&(i, surface): &(usize, &Surface)| {

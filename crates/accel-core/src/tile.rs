@@ -35,8 +35,12 @@ pub struct RayTile {
     pub org: [PerRay; 3],
     pub dir: [PerRay; 3],
     pub t_near: PerRay,
+    /// Moments; see [`Ray::time`].
+    pub time: PerRay,
     /// What all of them see: rays of different masks go into different tiles.
     pub mask: u32,
+    /// Whether they have moments; if not, `time` is zero everywhere.
+    pub is_timed: bool,
     /// Whether lanes that are not active hold rays all the same, which look for nothing (`t` is -inf): then the tile
     /// need not be copied where a few lanes are missing.
     pub is_full: bool,
@@ -61,7 +65,9 @@ impl RayTile {
         org: [[0.0; TILE]; 3],
         dir: [[0.0; TILE]; 3],
         t_near: [0.0; TILE],
+        time: [0.0; TILE],
         mask: u32::MAX,
+        is_timed: false,
         is_full: false,
         heading: None,
     };
@@ -75,10 +81,23 @@ impl RayTile {
             self.dir[k][..count].copy_from_slice(&rays.dir[k][first..first + count]);
         }
         self.t_near[..count].copy_from_slice(&rays.t_near[first..first + count]);
+        self.set_timed(!rays.time.is_empty());
+        if self.is_timed {
+            self.time[..count].copy_from_slice(&rays.time[first..first + count]);
+        }
         nearest.t[..count].copy_from_slice(&rays.t_far[first..first + count]);
         nearest.number = [INVALID_ID; TILE];
         nearest.slot = [INVALID_ID; TILE];
         count
+    }
+
+    /// Whether its rays have moments from now on.
+    #[inline(always)]
+    fn set_timed(&mut self, is_timed: bool) {
+        if self.is_timed && !is_timed {
+            self.time = [0.0; TILE];
+        }
+        self.is_timed = is_timed;
     }
 
     /// Loads the rays of a batch with these numbers, 64 at most and one at least, which have this heading, if any.
@@ -107,6 +126,13 @@ impl RayTile {
             self.t_near[lane] = t_near[from];
             nearest.t[lane] = t_far[from];
         }
+        self.set_timed(!rays.time.is_empty());
+        if self.is_timed {
+            let time = &rays.time[..count];
+            for (to, &number) in self.time.iter_mut().zip(numbers) {
+                *to = time[(number as usize).min(count - 1)];
+            }
+        }
         for lane in numbers.len()..numbers.len().next_multiple_of(LANES).min(TILE) {
             self.repeat(lane);
             nearest.t[lane] = f32::NEG_INFINITY;
@@ -127,6 +153,7 @@ impl RayTile {
         rays.mask = self.mask;
         rays.is_full = false;
         rays.heading = None;
+        rays.set_timed(self.is_timed);
         let first = bits.trailing_zeros() as usize & (TILE - 1);
         let mut count = 0;
         while bits != 0 {
@@ -161,6 +188,9 @@ impl RayTile {
             self.dir[k][to] = other.dir[k][from];
         }
         self.t_near[to] = other.t_near[from];
+        if self.is_timed {
+            self.time[to] = other.time[from];
+        }
     }
 
     /// Origins of sixteen rays from `at` on, along three axes.
@@ -216,6 +246,7 @@ impl RayTile {
             dir: [at(&self.dir[0]), at(&self.dir[1]), at(&self.dir[2])],
             t_far,
             mask: self.mask,
+            time: at(&self.time),
         }
     }
 }

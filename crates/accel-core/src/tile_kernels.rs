@@ -263,6 +263,9 @@ fn carry<S: Simd>(simd: S, map: &ObjectFromWorld, rays: &RayTile, inside: &mut R
     }
     inside.t_near = rays.t_near;
     inside.mask = rays.mask;
+    if rays.is_timed {
+        (inside.time, inside.is_timed) = (rays.time, true);
+    }
 }
 
 #[inline(always)]

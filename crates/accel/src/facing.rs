@@ -31,8 +31,10 @@ fn point_of(ray: &dyn AnyRay, t: f32) -> [f64; 3] {
 
 /// Whether a ray sees this face of what it hits. User geometry has no faces: it is always seen.
 fn sees(target: Target, ray: &dyn AnyRay, hit: &Hit, face: Face) -> bool {
-    let Some(normal) = target.raw_normal(hit, Some(point_of(ray, hit.t))) else { return true };
-    let dir = ray.rounded().dir.map(f64::from);
+    let rounded = ray.rounded();
+    let at = Some(point_of(ray, hit.t));
+    let Some(normal) = target.raw_normal(hit, at, rounded.time) else { return true };
+    let dir = rounded.dir.map(f64::from);
     let along = normal[0] * dir[0] + normal[1] * dir[1] + normal[2] * dir[2];
     match face {
         Face::Front => along <= 0.0,
@@ -41,14 +43,14 @@ fn sees(target: Target, ray: &dyn AnyRay, hit: &Hit, face: Face) -> bool {
 }
 
 impl Target<'_> {
-    /// The normal of what was hit, of unit length; of spheres, if the point is given where they were hit.
-    pub(crate) fn normal(self, hit: &Hit, at: Option<[f64; 3]>) -> Option<[f32; 3]> {
-        unit(self.raw_normal(hit, at)?)
+    /// The normal of what was hit at a moment, of unit length; of spheres, if the point is given where they were hit.
+    pub(crate) fn normal(self, hit: &Hit, at: Option<[f64; 3]>, time: f32) -> Option<[f32; 3]> {
+        unit(self.raw_normal(hit, at, time)?)
     }
 
     /// That of a ray's hit.
     pub(crate) fn normal_along(self, ray: &dyn AnyRay, hit: &Hit) -> Option<[f32; 3]> {
-        self.normal(hit, Some(point_of(ray, hit.t)))
+        self.normal(hit, Some(point_of(ray, hit.t)), ray.rounded().time)
     }
 
     /// Those of a batch's hits; zeros where there is none.

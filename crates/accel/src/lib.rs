@@ -136,9 +136,34 @@
 //! assert_eq!((t(moving.tree()), t(&before)), (Some(0.5), Some(1.0)));
 //! ```
 //!
+//! # An open shutter
+//!
+//! A ray has a moment from 0 to 1, at which it sees meshes that move ([`MovingTriangles`]) and instances that do
+//! ([`Instance::moving`]); hits are those of a tree over all as it is then:
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! # use std::sync::Arc;
+//! let (options, threads) = (BuildOptions::default(), Threads::Single);
+//! let keys: [&[[f32; 3]]; 2] = [&[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]], &[[0., 0., 4.], [1., 0., 4.], [0., 1., 4.]]];
+//! let mesh = MovingTriangles { keys: &keys, indices: &[[0, 1, 2]] };
+//! let object = Arc::new(ObjectTree::build_from(&[mesh.into()], &options, threads));
+//! let ray = Ray::new([0.25, 0.25, 9.0], [0.0, 0.0, -1.0]);
+//! let t = |tree: &ObjectTree, time: f32| tree.intersect(&ray.with_time(time)).map(|hit| hit.t);
+//! assert_eq!((t(&object, 0.0), t(&object, 0.5), t(&object, 1.0)), (Some(9.0), Some(7.0), Some(5.0)));
+//!
+//! let at = |x: f64| [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.0, 0.0]];
+//! let path = MotionPath::new(&[at(0.0), at(8.0)]).expect("two places");
+//! let scene = SceneTree::build(&[Instance::moving(object, Arc::new(path))], &options, threads);
+//! let seen = scene.intersect(&Ray::new([4.25, 0.25, 9.0], [0.0, 0.0, -1.0]).with_time(0.5));
+//! assert_eq!(seen.map(|hit| hit.t), Some(7.0));
+//! ```
+//!
 //! # Limits today
 //!
-//! No motion blur, no curves, no subdivision. An object has at most [`MOST_TRIANGLES`] triangles.
+//! Within an object triangles can move, other primitives cannot; questions without a moment (nearest points, boxes, balls,
+//! insides, normals of single hits) are of moment 0: [`ObjectTree::at`] and [`SceneTree::at`] stop what moves at another one.
+//! No curves, no subdivision. An object has at most [`MOST_TRIANGLES`] triangles.
 #![forbid(unsafe_code)]
 
 mod answers;
@@ -168,9 +193,9 @@ mod under_way;
 pub use facing::Face;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, Geometry,
-    GeometryKind, Hit, HitBatch, INVALID_ID, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, PointHit,
-    PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres,
-    Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
+    GeometryKind, Hit, HitBatch, INVALID_ID, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, Moment,
+    MovingTriangles, PointHit, PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, RefitError,
+    SharedList, Spheres, Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
 };
 pub use gnurt_simd::Level;
 pub use inside::Side;
@@ -178,7 +203,7 @@ pub use lists::Lists;
 pub use moving::{Motion, MovingTree, Update};
 pub use object::ObjectTree;
 pub use pencil::Pencil;
-pub use scene::{DEEPEST_SCENE, Instance, SceneError, SceneTree, Shape};
+pub use scene::{DEEPEST_SCENE, Instance, MotionPath, SceneError, SceneTree, Shape};
 pub use slices::{Column, Floats, HitSlices, RaySlices, SliceError, Vectors};
 
 /// The examples of docs/queries.md.

@@ -58,17 +58,15 @@ struct Desk {
 impl Desk {
     /// Takes some rays; those that are to be traced by themselves leave one that hits nothing.
     fn gather(&mut self, rays: &(impl Rays + ?Sized), range: Range<usize>, are_origins_precise: bool) {
-        let RayBatch { org, dir, t_near, t_far, mask } = &mut self.rays;
-        org.iter_mut().chain(dir).chain([t_near, t_far]).for_each(Vec::clear);
-        mask.clear();
+        self.rays.clear();
         self.precise.clear();
         for (place, i) in range.enumerate() {
             let (ray, origin) = rays.ray(i);
             match origin.filter(|_| are_origins_precise) {
                 None => self.rays.push(ray),
                 Some(org) => {
-                    let Ray { t_near, dir, t_far, mask, .. } = ray;
-                    self.precise.push((place, Ray64 { org, t_near, dir, t_far, mask }));
+                    let Ray { t_near, dir, t_far, mask, time, .. } = ray;
+                    self.precise.push((place, Ray64 { org, t_near, dir, t_far, mask, time }));
                     self.rays.push(ray.within(1.0, 0.0));
                 }
             }
@@ -113,7 +111,7 @@ impl Target<'_> {
                     let (ray, origin) = rays.ray(range.start + place);
                     let org = origin.unwrap_or_else(|| ray.org.map(f64::from));
                     let at = |k: usize| org[k] + f64::from(hit.t) * f64::from(ray.dir[k]);
-                    self.normal(&hit, Some([at(0), at(1), at(2)]))
+                    self.normal(&hit, Some([at(0), at(1), at(2)]), ray.time)
                 });
                 slices.set(place, hit, normal);
             }

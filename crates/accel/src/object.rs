@@ -8,6 +8,7 @@
 mod build;
 mod corners;
 mod faces;
+mod frozen;
 mod kind;
 mod many;
 mod places;
@@ -19,7 +20,7 @@ mod surface_queries;
 
 use std::sync::OnceLock;
 
-use gnurt_accel_bvh::{BvhIndex, SphereIndex, UserIndex};
+use gnurt_accel_bvh::{BvhIndex, MotionIndex, SphereIndex, UserIndex};
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::nearest::Nearest;
@@ -60,6 +61,8 @@ struct Part {
 enum Index {
     Kd(KdIndex),
     Bvh(BvhIndex),
+    /// Triangles that move while the shutter is open.
+    Moving(MotionIndex),
     Spheres(SphereIndex),
     User(UserIndex),
 }
@@ -91,6 +94,7 @@ impl ObjectTree {
                 && match (&a.index, &b.index) {
                     (Index::Kd(a), Index::Kd(b)) => a == b,
                     (Index::Bvh(a), Index::Bvh(b)) => a == b,
+                    (Index::Moving(a), Index::Moving(b)) => a == b,
                     (Index::Spheres(a), Index::Spheres(b)) => a == b,
                     (Index::User(a), Index::User(b)) => a.same_tree(b),
                     _ => false,
@@ -165,7 +169,7 @@ impl ObjectTree {
             let has_kernel = match &part.index {
                 Index::Kd(index) => engine.kd.tile(index, heading, trip),
                 Index::Bvh(index) => engine.bvh.tile(index, heading, trip),
-                Index::Spheres(_) | Index::User(_) => false,
+                Index::Moving(_) | Index::Spheres(_) | Index::User(_) => false,
             };
             if !has_kernel {
                 trip.one_by_one(|trip| part.index.ray(engine, trip));
@@ -179,6 +183,7 @@ impl ObjectTree {
             match &part.index {
                 Index::Kd(index) => index.nearest(probe, slot, nearest),
                 Index::Bvh(index) => engine.bvh.point(index, probe, slot, nearest),
+                Index::Moving(index) => engine.bvh.point(index.first(), probe, slot, nearest),
                 Index::Spheres(index) => engine.bvh.spheres_point(index, probe, slot, nearest),
                 Index::User(index) => engine.bvh.user_point(index, probe, slot, nearest),
             }
@@ -206,6 +211,7 @@ impl Part {
     fn group(&self) -> Group {
         let kind = match self.index {
             Index::Kd(_) | Index::Bvh(_) => Kind::Surfaces,
+            Index::Moving(ref index) => Kind::Moving(index.keys()),
             Index::Spheres(_) => Kind::Spheres,
             Index::User(_) => Kind::User,
         };
@@ -218,6 +224,7 @@ impl Index {
         match self {
             Self::Kd(index) => index.bounds(),
             Self::Bvh(index) => index.bounds(),
+            Self::Moving(index) => index.bounds(),
             Self::Spheres(index) => index.bounds(),
             Self::User(index) => index.bounds(),
         }
@@ -227,6 +234,7 @@ impl Index {
         match self {
             Self::Kd(index) => index.stats(),
             Self::Bvh(index) => index.stats(),
+            Self::Moving(index) => index.stats(),
             Self::Spheres(index) => index.stats(),
             Self::User(index) => index.stats(),
         }
@@ -238,6 +246,7 @@ impl Index {
         match self {
             Self::Kd(index) => engine.kd.ray(index, trip),
             Self::Bvh(index) => engine.bvh.ray(index, trip),
+            Self::Moving(index) => engine.bvh.moving(index, trip),
             Self::Spheres(index) => engine.bvh.spheres(index, trip),
             Self::User(index) => engine.bvh.user(index, trip),
         }

@@ -30,11 +30,11 @@ impl Target<'_> {
         self.hit(&Nearest { t: 0.0, u: 0.0, v: 0.0, number, slot }).primitive()
     }
 
-    /// The normal of what was hit, of any length; of spheres, if the point is given where they were hit.
-    pub(crate) fn raw_normal(self, hit: &Hit, at: Option<[f64; 3]>) -> Option<[f64; 3]> {
+    /// The normal of what was hit at a moment, of any length; of spheres, if the point is given where they were hit.
+    pub(crate) fn raw_normal(self, hit: &Hit, at: Option<[f64; 3]>, time: f32) -> Option<[f64; 3]> {
         match self {
-            Self::Object(object) => object.raw_normal(hit, at),
-            Self::Scene(scene) => scene.raw_normal_at(hit, hit.leaf_id, at),
+            Self::Object(object) => object.raw_normal(hit, at, time),
+            Self::Scene(scene) => scene.raw_normal_at(hit, hit.leaf_id, at, time),
         }
     }
 }

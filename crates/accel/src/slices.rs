@@ -179,6 +179,7 @@ pub struct RaySlices<'a> {
     t_near: Option<Column<'a>>,
     t_far: Option<Column<'a>>,
     mask: Option<&'a [u32]>,
+    time: Option<Column<'a>>,
     len: usize,
 }
 
@@ -191,7 +192,7 @@ impl<'a> RaySlices<'a> {
         let (org, dir) = (org.into(), dir.into());
         let len = org.len.or(dir.len).unwrap_or(1);
         fits("directions", dir.len.unwrap_or(len), len)?;
-        Ok(Self { org, dir, t_near: None, t_far: None, mask: None, len })
+        Ok(Self { org, dir, t_near: None, t_far: None, mask: None, time: None, len })
     }
 
     /// The same rays with near ends.
@@ -221,6 +222,15 @@ impl<'a> RaySlices<'a> {
         Ok(Self { mask: Some(mask), ..self })
     }
 
+    /// The same rays with moments; see [`Ray::time`].
+    ///
+    /// # Errors
+    /// [`SliceError`] where there are not as many as rays.
+    pub fn with_times(self, time: Column<'a>) -> Result<Self, SliceError> {
+        fits("moments", time.len.unwrap_or(self.len), self.len)?;
+        Ok(Self { time: Some(time), ..self })
+    }
+
     /// Number of rays.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -245,6 +255,7 @@ impl<'a> RaySlices<'a> {
             dir: self.dir.get(i).map(|x| x as f32),
             t_far: self.t_far.map_or(f32::INFINITY, |t| t.get(i) as f32),
             mask: self.mask.map_or(u32::MAX, |mask| mask[i]),
+            time: self.time.map_or(0.0, |time| time.get(i) as f32),
         };
         (ray, (!is_float).then_some(precise))
     }

@@ -4,7 +4,7 @@
 
 use std::sync::OnceLock;
 
-use gnurt_accel_bvh::{BvhIndex, Screen, SphereIndex, UserIndex};
+use gnurt_accel_bvh::{BvhIndex, MotionIndex, Screen, SphereIndex, UserIndex};
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::screened::Screened;
@@ -44,7 +44,8 @@ impl ObjectTree {
 
     /// Builds over geometries of any kinds. What cannot be traced is left out and counted; nothing at all is fine.
     ///
-    /// Spheres and user geometry always get a BVH; `options.structure` is for triangles and quads.
+    /// Spheres, user geometry and meshes that move always get a BVH; `options.structure` is for triangles and quads that stand
+    /// still, and so is `options.memory`: trees whose boxes move are never compact.
     ///
     /// # Panics
     /// If there are too many primitives for one tree (some 900 million): [`try_build_from`](Self::try_build_from) says so.
@@ -117,6 +118,15 @@ impl ObjectTree {
                             watch.give(number * count);
                             Index::Bvh(index)
                         }
+                    }
+                }
+                Kind::Moving(0) => continue,
+                Kind::Moving(keys) => {
+                    let surfaces = |key| Surfaces::at_key(geometries, &numbering, wanted, key as usize);
+                    let surfaces: Vec<Surfaces> = (0..keys).map(surfaces).collect();
+                    match MotionIndex::build(&surfaces, &mut bad, quality, threads, &watch)? {
+                        Some(index) => Index::Moving(index),
+                        None => continue,
                     }
                 }
                 Kind::Spheres => Index::Spheres(SphereIndex::build(

@@ -17,15 +17,17 @@ impl Index {
         match self {
             Self::Kd(index) => index.numbers(visit),
             Self::Bvh(index) => index.numbers(visit),
+            Self::Moving(index) => index.first().numbers(visit),
             Self::Spheres(index) => index.numbers(visit),
             Self::User(index) => index.numbers(visit),
         }
     }
 
-    fn primitive(&self, number: u32, block: usize, lane: usize) -> Option<Primitive<'_>> {
+    fn primitive(&self, number: u32, block: usize, lane: usize, time: f32) -> Option<Primitive<'_>> {
         Some(match self {
             Self::Kd(index) => Primitive::Triangle(index.corners_at(number, block, lane)),
             Self::Bvh(index) => Primitive::Triangle(index.corners_at(block, lane)),
+            Self::Moving(index) => Primitive::Triangle(index.corners_at(block, lane, time)),
             Self::Spheres(index) => {
                 let (center, radius) = index.sphere_at(block, lane);
                 Primitive::Sphere(center, radius)
@@ -56,8 +58,8 @@ impl ObjectTree {
         })
     }
 
-    /// A triangle, half of a quad or sphere; `None` of user geometry, and where there is none that can be traced.
-    fn primitive(&self, number: u32) -> Option<Primitive<'_>> {
+    /// A triangle, half of a quad or sphere, at a moment; `None` of user geometry, and where there is none that can be traced.
+    fn primitive(&self, number: u32, time: f32) -> Option<Primitive<'_>> {
         let places = self.places();
         let place = *places.of_number.get(number as usize)?;
         if place == INVALID_ID {
@@ -65,12 +67,12 @@ impl ObjectTree {
         }
         let part = places.starts.partition_point(|&start| start <= place) - 1;
         let within = (place - places.starts[part]) as usize;
-        self.parts[part].index.primitive(number, within / WIDTH, within % WIDTH)
+        self.parts[part].index.primitive(number, within / WIDTH, within % WIDTH, time)
     }
 
-    /// The normal of what was hit, in the object's space and of any length: of triangles and quads on the side from which
+    /// The normal of what was hit at a moment, in the object's space and of any length: of triangles and quads on the side from which
     /// their vertices go around counter-clockwise, of spheres outwards, if the point is given where they were hit.
-    pub(crate) fn raw_normal(&self, hit: &Hit, at: Option<[f64; 3]>) -> Option<[f64; 3]> {
+    pub(crate) fn raw_normal(&self, hit: &Hit, at: Option<[f64; 3]>, time: f32) -> Option<[f64; 3]> {
         let geometry = hit.geom_id as usize;
         let &[start, end] = self.numbering.starts.get(geometry..geometry + 2)? else { return None };
         let is_quads = *self.numbering.quads.get(geometry)?;
@@ -79,9 +81,9 @@ impl ObjectTree {
         let found = if is_quads {
             // Either half where the other is none.
             let half = u32::from(hit.u + hit.v > 1.0);
-            self.primitive(number + half).or_else(|| self.primitive(number + 1 - half))
+            self.primitive(number + half, time).or_else(|| self.primitive(number + 1 - half, time))
         } else {
-            self.primitive(number)
+            self.primitive(number, time)
         };
         match found? {
             Primitive::Triangle([a, b, c]) => {

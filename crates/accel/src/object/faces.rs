@@ -12,17 +12,19 @@ impl ObjectTree {
     /// vertices go around counter-clockwise in its object; in the space of this tree. `None` of spheres, whose
     /// [`normal_at`](Self::normal_at) needs the point, of user geometry, and of hits of other trees.
     ///
+    /// Of what moves it is the normal at moment 0: [`normals`](Self::normals) takes each ray's, [`at`](Self::at) stops what moves.
+    ///
     /// The first call writes down where each primitive is, in one pass over the tree: 4 bytes a primitive, which are
     /// kept and are not counted by `stats`.
     #[must_use]
     pub fn normal(&self, hit: &Hit) -> Option<[f32; 3]> {
-        self.target().normal(hit, None)
+        self.target().normal(hit, None, 0.0)
     }
 
     /// The same for a hit at a point, which tells a sphere's normal.
     #[must_use]
     pub fn normal_at(&self, hit: &Hit, point: [f64; 3]) -> Option<[f32; 3]> {
-        self.target().normal(hit, Some(point))
+        self.target().normal(hit, Some(point), 0.0)
     }
 
     /// Normals of a batch's hits; `normals` is resized to it, and holds zeros where there is none.

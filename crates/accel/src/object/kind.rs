@@ -9,6 +9,8 @@ use crate::Geometry;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Surfaces,
+    /// Meshes that move, with so many keys.
+    Moving(u32),
     Spheres,
     User,
 }
@@ -20,6 +22,7 @@ pub(super) type Group = (Kind, u32);
 pub(super) fn group_of(geometry: &Geometry) -> Group {
     let kind = match geometry.kind {
         GeometryKind::Triangles(_) | GeometryKind::Quads(_) => Kind::Surfaces,
+        GeometryKind::Moving(ref mesh) => Kind::Moving(mesh.keys.len() as u32),
         GeometryKind::Spheres(_) => Kind::Spheres,
         GeometryKind::User(_) => Kind::User,
     };

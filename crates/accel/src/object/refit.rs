@@ -20,7 +20,7 @@ impl ObjectTree {
     ///
     /// # Errors
     /// [`RefitError`] where it has to be built again: for other geometry, where triangles can be traced that could not, and
-    /// for kd-trees.
+    /// for kd-trees and trees over meshes with several keys.
     ///
     /// ```
     /// use gnurt_accel::{BuildOptions, ObjectTree, Ray, Threads, Triangles};
@@ -63,7 +63,7 @@ impl ObjectTree {
             let wanted = |geometry: &Geometry| group_of(geometry) == group;
             let mut primitives = None;
             match &mut part.index {
-                Index::Kd(_) => return Err(RefitError::Structure),
+                Index::Kd(_) | Index::Moving(_) => return Err(RefitError::Structure),
                 Index::Bvh(index) => {
                     let refitted = index.refit(&Surfaces::new(geometries, &numbering, wanted), threads)?;
                     bad += refitted.bad;
@@ -115,7 +115,9 @@ fn check_empty(
     let others = (0..geometries.len()).filter(|&i| group_of(&geometries[i]) == group);
     let is_empty = match group.0 {
         Kind::Surfaces => !surfaces.numbers().flatten().any(|number| surfaces.judge(number, bad)),
-        Kind::Spheres | Kind::User => others.map(|i| numbering.range(i).len()).sum::<usize>() == 0,
+        Kind::Moving(_) | Kind::Spheres | Kind::User => {
+            others.map(|i| numbering.range(i).len()).sum::<usize>() == 0
+        }
     };
     if is_empty { Ok(()) } else { Err(RefitError::OtherPrimitives) }
 }

@@ -26,6 +26,7 @@ impl ObjectTree {
             match &part.index {
                 Index::Kd(index) => index.sift(&sieve, visit),
                 Index::Bvh(index) => index.sift(&sieve, visit),
+                Index::Moving(index) => index.first().sift(&sieve, visit),
                 Index::Spheres(index) => index.sift(&sieve, visit),
                 Index::User(index) => index.sift(&sieve, visit),
             }

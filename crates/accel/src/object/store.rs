@@ -62,6 +62,12 @@ impl ObjectTree {
                 },
                 Index::Spheres(index) if index.is_compact() => COMPACT_SPHERES,
                 Index::Spheres(_) => SPHERES,
+                Index::Moving(_) => {
+                    return Err(io::Error::new(
+                        io::ErrorKind::Unsupported,
+                        "meshes with several keys cannot be saved",
+                    ));
+                }
                 Index::User(_) => {
                     return Err(io::Error::new(io::ErrorKind::Unsupported, "user geometry cannot be saved"));
                 }
@@ -72,7 +78,7 @@ impl ObjectTree {
                 Index::Kd(index) => index.save(&mut writer)?,
                 Index::Bvh(index) => index.save(&mut writer)?,
                 Index::Spheres(index) => index.save(&mut writer)?,
-                Index::User(_) => {}
+                Index::Moving(_) | Index::User(_) => {}
             }
         }
         writer.end()
@@ -150,7 +156,7 @@ impl ObjectTree {
                 Index::Kd(index) => index.check(count)?,
                 Index::Bvh(index) => index.check(count)?,
                 Index::Spheres(index) => index.check(count)?,
-                Index::User(_) => {}
+                Index::Moving(_) | Index::User(_) => {}
             }
             bounds = bounds.union(&index.bounds());
             measured = both(measured, index.stats());

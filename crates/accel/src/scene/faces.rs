@@ -11,13 +11,13 @@ impl SceneTree {
     /// See [`ObjectTree::normal`](crate::ObjectTree::normal).
     #[must_use]
     pub fn normal(&self, hit: &Hit) -> Option<[f32; 3]> {
-        self.target().normal(hit, None)
+        self.target().normal(hit, None, 0.0)
     }
 
     /// See [`ObjectTree::normal_at`](crate::ObjectTree::normal_at).
     #[must_use]
     pub fn normal_at(&self, hit: &Hit, point: [f64; 3]) -> Option<[f32; 3]> {
-        self.target().normal(hit, Some(point))
+        self.target().normal(hit, Some(point), 0.0)
     }
 
     /// See [`ObjectTree::normals`](crate::ObjectTree::normals).

@@ -11,14 +11,22 @@ use std::sync::Arc;
 use gnurt_accel_core::affine::ObjectFromWorld;
 
 use super::box64::Box64;
-use super::types::{Exact, Instance, Placed, SceneTree, Shape, Slot};
-use crate::{Aabb, ObjectTree, Ray};
+use super::exact::Exact;
+use super::path::MotionPath;
+use super::types::{Instance, Placed, SceneTree, Shape, Slot};
+use crate::{Aabb, ObjectTree};
 
 impl Instance {
     /// An object or a scene at a place, seen by all rays.
     #[must_use]
     pub fn new(shape: impl Into<Shape>, world_from_object: [[f64; 3]; 4]) -> Self {
-        Self { shape: shape.into(), world_from_object, mask: u32::MAX }
+        Self { shape: shape.into(), world_from_object, motion: None, mask: u32::MAX }
+    }
+
+    /// An object or a scene that moves while the shutter is open, seen by all rays.
+    #[must_use]
+    pub fn moving(shape: impl Into<Shape>, motion: Arc<MotionPath>) -> Self {
+        Self { motion: Some(motion.clone()), ..Self::new(shape, motion.at(0.0)) }
     }
 
     /// One that lies in the world as it is, seen by all rays.
@@ -78,34 +86,6 @@ impl Shape {
 
 const IDENTITY: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
 
-impl Exact {
-    /// The inverse, where there is one.
-    fn new(columns: &[[f64; 3]; 4]) -> Option<Self> {
-        let [a, b, c, _] = *columns;
-        let cross = |p: [f64; 3], q: [f64; 3]| {
-            [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-        };
-        let normals = [cross(b, c), cross(c, a), cross(a, b)];
-        let determinant: f64 = (0..3).map(|k| a[k] * normals[0][k]).sum();
-        (determinant != 0.0)
-            .then(|| Self { rows: normals.map(|n| n.map(|x| x / determinant)), columns: *columns })
-    }
-
-    /// A point of the world in the object's space.
-    pub(super) fn point(&self, world: [f64; 3]) -> [f64; 3] {
-        let from = [0, 1, 2].map(|k| world[k] - self.columns[3][k]);
-        self.rows.map(|row| row[0] * from[0] + row[1] * from[1] + row[2] * from[2])
-    }
-
-    /// A ray whose origin is known in double precision, and that origin in the object's space.
-    pub(super) fn ray(&self, ray: &Ray, origin: &[f64; 3]) -> (Ray, [f64; 3]) {
-        let inside = self.point(*origin);
-        let dir = ray.dir.map(f64::from);
-        let dir = self.rows.map(|row| (row[0] * dir[0] + row[1] * dir[1] + row[2] * dir[2]) as f32);
-        (Ray { org: inside.map(|x| x as f32), dir, ..*ray }, inside)
-    }
-}
-
 impl Placed {
     /// With its box, in floats and relative to `origin`; `None` where the transform has no inverse in floats, or a value that
     /// is not finite, or where floats cannot hold the box.
@@ -114,7 +94,8 @@ impl Placed {
         let exact = Exact::new(columns)?;
         let object_from_world = if *columns == IDENTITY { None } else { Some(rounded(&exact)?) };
         let shape = instance.shape.clone();
-        let placed = Self { shape, mask: instance.mask, object_from_world, exact };
+        let motion = instance.motion.clone();
+        let placed = Self { shape, mask: instance.mask, motion, object_from_world, exact };
         let bounds = placed.bounds_from(origin)?;
         Some((placed, bounds))
     }
@@ -122,6 +103,9 @@ impl Placed {
     /// The box in floats, relative to `origin`; `None` where they cannot hold it.
     fn bounds_from(&self, origin: [f32; 3]) -> Option<Aabb> {
         let bounds = self.shape.bounds();
+        if let Some(motion) = &self.motion {
+            return carry_along(motion, &bounds, origin.map(f64::from)).map(|carried| carried.nearest());
+        }
         let in_floats = matches!(self.shape, Shape::Object(_)) || bounds == Box64::from(bounds.rounded());
         if self.object_from_world.is_none() && origin == [0.0; 3] && in_floats {
             return Some(bounds.rounded());
@@ -141,7 +125,7 @@ impl Slot {
 }
 
 /// The map in floats; `None` where these cannot hold it.
-fn rounded(exact: &Exact) -> Option<ObjectFromWorld> {
+pub(super) fn rounded(exact: &Exact) -> Option<ObjectFromWorld> {
     let rows = exact.rows.map(|row| row.map(|x| x as f32));
     let place = exact.columns[3];
     let high = place.map(|x| x as f32);
@@ -149,6 +133,25 @@ fn rounded(exact: &Exact) -> Option<ObjectFromWorld> {
     let sound = rows.iter().chain([&high, &low]).flatten().all(|x| x.is_finite());
     let spans = rows.iter().all(|row| row.iter().any(|&x| x != 0.0));
     (sound && spans).then_some(ObjectFromWorld { rows, place: [high, low] })
+}
+
+/// The box around all that an object's box passes through, relative to `origin`; `None` where a float cannot hold it.
+fn carry_along(motion: &MotionPath, object: &Box64, origin: [f64; 3]) -> Option<Box64> {
+    if object.is_empty() {
+        return Some(Box64::EMPTY);
+    }
+    let mut whole = Some(Box64::EMPTY);
+    motion.steps(object, |from, to, bulge| {
+        let both = [from, to].map(|columns| carry_box(columns, object, origin));
+        for carried in both {
+            whole = whole.take().zip(carried).map(|(whole, carried)| Box64 {
+                min: [0, 1, 2].map(|k| whole.min[k].min(carried.min[k] - bulge)),
+                max: [0, 1, 2].map(|k| whole.max[k].max(carried.max[k] + bulge)),
+            });
+        }
+    });
+    let is_held = |b: &Box64| b.min.iter().chain(&b.max).all(|&x| (x as f32).is_finite());
+    whole.filter(is_held)
 }
 
 /// The world box of an object's box, relative to `origin`: around its eight corners, a little wider than rounding could
@@ -178,6 +181,7 @@ fn carry_box(columns: &[[f64; 3]; 4], object: &Box64, origin: [f64; 3]) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Ray;
 
     #[test]
     fn carries_rays() {

@@ -5,12 +5,15 @@
 mod box64;
 mod build;
 mod error;
+mod exact;
 mod faces;
 mod facts;
+mod frozen;
 mod instance;
 mod leaves;
 mod many;
 mod normal;
+mod path;
 mod point;
 mod queries;
 mod region;
@@ -20,4 +23,5 @@ mod update;
 mod walk;
 
 pub use error::SceneError;
+pub use path::MotionPath;
 pub use types::{DEEPEST_SCENE, Instance, SceneTree, Shape};

@@ -8,15 +8,26 @@ use crate::Hit;
 impl SceneTree {
     /// As that of an object, in the scene's space: by the transposed inverse of each instance's map, so that a normal looks
     /// to the side that it looks to inside, mirrored or not.
-    pub(crate) fn raw_normal_at(&self, hit: &Hit, leaf: u32, at: Option<[f64; 3]>) -> Option<[f64; 3]> {
+    pub(crate) fn raw_normal_at(
+        &self,
+        hit: &Hit,
+        leaf: u32,
+        at: Option<[f64; 3]>,
+        time: f32,
+    ) -> Option<[f64; 3]> {
         let (place, placed) = self.placed_at(leaf)?;
-        let exact = &placed.exact;
-        let at = at.map(|at| if placed.object_from_world.is_some() { exact.point(at) } else { at });
+        let moved = match &placed.motion {
+            Some(motion) => Some(motion.exact(time)?),
+            None => None,
+        };
+        let stands = placed.object_from_world.is_none() && moved.is_none();
+        let exact = moved.as_ref().unwrap_or(&placed.exact);
+        let at = at.map(|at| if stands { at } else { exact.point(at) });
         let inside = match &placed.shape {
-            Shape::Object(object) => object.raw_normal(hit, at),
-            Shape::Scene(scene) => scene.raw_normal_at(hit, leaf - self.leaves.first(place), at),
+            Shape::Object(object) => object.raw_normal(hit, at, time),
+            Shape::Scene(scene) => scene.raw_normal_at(hit, leaf - self.leaves.first(place), at, time),
         }?;
-        if placed.object_from_world.is_none() {
+        if stands {
             return Some(inside);
         }
         let [x, y, z] = exact.rows;

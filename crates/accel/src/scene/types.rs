@@ -8,7 +8,9 @@ use std::sync::Arc;
 use gnurt_accel_bvh::BoxIndex;
 use gnurt_accel_core::affine::ObjectFromWorld;
 
+use super::exact::Exact;
 use super::leaves::Leaves;
+use super::path::MotionPath;
 use crate::{ObjectTree, SharedList};
 
 /// Most scenes that may lie in one another, the outermost included.
@@ -46,8 +48,10 @@ pub struct Instance {
     /// Shared by all instances of it.
     pub shape: Shape,
     /// Columns of the affine map to the space of the scene that the instance is in: images of the x, y and z axes, then
-    /// of the origin.
+    /// of the origin. Of one that moves, at moment 0.
     pub world_from_object: [[f64; 3]; 4],
+    /// How it moves while the shutter is open; `None` = it stands still. Counts for rays in the place of `world_from_object`.
+    pub motion: Option<Arc<MotionPath>>,
     /// Which rays see it: those whose mask has a bit in common with this one.
     pub mask: u32,
 }
@@ -69,17 +73,10 @@ pub(crate) enum Slot {
 pub(crate) struct Placed {
     pub(super) shape: Shape,
     pub(super) mask: u32,
+    /// Where it is at each moment, if it moves.
+    pub(super) motion: Option<Arc<MotionPath>>,
     /// `None` where world and object space are the same.
     pub(crate) object_from_world: Option<ObjectFromWorld>,
-    /// The map in double precision.
+    /// The map in double precision; of what moves, at moment 0.
     pub(super) exact: Exact,
-}
-
-/// [`ObjectFromWorld`] in double precision, and its inverse.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Exact {
-    /// Rows of the linear part of the map into the object.
-    pub(super) rows: [[f64; 3]; 3],
-    /// Images of the axes, then of the origin.
-    pub(super) columns: [[f64; 3]; 4],
 }

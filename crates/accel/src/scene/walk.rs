@@ -7,7 +7,8 @@ use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::tile::RayTile;
 use gnurt_accel_core::trip::{RayTrip, TileTrip};
 
-use super::types::{SceneTree, Shape};
+use super::instance::rounded;
+use super::types::{Placed, SceneTree, Shape};
 use crate::Ray;
 use crate::engine::Engine;
 use crate::together::by_heading;
@@ -62,6 +63,9 @@ impl SceneTree {
         };
         let slot = trip.slot + self.leaves.first(place);
         let (ray, origin) = (trip.ray, trip.origin);
+        if placed.motion.is_some() {
+            return Self::enter_moving(engine, placed, slot, trip);
+        }
         match (&placed.object_from_world, origin) {
             (None, _) => placed.shape.ray(engine, &mut trip.inside(ray, origin, slot)),
             (Some(map), None) => {
@@ -72,6 +76,29 @@ impl SceneTree {
             }
             (Some(_), Some(origin)) => {
                 let (inside, precise) = placed.exact.ray(ray, origin);
+                if inside.is_sound() {
+                    placed.shape.ray(engine, &mut trip.inside(&inside, Some(&precise), slot));
+                }
+            }
+        }
+    }
+
+    /// Into one that moves: to where it is at the ray's moment, as if it stood there.
+    #[cold]
+    #[inline(never)]
+    fn enter_moving(engine: &Engine, placed: &Placed, slot: u32, trip: &mut RayTrip) {
+        let (ray, origin) = (trip.ray, trip.origin);
+        let Some(exact) = placed.motion.as_ref().and_then(|motion| motion.exact(ray.time)) else { return };
+        match origin {
+            None => {
+                let Some(map) = rounded(&exact) else { return };
+                let inside = map.ray(ray);
+                if inside.is_sound() {
+                    placed.shape.ray(engine, &mut trip.inside(&inside, None, slot));
+                }
+            }
+            Some(origin) => {
+                let (inside, precise) = exact.ray(ray, origin);
                 if inside.is_sound() {
                     placed.shape.ray(engine, &mut trip.inside(&inside, Some(&precise), slot));
                 }
@@ -114,6 +141,9 @@ impl SceneTree {
             return;
         };
         let slot = trip.slot + self.leaves.first(place);
+        if placed.motion.is_some() {
+            return trip.one_by_one(|trip| Self::enter_moving(engine, placed, slot, trip));
+        }
         match &placed.object_from_world {
             None => {
                 let (rays, active) = (trip.rays, trip.active);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Questions about surfaces: crossings, sides, distances, near primitives and overlaps. Source: original.
+//! Questions about surfaces: crossings, sides, distances, near primitives and overlaps; and surfaces that move while the shutter is
+//! open. Source: original.
 
 #[path = "../common/mod.rs"]
 mod common;
 mod crossings;
 mod inside;
+mod motion;
 mod normals;
 mod overlaps;
 mod slices;

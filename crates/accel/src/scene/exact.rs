@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! An affine map in double precision, and its inverse. Source: original. Proof: `instance::tests::carries_rays`, `tests/far_away.rs`.
+
+use crate::Ray;
+
+/// A map into the world, and the linear part of its inverse.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Exact {
+    /// Rows of the linear part of the map into the object.
+    pub(super) rows: [[f64; 3]; 3],
+    /// Images of the axes, then of the origin.
+    pub(super) columns: [[f64; 3]; 4],
+}
+
+impl Exact {
+    /// The inverse, where there is one.
+    pub(super) fn new(columns: &[[f64; 3]; 4]) -> Option<Self> {
+        let [a, b, c, _] = *columns;
+        let cross = |p: [f64; 3], q: [f64; 3]| {
+            [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+        };
+        let normals = [cross(b, c), cross(c, a), cross(a, b)];
+        let determinant: f64 = (0..3).map(|k| a[k] * normals[0][k]).sum();
+        (determinant != 0.0)
+            .then(|| Self { rows: normals.map(|n| n.map(|x| x / determinant)), columns: *columns })
+    }
+
+    /// A point of the world in the object's space.
+    pub(super) fn point(&self, world: [f64; 3]) -> [f64; 3] {
+        let from = [0, 1, 2].map(|k| world[k] - self.columns[3][k]);
+        self.rows.map(|row| row[0] * from[0] + row[1] * from[1] + row[2] * from[2])
+    }
+
+    /// A ray whose origin is known in double precision, and that origin in the object's space.
+    pub(super) fn ray(&self, ray: &Ray, origin: &[f64; 3]) -> (Ray, [f64; 3]) {
+        let inside = self.point(*origin);
+        let dir = ray.dir.map(f64::from);
+        let dir = self.rows.map(|row| (row[0] * dir[0] + row[1] * dir[1] + row[2] * dir[2]) as f32);
+        (Ray { org: inside.map(|x| x as f32), dir, ..*ray }, inside)
+    }
+}
