@@ -242,6 +242,10 @@ closure color transparent() LIB;
 closure color debug(string tag) LIB;
 closure color holdout() LIB;
 closure color subsurface(float eta, float g, color mfp, color albedo) LIB;
+#ifndef __STRICT_OSL
+// Light that leaves the point towards the viewer, worked out by the shader itself; not OSL's.
+closure color radiance() LIB;
+#endif
 
 #ifndef NO_MATERIALX_CLOSURES
 closure color oren_nayar_diffuse_bsdf(normal N, color albedo, float roughness) LIB;

@@ -25,6 +25,9 @@ pub struct Options {
     pub includes: Vec<String>,
     /// Warnings count as errors.
     pub warnings_are_errors: bool,
+    /// Only what OSL has is known: no shader types `light`, `camera`, `environment` and `pixel`, no `illuminance`, no colour
+    /// from `trace`, no closure `radiance`.
+    pub strict: bool,
 }
 
 /// What became of a text.
@@ -75,6 +78,9 @@ fn start<'a>(name: &str, text: &str, options: &Options, load: &'a Loader<'a>) ->
     ] {
         source.define(&format!("{word}={value}"));
     }
+    if options.strict {
+        source.define("__STRICT_OSL=1");
+    }
     for option in &options.defines {
         source.define(option);
     }
@@ -90,14 +96,14 @@ fn start<'a>(name: &str, text: &str, options: &Options, load: &'a Loader<'a>) ->
 #[must_use]
 pub fn compile(name: &str, text: &str, options: &Options, load: &Loader<'_>) -> Compiled {
     let mut source = start(name, text, options, load);
-    let parser = Parser::new(&mut source);
+    let parser = Parser::new(&mut source, options.strict);
     let mut diagnostics = std::mem::take(&mut source.diagnostics);
     let sources = source.sources;
     if diagnostics.errors > 0 {
         return Compiled { shader: None, diagnostics, sources };
     }
     let parsed = parser.file();
-    let options = CheckOptions { warnings_are_errors: options.warnings_are_errors };
+    let options = CheckOptions { warnings_are_errors: options.warnings_are_errors, strict: options.strict };
     let (program, found) = check(&parsed, &sources, options);
     diagnostics.append(found);
     if diagnostics.errors > 0 {

@@ -2,6 +2,8 @@
 //! What programs mean: each prints something that the specification, or arithmetic, says.
 
 mod common;
+#[path = "meaning/more.rs"]
+mod more;
 use common::{body, output, said, shader};
 use gnurt_sl::exec::Event;
 use gnurt_sl::group::{Group, read_group, write_group};

@@ -3,27 +3,41 @@
 
 use std::path::{Path, PathBuf};
 
+use gnurt_sl::exec::unknown_operation;
 use gnurt_sl::{Options, compile};
 
-fn surfaces() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders/surfaces")
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shaders").join(name)
 }
 
 #[test]
-fn surfaces_compile_without_a_warning() {
+fn shaders_compile_without_a_warning() {
     let options = Options { warnings_are_errors: true, ..Options::default() };
     let load = |path: &Path| std::fs::read_to_string(path).ok();
-    let mut count = 0;
-    for entry in std::fs::read_dir(surfaces()).expect("the folder of surfaces") {
-        let path = entry.expect("an entry").path();
-        if path.extension().is_none_or(|extension| extension != "osl") {
-            continue;
+    let kinds = [
+        ("surfaces", "surface", 20),
+        ("lights", "light", 6),
+        ("cameras", "camera", 4),
+        ("skies", "environment", 3),
+        ("pixels", "pixel", 3),
+    ];
+    for (name, kind, wanted) in kinds {
+        let mut count = 0;
+        for entry in std::fs::read_dir(folder(name)).expect("a folder of shaders") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_none_or(|extension| extension != "osl") {
+                continue;
+            }
+            let text = std::fs::read_to_string(&path).expect("a shader");
+            let compiled = compile(&path.to_string_lossy(), &text, &options, &load);
+            let shader = compiled.shader.unwrap_or_else(|| {
+                panic!("{}: {:?}", path.display(), compiled.diagnostics);
+            });
+            assert_eq!(&*shader.kind, kind, "{}", path.display());
+            assert_eq!(unknown_operation(&shader), None, "{}", path.display());
+            assert!(text.contains("string label = "), "{}: its parameters have labels", path.display());
+            count += 1;
         }
-        let text = std::fs::read_to_string(&path).expect("a shader");
-        let compiled = compile(&path.to_string_lossy(), &text, &options, &load);
-        assert!(compiled.shader.is_some(), "{}: {:?}", path.display(), compiled.diagnostics);
-        assert!(text.contains("string label = "), "{}: its parameters have labels", path.display());
-        count += 1;
+        assert_eq!(count, wanted, "{name}");
     }
-    assert_eq!(count, 20, "surfaces");
 }

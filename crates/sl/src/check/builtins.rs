@@ -29,8 +29,10 @@ const TABLE: &[(&str, &[&str], &str)] = &[
     ("getmessage", &["is?", "is?[]", "iss?", "iss?[]"], ""),
     ("gettextureinfo", &["iss?", "iss?[]", "isffs?", "isffs?[]"], ""),
     ("hashnoise", NOISE, ""),
+    ("illuminate", &["iipvcff.", "iipvfvcff."], ""),
     ("isconnected", &["i?"], ""),
     ("isconstant", &["i?"], ""),
+    ("lightcount", &["i"], ""),
     ("noise", NAMED_NOISE, ""),
     ("pnoise", NAMED_PNOISE, ""),
     ("pointcloud_search", &["ispfi.", "ispfii."], ""),
@@ -57,7 +59,7 @@ const TABLE: &[(&str, &[&str], &str)] = &[
     ("surfacearea", &["f"], ""),
     ("texture", &["fsff.", "fsffffff.", "csff.", "csffffff.", "vsff.", "vsffffff."], "t"),
     ("texture3d", &["fsp.", "fspvvv.", "csp.", "cspvvv.", "vsp.", "vspvvv."], "t"),
-    ("trace", &["ipv."], ""),
+    ("trace", &["ipv.", "cpv."], ""),
     ("warning", &["xs*"], "p"),
 ];
 
@@ -75,10 +77,16 @@ const NAMED_PNOISE: &[&str] = &[
     "vpp", "vpfpf",
 ];
 
-/// All of them; of each name the first is tried first.
-pub(super) fn signatures() -> impl Iterator<Item = Signature> {
-    TABLE.iter().flat_map(|(name, codes, marks)| {
-        codes.iter().map(move |code| Signature {
+/// What OSL does not have.
+fn is_more(name: &str, code: &str) -> bool {
+    matches!((name, code), ("illuminate" | "lightcount", _) | ("trace", "cpv."))
+}
+
+/// All of them, or all that OSL has if `strict`; of each name the first is tried first.
+pub(super) fn signatures(strict: bool) -> impl Iterator<Item = Signature> {
+    TABLE.iter().flat_map(move |(name, codes, marks)| {
+        let codes = codes.iter().filter(move |code| !strict || !is_more(name, code));
+        codes.map(move |code| Signature {
             printf: marks.contains('p'),
             texture: marks.contains('t'),
             ..Signature::from_codes(name, code)

@@ -20,6 +20,8 @@ use std::sync::Arc;
 pub struct Options {
     /// Warnings count as errors.
     pub warnings_are_errors: bool,
+    /// Only what OSL has is known.
+    pub strict: bool,
 }
 
 /// Initialiser lists are tried against every overload; this many tries are enough for everyone.
@@ -46,7 +48,7 @@ pub(super) struct Checker<'a> {
     pub(super) sources: &'a Sources,
     pub(super) formals_of_shader: bool,
     quiet: &'a HashSet<(u16, u32)>,
-    options: Options,
+    pub(super) options: Options,
     /// While above 0 messages are swallowed.
     pub(super) mute: usize,
     /// While above 0 all messages are early.
@@ -69,6 +71,19 @@ const GLOBALS: [(&str, Type, bool); 13] = [
     ("time", Type::FLOAT, true),
     ("dtime", Type::FLOAT, true),
     ("dPdtime", Type::VECTOR, true),
+];
+
+/// What shaders of the types that OSL does not have know beside, and whether they only read it.
+const GLOBALS_OF_KINDS: [(&str, Type, bool, &[&str]); 9] = [
+    ("L", Type::VECTOR, false, &["light"]),
+    ("Cl", Type::COLOR, false, &["light"]),
+    ("lightdist", Type::FLOAT, false, &["light"]),
+    ("lightpdf", Type::FLOAT, false, &["light"]),
+    ("xi", Type::FLOAT.array_of(2), true, &["light", "camera"]),
+    ("raster", Type::POINT, true, &["camera", "pixel"]),
+    ("tmin", Type::FLOAT, false, &["camera"]),
+    ("tmax", Type::FLOAT, false, &["camera"]),
+    ("weight", Type::COLOR, false, &["camera"]),
 ];
 
 impl<'a> Checker<'a> {
@@ -95,11 +110,23 @@ impl<'a> Checker<'a> {
                 this.readonly.insert(id);
             }
         }
-        let all: Vec<Signature> = signatures().collect();
+        let all: Vec<Signature> = signatures(options.strict).collect();
         for signature in all.into_iter().rev() {
             this.add_signature(signature);
         }
         this
+    }
+
+    /// Declares what shaders of a type know beside.
+    pub(super) fn declare_globals_of(&mut self, kind: &str) {
+        for (name, ty, readonly, kinds) in GLOBALS_OF_KINDS {
+            if kinds.contains(&kind) {
+                let id = self.declare(name.into(), ty, VarKind::Global, Loc::NONE);
+                if readonly {
+                    self.readonly.insert(id);
+                }
+            }
+        }
     }
 
     /// A new variable in the innermost scope.

@@ -411,6 +411,7 @@ impl Checker<'_> {
     fn shader(&mut self, s: &ast::Shader) -> Diagnostics {
         let f = &s.function;
         self.frames.push(Frame::default());
+        self.declare_globals_of(&s.kind);
         self.formals_of_shader = true;
         let mut missing = Vec::new();
         for p in &f.parameters {

@@ -111,6 +111,11 @@ impl Checker<'_> {
         (at == args.len()).then_some((points, lists))
     }
 
+    /// Whether `trace` can give a colour.
+    fn has_radiance(&self) -> bool {
+        !self.options.strict
+    }
+
     fn describe(&self, number: u32) -> String {
         let signature = &self.signatures[number as usize];
         let place =
@@ -151,6 +156,13 @@ impl Checker<'_> {
                 continue;
             }
             seen.push(number);
+            // What is seen along a ray is asked for only where a colour is wanted; elsewhere OSL's hit or miss is.
+            if name == "trace"
+                && signature.user.is_none()
+                && (signature.returns == Type::COLOR) != (wanted == Type::COLOR && self.has_radiance())
+            {
+                continue;
+            }
             let Some((points, lists)) = self.weigh(&signature, args) else { continue };
             let highest = best.first().map_or(0, |c| c.points);
             if points < highest {

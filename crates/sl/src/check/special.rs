@@ -32,6 +32,10 @@ pub(super) fn effects(signature: &Signature, args: &[Expr]) -> Effects {
     let written = match plain {
         "sincos" => bit(1) | bit(2),
         "getattribute" | "getmessage" | "gettextureinfo" | "getmatrix" | "dict_value" => bit(last),
+        "illuminate" => {
+            let first = if args.get(3).is_some_and(|e| e.ty == Type::FLOAT) { 4 } else { 2 };
+            bit(first) | bit(first + 1) | bit(first + 2) | bit(first + 3)
+        }
         "pointcloud_get" => bit(4),
         "pointcloud_search" => options(args, 4, |_| true),
         "regex_match" | "regex_search" if args.len() == 3 => bit(1),

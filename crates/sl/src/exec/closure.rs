@@ -2,14 +2,11 @@
 //! Closures: trees of sums, weights and components.
 //! Source: original; what is printed is OSL's.
 
-use super::components::{Closure, Component};
+use super::components::{Closure, Component, NODES, parts};
 use super::machine::{Machine, Step};
 use crate::format::general;
 use crate::hir::Data;
 use crate::types::{Base, Type};
-
-/// Nodes of one point.
-const LIMIT: usize = 1 << 20;
 
 /// Makes a component; none, and a message, if the program does not know it.
 pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
@@ -69,39 +66,17 @@ fn fit(ty: Type, data: Data) -> Data {
 impl Machine<'_> {
     /// Adds a node; its number, 0 if there are too many.
     pub(super) fn add_closure(&mut self, node: Closure) -> u32 {
-        if self.closures.len() >= LIMIT {
+        if self.closures.len() >= NODES {
             return 0;
         }
         self.closures.push(node);
         self.closures.len() as u32
     }
 
-    fn closure_node(&self, number: u32) -> Option<&Closure> {
-        self.closures.get((number as usize).checked_sub(1)?)
-    }
-
     /// The components of a closure with their weights, in order.
     #[must_use]
     pub fn components(&self, number: u32) -> Vec<([f32; 3], &Component)> {
-        let mut out = Vec::new();
-        let mut open = vec![(number, [1.0_f32; 3])];
-        while let Some((number, w)) = open.pop() {
-            if out.len() > LIMIT {
-                break;
-            }
-            match self.closure_node(number) {
-                Some(Closure::Component(component)) => out.push((w, component)),
-                Some(Closure::Mul(weight, inner)) => {
-                    open.push((*inner, [weight[0] * w[0], weight[1] * w[1], weight[2] * w[2]]));
-                }
-                Some(Closure::Add(a, b)) => {
-                    open.push((*b, w));
-                    open.push((*a, w));
-                }
-                None => {}
-            }
-        }
-        out
+        parts(&self.closures, number)
     }
 
     /// As `printf` shows it.

@@ -43,3 +43,30 @@ pub enum Closure {
     /// Two parts.
     Add(u32, u32),
 }
+
+/// Nodes that a batch may have.
+pub(super) const NODES: usize = 1 << 20;
+
+/// The components of a closure with their weights, in order: of node `number`, counted from 1.
+#[must_use]
+pub fn parts(nodes: &[Closure], number: u32) -> Vec<([f32; 3], &Component)> {
+    let mut out = Vec::new();
+    let mut open = vec![(number, [1.0_f32; 3])];
+    while let Some((number, w)) = open.pop() {
+        if out.len() > NODES {
+            break;
+        }
+        match (number as usize).checked_sub(1).and_then(|i| nodes.get(i)) {
+            Some(Closure::Component(component)) => out.push((w, component)),
+            Some(Closure::Mul(weight, inner)) => {
+                open.push((*inner, [weight[0] * w[0], weight[1] * w[1], weight[2] * w[2]]));
+            }
+            Some(Closure::Add(a, b)) => {
+                open.push((*b, w));
+                open.push((*a, w));
+            }
+            None => {}
+        }
+    }
+    out
+}

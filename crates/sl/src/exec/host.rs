@@ -6,6 +6,7 @@ use super::components::ClosureDecl;
 use crate::hir::Data;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
+use std::sync::Arc;
 
 /// The point that is shaded. Space: common.
 #[derive(Clone, Debug, Default)]
@@ -44,6 +45,74 @@ pub struct Point {
     pub ray_kinds: u32,
     /// Number of the point.
     pub index: i32,
+    /// Two random numbers in [0, 1), in lights and cameras.
+    pub xi: [f32; 2],
+    /// Place on the picture in pixels from the upper left corner, in cameras and pixels.
+    pub raster: [f32; 2],
+}
+
+/// What a call of `trace` says beside the ray.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceOptions {
+    /// Where the ray starts, along itself.
+    pub mindist: f32,
+    /// Where it ends.
+    pub maxdist: f32,
+    /// The objects that it may meet; empty for all.
+    pub traceset: Arc<str>,
+}
+
+impl Default for TraceOptions {
+    /// All of the way, all objects.
+    fn default() -> Self {
+        Self { mindist: 0.0, maxdist: 1e30, traceset: "".into() }
+    }
+}
+
+/// Light that reaches a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Arriving {
+    /// Unit direction towards the light.
+    pub dir: [f32; 3],
+    /// What arrives at a surface that faces it, over the density with which the direction was chosen.
+    pub light: [f32; 3],
+    /// How far away it is.
+    pub distance: f32,
+    /// Density per solid angle; 0 for lights without extent.
+    pub pdf: f32,
+}
+
+/// How a texture is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureOptions {
+    /// Channel that is read first.
+    pub first_channel: i32,
+    /// What channels that are not there hold.
+    pub fill: f32,
+    /// What is read in place of a file that is missing, if something is.
+    pub missing: Option<[f32; 3]>,
+    /// How coordinates go on beyond 0 and 1, in s and t: `black`, `clamp`, `periodic`, `mirror` or `default`.
+    pub wrap: [Arc<str>; 2],
+    /// How much wider than the pixel it is read.
+    pub width: [f32; 2],
+    /// And by how much.
+    pub blur: [f32; 2],
+    /// `closest`, `linear`, `cubic` or `smartcubic`; empty for the usual.
+    pub interpolation: Arc<str>,
+}
+
+impl Default for TextureOptions {
+    fn default() -> Self {
+        Self {
+            first_channel: 0,
+            fill: 0.0,
+            missing: None,
+            wrap: ["default".into(), "default".into()],
+            width: [1.0; 2],
+            blur: [0.0; 2],
+            interpolation: "".into(),
+        }
+    }
 }
 
 /// A value from outside, with its derivatives if it has some.
@@ -95,9 +164,60 @@ pub trait Host {
     }
 
     /// Whether a ray hits something.
-    fn trace(&self, p: Dual<[f32; 3]>, r: Dual<[f32; 3]>, point: &Point) -> bool {
-        let _ = (p, r, point);
+    fn trace(&self, p: Dual<[f32; 3]>, r: Dual<[f32; 3]>, options: &TraceOptions, point: &Point) -> bool {
+        let _ = (p, r, options, point);
         false
+    }
+
+    /// What is seen along a ray.
+    fn radiance(
+        &self,
+        p: Dual<[f32; 3]>,
+        r: Dual<[f32; 3]>,
+        options: &TraceOptions,
+        point: &Point,
+    ) -> [f32; 3] {
+        let _ = (p, r, options, point);
+        [0.0; 3]
+    }
+
+    /// How many lights `illuminance` goes through.
+    fn light_count(&self) -> i32 {
+        0
+    }
+
+    /// Light of one of them that reaches `p`, if some does; what lies between counts if `shadowed`.
+    fn illuminate(
+        &self,
+        light: i32,
+        p: [f32; 3],
+        category: &str,
+        shadowed: bool,
+        point: &Point,
+    ) -> Option<Arriving> {
+        let _ = (light, p, category, shadowed, point);
+        None
+    }
+
+    /// Four channels of a picture at `s` and `t`, t downwards; or why there are none.
+    ///
+    /// # Errors
+    /// A line for people.
+    fn texture(
+        &self,
+        file: &str,
+        at: [Dual<f32>; 2],
+        options: &TextureOptions,
+        point: &Point,
+    ) -> Result<[f32; 4], String> {
+        let _ = (at, options, point);
+        Err(format!("no texture \"{file}\": there are none here"))
+    }
+
+    /// Width, height and channels of a picture.
+    fn texture_size(&self, file: &str) -> Option<[i32; 3]> {
+        let _ = file;
+        None
     }
 
     /// What `getmessage("trace", ...)` asks for: a value, and whether the last ray hit.

@@ -3,7 +3,7 @@
 //! Source: original; which layers wait until they are asked for is OSL's.
 
 use super::machine::{Copy, Flow, Instruction, LayerPlan, Loop, Param, Plan, Source, Step};
-use super::slot::Slot;
+use super::slot::{Kept, Slot};
 use super::strings::Strings;
 use super::table::action;
 use crate::group::{Group, Part};
@@ -12,7 +12,8 @@ use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
 use crate::passes::{fold, mark_derivatives};
 use crate::types::{Base, Type};
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::atomic::AtomicU32;
+use std::sync::{Arc, Mutex};
 
 /// How groups are run.
 #[derive(Clone, Debug)]
@@ -35,6 +36,8 @@ pub struct PlanOptions {
     pub debug_layers: bool,
     /// Layers that may be started by themselves.
     pub entries: Vec<usize>,
+    /// Turns of loops that a point may take before it is stopped.
+    pub turns: u64,
 }
 
 impl Default for PlanOptions {
@@ -49,6 +52,7 @@ impl Default for PlanOptions {
             userdata_isconnected: false,
             debug_layers: false,
             entries: Vec::new(),
+            turns: 20_000_000,
         }
     }
 }
@@ -72,6 +76,19 @@ const GLOBALS: [(&str, Type); 13] = [
     ("dPdtime", Type::VECTOR),
 ];
 
+/// What lights, cameras and pixels have beside, and what it starts with.
+const GLOBALS_OF_KINDS: [(&str, Type, f32); 9] = [
+    ("L", Type::VECTOR, 0.0),
+    ("Cl", Type::COLOR, 0.0),
+    ("lightdist", Type::FLOAT, 0.0),
+    ("lightpdf", Type::FLOAT, 0.0),
+    ("xi", Type::FLOAT.array_of(2), 0.0),
+    ("raster", Type::POINT, 0.0),
+    ("tmin", Type::FLOAT, 0.0),
+    ("tmax", Type::FLOAT, 1e30),
+    ("weight", Type::COLOR, 1.0),
+];
+
 impl Plan {
     /// Lays out a group.
     ///
@@ -86,6 +103,10 @@ impl Plan {
             strings: Strings::default(),
             debug_layers: options.debug_layers,
             entries: options.entries.clone(),
+            turns: options.turns,
+            kept: Vec::new(),
+            strikes: AtomicU32::new(0),
+            memories: Mutex::default(),
         };
         for (name, ty) in GLOBALS {
             let slot = plan.place(ty, ty.base != Base::Closure)?;
@@ -95,7 +116,31 @@ impl Plan {
         for (number, shader) in shaders.into_iter().enumerate() {
             plan.layer(group, number, shader, options)?;
         }
+        let mut row = 0;
+        for name in &options.outputs {
+            let Some(slot) = plan.slot_of(name) else { continue };
+            if matches!(slot.ty.base, Base::String | Base::Closure) {
+                continue;
+            }
+            plan.kept.push(Kept { name: name.clone(), ty: slot.ty, row });
+            row += slot.ty.size();
+        }
         Ok(plan)
+    }
+
+    /// The place of `layer.name`, of `name` in the last layer that has it, or of a global.
+    pub(super) fn slot_of(&self, name: &str) -> Option<Slot> {
+        let of = |layer: &LayerPlan, name: &str| {
+            let id = layer.shader.find(name).filter(|&id| layer.shader.symbol(id).kind.is_param())?;
+            Some(layer.slots[id as usize])
+        };
+        if let Some((layer, name)) = name.split_once('.')
+            && let Some(found) = self.layers.iter().rev().find(|l| *l.name == *layer)
+        {
+            return of(found, name);
+        }
+        let found = self.layers.iter().rev().find_map(|layer| of(layer, name));
+        found.or_else(|| self.globals.get(name).copied())
     }
 
     /// How many layers there are.
@@ -112,6 +157,20 @@ impl Plan {
         }
         self.memory.resize(end, 0);
         Ok(slot)
+    }
+
+    /// Where a global is; those of lights, cameras and pixels get a place when they are first named.
+    fn global(&mut self, name: &str) -> Result<Option<Slot>, String> {
+        if let Some(slot) = self.globals.get(name) {
+            return Ok(Some(*slot));
+        }
+        let Some((name, ty, start)) = GLOBALS_OF_KINDS.iter().find(|known| known.0 == name) else {
+            return Ok(None);
+        };
+        let slot = self.place(*ty, true)?;
+        self.fill(&slot, &Data::Float(vec![*start; ty.size()]));
+        self.globals.insert((*name).into(), slot);
+        Ok(Some(slot))
     }
 
     fn fill(&mut self, slot: &Slot, data: &Data) {
@@ -150,8 +209,10 @@ impl Plan {
         let layer = &group.layers[number];
         let mut slots = Vec::with_capacity(shader.symbols.len());
         for (id, symbol) in shader.symbols.iter().enumerate() {
-            if let (SymbolKind::Global, Some(slot)) = (symbol.kind, self.globals.get(&symbol.name)) {
-                slots.push(*slot);
+            if symbol.kind == SymbolKind::Global
+                && let Some(slot) = self.global(&symbol.name)?
+            {
+                slots.push(slot);
                 continue;
             }
             let mut ty = symbol.ty;

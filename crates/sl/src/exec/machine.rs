@@ -4,14 +4,15 @@
 
 use super::components::Closure;
 use super::host::{Host, Point};
-use super::slot::Slot;
+use super::slot::{Kept, Slot};
 use super::strings::Strings;
 use crate::ir::{Place, Shader, SymId};
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::regex::Regex;
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::atomic::AtomicU32;
+use std::sync::{Arc, Mutex};
 
 pub(super) type D = Dual<f32>;
 
@@ -124,6 +125,14 @@ pub struct Plan {
     pub(super) strings: Strings,
     pub(super) debug_layers: bool,
     pub(super) entries: Vec<usize>,
+    /// Turns of loops that a point may take.
+    pub(super) turns: u64,
+    /// What [`Program`](super::Program) gives back of each point.
+    pub(super) kept: Vec<Kept>,
+    /// Points that were stopped.
+    pub(super) strikes: AtomicU32,
+    /// Memories that no batch uses now.
+    pub(super) memories: Mutex<Vec<Memory>>,
 }
 
 /// What a layer left for others, or asked for in vain.
@@ -171,24 +180,56 @@ pub struct Machine<'a> {
     pub(super) regexes: HashMap<Arc<str>, Option<Regex>>,
 }
 
+/// What a machine works in, between two uses.
+pub(super) struct Memory {
+    cells: Vec<u32>,
+    strings: Strings,
+    done: Vec<bool>,
+    pulled: Vec<Vec<bool>>,
+    regexes: HashMap<Arc<str>, Option<Regex>>,
+}
+
+impl Memory {
+    pub(super) fn new(plan: &Plan) -> Self {
+        Self {
+            cells: plan.memory.clone(),
+            strings: plan.strings.clone(),
+            done: vec![false; plan.layers.len()],
+            pulled: plan.layers.iter().map(|l| vec![false; l.slots.len()]).collect(),
+            regexes: HashMap::new(),
+        }
+    }
+}
+
 impl<'a> Machine<'a> {
     /// A machine for a group.
     #[must_use]
     pub fn new(plan: &'a Plan, host: &'a dyn Host) -> Self {
+        Self::within(plan, host, Memory::new(plan))
+    }
+
+    /// A machine in memory that was made for the same plan.
+    pub(super) fn within(plan: &'a Plan, host: &'a dyn Host, memory: Memory) -> Self {
+        let Memory { cells, strings, done, pulled, regexes } = memory;
         Self {
             plan,
             host,
-            memory: plan.memory.clone(),
-            strings: plan.strings.clone(),
+            memory: cells,
+            strings,
             closures: Vec::new(),
             messages: Vec::new(),
             point: Point::default(),
             layer: 0,
-            done: vec![false; plan.layers.len()],
-            pulled: plan.layers.iter().map(|l| vec![false; l.slots.len()]).collect(),
+            done,
+            pulled,
             fuel: 0,
             events: Vec::new(),
-            regexes: HashMap::new(),
+            regexes,
         }
+    }
+
+    pub(super) fn into_memory(self) -> Memory {
+        let Self { memory, strings, done, pulled, regexes, .. } = self;
+        Memory { cells: memory, strings, done, pulled, regexes }
     }
 }

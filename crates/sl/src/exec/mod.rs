@@ -3,16 +3,19 @@
 //! Source: original.
 //!
 //! A group of shaders is laid out in one memory of 32-bit cells (`layout`); a [`Machine`] runs it for a point and asks a [`Host`]
-//! for all that only a renderer knows. `table` names the operations; `arithmetic`, `assign`, `element`, `math`, `noise`,
+//! for all that only a renderer knows; a [`Program`] runs sixteen points. `table` names the operations; `arithmetic`, `assign`, `element`, `math`, `noise`,
 //! `space`, `texts`, `print`, `message`, `closure` and `state` do them.
 
 mod arithmetic;
 mod assign;
+mod batch;
 mod closure;
 mod components;
 mod element;
 mod host;
+mod lanes;
 mod layout;
+mod light;
 mod machine;
 mod math;
 mod message;
@@ -25,11 +28,14 @@ mod state;
 mod strings;
 mod table;
 mod texts;
+mod texture;
 mod values;
 
-pub use components::{Closure, ClosureDecl, ClosureParam, Component};
-pub use host::{Given, Host, Point};
+pub use batch::{DualRow, LANES, Points, Program, Results, Row};
+pub use components::{Closure, ClosureDecl, ClosureParam, Component, parts};
+pub use host::{Arriving, Given, Host, Point, TextureOptions, TraceOptions};
 pub use layout::PlanOptions;
 pub use machine::{Event, Machine, Plan};
+pub use slot::Kept;
 pub use strings::Strings;
 pub use table::unknown_operation;

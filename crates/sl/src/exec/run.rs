@@ -8,13 +8,16 @@ use super::slot::Slot;
 use crate::hir::Data;
 use crate::types::{Base, Type};
 
-/// Turns of loops that a point may take before it is stopped.
-const FUEL: u64 = 20_000_000;
-
 impl Machine<'_> {
     /// Runs the group; outputs are then read with [`output`](Self::output).
     pub fn run(&mut self, point: &Point) {
-        self.begin(point);
+        self.closures.clear();
+        self.run_beside(point);
+    }
+
+    /// The same, keeping the closures of points before.
+    pub(super) fn run_beside(&mut self, point: &Point) {
+        self.begin_beside(point);
         let Some(last) = self.plan.layers.len().checked_sub(1) else { return };
         self.say_layer(last, "enter");
         self.done[last] = true;
@@ -36,17 +39,26 @@ impl Machine<'_> {
         }
     }
 
+    /// Whether the point was stopped: a loop did not end.
+    pub(super) fn was_stopped(&self) -> bool {
+        self.fuel == 0
+    }
+
     /// Forgets the point before.
     pub fn begin(&mut self, point: &Point) {
+        self.closures.clear();
+        self.begin_beside(point);
+    }
+
+    fn begin_beside(&mut self, point: &Point) {
         self.memory.clone_from(&self.plan.memory);
         self.strings.truncate(self.plan.strings.count());
-        self.closures.clear();
         self.messages.clear();
         self.done.fill(false);
         for list in &mut self.pulled {
             list.fill(false);
         }
-        self.fuel = FUEL;
+        self.fuel = self.plan.turns;
         self.point = point.clone();
         self.set_globals();
     }
@@ -74,6 +86,11 @@ impl Machine<'_> {
         {
             if let Some(slot) = globals.get(name) {
                 self.set(slot, 0, value);
+            }
+        }
+        for (name, values) in [("xi", &point.xi), ("raster", &point.raster)] {
+            if let Some(slot) = globals.get(name) {
+                values.iter().enumerate().for_each(|(i, &value)| self.set(slot, i, value.into()));
             }
         }
     }
@@ -223,7 +240,7 @@ impl Machine<'_> {
             }
             if self.fuel == 0 {
                 let place = self.place(inner.at);
-                self.error(format!("stopped: a loop at {place} did not end after {FUEL} turns"));
+                self.error(format!("stopped: a loop at {place} did not end after {} turns", self.plan.turns));
                 return Flow::Exit;
             }
             self.fuel -= 1;

@@ -29,3 +29,14 @@ impl Slot {
         self.size as usize * if self.derivs { 3 } else { 1 }
     }
 }
+
+/// A value that is kept of each point.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Kept {
+    /// As it was asked for: `name` or `layer.name`, or a global's name.
+    pub name: String,
+    /// Its type, made of floats or ints.
+    pub ty: Type,
+    /// Its first row in [`Results::rows`](super::Results::rows); it has as many as the type has numbers.
+    pub row: usize,
+}

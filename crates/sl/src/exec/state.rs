@@ -72,12 +72,5 @@ pub(super) fn is_constant(m: &mut Machine<'_>, s: &Step) {
     m.set_int(&s.args[0], i32::from(constant));
 }
 
-pub(super) fn trace(m: &mut Machine<'_>, s: &Step) {
-    let [out, p, r, ..] = &*s.args else { return };
-    let whole = gnurt_sl_lib::Dual::from_components;
-    let hit = m.host.trace(whole(m.triple(p)), whole(m.triple(r)), &m.point);
-    m.set_int(out, i32::from(hit));
-}
-
 /// Displacement is not done while a point is shaded.
 pub(super) fn nothing(_: &mut Machine<'_>, _: &Step) {}

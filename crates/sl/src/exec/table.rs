@@ -5,7 +5,9 @@
 use super::machine::Action::{self, Map1, Map2, Map3, Whole};
 use super::machine::D;
 use super::slot::Slot;
-use super::{arithmetic, assign, closure, element, math, message, noise, print, space, state, texts};
+use super::{
+    arithmetic, assign, closure, element, light, math, message, noise, print, space, state, texts, texture,
+};
 use crate::ir::{Op, Shader, ops};
 use crate::types::{Base, Type};
 use gnurt_sl_lib::math as lib;
@@ -149,7 +151,12 @@ fn whole(name: &str, out: Type) -> Option<Action> {
         "surfacearea" => state::surface_area,
         "isconnected" => state::is_connected,
         "isconstant" => state::is_constant,
-        "trace" => state::trace,
+        "trace" => light::trace,
+        "lightcount" => light::count,
+        "illuminate" => light::illuminate,
+        "texture" => texture::texture,
+        "environment" => texture::environment,
+        "gettextureinfo" => texture::info,
         "bump" | "displace" | "nop" | "end" | "useparam" => state::nothing,
         _ => return None,
     }))

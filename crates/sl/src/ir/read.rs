@@ -64,7 +64,10 @@ impl Reader {
             let major = version.split('.').next().and_then(|m| m.parse::<u32>().ok());
             return if major == Some(1) { Ok(()) } else { Err(format!("version {version}; 1.00 is known")) };
         }
-        if !matches!(first, "surface" | "displacement" | "volume" | "shader" | "light") {
+        if !matches!(
+            first,
+            "surface" | "displacement" | "volume" | "shader" | "light" | "camera" | "environment" | "pixel"
+        ) {
             return Err(format!("'{first}' is not a type of shader"));
         }
         self.shader.kind = first.into();

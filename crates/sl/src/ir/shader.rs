@@ -178,7 +178,7 @@ pub enum Node {
 /// A compiled shader.
 #[derive(Clone, Debug, Default)]
 pub struct Shader {
-    /// `surface`, `displacement`, `volume` or `shader`.
+    /// `surface`, `displacement`, `volume`, `shader`, `light`, `camera`, `environment` or `pixel`.
     pub kind: Arc<str>,
     /// Its name.
     pub name: Arc<str>,

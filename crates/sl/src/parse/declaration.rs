@@ -9,7 +9,10 @@ use crate::ast::{
 use crate::token::Tok;
 use crate::types::Base;
 
-const KINDS: [&str; 4] = ["shader", "surface", "displacement", "volume"];
+/// Types of shaders; the last four are not OSL's.
+const KINDS: [&str; 8] =
+    ["shader", "surface", "displacement", "volume", "light", "camera", "environment", "pixel"];
+const OF_OSL: usize = 4;
 
 impl Parser {
     /// Reads a whole file.
@@ -28,13 +31,23 @@ impl Parser {
         if self.take_word("struct") {
             return Ok(Item::Struct(self.structure()?));
         }
-        let kind = self.peek().ident().filter(|n| KINDS.contains(&&***n)).cloned();
+        let kind = self.peek().ident().filter(|n| self.is_kind(n)).cloned();
         let ty = self.type_ref()?;
         let function = self.function(ty)?;
         Ok(match kind {
             Some(kind) => Item::Shader(Shader { kind, function }),
             None => Item::Function(function),
         })
+    }
+
+    /// Whether it is a type of shader here: the words that OSL does not have may name structs.
+    fn is_kind(&self, name: &str) -> bool {
+        let is_struct =
+            || self.out.items.iter().any(|item| matches!(item, Item::Struct(s) if *s.name == *name));
+        match KINDS.iter().position(|kind| *kind == name) {
+            Some(number) => number < OF_OSL || !self.strict && !is_struct(),
+            None => false,
+        }
     }
 
     /// A type.

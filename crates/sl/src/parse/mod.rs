@@ -8,6 +8,7 @@
 mod declaration;
 mod expression;
 mod fold;
+mod illuminance;
 mod reader;
 mod statement;
 mod unescape;

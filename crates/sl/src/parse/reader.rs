@@ -38,6 +38,8 @@ pub struct Parser {
     tokens: Vec<Token>,
     at: usize,
     pub(super) depth: u16,
+    /// Whether only what OSL has is known.
+    pub(super) strict: bool,
     pub(super) out: Parsed,
 }
 
@@ -105,10 +107,10 @@ const KEYWORDS: [&str; 26] = [
 ];
 
 impl Parser {
-    /// Takes all tokens of a preprocessor.
+    /// Takes all tokens of a preprocessor. If `strict`, what this language has more than OSL is not known.
     #[must_use]
-    pub fn new(source: &mut Preprocessor<'_>) -> Self {
-        let mut this = Self { tokens: Vec::new(), at: 0, depth: 0, out: Parsed::default() };
+    pub fn new(source: &mut Preprocessor<'_>, strict: bool) -> Self {
+        let mut this = Self { tokens: Vec::new(), at: 0, depth: 0, strict, out: Parsed::default() };
         loop {
             let mut token = source.next_token();
             match &token.tok {

@@ -28,7 +28,7 @@ impl Parser {
         Ok(condition)
     }
 
-    fn boxed(&mut self) -> Parse<Box<Stmt>> {
+    pub(super) fn boxed(&mut self) -> Parse<Box<Stmt>> {
         Ok(Box::new(self.statement()?))
     }
 
@@ -81,6 +81,9 @@ impl Parser {
             let value = if self.is(";") { None } else { Some(self.expression_or_braces()?) };
             self.expect(";")?;
             return Ok(StmtKind::Return(value));
+        }
+        if !self.strict && self.take_word("illuminance") {
+            return self.illuminance();
         }
         if self.starts_declaration() {
             let ty = self.type_ref()?;

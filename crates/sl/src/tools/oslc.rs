@@ -121,6 +121,7 @@ fn parse(args: &[String], link: bool) -> Result<Call, Option<String>> {
             call.shown.push(arg.clone());
         }
     }
+    call.options.strict = call.style == Style::Strict;
     call.options.includes.extend(standard_folders());
     Ok(call)
 }

@@ -52,7 +52,8 @@ impl Loader {
     }
 
     fn compile(&mut self, name: &str, text: &str, console: &mut Console<'_>) -> Option<Arc<Shader>> {
-        let options = CompileOptions { includes: standard_folders(), ..CompileOptions::default() };
+        let options =
+            CompileOptions { includes: standard_folders(), strict: true, ..CompileOptions::default() };
         let compiled = compile("<buffer>", text, &options, &load);
         for diagnostic in &compiled.diagnostics.list {
             console.complain(&diagnostic.render(&compiled.sources, Style::Strict));

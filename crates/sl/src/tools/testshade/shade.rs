@@ -65,6 +65,7 @@ fn plan(group: &Group, options: &Options, entries: &[usize], console: &mut Conso
         userdata_isconnected: options.userdata_isconnected,
         debug_layers: flag(&options.extra, "llvm_debug_layers", false),
         entries: entries.to_vec(),
+        ..PlanOptions::default()
     };
     match Plan::new(group, &plan_options) {
         Ok(plan) => Some(plan),

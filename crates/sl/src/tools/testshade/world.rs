@@ -3,7 +3,7 @@
 //! Source: original; the world is that of OSL's `testshade`.
 
 use super::options::Options;
-use crate::exec::{ClosureDecl, ClosureParam, Given, Host, Point};
+use crate::exec::{ClosureDecl, ClosureParam, Given, Host, Point, TraceOptions};
 use crate::group::Value;
 use crate::hir::Data;
 use crate::types::{Base, Type};
@@ -205,7 +205,7 @@ impl Host for World {
         None
     }
 
-    fn trace(&self, p: Dual<[f32; 3]>, r: Dual<[f32; 3]>, point: &Point) -> bool {
+    fn trace(&self, p: Dual<[f32; 3]>, r: Dual<[f32; 3]>, _: &TraceOptions, point: &Point) -> bool {
         let (p, r) = (p.value, r.value);
         point.u.value / (p[0] * r[0] + p[1] * r[1] + p[2] * r[2]) > 0.5
     }

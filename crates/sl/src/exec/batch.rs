@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Sixteen points at a time: what goes into a group that is ready to run, by whatever means, and what comes out.
+//! Source: original. The interpreter takes the points one by one; code for lanes may take them all at once. What comes out is the
+//! same. Numbers stand in rows, one number of each point side by side. Proof: `tests/batch.rs`.
+
+use super::components::Closure;
+use super::host::{Host, Point};
+use super::machine::Event;
+use super::slot::Kept;
+use gnurt_sl_lib::Dual;
+
+/// Points of a batch.
+pub const LANES: usize = 16;
+
+/// One number of each point.
+pub type Row = [f32; LANES];
+
+/// A number and its changes from pixel to pixel, of each point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct DualRow {
+    /// The number.
+    pub value: Row,
+    /// Its change to the right.
+    pub dx: Row,
+    /// Its change downwards.
+    pub dy: Row,
+}
+
+/// The points that are shaded: [`Point`] in rows. Space: common.
+#[derive(Clone, Debug, Default)]
+pub struct Points {
+    /// How many there are; rows hold anything beyond.
+    pub count: usize,
+    /// Positions.
+    pub p: [DualRow; 3],
+    /// Directions of the rays that came here.
+    pub i: [DualRow; 3],
+    /// Shading normals.
+    pub n: [Row; 3],
+    /// Geometric normals.
+    pub ng: [Row; 3],
+    /// First surface parameters.
+    pub u: DualRow,
+    /// Second surface parameters.
+    pub v: DualRow,
+    /// Changes of position with `u`.
+    pub dpdu: [Row; 3],
+    /// Changes of position with `v`.
+    pub dpdv: [Row; 3],
+    /// Positions that are lit, in light shaders.
+    pub ps: [DualRow; 3],
+    /// Times.
+    pub time: Row,
+    /// How long the shutter is open.
+    pub dtime: Row,
+    /// Motions of the points.
+    pub dpdtime: [Row; 3],
+    /// Areas of the surfaces.
+    pub surface_area: Row,
+    /// Bits of the points whose backs are seen.
+    pub backfacing: u16,
+    /// Bits of the points on mirrored surfaces.
+    pub flipped: u16,
+    /// Bits of the kinds of the rays.
+    pub ray_kinds: u32,
+    /// Numbers of the points: what a [`Host`] knows them by.
+    pub index: [i32; LANES],
+    /// Pairs of random numbers, in lights and cameras.
+    pub xi: [Row; 2],
+    /// Places on the picture in pixels, in cameras and pixels.
+    pub raster: [Row; 2],
+}
+
+fn set3(rows: &mut [Row; 3], lane: usize, v: [f32; 3]) {
+    for (row, x) in rows.iter_mut().zip(v) {
+        row[lane] = x;
+    }
+}
+
+fn set_dual(row: &mut DualRow, lane: usize, v: Dual<f32>) {
+    (row.value[lane], row.dx[lane], row.dy[lane]) = (v.value, v.dx, v.dy);
+}
+
+fn set_dual3(rows: &mut [DualRow; 3], lane: usize, v: Dual<[f32; 3]>) {
+    for (row, x) in rows.iter_mut().zip(v.components()) {
+        set_dual(row, lane, x);
+    }
+}
+
+fn dual(row: &DualRow, lane: usize) -> Dual<f32> {
+    Dual::new(row.value[lane], row.dx[lane], row.dy[lane])
+}
+
+impl Points {
+    /// Writes one of them.
+    pub fn set(&mut self, lane: usize, point: &Point) {
+        set_dual3(&mut self.p, lane, point.p);
+        set_dual3(&mut self.i, lane, point.i);
+        set_dual3(&mut self.ps, lane, point.ps);
+        set_dual(&mut self.u, lane, point.u);
+        set_dual(&mut self.v, lane, point.v);
+        set3(&mut self.n, lane, point.n);
+        set3(&mut self.ng, lane, point.ng);
+        set3(&mut self.dpdu, lane, point.dpdu);
+        set3(&mut self.dpdv, lane, point.dpdv);
+        set3(&mut self.dpdtime, lane, point.dpdtime);
+        (self.time[lane], self.dtime[lane]) = (point.time, point.dtime);
+        self.surface_area[lane] = point.surface_area;
+        let bit = 1 << lane;
+        self.backfacing = self.backfacing & !bit | if point.backfacing { bit } else { 0 };
+        self.flipped = self.flipped & !bit | if point.flipped { bit } else { 0 };
+        self.ray_kinds = point.ray_kinds;
+        self.index[lane] = point.index;
+        for k in 0..2 {
+            (self.xi[k][lane], self.raster[k][lane]) = (point.xi[k], point.raster[k]);
+        }
+    }
+
+    /// One of them.
+    #[must_use]
+    pub fn point(&self, lane: usize) -> Point {
+        let triple = |rows: &[Row; 3]| [rows[0][lane], rows[1][lane], rows[2][lane]];
+        let duals =
+            |rows: &[DualRow; 3]| Dual::from_components([0, 1, 2].map(|k: usize| dual(&rows[k], lane)));
+        Point {
+            p: duals(&self.p),
+            i: duals(&self.i),
+            n: triple(&self.n),
+            ng: triple(&self.ng),
+            u: dual(&self.u, lane),
+            v: dual(&self.v, lane),
+            dpdu: triple(&self.dpdu),
+            dpdv: triple(&self.dpdv),
+            ps: duals(&self.ps),
+            time: self.time[lane],
+            dtime: self.dtime[lane],
+            dpdtime: triple(&self.dpdtime),
+            surface_area: self.surface_area[lane],
+            backfacing: self.backfacing >> lane & 1 != 0,
+            flipped: self.flipped >> lane & 1 != 0,
+            ray_kinds: self.ray_kinds,
+            index: self.index[lane],
+            xi: self.xi.map(|row| row[lane]),
+            raster: self.raster.map(|row| row[lane]),
+        }
+    }
+}
+
+/// What came out. Memory that can be used again.
+#[derive(Debug, Default)]
+pub struct Results {
+    /// The values that are kept, by [`Kept::row`]; ints as floats.
+    pub rows: Vec<Row>,
+    /// Nodes of the closures of all points; see [`parts`](super::components::parts).
+    pub closures: Vec<Closure>,
+    /// The node that is each point's `Ci`, counted from 1; 0 for none.
+    pub ci: [u32; LANES],
+    /// What was said, by points.
+    pub events: Vec<(usize, Event)>,
+}
+
+/// A group that is ready to run.
+pub trait Program: Send + Sync {
+    /// Runs it for the points of a batch. What was in `out` is lost.
+    fn run(&self, host: &dyn Host, points: &Points, out: &mut Results);
+
+    /// What is kept.
+    fn kept(&self) -> &[Kept];
+}
