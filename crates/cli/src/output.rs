@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use gnurt::Numbered;
-use gnurt::image::{self, OutputFormat, Picture, WriteOptions};
+use gnurt::image::{self, ExrPixels, OutputFormat, Picture, WriteOptions};
 
 use crate::arguments::{LightArguments, Look};
 use crate::failure::{Failure, Outcome};
@@ -78,7 +78,16 @@ impl Output {
     /// Writes it, whole or not at all.
     pub(crate) fn write(&self, picture: &Picture, look: Look) -> Outcome {
         let options = WriteOptions { tone: look.tone, exposure: look.exposure, ..WriteOptions::default() };
-        let bytes = image::encode(picture, self.format, &options)
+        self.put(picture, &options)
+    }
+
+    /// The same without rounding, where the format can.
+    pub(crate) fn write_exactly(&self, picture: &Picture) -> Outcome {
+        self.put(picture, &WriteOptions { exr_pixels: ExrPixels::Float, ..WriteOptions::default() })
+    }
+
+    fn put(&self, picture: &Picture, options: &WriteOptions) -> Outcome {
+        let bytes = image::encode(picture, self.format, options)
             .map_err(|error| Failure::data(format_args!("{}: {error}", self.path.display())))?;
         let replaced = while_writing(|| image::replace_file_if(&self.path, &bytes, || !is_leaving()));
         replaced.map(drop).map_err(Failure::data)

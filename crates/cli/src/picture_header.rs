@@ -23,7 +23,7 @@ pub(crate) fn describe(picture: &mut Picture, frame: &FrameArguments) {
 /// Says how it came about: for formats whose headers may differ from run to run.
 pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f32, stats: &RenderStats) {
     let seconds = format!("{:.3}", stats.seconds);
-    picture.set_metadata("commandLine", command_line(std::env::args_os()));
+    picture.set_metadata("commandLine", command());
     picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
     picture.set_metadata("renderTimeSeconds", seconds);
     picture.set_metadata("depths", "depth.Z: distance along the ray; Z: along the view");
@@ -33,7 +33,12 @@ pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f3
     }
 }
 
-/// The words of the call; of paths only the last part, for a picture need not tell where its maker's files lie.
+/// The words of this call.
+pub(crate) fn command() -> String {
+    command_line(std::env::args_os())
+}
+
+/// The words of a call; of paths only the last part, for a picture need not tell where its maker's files lie.
 fn command_line(words: impl Iterator<Item = OsString>) -> String {
     let shorten = |word: OsString| {
         let text = word.to_string_lossy().into_owned();

@@ -54,6 +54,7 @@ pub fn meter(
         interleave: 1,
         aovs: false,
         heatmap: false,
+        piece: None,
         time_limit: None,
         vpls: options.vpls.min(256),
         ..options.clone()

@@ -116,6 +116,7 @@ impl Accumulation {
         if region == self.region
             && (options.aovs, options.heatmap) == (self.options.aovs, self.options.heatmap)
             && film::tile_size(&options) == film::tile_size(&self.options)
+            && options.piece == self.options.piece
         {
             self.tiles.iter_mut().for_each(TileFilm::clear);
         } else {
@@ -166,8 +167,7 @@ impl Accumulation {
     ) -> bool {
         let begin = Instant::now();
         let last = self.samples().saturating_add(samples).min(self.options.spp);
-        let [x0, y0, x1, y1] = self.region;
-        let pixels = u64::from(x1 - x0) * u64::from(y1 - y0);
+        let pixels: u64 = self.tiles.iter().map(|tile| tile.first.len() as u64).sum();
         let watched = Watched(progress);
         if self.options.integrator.needs_light_set() {
             world.lights().make_set(pool);
@@ -279,11 +279,14 @@ impl Accumulation {
         let rows_end = (y1 as usize * width).min(out.len());
         let mut rest = &mut out[(y0 as usize * width).min(rows_end)..rows_end];
         let bands = FilmBand::all_of(&self.tiles);
+        let mut row = y0;
         bands
             .map(|film| {
-                let length = (film.rows().len() * width).min(rest.len());
-                let (colors, below) = std::mem::take(&mut rest).split_at_mut(length);
-                rest = below;
+                // Rows of other pieces are left out.
+                let skipped = ((film.rows().start - row) as usize * width).min(rest.len());
+                let length = (film.rows().len() * width).min(rest.len() - skipped);
+                let (colors, below) = std::mem::take(&mut rest)[skipped..].split_at_mut(length);
+                (rest, row) = (below, film.rows().end);
                 ColorBand::new(film, colors, width)
             })
             .collect()
@@ -316,11 +319,9 @@ impl Accumulation {
     /// The picture as it is, with its counters and the time since `start`.
     pub(crate) fn into_frame(self, start: Instant) -> Frame {
         let (picture, heatmap) = (self.picture(), self.heatmap());
-        Frame {
-            picture,
-            heatmap,
-            stats: RenderStats { seconds: start.elapsed().as_secs_f64(), ..self.stats },
-        }
+        // Nothing was to be done for what had all of its samples before, or has no pixels.
+        let (complete, seconds) = (self.is_complete(), start.elapsed().as_secs_f64());
+        Frame { picture, heatmap, stats: RenderStats { complete, seconds, ..self.stats } }
     }
 }
 

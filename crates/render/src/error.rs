@@ -2,6 +2,8 @@
 //! What may go wrong, and whose fault it is. Source: original.
 //! Bad geometry is no error: commit drops it and counts it.
 
+use crate::piece::Piece;
+
 /// A description that cannot become a world. All are mistakes of the caller.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CommitError {
@@ -84,6 +86,17 @@ pub enum RenderError {
         /// As it was given.
         crop: [u32; 4],
     },
+    /// A piece that the picture is not cut into.
+    #[error("there is no piece {piece}: pieces count from 1 to their number")]
+    NoSuchPiece {
+        /// As it was given.
+        piece: Piece,
+    },
+    /// Pixels that look at their neighbours, which other pieces have.
+    #[error(
+        "interleaved pixels look at their neighbours, which other pieces have; render without one of the two"
+    )]
+    InterleavedPiece,
     /// A pixel that the picture does not have.
     #[error("pixel {x},{y} lies outside of the picture of {width}x{height} pixels")]
     NoSuchPixel {

@@ -12,6 +12,7 @@ use gnurt_shading::Vec3s;
 
 use crate::aov::TileAovs;
 use crate::options::RenderOptions;
+use crate::piece::Piece;
 use crate::words::{Words, word_f64, word_u32};
 
 /// A rectangle of pixels that one thread renders at a time.
@@ -42,19 +43,28 @@ pub(crate) fn tile_size(options: &RenderOptions) -> u32 {
     options.pattern().map_or(TILE, |n| n * BLOCK)
 }
 
-const TILE: u32 = 16;
+pub(crate) const TILE: u32 = 16;
 /// So are blocks within a tile: their 64 pixels follow each other, so that rays traced together are a narrow bundle.
 pub(crate) const BLOCK: u32 = 8;
 
 impl TileFilm {
-    /// The parts of the tile grid that lie in a region.
-    pub(crate) fn cover(region: [u32; 4], options: &RenderOptions) -> Vec<Self> {
+    /// The parts of the tile grid that lie in a region, and in the piece of the options.
+    pub(crate) fn rects(region: [u32; 4], options: &RenderOptions) -> impl Iterator<Item = [u32; 4]> {
         let [x0, y0, x1, y1] = region;
-        let size = tile_size(options);
-        let starts = |low: u32, high: u32| (low / size * size..high).step_by(size as usize);
+        let (size, piece) = (tile_size(options), options.piece);
+        let starts = move |low: u32, high: u32| (low / size * size..high).step_by(size as usize);
         starts(y0, y1)
-            .flat_map(|y| starts(x0, x1).map(move |x| [x, y]))
-            .map(|[x, y]| [x.max(x0), y.max(y0), (x + size).min(x1), (y + size).min(y1)])
+            .flat_map(move |y| starts(x0, x1).map(move |x| [x, y]))
+            .enumerate()
+            .filter(move |(i, _)| {
+                piece.is_none_or(|Piece { index, count }| i % count as usize == index as usize)
+            })
+            .map(move |(_, [x, y])| [x.max(x0), y.max(y0), (x + size).min(x1), (y + size).min(y1)])
+    }
+
+    /// Tiles for all of them.
+    pub(crate) fn cover(region: [u32; 4], options: &RenderOptions) -> Vec<Self> {
+        Self::rects(region, options)
             .map(|rect| {
                 let mut tile = Self::new(rect, options.aovs, options.aovs);
                 if options.heatmap {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A number that says whether two renderings are of one picture: same scene, same camera, same options.
-//! Source: original. Levels, threads and times do not count; nor does the number of samples, so that a finished picture can
+//! Source: original. Levels, threads, times and pieces do not count; nor does the number of samples, so that a finished picture can
 //! be given more of them, unless it decides where samples go. Not meant against forgery.
 //! Proof: `tests::only_what_matters_counts`.
 
@@ -19,6 +19,7 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
     let options = RenderOptions {
         level: Level::Scalar,
         time_limit: None,
+        piece: None,
         spp: if options.noise.is_some() { options.spp } else { 1 },
         ..options.clone()
     };

@@ -11,6 +11,7 @@ pub use gnurt_image::FilterShape as ReconstructionFilter;
 use gnurt_simd::Level;
 
 use crate::error::RenderError;
+use crate::piece::Piece;
 
 /// How radiance is computed along a camera ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -143,6 +144,8 @@ pub struct RenderOptions {
     pub aovs: bool,
     /// Make a picture of the cost per pixel.
     pub heatmap: bool,
+    /// Render only the tiles of this piece. Not for interleaved pixels, which look at their neighbours. `None` = all.
+    pub piece: Option<Piece>,
 }
 
 impl Default for RenderOptions {
@@ -167,6 +170,7 @@ impl Default for RenderOptions {
             noise: None,
             aovs: false,
             heatmap: false,
+            piece: None,
         }
     }
 }
@@ -190,6 +194,14 @@ impl RenderOptions {
         let clipped = [x0, y0, x1.min(self.width), y1.min(self.height)];
         if clipped[0] >= clipped[2] || clipped[1] >= clipped[3] {
             return Err(RenderError::EmptyCrop { crop: [x0, y0, x1, y1] });
+        }
+        if let Some(piece) = self.piece {
+            if piece.index >= piece.count {
+                return Err(RenderError::NoSuchPiece { piece });
+            }
+            if self.pattern().is_some() {
+                return Err(RenderError::InterleavedPiece);
+            }
         }
         Ok(clipped)
     }

@@ -7,6 +7,7 @@ mod bench;
 mod denoiser;
 mod files;
 mod help;
+mod join;
 mod moments;
 mod refusal;
 mod render;
@@ -27,6 +28,7 @@ pub(crate) use bench::{
 pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use files::FileArguments;
 pub(crate) use help::HelpArguments;
+pub(crate) use join::JoinArguments;
 pub(crate) use moments::MomentArguments;
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
@@ -69,6 +71,9 @@ pub(crate) enum Command {
     /// Render a scene to a picture
     #[command(args_override_self = true, disable_help_flag = true)]
     Render(Box<RenderArguments>),
+    /// Put the pieces of a picture together that `render --piece` made
+    #[command(args_override_self = true)]
+    Join(Box<JoinArguments>),
     /// Fly through a scene in a window
     #[command(
         args_override_self = true,
@@ -115,6 +120,7 @@ impl Command {
     pub(crate) fn talk(&self) -> &TalkArguments {
         match self {
             Self::Render(arguments) => &arguments.talk,
+            Self::Join(arguments) => &arguments.talk,
             Self::View(arguments) => &arguments.talk,
             Self::Info(arguments) => &arguments.talk,
             Self::Diff(arguments) => &arguments.talk,
@@ -130,6 +136,7 @@ impl Command {
     pub(crate) fn machine(&self) -> Option<&MachineArguments> {
         match self {
             Self::Render(arguments) => Some(&arguments.machine),
+            Self::Join(arguments) => Some(&arguments.machine),
             Self::View(arguments) => Some(&arguments.machine),
             Self::Info(arguments) => Some(&arguments.machine),
             Self::Trace(arguments) => Some(&arguments.machine),

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use gnurt::render::Piece;
 use gnurt_view::TevAddress;
 
 use super::value::{self, Crop};
@@ -34,6 +35,9 @@ pub(crate) struct RenderArguments {
     /// Render only these pixels, x1 and y1 excluded, from the upper left corner; the others stay black
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "X0,Y0,X1,Y1", value_parser = value::crop, allow_hyphen_values = true)]
     pub(crate) crop: Option<Crop>,
+    /// Render only the I-th of N pieces, for other processes or machines to render the others; `gnurt join` puts them together
+    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "I/N", value_parser = value::piece, allow_hyphen_values = true)]
+    pub(crate) piece: Option<Piece>,
     #[command(flatten)]
     pub(crate) moments: MomentArguments,
     #[command(flatten)]

@@ -11,7 +11,7 @@ use std::time::Duration;
 use gnurt::accel::Memory;
 use gnurt::denoise::Method;
 use gnurt::image::ToneCurve;
-use gnurt::render::{Integrator, ReconstructionFilter};
+use gnurt::render::{Integrator, Piece, ReconstructionFilter};
 use gnurt::scene::builtin::SKIES;
 use gnurt::simd::Level;
 use gnurt::{BUILTIN, Surroundings};
@@ -136,6 +136,19 @@ pub(crate) fn pixel(text: &str) -> Result<Pixel, String> {
 pub(crate) fn crop(text: &str) -> Result<Crop, String> {
     let form = "give x0,y0,x1,y1 in pixels like 0,0,640,360; x1 and y1 are excluded";
     Ok(Crop { corners: list(text, form)? })
+}
+
+/// `2/8`.
+pub(crate) fn piece(text: &str) -> Result<Piece, String> {
+    const MOST: u32 = 1 << 20;
+    let form = || format!("give the number of the piece and how many there are like 2/8, from 1 to {MOST}");
+    let (index, count) = text.split_once('/').ok_or_else(form)?;
+    let number = |text: &str| text.parse::<u32>().ok().filter(|number| (1..=MOST).contains(number));
+    let (index, count) = number(index).zip(number(count)).ok_or_else(form)?;
+    if index > count {
+        return Err(format!("there is no piece {index} of {count}; pieces count from 1"));
+    }
+    Ok(Piece { index: index - 1, count })
 }
 
 /// Three numbers.

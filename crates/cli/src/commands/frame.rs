@@ -11,12 +11,14 @@ use gnurt::image::Picture;
 use gnurt::look::{FEW_SAMPLES, is_noisy};
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
-    Accumulation, CommitOptions, CommitReport, Frame, RenderOptions, ShaderTable, World, render_on,
+    Accumulation, CommitOptions, CommitReport, Frame, Piece, RenderOptions, ShaderTable, World, fingerprint,
+    render_on,
 };
 use gnurt::scene::Scene;
 use gnurt::simd::Level;
 use gnurt_view::TevImage;
 
+use super::pieces;
 use crate::arguments::{
     FrameArguments, LightArguments, Look, RenderArguments, StatisticsForm, TreeArguments,
 };
@@ -62,6 +64,8 @@ pub(super) struct Ready {
     pub(super) chosen: Chosen,
     pub(super) shaders: Shaders,
     pub(super) checkpoint: Option<Checkpoint>,
+    /// The fingerprint of the picture, if somebody needs it.
+    pub(super) print: u64,
     pub(super) load_time: Duration,
     /// Curve and exposure of all frames; `None` = as asked for, chosen from the picture if that is left open.
     pub(super) light: Option<LightArguments>,
@@ -84,9 +88,11 @@ pub(super) fn make(
         // A file that is there counts as a frame that is done.
         return Ok(());
     }
-    take_noise_out(&mut frame, plan, pool, messages)?;
+    if options.piece.is_none() {
+        take_noise_out(&mut frame, plan, pool, messages)?;
+    }
     finish(&mut frame.picture, &frame.stats, arguments, plan, ready, options);
-    save(&frame, &plan.targets, ready, arguments, messages)?;
+    save(&frame, &plan.targets, ready, arguments, options, messages)?;
     report(arguments, begin, plan, ready, options, &frame, messages)
 }
 
@@ -196,6 +202,7 @@ fn report(
 pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> Result<Plan, Failure> {
     view::check(&arguments.view)?;
     shaders::check(&arguments.frame.shaders)?;
+    pieces::check(arguments)?;
     let resolution = arguments.frame.resolution;
     if let Some(crop) = arguments.crop.filter(|crop| crop.within(resolution).is_none()) {
         return Err(Failure::usage(format_args!(
@@ -276,6 +283,27 @@ pub(super) fn commit_options(frame: &FrameArguments, trees: &TreeArguments, leve
     CommitOptions { force_diffuse: frame.force_diffuse, level, memory: trees.memory }
 }
 
+/// Says which picture of the scene it is, if somebody needs it; and the checkpoint, if there is to be one.
+pub(super) fn identify(
+    arguments: &RenderArguments,
+    scene: &Scene,
+    chosen: &Chosen,
+    options: &RenderOptions,
+) -> (u64, Option<Checkpoint>) {
+    if arguments.checkpoint.is_none() && arguments.piece.is_none() {
+        return (0, None);
+    }
+    let shown = (&chosen.rays, shaders::print(&arguments.frame.shaders));
+    let print = fingerprint(scene, arguments.frame.force_diffuse, &shown, options);
+    let checkpoint = arguments.checkpoint.as_deref().map(|path| {
+        // Each piece goes on from its own.
+        let of_piece =
+            options.piece.map_or(0, |Piece { index, count }| u64::from(index) << 32 | u64::from(count));
+        Checkpoint::new(path, print ^ of_piece, arguments.checkpoint_every)
+    });
+    (print, checkpoint)
+}
+
 /// Builds the trees, and tells what had to be left out.
 pub(super) fn commit(
     scene: &Scene,
@@ -333,6 +361,7 @@ pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) ->
         time_limit: arguments.time,
         aovs: plan.targets.picture.has_layers() || plan.filter.is_some(),
         heatmap: plan.targets.heatmap.is_some(),
+        piece: arguments.piece,
         ..frame_options(&arguments.frame, level)
     }
 }
@@ -388,11 +417,15 @@ fn save(
     targets: &Targets,
     ready: &Ready,
     arguments: &RenderArguments,
+    options: &RenderOptions,
     messages: Messages,
 ) -> Outcome {
     let known = ready.chosen.exposure_of(arguments.frame.integrator);
     let light = ready.light.unwrap_or(arguments.light).suited(known);
-    targets.picture.write_with(&frame.picture, light, messages)?;
+    match options.piece {
+        Some(piece) => pieces::save(frame, piece, ready.print, light, options, &targets.picture)?,
+        None => targets.picture.write_with(&frame.picture, light, messages)?,
+    }
     messages.detail(format_args!("wrote {}", targets.picture.path().display()));
     if let (Some(target), Some(heatmap)) = (&targets.heatmap, &frame.heatmap) {
         // Its colours are no light.

@@ -10,16 +10,15 @@ use std::time::{Duration, Instant};
 use gnurt::ThreadPool;
 use gnurt::defaults::{Added, Bounds, Stock, bounds_over};
 use gnurt::look::meter;
-use gnurt::render::{RenderOptions, World, fingerprint};
+use gnurt::render::{RenderOptions, World};
 use gnurt::scene::Scene;
 
-use super::frame::{Plan, Ready, Targets, commit_into, commit_options, make};
+use super::frame::{Plan, Ready, Targets, commit_into, commit_options, identify, make};
 use crate::arguments::{ExposureChoice, LightArguments, MomentArguments, RenderArguments};
-use crate::checkpoint::Checkpoint;
 use crate::clips::clip;
 use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
-use crate::shaders::{self, Shaders};
+use crate::shaders::Shaders;
 use crate::signals;
 use crate::source::Source;
 use crate::view::{self, Chosen, Stage};
@@ -36,7 +35,7 @@ struct Studio<'a> {
     arguments: &'a RenderArguments,
     options: &'a RenderOptions,
     pool: &'a ThreadPool,
-    /// Whether curve and exposure show.
+    /// Whether curve and exposure show, or may.
     is_for_screens: bool,
     messages: Messages,
 }
@@ -57,7 +56,8 @@ pub(super) fn run(
         messages.note("all frames are there already");
         return Ok(());
     }
-    let is_for_screens = targets.picture.is_for_screens();
+    // What pieces are joined to may be for screens.
+    let is_for_screens = targets.picture.is_for_screens() || arguments.piece.is_some();
     let studio = Studio { arguments, options, pool, is_for_screens, messages };
     match plan.source.numbered().cloned() {
         Some(numbered) => {
@@ -201,7 +201,7 @@ impl Studio<'_> {
         load_time: Duration,
     ) -> Ready {
         let report = gnurt::render::CommitReport::default();
-        Ready { world, report, chosen, shaders, checkpoint: None, load_time, light: Some(light) }
+        Ready { world, report, chosen, shaders, checkpoint: None, print: 0, load_time, light: Some(light) }
     }
 
     /// Renders one frame of a scene that shows it.
@@ -217,11 +217,7 @@ impl Studio<'_> {
         let (pool, messages) = (self.pool, self.messages);
         (ready.chosen.camera, ready.chosen.rays) = view::aim(scene, &self.arguments.view)?;
         ready.report = commit_into(&mut ready.world, scene, &ready.shaders.table, how, pool, messages)?;
-        ready.checkpoint = self.arguments.checkpoint.as_deref().map(|path| {
-            let shown = (&ready.chosen.rays, shaders::print(&self.arguments.frame.shaders));
-            let print = fingerprint(scene, self.arguments.frame.force_diffuse, &shown, self.options);
-            Checkpoint::new(path, print, self.arguments.checkpoint_every)
-        });
+        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, self.options);
         plan.targets = frame.targets;
         make(self.arguments, begin, plan, ready, self.options, pool, messages)
     }

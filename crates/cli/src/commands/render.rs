@@ -6,16 +6,15 @@
 use std::time::Instant;
 
 use gnurt::ThreadPool;
-use gnurt::render::{RenderOptions, fingerprint};
+use gnurt::render::RenderOptions;
 
-use super::frame::{Plan, Ready, check, commit, commit_options, make, options};
+use super::frame::{Plan, Ready, check, commit, commit_options, identify, make, options};
 use super::moments;
 use crate::arguments::RenderArguments;
-use crate::checkpoint::Checkpoint;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
-use crate::shaders::{self, Shaders};
+use crate::shaders::Shaders;
 use crate::signals::{self, FirstSignal};
 use crate::view::{self, Stage};
 use crate::workers::machine;
@@ -51,10 +50,6 @@ fn prepare(
     let shaders = Shaders::put_into(&mut scene, &frame.shaders)?;
     let how = commit_options(frame, &arguments.trees, options.level);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
-    let checkpoint = arguments.checkpoint.as_deref().map(|path| {
-        let shown = (&chosen.rays, shaders::print(&frame.shaders));
-        let print = fingerprint(&scene, frame.force_diffuse, &shown, options);
-        Checkpoint::new(path, print, arguments.checkpoint_every)
-    });
-    Ok(Ready { world, report, chosen, shaders, checkpoint, load_time, light: None })
+    let (print, checkpoint) = identify(arguments, &scene, &chosen, options);
+    Ok(Ready { world, report, chosen, shaders, checkpoint, print, load_time, light: None })
 }

@@ -23,6 +23,7 @@ mod interrupts;
 mod look;
 mod manuals;
 mod output;
+mod pieces;
 mod recoverable;
 mod samples;
 #[cfg(target_os = "linux")]

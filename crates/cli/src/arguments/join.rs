@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Arguments of `join`. Source: original.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{DenoiserArguments, LightArguments, MachineArguments, TalkArguments};
+
+/// Arguments of `join`.
+#[derive(Args, Debug)]
+pub(crate) struct JoinArguments {
+    /// Pieces that `gnurt render --piece` wrote: all of one picture, in any order; some may be there twice
+    #[arg(value_name = "PIECE", required = true)]
+    pub(crate) pieces: Vec<PathBuf>,
+    /// Picture to write: .png, .exr, .hdr or .pfm
+    #[arg(short, long, value_name = "FILE", allow_hyphen_values = true, required = true)]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) denoiser: DenoiserArguments,
+    #[command(flatten)]
+    pub(crate) light: LightArguments,
+    #[command(flatten)]
+    pub(crate) machine: MachineArguments,
+    #[command(flatten)]
+    pub(crate) talk: TalkArguments,
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt render --piece I/N`: what goes with it, and the file of a piece.
+//! Source: original. The file is an EXR with exact colours and all layers of the piece's tiles; its header says which piece of which
+//! picture it is: the fingerprint of scene, camera and options, the number of samples, the frame. What looks across pixels or is about
+//! the look is done by `join`. Proof: `tests/program/pieces.rs`.
+
+use gnurt::image::Picture;
+use gnurt::render::{Frame, Integrator, Piece, RenderOptions, pack_piece, rendered_rects};
+
+use crate::arguments::{ExposureChoice, LightArguments, RenderArguments};
+use crate::failure::{Failure, Outcome};
+use crate::output::Output;
+
+const PIECE: &str = "gnurtPiece";
+const PICTURE: &str = "gnurtPicture";
+const FRAME: &str = "gnurtFrame";
+const CROP: &str = "gnurtCrop";
+const SAMPLES: &str = "gnurtSamples";
+const EXPOSURE: &str = "gnurtExposure";
+
+/// What the file of a piece says of itself.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Header {
+    pub(super) piece: Piece,
+    /// The fingerprint of its picture.
+    pub(super) picture: String,
+    /// Columns and rows of the whole picture.
+    pub(super) frame: [u32; 2],
+    pub(super) crop: Option<[u32; 4]>,
+    /// Samples per pixel that were asked for.
+    pub(super) spp: u32,
+    pub(super) integrator: Integrator,
+    /// Stops, where they do not depend on the picture.
+    pub(super) exposure: Option<f32>,
+}
+
+/// Refuses what does not go with a piece.
+pub(super) fn check(arguments: &RenderArguments) -> Outcome {
+    let Some(piece) = arguments.piece else { return Ok(()) };
+    let refuse = |why: String| Err(Failure::usage(format_args!("--piece {piece}: {why}")));
+    if arguments.heatmap.is_some() {
+        return refuse("a piece has no heat map; leave out --heatmap".into());
+    }
+    if arguments.time.is_some() {
+        return refuse("pieces that end early do not fit together; give --spp, not --time".into());
+    }
+    if arguments.denoiser.options(None).is_some() {
+        return refuse("noise is taken out of the whole picture; give --denoise to `gnurt join`".into());
+    }
+    let frame = &arguments.frame;
+    if frame.integrator.has_virtual_lights() && frame.interleave > 1 {
+        return refuse(
+            "interleaved pixels look at their neighbours, which other pieces have; leave out --interleave"
+                .into(),
+        );
+    }
+    let output = arguments.output.as_deref().map(Output::named).transpose()?;
+    match output {
+        Some(output) if output.has_layers() => Ok(()),
+        Some(output) => refuse(format!("the file of a piece is an .exr, not {}", output.path().display())),
+        None => refuse("it needs a file; give --output FILE.exr".into()),
+    }
+}
+
+/// Writes a piece of the frame; `light` is what is known of curve and exposure, `print` the fingerprint of the picture.
+pub(super) fn save(
+    frame: &Frame,
+    piece: Piece,
+    print: u64,
+    light: LightArguments,
+    options: &RenderOptions,
+    output: &Output,
+) -> Outcome {
+    if !frame.stats.complete {
+        return Err(Failure::data(format_args!(
+            "piece {piece} was stopped before it was whole, and is not written"
+        )));
+    }
+    let rects = rendered_rects(options).map_err(Failure::usage)?;
+    let mut packed = pack_piece(&frame.picture, &rects);
+    packed.set_metadata(PIECE, piece.to_string());
+    packed.set_metadata(PICTURE, format!("{print:016x}"));
+    packed.set_metadata(FRAME, format!("{}x{}", options.width, options.height));
+    packed.set_metadata(SAMPLES, options.spp.to_string());
+    if let Some([x0, y0, x1, y1]) = options.crop {
+        packed.set_metadata(CROP, format!("{x0},{y0},{x1},{y1}"));
+    }
+    if let ExposureChoice::Stops(stops) = light.exposure {
+        packed.set_metadata(EXPOSURE, stops.to_string());
+    }
+    output.write_exactly(&packed)
+}
+
+impl Header {
+    /// What a picture's file says; `None` if it is no piece.
+    pub(super) fn of(picture: &Picture) -> Option<Self> {
+        let text = |name: &str| picture.metadata(name);
+        let numbers = |text: &str, between: char| -> Option<Vec<u32>> {
+            text.split(between).map(|word| word.parse().ok()).collect()
+        };
+        let optional = |name: &str, read: &dyn Fn(&str) -> Option<Vec<u32>>| match text(name) {
+            None => Some(None),
+            Some(text) => Some(Some(read(text)?)),
+        };
+        let crop = optional(CROP, &|text| numbers(text, ','))?;
+        let exposure =
+            text(EXPOSURE).map(|stops| stops.parse::<f32>().ok().filter(|stops| stops.is_finite()));
+        Some(Self {
+            piece: crate::arguments::value::piece(text(PIECE)?).ok()?,
+            picture: text(PICTURE)?.to_owned(),
+            frame: numbers(text(FRAME)?, 'x')?.try_into().ok()?,
+            crop: crop.map(<[u32; 4]>::try_from).transpose().ok()?,
+            spp: text(SAMPLES)?.parse().ok()?,
+            integrator: text("integrator")?.parse().ok()?,
+            exposure: match exposure {
+                Some(None) => return None,
+                Some(stops) => stops,
+                None => None,
+            },
+        })
+    }
+
+    /// The options that say where its pixels are.
+    pub(super) fn options(&self) -> RenderOptions {
+        let [width, height] = self.frame;
+        RenderOptions {
+            width,
+            height,
+            crop: self.crop,
+            spp: self.spp,
+            integrator: self.integrator,
+            piece: Some(self.piece),
+            aovs: true,
+            ..RenderOptions::default()
+        }
+    }
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Which part of a picture is rendered. Source: original. What becomes of its pixels: `packing`.
+
+use std::fmt;
+
+/// One of the parts that a picture is cut into: every so many-th tile. See [`pack_piece`](crate::pack_piece).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Piece {
+    /// From 0 on.
+    pub index: u32,
+    /// How many there are.
+    pub count: u32,
+}
+
+/// `2/8` is the second of eight.
+impl fmt::Display for Piece {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", u64::from(self.index) + 1, self.count)
+    }
+}
