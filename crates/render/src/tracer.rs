@@ -21,11 +21,8 @@ use crate::cost::TileCosts;
 use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
-use crate::transport::Wavefront;
+use crate::transport::{Wavefront, holes};
 use crate::world::{HitLanes, World};
-
-/// See-through surfaces that a shadow ray may pass; behind more it is dark.
-const MOST_LAYERS: usize = 256;
 
 /// Albedo of surfaces that do not tell theirs.
 pub(crate) const MID_GREY: Vec3 = Vec3::splat(0.5);
@@ -290,7 +287,7 @@ impl<'w> BatchTracer<'w> {
                 (RayBatch::default(), Vec::new(), Vec::new());
             self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
                 let mut through = Vec3s::splat(lanes.len(), Vec3::ZERO);
-                if layer >= MOST_LAYERS {
+                if layer >= holes::MOST_LAYERS {
                 } else if tracer.scatters() {
                     if !shader.is_solid() {
                         shader.gaps(tracer, points, &mut through);

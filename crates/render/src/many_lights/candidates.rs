@@ -12,7 +12,6 @@ use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, RayBatch};
 use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::lights::LightKind;
 use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
@@ -23,6 +22,8 @@ use super::pilots::{Pilots, Scratch, Seen};
 use super::vpl::{self, Vpl, is_open};
 use crate::tracer::BatchTracer;
 use crate::transport::Vertex;
+use crate::transport::mis::{balance_heuristic, over_both};
+use crate::transport::walks::Walks;
 
 /// The number of the edge from the camera's side, among the numbers of a path.
 pub(super) const EYE_EDGE: u32 = 1;
@@ -106,7 +107,7 @@ pub(super) fn light_sides(
         if vertex.vpl.shines() {
             let share = if both_ways && vertex.connectable {
                 let reverse = pilots.pdf(&vertex.vpl.point, &seen, &mut scratch) * vertex.reverse;
-                vertex.pdf / (vertex.pdf + reverse)
+                balance_heuristic(vertex.pdf, reverse)
             } else {
                 1.0
             };
@@ -196,23 +197,19 @@ fn ends(
     paths: Range<u32>,
     numbers: &Numbers,
 ) -> (Vec<(u32, Vertex)>, Vec<usize>) {
-    let (mut rays, mut keys, mut from) = (RayBatch::default(), Vec::new(), Vec::new());
+    let mut walks = Walks::default();
     for path in paths {
         let [which, lobe] = numbers(path, EYE_EDGE, pair::PILOT);
         let k = ((which * pilots.points.len() as f32) as usize).min(pilots.points.len() - 1);
         let eye = &pilots.points[k];
         let [u, v] = numbers(path, EYE_EDGE, pair::DIRECTION);
-        let sample = eye.bsdf.sample(eye.wo, [lobe, u, v]);
-        let Some(sample) = sample.filter(|sample| !sample.delta) else { continue };
-        if let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) {
-            rays.push(ray);
-            keys.push(SampleKey { pixel: path, sample: 0, branch: 0xeee });
-            from.push((path, k));
+        if let Some((ray, _)) = eye.scatter([lobe, u, v]).filter(|(_, sample)| !sample.delta) {
+            walks.push(ray, SampleKey { pixel: path, sample: 0, branch: 0xeee }, (path, k));
         }
     }
-    let met = tracer.follow(&rays, &keys, 1, Coherence::Incoherent);
+    let met = walks.meet(tracer, 1);
     let (mut ends, mut pilot_of) = (Vec::new(), Vec::new());
-    for ((path, k), vertex) in from.into_iter().zip(met) {
+    for ((path, k), vertex) in walks.carried.into_iter().zip(met) {
         let lit = |v: &Vertex| !v.is_final && v.scattering.bsdf.is_smooth();
         if let Some(vertex) = vertex.filter(lit) {
             ends.push((path, vertex));
@@ -237,7 +234,7 @@ fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numb
     // Per solid angle of the lamp, and per area of the virtual light.
     let share = light_path::share_of_light_set(tracer.world);
     let standard = share * lights.pdf_emit_position(triangle) * cos * FRAC_1_PI;
-    let power = sample.radiance * (end.lamp_gain * cos / (standard + end.density * sample.pdf));
+    let power = sample.radiance * (end.lamp_gain * cos * over_both(end.density * sample.pdf, standard));
     let vpl = Vpl::new(point, end.bsdf, sample.dir, power, 1);
     let ray = point.spawn_to(sample.dir, sample.dist);
     Some(Join { ray, of, vpl, seen: end.seen })
@@ -263,7 +260,7 @@ fn to_vertex(of: usize, z: &LightVertex, end: &End) -> Option<Join> {
     }
     let per_area = point.ng.dot(to).abs() / distance2;
     let standard = z.vpl.bsdf.pdf(z.vpl.from, to) * z.survival * per_area;
-    let power = z.vpl.power * scattered * (per_area / (standard + end.density));
+    let power = z.vpl.power * scattered * (per_area * over_both(end.density, standard));
     let vpl = Vpl::new(point, end.bsdf, -to, power, z.vpl.edges + 1);
     let start = vpl::end(&z.vpl.point, to);
     let way = vpl::end(&point, -to) - start;

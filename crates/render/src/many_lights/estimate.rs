@@ -11,7 +11,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, INVALID_ID, RayBatch};
+use gnurt_accel::{INVALID_ID, RayBatch};
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
 use gnurt_shading::{RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
 
@@ -25,7 +25,9 @@ use super::pass::PassLights;
 use super::promise::Promises;
 use super::vpl::{self, pdf_of_other_end};
 use crate::tracer::BatchTracer;
-use crate::transport::{Asking, Offer, Vertex, ask_plugin_lights, sampling_normal, shadow_ray};
+use crate::transport::mis::balance_heuristic;
+use crate::transport::walks::Walks;
+use crate::transport::{Asking, Offer, Vertex, ask_plugin_lights, roulette, sampling_normal, shadow_ray};
 use crate::world::HitLanes;
 
 /// Purposes of random numbers; those of light samples follow the last one.
@@ -135,28 +137,23 @@ fn all_radiance(
     tracer.is_interleaved = keys.is_some();
     let pixels = camera.keys;
     let camera = HitLanes { keys: keys.as_deref().unwrap_or(pixels), ..camera };
-    let walks: Vec<Walk> = camera
-        .keys
-        .iter()
-        .enumerate()
-        .map(|(lane, &key)| Walk {
-            lane: lane as u32,
-            key,
-            throughput: Vec3::ONE,
-            edges: 1,
-            last: None,
-            is_seen: true,
-            lamp_gain: 1.0,
-            siblings: 1.0,
-        })
-        .collect();
+    let walk = |(lane, &key): (usize, &SampleKey)| Walk {
+        lane: lane as u32,
+        key,
+        throughput: Vec3::ONE,
+        edges: 1,
+        last: None,
+        is_seen: true,
+        lamp_gain: 1.0,
+        siblings: 1.0,
+    };
+    let carried = camera.keys.iter().enumerate().map(walk).collect();
+    let walks = Walks { rays: camera.rays.clone(), keys: camera.keys.to_vec(), carried };
     // What the eye sees of shaders that only know `shade` is what they show.
     let probes = std::mem::replace(&mut tracer.probes, false);
-    let mut vertices = tracer.vertices(camera);
-    tracer.pass_on(&mut vertices, 0);
+    let vertices = tracer.stopped(camera);
     tracer.probes = probes;
-    let begin = (camera.rays.clone(), walks, vertices);
-    go_on(tracer, pass, begin, pixels, 1, (radiance, texels));
+    go_on(tracer, pass, (walks, vertices), pixels, 1, (radiance, texels));
     tracer.is_interleaved = false;
 }
 
@@ -190,16 +187,16 @@ pub(crate) fn radiance_apart(
 fn go_on(
     tracer: &mut BatchTracer,
     pass: &PassLights,
-    (mut rays, mut walks, mut vertices): (RayBatch, Vec<Walk>, Vec<Option<Vertex>>),
+    (mut walks, mut vertices): (Walks<Walk>, Vec<Option<Vertex>>),
     keys: &[SampleKey],
     depth: u32,
     (radiance, mut texels): (&mut Vec3s, Option<&mut [Texel]>),
 ) {
     for depth in depth.. {
-        let stops = arrive(tracer, &walks, &vertices, &rays, radiance);
+        let stops = arrive(tracer, &walks, &vertices, radiance);
         if let Some(texels) = &mut texels {
             take_apart(tracer, &stops, radiance, texels);
-            take_finals_apart(tracer, &walks, &vertices, texels);
+            take_finals_apart(tracer, &walks.carried, &vertices, texels);
         }
         light_samples(tracer, pass, &stops, radiance);
         let seen: Vec<EyePoint> =
@@ -214,11 +211,11 @@ fn go_on(
             }
         }
         few_virtual_lights(tracer, pass, &stops, radiance);
-        (rays, walks) = scatter(tracer, pass, &stops);
+        walks = scatter(tracer, pass, &stops);
         if walks.is_empty() {
             return;
         }
-        vertices = next(tracer, &rays, &walks, depth);
+        vertices = next(tracer, &walks, depth);
     }
 }
 
@@ -268,20 +265,17 @@ fn take_finals_apart(
 }
 
 /// What walks meet: where the eye sees it by mirrors alone, shaders that only know `shade` show what they show.
-fn next(tracer: &mut BatchTracer, rays: &RayBatch, walks: &[Walk], depth: u32) -> Vec<Option<Vertex>> {
-    let mut vertices = vec![None; walks.len()];
+fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option<Vertex>> {
+    let mut vertices = vec![None; walks.carried.len()];
     for is_seen in [true, false] {
-        let lanes: Vec<usize> = (0..walks.len()).filter(|&i| walks[i].is_seen == is_seen).collect();
-        if lanes.is_empty() {
-            continue;
+        let mut some = Walks::default();
+        for (i, walk) in walks.carried.iter().enumerate().filter(|(_, walk)| walk.is_seen == is_seen) {
+            some.push(walks.rays.get(i), walk.key, i);
         }
-        let keys: Vec<SampleKey> = lanes.iter().map(|&i| walks[i].key).collect();
-        let mut some = RayBatch::with_capacity(lanes.len());
-        lanes.iter().for_each(|&i| some.push(rays.get(i)));
         let probes = std::mem::replace(&mut tracer.probes, !is_seen);
-        let found = tracer.follow(&some, &keys, depth, Coherence::Incoherent);
+        let found = some.meet(tracer, depth);
         tracer.probes = probes;
-        lanes.into_iter().zip(found).for_each(|(i, vertex)| vertices[i] = vertex);
+        some.carried.into_iter().zip(found).for_each(|(i, vertex)| vertices[i] = vertex);
     }
     vertices
 }
@@ -309,37 +303,40 @@ pub(super) fn rest_at(
     if edges >= tracer.options.max_depth {
         return found;
     }
-    let (mut rays, mut walks) = (RayBatch::default(), Vec::new());
+    let mut walks = Walks::default();
     for (i, found) in found.iter_mut().enumerate() {
         let (point, key) = (points.point(i), points.key[i]);
         let local = cosine_hemisphere(sample_pair(tracer.options.seed, key, edges, purpose::DIRECTION));
         let dir = Basis::around(point.ns).to_world(local).normalize();
         let cos = point.ns.dot(dir);
         let Some(ray) = point.scatter_ray(dir, false, f32::INFINITY).filter(|_| cos > 0.0) else { continue };
-        rays.push(ray);
         let pdf = cos * FRAC_1_PI;
         let last = Last { point, pdf, side: point.ns, light_samples: 1.0, bound: pass.bound };
-        walks.push(Walk {
-            lane: i as u32,
+        walks.push(
+            ray,
             key,
-            throughput: Vec3::ONE,
-            edges: edges + 1,
-            last: Some(last),
-            is_seen: false,
-            // The shader asks lamps itself.
-            lamp_gain: 0.0,
-            siblings: 1.0,
-        });
+            Walk {
+                lane: i as u32,
+                key,
+                throughput: Vec3::ONE,
+                edges: edges + 1,
+                last: Some(last),
+                is_seen: false,
+                // The shader asks lamps itself.
+                lamp_gain: 0.0,
+                siblings: 1.0,
+            },
+        );
         *found = Some(Rest { dir, cos, dist: f32::INFINITY, radiance: Vec3::ZERO });
     }
-    let vertices = next(tracer, &rays, &walks, edges);
-    for (walk, vertex) in walks.iter().zip(&vertices) {
+    let vertices = next(tracer, &walks, edges);
+    for (walk, vertex) in walks.carried.iter().zip(&vertices) {
         if let (Some(found), Some(vertex)) = (&mut found[walk.lane as usize], vertex) {
             found.dist = vertex.t;
         }
     }
     let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
-    go_on(tracer, pass, (rays, walks, vertices), &points.key, edges + 1, (&mut radiance, None));
+    go_on(tracer, pass, (walks, vertices), &points.key, edges + 1, (&mut radiance, None));
     for (i, found) in found.iter_mut().enumerate() {
         if let Some(found) = found {
             found.radiance = radiance.get(i);
@@ -351,18 +348,18 @@ pub(super) fn rest_at(
 /// Adds what is met at the end of each ray, and says which walks may go on.
 fn arrive(
     tracer: &mut BatchTracer,
-    walks: &[Walk],
+    walks: &Walks<Walk>,
     vertices: &[Option<Vertex>],
-    rays: &RayBatch,
     radiance: &mut Vec3s,
 ) -> Vec<Stop> {
     let lights = tracer.world.light_set();
     let mut stops = Vec::new();
-    environment_of_shaders(tracer, walks, vertices, rays, radiance);
-    for (i, (walk, vertex)) in walks.iter().zip(vertices).enumerate() {
+    let Walks { rays, carried, .. } = walks;
+    environment_of_shaders(tracer, carried, vertices, rays, radiance);
+    for (i, (walk, vertex)) in carried.iter().zip(vertices).enumerate() {
         let lane = walk.lane as usize;
         let share = |pdf_light: f32| {
-            walk.last.map_or(1.0, |last| last.pdf / (last.pdf + last.light_samples * pdf_light))
+            walk.last.map_or(1.0, |last| balance_heuristic(last.pdf, last.light_samples * pdf_light))
         };
         let Some(vertex) = vertex else {
             let dir = Vec3::from(rays.get(i).dir);
@@ -452,7 +449,7 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
             let share = if sample.delta {
                 1.0
             } else {
-                count * sample.pdf / (count * sample.pdf + rays * eye.bsdf.pdf(eye.wo, sample.dir))
+                balance_heuristic(count * sample.pdf, rays * eye.bsdf.pdf(eye.wo, sample.dir))
             };
             let offer = eye.throughput * scattered * sample.radiance * (share / (count * sample.pdf));
             let offer = offer * (lamp_gain * stop.rest(sample.dir));
@@ -534,18 +531,17 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
 }
 
 /// Where walks go on.
-fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> (RayBatch, Vec<Walk>) {
-    let (mut rays, mut walks) = (RayBatch::default(), Vec::new());
+fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> Walks<Walk> {
+    let mut walks = Walks::default();
     for stop in stops {
         let count = stop.rays(pass);
         for n in 0..count {
             if let Some((ray, walk)) = scattered(tracer.options.seed, pass, stop, (n, count)) {
-                rays.push(ray);
-                walks.push(walk);
+                walks.push(ray, walk.key, walk);
             }
         }
     }
-    (rays, walks)
+    walks
 }
 
 /// The `n`th of `count` rays that go on from a stop.
@@ -559,13 +555,12 @@ fn scattered(
     let key = SampleKey { sample: walk.key.sample.wrapping_mul(count).wrapping_add(n), ..walk.key };
     let [u, v] = sample_pair(seed, key, walk.edges, purpose::DIRECTION);
     let [lobe, end] = sample_pair(seed, key, walk.edges, purpose::LOBE);
-    let sample = eye.bsdf.sample(eye.wo, [lobe, u, v])?;
-    let ray = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)?;
+    let (ray, sample) = eye.scatter([lobe, u, v])?;
     let rest = if sample.delta { 1.0 } else { stop.rest(sample.wi) };
     let mut throughput = walk.throughput * sample.weight * rest;
-    if walk.edges > 2 && !walk.is_seen {
-        // Siblings are not ended for being many.
-        let survival = (throughput.max_element() * walk.siblings).clamp(0.05, 1.0);
+    // The edge to a virtual light is still to come, and siblings are not ended for being many.
+    if roulette::decides(walk.edges + 1) && !walk.is_seen {
+        let survival = roulette::survival(throughput.max_element() * walk.siblings);
         if end >= survival {
             return None;
         }

@@ -3,10 +3,11 @@
 //! Source: [Kel97]. Space: world. Proof: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
+use gnurt_accel::Ray;
 use gnurt_shading::SurfacePoint;
-use gnurt_shading::bsdf::Bsdf;
+use gnurt_shading::bsdf::{Bsdf, BsdfSample};
 
-use crate::transport::Vertex;
+use crate::transport::{Vertex, walks};
 
 /// A point that light is gathered at.
 #[derive(Clone, Copy, Debug)]
@@ -27,5 +28,10 @@ impl EyePoint {
     pub(crate) fn new(vertex: &Vertex, throughput: Vec3, edges: u32, lane: u32) -> Self {
         let Vertex { point, wo, scattering, .. } = *vertex;
         Self { point, wo, bsdf: scattering.bsdf, throughput, edges, lane }
+    }
+
+    /// Where a walk goes on from it.
+    pub(super) fn scatter(&self, u: [f32; 3]) -> Option<(Ray, BsdfSample)> {
+        walks::scatter(&self.point, &self.bsdf, self.wo, u)
     }
 }

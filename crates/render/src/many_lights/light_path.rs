@@ -5,7 +5,7 @@
 //! Proof: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, Ray, RayBatch};
+use gnurt_accel::{Ray, RayBatch};
 use gnurt_shading::lights::LightKind;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
 use gnurt_shading::{SampleKey, Vec3s};
@@ -13,7 +13,8 @@ use gnurt_shading::{SampleKey, Vec3s};
 use super::shader_lamps::{self, Source, Start};
 use super::vpl::{Vpl, is_open};
 use crate::tracer::BatchTracer;
-use crate::transport::Vertex;
+use crate::transport::walks::{Walks, scatter_light};
+use crate::transport::{Vertex, roulette};
 use crate::world::World;
 
 /// Where a path's random numbers come from: path, edge (0 = the lamp), and which pair of that edge.
@@ -138,7 +139,7 @@ pub(crate) fn trace(
 ) -> Vec<LightVertex> {
     let world = tracer.world;
     let lights = world.light_set();
-    let (mut rays, mut keys, mut walks) = (RayBatch::default(), Vec::new(), Vec::new());
+    let mut walks = Walks::default();
     if max_edges == 0 {
         return Vec::new();
     }
@@ -146,21 +147,24 @@ pub(crate) fn trace(
         let (choice, weight) = match start(world, path, numbers) {
             Err(choice) => choice,
             Ok(start) => {
-                rays.push(Ray::new(start.org.into(), start.dir.into()));
-                keys.push(key(path));
-                walks.push(Walk {
-                    path,
-                    power: Vec3::splat(start.weight),
-                    edges: 1,
-                    pdf: 1.0,
-                    smooth: false,
-                    origin: start.org,
-                    is_far: true,
-                    lamp: None,
-                    plugin: Some(start.source),
-                    // Shaders do not ask what is around the scene.
-                    is_lamplight: start.source != Source::Environment,
-                });
+                let ray = Ray::new(start.org.into(), start.dir.into());
+                walks.push(
+                    ray,
+                    key(path),
+                    Walk {
+                        path,
+                        power: Vec3::splat(start.weight),
+                        edges: 1,
+                        pdf: 1.0,
+                        smooth: false,
+                        origin: start.org,
+                        is_far: true,
+                        lamp: None,
+                        plugin: Some(start.source),
+                        // Shaders do not ask what is around the scene.
+                        is_lamplight: start.source != Source::Environment,
+                    },
+                );
                 continue;
             }
         };
@@ -168,31 +172,32 @@ pub(crate) fn trace(
         else {
             continue;
         };
-        rays.push(ray.point.spawn(ray.dir, f32::INFINITY));
-        keys.push(key(path));
-        walks.push(Walk {
-            path,
-            power: ray.radiance_over_pdf * weight,
-            edges: 1,
-            pdf: ray.pdf_pos * ray.pdf_dir / weight,
-            smooth: ray.is_surface,
-            origin: ray.point.p,
-            is_far: !ray.is_surface,
-            lamp: match ray.kind {
-                LightKind::Triangle(triangle) => Some((triangle, ray.normal)),
-                _ => None,
+        walks.push(
+            ray.point.spawn(ray.dir, f32::INFINITY),
+            key(path),
+            Walk {
+                path,
+                power: ray.radiance_over_pdf * weight,
+                edges: 1,
+                pdf: ray.pdf_pos * ray.pdf_dir / weight,
+                smooth: ray.is_surface,
+                origin: ray.point.p,
+                is_far: !ray.is_surface,
+                lamp: match ray.kind {
+                    LightKind::Triangle(triangle) => Some((triangle, ray.normal)),
+                    _ => None,
+                },
+                plugin: None,
+                is_lamplight: true,
             },
-            plugin: None,
-            is_lamplight: true,
-        });
+        );
     }
     let mut out = Vec::new();
-    while !rays.is_empty() {
-        let coherence = Coherence::Incoherent;
-        let found = tracer.follow(&rays, &keys, walks[0].edges, coherence);
-        ask_plugins(world, &rays, &mut walks, &found);
-        let (mut next_rays, mut next_keys, mut next_walks) = (RayBatch::default(), Vec::new(), Vec::new());
-        for (walk, vertex) in walks.iter().zip(found) {
+    while let Some(first) = walks.carried.first() {
+        let found = walks.meet(tracer, first.edges);
+        ask_plugins(world, &walks.rays, &mut walks.carried, &found);
+        let mut next = Walks::default();
+        for (walk, vertex) in walks.carried.iter().zip(found) {
             let Some(vertex) = vertex.filter(|vertex| !vertex.is_final) else { continue };
             let (point, bsdf, from) = (vertex.point, vertex.scattering.bsdf, vertex.wo);
             if !(is_open(&point, from) && point.ng.dot(from) > 0.0) {
@@ -225,38 +230,40 @@ pub(crate) fn trace(
             if walk.edges >= max_edges || end >= survival {
                 continue;
             }
-            let Some(sample) = bsdf.sample(from, [lobe, direction[0], direction[1]]) else { continue };
-            if (point.ng.dot(sample.wi) > 0.0) == sample.transmitted {
-                continue;
-            }
-            let adjoint = bsdf.adjoint_correction(from, sample.wi, point.ng);
-            let power = power * sample.weight * (adjoint / survival);
+            let u = [lobe, direction[0], direction[1]];
+            let Some((ray, sample)) = scatter_light(&point, &bsdf, from, u) else { continue };
+            let power = power * sample.weight / survival;
             if power == Vec3::ZERO || !power.is_finite() {
                 continue;
             }
-            next_rays.push(point.spawn(sample.wi, f32::INFINITY));
-            next_keys.push(key(walk.path).fork(walk.edges));
-            next_walks.push(Walk {
-                path: walk.path,
-                power,
-                edges: walk.edges + 1,
-                pdf: if sample.delta { f32::INFINITY } else { sample.pdf * survival },
-                smooth: !sample.delta,
-                origin: point.p,
-                is_far: false,
-                lamp: None,
-                plugin: None,
-                is_lamplight: walk.is_lamplight && sample.delta,
-            });
+            next.push(
+                ray,
+                key(walk.path).fork(walk.edges),
+                Walk {
+                    path: walk.path,
+                    power,
+                    edges: walk.edges + 1,
+                    pdf: if sample.delta { f32::INFINITY } else { sample.pdf * survival },
+                    smooth: !sample.delta,
+                    origin: point.p,
+                    is_far: false,
+                    lamp: None,
+                    plugin: None,
+                    is_lamplight: walk.is_lamplight && sample.delta,
+                },
+            );
         }
-        (rays, keys, walks) = (next_rays, next_keys, next_walks);
+        walks = next;
     }
     out
 }
 
-/// Probability that a path goes on: not below its albedo, and surely for the first bounces.
+/// Probability that a path goes on, which anybody can tell who joins it to another: by its albedo. The edge to the eye is sure
+/// to come.
 fn survival(albedo: Vec3, edges: u32) -> f32 {
-    if edges < 3 { 1.0 } else { albedo.max_element().clamp(0.1, 0.95) }
+    // No albedo is told too low by more than this, where it is only about right.
+    const LEAST: f32 = 0.05;
+    if roulette::decides(edges + 1) { roulette::survival(albedo.max_element().max(LEAST)) } else { 1.0 }
 }
 
 fn key(path: u32) -> SampleKey {

@@ -9,7 +9,6 @@ mod chunks;
 mod cut;
 mod estimate;
 mod eye;
-mod follow;
 mod gather;
 mod instant;
 pub(crate) mod interleave;

@@ -9,7 +9,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, RayBatch};
+use gnurt_accel::RayBatch;
 use gnurt_image::srgb::luminance;
 use gnurt_shading::bsdf::Bsdf;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
@@ -23,6 +23,7 @@ use super::neighbours;
 use super::vpl::{self, Vpl};
 use crate::job::Job;
 use crate::tracer::BatchTracer;
+use crate::transport::walks::Walks;
 
 /// Points that the eye sees, at most.
 const SEEN: u32 = 64;
@@ -86,18 +87,16 @@ impl Pilots {
             keys.iter().map(|&key| sample_pair(options.seed, key, 0, PURPOSE + 5)).collect();
         let samples = CameraSamples { places: &places, lens: &lens, times: &[] };
         job.camera.rays(&samples, options.width as f32 / options.height as f32, &mut rays);
-        let mut lanes: Vec<(SampleKey, Vec3)> = keys.into_iter().map(|key| (key, Vec3::ONE)).collect();
-        lanes.truncate(rays.len());
+        // Each carries what light at its end is multiplied with.
+        let carried = vec![Vec3::ONE; rays.len()];
+        let mut walks = Walks { keys: keys[..rays.len()].to_vec(), rays, carried };
         let mut points = Vec::new();
         for edges in 1..=MOST_MIRRORS {
-            let keys: Vec<SampleKey> = lanes.iter().map(|lane| lane.0).collect();
-            let found = tracer.follow(&rays, &keys, edges, Coherence::Incoherent);
-            let (mut next_rays, mut next) = (RayBatch::default(), Vec::new());
-            for ((key, throughput), vertex) in lanes.into_iter().zip(found) {
-                let Some(vertex) = vertex.filter(|v| !v.is_final) else {
-                    continue;
-                };
-                let eye = EyePoint::new(&vertex, throughput, edges, 0);
+            let found = walks.meet(tracer, edges);
+            let mut next = Walks::default();
+            for ((&key, &throughput), vertex) in walks.keys.iter().zip(&walks.carried).zip(&found) {
+                let Some(vertex) = vertex.as_ref().filter(|v| !v.is_final) else { continue };
+                let eye = EyePoint::new(vertex, throughput, edges, 0);
                 if eye.bsdf.is_smooth() {
                     if eye.bsdf.lambertian() != Some(Vec3::ZERO) {
                         points.push(eye);
@@ -106,17 +105,11 @@ impl Pilots {
                 }
                 let [u, v] = sample_pair(options.seed, key, edges, PURPOSE + 1);
                 let [lobe, _] = sample_pair(options.seed, key, edges, PURPOSE + 2);
-                if let Some(sample) = eye.bsdf.sample(eye.wo, [lobe, u, v])
-                    && let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)
-                {
-                    next_rays.push(ray);
-                    next.push((key, throughput * sample.weight));
+                if let Some((ray, sample)) = eye.scatter([lobe, u, v]) {
+                    next.push(ray, key, throughput * sample.weight);
                 }
             }
-            (rays, lanes) = (next_rays, next);
-            if lanes.is_empty() {
-                break;
-            }
+            walks = next;
         }
         points.extend(ends_of_rays(job, tracer, pixel, &points, &bound));
         // Lanes side by side look the same way.
@@ -263,21 +256,18 @@ fn ends_of_rays(
     points: &[EyePoint],
     bound: &Bound,
 ) -> Vec<EyePoint> {
-    let (mut rays, mut keys, mut from) = (RayBatch::default(), Vec::new(), Vec::new());
+    let mut walks = Walks::default();
     for (sample, eye) in (0..).zip(points) {
         let key = SampleKey { pixel, sample, branch: PURPOSE + 1 };
         let [u, v] = sample_pair(job.options.seed, key, 0, PURPOSE + 3);
         let [lobe, _] = sample_pair(job.options.seed, key, 0, PURPOSE + 4);
-        let Some(sample) = eye.bsdf.sample(eye.wo, [lobe, u, v]) else { continue };
-        if let Some(ray) = eye.point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY) {
-            rays.push(ray);
-            keys.push(key);
-            from.push((eye, sample));
+        if let Some((ray, sample)) = eye.scatter([lobe, u, v]) {
+            walks.push(ray, key, (eye, sample));
         }
     }
-    let found = tracer.follow(&rays, &keys, MOST_MIRRORS + 1, Coherence::Incoherent);
+    let found = walks.meet(tracer, MOST_MIRRORS + 1);
     let mut out = Vec::new();
-    for ((eye, sample), vertex) in from.into_iter().zip(found) {
+    for ((eye, sample), vertex) in walks.carried.into_iter().zip(found) {
         let Some(vertex) = vertex.filter(|v| !v.is_final && v.scattering.bsdf.is_smooth()) else { continue };
         let distance2 = (vertex.point.p - eye.point.p).length_squared();
         let (cos, back) = (vertex.point.ng.dot(vertex.wo).abs(), eye.point.ng.dot(vertex.wo).abs());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Weights of light that two ways of sampling find. Source: [VG95] (power heuristic, exponent 2).
-//! Invariant: `power_heuristic(a, b) + power_heuristic(b, a)` is 1 where either density is above zero and both finite.
+//! Weights of light that two ways of sampling find. Source: [VG95]: the power heuristic (exponent 2) for paths, which choose between
+//! one light sample and one ray; the balance heuristic where either way takes several samples, or virtual lights are made both ways.
+//! Invariant: `w(a, b) + w(b, a)` is 1 for either where a density is above zero and both are finite.
 //! Proof: `tests::weights_add_up`.
 
 use glam::Vec3;
@@ -17,6 +18,18 @@ pub(crate) fn power_heuristic<R: Real>(own: R, other: R) -> R {
     let ratio = other / own;
     let weight = R::pick(own.above(zero), one / (one + ratio * ratio), zero);
     R::pick(own.is_number(), weight, one)
+}
+
+/// Weight of what was sampled with density `own` and might have been with `other`, each times its number of samples.
+#[inline(always)]
+pub(crate) fn balance_heuristic(own: f32, other: f32) -> f32 {
+    own * over_both(own, other)
+}
+
+/// The same over `own`.
+#[inline(always)]
+pub(crate) fn over_both(own: f32, other: f32) -> f32 {
+    1.0 / (own + other)
 }
 
 /// How much the light counts that a path's ray along `dir` found on triangle `ids` (instance, mesh, triangle) at `p`:
@@ -46,6 +59,11 @@ mod tests {
             let sum = power_heuristic(a, b) + power_heuristic(b, a);
             assert!((sum - 1.0).abs() < 1e-6, "{a} and {b}: {sum}");
         }
+        for (a, b) in [(1.0, 1.0), (3.0, 0.5), (0.2, 0.0)] {
+            let sum = balance_heuristic(a, b) + balance_heuristic(b, a);
+            assert!((sum - 1.0).abs() < 1e-6, "{a} and {b}: {sum}");
+        }
+        assert_eq!(balance_heuristic(3.0, 1.0), 0.75, "by the densities");
         assert_eq!(power_heuristic(3.0_f32, 1.0), 0.9, "by the squares");
         assert_eq!(power_heuristic(0.0_f32, 0.0), 0.0, "what is not sampled has no weight");
     }

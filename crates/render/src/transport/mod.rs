@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What integrators that scatter light themselves share: the vertices of paths, weights of samples; and the steps of the
 //! path tracer, many paths at a time.
-//! Source: see each file; [AK90] (Russian roulette).
+//! Source: see each file.
 
 mod finals;
+pub(crate) mod holes;
 mod light_samples;
-mod mis;
+pub(crate) mod mis;
 mod paths;
+pub(crate) mod roulette;
 pub(crate) mod step;
 mod vertex;
+pub(crate) mod walks;
 pub(crate) mod width;
 
 use glam::Vec3;
@@ -18,11 +21,6 @@ pub(crate) use light_samples::{Asking, Offer, ask_plugin_lights, sampling_normal
 pub(crate) use mis::power_heuristic;
 pub(crate) use paths::Wavefront;
 pub(crate) use vertex::{Known, Vertex};
-
-/// Paths of fewer edges are never ended by chance.
-pub(crate) const ROULETTE_FROM: u32 = 4;
-/// No path goes on with more than this probability, once chance decides.
-pub(crate) const SURVIVAL: f32 = 0.95;
 
 /// Adds light that came over `edges` edges, or that did not come (negative); no more than `clamp` in any channel if it was
 /// scattered more than once. It is each contribution that is limited, as production renderers limit indirect light, not their

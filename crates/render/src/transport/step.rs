@@ -10,20 +10,15 @@ use gnurt_shading::bsdf::{ClosureBatch, Sampled, Seen};
 use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::real::{Real, Vector};
-use gnurt_shading::sampling::{purpose, sample_pair};
+use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, SurfaceBatch, Vec3s};
 
 use super::mis::{power_heuristic, weigh};
 use super::paths::{NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::Width;
-use super::{ROULETTE_FROM, SURVIVAL, add};
+use super::{add, holes, roulette};
 use crate::options::RenderOptions;
 use crate::world::{HitLanes, World};
-
-/// See-through surfaces that a path may pass between two vertices; behind more it is dark.
-const MOST_LAYERS: u32 = 256;
-/// Branch of a path's key where it goes straight on.
-const STRAIGHT: u32 = 2;
 
 /// Paths that met one shader.
 #[derive(Clone, Copy)]
@@ -60,9 +55,7 @@ impl Met<'_> {
 
     /// Whether the path at point `k` meets the surface; else it goes through a hole.
     pub(crate) fn is_there(&self, k: usize, path: &Path) -> bool {
-        let coverage = self.closures.coverage(k);
-        let drawn = || sample_pair(self.options.seed, path.key, path.edges, purpose::COVERAGE)[0];
-        coverage >= 1.0 || drawn() < coverage
+        holes::is_met(self.options.seed, path.key, path.edges, self.closures.coverage(k))
     }
 
     /// Sends the path at point `k` on if it goes through a hole, and says so.
@@ -72,8 +65,8 @@ impl Met<'_> {
             return false;
         }
         path.layers += 1;
-        path.key = path.key.fork(STRAIGHT);
-        if path.layers <= MOST_LAYERS {
+        path.key = holes::key_beyond(path.key);
+        if path.layers <= holes::MOST_LAYERS {
             onward.next.push(path, self.points.spawn(k, self.points.ray_dir.get(k), f32::INFINITY));
         }
         true
@@ -218,11 +211,11 @@ fn go_on<R: Real>(
     let mut alive = there & chosen.found;
     let mut long = 0;
     for (i, &edges) in edges.iter().enumerate().take(R::LANES) {
-        long |= u64::from(edges >= ROULETTE_FROM) << i;
+        long |= u64::from(roulette::decides(edges)) << i;
     }
     if long != 0 {
         let long = zero.points(long);
-        let keep = throughput.max_element().or_less(one * SURVIVAL);
+        let keep = roulette::survival(throughput.max_element());
         alive = alive & (keep.above(survival) | !long);
         throughput = Vector::pick(long, throughput.over(keep), throughput);
     }

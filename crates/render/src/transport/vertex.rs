@@ -5,7 +5,7 @@
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Scattering};
-use gnurt_shading::{SampleKey, SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
+use gnurt_shading::{SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
 
 use super::finals;
 use crate::tracer::{BatchTracer, Wanted};
@@ -39,8 +39,13 @@ pub(crate) struct Vertex {
     pub(crate) t: f32,
     /// What was hit: instance, mesh, triangle.
     pub(crate) ids: [u32; 3],
-    /// Key of its random numbers.
-    pub(crate) key: SampleKey,
+}
+
+impl Vertex {
+    /// Makes it black: nothing comes from there, and no path goes on.
+    pub(crate) fn darken(&mut self) {
+        (self.scattering.emission, self.is_final) = (Vec3::ZERO, true);
+    }
 }
 
 impl BatchTracer<'_> {
@@ -102,7 +107,6 @@ impl BatchTracer<'_> {
                 lamp_gain,
                 t: points.t[k],
                 ids: [points.inst_id[k], points.geom_id[k], points.prim_id[k]],
-                key: points.key[k],
             };
             with(lane as usize, vertex);
         }

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Surfaces that are there in part: a path meets one with the probability that it covers, else it goes straight on; a
+//! shadow ray goes through with the share that is left.
+//! Source: original. Invariant: a layer's chance is of the path's key as it was sent through the layers before.
+//! Proof: crates/render/tests/{path,many_lights}.rs.
+
+use gnurt_shading::SampleKey;
+use gnurt_shading::sampling::{purpose, sample_pair};
+
+/// See-through surfaces that a ray may pass between two vertices; behind more it is dark.
+pub(crate) const MOST_LAYERS: u32 = 256;
+/// Branch of a path's key where it goes straight on.
+const STRAIGHT: u32 = 2;
+
+/// Whether a path of so many edges meets a surface that covers so much; else it goes through a hole.
+pub(crate) fn is_met(seed: u64, key: SampleKey, edges: u32, coverage: f32) -> bool {
+    coverage >= 1.0 || sample_pair(seed, key, edges, purpose::COVERAGE)[0] < coverage
+}
+
+/// The key of a path that went through a hole.
+pub(crate) fn key_beyond(key: SampleKey) -> SampleKey {
+    key.fork(STRAIGHT)
+}

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Random walks whose vertices are looked at one by one: from lamps, from the eye to virtual lights, from the points that
+//! judge these. Each goes on from edge to edge with what its owner carries along; the way to the next surface that stops it, the
+//! choice of a direction there and the ray that follows are the same for all. Where paths need no more than `path` does, they
+//! take their steps sixteen at a time: `step`.
+//! Source: original; wavefronts after the paper's section 8. Space: world.
+//! Invariant: what a walk meets depends on its ray and key only, not on the walks beside it.
+//! Proof: crates/render/tests/{many_lights,agreement}.rs.
+
+use glam::Vec3;
+use gnurt_accel::{Coherence, Ray, RayBatch};
+use gnurt_scene::RayMask;
+use gnurt_shading::bsdf::{Bsdf, BsdfSample};
+use gnurt_shading::{SampleKey, SurfacePoint};
+
+use super::Vertex;
+use super::holes::{self, MOST_LAYERS};
+use crate::tracer::BatchTracer;
+use crate::world::HitLanes;
+
+/// Walks under way, each with what its owner carries along.
+#[derive(Clone)]
+pub(crate) struct Walks<W> {
+    pub(crate) rays: RayBatch,
+    pub(crate) keys: Vec<SampleKey>,
+    pub(crate) carried: Vec<W>,
+}
+
+impl<W> Default for Walks<W> {
+    fn default() -> Self {
+        Self { rays: RayBatch::default(), keys: Vec::new(), carried: Vec::new() }
+    }
+}
+
+impl<W> Walks<W> {
+    /// Appends one.
+    pub(crate) fn push(&mut self, ray: Ray, key: SampleKey, carried: W) {
+        self.rays.push(ray);
+        self.keys.push(key);
+        self.carried.push(carried);
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.carried.is_empty()
+    }
+
+    /// The vertex where each is stopped; `None` where it leaves the scene. `depth` counts edges.
+    pub(crate) fn meet(&self, tracer: &mut BatchTracer, depth: u32) -> Vec<Option<Vertex>> {
+        if self.is_empty() {
+            return Vec::new();
+        }
+        tracer.stats.secondary_rays += self.rays.len() as u64;
+        let hits = tracer.intersect(RayMask::OTHER, &self.rays, &self.keys, Coherence::Incoherent);
+        let epsilon = tracer.options.ray_epsilon;
+        let from = HitLanes { rays: &self.rays, keys: &self.keys, hits: &hits, depth, epsilon };
+        tracer.stopped(from)
+    }
+}
+
+impl BatchTracer<'_> {
+    /// The vertex where each ray is stopped, given what it hit: surfaces that are there in part are passed by chance.
+    pub(crate) fn stopped(&mut self, from: HitLanes) -> Vec<Option<Vertex>> {
+        let depth = from.depth;
+        let mut vertices = self.vertices(from);
+        // Which vertices may be holes, and the keys that they were met with.
+        let mut asked: Vec<(usize, SampleKey)> = from.keys.iter().copied().enumerate().collect();
+        for layer in 0.. {
+            let mut beyond = Walks::default();
+            for (lane, key) in asked {
+                let Some(vertex) = &mut vertices[lane] else { continue };
+                if holes::is_met(self.options.seed, key, depth, vertex.scattering.coverage) {
+                    continue;
+                }
+                if layer < MOST_LAYERS {
+                    let straight = vertex.point.spawn(-vertex.wo, f32::INFINITY);
+                    beyond.push(straight, holes::key_beyond(key), lane);
+                } else {
+                    vertex.darken();
+                }
+            }
+            if beyond.is_empty() {
+                return vertices;
+            }
+            let Walks { rays, keys, carried } = &beyond;
+            self.stats.secondary_rays += rays.len() as u64;
+            let hits = self.intersect(RayMask::OTHER, rays, keys, Coherence::Incoherent);
+            let found = self.vertices(HitLanes { rays, keys, hits: &hits, depth, epsilon: from.epsilon });
+            carried.iter().zip(found).for_each(|(&lane, found)| vertices[lane] = found);
+            asked = beyond.carried.into_iter().zip(beyond.keys).collect();
+        }
+        vertices
+    }
+}
+
+/// Where a walk from the eye goes on: a direction that the BSDF chooses, and the ray that takes it.
+pub(crate) fn scatter(point: &SurfacePoint, bsdf: &Bsdf, wo: Vec3, u: [f32; 3]) -> Option<(Ray, BsdfSample)> {
+    let sample = bsdf.sample(wo, u)?;
+    let ray = point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)?;
+    Some((ray, sample))
+}
+
+/// The same for a walk that carries light from the unit direction `from`: the weight is that of light.
+pub(crate) fn scatter_light(
+    point: &SurfacePoint,
+    bsdf: &Bsdf,
+    from: Vec3,
+    u: [f32; 3],
+) -> Option<(Ray, BsdfSample)> {
+    let mut sample = bsdf.sample(from, u)?;
+    // Light goes on to either side, but does not cheat its facet.
+    if (point.ng.dot(sample.wi) > 0.0) == sample.transmitted {
+        return None;
+    }
+    sample.weight *= bsdf.adjoint_correction(from, sample.wi, point.ng);
+    Some((point.spawn(sample.wi, f32::INFINITY), sample))
+}
