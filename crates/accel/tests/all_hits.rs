@@ -2,9 +2,7 @@
 //! All hits of a ray: each triangle that is hit, once, in order, in every structure and at every level; the first `n` are
 //! the beginning of that list. Source: original.
 
-mod common;
-
-use common::{WATERTIGHT, build};
+use crate::common::{WATERTIGHT, build};
 use gnurt_accel::{Hit, Level, ObjectTree, Query, Ray};
 use gnurt_testkit::{OracleInstance, Soup, oracle, rays};
 use proptest::prelude::*;

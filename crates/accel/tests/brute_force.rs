@@ -2,9 +2,7 @@
 //! Every tree hit equals brute force: all soups, both triangle tests, single rays and packets at every level.
 //! Source: original.
 
-mod common;
-
-use common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
+use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
 use gnurt_accel::Ray;
 use gnurt_testkit::{OracleInstance, Soup, oracle, rays};
 

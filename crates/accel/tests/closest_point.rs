@@ -2,11 +2,9 @@
 //! Nearest points equal brute force over all primitives, in every structure and at every level, through instances that
 //! turn, scale, shear and mirror, in nested scenes, within a radius, by masks. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{TESTS, WATERTIGHT, build, options, scene_of};
+use crate::common::{TESTS, WATERTIGHT, build, options, scene_of};
 use gnurt_accel::{
     Geometry, Instance, Level, ObjectTree, PointHit, Quads, Query, Spheres, Threads, Triangles,
 };

@@ -2,11 +2,9 @@
 //! Compact trees answer as the others do, bit for bit, to every kind of question and on every way, and take less than half of
 //! their memory. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Ask, ask, batch, scene_of};
+use crate::common::{Ask, ask, batch, scene_of};
 use gnurt_accel::{
     Aabb, BuildOptions, Geometry, Instance, Memory, ObjectTree, Quads, Quality, Query, Ray, RayBatch,
     Spheres, Threads, Triangles, UserGeometry, UserHit,
@@ -17,7 +15,7 @@ use gnurt_testkit::{Random, Soup, closed, rays};
 fn pair(soup: &Soup, quality: Quality) -> [ObjectTree; 2] {
     [Memory::Fast, Memory::Compact].map(|memory| {
         let options = BuildOptions { quality, memory, ..BuildOptions::default() };
-        common::build_with(std::slice::from_ref(soup), &options, Threads::Single)
+        crate::common::build_with(std::slice::from_ref(soup), &options, Threads::Single)
     })
 }
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Builds that are cancelled, watched, and kept within a budget. Source: original.
 
-mod common;
-
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use common::{TESTS, options};
+use crate::common::{TESTS, options};
 use gnurt_accel::{
     BuildControl, BuildError, BuildOptions, Instance, ObjectTree, Quality, SceneError, SceneTree, Threads,
     Triangles,
@@ -46,7 +44,7 @@ impl BuildControl for Notes {
 
 fn try_build(
     mesh: &Soup,
-    kind: common::Kind,
+    kind: crate::common::Kind,
     threads: Threads,
     notes: &Notes,
 ) -> Result<ObjectTree, BuildError> {
@@ -59,7 +57,7 @@ fn who_listens_does_not_change_the_tree() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
     let mesh = closed::torus(60);
     for (kind, _) in TESTS {
-        let plain = common::build(std::slice::from_ref(&mesh), kind);
+        let plain = crate::common::build(std::slice::from_ref(&mesh), kind);
         for threads in [Threads::Single, Threads::Pool(&pool)] {
             let notes = Notes::default();
             let tree = try_build(&mesh, kind, threads, &notes).expect("nobody stops it");
@@ -165,7 +163,7 @@ fn a_build_stays_within_its_budget() {
 #[test]
 fn scenes_are_built_under_control() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
-    let ball = std::sync::Arc::new(common::build(&[closed::sphere(4)], common::WATERTIGHT[0]));
+    let ball = std::sync::Arc::new(crate::common::build(&[closed::sphere(4)], crate::common::WATERTIGHT[0]));
     let at = |i: u32| {
         let mut instance = Instance::identity(ball.clone());
         instance.world_from_object[3] = [f64::from(i % 70), f64::from(i / 70), f64::from(i * i % 13)];

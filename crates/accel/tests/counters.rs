@@ -2,11 +2,9 @@
 //! Counters: packets in a kd-tree count what single rays do, at every level, for closest and for any hits; tiles count the
 //! same nodes at every level that has them, and the same triangles but at the widest; costs per ray add up to the sums. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Kind, TESTS, WATERTIGHT, batch, build, queries, scene_of};
+use crate::common::{Kind, TESTS, WATERTIGHT, batch, build, queries, scene_of};
 use gnurt_accel::{
     Coherence, Counters, HitBatch, Instance, Level, Query, RayBatch, Record, Structure, TriangleTest,
 };

@@ -2,11 +2,9 @@
 //! A scene ten million units from the origin, seen by rays with origins in double precision: the same hits as at the
 //! origin, flat and nested, to a millionth of its size. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Ask, WATERTIGHT, batch, build, scene_of};
+use crate::common::{Ask, WATERTIGHT, batch, build, scene_of};
 use gnurt_accel::{Instance, Level, Query, Ray, Ray64};
 use gnurt_testkit::{Random, Soup, closed, rays};
 
@@ -93,7 +91,7 @@ fn rays_of_single_precision_see_far_scenes() {
     let plain: Vec<_> = (0..25)
         .map(|i| ([1e7 + (i % 5) as f32 * 4.0, -2e7 + (i / 5) as f32 * 4.0, 0.5e7 + 30.0], [0.0, 0.0, -1.0]))
         .collect();
-    let hits = common::ask(&scene, &batch(&plain));
+    let hits = crate::common::ask(&scene, &batch(&plain));
     for (i, hit) in hits.iter().enumerate() {
         let hit = hit.unwrap_or_else(|| panic!("ray {i} looks at a sphere"));
         assert!(hit.inst_id == i as u32 && (hit.t - 29.0).abs() < 0.1, "ray {i}: {hit:?}");

@@ -2,11 +2,9 @@
 //! Callbacks that accept or reject hits: what is left is what all hits have left, at every level, in objects and scenes.
 //! Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{WATERTIGHT, batch, build, scene_of};
+use crate::common::{WATERTIGHT, batch, build, scene_of};
 use gnurt_accel::{Hit, HitBatch, Instance, Level, ObjectTree, Query, Ray, RayBatch, SceneTree};
 use gnurt_testkit::{Soup, closed, rays};
 

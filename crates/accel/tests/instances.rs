@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Two-level scenes equal brute force over all instances. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build, scene_of};
+use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build, scene_of};
 use gnurt_accel::{Instance, ObjectTree};
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The builder: one tree for any number of threads, bounded depth and size. Source: original.
 
-mod common;
-
-use common::build_with;
+use crate::common::build_with;
 use gnurt_accel::{BuildOptions, Structure, Threads};
 use gnurt_testkit::{Soup, closed};
 

@@ -2,9 +2,7 @@
 //! The sampled build: the same hits as the exact one, the same tree for any number of threads, few more references.
 //! Source: original.
 
-mod common;
-
-use common::{batch, build_with};
+use crate::common::{batch, build_with};
 use gnurt_accel::{BuildOptions, HitBatch, ObjectTree, Quality, Query, Record, Structure, Threads};
 use gnurt_testkit::{Soup, closed, rays};
 

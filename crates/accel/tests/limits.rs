@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays at the limits of floats, batches made by hand, threads with small stacks. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{TESTS, WATERTIGHT, ask, build, queries, scene_of};
+use crate::common::{TESTS, WATERTIGHT, ask, build, queries, scene_of};
 use gnurt_accel::{
     HitBatch, Instance, Level, ObjectTree, Pencil, Query, Ray, Ray64, RayBatch, Record, Spheres,
 };
@@ -132,7 +130,7 @@ fn small_stacks_are_enough() {
     assert_eq!(scene.depth(), gnurt_accel::DEEPEST_SCENE, "scenes in one another");
     let mut plain = rays::random(1, 200);
     plain.extend(rays::aimed(&closed::sphere(4), [0.2, -0.1, 3.0], 1));
-    let batch = common::batch(&plain);
+    let batch = crate::common::batch(&plain);
     let asked = std::thread::Builder::new().stack_size(128 << 10).spawn(move || {
         let mut hit = 0;
         for query in queries() {

@@ -3,17 +3,15 @@
 //! rays of a batch have one mask or many. The list of all hits of a ray that sees everything is the oracle.
 //! Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Ask, WATERTIGHT, options, queries, scene_of};
+use crate::common::{Ask, WATERTIGHT, options, queries, scene_of};
 use gnurt_accel::{Geometry, Hit, Instance, ObjectTree, Query, Ray, RayBatch, Threads, Triangles};
 use gnurt_testkit::{Random, Soup, closed, rays};
 
 const MASKS: [u32; 4] = [1, 2, 6, u32::MAX];
 
-fn object(meshes: &[Soup], kind: common::Kind) -> ObjectTree {
+fn object(meshes: &[Soup], kind: crate::common::Kind) -> ObjectTree {
     let triangles = meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices });
     let geometries: Vec<Geometry> =
         triangles.enumerate().map(|(i, mesh)| Geometry::from(mesh).with_mask(MASKS[i % 4])).collect();

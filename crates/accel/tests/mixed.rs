@@ -2,11 +2,9 @@
 //! Quads, spheres and user geometry, alone and mixed with triangles in one object, equal brute force in double precision
 //! in every structure, at every level, one by one and in tiles. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{Ask, WATERTIGHT, ask, batch, options, scene_of};
+use crate::common::{Ask, WATERTIGHT, ask, batch, options, scene_of};
 use gnurt_accel::{
     Aabb, BadPrimitives, Geometry, Hit, Instance, ObjectTree, Quads, Ray, RayBatch, Spheres, Threads,
     Triangles, UserGeometry, UserHit,
@@ -62,7 +60,7 @@ impl UserGeometry for Balls {
     }
 }
 
-fn build(geometries: &[Geometry], kind: common::Kind) -> ObjectTree {
+fn build(geometries: &[Geometry], kind: crate::common::Kind) -> ObjectTree {
     ObjectTree::build_from(geometries, &options(kind), Threads::Single)
 }
 

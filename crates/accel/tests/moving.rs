@@ -2,11 +2,9 @@
 //! A tree that follows its geometry has the hits of a fresh one in every frame, whatever was said of the motion; frames that
 //! still hold an older tree keep its hits; and its cost stays near that of a fresh tree. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{ask, batch};
+use crate::common::{ask, batch};
 use gnurt_accel::{
     BuildOptions, Geometry, Hit, Motion, MovingTree, ObjectTree, Quality, Structure, Threads, Triangles,
     Update,

@@ -2,11 +2,9 @@
 //! Scenes that are updated equal scenes that are built from the list as it is then: the same hits, bit for bit, in every way
 //! to ask and at every level, after any sequence of edits; scenes before stay as they were. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{WATERTIGHT, ask, batch, build, scene_of};
+use crate::common::{WATERTIGHT, ask, batch, build, scene_of};
 use gnurt_accel::{
     BuildOptions, DEEPEST_SCENE, Hit, Instance, ObjectTree, Quality, RayBatch, SceneTree, Shape, Threads,
 };

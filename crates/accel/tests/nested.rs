@@ -2,11 +2,9 @@
 //! Scenes in scenes: the same hits as the scene with all objects side by side, at every level, one by one and in tiles;
 //! paths name the instances on the way; what cannot be nested is refused. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build, scene_of, try_scene_of};
+use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build, scene_of, try_scene_of};
 use gnurt_accel::{DEEPEST_SCENE, Instance, ObjectTree, SceneError, SceneTree, Shape};
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 

@@ -2,11 +2,9 @@
 //! Rays of a pencil hit what the same rays hit alone: wide and narrow ones, full and with holes, in objects and scenes.
 //! Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{TESTS, build, scene_of};
+use crate::common::{TESTS, build, scene_of};
 use gnurt_accel::{Instance, Level, Pencil, Query, Ray, Record};
 use gnurt_testkit::{Random, Soup};
 

@@ -3,9 +3,7 @@
 //! every structure that can be refitted, at every level, however wildly things move, and when some of them go bad for a
 //! while. Source: original.
 
-mod common;
-
-use common::{Kind, WATERTIGHT, ask, assert_hits, batch, build, options};
+use crate::common::{Kind, WATERTIGHT, ask, assert_hits, batch, build, options};
 use gnurt_accel::{
     BadPrimitives, BuildOptions, Geometry, ObjectTree, Quads, RefitError, Spheres, Structure, Threads,
     Triangles,

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Trees that were saved and loaded are the same, and files that are no trees are refused. Source: original.
 
-mod common;
-#[path = "common/signed.rs"]
-mod signed;
-
-use common::{Ask, TESTS, ask, batch, build};
+use crate::common::{Ask, TESTS, ask, batch, build};
 use std::sync::Arc;
 
 use gnurt_accel::{
@@ -60,7 +56,7 @@ fn quads_and_spheres_are_saved_but_no_user_geometry() {
     let rays = batch(&(0..500).map(|_| (random.point(), random.point())).collect::<Vec<_>>());
     for (kind, _) in TESTS {
         let geometries = [Geometry::from(triangles), quads.into(), spheres.into()];
-        let tree = ObjectTree::build_from(&geometries, &common::options(kind), Threads::Single);
+        let tree = ObjectTree::build_from(&geometries, &crate::common::options(kind), Threads::Single);
         let mut file = save(&tree);
         let loaded = ObjectTree::load(&mut &file[..]).expect("it was saved");
         assert!(loaded.same_tree(&tree), "{kind:?}: node for node");
@@ -70,7 +66,7 @@ fn quads_and_spheres_are_saved_but_no_user_geometry() {
             let mut file = file.clone();
             let at = random.below(file.len() - 8);
             file[at] ^= 1 << random.below(8);
-            signed::sign(&mut file);
+            crate::signed::sign(&mut file);
             if let Ok(tree) = ObjectTree::load(&mut &file[..]) {
                 tree.ask(
                     &Query { level: Level::best(), coherence: Coherence::Coherent, mask: u32::MAX },
@@ -82,7 +78,7 @@ fn quads_and_spheres_are_saved_but_no_user_geometry() {
         assert!(matches!(ObjectTree::load(&mut &file[..]), Err(LoadError::Truncated)), "half of it");
     }
     let user = Geometry::user(Arc::new(Point));
-    let tree = ObjectTree::build_from(&[user], &common::options(TESTS[0].0), Threads::Single);
+    let tree = ObjectTree::build_from(&[user], &crate::common::options(TESTS[0].0), Threads::Single);
     let error = tree.save(&mut Vec::new()).expect_err("nobody can save it");
     assert_eq!(error.kind(), std::io::ErrorKind::Unsupported, "{error}");
 }
@@ -145,7 +141,7 @@ fn signed_changes_are_found_or_harmless() {
     for (kind, _) in TESTS {
         let file = save(&build(&[mixed(300), closed::torus(8)], kind));
         let mut again = file.clone();
-        signed::sign(&mut again);
+        crate::signed::sign(&mut again);
         assert!(again == file, "a file has the checksum that it should have");
         let (mut refused, mut taken) = (0, 0);
         for round in 0..2000 {
@@ -158,7 +154,7 @@ fn signed_changes_are_found_or_harmless() {
                 let copied = word(&file, from);
                 set_word(&mut file, to, copied);
             }
-            signed::sign(&mut file);
+            crate::signed::sign(&mut file);
             match ObjectTree::load(&mut &file[..]) {
                 Ok(tree) => {
                     for coherence in [Coherence::Incoherent, Coherence::Coherent] {
@@ -197,7 +193,7 @@ fn nodes_that_share_a_child_are_refused() {
                 set_word(&mut file, NODES + 4, children);
             }
         }
-        signed::sign(&mut file);
+        crate::signed::sign(&mut file);
         let error = ObjectTree::load(&mut &file[..]).expect_err("no tree").to_string();
         let is_told = error.contains("child of several") || error.contains("not where a walk comes to it");
         assert!(is_told, "{kind:?}: {error}");

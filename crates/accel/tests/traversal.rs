@@ -2,9 +2,7 @@
 //! What a traversal promises: it skips no triangle that the test alone would hit, not by one rounding, and it stops at
 //! the first leaf with a hit. Source: original.
 
-mod common;
-
-use common::{Kind, TESTS, WATERTIGHT, ask, batch, build_with, options, queries};
+use crate::common::{Kind, TESTS, WATERTIGHT, ask, batch, build_with, options, queries};
 use gnurt_accel::{
     BuildOptions, HitBatch, ObjectTree, Ray, RayBatch, Record, Structure, Threads, TriangleTest,
 };

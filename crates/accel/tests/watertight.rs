@@ -2,11 +2,9 @@
 //! No ray leaves a closed mesh: aimed at vertices and edges, near the origin and far from it, moved as an instance and
 //! in the mesh itself. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{WATERTIGHT, ask, batch, build, scene_of};
+use crate::common::{WATERTIGHT, ask, batch, build, scene_of};
 use gnurt_accel::Instance;
 use gnurt_testkit::{Soup, closed, rays};
 

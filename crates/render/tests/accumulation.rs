@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures that grow are the pictures that are rendered at once, bit for bit. Source: original.
 
-mod common;
-
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use common::*;
+use crate::common::*;
 use gnurt_image::Picture;
 use gnurt_render::{Accumulation, PerspectiveCamera, Progress, RenderOptions, Silent, World, render};
 use gnurt_scene::material::Color;
@@ -84,7 +82,7 @@ fn each_pass_shows_the_picture_of_its_samples() {
 #[test]
 fn restarts_forget_everything() {
     let (world, camera) = corner();
-    let other = common::camera([3.0, -5.0, 4.0], [0.0, 0.0, 0.6], 50.0);
+    let other = crate::common::camera([3.0, -5.0, 4.0], [0.0, 0.0, 0.6], 50.0);
     let pool = pool(2);
     let with_layers = RenderOptions { aovs: true, heatmap: true, ..options(40, 30, 2) };
     let mut grown = Accumulation::new(with_layers.clone()).expect("sound options");

@@ -4,12 +4,10 @@
 //! the test always says the same.
 //! Source: original.
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use gnurt_render::{
     CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
@@ -192,7 +190,7 @@ fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>>
                 scene.edit_material(lamp).alpha = Alpha::Blend { opacity };
                 mesh.colors = [0.1, 0.9, 0.5, 0.1].map(|alpha| [1.0, 1.0, 1.0, alpha]).into();
             }
-            common::place(scene, mesh);
+            crate::common::place(scene, mesh);
         }
     }
     None

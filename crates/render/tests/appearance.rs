@@ -2,12 +2,10 @@
 //! What meshes and textures say reaches shaders and light: normal maps, textured emission, attributes of both rates.
 //! Source: original.
 
-mod common;
-
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use gnurt_render::{CommitOptions, ShaderTable, Silent, World, render};
 use gnurt_scene::material::{Color, NormalMap, TextureRef};

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Renderings that are broken off and go on, and tiles that get as many samples as they need. Source: original.
 
-mod common;
-#[path = "common/signed.rs"]
-mod signed;
-
-use common::*;
+use crate::common::*;
 use gnurt_image::{ChannelData, Picture};
 use gnurt_render::{
     Accumulation, CheckpointError, Integrator, PerspectiveCamera, RenderOptions, Silent, World,
@@ -91,7 +87,7 @@ fn signed_bytes_change_no_size() {
         for word in [(1 << 32) - 1, 1 << 40, u64::MAX] {
             let mut file = bytes.clone();
             file[8 * at..8 * at + 8].copy_from_slice(&word.to_le_bytes());
-            signed::sign(&mut file);
+            crate::signed::sign(&mut file);
             let Ok(mut other) = Accumulation::from_bytes(options.clone(), 7, &file) else { continue };
             assert_eq!(other.byte_count(), bytes.len() as u64, "word {at} is {word:#x}");
             other.pass(&world, &view, 1, &pool(1), &Silent);

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Commits do what is due and no more, and survive bad data. Source: original.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnurt_accel::Ray;
 use gnurt_render::{CommitError, CommitOptions, CommitReport, ShaderTable, World};
 use gnurt_scene::{Affine, InstanceId, Material, MaterialId, MeshId, Motion, ObjectId, Scene, Surface};

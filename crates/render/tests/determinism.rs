@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The same picture, bit for bit, whatever threads, passes, crops and kernels do. Source: original.
 
-mod common;
-
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
-use common::*;
+use crate::common::*;
 use gnurt_accel::RayBatch;
 use gnurt_render::{Integrator, PerspectiveCamera, Progress, RenderOptions, Silent, render, trace_pixel};
 use gnurt_scene::material::Color;

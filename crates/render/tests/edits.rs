@@ -2,11 +2,9 @@
 //! Random edits, each followed by a commit: the world is that of a fresh commit, picture for picture, bit for bit, and a frame
 //! in flight keeps the world that it began with. Source: original. `GNURT_EDITS=n` asks for n edits.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use gnurt_image::{TexelData, Texels};
 use gnurt_render::{

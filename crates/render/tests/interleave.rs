@@ -3,9 +3,7 @@
 //! number of threads.
 //! Source: original.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnurt_image::Picture;
 use gnurt_render::{Accumulation, Integrator, PerspectiveCamera, RenderOptions, Silent, World, render};
 use gnurt_scene::Scene;

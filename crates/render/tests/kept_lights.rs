@@ -3,9 +3,7 @@
 //! picture, what is new in the world is seen at once, the same bits for any number of threads.
 //! Source: original.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnurt_render::{
     Accumulation, CommitOptions, Integrator, KeptLights, PerspectiveCamera, RenderOptions, ShaderTable,
     Silent, World, render,

@@ -2,11 +2,9 @@
 //! Paths that take steps one by one, as on CPUs with narrow registers, against paths that take them side by side: the same bits, for
 //! every kind of surface and light. Source: original.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use gnurt_image::{TexelData, Texels};
 use gnurt_render::{
     Accumulation, CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World,

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Radiance of a floor under each kind of light, against closed forms. Source: original; form factors as in [Gol94].
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::*;
+use crate::common::*;
 use gnurt_scene::{Affine, Light, Material, Scene, Surface};
 
 const EYE: [f32; 3] = [0.5, -2.0, 3.0];

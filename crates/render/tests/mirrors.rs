@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where mirrors and glass lead the eye. Source: original; positions follow from the laws of reflection and refraction.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnurt_scene::material::Color;
 use gnurt_scene::{Light, Material, Scene, Surface};
 

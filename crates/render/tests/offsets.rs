@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Neither acne nor leaks, from scenes of a tenth of a unit to those of a hundred thousand. Source: original.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnurt_render::{Silent, render};
 use gnurt_scene::{Affine, Light, MaterialId, Scene};
 

@@ -2,12 +2,10 @@
 //! The path tracer against closed forms: furnaces, lights over a floor, a lamp in a hollow sphere, holes. Source: original;
 //! the integrating sphere is a textbook's.
 
-mod common;
-
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use gnurt_image::Picture;
 use gnurt_render::{

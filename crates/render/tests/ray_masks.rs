@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which rays see an instance: for each kind of ray the picture is that of the scene with or without it. Source: original.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnurt_render::{Integrator, PerspectiveCamera, RenderOptions, Silent, World, render};
 use gnurt_scene::{InstanceId, Light, Material, RayMask, Scene, Surface};
 

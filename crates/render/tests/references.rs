@@ -4,12 +4,10 @@
 //! within 0.5 %, and tiles of 8 x 8 pixels within 3 standard errors + 0.5 %, less than 2 % of them off.
 //! Needs python3 to unpack the scenes; skipped, loudly, where they are not.
 
-mod common;
-
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use common::*;
+use crate::common::*;
 use gnurt_image::Picture;
 use gnurt_render::{Integrator, PerspectiveCamera, RenderOptions, Silent, render};
 use gnurt_scene::Camera;

@@ -3,12 +3,10 @@
 //! materials that tell what they do to light, under the same lamps.
 //! Source: original.
 
-mod common;
-
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use common::*;
+use crate::common::*;
 use glam::Vec3;
 use gnurt_render::{
     CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,

@@ -2,9 +2,7 @@
 //! A floor that only catches shadow: not seen where no shadow is, as dark as a true floor where one is. Source: original;
 //! the oracle is a Lambertian floor of the same albedo under the same sky.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnurt_image::{BACKGROUND, ChannelData, Opacity, Picture};
 use gnurt_render::{Integrator, RenderOptions, Silent, render};
 use gnurt_scene::{Material, Scene, Surface};

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Light ends on a coarse ball where it ends on a round one, not along its facets. Source: [Hanika2021]; original.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use gnurt_render::{Integrator, Silent, render};
 use gnurt_scene::{Light, MaterialId, Mesh, Scene};
 

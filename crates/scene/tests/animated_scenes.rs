@@ -3,9 +3,7 @@
 //! `data/pose.py`, written from the specification alone, in double precision. Skipped, loudly, where they are absent.
 //! Source: original.
 
-mod common;
-
-use common::unpacked;
+use crate::common::unpacked;
 use gnurt_scene::Scene;
 use gnurt_scene::io::load;
 use serde::Deserialize;

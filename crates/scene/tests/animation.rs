@@ -2,11 +2,9 @@
 //! Animations of glTF files and of programs: what is where at a moment, against a simple evaluation in double precision.
 //! Source: original; glTF 2.0 section 3.11 and appendix C, KHR_animation_pointer, KHR_node_visibility.
 
-mod common;
-
 use std::sync::Arc;
 
-use common::{glb, load_named};
+use crate::common::{glb, load_named};
 use gnurt_scene::animation::{Channel, Clip, Interpolation, Local, Node, Place, Sampler, Target, Trs};
 use gnurt_scene::edit::Edit;
 use gnurt_scene::io::{Error, Loaded, Oddity};

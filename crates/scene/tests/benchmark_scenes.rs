@@ -2,9 +2,7 @@
 //! The benchmark scenes (../shared/scenes) load with the counts of their README. Skipped, loudly, where they are absent.
 //! Source: original.
 
-mod common;
-
-use common::unpacked;
+use crate::common::unpacked;
 
 /// File, triangles, vertices in the file, materials in its library (a PLY has one of its own).
 const SCENES: &[(&str, usize, usize, usize)] = &[

@@ -2,9 +2,7 @@
 //! Broken and odd files: each gives the one error that names its place, or the warning and the right triangles.
 //! Source: original; the rules are those of the command line's contract.
 
-mod common;
-
-use common::{glb, load_named};
+use crate::common::{glb, load_named};
 
 /// What must come of a file.
 enum Outcome {

@@ -2,9 +2,7 @@
 //! What glTF files mean here.
 //! Source: original; glTF 2.0 and its extensions.
 
-mod common;
-
-use common::load_named;
+use crate::common::load_named;
 use gnurt_scene::io::Oddity;
 use gnurt_scene::material::{Alpha, TextureRef};
 use gnurt_scene::{Light, Material, RayMask, Scene, Surface};
@@ -223,8 +221,8 @@ fn masks_are_among_the_extras() {
             "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
             "buffers": [{ "byteLength": 36, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }] }"#;
         let bytes = bytes.replace("EXTRAS", extras);
-        let loaded =
-            common::load_named("masks.gltf", bytes.as_bytes()).unwrap_or_else(|e| panic!("{extras}: {e}"));
+        let loaded = crate::common::load_named("masks.gltf", bytes.as_bytes())
+            .unwrap_or_else(|e| panic!("{extras}: {e}"));
         (loaded.scene.instances()[0].mask, loaded.warnings.count(Oddity::BadNode))
     };
     for (extras, mask) in [

@@ -3,9 +3,7 @@
 //! Source: original; after the habit of fuzzing parsers, but without chance. Then files changed in several places at once,
 //! grown and spliced by a fixed sequence of numbers: half a second of each format, or `GNURT_MUTATE=SECONDS` of them.
 
-mod common;
-
-use common::{glb, load_named};
+use crate::common::{glb, load_named};
 use gnurt_scene::io::save;
 use gnurt_scene::{Material, Mesh, Scene};
 

@@ -2,9 +2,7 @@
 //! What OBJ and MTL files mean here.
 //! Source: original; the table in `io::obj::material`.
 
-mod common;
-
-use common::load_named;
+use crate::common::load_named;
 use gnurt_scene::material::{Alpha, Material};
 use gnurt_scene::{Scene, Surface};
 

@@ -2,9 +2,7 @@
 //! What PLY files mean here, in all three encodings.
 //! Source: original.
 
-mod common;
-
-use common::load_named;
+use crate::common::load_named;
 use gnurt_scene::{Mesh, Scene};
 
 fn mesh(bytes: &[u8]) -> Mesh {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Messages: what is wrong, where, and what would be right.
 
-mod common;
-use common::messages;
+use crate::common::messages;
 use gnurt_sl::diagnostics::Style;
 
 #[test]

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Texts that mean harm: nothing panics, hangs or takes memory that a text does not account for.
 
-mod common;
-use common::{body, compiled};
+use crate::common::{body, compiled};
 use gnurt_sl::group::read_group;
 use gnurt_sl::ir::{read, write};
 
@@ -72,7 +71,7 @@ fn changed_texts_are_refused_or_run() {
 
 #[test]
 fn changed_files_are_refused_or_read() {
-    let shader = common::shader(SHADER);
+    let shader = crate::common::shader(SHADER);
     let text = write(&shader, "");
     let back = read(&text).expect("what is written is read");
     assert_eq!(write(&back, ""), text, "and written again the same");

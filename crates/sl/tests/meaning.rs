@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What programs mean: each prints something that the specification, or arithmetic, says.
 
-mod common;
 #[path = "meaning/more.rs"]
 mod more;
-use common::{body, output, said, shader};
+use crate::common::{body, output, said, shader};
 use gnurt_sl::exec::Event;
 use gnurt_sl::group::{Group, read_group, write_group};
 use std::sync::Arc;
@@ -103,7 +102,7 @@ fn derivatives_follow_the_chain_rule() {
     let mut group = Group::default();
     group.add(Arc::new(shader(text)), None, &[], &mut Vec::new());
     let plan = gnurt_sl::exec::Plan::new(&group, &Default::default()).expect("it is known");
-    let world = common::Empty::default();
+    let world = crate::common::Empty::default();
     let mut machine = gnurt_sl::exec::Machine::new(&plan, &world);
     let (u, dx) = (0.7_f32, 0.25);
     machine.run(&gnurt_sl::exec::Point { u: gnurt_sl_lib::Dual::new(u, dx, 0.0), ..Default::default() });

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Passes: what they find and leave out, and that the shader's meaning stays.
 
-mod common;
-use common::{said, shader};
+use crate::common::{said, shader};
 use gnurt_sl::group::{Group, parse_value};
 use gnurt_sl::ir::{Shader, ops};
 use gnurt_sl::passes::{fold, varying};

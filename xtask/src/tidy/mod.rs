@@ -14,6 +14,7 @@ mod length;
 mod manifests;
 mod modules;
 mod rust_code;
+mod test_files;
 mod unsafe_code;
 mod words;
 
@@ -47,6 +48,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let keys = citations::keys(&bibliography);
     let files = files::all(&root)?;
     complaints.extend(circles::check(&files));
+    complaints.extend(test_files::check(&files));
     for file in &files {
         let found = RULES.iter().flat_map(|rule| rule(file)).chain(citations::check(file, &keys));
         complaints.extend(found.map(|(line, what)| format!("{}:{line}: {what}", file.path)));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the language has more than OSL, and points in batches.
 
-use super::common::{Empty, compiled, shader};
+use crate::common::{Empty, compiled, shader};
 use gnurt_sl::exec::{
     Arriving, ClosureDecl, ClosureParam, Event, Host, LANES, Machine, Plan, PlanOptions, Point, Points,
     Program, Results, TraceOptions, parts,

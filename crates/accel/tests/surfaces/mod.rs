@@ -2,8 +2,6 @@
 //! Questions about surfaces: crossings, sides, distances, near primitives and overlaps; and surfaces that move while the shutter is
 //! open. Source: original.
 
-#[path = "../common/mod.rs"]
-mod common;
 mod crossings;
 mod inside;
 mod motion;

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Queries of trees against the oracle. Source: original.
+//!
+//! One program for all files: each of its own takes a second to link.
+
+mod all_hits;
+mod axis_parallel;
+mod brute_force;
+mod closest_point;
+mod common;
+mod compact;
+mod control;
+mod counters;
+mod far_away;
+mod filters;
+mod instances;
+mod kd_build;
+mod kd_sampled;
+mod limits;
+mod masks;
+mod mixed;
+mod moving;
+mod moving_instances;
+mod nested;
+mod pencils;
+mod refit;
+mod saved;
+#[path = "common/signed.rs"]
+mod signed;
+mod surfaces;
+mod traversal;
+mod watertight;

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Pictures and light. Source: original.
+//!
+//! One program for all files: each of its own takes a second to link.
+
+mod accumulation;
+mod agreement;
+mod appearance;
+mod checkpoint;
+mod commit;
+mod common;
+mod determinism;
+mod edits;
+mod interleave;
+mod kept_lights;
+mod lanes;
+mod lights;
+mod many_lights;
+mod mirrors;
+mod offsets;
+mod path;
+mod ray_masks;
+mod references;
+mod shader_lights;
+mod shadow_catcher;
+#[path = "common/signed.rs"]
+mod signed;
+mod terminator;

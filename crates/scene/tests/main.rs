@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Readers, writers and animation. Source: original.
+//!
+//! One program for all files: each of its own takes a second to link.
+
+mod animated_scenes;
+mod animation;
+mod benchmark_scenes;
+mod broken_files;
+mod builtin;
+mod common;
+mod confine;
+mod gltf;
+mod mutations;
+mod obj;
+mod ply;
+mod save;

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The language's library. Source: original.
+//!
+//! One program for all files: each of its own takes a second to link.
+
+mod colors;
+mod derivatives;
+mod dictionary;
+mod gabor;
+mod lanes;
+mod mathematics;
+mod noise;
+mod regex;
+mod splines;
+mod strings;
+mod vectors;

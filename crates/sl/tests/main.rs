@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The front end, the passes and the interpreter. Source: original.
+//!
+//! One program for all files: each of its own takes a second to link.
+
+mod common;
+mod diagnostics;
+mod format;
+mod hostile;
+mod meaning;
+mod passes;
+mod shader_library;
