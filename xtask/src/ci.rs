@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `cargo xtask ci`: everything that must pass before a change is taken. Source: original.
 
-use std::process::Command;
+use std::fs::File;
+use std::path::PathBuf;
+use std::process::{Child, Command};
 
 use crate::failure::Failure;
+use crate::workspace::Workspace;
 use crate::{command, installed, python, readme, tidy};
 
 /// Runs all checks, the quick ones first; stops at the first that fails.
@@ -21,10 +24,14 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     }
 
     let promises = readme::promises()?;
-    run_words(&promises.test)?;
-    installed::check(&[])?;
-    python::run(&[])?;
-    first_command(&promises)?;
+    let mut first = FirstCommand::start(&promises)?;
+    let checked =
+        run_words(&promises.test).and_then(|()| installed::check(&[])).and_then(|()| python::run(&[]));
+    if checked.is_err() {
+        first.give_up();
+    }
+    checked?;
+    first.finish()?;
     eprintln!("all checks passed");
     Ok(())
 }
@@ -42,26 +49,66 @@ fn check_for(target: &str) -> Result<(), Failure> {
     command::run(command::cargo().args(["check", "-p", "gnurt", "--target", target]))
 }
 
-/// Runs the README's first command and looks for its picture.
-fn first_command(promises: &readme::Promises) -> Result<(), Failure> {
-    let picture = command::root().join(&promises.picture);
-    // One left by an earlier run would prove nothing.
-    if picture.exists() {
-        std::fs::remove_file(&picture).map_err(|error| format!("{}: {error}", picture.display()))?;
+/// The README's first command, which runs beside the tests: its build for release has a folder of its own, and cores that wait
+/// for the last crate of one build work on the other.
+struct FirstCommand {
+    line: String,
+    process: Child,
+    /// What it says, kept until it is done.
+    said: PathBuf,
+    picture: PathBuf,
+}
+
+impl FirstCommand {
+    fn start(promises: &readme::Promises) -> Result<Self, Failure> {
+        let picture = command::root().join(&promises.picture);
+        // One left by an earlier run would prove nothing.
+        if picture.exists() {
+            std::fs::remove_file(&picture).map_err(|error| format!("{}: {error}", picture.display()))?;
+        }
+        let said = Workspace::load()?.target.join("first-command.txt");
+        let told = |error: std::io::Error| format!("{}: {error}", said.display());
+        let output = File::create(&said).map_err(told)?;
+        let errors = output.try_clone().map_err(told)?;
+        let line = promises.first.join(" ");
+        eprintln!("+ {line} (beside what follows)");
+        let process = command_of(&promises.first)?
+            .stdout(output)
+            .stderr(errors)
+            .spawn()
+            .map_err(|error| format!("'{line}' cannot be run: {error}"))?;
+        Ok(Self { line, process, said, picture })
     }
-    run_words(&promises.first)?;
-    match std::fs::metadata(&picture) {
-        Ok(file) if file.len() > 0 => Ok(()),
-        _ => Err(format!("'{}' made no picture {}", promises.first.join(" "), picture.display())),
+
+    /// Waits for it, shows what it said and looks for its picture.
+    fn finish(mut self) -> Result<(), Failure> {
+        let status = self.process.wait().map_err(|error| format!("'{}': {error}", self.line))?;
+        eprintln!("'{}' said:", self.line);
+        eprint!("{}", std::fs::read_to_string(&self.said).unwrap_or_default());
+        if !status.success() {
+            return Err(format!("'{}' failed: {status}", self.line));
+        }
+        match std::fs::metadata(&self.picture) {
+            Ok(file) if file.len() > 0 => Ok(()),
+            _ => Err(format!("'{}' made no picture {}", self.line, self.picture.display())),
+        }
+    }
+
+    /// Ends it: another check has failed.
+    fn give_up(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
     }
 }
 
 fn run_words(words: &[String]) -> Result<(), Failure> {
-    match words.split_first() {
-        Some((program, arguments)) if program == "cargo" => command::run(command::cargo().args(arguments)),
-        Some((program, arguments)) => {
-            command::run(Command::new(program).args(arguments).current_dir(command::root()))
-        }
-        None => Err("there is no command to run".into()),
-    }
+    command::run(&mut command_of(words)?)
+}
+
+/// The command of a line, in the workspace's root.
+fn command_of(words: &[String]) -> Result<Command, Failure> {
+    let (program, arguments) = words.split_first().ok_or("there is no command to run")?;
+    let mut command = if program == "cargo" { command::cargo() } else { Command::new(program) };
+    command.args(arguments).current_dir(command::root());
+    Ok(command)
 }
