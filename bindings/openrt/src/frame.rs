@@ -121,7 +121,11 @@ fn kind_of_commit(error: &CommitError) -> Error {
 fn kind_of_options(error: &RenderError) -> Error {
     match error {
         RenderError::NothingToDo { .. } | RenderError::TooLarge { .. } => Error::InvalidValue,
-        RenderError::EmptyCrop { .. } | RenderError::NoSuchPixel { .. } => Error::InvalidOperation,
+        // Programs of this library ask for no pieces.
+        RenderError::EmptyCrop { .. }
+        | RenderError::NoSuchPixel { .. }
+        | RenderError::NoSuchPiece { .. }
+        | RenderError::InterleavedPiece => Error::InvalidOperation,
     }
 }
 
