@@ -3,11 +3,11 @@
 //! Source: eight bits to a plane as in \[YKL17\]; layout and rounding original. Space: that of what the tree is built over.
 //!
 //! ```text
-//!  byte 0              12           24               40               56               72           104     128
-//!       | origin x y z | step x y z | x lo 8, x hi 8 | y lo 8, y hi 8 | z lo 8, z hi 8 | children   | unused |
+//!  byte 0              12               28               44               60                             64
+//!       | origin x y z | x lo 8, x hi 8 | y lo 8, y hi 8 | z lo 8, z hi 8 | exponents of the steps, 0    |
 //! ```
 //!
-//! Two cache lines. A plane is `origin + count * step`: a count of 0 to 255 and a power of two, so that the product is exact.
+//! One cache line. What is in the boxes lies elsewhere, since trees in several poses have that in common. A plane is `origin + count * step`: a count of 0 to 255 and a power of two, so that the product is exact.
 //! A ray meets it at `count * (step * inv) + (origin * inv - shift)`. That is one more rounding of the plane, which the
 //! builder allows for, and up to three of `origin * inv - shift`, which the slack of `slab.rs` allows for.
 //! Invariant: a box holds the one that it was made from, also when its planes are rounded to floats: the builder goes on to
@@ -27,21 +27,25 @@ use gnurt_accel_core::Aabb;
 pub(crate) struct CompactNode {
     /// The lowest corner of all boxes.
     pub(crate) origin: [f32; 3],
-    /// Powers of two.
-    pub(crate) step: [f32; 3],
     /// By axis: lower planes, then upper ones, in steps from the origin.
     pub(crate) counts: [[[u8; WIDTH]; 2]; 3],
-    /// Bits of the children.
-    pub(crate) children: [f32; WIDTH],
+    /// Steps are powers of two: the exponents as floats have them, 1 to 254.
+    pub(crate) exponents: [u8; 4],
+}
+
+/// What hangs below a node: bits of its eight children.
+pub(crate) type Children = [f32; WIDTH];
+
+/// Compact nodes, and what is in their boxes.
+#[derive(Clone, Copy)]
+pub(crate) struct CompactNodes<'a> {
+    pub(crate) boxes: &'a [CompactNode],
+    pub(crate) children: &'a [Children],
 }
 
 impl CompactNode {
-    pub(crate) const EMPTY: Self = Self {
-        origin: [0.0; 3],
-        step: [f32::MIN_POSITIVE; 3],
-        counts: [[[u8::MAX; WIDTH], [0; WIDTH]]; 3],
-        children: [f32::from_bits(Child::NONE.0); WIDTH],
-    };
+    pub(crate) const EMPTY: Self =
+        Self { origin: [0.0; 3], counts: [[[u8::MAX; WIDTH], [0; WIDTH]]; 3], exponents: [1, 1, 1, 0] };
 
     /// No plane of a compact tree lies farther out, where `greatest` is the greatest coordinate of what it is built over.
     pub(crate) fn widened(greatest: f32) -> f32 {
@@ -50,15 +54,15 @@ impl CompactNode {
 
     /// Rounds the boxes of `node` outwards.
     pub(crate) fn new(node: &Node8) -> Self {
-        let mut compact = Self { children: *node.children(), ..Self::EMPTY };
-        let all = (0..WIDTH).fold(Aabb::EMPTY, |all, place| all.union(&node.bounds(place)));
+        let mut compact = Self::EMPTY;
+        let all = node.whole();
         if all.is_empty() {
             return compact;
         }
         compact.origin = all.min;
         for k in 0..3 {
             let (origin, step) = (all.min[k], step(all.min[k], all.max[k]));
-            compact.step[k] = step;
+            compact.exponents[k] = (step.to_bits() >> 23) as u8;
             let count = |plane: f32| (f64::from(plane) - f64::from(origin)) / f64::from(step);
             for place in (0..WIDTH).filter(|&place| node.child(place) != Child::NONE) {
                 let (lower, upper) = (node.rows[2 * k][place], node.rows[2 * k + 1][place]);
@@ -87,29 +91,30 @@ impl CompactNode {
         f32x8::from_slice(simd, &floats)
     }
 
-    /// The node with planes as floats.
+    /// A step along axis `k`.
     #[inline(always)]
-    pub(crate) fn expand<S: Simd>(&self, simd: S) -> Node8 {
+    pub(crate) fn step(&self, k: usize) -> f32 {
+        f32::from_bits(u32::from(self.exponents[k]) << 23)
+    }
+
+    /// The node with planes as floats, over these children.
+    #[inline(always)]
+    pub(crate) fn expand<S: Simd>(&self, simd: S, children: &Children) -> Node8 {
         let mut node = Node8::EMPTY;
         for k in 0..3 {
             self.row(simd, k, 2 * k).store_slice(&mut node.rows[2 * k]);
             self.row(simd, k, 2 * k + 1).store_slice(&mut node.rows[2 * k + 1]);
         }
-        node.rows[6] = self.children;
+        node.rows[6] = *children;
         node
-    }
-
-    /// What hangs at `place`.
-    pub(crate) fn child(&self, place: usize) -> Child {
-        Child::at(&self.children, place)
     }
 
     /// The box at `place`; empty where there is no child.
     pub(crate) fn bounds(&self, place: usize) -> Aabb {
-        if self.child(place) == Child::NONE {
+        if (0..3).any(|k| self.counts[k][0][place] > self.counts[k][1][place]) {
             return Aabb::EMPTY;
         }
-        let face = |k: usize, i: usize| plane(self.origin[k], self.step[k], self.counts[k][i][place]);
+        let face = |k: usize, i: usize| plane(self.origin[k], self.step(k), self.counts[k][i][place]);
         Aabb { min: [0, 1, 2].map(|k| face(k, 0)), max: [0, 1, 2].map(|k| face(k, 1)) }
     }
 }
@@ -117,20 +122,15 @@ impl CompactNode {
 impl Boxes for CompactNode {
     #[inline(always)]
     fn row<S: Simd>(&self, simd: S, k: usize, row: usize) -> f32x8<S> {
-        let (origin, step) = (f32x8::splat(simd, self.origin[k]), f32x8::splat(simd, self.step[k]));
+        let (origin, step) = (f32x8::splat(simd, self.origin[k]), f32x8::splat(simd, self.step(k)));
         self.counts(simd, k, row).mul_add(step, origin)
     }
 
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, k: usize, at: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S> {
         let row = at / WIDTH;
-        let (origin, step) = (f32x8::splat(simd, self.origin[k]), f32x8::splat(simd, self.step[k]));
+        let (origin, step) = (f32x8::splat(simd, self.origin[k]), f32x8::splat(simd, self.step(k)));
         self.counts(simd, k, row).mul_add(step * inv, origin.mul_sub(inv, shift))
-    }
-
-    #[inline(always)]
-    fn children(&self) -> &[f32; WIDTH] {
-        &self.children
     }
 }
 
@@ -177,14 +177,13 @@ mod tests {
 
     #[test]
     fn boxes_hold_those_that_they_are_made_from() {
-        assert_eq!(size_of::<CompactNode>(), 128, "two cache lines");
+        assert_eq!(size_of::<CompactNode>(), 64, "a cache line");
         for node in nodes() {
             let compact = CompactNode::new(&node);
             let all = (0..WIDTH).fold(Aabb::EMPTY, |all, place| all.union(&node.bounds(place)));
             let size = all.extent();
             for place in 0..WIDTH {
                 let (exact, rounded) = (node.bounds(place), compact.bounds(place));
-                assert_eq!(compact.child(place), node.child(place), "what is in it");
                 if exact.is_empty() {
                     assert!(rounded.is_empty(), "nothing stays nothing");
                     continue;
@@ -210,10 +209,10 @@ mod tests {
         for node in nodes() {
             let compact = CompactNode::new(&node);
             for level in Level::available() {
-                let expanded = dispatch!(level, simd => compact.expand(simd));
-                for place in (0..WIDTH).filter(|&place| compact.child(place) != Child::NONE) {
+                let expanded = dispatch!(level, simd => compact.expand(simd, node.children()));
+                for place in (0..WIDTH).filter(|&place| node.child(place) != Child::NONE) {
                     assert_eq!(expanded.bounds(place), compact.bounds(place), "place {place} at {level}");
-                    assert_eq!(expanded.child(place), compact.child(place), "place {place} at {level}");
+                    assert_eq!(expanded.child(place), node.child(place), "place {place} at {level}");
                 }
             }
         }

@@ -3,6 +3,7 @@
 
 use crate::index::BvhIndex;
 use crate::node::WIDTH;
+use crate::pose::PosedLeaves;
 use crate::spheres::SphereIndex;
 use crate::user::UserIndex;
 
@@ -12,6 +13,8 @@ impl BvhIndex {
         let leaves = &self.leaves;
         leaves.blocks.iter().enumerate().for_each(|(i, block)| visit(i, &block.numbers));
         leaves.pools.blocks.iter().enumerate().for_each(|(i, block)| visit(i, &block.numbers));
+        let posed = leaves.posed.iter().flat_map(PosedLeaves::blocks);
+        posed.enumerate().for_each(|(i, block)| visit(i, &block.numbers));
         leaves.count()
     }
 
@@ -19,9 +22,10 @@ impl BvhIndex {
     #[must_use]
     pub fn corners_at(&self, block: usize, lane: usize) -> [[f32; 3]; 3] {
         let leaves = &self.leaves;
-        match leaves.blocks.get(block) {
-            Some(block) => block.triangle(lane),
-            None => leaves.pools.triangle(block, lane),
+        match (leaves.blocks.get(block), &leaves.posed) {
+            (Some(block), _) => block.triangle(lane),
+            (None, Some(posed)) => posed.triangle(block, lane),
+            (None, None) => leaves.pools.triangle(block, lane),
         }
     }
 }

@@ -4,11 +4,14 @@
 
 mod store;
 
+use std::sync::{Arc, OnceLock};
+
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::{Aabb, BuildError, Memory, Quality, Threads, TreeStats};
 
 use crate::build::try_build;
 use crate::leaves::Leaves;
+use crate::pose::Structure;
 use crate::refit::Moving;
 use crate::screen::Screen;
 use crate::tree::Tree;
@@ -23,6 +26,10 @@ pub struct BvhIndex {
     pub(crate) stats: TreeStats,
     /// Once it has been refitted.
     pub(crate) moving: Option<Box<Moving>>,
+    /// What it shares with its poses, once there is one.
+    pub(crate) structure: OnceLock<Arc<Structure>>,
+    /// Of a pose: what a ray is expected to do below the root.
+    pub(crate) cost: f32,
 }
 
 /// Whether two have the same nodes and blocks.
@@ -53,8 +60,13 @@ impl BvhIndex {
         let in_blocks = std::mem::take(&mut tree.blocks);
         let leaves = Leaves::build(screen, memory, &in_blocks, threads, watch)?;
         watch.give(size_of_val(&in_blocks[..]));
-        let greatest = tree.greatest();
-        Ok(Self { tree, leaves, greatest, stats, moving: None })
+        Ok(Self { leaves, ..Self::of_tree(tree, stats) })
+    }
+
+    /// Of a tree whose leaves are to come.
+    pub(crate) fn of_tree(tree: Tree, stats: TreeStats) -> Self {
+        let (greatest, leaves) = (tree.greatest(), Leaves::default());
+        Self { tree, leaves, greatest, stats, moving: None, structure: OnceLock::new(), cost: 0.0 }
     }
 
     /// Box around all triangles.
@@ -67,8 +79,10 @@ impl BvhIndex {
     #[must_use]
     pub fn stats(&self) -> TreeStats {
         let moving = self.moving.as_deref().map_or(0, Moving::memory_bytes);
+        // What poses share is nobody's own.
+        let shared = if self.is_posed() { size_of_val(&self.tree.children[..]) } else { 0 };
         TreeStats {
-            tree_bytes: (self.tree.node_bytes() + moving) as u64,
+            tree_bytes: (self.tree.node_bytes() + moving - shared) as u64,
             primitive_bytes: self.leaves.memory_bytes() as u64,
             ..self.stats
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The leaf blocks of a wide BVH over triangles, as tests take them or in less memory.
-//! Source: original. Invariant: there are blocks or pools, not both. Proof: `tests/brute_force.rs`.
+//! The leaf blocks of a wide BVH over triangles, as tests take them, in less memory, or shared by poses.
+//! Source: original. Invariant: there are blocks, pools or a pose, one of them. Proof: `tests/brute_force.rs`.
 
 use gnurt_simd::{Level, Simd, dispatch_two, prefer_huge_pages, prefetch};
 
@@ -13,6 +13,7 @@ use gnurt_accel_core::{BuildError, INVALID_ID, Memory, Threads};
 use crate::gather::{Eight, store};
 use crate::node::{Child, WIDTH};
 use crate::pools::{Filling, Pools};
+use crate::pose::PosedLeaves;
 use crate::screen::Screen;
 use crate::tree::Tree;
 
@@ -21,6 +22,7 @@ use crate::tree::Tree;
 pub(crate) struct Leaves {
     pub(super) blocks: Vec<TriangleBlock>,
     pub(super) pools: Pools,
+    pub(super) posed: Option<PosedLeaves>,
 }
 
 impl Leaves {
@@ -65,7 +67,9 @@ impl Leaves {
 
     /// How many there are.
     pub(super) fn count(&self) -> usize {
-        self.blocks.len() + self.pools.blocks.len()
+        self.blocks.len()
+            + self.pools.blocks.len()
+            + self.posed.as_ref().map_or(0, |posed| posed.blocks().len())
     }
 
     /// Block `index`: where it lies in memory as tests take it, or expanded into `room`.
@@ -82,14 +86,24 @@ impl Leaves {
             Some(block) => block,
             None => {
                 let expanded = room.insert(TriangleBlock::ZERO);
-                self.pools.expand(simd, index, expanded);
+                self.expand(simd, index, expanded);
                 expanded
             }
         }
     }
 
+    /// Block `index` of a compact tree.
+    #[inline(always)]
+    pub(super) fn expand<S: Simd>(&self, simd: S, index: usize, into: &mut TriangleBlock) {
+        match &self.posed {
+            None => self.pools.expand(simd, index, into),
+            Some(posed) => posed.expand(simd, index, into),
+        }
+    }
+
     pub(super) fn memory_bytes(&self) -> usize {
-        size_of_val(&self.blocks[..]) + self.pools.memory_bytes()
+        let posed = self.posed.as_ref().map_or(0, PosedLeaves::memory_bytes);
+        size_of_val(&self.blocks[..]) + self.pools.memory_bytes() + posed
     }
 }
 

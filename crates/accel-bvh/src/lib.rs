@@ -28,6 +28,7 @@ mod node_ray;
 mod planes;
 mod point;
 mod pools;
+mod pose;
 mod primitives;
 mod refit;
 mod region;

@@ -77,14 +77,8 @@ impl MotionIndex {
                 let mut tree = tree.clone();
                 tree.refit(&boxes, parallel, &mut Vec::new());
                 hide_nothing(&mut tree);
-                let (stats, greatest) = (tree.measure(), tree.greatest());
-                BvhIndex {
-                    tree,
-                    leaves: Leaves { blocks, ..Leaves::default() },
-                    greatest,
-                    stats,
-                    moving: None,
-                }
+                let stats = tree.measure();
+                BvhIndex { leaves: Leaves { blocks, ..Leaves::default() }, ..BvhIndex::of_tree(tree, stats) }
             }));
         }
         let bounds = made.iter().fold(Aabb::EMPTY, |all, key| all.union(&key.bounds()));

@@ -37,8 +37,6 @@ pub(crate) trait Boxes {
     /// The faces of the row that begins with float `at` of a [`Node8`], times `inv`, less `shift`; the compact ones with three
     /// roundings more than these.
     fn meet<S: Simd>(&self, simd: S, k: usize, at: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S>;
-    /// Bits of the children.
-    fn children(&self) -> &[f32; WIDTH];
 }
 
 impl Boxes for Node8 {
@@ -52,11 +50,6 @@ impl Boxes for Node8 {
         // The mask is known to be superfluous where the ray was prepared.
         let at = at & (WIDTH * (WIDTH - 1));
         f32x8::from_slice(simd, &self.rows.as_flattened()[at..at + WIDTH]).mul_sub(inv, shift)
-    }
-
-    #[inline(always)]
-    fn children(&self) -> &[f32; WIDTH] {
-        &self.rows[6]
     }
 }
 
@@ -114,6 +107,12 @@ impl Node8 {
         let none = [f32::from_bits(Child::NONE.0); WIDTH];
         Self { rows: [lo, hi, lo, hi, lo, hi, none, [0.0; WIDTH]] }
     };
+
+    /// Bits of the children.
+    #[inline(always)]
+    pub(crate) fn children(&self) -> &[f32; WIDTH] {
+        &self.rows[6]
+    }
 
     /// What hangs at `place`, which is below 8.
     #[inline(always)]

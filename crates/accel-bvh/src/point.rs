@@ -67,8 +67,8 @@ impl Tree {
             |index| match self.nodes.get(index) {
                 Some(node) => (around.squares(simd, node), node.children()),
                 None => {
-                    let node = self.compact_node(index);
-                    (around.squares(simd, node), node.children())
+                    let (node, children) = self.compact_node(index);
+                    (around.squares(simd, node), children)
                 }
             },
             leaf,

@@ -39,14 +39,14 @@ impl Tree {
             match self.nodes.get(child.index()) {
                 Some(node) => meeting(node, sieve, |place| waiting.push(node.child(place))),
                 None => {
-                    let node = self.compact_node(child.index());
+                    let (node, children) = self.compact_node(child.index());
                     let mut rows = NOTHING;
                     let boxes: [_; WIDTH] = std::array::from_fn(|place| node.bounds(place));
                     for k in 0..3 {
                         rows[2 * k] = boxes.map(|bounds| bounds.min[k]);
                         rows[2 * k + 1] = boxes.map(|bounds| bounds.max[k]);
                     }
-                    each(u64::from(sieve.meets(&rows)), |place| waiting.push(node.child(place)));
+                    each(u64::from(sieve.meets(&rows)), |place| waiting.push(Child::at(children, place)));
                 }
             }
         }
@@ -87,9 +87,10 @@ impl BvhIndex {
         let Self { tree, leaves, .. } = self;
         tree.sift(sieve, &mut |range| {
             for index in range {
-                match leaves.blocks.get(index) {
-                    Some(block) => block.sift(sieve, visit),
-                    None => leaves.pools.sift(index, sieve, visit),
+                match (leaves.blocks.get(index), &leaves.posed) {
+                    (Some(block), _) => block.sift(sieve, visit),
+                    (None, Some(posed)) => posed.sift(index, sieve, visit),
+                    (None, None) => leaves.pools.sift(index, sieve, visit),
                 }
             }
         });

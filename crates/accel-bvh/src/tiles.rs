@@ -126,7 +126,8 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
         let node = match tree.nodes.get(child.index()) {
             Some(node) => node,
             None => {
-                expanded = tree.compact_node(child.index()).expand(simd);
+                let (node, children) = tree.compact_node(child.index());
+                expanded = node.expand(simd, children);
                 &expanded
             }
         };

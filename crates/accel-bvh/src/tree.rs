@@ -3,10 +3,12 @@
 //! Space: that of the primitives. Invariant: no node is deeper than [`DEEPEST`]; nodes are of one form.
 //! Proof: `build::tests`.
 
+use std::sync::Arc;
+
 use gnurt_accel_core::{Aabb, Memory};
 use gnurt_simd::prefer_huge_pages;
 
-use crate::compact::CompactNode;
+use crate::compact::{Children, CompactNode, CompactNodes};
 use crate::node::{Child, Node8, WIDTH};
 
 /// No node is of this depth or a greater one; the root has depth 0.
@@ -19,6 +21,8 @@ pub(crate) struct Tree {
     pub(crate) nodes: Vec<Node8>,
     /// The nodes of a compact tree, which has no others.
     pub(crate) compact: Vec<CompactNode>,
+    /// What is in these, node by node. Trees over the same triangles in other poses may share it.
+    pub(crate) children: Arc<Vec<Children>>,
     /// Numbers of the primitives, leaf block by leaf block, eight to each; padded with `INVALID_ID`.
     pub(crate) blocks: Vec<[u32; WIDTH]>,
     /// Box around everything.
@@ -28,7 +32,7 @@ pub(crate) struct Tree {
 impl Tree {
     /// Without nodes.
     pub(crate) fn new(bounds: Aabb) -> Self {
-        Self { nodes: Vec::new(), compact: Vec::new(), blocks: Vec::new(), bounds }
+        Self { nodes: Vec::new(), compact: Vec::new(), children: Arc::default(), blocks: Vec::new(), bounds }
     }
 
     /// Of nodes and of the numbers in blocks.
@@ -38,7 +42,7 @@ impl Tree {
 
     /// Of nodes.
     pub(crate) fn node_bytes(&self) -> usize {
-        size_of_val(&self.nodes[..]) + size_of_val(&self.compact[..])
+        size_of_val(&self.nodes[..]) + size_of_val(&self.compact[..]) + size_of_val(&self.children[..])
     }
 
     /// Brings the nodes into the form that is wanted.
@@ -48,6 +52,7 @@ impl Tree {
             self.compact = Vec::with_capacity(nodes.len());
             prefer_huge_pages(&self.compact);
             self.compact.extend(nodes.iter().map(CompactNode::new));
+            self.children = Arc::new(nodes.iter().map(|node| *node.children()).collect());
         }
     }
 
@@ -72,16 +77,22 @@ impl Tree {
         match self.nodes.get(index) {
             Some(node) => (node.child(place), node.bounds(place)),
             None => {
-                let node = self.compact_node(index);
-                (node.child(place), node.bounds(place))
+                let (node, children) = self.compact_node(index);
+                (Child::at(children, place), node.bounds(place))
             }
         }
     }
 
+    /// All nodes of a compact tree.
+    #[inline(always)]
+    pub(crate) fn compact_nodes(&self) -> CompactNodes<'_> {
+        CompactNodes { boxes: &self.compact, children: &self.children }
+    }
+
     /// A node of a compact tree, for who has looked among the others.
     #[inline]
-    pub(crate) fn compact_node(&self, index: usize) -> &CompactNode {
-        match self.compact.get(index) {
+    pub(crate) fn compact_node(&self, index: usize) -> (&CompactNode, &Children) {
+        match self.compact.get(index).zip(self.children.get(index)) {
             Some(node) => node,
             None => panic!("a tree of {} nodes is damaged: it refers to node {index}", self.count()),
         }

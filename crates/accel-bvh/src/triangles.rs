@@ -117,7 +117,7 @@ impl BvhIndex {
             || {
                 let (slot, mut tested, mut block) = (trip.slot, 0, TriangleBlock::ZERO);
                 let visited = walk(
-                    &self.tree.compact[..],
+                    &self.tree.compact_nodes(),
                     simd,
                     start,
                     for_nodes,
@@ -126,7 +126,7 @@ impl BvhIndex {
                     |range| {
                         for index in range {
                             tested += 1;
-                            self.leaves.pools.expand(simd, index, &mut block);
+                            self.leaves.expand(simd, index, &mut block);
                             block.meet(simd, for_blocks, slot, trip);
                             if trip.is_done() {
                                 break;

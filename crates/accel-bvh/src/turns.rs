@@ -18,7 +18,7 @@ use gnurt_simd::{Simd, StackRoom, prelude::*};
 use crate::alone::Alone;
 use crate::index::BvhIndex;
 use crate::leaves::ask_for;
-use crate::node::{Boxes, Child, WIDTH};
+use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::walk::{entry, last_first, nearest_first, next};
 

@@ -10,8 +10,8 @@ use gnurt_simd::{Simd, Stack, StackRoom, f32x8, prelude::*};
 
 use gnurt_accel_core::beam::Beam;
 
-use crate::compact::CompactNode;
-use crate::node::{Boxes, Child, Node8, WIDTH};
+use crate::compact::{Children, CompactNode, CompactNodes};
+use crate::node::{Child, Node8, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::tree::{DEEPEST, Tree};
 
@@ -116,7 +116,7 @@ pub(crate) trait Nodes {
 }
 
 /// Of one form: for walks that are compiled for it.
-impl<N: Boxes> Nodes for [N] {
+impl Nodes for [Node8] {
     #[inline(always)]
     fn meet<S: Simd>(
         &self,
@@ -128,6 +128,21 @@ impl<N: Boxes> Nodes for [N] {
         let node = &self[index];
         let (bits, near) = ray.meet(simd, node, reach);
         (bits, near, node.children())
+    }
+}
+
+/// The same.
+impl Nodes for CompactNodes<'_> {
+    #[inline(always)]
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        index: usize,
+        ray: &NodeRay<S>,
+        reach: f32,
+    ) -> (u32, f32x8<S>, &[f32; WIDTH]) {
+        let (bits, near) = ray.meet(simd, &self.boxes[index], reach);
+        (bits, near, &self.children[index])
     }
 }
 
@@ -146,7 +161,10 @@ impl Nodes for Tree {
                 let (bits, near) = ray.meet(simd, node, reach);
                 (bits, near, node.children())
             }
-            None => meet_compact(simd, self.compact_node(index), ray, reach),
+            None => {
+                let (node, children) = self.compact_node(index);
+                meet_compact(simd, node, children, ray, reach)
+            }
         }
     }
 }
@@ -157,7 +175,8 @@ impl Nodes for Tree {
 #[inline(never)]
 fn meet_compact<'a, S: Simd>(
     simd: S,
-    node: &'a CompactNode,
+    node: &CompactNode,
+    children: &'a Children,
     ray: &NodeRay<S>,
     reach: f32,
 ) -> (u32, f32x8<S>, &'a [f32; WIDTH]) {
@@ -165,7 +184,7 @@ fn meet_compact<'a, S: Simd>(
         #[inline(always)]
         || {
             let (bits, near) = ray.meet(simd, node, reach);
-            (bits, near, node.children())
+            (bits, near, children)
         },
     )
 }

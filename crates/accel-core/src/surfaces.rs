@@ -74,6 +74,24 @@ impl<'a> Surfaces<'a> {
         Mesh { surface: self.meshes[geometry], start: self.starts[geometry], end: self.starts[geometry + 1] }
     }
 
+    /// Positions of all vertices of a geometry; none of one of another kind, or for another tree.
+    pub fn positions(&self, geometry: usize) -> &'a [[f32; 3]] {
+        match &self.meshes[geometry] {
+            Surface::Triangles(mesh) => mesh.positions,
+            Surface::Quads(mesh) => mesh.positions,
+            Surface::None => &[],
+        }
+    }
+
+    /// Vertices of all triangles, or quads, of a geometry.
+    pub fn vertices(&self, geometry: usize) -> &'a [u32] {
+        match &self.meshes[geometry] {
+            Surface::Triangles(mesh) => mesh.indices.as_flattened(),
+            Surface::Quads(mesh) => mesh.indices.as_flattened(),
+            Surface::None => &[],
+        }
+    }
+
     /// The corners of triangle `number`, whose indices must be sound.
     #[inline]
     pub fn corners(&self, number: u32) -> [[f32; 3]; 3] {

@@ -159,6 +159,25 @@
 //! assert_eq!(seen.map(|hit| hit.t), Some(7.0));
 //! ```
 //!
+//! # Crowds
+//!
+//! Many characters of one kind, each in its own pose, share the structure of one tree: [`ObjectTree::posed`], or [`Crowd`], which
+//! also knows equal poses. docs/moving.md says what that saves.
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! let crowd = Crowd::default();
+//! let pose = |bend: f32| {
+//!     let positions = [[0., 0., 0.], [1., 0., bend], [0., 1., 0.]];
+//!     let mesh = Triangles { positions: &positions, indices: &[[0, 1, 2]] };
+//!     crowd.pose(&[mesh.into()], &BuildOptions::default(), Threads::Single)
+//! };
+//! let (upright, bent) = (pose(0.0), pose(0.5));
+//! assert!(std::sync::Arc::ptr_eq(&pose(0.5), &bent), "a pose that is there already");
+//! let hit = |tree: &ObjectTree| tree.intersect(&Ray::new([0.5, 0.25, 1.0], [0.0, 0.0, -1.0])).map(|hit| hit.t);
+//! assert_eq!((hit(&upright), hit(&bent)), (Some(1.0), Some(0.75)));
+//! ```
+//!
 //! # Limits today
 //!
 //! Within an object triangles can move, other primitives cannot; questions without a moment (nearest points, boxes, balls,
@@ -171,6 +190,7 @@ mod ask;
 mod batch;
 mod candidates;
 mod crossings;
+mod crowd;
 mod engine;
 mod facing;
 mod inside;
@@ -190,6 +210,7 @@ mod target;
 mod together;
 mod under_way;
 
+pub use crowd::Crowd;
 pub use facing::Face;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, Geometry,

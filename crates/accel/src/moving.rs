@@ -6,6 +6,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::crowd::MOST_GROWTH;
 use crate::{BuildOptions, Geometry, ObjectTree, Quality, Structure, Threads};
 
 /// How an object's primitives move within it, as far as the program says. Instances move as they like with each of them.
@@ -88,6 +89,9 @@ impl MovingTree {
             *self = Self::build(geometries, options, self.motion, threads);
             return Update::Rebuilt;
         };
+        if tree.is_posed() {
+            return self.follow_pose(tree, geometries, options, threads);
+        }
         let (growth, cost) = (tree.cost_growth(), tree.stats().sah_cost);
         let lost = if growth > NOISE { cost - cost / growth } else { 0.0 };
         self.debt += RAYS * STEP * lost;
@@ -99,6 +103,23 @@ impl MovingTree {
             return Update::Rebuilt;
         }
         self.replace(Arc::new(tree));
+        Update::Refitted
+    }
+
+    /// A pose that others share their structure with stays one unless it fits badly: one of a crowd gets few of the rays, and a
+    /// tree by itself would take many times the memory. For the same reason none is kept to be written over.
+    fn follow_pose(
+        &mut self,
+        tree: ObjectTree,
+        geometries: &[Geometry],
+        options: &BuildOptions,
+        threads: Threads,
+    ) -> Update {
+        if self.motion != Motion::Known && tree.cost_growth() > MOST_GROWTH {
+            *self = Self::build(geometries, options, self.motion, threads);
+            return Update::Rebuilt;
+        }
+        self.tree = Arc::new(tree);
         Update::Refitted
     }
 

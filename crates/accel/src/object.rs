@@ -12,6 +12,7 @@ mod frozen;
 mod kind;
 mod many;
 mod places;
+mod posed;
 mod queries;
 mod refit;
 mod region;

@@ -23,6 +23,7 @@ mod moving;
 mod moving_instances;
 mod nested;
 mod pencils;
+mod poses;
 mod refit;
 mod saved;
 #[path = "common/signed.rs"]

@@ -9,10 +9,10 @@ use gnurt::accel::{
     BuildOptions, Coherence, Geometry, Motion, MovingTree, ObjectTree, Quality, Threads, Triangles, Update,
 };
 use gnurt::simd::Level;
-use serde_json::{Value, json};
 
 use crate::clock::process_seconds;
 use crate::contest::check;
+use crate::dynamic_row::DynamicRow;
 use crate::embree::EmbreeEngine;
 use crate::ffi_embree::{MovingScene, Scene};
 use crate::job::{Asked, Packets};
@@ -35,31 +35,6 @@ pub struct Options {
     pub size: u32,
     /// Instruction set of rays.
     pub level: Level,
-}
-
-/// One strategy's numbers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DynamicRow {
-    /// `refit` or `rebuild`.
-    pub case: &'static str,
-    /// The scene.
-    pub scene: String,
-    /// What was done for each frame; in `rebuild` also the quality.
-    pub strategy: &'static str,
-    /// `gnurt` or `embree4`.
-    pub engine: &'static str,
-    /// Triangles of the scene.
-    pub triangles: u64,
-    /// Median of the milliseconds that an update took.
-    pub update_ms_cpu: f64,
-    /// Millions of diffuse rays in a second, after the last frame.
-    pub trace_mrays_cpu: f64,
-    /// Bytes of the tree and its triangles; `None` where the engine does not tell.
-    pub bytes: Option<u64>,
-    /// Of the rays.
-    pub hits: u64,
-    /// Updates that built the tree again, at least in part.
-    pub rebuilds: usize,
 }
 
 /// Vertices at a frame out of all: the scene twists around its axis and waves.
@@ -260,6 +235,7 @@ fn rows(
             strategy,
             engine,
             triangles: moved.triangle_count() as u64,
+            instances: 1,
             update_ms_cpu: 1e3 * median(&times[i]),
             trace_mrays_cpu: rays.len() as f64 / 1e6 / median(&seconds[i]).max(1e-9),
             bytes: match follower {
@@ -274,59 +250,10 @@ fn rows(
     Ok(followers.iter().enumerate().map(row).collect())
 }
 
-/// A table for people.
-#[must_use]
-pub fn table(rows: &[DynamicRow]) -> String {
-    let mut text = String::new();
-    let mut scene = "";
-    for row in rows {
-        if row.scene != scene {
-            scene = &row.scene;
-            text += &format!(
-                "{scene}: {} triangles\n  {:<8} {:<8} {:<9} {:>10} {:>10} {:>9} {:>9}\n",
-                row.triangles, "case", "engine", "strategy", "update ms", "Mtri/s", "Mrays/s", "rebuilds"
-            );
-        }
-        text += &format!(
-            "  {:<8} {:<8} {:<9} {:>10.3} {:>10.1} {:>9.3} {:>9}\n",
-            row.case,
-            row.engine,
-            row.strategy,
-            row.update_ms_cpu,
-            row.triangles as f64 / row.update_ms_cpu / 1e3,
-            row.trace_mrays_cpu,
-            row.rebuilds
-        );
-    }
-    text
-}
-
-/// An array of objects.
-#[must_use]
-pub fn to_json(rows: &[DynamicRow]) -> Value {
-    rows.iter()
-        .map(|row| {
-            json!({
-                "case": row.case,
-                "scene": row.scene,
-                "strategy": row.strategy,
-                "engine": row.engine,
-                "threads": 1,
-                "triangles": row.triangles,
-                "instances": 1,
-                "update_ms_cpu": row.update_ms_cpu,
-                "trace_mrays_cpu": row.trace_mrays_cpu,
-                "bytes": row.bytes,
-                "hits": row.hits,
-                "rebuilds": row.rebuilds,
-            })
-        })
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::dynamic_row::{table, to_json};
 
     #[test]
     fn a_box_is_twisted() {

@@ -13,7 +13,9 @@
 pub mod builds;
 mod clock;
 mod contest;
+pub mod crowd;
 pub mod dynamic;
+pub mod dynamic_row;
 mod embree;
 mod error;
 #[allow(unsafe_code, reason = "the one door to the library of C")]

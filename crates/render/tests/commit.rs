@@ -132,3 +132,58 @@ fn dangling_ids_are_errors() {
     let wanted = CommitError::DanglingId { what: "mesh", index: 0, used: "material", id: 7 };
     assert_eq!(commit(&scene), Some(wanted), "no such material");
 }
+
+/// Objects of the same triangles, each bent its own way, share what they have in common once they are many; hits and what is
+/// done later are those of objects by themselves.
+#[test]
+fn many_poses_share() {
+    let crowd = |motion: Motion| {
+        let mut scene = Scene::new();
+        scene.add_material(Material::matte("", [0.5; 3]));
+        for i in 0..10 {
+            let mut mesh = sphere([0.0; 3], 0.5, 75, MaterialId(0));
+            bend(&mut mesh.positions, 0.1 * (i % 5) as f32);
+            place(&mut scene, mesh);
+            scene.edit_instance(InstanceId(i)).world_from_object =
+                Affine::translation([f64::from(i), 0.0, 0.0]);
+            scene.edit_object(ObjectId(i)).motion = motion;
+        }
+        scene
+    };
+    let (mut together, mut apart) = (crowd(Motion::Auto), crowd(Motion::Static));
+    let (mut shared, mut separate) = (World::new(), World::new());
+    update(&mut shared, &together);
+    update(&mut separate, &apart);
+    let bytes = |world: &World| world.stats().tree_bytes;
+    assert!(3 * bytes(&shared) < bytes(&separate), "{} and {} bytes", bytes(&shared), bytes(&separate));
+    let look = |world: &World| -> Vec<_> {
+        let ray = |i: u8| Ray::new([f32::from(i) * 0.05, 0.11, 3.0], [0.01, 0.02, -1.0]);
+        (0..200).map(|i| world.intersect(&ray(i))).collect()
+    };
+    assert_eq!(look(&shared), look(&separate), "the same hits");
+    let (snapshot, before) = (shared.clone(), look(&shared));
+    for scene in [&mut together, &mut apart] {
+        for i in [2, 3] {
+            bend(&mut scene.edit_mesh(MeshId(i)).positions, -0.4);
+        }
+    }
+    let report = update(&mut shared, &together);
+    assert_eq!((report.built_objects, report.refitted_objects), (0, 2), "two have moved on");
+    update(&mut separate, &apart);
+    assert_eq!(look(&shared), look(&separate), "the same hits again");
+    assert_eq!(look(&snapshot), before, "a frame in flight keeps its poses");
+    let bad = |scene: &mut Scene| scene.edit_mesh(MeshId(4)).positions[99] = [f32::NAN; 3];
+    bad(&mut together);
+    bad(&mut apart);
+    let report = update(&mut shared, &together);
+    assert_eq!((report.built_objects, report.refitted_objects), (1, 0), "it gets a tree by itself");
+    assert_eq!(update(&mut separate, &apart).dropped_triangles, report.dropped_triangles, "and is counted");
+    assert_eq!(look(&shared), look(&separate), "with the same hits");
+}
+
+fn bend(positions: &mut [[f32; 3]], angle: f32) {
+    for p in positions {
+        let (sin, cos) = (angle * p[1]).sin_cos();
+        *p = [cos * p[0] - sin * p[2], p[1] + 0.2 * angle * p[0], sin * p[0] + cos * p[2]];
+    }
+}

@@ -7,7 +7,7 @@ use gnurt_accel_core::Ray;
 use gnurt_simd::{Simd, StackRoom, prelude::*};
 
 use super::BoxIndex;
-use crate::node::{Boxes, Child};
+use crate::node::Child;
 use crate::node_ray::NodeRay;
 use crate::point::{Around, square_of, walk_near};
 use crate::tree::DEEPEST;

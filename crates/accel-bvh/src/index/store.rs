@@ -3,6 +3,7 @@
 //! Invariant: what is loaded is one tree of nodes and blocks in the order of a walk, none deeper than a build would put it. Proof: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
+use std::sync::Arc;
 
 use gnurt_accel_core::store::blocks::{check_corners, check_numbers};
 use gnurt_accel_core::store::{
@@ -11,10 +12,11 @@ use gnurt_accel_core::store::{
 use gnurt_accel_core::{Aabb, LARGEST_COORDINATE, Memory, TreeStats};
 
 use super::BvhIndex;
-use crate::compact::CompactNode;
+use crate::compact::{Children, CompactNode};
 use crate::leaves::Leaves;
 use crate::node::{Child, Node8, WIDTH};
 use crate::pools::{PooledBlock, Pools};
+use crate::pose::PosedLeaves;
 use crate::tree::{DEEPEST, Tree};
 
 impl Words for Node8 {
@@ -33,7 +35,10 @@ impl Words for Node8 {
     }
 }
 
-impl Words for CompactNode {
+/// A compact node with what is in it, as files have it: steps are floats there.
+struct Whole(CompactNode, Children);
+
+impl Words for Whole {
     const WORDS: usize = 3 + 3 + 3 * 2 * WIDTH / 4 + WIDTH;
 
     #[inline(always)]
@@ -41,23 +46,28 @@ impl Words for CompactNode {
         let (origin, rest) = words.split_at_mut(3);
         let (step, rest) = rest.split_at_mut(3);
         let (counts, children) = rest.split_at_mut(3 * 2 * WIDTH / 4);
-        put_floats(origin, &self.origin);
-        put_floats(step, &self.step);
-        put_bytes(counts, self.counts.as_flattened().as_flattened());
-        put_floats(children, &self.children);
+        let Self(node, below) = self;
+        put_floats(origin, &node.origin);
+        put_floats(step, &[0, 1, 2].map(|k| node.step(k)));
+        put_bytes(counts, node.counts.as_flattened().as_flattened());
+        put_floats(children, below);
     }
 
     #[inline(always)]
     fn get(words: &[u32]) -> Self {
-        let mut node = Self::EMPTY;
+        let (mut node, mut below) = (CompactNode::EMPTY, [0.0; WIDTH]);
         let (origin, rest) = words.split_at(3);
         let (step, rest) = rest.split_at(3);
         let (counts, children) = rest.split_at(3 * 2 * WIDTH / 4);
         get_floats(&mut node.origin, origin);
-        get_floats(&mut node.step, step);
+        for (exponent, &step) in node.exponents.iter_mut().zip(step) {
+            // What is no power of two becomes none, which the check finds.
+            let is_power = step & !(0xff << 23) == 0;
+            *exponent = if is_power { (step >> 23) as u8 } else { 0 };
+        }
         get_bytes(node.counts.as_flattened_mut().as_flattened_mut(), counts);
-        get_floats(&mut node.children, children);
-        node
+        get_floats(&mut below, children);
+        Self(node, below)
     }
 }
 
@@ -65,7 +75,7 @@ impl CompactNode {
     /// Whether planes can be computed.
     pub(crate) fn check(&self) -> Result<(), LoadError> {
         let steps = f32::MIN_POSITIVE..=4.0 * LARGEST_COORDINATE / 255.0;
-        if self.step.iter().all(|step| steps.contains(step) && step.to_bits().trailing_zeros() >= 23) {
+        if (0..3).all(|k| steps.contains(&self.step(k))) {
             return Ok(());
         }
         Err(LoadError::Damaged("a node's steps are none"))
@@ -117,13 +127,14 @@ impl BvhIndex {
     /// Those of where it goes.
     pub fn save(&self, writer: &mut Writer<'_, impl Write>) -> io::Result<()> {
         self.tree.save(writer)?;
-        match self.tree.is_compact() {
-            false => writer.list(&self.leaves.blocks),
-            true => {
-                writer.list(&self.leaves.pools.blocks)?;
-                writer.list(&self.leaves.pools.corners)
-            }
+        if !self.tree.is_compact() {
+            return writer.list(&self.leaves.blocks);
         }
+        // A pose goes into a file as a tree by itself.
+        let alone = self.leaves.posed.as_ref().map(PosedLeaves::to_pools);
+        let pools = alone.as_ref().unwrap_or(&self.leaves.pools);
+        writer.list(&pools.blocks)?;
+        writer.list(&pools.corners)
     }
 
     /// Whether it is compact.
@@ -141,7 +152,7 @@ impl BvhIndex {
                 Leaves { pools, ..Leaves::default() }
             }
         };
-        Ok(Self { greatest: tree.greatest(), tree, leaves, stats: TreeStats::default(), moving: None })
+        Ok(Self { leaves, ..Self::of_tree(tree, TreeStats::default()) })
     }
 
     /// Whether all that a walk relies on is so, where there are `count` triangles. Then the tree is measured: what a file
@@ -171,7 +182,10 @@ impl Tree {
     pub(crate) fn save(&self, writer: &mut Writer<'_, impl Write>) -> io::Result<()> {
         match self.is_compact() {
             false => writer.list(&self.nodes),
-            true => writer.list(&self.compact),
+            true => {
+                let whole = |(node, children): (&CompactNode, &Children)| Whole(node.clone(), *children);
+                writer.list(&self.compact.iter().zip(&self.children[..]).map(whole).collect::<Vec<_>>())
+            }
         }
     }
 
@@ -184,7 +198,13 @@ impl Tree {
         let mut tree = Self::new(bounds);
         match memory {
             Memory::Fast => tree.nodes = reader.list(1 << 27)?,
-            Memory::Compact => tree.compact = reader.list(1 << 27)?,
+            Memory::Compact => {
+                let whole: Vec<Whole> = reader.list(1 << 27)?;
+                let children;
+                (tree.compact, children) =
+                    whole.into_iter().map(|Whole(node, children)| (node, children)).unzip();
+                tree.children = Arc::new(children);
+            }
         }
         Ok(tree)
     }

@@ -48,11 +48,6 @@ impl Boxes for Pair<'_> {
         };
         mixed(simd, self.weights, &rows(self.from), &rows(self.to)).mul_sub(inv, shift)
     }
-
-    #[inline(always)]
-    fn children(&self) -> &[f32; WIDTH] {
-        self.from.children()
-    }
 }
 
 impl Nodes for Between<'_> {

@@ -9,5 +9,6 @@ mod others;
 mod state;
 mod triangles;
 
+pub(crate) use nodes::Sum;
 pub(crate) use state::Moving;
 pub use triangles::Refitted;

@@ -6,6 +6,7 @@
 use gnurt_accel_core::float::{least, most};
 use gnurt_accel_core::{Aabb, Memory};
 
+use crate::compact::Children;
 use crate::node::{Child, Node8, WIDTH};
 use crate::tree::Tree;
 
@@ -28,14 +29,12 @@ impl Tree {
         costs.clear();
         costs.resize(self.count(), 0.0);
         if self.is_compact() {
-            let expanded = |i: usize| {
+            let expanded = |children: &Children| {
                 let mut node = Node8::EMPTY;
-                for place in 0..WIDTH {
-                    node.set(place, &Aabb::EMPTY, self.compact[i].child(place));
-                }
+                node.rows[6] = *children;
                 node
             };
-            self.nodes = (0..self.compact.len()).map(expanded).collect();
+            self.nodes = self.children.iter().map(expanded).collect();
             self.compact = Vec::new();
             self.refit(boxes, parallel, costs);
             self.settle(Memory::Compact);
@@ -149,16 +148,17 @@ fn fit_node(node: &mut Node8, boxes: &[Aabb], mut below: impl FnMut(usize) -> (A
 }
 
 /// What is done below a node, times half the surface of boxes.
-struct Sum {
+pub(crate) struct Sum {
     steps: f64,
-    whole: Aabb,
+    /// Around all.
+    pub(crate) whole: Aabb,
 }
 
 impl Sum {
-    const NONE: Self = Self { steps: 0.0, whole: Aabb::EMPTY };
+    pub(crate) const NONE: Self = Self { steps: 0.0, whole: Aabb::EMPTY };
 
     #[inline(always)]
-    fn add(&mut self, child: Child, bounds: &Aabb, cost: impl Fn(usize) -> f32) {
+    pub(crate) fn add(&mut self, child: Child, bounds: &Aabb, cost: impl Fn(usize) -> f32) {
         if child == Child::NONE {
             return;
         }
@@ -172,7 +172,7 @@ impl Sum {
 
     /// Where boxes have no surface all of them are met.
     #[inline(always)]
-    fn cost(&self) -> f32 {
+    pub(crate) fn cost(&self) -> f32 {
         let area = half_area(&self.whole);
         if area > 0.0 { (self.steps / area) as f32 } else { 1.0 }
     }

@@ -37,6 +37,9 @@ impl BvhIndex {
     /// # Errors
     /// That it has to be built again. It is of no use then.
     pub fn refit(&mut self, surfaces: &Surfaces, threads: Threads) -> Result<Refitted, RefitError> {
+        if self.is_posed() {
+            return self.refit_pose(surfaces, threads);
+        }
         let mut moving = match self.moving.take() {
             Some(moving) => moving,
             None => Box::new(first(self, surfaces)),
@@ -67,6 +70,9 @@ impl BvhIndex {
     /// How much more a ray is expected to do than when the tree was built: 1 where it has not been refitted.
     #[must_use]
     pub fn decline(&self) -> f64 {
+        if let Some(posed) = &self.leaves.posed {
+            return f64::from(1.0 + self.cost) / f64::from(1.0 + posed.structure.built);
+        }
         let moving = self.moving.as_deref();
         let now = moving.and_then(|moving| Some((moving.costs.first()?, moving.built.first()?)));
         now.map_or(1.0, |(now, built)| f64::from(1.0 + now) / f64::from(1.0 + built))

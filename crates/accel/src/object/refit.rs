@@ -98,7 +98,7 @@ impl ObjectTree {
 
     /// Whether geometries of these groups are in the trees that they would be built into. What is not known of a tree that
     /// was loaded is found there.
-    fn are_groups(&self, groups: &[Group]) -> bool {
+    pub(super) fn are_groups(&self, groups: &[Group]) -> bool {
         groups.len() == self.groups.len()
             && groups.iter().zip(&self.groups).all(|(now, then)| then.is_none_or(|then| then == *now))
     }

@@ -136,7 +136,13 @@ pub(crate) struct BenchDynamicArguments {
     /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is deformed and measured by itself
     #[arg(value_name = "SCENE", default_value = "builtin:materials")]
     pub(crate) scenes: Vec<OsString>,
-    /// Frames of deformation
+    /// Cases: refit and rebuild of each scene; crowd, crowd64: characters of our own in 1000 or 64 poses
+    #[arg(long = "case", value_name = "LIST", value_parser = value::motion_case, value_delimiter = ',')]
+    pub(crate) cases: Vec<String>,
+    /// Characters of a crowd
+    #[arg(long, value_name = "N", value_parser = value::characters, allow_hyphen_values = true, default_value = "1000")]
+    pub(crate) characters: usize,
+    /// Frames of deformation; crowds take at most 10 of them
     #[arg(long, value_name = "N", value_parser = value::rounds, allow_hyphen_values = true, default_value = "100")]
     pub(crate) frames: usize,
     /// Columns and rows of the primary rays that diffuse ones start from

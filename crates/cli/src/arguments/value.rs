@@ -393,6 +393,18 @@ pub(crate) fn engine(name: &str) -> Result<String, String> {
     by_name("engine", name, &ENGINES).map(str::to_owned)
 }
 
+/// A case of `bench dynamic`.
+pub(crate) fn motion_case(name: &str) -> Result<String, String> {
+    by_name("case", name, &MOTION_CASES).map(str::to_owned)
+}
+
+const MOTION_CASES: [&str; 4] = ["refit", "rebuild", "crowd", "crowd64"];
+
+/// Characters of a crowd.
+pub(crate) fn characters(text: &str) -> Result<usize, String> {
+    whole(text, 1, 100_000)
+}
+
 /// Columns of primary rays.
 pub(crate) fn columns(text: &str) -> Result<u32, String> {
     whole(text, 8, 8192)

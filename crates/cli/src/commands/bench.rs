@@ -7,7 +7,8 @@ use std::path::PathBuf;
 
 use gnurt_bench::rays::News;
 use gnurt_bench::{
-    Class, EmbreeLibrary, Error, Filter, Subject, builds, dynamic, paper, plot, rays, record, table, to_json,
+    Class, EmbreeLibrary, Error, Filter, Subject, builds, crowd, dynamic, dynamic_row, paper, plot, rays,
+    record, table, to_json,
 };
 
 use super::bench_files::{check_outputs, write};
@@ -116,15 +117,29 @@ fn measure_motion(
     let (pool, level) = machine(&arguments.machine, environment)?;
     let options =
         dynamic::Options { frames: arguments.frames, rounds: arguments.rounds, size: arguments.size, level };
+    let cases = &arguments.cases;
+    let is_wanted = |case: &str| cases.is_empty() || cases.iter().any(|wanted| wanted == case);
     let mut rows = Vec::new();
-    for source in sources {
-        let subject = Subject::new(&source.stem(), &source.load(messages)?);
-        let measured = dynamic::run(&subject, &options, embree.as_ref(), &pool, &mut quietly(messages));
-        let measured = measured.map_err(failure)?;
-        print(dynamic::table(&measured))?;
-        rows.extend(measured);
+    if is_wanted("refit") || is_wanted("rebuild") {
+        for source in sources {
+            let subject = Subject::new(&source.stem(), &source.load(messages)?);
+            let measured = dynamic::run(&subject, &options, embree.as_ref(), &pool, &mut quietly(messages));
+            let mut measured = measured.map_err(failure)?;
+            measured.retain(|row| is_wanted(row.case));
+            print(dynamic_row::table(&measured))?;
+            rows.extend(measured);
+        }
     }
-    write(arguments.json.as_deref(), || dynamic::to_json(&rows).to_string())
+    for (case, poses) in [("crowd", arguments.characters), ("crowd64", 64)] {
+        if is_wanted(case) {
+            let (characters, frames) = (arguments.characters, arguments.frames.min(10));
+            let options = crowd::Options { characters, frames, size: arguments.size, level };
+            let measured = crowd::run(case, poses, &options).map_err(failure)?;
+            print(dynamic_row::table(&measured))?;
+            rows.extend(measured);
+        }
+    }
+    write(arguments.json.as_deref(), || dynamic_row::to_json(&rows).to_string())
 }
 
 fn measure_paper(arguments: &BenchPaperArguments, environment: &Environment, messages: Messages) -> Outcome {

@@ -136,7 +136,7 @@ impl World {
             objects_due.sort_unstable();
             objects_due.dedup();
             let before = objects.clone();
-            let rebuilt = object::update(objects, &objects_due, scene, options.memory, pool);
+            let rebuilt = object::update(objects, &self.crowds, &objects_due, scene, options.memory, pool);
             let dropped = |slot: &ObjectSlot| {
                 slot.object.as_ref().map_or(0, |object| object.tree.bad_primitives().total() as usize)
             };

@@ -7,6 +7,7 @@
 
 mod check;
 mod commit;
+mod crowds;
 mod due;
 mod instance;
 mod lamps;
@@ -21,6 +22,7 @@ mod table;
 mod tests;
 mod top;
 
+use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::{Arc, Weak};
 
@@ -30,6 +32,7 @@ use gnurt_shading::SurfaceShader;
 use gnurt_shading::lights::LightSet;
 
 use crate::many_lights::ShaderLamps;
+use crowds::Crowds;
 use instance::InstanceSlot;
 pub(crate) use instance::PlacedInstance;
 pub(crate) use lights::{Lights, LightsContent};
@@ -64,6 +67,7 @@ pub struct WorldStats {
 pub struct World {
     /// By object id.
     objects: Arc<SharedList<ObjectSlot>>,
+    crowds: Crowds,
     /// By instance id; those behind the last one that rays may meet are not there.
     instances: Arc<SharedList<InstanceSlot>>,
     tree: Arc<SceneTree>,
@@ -138,12 +142,19 @@ impl World {
             lights: self.lights.shaders.len(),
             ..WorldStats::default()
         };
+        // What is shared counts once: trees by objects in equal poses, structures by poses.
+        let mut seen = HashSet::new();
         for object in self.objects.iter().filter_map(|slot| slot.object.as_ref()) {
             let tree = object.tree.stats();
             stats.objects += 1;
             stats.triangles += tree.primitives as usize;
             stats.tree_nodes += tree.nodes as usize;
-            stats.tree_bytes += (tree.tree_bytes + tree.primitive_bytes) as usize;
+            if seen.insert(Arc::as_ptr(&object.tree).cast::<()>()) {
+                stats.tree_bytes += (tree.tree_bytes + tree.primitive_bytes) as usize;
+            }
+            if object.tree.is_posed() && seen.insert(object.kind_ptr()) {
+                stats.tree_bytes += object.tree.shared_bytes() as usize;
+            }
             stats.array_bytes += object.meshes.iter().map(|mesh| mesh.memory_bytes()).sum::<usize>();
         }
         for instance in self.instances.iter().filter_map(InstanceSlot::placed) {

@@ -11,6 +11,8 @@ use gnurt_accel::{
 use gnurt_scene::{Mesh, Scene};
 use rayon::prelude::*;
 
+use super::crowds::{Crowds, Kind};
+
 /// An object's arrays and the tree over them.
 pub(crate) struct WorldObject {
     /// By geometry id: what the scene's meshes were at commit. Shared with the scene until it edits them.
@@ -19,6 +21,15 @@ pub(crate) struct WorldObject {
     /// The same tree, with what it takes to follow the meshes.
     moving: MovingTree,
     motion: gnurt_scene::Motion,
+    /// Its topology, which others may have, too; `None` of what is not to move within itself.
+    kind: Option<Arc<Kind>>,
+}
+
+impl WorldObject {
+    /// Tells topologies apart.
+    pub(super) fn kind_ptr(&self) -> *const () {
+        self.kind.as_ref().map_or(std::ptr::null(), |kind| Arc::as_ptr(kind).cast())
+    }
 }
 
 /// What there is of an object of the scene.
@@ -45,6 +56,7 @@ pub(super) struct ChangedObjects {
 /// Brings those of `due`, ascending, up to date: builds what is needed, lets go what is not.
 pub(super) fn update(
     objects: &mut SharedList<ObjectSlot>,
+    crowds: &Crowds,
     due: &[u32],
     scene: &Scene,
     memory: Memory,
@@ -52,15 +64,16 @@ pub(super) fn update(
 ) -> ChangedObjects {
     let needed = |&&id: &&u32| objects[id as usize].users > 0;
     let ids: Vec<u32> = due.iter().filter(needed).copied().collect();
-    let before = |id: u32| objects[id as usize].object.clone();
-    let build = |&id: &u32| {
-        let (object, update) = build(scene, id, before(id).as_deref(), memory, pool);
+    // All are known by their kinds before the first is built: those of many are told by that.
+    let found: Vec<Found> = ids.iter().map(|&id| Found::new(scene, id, objects, crowds)).collect();
+    let build = |found: &Found| {
+        let (object, update) = build(found, memory, pool);
         (Arc::new(object), update)
     };
-    let made: Vec<(Arc<WorldObject>, Option<Update>)> = match &ids[..] {
-        [id] => vec![build(id)],
+    let made: Vec<(Arc<WorldObject>, Option<Update>)> = match &found[..] {
+        [found] => vec![build(found)],
         // Large and small ones come in any order: each is shared out for itself, too.
-        _ => pool.install(|| ids.par_iter().with_max_len(1).map(build).collect()),
+        _ => pool.install(|| found.par_iter().with_max_len(1).map(build).collect()),
     };
     let count = |of: fn(Update) -> bool| made.iter().filter(|(_, update)| update.is_some_and(of)).count();
     let refitted = count(|update| update == Update::Refitted);
@@ -77,43 +90,68 @@ pub(super) fn update(
     ChangedObjects { ids, built, refitted, reshaped: built + refitted > 0 }
 }
 
-/// An object as the scene has it now, and what was done for it: its tree is the one before where no triangle has moved, and
-/// that one refitted where vertices have.
-fn build(
-    scene: &Scene,
-    id: u32,
-    before: Option<&WorldObject>,
-    memory: Memory,
-    pool: &rayon::ThreadPool,
-) -> (WorldObject, Option<Update>) {
-    // Shared with the scene, which copies what it edits later.
-    let object = &scene.objects()[id as usize];
-    let meshes: Vec<Arc<Mesh>> = object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
-    let known = before.map(|before| match before.motion == object.motion {
+/// An object as the scene has it now.
+struct Found {
+    meshes: Vec<Arc<Mesh>>,
+    motion: gnurt_scene::Motion,
+    kind: Option<Arc<Kind>>,
+    /// What it was, if nothing but vertices can have moved.
+    before: Option<Arc<WorldObject>>,
+}
+
+impl Found {
+    fn new(scene: &Scene, id: u32, objects: &SharedList<ObjectSlot>, crowds: &Crowds) -> Self {
+        let object = &scene.objects()[id as usize];
+        // Shared with the scene, which copies what it edits later.
+        let meshes: Vec<Arc<Mesh>> =
+            object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
+        let before = objects[id as usize].object.clone();
+        let before = before.filter(|before| same_topology(&before.meshes, &meshes));
+        let moves = !matches!(object.motion, gnurt_scene::Motion::Static | gnurt_scene::Motion::Rigid);
+        let known = before.as_ref().and_then(|before| before.kind.clone());
+        let kind = moves.then(|| known.unwrap_or_else(|| crowds.kind_of(&meshes)));
+        Self { meshes, motion: object.motion, kind, before }
+    }
+}
+
+/// An object, and what was done for it: its tree is the one before where no triangle has moved, and that one refitted where
+/// vertices have. One of many of its kind shares with the others.
+fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObject, Option<Update>) {
+    let Found { meshes, motion: moves, kind, before } = found;
+    let known = before.as_ref().map(|before| match before.motion == *moves {
         true => before.moving.clone(),
-        false => MovingTree::of(before.tree.clone(), motion(object.motion)),
+        false => MovingTree::of(before.tree.clone(), motion(*moves)),
     });
-    let known = before.zip(known).filter(|(before, _)| same_topology(&before.meshes, &meshes));
+    let known = before.as_ref().zip(known);
     let (moving, update) = match known {
-        Some((before, moving)) if same_positions(&before.meshes, &meshes) => (moving, None),
+        Some((before, moving)) if same_positions(&before.meshes, meshes) => (moving, None),
         known => {
             let triangles = meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices });
             let geometries: Vec<Geometry> = triangles.map(Geometry::from).collect();
             let options = BuildOptions { memory, ..BuildOptions::default() };
             let threads = Threads::Pool(pool);
-            match known {
-                Some((_, mut moving)) => {
+            // What has a tree of its own keeps it.
+            let shares = known.as_ref().is_none_or(|(before, _)| before.tree.is_posed());
+            match (kind.as_ref().filter(|kind| shares && kind.is_of_many()), known) {
+                (Some(kind), known) => {
+                    let tree = kind.crowd.pose(&geometries, &options, threads);
+                    let is_fitted = known.is_some() && tree.is_posed();
+                    let update = if is_fitted { Update::Refitted } else { Update::Rebuilt };
+                    (MovingTree::of(tree, motion(*moves)), Some(update))
+                }
+                (None, Some((_, mut moving))) => {
                     let update = moving.update(&geometries, &options, threads);
                     (moving, Some(update))
                 }
-                None => {
-                    let moving = MovingTree::build(&geometries, &options, motion(object.motion), threads);
+                (None, None) => {
+                    let moving = MovingTree::build(&geometries, &options, motion(*moves), threads);
                     (moving, Some(Update::Rebuilt))
                 }
             }
         }
     };
-    (WorldObject { tree: moving.tree().clone(), moving, motion: object.motion, meshes }, update)
+    let (tree, meshes, kind) = (moving.tree().clone(), meshes.clone(), kind.clone());
+    (WorldObject { tree, moving, motion: *moves, meshes, kind }, update)
 }
 
 fn motion(motion: gnurt_scene::Motion) -> Motion {

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Many objects of one kind, each in its own pose: trees that share their structure, and are one where poses are equal.
+//! Source: original; the paper's section 6 asks for it. Space: object.
+//! Invariant: a tree is that of its pose, whoever came first. Proof: `tests/poses.rs`.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
+
+use gnurt_accel_core::geometry::GeometryKind;
+
+use crate::{BuildOptions, Geometry, ObjectTree, Threads};
+
+/// The poses of one object. Threads may ask for several at a time.
+#[derive(Debug, Default)]
+pub struct Crowd {
+    /// Built over the first pose; all others share its structure.
+    first: OnceLock<ObjectTree>,
+    /// By what their positions are mixed to. Gone once nobody shows them.
+    poses: Mutex<HashMap<u64, Vec<Weak<ObjectTree>>>>,
+}
+
+/// Rays through a pose may be expected to do so many times what they do through the first one; beyond that it gets a tree of its
+/// own. Characters stay below 1.5; what has nothing but its triangles in common comes to 3 and more.
+pub(crate) const MOST_GROWTH: f64 = 2.0;
+
+impl Crowd {
+    /// The tree over an object in this pose. The first one is built, in the quality of `options`; others share its
+    /// structure, and an equal pose that somebody still holds is that tree. What cannot share, because it has other
+    /// triangles than the first, or fits badly under its structure, is built by itself; so is everything for kd-trees.
+    #[must_use]
+    pub fn pose(&self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Arc<ObjectTree> {
+        let key = mixed(geometries);
+        if let Some(known) = self.known(key, geometries) {
+            return known;
+        }
+        let build = || ObjectTree::build_from(geometries, options, threads);
+        let first = self.first.get_or_init(|| {
+            let built = build();
+            // What poses share is all that has to stay of it.
+            built.posed_from(geometries, threads).unwrap_or(built)
+        });
+        match first.posed_from(geometries, threads) {
+            Ok(tree) if tree.cost_growth() <= MOST_GROWTH => self.keep(key, geometries, Arc::new(tree)),
+            _ => Arc::new(build()),
+        }
+    }
+
+    /// Poses that somebody holds.
+    #[must_use]
+    pub fn poses(&self) -> usize {
+        let poses = self.poses.lock().unwrap_or_else(PoisonError::into_inner);
+        poses.values().flatten().filter(|pose| pose.strong_count() > 0).count()
+    }
+
+    fn known(&self, key: u64, geometries: &[Geometry]) -> Option<Arc<ObjectTree>> {
+        let same: Vec<Arc<ObjectTree>> = {
+            let poses = self.poses.lock().unwrap_or_else(PoisonError::into_inner);
+            poses.get(&key)?.iter().filter_map(Weak::upgrade).collect()
+        };
+        same.into_iter().find(|tree| tree.is_pose_of(geometries))
+    }
+
+    /// Remembers a pose, and forgets some that are gone. Where another thread was faster with the same one, that is it.
+    fn keep(&self, key: u64, geometries: &[Geometry], tree: Arc<ObjectTree>) -> Arc<ObjectTree> {
+        if let Some(known) = self.known(key, geometries) {
+            return known;
+        }
+        let mut poses = self.poses.lock().unwrap_or_else(PoisonError::into_inner);
+        // Now and then, so that it costs little for each.
+        if poses.len() == poses.capacity() {
+            poses.retain(|_, same| same.iter().any(|pose| pose.strong_count() > 0));
+        }
+        match poses.entry(key) {
+            Entry::Occupied(mut same) => same.get_mut().push(Arc::downgrade(&tree)),
+            Entry::Vacant(place) => drop(place.insert(vec![Arc::downgrade(&tree)])),
+        }
+        tree
+    }
+}
+
+/// The bits of all positions of surfaces, mixed. What is equal comes to the same; what is not seldom does.
+fn mixed(geometries: &[Geometry]) -> u64 {
+    let mut lanes = [0x9e37_79b9_7f4a_7c15_u64; 4];
+    for geometry in geometries {
+        let positions = match &geometry.kind {
+            GeometryKind::Triangles(mesh) => mesh.positions,
+            GeometryKind::Quads(mesh) => mesh.positions,
+            _ => &[],
+        };
+        lanes[0] ^= positions.len() as u64;
+        let floats = positions.as_flattened();
+        let words = floats.chunks(8);
+        for eight in words {
+            for (lane, two) in lanes.iter_mut().zip(eight.chunks(2)) {
+                let word = two.iter().fold(0, |word: u64, x| word << 32 | u64::from(x.to_bits()));
+                *lane = (*lane ^ word).wrapping_mul(0xff51_afd7_ed55_8ccd).rotate_left(29);
+            }
+        }
+    }
+    lanes
+        .into_iter()
+        .fold(0, |sum: u64, lane| (sum ^ lane).rotate_left(17).wrapping_mul(0xc4ce_b9fe_1a85_ec53))
+}

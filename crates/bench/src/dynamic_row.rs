@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What was measured of things that move, as plain values, as a table and as JSON. Source: original.
+//! Proof: `dynamic::tests::a_box_is_twisted`, `crowd::tests`.
+
+use serde_json::{Value, json};
+
+/// One strategy's numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DynamicRow {
+    /// `refit`, `rebuild`, `stadium`, `crowd` or `crowd64`.
+    pub case: &'static str,
+    /// The scene.
+    pub scene: String,
+    /// What was done for each frame; in `rebuild` the quality.
+    pub strategy: &'static str,
+    /// `gnurt` or `embree4`.
+    pub engine: &'static str,
+    /// Triangles of the scene, those of each instance.
+    pub triangles: u64,
+    /// Instances of the scene.
+    pub instances: u64,
+    /// Median of the milliseconds that an update took.
+    pub update_ms_cpu: f64,
+    /// Millions of rays in a second, after the last frame.
+    pub trace_mrays_cpu: f64,
+    /// Bytes of the trees and their triangles, in crowds also of the vertices that they are made from; `None` where the engine does
+    /// not tell.
+    pub bytes: Option<u64>,
+    /// Of the rays.
+    pub hits: u64,
+    /// Updates that built the tree again, at least in part.
+    pub rebuilds: usize,
+}
+
+/// A table for people.
+#[must_use]
+pub fn table(rows: &[DynamicRow]) -> String {
+    let mut text = String::new();
+    let mut scene = "";
+    for row in rows {
+        if row.scene != scene {
+            scene = &row.scene;
+            text += &format!(
+                "{scene}: {} triangles\n  {:<8} {:<8} {:<9} {:>10} {:>10} {:>9} {:>9} {:>9}\n",
+                row.triangles,
+                "case",
+                "engine",
+                "strategy",
+                "update ms",
+                "Mtri/s",
+                "Mrays/s",
+                "MB",
+                "rebuilds"
+            );
+        }
+        text += &format!(
+            "  {:<8} {:<8} {:<9} {:>10.3} {:>10.1} {:>9.3} {:>9} {:>9}\n",
+            row.case,
+            row.engine,
+            row.strategy,
+            row.update_ms_cpu,
+            row.triangles as f64 / row.update_ms_cpu / 1e3,
+            row.trace_mrays_cpu,
+            row.bytes.map_or_else(|| "-".to_owned(), |bytes| format!("{:.1}", bytes as f64 / 1e6)),
+            row.rebuilds
+        );
+    }
+    text
+}
+
+/// An array of objects.
+#[must_use]
+pub fn to_json(rows: &[DynamicRow]) -> Value {
+    rows.iter()
+        .map(|row| {
+            json!({
+                "case": row.case,
+                "scene": row.scene,
+                "strategy": row.strategy,
+                "engine": row.engine,
+                "threads": 1,
+                "triangles": row.triangles,
+                "instances": row.instances,
+                "update_ms_cpu": row.update_ms_cpu,
+                "trace_mrays_cpu": row.trace_mrays_cpu,
+                "bytes": row.bytes,
+                "hits": row.hits,
+                "rebuilds": row.rebuilds,
+            })
+        })
+        .collect()
+}
