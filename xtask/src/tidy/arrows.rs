@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 20] = [
+const ARROWS: [(&str, &[&str]); 21] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -21,7 +21,8 @@ const ARROWS: [(&str, &[&str]); 20] = [
     ("view", &["gnurt"]),
     ("plugins", &["gnurt"]),
     ("sl", &["sl-lib"]),
-    ("cli", &["gnurt", "bench", "view", "plugins", "sl"]),
+    ("jit", &["simd", "sl-lib", "sl"]),
+    ("cli", &["gnurt", "bench", "view", "plugins", "sl", "jit"]),
     ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),
     ("python", &["accel"]),

@@ -4,13 +4,9 @@
 
 use super::batch::{LANES, Points, Program, Results, Row};
 use super::host::Host;
-use super::machine::{Event, Machine, Memory, Plan};
+use super::machine::{Machine, Memory, Plan};
 use super::slot::Kept;
 use crate::types::Base;
-use std::sync::atomic::Ordering;
-
-/// Points of a group that may be stopped before the group is left out altogether.
-const STRIKES: u32 = 32;
 
 impl Program for Plan {
     fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
@@ -20,7 +16,7 @@ impl Program for Plan {
         let rows = self.kept.last().map_or(0, |kept| kept.row + kept.ty.size());
         out.rows.clear();
         out.rows.resize(rows, [0.0; LANES]);
-        if self.strikes.load(Ordering::Relaxed) >= STRIKES {
+        if self.is_left_out() {
             return;
         }
         let memory = self.memories.lock().ok().and_then(|mut list| list.pop());
@@ -32,11 +28,10 @@ impl Program for Plan {
             for kept in &self.kept {
                 machine.keep(kept, lane, &mut out.rows);
             }
-            if machine.was_stopped() && self.strikes.fetch_add(1, Ordering::Relaxed) + 1 == STRIKES {
-                machine.events.push(Event::Error(format!(
-                    "group {}: stopped at {STRIKES} points, and left out from now on",
-                    self.name
-                )));
+            if machine.was_stopped()
+                && let Some(event) = self.strike()
+            {
+                machine.events.push(event);
             }
             out.events.extend(machine.events.drain(..).map(|event| (lane, event)));
         }

@@ -472,7 +472,16 @@ impl Binder<'_> {
         let reads = !matches!(&*op.name, "isconnected" | "isconstant" | "arraylength");
         let pulls = if reads { self.pulls(op.args.iter().copied()) } else { [].into() };
         let symbols = op.args.clone().into();
-        Ok(Instruction::Do(Step { name: op.name.clone(), action, args, symbols, at: op.at, pulls }))
+        Ok(Instruction::Do(Step {
+            name: op.name.clone(),
+            action,
+            args,
+            symbols,
+            at: op.at,
+            pulls,
+            reads: op.reads,
+            writes: op.writes,
+        }))
     }
 }
 

@@ -18,7 +18,7 @@ pub(super) type D = Dual<f32>;
 
 /// What an operation does.
 #[derive(Clone, Copy)]
-pub(super) enum Action {
+pub enum Action {
     /// To each component by itself.
     Map1(fn(D) -> D),
     /// To each pair of components.
@@ -30,50 +30,87 @@ pub(super) enum Action {
 }
 
 /// An operation with its arguments.
-pub(super) struct Step {
-    pub(super) name: Arc<str>,
-    pub(super) action: Action,
-    pub(super) args: Box<[Slot]>,
+#[derive(Clone)]
+pub struct Step {
+    /// Its name.
+    pub name: Arc<str>,
+    /// How the interpreter does it.
+    pub action: Action,
+    /// The arguments; a result is the first.
+    pub args: Box<[Slot]>,
     /// The arguments' symbols.
-    pub(super) symbols: Box<[SymId]>,
-    pub(super) at: Place,
+    pub symbols: Box<[SymId]>,
+    /// Where it stands in the text.
+    pub at: Place,
     /// Connected parameters that it reads.
-    pub(super) pulls: Box<[u32]>,
+    pub pulls: Box<[u32]>,
+    /// Arguments that are read, by bits.
+    pub reads: u64,
+    /// Arguments that are written.
+    pub writes: u64,
 }
 
 /// A step or a block of them.
-pub(super) enum Instruction {
+pub enum Instruction {
+    /// An operation.
     Do(Step),
-    If { condition: Slot, pulls: Box<[u32]>, yes: Vec<Instruction>, no: Vec<Instruction> },
+    /// A choice.
+    If {
+        /// An int.
+        condition: Slot,
+        /// Connected parameters that this reads.
+        pulls: Box<[u32]>,
+        /// If it is not 0.
+        yes: Vec<Instruction>,
+        /// If it is 0.
+        no: Vec<Instruction>,
+    },
+    /// A loop.
     Loop(Box<Loop>),
+    /// A function's body; `Return` leaves it.
     Call(Vec<Instruction>),
+    /// Leaves a block.
     Leave(Flow),
 }
 
-pub(super) struct Loop {
-    pub(super) body_first: bool,
-    pub(super) init: Vec<Instruction>,
-    pub(super) test: Vec<Instruction>,
-    pub(super) condition: Slot,
-    pub(super) pulls: Box<[u32]>,
-    pub(super) body: Vec<Instruction>,
-    pub(super) step: Vec<Instruction>,
-    pub(super) at: Place,
+/// A loop.
+pub struct Loop {
+    /// Whether the body comes before the first test.
+    pub body_first: bool,
+    /// Done once, before.
+    pub init: Vec<Instruction>,
+    /// Makes the condition.
+    pub test: Vec<Instruction>,
+    /// An int.
+    pub condition: Slot,
+    /// Connected parameters that this reads.
+    pub pulls: Box<[u32]>,
+    /// Done in each turn.
+    pub body: Vec<Instruction>,
+    /// Done after each turn.
+    pub step: Vec<Instruction>,
+    /// Where it stands in the text.
+    pub at: Place,
 }
 
 /// How a block was left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Flow {
+pub enum Flow {
+    /// By its end.
     Next,
+    /// By `break`.
     Break,
+    /// By `continue`.
     Continue,
+    /// By `return`.
     Return,
+    /// By `exit`.
     Exit,
 }
 
 /// Where a parameter's value comes from, unless its default is worked out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Source {
+pub enum Source {
     /// The memory has it.
     Value,
     /// The geometry may have it.
@@ -82,51 +119,74 @@ pub(super) enum Source {
     Connected,
 }
 
-pub(super) struct Param {
-    pub(super) symbol: SymId,
-    pub(super) source: Source,
+/// A parameter that is more than a value.
+pub struct Param {
+    /// Its number in the shader.
+    pub symbol: SymId,
+    /// Where its value comes from.
+    pub source: Source,
     /// Whether the connection gives all of it.
-    pub(super) whole: bool,
-    pub(super) init: Vec<Instruction>,
+    pub whole: bool,
+    /// Done once, before.
+    pub init: Vec<Instruction>,
 }
 
 /// A value to fetch along a connection.
-pub(super) struct Copy {
-    pub(super) layer: usize,
-    pub(super) from: Slot,
+pub struct Copy {
+    /// The layer that it comes from.
+    pub layer: usize,
+    /// What is read.
+    pub from: Slot,
     /// Cells between value and derivatives if `from` is a part of something larger; 0 otherwise.
-    pub(super) from_derivs: u32,
-    pub(super) to: Slot,
-    pub(super) to_derivs: u32,
-    pub(super) to_symbol: SymId,
+    pub from_derivs: u32,
+    /// What is written.
+    pub to: Slot,
+    /// The same for what is written.
+    pub to_derivs: u32,
+    /// The parameter that it is for.
+    pub to_symbol: SymId,
 }
 
-pub(super) struct LayerPlan {
-    pub(super) name: Arc<str>,
-    pub(super) shader: Arc<Shader>,
-    pub(super) slots: Vec<Slot>,
-    pub(super) params: Vec<Param>,
-    pub(super) copies: Vec<Copy>,
-    pub(super) code: Vec<Instruction>,
-    pub(super) lazy: bool,
+/// A layer that is ready to run.
+pub struct LayerPlan {
+    /// Its name.
+    pub name: Arc<str>,
+    /// Its shader.
+    pub shader: Arc<Shader>,
+    /// By symbol, where it is.
+    pub slots: Vec<Slot>,
+    /// Parameters that are more than a value, in order.
+    pub params: Vec<Param>,
+    /// Values that come along connections.
+    pub copies: Vec<Copy>,
+    /// What it does.
+    pub code: Vec<Instruction>,
+    /// Whether it waits until it is asked for.
+    pub lazy: bool,
     /// By symbol: bit 0 connected from above, bit 1 to below.
-    pub(super) connected: Vec<u8>,
+    pub connected: Vec<u8>,
     /// By symbol: whether its value is known before the group runs.
-    pub(super) constant: Vec<bool>,
+    pub constant: Vec<bool>,
 }
 
 /// A group that is ready to run.
 pub struct Plan {
-    pub(super) name: String,
-    pub(super) layers: Vec<LayerPlan>,
-    pub(super) globals: HashMap<Arc<str>, Slot>,
+    /// Its name.
+    pub name: String,
+    /// Its layers, earlier ones first.
+    pub layers: Vec<LayerPlan>,
+    /// Where globals are, by name.
+    pub globals: HashMap<Arc<str>, Slot>,
     /// Memory at the start of a point.
-    pub(super) memory: Vec<u32>,
-    pub(super) strings: Strings,
-    pub(super) debug_layers: bool,
-    pub(super) entries: Vec<usize>,
+    pub memory: Vec<u32>,
+    /// The texts that it names.
+    pub strings: Strings,
+    /// Whether layers say when they start and end.
+    pub debug_layers: bool,
+    /// Layers that may be started by themselves.
+    pub entries: Vec<usize>,
     /// Turns of loops that a point may take.
-    pub(super) turns: u64,
+    pub turns: u64,
     /// What [`Program`](super::Program) gives back of each point.
     pub(super) kept: Vec<Kept>,
     /// Points that were stopped.
@@ -137,7 +197,7 @@ pub struct Plan {
 
 /// What a layer left for others, or asked for in vain.
 #[derive(Clone, Debug)]
-pub(super) struct Message {
+pub struct Message {
     pub(super) name: Arc<str>,
     pub(super) ty: Type,
     pub(super) words: Option<Vec<u32>>,
@@ -181,7 +241,7 @@ pub struct Machine<'a> {
 }
 
 /// What a machine works in, between two uses.
-pub(super) struct Memory {
+pub struct Memory {
     cells: Vec<u32>,
     strings: Strings,
     done: Vec<bool>,
@@ -190,7 +250,9 @@ pub(super) struct Memory {
 }
 
 impl Memory {
-    pub(super) fn new(plan: &Plan) -> Self {
+    /// For a group.
+    #[must_use]
+    pub fn new(plan: &Plan) -> Self {
         Self {
             cells: plan.memory.clone(),
             strings: plan.strings.clone(),
@@ -209,7 +271,8 @@ impl<'a> Machine<'a> {
     }
 
     /// A machine in memory that was made for the same plan.
-    pub(super) fn within(plan: &'a Plan, host: &'a dyn Host, memory: Memory) -> Self {
+    #[must_use]
+    pub fn within(plan: &'a Plan, host: &'a dyn Host, memory: Memory) -> Self {
         let Memory { cells, strings, done, pulled, regexes } = memory;
         Self {
             plan,
@@ -228,7 +291,9 @@ impl<'a> Machine<'a> {
         }
     }
 
-    pub(super) fn into_memory(self) -> Memory {
+    /// What it worked in, for another one.
+    #[must_use]
+    pub fn into_memory(self) -> Memory {
         let Self { memory, strings, done, pulled, regexes, .. } = self;
         Memory { cells: memory, strings, done, pulled, regexes }
     }

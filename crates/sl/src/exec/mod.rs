@@ -6,6 +6,7 @@
 //! for all that only a renderer knows; a [`Program`] runs sixteen points. `table` names the operations; `arithmetic`, `assign`, `element`, `math`, `noise`,
 //! `space`, `texts`, `print`, `message`, `closure` and `state` do them.
 
+mod alone;
 mod arithmetic;
 mod assign;
 mod batch;
@@ -35,7 +36,10 @@ pub use batch::{DualRow, LANES, Points, Program, Results, Row};
 pub use components::{Closure, ClosureDecl, ClosureParam, Component, parts};
 pub use host::{Arriving, Given, Host, Point, TextureOptions, TraceOptions};
 pub use layout::PlanOptions;
-pub use machine::{Event, Machine, Plan};
-pub use slot::Kept;
+pub use machine::{
+    Action, Copy, Event, Flow, Instruction, LayerPlan, Loop, Machine, Memory, Message, Param, Plan, Source,
+    Step,
+};
+pub use slot::{Kept, Slot};
 pub use strings::Strings;
 pub use table::unknown_operation;

@@ -3,7 +3,7 @@
 //! Source: original; the order is OSL's.
 
 use super::host::Point;
-use super::machine::{Action, Copy, Event, Flow, Instruction, Loop, Machine, Source, Step};
+use super::machine::{Copy, Event, Flow, Instruction, Loop, Machine, Source, Step};
 use super::slot::Slot;
 use crate::hir::Data;
 use crate::types::{Base, Type};
@@ -121,14 +121,7 @@ impl Machine<'_> {
         for param in &code.params {
             match param.source {
                 Source::Connected if param.whole => continue,
-                Source::Geometry => {
-                    let slot = code.slots[param.symbol as usize];
-                    let name = code.shader.symbol(param.symbol).name.clone();
-                    if let Some(given) = self.host.userdata(&name, slot.ty, &self.point) {
-                        self.give(&slot, &given);
-                        continue;
-                    }
-                }
+                Source::Geometry if self.fetch_userdata(layer, param) => continue,
                 _ => {}
             }
             if self.block(&param.init) == Flow::Exit {
@@ -258,30 +251,7 @@ impl Machine<'_> {
 
     fn step(&mut self, step: &Step) {
         self.pull(&step.pulls);
-        match step.action {
-            Action::Whole(run) => run(self, step),
-            Action::Map1(f) => {
-                let [out, a, ..] = &*step.args else { return };
-                for i in 0..out.size as usize {
-                    let value = f(self.dual(a, i));
-                    self.set(out, i, value);
-                }
-            }
-            Action::Map2(f) => {
-                let [out, a, b, ..] = &*step.args else { return };
-                for i in 0..out.size as usize {
-                    let value = f(self.dual(a, i), self.dual(b, i));
-                    self.set(out, i, value);
-                }
-            }
-            Action::Map3(f) => {
-                let [out, a, b, c, ..] = &*step.args else { return };
-                for i in 0..out.size as usize {
-                    let value = f(self.dual(a, i), self.dual(b, i), self.dual(c, i));
-                    self.set(out, i, value);
-                }
-            }
-        }
+        self.perform(self.layer, step);
     }
 
     /// The value and type of a layer's output, or of `Ci` and other globals.

@@ -6,17 +6,17 @@ use crate::types::Type;
 
 /// A stretch of the memory: the value, then its two derivatives if it has them, each as long as the value.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Slot {
+pub struct Slot {
     /// The first cell.
-    pub(super) at: u32,
+    pub at: u32,
     /// Cells of the value.
-    pub(super) size: u32,
+    pub size: u32,
     /// Cells of one element.
-    pub(super) one: u32,
+    pub one: u32,
     /// Its type, arrays with their length.
-    pub(super) ty: Type,
+    pub ty: Type,
     /// Whether derivatives follow.
-    pub(super) derivs: bool,
+    pub derivs: bool,
 }
 
 impl Slot {
@@ -25,7 +25,8 @@ impl Slot {
     }
 
     /// Cells with derivatives.
-    pub(super) const fn cells(&self) -> usize {
+    #[must_use]
+    pub const fn cells(&self) -> usize {
         self.size as usize * if self.derivs { 3 } else { 1 }
     }
 }

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A group as machine code.
+//! Source: original.
+
+use gnurt_simd::Level;
+use gnurt_sl::exec::{Kept, Memory, Plan, Program as _, Slot};
+use std::sync::{Arc, Mutex};
+
+use crate::ffi_call::{Line, words};
+use crate::ffi_memory::Executable;
+use crate::layout::{Layout, Place};
+use crate::program::Program;
+use crate::{lower, x86};
+
+/// A group as machine code for a level, for sixteen points at once or for one.
+pub struct Compiled {
+    pub(crate) plan: Arc<Plan>,
+    pub(crate) program: Program,
+    pub(crate) layout: Layout,
+    pub(crate) code: Executable,
+    /// Where each layer's code starts.
+    pub(crate) layers: Vec<u32>,
+    pub(crate) level: Level,
+    /// The memory as it starts.
+    pub(crate) template: Vec<Line>,
+    /// Stretches of it that a batch changes and the next one wants as they were: start and length in lines.
+    pub(crate) resets: Vec<(usize, usize)>,
+    /// Globals that are used: name and place.
+    pub(crate) globals: Vec<(Arc<str>, Slot)>,
+    /// Memories that no batch uses now.
+    pub(crate) memories: Mutex<Vec<Vec<Line>>>,
+    /// The same for the interpreter's part.
+    pub(crate) works: Mutex<Vec<Memory>>,
+    /// What is kept of each point, and where it is.
+    pub(crate) kept: Vec<(Kept, Slot)>,
+    size: usize,
+}
+
+impl Compiled {
+    /// Compiles a group for the sixteen points of a batch.
+    ///
+    /// # Errors
+    /// Why there is no code: the CPU or the system has no means for it, or the group is of a kind that the interpreter runs.
+    pub fn new(plan: Arc<Plan>, level: Level) -> Result<Self, String> {
+        Self::with_lanes(plan, level, 16)
+    }
+
+    /// Compiles a group for one point at a time, to compare with.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn scalar(plan: Arc<Plan>, level: Level) -> Result<Self, String> {
+        Self::with_lanes(plan, level, 1)
+    }
+
+    /// Whether this machine can run code for a level.
+    #[must_use]
+    pub fn can(level: Level) -> bool {
+        cfg!(all(target_arch = "x86_64", any(unix, windows)))
+            && matches!(level, Level::Avx2 | Level::Avx512)
+            && level.is_available()
+    }
+
+    fn with_lanes(plan: Arc<Plan>, level: Level, lanes: usize) -> Result<Self, String> {
+        if !Self::can(level) {
+            return Err(format!("there is no machine code for {level} here; avx2 and avx512 have it"));
+        }
+        let program = lower::program(&plan, lanes)?;
+        let mut layout = Layout::new(lanes, program.slots, &program.varying, x86::copies(level))?;
+        let made = x86::code(&program, &mut layout, level)?;
+        let code = Executable::new(&made.bytes)?;
+        let flat = layout.template(&plan.memory);
+        let mut template = vec![Line([0; 16]); flat.len().div_ceil(16)];
+        words(&mut template)[..flat.len()].copy_from_slice(&flat);
+        let mut this = Self {
+            program,
+            layout,
+            code,
+            layers: made.layers,
+            level,
+            template,
+            resets: Vec::new(),
+            globals: Vec::new(),
+            memories: Mutex::default(),
+            works: Mutex::default(),
+            kept: Vec::new(),
+            size: made.bytes.len(),
+            plan,
+        };
+        this.find_resets();
+        let used = |slot: &Slot| this.program.touched.contains_key(&slot.at);
+        let mut globals: Vec<(Arc<str>, Slot)> =
+            this.plan.globals.iter().filter(|(_, slot)| used(slot)).map(|(n, s)| (n.clone(), *s)).collect();
+        globals.sort_by_key(|(_, slot)| slot.at);
+        this.globals = globals;
+        let kept = this.plan.kept().iter();
+        this.kept = kept.filter_map(|k| Some((k.clone(), this.plan.place_of(&k.name)?))).collect();
+        Ok(this)
+    }
+
+    fn find_resets(&mut self) {
+        let mut lines: Vec<usize> = Vec::new();
+        let mut add = |slot: &Slot| {
+            for cell in slot.at..slot.at + slot.cells() as u32 {
+                let (Place::Each(at) | Place::One(at)) = self.layout.place(cell);
+                lines.push(at as usize / 64);
+            }
+        };
+        for (number, layer) in self.plan.layers.iter().enumerate() {
+            for (id, symbol) in layer.shader.symbols.iter().enumerate() {
+                let slot = &layer.slots[id];
+                let computed = layer.params.iter().any(|p| p.symbol as usize == id);
+                let written = self.program.touched.get(&slot.at).is_some_and(|&w| w);
+                if symbol.kind.is_param() && slot.size > 0 && (written || computed) {
+                    add(slot);
+                }
+            }
+            let _ = number;
+        }
+        for slot in self.plan.globals.values() {
+            if self.program.touched.get(&slot.at).is_some_and(|&w| w) {
+                add(slot);
+            }
+        }
+        lines.sort_unstable();
+        lines.dedup();
+        for line in lines {
+            match self.resets.last_mut() {
+                Some((start, count)) if *start + *count == line => *count += 1,
+                _ => self.resets.push((line, 1)),
+            }
+        }
+    }
+
+    /// The group that it was made of.
+    #[must_use]
+    pub fn plan(&self) -> &Arc<Plan> {
+        &self.plan
+    }
+
+    /// The level that it is for.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
+    }
+
+    /// Points at once.
+    #[must_use]
+    pub fn lanes(&self) -> usize {
+        self.layout.lanes
+    }
+
+    /// Turns of loops that a batch may take.
+    pub(crate) fn fuel(&self) -> u32 {
+        self.plan.turns.min(i32::MAX as u64) as u32
+    }
+
+    /// Bytes of machine code.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// How many operations the interpreter does for it, lane by lane.
+    #[must_use]
+    pub fn calls(&self) -> usize {
+        self.program.calls.iter().filter(|call| matches!(call, crate::program::Call::Step { .. })).count()
+    }
+}

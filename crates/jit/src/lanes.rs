@@ -1,0 +1,408 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Runs machine code for a batch of points, and does what the code calls for.
+//! Source: original. What code cannot do is done by the interpreter's machine, one lane after the other: its arguments are
+//! brought into the machine's memory and what it wrote is brought back.
+
+use gnurt_sl::exec::{
+    Component, DualRow, Event, Host, Kept, Machine, Memory, Message, Points, Program, Results, Row, Slot,
+    Step,
+};
+use gnurt_sl::hir::Data;
+use gnurt_sl::types::{Base, Type};
+
+use crate::compiled::Compiled;
+use crate::ffi_call::{Calls, Line, enter, words};
+use crate::layout::{Layout, Place};
+use crate::program::Call;
+
+/// Runs a group for batches of points. One for each thread.
+pub struct Lanes<'a> {
+    code: &'a Compiled,
+    memory: Vec<Line>,
+    work: Work<'a>,
+}
+
+struct Work<'a> {
+    code: &'a Compiled,
+    machine: Machine<'a>,
+    points: Points,
+    messages: Vec<Vec<Message>>,
+    events: Vec<(usize, Event)>,
+    /// The lane whose point and messages the machine has.
+    lane: usize,
+    /// Points that were stopped in this batch.
+    stopped: u32,
+}
+
+impl<'a> Lanes<'a> {
+    /// For a group and the world around it.
+    #[must_use]
+    pub fn new(code: &'a Compiled, host: &'a dyn Host) -> Self {
+        let kept = code.memories.lock().ok().and_then(|mut list| list.pop());
+        let memory = kept.unwrap_or_else(|| code.template.clone());
+        let works = code.works.lock().ok().and_then(|mut list| list.pop());
+        let machine = Machine::within(&code.plan, host, works.unwrap_or_else(|| Memory::new(&code.plan)));
+        let messages = vec![Vec::new(); code.lanes()];
+        let work = Work {
+            code,
+            machine,
+            points: Points::default(),
+            messages,
+            events: Vec::new(),
+            lane: usize::MAX,
+            stopped: 0,
+        };
+        Self { code, memory, work }
+    }
+
+    /// Runs the group for some points, at most as many as there are lanes; outputs are then read with
+    /// [`output`](Self::output). What was said before is forgotten.
+    pub fn run(&mut self, points: &Points) {
+        self.begin(points);
+        let Some(last) = self.code.layers.len().checked_sub(1) else { return };
+        for layer in 0..last {
+            if !self.code.plan.layers[layer].lazy {
+                self.layer(layer);
+            }
+        }
+        self.layer(last);
+    }
+
+    /// Readies for some points without running a layer.
+    ///
+    /// # Panics
+    /// If there are more points than lanes.
+    pub fn begin(&mut self, points: &Points) {
+        let code = self.code;
+        assert!(points.count <= code.lanes(), "{} points for {} lanes", points.count, code.lanes());
+        for &(start, count) in &code.resets {
+            self.memory[start..start + count].copy_from_slice(&code.template[start..start + count]);
+        }
+        let memory = words(&mut self.memory);
+        memory[Layout::FUEL as usize / 4] = code.fuel();
+        for &flag in &code.program.flags {
+            memory[Layout::slot(flag) as usize / 4] = 0;
+        }
+        let work = &mut self.work;
+        work.points.clone_from(points);
+        if !code.program.calls.is_empty() {
+            work.machine.start();
+            work.events.clear();
+            work.stopped = 0;
+            for list in &mut work.messages {
+                list.clear();
+            }
+            work.lane = usize::MAX;
+        }
+        for (name, slot) in &code.globals {
+            global(name, slot, points, |cell, row| match code.layout.place(cell) {
+                Place::Each(at) => {
+                    for (word, x) in memory[at as usize / 4..].iter_mut().zip(row) {
+                        *word = x.to_bits();
+                    }
+                }
+                Place::One(at) => memory[at as usize / 4] = row[0].to_bits(),
+            });
+        }
+    }
+
+    /// Runs a layer for all points that have not run it.
+    pub fn layer(&mut self, layer: usize) {
+        let all = (1 << self.work.points.count) - 1;
+        if all == 0 {
+            return;
+        }
+        words(&mut self.memory)[Layout::EXEC as usize / 4] = all;
+        enter(&self.code.code, self.code.layers[layer], &mut self.memory, &mut self.work);
+    }
+
+    /// What was said, by lanes in order.
+    pub fn take_events(&mut self) -> Vec<(usize, Event)> {
+        let mut events = std::mem::take(&mut self.work.events);
+        events.sort_by_key(|(lane, _)| *lane);
+        events
+    }
+
+    /// The value and type of a layer's output, or of `Ci` and other globals, for a point.
+    #[must_use]
+    pub fn output(&self, lane: usize, layer: Option<usize>, name: &str) -> Option<(Type, Data)> {
+        let plan = &self.code.plan;
+        let slot = match (layer, plan.globals.get(name)) {
+            (None, Some(slot)) => *slot,
+            _ => {
+                let code = plan.layers.get(layer?)?;
+                code.slots[code.shader.find(name)? as usize]
+            }
+        };
+        let words = self.words(&slot, lane);
+        let texts = self.work.machine.texts();
+        let data = match slot.ty.base {
+            Base::String => Data::Str(words.iter().map(|&w| texts.text(w).clone()).collect()),
+            Base::Int | Base::Closure => Data::Int(words.iter().map(|&w| w as i32).collect()),
+            _ => Data::Float(words.iter().map(|&w| f32::from_bits(w)).collect()),
+        };
+        Some((slot.ty, data))
+    }
+
+    fn words(&self, slot: &Slot, lane: usize) -> Vec<u32> {
+        let at = |cell: u32| {
+            let at = match self.code.layout.place(cell) {
+                Place::Each(at) => at as usize / 4 + lane,
+                Place::One(at) => at as usize / 4,
+            };
+            self.memory[at / 16].0[at % 16]
+        };
+        (slot.at..slot.at + slot.size).map(at).collect()
+    }
+
+    /// The number of the closure in a point's `Ci`; see [`components`](Self::components).
+    #[must_use]
+    pub fn ci(&self, lane: usize) -> u32 {
+        let slot = self.code.plan.globals.get("Ci");
+        slot.map_or(0, |slot| self.words(slot, lane).first().copied().unwrap_or(0))
+    }
+
+    /// The components of a closure with their weights, in order.
+    #[must_use]
+    pub fn components(&self, number: u32) -> Vec<([f32; 3], &Component)> {
+        self.work.machine.components(number)
+    }
+}
+
+fn get(layout: &Layout, memory: &[u32], cell: u32, lane: usize) -> u32 {
+    match layout.place(cell) {
+        Place::Each(at) => memory[at as usize / 4 + lane],
+        Place::One(at) => memory[at as usize / 4],
+    }
+}
+
+fn set(layout: &Layout, memory: &mut [u32], cell: u32, lane: usize, word: u32) {
+    match layout.place(cell) {
+        Place::Each(at) => memory[at as usize / 4 + lane] = word,
+        Place::One(at) => memory[at as usize / 4] = word,
+    }
+}
+
+/// The rows of a global, each with its cell.
+fn global(name: &str, slot: &Slot, points: &Points, mut put: impl FnMut(u32, &Row)) {
+    const ZEROS: Row = [0.0; 16];
+    let mut dual = |i: u32, row: &DualRow| {
+        for (k, part) in [&row.value, &row.dx, &row.dy].into_iter().enumerate() {
+            put(slot.at + k as u32 * slot.size + i, part);
+        }
+    };
+    let duals: &[DualRow] = match name {
+        "P" => &points.p,
+        "I" => &points.i,
+        "Ps" => &points.ps,
+        "u" => std::slice::from_ref(&points.u),
+        "v" => std::slice::from_ref(&points.v),
+        _ => &[],
+    };
+    for (i, row) in duals.iter().enumerate() {
+        dual(i as u32, row);
+    }
+    let rows: &[Row] = match name {
+        "N" => &points.n,
+        "Ng" => &points.ng,
+        "dPdu" => &points.dpdu,
+        "dPdv" => &points.dpdv,
+        "dPdtime" => &points.dpdtime,
+        "time" => std::slice::from_ref(&points.time),
+        "dtime" => std::slice::from_ref(&points.dtime),
+        "xi" => &points.xi,
+        "raster" => &points.raster,
+        _ => &[],
+    };
+    for (i, row) in rows.iter().enumerate() {
+        put(slot.at + i as u32, row);
+        for k in 1..if slot.derivs { 3 } else { 1 } {
+            put(slot.at + k * slot.size + i as u32, &ZEROS);
+        }
+    }
+}
+
+impl Program for Compiled {
+    fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
+        out.events.clear();
+        out.closures.clear();
+        out.ci = [0; 16];
+        out.rows.clear();
+        out.rows.resize(
+            self.kept.iter().map(|(kept, _)| kept.row + kept.ty.size()).max().unwrap_or(0),
+            [0.0; 16],
+        );
+        if self.plan.is_left_out() {
+            return;
+        }
+        let mut lanes = Lanes::new(self, host);
+        lanes.work.machine.change_closures(&mut out.closures);
+        lanes.run(points);
+        out.events.append(&mut lanes.take_events());
+        for lane in 0..points.count {
+            out.ci[lane] = lanes.ci(lane);
+        }
+        for (kept, slot) in &self.kept {
+            for k in 0..kept.ty.size() {
+                let row = &mut out.rows[kept.row + k];
+                for (lane, x) in row.iter_mut().enumerate().take(points.count) {
+                    let word = get(&self.layout, words(&mut lanes.memory), slot.at + k as u32, lane);
+                    *x = if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) };
+                }
+            }
+        }
+        for _ in 0..lanes.work.stopped {
+            out.events.extend(self.plan.strike().map(|event| (0, event)));
+        }
+        lanes.work.machine.change_closures(&mut out.closures);
+        let Lanes { memory, work, .. } = lanes;
+        if let (Ok(mut memories), Ok(mut works)) = (self.memories.lock(), self.works.lock()) {
+            memories.push(memory);
+            works.push(work.machine.into_memory());
+        }
+    }
+
+    fn kept(&self) -> &[Kept] {
+        self.plan.kept()
+    }
+}
+
+impl Calls for Work<'_> {
+    fn call(&mut self, memory: &mut [u32], number: u32) {
+        let code = self.code;
+        let running = memory[Layout::EXEC as usize / 4];
+        let lanes = (0..code.lanes()).filter(|lane| running >> lane & 1 != 0);
+        match &code.program.calls[number as usize] {
+            Call::Step { layer, step, ins, outs } => {
+                for lane in lanes {
+                    self.turn(lane);
+                    self.step(memory, lane, *layer, step, ins, outs);
+                    self.hear(lane);
+                }
+            }
+            Call::Userdata { layer, param, given } => {
+                let mut found = 0;
+                let param = &code.plan.layers[*layer].params[*param];
+                let slot = code.plan.layers[*layer].slots[param.symbol as usize];
+                for lane in lanes {
+                    self.turn(lane);
+                    self.bring(memory, lane, &slot);
+                    if self.machine.fetch_userdata(*layer, param) {
+                        found |= 1 << lane;
+                        self.fetch(memory, lane, &slot);
+                    }
+                    self.hear(lane);
+                }
+                memory[Layout::slot(*given) as usize / 4] = found;
+            }
+            Call::Stopped { layer, at } => {
+                for lane in lanes {
+                    self.turn(lane);
+                    self.machine.say_stopped(*layer, *at, code.fuel().into());
+                    self.stopped += 1;
+                    self.hear(lane);
+                }
+            }
+        }
+    }
+}
+
+impl Work<'_> {
+    /// Gives the machine a lane's point and messages.
+    fn turn(&mut self, lane: usize) {
+        if self.lane == lane {
+            return;
+        }
+        let messages = std::mem::take(&mut self.messages[lane]);
+        let before = self.machine.change_point(&self.points.point(lane), messages);
+        if let Some(list) = self.messages.get_mut(self.lane) {
+            *list = before;
+        }
+        self.lane = lane;
+    }
+
+    fn hear(&mut self, lane: usize) {
+        if !self.machine.events.is_empty() {
+            self.events.extend(self.machine.events.drain(..).map(|event| (lane, event)));
+        }
+    }
+
+    /// From a lane to the machine.
+    fn bring(&mut self, memory: &[u32], lane: usize, slot: &Slot) {
+        let layout = &self.code.layout;
+        let cells = self.machine.cells();
+        for cell in slot.at..slot.at + slot.cells() as u32 {
+            cells[cell as usize] = get(layout, memory, cell, lane);
+        }
+    }
+
+    /// And back.
+    fn fetch(&mut self, memory: &mut [u32], lane: usize, slot: &Slot) {
+        let layout = &self.code.layout;
+        let cells = self.machine.cells();
+        for cell in slot.at..slot.at + slot.cells() as u32 {
+            set(layout, memory, cell, lane, cells[cell as usize]);
+        }
+    }
+
+    fn step(
+        &mut self,
+        memory: &mut [u32],
+        lane: usize,
+        layer: usize,
+        step: &Step,
+        ins: &[Slot],
+        outs: &[Slot],
+    ) {
+        if let Some((array, part)) = self.element(memory, lane, step) {
+            // Only the element is brought, not the array.
+            for slot in ins.iter().filter(|slot| slot.at != array.at) {
+                self.bring(memory, lane, slot);
+            }
+            for k in 0..if array.derivs { 3 } else { 1 } {
+                let mut part = part;
+                part.at += k * array.size;
+                self.bring(memory, lane, &part);
+            }
+            self.machine.perform(layer, step);
+            for slot in outs {
+                if slot.at != array.at {
+                    self.fetch(memory, lane, slot);
+                    continue;
+                }
+                for k in 0..if array.derivs { 3 } else { 1 } {
+                    let mut part = part;
+                    part.at += k * array.size;
+                    self.fetch(memory, lane, &part);
+                }
+            }
+            return;
+        }
+        for slot in ins {
+            self.bring(memory, lane, slot);
+        }
+        self.machine.perform(layer, step);
+        for slot in outs {
+            self.fetch(memory, lane, slot);
+        }
+    }
+
+    /// The array that an operation takes one element of, and that element's cells, if the index is in range.
+    fn element(&self, memory: &[u32], lane: usize, step: &Step) -> Option<(Slot, Slot)> {
+        let (array, index) = match (&*step.name, &*step.args) {
+            ("aref", [_, array, index]) => (array, index),
+            ("aassign", [array, index, _]) => (array, index),
+            _ => return None,
+        };
+        if index.ty != Type::INT || array.size <= 1 {
+            return None;
+        }
+        let index = get(&self.code.layout, memory, index.at, lane) as i32;
+        let index = usize::try_from(index).ok().filter(|&i| i < array.ty.elements())?;
+        let mut part = *array;
+        part.at += index as u32 * array.one;
+        part.size = array.one;
+        part.derivs = false;
+        Some((*array, part))
+    }
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Where the memory of a running group has what: masks, cells, constants and room to work in.
+//! Source: original. A cell that may differ from point to point is a row of sixteen words, another one a single word.
+
+use crate::term::QuickMap;
+
+/// Where a cell is, in bytes from the start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// A word for each lane.
+    Each(u32),
+    /// One word for all.
+    One(u32),
+}
+
+/// Values that may be without a register at once.
+pub(crate) const SPILLS: u32 = 1024;
+/// Bytes of a group's memory.
+const LARGEST: usize = 256 << 20;
+
+/// The memory of a group.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout {
+    /// Points at once: 16, or 1.
+    pub(crate) lanes: usize,
+    cells: Vec<Place>,
+    constants: QuickMap<u32, u32>,
+    list: Vec<u32>,
+    /// Words of a constant.
+    copies: u32,
+    lane_bits: u32,
+    scratch: u32,
+    spills: u32,
+    first_constant: u32,
+}
+
+impl Layout {
+    /// The mask of the lanes that run: bits.
+    pub(crate) const EXEC: u32 = 0;
+    /// Turns of loops that are left.
+    pub(crate) const FUEL: u32 = 4;
+    /// Masks start here.
+    const SLOTS: u32 = 64;
+
+    /// The place of a mask.
+    pub(crate) const fn slot(slot: u32) -> u32 {
+        Self::SLOTS + 4 * slot
+    }
+
+    /// For so many masks, and cells that differ from point to point or not. A constant is there `copies` times in a row.
+    ///
+    /// # Errors
+    /// That it is too large.
+    pub(crate) fn new(lanes: usize, slots: u32, varying: &[bool], copies: u32) -> Result<Self, String> {
+        let up = |x: usize| x.next_multiple_of(64);
+        let lane_bits = up(Self::slot(slots) as usize);
+        let scratch = lane_bits + 64;
+        let spills = scratch + 128;
+        let mut at = spills + 64 * SPILLS as usize;
+        let mut cells = Vec::with_capacity(varying.len());
+        for &v in varying {
+            if v && lanes > 1 {
+                at = up(at);
+                cells.push(Place::Each(at as u32));
+                at += 64;
+            } else {
+                cells.push(Place::One(at as u32));
+                at += 4;
+            }
+            if at > LARGEST {
+                return Err(format!("the group needs more than {} MiB for sixteen points", LARGEST >> 20));
+            }
+        }
+        Ok(Self {
+            lanes,
+            cells,
+            constants: QuickMap::default(),
+            list: Vec::new(),
+            copies,
+            lane_bits: lane_bits as u32,
+            scratch: scratch as u32,
+            spills: spills as u32,
+            first_constant: up(at) as u32,
+        })
+    }
+
+    pub(crate) fn place(&self, cell: u32) -> Place {
+        self.cells[cell as usize]
+    }
+
+    /// The bits of lanes; two rows for work; room for values without a register.
+    pub(crate) const fn rooms(&self) -> [u32; 3] {
+        [self.lane_bits, self.scratch, self.spills]
+    }
+
+    /// Where a constant is.
+    pub(crate) fn constant(&mut self, bits: u32) -> u32 {
+        let next = self.first_constant + 4 * self.copies * self.list.len() as u32;
+        *self.constants.entry(bits).or_insert_with(|| {
+            self.list.push(bits);
+            next
+        })
+    }
+
+    /// The memory as it starts: words.
+    pub(crate) fn template(&self, memory: &[u32]) -> Vec<u32> {
+        let end = self.first_constant as usize / 4 + self.copies as usize * self.list.len();
+        // What is loaded as a row may begin at the last word.
+        let mut words = vec![0_u32; end.next_multiple_of(16) + 16];
+        for i in 0..16 {
+            words[self.lane_bits as usize / 4 + i] = 1 << i;
+        }
+        for (&place, &word) in self.cells.iter().zip(memory) {
+            match place {
+                Place::Each(at) => words[at as usize / 4..][..16].fill(word),
+                Place::One(at) => words[at as usize / 4] = word,
+            }
+        }
+        for (k, &bits) in self.list.iter().enumerate() {
+            let at = self.first_constant as usize / 4 + k * self.copies as usize;
+            words[at..at + self.copies as usize].fill(bits);
+        }
+        words
+    }
+}

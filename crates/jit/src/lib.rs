@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Machine code for the shading language: a group of shaders for sixteen points at once.
+//! Source: original.
+//!
+//! The way of a group: `lower` makes a program of it (control on masks of sixteen bits, and regions of operations without
+//! branches), `x86` makes machine code of that for AVX2 or AVX-512, `ffi_memory` keeps it, [`Lanes`] runs it. The library's
+//! functions are not called but compiled in: they are written over a trait of numbers, and `term` is a number that writes down
+//! what is done to it. What has no code (texts, messages, closures, what only a renderer knows) is done by the interpreter, lane
+//! by lane, in the middle of the code.
+//!
+//! Invariant: the interpreter is the meaning. Every value has its bits, but for those of NaNs.
+//! Proof: `tests/`.
+
+mod compiled;
+mod ffi_call;
+mod ffi_memory;
+mod lanes;
+mod layout;
+mod lower;
+mod op;
+mod program;
+mod term;
+mod x86;
+
+pub use compiled::Compiled;
+pub use lanes::Lanes;

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What may differ from point to point, and which variables are always written before they are read.
+//! Source: original. A variable is known by its first cell.
+//! Invariants: what does not vary is written only where all lanes that run agree, from what does not vary. A clean variable is
+//! read only where every lane that reads it has passed a write in the same run of the block that holds all its uses, so lanes
+//! that do not run may be overwritten.
+
+use gnurt_sl::exec::{Flow, Instruction, Plan, Slot, Source};
+use gnurt_sl::ir::SymbolKind;
+
+use super::native::{Known, Touch, is_native, touches};
+use crate::term::QuickMap;
+
+/// A variable of a shader.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Variable {
+    /// The block that it is written in first.
+    pub(crate) block: u32,
+    /// Whether it is clean.
+    pub(crate) clean: bool,
+    /// How often it is used.
+    pub(crate) uses: u32,
+}
+
+/// What was found out.
+#[derive(Default)]
+pub(crate) struct Facts {
+    /// By cell.
+    pub(crate) varying: Vec<bool>,
+    /// Local variables.
+    pub(crate) variables: QuickMap<u32, Variable>,
+}
+
+/// Looks at a group. With one lane nothing varies.
+pub(crate) fn facts(plan: &Plan, known: &[&dyn Known], lanes: usize) -> Facts {
+    let mut facts = Facts { varying: vec![false; plan.memory.len()], ..Facts::default() };
+    let mut uses = Uses { facts: &mut facts, open: Vec::new(), stack: Vec::new() };
+    for (number, layer) in plan.layers.iter().enumerate() {
+        for (id, symbol) in layer.shader.symbols.iter().enumerate() {
+            if matches!(symbol.kind, SymbolKind::Local | SymbolKind::Temp) {
+                let fresh = Variable { block: u32::MAX, clean: false, uses: 0 };
+                uses.facts.variables.insert(layer.slots[id].at, fresh);
+            }
+        }
+        for param in &layer.params {
+            uses.block(&param.init, known[number]);
+        }
+        uses.block(&layer.code, known[number]);
+    }
+    if lanes > 1 {
+        vary(plan, known, &mut facts);
+    }
+    facts
+}
+
+struct Uses<'a> {
+    facts: &'a mut Facts,
+    /// By block, whether it is not ended.
+    open: Vec<bool>,
+    stack: Vec<u32>,
+}
+
+impl Uses<'_> {
+    fn touch(&mut self, at: u32, touch: Touch) {
+        let here = self.stack.last().copied().unwrap_or(0);
+        let Some(v) = self.facts.variables.get_mut(&at) else { return };
+        if v.uses == 0 {
+            (v.block, v.clean) = (here, touch == Touch::Write);
+        } else if !self.open[v.block as usize] {
+            v.clean = false;
+        }
+        v.uses += 1;
+    }
+
+    /// Blocks are numbered in this order, here and where code is made.
+    fn block(&mut self, list: &[Instruction], known: &dyn Known) {
+        self.block_then(list, known, None);
+    }
+
+    fn block_then(&mut self, list: &[Instruction], known: &dyn Known, condition: Option<&Slot>) {
+        self.stack.push(self.open.len() as u32);
+        self.open.push(true);
+        for instruction in list {
+            match instruction {
+                Instruction::Do(step) => {
+                    let native = is_native(step, known);
+                    touches(step, native, |i, touch| self.touch(step.args[i].at, touch));
+                }
+                Instruction::If { condition, yes, no, .. } => {
+                    self.touch(condition.at, Touch::Read);
+                    self.block(yes, known);
+                    self.block(no, known);
+                }
+                Instruction::Loop(inner) => {
+                    self.block(&inner.init, known);
+                    // The condition is read where it is made.
+                    self.block_then(&inner.test, known, Some(&inner.condition));
+                    self.block(&inner.body, known);
+                    self.block(&inner.step, known);
+                }
+                Instruction::Call(body) => self.block(body, known),
+                Instruction::Leave(_) => {}
+            }
+        }
+        if let Some(slot) = condition {
+            self.touch(slot.at, Touch::Read);
+        }
+        if let Some(ended) = self.stack.pop() {
+            self.open[ended as usize] = false;
+        }
+    }
+}
+
+/// Marks what varies, until nothing is added.
+fn vary(plan: &Plan, known: &[&dyn Known], facts: &mut Facts) {
+    let mark = |varying: &mut [bool], slot: &Slot| {
+        let cells = &mut varying[slot.at as usize..][..slot.cells()];
+        let new = cells.iter().any(|v| !v);
+        cells.fill(true);
+        new
+    };
+    for slot in plan.globals.values() {
+        mark(&mut facts.varying, slot);
+    }
+    for layer in &plan.layers {
+        for (id, symbol) in layer.shader.symbols.iter().enumerate() {
+            if matches!(symbol.kind, SymbolKind::OutputParam | SymbolKind::Global) {
+                mark(&mut facts.varying, &layer.slots[id]);
+            }
+        }
+        for param in layer.params.iter().filter(|p| p.source != Source::Value) {
+            mark(&mut facts.varying, &layer.slots[param.symbol as usize]);
+        }
+        for copy in &layer.copies {
+            mark(&mut facts.varying, &layer.slots[copy.to_symbol as usize]);
+        }
+    }
+    loop {
+        let mut walk = Vary { varying: &mut facts.varying, changed: false };
+        for (number, layer) in plan.layers.iter().enumerate() {
+            for param in &layer.params {
+                let split = param.source == Source::Geometry;
+                walk.block(&param.init, split, known[number]);
+            }
+            walk.block(&layer.code, false, known[number]);
+        }
+        if !walk.changed {
+            return;
+        }
+    }
+}
+
+struct Vary<'a> {
+    varying: &'a mut Vec<bool>,
+    changed: bool,
+}
+
+impl Vary<'_> {
+    fn varies(&self, slot: &Slot) -> bool {
+        slot.size > 0 && self.varying[slot.at as usize]
+    }
+
+    fn mark(&mut self, slot: &Slot) {
+        let cells = &mut self.varying[slot.at as usize..][..slot.cells()];
+        self.changed |= cells.iter().any(|v| !v);
+        cells.fill(true);
+    }
+
+    /// Returns whether lanes may have left the block at different times.
+    fn block(&mut self, list: &[Instruction], mut split: bool, known: &dyn Known) -> bool {
+        for instruction in list {
+            match instruction {
+                Instruction::Do(step) => {
+                    let native = is_native(step, known);
+                    let mut varies = split || !native;
+                    touches(step, native, |i, touch| {
+                        varies |= touch == Touch::Read && self.varies(&step.args[i])
+                    });
+                    if varies {
+                        touches(step, native, |i, touch| {
+                            if touch != Touch::Read {
+                                self.mark(&step.args[i]);
+                            }
+                        });
+                    }
+                }
+                Instruction::If { condition, yes, no, .. } => {
+                    let inner = split || self.varies(condition);
+                    let left = self.block(yes, inner, known);
+                    let right = self.block(no, inner, known);
+                    split |= left || right || inner && (leaves(yes) || leaves(no));
+                }
+                Instruction::Loop(turns) => {
+                    split |= self.block(&turns.init, split, known);
+                    let mut inner = split || self.varies(&turns.condition);
+                    // Twice: what a late part splits comes before an early part of the next turn.
+                    for _ in 0..2 {
+                        for part in [&turns.test, &turns.body, &turns.step] {
+                            inner |= self.block(part, inner, known);
+                        }
+                        inner |= self.varies(&turns.condition);
+                    }
+                    split |= inner && (leaves_for_good(&turns.body) || leaves_for_good(&turns.step));
+                }
+                Instruction::Call(body) => {
+                    let inner = self.block(body, split, known);
+                    split |= inner && exits(body);
+                }
+                Instruction::Leave(_) => {}
+            }
+        }
+        split
+    }
+}
+
+fn any(list: &[Instruction], test: &dyn Fn(Flow) -> bool, in_calls: &dyn Fn(Flow) -> bool) -> bool {
+    list.iter().any(|instruction| match instruction {
+        Instruction::Do(_) => false,
+        Instruction::If { yes, no, .. } => any(yes, test, in_calls) || any(no, test, in_calls),
+        Instruction::Loop(turns) => {
+            let outer = |flow| test(flow) && !matches!(flow, Flow::Break | Flow::Continue);
+            [&turns.init, &turns.test, &turns.body, &turns.step]
+                .iter()
+                .any(|part| any(part, &outer, in_calls))
+        }
+        Instruction::Call(body) => any(body, in_calls, in_calls),
+        Instruction::Leave(flow) => test(*flow),
+    })
+}
+
+/// Whether a jump out of the block is in it.
+pub(crate) fn leaves(list: &[Instruction]) -> bool {
+    any(list, &|_| true, &|flow| flow == Flow::Exit)
+}
+
+/// Whether a jump out of the loop's function is in its block.
+fn leaves_for_good(list: &[Instruction]) -> bool {
+    any(list, &|flow| matches!(flow, Flow::Return | Flow::Exit), &|flow| flow == Flow::Exit)
+}
+
+/// Whether the layer may end in the block.
+fn exits(list: &[Instruction]) -> bool {
+    any(list, &|flow| flow == Flow::Exit, &|flow| flow == Flow::Exit)
+}

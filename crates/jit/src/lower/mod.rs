@@ -1,0 +1,482 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A group that is ready to run, as a program for lanes: control on masks, computing in regions.
+//! Source: original. `analyse` finds what varies and what may be overwritten, `native` says what becomes code, `steps` and
+//! `functions` record it, `values` knows what cells hold.
+
+mod analyse;
+mod functions;
+mod native;
+mod steps;
+mod values;
+
+use gnurt_sl::exec::{Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step};
+use gnurt_sl::ir::SymbolKind;
+use gnurt_sl::types::Base;
+use gnurt_sl_lib::Dual;
+use std::sync::Arc;
+
+use crate::program::{Call, Layer, Loop as Turns, Node, Program, Test};
+use crate::term::{Term, constant, take};
+use native::{Known, Touch, is_honest, is_native, touches};
+use values::{Held, Values};
+
+/// Layers that a group may have: their functions call each other.
+const LAYERS: usize = 1000;
+/// Cells that are set one by one when a layer starts.
+const RESETS: usize = 1 << 14;
+/// Blocks may nest this deep.
+const DEPTH: usize = 200;
+
+/// What never changes, for the analysis and for operations whose meaning hangs on it.
+struct Constants<'p> {
+    plan: &'p Plan,
+    cells: Vec<bool>,
+}
+
+impl Known for Constants<'_> {
+    fn constant_int(&self, slot: &Slot) -> Option<i32> {
+        let known = slot.size == 1 && slot.ty.base == Base::Int && self.cells[slot.at as usize];
+        known.then(|| self.plan.memory[slot.at as usize] as i32)
+    }
+
+    fn constant_text(&self, slot: &Slot) -> Option<&str> {
+        let known = slot.size == 1 && slot.ty.base == Base::String && self.cells[slot.at as usize];
+        known.then(|| &**self.plan.strings.text(self.plan.memory[slot.at as usize]))
+    }
+}
+
+/// The program of a group, for so many lanes: 16, or 1.
+///
+/// # Errors
+/// Why the interpreter must run it.
+pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
+    if plan.debug_layers {
+        return Err("layers that say when they start are run by the interpreter".into());
+    }
+    if plan.layers.len() > LAYERS {
+        return Err(format!("the group has more than {LAYERS} layers"));
+    }
+    let mut cells = vec![false; plan.memory.len()];
+    for layer in &plan.layers {
+        for (slot, symbol) in layer.slots.iter().zip(&layer.shader.symbols) {
+            if symbol.kind == SymbolKind::Const {
+                cells[slot.at as usize..][..slot.cells()].fill(true);
+            }
+        }
+    }
+    let constants = Constants { plan, cells };
+    let known: Vec<&dyn Known> = plan.layers.iter().map(|_| &constants as &dyn Known).collect();
+    let facts = analyse::facts(plan, &known, lanes);
+    let mut lowerer = Lowerer {
+        known: &constants,
+        values: Values::new(plan, facts, constants.cells.clone()),
+        program: Program::default(),
+        nodes: Vec::new(),
+        layer: 0,
+        blocks: 0,
+        depth: 0,
+        pulled: Vec::new(),
+        pulls: Vec::new(),
+        done: Vec::new(),
+        frame: 0,
+        exit: 0,
+        waiting: None,
+    };
+    let result = lowerer.layers();
+    take();
+    result?;
+    let mut program = lowerer.program;
+    program.varying = lowerer.values.facts.varying;
+    Ok(program)
+}
+
+struct Lowerer<'p> {
+    known: &'p Constants<'p>,
+    values: Values<'p>,
+    program: Program,
+    /// Of the block that is lowered.
+    nodes: Vec<Node>,
+    layer: usize,
+    /// How many blocks were begun.
+    blocks: u32,
+    depth: usize,
+    /// Parameters that all lanes have fetched that can come here.
+    pulled: Vec<u32>,
+    /// By parameter of this layer that is fetched somewhere, the mask of lanes that have.
+    pulls: Vec<(u32, u32)>,
+    /// By layer, the mask of lanes that have run it.
+    done: Vec<u32>,
+    /// Where lanes are noted that leave the function, and the layer.
+    frame: u32,
+    exit: u32,
+    /// Where lanes wait for the loop's next turn.
+    waiting: Option<u32>,
+}
+
+impl Lowerer<'_> {
+    fn slot(&mut self) -> u32 {
+        self.program.slots += 1;
+        self.program.slots - 1
+    }
+
+    fn flag(&mut self) -> u32 {
+        let slot = self.slot();
+        self.program.flags.push(slot);
+        slot
+    }
+
+    fn flush(&mut self) {
+        if let Some(region) = self.values.end() {
+            self.nodes.push(Node::Region(region));
+        }
+    }
+
+    fn call(&mut self, call: Call) -> u32 {
+        self.program.calls.push(call);
+        self.program.calls.len() as u32 - 1
+    }
+
+    fn layers(&mut self) -> Result<(), String> {
+        let plan = self.values.plan;
+        self.done = plan.layers.iter().map(|_| 0).collect();
+        for number in 0..plan.layers.len() {
+            self.done[number] = self.flag();
+        }
+        for number in 0..plan.layers.len() {
+            self.layer = number;
+            self.pulls.clear();
+            self.pulled.clear();
+            let entry = self.slot();
+            self.reset()?;
+            self.params()?;
+            let code = self.frame_of(&plan.layers[number].code)?;
+            self.nodes.extend(code);
+            let code = std::mem::take(&mut self.nodes);
+            self.program.layers.push(Layer { done: self.done[number], entry, code });
+        }
+        Ok(())
+    }
+
+    /// Variables that may be read before they are written start anew each time a layer runs.
+    fn reset(&mut self) -> Result<(), String> {
+        let plan = self.values.plan;
+        let layer = &plan.layers[self.layer];
+        let mut count = 0;
+        self.values.block = u32::MAX - 1;
+        for slot in &layer.slots {
+            let due = self.values.facts.variables.get(&slot.at).is_some_and(|v| !v.clean && v.uses > 0);
+            if !due {
+                continue;
+            }
+            count += slot.cells();
+            if count > RESETS {
+                return Err(format!("variables of a layer have more than {RESETS} numbers"));
+            }
+            for i in 0..slot.cells() as u32 {
+                let start = constant(plan.memory[(slot.at + i) as usize]);
+                self.values.set_word(slot, i, start);
+            }
+        }
+        self.flush();
+        Ok(())
+    }
+
+    /// Defaults that are worked out, and values of the geometry.
+    fn params(&mut self) -> Result<(), String> {
+        let plan = self.values.plan;
+        let layer = &plan.layers[self.layer];
+        let [entry, left] = [self.slot(), self.slot()];
+        let outer = std::mem::take(&mut self.nodes);
+        (self.frame, self.exit) = (left, left);
+        for (number, param) in layer.params.iter().enumerate() {
+            match param.source {
+                Source::Connected if param.whole => {
+                    // Its block is counted all the same.
+                    self.skip_blocks(&param.init);
+                }
+                Source::Geometry => {
+                    let given = self.slot();
+                    let call = self.call(Call::Userdata { layer: self.layer, param: number, given });
+                    self.flush();
+                    self.nodes.push(Node::Call(call));
+                    let init = self.frame_within(&param.init, left)?;
+                    if !init.is_empty() {
+                        let [other, done] = [self.slot(), self.slot()];
+                        let test = Test::Lanes(given);
+                        self.nodes.push(Node::If { test, yes: Vec::new(), no: init, other, done });
+                    }
+                }
+                _ => {
+                    let init = self.frame_within(&param.init, left)?;
+                    self.nodes.extend(init);
+                }
+            }
+        }
+        self.flush();
+        let body = std::mem::replace(&mut self.nodes, outer);
+        if body.iter().any(Node::leaves) {
+            self.nodes.push(Node::Frame { body, entry, left, gone: None });
+        } else {
+            self.nodes.extend(body);
+        }
+        Ok(())
+    }
+
+    /// A layer's code.
+    fn frame_of(&mut self, list: &[Instruction]) -> Result<Vec<Node>, String> {
+        let [entry, left] = [self.slot(), self.slot()];
+        (self.frame, self.exit) = (left, left);
+        let body = self.block(list, None)?;
+        Ok(if body.iter().any(Node::leaves) {
+            vec![Node::Frame { body, entry, left, gone: None }]
+        } else {
+            body
+        })
+    }
+
+    /// A function's body.
+    fn frame_within(&mut self, list: &[Instruction], exit: u32) -> Result<Vec<Node>, String> {
+        let [entry, left] = [self.slot(), self.slot()];
+        let outer = std::mem::replace(&mut self.frame, left);
+        let waiting = self.waiting.take();
+        let body = self.block(list, None)?;
+        self.waiting = waiting;
+        self.frame = outer;
+        Ok(if body.iter().any(Node::leaves) {
+            vec![Node::Frame { body, entry, left, gone: Some(exit) }]
+        } else {
+            body
+        })
+    }
+
+    fn skip_blocks(&mut self, list: &[Instruction]) {
+        self.blocks += 1;
+        for instruction in list {
+            match instruction {
+                Instruction::If { yes, no, .. } => {
+                    self.skip_blocks(yes);
+                    self.skip_blocks(no);
+                }
+                Instruction::Loop(inner) => {
+                    for part in [&inner.init, &inner.test, &inner.body, &inner.step] {
+                        self.skip_blocks(part);
+                    }
+                }
+                Instruction::Call(body) => self.skip_blocks(body),
+                Instruction::Do(_) | Instruction::Leave(_) => {}
+            }
+        }
+    }
+
+    /// The nodes of a block; with a condition, what it sends on is tested at its end.
+    fn block(
+        &mut self,
+        list: &[Instruction],
+        condition: Option<(&Slot, &[u32], &mut Option<Test>)>,
+    ) -> Result<Vec<Node>, String> {
+        self.depth += 1;
+        if self.depth > DEPTH {
+            return Err(format!("blocks are nested more than {DEPTH} deep"));
+        }
+        self.flush();
+        let outer = std::mem::take(&mut self.nodes);
+        let above = self.values.block;
+        let pulled = self.pulled.len();
+        self.values.block = self.blocks;
+        self.blocks += 1;
+        for (i, instruction) in list.iter().enumerate() {
+            self.instruction(instruction)?;
+            if let Instruction::Leave(_) = instruction {
+                // What follows is never done, but its blocks are counted.
+                for dead in &list[i + 1..] {
+                    self.skip_blocks(std::slice::from_ref(dead));
+                    self.blocks -= 1;
+                }
+                break;
+            }
+        }
+        if let Some((slot, pulls, test)) = condition {
+            self.fetch(pulls);
+            let Self { values, program, .. } = self;
+            *test = Some(values.test(slot, || {
+                program.slots += 1;
+                program.slots - 1
+            }));
+        }
+        self.flush();
+        self.pulled.truncate(pulled);
+        self.values.block = above;
+        self.depth -= 1;
+        Ok(std::mem::replace(&mut self.nodes, outer))
+    }
+
+    fn instruction(&mut self, instruction: &Instruction) -> Result<(), String> {
+        match instruction {
+            Instruction::Do(step) => self.step(step)?,
+            Instruction::If { condition, pulls, yes, no } => {
+                self.fetch(pulls);
+                let Self { values, program, .. } = self;
+                let test = values.test(condition, || {
+                    program.slots += 1;
+                    program.slots - 1
+                });
+                self.flush();
+                let yes = self.block(yes, None)?;
+                let no = self.block(no, None)?;
+                let [other, done] = [self.slot(), self.slot()];
+                self.nodes.push(Node::If { test, yes, no, other, done });
+            }
+            Instruction::Loop(inner) => self.turns(inner)?,
+            Instruction::Call(body) => {
+                self.flush();
+                let nodes = self.frame_within(body, self.exit)?;
+                self.nodes.extend(nodes);
+            }
+            Instruction::Leave(flow) => {
+                self.flush();
+                let note = match flow {
+                    Flow::Break => None,
+                    Flow::Continue => self.waiting,
+                    Flow::Return => Some(self.frame),
+                    Flow::Exit => Some(self.exit),
+                    Flow::Next => return Ok(()),
+                };
+                self.nodes.push(Node::Leave(note));
+            }
+        }
+        Ok(())
+    }
+
+    fn turns(&mut self, inner: &Loop) -> Result<(), String> {
+        if [&inner.init, &inner.test, &inner.step].iter().any(|part| analyse::leaves(part)) {
+            return Err("a loop is left from within its condition".into());
+        }
+        let init = self.block(&inner.init, None)?;
+        self.nodes.extend(init);
+        let [entry, live, waiting] = [self.slot(), self.slot(), self.slot()];
+        let mut condition = None;
+        let test = self.block(&inner.test, Some((&inner.condition, &inner.pulls, &mut condition)))?;
+        let outer = self.waiting.replace(waiting);
+        let body = self.block(&inner.body, None)?;
+        self.waiting = outer;
+        let step = self.block(&inner.step, None)?;
+        let say = self.call(Call::Stopped { layer: self.layer, at: inner.at });
+        let mut gone = vec![self.frame];
+        if self.exit != self.frame {
+            gone.push(self.exit);
+        }
+        let condition = condition.ok_or("a loop without a condition")?;
+        self.nodes.push(Node::Loop(Box::new(Turns {
+            body_first: inner.body_first,
+            test,
+            condition,
+            body,
+            step,
+            entry,
+            live,
+            waiting,
+            gone,
+            stopped: self.exit,
+            say,
+        })));
+        Ok(())
+    }
+
+    fn step(&mut self, step: &Step) -> Result<(), String> {
+        if !is_honest(step) {
+            return Err(format!("'{}' does not say what it writes", step.name));
+        }
+        self.fetch(&step.pulls);
+        let native = is_native(step, self.known);
+        touches(step, native, |i, touch| {
+            let state = self.program.touched.entry(step.args[i].at).or_default();
+            *state |= touch != Touch::Read;
+        });
+        if !native {
+            self.flush();
+            let constant = |slot: &&Slot| slot.size > 0 && !self.known.cells[slot.at as usize];
+            let ins = step.args.iter().filter(constant).copied().collect();
+            let written = |i: &usize| *i < 64 && step.writes & 1 << *i != 0;
+            let outs = (0..step.args.len()).filter(written).map(|i| step.args[i]).collect();
+            let call = self.call(Call::Step { layer: self.layer, step: Arc::new(step.clone()), ins, outs });
+            self.nodes.push(Node::Call(call));
+            return Ok(());
+        }
+        if self.values.is_long() {
+            self.flush();
+        }
+        let mut used: Vec<u32> = Vec::with_capacity(step.args.len());
+        touches(step, true, |i, _: Touch| used.push(step.args[i].at));
+        for at in used {
+            self.values.touch(at);
+        }
+        steps::step(&mut self.values, self.layer, step, self.known);
+        Ok(())
+    }
+
+    /// Fetches what is connected to parameters, for lanes that have not.
+    fn fetch(&mut self, pulls: &[u32]) {
+        for &symbol in pulls {
+            if self.pulled.contains(&symbol) {
+                continue;
+            }
+            self.pulled.push(symbol);
+            self.flush();
+            let flag = match self.pulls.iter().find(|known| known.0 == symbol) {
+                Some(known) => known.1,
+                None => {
+                    let flag = self.flag();
+                    self.pulls.push((symbol, flag));
+                    flag
+                }
+            };
+            let entry = self.slot();
+            let outer = std::mem::take(&mut self.nodes);
+            let plan = self.values.plan;
+            for copy in plan.layers[self.layer].copies.iter().filter(|c| c.to_symbol == symbol) {
+                self.flush();
+                self.nodes.push(Node::Layer(copy.layer as u32));
+                self.connection(copy);
+            }
+            self.flush();
+            let body = std::mem::replace(&mut self.nodes, outer);
+            self.nodes.push(Node::Once { flag, entry, body });
+        }
+    }
+
+    fn connection(&mut self, copy: &Copy) {
+        let (from, to) = (&copy.from, &copy.to);
+        let whole = self.values.plan.layers[self.layer].slots[copy.to_symbol as usize];
+        self.program.touched.insert(whole.at, true);
+        let v = &mut self.values;
+        if from.ty.base == Base::Closure
+            || from.ty.base == Base::String
+            || from.ty.base == Base::Int && to.ty.base == Base::Int
+        {
+            for i in 0..from.size.min(to.size) {
+                let word = v.word(from.at + i);
+                v.set_word(to, i, word);
+            }
+            return;
+        }
+        for i in 0..to.size {
+            if from.size > 1 && i >= from.size {
+                break;
+            }
+            let value = if copy.from_derivs > 0 {
+                let i = if from.size == 1 { 0 } else { i };
+                let [x, dx, dy] = [0, 1, 2].map(|k| Term(v.word(from.at + i + k * copy.from_derivs)));
+                Dual::new(x, dx, dy)
+            } else {
+                v.dual(from, i as usize)
+            };
+            if copy.to_derivs > 0 {
+                for (k, x) in [value.value, value.dx, value.dy].into_iter().enumerate() {
+                    v.set_word(to, i + k as u32 * copy.to_derivs, x.0);
+                }
+            } else {
+                Dual::put(v, to, i as usize, value);
+            }
+        }
+    }
+}

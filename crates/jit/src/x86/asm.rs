@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Encodes the instructions that are used: a few on whole registers, and some forty on lanes.
+//! Source: Intel's Software Developer's Manual, volume 2, chapters 2 and 3; original code.
+//! Lanes are 4 or 8 with the VEX prefix and 16 with EVEX. All memory is addressed as `rbx` plus a distance of 32 bits.
+//! Proof: `tests::*` (bytes that an assembler gives), `tests/regions.rs` (what they do).
+
+/// How many lanes an instruction has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Width {
+    /// 128 bits, of which the first lane counts.
+    One,
+    /// 256 bits.
+    Eight,
+    /// 512 bits.
+    Sixteen,
+}
+
+impl Width {
+    /// Lanes that count.
+    pub(crate) const fn lanes(self) -> usize {
+        match self {
+            Self::One => 1,
+            Self::Eight => 8,
+            Self::Sixteen => 16,
+        }
+    }
+
+    /// Registers that there are.
+    pub(crate) const fn registers(self) -> usize {
+        match self {
+            Self::One | Self::Eight => 16,
+            Self::Sixteen => 32,
+        }
+    }
+}
+
+/// The second source of an instruction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Rm {
+    /// A vector register.
+    Reg(u8),
+    /// All lanes, this many bytes from `rbx`.
+    Mem(u32),
+    /// One number for all lanes; only with sixteen.
+    Each(u32),
+}
+
+/// An instruction: prefix (0 none, 1 66, 2 F3, 3 F2), map (1 0F, 2 0F38, 3 0F3A) and number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Code(pub(crate) u8, pub(crate) u8, pub(crate) u8);
+
+/// A place to jump to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Label(u32);
+
+/// Registers for whole numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Gpr {
+    Eax = 0,
+    Ecx = 1,
+}
+
+/// What is done to a register and a word of memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Word {
+    Load = 0x8b,
+    Store = 0x89,
+    And = 0x23,
+    Or = 0x0b,
+    OrInto = 0x09,
+}
+
+/// Conditions of jumps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum When {
+    Zero = 0x84,
+    NotZero = 0x85,
+    NotNegative = 0x89,
+    /// Without signs.
+    AtMost = 0x86,
+}
+
+/// Code in the making.
+#[derive(Default)]
+pub(crate) struct Asm {
+    pub(crate) bytes: Vec<u8>,
+    /// Where labels stand; `u32::MAX` where they do not yet.
+    labels: Vec<u32>,
+    /// Distances that are still to be filled in: their place and label.
+    jumps: Vec<(u32, Label)>,
+}
+
+impl Asm {
+    pub(crate) fn label(&mut self) -> Label {
+        self.labels.push(u32::MAX);
+        Label(self.labels.len() as u32 - 1)
+    }
+
+    /// Puts a label here.
+    pub(crate) fn bind(&mut self, label: Label) {
+        self.labels[label.0 as usize] = self.bytes.len() as u32;
+    }
+
+    /// Where a label stands.
+    pub(crate) fn place(&self, label: Label) -> u32 {
+        self.labels[label.0 as usize]
+    }
+
+    /// Fills in the distances of all jumps.
+    pub(crate) fn finish(&mut self) {
+        for (at, label) in std::mem::take(&mut self.jumps) {
+            let distance = self.labels[label.0 as usize].wrapping_sub(at + 4);
+            self.bytes[at as usize..at as usize + 4].copy_from_slice(&distance.to_le_bytes());
+        }
+    }
+
+    pub(crate) fn raw(&mut self, bytes: &[u8]) {
+        self.bytes.extend_from_slice(bytes);
+    }
+
+    fn distance(&mut self, x: u32) {
+        self.raw(&x.to_le_bytes());
+    }
+
+    fn target(&mut self, label: Label) {
+        self.jumps.push((self.bytes.len() as u32, label));
+        self.distance(0);
+    }
+
+    pub(crate) fn jump(&mut self, label: Label) {
+        self.raw(&[0xe9]);
+        self.target(label);
+    }
+
+    pub(crate) fn jump_if(&mut self, when: When, label: Label) {
+        self.raw(&[0x0f, when as u8]);
+        self.target(label);
+    }
+
+    pub(crate) fn call(&mut self, label: Label) {
+        self.raw(&[0xe8]);
+        self.target(label);
+    }
+
+    /// Between a register and a word of memory.
+    pub(crate) fn word(&mut self, what: Word, reg: Gpr, at: u32) {
+        self.raw(&[what as u8, 0x83 | (reg as u8) << 3]);
+        self.distance(at);
+    }
+
+    /// `reg & other`, only for the flags: pass a register twice to test it.
+    pub(crate) fn test(&mut self, a: Gpr, b: Gpr) {
+        self.raw(&[0x85, 0xc0 | (b as u8) << 3 | a as u8]);
+    }
+
+    /// `to &= from`
+    pub(crate) fn and(&mut self, to: Gpr, from: Gpr) {
+        self.raw(&[0x21, 0xc0 | (from as u8) << 3 | to as u8]);
+    }
+
+    /// `reg = !reg`
+    pub(crate) fn not(&mut self, reg: Gpr) {
+        self.raw(&[0xf7, 0xd0 | reg as u8]);
+    }
+
+    /// A number into a word of memory.
+    pub(crate) fn set_word(&mut self, at: u32, value: u32) {
+        self.raw(&[0xc7, 0x83]);
+        self.distance(at);
+        self.distance(value);
+    }
+
+    /// Whether a word of memory is zero.
+    pub(crate) fn compare_word_with_zero(&mut self, at: u32) {
+        self.raw(&[0x83, 0xbb]);
+        self.distance(at);
+        self.raw(&[0]);
+    }
+
+    /// A word of memory, less one.
+    pub(crate) fn decrement_word(&mut self, at: u32) {
+        self.raw(&[0x83, 0xab]);
+        self.distance(at);
+        self.raw(&[1]);
+    }
+
+    /// A register's lowest byte to memory.
+    pub(crate) fn store_byte(&mut self, reg: Gpr, at: u32) {
+        self.raw(&[0x88, 0x83 | (reg as u8) << 3]);
+        self.distance(at);
+    }
+
+    /// An instruction on lanes: `reg` is the result (or its number in the opcode), `v` the first source.
+    pub(crate) fn lanes(&mut self, width: Width, code: Code, reg: u8, v: u8, rm: Rm) {
+        match width {
+            Width::Sixteen => self.evex(code, reg, v, rm),
+            _ => self.vex(width == Width::Eight, code, reg, v, rm),
+        }
+    }
+
+    fn vex(&mut self, long: bool, Code(prefix, map, number): Code, reg: u8, v: u8, rm: Rm) {
+        let b = match rm {
+            Rm::Reg(r) => r >> 3,
+            _ => 0,
+        };
+        let second = (!v & 15) << 3 | u8::from(long) << 2 | prefix;
+        if map == 1 && b == 0 {
+            self.raw(&[0xc5, u8::from(reg < 8) << 7 | second, number]);
+        } else {
+            self.raw(&[0xc4, u8::from(reg < 8) << 7 | 0x40 | (b ^ 1) << 5 | map, second, number]);
+        }
+        self.mod_rm(reg, rm);
+    }
+
+    fn evex(&mut self, Code(prefix, map, number): Code, reg: u8, v: u8, rm: Rm) {
+        let (r, r2) = (reg >> 3 & 1, reg >> 4 & 1);
+        let (b, x, each) = match rm {
+            Rm::Reg(n) => (n >> 3 & 1, n >> 4 & 1, 0),
+            Rm::Mem(_) => (0, 0, 0),
+            Rm::Each(_) => (0, 0, 1),
+        };
+        self.raw(&[
+            0x62,
+            (r ^ 1) << 7 | (x ^ 1) << 6 | (b ^ 1) << 5 | (r2 ^ 1) << 4 | map,
+            (!v & 15) << 3 | 4 | prefix,
+            2 << 5 | each << 4 | (v >> 4 & 1 ^ 1) << 3,
+            number,
+        ]);
+        self.mod_rm(reg, rm);
+    }
+
+    fn mod_rm(&mut self, reg: u8, rm: Rm) {
+        let reg = (reg & 7) << 3;
+        match rm {
+            Rm::Reg(n) => self.raw(&[0xc0 | reg | n & 7]),
+            // A distance of 32 bits, which is never scaled.
+            Rm::Mem(at) | Rm::Each(at) => {
+                self.raw(&[0x83 | reg]);
+                self.distance(at);
+            }
+        }
+    }
+
+    /// One number of memory, in all lanes; with one lane, zeros in the others.
+    pub(crate) fn load_each(&mut self, width: Width, reg: u8, at: u32) {
+        match width {
+            Width::One => self.vex(false, Code(2, 1, 0x10), reg, 0, Rm::Mem(at)),
+            _ => self.lanes(width, Code(1, 2, 0x18), reg, 0, Rm::Mem(at)),
+        }
+    }
+
+    /// All lanes of memory.
+    pub(crate) fn load(&mut self, width: Width, reg: u8, at: u32) {
+        match width {
+            Width::One => self.load_each(width, reg, at),
+            _ => self.lanes(width, Code(0, 1, 0x10), reg, 0, Rm::Mem(at)),
+        }
+    }
+
+    /// All lanes to memory.
+    pub(crate) fn store(&mut self, width: Width, reg: u8, at: u32) {
+        match width {
+            Width::One => self.store_one(width, reg, at),
+            _ => self.lanes(width, Code(0, 1, 0x11), reg, 0, Rm::Mem(at)),
+        }
+    }
+
+    /// The first lane to memory.
+    pub(crate) fn store_one(&mut self, width: Width, reg: u8, at: u32) {
+        match width {
+            Width::Sixteen => self.evex(Code(2, 1, 0x11), reg, 0, Rm::Mem(at)),
+            _ => self.vex(false, Code(2, 1, 0x11), reg, 0, Rm::Mem(at)),
+        }
+    }
+
+    /// The sign bits of lanes, as bits of `eax`.
+    pub(crate) fn signs(&mut self, width: Width, reg: u8) {
+        match width {
+            Width::Sixteen => {
+                // vpmovd2m k1, zmm; kmovw eax, k1
+                self.evex(Code(2, 2, 0x39), 1, 0, Rm::Reg(reg));
+                self.raw(&[0xc5, 0xf8, 0x93, 0xc1]);
+            }
+            _ => self.vex(width == Width::Eight, Code(0, 1, 0x50), 0, 0, Rm::Reg(reg)),
+        }
+    }
+
+    /// A mask of lanes, in `k1`, as ones and zeros; sixteen lanes.
+    pub(crate) fn spread_k1(&mut self, reg: u8) {
+        self.evex(Code(2, 2, 0x38), reg, 0, Rm::Reg(1));
+    }
+
+    /// The lowest sixteen bits of memory to `k1`.
+    pub(crate) fn load_k1(&mut self, at: u32) {
+        self.raw(&[0xc5, 0xf8, 0x90, 0x8b]);
+        self.distance(at);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bytes(make: impl FnOnce(&mut Asm)) -> Vec<u8> {
+        let mut asm = Asm::default();
+        make(&mut asm);
+        asm.finish();
+        asm.bytes
+    }
+
+    #[test]
+    fn instructions_are_those_of_an_assembler() {
+        let add = Code(0, 1, 0x58);
+        let eight = Width::Eight;
+        let wide = Width::Sixteen;
+        // vaddps ymm1, ymm2, ymm3
+        assert_eq!(bytes(|a| a.lanes(eight, add, 1, 2, Rm::Reg(3))), [0xc5, 0xec, 0x58, 0xcb]);
+        // vaddps ymm9, ymm12, ymm15
+        assert_eq!(bytes(|a| a.lanes(eight, add, 9, 12, Rm::Reg(15))), [0xc4, 0x41, 0x1c, 0x58, 0xcf]);
+        // vaddps zmm17, zmm30, zmm9
+        assert_eq!(bytes(|a| a.lanes(wide, add, 17, 30, Rm::Reg(9))), [0x62, 0xc1, 0x0c, 0x40, 0x58, 0xc9]);
+        // vaddps zmm1, zmm2, dword [rbx+256]{1to16}, with a distance of 32 bits
+        assert_eq!(
+            bytes(|a| a.lanes(wide, add, 1, 2, Rm::Each(256))),
+            [0x62, 0xf1, 0x6c, 0x58, 0x58, 0x8b, 0, 1, 0, 0]
+        );
+        // vmovups [rbx+64], zmm20
+        assert_eq!(bytes(|a| a.store(wide, 20, 64)), [0x62, 0xe1, 0x7c, 0x48, 0x11, 0xa3, 0x40, 0, 0, 0]);
+        // mov ecx, [rbx+8]
+        assert_eq!(bytes(|a| a.word(Word::Load, Gpr::Ecx, 8)), [0x8b, 0x8b, 8, 0, 0, 0]);
+        // jmp over nothing
+        let jump = bytes(|a| {
+            let label = a.label();
+            a.jump(label);
+            a.bind(label);
+        });
+        assert_eq!(jump, [0xe9, 0, 0, 0, 0]);
+    }
+}

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Random programs: the interpreter and machine code agree.
+
+use super::world::{alone, compare};
+
+/// Small numbers that look random.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self, sides: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as usize % sides.max(1)
+    }
+
+    fn of<'t>(&mut self, list: &[&'t str]) -> &'t str {
+        list[self.roll(list.len())]
+    }
+}
+
+const INTS: &[&str] = &["i", "j", "k"];
+const FLOATS: &[&str] = &["f", "g", "h"];
+const COLORS: &[&str] = &["o", "c", "d"];
+
+struct Maker {
+    dice: Dice,
+    /// Loops around.
+    loops: usize,
+    text: String,
+}
+
+impl Maker {
+    fn int(&mut self, depth: usize) -> String {
+        let d = depth + 1;
+        match self.dice.roll(if depth > 3 { 3 } else { 12 }) {
+            0 => self.dice.roll(9).to_string(),
+            1 | 2 => self.dice.of(INTS).into(),
+            3 => format!(
+                "({} {} {})",
+                self.int(d),
+                self.dice.of(&["+", "-", "*", "/", "%", "&", "|", "^"]),
+                self.int(d)
+            ),
+            4 => format!(
+                "({} {} {})",
+                self.float(d),
+                self.dice.of(&["<", ">", "<=", ">=", "==", "!="]),
+                self.float(d)
+            ),
+            5 => format!(
+                "({} {} {})",
+                self.int(d),
+                self.dice.of(&["<", ">", "==", "!=", "&&", "||"]),
+                self.int(d)
+            ),
+            6 => format!("((int) {})", self.float(d)),
+            7 => format!("({} << {})", self.int(d), self.dice.roll(6)),
+            8 => format!("(-{})", self.int(d)),
+            9 => format!("({} == {})", self.color(d), self.color(d)),
+            10 => format!("(!{})", self.int(d)),
+            _ => format!("({} ? {} : {})", self.int(d), self.int(d), self.int(d)),
+        }
+    }
+
+    fn float(&mut self, depth: usize) -> String {
+        let d = depth + 1;
+        match self.dice.roll(if depth > 3 { 4 } else { 14 }) {
+            0 => format!("{}.{}", self.dice.roll(4), self.dice.roll(100)),
+            1 => self.dice.of(FLOATS).into(),
+            2 => self.dice.of(&["u", "v", "P[0]", "I[2]", "time"]).into(),
+            3 => format!("{}[{}]", self.dice.of(COLORS), self.dice.roll(3)),
+            4 | 5 => format!("({} {} {})", self.float(d), self.dice.of(&["+", "-", "*", "/"]), self.float(d)),
+            6 => format!(
+                "{}({})",
+                self.dice.of(&["sin", "floor", "sqrt", "abs", "exp", "noise", "-", "cellnoise", "log"]),
+                self.float(d)
+            ),
+            7 => format!(
+                "{}({}, {})",
+                self.dice.of(&["min", "max", "pow", "fmod", "step", "atan2"]),
+                self.float(d),
+                self.float(d)
+            ),
+            8 => format!(
+                "{}({}, {}, {})",
+                self.dice.of(&["mix", "clamp", "smoothstep"]),
+                self.float(d),
+                self.float(d),
+                self.float(d)
+            ),
+            9 => format!("dot({}, {})", self.vector(d), self.vector(d)),
+            10 => format!("length({})", self.vector(d)),
+            11 => format!("{}({})", self.dice.of(&["Dx", "Dy", "filterwidth"]), self.float(d)),
+            12 => format!("a[{}]", self.int(d)),
+            _ => format!("((float) {})", self.int(d)),
+        }
+    }
+
+    fn vector(&mut self, depth: usize) -> String {
+        format!("((vector) {})", self.color(depth))
+    }
+
+    fn color(&mut self, depth: usize) -> String {
+        let d = depth + 1;
+        match self.dice.roll(if depth > 3 { 2 } else { 7 }) {
+            0 | 1 => self.dice.of(COLORS).into(),
+            2 => format!("color({}, {}, {})", self.float(d), self.float(d), self.float(d)),
+            3 => format!("({} {} {})", self.color(d), self.dice.of(&["+", "-", "*", "/"]), self.color(d)),
+            4 => format!("({} * {})", self.color(d), self.float(d)),
+            5 => format!("((color) normalize({}))", self.vector(d)),
+            _ => format!("mix({}, {}, {})", self.color(d), self.color(d), self.float(d)),
+        }
+    }
+
+    fn statement(&mut self, depth: usize) {
+        match self.dice.roll(if depth > 3 { 5 } else { 10 }) {
+            0 => {
+                let line = format!("{} = {};\n", self.dice.of(INTS), self.int(0));
+                self.text += &line;
+            }
+            1 | 2 => {
+                let line = format!(
+                    "{} {} {};\n",
+                    self.dice.of(FLOATS),
+                    self.dice.of(&["=", "+=", "*=", "-="]),
+                    self.float(0)
+                );
+                self.text += &line;
+            }
+            3 => {
+                let line = format!("{} = {};\n", self.dice.of(COLORS), self.color(0));
+                self.text += &line;
+            }
+            4 => {
+                let line = match self.dice.roll(3) {
+                    0 => format!("{}[{}] = {};\n", self.dice.of(COLORS), self.dice.roll(3), self.float(0)),
+                    1 => format!("a[{}] = {};\n", self.int(1), self.float(0)),
+                    _ => format!("f = call({}, {});\n", self.float(1), self.dice.of(INTS)),
+                };
+                self.text += &line;
+            }
+            5 | 6 => {
+                let condition = self.int(0);
+                self.text += &format!("if ({condition}) {{\n");
+                self.statements(depth + 1);
+                self.text += "}";
+                if self.dice.roll(2) == 0 {
+                    self.text += " else {\n";
+                    self.statements(depth + 1);
+                    self.text += "}";
+                }
+                self.text += "\n";
+            }
+            7 | 8 => {
+                let name = format!("n{depth}{}", self.text.len());
+                let (turns, more) = (self.dice.roll(5), self.int(2));
+                let head = match self.dice.roll(3) {
+                    0 => format!("for (int {name} = 0; {name} < {turns}; ++{name}) {{\n"),
+                    1 => format!("int {name} = 0; while ({name}++ < {turns} && ({more})) {{\n"),
+                    _ => format!("int {name} = 0; do {{ {name} += 1;\n"),
+                };
+                let tail = if head.contains("do {") {
+                    format!("}} while ({name} < {turns} && ({more}));\n")
+                } else {
+                    "}\n".into()
+                };
+                self.text += &head;
+                self.loops += 1;
+                self.statements(depth + 1);
+                self.loops -= 1;
+                self.text += &tail;
+            }
+            _ => {
+                let word = match self.dice.roll(6) {
+                    0 if depth > 0 => "exit();",
+                    1 if depth > 0 => "return;",
+                    _ if self.loops == 0 => "j += 1;",
+                    2 | 3 => "continue;",
+                    _ => "break;",
+                };
+                let condition = self.int(1);
+                self.text += &format!("if ({condition}) {word}\n");
+            }
+        }
+    }
+
+    fn statements(&mut self, depth: usize) {
+        for _ in 0..=self.dice.roll(4) {
+            self.statement(depth);
+        }
+    }
+}
+
+fn program(seed: u64) -> String {
+    let mut maker = Maker { dice: Dice(seed), loops: 0, text: String::new() };
+    for _ in 0..8 {
+        maker.dice.roll(2);
+    }
+    maker.statements(0);
+    maker.statements(0);
+    let function = "float call(float y, output int n) { float x = y; n = n + 1; if (x < 0) return -x; for (int q = 0; q < 3; ++q) { if (x < q) return q; x *= 0.5; } return x; }";
+    format!(
+        "{function}\nshader test(output color o = P, output float f = u, output int k = 1, output float z = 0) {{\nint i = 0, j = (int) (v * 5); float g = v, h = 2; color c = I, d = 1; float a[3] = {{u, 1, 2}};\n{}\nz = Dx(f) + g + h + i + j + a[0] + a[1] + a[2] + c[0] + d[1]; }}",
+        maker.text
+    )
+}
+
+#[test]
+fn random_programs_mean_the_same() {
+    let number = |name: &str, default: u64| {
+        std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
+    };
+    let (start, count) = (number("GNURT_SEED", 1), number("GNURT_PROGRAMS", 60));
+    for seed in start..start + count {
+        let text = program(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        compare(&alone(&text), &format!("seed {seed}\n{text}"));
+    }
+}

@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The interpreter against machine code.
+
+mod agreement;
+mod chance;
+mod world;

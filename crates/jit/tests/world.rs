@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Runs groups by the interpreter and by machine code at every level, and compares all that they give.
+
+use gnurt_jit::{Compiled, Lanes};
+use gnurt_simd::Level;
+use gnurt_sl::exec::{
+    ClosureDecl, ClosureParam, Event, Given, Host, Machine, Plan, PlanOptions, Point, Points,
+};
+use gnurt_sl::group::Group;
+use gnurt_sl::hir::Data;
+use gnurt_sl::ir::{Shader, SymbolKind};
+use gnurt_sl::types::Type;
+use gnurt_sl::{Options, compile};
+use gnurt_sl_lib::Dual;
+use gnurt_sl_lib::color::ColorSystem;
+use std::sync::Arc;
+
+/// A world that answers a little.
+pub(crate) struct World {
+    colors: ColorSystem,
+    diffuse: ClosureDecl,
+}
+
+impl Default for World {
+    fn default() -> Self {
+        let params = vec![ClosureParam { ty: Type::NORMAL, key: None }];
+        Self {
+            colors: ColorSystem::named("Rec709").expect("it is known"),
+            diffuse: ClosureDecl { name: "diffuse".into(), params },
+        }
+    }
+}
+
+impl Host for World {
+    fn color_system(&self) -> &ColorSystem {
+        &self.colors
+    }
+
+    fn userdata(&self, name: &str, _: Type, point: &Point) -> Option<Given> {
+        // Some points have it.
+        (name == "s" && point.index % 3 != 0).then(|| Data::Float(vec![point.index as f32]).into())
+    }
+
+    fn closure(&self, name: &str) -> Option<&ClosureDecl> {
+        (name == "diffuse").then_some(&self.diffuse)
+    }
+}
+
+/// The shader of a text.
+pub(crate) fn shader(text: &str) -> Arc<Shader> {
+    let compiled = compile("test.osl", text, &Options::default(), &|_| None);
+    let said: Vec<String> = compiled.diagnostics.list.iter().map(|d| d.message.clone()).collect();
+    Arc::new(compiled.shader.unwrap_or_else(|| panic!("it does not compile: {said:?}\n{text}")))
+}
+
+/// The group of one text.
+pub(crate) fn alone(text: &str) -> Group {
+    let mut group = Group::default();
+    group.add(shader(text), Some("layer"), &[], &mut Vec::new());
+    group
+}
+
+/// Points that differ in all that shaders see.
+pub(crate) fn points(count: usize) -> Vec<Point> {
+    let dual = |k: usize, i: usize| {
+        let x = (k * 7 + i * 3) as f32 * 0.37 - 2.0;
+        Dual::new(x, 0.01 * (k + 1) as f32, -0.02 * (i + 1) as f32)
+    };
+    (0..count)
+        .map(|k| Point {
+            p: Dual::from_components([dual(k, 0), dual(k, 1), dual(k, 2)]),
+            i: Dual::from_components([dual(k, 3), dual(k, 4), dual(k, 5)]),
+            n: [0.6, 0.0, 0.8],
+            ng: [0.0, 0.0, 1.0],
+            u: Dual::new(k as f32 / 13.0, 0.1, 0.0),
+            v: Dual::new(1.0 - k as f32 / 7.0, 0.0, 0.1),
+            dpdu: [1.0, 0.0, 0.0],
+            dpdv: [0.0, 1.0, 0.0],
+            time: 0.25,
+            index: k as i32,
+            backfacing: k % 2 == 1,
+            ..Point::default()
+        })
+        .collect()
+}
+
+/// As a batch.
+pub(crate) fn rows(list: &[Point]) -> Points {
+    let mut points = Points { count: list.len(), ..Points::default() };
+    for (lane, point) in list.iter().enumerate() {
+        points.set(lane, point);
+    }
+    points
+}
+
+fn same(a: &Data, b: &Data) -> bool {
+    match (a, b) {
+        (Data::Float(a), Data::Float(b)) => {
+            a.len() == b.len()
+                && a.iter().zip(b).all(|(x, y)| x.to_bits() == y.to_bits() || x.is_nan() && y.is_nan())
+        }
+        _ => a == b,
+    }
+}
+
+/// What a point gave: outputs by name, and what it said.
+type Given1 = (Vec<(String, Data)>, Vec<Event>);
+
+/// Compares. Returns how many operations were left to the interpreter.
+pub(crate) fn compare(group: &Group, text: &str) -> usize {
+    let plan = Arc::new(Plan::new(group, &PlanOptions::default()).expect("all operations are known"));
+    let world = World::default();
+    let points = points(21);
+    let outputs: Vec<(usize, String)> = group
+        .layers
+        .iter()
+        .enumerate()
+        .flat_map(|(number, layer)| {
+            let names = layer.shader.symbols.iter().filter(|s| s.kind == SymbolKind::OutputParam);
+            names
+                .filter(|s| s.ty.struct_id().is_none())
+                .map(move |s| (number, s.name.to_string()))
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    let mut machine = Machine::new(&plan, &world);
+    let wanted: Vec<Given1> = points
+        .iter()
+        .map(|point| {
+            machine.run(point);
+            let mut list: Vec<(String, Data)> = Vec::new();
+            for (layer, name) in &outputs {
+                let (ty, data) = machine.output(Some(*layer), name).expect("an output");
+                let data = if ty == Type::CLOSURE { closure(&machine, &data) } else { data };
+                list.push((format!("{layer}.{name}"), data));
+            }
+            list.push(("Ci".into(), closure(&machine, &Data::Int(vec![machine.ci() as i32]))));
+            (list, std::mem::take(&mut machine.events))
+        })
+        .collect();
+    let mut left = 0;
+    for level in Level::available().into_iter().filter(|&level| Compiled::can(level)) {
+        for scalar in [false, true] {
+            let made = if scalar {
+                Compiled::scalar(plan.clone(), level)
+            } else {
+                Compiled::new(plan.clone(), level)
+            };
+            let code = made.unwrap_or_else(|why| panic!("{why}\n{text}"));
+            left = code.calls();
+            let mut lanes = Lanes::new(&code, &world);
+            for (batch, list) in points.chunks(code.lanes()).enumerate() {
+                lanes.run(&rows(list));
+                let events = lanes.take_events();
+                for lane in 0..list.len() {
+                    let number = batch * code.lanes() + lane;
+                    let how = format!("{level}, {} lanes, point {number}", code.lanes());
+                    let (values, said) = &wanted[number];
+                    for (k, (name, value)) in values.iter().enumerate() {
+                        let data = match outputs.get(k) {
+                            Some((layer, name)) => {
+                                let (ty, data) = lanes.output(lane, Some(*layer), name).expect("an output");
+                                if ty == Type::CLOSURE { closure_of_lane(&lanes, &data) } else { data }
+                            }
+                            None => closure_of_lane(&lanes, &Data::Int(vec![lanes.ci(lane) as i32])),
+                        };
+                        assert!(same(value, &data), "{how}: {name} is {data:?}, not {value:?}\n{text}");
+                    }
+                    let heard: Vec<&Event> =
+                        events.iter().filter(|(l, _)| *l == lane).map(|(_, e)| e).collect();
+                    assert_eq!(heard, said.iter().collect::<Vec<_>>(), "{how}: what is said\n{text}");
+                }
+            }
+        }
+    }
+    left
+}
+
+fn closure(machine: &Machine<'_>, data: &Data) -> Data {
+    let Data::Int(list) = data else { return data.clone() };
+    Data::Str(list.iter().map(|&n| format!("{:?}", machine.components(n as u32)).into()).collect())
+}
+
+fn closure_of_lane(lanes: &Lanes<'_>, data: &Data) -> Data {
+    let Data::Int(list) = data else { return data.clone() };
+    Data::Str(list.iter().map(|&n| format!("{:?}", lanes.components(n as u32)).into()).collect())
+}
