@@ -4,7 +4,8 @@
 
 use gnurt::defaults::{self, Bounds};
 use gnurt::image::system_reason;
-use gnurt::render::{Integrator, PerspectiveCamera};
+use gnurt::render::{Integrator, MovingCamera, PerspectiveCamera};
+use gnurt::scene::animation::Exposure;
 use gnurt::scene::{Camera, Scene};
 
 use crate::arguments::{Resolution, ViewArguments};
@@ -130,9 +131,27 @@ pub(crate) fn aim(scene: &Scene, view: &ViewArguments) -> Result<(Camera, Perspe
     if camera.eye == camera.target {
         return Err(same_place());
     }
-    let no_view = || Failure::usage("the camera has no view: a number of it is too large");
     let rays = PerspectiveCamera::new(&camera).ok_or_else(no_view)?;
     Ok((camera, rays))
+}
+
+/// The way of that camera while the shutter is open, if it moves then.
+pub(crate) fn way(
+    scene: &Scene,
+    exposure: &Exposure,
+    view: &ViewArguments,
+) -> Result<Option<MovingCamera>, Failure> {
+    let named = find_named(scene, view)?.unwrap_or(0);
+    let keys = exposure.cameras.iter().find(|(id, _)| id.index() == named).map(|(_, keys)| keys);
+    let keys: Vec<Camera> = keys.into_iter().flatten().map(|camera| replaced(camera, view)).collect();
+    match keys.iter().all(|key| *key == keys[0]) {
+        true => Ok(None),
+        false => MovingCamera::new(&keys).map(Some).ok_or_else(no_view),
+    }
+}
+
+fn no_view() -> Failure {
+    Failure::usage("the camera has no view: a number of it is too large")
 }
 
 fn find_named(scene: &Scene, view: &ViewArguments) -> Result<Option<usize>, Failure> {

@@ -71,8 +71,8 @@
 //!
 //! * The integrators are `eyelight`, `normals`, `whitted` (direct light, mirrors, glass), `path` (all light) and `ir`, `bir`
 //!   and `mir` (all light by virtual lights).
-//! * Geometry is triangles and instances of them; no curves, no subdivision, no motion blur, no volumes. Scenes move by
-//!   [`Scene::pose`](scene::Scene::pose).
+//! * Geometry is triangles and instances of them; no curves, no subdivision, no volumes. Scenes move by
+//!   [`Scene::pose`](scene::Scene::pose), and are blurred by [`Scene::expose`](scene::Scene::expose).
 //! * The only camera of descriptions is a pinhole; other cameras are [`CameraShader`](shading::CameraShader)s.
 //! * The API may change until version 1.0.
 #![forbid(unsafe_code)]

@@ -169,26 +169,40 @@ impl Accumulation {
         let last = self.samples().saturating_add(samples).min(self.options.spp);
         let pixels: u64 = self.tiles.iter().map(|tile| tile.first.len() as u64).sum();
         let watched = Watched(progress);
+        let options = self.options.clone();
         if self.options.integrator.needs_light_set() {
             world.lights().make_set(pool);
         }
-        let mut job = Job::new(world, camera, &self.options, &watched);
-        job.deadline = deadline;
-        job.all_samples = pixels * u64::from(self.options.spp);
-        *job.samples_done.get_mut() = self.stats.samples;
+        let has_virtual_lights = self.options.integrator.has_virtual_lights();
+        let seed = self.options.seed;
+        // Rays have moments of their own, or where lights are a sample's all of it has one.
+        let opened = world.wants_moments().then(|| world.with_moments(seed));
+        let is_of_pass = world.wants_moments() && (has_virtual_lights || world.lights_move());
+        let world = opened.as_ref().unwrap_or(world);
+        let all_samples = pixels * u64::from(self.options.spp);
+        let way = Way { camera, options: &options, watch: &watched, deadline, all_samples };
+        let shared = way.job(world, self.stats.samples);
         // Virtual lights are one sample's.
-        let at_once = if self.options.integrator.has_virtual_lights() { 1 } else { u32::MAX };
+        let at_once = if has_virtual_lights || is_of_pass { 1 } else { u32::MAX };
         let mut done = self.samples();
-        while done < last && !job.should_stop() {
+        while done < last && !shared.should_stop() {
+            let of_pass = is_of_pass.then(|| world.of_pass(seed, done, pool));
+            let own = of_pass.as_ref().map(|world| {
+                if self.options.integrator.needs_light_set() {
+                    world.lights().make_set(pool);
+                }
+                way.job(world, self.stats.samples)
+            });
+            let job = own.as_ref().unwrap_or(&shared);
             done = done.saturating_add(at_once).min(last);
             let pass = pool.install(|| match &mut kept {
-                Some(kept) => kept.next(&job),
-                None => many_lights::pass_lights(&job, done - 1),
+                Some(kept) => kept.next(job),
+                None => many_lights::pass_lights(job, done - 1),
             });
             if let Some(pass) = &pass {
                 self.stats.add(&pass.stats);
             }
-            let sampler = Sampler { job: &job, pass: pass.as_ref() };
+            let sampler = Sampler { job, pass: pass.as_ref() };
             let of_tiles: Vec<RenderStats> = if let Some(n) = self.options.pattern() {
                 let Some(of_tiles) =
                     add_interleaved(&sampler, &mut self.tiles, self.region, done - 1, n, pool)
@@ -322,6 +336,29 @@ impl Accumulation {
         // Nothing was to be done for what had all of its samples before, or has no pixels.
         let (complete, seconds) = (self.is_complete(), start.elapsed().as_secs_f64());
         Frame { picture, heatmap, stats: RenderStats { complete, seconds, ..self.stats } }
+    }
+}
+
+/// What the jobs of all passes have in common.
+#[derive(Clone, Copy)]
+struct Way<'a> {
+    camera: &'a dyn CameraShader,
+    options: &'a RenderOptions,
+    watch: &'a dyn Watch,
+    deadline: Option<Instant>,
+    all_samples: u64,
+}
+
+impl<'a> Way<'a> {
+    /// The job in a world, after so many samples.
+    fn job<'j>(self, world: &'j World, samples_done: u64) -> Job<'j>
+    where
+        'a: 'j,
+    {
+        let mut job = Job::new(world, self.camera, self.options, self.watch);
+        (job.deadline, job.all_samples) = (self.deadline, self.all_samples);
+        *job.samples_done.get_mut() = samples_done;
+        job
     }
 }
 

@@ -4,7 +4,7 @@
 //! Proof: `tests::{corners_and_centre, degenerate_cameras_see_nothing}`.
 
 use glam::Vec3;
-use gnurt_accel::RayBatch;
+use gnurt_accel::{Moment, RayBatch};
 use gnurt_scene::Camera;
 use gnurt_shading::{CameraSamples, CameraShader};
 
@@ -36,6 +36,18 @@ impl PerspectiveCamera {
             forward: frame.forward.into(),
             half_height,
         })
+    }
+
+    /// A camera on the way from this one to another.
+    pub(crate) fn between(&self, other: &Self, moment: &Moment) -> Self {
+        let mix = |a: Vec3, b: Vec3| Vec3::from(moment.mix3(a.into(), b.into()));
+        Self {
+            eye: mix(self.eye, other.eye),
+            right: mix(self.right, other.right).normalize_or(self.right),
+            up: mix(self.up, other.up).normalize_or(self.up),
+            forward: mix(self.forward, other.forward).normalize_or(self.forward),
+            half_height: moment.mix(self.half_height, other.half_height),
+        }
     }
 
     /// Where the pinhole is.

@@ -15,6 +15,8 @@ pub(crate) struct CameraBatch {
     pub(crate) places: Vec<[f32; 2]>,
     /// And through the lens; empty if it has no extent.
     pub(crate) lens: Vec<[f32; 2]>,
+    /// And when, while the shutter is open; empty if nothing moves.
+    pub(crate) times: Vec<f32>,
     pub(crate) hits: HitBatch,
     pub(crate) radiance: Vec3s,
 }

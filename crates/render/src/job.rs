@@ -81,7 +81,7 @@ impl<'a> Job<'a> {
         batch: &mut CameraBatch,
     ) {
         let (width, height) = (self.options.width, self.options.height);
-        let CameraBatch { pixels: all, rays, keys, places, lens, .. } = batch;
+        let CameraBatch { pixels: all, rays, keys, places, lens, times, .. } = batch;
         rays.clear();
         keys.clear();
         places.clear();
@@ -111,7 +111,11 @@ impl<'a> Job<'a> {
         if self.camera.has_lens() && !(self.options.pixel_centres && self.options.spp == 1) {
             self.draw(keys, purpose::LENS, lens);
         }
-        let samples = CameraSamples { places, lens, times: &[] };
+        times.clear();
+        if self.world.is_open() {
+            times.extend(keys.iter().map(|&key| self.world.time(key)));
+        }
+        let samples = CameraSamples { places, lens, times };
         self.camera.rays(&samples, width as f32 / height as f32, rays);
         // A camera that gives too few rays leaves the rest dark: a ray without direction hits nothing.
         while rays.len() < keys.len() {

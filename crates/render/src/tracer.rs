@@ -76,6 +76,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) shadows: Coherence,
     /// And of what shadow rays hit.
     blocked: Vec<bool>,
+    /// Rays with their moments, where the shutter is open.
+    timed: RayBatch,
 }
 
 /// What the points of a batch are looked at for.
@@ -119,6 +121,7 @@ impl<'w> BatchTracer<'w> {
             closures: ClosureBatch::default(),
             shadows: Coherence::Coherent,
             blocked: Vec::new(),
+            timed: RayBatch::default(),
         }
     }
 
@@ -153,6 +156,7 @@ impl<'w> BatchTracer<'w> {
         hits: &mut HitBatch,
     ) {
         let query = Query { level: self.options.level, coherence, mask: kind.0 };
+        let rays = with_moments(self.world, rays, keys, &mut self.timed);
         self.world.tree().intersect_batch(&query, rays, hits, &mut self.record);
         self.note_costs(keys);
     }
@@ -249,6 +253,7 @@ impl<'w> BatchTracer<'w> {
     /// Whether rays with these keys, neighbours of each other, hit anything.
     pub(crate) fn occluded_batch(&mut self, rays: &RayBatch, keys: &[SampleKey], blocked: &mut Vec<bool>) {
         let query = Query { level: self.options.level, coherence: self.shadows, mask: RayMask::SHADOW.0 };
+        let rays = with_moments(self.world, rays, keys, &mut self.timed);
         self.world.tree().occluded_batch(&query, rays, blocked, &mut self.record);
         self.note_costs(keys);
     }
@@ -256,6 +261,7 @@ impl<'w> BatchTracer<'w> {
     /// Which of a virtual light's rays hit anything, as bits.
     pub(crate) fn occluded_pencil(&mut self, rays: &mut Pencil) -> u64 {
         let query = Query { level: self.options.level, mask: RayMask::SHADOW.0, ..Query::default() };
+        rays.set_time(self.world.time_of_all());
         self.world.tree().occluded_pencil(&query, rays, &mut self.record)
     }
 
@@ -324,6 +330,23 @@ impl<'w> BatchTracer<'w> {
             costs.add(keys, rays);
         }
     }
+}
+
+/// The rays, or copies with the moments of their keys where something moves.
+fn with_moments<'a>(
+    world: &World,
+    rays: &'a RayBatch,
+    keys: &[SampleKey],
+    timed: &'a mut RayBatch,
+) -> &'a RayBatch {
+    if !world.is_open() {
+        return rays;
+    }
+    timed.clone_from(rays);
+    timed.time.clear();
+    timed.time.extend(keys.iter().take(rays.len()).map(|&key| world.time(key)));
+    timed.time.resize(rays.len(), 0.0);
+    timed
 }
 
 impl Tracer for BatchTracer<'_> {

@@ -23,6 +23,7 @@ mod ray_masks;
 mod references;
 mod shader_lights;
 mod shadow_catcher;
+mod shutter;
 #[path = "common/signed.rs"]
 mod signed;
 mod terminator;

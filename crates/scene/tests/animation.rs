@@ -549,3 +549,55 @@ fn programs_make_animations() {
         "a set"
     );
 }
+
+#[test]
+fn an_open_shutter_sees_the_clip() {
+    let mut g = Gltf::default();
+    let mesh = g.floats(&TRIANGLE, "VEC3");
+    let bulge = g.floats(&[0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0], "VEC3");
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let turn = g.curve(&[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half], "VEC4", "LINEAR");
+    let swell = g.curve(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0], "SCALAR", "LINEAR");
+    let seen = g.curve(&[0.0, 0.5], &[1.0, 0.0], "SCALAR", "STEP");
+    let clips = clip(
+        "all",
+        &[turn, swell, seen],
+        &[
+            (0, r#""node":0,"path":"rotation""#),
+            (1, r#""node":2,"path":"weights""#),
+            (2, &pointer("/nodes/3/extensions/KHR_node_visibility/visible")),
+        ],
+    );
+    let mut scene = g.scene(&format!(
+        r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":{mesh}}}}}]}},
+        {{"primitives":[{{"attributes":{{"POSITION":{mesh}}},"targets":[{{"POSITION":{bulge}}}]}}]}}],"animations":[{clips}],
+        "nodes":[{{"children":[1]}},{{"mesh":0,"translation":[2,0,0]}},{{"mesh":1}},{{"mesh":0,"translation":[0,0,9]}}]"#
+    ));
+    let mut posed = scene.clone();
+    for (opens, closes) in [(0.25, 0.5), (0.5, 1.5), (1.2, 1.9)] {
+        let exposure = scene.expose(0, opens, closes);
+        posed.pose(0, opens);
+        assert_eq!(scene.instances(), posed.instances(), "it shows the moment at which it opens");
+        for (id, places) in &exposure.instances {
+            for (i, place) in places.iter().enumerate() {
+                posed.pose(0, opens + (closes - opens) * i as f64 / (places.len() - 1) as f64);
+                assert_eq!(*place, posed.instance(*id).world_from_object, "place {i} of {id:?}, {opens}");
+            }
+        }
+        assert_eq!(exposure.instances.len(), usize::from(opens < 1.0), "what turns, while it does");
+        let [(id, keys)] = &exposure.meshes[..] else { panic!("one mesh bends: {exposure:?}") };
+        for (i, key) in keys.iter().enumerate() {
+            posed.pose(0, opens + (closes - opens) * i as f64 / (keys.len() - 1) as f64);
+            assert_eq!(key.positions, posed.mesh(*id).positions, "key {i}, {opens}");
+        }
+        let straight = opens != 0.5;
+        assert_eq!(keys.len(), if straight { 2 } else { 3 }, "as few keys as say where it is, {opens}");
+        let goes = u32::from(opens < 0.5 && closes >= 0.5);
+        assert_eq!(exposure.held, goes as usize, "what goes meanwhile, {opens}");
+    }
+    assert!(
+        scene.expose(0, 0.5, 0.5).is_still() && scene.expose(0, 0.5, f64::NAN).is_still(),
+        "closed at once"
+    );
+    assert!(scene.expose(0, 5.0, 9.0).is_still(), "nothing moves after the last key");
+}

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 /// Frames per second where nobody says: film's.
 const FPS: f64 = 24.0;
 
-/// `--at`, `--frames` and what goes with them.
+/// `--at`, `--frames` and what goes with them: when, and for how long.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Animation")]
 pub(crate) struct MomentArguments {
@@ -26,6 +26,9 @@ pub(crate) struct MomentArguments {
     /// Animation of the scene, by its name or its number from 0; without it the first
     #[arg(hide_short_help = true, long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
     pub(crate) animation: Option<String>,
+    /// Open the shutter at the moment for so many frames, so that what moves is blurred; 0 closes it at once [default: 0]
+    #[arg(hide_short_help = true, long, value_name = "X", value_parser = value::shutter, allow_hyphen_values = true)]
+    shutter: Option<f64>,
     /// Keep frames whose files are there
     #[arg(hide_short_help = true, long, requires = "frames")]
     pub(crate) skip_existing: bool,
@@ -47,6 +50,16 @@ impl MomentArguments {
         f64::from(frame) / self.fps()
     }
 
+    /// Whether the shutter is open for some time.
+    pub(crate) fn is_open(&self) -> bool {
+        self.shutter.is_some_and(|frames| frames > 0.0)
+    }
+
+    /// When the shutter that opens at a moment closes.
+    pub(crate) fn closes(&self, opens: f64) -> f64 {
+        opens + self.shutter.unwrap_or(0.0) / self.fps()
+    }
+
     /// The frame nearest to a moment: that of a sequence of files.
     pub(crate) fn frame_at(&self, seconds: f64) -> u32 {
         // Converting clamps.
@@ -60,6 +73,9 @@ impl MomentArguments {
             Err(Failure::usage(format_args!("{option}: {reason}")))
         };
         if !self.is_given() {
+            if self.shutter.is_some() {
+                return without("--shutter");
+            }
             return match (&self.animation, self.fps) {
                 (Some(_), _) => without("--animation"),
                 (None, Some(_)) => without("--fps"),
@@ -68,6 +84,11 @@ impl MomentArguments {
                 )),
                 (None, None) => Ok(()),
             };
+        }
+        if is_of_files && self.is_open() {
+            return Err(Failure::usage(
+                "--shutter: the files of a sequence are single moments; what moves has to be an animation in one file",
+            ));
         }
         if self.frames.is_some() && has_checkpoint {
             return Err(Failure::usage(

@@ -422,6 +422,12 @@ pub(crate) fn frames_per_second(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "give frames per second above 0, like 24 or 29.97".into())
 }
 
+/// For how many frames a shutter is open.
+pub(crate) fn shutter(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|value| (0.0..=1e6).contains(value));
+    value.ok_or_else(|| "give how many frames the shutter is open, 0 or more, like 0.5".into())
+}
+
 /// `0..47`, or one number.
 pub(crate) fn frames(text: &str) -> Result<FrameRange, String> {
     const MOST: u32 = i32::MAX as u32;

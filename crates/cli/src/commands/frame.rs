@@ -3,6 +3,7 @@
 //! Source: original; the order of checks is the contract of the command line: arguments, the scene's path, the output's
 //! folder and the memory that the picture takes come before any work. Proof: `tests/`.
 
+use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
 use gnurt::ThreadPool;
@@ -11,10 +12,12 @@ use gnurt::image::Picture;
 use gnurt::look::{FEW_SAMPLES, is_noisy};
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
-    Accumulation, CommitOptions, CommitReport, Frame, Piece, RenderOptions, ShaderTable, World, fingerprint,
-    render_on,
+    Accumulation, CommitOptions, CommitReport, Frame, MovingCamera, Piece, RenderOptions, ShaderTable, World,
+    fingerprint, render_on,
 };
 use gnurt::scene::Scene;
+use gnurt::scene::animation::Exposure;
+use gnurt::shading::CameraShader;
 use gnurt::simd::Level;
 use gnurt_view::TevImage;
 
@@ -62,6 +65,8 @@ pub(super) struct Ready {
     pub(super) world: World,
     pub(super) report: CommitReport,
     pub(super) chosen: Chosen,
+    /// The camera's way while the shutter is open, if it moves.
+    pub(super) way: Option<MovingCamera>,
     pub(super) shaders: Shaders,
     pub(super) checkpoint: Option<Checkpoint>,
     /// The fingerprint of the picture, if somebody needs it.
@@ -116,7 +121,11 @@ fn render_frame(
     let displayed = Displayed::new(&watcher, tev);
     let every = ready.checkpoint.as_ref().map(|checkpoint| checkpoint.every);
     let mut saved = Ok(());
-    let frame = render_on(begun, &ready.world, &ready.chosen.rays, pool, &displayed, every, &mut |picture| {
+    let rays: &dyn CameraShader = match &ready.way {
+        Some(way) => way,
+        None => &ready.chosen.rays,
+    };
+    let frame = render_on(begun, &ready.world, rays, pool, &displayed, every, &mut |picture| {
         if let Some(checkpoint) = &ready.checkpoint {
             saved = checkpoint.save(picture);
         }
@@ -283,17 +292,18 @@ pub(super) fn commit_options(frame: &FrameArguments, trees: &TreeArguments, leve
     CommitOptions { force_diffuse: frame.force_diffuse, level, memory: trees.memory }
 }
 
-/// Says which picture of the scene it is, if somebody needs it; and the checkpoint, if there is to be one.
+/// Says which picture of the scene it is, whose shutter is open like that, if somebody needs it; and the checkpoint, if there is to be one.
 pub(super) fn identify(
     arguments: &RenderArguments,
     scene: &Scene,
     chosen: &Chosen,
+    open: &dyn Debug,
     options: &RenderOptions,
 ) -> (u64, Option<Checkpoint>) {
     if arguments.checkpoint.is_none() && arguments.piece.is_none() {
         return (0, None);
     }
-    let shown = (&chosen.rays, shaders::print(&arguments.frame.shaders));
+    let shown = (&chosen.rays, shaders::print(&arguments.frame.shaders), open);
     let print = fingerprint(scene, arguments.frame.force_diffuse, &shown, options);
     let checkpoint = arguments.checkpoint.as_deref().map(|path| {
         // Each piece goes on from its own.
@@ -313,20 +323,20 @@ pub(super) fn commit(
     messages: Messages,
 ) -> Result<(World, CommitReport), Failure> {
     let mut world = World::new();
-    let report = commit_into(&mut world, scene, shaders, options, pool, messages)?;
+    let report = commit_into(&mut world, (scene, &Exposure::default()), shaders, options, pool, messages)?;
     Ok((world, report))
 }
 
-/// The same for a world that may know the scene already.
+/// The same for a world that may know the scene already, and for what moves while the shutter is open.
 pub(super) fn commit_into(
     world: &mut World,
-    scene: &Scene,
+    (scene, exposure): (&Scene, &Exposure),
     shaders: &ShaderTable,
     options: CommitOptions,
     pool: &ThreadPool,
     messages: Messages,
 ) -> Result<CommitReport, Failure> {
-    let report = world.commit(scene, shaders, &options, pool).map_err(Failure::data)?;
+    let report = world.commit_exposed(scene, exposure, shaders, &options, pool).map_err(Failure::data)?;
     if report.dropped_triangles > 0 {
         messages
             .warning(format_args!("{} triangles without a finite area left out", report.dropped_triangles));

@@ -12,6 +12,7 @@ use gnurt::defaults::{Added, Bounds, Stock, bounds_over};
 use gnurt::look::meter;
 use gnurt::render::{RenderOptions, World};
 use gnurt::scene::Scene;
+use gnurt::scene::animation::Exposure;
 
 use super::frame::{Plan, Ready, Targets, commit_into, commit_options, identify, make};
 use crate::arguments::{ExposureChoice, LightArguments, MomentArguments, RenderArguments};
@@ -110,10 +111,13 @@ impl Studio<'_> {
         let mut world = World::new();
         let light = self.light(&scene, &chosen, &shaders, &mut world)?;
         let mut ready = self.ready(world, chosen, shaders, light, begin.elapsed());
+        let mut is_told = false;
         for frame in frames {
             let begin = Instant::now();
-            scene.pose(clip, frame.seconds);
-            self.make(plan, &mut ready, &scene, frame, begin)?;
+            let closes = self.arguments.moments.closes(frame.seconds);
+            let exposure = scene.expose(clip, frame.seconds, closes);
+            self.tell_held(&exposure, &mut is_told);
+            self.make(plan, &mut ready, (&scene, &exposure), frame, begin)?;
             if signals::is_stopped() {
                 break;
             }
@@ -145,7 +149,7 @@ impl Studio<'_> {
             };
             let mut ready = self.ready(World::new(), chosen.clone(), shaders, light, begin.elapsed());
             plan.source = all.at(frame.number);
-            self.make(plan, &mut ready, &next, frame, begin)?;
+            self.make(plan, &mut ready, (&next, &Exposure::default()), frame, begin)?;
             if signals::is_stopped() {
                 break;
             }
@@ -185,7 +189,8 @@ impl Studio<'_> {
             return Ok(light);
         }
         let how = commit_options(&self.arguments.frame, &self.arguments.trees, self.options.level);
-        commit_into(world, scene, &shaders.table, how, self.pool, self.messages)?;
+        let still = Exposure::default();
+        commit_into(world, (scene, &still), &shaders.table, how, self.pool, self.messages)?;
         let measured = meter(world, &chosen.rays, self.options, self.pool).map_err(Failure::usage)?;
         let (look, note) = light.chosen(measured);
         note.iter().for_each(|note| self.messages.note(note));
@@ -201,7 +206,27 @@ impl Studio<'_> {
         load_time: Duration,
     ) -> Ready {
         let report = gnurt::render::CommitReport::default();
-        Ready { world, report, chosen, shaders, checkpoint: None, print: 0, load_time, light: Some(light) }
+        Ready {
+            world,
+            report,
+            chosen,
+            way: None,
+            shaders,
+            checkpoint: None,
+            print: 0,
+            load_time,
+            light: Some(light),
+        }
+    }
+
+    /// Says once what an open shutter does not blur.
+    fn tell_held(&self, exposure: &Exposure, is_told: &mut bool) {
+        if exposure.held > 0 && !std::mem::replace(is_told, true) {
+            self.messages.warning(format_args!(
+                "{} materials or instances change or come and go while the shutter is open; they stay as they are when it opens",
+                exposure.held
+            ));
+        }
     }
 
     /// Renders one frame of a scene that shows it.
@@ -209,15 +234,19 @@ impl Studio<'_> {
         &self,
         plan: &mut Plan,
         ready: &mut Ready,
-        scene: &Scene,
+        (scene, exposure): (&Scene, &Exposure),
         frame: Frame,
         begin: Instant,
     ) -> Outcome {
         let how = commit_options(&self.arguments.frame, &self.arguments.trees, self.options.level);
         let (pool, messages) = (self.pool, self.messages);
         (ready.chosen.camera, ready.chosen.rays) = view::aim(scene, &self.arguments.view)?;
-        ready.report = commit_into(&mut ready.world, scene, &ready.shaders.table, how, pool, messages)?;
-        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, self.options);
+        ready.way = view::way(scene, exposure, &self.arguments.view)?;
+        let shown = (scene, exposure);
+        ready.report = commit_into(&mut ready.world, shown, &ready.shaders.table, how, pool, messages)?;
+        let closes = self.arguments.moments.closes(frame.seconds);
+        let open = (&ready.way, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
+        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, self.options);
         plan.targets = frame.targets;
         make(self.arguments, begin, plan, ready, self.options, pool, messages)
     }

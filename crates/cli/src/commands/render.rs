@@ -50,6 +50,6 @@ fn prepare(
     let shaders = Shaders::put_into(&mut scene, &frame.shaders)?;
     let how = commit_options(frame, &arguments.trees, options.level);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
-    let (print, checkpoint) = identify(arguments, &scene, &chosen, options);
-    Ok(Ready { world, report, chosen, shaders, checkpoint, print, load_time, light: None })
+    let (print, checkpoint) = identify(arguments, &scene, &chosen, &(), options);
+    Ok(Ready { world, report, chosen, way: None, shaders, checkpoint, print, load_time, light: None })
 }

@@ -177,3 +177,36 @@ fn animations_are_listed_and_their_loss_is_told() {
     let run = folder.gnurt("convert a.gltf b.glb").success();
     assert!(run.stderr.contains("animation, written as it is shown) [2 in all]"), "{}", run.stderr);
 }
+
+#[test]
+fn an_open_shutter_blurs() {
+    let folder = Folder::new();
+    animated(&folder);
+    let picture = |more: &str, file: &str| {
+        folder.gnurt(&format!("render a.gltf {more} -o {file} -r 24x16 --spp 4 -t 2")).success();
+        folder.read(file)
+    };
+    let sharp = picture("--at 0.25", "sharp.png");
+    assert!(sharp == picture("--at 0.25 --shutter 0", "closed.png"), "0 closes it at once");
+    for integrator in ["whitted", "path", "ir", "bir", "mir", "eyelight", "normals"] {
+        let sharp = picture(&format!("--at 0.25 --integrator {integrator}"), "sharp.png");
+        let blurred = picture(&format!("--at 0.25 --shutter 12 --integrator {integrator}"), "blurred.png");
+        assert!(sharp != blurred, "{integrator} sees what moves");
+    }
+    // A sequence is, byte for byte, its moments.
+    folder.gnurt(&format!("render a.gltf --frames 3..4 --fps 8 --shutter 1.5 -o f.#.png {SMALL}")).success();
+    for (frame, seconds) in [(3, "0.375"), (4, "0.5")] {
+        folder
+            .gnurt(&format!("render a.gltf --at {seconds} --fps 8 --shutter 1.5 -o one.png {SMALL}"))
+            .success();
+        assert!(folder.read("one.png") == folder.read(&format!("f.{frame}.png")), "frame {frame}");
+    }
+    let refused = |arguments: &str, why: &str| {
+        let run = folder.gnurt(&format!("render {arguments}"));
+        assert!(run.status != Some(0) && run.stderr.contains(why), "{arguments}: {}", run.stderr);
+    };
+    refused("a.gltf --shutter 1", "which moment is not said");
+    refused("a.gltf --at 1 --shutter -1", "0 or more");
+    folder.write("m.01.ply", "ply");
+    refused("m.##.ply --frames 1..2 --shutter 0.5 -o f.#.png", "single moments");
+}

@@ -85,7 +85,11 @@ impl Pilots {
         let mut rays = RayBatch::default();
         let lens: Vec<[f32; 2]> =
             keys.iter().map(|&key| sample_pair(options.seed, key, 0, PURPOSE + 5)).collect();
-        let samples = CameraSamples { places: &places, lens: &lens, times: &[] };
+        let times: Vec<f32> = match job.world.is_open() {
+            true => keys.iter().map(|&key| job.world.time(key)).collect(),
+            false => Vec::new(),
+        };
+        let samples = CameraSamples { places: &places, lens: &lens, times: &times };
         job.camera.rays(&samples, options.width as f32 / options.height as f32, &mut rays);
         // Each carries what light at its end is multiplied with.
         let carried = vec![Vec3::ONE; rays.len()];

@@ -6,16 +6,19 @@
 //! Invariants: a clone of the world before is not touched; after an error, or a panic, neither is the world.
 //! Proof: `crates/render/tests/{commit,edits}.rs`.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
 
 use glam::Vec3;
-use gnurt_scene::Scene;
+use gnurt_scene::animation::Exposure;
+use gnurt_scene::{Affine, Scene};
 
 use super::due::Due;
 use super::instance::InstanceSlot;
 use super::lights::ChangedLights;
 use super::object::{self, ObjectSlot};
+use super::open::{Open, Shutter};
 use super::table::{CommitOptions, CommitReport, ShaderTable};
 use super::{Followed, World, check, top};
 use crate::error::CommitError;
@@ -34,17 +37,44 @@ impl World {
         options: &CommitOptions,
         pool: &rayon::ThreadPool,
     ) -> Result<CommitReport, CommitError> {
+        self.commit_exposed(scene, &Exposure::default(), shaders, options, pool)
+    }
+
+    /// The same for a shutter that is open: what `exposure` names moves while a picture is taken, and the scene shows where all
+    /// is when it opens. Trees of meshes that bend are built at each commit. What has no place at some moment, because it is
+    /// flat then, stays where the scene shows it; ids that the scene does not have are passed over.
+    ///
+    /// # Errors
+    /// As [`commit`](Self::commit).
+    pub fn commit_exposed(
+        &mut self,
+        scene: &Scene,
+        exposure: &Exposure,
+        shaders: &ShaderTable,
+        options: &CommitOptions,
+        pool: &rayon::ThreadPool,
+    ) -> Result<CommitReport, CommitError> {
         let start = Instant::now();
         let followed = self.follows.as_ref();
         let followed = followed.filter(|it| it.options == *options && it.identity == *scene.identity());
-        let (mut world, due) = match followed {
+        let (mut world, mut due) = match followed {
             Some(followed) => (self.clone(), Due::since(followed.cursor, scene, &self.materials, shaders)),
             None => (Self::new(), Due::everything(scene)),
         };
+        let mut open = Open::new(scene, exposure);
+        due.open(&open);
+        if let Some(before) = &world.open {
+            due.open(before);
+        }
+        due.objects.retain(|&id| (id as usize) < scene.objects().len());
+        due.instances.retain(|&id| (id as usize) < scene.instances().len());
         check::check(scene, shaders, &due)?;
         let mut report = CommitReport::default();
         let is_first = followed.is_none();
-        world.update(is_first, &due, scene, shaders, options, pool, &mut report);
+        world.update(is_first, &due, (scene, exposure), shaders, options, pool, &mut report);
+        world.shutter = Shutter::Closed;
+        open.lamps_move = world.lights.lamps.move_in(&world.instances);
+        world.open = (!exposure.is_still()).then(|| Arc::new(open));
         world.follows =
             Some(Followed { identity: scene.identity().clone(), cursor: scene.cursor(), options: *options });
         *self = world;
@@ -59,7 +89,7 @@ impl World {
         &mut self,
         is_first: bool,
         due: &Due,
-        scene: &Scene,
+        (scene, exposure): (&Scene, &Exposure),
         shaders: &ShaderTable,
         options: &CommitOptions,
         pool: &rayon::ThreadPool,
@@ -73,7 +103,8 @@ impl World {
             (report.made_shaders, emission_changed) = (changed.made, changed.emission);
         }
 
-        let Geometry { changed, is_moved } = self.update_geometry(due, scene, options, pool, report);
+        let Geometry { changed, is_moved } =
+            self.update_geometry(due, (scene, exposure), options, pool, report);
         if is_moved {
             self.tree = top::after(&self.tree, scene, &self.instances, &changed, pool);
             report.built_top_tree = true;
@@ -99,7 +130,7 @@ impl World {
     fn update_geometry(
         &mut self,
         due: &Due,
-        scene: &Scene,
+        (scene, exposure): (&Scene, &Exposure),
         options: &CommitOptions,
         pool: &rayon::ThreadPool,
         report: &mut CommitReport,
@@ -136,6 +167,7 @@ impl World {
             objects_due.sort_unstable();
             objects_due.dedup();
             let before = objects.clone();
+            let scene = (scene, exposure);
             let rebuilt = object::update(objects, &self.crowds, &objects_due, scene, options.memory, pool);
             let dropped = |slot: &ObjectSlot| {
                 slot.object.as_ref().map_or(0, |object| object.tree.bad_primitives().total() as usize)
@@ -163,7 +195,11 @@ impl World {
             let instances = Arc::make_mut(&mut self.instances);
             instances.grow(last as usize + 1);
             let objects = &self.objects;
-            let place = |id: usize| InstanceSlot::new(&scene.instances()[id], objects);
+            let ways: HashMap<u32, &[Affine]> =
+                exposure.instances.iter().map(|(id, places)| (id.0, &places[..])).collect();
+            let place = |id: usize| {
+                InstanceSlot::new(&scene.instances()[id], objects, ways.get(&(id as u32)).copied())
+            };
             pool.install(|| instances.set_all(&changed, true, place));
             let is_dropped =
                 |slot: Option<&InstanceSlot>| usize::from(slot.is_some_and(InstanceSlot::is_dropped));

@@ -8,6 +8,7 @@ use gnurt_scene::{ObjectId, Scene};
 
 use super::material_table::MaterialTable;
 use super::materials;
+use super::open::Open;
 use super::table::ShaderTable;
 
 /// Ids of what is to be looked at, each list ascending.
@@ -34,6 +35,15 @@ impl Due {
             materials: all(scene.materials().len()),
             textures: all(scene.textures().len()),
             lights: all(scene.lights().len()),
+        }
+    }
+
+    /// What moves while the shutter is open, or did.
+    pub(super) fn open(&mut self, open: &Open) {
+        for (list, more) in [(&mut self.objects, &open.objects), (&mut self.instances, &open.instances)] {
+            list.extend(more);
+            list.sort_unstable();
+            list.dedup();
         }
     }
 

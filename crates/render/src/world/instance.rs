@@ -5,10 +5,11 @@
 use std::sync::Arc;
 
 use glam::{DMat3, Mat3, Vec3};
-use gnurt_accel::SharedList;
+use gnurt_accel::{MotionPath, SharedList};
 use gnurt_scene::{Affine, Instance, ObjectId, RayMask};
 
 use super::object::{ObjectSlot, WorldObject};
+use super::open::path;
 
 /// An instance as shading needs it.
 #[derive(Clone)]
@@ -25,6 +26,8 @@ pub(crate) struct PlacedInstance {
     pub(crate) normals: Mat3,
     /// Whether `linear` mirrors: triangles wind the other way round in the world.
     pub(crate) mirrors: bool,
+    /// Its way while the shutter is open; all the above is where it is at first.
+    pub(crate) motion: Option<Arc<MotionPath>>,
 }
 
 /// What there is of an instance of the scene.
@@ -39,12 +42,19 @@ pub(super) enum InstanceSlot {
 }
 
 impl InstanceSlot {
-    /// An instance as the scene has it, if it shows an object that is there.
-    pub(super) fn new(instance: &Instance, objects: &SharedList<ObjectSlot>) -> Self {
+    /// An instance as the scene has it, if it shows an object that is there; and its places while the shutter is open.
+    pub(super) fn new(
+        instance: &Instance,
+        objects: &SharedList<ObjectSlot>,
+        places: Option<&[Affine]>,
+    ) -> Self {
         let object = objects.get(instance.object.index()).and_then(|slot| slot.object.clone());
         let Some(object) = object.filter(|_| instance.visible) else { return Self::Hidden };
         match PlacedInstance::new(object, instance.object, &instance.world_from_object, instance.mask) {
-            Some(placed) => Self::Placed(placed),
+            Some(placed) => {
+                let motion = places.and_then(|places| path(places, &placed.object.tree.bounds()));
+                Self::Placed(PlacedInstance { motion, ..placed })
+            }
             None => Self::Dropped(instance.object),
         }
     }
@@ -95,9 +105,16 @@ impl PlacedInstance {
             origin: Vec3::from(origin.map(|x| x as f32)),
             normals: normals.as_mat3(),
             mirrors: linear.determinant() < 0.0,
+            motion: None,
         };
         let finite = placed.linear.is_finite() && placed.origin.is_finite() && placed.normals.is_finite();
         finite.then_some(placed)
+    }
+
+    /// Where it is at a moment, if it moves and has a place then.
+    pub(crate) fn at(&self, time: f32) -> Option<Self> {
+        let columns = self.motion.as_ref()?.at(time);
+        Self::new(self.object.clone(), self.object_id, &Affine { columns }, self.mask)
     }
 
     /// A point of the object in the world.

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use gnurt_accel::SharedList;
+use gnurt_accel::{Moment, SharedList};
 use gnurt_scene::RayMask;
 use gnurt_shading::lights as shading;
 use rayon::prelude::*;
@@ -61,11 +61,31 @@ impl Lamps {
         if now.is_empty() && self.instances.is_empty() {
             return None;
         }
-        Some(Self::of(now, instances, materials, pool))
+        Some(Self::of(now, 0.0, instances, materials, pool))
+    }
+
+    /// The same lamps where they are at a moment of the open shutter.
+    pub(super) fn at(
+        &self,
+        time: f32,
+        instances: &SharedList<InstanceSlot>,
+        materials: &MaterialTable,
+        pool: &rayon::ThreadPool,
+    ) -> Self {
+        Self::of(self.instances.clone(), time, instances, materials, pool)
+    }
+
+    /// Whether some of them move while the shutter is open.
+    pub(super) fn move_in(&self, instances: &SharedList<InstanceSlot>) -> bool {
+        let placed = |&id: &u32| instances.get(id as usize).and_then(InstanceSlot::placed);
+        let bends = |object: &WorldObject| object.keys.iter().any(|keys| !keys.is_empty());
+        let moves = |placed: &PlacedInstance| placed.motion.is_some() || bends(&placed.object);
+        self.triangles.is_some() && self.instances.iter().filter_map(placed).any(moves)
     }
 
     fn of(
         lamps: Vec<u32>,
+        time: f32,
         instances: &SharedList<InstanceSlot>,
         materials: &MaterialTable,
         pool: &rayon::ThreadPool,
@@ -78,10 +98,13 @@ impl Lamps {
         let of_instance = |&inst_id: &u32| {
             let mut found = Vec::new();
             let Some(instance) = instances[inst_id as usize].placed() else { return found };
-            for (geom_id, mesh) in (0..).zip(&instance.object.meshes) {
+            let moved = instance.at(time);
+            let instance = moved.as_ref().unwrap_or(instance);
+            let meshes = instance.object.meshes.iter().zip(&instance.object.keys);
+            for (geom_id, (mesh, keys)) in (0..).zip(meshes) {
                 let Some(emitter) = number[mesh.material.index()] else { continue };
                 for prim_id in 0..mesh.indices.len() {
-                    if let Some(shining) = triangle(instance, mesh, prim_id, emitter) {
+                    if let Some(shining) = triangle(instance, (mesh, keys, time), prim_id, emitter) {
                         found.push((shining, [inst_id, geom_id, prim_id as u32]));
                     }
                 }
@@ -104,7 +127,7 @@ fn object_shines(object: &WorldObject, materials: &MaterialTable) -> bool {
 /// A triangle in the world; `None` if it cannot be traced, because what is not there does not shine.
 fn triangle(
     instance: &PlacedInstance,
-    mesh: &gnurt_scene::Mesh,
+    (mesh, keys, time): (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),
     prim_id: usize,
     emitter: u32,
 ) -> Option<shading::EmissiveTriangle> {
@@ -112,7 +135,15 @@ fn triangle(
     if instance.mirrors {
         corners.swap(1, 2);
     }
-    let position = |i: usize| mesh.positions.get(i).map(|&p| instance.point(p.into()));
+    let moment = Moment::of(time, keys.len());
+    let position = |i: usize| {
+        let at = |mesh: &gnurt_scene::Mesh| mesh.positions.get(i).copied();
+        let p = match keys {
+            [] => at(mesh)?,
+            _ => moment.mix3(at(&keys[moment.key])?, at(&keys[moment.next])?),
+        };
+        Some(instance.point(p.into()))
+    };
     let p = [position(corners[0])?, position(corners[1])?, position(corners[2])?];
     let area = (p[1] - p[0]).cross(p[2] - p[0]).length();
     let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());

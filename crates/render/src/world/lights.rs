@@ -54,6 +54,9 @@ pub(crate) struct Lights {
     shader_lamps: OnceLock<ShaderLamps>,
 }
 
+/// Lights and the environment of the shader table.
+type FromTable<'a> = (&'a [Arc<dyn LightShader>], &'a Option<Arc<dyn EnvironmentShader>>);
+
 /// What a commit has found out before it comes to lights.
 pub(super) struct ChangedLights {
     /// Those of the scene were edited, or a texture.
@@ -136,6 +139,27 @@ impl Lights {
         own_environment: Option<EnvironmentLight>,
         bounds: [Vec3; 2],
     ) -> Self {
+        let others = (&table.lights[..], &table.environment);
+        Self::made(scene.lights(), others, lamps, own_environment, bounds)
+    }
+
+    /// The same lights at a moment of the open shutter: those of the scene, and the triangles that shine, where they are others
+    /// then.
+    pub(super) fn at(&self, lights: Option<Vec<Light>>, lamps: Option<Lamps>) -> Self {
+        let lights = lights.unwrap_or_else(|| self.punctual.clone());
+        let lamps = lamps.map_or_else(|| self.lamps.clone(), Arc::new);
+        let from_table = self.environment.clone().filter(|_| self.own_environment.is_none());
+        let others = (&self.shaders[self.plugins.clone()], &from_table);
+        Self::made(&lights, others, lamps, self.own_environment.clone(), self.parts.bounds)
+    }
+
+    fn made(
+        lights: &[Light],
+        (others, environment): FromTable,
+        lamps: Arc<Lamps>,
+        own_environment: Option<EnvironmentLight>,
+        bounds: [Vec3; 2],
+    ) -> Self {
         let mut parts = shading::LightParts {
             triangles: lamps.triangles.clone(),
             triangle_ids: lamps.ids.clone(),
@@ -144,15 +168,15 @@ impl Lights {
             ..Default::default()
         };
         let is_punctual = |light: &&Light| !matches!(light, Light::Environment { .. });
-        let punctual: Vec<Light> = scene.lights().iter().filter(is_punctual).cloned().collect();
+        let punctual: Vec<Light> = lights.iter().filter(is_punctual).cloned().collect();
         let mut shaders: Vec<Arc<dyn LightShader>> = Vec::new();
         if let Some(triangles) = &parts.triangles {
             shaders.push(triangles.clone());
         }
         shaders.extend(punctual.iter().filter_map(|light| without_extent(light, &mut parts)));
-        let plugins = shaders.len()..shaders.len() + table.lights.len();
-        shaders.extend(table.lights.iter().cloned());
-        let mut environment = table.environment.clone();
+        let plugins = shaders.len()..shaders.len() + others.len();
+        shaders.extend(others.iter().cloned());
+        let mut environment = environment.clone();
         if let Some(own) = &own_environment {
             let (light, own): (Arc<dyn LightShader>, Arc<dyn EnvironmentShader>) = match own {
                 EnvironmentLight::Constant(constant) => (constant.clone(), constant.clone()),

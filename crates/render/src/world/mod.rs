@@ -16,6 +16,7 @@ mod material_table;
 mod materials;
 mod normals;
 mod object;
+mod open;
 mod surface;
 mod table;
 #[cfg(test)]
@@ -28,8 +29,8 @@ use std::sync::{Arc, Weak};
 
 use gnurt_accel::{Hit, HitBatch, INVALID_ID, Ray, SceneTree, SharedList};
 use gnurt_scene::edit::{Cursor, SceneIdentity};
-use gnurt_shading::SurfaceShader;
 use gnurt_shading::lights::LightSet;
+use gnurt_shading::{SampleKey, SurfaceShader};
 
 use crate::many_lights::ShaderLamps;
 use crowds::Crowds;
@@ -38,6 +39,8 @@ pub(crate) use instance::PlacedInstance;
 pub(crate) use lights::{Lights, LightsContent};
 pub(crate) use material_table::MaterialTable;
 use object::ObjectSlot;
+use open::Open;
+pub(crate) use open::Shutter;
 pub(crate) use surface::HitLanes;
 pub use table::{CommitOptions, CommitReport, ShaderTable};
 
@@ -75,6 +78,10 @@ pub struct World {
     materials: Arc<MaterialTable>,
     lights: Arc<Lights>,
     face_normals: bool,
+    /// What moves while the shutter is open; `None` = nothing.
+    open: Option<Arc<Open>>,
+    /// When rays see it.
+    shutter: Shutter,
     dropped: Dropped,
     follows: Option<Followed>,
 }
@@ -179,6 +186,57 @@ impl World {
     /// All lights but those of shader plugins, with densities.
     pub(crate) fn light_set(&self) -> &LightSet {
         self.lights.set()
+    }
+
+    /// Whether something moves while the shutter is open.
+    pub(crate) fn is_open(&self) -> bool {
+        self.open.is_some()
+    }
+
+    /// Whether nobody has said yet when its rays see what moves.
+    pub(crate) fn wants_moments(&self) -> bool {
+        self.is_open() && self.shutter == Shutter::Closed
+    }
+
+    /// Whether light comes from elsewhere at each moment.
+    pub(crate) fn lights_move(&self) -> bool {
+        self.open.as_ref().is_some_and(|open| open.lights_move())
+    }
+
+    /// The same world, whose rays have moments of their own.
+    pub(crate) fn with_moments(&self, seed: u64) -> Self {
+        Self { shutter: Shutter::Each(seed), ..self.clone() }
+    }
+
+    /// The world at the moment of a pass.
+    pub(crate) fn of_pass(&self, seed: u64, sample: u32, pool: &rayon::ThreadPool) -> Self {
+        self.at(open::moment_of_pass(seed, sample), pool)
+    }
+
+    /// The world at one moment of the open shutter, from 0 to 1: all rays see it then, and lights are where they are then.
+    #[must_use]
+    pub fn at(&self, time: f32, pool: &rayon::ThreadPool) -> Self {
+        let mut world = Self { shutter: Shutter::All(time), ..self.clone() };
+        if let Some(open) = self.open.as_ref().filter(|open| open.lights_move()) {
+            let lamps =
+                open.lamps_move.then(|| self.lights.lamps.at(time, &self.instances, &self.materials, pool));
+            world.lights = Arc::new(self.lights.at(open.lights_at(time), lamps));
+        }
+        world
+    }
+
+    /// The moment of a ray with this key.
+    #[inline]
+    pub(crate) fn time(&self, key: SampleKey) -> f32 {
+        self.shutter.time(key)
+    }
+
+    /// The moment of all rays, where they have one.
+    pub(crate) fn time_of_all(&self) -> f32 {
+        match self.shutter {
+            Shutter::All(time) => time,
+            Shutter::Closed | Shutter::Each(_) => 0.0,
+        }
     }
 
     /// Where light paths start at lights of shader plugins.

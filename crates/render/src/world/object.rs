@@ -6,9 +6,11 @@
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Geometry, Memory, Motion, MovingTree, ObjectTree, SharedList, Threads, Triangles, Update,
+    BuildOptions, Geometry, Memory, Motion, MovingTree, MovingTriangles, ObjectTree, SharedList, Threads,
+    Triangles, Update,
 };
-use gnurt_scene::{Mesh, Scene};
+use gnurt_scene::animation::Exposure;
+use gnurt_scene::{Mesh, MeshId, Scene};
 use rayon::prelude::*;
 
 use super::crowds::{Crowds, Kind};
@@ -17,6 +19,8 @@ use super::crowds::{Crowds, Kind};
 pub(crate) struct WorldObject {
     /// By geometry id: what the scene's meshes were at commit. Shared with the scene until it edits them.
     pub(crate) meshes: Vec<Arc<Mesh>>,
+    /// The same at moments while the shutter is open, by geometry id; empty for those that stay.
+    pub(crate) keys: Vec<Vec<Arc<Mesh>>>,
     pub(crate) tree: Arc<ObjectTree>,
     /// The same tree, with what it takes to follow the meshes.
     moving: MovingTree,
@@ -58,7 +62,7 @@ pub(super) fn update(
     objects: &mut SharedList<ObjectSlot>,
     crowds: &Crowds,
     due: &[u32],
-    scene: &Scene,
+    scene: (&Scene, &Exposure),
     memory: Memory,
     pool: &rayon::ThreadPool,
 ) -> ChangedObjects {
@@ -93,6 +97,8 @@ pub(super) fn update(
 /// An object as the scene has it now.
 struct Found {
     meshes: Vec<Arc<Mesh>>,
+    /// As those of a [`WorldObject`].
+    keys: Vec<Vec<Arc<Mesh>>>,
     motion: gnurt_scene::Motion,
     kind: Option<Arc<Kind>>,
     /// What it was, if nothing but vertices can have moved.
@@ -100,24 +106,43 @@ struct Found {
 }
 
 impl Found {
-    fn new(scene: &Scene, id: u32, objects: &SharedList<ObjectSlot>, crowds: &Crowds) -> Self {
+    fn new(
+        (scene, exposure): (&Scene, &Exposure),
+        id: u32,
+        objects: &SharedList<ObjectSlot>,
+        crowds: &Crowds,
+    ) -> Self {
         let object = &scene.objects()[id as usize];
         // Shared with the scene, which copies what it edits later.
         let meshes: Vec<Arc<Mesh>> =
             object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
-        let before = objects[id as usize].object.clone();
+        let exposed =
+            |id: &MeshId| exposure.meshes.iter().find(|(mesh, keys)| mesh == id && !keys.is_empty());
+        let keys = |id: &MeshId| exposed(id).map(|(_, keys)| keys.clone()).unwrap_or_default();
+        let keys: Vec<Vec<Arc<Mesh>>> = object.meshes.iter().map(keys).collect();
+        let before = objects[id as usize].object.clone().filter(|before| !bends(&before.keys));
         let before = before.filter(|before| same_topology(&before.meshes, &meshes));
-        let moves = !matches!(object.motion, gnurt_scene::Motion::Static | gnurt_scene::Motion::Rigid);
+        // One that bends while the shutter is open has a tree of its own.
+        let moves = !bends(&keys)
+            && !matches!(object.motion, gnurt_scene::Motion::Static | gnurt_scene::Motion::Rigid);
         let known = before.as_ref().and_then(|before| before.kind.clone());
         let kind = moves.then(|| known.unwrap_or_else(|| crowds.kind_of(&meshes)));
-        Self { meshes, motion: object.motion, kind, before }
+        Self { meshes, keys, motion: object.motion, kind, before }
     }
+}
+
+/// Whether some of an object's meshes bend while the shutter is open.
+fn bends(keys: &[Vec<Arc<Mesh>>]) -> bool {
+    keys.iter().any(|keys| !keys.is_empty())
 }
 
 /// An object, and what was done for it: its tree is the one before where no triangle has moved, and that one refitted where
 /// vertices have. One of many of its kind shares with the others.
 fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObject, Option<Update>) {
-    let Found { meshes, motion: moves, kind, before } = found;
+    let Found { meshes, keys, motion: moves, kind, before } = found;
+    if bends(keys) {
+        return exposed(*moves, meshes.clone(), keys.clone(), memory, pool);
+    }
     let known = before.as_ref().map(|before| match before.motion == *moves {
         true => before.moving.clone(),
         false => MovingTree::of(before.tree.clone(), motion(*moves)),
@@ -151,7 +176,30 @@ fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObjec
         }
     };
     let (tree, meshes, kind) = (moving.tree().clone(), meshes.clone(), kind.clone());
-    (WorldObject { tree, moving, motion: *moves, meshes, kind }, update)
+    (WorldObject { tree, moving, motion: *moves, meshes, keys: keys.clone(), kind }, update)
+}
+
+/// An object some of whose meshes bend while the shutter is open. Its tree is built.
+fn exposed(
+    motion_of_object: gnurt_scene::Motion,
+    meshes: Vec<Arc<Mesh>>,
+    keys: Vec<Vec<Arc<Mesh>>>,
+    memory: Memory,
+    pool: &rayon::ThreadPool,
+) -> (WorldObject, Option<Update>) {
+    let lists: Vec<Vec<&[[f32; 3]]>> =
+        keys.iter().map(|keys| keys.iter().map(|mesh| &mesh.positions[..]).collect()).collect();
+    let mut geometries: Vec<Geometry> = Vec::with_capacity(meshes.len());
+    for (mesh, keys) in meshes.iter().zip(&lists) {
+        geometries.push(match keys.is_empty() {
+            true => Triangles { positions: &mesh.positions, indices: &mesh.indices }.into(),
+            false => MovingTriangles { keys, indices: &mesh.indices }.into(),
+        });
+    }
+    let options = BuildOptions { memory, ..BuildOptions::default() };
+    let tree = Arc::new(ObjectTree::build_from(&geometries, &options, Threads::Pool(pool)));
+    let moving = MovingTree::of(tree.clone(), motion(motion_of_object));
+    (WorldObject { tree, moving, motion: motion_of_object, meshes, keys, kind: None }, Some(Update::Rebuilt))
 }
 
 fn motion(motion: gnurt_scene::Motion) -> Motion {

@@ -6,8 +6,10 @@
 //! rounding, and `error` bounds that from the largest coordinate involved.
 //! Invariant: every CPU level gives the same bits. Proof: crates/render/tests/{offsets,terminator,appearance,lanes}.rs.
 
-use glam::Vec3;
-use gnurt_accel::{HitBatch, RayBatch};
+use std::sync::Arc;
+
+use glam::{Mat3, Vec3};
+use gnurt_accel::{HitBatch, Moment, RayBatch};
 use gnurt_scene::{Attribute, Mesh, Rate};
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::real::{Real, Vector};
@@ -39,6 +41,9 @@ type Row = [f32; LANES];
 struct Gathered<'w> {
     instances: [Option<&'w PlacedInstance>; LANES],
     meshes: [Option<&'w Mesh>; LANES],
+    /// Of meshes that bend while the shutter is open.
+    keys: [&'w [Arc<Mesh>]; LANES],
+    times: Row,
     vertices: [[usize; 3]; LANES],
     /// Three corners, object space.
     corners: [Row; 9],
@@ -66,6 +71,8 @@ impl<'w> Gathered<'w> {
         Self {
             instances: [None; LANES],
             meshes: [None; LANES],
+            keys: [&[]; LANES],
+            times: [0.0; LANES],
             vertices: [[0; 3]; LANES],
             corners: [[0.0; LANES]; 9],
             normals: [[0.0; LANES]; 9],
@@ -76,25 +83,35 @@ impl<'w> Gathered<'w> {
     }
 
     /// Reads what the points of these lanes need, sixteen or fewer.
-    fn read(&mut self, world: &'w World, hits: &HitBatch, lanes: &[u32]) {
+    fn read(&mut self, world: &'w World, from: HitLanes, lanes: &[u32]) {
+        let hits = from.hits;
         self.has = Has::default();
         let (mut last, mut known) = ([u32::MAX; 2], None);
+        let is_open = world.is_open();
         for (i, &lane) in lanes.iter().enumerate().take(LANES) {
             let lane = lane as usize;
             let ids = [hits.inst_id[lane], hits.geom_id[lane]];
             if ids != last {
                 let instance = world.instance(ids[0]);
-                known = Some((instance, &*instance.object.meshes[ids[1] as usize]));
+                let geom_id = ids[1] as usize;
+                let keys = instance.object.keys.get(geom_id).map_or(&[][..], |keys| &keys[..]);
+                known = Some((instance, &*instance.object.meshes[geom_id], keys));
                 last = ids;
             }
-            let Some((instance, mesh)) = known else { continue };
-            (self.instances[i], self.meshes[i]) = (Some(instance), Some(mesh));
+            let Some((instance, mesh, keys)) = known else { continue };
+            (self.instances[i], self.meshes[i], self.keys[i]) = (Some(instance), Some(mesh), keys);
+            if is_open {
+                self.times[i] = world.time(from.keys[lane]);
+            }
             let vertices = mesh.indices[hits.prim_id[lane] as usize].map(|v| v as usize);
             self.vertices[i] = vertices;
             for (c, &vertex) in vertices.iter().enumerate() {
                 put_vector(&mut self.corners, 3 * c, i, mesh.positions[vertex]);
             }
             self.read_attributes(i, mesh, !world.face_normals);
+            if !keys.is_empty() {
+                self.bend(i);
+            }
         }
         self.read_places(lanes.len().min(LANES));
     }
@@ -122,14 +139,34 @@ impl<'w> Gathered<'w> {
         self.has.tangents |= !mesh.tangents.is_empty();
     }
 
+    /// Corners and normals of lane `i` as they are at its moment.
+    #[cold]
+    fn bend(&mut self, i: usize) {
+        let (moment, keys) = (Moment::of(self.times[i], self.keys[i].len()), self.keys[i]);
+        let (from, to) = (&keys[moment.key], &keys[moment.next]);
+        for (c, &vertex) in self.vertices[i].iter().enumerate() {
+            if let (Some(&a), Some(&b)) = (from.positions.get(vertex), to.positions.get(vertex)) {
+                put_vector(&mut self.corners, 3 * c, i, moment.mix3(a, b));
+            }
+            // Without any where they are not wanted.
+            let has_one = (0..3).any(|k| self.normals[3 * c + k][i] != 0.0);
+            if let (true, Some(&a), Some(&b)) = (has_one, from.normals.get(vertex), to.normals.get(vertex)) {
+                put_vector(&mut self.normals, 3 * c, i, moment.mix3(a, b));
+            }
+        }
+    }
+
     /// Reads where the first `count` lanes' objects are: once for neighbours of one object.
     fn read_places(&mut self, count: usize) {
         let mut first = 0;
         while first < count {
             let Some(instance) = self.instances[first] else { return };
             let is_same = |i: &usize| self.instances[*i].is_some_and(|other| std::ptr::eq(other, instance));
-            let end = (first + 1..count).find(|i| !is_same(i)).unwrap_or(count);
-            let PlacedInstance { linear, normals, origin, .. } = instance;
+            let moved = instance.at(self.times[first]);
+            let end = (first + 1..count)
+                .find(|&i| !is_same(&i) || (moved.is_some() && self.times[i] != self.times[first]))
+                .unwrap_or(count);
+            let PlacedInstance { linear, normals, origin, .. } = moved.as_ref().unwrap_or(instance);
             let (linear, normals) = (linear.to_cols_array(), normals.to_cols_array());
             for k in 0..9 {
                 self.place[k][first..end].fill(linear[k]);
@@ -203,7 +240,7 @@ impl World {
         }
         let mut gathered = Gathered::new();
         for (block, some) in lanes.chunks(LANES).enumerate() {
-            gathered.read(self, hits, some);
+            gathered.read(self, from, some);
             let at = block * LANES;
             dispatch_wide!(
                 level,
@@ -351,11 +388,8 @@ impl Gathered<'_> {
             return;
         }
         for i in 0..count {
-            let (Some(mesh), Some(instance), vertices) =
-                (self.meshes[i], self.instances[i], self.vertices[i])
-            else {
-                continue;
-            };
+            let (Some(mesh), vertices) = (self.meshes[i], self.vertices[i]) else { continue };
+            let linear = Mat3::from_cols_array(&std::array::from_fn(|k| self.place[k][i]));
             let place = at + i;
             let (u, v) = (out.u[place], out.v[place]);
             let weights = [1.0 - u - v, u, v];
@@ -371,8 +405,7 @@ impl Gathered<'_> {
                 for (k, row) in divided.uv.iter_mut().enumerate() {
                     row[0] = self.uv[k][i] / q[k / 2];
                 }
-                let corners = vertices.map(|v| Vector::from(Vec3::from(mesh.positions[v])));
-                let linear = instance.linear;
+                let corners = [0, 3, 6].map(|k| Vector::from(self.vector_of(k, i)));
                 let linear = Columns([linear.x_axis, linear.y_axis, linear.z_axis].map(Vector::from));
                 divided.changes((0.0_f32, 0), &corners, &linear, (place, 1), out);
             }
@@ -381,10 +414,15 @@ impl Gathered<'_> {
             {
                 let length = |v: Vec3| if v == Vec3::ZERO { 1.0 } else { v.length() };
                 let lengths = [out.dp_du.get(place), out.dp_dv.get(place)].map(length);
-                out.dp_du.set(place, (instance.linear * along).normalize_or_zero() * lengths[0]);
-                out.dp_dv.set(place, (instance.linear * across).normalize_or_zero() * lengths[1]);
+                out.dp_du.set(place, (linear * along).normalize_or_zero() * lengths[0]);
+                out.dp_dv.set(place, (linear * across).normalize_or_zero() * lengths[1]);
             }
         }
+    }
+
+    /// Corner `k / 3` of lane `i`.
+    fn vector_of(&self, k: usize, i: usize) -> Vec3 {
+        Vec3::new(self.corners[k][i], self.corners[k + 1][i], self.corners[k + 2][i])
     }
 
     /// The mesh's own tangents at lane `i`, where all corners have one and normals to go with them: unit, object space.
@@ -396,6 +434,7 @@ impl Gathered<'_> {
         let (mut tangent, mut normal, mut side) = (Vec3::ZERO, Vec3::ZERO, 0.0);
         for (c, &vertex) in self.vertices[i].iter().enumerate() {
             let [x, y, z, w] = *mesh.tangents.get(vertex)?;
+            let [x, y, z] = self.bent_tangent(i, vertex).unwrap_or([x, y, z]);
             tangent += Vec3::new(x, y, z).try_normalize()? * weights[c];
             let [x, y, z] = [0, 1, 2].map(|k| self.normals[3 * c + k][i]);
             normal += Vec3::new(x, y, z).try_normalize()? * weights[c];
@@ -403,6 +442,14 @@ impl Gathered<'_> {
         }
         let tangent = tangent.try_normalize()?;
         Some([tangent, normal.cross(tangent).try_normalize()? * 1.0_f32.copysign(side)])
+    }
+
+    /// The tangent of a vertex of lane `i` at its moment, if the mesh bends.
+    fn bent_tangent(&self, i: usize, vertex: usize) -> Option<[f32; 3]> {
+        let keys = self.keys[i];
+        let moment = Moment::of(self.times[i], keys.len());
+        let at = |key: usize| keys.get(key)?.tangents.get(vertex).map(|&[x, y, z, _]| [x, y, z]);
+        Some(moment.mix3(at(moment.key)?, at(moment.next)?))
     }
 }
 

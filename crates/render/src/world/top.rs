@@ -22,8 +22,12 @@ pub(super) fn after(
 ) -> Arc<SceneTree> {
     let shown = |place: usize| {
         let placed = instances[place].placed()?;
-        let world_from_object = scene.instances()[place].world_from_object.columns;
-        Some(Instance::new(placed.object.tree.clone(), world_from_object).with_mask(placed.mask.0))
+        let tree = placed.object.tree.clone();
+        let instance = match &placed.motion {
+            Some(motion) => Instance::moving(tree, motion.clone()),
+            None => Instance::new(tree, scene.instances()[place].world_from_object.columns),
+        };
+        Some(instance.with_mask(placed.mask.0))
     };
     let threads = Threads::Pool(pool);
     let tree = if changed.len() > instances.len() / 2 {

@@ -9,14 +9,15 @@
 //! ```
 //!
 //! A scene holds one [`Animation`] at most; [`Scene::pose`](crate::Scene::pose) edits the scene so that it shows a moment of a clip.
-//! What a moment leaves as it is is not edited, and so costs no commit anything. There is no blur yet: a moment is a point in time;
-//! an open shutter will ask for several moments of one [`Animation`].
+//! What a moment leaves as it is is not edited, and so costs no commit anything. A moment is a point in time;
+//! an open shutter is an [`Exposure`]: what moves, at several moments.
 //! Space: nodes relative to their parents, cameras and lights in world space. Times are seconds, as files write them.
 //! Proof: `tests/animation.rs`, `tests/animated_scenes.rs`.
 
 mod body;
 mod check;
 mod clip;
+mod exposure;
 mod local;
 mod model;
 mod moment;
@@ -27,6 +28,7 @@ mod sampler;
 pub use body::{Bend, Body, Deltas, Influences, Morph};
 pub(crate) use body::{add_morph, follow_joints, stretches};
 pub use clip::{Channel, Clip, FactorPart, LightPart, Target, TexturePart};
+pub use exposure::Exposure;
 pub use local::{Local, Trs};
 pub(crate) use model::camera_at;
 pub use model::{

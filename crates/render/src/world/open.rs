@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What of a world moves while the shutter is open, and at which moment rays see it.
+//! Source: [CPC84] (a moment for each ray); original for the rest. Where each ray has a moment of its own, it is a function of its
+//! pixel and sample, so that all rays of a path have the same one without carrying it. Where all rays of a pass need one, because
+//! virtual lights are the pass's or because lights move, the pass has it: a van der Corput sequence over the samples.
+//! Invariant: moments are in [0, 1) and do not depend on threads. Proof: crates/render/tests/shutter.rs.
+
+use std::sync::Arc;
+
+use gnurt_accel::{Aabb, Moment, MotionPath};
+use gnurt_scene::animation::Exposure;
+use gnurt_scene::{Affine, Light, Scene};
+use gnurt_shading::SampleKey;
+use gnurt_shading::sampling::{hash_combine, purpose, sample_pair};
+
+/// When rays see what moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) enum Shutter {
+    /// Nothing moves.
+    #[default]
+    Closed,
+    /// Each at a moment of its own, drawn by this seed.
+    Each(u64),
+    /// All at this moment.
+    All(f32),
+}
+
+impl Shutter {
+    /// The moment of a ray with this key.
+    #[inline]
+    pub(crate) fn time(self, key: SampleKey) -> f32 {
+        match self {
+            Self::Closed => 0.0,
+            Self::Each(seed) => sample_pair(seed, SampleKey { branch: 0, ..key }, 0, purpose::TIME)[0],
+            Self::All(time) => time,
+        }
+    }
+}
+
+/// The moment of a pass.
+pub(super) fn moment_of_pass(seed: u64, sample: u32) -> f32 {
+    let shift = hash_combine(seed as u32, (seed >> 32) as u32 ^ purpose::TIME);
+    // The sum wraps around, as the moments do.
+    let bits = sample.reverse_bits().wrapping_add(shift);
+    (bits >> 8) as f32 / (1 << 24) as f32
+}
+
+/// What moves, beside the paths of instances and the keys of objects.
+#[derive(Default)]
+pub(super) struct Open {
+    /// Objects with meshes that bend, ascending.
+    pub(super) objects: Vec<u32>,
+    /// Instances that move, ascending.
+    pub(super) instances: Vec<u32>,
+    /// All lights of the scene, if some of them move.
+    lights: Vec<Light>,
+    /// Places of these, and the lights at each key.
+    moving: Vec<(usize, Vec<Light>)>,
+    /// Whether triangles that shine move.
+    pub(super) lamps_move: bool,
+}
+
+impl Open {
+    pub(super) fn new(scene: &Scene, exposure: &Exposure) -> Self {
+        let is_exposed = |id: &gnurt_scene::MeshId| exposure.meshes.iter().any(|(mesh, _)| mesh == id);
+        let bends = |id: &u32| scene.objects()[*id as usize].meshes.iter().any(is_exposed);
+        let objects = match exposure.meshes.is_empty() {
+            true => Vec::new(),
+            false => (0..scene.objects().len() as u32).filter(bends).collect(),
+        };
+        let is_there = |id: &u32| (*id as usize) < scene.instances().len();
+        let mut instances: Vec<u32> =
+            exposure.instances.iter().map(|(id, _)| id.0).filter(is_there).collect();
+        instances.sort_unstable();
+        instances.dedup();
+        let moving: Vec<(usize, Vec<Light>)> = exposure
+            .lights
+            .iter()
+            .filter(|(id, keys)| id.index() < scene.lights().len() && !keys.is_empty())
+            .map(|(id, keys)| (id.index(), keys.clone()))
+            .collect();
+        let lights = if moving.is_empty() { Vec::new() } else { scene.lights().to_vec() };
+        Self { objects, instances, lights, moving, lamps_move: false }
+    }
+
+    /// Whether light comes from elsewhere at each moment.
+    pub(super) fn lights_move(&self) -> bool {
+        self.lamps_move || !self.moving.is_empty()
+    }
+
+    /// The scene's lights at a moment; `None` where none of them moves.
+    pub(super) fn lights_at(&self, time: f32) -> Option<Vec<Light>> {
+        let mut lights = self.lights.clone();
+        for (place, keys) in &self.moving {
+            let moment = Moment::of(time, keys.len());
+            lights[*place] = mixed(&keys[moment.key], &keys[moment.next], &moment);
+        }
+        (!self.moving.is_empty()).then_some(lights)
+    }
+}
+
+/// A light between two keys; where these are of different kinds, the first.
+fn mixed(from: &Light, to: &Light, moment: &Moment) -> Light {
+    let mix = |a: &[f32; 3], b: &[f32; 3]| moment.mix3(*a, *b);
+    match (from, to) {
+        (
+            Light::Point { position, intensity },
+            Light::Point { position: to_position, intensity: to_intensity },
+        ) => Light::Point { position: mix(position, to_position), intensity: mix(intensity, to_intensity) },
+        (
+            Light::Spot { position, direction, intensity, inner_angle, outer_angle },
+            Light::Spot {
+                position: to_position,
+                direction: to_direction,
+                intensity: to_intensity,
+                inner_angle: to_inner,
+                outer_angle: to_outer,
+            },
+        ) => Light::Spot {
+            position: mix(position, to_position),
+            direction: mix(direction, to_direction),
+            intensity: mix(intensity, to_intensity),
+            inner_angle: moment.mix(*inner_angle, *to_inner),
+            outer_angle: moment.mix(*outer_angle, *to_outer),
+        },
+        (
+            Light::Directional { direction, irradiance },
+            Light::Directional { direction: to_direction, irradiance: to_irradiance },
+        ) => Light::Directional {
+            direction: mix(direction, to_direction),
+            irradiance: mix(irradiance, to_irradiance),
+        },
+        _ => from.clone(),
+    }
+}
+
+/// How far a corner of an object may be from where it is, in parts of its size.
+const OFF: f64 = 1.0 / 4096.0;
+
+/// A path through as few of the places, evenly spaced, as say where an object with these bounds is at the others; `None` where a
+/// place is flat, or there is nothing to see.
+pub(super) fn path(places: &[Affine], bounds: &Aabb) -> Option<Arc<MotionPath>> {
+    if bounds.is_empty() {
+        return None;
+    }
+    let columns: Vec<[[f64; 3]; 4]> = places.iter().map(|place| place.columns).collect();
+    let pieces = columns.len().checked_sub(1)?;
+    let steps = (0..).map(|i| pieces >> i).take_while(|&step| step > 1);
+    for step in steps.filter(|step| pieces.is_multiple_of(*step)) {
+        let some: Vec<[[f64; 3]; 4]> = columns.iter().copied().step_by(step).collect();
+        let path = MotionPath::new(&some)?;
+        let share = |i: usize| i as f32 / pieces as f32;
+        if columns.iter().enumerate().all(|(i, place)| is_near(&path.at(share(i)), place, bounds)) {
+            return Some(Arc::new(path));
+        }
+    }
+    MotionPath::new(&columns).map(Arc::new)
+}
+
+/// Whether all corners of a box are nearly at the same places.
+fn is_near(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4], bounds: &Aabb) -> bool {
+    let apply = |m: &[[f64; 3]; 4], p: [f64; 3]| -> [f64; 3] {
+        std::array::from_fn(|row| m[3][row] + (0..3).map(|k| m[k][row] * p[k]).sum::<f64>())
+    };
+    let extent = bounds.extent();
+    let grown = |m: &[[f64; 3]; 4]| -> f64 {
+        let along = |row: usize| (0..3).map(|k| m[k][row].abs() * extent[k]).sum::<f64>();
+        along(0).max(along(1)).max(along(2))
+    };
+    let most = OFF * grown(b);
+    (0..8).all(|corner| {
+        let p =
+            [0, 1, 2].map(|k| f64::from(if corner >> k & 1 == 0 { bounds.min[k] } else { bounds.max[k] }));
+        let (a, b) = (apply(a, p), apply(b, p));
+        (0..3).all(|k| (a[k] - b[k]).abs() <= most)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_of_passes_fill_the_time_evenly() {
+        for (seed, count) in [(0, 64), (7, 64), (99, 16)] {
+            let mut places: Vec<usize> =
+                (0..count).map(|sample| (moment_of_pass(seed, sample) * count as f32) as usize).collect();
+            places.sort_unstable();
+            assert_eq!(places, (0..count as usize).collect::<Vec<_>>(), "one in each piece, seed {seed}");
+        }
+    }
+
+    #[test]
+    fn paths_have_as_few_places_as_do() {
+        let bounds = Aabb { min: [-1.0; 3], max: [1.0; 3] };
+        let turned = |t: f64| Affine::translation([3.0 * t, 0.0, 0.0]) * Affine::rotation([0.0, 1.0, 0.0], t);
+        let places =
+            |angle: f64| -> Vec<Affine> { (0..=16).map(|i| turned(angle * f64::from(i) / 16.0)).collect() };
+        assert_eq!(
+            path(&places(1.0), &bounds).expect("a path").keys().len(),
+            2,
+            "a turn in place, and a line"
+        );
+        let whole = path(&places(7.0), &bounds).expect("a path");
+        assert!(whole.keys().len() > 2, "more than half a turn needs more places");
+        assert!(is_near(&whole.at(0.5), &turned(3.5).columns, &bounds), "and is followed");
+        let swing: Vec<Affine> = (0..=16)
+            .map(|i| {
+                Affine::rotation([0.0, 0.0, 1.0], 2.0 * f64::from(i) / 16.0)
+                    * Affine::translation([5.0, 0.0, 0.0])
+            })
+            .collect();
+        let swing = path(&swing, &bounds).expect("a path");
+        assert!(swing.keys().len() > 2, "one that swings around something else goes along its circle");
+        let flat = vec![Affine::scale([1.0, 0.0, 1.0]); 3];
+        assert!(path(&flat, &bounds).is_none(), "what is flat has no path");
+    }
+}

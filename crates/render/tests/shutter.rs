@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! An open shutter: at each moment it shows what a scene at that moment shows, bit for bit, with every integrator; a picture is
+//! the mean of its moments; commits after it, open or not, are those of fresh worlds. Source: original.
+
+use std::sync::Arc;
+
+use gnurt_accel::{Moment, MotionPath};
+use gnurt_image::Picture;
+use gnurt_render::{
+    CommitOptions, Integrator, MovingCamera, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World,
+    render,
+};
+use gnurt_scene::animation::Exposure;
+use gnurt_scene::{Affine, Camera, InstanceId, Light, LightId, Mesh, MeshId, Scene};
+use gnurt_shading::CameraShader;
+
+use crate::common::*;
+
+const KEYS: usize = 4;
+
+/// A room in which a sheet waves, a lamp sinks, a box turns, and a light passes by.
+struct Room {
+    scene: Scene,
+    exposure: Exposure,
+    cameras: Vec<Camera>,
+}
+
+fn camera_at(x: f32) -> Camera {
+    Camera {
+        name: String::new(),
+        eye: [x, 1.0, 6.0],
+        target: [0.3 * x, 1.0, 0.0],
+        up: [0.0, 1.0, 0.0],
+        fov_y: 40.0,
+    }
+}
+
+/// The way of the box: a turn and a half in all, by thirds.
+fn turned(share: f64) -> Affine {
+    let turn = Affine::rotation([0.0, 1.0, 0.2], share * 3.0 * std::f64::consts::PI);
+    Affine::translation([1.1, 0.6 + 0.2 * share, 0.0]) * turn * Affine::scale([0.5, 0.9, 0.5])
+}
+
+fn room(lights_move: bool) -> Room {
+    let mut scene = floor(0.6, 4.0);
+    let (red, shine) = (matte(&mut scene, [0.8, 0.3, 0.2]), emitter(&mut scene, [25.0, 22.0, 20.0]));
+    let wave = |share: f32, material| {
+        let mut sheet = quad([-2.2, 0.2, -0.5], [1.6, 0.0, 0.0], [0.0, 1.8, 0.3], material);
+        sheet.normals = vec![[0.1, 0.2, 1.0]; 4];
+        for (i, p) in sheet.positions.iter_mut().enumerate() {
+            p[2] += share * [1.2, -0.8, 0.5, 2.0][i % 4];
+            p[1] += 0.3 * share * share;
+        }
+        for normal in &mut sheet.normals {
+            normal[0] -= share;
+        }
+        sheet
+    };
+    let share = |key: usize| key as f32 / (KEYS - 1) as f32;
+    // Corners that are out of sight hold the bounds, which bounds on light hang on, in one place.
+    for corner in [[-9.0_f32, -1.0, -9.0], [9.0, 7.0, 9.0]] {
+        place(&mut scene, quad(corner, [-0.1, 0.0, 0.0], [0.0, -0.1, 0.0], red));
+    }
+    let sheet = scene.add_mesh(wave(0.0, red));
+    let object = scene.add_object_of("sheet", vec![sheet]);
+    scene.instantiate(object, Affine::translation([0.1, 0.0, 0.0]));
+    let ball = scene.add_mesh(sphere([0.0; 3], 1.0, 6, red));
+    let object = scene.add_object_of("box", vec![ball]);
+    let turning = scene.instantiate(object, turned(0.0));
+    let lamp = scene.add_mesh(quad([-0.5, 0.0, 0.5], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0], shine));
+    let object = scene.add_object_of("lamp", vec![lamp]);
+    let sunk = |share: f64| {
+        Affine::translation([0.8 * share, 5.0 - 0.7 * share, 0.5])
+            * Affine::rotation([1.0, 0.0, 0.0], std::f64::consts::PI)
+    };
+    let sinking = scene.instantiate(object, sunk(0.0));
+    let point = |share: f32| Light::Point {
+        position: [3.0 * share - 1.0, 2.0, 2.0],
+        intensity: [2.0, 2.0 + share, 3.0],
+    };
+    let light = scene.add_light(point(0.0));
+    let keys =
+        |at: &dyn Fn(f64) -> Affine| -> Vec<Affine> { (0..KEYS).map(|k| at(f64::from(share(k)))).collect() };
+    let mut exposure = Exposure {
+        meshes: vec![(sheet, (0..KEYS).map(|k| Arc::new(wave(share(k), red))).collect())],
+        instances: vec![(turning, keys(&turned))],
+        ..Exposure::default()
+    };
+    if lights_move {
+        exposure.instances.push((sinking, keys(&sunk)));
+        exposure.lights.push((light, (0..KEYS).map(|k| point(share(k))).collect()));
+    }
+    Room { scene, exposure, cameras: (0..KEYS).map(|k| camera_at(share(k))).collect() }
+}
+
+impl Room {
+    fn world(&self) -> World {
+        let mut world = World::new();
+        self.commit(&mut world, &self.scene, &self.exposure);
+        world
+    }
+
+    fn commit(&self, world: &mut World, scene: &Scene, exposure: &Exposure) {
+        let how = CommitOptions::default();
+        world
+            .commit_exposed(scene, exposure, &ShaderTable::default(), &how, &pool(2))
+            .expect("a sound scene");
+    }
+
+    /// The scene by hand as it is at a moment.
+    fn frozen(&self, time: f32) -> Scene {
+        let mut scene = self.scene.clone();
+        let moment = Moment::of(time, KEYS);
+        let mix = |a: &[[f32; 3]], b: &[[f32; 3]]| -> Vec<[f32; 3]> {
+            a.iter().zip(b).map(|(a, b)| moment.mix3(*a, *b)).collect()
+        };
+        for (id, keys) in &self.exposure.meshes {
+            let (a, b): (&Mesh, &Mesh) = (&keys[moment.key], &keys[moment.next]);
+            let mesh = scene.edit_mesh(MeshId(id.0));
+            (mesh.positions, mesh.normals) = (mix(&a.positions, &b.positions), mix(&a.normals, &b.normals));
+        }
+        for (id, places) in &self.exposure.instances {
+            let columns: Vec<_> = places.iter().map(|place| place.columns).collect();
+            // Straight ways need two places, and are found by so many.
+            let straight = places.iter().all(|place| place.columns[..3] == places[0].columns[..3]);
+            let some = if straight { vec![columns[0], columns[KEYS - 1]] } else { columns };
+            let columns = MotionPath::new(&some).expect("places").at(time);
+            scene.edit_instance(InstanceId(id.0)).world_from_object = Affine { columns };
+        }
+        for (id, keys) in &self.exposure.lights {
+            let (a, b) = (&keys[moment.key], &keys[moment.next]);
+            let (Light::Point { position: a, intensity: i }, Light::Point { position: b, intensity: j }) =
+                (a, b)
+            else {
+                panic!("a point light");
+            };
+            *scene.edit_light(LightId(id.0)) =
+                Light::Point { position: moment.mix3(*a, *b), intensity: moment.mix3(*i, *j) };
+        }
+        scene
+    }
+
+    fn picture(&self, world: &World, camera: &dyn CameraShader, options: &RenderOptions) -> Picture {
+        render(world, camera, options, &pool(2), &Silent).expect("sound options").picture
+    }
+
+    fn of_integrator(integrator: Integrator, spp: u32) -> RenderOptions {
+        RenderOptions { integrator, vpls: 64, max_depth: 4, ..options(24, 18, spp) }
+    }
+}
+
+#[test]
+fn each_moment_is_the_scene_at_that_moment() {
+    let room = room(true);
+    let world = room.world();
+    let moving = MovingCamera::new(&room.cameras).expect("views");
+    let all = [
+        (Integrator::Eyelight, 1),
+        (Integrator::Normals, 1),
+        (Integrator::Whitted, 1),
+        (Integrator::Path, 2),
+        (Integrator::InstantRadiosity, 1),
+        (Integrator::BidirectionalInstantRadiosity, 1),
+    ];
+    for time in [0.0, 0.4, 1.0] {
+        let frozen = world_of(&room.frozen(time), false);
+        let at = world.at(time, &pool(2));
+        for (integrator, spp) in all {
+            let options = RenderOptions {
+                aovs: integrator == Integrator::Path,
+                ..Room::of_integrator(integrator, spp)
+            };
+            let camera = moving.at(time);
+            let (found, wanted) =
+                (room.picture(&at, &camera, &options), room.picture(&frozen, &camera, &options));
+            let differ = found.color.iter().zip(&wanted.color).filter(|(a, b)| a != b).count();
+            assert_eq!(differ, 0, "{integrator} at {time}: pixels of {}", found.color.len());
+            assert!(mean(&found)[0] > 0.01, "{integrator} at {time} shows something");
+        }
+    }
+}
+
+/// Root of the mean square of differences.
+fn difference(a: &Picture, b: &[[f64; 3]]) -> f64 {
+    let square =
+        |(a, b): (&[f32; 4], &[f64; 3])| (0..3).map(|k| (f64::from(a[k]) - b[k]).powi(2)).sum::<f64>();
+    (a.color.iter().zip(b).map(square).sum::<f64>() / (3 * b.len()) as f64).sqrt()
+}
+
+#[test]
+fn pictures_are_the_mean_of_their_moments() {
+    for (lights_move, integrator) in [
+        (false, Integrator::Whitted),
+        (false, Integrator::Path),
+        (true, Integrator::Path),
+        (true, Integrator::InstantRadiosity),
+    ] {
+        let room = room(lights_move);
+        let world = room.world();
+        let moving = MovingCamera::new(&room.cameras).expect("views");
+        let options = Room::of_integrator(integrator, 64);
+        let blurred = room.picture(&world, &moving, &options);
+        let mut sum = vec![[0.0; 3]; blurred.color.len()];
+        for i in 0..64 {
+            let time = (i as f32 + 0.5) / 64.0;
+            let options = RenderOptions { seed: 100 + i, ..Room::of_integrator(integrator, 2) };
+            let one = room.picture(&world.at(time, &pool(2)), &moving.at(time), &options);
+            for (sum, color) in sum.iter_mut().zip(&one.color) {
+                (0..3).for_each(|k| sum[k] += f64::from(color[k]) / 64.0);
+            }
+        }
+        let still = room.picture(&world.at(0.0, &pool(2)), &moving.at(0.0), &options);
+        let (blur, no_blur) = (difference(&blurred, &sum), difference(&still, &sum));
+        let level = mean(&blurred)[0];
+        assert!(
+            blur < 0.1 * level && 4.0 * blur < no_blur,
+            "{integrator}, {lights_move}: {blur}, {no_blur} of {level}"
+        );
+    }
+}
+
+#[test]
+fn commits_after_an_open_shutter_are_those_of_fresh_worlds() {
+    let room = room(true);
+    let camera = PerspectiveCamera::new(&room.cameras[0]).expect("a view");
+    let options = Room::of_integrator(Integrator::Path, 1);
+    let same = |found: &World, wanted: &World, what: &str| {
+        let [found, wanted] = [found, wanted].map(|world| room.picture(world, &camera, &options).color);
+        assert_eq!(found, wanted, "{what}");
+    };
+    let mut world = room.world();
+    same(&world, &room.world(), "open");
+    let still = Exposure::default();
+    room.commit(&mut world, &room.scene, &still);
+    same(&world, &world_of(&room.scene, false), "closed again");
+    let mut scene = room.scene.clone();
+    let mut world = World::new();
+    room.commit(&mut world, &scene, &still);
+    room.commit(&mut world, &scene, &room.exposure);
+    same(&world, &room.world(), "opened later");
+    scene.edit_instance(InstanceId(3)).world_from_object = Affine::translation([0.5, 0.5, 0.5]);
+    scene.edit_mesh(MeshId(3)).positions[0][1] += 0.5;
+    room.commit(&mut world, &scene, &still);
+    same(&world, &world_of(&scene, false), "edited, and closed");
+    let beyond = Exposure {
+        instances: vec![(InstanceId(99), vec![Affine::IDENTITY; 2])],
+        meshes: vec![(MeshId(99), vec![Arc::default(); 2])],
+        lights: vec![(LightId(99), Vec::new())],
+        ..Exposure::default()
+    };
+    room.commit(&mut world, &scene, &beyond);
+    same(&world, &world_of(&scene, false), "what is not there does not move");
+}
