@@ -61,6 +61,7 @@ impl LobeRows {
         (self.kinds, self.under_any, self.covers) = (0, 0, false);
     }
 
+    #[inline]
     fn set(&mut self, i: usize, lobe: &Lobe) {
         self.kind.0[i] = lobe.kind as u32 as f32;
         let Lobe { weight, normal, a, b, c, .. } = lobe;
@@ -153,6 +154,7 @@ impl ClosureBatch {
 
     /// Says how point `i` scatters: by these lobes around the unit shading normal `ns`, which is on the side that the first
     /// ray came from. Once for each point.
+    #[inline]
     pub fn set(&mut self, i: usize, ns: Vec3, lobes: &[Lobe]) {
         let (block, i) = (&mut self.blocks[i / LANES], i % LANES);
         for (row, x) in block.normal.iter_mut().zip(ns.to_array()) {

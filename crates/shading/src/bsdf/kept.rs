@@ -6,7 +6,6 @@
 use glam::Vec3;
 
 use super::Bsdf;
-use super::lobes::MOST;
 use super::seen::Seen;
 use super::seen_lobe::{SeenLobe, eval_pdf};
 use crate::lanes::LANES;
@@ -32,7 +31,7 @@ impl Kept {
             for (row, x) in kept.normal.iter_mut().zip(bsdf.normal().to_array()) {
                 row[i] = x;
             }
-            for (k, lobe) in seen.lobes.iter().enumerate().take(seen.count) {
+            for (k, lobe) in seen.lobes().enumerate() {
                 if k == kept.lobes.len() {
                     kept.lobes.push(SeenLobe::none(0.0).map(|_| [0.0; LANES], 0));
                 }
@@ -46,19 +45,17 @@ impl Kept {
     #[inline(always)]
     pub fn eval_pdf<R: Real>(&self, first: usize, wi: Vector<R>) -> (Vector<R>, R) {
         let [x, y, z] = &self.normal;
-        eval_pdf(
-            self.lobes.len(),
+        let lobes = self.lobes.iter().map(
             #[inline(always)]
-            |k| {
-                self.lobes[k].map(
+            |lobe| {
+                lobe.map(
                     #[inline(always)]
                     |row| wi.x.load(row, first),
                     first,
                 )
             },
-            Vector::load(wi.x, [x, y, z], first),
-            wi,
-        )
+        );
+        eval_pdf(lobes, Vector::load(wi.x, [x, y, z], first), wi)
     }
 }
 
@@ -66,11 +63,9 @@ impl Seen<f32> {
     /// [`Seen::eval_pdf`] of one point for many directions.
     #[inline(always)]
     pub fn eval_pdf_all<R: Real>(&self, wi: Vector<R>) -> (Vector<R>, R) {
-        eval_pdf(
-            self.count,
+        let lobes = self.lobes().map(
             #[inline(always)]
-            |k| {
-                let lobe = &self.lobes[k % MOST];
+            |lobe| {
                 let all = lobe.map(
                     #[inline(always)]
                     |&x| wi.x.all(x),
@@ -80,9 +75,9 @@ impl Seen<f32> {
                 let under = std::array::from_fn(|j| if lobe.under[j] & 1 != 0 { u32::MAX } else { 0 });
                 SeenLobe { under, ..all }
             },
-            Vector::new(wi.x.all(self.normal.x), wi.x.all(self.normal.y), wi.x.all(self.normal.z)),
-            wi,
-        )
+        );
+        let normal = Vector::new(wi.x.all(self.normal.x), wi.x.all(self.normal.y), wi.x.all(self.normal.z));
+        eval_pdf(lobes, normal, wi)
     }
 }
 

@@ -96,17 +96,20 @@ pub struct Lobe {
 }
 
 impl Lobe {
+    #[inline]
     fn of(kind: Kind) -> Self {
         Self { kind, weight: Vec3::ONE, eta: 1.0, ..Self::default() }
     }
 
     /// Lambert's reflector: `albedo` is the share of light that is scattered.
+    #[inline]
     #[must_use]
     pub fn lambert(albedo: Vec3) -> Self {
         Self::oren_nayar(albedo, 0.0)
     }
 
     /// A rough diffuse surface; `albedo` is what white would be all of, `roughness` is in [0, 1], 0 is Lambert's reflector.
+    #[inline]
     #[must_use]
     pub fn oren_nayar(albedo: Vec3, roughness: f32) -> Self {
         Self { a: albedo, alpha: roughness, ..Self::of(Kind::Diffuse) }

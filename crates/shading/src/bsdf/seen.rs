@@ -41,8 +41,8 @@ pub struct Sampled<R: Real> {
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<R> {
     pub(super) normal: Vector<R>,
-    pub(super) count: usize,
-    pub(super) lobes: [SeenLobe<R>; MOST],
+    /// One after the other; the rest of the places, which is most of them, is not even cleared.
+    lobes: [Option<SeenLobe<R>>; MOST],
     /// Share of light that is scattered.
     pub(super) albedo: Vector<R>,
 }
@@ -65,12 +65,11 @@ impl<R: Real> Seen<R> {
         wo: Vector<R>,
     ) -> Self {
         let (zero, one) = (wo.x.all(0.0), wo.x.all(1.0));
-        let none = SeenLobe::none(zero);
-        let mut seen = Self { normal, count, lobes: [none; MOST], albedo: Vector::grey(zero) };
+        let mut seen = Self { normal, lobes: [const { None }; MOST], albedo: Vector::grey(zero) };
         let mut total = zero;
-        for k in 0..count {
+        for k in 0..count.min(MOST) {
             let from = at(k);
-            let mut lobe = SeenLobe { kind: from.kind, kinds: from.kinds, ..none };
+            let mut lobe = SeenLobe { kind: from.kind, kinds: from.kinds, ..SeenLobe::none(zero) };
             let own = !from.normal.is_zero();
             lobe.normal = Vector::pick(own, from.normal, normal);
             let cos = lobe.normal.dot(wo);
@@ -109,13 +108,19 @@ impl<R: Real> Seen<R> {
                 seen.albedo = seen.albedo + lobe.weight * albedo;
             }
             total = total + lobe.chance;
-            seen.lobes[k] = lobe;
+            seen.lobes[k] = Some(lobe);
         }
         let scale = R::pick(total.above(zero), one / total, zero);
-        for lobe in seen.lobes.iter_mut().take(count) {
+        for lobe in seen.lobes.iter_mut().map_while(Option::as_mut) {
             lobe.chance = lobe.chance * scale;
         }
         seen
+    }
+
+    /// The lobes, in the order of their places.
+    #[inline(always)]
+    pub(super) fn lobes(&self) -> impl Iterator<Item = &SeenLobe<R>> {
+        self.lobes.iter().map_while(Option::as_ref)
     }
 
     /// What the lobes above `lobe` leave of light from where they are seen, or towards one cosine.
@@ -123,7 +128,7 @@ impl<R: Real> Seen<R> {
     fn left(&self, lobe: &SeenLobe<R>, towards: Option<f32>) -> Vector<R> {
         let one = lobe.cos.all(1.0);
         let mut left = Vector::grey(one);
-        for (j, top) in self.lobes.iter().enumerate() {
+        for (j, top) in self.lobes().enumerate() {
             if lobe.under_any >> j & 1 != 0 {
                 let cos = towards.map_or(top.cos, |cos| one.all(cos));
                 let back = top.sent_back(cos, top.split(cos));
@@ -144,7 +149,7 @@ impl<R: Real> Seen<R> {
         }
         let mut average = Vector::grey(one);
         let mut rest = u64::from(any);
-        for (j, top) in self.lobes.iter().enumerate() {
+        for (j, top) in self.lobes().enumerate() {
             let single = lobe.under[j] & !twice;
             if single != 0 && top.has(Kind::Facets) {
                 let by_table = one.points(u64::from(single)) & top.is(Kind::Facets);
@@ -167,13 +172,7 @@ impl<R: Real> Seen<R> {
     /// delta lobes count nothing.
     #[inline(always)]
     pub fn eval_pdf(&self, wi: Vector<R>) -> (Vector<R>, R) {
-        eval_pdf(
-            self.count,
-            #[inline(always)]
-            |k| self.lobes[k % MOST],
-            self.normal,
-            wi,
-        )
+        eval_pdf(self.lobes(), self.normal, wi)
     }
 
     /// Chooses where paths go on; `u` holds numbers in [0, 1), the first of which chooses between lobes.
@@ -181,9 +180,9 @@ impl<R: Real> Seen<R> {
     pub fn sample(&self, u: [R; 3]) -> Sampled<R> {
         let (zero, one) = (u[0].all(0.0), u[0].all(1.0));
         // The lobe, and the number as a new one.
-        let mut lobe = self.lobes[0];
+        let mut lobe = self.lobes[0].unwrap_or(SeenLobe::none(zero));
         let mut before = zero;
-        for next in self.lobes.iter().take(self.count).skip(1) {
+        for next in self.lobes().skip(1) {
             let past = before + lobe.chance;
             let on = !past.above(u[0]) & next.chance.above(zero);
             // Lobes without a chance stand between others and take none of the numbers.
@@ -245,7 +244,7 @@ impl<R: Real> Seen<R> {
     fn any(&self, what: impl Fn(Kind) -> bool) -> R::Mask {
         let zero = self.normal.x.all(0.0);
         let mut any = zero.above(zero);
-        for lobe in self.lobes.iter().take(self.count) {
+        for lobe in self.lobes() {
             for kind in Kind::ALL {
                 if lobe.has(kind) && what(kind) {
                     any = any | (lobe.is(kind) & !lobe.weight.is_zero());
@@ -297,7 +296,7 @@ impl Seen<f32> {
     /// Two refractions of one point differ in direction if their indices do: the heavier one stands for both.
     pub(super) fn delta_branches(&self) -> [Option<(Vec3, Vec3)>; 2] {
         let mut out: [Option<(Vec3, Vec3)>; 2] = [None; 2];
-        for lobe in &self.lobes[..self.count] {
+        for lobe in self.lobes() {
             if lobe.kinds & (Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit()) == 0 {
                 continue;
             }

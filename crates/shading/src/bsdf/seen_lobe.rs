@@ -3,6 +3,7 @@
 //! Source: \[WMLT07\], \[Hei14\] (facets); \[KC17\] (further bounces); \[PJH23\] chapter 9. Space: world, unit directions away from the
 //! surface. Invariant: one point and sixteen give the same bits at every CPU level. Proof: `tests` of `bsdf`.
 
+use std::borrow::Borrow;
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
@@ -330,31 +331,31 @@ impl<R: Real> SeenLobe<R> {
     }
 }
 
-/// Value and density of lobes at points with these normals.
+/// Value and density of lobes, no more than [`MOST`], at points with these normals.
 #[inline(always)]
-pub(super) fn eval_pdf<R: Real>(
-    count: usize,
-    at: impl Fn(usize) -> SeenLobe<R>,
+pub(super) fn eval_pdf<R: Real, L: Borrow<SeenLobe<R>>>(
+    lobes: impl Iterator<Item = L>,
     normal: Vector<R>,
     wi: Vector<R>,
 ) -> (Vector<R>, R) {
     let zero = wi.x.all(0.0);
     let above = normal.dot(wi).above(zero);
     let (mut value, mut pdf) = (Vector::grey(zero), zero);
-    let mut left = [Vector::grey(zero); MOST];
-    for k in 0..count.min(MOST) {
-        let lobe = at(k);
+    // What those above others leave.
+    let mut left: [Option<Vector<R>>; MOST] = [const { None }; MOST];
+    for (k, lobe) in lobes.take(MOST).enumerate() {
+        let lobe: &SeenLobe<R> = lobe.borrow();
         let i = lobe.normal.dot(wi);
         let split = lobe.split(i.size());
         if lobe.covers {
-            left[k] = lobe.sent_back(i.size(), split).rest();
+            left[k] = Some(lobe.sent_back(i.size(), split).rest());
         }
         let (light, density) = lobe.eval_pdf(wi, i, above, split);
         let mut weight = lobe.weight;
         if lobe.under_any != 0 {
             let mut rest = Vector::grey(zero.all(1.0));
-            for (j, &left) in left.iter().enumerate() {
-                if lobe.under_any >> j & 1 != 0 {
+            for (j, left) in left.iter().enumerate() {
+                if let Some(left) = left.filter(|_| lobe.under_any >> j & 1 != 0) {
                     rest = Vector::pick(lobe.below(j), rest * left, rest);
                 }
             }
