@@ -3,12 +3,15 @@
 """Runs OSL's own test suite with our tools and says which tests pass.
 
     bench/osl/run.py SUITE PROGRAM [--tier T1|T2|all] [--only NAME ...] [-j N] [-v]
+    bench/osl/run.py SUITE PROGRAM --tier T4 --engines interpreter,avx2,avx512 [-j N]
 
 SUITE is a checkout of OpenShadingLanguage (its files stay where they are), PROGRAM a program that is one of the tools
-when it is called by a link of that name (`gnurt`, or the example `osl` of gnurt-sl).
+when it is called by a link of that name (`gnurt`, or the example `osl` of gnurt-jit).
 
 Rules: text is equal to ref/out.txt or to any other ref/*.txt; pictures are compared by failthresh, failpercent and hardfail,
 by `oiiotool` (Debian: openimageio-tools), of the same extension; a status other than 0 fails unless the test says failureok; 30 s a command.
+The variable TESTSHADE_ENGINE chooses what runs shaders. With --engines there are no references: each command is done by each
+of these, on 13 x 11 points, and pictures of floats and texts must be equal byte for byte.
 """
 import argparse, filecmp, glob, os, re, shutil, subprocess, sys, tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -40,8 +43,8 @@ def tier(suite, name):
 
 
 class Test:
-    def __init__(self, suite, program, name, keep):
-        self.suite, self.program, self.name, self.keep = suite, program, name, keep
+    def __init__(self, suite, program, name, keep, engines=()):
+        self.suite, self.program, self.name, self.keep, self.engines = suite, program, name, keep, engines
 
     def run(self):
         source = os.path.join(self.suite, "testsuite", self.name)
@@ -126,6 +129,8 @@ class Test:
         environment = dict(os.environ, OSLHOME=os.path.join(self.suite, "src"), TESTSHADE_OPT=level)
         open(os.path.join(place, "out.txt"), "w").close()
         why = []
+        if self.engines:
+            return self.among_engines(place, bin, commands, outputs, names, environment)
         for command in commands.split(names["splitsymbol"]):
             command = command.strip()
             if not command:
@@ -141,6 +146,37 @@ class Test:
             reason = self.compare(place, output, names)
             if reason:
                 why.append(reason)
+        return why
+
+    def among_engines(self, place, bin, commands, outputs, names, environment):
+        """What differs between engines."""
+        why, first = [], {}
+        text = os.path.join(place, "out.txt")
+        for command in filter(None, (c.strip() for c in commands.split(names["splitsymbol"]))):
+            if "testshade" not in command:
+                subprocess.run(command, shell=True, cwd=place, env=environment, timeout=60)
+                continue
+            command = command.replace("-od uint8", "-od float").replace("-g 32 32", "-g 13 11")
+            files = re.findall(r"-o \S+ (\S+\.(?:tif|exr))", command)
+            first = None
+            for engine in self.engines:
+                open(text, "w").close()
+                for name in files:
+                    if os.path.exists(os.path.join(place, name)):
+                        os.remove(os.path.join(place, name))
+                try:
+                    done = subprocess.run(command, shell=True, cwd=place, env=dict(environment, TESTSHADE_ENGINE=engine), timeout=60)
+                except subprocess.TimeoutExpired:
+                    why.append(f"{engine}: more than 60 s: {command}")
+                    continue
+                paths = [os.path.join(place, name) for name in files + ["out.txt"]]
+                found = [done.returncode] + [open(p, "rb").read() if os.path.exists(p) else None for p in paths]
+                if first is None:
+                    first = found
+                elif found != first:
+                    which = [n for n, a, b in zip(["status"] + files + ["out.txt"], first, found) if a != b]
+                    why.append(f"{engine}: {' '.join(which)}: {command.replace(bin + '/', '')}")
+                self.count = getattr(self, "count", 0) + 1
         return why
 
     def compare(self, place, output, names):
@@ -188,6 +224,7 @@ def main():
     parser.add_argument("-j", type=int, default=1)
     parser.add_argument("-v", action="store_true")
     parser.add_argument("--keep", action="store_true")
+    parser.add_argument("--engines", default="")
     options = parser.parse_args()
     suite, program = os.path.abspath(options.suite), os.path.abspath(options.program)
     folder = os.path.join(suite, "testsuite")
@@ -196,13 +233,20 @@ def main():
         tests = [n for n in tests if n in options.only]
     elif options.tier != "all":
         tests = [n for n in tests if tier(suite, n) == options.tier]
-    good = 0
+    good, runs = 0, 0
+    engines = [e for e in options.engines.split(",") if e]
+
+    def one(name):
+        test = Test(suite, program, name, options.keep, engines)
+        return name, test.run(), getattr(test, "count", 0)
+
     with ThreadPoolExecutor(options.j) as pool:
-        for name, why in pool.map(lambda n: (n, Test(suite, program, n, options.keep).run()), tests):
+        for name, why, count in pool.map(one, tests):
             good += not why
+            runs += count
             if why:
                 print(f"FAIL {name}: " + " | ".join(why[: 9 if options.v else 1]), flush=True)
-    print(f"{good} of {len(tests)} tests of tier {options.tier} pass")
+    print(f"{good} of {len(tests)} tests of tier {options.tier} pass" + (f", {runs} runs" if engines else ""))
     return 0 if good == len(tests) else 1
 
 

@@ -19,6 +19,7 @@ pub(crate) fn run() -> Option<ExitCode> {
     let rest: Vec<String> = words.collect();
     let (mut out, mut err) = (BufWriter::new(stdout()), stderr());
     let mut console = Console::new(&mut out, &mut err, link);
+    console.engine = Some(gnurt_jit::engine);
     let status = run(&rest, &mut console);
     console.flush();
     Some(ExitCode::from(u8::try_from(status).unwrap_or(1)))

@@ -68,6 +68,12 @@ impl<'a> Lanes<'a> {
         self.layer(last);
     }
 
+    /// Points at once, at most.
+    #[must_use]
+    pub fn width(&self) -> usize {
+        self.code.lanes()
+    }
+
     /// Readies for some points without running a layer.
     ///
     /// # Panics

@@ -12,6 +12,7 @@
 //! Proof: `tests/`.
 
 mod compiled;
+mod engine;
 mod ffi_call;
 mod ffi_memory;
 mod lanes;
@@ -23,4 +24,5 @@ mod term;
 mod x86;
 
 pub use compiled::Compiled;
+pub use engine::engine;
 pub use lanes::Lanes;

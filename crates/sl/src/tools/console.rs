@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where a tool writes to: two streams whose texts keep their order.
+//! Where a tool writes to: two streams whose texts keep their order; and what the program brings along.
 //! Source: original.
 
+use super::engine::Engine;
 use std::io::Write;
 
 /// Standard output and standard error, or what stands for them in a test.
@@ -10,12 +11,14 @@ pub struct Console<'a> {
     err: &'a mut dyn Write,
     /// Whether the tool was called by its own name, by a link, and so stands for OSL's.
     pub link: bool,
+    /// What else the program can run shaders by.
+    pub engine: Option<Engine>,
 }
 
 impl<'a> Console<'a> {
     /// On two streams.
     pub fn new(out: &'a mut dyn Write, err: &'a mut dyn Write, link: bool) -> Self {
-        Self { out, err, link }
+        Self { out, err, link, engine: None }
     }
 
     /// Writes to standard output. A reader that has gone away is no reason to stop.

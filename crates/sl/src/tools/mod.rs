@@ -3,12 +3,14 @@
 //! Source: original; options and output are those of OSL's tools.
 
 mod console;
+mod engine;
 mod oslc;
 mod oslinfo;
 mod picture;
 mod testshade;
 
 pub use console::Console;
+pub use engine::{Batch, Engine};
 pub use oslc::oslc;
 pub use oslinfo::oslinfo;
 pub use testshade::testshade;

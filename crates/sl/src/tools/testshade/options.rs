@@ -10,6 +10,10 @@ testshade -- runs shaders
 testshade [options] shader...
     -v                           Verbose messages
     -t NTHREADS                  Set thread count
+    --engine NAME                What runs shaders: interpreter (the default), machine (code for this CPU, sixteen
+                                 points at once), avx2, avx512, or avx2-scalar, avx512-scalar (one point at once);
+                                 without the option the variable TESTSHADE_ENGINE says so
+    --runstats                   Print what runs and how long it takes
     --res XRES YRES, -g          Set resolution
     --options LIST               Set extra OSL options
     --colorspace NAME            Set ShadingSysem colorspace
@@ -80,6 +84,8 @@ pub(super) struct Options {
     pub(super) userdata: Vec<(String, Value)>,
     pub(super) userdata_isconnected: bool,
     pub(super) archive: Option<String>,
+    pub(super) engine: String,
+    pub(super) times: bool,
 }
 
 impl Default for Options {
@@ -108,16 +114,17 @@ impl Default for Options {
             userdata: Vec::new(),
             userdata_isconnected: false,
             archive: None,
+            engine: std::env::var("TESTSHADE_ENGINE").unwrap_or_default(),
+            times: false,
         }
     }
 }
 
 /// Options without effect here, and how many values each takes.
-const IGNORED: [(&str, usize); 26] = [
+const IGNORED: [(&str, usize); 25] = [
     ("t", 1),
     ("optix", 0),
     ("llvm_debug", 0),
-    ("runstats", 0),
     ("stats", 0),
     ("batched", 0),
     ("profile", 0),
@@ -197,6 +204,8 @@ pub(super) fn read(args: &[String]) -> Result<Options, Option<String>> {
             "colorspace" => o.colorspace = value()?,
             "o" => o.outputs.push((value()?, value()?)),
             "d" | "od" => o.format = value()?,
+            "engine" => o.engine = value()?,
+            "runstats" => o.times = true,
             "print" => o.print = true,
             "groupname" => o.groupname = value()?,
             "raytype" => o.raytype = value()?,

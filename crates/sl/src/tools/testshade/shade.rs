@@ -5,14 +5,17 @@
 use super::options::{Options, Setup};
 use super::report::{Recent, report};
 use super::world::World;
-use crate::exec::{Event, Machine, Plan, PlanOptions};
+use crate::exec::{Event, Machine, Plan, PlanOptions, Points};
 use crate::format::general;
 use crate::group::Group;
 use crate::hir::Data;
 use crate::ir::{SymbolKind, ops, uses};
 use crate::tools::console::Console;
+use crate::tools::engine::Batch;
 use crate::tools::picture::Picture;
 use crate::types::Type;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 /// An output that is wanted and found.
 struct Output {
@@ -130,10 +133,16 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
             break;
         }
         let Some(plan) = plan(&group, options, &entries, console) else { return 1 };
-        let mut machine = Machine::new(&plan, &world);
+        let plan = Arc::new(plan);
         let last = turn + 1 == options.iterations;
-        points(options, &world, &mut machine, &starts, if last { Some(&mut outputs) } else { None }, console);
-        said.append(&mut machine.events);
+        let mut run = Run { options, world: &world, entries: &starts, outputs: &mut outputs, last };
+        match run.all(&plan, console) {
+            Ok(mut events) => said.append(&mut events),
+            Err(message) => {
+                console.complain(&format!("ERROR: {message}\n"));
+                return 1;
+            }
+        }
         if !last {
             for step in &options.setup {
                 if let Setup::Reparam(layer, param, value) = step
@@ -152,39 +161,126 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
     save(options, &outputs, console)
 }
 
-fn points(
-    options: &Options,
-    world: &World,
-    machine: &mut Machine<'_>,
-    entries: &[usize],
-    mut outputs: Option<&mut Vec<Output>>,
-    console: &mut Console<'_>,
-) {
-    let [width, height] = options.size;
-    for y in 0..height {
-        for x in 0..width {
-            let point = world.point(options, x, y);
-            if entries.is_empty() {
+/// One turn over all points.
+struct Run<'a> {
+    options: &'a Options,
+    world: &'a World,
+    entries: &'a [usize],
+    outputs: &'a mut [Output],
+    /// Whether the turn's outputs are kept.
+    last: bool,
+}
+
+impl Run<'_> {
+    /// By the engine that is asked for; by the interpreter where that cannot run the group.
+    fn all(&mut self, plan: &Arc<Plan>, console: &mut Console<'_>) -> Result<Vec<Event>, String> {
+        let name = self.options.engine.as_str();
+        let mut said = Vec::new();
+        let start = Instant::now();
+        if !matches!(name, "" | "interpreter") {
+            let Some(engine) = console.engine else {
+                return Err(format!("this program has no engine '{name}'; it has: interpreter"));
+            };
+            let world = self.world;
+            let mut ready = None;
+            let made = engine(name, plan, world, &mut |batch| {
+                ready = Some(Instant::now());
+                self.batches(batch, &mut said, console);
+            });
+            match (made, ready) {
+                (Ok(()), Some(ready)) => {
+                    let (compiled, ran) = (ready - start, ready.elapsed());
+                    self.times(
+                        name,
+                        &format!("compiled in {:.3} ms, ", 1e3 * compiled.as_secs_f64()),
+                        ran,
+                        console,
+                    );
+                    return Ok(said);
+                }
+                (Err(why), _) if self.options.times => {
+                    console.complain(&format!("{name}: {why}; interpreted\n"))
+                }
+                _ => {}
+            }
+        }
+        let start = Instant::now();
+        let mut machine = Machine::new(plan, self.world);
+        self.points(&mut machine, console);
+        self.times("interpreter", "", start.elapsed(), console);
+        Ok(std::mem::take(&mut machine.events))
+    }
+
+    fn times(&self, name: &str, compiled: &str, ran: Duration, console: &mut Console<'_>) {
+        if self.options.times {
+            let [width, height] = self.options.size;
+            let each = ran.as_secs_f64() * 1e9 / (width * height) as f64;
+            let run = 1e3 * ran.as_secs_f64();
+            console.complain(&format!("{name}: {compiled}run in {run:.3} ms, {each:.1} ns a point\n"));
+        }
+    }
+
+    fn points(&mut self, machine: &mut Machine<'_>, console: &mut Console<'_>) {
+        let [width, height] = self.options.size;
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let point = self.world.point(self.options, x, y);
+            if self.entries.is_empty() {
                 machine.run(&point);
             } else {
                 machine.begin(&point);
-                for &layer in entries {
+                for &layer in self.entries {
                     machine.run_layer(layer);
                 }
             }
-            let Some(outputs) = outputs.as_deref_mut() else { continue };
-            if options.print {
-                console.print(&format!("Pixel ({x}, {y}):\n"));
+            self.keep([x, y], &|output| machine.output(Some(output.layer), &output.name), console);
+        }
+    }
+
+    fn batches(&mut self, batch: &mut dyn Batch, said: &mut Vec<Event>, console: &mut Console<'_>) {
+        let [width, height] = self.options.size;
+        let all: Vec<[usize; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
+        let mut points = Points::default();
+        for places in all.chunks(batch.lanes()) {
+            points.count = places.len();
+            for (lane, &[x, y]) in places.iter().enumerate() {
+                points.set(lane, &self.world.point(self.options, x, y));
             }
-            for output in outputs {
-                keep(options, machine, output, console);
+            if self.entries.is_empty() {
+                batch.run(&points);
+            } else {
+                batch.begin(&points);
+                for &layer in self.entries {
+                    batch.layer(layer);
+                }
             }
+            said.extend(batch.take_events().into_iter().map(|(_, event)| event));
+            for (lane, &place) in places.iter().enumerate() {
+                self.keep(place, &|output| batch.output(lane, output.layer, &output.name), console);
+            }
+        }
+    }
+
+    fn keep(
+        &mut self,
+        [x, y]: [usize; 2],
+        value: &dyn Fn(&Output) -> Option<(Type, Data)>,
+        console: &mut Console<'_>,
+    ) {
+        if !self.last {
+            return;
+        }
+        if self.options.print {
+            console.print(&format!("Pixel ({x}, {y}):\n"));
+        }
+        for output in &mut *self.outputs {
+            let value = value(output);
+            keep(self.options, value, output, console);
         }
     }
 }
 
-fn keep(options: &Options, machine: &Machine<'_>, output: &mut Output, console: &mut Console<'_>) {
-    let (words, numbers): (Vec<String>, Vec<f32>) = match machine.output(Some(output.layer), &output.name) {
+fn keep(options: &Options, value: Option<(Type, Data)>, output: &mut Output, console: &mut Console<'_>) {
+    let (words, numbers): (Vec<String>, Vec<f32>) = match value {
         Some((_, Data::Float(list))) => (list.iter().map(|&f| general(f64::from(f), 6)).collect(), list),
         Some((_, Data::Int(list))) => {
             // Pictures hold ints as parts of the largest one.

@@ -16,6 +16,7 @@ fn main() {
     }
     let (mut out, mut err) = (BufWriter::new(stdout()), stderr());
     let mut console = Console::new(&mut out, &mut err, true);
+    console.engine = Some(gnurt_jit::engine);
     let status = match tool(&name) {
         Some(run) => run(&args, &mut console),
         None => {

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Machine code as an engine of `testshade`.
+//! Source: original.
+
+use gnurt_simd::Level;
+use gnurt_sl::exec::{Event, Host, Plan, Points};
+use gnurt_sl::hir::Data;
+use gnurt_sl::tools::Batch;
+use gnurt_sl::types::Type;
+use std::sync::Arc;
+
+use crate::{Compiled, Lanes};
+
+impl Batch for Lanes<'_> {
+    fn lanes(&self) -> usize {
+        self.width()
+    }
+
+    fn run(&mut self, points: &Points) {
+        Lanes::run(self, points);
+    }
+
+    fn begin(&mut self, points: &Points) {
+        Lanes::begin(self, points);
+    }
+
+    fn layer(&mut self, layer: usize) {
+        Lanes::layer(self, layer);
+    }
+
+    fn output(&self, lane: usize, layer: usize, name: &str) -> Option<(Type, Data)> {
+        Lanes::output(self, lane, Some(layer), name)
+    }
+
+    fn take_events(&mut self) -> Vec<(usize, Event)> {
+        Lanes::take_events(self)
+    }
+}
+
+/// Compiles a group for the engine of a name: `machine` for the best level of the CPU, a level's name for that level, with
+/// `-scalar` after it for one point at a time.
+///
+/// # Errors
+/// As [`Compiled::new`]; a name that is not known.
+pub fn engine(
+    name: &str,
+    plan: &Arc<Plan>,
+    host: &dyn Host,
+    with: &mut dyn FnMut(&mut dyn Batch),
+) -> Result<(), String> {
+    let (word, scalar) = name.strip_suffix("-scalar").map_or((name, false), |word| (word, true));
+    let level: Level = match word {
+        "machine" => Level::best(),
+        word => word.parse().map_err(|wrong| format!("no engine '{name}': {wrong}"))?,
+    };
+    let code =
+        if scalar { Compiled::scalar(plan.clone(), level) } else { Compiled::new(plan.clone(), level) }?;
+    with(&mut Lanes::new(&code, host));
+    Ok(())
+}
