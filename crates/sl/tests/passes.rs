@@ -3,7 +3,7 @@
 
 use crate::common::{said, shader};
 use gnurt_sl::group::{Group, parse_value};
-use gnurt_sl::ir::{Shader, ops};
+use gnurt_sl::ir::{Shader, SymbolKind, ops};
 use gnurt_sl::passes::{fold, varying};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -46,4 +46,18 @@ fn derivatives_are_kept_where_they_are_asked_for() {
     );
     let derivs = |name: &str| shader.symbol(shader.find(name).expect("it is there")).derivs;
     assert_eq!([derivs("a"), derivs("b"), derivs("c")], [true, false, true], "what c is made of");
+}
+
+/// A counter of the compiler's own begins with a constant, and is another in the next round.
+#[test]
+fn counters_are_no_constants() {
+    let text = "shader test() { for (int i = 0; i < 3; i++) printf(\"%d\", i); }";
+    let mut folded = shader(text);
+    let is_local = |symbol: &&mut gnurt_sl::ir::Symbol| symbol.kind == SymbolKind::Local;
+    folded.symbols.iter_mut().filter(is_local).for_each(|counter| counter.kind = SymbolKind::Temp);
+    fold(&mut folded, &HashMap::new());
+    let mut group = Group::default();
+    group.add(Arc::new(folded), None, &[], &mut Vec::new());
+    let wanted = ["0", "1", "2"].map(|text| gnurt_sl::exec::Event::Print(text.into()));
+    assert!(said(&group) == wanted, "the loop ends after three rounds");
 }

@@ -117,10 +117,11 @@ impl Folder<'_> {
                     }
                 },
                 Node::Loop { word, init, test, condition, body, step, at } => {
-                    for part in [&init, &test, &body, &step] {
+                    let init = self.block(init);
+                    // The test runs again after what the body and the step write.
+                    for part in [&test, &body, &step] {
                         self.forget(part);
                     }
-                    let init = self.block(init);
                     let test = self.block(test);
                     let never = word != "dowhile" && matches!(self.number(condition), Some(Number::Int(0)));
                     if never {
