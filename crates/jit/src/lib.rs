@@ -11,10 +11,12 @@
 //! Invariant: the interpreter is the meaning. Every value has its bits, but for those of NaNs.
 //! Proof: `tests/`.
 
+mod cache;
 mod compiled;
 mod engine;
 mod ffi_call;
 mod ffi_memory;
+mod fingerprint;
 mod lanes;
 mod layout;
 mod lower;
@@ -23,6 +25,7 @@ mod program;
 mod term;
 mod x86;
 
+pub use cache::{Cache, Job};
 pub use compiled::Compiled;
 pub use engine::engine;
 pub use lanes::Lanes;

@@ -4,10 +4,14 @@
 use super::world::{alone, compare};
 
 /// Small numbers that look random.
-struct Dice(u64);
+pub(crate) struct Dice(u64);
 
 impl Dice {
-    fn roll(&mut self, sides: usize) -> usize {
+    pub(crate) fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    pub(crate) fn roll(&mut self, sides: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -193,7 +197,7 @@ impl Maker {
 }
 
 fn program(seed: u64) -> String {
-    let mut maker = Maker { dice: Dice(seed), loops: 0, text: String::new() };
+    let mut maker = Maker { dice: Dice::new(seed), loops: 0, text: String::new() };
     for _ in 0..8 {
         maker.dice.roll(2);
     }
@@ -213,7 +217,28 @@ fn random_programs_mean_the_same() {
     };
     let (start, count) = (number("GNURT_SEED", 1), number("GNURT_PROGRAMS", 60));
     for seed in start..start + count {
-        let text = program(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1);
+        let text = program(seed);
         compare(&alone(&text), &format!("seed {seed}\n{text}"));
     }
+}
+
+/// A file with a word or a line of it changed.
+pub(crate) fn mutated(text: &str, dice: &mut Dice) -> String {
+    let mut lines: Vec<Vec<String>> =
+        text.lines().map(|line| line.split('\t').map(str::to_owned).collect()).collect();
+    for _ in 0..=dice.roll(3) {
+        let (a, b) = (dice.roll(lines.len()), dice.roll(lines.len()));
+        match dice.roll(4) {
+            0 => drop(lines.remove(a)),
+            1 => lines[a] = lines[b].clone(),
+            _ => {
+                let (i, k) = (dice.roll(lines[a].len()), dice.roll(lines[b].len()));
+                lines[a][i] = lines[b][k].clone();
+            }
+        }
+        if lines.is_empty() {
+            break;
+        }
+    }
+    lines.iter().map(|words| words.join("\t") + "\n").collect()
 }

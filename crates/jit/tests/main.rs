@@ -2,5 +2,6 @@
 //! The interpreter against machine code.
 
 mod agreement;
+mod batches;
 mod chance;
 mod world;

@@ -6,7 +6,7 @@
 //! come as [`Dual`].
 //!
 //! Most functions are generic over [`Number`]: the same text is compiled for a float, for a float with derivatives, and for
-//! sixteen lanes of either (`gnurt_simd::f32x16`), and gives the same bits in all of them. Functions that have no derivative
+//! for whatever else is a number (the compiler of shaders has one that records what is done to it), and gives the same bits in all of them. Functions that have no derivative
 //! (`floor`, `step`, hashes) take a [`Real`]. Triples go through such a function component by component, and those that mix
 //! components (`math` of vectors) take `[N; 3]`.
 //!
@@ -28,12 +28,9 @@ pub mod math;
 pub mod matrix;
 pub mod noise;
 mod number;
-mod number_lanes;
 pub mod regex;
 pub mod spline;
 pub mod text;
-pub mod wide;
 
 pub use dual::Dual;
 pub use number::{Arithmetic, Mask, Number, Real, Word, Words};
-pub use number_lanes::LANES;

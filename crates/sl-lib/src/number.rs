@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the library's functions are written over: a float, sixteen floats, or either with derivatives.
+//! What the library's functions are written over: a float, what stands for one while a shader is compiled, or either with derivatives.
 //! Source: original.
-//! [`Real`] is a float or sixteen of them; [`Number`] is that or a [`Dual`](crate::Dual) of it. A function that takes any
-//! [`Number`] is written once and serves the interpreter, derivatives and the lanes of compiled shaders.
+//! [`Real`] is a float or what stands for one; [`Number`] is that or a [`Dual`](crate::Dual) of it. A function that takes any
+//! [`Number`] is written once and serves the interpreter, derivatives and machine code for lanes.
 //! Invariant: an operation gives the same bits alone and in lanes; nothing is fused.
-//! Proof: `tests/lanes.rs`.
+//! Proof: the tests of `gnurt-jit`.
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
@@ -35,7 +35,7 @@ impl<T> Arithmetic for T where
 {
 }
 
-/// 32-bit words, one or sixteen: hashes and the bits of floats. Sums and differences wrap.
+/// 32-bit words: hashes and the bits of floats. Sums and differences wrap.
 pub trait Words:
     Copy
     + Add<Output = Self>
@@ -53,7 +53,7 @@ pub trait Words:
     /// What a comparison gives.
     type Mask: Mask;
 
-    /// `x`, in as many lanes as this has.
+    /// `x`, as one of these.
     fn constant(self, x: u32) -> Self;
     /// Which are equal to `x`.
     fn equal(self, x: u32) -> Self::Mask;
@@ -75,19 +75,19 @@ pub trait Words:
     }
 }
 
-/// What comparisons give: yes or no, or that for sixteen lanes.
+/// What comparisons give: yes or no, or what stands for that.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {}
 
 impl<T: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>> Mask for T {}
 
-/// A float, or sixteen.
+/// A float, or what stands for one.
 pub trait Real: Arithmetic + Div<f32, Output = Self> {
     /// As many words.
     type Words: Words<Mask = Self::Mask>;
     /// As many answers.
     type Mask: Mask;
 
-    /// `x`, in as many lanes as this has.
+    /// `x`, as one of these.
     fn of(self, x: f32) -> Self;
     /// Which are less than the other's. NaN never is, here and below.
     fn less(self, other: Self) -> Self::Mask;
@@ -119,8 +119,7 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
     fn from_int(x: Self::Words) -> Self;
     /// The floats nearest to whole numbers without sign.
     fn from_unsigned(x: Self::Words) -> Self;
-    /// Does what is large: for a float in a function of its own, so that callers stay small; in lanes where it is called,
-    /// for a call would lose the CPU level.
+    /// Does what is large: for a float in a function of its own, so that callers stay small; when it is recorded, where it is called.
     fn apart<T>(work: impl FnOnce() -> T) -> T;
 
     /// `low` where below it or NaN, `high` where above.
@@ -174,7 +173,7 @@ pub trait Number: Arithmetic {
     /// This value with another value and the same derivatives: what subtracting a whole number leaves.
     fn with_value(self, value: Self::Real) -> Self;
 
-    /// `x`, of as many lanes as this has.
+    /// `x`, as one of these.
     #[inline(always)]
     fn constant(self, x: f32) -> Self {
         Self::lift(self.value().of(x))

@@ -7,7 +7,6 @@ mod colors;
 mod derivatives;
 mod dictionary;
 mod gabor;
-mod lanes;
 mod mathematics;
 mod noise;
 mod regex;

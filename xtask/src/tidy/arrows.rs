@@ -14,7 +14,7 @@ const ARROWS: [(&str, &[&str]); 21] = [
     ("denoise", &["simd", "image"]),
     ("scene", &["image"]),
     ("shading", &["simd", "image", "accel"]),
-    ("sl-lib", &["simd"]),
+    ("sl-lib", &[]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
     ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render"]),
     ("bench", &["gnurt"]),

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Code that was made is kept, and made beside the threads that render; the interpreter runs the group meanwhile.
+//! Source: original.
+
+use gnurt_simd::Level;
+use gnurt_sl::exec::{Host, Kept, Plan, Points, Program, Results};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock};
+
+use crate::compiled::Compiled;
+use crate::fingerprint::fingerprint;
+
+/// Groups whose code is kept though nobody uses it.
+const KEPT: usize = 256;
+
+type Slot = Arc<OnceLock<Result<Compiled, String>>>;
+
+/// Code by group (instance values are part of it) and level.
+#[derive(Default)]
+pub struct Cache {
+    slots: Mutex<HashMap<(u128, Level), Slot>>,
+}
+
+/// A group that runs, by code as soon as there is some.
+pub struct Job {
+    plan: Arc<Plan>,
+    slot: Slot,
+}
+
+impl Cache {
+    /// The code of a group: found, or made by a thread of its own from now on.
+    #[must_use]
+    pub fn start(&self, plan: Arc<Plan>, level: Level) -> Job {
+        let key = (fingerprint(&plan), level);
+        let mut new = None;
+        let slot = match self.slots.lock() {
+            Ok(mut slots) => {
+                if slots.len() > KEPT {
+                    slots.retain(|_, slot| Arc::strong_count(slot) > 1);
+                }
+                let slot = slots.entry(key).or_insert_with(|| {
+                    let slot = Slot::default();
+                    new = Some(slot.clone());
+                    slot
+                });
+                slot.clone()
+            }
+            Err(_) => Slot::default(),
+        };
+        if let Some(slot) = new {
+            let (plan, failed) = (plan.clone(), slot.clone());
+            let work = move || drop(slot.set(Compiled::new(plan, level)));
+            if let Err(why) = std::thread::Builder::new().name("shader code".into()).spawn(work) {
+                let _ = failed.set(Err(format!("no thread to compile in: {why}")));
+            }
+        }
+        Job { plan, slot }
+    }
+}
+
+impl Job {
+    /// Whether code was made, or it is known that there is none.
+    #[must_use]
+    pub fn is_ready(&self) -> bool {
+        self.slot.get().is_some()
+    }
+
+    /// Waits until there is code.
+    ///
+    /// # Errors
+    /// Why there is none and the interpreter goes on.
+    pub fn wait(&self) -> Result<&Compiled, String> {
+        self.slot.wait().as_ref().map_err(Clone::clone)
+    }
+}
+
+impl Program for Job {
+    fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
+        match self.slot.get() {
+            Some(Ok(code)) => code.run(host, points, out),
+            _ => self.plan.run(host, points, out),
+        }
+    }
+
+    fn kept(&self) -> &[Kept] {
+        self.plan.kept()
+    }
+}

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Code as a program for batches, kept and made by a thread of its own; files that mean harm.
+
+use super::chance::{Dice, mutated};
+use super::world::{World, alone, points, rows, shader};
+use gnurt_jit::{Cache, Compiled, Lanes};
+use gnurt_simd::Level;
+use gnurt_sl::exec::{Plan, PlanOptions, Program, Results, parts};
+use gnurt_sl::group::Group;
+use gnurt_sl::ir::{read, write};
+use std::sync::Arc;
+
+const TEXT: &str = "surface test(float s = 7 [[int interpolated = 1]], output float f = 0, output color o = 0, output int k = 0) { f = s + u; o = noise(P) * f; for (k = 0; k < u * 9; ++k) f += v; printf(\"%d \", k); Ci = u * diffuse(N); }";
+
+fn plan() -> Arc<Plan> {
+    let outputs = vec!["f".into(), "o".into(), "k".into()];
+    let options = PlanOptions { outputs, ..PlanOptions::default() };
+    Arc::new(Plan::new(&alone(TEXT), &options).expect("a plan"))
+}
+
+#[test]
+fn a_batch_by_code_is_a_batch_by_the_interpreter() {
+    let level = Level::best();
+    if !Compiled::can(level) {
+        eprintln!("SKIPPED: there is no machine code for {level}");
+        return;
+    }
+    let (cache, world) = (Cache::default(), World::default());
+    let interpreted = plan();
+    let job = cache.start(plan(), level);
+    let again = cache.start(plan(), level);
+    let code = job.wait().expect("code");
+    assert!(std::ptr::eq(code, again.wait().expect("code")), "the same group has the same code");
+    assert_eq!(job.kept(), interpreted.kept(), "what is kept");
+    for count in [16, 5, 16] {
+        let batch = rows(&points(count));
+        let (mut wanted, mut found) = (Results::default(), Results::default());
+        interpreted.run(&world, &batch, &mut wanted);
+        job.run(&world, &batch, &mut found);
+        let cut =
+            |results: &Results| results.rows.iter().map(|row| row[..count].to_vec()).collect::<Vec<_>>();
+        assert_eq!(cut(&found), cut(&wanted), "{count} points");
+        assert_eq!(found.events, wanted.events, "what is said");
+        for lane in 0..count {
+            let components = |r: &Results| format!("{:?}", parts(&r.closures, r.ci[lane]));
+            assert_eq!(components(&found), components(&wanted), "point {lane}");
+        }
+    }
+}
+
+#[test]
+fn files_that_mean_harm_do_none() {
+    let level = Level::best();
+    let text = write(&shader(TEXT), "");
+    let world = World::default();
+    let mut dice = Dice::new(7);
+    let mut ran = 0;
+    for _ in 0..400 {
+        let Ok(shader) = read(&mutated(&text, &mut dice)) else { continue };
+        let mut group = Group::default();
+        group.add(Arc::new(shader), None, &[], &mut Vec::new());
+        let options = PlanOptions { turns: 500, ..PlanOptions::default() };
+        let Ok(plan) = Plan::new(&group, &options) else { continue };
+        if let Ok(code) = Compiled::new(Arc::new(plan), level) {
+            Lanes::new(&code, &world).run(&rows(&points(16)));
+            ran += 1;
+        }
+    }
+    assert!(ran > 20 || !Compiled::can(level), "some of them run: {ran}");
+}
