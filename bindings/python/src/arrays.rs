@@ -117,6 +117,22 @@ impl Numbers {
         }
     }
 
+    /// Rows of `N` in single precision.
+    pub(crate) fn singles<const N: usize>(&self) -> Vec<[f32; N]> {
+        fn gather<T: Copy, const N: usize>(
+            all: &[T],
+            step: usize,
+            count: usize,
+            single: fn(T) -> f32,
+        ) -> Vec<[f32; N]> {
+            (0..count).map(|i| std::array::from_fn(|k| single(all[i * step + k]))).collect()
+        }
+        match self {
+            Self::Single(rows) => gather(rows.all(), rows.step(), rows.count(), |x| x),
+            Self::Double(rows) => gather(rows.all(), rows.step(), rows.count(), |x| x as f32),
+        }
+    }
+
     /// Rows of three in double precision.
     pub(crate) fn points(&self) -> Vec<[f64; 3]> {
         fn gather<T: Copy + Into<f64>>(all: &[T], step: usize, count: usize) -> Vec<[f64; 3]> {

@@ -1,16 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The part of the Python package `gnurt` that is compiled: ray queries on numpy arrays.
+//! The part of the Python package `gnurt` that is compiled: ray queries on numpy arrays, pictures, and the program.
 //! Source: original; docs/python.md. Proof: `bindings/python/tests`.
 
 mod answers;
 mod arrays;
+mod describing;
 mod ffi_arrays;
+mod given;
 mod hits;
 mod meshes;
+mod picture;
 mod pool;
 mod ray_scene;
 mod rays;
+mod rendering;
+mod scene;
+mod stage;
 mod trees;
+mod watch;
 
 use pyo3::prelude::*;
 
@@ -20,5 +27,8 @@ fn _gnurt(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<hits::Hits>()?;
     module.add_class::<hits::AllHits>()?;
+    module.add_class::<picture::Picture>()?;
+    module.add_class::<rendering::Growing>()?;
+    module.add_class::<scene::Scene>()?;
     module.add_class::<ray_scene::RayScene>()
 }

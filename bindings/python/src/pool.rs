@@ -5,10 +5,10 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use gnurt::ThreadPool;
 use gnurt_accel::Threads;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rayon::{ThreadPool, ThreadPoolBuilder};
 
 /// More than that is a slip.
 const MOST: usize = 1024;
@@ -21,7 +21,10 @@ static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
 /// Who works: the calling thread, or a pool.
 #[derive(Clone)]
-pub(crate) struct Workers(Option<Arc<ThreadPool>>);
+pub(crate) struct Workers {
+    count: usize,
+    pool: Option<Arc<ThreadPool>>,
+}
 
 impl Workers {
     /// So many threads; 0 is one for each core.
@@ -33,22 +36,29 @@ impl Workers {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
             n => n,
         };
-        if count == 1 {
-            return Ok(Self(None));
-        }
-        let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-        let pools = pools.get_or_insert_default();
-        let key = (std::process::id(), count);
-        if let Some(pool) = pools.get(&key) {
-            return Ok(Self(Some(pool.clone())));
-        }
-        let pool = ThreadPoolBuilder::new().num_threads(count).build();
-        let pool = Arc::new(pool.map_err(|error| PyValueError::new_err(format!("threads: {error}")))?);
-        pools.insert(key, pool.clone());
-        Ok(Self(Some(pool)))
+        Ok(Self { count, pool: if count == 1 { None } else { Some(pool(count)?) } })
+    }
+
+    /// A pool, of one thread if need be: for what is never done by the calling one.
+    pub(crate) fn pool(&self) -> PyResult<Arc<ThreadPool>> {
+        self.pool.clone().map_or_else(|| pool(self.count), Ok)
     }
 
     pub(crate) fn threads(&self) -> Threads<'_> {
-        self.0.as_deref().map_or(Threads::Single, Threads::Pool)
+        self.pool.as_deref().map_or(Threads::Single, Threads::Pool)
     }
+}
+
+/// The process's pool of so many threads.
+fn pool(count: usize) -> PyResult<Arc<ThreadPool>> {
+    let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    let pools = pools.get_or_insert_default();
+    let key = (std::process::id(), count);
+    if let Some(pool) = pools.get(&key) {
+        return Ok(pool.clone());
+    }
+    let pool = gnurt::thread_pool(count);
+    let pool = Arc::new(pool.map_err(|error| PyValueError::new_err(format!("threads: {error}")))?);
+    pools.insert(key, pool.clone());
+    Ok(pool)
 }

@@ -25,7 +25,7 @@ const ARROWS: [(&str, &[&str]); 21] = [
     ("cli", &["gnurt", "bench", "view", "plugins", "sl", "jit"]),
     ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),
-    ("python", &["accel"]),
+    ("python", &["accel", "gnurt"]),
 ];
 
 /// Packages without arrows of their own: tests and chores, which nobody may use in turn.

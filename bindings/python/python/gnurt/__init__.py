@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ray queries on triangle meshes: closest hits, all hits, crossings, inside or outside, distances."""
+"""Ray queries on triangle meshes: closest hits, all hits, crossings, inside or outside, distances. And pictures of scenes."""
 
-from ._gnurt import AllHits, Hits, RayScene as _RayScene, __version__
+from ._gnurt import AllHits, Hits, Picture, RayScene as _RayScene, __version__
+from ._scene import Camera, Scene, load
 
-__all__ = ["AllHits", "Hits", "RayScene", "__version__"]
+__all__ = ["AllHits", "Camera", "Hits", "Picture", "RayScene", "Scene", "__version__", "load"]
 
 #: First bytes of a saved scene.
 _MAGIC = b"GNURT ray scene 1\n"

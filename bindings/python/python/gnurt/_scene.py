@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes and their pictures."""
+
+import os
+import sys
+import warnings
+
+from ._gnurt import Scene as _Scene
+
+__all__ = ["Camera", "Scene", "load"]
+
+
+class Camera:
+    """A pinhole camera: where it is, what it looks at, what is up, and its vertical angle of view in degrees."""
+
+    __slots__ = ("eye", "fov", "name", "target", "up")
+
+    def __init__(self, eye, target, up=(0.0, 1.0, 0.0), fov=40.0, name=""):
+        self.eye, self.target, self.up, self.fov, self.name = tuple(eye), tuple(target), tuple(up), fov, name
+
+    def _arguments(self):
+        return {name: getattr(self, name) for name in self.__slots__}
+
+    def __eq__(self, other):
+        return isinstance(other, Camera) and self._arguments() == other._arguments()
+
+    __hash__ = None
+
+    def __repr__(self):
+        return f"Camera(eye={self.eye}, target={self.target}, up={self.up}, fov={self.fov}, name={self.name!r})"
+
+
+class Scene(_Scene):
+    """Meshes, materials, lights and cameras, of which pictures are made. What is put somewhere has a number."""
+
+    __slots__ = ()
+
+    def add_material(self, name="", **properties):
+        """The number of a new material.
+
+        kind="principled" (metallic, roughness, ior, specular, clearcoat, sheen_color, transmission, thin, ...), "matte", "mirror"
+        or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
+        """
+        return self._add_material({"name": name, **properties})
+
+    def set_material(self, material, name="", **properties):
+        """Puts another material in the place of one."""
+        self._set_material(material, {"name": name, **properties})
+
+    def add_mesh(
+        self, vertices, faces=None, *, material=None, normals=None, texcoords=None, colors=None, transform=None, name=""
+    ):
+        """The number of a new mesh, put in its place. Takes meshes of trimesh and of Open3D, too: shapes and vertex colours."""
+        if faces is None:
+            vertices, faces, found = _arrays(vertices)
+            colors = found if colors is None else colors
+        return self._add_mesh(vertices, faces, material, normals, texcoords, colors, transform, name)
+
+    def add_instance(self, instance, transform):
+        """The number of what `instance` shows, shown once more."""
+        return self._add_instance(instance, transform)
+
+    def update(self, instance, *, transform=None, visible=None, vertices=None, material=None):
+        """Changes what is given. Vertices and material are those of all instances of its mesh."""
+        self._update(instance, transform, visible, vertices, material)
+
+    def add_light(self, kind, **properties):
+        """The number of a new light.
+
+        "point" (position, intensity), "spot" (and direction, inner_angle, outer_angle), "directional" (direction, irradiance),
+        "environment" (radiance, or picture=FILE, or sky="day", "evening", "overcast"; turn, up). Angles are in degrees.
+        """
+        return self._add_light(kind, properties)
+
+    def set_light(self, light, kind, **properties):
+        """Puts another light in the place of one."""
+        self._set_light(light, kind, properties)
+
+    def add_camera(self, camera):
+        """The number of a new camera."""
+        return self._add_camera(camera._arguments())
+
+    @property
+    def cameras(self):
+        """All cameras."""
+        return [Camera(eye, target, up, fov, name) for name, eye, target, up, fov in self._cameras()]
+
+    def save(self, path):
+        """Writes it: .glb, .gltf, .obj or .ply. What the format cannot hold is warned of."""
+        for warning in self._save(os.fspath(path)):
+            warnings.warn(warning, stacklevel=2)
+
+    def render(self, width=640, height=480, *, progress=None, **options):
+        """A picture. Options are those of the program: spp, integrator, camera, at, animation, seed, max_depth, vpls, clamp, noise,
+        crop, filter, time, denoise, layers, force_diffuse, threads. `progress` is True, or called with the share that is done."""
+        with _told(progress) as tell:
+            return self._render({"width": width, "height": height, **options}, tell)
+
+    def accumulate(self, width=640, height=480, *, progress=None, **options):
+        """Pictures, each with more samples than the one before, until there are `spp` of them. Options as of `render`, but for time."""
+        if options.pop("time", None) is not None:
+            raise TypeError("time: leave the loop when it is over")
+        growing = self._grow({"width": width, "height": height, **options})
+        samples, complete = 0, False
+        while not complete:
+            with _told(progress) as tell:
+                complete = growing.grow(max(1, min(samples, 16)), tell)
+            samples = growing.samples
+            yield growing.picture()
+
+
+def load(source):
+    """A scene of a file (.glb, .gltf, .obj, .ply) or "builtin:NAME". What is odd about the file is warned of."""
+    found, told = _Scene._load(os.fspath(source))
+    for warning in told:
+        warnings.warn(warning, stacklevel=2)
+    scene = Scene()
+    scene._take(found)
+    return scene
+
+
+def _arrays(mesh):
+    """Vertices, faces and vertex colours of others' meshes."""
+    import numpy as np
+
+    if hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):  # Open3D's tensor kind
+        colors = mesh.vertex.colors.numpy() if "colors" in mesh.vertex else None
+        return mesh.vertex.positions.numpy(), mesh.triangle.indices.numpy(), _linear(colors)
+    if hasattr(mesh, "triangles") and hasattr(mesh, "vertices") and not hasattr(mesh, "faces"):  # and its legacy kind
+        colors = np.asarray(mesh.vertex_colors) if mesh.has_vertex_colors() else None
+        return np.asarray(mesh.vertices), np.asarray(mesh.triangles), _linear(colors)
+    if hasattr(mesh, "faces") and hasattr(mesh, "vertices"):  # trimesh
+        visual = getattr(mesh, "visual", None)
+        colors = visual.vertex_colors if getattr(visual, "kind", None) == "vertex" else None
+        return mesh.vertices, mesh.faces, _linear(colors)
+    raise TypeError("faces: are missing; give vertices and faces, or a mesh of trimesh or Open3D")
+
+
+def _linear(colors):
+    """Linear light and opacity of colours of screens: bytes, or floats up to 1."""
+    import numpy as np
+
+    if colors is None:
+        return None
+    colors = np.asarray(colors)
+    colors = colors / 255 if colors.dtype == np.uint8 else colors.astype(float)
+    rgb = colors[:, :3]
+    light = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    opacity = colors[:, 3:4] if colors.shape[1] > 3 else np.ones((len(colors), 1))
+    return np.concatenate([light, opacity], axis=1)
+
+
+class _told:
+    """What is called with the share that is done; a line on stderr if that is asked for by True."""
+
+    def __init__(self, progress):
+        self._is_own = progress is True
+        self._progress = self._show if self._is_own else progress or None
+        self._shown = None
+
+    def _show(self, done):
+        line = f"\rrendering [{'=' * round(32 * done):32}] {done:4.0%}"
+        if line != self._shown:
+            self._shown = line
+            sys.stderr.write(line)
+            sys.stderr.flush()
+
+    def __enter__(self):
+        return self._progress
+
+    def __exit__(self, *_):
+        if self._is_own:
+            sys.stderr.write("\r" + " " * 52 + "\r")
+            sys.stderr.flush()

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from collections.abc import Callable, Iterator, Sequence
+from os import PathLike
+from typing import Any, Literal, Self
+
+from numpy.typing import ArrayLike
+
+from . import Picture
+
+__all__ = ["Camera", "Scene", "load"]
+
+class Camera:
+    eye: tuple[float, ...]
+    target: tuple[float, ...]
+    up: tuple[float, ...]
+    fov: float
+    name: str
+    def __init__(
+        self,
+        eye: Sequence[float],
+        target: Sequence[float],
+        up: Sequence[float] = (0.0, 1.0, 0.0),
+        fov: float = 40.0,
+        name: str = "",
+    ) -> None: ...
+    def __eq__(self, other: object) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+
+class Scene:
+    def __new__(cls) -> Self: ...
+    @property
+    def materials(self) -> list[str]: ...
+    @property
+    def instances(self) -> list[str]: ...
+    @property
+    def animations(self) -> list[str]: ...
+    @property
+    def cameras(self) -> list[Camera]: ...
+    def add_material(self, name: str = "", **properties: Any) -> int: ...
+    def set_material(self, material: int, name: str = "", **properties: Any) -> None: ...
+    def add_mesh(
+        self,
+        vertices: Any,
+        faces: ArrayLike | None = None,
+        *,
+        material: int | None = None,
+        normals: ArrayLike | None = None,
+        texcoords: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        transform: ArrayLike | None = None,
+        name: str = "",
+    ) -> int: ...
+    def add_instance(self, instance: int, transform: ArrayLike) -> int: ...
+    def update(
+        self,
+        instance: int,
+        *,
+        transform: ArrayLike | None = None,
+        visible: bool | None = None,
+        vertices: ArrayLike | None = None,
+        material: int | None = None,
+    ) -> None: ...
+    def add_light(self, kind: str, **properties: Any) -> int: ...
+    def set_light(self, light: int, kind: str, **properties: Any) -> None: ...
+    def add_camera(self, camera: Camera) -> int: ...
+    def save(self, path: str | PathLike[str]) -> None: ...
+    def render(
+        self,
+        width: int = 640,
+        height: int = 480,
+        *,
+        progress: Callable[[float], object] | Literal[True] | None = None,
+        **options: Any,
+    ) -> Picture: ...
+    def accumulate(
+        self,
+        width: int = 640,
+        height: int = 480,
+        *,
+        progress: Callable[[float], object] | Literal[True] | None = None,
+        **options: Any,
+    ) -> Iterator[Picture]: ...
+
+def load(source: str | PathLike[str]) -> Scene: ...

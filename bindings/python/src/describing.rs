@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Materials, lights and cameras from arguments. Source: original; names as in glTF. Angles are in degrees.
+//! Proof: `tests/test_pictures.py`.
+
+use gnurt::Surroundings;
+use gnurt::scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled};
+use gnurt::scene::{Camera, Light, Material, Surface};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::given::Given;
+
+const MOST: f64 = f32::MAX as f64;
+
+/// A material; `kind` says which arguments there are.
+pub(crate) fn material(given: &mut Given) -> PyResult<Material> {
+    let name = given.text("name")?.unwrap_or_default();
+    let kind = given.text("kind")?.unwrap_or_else(|| "principled".into());
+    let color = given.color("color")?;
+    let base_color = Color::constant(color.unwrap_or([0.8; 3]));
+    let share = |given: &mut Given, name, default: f64| -> PyResult<f32> {
+        Ok(given.number(name, 0.0, 1.0)?.unwrap_or(default) as f32)
+    };
+    let surface = match kind.as_str() {
+        "matte" => match share(given, "roughness", 0.0)? {
+            0.0 => Surface::Matte { base_color },
+            roughness => Surface::RoughMatte { base_color, roughness },
+        },
+        "mirror" => Surface::Mirror { reflectance: Color::constant(color.unwrap_or([1.0; 3])) },
+        "glass" => {
+            let (ior, tint) = (ior(given)?, color.unwrap_or([1.0; 3]));
+            let (roughness, thin) = (share(given, "roughness", 0.0)?, given.flag("thin")?.unwrap_or(false));
+            if roughness == 0.0 && !thin {
+                Surface::Dielectric { ior, reflectance: [1.0; 3], transmittance: tint }
+            } else {
+                let (reflectance, transmittance) = ([1.0; 3], tint);
+                Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin }
+            }
+        }
+        "principled" => Surface::Principled(Box::new(Principled {
+            base_color,
+            metallic: share(given, "metallic", 0.0)?,
+            roughness: share(given, "roughness", 0.5)?,
+            ior: ior(given)?,
+            specular: share(given, "specular", 1.0)?,
+            specular_color: given.color("specular_color")?.unwrap_or([1.0; 3]),
+            clearcoat: share(given, "clearcoat", 0.0)?,
+            clearcoat_roughness: share(given, "clearcoat_roughness", 0.0)?,
+            sheen_color: given.color("sheen_color")?.unwrap_or([0.0; 3]),
+            sheen_roughness: share(given, "sheen_roughness", 0.3)?,
+            transmission: share(given, "transmission", 0.0)?,
+            thin: given.flag("thin")?.unwrap_or(true),
+            ..Principled::default()
+        })),
+        _ => {
+            return Err(PyValueError::new_err(format!(
+                "kind: expected principled, matte, mirror or glass, not '{kind}'"
+            )));
+        }
+    };
+    let mut material = Material::of(name, surface);
+    material.emission = given.color("emission")?.unwrap_or_default();
+    let factor = share(given, "opacity", 1.0)?;
+    if factor < 1.0 {
+        let opacity = Opacity { factor, texture: None, channel: OpacityChannel::Alpha };
+        material.alpha = Alpha::Blend { opacity };
+    }
+    Ok(material)
+}
+
+fn ior(given: &mut Given) -> PyResult<f32> {
+    Ok(given.number("ior", 0.01, 100.0)?.unwrap_or(1.5) as f32)
+}
+
+/// What a light becomes in a scene.
+pub(crate) enum NewLight {
+    Light(Light),
+    Around(Surroundings, [f32; 3], f64),
+}
+
+/// A light; `kind` says which arguments there are.
+pub(crate) fn light(kind: &str, given: &mut Given) -> PyResult<NewLight> {
+    let missing = |name: &str| PyValueError::new_err(format!("{name}: a {kind} light needs one"));
+    let position = |given: &mut Given| given.numbers("position")?.ok_or_else(|| missing("position"));
+    let direction = |given: &mut Given| {
+        let direction: [f32; 3] = given.numbers("direction")?.ok_or_else(|| missing("direction"))?;
+        match direction {
+            [0.0, 0.0, 0.0] => Err(PyValueError::new_err("direction: zero points nowhere")),
+            _ => Ok(direction),
+        }
+    };
+    let intensity = |given: &mut Given| Ok::<_, PyErr>(given.color("intensity")?.unwrap_or([1.0; 3]));
+    Ok(NewLight::Light(match kind {
+        "point" => Light::Point { position: position(given)?, intensity: intensity(given)? },
+        "spot" => {
+            let outer = given.number("outer_angle", 0.01, 90.0)?.unwrap_or(45.0);
+            let inner = given.number("inner_angle", 0.0, outer)?.unwrap_or(0.0);
+            // A cone without an edge would have no light at it.
+            let inner = inner.min(outer * (1.0 - 1e-6));
+            Light::Spot {
+                position: position(given)?,
+                direction: direction(given)?,
+                intensity: intensity(given)?,
+                inner_angle: inner.to_radians() as f32,
+                outer_angle: outer.to_radians() as f32,
+            }
+        }
+        "directional" => Light::Directional {
+            direction: direction(given)?,
+            irradiance: given.color("irradiance")?.unwrap_or([1.0; 3]),
+        },
+        "environment" => {
+            let up = given.numbers("up")?.unwrap_or([0.0, 1.0, 0.0]);
+            let turn = given.number("turn", -MOST, MOST)?.unwrap_or(0.0);
+            let sky = given.text("sky")?;
+            let picture =
+                given.get("picture")?.map(|path| path.extract::<std::path::PathBuf>()).transpose()?;
+            let radiance = given.color("radiance")?;
+            let around = match (sky, picture, radiance) {
+                (Some(sky), None, None) => Surroundings::sky(&sky).ok_or_else(|| {
+                    PyValueError::new_err(format!("sky: expected day, evening or overcast, not '{sky}'"))
+                })?,
+                (None, Some(path), None) => Surroundings::Picture(path),
+                (None, None, radiance) => Surroundings::Uniform(radiance.unwrap_or([1.0; 3])),
+                _ => return Err(PyValueError::new_err("environment: give one of sky, picture and radiance")),
+            };
+            return Ok(NewLight::Around(around, up, turn));
+        }
+        _ => {
+            return Err(PyValueError::new_err(format!(
+                "kind: expected point, spot, directional or environment, not '{kind}'"
+            )));
+        }
+    }))
+}
+
+/// A camera.
+pub(crate) fn camera(given: &mut Given) -> PyResult<Camera> {
+    let needed = |name: &str| PyValueError::new_err(format!("{name}: a camera needs one"));
+    let camera = Camera {
+        name: given.text("name")?.unwrap_or_default(),
+        eye: given.numbers("eye")?.ok_or_else(|| needed("eye"))?,
+        target: given.numbers("target")?.ok_or_else(|| needed("target"))?,
+        up: given.numbers("up")?.unwrap_or([0.0, 1.0, 0.0]),
+        fov_y: given.number("fov", 0.001, 179.999)?.unwrap_or(40.0) as f32,
+    };
+    match camera.frame() {
+        Some(_) => Ok(camera),
+        None => Err(PyValueError::new_err("target: is where eye is; the camera must look somewhere")),
+    }
+}

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt.Picture`. Source: original; docs/python.md. Proof: `tests/test_pictures.py`.
+
+use std::path::PathBuf;
+
+use gnurt::denoise::{self, Method, Options};
+use gnurt::image::{self, ChannelData, ExrPixels, OutputFormat, ToneCurve, WriteOptions, exposure_for};
+use gnurt::look::TONE;
+use pyo3::exceptions::{PyKeyError, PyOSError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+
+use crate::arrays::New;
+use crate::pool::Workers;
+
+/// Linear light with opacity, and layers beside it.
+#[pyclass(module = "gnurt", frozen)]
+pub(crate) struct Picture {
+    pub(crate) picture: image::Picture,
+    /// Stops, where they do not depend on the picture.
+    pub(crate) exposure: Option<f32>,
+    /// What of the frame was rendered; `None` = all.
+    pub(crate) crop: Option<[u32; 4]>,
+}
+
+/// What is wrong with a picture's file.
+pub(crate) fn image_error(error: &image::Error) -> PyErr {
+    match error {
+        image::Error::File { .. } => PyOSError::new_err(error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
+    }
+}
+
+impl Picture {
+    /// As a file of this format shows it: on a screen the background is part of the picture.
+    fn encoded(&self, format: OutputFormat, options: &WriteOptions) -> PyResult<Vec<u8>> {
+        if format == OutputFormat::Exr {
+            return image::encode(&self.picture, format, options).map_err(|error| image_error(&error));
+        }
+        let mut seen = self.picture.clone();
+        seen.make_opaque(self.crop);
+        image::encode(&seen, format, options).map_err(|error| image_error(&error))
+    }
+
+    fn look(&self, tone: Option<&str>, exposure: Option<f32>) -> PyResult<WriteOptions> {
+        let tone: ToneCurve = match tone {
+            None => TONE,
+            Some(name) => name.parse().map_err(|error| PyValueError::new_err(format!("tone: {error}")))?,
+        };
+        if exposure.is_some_and(|stops| !stops.is_finite()) {
+            return Err(PyValueError::new_err("exposure: expected a finite number of stops"));
+        }
+        let exposure = exposure.or(self.exposure).unwrap_or_else(|| exposure_for(&self.picture));
+        Ok(WriteOptions { tone, exposure, ..WriteOptions::default() })
+    }
+}
+
+#[pymethods]
+impl Picture {
+    #[getter]
+    fn width(&self) -> u32 {
+        self.picture.width
+    }
+
+    #[getter]
+    fn height(&self) -> u32 {
+        self.picture.height
+    }
+
+    /// Names of the layers.
+    #[getter]
+    fn layers(&self) -> Vec<&str> {
+        self.picture
+            .layers
+            .iter()
+            .map(|layer| if layer.name.is_empty() { "Z" } else { &layer.name[..] })
+            .collect()
+    }
+
+    /// What is said of its making.
+    #[getter]
+    fn metadata<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let all = PyDict::new(py);
+        self.picture.metadata.iter().try_for_each(|(name, value)| all.set_item(name, value))?;
+        Ok(all)
+    }
+
+    #[pyo3(signature = (dtype=None, copy=None))]
+    fn __array__<'py>(
+        &self,
+        py: Python<'py>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        copy: Option<bool>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if copy == Some(false) {
+            return Err(PyValueError::new_err("copy: a picture's array is always a copy"));
+        }
+        let (width, height) = (self.picture.width as usize, self.picture.height as usize);
+        let mut array = New::<f32>::empty(py, width * height, 4)?;
+        array.all().copy_from_slice(self.picture.color.as_flattened());
+        let array = array.done().into_bound(py).call_method1("reshape", (height, width, 4))?;
+        match dtype {
+            Some(dtype) => array.call_method1("astype", (dtype,)),
+            None => Ok(array),
+        }
+    }
+
+    /// float32 or uint32 (height, width, channels), or (height, width) of a layer that has one channel.
+    fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let wanted = if name == "Z" { "" } else { name };
+        let Some(layer) = self.picture.layer(wanted) else {
+            let all = self.layers().join(", ");
+            return Err(PyKeyError::new_err(format!(
+                "there is no layer '{name}'; the picture has {}",
+                if all.is_empty() { "none: render with layers=True" } else { &all }
+            )));
+        };
+        let (width, height) = (self.picture.width as usize, self.picture.height as usize);
+        let channels = layer.channels.len();
+        let shape = |array: Bound<'py, PyAny>| match channels {
+            1 => array.call_method1("reshape", (height, width)),
+            _ => array.call_method1("reshape", (height, width, channels)),
+        };
+        let is_ids = layer.channels.iter().all(|channel| matches!(channel.data, ChannelData::U32(_)));
+        if is_ids {
+            let mut array = New::<u32>::empty(py, width * height, channels)?;
+            let all = array.all();
+            for (c, channel) in layer.channels.iter().enumerate() {
+                if let ChannelData::U32(values) = &channel.data {
+                    values.iter().enumerate().for_each(|(i, value)| all[i * channels + c] = *value);
+                }
+            }
+            return shape(array.done().into_bound(py));
+        }
+        let mut array = New::<f32>::empty(py, width * height, channels)?;
+        let all = array.all();
+        for (c, channel) in layer.channels.iter().enumerate() {
+            match &channel.data {
+                ChannelData::F32(values) => {
+                    values.iter().enumerate().for_each(|(i, value)| all[i * channels + c] = *value);
+                }
+                ChannelData::U32(values) => {
+                    values.iter().enumerate().for_each(|(i, value)| all[i * channels + c] = *value as f32);
+                }
+            }
+        }
+        shape(array.done().into_bound(py))
+    }
+
+    /// Writes it: .png, .exr, .hdr or .pfm. Curve and exposure are for PNG; without an exposure one is chosen.
+    #[pyo3(signature = (path, *, tone=None, exposure=None, exact=false))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        tone: Option<&str>,
+        exposure: Option<f32>,
+        exact: bool,
+    ) -> PyResult<()> {
+        let format = OutputFormat::from_path(&path).map_err(|error| image_error(&error))?;
+        let mut options = self.look(tone, exposure)?;
+        if exact {
+            options.exr_pixels = ExrPixels::Float;
+        }
+        py.detach(|| {
+            let bytes = self.encoded(format, &options)?;
+            image::replace_file(&path, &bytes).map_err(|error| image_error(&error))
+        })
+    }
+
+    /// The bytes of a PNG.
+    #[pyo3(signature = (*, tone=None, exposure=None))]
+    fn png<'py>(
+        &self,
+        py: Python<'py>,
+        tone: Option<&str>,
+        exposure: Option<f32>,
+    ) -> PyResult<Bound<'py, PyBytes>> {
+        let options = self.look(tone, exposure)?;
+        Ok(PyBytes::new(py, &py.detach(|| self.encoded(OutputFormat::Png, &options))?))
+    }
+
+    /// What a notebook shows.
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        self.png(py, None, None)
+    }
+
+    /// The picture without its noise. It needs the layers, which `render(layers=True)` gives.
+    #[pyo3(signature = (method="auto", *, threads=0))]
+    fn denoise(&self, py: Python<'_>, method: &str, threads: usize) -> PyResult<Self> {
+        let method: Method =
+            method.parse().map_err(|error| PyValueError::new_err(format!("method: {error}")))?;
+        let workers = Workers::new(threads)?;
+        let mut picture = self.picture.clone();
+        py.detach(|| take_noise_out(&mut picture, method, self.crop, &workers))?;
+        Ok(Self { picture, exposure: self.exposure, crop: self.crop })
+    }
+
+    fn __repr__(&self) -> String {
+        let image::Picture { width, height, layers, .. } = &self.picture;
+        format!("<gnurt.Picture: {width}x{height}, {} layers>", layers.len())
+    }
+}
+
+/// Takes the noise out of a picture with layers.
+pub(crate) fn take_noise_out(
+    picture: &mut image::Picture,
+    method: Method,
+    region: Option<[u32; 4]>,
+    workers: &Workers,
+) -> PyResult<()> {
+    let library = std::env::var_os("OIDN_LIB").filter(|file| !file.is_empty()).map(Into::into);
+    let options = Options { method, region, library };
+    let error = |error: denoise::Error| PyValueError::new_err(format!("denoise: {error}"));
+    let used = denoise::denoise(picture, &options, &*workers.pool()?).map_err(error)?;
+    picture.set_metadata("denoiser", used.name());
+    Ok(())
+}

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a picture is rendered with, and pictures that grow. Source: original; names as the program's options.
+//! Proof: `tests/test_pictures.py`.
+
+use std::sync::Mutex;
+use std::time::Duration;
+
+use gnurt::denoise::Method;
+use gnurt::image;
+use gnurt::memory::check_memory;
+use gnurt::render::{Accumulation, RenderOptions, RenderStats, render_on};
+use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
+use pyo3::types::PyDict;
+
+use crate::describing;
+use crate::given::Given;
+use crate::picture::{Picture, take_noise_out};
+use crate::pool::Workers;
+use crate::stage::{Aim, Clip, Shot, View};
+use crate::watch::watched;
+
+/// All that a rendering is asked for.
+pub(crate) struct Wanted {
+    pub(crate) view: View,
+    pub(crate) workers: Workers,
+    options: RenderOptions,
+    layers: bool,
+    denoise: Option<Method>,
+}
+
+impl Wanted {
+    pub(crate) fn new(arguments: &Bound<'_, PyDict>) -> PyResult<Self> {
+        const SIDE: u64 = 1 << 31;
+        const MOST: f64 = f32::MAX as f64;
+        let mut given = Given::new(arguments);
+        let side = |given: &mut Given, name, default| -> PyResult<u32> {
+            Ok(given.whole(name, 1, SIDE)?.unwrap_or(default) as u32)
+        };
+        let default = RenderOptions::default();
+        let (width, height) = (side(&mut given, "width", 640)?, side(&mut given, "height", 480)?);
+        let layers = given.flag("layers")?.unwrap_or(false);
+        let denoise = denoiser(&mut given)?;
+        let crop: Option<[f32; 4]> = given.numbers("crop")?;
+        let time = given.number("time", 0.001, 1e9)?;
+        let options = RenderOptions {
+            width,
+            height,
+            spp: given.whole("spp", 1, (1 << 31) - 1)?.unwrap_or(16) as u32,
+            seed: given.whole("seed", 0, u64::MAX)?.unwrap_or(0),
+            integrator: given.choice("integrator")?.unwrap_or(gnurt::render::Integrator::Path),
+            filter: given.choice("filter")?.unwrap_or_default(),
+            max_depth: given.whole("max_depth", 1, 1 << 16)?.unwrap_or(16) as u32,
+            vpls: given.whole("vpls", 1, 1 << 24)?.unwrap_or(1024) as u32,
+            clamp: given.number("clamp", 0.0, MOST)?.map(|x| x as f32),
+            noise: given.number("noise", 1e-6, 1.0)?.map(|x| x as f32),
+            crop: crop.map(|corners| corners.map(|x| x.max(0.0) as u32)),
+            time_limit: time.map(Duration::from_secs_f64),
+            aovs: layers || denoise.is_some(),
+            ..default
+        };
+        options.region().map_err(|error| PyValueError::new_err(error.to_string()))?;
+        if options.noise.is_some() && options.integrator.has_virtual_lights() {
+            return Err(PyValueError::new_err(format!(
+                "noise: does not go with integrator '{}', whose pixels share their noise; give spp",
+                options.integrator
+            )));
+        }
+        check_memory(&options, denoise.is_some())
+            .map_err(|error| PyMemoryError::new_err(error.to_string()))?;
+        let view = View {
+            camera: aim(&mut given)?,
+            at: moment(&mut given)?,
+            aspect: width as f32 / height as f32,
+            integrator: options.integrator,
+            force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
+        };
+        let threads = given.whole("threads", 0, 1024)?.unwrap_or(0) as usize;
+        given.end()?;
+        Ok(Self { view, workers: Workers::new(threads)?, options, layers, denoise })
+    }
+
+    /// The finished picture of what `ready` makes ready.
+    pub(crate) fn render(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+        ready: impl FnOnce() -> PyResult<Shot> + Send,
+    ) -> PyResult<Picture> {
+        watched(py, progress, |watch| {
+            let shot = ready()?;
+            let begun = Accumulation::new(self.options.clone())
+                .map_err(|error| PyValueError::new_err(error.to_string()))?;
+            let pool = self.workers.pool()?;
+            let frame = render_on(begun, &shot.world, &shot.camera, &pool, watch, None, &mut |_| {});
+            self.finished(frame.picture, &frame.stats, shot.exposure)
+        })
+    }
+
+    /// A picture as callers get it.
+    fn finished(
+        &self,
+        mut picture: image::Picture,
+        stats: &RenderStats,
+        exposure: Option<f32>,
+    ) -> PyResult<Picture> {
+        let crop = self.options.crop.and_then(|_| self.options.region().ok());
+        if let Some(method) = self.denoise {
+            take_noise_out(&mut picture, method, crop, &self.workers)?;
+            if !self.layers {
+                picture.make_opaque(crop);
+                picture.layers.clear();
+            }
+        }
+        picture.set_metadata("seed", self.options.seed.to_string());
+        picture.set_metadata("integrator", self.options.integrator.to_string());
+        picture.set_metadata("filter", self.options.filter.to_string());
+        if self.layers {
+            picture.set_metadata("samplesPerPixel", stats.spp_max.to_string());
+        }
+        Ok(Picture { picture, exposure, crop })
+    }
+}
+
+/// `None` and `False` leave the noise, `True` is the best that is there.
+fn denoiser(given: &mut Given) -> PyResult<Option<Method>> {
+    let Some(how) = given.get("denoise")? else { return Ok(None) };
+    if let Ok(is_wanted) = how.extract::<bool>() {
+        return Ok(is_wanted.then_some(Method::Auto));
+    }
+    given.choice("denoise")
+}
+
+fn aim(given: &mut Given) -> PyResult<Aim> {
+    let Some(camera) = given.get("camera")? else { return Ok(Aim::First) };
+    if let Ok(number) = camera.extract::<usize>() {
+        return Ok(Aim::Number(number));
+    }
+    if let Ok(name) = camera.extract::<String>() {
+        return Ok(Aim::Named(name));
+    }
+    match camera.getattr("_arguments").and_then(|arguments| Ok(arguments.call0()?.cast_into::<PyDict>()?)) {
+        Ok(arguments) => describing::camera(&mut Given::new(&arguments)).map(Aim::Own),
+        Err(_) => Err(PyTypeError::new_err("camera: expected a number, a name or a gnurt.Camera")),
+    }
+}
+
+fn moment(given: &mut Given) -> PyResult<Option<(Clip, f64)>> {
+    const MOST: f64 = 1e9;
+    let at = given.number("at", -MOST, MOST)?;
+    let clip = given.text("animation")?;
+    match (at, clip) {
+        (None, None) => Ok(None),
+        (None, Some(_)) => {
+            Err(PyValueError::new_err("animation: which moment is not said; give at=SECONDS, too"))
+        }
+        (Some(at), None) => Ok(Some((Clip::First, at))),
+        (Some(at), Some(name)) => Ok(Some((Clip::Named(name), at))),
+    }
+}
+
+/// A picture that grows.
+#[pyclass(module = "gnurt", frozen)]
+pub(crate) struct Growing {
+    wanted: Wanted,
+    shot: Shot,
+    so_far: Mutex<Accumulation>,
+}
+
+impl Growing {
+    pub(crate) fn new(wanted: Wanted, shot: Shot) -> PyResult<Self> {
+        let begun = Accumulation::new(wanted.options.clone());
+        let begun = begun.map_err(|error| PyValueError::new_err(error.to_string()))?;
+        Ok(Self { wanted, shot, so_far: Mutex::new(begun) })
+    }
+}
+
+#[pymethods]
+impl Growing {
+    /// So many samples more for each pixel; whether the picture is complete.
+    #[pyo3(signature = (samples, progress=None))]
+    fn grow(&self, py: Python<'_>, samples: u32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
+        watched(py, progress, |watch| {
+            let mut so_far = self.so_far.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let pool = self.wanted.workers.pool()?;
+            so_far.pass(&self.shot.world, &self.shot.camera, samples, &pool, watch);
+            Ok(so_far.is_complete())
+        })
+    }
+
+    #[getter]
+    fn samples(&self, py: Python<'_>) -> u32 {
+        self.so_far.lock_py_attached(py).unwrap_or_else(std::sync::PoisonError::into_inner).samples()
+    }
+
+    /// The picture so far.
+    fn picture(&self, py: Python<'_>) -> PyResult<Picture> {
+        let (picture, stats) = {
+            let so_far = self.so_far.lock_py_attached(py).unwrap_or_else(std::sync::PoisonError::into_inner);
+            (so_far.picture(), so_far.stats().clone())
+        };
+        py.detach(|| self.wanted.finished(picture, &stats, self.shot.exposure))
+    }
+}

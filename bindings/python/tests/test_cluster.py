@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Needs the program `gnurt` (GNURT names it) and Dask; without them it is skipped, but for what needs neither."""
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+
+import gnurt.cluster
+
+GNURT = os.environ.get("GNURT") or shutil.which("gnurt")
+OBJ = "mtllib a.mtl\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nusemtl red\nf 1 2 3\n"
+
+
+@pytest.fixture
+def scene(tmp_path):
+    folder = tmp_path / "scene"
+    folder.mkdir()
+    (folder / "a.obj").write_text(OBJ)
+    (folder / "a.mtl").write_text("newmtl red\nKd 0.8 0.1 0.1\n")
+    return folder / "a.obj"
+
+
+def test_scenes_are_named_by_content(scene, tmp_path):
+    def name(options=()):
+        return gnurt.cluster.Job(str(scene), "out.png", options).name
+
+    first = name()
+    os.utime(scene, (1, 1))
+    assert name() == first, "times do not count"
+    job = gnurt.cluster.Job(str(scene), "out.png", ["--environment", str(scene), "--spp=3"])
+    assert job.words == ["scene/a.obj", "--environment", "options/2-a.obj", "--spp=3"]
+    gnurt.cluster._unpack(job.name, job.archive)
+    gnurt.cluster._unpack(job.name, job.archive)
+    there = gnurt.cluster._folder(job.name)
+    assert open(os.path.join(there, "scene/a.mtl")).read().startswith("newmtl"), "what the scene names goes along"
+    shutil.rmtree(there)
+    scene.with_suffix(".mtl").write_text("newmtl red\nKd 0.8 0.1 0.2\n")
+    assert name() != first, "all files count"
+
+
+def test_wrong_jobs(scene):
+    for words, message in (
+        ({"pieces": 0}, "pieces"),
+        ({"frames": (1, 2)}, "####"),
+        ({"scene": "a.####.ply"}, "sequences"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            gnurt.cluster.Job(**{"scene": str(scene), "output": "a.png", **words})
+
+
+needs_program = pytest.mark.skipif(GNURT is None, reason="needs the program gnurt; GNURT names it")
+EXAMPLES = os.path.join(os.path.dirname(__file__), "../../../examples/cluster")
+
+
+@needs_program
+def test_templates_of_farms(tmp_path):
+    options = ["-q", "-r", "48x32", "--spp", "2"]
+    one = tmp_path / "one.png"
+    subprocess.run([GNURT, "render", "builtin:cornell", *options, "-o", one], check=True)
+    for task in ("3", "1", "2", "2"):
+        slurm = {"JOB_ID": "7", "TASK_ID": task, "TASK_MIN": "1", "TASK_COUNT": "3"}
+        variables = {f"SLURM_ARRAY_{name}": value for name, value in slurm.items()}
+        asked = {"SCENE": "builtin:cornell", "PICTURE": "slurm.png", "GNURT": GNURT}
+        script = ["bash", os.path.abspath(os.path.join(EXAMPLES, "gnurt.sbatch")), *options]
+        subprocess.run(script, check=True, cwd=tmp_path, env={**os.environ, **variables, **asked})
+    assert (tmp_path / "slurm.png").read_bytes() == one.read_bytes()
+    openjd = os.path.join(os.path.dirname(sys.executable), "openjd")
+    if not os.path.exists(openjd):
+        pytest.skip("openjd-cli is not there")
+    template = os.path.join(EXAMPLES, "gnurt.openjd.yaml")
+    subprocess.run([openjd, "check", template], check=True)
+    given = {"Picture": tmp_path / "openjd.png", "Pieces": tmp_path / "pieces", "Program": GNURT}
+    given |= {"Resolution": "48x32", "Samples": 2}
+    words = [word for name, value in given.items() for word in ("-p", f"{name}={value}")]
+    subprocess.run([openjd, "run", template, "--step", "Join", "--run-dependencies", *words], check=True)
+    assert (tmp_path / "openjd.png").read_bytes() == one.read_bytes()
+
+
+@needs_program
+def test_killed_workers_change_nothing(scene, tmp_path):
+    distributed = pytest.importorskip("distributed")
+    options = ["-r", "96x64", "--spp", "16", "--seed", "5"]
+    subprocess.run([GNURT, "render", "-q", str(scene), *options, "-o", str(tmp_path / "one.png")], check=True)
+    cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=60)
+    killed, over = [], threading.Event()
+
+    def kill():
+        while not over.wait(random.uniform(0.2, 0.8)) and len(killed) < 3:
+            pids = [nanny.pid for nanny in cluster.workers.values() if nanny.pid]
+            if pids:
+                killed.append(random.choice(pids))
+                os.kill(killed[-1], signal.SIGKILL)
+
+    with cluster, distributed.Client(cluster) as client:
+        killer = threading.Thread(target=kill)
+        killer.start()
+        output = str(tmp_path / "many.png")
+        job = gnurt.cluster.Job(str(scene), output, options, pieces=8, program=GNURT)
+        told = []
+        assert gnurt.cluster.render(job, client, lambda *done: told.append(done), threads=1) == [output]
+        over.set()
+        killer.join()
+        assert told[-1] == (8, 8)
+        assert (tmp_path / "one.png").read_bytes() == (tmp_path / "many.png").read_bytes(), f"{len(killed)} were killed"
+        bad = gnurt.cluster.Job(str(scene), output, ["--spp", "0"], pieces=1, program=GNURT)
+        with pytest.raises(RuntimeError, match="--spp"):
+            gnurt.cluster.render(bad, client)
+    shutil.rmtree(gnurt.cluster._folder(job.name))

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import gnurt
+from conftest import cube
+
+SMALL = {"spp": 2, "threads": 2}
+FRONT = gnurt.Camera(eye=(0.5, 0.5, 4), target=(0.5, 0.5, 0), fov=40)
+
+
+def red_cube():
+    scene = gnurt.Scene()
+    red = scene.add_material("red", color=(0.8, 0.1, 0.1), kind="matte")
+    scene.add_mesh(*cube(), material=red, name="cube")
+    return scene
+
+
+def test_a_picture(tmp_path):
+    picture = gnurt.load("builtin:cornell").render(40, 30, spp=4, layers=True)
+    pixels = np.asarray(picture)
+    assert pixels.shape == (30, 40, 4) and pixels.dtype == np.float32 and (picture.width, picture.height) == (40, 30)
+    assert 0.01 < pixels[..., :3].mean() < 10 and np.array(picture, np.float64).dtype == np.float64
+    assert picture["albedo"].shape == (30, 40, 3) and picture["depth"].shape == (30, 40)
+    assert picture["id"].dtype == np.uint32 and set(picture["N"].shape) == {30, 40, 3} and "albedo" in picture.layers
+    assert picture._repr_png_()[:8] == b"\x89PNG\r\n\x1a\n" == picture.png(exposure=1, tone="clamp")[:8]
+    clean = np.asarray(picture.denoise("built-in"))
+    assert clean.shape == pixels.shape and (clean != pixels).any()
+    for name in ("a.png", "a.exr", "a.hdr", "a.pfm"):
+        picture.save(tmp_path / name)
+        assert (tmp_path / name).stat().st_size > 100, name
+    with pytest.raises(ValueError, match="gif"):
+        picture.save(tmp_path / "a.gif")
+    with pytest.raises(OSError, match="nowhere"):
+        picture.save(tmp_path / "nowhere" / "a.png")
+    with pytest.raises(KeyError, match="there is no layer 'albdo'"):
+        picture["albdo"]
+
+
+def test_threads_and_passes_change_nothing():
+    scene = gnurt.load("builtin:cornell")
+    one, three = (np.asarray(scene.render(40, 30, spp=5, threads=n)) for n in (1, 3))
+    assert (one == three).all()
+    shares, pictures = [], []
+    for picture in scene.accumulate(40, 30, spp=5, progress=shares.append):
+        pictures.append(np.asarray(picture))
+    assert len(pictures) == 4 and (pictures[-1] == one).all() and (pictures[0] != one).any()
+    assert shares[-1] == 1 and shares == sorted(shares)
+    assert (pictures[0] == np.asarray(scene.render(40, 30, spp=1))).all()
+
+
+def test_edits_show():
+    scene = red_cube()
+    lamp = scene.add_light("point", position=(0.5, 0.5, 6), intensity=50)
+    camera = scene.add_camera(FRONT)
+    again = scene.add_instance(0, np.eye(4) + np.array([[0, 0, 0, 1.5]] + [[0] * 4] * 3))
+    green = scene.add_material("green", color=(0.1, 0.8, 0.1))
+
+    def same_from_scratch(cubes, light, vertices=cube()[0], material=("red", (0.8, 0.1, 0.1), "matte")):
+        other = gnurt.Scene()
+        number = other.add_material(material[0], color=material[1], kind=material[2])
+        for transform in cubes:
+            other.add_mesh(vertices, cube()[1], material=number, transform=transform)
+        other.add_light("point", position=(0.5, 0.5, 6), intensity=light)
+        other.add_camera(FRONT)
+        return (np.asarray(scene.render(32, 24, **SMALL)) == np.asarray(other.render(32, 24, **SMALL))).all()
+
+    moved = np.eye(4)
+    moved[0, 3] = 1.5
+    assert same_from_scratch([np.eye(4), moved], 50)
+    scene.update(again, visible=False)
+    assert same_from_scratch([np.eye(4)], 50)
+    scene.set_light(lamp, "point", position=(0.5, 0.5, 6), intensity=(20, 20, 20))
+    assert same_from_scratch([np.eye(4)], 20)
+    scene.update(0, vertices=cube()[0] * 0.5)
+    assert same_from_scratch([np.eye(4)], 20, cube()[0] * 0.5)
+    scene.update(0, transform=moved, material=green)
+    assert same_from_scratch([moved], 20, cube()[0] * 0.5, ("green", (0.1, 0.8, 0.1), "principled"))
+    scene.set_material(green, "mirror", kind="mirror")
+    assert same_from_scratch([moved], 20, cube()[0] * 0.5, ("mirror", 1, "mirror"))
+    assert scene.cameras == [FRONT] and camera == 0
+    assert scene.materials == ["red", "mirror"] and len(scene.instances) == 2
+    assert "24 triangles" in repr(scene) or "12 triangles" in repr(scene)
+
+
+def test_what_is_missing_is_added(tmp_path):
+    scene = red_cube()
+    lit = np.asarray(scene.render(32, 24, **SMALL))
+    assert lit[12, 16, 0] > 2 * lit[12, 16, 1] > 0, "red, in a studio"
+    scene.update(0, transform=np.diag([2.0, 2, 2, 1]))
+    again, fresh = scene.render(32, 24, **SMALL), red_cube()
+    fresh.update(0, transform=np.diag([2.0, 2, 2, 1]))
+    assert (np.asarray(again) == np.asarray(fresh.render(32, 24, **SMALL))).all(), "the studio follows"
+    scene.save(tmp_path / "a.glb")
+    assert gnurt.load(tmp_path / "a.glb").instances == ["cube"]
+    shapes = np.asarray(scene.render(32, 24, integrator="eyelight", camera=FRONT))
+    assert shapes[..., 0].max() > 0
+    day = red_cube()
+    day.add_light("environment", sky="day", turn=30)
+    assert np.asarray(day.render(32, 24, **SMALL))[0, 0, 2] > 0
+
+
+def test_meshes_of_others():
+    class Legacy:
+        vertices, triangles = cube()
+        vertex_colors = np.tile([1.0, 0, 0], (8, 1))
+
+        def has_vertex_colors(self):
+            return True
+
+    white = {"kind": "matte", "color": 1}
+    scene = gnurt.Scene()
+    scene.add_mesh(Legacy(), material=scene.add_material(**white))
+    pixel = np.asarray(scene.render(32, 24, camera=FRONT, **SMALL))[12, 16]
+    assert pixel[0] > 0.1 and pixel[1] < 0.01
+    trimesh = pytest.importorskip("trimesh")
+    mesh = trimesh.Trimesh(*cube(), process=False, vertex_colors=np.tile([255, 0, 0, 255], (8, 1)))
+    other = gnurt.Scene()
+    other.add_mesh(mesh, material=other.add_material(**white))
+    assert (np.asarray(other.render(32, 24, camera=FRONT, **SMALL))[12, 16] == pixel).all()
+
+
+@pytest.mark.parametrize(
+    "call, error, words",
+    [
+        (lambda s: s.render(0, 5), ValueError, "width: .*from 1"),
+        (lambda s: s.render(5, 5.5), TypeError, "height: .*whole"),
+        (lambda s: s.render(5, 5, sppp=3), TypeError, "sppp: there is no such argument.*spp"),
+        (lambda s: s.render(5, 5, integrator="pth"), ValueError, "integrator: .*path"),
+        (lambda s: s.render(5, 5, camera=3), IndexError, "camera 3"),
+        (lambda s: s.render(5, 5, camera="front"), ValueError, "camera: there is no 'front'"),
+        (lambda s: s.render(5, 5, camera=4.5), TypeError, "camera: .*gnurt.Camera"),
+        (lambda s: s.render(5, 5, camera=gnurt.Camera((0, 0, 0), (0, 0, 0))), ValueError, "target"),
+        (lambda s: s.render(5, 5, at=1), ValueError, "at: the scene has no animation"),
+        (lambda s: s.render(5, 5, denoise="best"), ValueError, "denoise: "),
+        (lambda s: s.render(5, 5, crop=(9, 9, 10, 10)), ValueError, "crop"),
+        (lambda s: s.render(10**5, 10**5), (ValueError, MemoryError), "large|memory"),
+        (lambda s: s.render(5, 5, noise=0.1, integrator="ir"), ValueError, "noise"),
+        (lambda s: s.add_mesh(np.zeros((3, 3))), TypeError, "faces: are missing"),
+        (lambda s: s.add_mesh(*cube(), material=7), IndexError, "material 7"),
+        (lambda s: s.add_mesh(*cube(), colors=np.zeros((2, 4))), ValueError, r"colors: expected shape \(8, 4\)"),
+        (lambda s: s.add_material(kind="wood"), ValueError, "kind: .*principled"),
+        (lambda s: s.add_material(roughness=2), ValueError, "roughness: .*0 to 1"),
+        (lambda s: s.add_material(color="red"), TypeError, "color: expected 3 finite numbers"),
+        (lambda s: s.add_material(kind="mirror", metallic=1), TypeError, "metallic: there is no such argument"),
+        (lambda s: s.add_light("sun"), ValueError, "kind: .*directional"),
+        (lambda s: s.add_light("point"), ValueError, "position: a point light needs one"),
+        (lambda s: s.add_light("environment", sky="night"), ValueError, "sky: .*evening"),
+        (lambda s: s.add_light("environment", picture="nowhere.hdr"), OSError, "nowhere.hdr"),
+        (lambda s: s.update(5), IndexError, "instance 5"),
+        (lambda s: s.update(0, vertices=np.zeros((2, 3))), ValueError, r"vertices: .*\(8, 3\)"),
+        (lambda s: gnurt.load("nowhere.glb"), OSError, "nowhere.glb"),
+        (lambda s: gnurt.load("builtin:cornel"), ValueError, "cornell"),
+    ],
+)
+def test_wrong_arguments(call, error, words):
+    scene = red_cube()
+    before = repr(scene)
+    with pytest.raises(error, match=words):
+        call(scene)
+    assert repr(scene).split(",")[0] == before.split(",")[0]
+
+
+def test_ctrl_c():
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        gnurt.load("builtin:cornell").render(400, 300, spp=100_000)
+    assert time.monotonic() - begin < 20
+
+    def refuse(done):
+        raise RuntimeError(f"enough at {done}")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        gnurt.load("builtin:cornell").render(400, 300, spp=100_000, progress=refuse)
+
+
+def test_others_run_meanwhile():
+    scene, counted = gnurt.load("builtin:cornell"), []
+    thread = threading.Thread(target=lambda: scene.render(100, 80, spp=16))
+    thread.start()
+    while thread.is_alive():
+        counted.append(1)
+        time.sleep(0.001)
+    assert len(counted) > 5
