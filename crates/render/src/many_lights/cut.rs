@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Fewer virtual lights for a tile than there are: a sample of them, in proportion to what they may bring there.
+//! Fewer virtual lights for some points than there are: a sample of them, in proportion to what they may bring there.
 //! Source: in the spirit of [WFA*05] (light cuts), but by chance with known probability, so that the mean does not change.
-//! Space: world. What may be brought is judged without visibility: strength, the cosine at the light, distance to the tile.
-//! Invariant: a light that shines is never impossible; a function of the tile's points and of one random number.
+//! Space: world. What may be brought is judged without visibility: strength, the cosine at the light, distance to the points.
+//! Invariant: a light that shines is never impossible; a function of the points and of one random number.
 //! Proof: `tests::samples_keep_the_sum`, crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
@@ -10,16 +10,22 @@ use glam::Vec3;
 use super::eye::EyePoint;
 use super::lanes::Source;
 
-/// Virtual lights that a tile gathers from, at most.
+/// Virtual lights that neighbouring points gather from, at most.
 pub(super) const MOST: usize = 2048;
-/// Points that stand for the tile.
+/// Points that stand for all.
 const WITNESSES: usize = 4;
 
-/// The lights for a tile that sees `points`, weighted; `None` if it may ask all of them. `u` in [0, 1).
+/// The lights for `points`, weighted; `None` if they may ask all of them. `u` in [0, 1).
 pub(super) fn cut(points: &[EyePoint], sources: &[Source], most: usize, u: f32) -> Option<Vec<Source>> {
     if sources.len() <= most || points.is_empty() {
         return None;
     }
+    let chosen = cut_of(points, sources, most, u);
+    Some(chosen.into_iter().map(|(i, weight)| sources[i].scaled(weight)).collect())
+}
+
+/// The same as places in the list, and what each counts, of one point or more.
+pub(super) fn cut_of(points: &[EyePoint], sources: &[Source], most: usize, u: f32) -> Vec<(usize, f32)> {
     let step = points.len().div_ceil(WITNESSES);
     let witnesses: Vec<Vec3> = points.iter().step_by(step).map(|point| point.point.p).collect();
     let far = |p: Vec3| witnesses.iter().map(|w| w.distance_squared(p)).fold(0.0, f32::max);
@@ -33,8 +39,7 @@ pub(super) fn cut(points: &[EyePoint], sources: &[Source], most: usize, u: f32) 
         };
         f64::from(vpl.strength() * witnesses.iter().map(to).sum::<f32>())
     };
-    let chosen = resample(sources.iter().map(promise), most, u);
-    Some(chosen.into_iter().map(|(i, weight)| sources[i].scaled(weight)).collect())
+    resample(sources.iter().map(promise), most, u)
 }
 
 /// Chooses `count` times among weights, evenly spaced along their sum: places and one over how often each is chosen on

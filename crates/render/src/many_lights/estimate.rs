@@ -19,8 +19,8 @@ use super::bound::Bound;
 use super::cut::{MOST, cut};
 use super::eye::EyePoint;
 use super::gather::gather;
-use super::interleave::{Texel, key_of_place, place_of};
-use super::lanes::{BLOCK, END};
+use super::interleave::{Texel, key_of_place, place_of, place_of_key};
+use super::lanes::{BLOCK, END, Source};
 use super::pass::PassLights;
 use super::promise::Promises;
 use super::vpl::{self, pdf_of_other_end};
@@ -496,38 +496,48 @@ fn environment_of_shaders(
     }
 }
 
-/// Light from a few virtual lights on what scattered rays met: chosen from all by what they bring if nothing is in between
-/// [TCE05], which lanes find out.
+/// Light from a few virtual lights on what scattered rays met: chosen by what they bring if nothing is in between [TCE05],
+/// which lanes find out, from all, or from those that the pixel gathers itself.
 fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], radiance: &mut Vec3s) {
     let there: Vec<&Stop> =
         stops.iter().filter(|stop| !stop.walk.is_seen && stop.eye.bsdf.is_smooth()).collect();
     if there.is_empty() || pass.vpls.is_empty() {
         return;
     }
-    let (seed, level, max_edges) = (tracer.options.seed, tracer.options.level, tracer.options.max_depth);
     let mut offers = Offers::default();
-    let eyes: Vec<EyePoint> = there.iter().map(|stop| stop.eye).collect();
-    let [u, _] = sample_pair(seed, there[0].walk.key, there[0].walk.edges, purpose::CUT);
-    let fewer = cut(&eyes, pass.unseen(), MOST, u);
-    let sources = fewer.as_deref().unwrap_or(pass.unseen());
-    let bound = pass.bound_at(false);
-    let mut promises = Promises::new(sources, bound, max_edges);
-    for (stops, eyes) in there.chunks(BLOCK).zip(eyes.chunks(BLOCK)) {
-        promises.ask(level, eyes);
-        for (lane, Stop { walk, eye, .. }) in stops.iter().enumerate() {
-            let [u, _] = sample_pair(seed, walk.key, walk.edges, purpose::CHOICE);
-            promises.choose(lane, pass.few_at(walk.edges), u, |vpl, weight| {
-                let Some(brought) = vpl.brings(eye, &bound, max_edges) else { return };
-                let way = vpl.point.p - eye.point.p;
-                let offer = brought * (stops[lane].rest(way.normalize()) * weight);
-                let Some(start) = vpl::start(eye, way) else { return };
-                let way = vpl::end(&vpl.point, -way) - start;
-                let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
-                offers.push(ray, walk, offer);
-            });
+    let shares = pass.unseen();
+    let place =
+        |stop: &Stop| if tracer.is_interleaved { place_of_key(stop.walk.key, shares.len()) } else { 0 };
+    for (number, share) in shares.iter().enumerate() {
+        let of_share: Vec<&Stop> = there.iter().filter(|stop| place(stop) == number).copied().collect();
+        for stops in of_share.chunks(BLOCK) {
+            ask_few(tracer, pass, share, stops, &mut offers);
         }
     }
     offers.settle(tracer, radiance);
+}
+
+/// The same for neighbours that ask some of the virtual lights, `BLOCK` at most.
+fn ask_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&Stop], offers: &mut Offers) {
+    let (seed, level, max_edges) = (tracer.options.seed, tracer.options.level, tracer.options.max_depth);
+    let eyes: Vec<EyePoint> = stops.iter().map(|stop| stop.eye).collect();
+    let [u, _] = sample_pair(seed, stops[0].walk.key, stops[0].walk.edges, purpose::CUT);
+    let fewer = cut(&eyes, share, MOST, u);
+    let bound = pass.bound_at(false);
+    let mut promises = Promises::new(fewer.as_deref().unwrap_or(share), bound, max_edges);
+    promises.ask(level, &eyes);
+    for (lane, Stop { walk, eye, .. }) in stops.iter().enumerate() {
+        let [u, _] = sample_pair(seed, walk.key, walk.edges, purpose::CHOICE);
+        promises.choose(lane, pass.few_at(walk.edges), u, |vpl, weight| {
+            let Some(brought) = vpl.brings(eye, &bound, max_edges) else { return };
+            let way = vpl.point.p - eye.point.p;
+            let offer = brought * (stops[lane].rest(way.normalize()) * weight);
+            let Some(start) = vpl::start(eye, way) else { return };
+            let way = vpl::end(&vpl.point, -way) - start;
+            let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
+            offers.push(ray, walk, offer);
+        });
+    }
 }
 
 /// Where walks go on.

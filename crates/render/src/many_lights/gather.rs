@@ -2,10 +2,10 @@
 //! All virtual lights on all points that a tile of camera rays sees.
 //! Source: [Kel97]; rays that share the virtual light and neighbouring ends are traced together, as [WKB*02] and the paper's
 //! section 7 want it. Space: world.
-//! Flow: points that lie near each other become blocks of arrays; block by block, for each virtual light, neighbours after
-//! neighbours: one pass over the block in lanes (`lanes.rs`), its shadow rays as one pencil from the light, sums in lanes. What
+//! Flow: points that lie near each other become blocks of arrays; block by block, for each virtual light that the block asks
+//! (`chosen.rs`), neighbours after neighbours: one pass over the block in lanes (`lanes.rs`), its shadow rays as one pencil from the light, sums in lanes. What
 //! lanes do not know (BSDFs, surfaces with holes, costs) goes ray by ray.
-//! Invariant: what a point gets does not depend on the points beside it, but for the order of its sum.
+//! Invariant: what a point gets depends on the points of its tile only by which lights are asked, of which the mean knows nothing.
 //! Proof: crates/render/tests/many_lights.rs.
 
 use std::time::Instant;
@@ -16,14 +16,15 @@ use gnurt_shading::{RayRequest, SampleKey, Tracer, Vec3s};
 use gnurt_simd::{dispatch, dispatch_wide, f32x16, prelude::*};
 
 use super::bound::Bound;
-use super::cut::{MOST, cut};
+use super::chosen::{Learned, chosen};
+use super::cut::MOST;
 use super::eye::EyePoint;
 use super::lanes::{BLOCK, Block, Color, END, Light, Source};
 use super::neighbours;
 use super::vpl::{self, Vpl};
 use crate::tracer::BatchTracer;
 
-/// Purpose of the number that chooses virtual lights for a tile.
+/// Purpose of the number that chooses virtual lights for a block.
 const CUT: u32 = 0x6000;
 
 /// Virtual lights ready to be gathered, such that neighbours in the list are neighbours.
@@ -58,16 +59,24 @@ fn gather_all(
     bound: &Bound,
     radiance: &mut Vec3s,
 ) {
-    let [u, _] = sample_pair(tracer.options.seed, keys[points[0].lane as usize], 0, CUT);
-    let fewer = cut(points, sources, MOST, u);
-    let sources = fewer.as_deref().unwrap_or(sources);
     let mut parts: Vec<Part> = blocks(points).map(|eyes| Part::new(tracer, eyes, keys)).collect();
     let mut room = Room::default();
-    // Neighbours shine on one block after the other: what lies in between stays in caches.
-    for near in sources.chunks(NEAR) {
+    if sources.len() <= MOST {
+        // Neighbours shine on one block after the other: what lies in between stays in caches.
+        for near in sources.chunks(NEAR) {
+            for part in &mut parts {
+                for source in near {
+                    part.gather(tracer, (source, 1.0), bound, &mut room);
+                }
+            }
+        }
+    } else {
+        let mut learned = Learned::new(sources.len());
         for part in &mut parts {
-            for source in near {
-                part.gather(tracer, source, bound, &mut room);
+            let [u, _] = sample_pair(tracer.options.seed, part.keys[0], 0, CUT);
+            for (i, weight) in chosen(&part.eyes, sources, &learned, MOST, u) {
+                let [asked, came] = part.gather(tracer, (&sources[i], weight), bound, &mut room);
+                learned.note(i, asked, came);
             }
         }
     }
@@ -111,8 +120,15 @@ impl Part {
         }
     }
 
-    /// Adds what one virtual light brings.
-    fn gather(&mut self, tracer: &mut BatchTracer, source: &Source, bound: &Bound, room: &mut Room) {
+    /// Adds what one virtual light brings, times a weight; says how many rays asked for it in lanes, and how many of them met
+    /// nothing.
+    fn gather(
+        &mut self,
+        tracer: &mut BatchTracer,
+        (source, weight): (&Source, f32),
+        bound: &Bound,
+        room: &mut Room,
+    ) -> [u32; 2] {
         let Self { eyes, keys, block, sums, single, by_pencils } = self;
         let Room { light } = room;
         let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
@@ -123,22 +139,24 @@ impl Part {
         } else {
             Some(0)
         };
+        let mut found = [0; 2];
         match lanes {
             Some(0) | None => {}
             Some(count) if *by_pencils => {
                 tracer.stats.shadow_rays += u64::from(count);
                 let hit = tracer.occluded_pencil(&mut light.rays);
-                dispatch!(level, _simd => sums.add(&light.color, hit));
+                dispatch!(level, _simd => sums.add(&light.color, hit, weight));
+                found = [count, count.saturating_sub(hit.count_ones())];
             }
             Some(_) => {
                 let lit = |i: &usize| light.rays.t_far()[*i] > 0.0;
                 for i in (0..eyes.len()).filter(lit) {
                     let way = Vec3::from(light.rays.org) - block.end(i);
-                    single.push((block.end(i), way), keys[i], i, light.color.get(i));
+                    single.push((block.end(i), way), keys[i], i, light.color.get(i) * weight);
                 }
             }
         }
-        let mut ask = |i: usize| single.ask(&source.vpl, i, eyes, keys, bound, max_edges);
+        let mut ask = |i: usize| single.ask((&source.vpl, weight), i, eyes, keys, bound, max_edges);
         if lanes.is_some() {
             block.other.iter().for_each(|&i| ask(i));
         } else {
@@ -147,6 +165,7 @@ impl Part {
         if single.lanes.len() >= ENOUGH {
             single.settle(tracer, sums);
         }
+        found
     }
 }
 
@@ -192,10 +211,10 @@ impl Single {
         self.lanes.push((lane, color));
     }
 
-    /// What a virtual light brings to lane `i`, whatever its BSDF.
+    /// What a virtual light brings to lane `i`, whatever its BSDF, times a weight.
     fn ask(
         &mut self,
-        vpl: &Vpl,
+        (vpl, weight): (&Vpl, f32),
         i: usize,
         eyes: &[EyePoint],
         keys: &[SampleKey],
@@ -206,7 +225,7 @@ impl Single {
         let Some(color) = vpl.brings(eye, bound, max_edges).filter(|color| color.is_finite()) else { return };
         let way = vpl.point.p - eye.point.p;
         let start = vpl::start(eye, way).unwrap_or(eye.point.p);
-        self.push((start, vpl::end(&vpl.point, -way) - start), keys[i], i, color);
+        self.push((start, vpl::end(&vpl.point, -way) - start), keys[i], i, color * weight);
     }
 
     /// Adds what arrives.

@@ -103,9 +103,9 @@ impl Color {
         [self.0[0][i], self.0[1][i], self.0[2][i]] = color.into();
     }
 
-    /// Adds the lanes whose bits are not set.
+    /// Adds the lanes whose bits are not set, times a weight.
     #[inline(always)]
-    pub(super) fn add(&mut self, other: &Self, except: u64) {
+    pub(super) fn add(&mut self, other: &Self, except: u64, weight: f32) {
         // All bits or none: then this is plain arithmetic on lanes.
         let mut kept = [0_u32; BLOCK];
         for (i, kept) in kept.iter_mut().enumerate() {
@@ -114,7 +114,7 @@ impl Color {
         }
         for (sums, colors) in self.0.iter_mut().zip(&other.0) {
             for i in 0..BLOCK {
-                sums[i] += f32::from_bits(colors[i].to_bits() & kept[i]);
+                sums[i] += f32::from_bits(colors[i].to_bits() & kept[i]) * weight;
             }
         }
     }
@@ -130,7 +130,7 @@ pub(crate) struct Source {
     ng: Vec3,
     edges: f32,
     /// On the density, per area.
-    bound: f32,
+    pub(super) bound: f32,
     /// Its BSDF seen from where the light came from, and what to multiply to its value times the cosine of the geometric normal over
     /// that of the shading normal; `None` where light goes through.
     sender: Option<(Box<Seen<f32>>, Vec3)>,

@@ -5,6 +5,7 @@
 mod bidirectional;
 mod bound;
 mod candidates;
+mod chosen;
 mod chunks;
 mod cut;
 mod estimate;

@@ -25,7 +25,8 @@ pub(crate) struct PassLights {
     pub(super) sources: Vec<Vec<Source>>,
     /// All of them, once somebody gathers all.
     whole: OnceLock<Vec<Source>>,
-    unseen: OnceLock<Vec<Source>>,
+    /// Those of each place, or all of them where there is no pattern, once somebody asks for points that the eye does not see.
+    unseen: OnceLock<Vec<Vec<Source>>>,
     pub(crate) bound: Bound,
     /// Rays that leave a point that the eye sees.
     pub(crate) rays: u32,
@@ -49,7 +50,7 @@ impl PassLights {
         let per_pixel = |of_window: u32| pattern.map_or(of_window, |n| of_window.div_ceil(n * n));
         let (few, light_samples) = (per_pixel(few).div_ceil(rays.min(2)), per_pixel(few));
         let sources = shares.iter().map(|share| sources(share, &bound)).collect();
-        let [whole, unseen] = [OnceLock::new(), OnceLock::new()];
+        let (whole, unseen) = (OnceLock::new(), OnceLock::new());
         Self { vpls, shares, sources, whole, unseen, bound, rays, few, light_samples, stats }
     }
 
@@ -58,9 +59,13 @@ impl PassLights {
         self.whole.get_or_init(|| sources(&self.vpls, &self.bound))
     }
 
-    /// The same for points that the eye does not see.
-    pub(super) fn unseen(&self) -> &[Source] {
-        self.unseen.get_or_init(|| sources(&self.vpls, &self.bound_at(false)))
+    /// The same for points that the eye does not see, where pixels share lights out by the place of their pixel.
+    pub(super) fn unseen(&self) -> &[Vec<Source>] {
+        self.unseen.get_or_init(|| {
+            let whole = std::slice::from_ref(&self.vpls);
+            let shares = if self.shares.is_empty() { whole } else { &self.shares };
+            shares.iter().map(|share| sources(share, &self.bound_at(false))).collect()
+        })
     }
 
     /// The bound on what virtual lights bring to a point.
