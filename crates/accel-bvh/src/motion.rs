@@ -5,8 +5,8 @@
 //!
 //! The tree is built over the triangles as they are in the middle of the time, and refitted to each key: all keys have the
 //! same nodes and blocks, with other boxes and corners. A ray walks between the two keys next to its moment.
-//! Invariant: a mixed box holds what is below it, exactly, because mixing never reverses an order (`Moment`). So hits are those
-//! of a tree over the mixed triangles, bit for bit. Children that do not exist have a box that is finite, so that mixing it is
+//! Invariant: a mixed box holds what is below it, because mixing never reverses an order (`Moment`); walks mix slopes instead of
+//! planes, and stay within the slack of slabs. So hits are those of a tree over the mixed triangles, bit for bit. Children that do not exist have a box that is finite, so that mixing it is
 //! no NaN, and inside out, so that no ray meets it.
 //! Space: object. Proof: `tests/surfaces/motion.rs` of `gnurt-accel`.
 

@@ -38,7 +38,7 @@ pub struct Options {
 }
 
 /// Vertices at a frame out of all: the scene twists around its axis and waves.
-fn deformed(subject: &Subject, share: f32, to: &mut [[f32; 3]]) {
+pub(crate) fn deformed(subject: &Subject, share: f32, to: &mut [[f32; 3]]) {
     let rest = &subject.padded[..to.len()];
     let bounds = gnurt::accel::Aabb::around(rest);
     let middle = [0, 1, 2].map(|k| 0.5 * (bounds.min[k] + bounds.max[k]));

@@ -93,11 +93,11 @@ impl Arguments {
 const COHERENT: c_uint = 1 << 16;
 /// RTC_BUILD_QUALITY_LOW.
 const LOW: c_int = 0;
-const GEOMETRY_TRIANGLE: c_int = 0;
-const BUFFER_INDEX: c_int = 0;
-const BUFFER_VERTEX: c_int = 1;
-const FORMAT_UINT3: c_int = 0x5003;
-const FORMAT_FLOAT3: c_int = 0x9003;
+pub(crate) const GEOMETRY_TRIANGLE: c_int = 0;
+pub(crate) const BUFFER_INDEX: c_int = 0;
+pub(crate) const BUFFER_VERTEX: c_int = 1;
+pub(crate) const FORMAT_UINT3: c_int = 0x5003;
+pub(crate) const FORMAT_FLOAT3: c_int = 0x9003;
 const PROPERTY_VERSION: c_int = 0;
 const PROPERTY_NATIVE_RAY4: c_int = 32;
 const PROPERTY_NATIVE_RAY8: c_int = 33;
@@ -121,7 +121,9 @@ pub(crate) struct Library {
     pub(crate) commit_scene: unsafe extern "C" fn(Handle),
     pub(crate) new_geometry: unsafe extern "C" fn(Handle, c_int) -> Handle,
     pub(crate) release_geometry: unsafe extern "C" fn(Handle),
-    share_buffer: unsafe extern "C" fn(Handle, c_int, c_uint, c_int, *const c_void, usize, usize, usize),
+    pub(crate) set_time_steps: unsafe extern "C" fn(Handle, c_uint),
+    pub(crate) share_buffer:
+        unsafe extern "C" fn(Handle, c_int, c_uint, c_int, *const c_void, usize, usize, usize),
     set_geometry_quality: unsafe extern "C" fn(Handle, c_int),
     update_buffer: unsafe extern "C" fn(Handle, c_int, c_uint),
     pub(crate) set_instanced: unsafe extern "C" fn(Handle, Handle),
@@ -167,6 +169,7 @@ impl Library {
             commit_scene: function!(c"rtcCommitScene"),
             new_geometry: function!(c"rtcNewGeometry"),
             release_geometry: function!(c"rtcReleaseGeometry"),
+            set_time_steps: function!(c"rtcSetGeometryTimeStepCount"),
             share_buffer: function!(c"rtcSetSharedGeometryBuffer"),
             set_instanced: function!(c"rtcSetGeometryInstancedScene"),
             set_transform: function!(c"rtcSetGeometryTransform"),

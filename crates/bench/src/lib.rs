@@ -10,6 +10,7 @@
 //! are what they reach if each has a core to itself.
 #![deny(unsafe_code)]
 
+pub mod blur;
 pub mod builds;
 mod clock;
 mod contest;
@@ -18,6 +19,8 @@ pub mod dynamic;
 pub mod dynamic_row;
 mod embree;
 mod error;
+#[allow(unsafe_code, reason = "the same library's triangles with several time steps")]
+mod ffi_blur;
 #[allow(unsafe_code, reason = "the one door to the library of C")]
 mod ffi_embree;
 #[allow(unsafe_code, reason = "the same library's scenes of instances")]

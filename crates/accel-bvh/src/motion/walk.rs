@@ -42,11 +42,14 @@ impl Boxes for Pair<'_> {
 
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, _: usize, at: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S> {
+        // The weights go into the slopes, which do not change on the ray's way: what is rounded otherwise than in a mixed box is
+        // within the slack that slabs have for compact nodes.
         let at = at & (WIDTH * (WIDTH - 1));
-        let rows = |node: &'_ Node8| -> [f32; WIDTH] {
-            *node.rows.as_flattened()[at..].first_chunk().expect("a row of eight")
-        };
-        mixed(simd, self.weights, &rows(self.from), &rows(self.to)).mul_sub(inv, shift)
+        let [a, b] = self.weights;
+        let from = f32x8::from_slice(simd, &self.from.rows.as_flattened()[at..at + WIDTH]);
+        let to = f32x8::from_slice(simd, &self.to.rows.as_flattened()[at..at + WIDTH]);
+        let rest = to.mul_sub(inv * f32x8::splat(simd, b), shift);
+        from.mul_add(inv * f32x8::splat(simd, a), rest)
     }
 }
 
@@ -67,15 +70,20 @@ impl Nodes for Between<'_> {
 
 /// A block between two keys.
 #[inline(always)]
-fn mix_block<S: Simd>(simd: S, weights: [f32; 2], from: &TriangleBlock, to: &TriangleBlock) -> TriangleBlock {
-    let mut block = TriangleBlock { numbers: from.numbers, ..TriangleBlock::ZERO };
+fn mix_block<S: Simd>(
+    simd: S,
+    weights: [f32; 2],
+    from: &TriangleBlock,
+    to: &TriangleBlock,
+    block: &mut TriangleBlock,
+) {
+    block.numbers = from.numbers;
     for corner in 0..3 {
         for axis in 0..3 {
             let row = mixed(simd, weights, &from.corners[corner][axis], &to.corners[corner][axis]);
             row.store_slice(&mut block.corners[corner][axis]);
         }
     }
-    block
 }
 
 impl MotionIndex {
@@ -96,7 +104,7 @@ impl MotionIndex {
         let for_nodes = NodeRay::new(simd, ray, self.greatest);
         let for_blocks = BlockRay::new(simd, ray);
         let (start, reach) = (Child::node(0), collect.reach());
-        let mut tested = 0;
+        let (mut tested, mut block) = (0, TriangleBlock::ZERO);
         let visited = if C::ANY {
             walk_any(
                 &nodes,
@@ -108,7 +116,7 @@ impl MotionIndex {
                 |range| {
                     for index in range {
                         tested += 1;
-                        let block = mix_block(simd, weights, &blocks[index], &blocks_to[index]);
+                        mix_block(simd, weights, &blocks[index], &blocks_to[index], &mut block);
                         block.meet(simd, &for_blocks, slot, collect);
                         if collect.is_done() {
                             return false;
@@ -128,7 +136,7 @@ impl MotionIndex {
                 |range| {
                     for index in range {
                         tested += 1;
-                        let block = mix_block(simd, weights, &blocks[index], &blocks_to[index]);
+                        mix_block(simd, weights, &blocks[index], &blocks_to[index], &mut block);
                         block.meet(simd, &for_blocks, slot, collect);
                     }
                     collect.reach()

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How fast rays with moments go through a mesh that moves while the shutter is open, beside Embree's motion blur and beside
+//! the same mesh standing still. Source: original.
+//! The scene twists and waves as `bench dynamic` deforms it, by a small part. Rays are asked one by one, by one thread, each at
+//! a moment of its own; times are its processor seconds, engines take turns, and answers have to agree.
+//! Proof: `tests::both_hit_the_same`.
+
+use gnurt::accel::{
+    BuildOptions, Coherence, HitBatch, INVALID_ID, MovingTriangles, ObjectTree, Query, RayBatch, Record,
+    Threads, TreeStats,
+};
+use gnurt::simd::Level;
+
+use crate::clock::{process_seconds, thread_seconds};
+use crate::dynamic::deformed;
+use crate::embree::EmbreeLibrary;
+use crate::error::Error;
+use crate::ffi_embree::{Active, Arguments, Packet, Scene};
+use crate::random::Random;
+use crate::ray_classes::{Class, RayMaker};
+use crate::row::median;
+use crate::subject::Subject;
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BlurRow {
+    /// Class of rays.
+    pub class: &'static str,
+    /// `gnurt`, `gnurt still`, `embree4` or `embree4 robust`.
+    pub engine: &'static str,
+    /// Median of millions of rays in a second.
+    pub mrays_cpu: f64,
+    /// Seconds that the build took.
+    pub build_seconds: f64,
+    /// Bytes of tree and triangles; `None` where the engine does not tell.
+    pub bytes: Option<u64>,
+    /// Rays that hit something.
+    pub hits: usize,
+}
+
+/// Embree's flags: none, and RTC_SCENE_FLAG_ROBUST.
+const RIVALS: [(&str, i32); 2] = [("embree4", 0), ("embree4 robust", 4)];
+
+/// What is found: triangles and distances.
+type Found = Vec<(u32, f32)>;
+
+enum Engine<'a> {
+    Ours(Box<ObjectTree>),
+    Theirs(Scene<'a>),
+}
+
+/// Measures a scene with so many keys, moved by `share` of the twist in all, with `size` x `size` primary rays.
+///
+/// # Errors
+/// [`Error`] if the scene has no view, Embree fails, or its answers are others than ours.
+pub fn run(
+    subject: &Subject,
+    keys: usize,
+    share: f32,
+    size: u32,
+    rounds: usize,
+    embree: Option<&EmbreeLibrary>,
+) -> Result<Vec<BlurRow>, Error> {
+    let count = subject.padded.len() - 1;
+    let key = |k: usize| {
+        let mut positions = subject.padded.clone();
+        deformed(subject, share * k as f32 / (keys - 1).max(1) as f32, &mut positions[..count]);
+        positions
+    };
+    let lists: Vec<Vec<[f32; 3]>> = (0..keys).map(key).collect();
+    let slices: Vec<&[[f32; 3]]> = lists.iter().map(|list| &list[..count]).collect();
+    let moving = MovingTriangles { keys: &slices, indices: &subject.indices };
+    let device = embree.map(|library| library.device(Level::best(), 1)).transpose()?;
+    let mut engines: Vec<(&'static str, Engine, f64)> = Vec::new();
+    let options = BuildOptions::default();
+    for (name, geometry) in [("gnurt", moving.into()), ("gnurt still", subject.triangles().into())] {
+        let before = process_seconds();
+        let tree = Box::new(ObjectTree::build_from(&[geometry], &options, Threads::Single));
+        engines.push((name, Engine::Ours(tree), process_seconds() - before));
+    }
+    if let (Some(device), Some(library)) = (&device, embree) {
+        for (name, flags) in RIVALS {
+            let before = process_seconds();
+            let scene = Scene::build_moving(device, &lists, &subject.indices, flags);
+            let scene = scene.map_err(|why| library.failed(why))?;
+            engines.push((name, Engine::Theirs(scene), process_seconds() - before));
+        }
+    }
+    let Engine::Ours(still) = &engines[1].1 else { unreachable!("ours come first") };
+    let maker = RayMaker::new(subject, size, still, Level::best())?;
+    let mut rows = Vec::new();
+    for class in [Class::Primary, Class::Diffuse] {
+        let mut batches = maker.rays(class, 4096);
+        let mut random = Random::new(7);
+        for batch in &mut batches {
+            batch.time = (0..batch.len()).map(|_| random.unit()).collect();
+        }
+        let rays: usize = batches.iter().map(RayBatch::len).sum();
+        let mut seconds = vec![Vec::new(); engines.len()];
+        let mut found: Vec<Found> = vec![Vec::new(); engines.len()];
+        for round in 0..rounds {
+            for turn in 0..engines.len() {
+                let i = (turn + round) % engines.len();
+                found[i].clear();
+                let before = thread_seconds();
+                ask(&engines[i].1, &batches, &mut found[i]);
+                seconds[i].push(thread_seconds() - before);
+            }
+        }
+        for (i, (name, engine, build_seconds)) in engines.iter().enumerate() {
+            if let (Engine::Theirs(_), Some(library)) = (engine, embree) {
+                compare(&found[0], &found[i]).map_err(|why| library.failed(format!("{name}: {why}")))?;
+            }
+            let bytes = |stats: TreeStats| stats.tree_bytes + stats.primitive_bytes;
+            rows.push(BlurRow {
+                class: class.name(),
+                engine: name,
+                mrays_cpu: rays as f64 / 1e6 / median(&seconds[i]).max(1e-9),
+                build_seconds: *build_seconds,
+                bytes: match engine {
+                    Engine::Ours(tree) => Some(bytes(tree.stats())),
+                    Engine::Theirs(_) => None,
+                },
+                hits: found[i].iter().filter(|(id, _)| *id != INVALID_ID).count(),
+            });
+        }
+    }
+    Ok(rows)
+}
+
+/// Closest hits, ray by ray.
+fn ask(engine: &Engine, batches: &[RayBatch], found: &mut Found) {
+    match engine {
+        Engine::Ours(tree) => {
+            let query = Query { coherence: Coherence::Incoherent, ..Query::default() };
+            let mut hits = HitBatch::default();
+            for batch in batches {
+                tree.intersect_batch(&query, batch, &mut hits, &mut Record::default());
+                found.extend(hits.prim_id.iter().copied().zip(hits.t.iter().copied()));
+            }
+        }
+        Engine::Theirs(scene) => {
+            let (arguments, active) = (Arguments::new(false), Active([-1; 1]));
+            let mut packet = Packet::<1>::new();
+            for batch in batches {
+                for i in 0..batch.len() {
+                    for k in 0..3 {
+                        (packet.org[k], packet.dir[k]) = ([batch.org[k][i]], [batch.dir[k][i]]);
+                    }
+                    (packet.t_near, packet.t_far) = ([batch.t_near[i]], [batch.t_far[i]]);
+                    (packet.time, packet.geom_id) = ([batch.time[i]], [INVALID_ID]);
+                    scene.intersect(&active, &mut packet, &arguments);
+                    found.push(match packet.geom_id[0] {
+                        INVALID_ID => (INVALID_ID, f32::INFINITY),
+                        _ => (packet.prim_id[0], packet.t_far[0]),
+                    });
+                }
+            }
+        }
+    }
+}
+
+/// Whether both found the same, but for one ray in two hundred: arithmetic differs, and neighbours meet at edges.
+fn compare(ours: &Found, theirs: &Found) -> Result<(), String> {
+    let differs = |((_, t), (_, other)): (&(u32, f32), &(u32, f32))| {
+        let near = t == other || (t - other).abs() <= 1e-3 * t.abs().max(1e-3);
+        !near
+    };
+    let wrong = ours.iter().zip(theirs).filter(|&pair| differs(pair)).count();
+    match wrong * 200 > theirs.len() {
+        true => Err(format!("{wrong} of {} rays hit something else than ours", theirs.len())),
+        false => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn both_hit_the_same() {
+        let file = std::env::var_os("EMBREE4_LIB");
+        let library = file.map(|file| EmbreeLibrary::open(Path::new(&file)).expect("Embree 4"));
+        let scene = gnurt::load_scene("builtin:materials").expect("it is built in").scene;
+        let subject = Subject::new("materials", &scene);
+        for keys in [2, 4] {
+            let rows = run(&subject, keys, 0.1, 32, 1, library.as_ref()).expect("they agree");
+            assert_eq!(rows.len(), if library.is_some() { 8 } else { 4 }, "{rows:?}");
+            assert!(rows.iter().all(|row| row.hits > 100), "{rows:?}");
+        }
+    }
+}
