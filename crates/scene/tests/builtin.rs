@@ -67,3 +67,28 @@ fn names_are_checked() {
     assert!(message.contains("did you mean `builtin:cornell`?"), "the nearest: {message}");
     assert!(message.contains("island, cornell, spheres, materials, textures"), "all: {message}");
 }
+
+#[test]
+fn trees_move_in_the_wind() {
+    let mut scene = builtin::load("wind").expect("it has this name");
+    let still = builtin::load("island").expect("it has this name");
+    assert_eq!(scene.instances().len(), still.instances().len(), "the same island");
+    for (a, b) in scene.instances().iter().zip(still.instances()) {
+        let [a, b] = [a, b].map(|instance| instance.world_from_object.columns);
+        let near = a.as_flattened().iter().zip(b.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-9);
+        assert!(near, "at rest trees stand as they do on the island: {a:?}, {b:?}");
+    }
+    let clip = &scene.animation().expect("an animation").clips[0];
+    let [first, last] = clip.range();
+    let trees = clip.channels.len();
+    assert!(trees > 3000 && first == 0.0, "{trees} trees from {first} s on");
+    scene.pose(0, first);
+    let begin = scene.instances().to_vec();
+    assert_eq!(scene.pose(0, 0.4 * last).instances, trees, "all of them move");
+    scene.pose(0, last);
+    for (a, b) in begin.iter().zip(scene.instances()) {
+        let [a, b] = [a, b].map(|instance| instance.world_from_object.columns);
+        let near = a.as_flattened().iter().zip(b.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-6);
+        assert!(near, "after the last key trees are where they began");
+    }
+}

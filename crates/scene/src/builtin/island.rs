@@ -11,6 +11,7 @@ mod cape;
 mod lighthouse;
 mod plants;
 mod terrain;
+mod wind;
 
 use terrain::{REACH, Terrain};
 
@@ -18,8 +19,9 @@ use super::noise::hash;
 use super::shapes::{quad, show};
 use super::sky::EVENING;
 use crate::affine::Affine;
+use crate::animation::Trs;
 use crate::camera::Camera;
-use crate::id::ObjectId;
+use crate::id::{CameraId, InstanceId, ObjectId};
 use crate::material::{Material, Surface};
 use crate::ray_mask::RayMask;
 use crate::scene::{Instance, Scene};
@@ -27,7 +29,26 @@ use crate::scene::{Instance, Scene};
 /// Half the side of the sea's sheet.
 const SEA: f32 = 400.0;
 
+/// The island, seen from a boat.
 pub(super) fn scene() -> Scene {
+    island().0
+}
+
+/// The same with trees that move, seen from nearer.
+pub(super) fn in_the_wind() -> Scene {
+    let (mut scene, trees) = island();
+    wind::blow(&mut scene, &trees);
+    *scene.edit_camera(CameraId(0)) = Camera {
+        name: "on the shore".into(),
+        eye: [2.05, 0.42, 3.35],
+        target: [0.55, 0.62, 0.2],
+        up: [0.0, 1.0, 0.0],
+        fov_y: 26.0,
+    };
+    scene
+}
+
+fn island() -> (Scene, Vec<wind::Tree>) {
     let mut scene = Scene::new();
     let terrain = Terrain::new();
     let ground = scene.add_material(Material::matte("ground", [1.0; 3]));
@@ -35,7 +56,7 @@ pub(super) fn scene() -> Scene {
     add_sea(&mut scene);
     lighthouse::add(&mut scene, &terrain);
     let plants = plants::add_objects(&mut scene);
-    scatter(&mut scene, &terrain, &plants);
+    let trees = scatter(&mut scene, &terrain, &plants);
     EVENING.add_to(&mut scene, Affine::IDENTITY);
     scene.add_camera(Camera {
         name: "from a boat".into(),
@@ -44,7 +65,7 @@ pub(super) fn scene() -> Scene {
         up: [0.0, 1.0, 0.0],
         fov_y: 29.0,
     });
-    scene
+    (scene, trees)
 }
 
 fn add_sea(scene: &mut Scene) {
@@ -53,8 +74,9 @@ fn add_sea(scene: &mut Scene) {
     show(scene, "sea", quad([-SEA, 0.0, SEA], [2.0 * SEA, 0.0, 0.0], [0.0, 0.0, -2.0 * SEA]), water);
 }
 
-/// Puts trees where there is grass and rocks where there is sand or scree, at hashed places of a fine grid.
-fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) {
+/// Puts trees where there is grass and rocks where there is sand or scree, at hashed places of a fine grid. Returns the trees.
+fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) -> Vec<wind::Tree> {
+    let mut trees = Vec::new();
     const CELLS: i32 = 230;
     let step = 2.0 * REACH / CELLS as f32;
     for (i, j) in (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j))) {
@@ -70,28 +92,38 @@ fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) {
             let conifer = chance(4) < 0.25 + 0.9 * spot.height;
             let kinds = if conifer { &plants.conifers[..] } else { &plants.broadleaf[..] };
             let kind = kinds[(chance(5) * kinds.len() as f32) as usize % kinds.len()];
-            put(
-                scene,
-                kind,
-                [x, spot.height - 0.01, z],
-                0.10 + 0.10 * chance(6),
-                chance(7),
-                0.15 * chance(8),
-            );
+            let at = [x, spot.height - 0.01, z];
+            let (id, rest) = put(scene, kind, at, 0.10 + 0.10 * chance(6), chance(7), 0.15 * chance(8));
+            trees.push((id, rest, conifer));
         } else if spot.height > -0.05 && spot.wood < 0.1 && chance(9) < 0.05 {
             let kind = plants.rocks[(chance(10) * plants.rocks.len() as f32) as usize % plants.rocks.len()];
             let size = 0.02 + 0.075 * chance(11).powi(3);
             put(scene, kind, [x, spot.height - 0.2 * size, z], size, chance(12), 0.0);
         }
     }
+    trees
 }
 
-/// An instance on the ground: `size` high, turned by a share of the full circle, stretched upwards by a little.
-fn put(scene: &mut Scene, object: ObjectId, at: [f32; 3], size: f32, turn: f32, stretch: f32) {
+/// An instance on the ground: `size` high, turned by a share of the full circle, stretched upwards by a little. Returns how it
+/// stands in three parts, too.
+fn put(
+    scene: &mut Scene,
+    object: ObjectId,
+    at: [f32; 3],
+    size: f32,
+    turn: f32,
+    stretch: f32,
+) -> (InstanceId, Trs) {
     let size = f64::from(size);
+    let (angle, scale) =
+        (f64::from(turn) * std::f64::consts::TAU, [size, size * (1.0 + f64::from(stretch)), size]);
     let world_from_object = Affine::translation(at.map(f64::from))
-        * Affine::rotation([0.0, 1.0, 0.0], f64::from(turn) * std::f64::consts::TAU)
-        * Affine::scale([size, size * (1.0 + f64::from(stretch)), size]);
+        * Affine::rotation([0.0, 1.0, 0.0], angle)
+        * Affine::scale(scale);
+    let (sin, cos) = (0.5 * angle).sin_cos();
+    let rest = Trs { translation: at.map(f64::from), rotation: Some([0.0, sin, 0.0, cos]), scale };
     let name = scene.object(object).name.clone();
-    scene.add_instance(Instance { name, object, world_from_object, visible: true, mask: RayMask::ALL });
+    let id =
+        scene.add_instance(Instance { name, object, world_from_object, visible: true, mask: RayMask::ALL });
+    (id, rest)
 }

@@ -58,6 +58,11 @@ pub const ALL: &[Builtin] = &[
         description: "two rooms with a slit between them: the camera is in the one without the lamp",
         make: slit::scene,
     },
+    Builtin {
+        name: "wind",
+        description: "the island from nearer, its trees in the wind: an animation of four seconds that comes back to itself",
+        make: island::in_the_wind,
+    },
 ];
 
 /// Makes the scene of this name.
