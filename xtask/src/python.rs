@@ -17,7 +17,9 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if let Some(argument) = arguments.first() {
         return Err(format!("python takes no arguments, not '{argument}'"));
     }
-    command::run(command::cargo().args(["build", "--package", "gnurt-python"]))?;
+    // With what `installed` builds, and so with the same features of libraries: alone, half of the crates would be compiled again.
+    let packages = ["gnurt-python", "gnurt-cli", "openrt", "rtut"].map(|name| ["--package", name]);
+    command::run(command::cargo().arg("build").args(packages.as_flattened()))?;
     let target = Workspace::load()?.target;
     let source = command::root().join("bindings/python");
     let built = target.join("debug/lib_gnurt.so");
@@ -32,6 +34,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
             .current_dir(&source)
             .args(options)
             .env("PYTHONPATH", "python")
+            .env("GNURT", target.join("debug/gnurt"))
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     )
 }
