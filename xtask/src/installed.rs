@@ -24,7 +24,8 @@ pub(crate) fn check(arguments: &[String]) -> Result<(), Failure> {
     if let Some(argument) = arguments.first() {
         return Err(format!("installed takes no arguments, not '{argument}'"));
     }
-    let packages = ["--package", "gnurt-cli", "--package", "openrt", "--package", "rtut"];
+    let packages =
+        ["--package", "gnurt-cli", "--package", "openrt", "--package", "rtut", "--package", "gnurt-rays"];
     command::run(command::cargo().arg("build").args(packages))?;
     let target = Workspace::load()?.target;
     let built = target.join("debug");
@@ -84,7 +85,7 @@ impl User<'_> {
     fn programs(&self) -> Result<(), Failure> {
         self.run(
             "pkg-config",
-            "pkg-config --validate openrt rtut && pkg-config --exists 'openrt >= 0.1' rtut",
+            "pkg-config --validate openrt rtut gnurt && pkg-config --exists 'openrt >= 0.1' rtut 'gnurt >= 0.1'",
         )?;
         let examples = self.work.join("examples/c");
         for file in files::files_in(&command::root().join("examples/c"))? {
@@ -115,7 +116,7 @@ impl User<'_> {
         }
         files::write(&self.work.join("CMakeLists.txt"), CMAKE)?;
         files::write(&self.work.join("shapes.cpp"), SHAPES)?;
-        let lines = "cmake -S . -B cmake -DOpenRT_DIR=\"$lib/cmake/OpenRT\" > said && cmake --build cmake > said || { cat said >&2; exit 1; }
+        let lines = "cmake -S . -B cmake -DOpenRT_DIR=\"$lib/cmake/OpenRT\" -Dgnurt_DIR=\"$lib/cmake/gnurt\" > said && cmake --build cmake > said || { cat said >&2; exit 1; }
             unset LD_LIBRARY_PATH
             ./cmake/shared shared.ppm && ./cmake/static static.ppm && ./cmake/shapes
             cmp figure1.ppm shared.ppm && cmp figure1.ppm static.ppm";
@@ -151,6 +152,7 @@ impl User<'_> {
 const CMAKE: &str = "cmake_minimum_required(VERSION 3.16)
 project(stranger C CXX)
 find_package(OpenRT 0.1 REQUIRED)
+find_package(gnurt 0.1 REQUIRED)
 add_executable(shared examples/c/figure1.c)
 target_link_libraries(shared PRIVATE OpenRT::OpenRT m)
 add_executable(static examples/c/figure1.c)

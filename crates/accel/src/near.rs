@@ -77,6 +77,28 @@ impl NearestPoint for Within {
     }
 }
 
+/// Shows what is near to somebody who says how near is near.
+struct Visited<'a> {
+    target: Target<'a>,
+    point: [f64; 3],
+    radius: f64,
+    visit: &'a mut dyn FnMut(&PointHit) -> f64,
+}
+
+impl NearestPoint for Visited<'_> {
+    fn distance(&self) -> f64 {
+        self.radius
+    }
+
+    fn offer(&mut self, offset: [f64; 3], uv: [f64; 2], number: u32, slot: u32) {
+        let near = Near::new(offset, uv, number, slot);
+        if near.distance <= self.radius {
+            let hit = near.hit(self.point, |nearest| self.target.hit(nearest));
+            self.radius = self.radius.min((self.visit)(&hit));
+        }
+    }
+}
+
 /// Primitives by slot and number, each once, in the order of their ids.
 pub(crate) fn name_all(target: Target, found: &[(u32, u32)], ids: &mut Vec<PrimitiveId>) {
     ids.clear();
@@ -116,5 +138,17 @@ impl Target<'_> {
         let mut within = Within::new(radius);
         self.near(query, center, &mut within);
         name_all(self, &within.found, ids);
+    }
+
+    /// Shows primitives near a point.
+    pub(crate) fn visit_near(
+        self,
+        query: &Query,
+        point: [f64; 3],
+        radius: f64,
+        visit: &mut dyn FnMut(&PointHit) -> f64,
+    ) {
+        let mut visited = Visited { target: self, point, radius, visit };
+        self.near(query, point, &mut visited);
     }
 }

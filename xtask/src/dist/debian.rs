@@ -80,7 +80,10 @@ pub(super) fn pack(dist: &Path, staged: &Path, version: &str) -> Result<(), Fail
         if package.name == "libopenrt0" {
             // The program's linker finds the libraries from then on.
             write(&root.join("DEBIAN/triggers"), "activate-noawait ldconfig\n")?;
-            write(&root.join("DEBIAN/shlibs"), "libOpenRT 0 libopenrt0\nlibrtut 0 libopenrt0\n")?;
+            write(
+                &root.join("DEBIAN/shlibs"),
+                "libOpenRT 0 libopenrt0\nlibgnurt 0 libopenrt0\nlibrtut 0 libopenrt0\n",
+            )?;
         }
         let to = dist.join(format!("{}_{version}_{machine}.deb", package.name));
         let mut deb = Command::new("dpkg-deb");

@@ -21,30 +21,54 @@ pub(crate) use places::{Places, parse};
 
 /// A library with its run-time name, which rises when programs must be linked anew, and its pkg-config template.
 struct Library {
+    /// As cargo names it.
+    built: &'static str,
     file: &'static str,
     soname: &'static str,
     headers: &'static str,
+    /// Where headers go, below the folder for headers.
+    folder: &'static str,
     template: &'static str,
     package: &'static str,
 }
 
-const LIBRARIES: [Library; 2] = [
+const LIBRARIES: [Library; 3] = [
     Library {
+        built: "libOpenRT.so",
         file: "libOpenRT.so",
         soname: "libOpenRT.so.0",
         headers: "bindings/openrt/include/openrt",
+        folder: "openrt",
         template: "bindings/openrt/openrt.pc.in",
         package: "openrt.pc",
     },
     Library {
+        built: "librtut.so",
         file: "librtut.so",
         soname: "librtut.so.0",
         headers: "bindings/rtut/include/openrt",
+        folder: "openrt",
         template: "bindings/rtut/rtut.pc.in",
         package: "rtut.pc",
     },
+    Library {
+        // The Rust API has the name without an ending.
+        built: "libgnurt_rays.so",
+        file: "libgnurt.so",
+        soname: "libgnurt.so.0",
+        headers: "bindings/rays/include/gnurt",
+        folder: "gnurt",
+        template: "bindings/rays/gnurt.pc.in",
+        package: "gnurt.pc",
+    },
 ];
-const CMAKE: [&str; 2] = ["OpenRTConfig.cmake", "OpenRTConfigVersion.cmake"];
+/// Templates, and what becomes of them where CMake looks.
+const CMAKE: [(&str, &str); 4] = [
+    ("bindings/openrt/OpenRTConfig.cmake.in", "OpenRT/OpenRTConfig.cmake"),
+    ("bindings/openrt/OpenRTConfigVersion.cmake.in", "OpenRT/OpenRTConfigVersion.cmake"),
+    ("bindings/rays/gnurtConfig.cmake.in", "gnurt/gnurtConfig.cmake"),
+    ("bindings/openrt/OpenRTConfigVersion.cmake.in", "gnurt/gnurtConfigVersion.cmake"),
+];
 const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "COPYING"];
 
 /// Builds in release mode and installs.
@@ -67,7 +91,16 @@ pub(crate) fn install_at(places: &Places) -> Result<(), Failure> {
     let built = match &places.built {
         Some(built) => built.clone(),
         None => {
-            let packages = ["--package", "gnurt-cli", "--package", "openrt", "--package", "rtut"];
+            let packages = [
+                "--package",
+                "gnurt-cli",
+                "--package",
+                "openrt",
+                "--package",
+                "rtut",
+                "--package",
+                "gnurt-rays",
+            ];
             command::run(command::cargo().args(["build", "--release"]).args(packages))?;
             workspace.target.join("release")
         }
@@ -88,19 +121,19 @@ fn install(built: &Path, source: &Path, version: &str, places: &Places) -> Resul
     let lib = places.put(&places.lib);
     for library in &LIBRARIES {
         let real = format!("{}.{version}", library.file);
-        copy_binary(&built.join(library.file), &lib.join(&real), places.strips)?;
+        copy_binary(&built.join(library.built), &lib.join(&real), places.strips)?;
         link(&real, &lib.join(library.soname))?;
         link(library.soname, &lib.join(library.file))?;
         let headers = files_in(&source.join(library.headers))?;
         for header in headers.iter().filter(|path| path.extension().is_some_and(|e| e == "h")) {
-            let to = places.include.join("openrt").join(header.file_name().unwrap_or_default());
+            let to = places.include.join(library.folder).join(header.file_name().unwrap_or_default());
             copy(header, &places.put(&to))?;
         }
         let template = read(&source.join(library.template))?;
         write(&lib.join("pkgconfig").join(library.package), &places.fill(&template, version))?;
     }
-    for file in CMAKE {
-        let template = read(&source.join("bindings/openrt").join(format!("{file}.in")))?;
+    for (template, file) in CMAKE {
+        let template = read(&source.join(template))?;
         write(&places.put(&places.cmake().join(file)), &places.fill(&template, version))?;
     }
     if places.has_static {
@@ -165,10 +198,14 @@ mod tests {
             (built.join("gnurt"), "program"),
             (built.join("libOpenRT.so"), "library"),
             (built.join("librtut.so"), "shapes"),
+            (built.join("libgnurt_rays.so"), "rays"),
             (built.join(archive::NAME), "archive"),
             (source.join("COPYING"), "licence"),
             (source.join(LIBRARIES[0].template), "prefix=@prefix@\nlibdir=@libdir@\nVersion: @version@\n"),
             (source.join(LIBRARIES[1].template), "prefix=@prefix@\nRequires: openrt\n"),
+            (source.join(LIBRARIES[2].template), "Libs: -lgnurt\n"),
+            (source.join("bindings/rays/gnurtConfig.cmake.in"), "@libdir_from_here@"),
+            (source.join("bindings/rays/include/gnurt/embree.h"), "calls"),
             (source.join("bindings/openrt/OpenRTConfig.cmake.in"), "@includedir_from_here@"),
             (source.join("bindings/openrt/OpenRTConfigVersion.cmake.in"), "@version@"),
             (source.join("bindings/openrt/include/openrt/rt.h"), "header"),
@@ -198,6 +235,12 @@ mod tests {
             ("lib/multi/libOpenRT.a", "archive"),
             ("lib/multi/librtut.so.1.2.3", "shapes"),
             ("lib/multi/librtut.so.0", "shapes"),
+            ("lib/multi/libgnurt.so.1.2.3", "rays"),
+            ("lib/multi/libgnurt.so", "rays"),
+            ("lib/multi/cmake/gnurt/gnurtConfig.cmake", "../.."),
+            ("lib/multi/cmake/gnurt/gnurtConfigVersion.cmake", "1.2.3"),
+            ("lib/multi/pkgconfig/gnurt.pc", "Libs: -lgnurt\n"),
+            ("include/gnurt/embree.h", "calls"),
             ("lib/multi/cmake/OpenRT/OpenRTConfig.cmake", "../../../../include"),
             ("lib/multi/cmake/OpenRT/OpenRTConfigVersion.cmake", "1.2.3"),
             ("lib/multi/pkgconfig/rtut.pc", "prefix=/opt/rt\nRequires: openrt\n"),

@@ -107,9 +107,9 @@ impl Places {
         self.prefix.join("share").join(path)
     }
 
-    /// Where CMake looks.
+    /// Where CMake looks, in a folder for each package.
     pub(crate) fn cmake(&self) -> PathBuf {
-        self.lib.join("cmake/OpenRT")
+        self.lib.join("cmake")
     }
 
     /// Fills in what a template leaves open.
@@ -118,7 +118,8 @@ impl Places {
             Ok(below) => format!("${{prefix}}/{}", below.display()),
             Err(_) => folder.display().to_string(),
         };
-        let from_cmake = |folder: &Path| relative(&self.cmake(), folder).display().to_string();
+        let from_cmake =
+            |folder: &Path| relative(&self.cmake().join("package"), folder).display().to_string();
         template
             .replace("@prefix@", &self.prefix.display().to_string())
             .replace("@libdir@", &of_prefix(&self.lib))

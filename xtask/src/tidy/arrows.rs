@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 21] = [
+const ARROWS: [(&str, &[&str]); 22] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -26,6 +26,7 @@ const ARROWS: [(&str, &[&str]); 21] = [
     ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),
     ("python", &["accel", "gnurt"]),
+    ("rays", &["accel"]),
 ];
 
 /// Packages without arrows of their own: tests and chores, which nobody may use in turn.

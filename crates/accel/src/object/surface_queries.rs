@@ -174,6 +174,20 @@ impl ObjectTree {
         hits.answer_each(threads, points, nearest);
     }
 
+    /// Shows primitives no farther than `radius` from `point` to `visit`, in any order, some of them several times, with the
+    /// point of each that is nearest. It answers with the radius from then on, which only ever gets less; what is not
+    /// farther than the last one has been shown in the end. User geometry is seen as far as it
+    /// [answers](crate::UserGeometry::closest_point).
+    pub fn visit_near(
+        &self,
+        query: &Query,
+        point: [f64; 3],
+        radius: f64,
+        mut visit: impl FnMut(&PointHit) -> f64,
+    ) {
+        self.target().visit_near(query, point, radius, &mut visit);
+    }
+
     /// All primitives that touch a box, its sides included, in the order of their ids; `ids` is emptied first.
     ///
     /// Surfaces are meant: a box inside of a sphere or a mesh touches nothing. What touches the box from outside,

@@ -159,6 +159,17 @@ impl SceneTree {
         hits.answer_each(threads, points, nearest);
     }
 
+    /// See [`ObjectTree::visit_near`](crate::ObjectTree::visit_near).
+    pub fn visit_near(
+        &self,
+        query: &Query,
+        point: [f64; 3],
+        radius: f64,
+        mut visit: impl FnMut(&PointHit) -> f64,
+    ) {
+        self.target().visit_near(query, point, radius, &mut visit);
+    }
+
     /// See [`ObjectTree::touching_box`](crate::ObjectTree::touching_box).
     pub fn touching_box(&self, query: &Query, min: [f64; 3], max: [f64; 3], ids: &mut Vec<PrimitiveId>) {
         self.target().touching_box(query, min, max, ids);

@@ -164,3 +164,29 @@ fn mixed_objects_and_instances() {
     scene.touching_ball(&query, [9.0, 1.0, 3.0], 3.0, &mut ids);
     assert!(ids.iter().all(|id| id.leaf_id == 1) && ids.len() == 2, "{ids:?}");
 }
+
+#[test]
+fn visitors_see_what_is_near() {
+    let tree = build(&[closed::sphere(10)], WATERTIGHT[0]);
+    let (query, mut random, mut ids) = (Query::default(), Random::new(5), Vec::new());
+    for _ in 0..50 {
+        let point = random.point().map(f64::from);
+        let mut seen = Vec::new();
+        tree.visit_near(&query, point, 0.5, |hit| {
+            let PointHit { leaf_id, geom_id, prim_id, .. } = *hit;
+            seen.push(PrimitiveId { leaf_id, geom_id, prim_id });
+            0.5
+        });
+        seen.sort_unstable();
+        seen.dedup();
+        tree.touching_ball(&query, point, 0.5, &mut ids);
+        assert_eq!(seen, ids, "all within the radius, near {point:?}");
+        let mut nearest = f64::INFINITY;
+        tree.visit_near(&query, point, nearest, |hit| {
+            nearest = nearest.min(hit.distance);
+            nearest
+        });
+        let closest = tree.closest_point(point, f64::INFINITY).map(|hit| hit.distance);
+        assert_eq!(Some(nearest), closest, "the nearest of all is among them, near {point:?}");
+    }
+}

@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! From the draft of a scene to what can be asked: trees over all enabled geometries. Source: original; Embree's manual.
+//! Space: that of the scene. Invariant: ids are those under which geometries were attached; bad primitives are left out, as
+//! by Embree. Where a scene is dynamic, or all that it holds is to be refitted, trees follow their geometry.
+//! Proof: `tests/embree.rs`.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering};
+
+use gnurt_accel::{
+    BuildControl, BuildError, BuildOptions, GeometryKind, Instance, Memory, Motion, MovingTree, ObjectTree,
+    Quads, Quality, Query, SceneError, SceneTree, Shape, Spheres, Triangles,
+};
+
+use crate::device::{Device, Problem};
+use crate::ffi_abi::{Code, buffer, quality, scene_flag};
+use crate::ffi_callbacks::{Callback, ProgressFunction};
+use crate::ffi_memory::View;
+use crate::ffi_user::UserPrimitives;
+use crate::lines::Lines;
+use crate::objects::{Committed, Draft, Geometry, Kind, Place, Scene, Settings, Surface, Tree};
+use crate::transform::{self, Columns, IDENTITY};
+
+/// What a surface is built from, and its mask.
+struct Prepared<'a> {
+    surface: &'a Surface,
+    arrays: Arrays<'a>,
+    mask: u32,
+}
+
+enum Arrays<'a> {
+    Triangles(Cow<'a, [[f32; 3]]>, Cow<'a, [[u32; 3]]>),
+    Quads(Cow<'a, [[f32; 3]]>, Cow<'a, [[u32; 4]]>),
+    Spheres(Vec<[f32; 3]>, Vec<f32>),
+    Lines(Arc<Lines>),
+    User(Arc<UserPrimitives>),
+}
+
+impl Prepared<'_> {
+    fn geometry(&self) -> gnurt_accel::Geometry<'_> {
+        let kind = match &self.arrays {
+            Arrays::Triangles(positions, indices) => {
+                GeometryKind::Triangles(Triangles { positions, indices })
+            }
+            Arrays::Quads(positions, indices) => GeometryKind::Quads(Quads { positions, indices }),
+            Arrays::Spheres(centers, radii) => GeometryKind::Spheres(Spheres { centers, radii }),
+            Arrays::Lines(lines) => GeometryKind::User(Arc::<Lines>::clone(lines)),
+            Arrays::User(user) => GeometryKind::User(Arc::<UserPrimitives>::clone(user)),
+        };
+        gnurt_accel::Geometry::new(kind).with_mask(self.mask)
+    }
+
+    fn count(&self) -> usize {
+        match &self.arrays {
+            Arrays::Triangles(_, indices) => indices.len(),
+            Arrays::Quads(_, indices) => indices.len(),
+            Arrays::Spheres(_, radii) => radii.len(),
+            Arrays::Lines(lines) => gnurt_accel::UserGeometry::count(&**lines) as usize,
+            Arrays::User(user) => gnurt_accel::UserGeometry::count(&**user) as usize,
+        }
+    }
+}
+
+/// Builds what the draft says, and lets the scene be asked for it.
+///
+/// # Errors
+/// A geometry that was not committed or lacks an array, and what stopped the build.
+pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
+    let mut draft = scene.draft();
+    let (mut surfaces, mut masks, mut users) = (Vec::new(), Vec::new(), Vec::new());
+    let mut places = vec![Place { geom_id: 0, prim_id: None, shown: None, world_from_instance: IDENTITY }];
+    let mut instances: Vec<Instance> = Vec::new();
+    let mut all_refit = true;
+    for (&geom_id, geometry) in &draft.geometries {
+        let settings = geometry.settings();
+        if !settings.is_committed {
+            return Err(Problem::operation(format!(
+                "geometry {geom_id} is not committed: call rtcCommitGeometry"
+            )));
+        }
+        if !settings.is_enabled {
+            continue;
+        }
+        if matches!(geometry.kind, Kind::Instance | Kind::Instances) {
+            add_instances(geom_id, geometry, &settings, scene, &mut places, &mut instances)?;
+            continue;
+        }
+        all_refit &= settings.quality == quality::REFIT;
+        users.push((geometry.kind == Kind::User).then(|| {
+            let Settings { user, filters, user_count, .. } = *settings;
+            (user, filters, user_count)
+        }));
+        surfaces.push(surface(geom_id, geometry, &settings)?);
+        masks.push(settings.mask);
+    }
+    // From here on callbacks of the program's may ask for settings: no geometry is locked.
+    let mut prepared = Vec::new();
+    for ((surface, &mask), user) in surfaces.iter().zip(&masks).zip(users) {
+        let arrays = match (surface.kind, user) {
+            (_, Some((functions, filters, count))) => {
+                let geometry = Arc::clone(&surface.geometry);
+                let user = UserPrimitives::new(geometry, surface.geom_id, functions, filters, count);
+                Arrays::User(Arc::new(user))
+            }
+            (Kind::Quads, None) => Arrays::Quads(surface.vertices.rows(), surface.indices.rows()),
+            (Kind::Lines, None) => {
+                Arrays::Lines(Arc::new(Lines::new(&surface.vertices.rows(), &surface.indices.rows())))
+            }
+            (Kind::Spheres, None) => {
+                let rows = surface.vertices.rows::<f32, 4>();
+                Arrays::Spheres(
+                    rows.iter().map(|&[x, y, z, _]| [x, y, z]).collect(),
+                    rows.iter().map(|row| row[3]).collect(),
+                )
+            }
+            _ => Arrays::Triangles(surface.vertices.rows(), surface.indices.rows()),
+        };
+        prepared.push(Prepared { surface, arrays, mask });
+    }
+    let object = build_object(&scene.device, &mut draft, &prepared, all_refit)?;
+    drop(prepared);
+    let options = options_of(&draft);
+    let tree = if instances.is_empty() {
+        Tree::Object(object)
+    } else {
+        instances.insert(0, Instance::identity(object));
+        let threads = scene.device.threads(instances.len());
+        let control = Control::new(&scene.device, draft.progress);
+        let built = SceneTree::try_build(&instances, &options, threads, &control);
+        let built = match built {
+            // What cannot be placed is not seen, as by Embree.
+            Err(SceneError::Build(error)) => return Err(control.problem(&error)),
+            Err(SceneError::TooDeep { inst_id }) => {
+                let geom_id = places[inst_id as usize].geom_id;
+                return Err(Problem::operation(format!(
+                    "geometry {geom_id}: more than {} scenes lie in one another",
+                    gnurt_accel::DEEPEST_SCENE
+                )));
+            }
+            Err(_) => SceneTree::build(&instances, &options, threads),
+            Ok(built) => built,
+        };
+        Tree::Scene(Arc::new(built))
+    };
+    let bytes = match &tree {
+        Tree::Object(tree) => held(tree.stats()),
+        Tree::Scene(tree) => held(tree.stats()) + places.len() as i64 * size_of::<Place>() as i64,
+    };
+    let is_plain = surfaces.iter().all(|surface| !surface.filters.any() && surface.kind != Kind::User)
+        && places.iter().filter_map(|place| place.shown.as_ref()).all(|shown| shown.is_plain);
+    let device = Arc::clone(&scene.device);
+    let query = Query { level: device.level, ..Query::default() };
+    device.hold(bytes);
+    scene.publish(&mut draft, Committed { device, tree, surfaces, places, query, is_plain, bytes });
+    Ok(())
+}
+
+fn held(stats: gnurt_accel::TreeStats) -> i64 {
+    (stats.tree_bytes + stats.primitive_bytes) as i64
+}
+
+/// Arrays of a geometry, as they are now.
+fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Result<Surface, Problem> {
+    let array = |of: u32, name: &str| -> Result<View, Problem> {
+        let array = settings.arrays.get(&(of, 0));
+        array.map(|array| array.view.clone()).ok_or_else(|| {
+            Problem::operation(format!("geometry {geom_id} has no {name} buffer: set one, then commit it"))
+        })
+    };
+    let kind = geometry.kind;
+    let (vertices, indices) = match kind {
+        Kind::Triangles | Kind::Quads | Kind::Lines => {
+            (array(buffer::VERTEX, "vertex")?, array(buffer::INDEX, "index")?)
+        }
+        Kind::Spheres => (array(buffer::VERTEX, "vertex")?, View::empty()),
+        Kind::User | Kind::Instance | Kind::Instances => (View::empty(), View::empty()),
+    };
+    let Settings { filters, point, .. } = *settings;
+    Ok(Surface { geom_id, geometry: Arc::clone(geometry), kind, vertices, indices, filters, point })
+}
+
+/// Instances that a geometry stands for.
+fn add_instances(
+    geom_id: u32,
+    geometry: &Geometry,
+    settings: &Settings,
+    scene: &Scene,
+    places: &mut Vec<Place>,
+    instances: &mut Vec<Instance>,
+) -> Result<(), Problem> {
+    let mut add = |prim_id: Option<u32>, shown: usize, place: Columns| -> Result<(), Problem> {
+        let Some(child) = settings.scenes.get(shown) else {
+            return Err(Problem::operation(format!(
+                "geometry {geom_id} shows scene {shown}, which was not set"
+            )));
+        };
+        if std::ptr::eq(Arc::as_ptr(child), scene) {
+            return Err(Problem::operation(format!("geometry {geom_id} shows the scene that it is in")));
+        }
+        let shown = child.committed().ok_or_else(|| {
+            Problem::operation(format!(
+                "geometry {geom_id} shows a scene that is not committed: call rtcCommitScene"
+            ))
+        })?;
+        let shape: Shape = match &shown.tree {
+            Tree::Object(tree) => Arc::clone(tree).into(),
+            Tree::Scene(tree) => Arc::clone(tree).into(),
+        };
+        instances.push(Instance::new(shape, place).with_mask(settings.mask));
+        places.push(Place { geom_id, prim_id, shown: Some(shown), world_from_instance: place });
+        Ok(())
+    };
+    if geometry.kind == Kind::Instance {
+        return add(None, 0, settings.place);
+    }
+    let Some(maps) = settings.arrays.get(&(buffer::TRANSFORM, 0)) else {
+        return Err(Problem::operation(format!("geometry {geom_id} has no transform buffer")));
+    };
+    let indices = settings.arrays.get(&(buffer::INDEX, 0));
+    let size = transform::size(maps.format).unwrap_or_default();
+    for i in 0..maps.view.len() {
+        let values: Vec<f32> = (0..size).map_while(|k| maps.view.number(i, k)).collect();
+        let place = if values.len() == size { transform::columns(maps.format, &values) } else { IDENTITY };
+        let shown = indices.map_or(Some(0), |indices| indices.view.number::<u32>(i, 0));
+        // Those without an index, or with that of nothing, are not there.
+        if let Some(shown) = shown.filter(|&shown| shown != u32::MAX) {
+            add(Some(i as u32), shown as usize, place)?;
+        }
+    }
+    Ok(())
+}
+
+fn options_of(draft: &Draft) -> BuildOptions {
+    let quality = match draft.quality {
+        quality::LOW => Quality::Fast,
+        quality::HIGH => Quality::High,
+        _ => Quality::Medium,
+    };
+    let is_compact = draft.flags & scene_flag::COMPACT != 0;
+    let memory = if is_compact { Memory::Compact } else { Memory::Fast };
+    BuildOptions { quality, memory, ..BuildOptions::default() }
+}
+
+/// The tree over the scene's own surfaces.
+fn build_object(
+    device: &Device,
+    draft: &mut Draft,
+    prepared: &[Prepared],
+    all_refit: bool,
+) -> Result<Arc<ObjectTree>, Problem> {
+    let geometries: Vec<gnurt_accel::Geometry> = prepared.iter().map(Prepared::geometry).collect();
+    let primitives: usize = prepared.iter().map(Prepared::count).sum();
+    let shape =
+        prepared.iter().map(|one| (one.surface.geom_id, one.surface.kind, one.count() as u32)).collect();
+    let (options, threads) = (options_of(draft), device.threads(primitives));
+    let moves = draft.flags & scene_flag::DYNAMIC != 0 || all_refit;
+    if moves
+        && let Some((moving, before)) = &mut draft.moving
+        && *before == shape
+    {
+        moving.update(&geometries, &options, threads);
+        return Ok(Arc::clone(moving.tree()));
+    }
+    let control = Control::new(device, draft.progress);
+    let built = ObjectTree::try_build_from(&geometries, &options, threads, &control);
+    let tree = Arc::new(built.map_err(|error| control.problem(&error))?);
+    draft.moving = moves.then(|| (MovingTree::of(Arc::clone(&tree), Motion::Auto), shape));
+    Ok(tree)
+}
+
+/// What the program says while a tree is built.
+struct Control<'a> {
+    device: &'a Device,
+    progress: Option<Callback<ProgressFunction>>,
+    /// Bytes that the memory monitor was told of.
+    told: AtomicI64,
+    /// Whether the memory monitor has said no.
+    refused: std::sync::atomic::AtomicBool,
+    cancelled: std::sync::atomic::AtomicBool,
+}
+
+impl<'a> Control<'a> {
+    fn new(device: &'a Device, progress: Option<Callback<ProgressFunction>>) -> Self {
+        let no = || std::sync::atomic::AtomicBool::new(false);
+        Self { device, progress, told: AtomicI64::new(0), refused: no(), cancelled: no() }
+    }
+
+    fn problem(&self, error: &BuildError) -> Problem {
+        let code = match error {
+            _ if self.refused.load(Ordering::Relaxed) => Code::OutOfMemory,
+            BuildError::Cancelled => Code::Cancelled,
+            BuildError::OutOfMemory { .. } => Code::OutOfMemory,
+            _ => Code::InvalidOperation,
+        };
+        Problem { code, message: error.to_string() }
+    }
+}
+
+impl Drop for Control<'_> {
+    fn drop(&mut self) {
+        self.device.hold(-self.told.load(Ordering::Relaxed));
+    }
+}
+
+impl BuildControl for Control<'_> {
+    fn keep_going(&self) -> bool {
+        !self.refused.load(Ordering::Relaxed) && !self.cancelled.load(Ordering::Relaxed)
+    }
+
+    fn progress(&self, done: f32) {
+        if let Some(progress) = &self.progress
+            && !progress.call(f64::from(done))
+        {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn memory(&self, bytes: u64) {
+        let more = bytes as i64 - self.told.swap(bytes as i64, Ordering::Relaxed);
+        if !self.device.hold(more) {
+            self.refused.store(true, Ordering::Relaxed);
+        }
+    }
+}

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A device: settings, threads that build, and errors. Source: original; Embree's manual for what is remembered.
+//! Invariant: of a thread's errors the first one is remembered until it is asked for, for each device; without a device, too.
+//! Proof: `tests/embree.rs`.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::ffi::{CStr, CString};
+use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use gnurt_accel::{Level, Threads};
+
+use crate::ffi_abi::Code;
+use crate::ffi_callbacks::{Callback, ErrorFunction, MemoryFunction};
+
+/// What went wrong, and a line that says so.
+#[derive(Clone, Debug)]
+pub(crate) struct Problem {
+    pub(crate) code: Code,
+    pub(crate) message: String,
+}
+
+impl Problem {
+    pub(crate) fn argument(message: impl Into<String>) -> Self {
+        Self { code: Code::InvalidArgument, message: message.into() }
+    }
+
+    pub(crate) fn operation(message: impl Into<String>) -> Self {
+        Self { code: Code::InvalidOperation, message: message.into() }
+    }
+}
+
+/// What `RTCDevice` points to.
+#[derive(Debug)]
+pub(crate) struct Device {
+    number: u64,
+    /// 0 for as many as there are processors.
+    threads: usize,
+    pub(crate) level: Level,
+    pub(crate) is_verbose: bool,
+    pool: OnceLock<Option<rayon::ThreadPool>>,
+    pub(crate) on_error: Mutex<Option<Callback<ErrorFunction>>>,
+    pub(crate) monitor: Mutex<Option<Callback<MemoryFunction>>>,
+    held: AtomicI64,
+}
+
+/// Errors of calls without a device are kept under this number.
+const NO_DEVICE: u64 = 0;
+
+/// A first error, and the last message.
+#[derive(Default)]
+struct Kept {
+    first: Option<Code>,
+    last: CString,
+}
+
+thread_local! {
+    static ERRORS: RefCell<HashMap<u64, Kept>> = RefCell::default();
+}
+
+fn keep(number: u64, code: Code, message: &CStr) {
+    ERRORS.with_borrow_mut(|errors| {
+        let kept = errors.entry(number).or_default();
+        kept.first.get_or_insert(code);
+        kept.last = message.to_owned();
+    });
+}
+
+/// Reports where there is no device, or none that can be found.
+pub(crate) fn report_without_device(problem: &Problem) {
+    keep(NO_DEVICE, problem.code, &text(&problem.message));
+}
+
+fn text(message: &str) -> CString {
+    CString::new(message.replace('\0', " ")).unwrap_or_default()
+}
+
+impl Device {
+    /// From settings such as `threads=4,isa=avx2`; what is not for us is passed over.
+    ///
+    /// # Errors
+    /// A number of threads that is none.
+    pub(crate) fn new(settings: &str) -> Result<Self, Problem> {
+        static NEXT: AtomicU64 = AtomicU64::new(NO_DEVICE + 1);
+        let mut device = Self {
+            number: NEXT.fetch_add(1, Ordering::Relaxed),
+            threads: 0,
+            level: Level::default(),
+            is_verbose: false,
+            pool: OnceLock::new(),
+            on_error: Mutex::default(),
+            monitor: Mutex::default(),
+            held: AtomicI64::new(0),
+        };
+        for setting in settings.split([',', ' ', '\n']) {
+            let Some((name, value)) = setting.split_once('=') else { continue };
+            match (name.trim(), value.trim()) {
+                ("threads", count) => {
+                    device.threads = count.parse().map_err(|_| {
+                        Problem::argument(format!("threads={count}: a number is expected, 0 for all"))
+                    })?;
+                }
+                ("verbose", value) => device.is_verbose = value != "0",
+                ("isa" | "max_isa", name) => device.level = level(name),
+                _ => {}
+            }
+        }
+        Ok(device)
+    }
+
+    /// Remembers a problem and tells the program.
+    pub(crate) fn report(&self, problem: &Problem) {
+        let message = text(&problem.message);
+        keep(self.number, problem.code, &message);
+        let on_error = *self.on_error.lock().unwrap_or_else(PoisonError::into_inner);
+        match on_error {
+            Some(on_error) => on_error.call(problem.code as u32, &message),
+            None if self.is_verbose => eprintln!("gnurt: {}", problem.message),
+            None => {}
+        }
+    }
+
+    /// For a build over so many primitives.
+    pub(crate) fn threads(&self, primitives: usize) -> Threads<'_> {
+        // Starting threads takes as long as building over some thousand triangles.
+        if primitives < 4096 || self.threads == 1 {
+            return Threads::Single;
+        }
+        let pool = self.pool.get_or_init(|| {
+            let name = |i| format!("gnurt-build-{i}");
+            rayon::ThreadPoolBuilder::new().num_threads(self.threads).thread_name(name).build().ok()
+        });
+        pool.as_ref().map_or(Threads::Single, Threads::Pool)
+    }
+
+    /// Tells the memory monitor of so many bytes more, or less; whether that may be.
+    pub(crate) fn hold(&self, bytes: i64) -> bool {
+        self.held.fetch_add(bytes, Ordering::Relaxed);
+        let monitor = *self.monitor.lock().unwrap_or_else(PoisonError::into_inner);
+        bytes == 0 || monitor.is_none_or(|monitor| monitor.call(bytes, bytes < 0) || bytes < 0)
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // Its thread-local errors of other threads go with those threads.
+        let _ = ERRORS.try_with(|errors| errors.borrow_mut().remove(&self.number));
+    }
+}
+
+/// The first error of this thread since it was last asked for; `None` for what happened without a device.
+pub(crate) fn take_error(device: Option<&Device>) -> Code {
+    let number = device.map_or(NO_DEVICE, |device| device.number);
+    let taken = ERRORS.with_borrow_mut(|errors| errors.get_mut(&number).and_then(|kept| kept.first.take()));
+    taken.unwrap_or(Code::None)
+}
+
+/// Shows the last message of this thread, which stays where it is until the next error.
+pub(crate) fn with_last_message<R>(device: Option<&Device>, show: impl FnOnce(Option<&CStr>) -> R) -> R {
+    let number = device.map_or(NO_DEVICE, |device| device.number);
+    ERRORS.with_borrow(|errors| show(errors.get(&number).map(|kept| kept.last.as_c_str())))
+}
+
+/// Our level by the name of Embree's.
+fn level(name: &str) -> Level {
+    match name {
+        "sse2" | "sse4.1" | "sse4.2" | "sse42" | "avx" => Level::Sse42,
+        "avx2" => Level::Avx2,
+        "avx512" | "avx512skx" => Level::Avx512,
+        _ => name.parse().unwrap_or_default(),
+    }
+}

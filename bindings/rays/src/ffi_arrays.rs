@@ -1,0 +1,457 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `rtcNewBuffer`, `rtcSetSharedGeometryBuffer` and their kin: arrays of geometries, and values between vertices.
+//! Source: original; Embree's manual. Proof: `tests/embree.rs`, `tests/c/embree.c`.
+
+use std::ffi::{c_uint, c_void};
+use std::ptr::null_mut;
+use std::sync::Arc;
+
+use crate::device::{Device, Problem};
+use crate::ffi_abi::{Code, InterpolateArguments, buffer, format};
+use crate::ffi_handle::{Handle, lend, release, retain, shared, with, with_device};
+use crate::ffi_memory::{Block, Pointer, View};
+use crate::objects::{Array, Buffer, Geometry, Kind};
+use crate::transform;
+
+fn no_room(bytes: usize) -> Problem {
+    Problem { code: Code::OutOfMemory, message: format!("there is no room for {bytes} bytes") }
+}
+
+/// A buffer of ours. See Embree's manual, here and below.
+///
+/// # Safety
+/// A device.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcNewBuffer(device: Handle, bytes: usize) -> Handle {
+    let new = |device: &Arc<Device>| {
+        let block = Arc::new(Block::new(bytes).ok_or_else(|| no_room(bytes))?);
+        let start = Pointer(block.start());
+        Ok(Some(Arc::new(Buffer { device: Arc::clone(device), block: Some(block), start, bytes })))
+    };
+    // SAFETY: passed on.
+    unsafe { with_device(device, new) }.map_or(null_mut(), lend)
+}
+
+/// A buffer of the program's.
+///
+/// # Safety
+/// A device, and so many bytes that stay where they are as long as the buffer is used.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcNewSharedBuffer(
+    device: Handle,
+    start: *mut c_void,
+    bytes: usize,
+) -> Handle {
+    let new = |device: &Arc<Device>| {
+        let (device, start) = (Arc::clone(device), Pointer(start));
+        Ok(Some(Arc::new(Buffer { device, block: None, start, bytes })))
+    };
+    // SAFETY: passed on.
+    unsafe { with_device(device, new) }.map_or(null_mut(), lend)
+}
+
+/// There is one memory here.
+///
+/// # Safety
+/// As [`rtcNewBuffer`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcNewBufferHostDevice(device: Handle, bytes: usize) -> Handle {
+    // SAFETY: passed on.
+    unsafe { rtcNewBuffer(device, bytes) }
+}
+
+/// There is one memory here.
+///
+/// # Safety
+/// As [`rtcNewSharedBuffer`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcNewSharedBufferHostDevice(
+    device: Handle,
+    start: *mut c_void,
+    bytes: usize,
+) -> Handle {
+    // SAFETY: passed on.
+    unsafe { rtcNewSharedBuffer(device, start, bytes) }
+}
+
+/// There is nothing to copy.
+///
+/// # Safety
+/// A buffer.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcCommitBuffer(buffer: Handle) {
+    // SAFETY: passed on.
+    unsafe { with::<Buffer, ()>(buffer, |_| Ok(())) }
+}
+
+/// Where a buffer is.
+///
+/// # Safety
+/// A buffer.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcGetBufferData(buffer: Handle) -> *mut c_void {
+    // SAFETY: passed on.
+    let start = unsafe { with::<Buffer, _>(buffer, |buffer| Ok(buffer.start)) };
+    start.0
+}
+
+/// The same.
+///
+/// # Safety
+/// A buffer.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcGetBufferDataDevice(buffer: Handle) -> *mut c_void {
+    // SAFETY: passed on.
+    unsafe { rtcGetBufferData(buffer) }
+}
+
+/// Counts a buffer once more.
+///
+/// # Safety
+/// A buffer or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcRetainBuffer(buffer: Handle) {
+    // SAFETY: passed on.
+    unsafe { retain::<Buffer>(buffer) }
+}
+
+/// Counts a buffer once less.
+///
+/// # Safety
+/// A buffer or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcReleaseBuffer(buffer: Handle) {
+    // SAFETY: passed on.
+    unsafe { release::<Buffer>(buffer) }
+}
+
+/// Bytes of a row of this format; `None` for a format that is not one for this kind and type.
+fn width(kind: Kind, of: u32, format: u32) -> Option<usize> {
+    let fits = match (kind, of) {
+        (Kind::Triangles, buffer::INDEX) => format == format::UINT3,
+        (Kind::Quads, buffer::INDEX) => format == format::UINT4,
+        (Kind::Triangles | Kind::Quads, buffer::VERTEX) => format == format::FLOAT3,
+        (Kind::Spheres | Kind::Lines, buffer::VERTEX) => format == format::FLOAT4,
+        (Kind::Triangles | Kind::Quads | Kind::Spheres | Kind::Lines, buffer::VERTEX_ATTRIBUTE) => {
+            (format::FLOAT..=format::FLOAT16).contains(&format)
+        }
+        (Kind::Lines | Kind::Instances, buffer::INDEX) => format == format::UINT,
+        (Kind::Instances, buffer::TRANSFORM) => transform::size(format).is_some(),
+        _ => false,
+    };
+    let numbers = match format {
+        _ if transform::size(format).is_some() => transform::size(format)?,
+        _ => (format & 0xff) as usize,
+    };
+    fits.then_some(4 * numbers)
+}
+
+/// What is to be an array of a geometry.
+struct Given {
+    of: c_uint,
+    slot: c_uint,
+    format: c_uint,
+    stride: usize,
+    count: usize,
+}
+
+impl Given {
+    fn width(&self, geometry: &Geometry) -> Result<usize, Problem> {
+        let Self { of, slot, format, stride, .. } = *self;
+        let width = width(geometry.kind, of, format).ok_or_else(|| {
+            Problem::operation(format!(
+                "a buffer of type {of} and format {format:#x} is nothing that {:?} have",
+                geometry.kind
+            ))
+        })?;
+        let slots = if of == buffer::VERTEX_ATTRIBUTE { geometry.settings().attributes } else { 1 };
+        if slot >= slots {
+            let why = "one time step, and as many attributes as rtcSetGeometryVertexAttributeCount says";
+            return Err(Problem::operation(format!(
+                "slot {slot} of buffers of type {of}: there are {slots} ({why})"
+            )));
+        }
+        if !stride.is_multiple_of(4) || (stride < width && self.count > 1) {
+            return Err(Problem::operation(format!(
+                "a stride of {stride} bytes: a multiple of 4 from {width} on is expected"
+            )));
+        }
+        Ok(width)
+    }
+
+    /// # Safety
+    /// As [`View::new`] for the rows at `start`.
+    unsafe fn set(
+        &self,
+        geometry: &Geometry,
+        start: *const c_void,
+        keep: Option<Arc<Block>>,
+    ) -> Result<(), Problem> {
+        let width = self.width(geometry)?;
+        if !(start as usize).is_multiple_of(4) {
+            return Err(Problem::operation("the buffer does not start at a multiple of 4 bytes"));
+        }
+        if start.is_null() && self.count > 0 {
+            return Err(Problem::argument("the buffer is a null pointer"));
+        }
+        // SAFETY: passed on.
+        let view = unsafe { View::new(start, self.stride, self.count, width, keep) };
+        let array = Array { view, format: self.format };
+        let mut settings = geometry.settings();
+        settings.is_committed = false;
+        settings.arrays.insert((self.of, self.slot), array);
+        Ok(())
+    }
+}
+
+/// Gives a geometry an array of the program's.
+///
+/// # Safety
+/// A geometry, and so many rows that stay where they are as long as the geometry is used.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetSharedGeometryBuffer(
+    geometry: Handle,
+    of: c_uint,
+    slot: c_uint,
+    format: c_uint,
+    start: *const c_void,
+    offset: usize,
+    stride: usize,
+    count: usize,
+) {
+    let given = Given { of, slot, format, stride, count };
+    let set = |geometry: &Arc<Geometry>| {
+        if start.is_null() {
+            return Err(Problem::argument("the buffer is a null pointer"));
+        }
+        // SAFETY: passed on.
+        unsafe { given.set(geometry, start.wrapping_byte_add(offset), None) }
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, _>(geometry, set) }
+}
+
+/// The same; there is one memory here.
+///
+/// # Safety
+/// As [`rtcSetSharedGeometryBuffer`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetSharedGeometryBufferHostDevice(
+    geometry: Handle,
+    of: c_uint,
+    slot: c_uint,
+    format: c_uint,
+    start: *const c_void,
+    _device: *const c_void,
+    offset: usize,
+    stride: usize,
+    count: usize,
+) {
+    // SAFETY: passed on.
+    unsafe { rtcSetSharedGeometryBuffer(geometry, of, slot, format, start, offset, stride, count) }
+}
+
+/// Gives a geometry a part of a buffer.
+///
+/// # Safety
+/// A geometry and a buffer.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryBuffer(
+    geometry: Handle,
+    of: c_uint,
+    slot: c_uint,
+    format: c_uint,
+    buffer: Handle,
+    offset: usize,
+    stride: usize,
+    count: usize,
+) {
+    // SAFETY: passed on.
+    let buffer = unsafe { shared::<Buffer>(buffer) };
+    let given = Given { of, slot, format, stride, count };
+    let set = |geometry: &Arc<Geometry>| {
+        let buffer = buffer.ok_or_else(|| Problem::argument("the buffer is a null pointer"))?;
+        if !Arc::ptr_eq(&buffer.device, &geometry.device) {
+            return Err(Problem::argument("buffer and geometry are of two devices"));
+        }
+        let width = given.width(geometry)?;
+        let last = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride));
+        let end = last.and_then(|last| last.checked_add(if count > 0 { width } else { 0 }));
+        if end.and_then(|end| end.checked_add(offset)).is_none_or(|end| end > buffer.bytes) {
+            let bytes = buffer.bytes;
+            return Err(Problem::argument(format!("{count} rows do not fit in the buffer's {bytes} bytes")));
+        }
+        // SAFETY: the rows are in the buffer, whose memory is ours, or that of a program that vouched for it.
+        unsafe { given.set(geometry, buffer.start.0.wrapping_byte_add(offset), buffer.block.clone()) }
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, _>(geometry, set) }
+}
+
+/// Gives a geometry an array of ours, and says where it is.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetNewGeometryBuffer(
+    geometry: Handle,
+    of: c_uint,
+    slot: c_uint,
+    format: c_uint,
+    stride: usize,
+    count: usize,
+) -> *mut c_void {
+    let given = Given { of, slot, format, stride, count };
+    let set = |geometry: &Arc<Geometry>| {
+        given.width(geometry)?;
+        let bytes = stride.checked_mul(count).ok_or_else(|| no_room(usize::MAX))?;
+        let block = Arc::new(Block::new(bytes).ok_or_else(|| no_room(bytes))?);
+        let start = block.start();
+        // SAFETY: the block has so many rows, and 16 bytes more.
+        unsafe { given.set(geometry, start, Some(block)) }?;
+        Ok(Pointer(start))
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, _>(geometry, set) }.0
+}
+
+/// The same; there is one memory here.
+///
+/// # Safety
+/// A geometry, and room for two pointers, or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetNewGeometryBufferHostDevice(
+    geometry: Handle,
+    of: c_uint,
+    slot: c_uint,
+    format: c_uint,
+    stride: usize,
+    count: usize,
+    host: *mut *mut c_void,
+    device: *mut *mut c_void,
+) {
+    // SAFETY: passed on.
+    unsafe {
+        let start = rtcSetNewGeometryBuffer(geometry, of, slot, format, stride, count);
+        for place in [host, device].into_iter().filter(|place| !place.is_null()) {
+            *place = start;
+        }
+    }
+}
+
+/// Where an array of a geometry is.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcGetGeometryBufferData(
+    geometry: Handle,
+    of: c_uint,
+    slot: c_uint,
+) -> *mut c_void {
+    let get = |geometry: &Arc<Geometry>| {
+        let settings = geometry.settings();
+        let array = settings.arrays.get(&(of, slot));
+        let array = array
+            .ok_or_else(|| Problem::argument(format!("there is no buffer of type {of} in slot {slot}")))?;
+        Ok(Pointer(array.view.start()))
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, _>(geometry, get) }.0
+}
+
+/// The same.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcGetGeometryBufferDataDevice(
+    geometry: Handle,
+    of: c_uint,
+    slot: c_uint,
+) -> *mut c_void {
+    // SAFETY: passed on.
+    unsafe { rtcGetGeometryBufferData(geometry, of, slot) }
+}
+
+/// An array was written. All arrays are read by each commit.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcUpdateGeometryBuffer(geometry: Handle, of: c_uint, slot: c_uint) {
+    let check = |geometry: &Arc<Geometry>| {
+        let known = geometry.settings().arrays.contains_key(&(of, slot));
+        known
+            .then_some(())
+            .ok_or_else(|| Problem::argument(format!("there is no buffer of type {of} in slot {slot}")))
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, _>(geometry, check) }
+}
+
+/// Values between the corners of a primitive, and how they change.
+struct Between {
+    values: Vec<f32>,
+    first: [Vec<f32>; 2],
+}
+
+fn between(geometry: &Geometry, arguments: &InterpolateArguments) -> Result<Between, Problem> {
+    let &InterpolateArguments { prim_id, u, v, buffer_type, slot, count, .. } = arguments;
+    let settings = geometry.settings();
+    let array = |of, slot| {
+        let array = settings.arrays.get(&(of, slot));
+        array.ok_or_else(|| Problem::argument(format!("there is no buffer of type {of} in slot {slot}")))
+    };
+    let (rows, indices) = (&array(buffer_type, slot)?.view, &array(buffer::INDEX, 0)?.view);
+    let none = || Problem::argument(format!("there is no primitive {prim_id}"));
+    let prim_id = prim_id as usize;
+    // The corner that weighs what the others leave, those that u and v weigh, and which way they grow.
+    let (corners, u, v, sign) = match geometry.kind {
+        Kind::Triangles => (indices.get::<u32, 3>(prim_id).ok_or_else(none)?, u, v, 1.0),
+        Kind::Quads => {
+            let [a, b, c, d] = indices.get::<u32, 4>(prim_id).ok_or_else(none)?;
+            if u + v <= 1.0 { ([a, b, d], u, v, 1.0) } else { ([c, d, b], 1.0 - u, 1.0 - v, -1.0) }
+        }
+        kind => return Err(Problem::operation(format!("{kind:?} have nothing between vertices"))),
+    };
+    let mut between = Between { values: Vec::new(), first: [Vec::new(), Vec::new()] };
+    for k in 0..count as usize {
+        let at = |corner: u32| {
+            rows.number::<f32>(corner as usize, k).ok_or_else(|| {
+                Problem::argument(format!("value {k} of vertex {corner} is not in the buffer"))
+            })
+        };
+        let [a, b, c] = [at(corners[0])?, at(corners[1])?, at(corners[2])?];
+        between.values.push((1.0 - u - v) * a + u * b + v * c);
+        between.first[0].push(sign * (b - a));
+        between.first[1].push(sign * (c - a));
+    }
+    Ok(between)
+}
+
+/// Values between the corners of a triangle or a quad.
+///
+/// # Safety
+/// As Embree's headers say: a geometry, and room for so many values wherever a pointer is not null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcInterpolate(arguments: *const InterpolateArguments) {
+    if arguments.is_null() {
+        return;
+    }
+    // SAFETY: passed on.
+    let arguments = unsafe { &*arguments };
+    let find = |geometry: &Arc<Geometry>| between(geometry, arguments).map(Some);
+    // SAFETY: passed on.
+    let Some(found) = (unsafe { with::<Geometry, _>(arguments.geometry, find) }) else { return };
+    let zeros = vec![0.0; found.values.len()];
+    let InterpolateArguments { values, first, second, .. } = arguments;
+    let flat = second.iter().map(|&to| (to, &zeros));
+    let sloped = first.iter().copied().zip(&found.first);
+    for (to, values) in std::iter::once((*values, &found.values)).chain(sloped).chain(flat) {
+        if !to.is_null() {
+            // SAFETY: the caller vouches for the room.
+            unsafe { values.as_ptr().copy_to_nonoverlapping(to, values.len()) }
+        }
+    }
+}

@@ -1,0 +1,502 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The queries of `gnurt/rays.h`. Source: original; include/gnurt/rays.h. Rays are gathered some thousand at a time; answers are
+//! those of single rays, whatever threads there are. Proof: `tests/c/rays.c`.
+
+use std::ffi::{c_int, c_uint, c_void};
+
+use gnurt_accel::{Coherence, Hit, HitBatch, PointHit, Query, Ray, Ray64, Threads};
+
+use crate::ffi_columns::{Array, Places, Rows, Want, Written};
+use crate::ffi_rays::{built, called, with_threads};
+use crate::ray_scene::{Built, RayScene, ask_tree};
+
+/// Rays that are gathered at a time.
+const SHARE: usize = 1 << 16;
+
+/// `gnurt_rays`.
+#[repr(C)]
+#[derive(Debug)]
+pub(crate) struct RaysIn {
+    count: usize,
+    origins: Array,
+    directions: Array,
+    t_near: Array,
+    t_far: Array,
+    masks: Array,
+}
+
+/// `gnurt_candidate`.
+#[repr(C)]
+pub(crate) struct Candidate {
+    ray: usize,
+    t: f32,
+    u: f32,
+    v: f32,
+    prim_id: u32,
+    geom_id: u32,
+    inst_id: u32,
+}
+
+type Filter = unsafe extern "C" fn(*mut c_void, usize, *const Candidate, *mut c_int);
+
+/// `gnurt_query`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct QueryIn {
+    threads: c_uint,
+    coherent: c_int,
+    filter: Option<Filter>,
+    user: *mut c_void,
+}
+
+/// Rays to be read.
+struct Rays {
+    count: usize,
+    origins: Rows,
+    directions: Rows,
+    t_near: Option<Rows>,
+    t_far: Option<Rows>,
+    masks: Option<Rows>,
+}
+
+impl Rays {
+    /// # Safety
+    /// Rays whose arrays are readable, or null.
+    unsafe fn new(rays: *const RaysIn) -> Result<Self, String> {
+        // SAFETY: passed on.
+        let rays = unsafe { rays.as_ref() }.ok_or("rays: a null pointer")?;
+        let count = rays.count;
+        let read = |array: &Array, width: usize, want: Want, what: &str| -> Result<Rows, String> {
+            // SAFETY: passed on.
+            let rows = unsafe { Rows::new(array, width, want, what)? };
+            if rows.len() != count && rows.len() != 1 {
+                return Err(format!("{what}: {} rows for {count} rays", rows.len()));
+            }
+            Ok(rows)
+        };
+        let optional = |array: &Array, want: Want, what: &str| {
+            (!array.data.is_null()).then(|| read(array, 1, want, what)).transpose()
+        };
+        Ok(Self {
+            count,
+            origins: read(&rays.origins, 3, Want::Floats, "origins")?,
+            directions: read(&rays.directions, 3, Want::Floats, "directions")?,
+            t_near: optional(&rays.t_near, Want::Floats, "t_near")?,
+            t_far: optional(&rays.t_far, Want::Floats, "t_far")?,
+            masks: optional(&rays.masks, Want::Indices, "masks")?,
+        })
+    }
+
+    fn get(&self, i: usize) -> Ray64 {
+        let number = |rows: &Option<Rows>, none: f32| {
+            rows.as_ref().map_or(none, |rows| rows.numbers::<1>(i)[0] as f32)
+        };
+        Ray64 {
+            t_near: number(&self.t_near, 0.0),
+            t_far: number(&self.t_far, f32::INFINITY),
+            mask: self.masks.as_ref().map_or(u32::MAX, |rows| rows.mask(i)),
+            ..Ray64::new(self.origins.numbers(i), self.directions.numbers(i).map(|x| x as f32))
+        }
+    }
+
+    /// In parts of so many rays.
+    fn parts(&self, size: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
+        let count = self.count;
+        (0..count).step_by(size).map(move |first| first..(first + size).min(count))
+    }
+}
+
+fn single(ray: Ray64) -> Ray {
+    let Ray64 { org, t_near, dir, t_far, mask, time } = ray;
+    Ray { org: org.map(|x| x as f32), t_near, dir, t_far, mask, time }
+}
+
+/// How to ask.
+struct Asked {
+    query: Query,
+    threads: usize,
+    filter: Option<(Filter, *mut c_void)>,
+}
+
+impl Asked {
+    /// # Safety
+    /// A query, or null.
+    unsafe fn new(query: *const QueryIn) -> Self {
+        // SAFETY: passed on.
+        let Some(&QueryIn { threads, coherent, filter, user }) = (unsafe { query.as_ref() }) else {
+            return Self { query: Query::default(), threads: 0, filter: None };
+        };
+        let coherence = if coherent != 0 { Coherence::Coherent } else { Coherence::default() };
+        let query = Query { coherence, ..Query::default() };
+        Self { query, threads: threads as usize, filter: filter.map(|filter| (filter, user)) }
+    }
+}
+
+/// Asks a filter about hits of rays.
+fn accepted(built: &Built, (filter, user): (Filter, *mut c_void), hits: &[(usize, Hit)]) -> Vec<bool> {
+    let candidates: Vec<Candidate> = hits
+        .iter()
+        .map(|&(ray, Hit { t, u, v, prim_id, geom_id, inst_id, leaf_id })| {
+            let (geom_id, inst_id) = built.ids(geom_id, inst_id, leaf_id);
+            Candidate { ray, t, u, v, prim_id, geom_id, inst_id }
+        })
+        .collect();
+    let mut accept: Vec<c_int> = vec![1; hits.len()];
+    if !hits.is_empty() {
+        // SAFETY: the program gave the filter to be called like this; both arrays are of this length.
+        unsafe { filter(user, hits.len(), candidates.as_ptr(), accept.as_mut_ptr()) };
+    }
+    accept.into_iter().map(|accept| accept != 0).collect()
+}
+
+/// All hits of some rays, in order, each with its ray.
+fn lists(built: &Built, rays: &Rays, range: std::ops::Range<usize>, asked: &Asked) -> Vec<Vec<Hit>> {
+    let mut hits = Vec::new();
+    let all = |i: usize| {
+        ask_tree!(built, tree => tree.all_hits(&asked.query, &rays.get(i), &mut hits));
+        hits.clone()
+    };
+    range.map(all).collect()
+}
+
+/// First hits that the filter lets pass: rays that are undecided go round by round.
+fn filtered(
+    built: &Built,
+    rays: &Rays,
+    range: std::ops::Range<usize>,
+    asked: &Asked,
+    filter: (Filter, *mut c_void),
+) -> Vec<Option<Hit>> {
+    let lists = lists(built, rays, range.clone(), asked);
+    let mut first = vec![None; range.len()];
+    let mut open: Vec<usize> = (0..range.len()).collect();
+    for round in 0.. {
+        open.retain(|&i| lists[i].len() > round);
+        if open.is_empty() {
+            break;
+        }
+        let hits: Vec<(usize, Hit)> = open.iter().map(|&i| (range.start + i, lists[i][round])).collect();
+        let accept = accepted(built, filter, &hits);
+        let mut decided = accept.into_iter();
+        open.retain(|&i| {
+            let accept = decided.next() == Some(true);
+            if accept {
+                first[i] = Some(lists[i][round]);
+            }
+            !accept
+        });
+    }
+    first
+}
+
+/// What is written of a hit.
+fn written(built: &Built, places: &Places, hit: &Hit, at: impl FnOnce() -> [f64; 3]) -> Written {
+    let Hit { t, u, v, prim_id, .. } = *hit;
+    let (geom_id, inst_id) = built.ids(hit.geom_id, hit.inst_id, hit.leaf_id);
+    let normal = if places.wants_normals() {
+        ask_tree!(built, tree => tree.normal_at(hit, at())).unwrap_or_default()
+    } else {
+        [0.0; 3]
+    };
+    Written { t, u, v, prim_id, geom_id, inst_id, normal }
+}
+
+/// Asks each part of the rays.
+fn trace(
+    built: &Built,
+    rays: &Rays,
+    asked: &Asked,
+    threads: Threads,
+    mut take: impl FnMut(usize, Option<Hit>),
+) {
+    let mut hits = HitBatch::default();
+    for range in rays.parts(if asked.filter.is_some() { 4096 } else { SHARE }) {
+        if let Some(filter) = asked.filter {
+            let first = filtered(built, rays, range.clone(), asked, filter);
+            range.zip(first).for_each(|(i, hit)| take(i, hit));
+            continue;
+        }
+        if rays.origins.is_double() {
+            let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
+            ask_tree!(built, tree => tree.intersect_rays(&asked.query, &part, threads, &mut hits));
+        } else {
+            let part: Vec<Ray> = range.clone().map(|i| single(rays.get(i))).collect();
+            ask_tree!(built, tree => tree.intersect_rays(&asked.query, &part, threads, &mut hits));
+        }
+        range.clone().for_each(|i| take(i, hits.get(i - range.start)));
+    }
+}
+
+/// Closest hits.
+///
+/// # Safety
+/// As include/gnurt/rays.h says: a scene, rays, a query or null, places.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_intersect(
+    scene: *const RayScene,
+    rays: *const RaysIn,
+    query: *const QueryIn,
+    hits: *const Places,
+) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        let (built, rays, asked) = unsafe { (built(scene)?, Rays::new(rays)?, Asked::new(query)) };
+        // SAFETY: passed on.
+        let places = *unsafe { hits.as_ref() }.ok_or("hits: a null pointer")?;
+        with_threads(asked.threads, |threads| {
+            trace(&built, &rays, &asked, threads, |i, hit| {
+                let found = hit.map_or(Written::MISS, |hit| {
+                    written(&built, &places, &hit, || {
+                        let ray = rays.get(i);
+                        ray.at(hit.t)
+                    })
+                });
+                // SAFETY: there is a place for each ray.
+                unsafe { places.set(i, &found) };
+            });
+        });
+        Ok(())
+    })
+}
+
+/// Whether anything is hit.
+///
+/// # Safety
+/// As [`gnurt_intersect`], with room for a byte for each ray.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_occluded(
+    scene: *const RayScene,
+    rays: *const RaysIn,
+    query: *const QueryIn,
+    occluded: *mut u8,
+) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        let (built, rays, asked) = unsafe { (built(scene)?, Rays::new(rays)?, Asked::new(query)) };
+        if occluded.is_null() {
+            return Err("occluded: a null pointer".into());
+        }
+        // SAFETY: passed on.
+        let set = |i: usize, is_hit: bool| unsafe { occluded.add(i).write(u8::from(is_hit)) };
+        with_threads(asked.threads, |threads| {
+            if asked.filter.is_some() {
+                return trace(&built, &rays, &asked, threads, |i, hit| set(i, hit.is_some()));
+            }
+            let mut answers = Vec::new();
+            for range in rays.parts(SHARE) {
+                let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
+                ask_tree!(built, tree => tree.occluded_rays(&asked.query, &part, threads, &mut answers));
+                range.zip(&answers).for_each(|(i, &is_hit)| set(i, is_hit));
+            }
+        });
+        Ok(())
+    })
+}
+
+/// All hits.
+///
+/// # Safety
+/// As [`gnurt_intersect`], with room for an end for each ray, and for `room` hits.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_all_hits(
+    scene: *const RayScene,
+    rays: *const RaysIn,
+    query: *const QueryIn,
+    most: usize,
+    ends: *mut usize,
+    room: usize,
+    hits: *const Places,
+) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        let (built, rays, asked) = unsafe { (built(scene)?, Rays::new(rays)?, Asked::new(query)) };
+        if ends.is_null() {
+            return Err("ends: a null pointer".into());
+        }
+        // SAFETY: passed on.
+        let places = unsafe { hits.as_ref() };
+        if places.is_none() && room > 0 {
+            return Err(format!("hits: a null pointer where there is said to be room for {room}"));
+        }
+        let most = if most == 0 { usize::MAX } else { most };
+        let mut end = 0;
+        for range in rays.parts(4096) {
+            let lists = lists(&built, &rays, range.clone(), &asked);
+            let flat: Vec<(usize, Hit)> = range
+                .clone()
+                .zip(&lists)
+                .flat_map(|(i, hits)| hits.iter().map(move |&hit| (i, hit)))
+                .collect();
+            let accept = match asked.filter {
+                Some(filter) => accepted(&built, filter, &flat),
+                None => vec![true; flat.len()],
+            };
+            let mut accept = accept.into_iter();
+            for (i, list) in range.zip(&lists) {
+                let passed: Vec<&Hit> = list.iter().filter(|_| accept.next() == Some(true)).collect();
+                for hit in passed.into_iter().take(most) {
+                    if let Some(places) = places.filter(|_| end < room) {
+                        let found = written(&built, places, hit, || rays.get(i).at(hit.t));
+                        // SAFETY: there is room for so many.
+                        unsafe { places.set(end, &found) };
+                    }
+                    end += 1;
+                }
+                // SAFETY: passed on.
+                unsafe { ends.add(i).write(end) };
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Crossings.
+///
+/// # Safety
+/// As [`gnurt_intersect`], with room for a number for each ray.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_crossings(
+    scene: *const RayScene,
+    rays: *const RaysIn,
+    query: *const QueryIn,
+    counts: *mut u32,
+) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        let (built, rays, asked) = unsafe { (built(scene)?, Rays::new(rays)?, Asked::new(query)) };
+        if counts.is_null() {
+            return Err("counts: a null pointer".into());
+        }
+        with_threads(asked.threads, |threads| {
+            let mut answers = Vec::new();
+            for range in rays.parts(SHARE) {
+                let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
+                ask_tree!(built, tree => tree.crossings_batch(&asked.query, &part, threads, &mut answers));
+                // SAFETY: passed on.
+                range.zip(&answers).for_each(|(i, &count)| unsafe { counts.add(i).write(count) });
+            }
+        });
+        Ok(())
+    })
+}
+
+/// Points to be read, in parts.
+///
+/// # Safety
+/// An array that is readable.
+unsafe fn each_part(points: &Array, mut job: impl FnMut(usize, &[[f64; 3]])) -> Result<(), String> {
+    // SAFETY: passed on.
+    let rows = unsafe { Rows::new(points, 3, Want::Floats, "points")? };
+    for first in (0..rows.len()).step_by(SHARE) {
+        let last = (first + SHARE).min(rows.len());
+        let part: Vec<[f64; 3]> = (first..last).map(|i| rows.numbers(i)).collect();
+        job(first, &part);
+    }
+    Ok(())
+}
+
+/// Whether closed meshes contain points.
+///
+/// # Safety
+/// As include/gnurt/rays.h says.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_contains(
+    scene: *const RayScene,
+    points: Array,
+    query: *const QueryIn,
+    contained: *mut u8,
+) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        let (built, asked) = unsafe { (built(scene)?, Asked::new(query)) };
+        if contained.is_null() {
+            return Err("contained: a null pointer".into());
+        }
+        let mut answers = Vec::new();
+        with_threads(asked.threads, |threads| {
+            let job = |first: usize, part: &[[f64; 3]]| {
+                ask_tree!(built, tree => tree.contains_batch(&asked.query, part, threads, &mut answers));
+                for (i, &is_in) in answers.iter().enumerate() {
+                    // SAFETY: passed on.
+                    unsafe { contained.add(first + i).write(u8::from(is_in)) }
+                }
+            };
+            // SAFETY: passed on.
+            unsafe { each_part(&points, job) }
+        })
+    })
+}
+
+/// Signed distances.
+///
+/// # Safety
+/// As include/gnurt/rays.h says.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_signed_distances(
+    scene: *const RayScene,
+    points: Array,
+    query: *const QueryIn,
+    distances: *mut f64,
+) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        let (built, asked) = unsafe { (built(scene)?, Asked::new(query)) };
+        if distances.is_null() {
+            return Err("distances: a null pointer".into());
+        }
+        let mut answers = Vec::new();
+        with_threads(asked.threads, |threads| {
+            let job = |first: usize, part: &[[f64; 3]]| {
+                ask_tree!(built, tree => tree.signed_distance_batch(&asked.query, part, threads, &mut answers));
+                for (i, &distance) in answers.iter().enumerate() {
+                    // SAFETY: passed on.
+                    unsafe { distances.add(first + i).write(distance) }
+                }
+            };
+            // SAFETY: passed on.
+            unsafe { each_part(&points, job) }
+        })
+    })
+}
+
+/// Nearest points.
+///
+/// # Safety
+/// As include/gnurt/rays.h says.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_closest_points(
+    scene: *const RayScene,
+    points: Array,
+    radius: f64,
+    query: *const QueryIn,
+    nearest: *mut [f64; 3],
+    hits: *const Places,
+) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        let (built, asked, places) = unsafe { (built(scene)?, Asked::new(query), hits.as_ref()) };
+        let mut answers: Vec<Option<PointHit>> = Vec::new();
+        with_threads(asked.threads, |threads| {
+            let job = |first: usize, part: &[[f64; 3]]| {
+                ask_tree!(built, tree => tree.closest_points(&asked.query, part, radius, threads, &mut answers));
+                for (i, found) in answers.iter().enumerate() {
+                    if !nearest.is_null() {
+                        let point = found.map_or([f64::NAN; 3], |found| found.point);
+                        // SAFETY: passed on.
+                        unsafe { nearest.add(first + i).write_unaligned(point) }
+                    }
+                    let Some(places) = places else { continue };
+                    let shown = found.map_or(Written::MISS, |found| {
+                        let PointHit { distance, u, v, prim_id, geom_id, inst_id, leaf_id, .. } = found;
+                        let hit = Hit { t: distance as f32, u, v, prim_id, geom_id, inst_id, leaf_id };
+                        written(&built, places, &hit, || found.point)
+                    });
+                    // SAFETY: there is a place for each point.
+                    unsafe { places.set(first + i, &shown) };
+                }
+            };
+            // SAFETY: passed on.
+            unsafe { each_part(&points, job) }
+        })
+    })
+}

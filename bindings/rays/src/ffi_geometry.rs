@@ -1,0 +1,405 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `rtcNewGeometry` and its kin: settings, callbacks and places of geometries. Source: original; Embree's manual.
+//! Arrays are in `ffi_arrays.rs`. Proof: `tests/embree.rs`, `tests/c/embree.c`.
+
+use std::ffi::{c_uint, c_void};
+use std::ptr::null_mut;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use crate::device::{Device, Problem};
+use crate::ffi_abi::{BoundsFunction, FilterFunction, PointFunction, UserFunction, format, kind};
+use crate::ffi_handle::{Handle, lend, release, retain, shared, with, with_device};
+use crate::ffi_scene::place_of;
+use crate::objects::{Geometry, Kind, Scene, Settings};
+use crate::transform;
+
+/// A new geometry. See Embree's manual, here and below.
+///
+/// # Safety
+/// A device.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcNewGeometry(device: Handle, of: c_uint) -> Handle {
+    let new = |device: &Arc<Device>| {
+        let kind = match of {
+            kind::TRIANGLE => Kind::Triangles,
+            kind::QUAD => Kind::Quads,
+            kind::FLAT_LINEAR_CURVE => Kind::Lines,
+            kind::SPHERE_POINT => Kind::Spheres,
+            kind::USER => Kind::User,
+            kind::INSTANCE => Kind::Instance,
+            kind::INSTANCE_ARRAY => Kind::Instances,
+            _ => {
+                return Err(Problem::argument(format!(
+                    "geometry type {of} is not supported: triangles, quads, flat linear curves, sphere points, user \
+                     geometry, instances and arrays of them are (0, 1, 17, 50, 120, 121, 122)"
+                )));
+            }
+        };
+        Ok(Some(Arc::new(Geometry::new(Arc::clone(device), kind))))
+    };
+    // SAFETY: passed on.
+    unsafe { with_device(device, new) }.map_or(null_mut(), lend)
+}
+
+/// Counts a geometry once more.
+///
+/// # Safety
+/// A geometry or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcRetainGeometry(geometry: Handle) {
+    // SAFETY: passed on.
+    unsafe { retain::<Geometry>(geometry) }
+}
+
+/// Counts a geometry once less.
+///
+/// # Safety
+/// A geometry or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcReleaseGeometry(geometry: Handle) {
+    // SAFETY: passed on.
+    unsafe { release::<Geometry>(geometry) }
+}
+
+/// Edits settings.
+///
+/// # Safety
+/// A geometry.
+unsafe fn edit(geometry: Handle, change: impl FnOnce(&mut Settings) -> Result<(), Problem>) {
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, _>(geometry, |geometry| change(&mut geometry.settings())) }
+}
+
+/// Edits settings that only some kinds have.
+///
+/// # Safety
+/// A geometry.
+unsafe fn edit_only(
+    geometry: Handle,
+    kinds: &[Kind],
+    call: &str,
+    change: impl FnOnce(&mut Settings) -> Result<(), Problem>,
+) {
+    let checked = |geometry: &Arc<Geometry>| {
+        if !kinds.contains(&geometry.kind) {
+            return Err(Problem::operation(format!("{call}: not for {:?}, but {kinds:?}", geometry.kind)));
+        }
+        change(&mut geometry.settings())
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, _>(geometry, checked) }
+}
+
+macro_rules! setters {
+    ($($(#[$doc:meta])* $name:ident($($value:ident: $type:ty),*) => $change:expr;)*) => { $(
+        $(#[$doc])*
+        ///
+        /// # Safety
+        /// A geometry; callbacks may be called as Embree's manual says.
+        #[unsafe(no_mangle)]
+        pub(crate) unsafe extern "C" fn $name(geometry: Handle $(, $value: $type)*) {
+            let change: fn(&mut Settings $(, $type)*) = $change;
+            // SAFETY: passed on.
+            unsafe {
+                edit(geometry, |settings| {
+                    change(settings $(, $value)*);
+                    Ok(())
+                });
+            }
+        }
+    )* };
+}
+
+setters! {
+    /// All changes are made.
+    rtcCommitGeometry() => |settings| settings.is_committed = true;
+    /// It is seen.
+    rtcEnableGeometry() => |settings| settings.is_enabled = true;
+    /// It is not seen.
+    rtcDisableGeometry() => |settings| settings.is_enabled = false;
+    /// Which rays see it.
+    rtcSetGeometryMask(mask: c_uint) => |settings, mask| settings.mask = mask;
+    /// How many further arrays of vertex data there are.
+    rtcSetGeometryVertexAttributeCount(count: c_uint) => |settings, count| settings.attributes = count;
+    /// Decides on hits.
+    rtcSetGeometryIntersectFilterFunction(filter: FilterFunction) => |settings, filter| settings.filters.intersect = filter;
+    /// Decides on occlusion.
+    rtcSetGeometryOccludedFilterFunction(filter: FilterFunction) => |settings, filter| settings.filters.occluded = filter;
+    /// Whether filters of queries' arguments are asked.
+    rtcSetGeometryEnableFilterFunctionFromArguments(enable: bool) => |settings, enable| settings.filters.from_arguments = enable;
+    /// Asked about near points.
+    rtcSetGeometryPointQueryFunction(function: PointFunction) => |settings, function| settings.point = function;
+}
+
+/// Sets how a geometry's trees are built; `REFIT` lets them follow.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryBuildQuality(geometry: Handle, quality: c_uint) {
+    let change = |settings: &mut Settings| {
+        if quality > 3 {
+            return Err(Problem::operation(format!("{quality} is no quality: 0 to 3 are")));
+        }
+        settings.quality = quality;
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit(geometry, change) }
+}
+
+/// Motion blur is not here: one time step is.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryTimeStepCount(geometry: Handle, count: c_uint) {
+    let change = |_: &mut Settings| match count {
+        1 => Ok(()),
+        _ => Err(Problem::operation(format!("{count} time steps: motion blur is not supported, only 1 is"))),
+    };
+    // SAFETY: passed on.
+    unsafe { edit(geometry, change) }
+}
+
+/// With one time step, the range is of no effect.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryTimeRange(geometry: Handle, _start: f32, _end: f32) {
+    // SAFETY: passed on.
+    unsafe { edit(geometry, |_| Ok(())) }
+}
+
+/// There are no curves whose radius could be scaled; spheres keep theirs, as they do in Embree unless a query says otherwise.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryMaxRadiusScale(geometry: Handle, _scale: f32) {
+    // SAFETY: passed on.
+    unsafe { edit(geometry, |_| Ok(())) }
+}
+
+/// Sets a pointer of the program's.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryUserData(geometry: Handle, pointer: *mut c_void) {
+    let set = |geometry: &Arc<Geometry>| {
+        geometry.user_data.store(pointer, Ordering::Relaxed);
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, _>(geometry, set) }
+}
+
+/// That pointer.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcGetGeometryUserData(geometry: Handle) -> *mut c_void {
+    // SAFETY: passed on.
+    let geometry = unsafe { shared::<Geometry>(geometry) };
+    geometry.map_or(null_mut(), |geometry| geometry.user_data())
+}
+
+/// Sets how many primitives a user geometry has.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryUserPrimitiveCount(geometry: Handle, count: c_uint) {
+    let change = |settings: &mut Settings| {
+        if count as usize > gnurt_accel::MOST_TRIANGLES {
+            let most = gnurt_accel::MOST_TRIANGLES;
+            return Err(Problem::argument(format!("{count} primitives: a geometry has at most {most}")));
+        }
+        settings.user_count = count;
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit_only(geometry, &[Kind::User], "rtcSetGeometryUserPrimitiveCount", change) }
+}
+
+/// Sets the function for boxes of user geometry.
+///
+/// # Safety
+/// A geometry; the function may be called as Embree's manual says.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryBoundsFunction(
+    geometry: Handle,
+    function: BoundsFunction,
+    _user: *mut c_void,
+) {
+    let change = |settings: &mut Settings| {
+        settings.user.bounds = function;
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit_only(geometry, &[Kind::User], "rtcSetGeometryBoundsFunction", change) }
+}
+
+/// Sets the test of user geometry for hits.
+///
+/// # Safety
+/// A geometry; the function may be called as Embree's manual says.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryIntersectFunction(geometry: Handle, function: UserFunction) {
+    let change = |settings: &mut Settings| {
+        settings.user.intersect = function;
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit_only(geometry, &[Kind::User], "rtcSetGeometryIntersectFunction", change) }
+}
+
+/// Sets the test of user geometry for occlusion.
+///
+/// # Safety
+/// A geometry; the function may be called as Embree's manual says.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryOccludedFunction(geometry: Handle, function: UserFunction) {
+    let change = |settings: &mut Settings| {
+        settings.user.occluded = function;
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit_only(geometry, &[Kind::User], "rtcSetGeometryOccludedFunction", change) }
+}
+
+const INSTANCES: [Kind; 2] = [Kind::Instance, Kind::Instances];
+
+/// Sets the scene that an instance shows.
+///
+/// # Safety
+/// A geometry, and a scene or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryInstancedScene(geometry: Handle, scene: Handle) {
+    // SAFETY: passed on.
+    let scene = unsafe { shared::<Scene>(scene) };
+    let change = |settings: &mut Settings| {
+        settings.scenes = scene.into_iter().collect();
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit_only(geometry, &INSTANCES, "rtcSetGeometryInstancedScene", change) }
+}
+
+/// Sets the scenes that an array of instances shows.
+///
+/// # Safety
+/// A geometry, and so many scenes.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryInstancedScenes(
+    geometry: Handle,
+    scenes: *const Handle,
+    count: usize,
+) {
+    // SAFETY: passed on.
+    let scenes: Option<Vec<Arc<Scene>>> =
+        (0..count).map(|i| unsafe { shared::<Scene>(*scenes.add(i)) }).collect();
+    let change = |settings: &mut Settings| {
+        settings.scenes = scenes.ok_or_else(|| Problem::argument("one of the scenes is a null pointer"))?;
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit_only(geometry, &[Kind::Instances], "rtcSetGeometryInstancedScenes", change) }
+}
+
+/// Reads and sets where an instance is.
+///
+/// # Safety
+/// A geometry, and a matrix of the format.
+unsafe fn set_place(geometry: Handle, time_step: c_uint, of: c_uint, matrix: *const f32, call: &str) {
+    let change = |settings: &mut Settings| {
+        if time_step != 0 {
+            return Err(Problem::operation(format!(
+                "time step {time_step}: motion blur is not supported, only 0 is"
+            )));
+        }
+        if matrix.is_null() {
+            return Err(Problem::argument("the transform is a null pointer"));
+        }
+        let size = transform::size(of).ok_or_else(|| {
+            Problem::argument(format!("{of:#x} is no format of a matrix: FLOAT3X4 or FLOAT4X4 is"))
+        })?;
+        // SAFETY: the caller vouches for as many numbers as the format has.
+        let values: Vec<f32> = (0..size).map(|i| unsafe { matrix.add(i).read_unaligned() }).collect();
+        settings.place = transform::columns(of, &values);
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit_only(geometry, &[Kind::Instance], call, change) }
+}
+
+/// Sets where an instance is.
+///
+/// # Safety
+/// A geometry, and a matrix of the format.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryTransform(
+    geometry: Handle,
+    time_step: c_uint,
+    of: c_uint,
+    matrix: *const f32,
+) {
+    // SAFETY: passed on.
+    unsafe { set_place(geometry, time_step, of, matrix, "rtcSetGeometryTransform") }
+}
+
+/// The same, taken apart.
+///
+/// # Safety
+/// A geometry, and a decomposition.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcSetGeometryTransformQuaternion(
+    geometry: Handle,
+    time_step: c_uint,
+    decomposition: *const f32,
+) {
+    // SAFETY: passed on: a decomposition is 16 floats.
+    unsafe {
+        let call = "rtcSetGeometryTransformQuaternion";
+        set_place(geometry, time_step, format::QUATERNION, decomposition, call);
+    }
+}
+
+/// Writes where an instance is.
+///
+/// # Safety
+/// A geometry, and room for a matrix of the format.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcGetGeometryTransform(
+    geometry: Handle,
+    time: f32,
+    of: c_uint,
+    matrix: *mut f32,
+) {
+    // SAFETY: passed on.
+    unsafe { rtcGetGeometryTransformEx(geometry, 0, time, of, matrix) }
+}
+
+/// The same for one of an array.
+///
+/// # Safety
+/// As above.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcGetGeometryTransformEx(
+    geometry: Handle,
+    prim_id: c_uint,
+    _time: f32,
+    of: c_uint,
+    matrix: *mut f32,
+) {
+    let get = |geometry: &Arc<Geometry>| place_of(geometry, prim_id, of).map(Some);
+    // SAFETY: passed on.
+    if let Some(values) = unsafe { with::<Geometry, _>(geometry, get) } {
+        // SAFETY: passed on; there are as many values as the format has.
+        unsafe { values.as_ptr().copy_to_nonoverlapping(matrix, values.len()) }
+    }
+}

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `rtcPointQuery`: primitives near a point, shown to the program. Source: original; Embree's manual.
+//!
+//! The program is shown what is nearer than the radius by our own measure, which is exact for triangles, quads and spheres; of
+//! user geometry it is the box that counts. Queries that the program sends on from a user geometry, with places of its own on
+//! the stack, are made in the innermost place's space, by the longest that lengths may become there.
+//! Proof: `tests/embree.rs`.
+
+use std::ffi::{c_int, c_void};
+
+use crate::ffi_abi::{INVALID, PointArguments, PointContext, PointFunction, PointQuery};
+use crate::ffi_handle::{Handle, with};
+use crate::ffi_trace::not_committed;
+use crate::located::Located;
+use crate::objects::{Committed, Scene, ask};
+use crate::transform::{self, Columns, IDENTITY};
+
+/// Sixteen floats, column by column.
+fn matrix(columns: &Columns) -> [f32; 16] {
+    std::array::from_fn(|i| match (i % 4, i / 4) {
+        (3, 3) => 1.0,
+        (3, _) => 0.0,
+        (row, column) => columns[column][row] as f32,
+    })
+}
+
+/// The other way.
+fn columns(matrix: &[f32; 16]) -> Columns {
+    transform::columns(crate::ffi_abi::format::FLOAT4X4_COLUMNS, matrix)
+}
+
+/// What the program wants to be asked.
+struct Visit {
+    query: *mut PointQuery,
+    context: *mut PointContext,
+    function: PointFunction,
+    user: *mut c_void,
+    /// The way into the innermost of the program's own places.
+    own: Columns,
+    changed: bool,
+}
+
+impl Visit {
+    /// Shows a primitive; the radius afterwards, in the world.
+    ///
+    /// # Safety
+    /// The pointers are those of the program's call, which is under way.
+    unsafe fn show(&mut self, located: &Located, prim_id: u32) -> f64 {
+        let Self { query, context, .. } = *self;
+        // SAFETY: passed on; only fields are touched, one by one: the program reads and writes them, too.
+        unsafe {
+            let before = (*context).depth;
+            if let Some(place) = located.place
+                && before == 0
+            {
+                let outward = located.world_from_object();
+                (*context).world_from_instance = matrix(&outward);
+                (*context).instance_from_world = matrix(&transform::inverse(&outward));
+                (*context).inst_id = place.geom_id;
+                if let Some(prim_id) = place.prim_id {
+                    (*context).inst_prim_id = prim_id;
+                }
+                (*context).depth = 1;
+            }
+            let inward = if before > 0 { self.own } else { columns_of(context) };
+            let mut arguments = PointArguments {
+                query,
+                user: self.user,
+                prim_id,
+                geom_id: located.surface.geom_id,
+                context,
+                similarity_scale: transform::similarity(&inward).unwrap_or(0.0) as f32,
+            };
+            for function in [located.surface.point, self.function].into_iter().flatten() {
+                self.changed |= function(&raw mut arguments);
+            }
+            if (*context).depth != before {
+                (*context).depth = before;
+                (*context).inst_id = INVALID;
+            }
+            f64::from((*query).radius)
+        }
+    }
+}
+
+/// The way into the instance on the stack.
+///
+/// # Safety
+/// A context.
+unsafe fn columns_of(context: *const PointContext) -> Columns {
+    // SAFETY: passed on.
+    unsafe { if (*context).depth == 0 { IDENTITY } else { columns(&(*context).instance_from_world) } }
+}
+
+/// Visits what is near.
+///
+/// # Safety
+/// As [`rtcPointQuery`].
+unsafe fn visit(committed: &Committed, visit: &mut Visit) {
+    // SAFETY: passed on.
+    let PointQuery { point, radius, .. } = unsafe { *visit.query };
+    let point = transform::point(&visit.own, point.map(f64::from));
+    let growth = transform::growth(&visit.own);
+    let mut show = |hit: &gnurt_accel::PointHit| {
+        let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
+        // SAFETY: passed on.
+        growth * unsafe { visit.show(&located, hit.prim_id) }
+    };
+    let radius = growth * f64::from(radius);
+    ask!(committed, tree => tree.visit_near(&committed.query, point, radius, &mut show));
+}
+
+/// Shows primitives near a point. See Embree's manual; whether any answer was that the radius has changed.
+///
+/// # Safety
+/// As Embree's headers say: a scene, a query, a context, a function or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcPointQuery(
+    scene: Handle,
+    query: *mut PointQuery,
+    context: *mut PointContext,
+    function: PointFunction,
+    user: *mut c_void,
+) -> bool {
+    let ask_scene = |scene: &std::sync::Arc<Scene>| {
+        let committed = scene.committed().ok_or_else(not_committed)?;
+        if query.is_null() || context.is_null() {
+            return Err(crate::device::Problem::argument("the query or its context is a null pointer"));
+        }
+        // SAFETY: passed on.
+        unsafe {
+            let own = columns_of(context);
+            let mut all = Visit { query, context, function, user, own, changed: false };
+            visit(&committed, &mut all);
+            Ok(all.changed)
+        }
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Scene, _>(scene, ask_scene) }
+}
+
+/// The same for several points, one by one.
+///
+/// # Safety
+/// As [`rtcPointQuery`]: rows of `N` values, and `N` pointers or null.
+unsafe fn packet<const N: usize>(
+    valid: *const c_int,
+    scene: Handle,
+    queries: *mut f32,
+    context: *mut PointContext,
+    function: PointFunction,
+    users: *const *mut c_void,
+) -> bool {
+    let mut changed = false;
+    for i in 0..N {
+        // SAFETY: passed on: five rows of `N` values.
+        unsafe {
+            if *valid.add(i) == 0 {
+                continue;
+            }
+            let row = |row: usize| *queries.add(row * N + i);
+            let mut query = PointQuery { point: [row(0), row(1), row(2)], time: row(3), radius: row(4) };
+            let user = if users.is_null() { std::ptr::null_mut() } else { *users.add(i) };
+            changed |= rtcPointQuery(scene, &raw mut query, context, function, user);
+            *queries.add(4 * N + i) = query.radius;
+        }
+    }
+    changed
+}
+
+macro_rules! packets {
+    ($($name:ident, $traversable:ident: $n:literal;)*) => { $(
+        /// The same for several points.
+        ///
+        /// # Safety
+        /// As Embree's headers say.
+        #[unsafe(no_mangle)]
+        pub(crate) unsafe extern "C" fn $name(
+            valid: *const c_int,
+            scene: Handle,
+            queries: *mut f32,
+            context: *mut PointContext,
+            function: PointFunction,
+            users: *const *mut c_void,
+        ) -> bool {
+            // SAFETY: passed on.
+            unsafe { packet::<$n>(valid, scene, queries, context, function, users) }
+        }
+
+        /// The same.
+        ///
+        /// # Safety
+        /// As above.
+        #[unsafe(no_mangle)]
+        pub(crate) unsafe extern "C" fn $traversable(
+            valid: *const c_int,
+            scene: Handle,
+            queries: *mut f32,
+            context: *mut PointContext,
+            function: PointFunction,
+            users: *const *mut c_void,
+        ) -> bool {
+            // SAFETY: passed on.
+            unsafe { packet::<$n>(valid, scene, queries, context, function, users) }
+        }
+    )* };
+}
+
+packets! {
+    rtcPointQuery4, rtcTraversablePointQuery4: 4;
+    rtcPointQuery8, rtcTraversablePointQuery8: 8;
+    rtcPointQuery16, rtcTraversablePointQuery16: 16;
+}
+
+/// The same; a scene is its own traversable.
+///
+/// # Safety
+/// As [`rtcPointQuery`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn rtcTraversablePointQuery(
+    scene: Handle,
+    query: *mut PointQuery,
+    context: *mut PointContext,
+    function: PointFunction,
+    user: *mut c_void,
+) -> bool {
+    // SAFETY: passed on.
+    unsafe { rtcPointQuery(scene, query, context, function, user) }
+}

@@ -1,0 +1,509 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The calls of `gnurt/rays.h` that make and edit scenes. Source: original; include/gnurt/rays.h. Queries are in `ffi_ask.rs`.
+//! No panic gets past [`called`]. Proof: `tests/c/rays.c`.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use gnurt_accel::{Aabb, BuildOptions, Memory, Quality, Ray, Structure, Threads, UserGeometry, UserHit};
+
+use crate::ffi_columns::{Array, Rows, Want, aabb};
+use crate::ffi_memory::Pointer;
+use crate::ray_scene::{Built, Part, RayScene, What, ask_tree};
+use crate::transform::Columns;
+
+thread_local! {
+    static LAST: RefCell<CString> = RefCell::default();
+}
+
+/// Runs a call: 0, or -1 and a message.
+pub(crate) fn called(call: impl FnOnce() -> Result<(), String>) -> c_int {
+    let answer = catch_unwind(AssertUnwindSafe(call));
+    match answer.unwrap_or_else(|_| Err("an error in libgnurt; the call had no effect".into())) {
+        Ok(()) => 0,
+        Err(message) => {
+            LAST.set(CString::new(message.replace('\0', " ")).unwrap_or_default());
+            -1
+        }
+    }
+}
+
+/// Runs a job with so many threads: 0 for all processors. Pools stay.
+pub(crate) fn with_threads<R>(threads: usize, job: impl FnOnce(Threads) -> R) -> R {
+    static POOLS: Mutex<Option<HashMap<usize, Arc<rayon::ThreadPool>>>> = Mutex::new(None);
+    if threads == 1 {
+        return job(Threads::Single);
+    }
+    let pool = {
+        let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+        let pools = pools.get_or_insert_default();
+        match pools.get(&threads) {
+            Some(pool) => Some(Arc::clone(pool)),
+            None => {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok().map(Arc::new);
+                pool.inspect(|pool| drop(pools.insert(threads, Arc::clone(pool))))
+            }
+        }
+    };
+    match pool {
+        Some(pool) => job(Threads::Pool(&pool)),
+        None => job(Threads::Single),
+    }
+}
+
+/// The version of the library.
+#[unsafe(no_mangle)]
+pub(crate) extern "C" fn gnurt_rays_version() -> c_int {
+    let number = |text: &str| text.parse::<c_int>().unwrap_or(0);
+    let [major, minor, patch] =
+        [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")];
+    10_000 * number(major) + 100 * number(minor) + number(patch)
+}
+
+/// What went wrong last in this thread.
+#[unsafe(no_mangle)]
+pub(crate) extern "C" fn gnurt_last_error() -> *const c_char {
+    LAST.with_borrow(|last| last.as_ptr())
+}
+
+/// A new scene. See include/gnurt/rays.h, here and below.
+#[unsafe(no_mangle)]
+pub(crate) extern "C" fn gnurt_scene_new() -> *mut RayScene {
+    Box::into_raw(Box::default())
+}
+
+/// Frees a scene.
+///
+/// # Safety
+/// A scene that nobody uses, or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_scene_free(scene: *mut RayScene) {
+    if !scene.is_null() {
+        called(|| {
+            // SAFETY: made by `gnurt_scene_new`, and not used by anybody else.
+            drop(unsafe { Box::from_raw(scene) });
+            Ok(())
+        });
+    }
+}
+
+/// Edits a scene.
+///
+/// # Safety
+/// A scene that nobody else uses now, or null.
+unsafe fn edit(scene: *mut RayScene, change: impl FnOnce(&mut RayScene) -> Result<(), String>) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        change(unsafe { scene.as_mut() }.ok_or("scene: a null pointer")?)
+    })
+}
+
+/// What a scene was committed to.
+///
+/// # Safety
+/// A scene that nobody edits now, or null.
+pub(crate) unsafe fn built(scene: *const RayScene) -> Result<Arc<Built>, String> {
+    // SAFETY: passed on.
+    let scene = unsafe { scene.as_ref() }.ok_or("scene: a null pointer")?;
+    scene.built.clone().ok_or_else(|| "scene: it is not committed; call gnurt_commit first".into())
+}
+
+/// `gnurt_build`.
+#[repr(C)]
+pub(crate) struct Build {
+    quality: c_int,
+    compact: c_int,
+    kd: c_int,
+    moves: c_int,
+    threads: c_uint,
+}
+
+/// How trees are built.
+///
+/// # Safety
+/// A scene and options.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_scene_options(scene: *mut RayScene, build: *const Build) -> c_int {
+    let change = |scene: &mut RayScene| {
+        // SAFETY: passed on.
+        let build = unsafe { build.as_ref() }.ok_or("options: a null pointer")?;
+        let quality = match build.quality {
+            -1 => Quality::Fast,
+            0 => Quality::Medium,
+            1 => Quality::High,
+            other => return Err(format!("quality: {other}; -1, 0 or 1 is expected")),
+        };
+        let memory = if build.compact != 0 { Memory::Compact } else { Memory::Fast };
+        let structure = if build.kd != 0 { Structure::Kd } else { Structure::Bvh };
+        scene.options = BuildOptions { quality, memory, structure, ..BuildOptions::default() };
+        (scene.moves, scene.threads) = (build.moves != 0, build.threads as usize);
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit(scene, change) }
+}
+
+/// Adds a part and writes its id.
+///
+/// # Safety
+/// A scene, and room for an id or null.
+unsafe fn add(
+    scene: *mut RayScene,
+    id: *mut u32,
+    mask: u32,
+    what: impl FnOnce() -> Result<What, String>,
+) -> c_int {
+    called(|| {
+        // First: what is added may be read from the scene itself, which is lent to nobody else below.
+        let what = what()?;
+        // SAFETY: passed on.
+        let scene = unsafe { scene.as_mut() }.ok_or("scene: a null pointer")?;
+        let new = scene.add(Part { what, mask });
+        if !id.is_null() {
+            // SAFETY: passed on.
+            unsafe { id.write(new) }
+        }
+        Ok(())
+    })
+}
+
+/// Adds triangles.
+///
+/// # Safety
+/// A scene, arrays that are readable until the next commit, room for an id or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_add_triangles(
+    scene: *mut RayScene,
+    positions: Array,
+    indices: Array,
+    mask: u32,
+    id: *mut u32,
+) -> c_int {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, id, mask, || {
+            let positions = Rows::new(&positions, 3, Want::Floats, "positions")?;
+            Ok(What::Triangles { positions, indices: Rows::new(&indices, 3, Want::Indices, "indices")? })
+        })
+    }
+}
+
+/// Adds quads.
+///
+/// # Safety
+/// As [`gnurt_add_triangles`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_add_quads(
+    scene: *mut RayScene,
+    positions: Array,
+    indices: Array,
+    mask: u32,
+    id: *mut u32,
+) -> c_int {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, id, mask, || {
+            let positions = Rows::new(&positions, 3, Want::Floats, "positions")?;
+            Ok(What::Quads { positions, indices: Rows::new(&indices, 4, Want::Indices, "indices")? })
+        })
+    }
+}
+
+/// Adds spheres.
+///
+/// # Safety
+/// As [`gnurt_add_triangles`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_add_spheres(
+    scene: *mut RayScene,
+    centers: Array,
+    radii: Array,
+    mask: u32,
+    id: *mut u32,
+) -> c_int {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, id, mask, || {
+            if centers.count != radii.count {
+                return Err(format!("radii: {} for {} centres", radii.count, centers.count));
+            }
+            let centers = Rows::new(&centers, 3, Want::Floats, "centers")?;
+            Ok(What::Spheres { centers, radii: Rows::new(&radii, 1, Want::Floats, "radii")? })
+        })
+    }
+}
+
+/// `gnurt_user_ray`.
+#[repr(C)]
+pub(crate) struct UserRay {
+    prim_id: u32,
+    org: [f32; 3],
+    dir: [f32; 3],
+    t_near: f32,
+    t_far: f32,
+}
+
+/// `gnurt_user_hit`.
+#[repr(C)]
+pub(crate) struct UserAnswer {
+    t: f32,
+    u: f32,
+    v: f32,
+}
+
+/// `gnurt_user`.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub(crate) struct User {
+    user: *mut c_void,
+    count: u32,
+    bounds: Option<unsafe extern "C" fn(*mut c_void, u32, u32, *mut [f32; 6])>,
+    intersect: Option<unsafe extern "C" fn(*mut c_void, usize, *const UserRay, *mut UserAnswer)>,
+}
+
+/// A user geometry as trees see it.
+#[derive(Debug)]
+struct Callbacks {
+    user: Pointer,
+    intersect: unsafe extern "C" fn(*mut c_void, usize, *const UserRay, *mut UserAnswer),
+    boxes: Vec<Aabb>,
+}
+
+impl UserGeometry for Callbacks {
+    fn count(&self) -> u32 {
+        self.boxes.len() as u32
+    }
+
+    fn bounds(&self, prim_id: u32) -> Aabb {
+        self.boxes[prim_id as usize]
+    }
+
+    fn intersect(&self, prim_id: u32, ray: &Ray, hit: &mut dyn FnMut(UserHit)) {
+        let Ray { org, dir, t_near, t_far, .. } = *ray;
+        let asked = UserRay { prim_id, org, dir, t_near, t_far };
+        let mut answer = UserAnswer { t: f32::NAN, u: 0.0, v: 0.0 };
+        // SAFETY: the program gave the function to be called like this, from any thread.
+        unsafe { (self.intersect)(self.user.0, 1, &raw const asked, &raw mut answer) };
+        // SAFETY: it is our own value, which the program wrote through a pointer.
+        let UserAnswer { t, u, v } = unsafe { (&raw const answer).read_volatile() };
+        if !t.is_nan() {
+            hit(UserHit { t, u, v });
+        }
+    }
+}
+
+/// Adds primitives of the program's.
+///
+/// # Safety
+/// A scene, functions that may be called from any thread as long as the scene is used, room for an id or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_add_user(
+    scene: *mut RayScene,
+    user: *const User,
+    mask: u32,
+    id: *mut u32,
+) -> c_int {
+    let what = || {
+        // SAFETY: passed on.
+        let User { user, count, bounds, intersect } =
+            *unsafe { user.as_ref() }.ok_or("user: a null pointer")?;
+        let (Some(bounds), Some(intersect)) = (bounds, intersect) else {
+            return Err("user: bounds or intersect is a null pointer".to_owned());
+        };
+        if count as usize > gnurt_accel::MOST_TRIANGLES {
+            return Err(format!("user: {count} primitives; there can be {}", gnurt_accel::MOST_TRIANGLES));
+        }
+        let mut boxes = vec![[f32::NAN; 6]; count as usize];
+        if count > 0 {
+            // SAFETY: passed on; there is room for so many boxes.
+            unsafe { bounds(user, 0, count, boxes.as_mut_ptr()) };
+        }
+        let boxes = boxes.into_iter().map(aabb).collect();
+        Ok(What::User(Arc::new(Callbacks { user: Pointer(user), intersect, boxes })))
+    };
+    // SAFETY: passed on.
+    unsafe { add(scene, id, mask, what) }
+}
+
+/// Twelve numbers.
+///
+/// # Safety
+/// Twelve numbers, or null.
+unsafe fn place_at(place: *const f64) -> Result<Columns, String> {
+    if place.is_null() {
+        return Err("place: a null pointer".into());
+    }
+    // SAFETY: passed on.
+    let columns: Columns = unsafe { place.cast::<Columns>().read_unaligned() };
+    if columns.iter().flatten().any(|x| !x.is_finite()) {
+        return Err("place: a number is not finite".into());
+    }
+    Ok(columns)
+}
+
+/// Adds another scene at a place.
+///
+/// # Safety
+/// Two scenes, twelve numbers, room for an id or null.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_add_instance(
+    scene: *mut RayScene,
+    shown: *const RayScene,
+    place: *const f64,
+    mask: u32,
+    id: *mut u32,
+) -> c_int {
+    // SAFETY: passed on.
+    unsafe {
+        add(scene, id, mask, || {
+            let shown = built(shown).map_err(|error| error.replacen("scene", "shown", 1))?;
+            Ok(What::Instance { shown, place: place_at(place)? })
+        })
+    }
+}
+
+/// Other positions, or centres.
+///
+/// # Safety
+/// A scene, and an array that is readable until the next commit.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_set_positions(scene: *mut RayScene, id: u32, array: Array) -> c_int {
+    let change = |scene: &mut RayScene| {
+        // SAFETY: passed on.
+        let new = unsafe { Rows::new(&array, 3, Want::Floats, "positions")? };
+        match &mut scene.part(id)?.what {
+            What::Triangles { positions, .. } | What::Quads { positions, .. } => *positions = new,
+            What::Spheres { centers, radii } if radii.len() == new.len() => *centers = new,
+            What::Spheres { radii, .. } => {
+                return Err(format!("positions: {} for {} radii", new.len(), radii.len()));
+            }
+            What::User(_) | What::Instance { .. } => return Err(format!("id: {id} has no positions")),
+        }
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit(scene, change) }
+}
+
+/// Another place of an instance.
+///
+/// # Safety
+/// A scene, and twelve numbers.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_set_place(scene: *mut RayScene, id: u32, to: *const f64) -> c_int {
+    let change = |scene: &mut RayScene| {
+        // SAFETY: passed on.
+        let to = unsafe { place_at(to)? };
+        match &mut scene.part(id)?.what {
+            What::Instance { place, .. } => *place = to,
+            _ => return Err(format!("id: {id} is no instance")),
+        }
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit(scene, change) }
+}
+
+/// Another scene, or what has become of it, in an instance.
+///
+/// # Safety
+/// Two scenes.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_set_shown(
+    scene: *mut RayScene,
+    id: u32,
+    new: *const RayScene,
+) -> c_int {
+    // Before the scene is lent for the change: it may be the same one.
+    // SAFETY: passed on.
+    let new = unsafe { built(new) };
+    let change = |scene: &mut RayScene| {
+        let new = new.map_err(|error| error.replacen("scene", "shown", 1))?;
+        match &mut scene.part(id)?.what {
+            What::Instance { shown, .. } => *shown = new,
+            _ => return Err(format!("id: {id} is no instance")),
+        }
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit(scene, change) }
+}
+
+/// Another mask.
+///
+/// # Safety
+/// A scene.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_set_mask(scene: *mut RayScene, id: u32, mask: u32) -> c_int {
+    let change = |scene: &mut RayScene| {
+        scene.part(id)?.mask = mask;
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit(scene, change) }
+}
+
+/// Takes a part out.
+///
+/// # Safety
+/// A scene.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_remove(scene: *mut RayScene, id: u32) -> c_int {
+    let change = |scene: &mut RayScene| {
+        scene.part(id)?;
+        scene.parts[id as usize] = None;
+        Ok(())
+    };
+    // SAFETY: passed on.
+    unsafe { edit(scene, change) }
+}
+
+/// Builds.
+///
+/// # Safety
+/// A scene that nobody asks now, whose arrays are readable.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_commit(scene: *mut RayScene) -> c_int {
+    let change = |scene: &mut RayScene| with_threads(scene.threads, |threads| scene.commit(threads));
+    // SAFETY: passed on.
+    unsafe { edit(scene, change) }
+}
+
+/// `gnurt_facts`.
+#[repr(C)]
+pub(crate) struct Facts {
+    lower: [f32; 3],
+    upper: [f32; 3],
+    primitives: u64,
+    left_out: u64,
+    bytes: u64,
+}
+
+/// What there is to know of a committed scene.
+///
+/// # Safety
+/// A scene, and room for facts.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_scene_facts(scene: *const RayScene, facts: *mut Facts) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        let built = unsafe { built(scene)? };
+        let (bounds, stats) = (ask_tree!(built, tree => tree.bounds()), built.object.stats());
+        if facts.is_null() {
+            return Err("facts: a null pointer".into());
+        }
+        let found = Facts {
+            lower: bounds.min,
+            upper: bounds.max,
+            primitives: stats.primitives,
+            left_out: built.object.bad_primitives().total(),
+            bytes: stats.tree_bytes + stats.primitive_bytes,
+        };
+        // SAFETY: passed on.
+        unsafe { facts.write(found) };
+        Ok(())
+    })
+}

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! libgnurt: ray queries for C programs. Two doors lead to the same trees: `gnurt/rays.h`, and the calls of Embree 4.
+//!
+//! `ffi*.rs` hold the exported functions and all of the `unsafe` code. Embree's calls: `ffi_device.rs`, `ffi_scene.rs`,
+//! `ffi_geometry.rs`, `ffi_arrays.rs` edit what `objects.rs` describes, `commit.rs` builds from it, `ffi_trace.rs` and
+//! `ffi_point.rs` ask, `ffi_user.rs` lets trees ask the program. Those of `gnurt/rays.h`: `ffi_rays.rs` edits what `ray_scene.rs`
+//! describes and builds, `ffi_ask.rs` asks. No panic crosses to C. docs/c-rays.md is the manual.
+#![deny(unsafe_code)]
+#![allow(non_snake_case, reason = "C calls have C names")]
+
+mod commit;
+mod device;
+mod ffi_abi;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_absent;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_arrays;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_ask;
+#[expect(unsafe_code, reason = "functions of C programs")]
+mod ffi_callbacks;
+#[expect(unsafe_code, reason = "memory of C programs")]
+mod ffi_columns;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_device;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_geometry;
+#[expect(unsafe_code, reason = "values behind pointers")]
+mod ffi_handle;
+#[expect(unsafe_code, reason = "memory of C programs")]
+mod ffi_memory;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_point;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_rays;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_scene;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_trace;
+#[expect(unsafe_code, reason = "functions of C programs")]
+mod ffi_user;
+mod lines;
+mod located;
+mod objects;
+mod ray_scene;
+mod transform;
