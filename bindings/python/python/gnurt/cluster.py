@@ -251,6 +251,8 @@ def main(words=None):
             cluster = distributed.LocalCluster(
                 n_workers=known.local, threads_per_worker=1, dashboard_address=None, silence_logs="critical"
             )
+            # Workers that died while they started are replaced, too.
+            cluster.adapt(minimum=known.local, maximum=known.local)
         else:
             cluster = known.dask
         with distributed.Client(cluster) as client:
