@@ -7,7 +7,7 @@
 use std::sync::OnceLock;
 
 use gnurt_render::{
-    Accumulation, CommitOptions, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World,
+    Accumulation, CommitOptions, SceneCamera, RenderOptions, ShaderTable, Silent, World,
 };
 use gnurt_scene::{Affine, Camera, Light, Material, Mesh, Scene};
 
@@ -31,7 +31,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
 /// A world, what sees it and who renders it.
 struct Studio {
     world: World,
-    camera: PerspectiveCamera,
+    camera: SceneCamera,
     pool: rayon::ThreadPool,
 }
 
@@ -62,8 +62,9 @@ fn studio() -> &'static Studio {
             target: [0.0; 3],
             up: [0.0, 1.0, 0.0],
             fov_y: 40.0,
+            ..Camera::default()
         };
-        Studio { world, camera: PerspectiveCamera::new(&view).expect("a view"), pool }
+        Studio { world, camera: SceneCamera::new(&view).expect("a view"), pool }
     })
 }
 

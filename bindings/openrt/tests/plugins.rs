@@ -144,7 +144,7 @@ fn broken_modules() {
         (25, "none", ""),
         (26, "value", "it has no classes"),
         (27, "value", "it has no classes"),
-        (28, "operation", "does not work with version 1.0"),
+        (28, "operation", "does not work with version 1.1"),
     ];
     for (case, outcome, part) in cases {
         let name = format!("./broken{case}.so");
@@ -201,6 +201,14 @@ fn deep_shaders_are_stopped() {
     let workshop = Workshop::new();
     plugin(&workshop, "tests/plugins/deep.c", "deep.so", &[]);
     must(&mut in_workshop(&workshop, &program(&workshop, "plugin_deep.c")));
+}
+
+/// Cameras get places on their lens; those of version 1.0 of the interface work as before.
+#[test]
+fn cameras_with_a_lens() {
+    let workshop = Workshop::new();
+    plugin(&workshop, "tests/plugins/lens.c", "lens.so", &[]);
+    must(&mut in_workshop(&workshop, &program(&workshop, "plugin_lens.c")));
 }
 
 /// The third and the fourth texture coordinate reach shaders.

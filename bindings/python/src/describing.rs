@@ -143,6 +143,7 @@ pub(crate) fn camera(given: &mut Given) -> PyResult<Camera> {
         target: given.numbers("target")?.ok_or_else(|| needed("target"))?,
         up: given.numbers("up")?.unwrap_or([0.0, 1.0, 0.0]),
         fov_y: given.number("fov", 0.001, 179.999)?.unwrap_or(40.0) as f32,
+        ..Camera::default()
     };
     match camera.frame() {
         Some(_) => Ok(camera),

@@ -5,7 +5,7 @@
 
 use gnurt::ThreadPool;
 use gnurt::defaults::{self, Bounds};
-use gnurt::render::{CommitOptions, Integrator, PerspectiveCamera, ShaderTable, World};
+use gnurt::render::{CommitOptions, Integrator, SceneCamera, ShaderTable, World};
 use gnurt::scene::{Camera, Scene};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -37,7 +37,7 @@ pub(crate) enum Clip {
 /// A world and a camera that are ready.
 pub(crate) struct Shot {
     pub(crate) world: World,
-    pub(crate) camera: PerspectiveCamera,
+    pub(crate) camera: SceneCamera,
     /// Stops that suit the light, where that is known before.
     pub(crate) exposure: Option<f32>,
 }
@@ -107,7 +107,7 @@ impl Stage {
         let error = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
         let table = ShaderTable::default();
         shown.world.commit(&shown.scene, &table, &options, pool).map_err(|why| error(&why))?;
-        let rays = PerspectiveCamera::new(&camera)
+        let rays = SceneCamera::new(&camera)
             .ok_or_else(|| PyValueError::new_err("camera: has no view: a number of it is too large"))?;
         let exposure = if view.integrator == Integrator::Normals { Some(0.0) } else { shown.exposure };
         Ok(Shot { world: shown.world.clone(), camera: rays, exposure })

@@ -14,7 +14,7 @@ use std::time::Instant;
 use gnurt::ThreadPool;
 use gnurt::image::{TexelData, Texels};
 use gnurt::render::{
-    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+    CommitOptions, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
 };
 use gnurt::scene::material::{Color, Surface};
 use gnurt::scene::texture::{Filter, Texture, Wrap};
@@ -107,7 +107,7 @@ fn commit(world: &mut World, scene: &Scene, pool: &ThreadPool) -> Result<(), Box
 
 /// Milliseconds of the processors for one path through one pixel.
 fn first_sample(world: &World, scene: &Scene, pool: &ThreadPool) -> Result<f64, Box<dyn Error>> {
-    let camera = PerspectiveCamera::new(&scene.cameras()[0]).ok_or("the camera has no view")?;
+    let camera = SceneCamera::new(&scene.cameras()[0]).ok_or("the camera has no view")?;
     let integrator = Integrator::Path;
     let options = RenderOptions { width: 1, height: 1, spp: 1, integrator, ..RenderOptions::default() };
     let (frame, cpu, _) = timed(|| render(world, &camera, &options, pool, &Silent));
@@ -159,7 +159,14 @@ fn scene_of(count: u32) -> Scene {
     scene.add_light(Light::Point { position: [0.0, 50.0, 0.0], intensity: [100.0; 3] });
     let eye = [0.0, 30.0, 0.5 * side as f32 + 5.0];
     let target = [0.0; 3];
-    scene.add_camera(Camera { name: String::new(), eye, target, up: [0.0, 1.0, 0.0], fov_y: 40.0 });
+    scene.add_camera(Camera {
+        name: String::new(),
+        eye,
+        target,
+        up: [0.0, 1.0, 0.0],
+        fov_y: 40.0,
+        ..Camera::default()
+    });
     scene
 }
 

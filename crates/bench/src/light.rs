@@ -8,7 +8,7 @@ use std::fmt::Write;
 
 use gnurt::ThreadPool;
 use gnurt::image::Picture;
-use gnurt::render::{Accumulation, Integrator, PerspectiveCamera, RenderOptions, Silent, World};
+use gnurt::render::{Accumulation, Integrator, RenderOptions, SceneCamera, Silent, World};
 
 use crate::clock::process_seconds;
 
@@ -98,7 +98,7 @@ impl Truth {
     /// If the options leave nothing to render.
     pub fn by_paths(
         world: &World,
-        camera: &PerspectiveCamera,
+        camera: &SceneCamera,
         options: &RenderOptions,
         spp: u32,
         pool: &ThreadPool,
@@ -157,7 +157,7 @@ const SEED: u64 = 1 << 40;
 /// If the options leave nothing to render.
 pub fn run(
     world: &World,
-    camera: &PerspectiveCamera,
+    camera: &SceneCamera,
     options: &Options,
     truth: &Truth,
     pool: &ThreadPool,

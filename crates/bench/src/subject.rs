@@ -61,6 +61,7 @@ impl Subject {
                 target: view.target,
                 up: view.up,
                 fov_y: view.fov_y,
+                ..Camera::default()
             },
             None => scene
                 .cameras()

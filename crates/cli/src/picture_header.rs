@@ -29,7 +29,9 @@ pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f3
     picture.set_metadata("depths", "depth.Z: distance along the ray; Z: along the view");
     if let Some(CameraMatrices { camera_from_world, ndc_from_world }) = CameraMatrices::new(camera, aspect) {
         picture.set_metadata("cameraFromWorld", numbers(&camera_from_world));
-        picture.set_metadata("ndcFromWorld", numbers(&ndc_from_world));
+        if let Some(ndc_from_world) = ndc_from_world {
+            picture.set_metadata("ndcFromWorld", numbers(&ndc_from_world));
+        }
     }
 }
 

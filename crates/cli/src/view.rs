@@ -4,9 +4,9 @@
 
 use gnurt::defaults::{self, Bounds};
 use gnurt::image::system_reason;
-use gnurt::render::{Integrator, MovingCamera, PerspectiveCamera};
+use gnurt::render::{Integrator, MovingCamera, SceneCamera};
 use gnurt::scene::animation::Exposure;
-use gnurt::scene::{Camera, Scene};
+use gnurt::scene::{Camera, Lens, Projection, Scene};
 
 use crate::arguments::{Resolution, ViewArguments};
 use crate::failure::Failure;
@@ -34,7 +34,7 @@ pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
 #[derive(Clone)]
 pub(crate) struct Chosen {
     pub(crate) camera: Camera,
-    pub(crate) rays: PerspectiveCamera,
+    pub(crate) rays: SceneCamera,
     /// What suits the light that was added, in stops.
     pub(crate) exposure: Option<f32>,
 }
@@ -125,13 +125,16 @@ pub(crate) fn choose_around(
 }
 
 /// The camera that was asked for as the scene has it now, and its rays.
-pub(crate) fn aim(scene: &Scene, view: &ViewArguments) -> Result<(Camera, PerspectiveCamera), Failure> {
+pub(crate) fn aim(scene: &Scene, view: &ViewArguments) -> Result<(Camera, SceneCamera), Failure> {
     let named = find_named(scene, view)?.unwrap_or(0);
-    let camera = replaced(&scene.cameras()[named], view);
+    let camera = replaced(&scene.cameras()[named], view)?;
     if camera.eye == camera.target {
         return Err(same_place());
     }
-    let rays = PerspectiveCamera::new(&camera).ok_or_else(no_view)?;
+    if let Some(fault) = camera.fault() {
+        return Err(Failure::usage(format_args!("the camera shows nothing: {fault}")));
+    }
+    let rays = SceneCamera::new(&camera).ok_or_else(no_view)?;
     Ok((camera, rays))
 }
 
@@ -143,7 +146,8 @@ pub(crate) fn way(
 ) -> Result<Option<MovingCamera>, Failure> {
     let named = find_named(scene, view)?.unwrap_or(0);
     let keys = exposure.cameras.iter().find(|(id, _)| id.index() == named).map(|(_, keys)| keys);
-    let keys: Vec<Camera> = keys.into_iter().flatten().map(|camera| replaced(camera, view)).collect();
+    let keys = keys.into_iter().flatten().map(|camera| replaced(camera, view));
+    let keys: Vec<Camera> = keys.collect::<Result<_, _>>()?;
     match keys.iter().all(|key| *key == keys[0]) {
         true => Ok(None),
         false => MovingCamera::new(&keys).map(Some).ok_or_else(no_view),
@@ -151,7 +155,7 @@ pub(crate) fn way(
 }
 
 fn no_view() -> Failure {
-    Failure::usage("the camera has no view: a number of it is too large")
+    Failure::usage("the camera has no view: a number of it is too large or too small")
 }
 
 fn find_named(scene: &Scene, view: &ViewArguments) -> Result<Option<usize>, Failure> {
@@ -163,14 +167,41 @@ fn same_place() -> Failure {
 }
 
 /// `camera` with the parts that were given in place of its own.
-fn replaced(camera: &Camera, view: &ViewArguments) -> Camera {
-    Camera {
-        name: camera.name.clone(),
+fn replaced(camera: &Camera, view: &ViewArguments) -> Result<Camera, Failure> {
+    let mut replaced = Camera {
         eye: view.eye.unwrap_or(camera.eye),
         target: view.target.unwrap_or(camera.target),
         up: view.up.unwrap_or(camera.up),
         fov_y: view.fov.unwrap_or(camera.fov_y),
+        projection: view.projection.unwrap_or(camera.projection),
+        lens: Lens {
+            aperture: view.aperture.unwrap_or(camera.lens.aperture),
+            focus: view.focus.or(camera.lens.focus),
+        },
+        ..camera.clone()
+    };
+    let kept = match camera.projection {
+        Projection::Orthographic { height } => Some(height),
+        _ => None,
+    };
+    if let Projection::Orthographic { height } = &mut replaced.projection {
+        let half_angle = f64::from(replaced.fov_y).to_radians() / 2.0;
+        let far = (0..3).map(|k| f64::from(replaced.target[k] - replaced.eye[k]).powi(2)).sum::<f64>().sqrt();
+        let like_perspective = (2.0 * far * half_angle.tan()) as f32;
+        *height = view.view_height.or(kept).unwrap_or(like_perspective);
+    } else if view.view_height.is_some() {
+        let message =
+            format!("--view-height is of orthographic cameras, and this is a {}", replaced.projection);
+        return Err(Failure::usage(format_args!(
+            "{message}; add --projection orthographic, or leave it out"
+        )));
     }
+    if view.focus.is_some() && replaced.lens.aperture == 0.0 {
+        return Err(Failure::usage(
+            "--focus has no effect on a pinhole, which sees all sharp; give an --aperture as well",
+        ));
+    }
+    Ok(replaced)
 }
 
 /// The place of the camera of this name, or else of this number.

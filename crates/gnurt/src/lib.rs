@@ -9,7 +9,7 @@
 //! # A picture
 //!
 //! ```
-//! use gnurt::render::{CommitOptions, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render};
+//! use gnurt::render::{CommitOptions, SceneCamera, RenderOptions, ShaderTable, Silent, World, render};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let mut scene = gnurt::load_scene("builtin:cornell")?.scene;
@@ -17,7 +17,7 @@
 //! let pool = gnurt::thread_pool(0)?; // one thread per core
 //! let mut world = World::new();
 //! world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool)?;
-//! let camera = PerspectiveCamera::new(&scene.cameras()[0]).ok_or("the camera has no view")?;
+//! let camera = SceneCamera::new(&scene.cameras()[0]).ok_or("the camera has no view")?;
 //! let options = RenderOptions { width: 32, height: 32, spp: 4, ..RenderOptions::default() };
 //! let frame = render(&world, &camera, &options, &pool, &Silent)?;
 //! # let folder = tempfile::tempdir()?;
@@ -73,7 +73,6 @@
 //!   and `mir` (all light by virtual lights).
 //! * Geometry is triangles and instances of them; no curves, no subdivision, no volumes. Scenes move by
 //!   [`Scene::pose`](scene::Scene::pose), and are blurred by [`Scene::expose`](scene::Scene::expose).
-//! * The only camera of descriptions is a pinhole; other cameras are [`CameraShader`](shading::CameraShader)s.
 //! * The API may change until version 1.0.
 #![forbid(unsafe_code)]
 

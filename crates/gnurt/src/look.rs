@@ -5,7 +5,7 @@
 //! Proof: `tests`, and the command line's `tests/program/look.rs`.
 
 use crate::image::{ToneCurve, exposure_for};
-use crate::render::{Integrator, PerspectiveCamera, RenderError, RenderOptions, Silent, World, render};
+use crate::render::{Integrator, RenderError, RenderOptions, SceneCamera, Silent, World, render};
 use crate::shading::CameraShader;
 
 /// The curve that pictures for screens get.
@@ -32,7 +32,7 @@ const METERED_SAMPLES: u32 = 4;
 /// [`RenderError`] if the options leave nothing to render.
 pub fn meter(
     world: &World,
-    camera: &PerspectiveCamera,
+    camera: &SceneCamera,
     options: &RenderOptions,
     pool: &rayon::ThreadPool,
 ) -> Result<f32, RenderError> {
@@ -85,7 +85,7 @@ mod tests {
         let mut world = World::new();
         let how = CommitOptions::default();
         world.commit(&scene, &ShaderTable::default(), &how, &pool).expect("nothing is missing");
-        let camera = PerspectiveCamera::new(&scene.cameras()[0]).expect("a view");
+        let camera = SceneCamera::new(&scene.cameras()[0]).expect("a view");
         let options = RenderOptions {
             width: 128,
             height: 96,

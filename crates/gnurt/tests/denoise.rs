@@ -5,7 +5,7 @@
 use gnurt::denoise::{Method, Options, denoise};
 use gnurt::image::{ChannelData, Picture, compare};
 use gnurt::render::{
-    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+    CommitOptions, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
 };
 
 /// A room with lamps of its own or by default, `spp` samples per pixel.
@@ -19,7 +19,7 @@ fn room_to_depth(name: &str, spp: u32, max_depth: u32, pool: &gnurt::ThreadPool)
     gnurt::defaults::complete(&mut scene, 1.0);
     let mut world = World::new();
     world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), pool).expect("a sound scene");
-    let camera = PerspectiveCamera::new(&scene.cameras()[0]).expect("a view");
+    let camera = SceneCamera::new(&scene.cameras()[0]).expect("a view");
     let options = RenderOptions {
         width: 64,
         height: 64,

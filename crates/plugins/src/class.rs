@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::description::{Kind, Parameter};
 use crate::ffi_library::Library;
-use crate::ffi_rts::{BlockFn, CameraFn, IlluminateFn, MissFn, PrepareFn, ShadeFn};
+use crate::ffi_rts::{BlockFn, CameraFn, IlluminateFn, LensFn, MissFn, PrepareFn, ShadeFn};
 
 /// A parameter of a plugin's class.
 #[derive(Clone, Debug)]
@@ -29,6 +29,7 @@ pub(crate) struct Calls {
     pub(crate) miss: Option<MissFn>,
     pub(crate) illuminate: Option<IlluminateFn>,
     pub(crate) camera: Option<CameraFn>,
+    pub(crate) camera_lens: Option<LensFn>,
 }
 
 /// A class of a plugin.

@@ -7,7 +7,7 @@ use std::ffi::{CStr, c_char, c_int, c_void};
 use std::mem::offset_of;
 
 /// Version of the interface: major << 16 | minor.
-pub(crate) const RTS_ABI: u32 = 0x0001_0000;
+pub(crate) const RTS_ABI: u32 = 0x0001_0001;
 
 /// `RTSvec`.
 #[repr(C)]
@@ -130,6 +130,21 @@ pub(crate) type CameraFn = unsafe extern "C-unwind" fn(
     Vec3Out,
 );
 
+/// `camera_lens` of a class.
+pub(crate) type LensFn = unsafe extern "C-unwind" fn(
+    *const Host,
+    *mut Ctx,
+    *const c_void,
+    u32,
+    *const f32,
+    *const f32,
+    *const f32,
+    *const f32,
+    *const f32,
+    Vec3Out,
+    Vec3Out,
+);
+
 /// `RTSclass`.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -152,6 +167,7 @@ pub(crate) struct Class {
     pub(crate) miss: Option<MissFn>,
     pub(crate) illuminate: Option<IlluminateFn>,
     pub(crate) camera: Option<CameraFn>,
+    pub(crate) camera_lens: Option<LensFn>,
 }
 
 impl Class {
@@ -225,7 +241,7 @@ mod tests {
             size_of::<Module>(),
         ];
         // tests/plugins/layout.c has the same numbers.
-        assert_eq!(sizes, [24, 24, 88, 232, 72, 120, 24], "sizes on 64-bit machines");
+        assert_eq!(sizes, [24, 24, 88, 232, 72, 128, 24], "sizes on 64-bit machines");
         assert_eq!(Class::LEAST, 56, "up to the parameters");
     }
 

@@ -232,15 +232,27 @@ impl LightShader for PluginShader {
 
 impl CameraShader for PluginShader {
     fn rays(&self, samples: &CameraSamples, _aspect: f32, out: &mut RayBatch) {
-        let xy = samples.places;
-        let Some(function) = self.shader.class().calls.camera.filter(|_| !xy.is_empty()) else { return };
+        let (calls, xy) = (self.shader.class().calls, samples.places);
+        if xy.is_empty() || (calls.camera.is_none() && calls.camera_lens.is_none()) {
+            return;
+        }
         let mut call = Call::new(&self.shader);
-        let mut arrays = call.buffers.arrays(xy.len(), 2 + 6);
+        let mut arrays = call.buffers.arrays(xy.len(), 2 + 3 + 6);
         let [x, y] = [0, 1].map(|k| arrays.floats_by(|i| xy[i][k]));
         let (org, dir) = (arrays.unwritten_vectors(), arrays.unwritten_vectors());
         let (block, n) = (self.shader.snapshot.pointer(), xy.len() as u32);
-        // SAFETY: the function is the class's; all arrays are as openrt/rts.h says and live through the call.
-        call.run(|host, ctx| unsafe { function(host, ctx, block, n, x, y, org, dir) });
+        if let Some(function) = calls.camera_lens {
+            let [lens_x, lens_y] = [0, 1].map(|k| arrays.floats_by(|i| samples.lens(i)[k]));
+            let time = arrays.floats_by(|i| samples.time(i));
+            let run = |host, ctx| {
+                // SAFETY: the function is the class's; all arrays are as openrt/rts.h says and live through the call.
+                unsafe { function(host, ctx, block, n, x, y, lens_x, lens_y, time, org, dir) }
+            };
+            call.run(run);
+        } else if let Some(function) = calls.camera {
+            // SAFETY: as above.
+            call.run(|host, ctx| unsafe { function(host, ctx, block, n, x, y, org, dir) });
+        }
         // SAFETY: the plugin's call is over.
         let written = |v: Vec3Out| [v.x, v.y, v.z].map(|array| unsafe { arrays.written(array) });
         let (org, dir) = (written(org), written(dir));
@@ -254,6 +266,10 @@ impl CameraShader for PluginShader {
         }
         self.shader.faults.add(bad);
         call.finish();
+    }
+
+    fn has_lens(&self) -> bool {
+        self.shader.class().calls.camera_lens.is_some()
     }
 }
 

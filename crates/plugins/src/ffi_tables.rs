@@ -98,6 +98,21 @@ unsafe extern "C-unwind" fn camera(
 ) {
 }
 
+unsafe extern "C-unwind" fn camera_lens(
+    _host: *const Host,
+    _ctx: *mut Ctx,
+    _block: *const c_void,
+    _n: u32,
+    _x: *const f32,
+    _y: *const f32,
+    _lens_x: *const f32,
+    _lens_y: *const f32,
+    _time: *const f32,
+    _org: Vec3Out,
+    _dir: Vec3Out,
+) {
+}
+
 /// Loads classes out of a module that the bytes describe, and uses those that are accepted.
 ///
 /// # Panics
@@ -152,6 +167,7 @@ pub fn load_random(bytes: &[u8]) {
             miss: bytes.flag().then_some(miss as _),
             illuminate: bytes.flag().then_some(illuminate as _),
             camera: bytes.flag().then_some(camera as _),
+            camera_lens: bytes.flag().then_some(camera_lens as _),
         });
         names.extend(name);
     }

@@ -175,6 +175,7 @@ fn checked(raw: &RawClass, file: &str, library: Arc<Library>) -> Result<PluginCl
             miss: class.miss,
             illuminate: class.illuminate,
             camera: class.camera,
+            camera_lens: class.camera_lens,
         },
         library,
     };
@@ -197,10 +198,10 @@ fn checked_header(class: &Class) -> Result<Kind, String> {
         0x400 => (Kind::Surface, class.shade.is_some(), "shade"),
         0x401 => (Kind::Environment, class.miss.is_some(), "miss"),
         0x402 => (Kind::Light, class.illuminate.is_some(), "illuminate"),
-        0x403 => (Kind::Camera, class.camera.is_some(), "camera"),
+        0x403 => (Kind::Camera, class.camera.is_some() || class.camera_lens.is_some(), "camera"),
         0x404 => {
             let text =
-                "it is of kind RT_RENDERING_OBJECT, which plugins cannot be in version 1.0 of the interface";
+                "it is of kind RT_RENDERING_OBJECT, which plugins cannot be in this version of the interface";
             return Err(text.to_owned());
         }
         other => return Err(format!("its kind {other:#x} is none of RT_SURFACE_SHADER to RT_CAMERA_SHADER")),

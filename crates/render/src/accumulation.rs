@@ -71,13 +71,13 @@ impl Watch for Watched<'_> {
 /// the same ones until it calls [`restart`](Self::restart).
 ///
 /// ```
-/// # use gnurt_render::{Accumulation, CommitOptions, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World};
+/// # use gnurt_render::{Accumulation, CommitOptions, SceneCamera, RenderOptions, ShaderTable, Silent, World};
 /// # let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
 /// # let scene = gnurt_scene::Scene::new();
 /// # let mut world = World::new();
 /// # world.commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool).expect("nothing is missing");
-/// # let camera = gnurt_scene::Camera { name: String::new(), eye: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov_y: 40.0 };
-/// # let camera = PerspectiveCamera::new(&camera).expect("a view");
+/// # let camera = gnurt_scene::Camera { name: String::new(), eye: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov_y: 40.0, ..gnurt_scene::Camera::default() };
+/// # let camera = SceneCamera::new(&camera).expect("a view");
 /// let options = RenderOptions { width: 64, height: 48, spp: 8, ..RenderOptions::default() };
 /// let mut seen = Accumulation::new(options).expect("sound options");
 /// while !seen.is_complete() {

@@ -1,86 +1,97 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The pinhole camera that shaders and files describe, as a shader of rays.
-//! Source: references/README point 5 (frame, vertical angle, square pixels). Space: world.
-//! Proof: `tests::{corners_and_centre, degenerate_cameras_see_nothing}`.
+//! The camera that a description holds, as a shader of rays.
+//! Source: references/README point 5 (frame, vertical angle, square pixels); projections and lens: `gnurt_shading::LookCamera`.
+//! Space: world. Proof: `tests::{corners_and_centre, degenerate_cameras_see_nothing}`, tests/path.rs (depth of field).
 
 use glam::Vec3;
 use gnurt_accel::{Moment, RayBatch};
-use gnurt_scene::Camera;
-use gnurt_shading::{CameraSamples, CameraShader};
+use gnurt_scene::{Camera, Projection};
+use gnurt_shading::{CameraSamples, CameraShader, Look, LookCamera};
 
-/// A pinhole camera with a vertical angle of view; the horizontal one follows from the aspect.
+/// The camera of a description: of any projection, with or without a lens; the horizontal angle of view follows from the aspect.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PerspectiveCamera {
-    eye: Vec3,
-    right: Vec3,
-    up: Vec3,
-    forward: Vec3,
-    /// Half the picture's height at distance 1.
-    half_height: f32,
-}
+pub struct SceneCamera(LookCamera);
 
-impl PerspectiveCamera {
-    /// The camera of a description; `None` if it has no view (eye = target, a value that is not finite, an angle
-    /// that is not between 0 and 180 degrees).
+impl SceneCamera {
+    /// The camera of a description; `None` where that has a [`fault`](Camera::fault), which says why.
     #[must_use]
     pub fn new(camera: &Camera) -> Option<Self> {
+        if camera.fault().is_some() {
+            return None;
+        }
         let frame = camera.frame()?;
-        let half_height = (f64::from(camera.fov_y).to_radians() / 2.0).tan() as f32;
-        let eye = Vec3::from(camera.eye);
-        let usable =
-            camera.fov_y > 0.0 && camera.fov_y < 180.0 && half_height > 0.0 && half_height.is_finite();
-        (usable && eye.is_finite()).then(|| Self {
-            eye,
-            right: frame.right.into(),
-            up: frame.up.into(),
-            forward: frame.forward.into(),
-            half_height,
+        let half_angle = f64::from(camera.fov_y).to_radians() / 2.0;
+        let look = match camera.projection {
+            Projection::Perspective => Look::Perspective { half_height: half_angle.tan() as f32 },
+            Projection::Orthographic { height } => Look::Parallel { half_height: height / 2.0 },
+            Projection::Fisheye => Look::Fisheye { half_angle: half_angle as f32 },
+            Projection::Panorama => Look::Panorama,
+        };
+        // An angle may round to none, or to one too wide.
+        let usable = match look {
+            Look::Perspective { half_height } => half_height > 0.0 && half_height.is_finite(),
+            _ => true,
+        };
+        usable.then(|| {
+            Self(LookCamera {
+                eye: camera.eye.into(),
+                right: frame.right.into(),
+                up: frame.up.into(),
+                forward: frame.forward.into(),
+                look,
+                radius: camera.lens.aperture / 2.0,
+                focus: camera.focus_distance(),
+            })
         })
     }
 
-    /// A camera on the way from this one to another.
+    /// A camera on the way from this one to another of the same projection.
     pub(crate) fn between(&self, other: &Self, moment: &Moment) -> Self {
+        let (from, to) = (&self.0, &other.0);
         let mix = |a: Vec3, b: Vec3| Vec3::from(moment.mix3(a.into(), b.into()));
-        Self {
-            eye: mix(self.eye, other.eye),
-            right: mix(self.right, other.right).normalize_or(self.right),
-            up: mix(self.up, other.up).normalize_or(self.up),
-            forward: mix(self.forward, other.forward).normalize_or(self.forward),
-            half_height: moment.mix(self.half_height, other.half_height),
-        }
+        let look = match (from.look, to.look) {
+            (Look::Perspective { half_height: a }, Look::Perspective { half_height: b }) => {
+                Look::Perspective { half_height: moment.mix(a, b) }
+            }
+            (Look::Parallel { half_height: a }, Look::Parallel { half_height: b }) => {
+                Look::Parallel { half_height: moment.mix(a, b) }
+            }
+            (Look::Fisheye { half_angle: a }, Look::Fisheye { half_angle: b }) => {
+                Look::Fisheye { half_angle: moment.mix(a, b) }
+            }
+            (look, _) => look,
+        };
+        Self(LookCamera {
+            eye: mix(from.eye, to.eye),
+            right: mix(from.right, to.right).normalize_or(from.right),
+            up: mix(from.up, to.up).normalize_or(from.up),
+            forward: mix(from.forward, to.forward).normalize_or(from.forward),
+            look,
+            radius: moment.mix(from.radius, to.radius),
+            focus: moment.mix(from.focus, to.focus),
+        })
     }
 
-    /// Where the pinhole is.
+    /// Where the pinhole, or the middle of the lens, is.
     #[must_use]
     pub fn eye(&self) -> [f32; 3] {
-        self.eye.into()
+        self.0.eye.into()
     }
 
     /// Unit direction into the picture.
     #[must_use]
     pub fn forward(&self) -> [f32; 3] {
-        self.forward.into()
+        self.0.forward.into()
     }
 }
 
-impl CameraShader for PerspectiveCamera {
+impl CameraShader for SceneCamera {
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
-        let (right, up) = (self.right * (self.half_height * aspect), self.up * self.half_height);
-        let first = out.len();
-        let end = first + samples.len();
-        let [dx, dy, dz] = &mut out.dir;
-        [&mut *dx, &mut *dy, &mut *dz].into_iter().for_each(|array| array.resize(end, 0.0));
-        let places = dx[first..].iter_mut().zip(&mut dy[first..]).zip(&mut dz[first..]);
-        for (((dx, dy), dz), [x, y]) in places.zip(samples.places) {
-            let dir = self.forward + right * (2.0 * x - 1.0) + up * (2.0 * y - 1.0);
-            [*dx, *dy, *dz] = dir.normalize().into();
-        }
-        out.org.iter_mut().zip(self.eye.to_array()).for_each(|(array, x)| array.resize(end, x));
-        out.t_near.resize(end, 0.0);
-        out.t_far.resize(end, f32::INFINITY);
-        if !out.mask.is_empty() {
-            out.mask.resize(end, u32::MAX);
-        }
+        self.0.rays(samples, aspect, out);
+    }
+
+    fn has_lens(&self) -> bool {
+        self.0.has_lens()
     }
 }
 
@@ -89,18 +100,12 @@ mod tests {
     use super::*;
 
     fn camera() -> Camera {
-        Camera {
-            name: String::new(),
-            eye: [1.0, 2.0, 3.0],
-            target: [1.0, 2.0, -7.0],
-            up: [0.0, 1.0, 0.0],
-            fov_y: 90.0,
-        }
+        Camera { eye: [1.0, 2.0, 3.0], target: [1.0, 2.0, -7.0], fov_y: 90.0, ..Camera::default() }
     }
 
     #[test]
     fn corners_and_centre() {
-        let camera = PerspectiveCamera::new(&camera()).expect("a view");
+        let camera = SceneCamera::new(&camera()).expect("a view");
         let mut rays = RayBatch::default();
         camera.rays(&CameraSamples::sharp(&[[0.5, 0.5], [0.0, 0.0], [1.0, 1.0]]), 2.0, &mut rays);
         assert_eq!(rays.get(0).dir, [0.0, 0.0, -1.0], "the middle looks forward");
@@ -112,16 +117,30 @@ mod tests {
     }
 
     #[test]
+    fn descriptions_become_looks() {
+        let with = |projection, aperture| {
+            let mut camera = Camera { projection, ..camera() };
+            camera.lens.aperture = aperture;
+            SceneCamera::new(&camera).expect("a view").0
+        };
+        let parallel = with(Projection::Orthographic { height: 3.0 }, 0.5);
+        assert_eq!(parallel.look, Look::Parallel { half_height: 1.5 }, "half of the height");
+        assert_eq!((parallel.radius, parallel.focus), (0.25, 10.0), "half of the aperture; the target");
+        assert!(!with(Projection::Panorama, 0.0).has_lens(), "a pinhole has none");
+    }
+
+    #[test]
     fn degenerate_cameras_see_nothing() {
         let with = |edit: fn(&mut Camera)| {
             let mut camera = camera();
             edit(&mut camera);
-            PerspectiveCamera::new(&camera)
+            SceneCamera::new(&camera)
         };
         assert_eq!(with(|c| c.target = c.eye), None, "no direction");
         assert_eq!(with(|c| c.eye[0] = f32::NAN), None, "no place");
         assert_eq!(with(|c| c.fov_y = 0.0), None, "no angle");
         assert_eq!(with(|c| c.fov_y = 180.0), None, "too wide an angle");
+        assert_eq!(with(|c| c.lens.aperture = f32::NAN), None, "no aperture");
         assert!(with(|c| c.up = [0.0, 0.0, 1.0]).is_some(), "an up along the view is replaced");
     }
 }

@@ -3,7 +3,7 @@
 //! Source: original; what the matrices lead to is what pbrt-v4's film writes. Row-major, of column vectors; double precision.
 //! Proof: `tests::matrices_lead_to_the_picture`.
 
-use gnurt_scene::Camera;
+use gnurt_scene::{Camera, Projection};
 
 /// Where points of the world are for a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,8 +11,8 @@ pub struct CameraMatrices {
     /// From world space to that of the camera: x right, y up, z into the picture.
     pub camera_from_world: [f64; 16],
     /// From world space to (0, 0) = upper left and (1, 1) = lower right corner of the picture, after division by the last
-    /// coordinate.
-    pub ndc_from_world: [f64; 16],
+    /// coordinate. `None` for fisheyes and panoramas, which are no matrices.
+    pub ndc_from_world: Option<[f64; 16]>,
 }
 
 impl CameraMatrices {
@@ -25,16 +25,26 @@ impl CameraMatrices {
             [f64::from(axis[0]), f64::from(axis[1]), f64::from(axis[2]), -along]
         };
         let [x, y, z] = [frame.right, frame.up, frame.forward].map(row);
-        let half_height = (f64::from(camera.fov_y).to_radians() / 2.0).tan();
-        let half_width = half_height * f64::from(aspect);
-        let across: [f64; 4] = std::array::from_fn(|i| 0.5 * (x[i] / half_width + z[i]));
-        let down: [f64; 4] = std::array::from_fn(|i| 0.5 * (z[i] - y[i] / half_height));
         let join = |rows: [[f64; 4]; 4]| std::array::from_fn(|i| rows[i / 4][i % 4]);
         Some(Self {
             camera_from_world: join([x, y, z, [0.0, 0.0, 0.0, 1.0]]),
-            ndc_from_world: join([across, down, z, z]),
+            ndc_from_world: ndc([x, y, z], camera, f64::from(aspect)).map(join),
         })
     }
+}
+
+/// Rows of the matrix to the picture, of those that lead to the camera.
+fn ndc([x, y, z]: [[f64; 4]; 3], camera: &Camera, aspect: f64) -> Option<[[f64; 4]; 4]> {
+    const ONE: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
+    let (half_height, last) = match camera.projection {
+        Projection::Perspective => ((f64::from(camera.fov_y).to_radians() / 2.0).tan(), z),
+        Projection::Orthographic { height } => (f64::from(height) / 2.0, ONE),
+        Projection::Fisheye | Projection::Panorama => return None,
+    };
+    let half_width = half_height * aspect;
+    let across = std::array::from_fn(|i| 0.5 * (x[i] / half_width + last[i]));
+    let down = std::array::from_fn(|i| 0.5 * (last[i] - y[i] / half_height));
+    Some([across, down, z, last])
 }
 
 #[cfg(test)]
@@ -49,6 +59,7 @@ mod tests {
             target: [1.0, 2.0, -7.0],
             up: [0.0, 1.0, 0.0],
             fov_y: 90.0,
+            ..Camera::default()
         };
         let CameraMatrices { camera_from_world: to_camera, ndc_from_world: to_ndc } =
             CameraMatrices::new(&camera, 2.0).expect("a view");
@@ -58,10 +69,18 @@ mod tests {
             })
         };
         assert_eq!(apply(&to_camera, [1.0, 2.0, -1.0]), [0.0, 0.0, 4.0, 1.0], "4 in front of the eye");
+        let to_ndc = to_ndc.expect("a perspective is a matrix");
         let corner = apply(&to_ndc, [1.0 + 8.0, 2.0 - 4.0, -1.0]).map(|x| x / 4.0);
         assert!(
             (corner[0] - 1.0).abs() < 1e-6 && (corner[1] - 1.0).abs() < 1e-6,
             "the lower right corner: {corner:?}"
         );
+
+        let projection = Projection::Orthographic { height: 8.0 };
+        let parallel = CameraMatrices::new(&Camera { projection, ..camera.clone() }, 2.0).expect("a view");
+        let corner = apply(&parallel.ndc_from_world.expect("so is this"), [1.0 + 8.0, 2.0 - 4.0, -1.0]);
+        assert_eq!([corner[0], corner[1], corner[3]], [1.0; 3], "the lower right corner: {corner:?}");
+        let panorama = CameraMatrices::new(&Camera { projection: Projection::Panorama, ..camera }, 2.0);
+        assert_eq!(panorama.expect("a view").ndc_from_world, None, "no matrix leads there");
     }
 }

@@ -60,7 +60,7 @@ impl Cone {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::PerspectiveCamera;
+    use crate::camera::SceneCamera;
 
     #[test]
     fn widens_with_the_way() {
@@ -70,8 +70,9 @@ mod tests {
             target: [0.0, 0.0, -1.0],
             up: [0.0, 1.0, 0.0],
             fov_y: 90.0,
+            ..gnurt_scene::Camera::default()
         };
-        let camera = PerspectiveCamera::new(&camera).expect("a view");
+        let camera = SceneCamera::new(&camera).expect("a view");
         let options = RenderOptions { width: 200, height: 100, ..RenderOptions::default() };
         let cone = Cone::of(&camera, &options);
         assert_eq!(cone.width, 0.0, "from one eye");

@@ -42,7 +42,7 @@ pub mod world;
 
 pub use accumulation::{Accumulation, Progress, Silent};
 pub use bands::{ColorBand, FilmBand};
-pub use camera::PerspectiveCamera;
+pub use camera::SceneCamera;
 pub use camera_matrices::CameraMatrices;
 pub use error::{CheckpointError, CommitError, RenderError};
 pub use fingerprint::fingerprint;

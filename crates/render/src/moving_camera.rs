@@ -7,25 +7,25 @@ use gnurt_accel::{Moment, RayBatch};
 use gnurt_scene::Camera;
 use gnurt_shading::{CameraSamples, CameraShader};
 
-use crate::camera::PerspectiveCamera;
+use crate::camera::SceneCamera;
 
 /// A camera at moments evenly spaced over the time that the shutter is open.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingCamera {
-    keys: Vec<PerspectiveCamera>,
+    keys: Vec<SceneCamera>,
 }
 
 impl MovingCamera {
     /// Through these cameras, one or more; `None` if one of them has no view.
     #[must_use]
     pub fn new(keys: &[Camera]) -> Option<Self> {
-        let keys: Vec<PerspectiveCamera> = keys.iter().map(PerspectiveCamera::new).collect::<Option<_>>()?;
+        let keys: Vec<SceneCamera> = keys.iter().map(SceneCamera::new).collect::<Option<_>>()?;
         (!keys.is_empty()).then_some(Self { keys })
     }
 
     /// The camera at a moment from 0 to 1.
     #[must_use]
-    pub fn at(&self, time: f32) -> PerspectiveCamera {
+    pub fn at(&self, time: f32) -> SceneCamera {
         let moment = Moment::of(time, self.keys.len());
         self.keys[moment.key].between(&self.keys[moment.next], &moment)
     }
@@ -41,7 +41,7 @@ impl CameraShader for MovingCamera {
     }
 
     fn has_lens(&self) -> bool {
-        self.keys.iter().any(PerspectiveCamera::has_lens)
+        self.keys.iter().any(SceneCamera::has_lens)
     }
 }
 
@@ -57,6 +57,7 @@ mod tests {
             target: [x, 0.0, -1.0 - x],
             up: [0.0, 1.0, 0.0],
             fov_y: 90.0,
+            ..Camera::default()
         };
         let moving = MovingCamera::new(&[camera(0.0), camera(2.0), camera(6.0)]).expect("views");
         let mut rays = RayBatch::default();
@@ -66,7 +67,7 @@ mod tests {
         assert_eq!([0, 1, 2].map(|i| rays.get(i).org[0]), [1.0, 4.0, 6.0], "along its way");
         assert_eq!(rays.get(1).dir, [0.0, 0.0, -1.0], "the middle looks forward");
         let mut last = RayBatch::default();
-        let still = PerspectiveCamera::new(&camera(6.0)).expect("a view");
+        let still = SceneCamera::new(&camera(6.0)).expect("a view");
         still.rays(&CameraSamples::sharp(&places[2..]), 1.0, &mut last);
         assert_eq!(rays.get(2), last.get(0), "at the end as if it stood there");
         assert_eq!(MovingCamera::new(&[]), None, "nowhere");

@@ -246,6 +246,9 @@ impl<'w> BatchTracer<'w> {
             let mut dirs = Vec3s::default();
             lanes.iter().for_each(|&lane| dirs.push(Vec3::from(rays.get(lane).dir)));
             environment.miss(&dirs, &mut seen);
+            // Places of a picture where a camera sees nothing have rays without direction.
+            let nowhere = (0..dirs.len()).filter(|&i| dirs.get(i) == Vec3::ZERO);
+            nowhere.for_each(|i| seen.set(i, Vec3::ZERO));
         }
         seen
     }

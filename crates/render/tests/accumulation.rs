@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::*;
 use gnurt_image::Picture;
-use gnurt_render::{Accumulation, PerspectiveCamera, Progress, RenderOptions, Silent, World, render};
+use gnurt_render::{Accumulation, Progress, RenderOptions, SceneCamera, Silent, World, render};
 use gnurt_scene::material::Color;
 use gnurt_scene::{Light, Material, Surface};
 
 /// A mirror and a matte floor under two lights, one of them sampled.
-fn corner() -> (World, PerspectiveCamera) {
+fn corner() -> (World, SceneCamera) {
     let mut scene = floor(0.6, 5.0);
     let mirror = Material::of("", Surface::Mirror { reflectance: Color::constant([0.9; 3]) });
     let mirror = scene.add_material(mirror);

@@ -10,7 +10,7 @@ use std::sync::Arc;
 use crate::common::*;
 use glam::Vec3;
 use gnurt_render::{
-    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+    CommitOptions, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
 };
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
@@ -219,7 +219,7 @@ fn world(subject: &str, lamp: &str, up: f32, front: bool) -> World {
 /// Mean brightness of independent renderings, and the squared error of their mean.
 fn mean_by(
     world: &World,
-    view: &PerspectiveCamera,
+    view: &SceneCamera,
     options: &RenderOptions,
     threads: &rayon::ThreadPool,
 ) -> (f64, f64) {

@@ -3,14 +3,12 @@
 
 use crate::common::*;
 use gnurt_image::{ChannelData, Picture};
-use gnurt_render::{
-    Accumulation, CheckpointError, Integrator, PerspectiveCamera, RenderOptions, Silent, World,
-};
+use gnurt_render::{Accumulation, CheckpointError, Integrator, RenderOptions, SceneCamera, Silent, World};
 use gnurt_render::{render, render_on};
 use gnurt_scene::Scene;
 
 /// A floor, brightly lit in one corner, with a ball.
-fn still_life() -> (World, PerspectiveCamera) {
+fn still_life() -> (World, SceneCamera) {
     let mut scene: Scene = floor(0.6, 4.0);
     let red = matte(&mut scene, [0.7, 0.2, 0.1]);
     place(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 12, red));

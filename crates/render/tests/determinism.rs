@@ -6,14 +6,14 @@ use std::time::Duration;
 
 use crate::common::*;
 use gnurt_accel::RayBatch;
-use gnurt_render::{Integrator, PerspectiveCamera, Progress, RenderOptions, Silent, render, trace_pixel};
+use gnurt_render::{Integrator, Progress, RenderOptions, SceneCamera, Silent, render, trace_pixel};
 use gnurt_scene::material::Color;
 use gnurt_scene::{Light, Material, Scene, Surface};
 use gnurt_shading::{CameraSamples, CameraShader};
 use gnurt_simd::Level;
 
 /// A bit of everything.
-fn still_life() -> (Scene, PerspectiveCamera) {
+fn still_life() -> (Scene, SceneCamera) {
     let mut scene = floor(0.6, 5.0);
     let glass = Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: [0.9; 3] };
     let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };

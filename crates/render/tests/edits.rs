@@ -8,7 +8,7 @@ use crate::common::*;
 use glam::Vec3;
 use gnurt_image::{TexelData, Texels};
 use gnurt_render::{
-    CommitOptions, CommitReport, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World,
+    CommitOptions, CommitReport, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World,
     WorldStats, render,
 };
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
@@ -191,6 +191,7 @@ impl Edited {
             target: [0.0; 3],
             up: [0.0, 0.0, 1.0],
             fov_y: 40.0,
+            ..gnurt_scene::Camera::default()
         });
         let surface = |x| Arc::new(Glow(Vec3::splat(x))) as Arc<dyn SurfaceShader>;
         let shaders = ShaderTable { surfaces: vec![surface(0.2), surface(0.7)], ..ShaderTable::default() };
@@ -326,7 +327,7 @@ const SIZE: [u32; 2] = [12, 9];
 
 fn picture(
     world: &World,
-    camera: &PerspectiveCamera,
+    camera: &SceneCamera,
     integrator: Integrator,
     pool: &rayon::ThreadPool,
 ) -> Vec<[f32; 4]> {
@@ -358,7 +359,7 @@ fn any_edit_leads_to_the_picture_of_a_fresh_world() {
         edited.commit(&mut world, &pool);
         for step in 0..OF_ONE_SCENE {
             let integrator = INTEGRATORS[random.below(INTEGRATORS.len())];
-            let camera = PerspectiveCamera::new(&edited.scene.cameras()[0]).expect("a view");
+            let camera = SceneCamera::new(&edited.scene.cameras()[0]).expect("a view");
             let before = world.clone();
             let seen_before = picture(&before, &camera, integrator, &pool);
             let what: Vec<_> = (0..1 + random.below(2)).map(|_| edited.edit(&mut random)).collect();
@@ -372,7 +373,7 @@ fn any_edit_leads_to_the_picture_of_a_fresh_world() {
             drop(before);
             let mut fresh = World::new();
             let whole = edited.commit(&mut fresh, &pool);
-            let camera = PerspectiveCamera::new(&edited.scene.cameras()[0]).expect("a view");
+            let camera = SceneCamera::new(&edited.scene.cameras()[0]).expect("a view");
             let [found, wanted] =
                 [&world, &fresh].map(|world| bits(&picture(world, &camera, integrator, &pool)));
             assert!(found == wanted, "{what}: the picture of a fresh world");
@@ -436,7 +437,7 @@ fn what_is_not_due_is_not_made() {
     edited.commit(&mut world, &pool);
     let report = copy.commit(&mut world, &pool);
     assert_eq!(report.built_objects, 2, "a copy of a scene is another scene");
-    let camera = PerspectiveCamera::new(&copy.scene.cameras()[0]).expect("a view");
+    let camera = SceneCamera::new(&copy.scene.cameras()[0]).expect("a view");
     let mut fresh = World::new();
     copy.commit(&mut fresh, &pool);
     let [found, wanted] = [&world, &fresh].map(|world| picture(world, &camera, Integrator::Path, &pool));
@@ -449,7 +450,7 @@ fn errors_change_nothing() {
     let mut random = Random(3);
     let (mut edited, mut world, pool) = (Edited::new(&mut random), World::new(), pool(2));
     edited.commit(&mut world, &pool);
-    let camera = PerspectiveCamera::new(&edited.scene.cameras()[0]).expect("a view");
+    let camera = SceneCamera::new(&edited.scene.cameras()[0]).expect("a view");
     let before = picture(&world, &camera, Integrator::Path, &pool);
     edited.scene.edit_instance(InstanceId(0)).world_from_object = Affine::translation([0.5, 0.0, 0.0]);
     edited.scene.edit_material(MaterialId(0)).surface = Surface::Shader(9);

@@ -5,7 +5,7 @@
 
 use crate::common::*;
 use gnurt_image::Picture;
-use gnurt_render::{Accumulation, Integrator, PerspectiveCamera, RenderOptions, Silent, World, render};
+use gnurt_render::{Accumulation, Integrator, RenderOptions, SceneCamera, Silent, World, render};
 use gnurt_scene::Scene;
 
 const ALL: [Integrator; 3] = [
@@ -14,9 +14,9 @@ const ALL: [Integrator; 3] = [
     Integrator::MetropolisInstantRadiosity,
 ];
 
-fn cornell() -> (World, PerspectiveCamera) {
+fn cornell() -> (World, SceneCamera) {
     let scene = gnurt_scene::builtin::load("cornell").expect("it is built in");
-    (world_of(&scene, true), PerspectiveCamera::new(&scene.cameras()[0]).expect("a view"))
+    (world_of(&scene, true), SceneCamera::new(&scene.cameras()[0]).expect("a view"))
 }
 
 fn by(integrator: Integrator, interleave: u32, spp: u32) -> RenderOptions {
@@ -24,12 +24,12 @@ fn by(integrator: Integrator, interleave: u32, spp: u32) -> RenderOptions {
     RenderOptions { integrator, interleave, max_depth: 6, vpls: 360, ..options }
 }
 
-fn picture((world, camera): &(World, PerspectiveCamera), options: &RenderOptions) -> Picture {
+fn picture((world, camera): &(World, SceneCamera), options: &RenderOptions) -> Picture {
     render(world, camera, options, &pool(2), &Silent).expect("sound options").picture
 }
 
 /// A floor that bounces light of a lamp to a wall, on which the camera looks.
-fn wall() -> (World, PerspectiveCamera) {
+fn wall() -> (World, SceneCamera) {
     let mut scene = Scene::new();
     let (wall, ground, lamp) =
         (matte(&mut scene, [0.7; 3]), matte(&mut scene, [0.8; 3]), emitter(&mut scene, [30.0; 3]));

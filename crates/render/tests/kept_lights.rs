@@ -5,8 +5,8 @@
 
 use crate::common::*;
 use gnurt_render::{
-    Accumulation, CommitOptions, Integrator, KeptLights, PerspectiveCamera, RenderOptions, ShaderTable,
-    Silent, World, render,
+    Accumulation, CommitOptions, Integrator, KeptLights, RenderOptions, SceneCamera, ShaderTable, Silent,
+    World, render,
 };
 use gnurt_scene::{Camera, Scene};
 
@@ -26,17 +26,17 @@ fn cornell() -> Scene {
 }
 
 /// The room's camera, a little to the side.
-fn beside(scene: &Scene, step: u32) -> PerspectiveCamera {
+fn beside(scene: &Scene, step: u32) -> SceneCamera {
     let camera = &scene.cameras()[0];
     let side = 0.002 * f32::from(u8::from(step % 2 == 1)) * camera.eye.iter().map(|x| x.abs()).sum::<f32>();
     let moved = Camera { eye: [camera.eye[0] + side, camera.eye[1], camera.eye[2]], ..camera.clone() };
-    PerspectiveCamera::new(&moved).expect("a view")
+    SceneCamera::new(&moved).expect("a view")
 }
 
 fn look(
     kept: &mut KeptLights,
     world: &World,
-    camera: &PerspectiveCamera,
+    camera: &SceneCamera,
     options: &RenderOptions,
     threads: usize,
 ) -> Accumulation {

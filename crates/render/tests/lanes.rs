@@ -7,8 +7,7 @@ use std::sync::Arc;
 use crate::common::*;
 use gnurt_image::{TexelData, Texels};
 use gnurt_render::{
-    Accumulation, CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World,
-    render,
+    Accumulation, CommitOptions, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
 };
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, Wrap};
@@ -27,7 +26,7 @@ enum Lit {
 }
 
 /// A room of many things, of many materials.
-fn room(lit: Lit) -> (World, PerspectiveCamera) {
+fn room(lit: Lit) -> (World, SceneCamera) {
     let mut scene = Scene::new();
     let texel = |i: usize| [0.2 + 0.15 * (i % 5) as f32, 0.9 - 0.2 * (i % 4) as f32, 0.5, 1.0];
     let texels =

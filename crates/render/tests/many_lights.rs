@@ -5,7 +5,7 @@
 
 use crate::common::*;
 use gnurt_image::Picture;
-use gnurt_render::{Integrator, PerspectiveCamera, RenderOptions, Silent, World, render};
+use gnurt_render::{Integrator, RenderOptions, SceneCamera, Silent, World, render};
 use gnurt_scene::material::Color;
 use gnurt_scene::{Material, Scene, Surface};
 
@@ -13,17 +13,17 @@ use gnurt_scene::{Material, Scene, Surface};
 const SIZE: u32 = 24;
 const TILE: u32 = 8;
 
-fn cornell() -> (World, PerspectiveCamera) {
+fn cornell() -> (World, SceneCamera) {
     view(&gnurt_scene::builtin::load("cornell").expect("it is built in"), true)
 }
 
-fn view(scene: &Scene, force_diffuse: bool) -> (World, PerspectiveCamera) {
-    let camera = PerspectiveCamera::new(&scene.cameras()[0]).expect("a view");
+fn view(scene: &Scene, force_diffuse: bool) -> (World, SceneCamera) {
+    let camera = SceneCamera::new(&scene.cameras()[0]).expect("a view");
     (world_of(scene, force_diffuse), camera)
 }
 
 /// Means of tiles and channels, once for each of some independent renderings.
-fn tiles(view: &(World, PerspectiveCamera), options: &RenderOptions, batches: u64) -> Vec<Vec<f64>> {
+fn tiles(view: &(World, SceneCamera), options: &RenderOptions, batches: u64) -> Vec<Vec<f64>> {
     let threads = pool(2);
     let of_picture = |picture: &Picture| {
         let mut means = vec![0.0; ((SIZE / TILE) * (SIZE / TILE) * 3) as usize];

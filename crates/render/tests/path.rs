@@ -9,10 +9,11 @@ use crate::common::*;
 use glam::Vec3;
 use gnurt_image::Picture;
 use gnurt_render::{
-    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+    CommitOptions, Integrator, ReconstructionFilter, RenderOptions, SceneCamera, ShaderTable, Silent, World,
+    render,
 };
 use gnurt_scene::material::{Alpha, Opacity, OpacityChannel};
-use gnurt_scene::{Light, Material, MaterialId, Mesh, Scene, Surface};
+use gnurt_scene::{Camera, Lens, Light, Material, MaterialId, Mesh, Projection, Scene, Surface};
 use gnurt_shading::lights::PointLight;
 use gnurt_shading::{RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
@@ -210,7 +211,7 @@ fn lights_of_plugins_count_as_those_of_the_scene() {
 }
 
 /// A room of many things: mirrors, glass, holes, lamps, sky.
-fn room() -> (Scene, PerspectiveCamera) {
+fn room() -> (Scene, SceneCamera) {
     let mut scene = floor(ALBEDO, 4.0);
     let red = matte(&mut scene, [0.7, 0.2, 0.1]);
     place(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 12, red));
@@ -275,4 +276,63 @@ fn clamping_only_takes_light_away() {
     let options = path(32, 24, 8, 2);
     let wanted = render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture;
     assert_close(sums[2], mean(&wanted)[0], 1e-5, "direct light is never clamped");
+}
+
+/// A small lamp out of focus is a disc as wide as the circle of confusion, and its light is spread over it.
+/// Oracle: the thin lens's closed form on the plane in focus: aperture |distance - focus| / distance, for parallel rays over focus.
+#[test]
+fn lamps_out_of_focus_are_discs() {
+    const SIDE: u32 = 61;
+    let (half, distance, focus, aperture, seen) = (0.03_f32, 8.0_f32, 5.0_f32, 0.4_f32, 0.5_f32);
+    let mut scene = Scene::new();
+    let shine = emitter(&mut scene, [1000.0; 3]);
+    let edge = 2.0 * half;
+    place(&mut scene, quad([-half, -half, -distance], [edge, 0.0, 0.0], [0.0, edge, 0.0], shine));
+    let world = world_of(&scene, false);
+    let fov_y = 2.0 * (seen / 2.0 / focus).atan().to_degrees();
+    let lens = Lens { aperture, focus: Some(focus) };
+    for (projection, scale) in
+        [(Projection::Perspective, focus / distance), (Projection::Orthographic { height: seen }, 1.0)]
+    {
+        let camera = Camera { fov_y, projection, lens, ..Camera::default() };
+        let camera = SceneCamera::new(&camera).expect("a view");
+        for integrator in [Integrator::Path, Integrator::Whitted] {
+            let filter = ReconstructionFilter::Box;
+            let options = RenderOptions { integrator, filter, ..options(SIDE, SIDE, 64) };
+            let frame = render(&world, &camera, &options, &pool(2), &Silent).expect("sound options");
+            let lit: Vec<f64> = frame.picture.color.iter().map(|c| f64::from(c[0])).collect();
+            let sum: f64 = lit.iter().sum();
+            let across = |i: usize| f64::from(i as u32 % SIDE) - f64::from(SIDE / 2);
+            let moment = lit.iter().enumerate().map(|(i, x)| x * across(i).powi(2)).sum::<f64>() / sum;
+            let pixel = f64::from(seen) / f64::from(SIDE);
+            let [radius, half] =
+                [aperture / 2.0 * (distance - focus) / focus, half].map(|x| f64::from(x * scale));
+            // Of a disc, the lamp and a pixel; variances add up where shapes are smeared over each other.
+            let wanted = radius * radius / 4.0 + half * half / 3.0 + pixel * pixel / 12.0;
+            assert_close(
+                moment * pixel * pixel,
+                wanted,
+                0.03,
+                &format!("{projection} {integrator}: its size"),
+            );
+            let all = 1000.0 * (2.0 * half / pixel).powi(2);
+            assert_close(sum, all, 0.03, &format!("{projection} {integrator}: its light"));
+        }
+    }
+}
+
+/// Places where a fisheye sees nothing stay empty, whatever is around.
+#[test]
+fn nothing_is_seen_beyond_straight_back() {
+    let mut scene = Scene::new();
+    scene.add_light(environment([1.0; 3]));
+    let camera = Camera { projection: Projection::Fisheye, fov_y: 360.0, ..Camera::default() };
+    let camera = SceneCamera::new(&camera).expect("a view");
+    for integrator in [Integrator::Path, Integrator::Whitted, Integrator::InstantRadiosity] {
+        let options = RenderOptions { integrator, ..options(32, 32, 4) };
+        let picture = render(&world_of(&scene, false), &camera, &options, &pool(2), &Silent);
+        let color = picture.expect("sound options").picture.color;
+        assert_eq!(color[0][..3], [0.0; 3], "{integrator}: a corner");
+        assert_eq!(color[16 * 32 + 16][..3], [1.0; 3], "{integrator}: the middle");
+    }
 }

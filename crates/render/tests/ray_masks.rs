@@ -2,13 +2,13 @@
 //! Which rays see an instance: for each kind of ray the picture is that of the scene with or without it. Source: original.
 
 use crate::common::*;
-use gnurt_render::{Integrator, PerspectiveCamera, RenderOptions, Silent, World, render};
+use gnurt_render::{Integrator, RenderOptions, SceneCamera, Silent, World, render};
 use gnurt_scene::{InstanceId, Light, Material, RayMask, Scene, Surface};
 
 const INTEGRATORS: [Integrator; 2] = [Integrator::Path, Integrator::Whitted];
 
 /// What a narrow camera sees.
-fn seen(world: &World, camera: &PerspectiveCamera, integrator: Integrator) -> f32 {
+fn seen(world: &World, camera: &SceneCamera, integrator: Integrator) -> f32 {
     let options =
         RenderOptions { width: 2, height: 2, spp: 4, max_depth: 3, integrator, ..RenderOptions::default() };
     let frame = render(world, camera, &options, &pool(1), &Silent).expect("sound options");
@@ -102,6 +102,6 @@ fn lamps_that_other_rays_do_not_see_give_no_light() {
     assert_eq!(seen_of(&scene, &camera), 3.0, "the camera sees that it shines");
 }
 
-fn seen_of(scene: &Scene, camera: &PerspectiveCamera) -> f32 {
+fn seen_of(scene: &Scene, camera: &SceneCamera) -> f32 {
     seen(&world_of(scene, false), camera, Integrator::Path)
 }

@@ -9,7 +9,7 @@ use std::process::Command;
 
 use crate::common::*;
 use gnurt_image::Picture;
-use gnurt_render::{Integrator, PerspectiveCamera, RenderOptions, Silent, render};
+use gnurt_render::{Integrator, RenderOptions, SceneCamera, Silent, render};
 use gnurt_scene::Camera;
 
 struct Reference {
@@ -86,8 +86,8 @@ fn render_batches(reference: &Reference, folder: &Path, like: &RenderOptions, ba
     let loaded = gnurt_scene::io::load(folder.join(format!("{}.obj", reference.scene))).expect("it loads");
     let world = world_of(&loaded.scene, true);
     let Reference { eye, target, up, fov_y, width, .. } = *reference;
-    let camera = Camera { name: String::new(), eye, target, up, fov_y };
-    let camera = PerspectiveCamera::new(&camera).expect("a view");
+    let camera = Camera { name: String::new(), eye, target, up, fov_y, ..Camera::default() };
+    let camera = SceneCamera::new(&camera).expect("a view");
     let threads = pool(std::thread::available_parallelism().map_or(2, usize::from));
     let one = |seed| {
         let options = RenderOptions { seed, width, height: HEIGHT, ..like.clone() };

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use crate::common::*;
 use glam::Vec3;
 use gnurt_render::{
-    CommitOptions, Integrator, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
+    CommitOptions, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
 };
 use gnurt_scene::{Material, MaterialId, Scene, Surface};
 use gnurt_shading::{
@@ -92,7 +92,7 @@ enum By {
 }
 
 /// A room without a front, two blocks in it, and a lamp in a corner; `white` is what a white surface shows under light 1.
-fn view(by: By, white: f32, is_far: bool) -> (World, PerspectiveCamera) {
+fn view(by: By, white: f32, is_far: bool) -> (World, SceneCamera) {
     let mut scene = Scene::new();
     let mut shaders = ShaderTable::default();
     let mut matter = |scene: &mut Scene, color: [f32; 3]| -> MaterialId {
@@ -128,7 +128,7 @@ fn view(by: By, white: f32, is_far: bool) -> (World, PerspectiveCamera) {
 }
 
 /// Means of four parts of the picture and three channels, and their standard errors.
-fn parts((world, camera): &(World, PerspectiveCamera), options: &RenderOptions) -> Vec<[f64; 2]> {
+fn parts((world, camera): &(World, SceneCamera), options: &RenderOptions) -> Vec<[f64; 2]> {
     const BATCHES: u64 = 10;
     let batch = |seed| {
         let options = RenderOptions { seed, width: SIZE, height: SIZE, max_depth: 5, ..options.clone() };

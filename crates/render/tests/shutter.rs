@@ -7,8 +7,7 @@ use std::sync::Arc;
 use gnurt_accel::{Moment, MotionPath};
 use gnurt_image::Picture;
 use gnurt_render::{
-    CommitOptions, Integrator, MovingCamera, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World,
-    render,
+    CommitOptions, Integrator, MovingCamera, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
 };
 use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Affine, Camera, InstanceId, Light, LightId, Mesh, MeshId, Scene};
@@ -32,6 +31,7 @@ fn camera_at(x: f32) -> Camera {
         target: [0.3 * x, 1.0, 0.0],
         up: [0.0, 1.0, 0.0],
         fov_y: 40.0,
+        ..Camera::default()
     }
 }
 
@@ -222,7 +222,7 @@ fn pictures_are_the_mean_of_their_moments() {
 #[test]
 fn commits_after_an_open_shutter_are_those_of_fresh_worlds() {
     let room = room(true);
-    let camera = PerspectiveCamera::new(&room.cameras[0]).expect("a view");
+    let camera = SceneCamera::new(&room.cameras[0]).expect("a view");
     let options = Room::of_integrator(Integrator::Path, 1);
     let same = |found: &World, wanted: &World, what: &str| {
         let [found, wanted] = [found, wanted].map(|world| room.picture(world, &camera, &options).color);

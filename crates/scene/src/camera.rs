@@ -1,20 +1,85 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Perspective cameras.
+//! Cameras: where they stand, how they project, and their lens.
 //! Source: original; the frame is that of references/README point 5. Space: world; right-handed.
 
-/// A pinhole camera.
+use std::fmt;
+
+/// A camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// For people.
     pub name: String,
-    /// Where the pinhole is.
+    /// Where the pinhole, or the middle of the lens, is.
     pub eye: [f32; 3],
     /// A point in the middle of the picture.
     pub target: [f32; 3],
     /// What is up; need not be perpendicular to the view.
     pub up: [f32; 3],
-    /// Vertical angle of view in degrees, in (0, 180).
+    /// Vertical angle of view in degrees: in (0, 180) of perspectives, in (0, 360] of fisheyes; others do not read it.
     pub fov_y: f32,
+    /// How directions become places in the picture.
+    pub projection: Projection,
+    /// What it lets light in through.
+    pub lens: Lens,
+}
+
+impl Default for Camera {
+    /// A pinhole at the origin that looks along -z.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            eye: [0.0; 3],
+            target: [0.0, 0.0, -1.0],
+            up: [0.0, 1.0, 0.0],
+            fov_y: 45.0,
+            projection: Projection::default(),
+            lens: Lens::default(),
+        }
+    }
+}
+
+/// How directions become places in the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Projection {
+    /// Straight lines stay straight, what is far is small.
+    #[default]
+    Perspective,
+    /// All rays are parallel and begin in the plane of the eye.
+    Orthographic {
+        /// Of what the picture shows, world units.
+        height: f32,
+    },
+    /// The distance from the middle of the picture is the angle to the view (equidistant); `fov_y` is the angle between the upper and
+    /// the lower edge. Nothing is seen where the angle would be more than 180 degrees.
+    Fisheye,
+    /// All directions: across the picture those around the camera's up, the view in the middle; from its upper to its lower edge those from
+    /// straight up to straight down (equirectangular). Twice as wide as high, its pixels are square at the horizon.
+    Panorama,
+}
+
+impl Projection {
+    /// The words of all of them, as files and options have them.
+    pub const WORDS: [&str; 4] = ["perspective", "orthographic", "fisheye", "panorama"];
+}
+
+impl fmt::Display for Projection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Perspective => Self::WORDS[0],
+            Self::Orthographic { .. } => Self::WORDS[1],
+            Self::Fisheye => Self::WORDS[2],
+            Self::Panorama => Self::WORDS[3],
+        })
+    }
+}
+
+/// A thin, round lens. What is in focus lies in a plane across the view; for fisheyes and panoramas, which look everywhere, on a sphere.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lens {
+    /// Its diameter in world units; 0 = a pinhole, all is in focus.
+    pub aperture: f32,
+    /// Distance from the eye to what is in focus, world units, above 0; `None` = where the target is.
+    pub focus: Option<f32>,
 }
 
 /// The camera's axes in world space: unit vectors, perpendicular to each other.
@@ -31,6 +96,43 @@ pub struct Frame {
 }
 
 impl Camera {
+    /// Distance from the eye to what is in focus.
+    #[must_use]
+    pub fn focus_distance(&self) -> f32 {
+        let target = || {
+            (0..3).map(|k| (f64::from(self.target[k]) - f64::from(self.eye[k])).powi(2)).sum::<f64>().sqrt()
+                as f32
+        };
+        self.lens.focus.unwrap_or_else(target)
+    }
+
+    /// What keeps it from showing anything, in words, and what would be right; `None` if it can.
+    #[must_use]
+    pub fn fault(&self) -> Option<String> {
+        let Some(_) = self.frame().filter(|_| self.eye.iter().all(|x| x.is_finite())) else {
+            return Some("it has no view: eye and target must be finite and differ".into());
+        };
+        let [angle, focus] = [self.fov_y, self.focus_distance()];
+        match self.projection {
+            Projection::Perspective if !(angle > 0.0 && angle < 180.0) => Some(format!(
+                "its angle of view is {angle} degrees: that of a perspective is above 0 and below 180"
+            )),
+            Projection::Fisheye if !(angle > 0.0 && angle <= 360.0) => Some(format!(
+                "its angle of view is {angle} degrees: that of a fisheye is above 0 and at most 360"
+            )),
+            Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
+                Some(format!("the height of what it shows is {height}: it must be above 0"))
+            }
+            _ if !(self.lens.aperture >= 0.0 && self.lens.aperture.is_finite()) => {
+                Some(format!("its aperture is {}: it must be 0 or above", self.lens.aperture))
+            }
+            _ if !(focus > 0.0 && focus.is_finite()) => {
+                Some(format!("its distance of focus is {focus}: it must be above 0"))
+            }
+            _ => None,
+        }
+    }
+
     /// Its axes, computed in double precision; `None` if eye and target coincide or a value is not finite.
     #[must_use]
     pub fn frame(&self) -> Option<Frame> {
@@ -72,11 +174,37 @@ mod tests {
 
     #[test]
     fn frame_is_right_handed_and_survives_bad_up() {
-        let camera = |target, up| Camera { name: String::new(), eye: [0.0; 3], target, up, fov_y: 45.0 };
+        let camera = |target, up| Camera { target, up, ..Camera::default() };
         let frame = camera([0.0, 0.0, -5.0], [0.0, 3.0, 0.0]).frame().expect("a view");
         assert_eq!(frame.right, [1.0, 0.0, 0.0], "x is to the right when one looks along -z");
         assert!(!frame.up_replaced, "the up given was good");
         assert!(camera([0.0, 2.0, 0.0], [0.0, 1.0, 0.0]).frame().expect("a view").up_replaced, "parallel up");
         assert_eq!(camera([0.0; 3], [0.0, 1.0, 0.0]).frame(), None, "no view");
+    }
+
+    #[test]
+    fn faults_are_told() {
+        let fault = |edit: fn(&mut Camera)| {
+            let mut camera = Camera::default();
+            edit(&mut camera);
+            camera.fault()
+        };
+        assert_eq!(fault(|_| ()), None, "the default is sound");
+        let bad: [fn(&mut Camera); 9] = [
+            |c| c.eye = c.target,
+            |c| c.eye[0] = f32::NAN,
+            |c| c.fov_y = 180.0,
+            |c| (c.projection, c.fov_y) = (Projection::Fisheye, 361.0),
+            |c| c.projection = Projection::Orthographic { height: 0.0 },
+            |c| c.projection = Projection::Orthographic { height: f32::INFINITY },
+            |c| c.lens.aperture = -1.0,
+            |c| c.lens.aperture = f32::NAN,
+            |c| c.lens.focus = Some(0.0),
+        ];
+        for (i, bad) in bad.into_iter().enumerate() {
+            assert!(fault(bad).is_some(), "fault {i}");
+        }
+        assert_eq!(fault(|c| (c.projection, c.fov_y) = (Projection::Fisheye, 360.0)), None, "all around");
+        assert_eq!(fault(|c| (c.projection, c.fov_y) = (Projection::Panorama, 0.0)), None, "reads no angle");
     }
 }

@@ -22,7 +22,7 @@ mod waste;
 
 pub use affine::Affine;
 pub use animation::Animation;
-pub use camera::Camera;
+pub use camera::{Camera, Lens, Projection};
 pub use check::CheckError;
 pub use id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
 pub use light::Light;

@@ -5,7 +5,7 @@
 use crate::common::load_named;
 use gnurt_scene::io::Oddity;
 use gnurt_scene::material::{Alpha, TextureRef};
-use gnurt_scene::{Light, Material, RayMask, Scene, Surface};
+use gnurt_scene::{Lens, Light, Material, Projection, RayMask, Scene, Surface};
 
 /// Accessors: 0 = triangle (0,0,0) (1,0,0) (0,1,0) as floats, 1 = its first vertex three times, 2 = joints 0,
 /// 3 = weights 1, 4 = the triangle with vertex 2 replaced by (1,0,0) through a sparse accessor.
@@ -201,15 +201,42 @@ fn deep_and_cyclic_trees() {
 #[test]
 fn cameras_and_lights() {
     let scene = gltf(
-        r#""cameras":[{"type":"perspective","perspective":{"yfov":1.5707963,"znear":0.1}},{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"zfar":9,"znear":1}}],
+        r#""cameras":[{"type":"perspective","perspective":{"yfov":1.5707963,"znear":0.1}},{"type":"orthographic","orthographic":{"xmag":1,"ymag":1,"zfar":9,"znear":1}},{"type":"other"}],
         "extensions":{"KHR_lights_punctual":{"lights":[{"type":"directional","intensity":2,"color":[1,0.5,0]}]}},
-        "nodes":[{"camera":0,"translation":[1,2,3]},{"camera":1},{"extensions":{"KHR_lights_punctual":{"light":0}}}]"#,
+        "nodes":[{"camera":0,"translation":[1,2,3]},{"camera":1},{"camera":2},{"extensions":{"KHR_lights_punctual":{"light":0}}}]"#,
     );
-    let [camera] = scene.cameras() else { panic!("one camera can be used") };
+    let [camera, parallel] = scene.cameras() else { panic!("two cameras can be used") };
+    assert_eq!(parallel.projection, Projection::Orthographic { height: 2.0 }, "twice ymag");
     assert_eq!((camera.eye, camera.target), ([1.0, 2.0, 3.0], [1.0, 2.0, 2.0]), "it looks along -z");
     assert!((camera.fov_y - 90.0).abs() < 1e-3, "degrees: {}", camera.fov_y);
     let expected = Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0, 1.0, 0.0] };
     assert_eq!(scene.lights(), [expected], "colour times intensity");
+}
+
+#[test]
+fn lenses_and_wide_views_are_among_the_extras() {
+    let file = |extras: &str| {
+        let bytes = r#"{ "asset": { "version": "2.0" }, "nodes": [{ "camera": 0 }],
+            "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 }, "extras": EXTRAS }] }"#;
+        let loaded = crate::common::load_named("cameras.gltf", bytes.replace("EXTRAS", extras).as_bytes());
+        let loaded = loaded.unwrap_or_else(|e| panic!("{extras}: {e}"));
+        let camera = &loaded.scene.cameras()[0];
+        (camera.projection, camera.fov_y, camera.lens, loaded.warnings.count(Oddity::CameraExtras))
+    };
+    let (pinhole, plain) = (Lens::default(), 1.0_f32.to_degrees());
+    let lens = Lens { aperture: 0.5, focus: Some(3.0) };
+    for (extras, wanted) in [
+        ("{}", (Projection::Perspective, plain, pinhole, 0)),
+        (r#""aperture""#, (Projection::Perspective, plain, pinhole, 0)),
+        (r#"{ "aperture": 0.5, "focus": 3 }"#, (Projection::Perspective, plain, lens, 0)),
+        (r#"{ "projection": "fisheye" }"#, (Projection::Fisheye, 180.0, pinhole, 0)),
+        (r#"{ "projection": "fisheye", "fov": 220 }"#, (Projection::Fisheye, 220.0, pinhole, 0)),
+        (r#"{ "projection": "panorama" }"#, (Projection::Panorama, plain, pinhole, 0)),
+        (r#"{ "projection": "cube" }"#, (Projection::Perspective, plain, pinhole, 1)),
+        (r#"{ "aperture": -1, "focus": 0 }"#, (Projection::Perspective, plain, pinhole, 2)),
+    ] {
+        assert_eq!(file(extras), wanted, "{extras}");
+    }
 }
 
 #[test]

@@ -8,7 +8,7 @@ use gnurt_scene::builtin;
 use gnurt_scene::io::{load, save};
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
-use gnurt_scene::{Material, RayMask, Scene, Surface, TextureId};
+use gnurt_scene::{Camera, Lens, Material, Projection, RayMask, Scene, Surface, TextureId};
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -87,6 +87,28 @@ fn cameras_lights_and_instances_come_back() {
     assert!((0..3).all(|k| (f.forward[k] - g.forward[k]).abs() < 1e-5), "the direction");
     assert_eq!(back.instances().len(), scene.instances().len(), "instances stay instances");
     assert_eq!(back.lights()[0], scene.lights()[0], "the point light");
+}
+
+#[test]
+fn cameras_of_all_kinds_come_back() {
+    let mut scene = builtin::load("spheres").expect("it is built in");
+    let lens = Lens { aperture: 0.25, focus: Some(7.5) };
+    let projections = [
+        Projection::Perspective,
+        Projection::Orthographic { height: 3.5 },
+        Projection::Fisheye,
+        Projection::Panorama,
+    ];
+    for projection in projections {
+        scene.add_camera(Camera { projection, lens, ..scene.cameras()[0].clone() });
+    }
+    let back = there_and_back(&scene, "a.gltf");
+    for (before, after) in scene.cameras().iter().zip(back.cameras()) {
+        assert_eq!((before.projection, before.lens), (after.projection, after.lens), "{before:?}");
+        let reads_angle = matches!(before.projection, Projection::Perspective | Projection::Fisheye);
+        assert!(!reads_angle || (before.fov_y - after.fov_y).abs() < 1e-4, "{after:?}");
+    }
+    assert_eq!(back.cameras().len(), scene.cameras().len(), "all of them");
 }
 
 #[test]

@@ -8,6 +8,7 @@ pub mod bsdf;
 pub mod classes;
 pub mod lanes;
 pub mod lights;
+mod look_camera;
 pub mod materials;
 pub mod mipmap;
 mod point;
@@ -18,6 +19,7 @@ mod texels;
 pub mod texture;
 
 pub use batch::{Detail, SampleKey, SurfaceBatch, Vec3s};
+pub use look_camera::{Look, LookCamera};
 pub use point::{Leaving, Rays, SurfacePoint};
 pub use shader::{
     AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, LightBatch, LightShader,

@@ -320,6 +320,7 @@ mod tests {
             target: [0.0; 3],
             up: [0.0, 1.0, 0.0],
             fov_y: 45.0,
+            ..Camera::default()
         };
         Controls::new(&camera, Shown::all()[0], Exposure::default(), [400, 200]).expect("a view")
     }

@@ -4,7 +4,7 @@
 
 use gnurt::ThreadPool;
 use gnurt::denoise;
-use gnurt::render::{Accumulation, KeptLights, PerspectiveCamera, Progress, RenderOptions, World};
+use gnurt::render::{Accumulation, KeptLights, Progress, RenderOptions, SceneCamera, World};
 use gnurt::scene::Camera;
 
 use crate::error::ViewError;
@@ -45,7 +45,7 @@ pub(crate) struct Eye {
 
 struct Making {
     accumulation: Accumulation,
-    rays: PerspectiveCamera,
+    rays: SceneCamera,
     shown: Shown,
     /// Distance from eye to target.
     reach: f32,
@@ -78,7 +78,7 @@ impl Eye {
             heatmap: false,
             ..self.options.clone()
         };
-        let rays = PerspectiveCamera::new(&sight.camera).ok_or(ViewError::NoView)?;
+        let rays = SceneCamera::new(&sight.camera).ok_or(ViewError::NoView)?;
         let accumulation = match self.making.take() {
             Some(mut making) => making.accumulation.restart(options).map(|()| making.accumulation),
             None => Accumulation::new(options),

@@ -6,7 +6,7 @@
 //! within rounding. Proof: `tests`.
 
 use glam::{DQuat, DVec3};
-use gnurt::scene::Camera;
+use gnurt::scene::{Camera, Projection};
 
 /// A camera in motion.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,8 +15,8 @@ pub struct Flight {
     target: DVec3,
     /// Unit; yaw turns about it.
     up: DVec3,
-    fov_y: f32,
-    name: String,
+    /// All of it but its place.
+    like: Camera,
     /// The camera that it began with, while nothing has moved: what was given is printed and rendered as it was.
     untouched: Option<Camera>,
 }
@@ -38,8 +38,7 @@ impl Flight {
             eye: DVec3::from(camera.eye.map(f64::from)),
             target: DVec3::from(camera.target.map(f64::from)),
             up,
-            fov_y: camera.fov_y,
-            name: camera.name.clone(),
+            like: camera.clone(),
             untouched: Some(camera.clone()),
         })
     }
@@ -49,11 +48,10 @@ impl Flight {
     pub fn camera(&self) -> Camera {
         let single = |v: DVec3| v.to_array().map(|x| x as f32);
         self.untouched.clone().unwrap_or_else(|| Camera {
-            name: self.name.clone(),
             eye: single(self.eye),
             target: single(self.target),
             up: single(self.up),
-            fov_y: self.fov_y,
+            ..self.like.clone()
         })
     }
 
@@ -88,12 +86,16 @@ impl Flight {
         }
     }
 
-    /// Moves the eye to `factor` times its distance from the target.
+    /// Moves the eye to `factor` times its distance from the target; where all rays are parallel, what is seen is so many times as large.
     pub fn dolly(&mut self, factor: f64) {
         let farthest = 1.0 / NEAREST;
         let scale = self.scale();
         let distance = (self.distance() * factor).clamp(NEAREST * scale, farthest * scale);
         let arm = (self.eye - self.target) / self.distance() * distance;
+        let ratio = distance / self.distance();
+        if let Projection::Orthographic { height } = &mut self.like.projection {
+            *height = (f64::from(*height) * ratio) as f32;
+        }
         self.place(self.target + arm, self.target);
     }
 
@@ -107,7 +109,14 @@ impl Flight {
     /// Moves eye and target so that what is at the target's distance follows a cursor that moves by `pixels` (right, down)
     /// in a picture of `height` pixels.
     pub fn pan(&mut self, pixels: [f64; 2], height: f64) {
-        let unit = 2.0 * self.distance() * (f64::from(self.fov_y).to_radians() / 2.0).tan() / height.max(1.0);
+        let half_angle = f64::from(self.like.fov_y).to_radians() / 2.0;
+        let seen = match self.like.projection {
+            Projection::Perspective => 2.0 * self.distance() * half_angle.tan(),
+            Projection::Orthographic { height } => f64::from(height),
+            Projection::Fisheye => 2.0 * self.distance() * half_angle,
+            Projection::Panorama => self.distance() * std::f64::consts::PI,
+        };
+        let unit = seen / height.max(1.0);
         self.fly([-pixels[0] * unit, pixels[1] * unit, 0.0]);
     }
 
@@ -137,7 +146,14 @@ mod tests {
     use std::f64::consts::{FRAC_PI_2, PI};
 
     fn camera() -> Camera {
-        Camera { name: "a".into(), eye: [0.0, 0.0, 4.0], target: [0.0; 3], up: [0.0, 2.0, 0.0], fov_y: 90.0 }
+        Camera {
+            name: "a".into(),
+            eye: [0.0, 0.0, 4.0],
+            target: [0.0; 3],
+            up: [0.0, 2.0, 0.0],
+            fov_y: 90.0,
+            ..Camera::default()
+        }
     }
 
     fn flight() -> Flight {

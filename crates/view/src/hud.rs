@@ -110,6 +110,7 @@ mod tests {
             target: [0.0; 3],
             up: [0.0, 1.0, 0.0],
             fov_y: 45.0,
+            ..gnurt::scene::Camera::default()
         };
         let mut controls =
             Controls::new(&camera, Shown::Albedo, Exposure::default(), [200, 100]).expect("a view");

@@ -6,6 +6,7 @@
 //! display libraries are opened only when a window is.
 #![forbid(unsafe_code)]
 
+mod camera_options;
 mod controls;
 mod error;
 mod exposure;
@@ -29,6 +30,7 @@ mod text;
 mod watch;
 mod window;
 
+pub use camera_options::camera_options;
 pub use controls::{Controls, Effect};
 pub use error::ViewError;
 pub use exposure::Exposure;

@@ -516,7 +516,7 @@ impl Work {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use gnurt::render::{CommitOptions, Integrator, PerspectiveCamera, ShaderTable, Silent, World, render};
+    use gnurt::render::{CommitOptions, Integrator, SceneCamera, ShaderTable, Silent, World, render};
     use std::sync::mpsc::{Receiver, channel};
     use std::time::Duration;
 
@@ -590,7 +590,7 @@ mod tests {
         wait_for(&looker, "finished picture", |front| is_finished(front) && front.view == view);
         let pool = gnurt::thread_pool(1).expect("a thread");
         let stage = load(&pool).expect("the box");
-        let camera = PerspectiveCamera::new(&wish.camera).expect("a view");
+        let camera = SceneCamera::new(&wish.camera).expect("a view");
         let options = RenderOptions { width: 61, height: 47, ..options() };
         let frame = render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options");
         assert!(looker.front().colors == frame.picture.color, "the same bits");
@@ -632,7 +632,7 @@ mod tests {
         wait_for(&looker, "clean picture", |front| is_finished(front) && front.readings.denoised);
         let pool = gnurt::thread_pool(1).expect("a thread");
         let stage = load(&pool).expect("the box");
-        let camera = PerspectiveCamera::new(&wish.camera).expect("a view");
+        let camera = SceneCamera::new(&wish.camera).expect("a view");
         let options = RenderOptions { width: 61, height: 47, aovs: true, ..options() };
         let mut picture =
             render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options").picture;
@@ -702,7 +702,7 @@ mod tests {
             wait_for(&looker, "moment", |front| is_finished(front) && front.view == view);
             let mut stage = falling(&pool).expect("a box");
             stage.show(moment, &pool).expect("it can be shown");
-            let camera = PerspectiveCamera::new(&wish.camera).expect("a view");
+            let camera = SceneCamera::new(&wish.camera).expect("a view");
             let options = RenderOptions { width: 61, height: 47, ..options() };
             let frame = render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options");
             assert!(looker.front().colors == frame.picture.color, "{moment:?}: the same bits");

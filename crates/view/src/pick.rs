@@ -5,7 +5,7 @@
 use std::fmt;
 
 use gnurt::accel::RayBatch;
-use gnurt::render::PerspectiveCamera;
+use gnurt::render::SceneCamera;
 use gnurt::scene::Camera;
 use gnurt::shading::{CameraSamples, CameraShader};
 
@@ -34,7 +34,7 @@ impl Pick {
     /// What a camera sees in the middle of a pixel of a picture of `size`; `None` if that is nothing.
     #[must_use]
     pub fn at(stage: &Stage, camera: &Camera, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Option<Self> {
-        let rays = PerspectiveCamera::new(camera)?;
+        let rays = SceneCamera::new(camera)?;
         let middle = |at: u32, side: u32| (f64::from(at) + 0.5) / f64::from(side.max(1));
         let place = [middle(x, width) as f32, (1.0 - middle(y, height)) as f32];
         let mut batch = RayBatch::default();
@@ -103,8 +103,14 @@ mod tests {
             .commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool)
             .expect("the scene is sound");
         let stage = Stage { scene, world, files: Vec::new(), clip: None, faults: Box::new(Vec::new) };
-        let camera =
-            |target| Camera { name: String::new(), eye: [0.0; 3], target, up: [0.0, 1.0, 0.0], fov_y: 45.0 };
+        let camera = |target| Camera {
+            name: String::new(),
+            eye: [0.0; 3],
+            target,
+            up: [0.0, 1.0, 0.0],
+            fov_y: 45.0,
+            ..Camera::default()
+        };
         let pick =
             Pick::at(&stage, &camera([0.0, 0.0, -1.0]), [50, 50], [101, 101]).expect("a wall is ahead");
         assert_eq!(pick.instance, (1, "wall".into()), "the near one");

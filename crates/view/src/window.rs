@@ -21,6 +21,7 @@ use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop, EventLoopProxy}
 use winit::keyboard::{Key as WinitKey, NamedKey};
 use winit::window::{Fullscreen, Window, WindowId};
 
+use crate::camera_options::camera_options;
 use crate::controls::{Controls, Effect};
 use crate::error::ViewError;
 use crate::exposure::Exposure;
@@ -297,15 +298,11 @@ impl App {
     }
 
     fn print_camera(&mut self) {
-        let Camera { eye, target, up, fov_y, .. } = self.controls.flight.camera();
+        let camera = self.controls.flight.camera();
+        let Camera { eye, target, .. } = camera;
         let point = |[x, y, z]: [f32; 3]| format!("{x},{y},{z}");
         let stops = self.controls.exposure.stops;
-        let options = format!(
-            "--eye {} --target {} --up {} --fov {fov_y} --exposure {stops}",
-            point(eye),
-            point(target),
-            point(up)
-        );
+        let options = format!("{} --exposure {stops}", camera_options(&camera));
         self.listener.camera(&options);
         self.say(vec![format!("--eye {}", point(eye)), format!("--target {}", point(target))]);
     }

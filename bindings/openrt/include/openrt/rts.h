@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  *
- * The interface between libOpenRT and shader plugins, version 1.0.
+ * The interface between libOpenRT and shader plugins, version 1.1.
  *
  * Copyright (C) the GNU RT authors. This file is part of GNU RT, which is free software: you can redistribute it
  * and/or modify it under the terms of the GNU General Public License as published by the Free Software Foundation,
@@ -68,7 +68,7 @@ extern "C" {
 #endif
 
 /* The version that this header describes: major << 16 | minor. */
-#define RTS_ABI 0x00010000u
+#define RTS_ABI 0x00010001u
 
 /* Three floats per lane: lane i is (x[i], y[i], z[i]). */
 typedef struct { const float *x, *y, *z; } RTSvec;
@@ -193,6 +193,12 @@ typedef struct {
     /* Cameras: the ray through (x, y), both in [0, 1], (0, 0) = lower left; directions of any length. */
     void (*camera)(const RTShost *host, RTSctx *ctx, const void *block, uint32_t n,
                    const float *x, const float *y, RTSvecm org, RTSvecm dir);
+
+    /* Since 1.1. Cameras with a lens or a shutter: called in place of `camera`, which may then be NULL, but which hosts of version 1.0
+     * need. lens_x, lens_y: where the ray goes through the lens, two numbers in [0, 1) that are uniform over all that lets light in;
+     * 0.5, 0.5 is the middle. time: when, from 0 = the shutter opens to 1 = it closes; 0.5 where nothing moves. */
+    void (*camera_lens)(const RTShost *host, RTSctx *ctx, const void *block, uint32_t n, const float *x, const float *y,
+                        const float *lens_x, const float *lens_y, const float *time, RTSvecm org, RTSvecm dir);
 } RTSclass;
 
 /* What a plugin offers. */

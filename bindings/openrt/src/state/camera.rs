@@ -24,7 +24,8 @@ impl View {
     /// From an eye to a point; `None` if that is no view.
     pub(crate) fn looking(eye: [f64; 3], center: [f64; 3], up: [f64; 3]) -> Option<Self> {
         let [eye, target, up] = [eye, center, up].map(|v| v.map(|x| x as f32));
-        let camera = Camera { name: String::new(), eye, target, up, fov_y: DEFAULT_FOV as f32 };
+        let camera =
+            Camera { name: String::new(), eye, target, up, fov_y: DEFAULT_FOV as f32, ..Camera::default() };
         let all_finite = [eye, target, up].iter().flatten().all(|x| x.is_finite());
         let frame = camera.frame().filter(|_| all_finite)?;
         Some(Self { eye, axes: [frame.right, frame.up, frame.forward] })

@@ -98,6 +98,51 @@ static void pinhole(void)
     rtSceneMode(RT_RETAINED);
 }
 
+/* How much of the square cameras of each kind see from (0, 0, 2). */
+static void looking(void)
+{
+    static const char *const names[4] = { "OrthographicCameraShader", "ThinLensCameraShader", "FisheyeCameraShader",
+                                          "PanoramicCameraShader" };
+    const double pi = acos(-1.0);
+    int kind, i;
+    for (kind = 0; kind < 4; kind++) {
+        const RTuint camera = shader_of(names[kind]);
+        int wanted = 0;
+        set3("eye", 0, 0, 2);
+        set3("target", 0, 0, 0);
+        if (kind == 0)
+            rtParameter1f(rtParameterHandle("height"), 3.7f);
+        else if (kind == 1)
+            rtParameter1f(rtParameterHandle("fov"), 80);
+        constant_shader(1, 1, 1);
+        object_of_square();
+        rtUseCamera(camera);
+        rtRender();
+        for (i = 0; i < WIDTH * HEIGHT; i++) {
+            const double x = x_of(i), y = y_of(i), angle = sqrt(x * x + y * y) * pi / 2, up = y * pi / 2;
+            double right = x * 1.85, above = y * 1.85;
+            if (kind == 1) {
+                right = 2 * x * tan(40 * pi / 180), above = 2 * y * tan(40 * pi / 180);
+            } else if (kind == 2) {
+                right = 2 * tan(angle) * x / sqrt(x * x + y * y), above = 2 * tan(angle) * y / sqrt(x * x + y * y);
+                right = angle < pi / 2 ? right : 9;
+            } else if (kind == 3) {
+                right = fabs(x) < 0.5 ? 2 * tan(x * pi) : 9, above = 2 * tan(up) / cos(x * pi);
+            }
+            wanted += fabs(right) < 1 && fabs(above) < 1;
+        }
+        if (covered() != wanted || wanted == 0) {
+            printf("%s sees the square in %d pixels, not %d\n", names[kind], covered(), wanted);
+            failures++;
+        }
+        rtClearInstances();
+    }
+    /* Immediate mode forgets the camera with this frame. */
+    rtSceneMode(RT_IMMEDIATE);
+    rtRender();
+    rtSceneMode(RT_RETAINED);
+}
+
 static const RTubyte texels[2][3][3] = { { { 255, 0, 0 }, { 0, 255, 0 }, { 0, 0, 255 } },
                                          { { 255, 255, 0 }, { 0, 255, 255 }, { 255, 0, 255 } } };
 
@@ -220,6 +265,7 @@ int main(void)
     look_at_square();
     point_light();
     pinhole();
+    looking();
     textures();
     depth();
     normals();

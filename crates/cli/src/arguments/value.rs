@@ -12,6 +12,7 @@ use gnurt::accel::Memory;
 use gnurt::denoise::Method;
 use gnurt::image::ToneCurve;
 use gnurt::render::{Integrator, Piece, ReconstructionFilter};
+use gnurt::scene::Projection;
 use gnurt::scene::builtin::SKIES;
 use gnurt::simd::Level;
 use gnurt::{BUILTIN, Surroundings};
@@ -169,12 +170,39 @@ pub(crate) fn direction(text: &str) -> Result<[f32; 3], String> {
     }
 }
 
-/// Degrees between 0 and 180.
+/// Degrees above 0, up to 360; how many a projection takes shows when it is known.
 pub(crate) fn angle_of_view(text: &str) -> Result<f32, String> {
     let degrees = number(text)?;
-    // An angle that rounds to 0 or to 180 in single precision shows nothing either.
-    let usable = (1e-4..=179.999).contains(&degrees);
-    if usable { Ok(degrees) } else { Err("give degrees above 0 and below 180".into()) }
+    // An angle that rounds to 0 in single precision shows nothing either.
+    let usable = (1e-4..=360.0).contains(&degrees);
+    if usable {
+        Ok(degrees)
+    } else {
+        Err("give degrees above 0 and below 180, or of a fisheye at most 360".into())
+    }
+}
+
+/// A projection's name; the height of an orthographic one comes by an option of its own and is 0 here.
+pub(crate) fn projection(name: &str) -> Result<Projection, String> {
+    let all = [
+        Projection::Perspective,
+        Projection::Orthographic { height: 0.0 },
+        Projection::Fisheye,
+        Projection::Panorama,
+    ];
+    by_name("projection", name, &all)
+}
+
+/// A length above 0.
+pub(crate) fn length(text: &str) -> Result<f32, String> {
+    let length = number(text)?;
+    if length > 0.0 { Ok(length) } else { Err("give a length above 0".into()) }
+}
+
+/// A diameter of 0 or above.
+pub(crate) fn aperture(text: &str) -> Result<f32, String> {
+    let diameter = number(text)?;
+    if diameter >= 0.0 { Ok(diameter) } else { Err("give a diameter of 0 or above".into()) }
 }
 
 /// 1 to 2^31 - 1.
@@ -522,7 +550,7 @@ mod tests {
             assert!(point(bad).is_err(), "'{bad}' is no point");
         }
         assert!(direction("0,0,-0").is_err(), "no direction");
-        for bad in ["0", "180", "-5", "360", "nan", "1e-9", "179.99999"] {
+        for bad in ["0", "-5", "361", "nan", "1e-9"] {
             assert!(angle_of_view(bad).is_err(), "'{bad}' is no angle of view");
         }
         assert_eq!(samples("2147483647"), Ok(2_147_483_647), "the most samples");

@@ -10,6 +10,7 @@ use gnurt::accel::Memory;
 use gnurt::image::{Picture, ToneCurve, exposure_for};
 use gnurt::look::TONE;
 use gnurt::render::{Integrator, ReconstructionFilter};
+use gnurt::scene::Projection;
 use gnurt::simd::Level;
 
 use super::value::{self, ExposureChoice, Resolution, ShaderChoice};
@@ -114,9 +115,21 @@ pub(crate) struct ViewArguments {
     /// What is up in the picture
     #[arg(hide_short_help = true, long, value_name = "X,Y,Z", value_parser = value::direction, allow_hyphen_values = true)]
     pub(crate) up: Option<[f32; 3]>,
-    /// Vertical angle of view in degrees
+    /// Vertical angle of view in degrees; above 0, below 180, of fisheyes at most 360
     #[arg(hide_short_help = true, long, value_name = "DEGREES", value_parser = value::angle_of_view, allow_hyphen_values = true)]
     pub(crate) fov: Option<f32>,
+    /// How directions become places in the picture: perspective, orthographic, fisheye, panorama
+    #[arg(hide_short_help = true, long, value_name = "NAME", value_parser = value::projection)]
+    pub(crate) projection: Option<Projection>,
+    /// Height of what an orthographic camera shows [default: what the perspective would show at the target]
+    #[arg(hide_short_help = true, long, value_name = "UNITS", value_parser = value::length, allow_hyphen_values = true)]
+    pub(crate) view_height: Option<f32>,
+    /// Diameter of the lens: what is not in focus becomes soft; 0 = a pinhole
+    #[arg(hide_short_help = true, long, value_name = "UNITS", value_parser = value::aperture, allow_hyphen_values = true)]
+    pub(crate) aperture: Option<f32>,
+    /// Distance from the camera to what is in focus [default: where the target is]
+    #[arg(hide_short_help = true, long, value_name = "UNITS", value_parser = value::length, allow_hyphen_values = true)]
+    pub(crate) focus: Option<f32>,
     #[command(flatten)]
     pub(crate) surroundings: SurroundingsArguments,
 }

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use gnurt::image::{self, WriteOptions};
-use gnurt::render::{CommitOptions, PerspectiveCamera, RenderOptions, ShaderTable, World};
+use gnurt::render::{CommitOptions, RenderOptions, SceneCamera, ShaderTable, World};
 use gnurt_bench::light::{self, Truth};
 use gnurt_bench::light_plot;
 
@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
 fn truth(
     arguments: &BenchLightArguments,
     world: &World,
-    camera: &PerspectiveCamera,
+    camera: &SceneCamera,
     options: &RenderOptions,
     pool: &gnurt::ThreadPool,
     messages: Messages,

@@ -10,6 +10,7 @@ use gnurt::defaults::{Bounds, bounds_of};
 use gnurt::render::{CommitOptions, ShaderTable, World, WorldStats};
 use gnurt::scene::animation::Clip;
 use gnurt::scene::{Animation, Light, Mesh, Scene};
+use gnurt_view::camera_options;
 use serde_json::{Value, json};
 
 use crate::arguments::InfoArguments;
@@ -136,10 +137,7 @@ impl Inventory {
         row("lights", format!("{}, {} emissive triangles", lights(scene.lights()), self.emitting));
         row("cameras", scene.cameras().len().to_string());
         for (index, camera) in scene.cameras().iter().enumerate() {
-            let list = |v: [f32; 3]| v.map(|x| x.to_string()).join(",");
-            let (eye, target, up) = (list(camera.eye), list(camera.target), list(camera.up));
-            let place = format!("--eye {eye} --target {target} --up {up} --fov {}", camera.fov_y);
-            row("", format!("{index} '{}': {place}", camera.name));
+            row("", format!("{index} '{}': {}", camera.name, camera_options(camera)));
         }
         if let Some(animation) = scene.animation() {
             row("animations", animation.clips.len().to_string());

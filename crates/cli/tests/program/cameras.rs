@@ -78,3 +78,32 @@ fn crops_keep_the_frame() {
         assert_eq!(*cut, expected, "pixel {x},{y}");
     }
 }
+
+#[test]
+fn projections_and_lenses_are_options() {
+    let folder = folder();
+    let view = "--eye 0,1,5 --target 0,1,0";
+    render(&folder, &format!("{view} -o plain.pfm"));
+    for change in [
+        "--projection orthographic",
+        "--projection orthographic --view-height 9",
+        "--projection fisheye --fov 220",
+        "--projection panorama",
+        "--aperture 2 --focus 2.5 --spp 4",
+    ] {
+        render(&folder, &format!("{view} {change} -o changed.pfm"));
+        assert_ne!(folder.read("plain.pfm"), folder.read("changed.pfm"), "{change} changes the picture");
+    }
+    for (wrong, word) in [
+        ("--view-height 3", "--projection orthographic"),
+        ("--focus 3", "--aperture"),
+        ("--fov 200", "180"),
+        ("--projection cube", "panorama"),
+        ("--projection perspektive", "did you mean"),
+        ("--aperture -1", "0 or above"),
+    ] {
+        let run = folder.gnurt(&format!("render a.obj {view} {wrong} -o p.png"));
+        assert_eq!(run.status, Some(2), "{wrong}: {}", run.stderr);
+        assert!(run.stderr.contains(word), "{wrong}: {}", run.stderr);
+    }
+}

@@ -28,6 +28,7 @@ pub fn framing(bounds: Option<Bounds>, aspect: f32) -> Camera {
         target: center.map(single),
         up: [0.0, 1.0, 0.0],
         fov_y: ANGLE as f32,
+        ..Camera::default()
     }
 }
 

@@ -7,7 +7,7 @@
 
 use super::{bounds_of, sight};
 use crate::image::srgb;
-use crate::scene::{Affine, Camera, Light, Material, Mesh, Scene};
+use crate::scene::{Affine, Camera, Light, Material, Mesh, Projection, Scene};
 
 /// Irradiance of the key light.
 const KEY: f32 = 2.4;
@@ -133,7 +133,10 @@ pub fn lit_within(scene: &Scene, camera: &Camera) -> Option<[Light; 2]> {
         let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
         v.map(|x| x / length)
     };
-    let half_height = f64::from(camera.fov_y.to_radians() / 2.0).tan();
+    let half_height = match camera.projection {
+        Projection::Perspective => f64::from(camera.fov_y.to_radians() / 2.0).tan(),
+        _ => 1.0,
+    };
     let [columns, rows] = SIGHTS;
     let centre = |i: u32, n: u32| (2.0 * f64::from(i) + 1.0) / f64::from(n) - 1.0;
     let pixels = (0..rows).flat_map(|y| (0..columns).map(move |x| (centre(x, columns), centre(y, rows))));
@@ -181,6 +184,7 @@ mod tests {
             target: [0.0, 0.0, -1.0],
             up: [0.0, 1.0, 0.0],
             fov_y: 45.0,
+            ..Camera::default()
         };
         let [Light::Directional { direction: [x, y, z], .. }, Light::Environment { .. }] = lit_from(&camera)
         else {
@@ -214,6 +218,7 @@ mod tests {
             target: [4.0, 0.0, 0.0],
             up: [0.0, 0.0, 1.0],
             fov_y: 45.0,
+            ..Camera::default()
         };
         let room = room();
         assert!(lit_within(&room, &camera([-9.0, 0.0, 0.0])).is_none(), "seen from outside");

@@ -173,7 +173,7 @@ mod tests {
     use super::*;
 
     fn looking(eye: [f32; 3], target: [f32; 3]) -> Camera {
-        Camera { name: String::new(), eye, target, up: [0.0, 1.0, 0.0], fov_y: 40.0 }
+        Camera { name: String::new(), eye, target, up: [0.0, 1.0, 0.0], fov_y: 40.0, ..Camera::default() }
     }
 
     #[test]

@@ -203,13 +203,13 @@ mod tests {
     use gnurt_scene::{InstanceId, Scene};
 
     use super::*;
-    use crate::camera::PerspectiveCamera;
+    use crate::camera::SceneCamera;
     use crate::progress::Unwatched;
     use crate::world::{CommitOptions, ShaderTable, World};
 
     /// Places of the lights of the next picture.
     fn places(kept: &mut KeptLights, world: &World, scene: &Scene, options: &RenderOptions) -> Vec<[u32; 3]> {
-        let camera = PerspectiveCamera::new(&scene.cameras()[0]).expect("a view");
+        let camera = SceneCamera::new(&scene.cameras()[0]).expect("a view");
         let pass = kept.next(&Job::new(world, &camera, options, &Unwatched)).expect("virtual lights");
         pass.vpls.iter().map(|vpl| vpl.point.p.to_array().map(f32::to_bits)).collect()
     }

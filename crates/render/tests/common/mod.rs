@@ -3,9 +3,7 @@
 #![allow(dead_code, unreachable_pub, reason = "each test file uses some of it")]
 
 use gnurt_image::Picture;
-use gnurt_render::{
-    CommitOptions, Frame, PerspectiveCamera, RenderOptions, ShaderTable, Silent, World, render,
-};
+use gnurt_render::{CommitOptions, Frame, RenderOptions, SceneCamera, ShaderTable, Silent, World, render};
 use gnurt_scene::{Affine, Camera, Light, Material, MaterialId, Mesh, Scene};
 
 /// A pool of this many threads.
@@ -76,9 +74,10 @@ pub fn floor(albedo: f32, half: f32) -> Scene {
 }
 
 /// Looks from `eye` to `target` under a narrow angle: a picture of it is one point of the target.
-pub fn camera(eye: [f32; 3], target: [f32; 3], fov_y: f32) -> PerspectiveCamera {
+pub fn camera(eye: [f32; 3], target: [f32; 3], fov_y: f32) -> SceneCamera {
     let up = [0.0, 0.1, 1.0];
-    PerspectiveCamera::new(&Camera { name: String::new(), eye, target, up, fov_y }).expect("a view")
+    SceneCamera::new(&Camera { name: String::new(), eye, target, up, fov_y, ..Camera::default() })
+        .expect("a view")
 }
 
 /// A constant environment.
@@ -100,7 +99,7 @@ pub fn options(width: u32, height: u32, spp: u32) -> RenderOptions {
 }
 
 /// Renders on two threads.
-pub fn frame(scene: &Scene, camera: &PerspectiveCamera, options: &RenderOptions) -> Frame {
+pub fn frame(scene: &Scene, camera: &SceneCamera, options: &RenderOptions) -> Frame {
     render(&world_of(scene, false), camera, options, &pool(2), &Silent).expect("the options are sound")
 }
 

@@ -174,18 +174,18 @@ impl LightFactors {
     }
 }
 
-/// The camera at a place; `None` where it has no view.
+/// A camera's like at another place, with another angle of view in radians; `None` where that has a fault.
 #[must_use]
-pub(crate) fn camera_at(name: &str, world_from_camera: &Affine, field_of_view: f32) -> Option<Camera> {
+pub(crate) fn camera_at(like: &Camera, world_from_camera: &Affine, field_of_view: f32) -> Option<Camera> {
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     let camera = Camera {
         eye: single(world_from_camera.point([0.0; 3])),
         target: single(world_from_camera.point([0.0, 0.0, -1.0])),
         up: single(world_from_camera.vector([0.0, 1.0, 0.0])),
         fov_y: field_of_view.to_degrees(),
-        name: name.to_owned(),
+        ..like.clone()
     };
-    (camera.frame().is_some() && camera.fov_y > 0.0 && camera.fov_y < 180.0).then_some(camera)
+    camera.fault().is_none().then_some(camera)
 }
 
 impl Animation {

@@ -168,7 +168,7 @@ fn show_cameras(
         let angle = moment.fields_of_view[moving.field_of_view as usize];
         let node = at(&moving.place, node_poses);
         // One that has no view just then is where it is at rest.
-        let camera = camera_at(&rest.name, &node.world_from_node, angle).unwrap_or_else(|| rest.clone());
+        let camera = camera_at(rest, &node.world_from_node, angle).unwrap_or_else(|| rest.clone());
         if *scene.camera(moving.camera) != camera {
             *scene.edit_camera(moving.camera) = camera;
             count += 1;

@@ -40,6 +40,7 @@ pub(super) fn scene() -> Scene {
         target: [2.78, 2.73, 0.0],
         up: [0.0, 1.0, 0.0],
         fov_y: 39.3,
+        ..Camera::default()
     });
     scene
 }

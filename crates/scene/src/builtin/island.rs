@@ -44,6 +44,7 @@ pub(super) fn in_the_wind() -> Scene {
         target: [0.55, 0.62, 0.2],
         up: [0.0, 1.0, 0.0],
         fov_y: 26.0,
+        ..Camera::default()
     };
     scene
 }
@@ -64,6 +65,7 @@ fn island() -> (Scene, Vec<wind::Tree>) {
         target: [0.25, 0.72, 0.0],
         up: [0.0, 1.0, 0.0],
         fov_y: 29.0,
+        ..Camera::default()
     });
     (scene, trees)
 }

@@ -59,6 +59,7 @@ pub(super) fn scene() -> Scene {
         target: [0.0, 0.72, -1.05],
         up: [0.0, 1.0, 0.0],
         fov_y: 33.0,
+        ..Camera::default()
     });
     scene
 }
@@ -68,8 +69,14 @@ fn add_lamp(scene: &mut Scene, at: [f32; 3], radiance: [f32; 3]) {
     let mut material = Material::matte("lamp", [0.0; 3]);
     material.emission = radiance;
     let material = scene.add_material(material);
-    let view =
-        Camera { name: String::new(), eye: at, target: [0.0, 0.5, -1.15], up: [0.0, 1.0, 0.0], fov_y: 1.0 };
+    let view = Camera {
+        name: String::new(),
+        eye: at,
+        target: [0.0, 0.5, -1.15],
+        up: [0.0, 1.0, 0.0],
+        fov_y: 1.0,
+        ..Camera::default()
+    };
     let Some(frame) = view.frame() else {
         return;
     };

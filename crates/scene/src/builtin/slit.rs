@@ -50,6 +50,7 @@ pub(super) fn scene() -> Scene {
         target: [3.0, 1.1, 2.9],
         up: [0.0, 1.0, 0.0],
         fov_y: 55.0,
+        ..Camera::default()
     });
     scene
 }

@@ -57,6 +57,7 @@ pub(super) fn scene() -> Scene {
         target: [-0.1, 0.72, -0.3],
         up: [0.0, 1.0, 0.0],
         fov_y: 36.0,
+        ..Camera::default()
     });
     scene
 }

@@ -46,6 +46,7 @@ pub(super) fn scene() -> Scene {
         target: [0.0, 0.95, 0.0],
         up: [0.0, 1.0, 0.0],
         fov_y: 38.0,
+        ..Camera::default()
     });
     scene
 }

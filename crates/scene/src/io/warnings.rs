@@ -41,6 +41,8 @@ pub enum Oddity {
     NotShown,
     /// Cameras that cannot be used.
     BadCamera,
+    /// What a camera's `extras` say of it, and cannot mean.
+    CameraExtras,
     /// Nodes whose transform flattens space or is no number, or that stand in a tree twice.
     BadNode,
     /// Channels of animations that cannot be played.
@@ -72,6 +74,7 @@ impl Oddity {
             Self::UnknownExtension => "required extension is unknown, shown without it",
             Self::NotShown => "not supported, left out",
             Self::BadCamera => "camera cannot be used, left out",
+            Self::CameraExtras => "word of a camera cannot be understood, ignored",
             Self::BadNode => "node cannot be placed, left out",
             Self::BadAnimation => "channel of an animation cannot be played, left out",
             Self::RepeatedKey => "keys of an animation have the same time, the last of them counts",

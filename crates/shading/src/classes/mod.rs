@@ -12,6 +12,7 @@ mod emissive;
 mod glass;
 mod infinite_light;
 mod lambert;
+mod look_cameras;
 mod matte;
 mod metallic_roughness;
 mod mirror;
@@ -46,6 +47,10 @@ pub static ALL: &[&ShaderClass] = &[
     &spot_light::CLASS,
     &infinite_light::CLASS,
     &pinhole_camera::CLASS,
+    &look_cameras::THIN_LENS,
+    &look_cameras::ORTHOGRAPHIC,
+    &look_cameras::FISHEYE,
+    &look_cameras::PANORAMIC,
     &constant_environment::CLASS,
 ];
 

@@ -247,10 +247,11 @@ impl LightSet {
         self.parts.environment.is_some()
     }
 
-    /// Radiance of the environment from the unit direction `dir`.
+    /// Radiance of the environment from the unit direction `dir`; none where that is zero, as of cameras that see nothing.
     #[must_use]
     pub fn environment(&self, dir: Vec3) -> Vec3 {
-        self.parts.environment.as_ref().map_or(Vec3::ZERO, |environment| environment.radiance(dir))
+        let environment = self.parts.environment.as_ref().filter(|_| dir != Vec3::ZERO);
+        environment.map_or(Vec3::ZERO, |environment| environment.radiance(dir))
     }
 
     /// About what a light of the tree brings to a surface; 0 if nothing.

@@ -160,6 +160,15 @@ pub(super) struct BufferView {
 pub(super) struct Camera {
     #[serde(default)]
     pub(super) perspective: Option<Perspective>,
+    #[serde(default)]
+    pub(super) orthographic: Option<Orthographic>,
+    #[serde(default)]
+    pub(super) extras: Option<serde_json::Value>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct Orthographic {
+    pub(super) ymag: f32,
 }
 
 #[derive(Deserialize)]

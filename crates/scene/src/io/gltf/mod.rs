@@ -15,6 +15,7 @@
 mod accessor;
 mod animation;
 mod base64;
+mod camera;
 mod container;
 mod document;
 mod json;

@@ -7,6 +7,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::camera;
 use super::document::Document;
 use super::json::{self, Index};
 use super::material::AddedMaterial;
@@ -306,16 +307,21 @@ impl Adder<'_> {
         placed: NodePlace,
         warnings: &mut Warnings,
     ) {
-        let Some(perspective) = &from.perspective else {
-            let detail = format!("{name}: not a perspective camera");
-            return warnings.note(Oddity::BadCamera, &self.document.path, None, detail);
+        let path = &self.document.path;
+        let described = camera::described(name, from, |what| {
+            warnings.note(Oddity::CameraExtras, path, None, what);
+        });
+        let described = match described {
+            Ok(described) => described,
+            Err(why) => return warnings.note(Oddity::BadCamera, path, None, why),
         };
-        let Some(camera) = camera_at(name, &placed.world_from_node, perspective.yfov) else {
-            return warnings.note(Oddity::BadCamera, &self.document.path, None, name);
+        let yfov = described.fov_y.to_radians();
+        let Some(camera) = camera_at(&described, &placed.world_from_node, yfov) else {
+            return warnings.note(Oddity::BadCamera, path, None, name);
         };
         let camera = self.scene.add_camera(camera);
         if self.rig.drafts.drives_angle(index) || matches!(placed.place, Place::On(_)) {
-            let field_of_view = self.rig.add_angle(index, perspective.yfov);
+            let field_of_view = self.rig.add_angle(index, yfov);
             self.rig.made.cameras.push(MovingCamera { camera, place: placed.place, field_of_view });
         }
     }

@@ -4,6 +4,7 @@
 //! `.gltf` has its buffer beside it as NAME.bin, `.glb` inside. Proof: `tests/save.rs`.
 
 mod buffer;
+mod camera;
 mod material;
 mod opacity;
 
@@ -72,7 +73,7 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
         textures.push(json!({ "source": k, "sampler": k, "name": texture.name }));
     }
     let (mut nodes, lights) = nodes(scene, path, warnings);
-    let cameras: Vec<Value> = scene.cameras().iter().map(camera).collect();
+    let cameras: Vec<Value> = scene.cameras().iter().map(camera::camera).collect();
     nodes.extend(scene.cameras().iter().enumerate().filter_map(|(k, camera)| {
         Some(json!({ "name": camera.name, "camera": k, "matrix": camera_matrix(camera)?.to_column_major() }))
     }));
@@ -222,12 +223,15 @@ fn punctual(kind: &str, color: [f32; 3]) -> Value {
 /// The frame of a thing at `position` that looks along `direction`.
 fn at(position: [f32; 3], direction: [f32; 3]) -> Affine {
     let target = [0, 1, 2].map(|k| position[k] + direction[k]);
-    let view = Camera { name: String::new(), eye: position, target, up: [0.0, 1.0, 0.0], fov_y: 45.0 };
+    let view = Camera {
+        name: String::new(),
+        eye: position,
+        target,
+        up: [0.0, 1.0, 0.0],
+        fov_y: 45.0,
+        ..Camera::default()
+    };
     camera_matrix(&view).unwrap_or_else(|| Affine::translation(position.map(f64::from)))
-}
-
-fn camera(camera: &Camera) -> Value {
-    json!({ "name": camera.name, "type": "perspective", "perspective": { "yfov": camera.fov_y.to_radians(), "znear": 0.01 } })
 }
 
 fn camera_matrix(camera: &Camera) -> Option<Affine> {

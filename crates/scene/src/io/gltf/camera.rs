@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! glTF's cameras: perspective and orthographic ones, and what `extras` say beyond: lens, fisheye, panorama.
+//! Source: glTF 2.0, section 3.10; the words of `extras` are our own (docs/cameras.md). Lengths: world units; angles: radians in glTF, degrees
+//! in `extras`. Near and far planes are not read: nothing is clipped. Proof: `tests/gltf.rs`, `tests/save.rs`.
+
+use serde_json::Value;
+
+use super::json;
+use crate::camera::{Camera, Lens, Projection};
+
+/// The camera, standing at the origin; or why it cannot be used. What is said wrongly in `extras` goes to `complain`.
+pub(super) fn described(
+    name: &str,
+    from: &json::Camera,
+    mut complain: impl FnMut(String),
+) -> Result<Camera, String> {
+    let mut camera = match (&from.perspective, &from.orthographic) {
+        (Some(perspective), _) => Camera { fov_y: perspective.yfov.to_degrees(), ..Camera::default() },
+        (None, Some(parallel)) => {
+            let projection = Projection::Orthographic { height: 2.0 * parallel.ymag.abs() };
+            Camera { projection, ..Camera::default() }
+        }
+        (None, None) => return Err(format!("{name}: neither a perspective nor an orthographic camera")),
+    };
+    name.clone_into(&mut camera.name);
+    let plain = camera.clone();
+    let Some(Value::Object(extras)) = &from.extras else { return sound(camera) };
+    let mut number = |key: &str, least: f64| {
+        let value = extras.get(key)?;
+        let found = value.as_f64().filter(|&x| x >= least && (x as f32).is_finite());
+        if found.is_none() {
+            complain(format!("{name}: extras.{key} is {value}, not a number of {least} or above"));
+        }
+        found.map(|x| x as f32)
+    };
+    let least = f64::from(f32::MIN_POSITIVE);
+    camera.lens = Lens { aperture: number("aperture", 0.0).unwrap_or(0.0), focus: number("focus", least) };
+    let angle = number("fov", least);
+    match extras.get("projection") {
+        None => {}
+        Some(Value::String(word)) if *word == plain.projection.to_string() => {}
+        Some(Value::String(word)) if word == Projection::WORDS[2] => {
+            camera.projection = Projection::Fisheye;
+            camera.fov_y = angle.unwrap_or(180.0);
+        }
+        Some(Value::String(word)) if word == Projection::WORDS[3] => camera.projection = Projection::Panorama,
+        Some(other) => complain(format!(
+            "{name}: extras.projection is {other}; in `extras` it may be \"fisheye\" or \"panorama\", beside what the camera's type says"
+        )),
+    }
+    sound(camera)
+}
+
+fn sound(camera: Camera) -> Result<Camera, String> {
+    match camera.fault() {
+        Some(fault) => Err(format!("{}: {fault}", camera.name)),
+        None => Ok(camera),
+    }
+}

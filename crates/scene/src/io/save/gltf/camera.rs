@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Cameras of glTF. What the format has no words for goes into `extras`, as `io::gltf::camera` reads it.
+//! Source: glTF 2.0, section 3.10. Proof: `tests/save.rs`.
+
+use serde_json::{Map, Value, json};
+
+use crate::camera::{Camera, Projection};
+
+/// Angle of view of a camera that other programs take for a perspective, though it is none.
+const SUBSTITUTE: f32 = 45.0;
+
+pub(super) fn camera(camera: &Camera) -> Value {
+    let perspective = |degrees: f32| json!({ "yfov": degrees.to_radians(), "znear": 0.01 });
+    let mut extras = Map::new();
+    let mut out = match camera.projection {
+        Projection::Perspective => json!({ "type": "perspective", "perspective": perspective(camera.fov_y) }),
+        Projection::Orthographic { height } => {
+            let half = height / 2.0;
+            // Far planes must be told; what lies beyond is shown by us all the same.
+            let planes = json!({ "xmag": half, "ymag": half, "znear": 0.0, "zfar": 1e4 });
+            json!({ "type": "orthographic", "orthographic": planes })
+        }
+        Projection::Fisheye | Projection::Panorama => {
+            extras.insert("projection".into(), json!(camera.projection.to_string()));
+            if camera.projection == Projection::Fisheye {
+                extras.insert("fov".into(), json!(camera.fov_y));
+            }
+            json!({ "type": "perspective", "perspective": perspective(SUBSTITUTE) })
+        }
+    };
+    out["name"] = json!(camera.name);
+    if camera.lens.aperture > 0.0 {
+        extras.insert("aperture".into(), json!(camera.lens.aperture));
+        // The target is not kept, and with it where focus would be.
+        extras.insert("focus".into(), json!(camera.focus_distance()));
+    }
+    if !extras.is_empty() {
+        out["extras"] = Value::Object(extras);
+    }
+    out
+}
