@@ -83,6 +83,18 @@ def test_templates_of_farms(tmp_path):
 
 
 @needs_program
+def test_the_command(tmp_path, capsys):
+    pytest.importorskip("distributed")
+    options = ["-r", "48x32", "--spp", "2"]
+    subprocess.run([GNURT, "render", "-q", "builtin:cornell", *options, "-o", tmp_path / "one.png"], check=True)
+    words = ["builtin:cornell", "--local", "1", "--pieces", "2", "--gnurt", GNURT, *options]
+    assert gnurt.cluster.main([*words, "-o", str(tmp_path / "many.png")]) == 0
+    assert (tmp_path / "one.png").read_bytes() == (tmp_path / "many.png").read_bytes()
+    assert gnurt.cluster.main([*words, "-o", "a.png", "--frames", "1..2"]) == 1
+    assert "error: output: frames need a place for their number" in capsys.readouterr().err
+
+
+@needs_program
 def test_killed_workers_change_nothing(scene, tmp_path):
     distributed = pytest.importorskip("distributed")
     options = ["-r", "96x64", "--spp", "16", "--seed", "5"]

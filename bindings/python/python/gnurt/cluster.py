@@ -9,6 +9,7 @@ archive that is named by its content. Workers need this package, and the program
 import argparse
 import hashlib
 import io
+import logging
 import os
 import re
 import shutil
@@ -249,7 +250,7 @@ def main(words=None):
         if known.local is not None:
             threads = max(1, (os.cpu_count() or 1) // max(known.local, 1))
             cluster = distributed.LocalCluster(
-                n_workers=known.local, threads_per_worker=1, dashboard_address=None, silence_logs="critical"
+                n_workers=known.local, threads_per_worker=1, dashboard_address=None, silence_logs=logging.CRITICAL
             )
             # Workers that died while they started are replaced, too.
             cluster.adapt(minimum=known.local, maximum=known.local)
