@@ -11,10 +11,10 @@ use crate::install::{self, files};
 use crate::workspace::Workspace;
 use crate::{command, readme};
 
-/// The most that installed files of the tests' build may take: 52.7 MB were measured, 15.6 of them the static library. Windows and
+/// The most that installed files of the tests' build may take: 52.7 MB were measured, 15.6 of them the static library, before libgnurt, which takes 4.3. Windows and
 /// options without any optimiser are 3.6 MB of it; optimising them a little takes 60 s more of a core. With debug lines it
 /// would be 200 MB. A build for release without the static library takes half of the rest.
-const MOST_INSTALLED: u64 = 58 << 20;
+const MOST_INSTALLED: u64 = 62 << 20;
 
 /// Below the prefix, as systems of several machines have it.
 const LIB: &str = "lib/multiarch";
