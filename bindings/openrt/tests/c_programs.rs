@@ -125,3 +125,28 @@ fn examples() {
         workshop.run(&binary, &[&output.to_string_lossy(), "1"]);
     }
 }
+
+/// Shaders in the shading language, as classes.
+#[test]
+fn script() {
+    let workshop = Workshop::new();
+    let binary = workshop.build("cc", "c99", &source("tests/c/script.c"));
+    let write = |name: &str, text: &str| {
+        let path = workshop.path(name);
+        std::fs::write(&path, text).expect("a file");
+        path.to_string_lossy().into_owned()
+    };
+    let glow = write(
+        "glow.osl",
+        "surface glow (color tint = 1, int steps = 1, string word = \"a\", float heat = 0 [[ int interpolated = 1, string rate = \"vertex\" ]]) {
+            Ci = (tint * steps + (word == \"b\") + heat) * emission (); }",
+    );
+    let lamp = write(
+        "lamp.osl",
+        "light lamp (color power = 1) { vector way = point (0, 0, 2) - Ps; lightdist = length (way); L = normalize (way); Cl = power; }",
+    );
+    let lit =
+        write("lit.osl", "surface lit () { color c = 0; illuminance (P) c += Cl; Ci = c * radiance (); }");
+    let bad = write("bad.osl", "surface bad ()\n{\n    Ci = diffus (N);\n}\n");
+    workshop.run(&binary, &[&glow, &lamp, &lit, &bad]);
+}

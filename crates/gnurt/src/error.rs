@@ -20,6 +20,9 @@ pub enum Error {
     /// A picture could not be read, written or compared.
     #[error(transparent)]
     Image(#[from] image::Error),
+    /// What surrounds a scene could not be read: a picture, or a sky in the shading language.
+    #[error("{0}")]
+    Surroundings(String),
     /// A picture is larger than what the machine has left.
     #[error(
         "the picture takes {} of memory and {} are free; ask for a smaller one than {}x{}",

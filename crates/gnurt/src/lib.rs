@@ -4,7 +4,8 @@
 //! This crate is the door: it re-exports the rooms of the house and adds what a program needs to get from a name to a
 //! picture. The rooms: [`scene`] describes, [`accel`] answers ray queries, [`shading`] says how light leaves surfaces,
 //! [`render`] commits a description to a [`World`](render::World) and makes pictures of it, [`image`] keeps pictures and
-//! their files, [`denoise`] takes the noise out of them, [`simd`] chooses the CPU's instructions.
+//! their files, [`denoise`] takes the noise out of them, [`simd`] chooses the CPU's instructions, [`osl`] makes shaders of files in the
+//! shading language.
 //!
 //! # A picture
 //!
@@ -82,6 +83,7 @@ mod load;
 pub mod look;
 pub mod memory;
 mod numbered;
+mod script_sky;
 mod size;
 mod surroundings;
 mod threads;
@@ -94,6 +96,7 @@ pub use gnurt_render as render;
 pub use gnurt_scene as scene;
 pub use gnurt_shading as shading;
 pub use gnurt_simd as simd;
+pub use gnurt_sl_shading as osl;
 pub use load::{BUILTIN, LoadOptions, Loaded, builtin_names, builtin_scenes, load_scene, load_scene_with};
 pub use numbered::Numbered;
 pub use rayon::ThreadPool;

@@ -6,11 +6,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::error::Error;
 use crate::image;
 use crate::load::BUILTIN;
 use crate::scene::builtin::{BuiltinSky, SKIES};
 use crate::scene::texture::{Filter, Wrap};
 use crate::scene::{Affine, Light, Scene, Texture};
+use crate::script_sky;
 
 /// What rays see that leave a scene.
 #[derive(Clone, Debug)]
@@ -19,7 +21,8 @@ pub enum Surroundings {
     Uniform([f32; 3]),
     /// A sky with its sun.
     Sky(&'static BuiltinSky),
-    /// A latitude-longitude picture: radiance, its upper edge above, its middle along -z.
+    /// A latitude-longitude picture: radiance, its upper edge above, its middle along -z; or a sky in the shading language
+    /// (`.osl`), whose z is above.
     Picture(PathBuf),
 }
 
@@ -44,9 +47,13 @@ impl Surroundings {
     /// +y if it is no direction; `turn` turns them around it, in degrees, counter-clockwise seen from above.
     ///
     /// # Errors
-    /// [`image::Error`] if the picture cannot be read; the scene stays as it was.
-    pub fn put_around(&self, scene: &mut Scene, up: [f32; 3], turn: f64) -> Result<(), image::Error> {
-        let texels = self.file().map(image::read_texture).transpose()?;
+    /// [`Error::Surroundings`] if the picture cannot be read, or the shader does not compile; the scene stays as it was.
+    pub fn put_around(&self, scene: &mut Scene, up: [f32; 3], turn: f64) -> Result<(), Error> {
+        let read = |path: &Path| match script_sky::is_script(path) {
+            true => script_sky::texels(path),
+            false => image::read_texture(path).map_err(|error| error.to_string()),
+        };
+        let texels = self.file().map(read).transpose().map_err(Error::Surroundings)?;
         let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], turn.to_radians());
         let (radiance, texture) = match (self, texels) {
             (Self::Sky(sky), _) => {

@@ -43,7 +43,7 @@ mod say;
 mod scene_shader;
 mod search;
 
-pub use scene_shader::SceneShader;
+pub use scene_shader::{SceneShader, is_script};
 
 /// What a host of plugins needs that is a state machine: classes, blocks and frames one by one.
 pub mod host {

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Surface shaders for scenes that no OpenRT calls make: classes of plugins and built-in ones, parameters as people write them.
+//! Surface shaders for scenes that no OpenRT calls make: classes of plugins and built-in ones, files in the shading language,
+//! parameters as people write them.
 //! Source: original. A parameter is as many numbers as it has, or one for all of them, between commas; a text; or, for
 //! textures, `@` and the name of a picture. A plugin is loaded anew each time, so that one that was built again is seen.
 //! Proof: `tests`; crates/cli/tests/program/shaders.rs.
 
 use std::collections::BTreeMap;
 use std::ffi::CString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gnurt::image::read_texture;
+use gnurt::osl::{Access, Script};
 use gnurt::shading::SurfaceShader;
 use gnurt::shading::classes::{self, ParameterRate, ParameterType, Shader as RenderShader, Value};
 use gnurt::shading::texture::TextureSampler;
@@ -26,6 +28,13 @@ pub struct SceneShader {
     /// As the renderer takes it.
     pub surface: Arc<dyn SurfaceShader>,
     plugins: PluginFrame,
+    script: Option<Script>,
+}
+
+/// Whether a class is a file in the shading language.
+#[must_use]
+pub fn is_script(class: &str) -> bool {
+    [".osl", ".oso", ".oslgroup"].iter().any(|end| class.ends_with(end))
 }
 
 impl SceneShader {
@@ -36,15 +45,43 @@ impl SceneShader {
     /// One line: the class cannot be had or is of no surfaces, `prepare` fails or crashes, a parameter or value is wrong.
     pub fn new(class: &str, file: Option<&Path>, parameters: &[(String, String)]) -> Result<Self, String> {
         match file {
+            None if is_script(class) => Self::of_script(Path::new(class), parameters, &Access::default()),
             Some(file) => Self::of_plugin(class, file, parameters),
             None => Self::built_in(class, parameters),
         }
     }
 
-    /// What a plugin did wrong since, a line.
+    /// A shader in the shading language, which may read the files that `access` allows.
+    ///
+    /// # Errors
+    /// What the compiler says, or one line: it is of no surfaces, a parameter or value is wrong.
+    pub fn of_script(file: &Path, parameters: &[(String, String)], access: &Access) -> Result<Self, String> {
+        let mut script = Script::open(file, access)?;
+        for (name, value) in parameters {
+            script.set_text(name, value)?;
+        }
+        let surface = script.surface()?;
+        Ok(Self { surface, plugins: PluginFrame::default(), script: Some(script) })
+    }
+
+    /// What it did wrong since, a line each.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
-        self.plugins.faults()
+        let mut faults = self.plugins.faults();
+        faults.extend(self.script.iter().flat_map(Script::faults));
+        faults
+    }
+
+    /// What the compiler of a script warned of.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        self.script.as_ref().map_or(&[], Script::warnings)
+    }
+
+    /// The source files of a script, included ones too.
+    #[must_use]
+    pub fn files(&self) -> &[PathBuf] {
+        self.script.as_ref().map_or(&[], Script::files)
     }
 
     fn built_in(name: &str, parameters: &[(String, String)]) -> Result<Self, String> {
@@ -54,7 +91,7 @@ impl SceneShader {
         let class = classes::find(name).filter(is_surface).ok_or_else(|| {
             let meant = suggestion(name, &names);
             format!(
-                "no built-in surface class \"{name}\"; there are {}{meant}; one of a plugin is CLASS@FILE",
+                "no built-in surface class \"{name}\"; there are {}{meant}; one of a plugin is CLASS@FILE, one in the shading language FILE.osl",
                 names.join(", ")
             )
         })?;
@@ -73,7 +110,11 @@ impl SceneShader {
                 ParameterType::Texture => Value::Texture(Some(texture(value).map_err(wrong)?)),
             };
         }
-        surface(class.make(&values)).map(|surface| Self { surface, plugins: PluginFrame::default() })
+        surface(class.make(&values)).map(|surface| Self {
+            surface,
+            plugins: PluginFrame::default(),
+            script: None,
+        })
     }
 
     fn of_plugin(name: &str, file: &Path, parameters: &[(String, String)]) -> Result<Self, String> {
@@ -105,7 +146,7 @@ impl SceneShader {
         let state = || FrameState { textures, ..FrameState::default() };
         let plugins = PluginFrame::new(std::iter::once((1, &block)), state);
         match plugins.made(1) {
-            Some(made) => surface(made).map(|surface| Self { surface, plugins }),
+            Some(made) => surface(made).map(|surface| Self { surface, plugins, script: None }),
             None => Err(plugins.problems().join("; ")),
         }
     }

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 use gnurt_accel::{HitBatch, Ray, RayBatch};
-use gnurt_shading::{LightBatch, SurfaceBatch, Vec3s};
+use gnurt_shading::{LightBatch, SurfaceBatch, SurfaceShader, Vec3s};
 
 /// Lines of values as they come by.
 #[derive(Clone, Debug, Default)]
@@ -30,8 +30,8 @@ impl Log {
         }
     }
 
-    /// Points that a shader is called for.
-    pub(crate) fn surface(&mut self, points: &SurfaceBatch) {
+    /// Points that a shader is called for, and what it says of them.
+    pub(crate) fn surface(&mut self, shader: &dyn SurfaceShader, points: &SurfaceBatch) {
         self.depth = points.depth as usize;
         for i in 0..points.len() {
             let side = if points.front(i) { "front" } else { "back" };
@@ -41,6 +41,9 @@ impl Log {
                 format!("{}  shading {}", triple(points.ng.get(i)), triple(points.ns.get(i))),
             );
             self.line("uv", format!("{} {}", points.texcoord[0][i], points.texcoord[1][i]));
+            for line in shader.tell(points, i) {
+                self.line("shader", line);
+            }
         }
     }
 

@@ -219,7 +219,7 @@ impl<'w> BatchTracer<'w> {
         self.shade_misses(from, radiance);
         self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
             if let Some(log) = &mut tracer.log {
-                log.surface(points);
+                log.surface(shader, points);
             }
             let mut shaded = Vec3s::splat(lanes.len(), Vec3::ZERO);
             let mut closures = std::mem::take(&mut tracer.closures);
@@ -395,6 +395,13 @@ impl Tracer for BatchTracer<'_> {
         if let Some(log) = &mut self.log {
             log.shadows(&request.rays, transmittance);
         }
+    }
+
+    fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {
+        self.stats.secondary_rays += request.rays.len() as u64;
+        let hits = self.intersect(RayMask::OTHER, &request.rays, &request.key, Coherence::Incoherent);
+        out.clear();
+        out.extend((0..request.rays.len()).map(|i| hits.get(i).map_or(f32::INFINITY, |hit| hit.t)));
     }
 
     fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s) {

@@ -17,6 +17,7 @@ pub mod mesh;
 pub mod motion;
 mod ray_mask;
 mod scene;
+mod shader_file;
 pub mod texture;
 mod waste;
 
@@ -31,5 +32,6 @@ pub use mesh::{Attribute, Mesh, Rate, TEXCOORD_RQ};
 pub use motion::Motion;
 pub use ray_mask::RayMask;
 pub use scene::{Instance, Object, Scene};
+pub use shader_file::ShaderFile;
 pub use texture::Texture;
 pub use waste::has_area;

@@ -5,6 +5,7 @@
 //! Meshes are shared: who keeps an `Arc` of one keeps it as it was, because an edit copies what others hold.
 //! Proof: `tests::edits_leave_shared_meshes_alone`, crates/render/tests/commit.rs.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::affine::Affine;
@@ -17,6 +18,7 @@ use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::motion::Motion;
 use crate::ray_mask::RayMask;
+use crate::shader_file::ShaderFile;
 use crate::texture::Texture;
 
 /// Meshes that share one acceleration structure and move together.
@@ -52,6 +54,8 @@ pub struct Scene {
     objects: Vec<Object>,
     instances: Vec<Instance>,
     materials: Vec<Material>,
+    /// Those that its file names, by materials.
+    shader_files: BTreeMap<MaterialId, ShaderFile>,
     textures: Vec<Texture>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
@@ -102,6 +106,17 @@ arrays! {
 }
 
 impl Scene {
+    /// Shaders that its file names for materials; the materials are what is shown without them.
+    pub fn shader_files(&self) -> impl Iterator<Item = (MaterialId, &ShaderFile)> {
+        self.shader_files.iter().map(|(&id, file)| (id, file))
+    }
+
+    /// Names a shader for a material. Who renders the scene compiles it.
+    pub fn set_shader_file(&mut self, material: MaterialId, file: ShaderFile) {
+        self.log.note(Edit::Material(material));
+        self.shader_files.insert(material, file);
+    }
+
     /// An empty scene.
     #[must_use]
     pub fn new() -> Self {

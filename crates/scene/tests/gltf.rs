@@ -267,3 +267,25 @@ fn masks_are_among_the_extras() {
         assert_eq!(file(&extras), (RayMask::ALL, 1), "{bad} is told of");
     }
 }
+
+#[test]
+fn materials_name_shaders() {
+    let extras = |text: &str| {
+        let json =
+            format!(r#"{{"asset": {{"version": "2.0"}}, "materials": [{{"name": "a", "extras": {text}}}]}}"#);
+        let loaded = load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
+        loaded.scene.shader_files().map(|(id, file)| (id.0, file.clone())).collect::<Vec<_>>()
+    };
+    let found = extras(
+        r#"{"gnurt": {"shader": "wood.osl", "parameters": {"scale": 2.5, "tint": [1, 0.5, 0.25], "file": "a.png", "on": true}}}"#,
+    );
+    let [(0, shader)] = &found[..] else { panic!("one: {found:?}") };
+    assert!(shader.file.ends_with("wood.osl"), "{shader:?}");
+    let mut parameters = shader.parameters.clone();
+    parameters.sort();
+    let wanted = [("file", "a.png"), ("on", "1"), ("scale", "2.5"), ("tint", "1,0.5,0.25")];
+    assert_eq!(parameters, wanted.map(|(name, value)| (name.to_owned(), value.to_owned())));
+    for others in ["{}", "7", r#"{"gnurt": 3}"#, r#"{"gnurt": {"shader": 1}}"#, "null"] {
+        assert!(extras(others).is_empty(), "{others} is another program's");
+    }
+}

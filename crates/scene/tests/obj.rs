@@ -112,3 +112,21 @@ fn all_files_are_told() {
     let wanted = ["t.obj", "gone.mtl", "gone.png", "t.mtl"].map(at);
     assert_eq!(loaded.files, wanted, "the file itself first, and those that are missing");
 }
+
+#[test]
+fn materials_name_shaders() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mtl = "newmtl a\nKd 1 0 0\ngnurt_shader my wood.osl scale=2 tint=1,0.5,0.2\nnewmtl b\ngnurt_shader scale=2\n";
+    std::fs::write(folder.path().join("t.mtl"), mtl).expect("a file");
+    let path = folder.path().join("t.obj");
+    std::fs::write(&path, format!("mtllib t.mtl\n{V}usemtl a\nf 1 2 3\n")).expect("a file");
+    let loaded = gnurt_scene::io::load(path).unwrap_or_else(|e| panic!("{e}"));
+    let all: Vec<_> = loaded.scene.shader_files().collect();
+    let [(id, shader)] = all[..] else { panic!("one is right: {all:?}") };
+    assert_eq!(loaded.scene.material(id).name, "a");
+    assert_eq!(shader.file, folder.path().join("my wood.osl"), "beside the library");
+    let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    assert_eq!(shader.parameters, [pair("scale", "2"), pair("tint", "1,0.5,0.2")]);
+    let told = loaded.warnings.count(gnurt_scene::io::Oddity::BadMaterialLine);
+    assert_eq!(told, 1, "the other is told: {:?}", loaded.warnings);
+}

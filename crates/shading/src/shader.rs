@@ -20,6 +20,12 @@ pub struct AttributeRequest {
     pub default: Vec<f32>,
 }
 
+impl AttributeRequest {
+    /// The name under which instances have what puts the object into the world: 12 floats, the images of the x, y and z axes,
+    /// then of the origin.
+    pub const WORLD_FROM_OBJECT: &'static str = "gnurt:world_from_object";
+}
+
 /// A surface: what its points do to light.
 pub trait SurfaceShader: Send + Sync {
     /// Writes what light does at each point; `out` has `hits.len()` points that do nothing. That is all there is to know of a
@@ -67,6 +73,12 @@ pub trait SurfaceShader: Send + Sync {
     /// and shadow where not: in pictures with opacity it is there as far as it is darker.
     fn backdrop(&self) -> Option<Vec3> {
         None
+    }
+
+    /// What happens inside at one point, a line for each value, for people who look for a mistake.
+    fn tell(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
+        let _ = (hits, lane);
+        Vec::new()
     }
 
     /// What it wants from the mesh, in the order of `SurfaceBatch::attributes`.
@@ -210,6 +222,13 @@ pub trait Tracer {
     /// Writes the radiance that comes against each ray, one bounce deeper than `hits` was.
     /// Beyond the depth limit the environment is seen.
     fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s);
+
+    /// Writes how far each ray goes until it meets a surface, see-through ones included: world units, infinite where it meets none.
+    /// Those who trace nothing meet nothing.
+    fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {
+        out.clear();
+        out.resize(request.rays.len(), f32::INFINITY);
+    }
 
     /// Two stratified random numbers in [0, 1) for a lane's key and a purpose below [`purpose::LIGHT`].
     ///

@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 22] = [
+const ARROWS: [(&str, &[&str]); 23] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -16,7 +16,8 @@ const ARROWS: [(&str, &[&str]); 22] = [
     ("shading", &["simd", "image", "accel"]),
     ("sl-lib", &[]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
-    ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render"]),
+    ("sl-shading", &["accel", "image", "shading", "sl", "sl-lib"]),
+    ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render", "sl-shading"]),
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),
     ("plugins", &["gnurt"]),

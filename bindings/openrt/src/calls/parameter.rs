@@ -43,6 +43,7 @@ impl Context {
                 }
                 shader.values[parameter] = match description.kind {
                     DataType::F32 => ParameterValue::Floats(given.floats(components)?[..components].to_vec()),
+                    DataType::Text => ParameterValue::Text(Some(given.text()?)),
                     _ => ParameterValue::Integer(given.integer()?),
                 };
                 Ok(())
@@ -73,7 +74,7 @@ impl Context {
                     (Some(block), _) => block.numbers(parameter),
                     (None, Some(ParameterValue::Floats(v))) => v.clone(),
                     (None, Some(ParameterValue::Integer(id))) => vec![*id as f32],
-                    (None, None) => Vec::new(),
+                    (None, Some(ParameterValue::Text(_)) | None) => Vec::new(),
                 })
             }
         };

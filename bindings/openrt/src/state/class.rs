@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where the code of a shader class is: in the renderer, in a plugin, or among the rendering objects.
+//! Where the code of a shader class is: in the renderer, in a plugin, in a script, or among the rendering objects.
 //! Source: original. Proof: tests/c/scene.c, tests/plugins.rs.
 
 use std::sync::Arc;
@@ -8,6 +8,7 @@ use gnurt::shading::classes::{self, ShaderClass};
 use gnurt_plugins::host::{Kind, Parameter, PluginClass};
 
 use super::rendering_object::RenderingClass;
+use super::script::ScriptClass;
 
 /// Where the code of a class is.
 #[derive(Clone)]
@@ -16,6 +17,8 @@ pub(crate) enum ClassCode {
     BuiltIn(&'static ShaderClass),
     /// In a shared library.
     Plugin(Arc<PluginClass>),
+    /// In the shading language.
+    Script(Arc<ScriptClass>),
     /// It chooses among the renderer's integrators.
     Rendering(&'static RenderingClass),
 }
@@ -40,6 +43,7 @@ impl ClassCode {
         match self {
             Self::BuiltIn(class) => class.name,
             Self::Plugin(class) => &class.name,
+            Self::Script(class) => &class.name,
             Self::Rendering(class) => class.name,
         }
     }
@@ -50,6 +54,7 @@ impl ClassCode {
         match self {
             Self::BuiltIn(class) => class.kind.into(),
             Self::Plugin(class) => class.kind,
+            Self::Script(class) => class.kind,
             Self::Rendering(_) => Kind::RenderingObject,
         }
     }
@@ -60,6 +65,7 @@ impl ClassCode {
         match self {
             Self::BuiltIn(class) => Parameter::of_built_in(class),
             Self::Plugin(class) => class.parameters.iter().map(|p| p.description.clone()).collect(),
+            Self::Script(class) => class.parameters.clone(),
             Self::Rendering(_) => RenderingClass::parameters(),
         }
     }

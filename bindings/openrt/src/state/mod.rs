@@ -22,6 +22,7 @@ pub(crate) mod progress;
 pub(crate) mod rendering_object;
 pub(crate) mod report;
 pub(crate) mod sampling;
+pub(crate) mod script;
 pub(crate) mod shader;
 pub(crate) mod shader_class;
 pub(crate) mod stacks;

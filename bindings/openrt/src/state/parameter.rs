@@ -75,6 +75,14 @@ impl GivenValue<'_> {
         }
     }
 
+    /// The text of a script's parameter.
+    pub(crate) fn text(self) -> Result<String> {
+        match self {
+            GivenValue::String(text) => Ok(text.to_string_lossy().into_owned()),
+            _ => Err(Error::InvalidOperation),
+        }
+    }
+
     /// The single integer of a built-in class.
     pub(crate) fn integer(self) -> Result<i32> {
         match self {

@@ -32,6 +32,8 @@ pub(crate) struct Shader {
     pub(crate) deleted: bool,
     /// As the renderer took it last, and the values that it had then: the same shader as long as they are the same.
     made: Option<(Vec<Value>, RenderShader)>,
+    /// The same of a script.
+    made_script: Option<(Vec<ParameterValue>, RenderShader)>,
 }
 
 impl Shader {
@@ -39,13 +41,14 @@ impl Shader {
     pub(crate) fn new(class_id: u32, class: Arc<LoadedClass>) -> std::result::Result<Self, String> {
         let value = |p: &Parameter| match p.kind {
             DataType::F32 => ParameterValue::Floats(p.default.clone()),
+            DataType::Text => ParameterValue::Text(None),
             _ => ParameterValue::Integer(p.default.first().map_or(0, |&x| x as i32)),
         };
         let (values, block) = match &class.code {
             ClassCode::Plugin(plugin) => (Vec::new(), Some(PluginBlock::new(plugin)?)),
             _ => (class.parameters.iter().map(value).collect(), None),
         };
-        Ok(Self { class_id, class, values, block, deleted: false, made: None })
+        Ok(Self { class_id, class, values, block, deleted: false, made: None, made_script: None })
     }
 
     /// What it is for.
@@ -67,6 +70,7 @@ impl Shader {
             ParameterValue::Floats(floats) => Value::Floats(floats.clone()),
             ParameterValue::Integer(value) if parameter.kind == ParameterType::Int => Value::Int(*value),
             ParameterValue::Integer(id) => Value::Texture(textures.sampler(*id)),
+            ParameterValue::Text(_) => Value::Texture(None),
         };
         match &self.class.code {
             ClassCode::BuiltIn(class) => {
@@ -76,6 +80,16 @@ impl Shader {
                 }
                 let made = class.make(&Values(values.clone()));
                 self.made = Some((values, made.clone()));
+                Some(made)
+            }
+            ClassCode::Script(class) => {
+                if let Some((_, same)) =
+                    self.made_script.as_ref().filter(|(before, _)| *before == self.values)
+                {
+                    return Some(same.clone());
+                }
+                let made = class.make(&self.values).ok()?;
+                self.made_script = Some((self.values.clone(), made.clone()));
                 Some(made)
             }
             ClassCode::Plugin(_) => plugins.made(id),

@@ -8,9 +8,11 @@ use std::sync::Arc;
 
 use gnurt::shading::classes::ParameterRate;
 use gnurt_plugins::host::{Kind, LoadError, Parameter, load, suggestion};
+use gnurt_plugins::is_script;
 
 use super::class::ClassCode;
 use super::error::{Error, Result};
+use super::script::ScriptClass;
 
 /// A class with the places of its varying parameters.
 pub(crate) struct LoadedClass {
@@ -120,6 +122,8 @@ impl Classes {
                 let (list, hint) = (names.join(", "), suggestion(name, &names));
                 LoadError::Missing(format!("no built-in shader class \"{name}\"; there are {list}{hint}"))
             })?
+        } else if is_script(file) {
+            ClassCode::Script(Arc::new(ScriptClass::load(name, file)?))
         } else {
             ClassCode::Plugin(Arc::new(load(name, file)?))
         };

@@ -301,13 +301,20 @@ pub(crate) fn surroundings(text: &str) -> Result<Surroundings, String> {
 
 /// `MATERIAL=CLASS[@FILE][:NAME=VALUE...]`. A backslash before `:`, `=`, `@` or a backslash makes it a letter like any other.
 pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
-    const RIGHT: &str = "give MATERIAL=CLASS, or MATERIAL=CLASS@FILE for a plugin's, and parameters as :NAME=VALUE; \
+    const RIGHT: &str = "give MATERIAL=CLASS, MATERIAL=FILE.osl, or MATERIAL=CLASS@FILE for a plugin's, and parameters as :NAME=VALUE; \
                          within names \\ stands before :, = and @";
     let mut parts = pieces(text, ':').into_iter();
-    let (material, class) = parts.next().and_then(|part| split_plain(part, '=')).ok_or(RIGHT)?;
+    let first = parts.next().unwrap_or_default();
+    // A light's file says by itself what it is for.
+    let of_no_material = split_plain(first, '=').is_none() && gnurt_plugins::is_script(first);
+    let (material, class) =
+        if of_no_material { ("", first) } else { split_plain(first, '=').ok_or(RIGHT)? };
     let (class, file) =
         split_plain(class, '@').map_or((class, None), |(class, file)| (class, Some(unescaped(file))));
-    if material.is_empty() || class.is_empty() || file.as_ref().is_some_and(String::is_empty) {
+    if material.is_empty() != of_no_material
+        || class.is_empty()
+        || file.as_ref().is_some_and(String::is_empty)
+    {
         return Err(RIGHT.into());
     }
     let pair = |part: &str| match split_plain(part, '=') {

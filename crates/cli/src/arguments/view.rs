@@ -85,8 +85,8 @@ pub(crate) struct FrameArguments {
     /// Make every material a Lambertian reflector of its base colour
     #[arg(help_heading = "Look", hide_short_help = true, long)]
     pub(crate) force_diffuse: bool,
-    /// Shade a material, or all by *, by a class of libOpenRT: a built-in one, or one of a plugin's FILE; numbers between
-    /// commas, textures as @FILE; may be given more than once
+    /// Shade a material, or all by *, by a file in the shading language (.osl, .oso, .oslgroup) or a class of libOpenRT: a built-in
+    /// one, or one of a plugin's FILE; numbers between commas, textures as @FILE; a FILE.osl of a light needs no material; may be given more than once
     #[arg(
         help_heading = "Look", hide_short_help = true,
         long = "shader",

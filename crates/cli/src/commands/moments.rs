@@ -107,7 +107,7 @@ impl Studio<'_> {
         };
         let bounds = bounds_over(&mut scene, clip);
         let chosen = self.choose(&mut scene, bounds)?;
-        let shaders = Shaders::put_into(&mut scene, &self.arguments.frame.shaders)?;
+        let shaders = Shaders::put_into(&mut scene, &self.arguments.frame.shaders, self.messages)?;
         let mut world = World::new();
         let light = self.light(&scene, &chosen, &shaders, &mut world)?;
         let mut ready = self.ready(world, chosen, shaders, light, begin.elapsed());
@@ -138,12 +138,13 @@ impl Studio<'_> {
                 next.pose(clip, frame.seconds);
             }
             added.add_to(&mut next);
-            let shaders = Shaders::put_into(&mut next, &self.arguments.frame.shaders)?;
+            let shaders = Shaders::put_into(&mut next, &self.arguments.frame.shaders, self.messages)?;
             let light = match light {
                 Some(light) => light,
                 None => {
                     let mut scene = scene.clone();
-                    let shaders = Shaders::put_into(&mut scene, &self.arguments.frame.shaders)?;
+                    let shaders =
+                        Shaders::put_into(&mut scene, &self.arguments.frame.shaders, self.messages)?;
                     *light.insert(self.light(&scene, &chosen, &shaders, &mut World::new())?)
                 }
             };

@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
         Stage::of(arguments.frame.integrator),
         messages,
     )?;
-    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
+    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders, messages)?;
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, &pool, messages)?;
     let options = frame_options(&arguments.frame, level);

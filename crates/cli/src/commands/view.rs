@@ -114,7 +114,8 @@ fn prepare(
         messages,
     )?;
     files.extend(shaders::files(&arguments.frame.shaders));
-    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders)?;
+    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders, messages)?;
+    files.extend(shaders.files());
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, pool, messages)?;
     let clip = clip.map(|number| StageClip { number, shaders: shaders.table.clone(), how });

@@ -27,6 +27,7 @@ mod pieces;
 mod recoverable;
 mod samples;
 #[cfg(target_os = "linux")]
+mod scripts;
 mod shaders;
 mod statistics;
 mod surroundings;

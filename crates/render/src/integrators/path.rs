@@ -83,7 +83,7 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
     world.sort_by_material(from.hits, 0..from.hits.len(), order);
     tracer.for_each_surface_of(order, from, Wanted::Light, |tracer, shader, numbers, points| {
         if let Some(log) = &mut tracer.log {
-            log.surface(points);
+            log.surface(shader, points);
         }
         let is_final = tracer.closures_of(shader, points, closures) == Known::Shown;
         let backdrop = shader.backdrop();

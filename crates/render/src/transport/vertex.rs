@@ -54,7 +54,7 @@ impl BatchTracer<'_> {
         let mut vertices = vec![None; from.rays.len()];
         self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
             if let Some(log) = &mut tracer.log {
-                log.surface(points);
+                log.surface(shader, points);
             }
             tracer.vertices_of(shader, lanes, points, &mut |lane, vertex| vertices[lane] = Some(vertex));
         });

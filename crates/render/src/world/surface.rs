@@ -257,6 +257,15 @@ impl World {
         let (lanes, components) = (points.len(), request.components as usize);
         let default = |k: usize| request.default.get(k).copied().unwrap_or(0.0);
         let mut values = vec![0.0; lanes * components];
+        if request.name == AttributeRequest::WORLD_FROM_OBJECT {
+            for i in 0..lanes {
+                let instance = self.instance(points.inst_id[i]);
+                let columns = [instance.linear.x_axis, instance.linear.y_axis, instance.linear.z_axis];
+                let numbers = columns.into_iter().chain([instance.origin]).flat_map(|v| v.to_array());
+                numbers.take(components).enumerate().for_each(|(k, x)| values[k * lanes + i] = x);
+            }
+            return values;
+        }
         // Names are compared once for lanes of one mesh that follow each other.
         let mut last: Option<(&Mesh, Option<&Attribute>)> = None;
         for i in 0..lanes {

@@ -38,6 +38,11 @@ impl Access {
         self.confine.is_some()
     }
 
+    /// The folder that files must be in.
+    pub(crate) fn confined_to(&self) -> Option<PathBuf> {
+        self.confine.clone()
+    }
+
     /// Refuses a file that lies outside of the folder that files must be in; the error is what is wrong and what would
     /// be right.
     pub(crate) fn check(&self, path: &Path) -> Result<(), (String, String)> {

@@ -23,7 +23,7 @@ pub use metallic_roughness::{Layers, MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
 pub use points::{FromPoints, metal, rough_glass, rough_matte};
 pub use shadow_catcher::ShadowCatcher;
-pub use whitted::recursive_radiance;
+pub use whitted::{recursive_radiance, scattered_radiance};
 
 /// Perceptual roughness below which Whitted's renderer traces reflections, and sees straight through glass. Just above 0.5, which
 /// many glTF files have: there, at grazing views, rays drawn from the facets leave a tenth to a quarter of the error that light

@@ -69,14 +69,20 @@ fn solid_radiance(
 ) {
     match surface.radiance() {
         Some(shader) => shader.shade(tracer, hits, out),
-        None => shade_points(tracer, hits, points, out),
+        None => scattered_radiance(tracer, hits, points, out),
     }
     for (i, point) in points.iter().enumerate().filter(|(_, point)| point.emission != Vec3::ZERO) {
         out.add(i, point.emission);
     }
 }
 
-fn shade_points(tracer: &mut dyn Tracer, hits: &SurfaceBatch, points: &[Scattering], out: &mut Vec3s) {
+/// Adds the light that points scatter against their rays: what lights send, and what is seen in mirrors and through glass.
+pub fn scattered_radiance(
+    tracer: &mut dyn Tracer,
+    hits: &SurfaceBatch,
+    points: &[Scattering],
+    out: &mut Vec3s,
+) {
     let wo = |i: usize| -hits.ray_dir.get(i);
     let split: Vec<[Bsdf; 2]> = points.iter().map(|point| point.bsdf.split_at(SMOOTH * SMOOTH)).collect();
     let value = |i: usize, dir: Vec3, light_is_visible: bool| {

@@ -167,4 +167,10 @@ pub trait Program: Send + Sync {
 
     /// What is kept.
     fn kept(&self) -> &[Kept];
+
+    /// Runs it for one point and tells its parameters and variables, a line each.
+    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        let _ = (host, point);
+        Vec::new()
+    }
 }

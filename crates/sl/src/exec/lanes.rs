@@ -3,10 +3,13 @@
 //! Source: original. Proof: `tests/batch.rs`.
 
 use super::batch::{LANES, Points, Program, Results, Row};
-use super::host::Host;
+use super::host::{Host, Point};
 use super::machine::{Machine, Memory, Plan};
 use super::slot::Kept;
-use crate::types::Base;
+use crate::format::general;
+use crate::hir::Data;
+use crate::ir::{SymbolKind, uses};
+use crate::types::{Base, Type};
 
 impl Program for Plan {
     fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
@@ -44,6 +47,58 @@ impl Program for Plan {
 
     fn kept(&self) -> &[Kept] {
         &self.kept
+    }
+
+    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        let mut machine = Machine::new(self, host);
+        machine.run(point);
+        let mut lines = Vec::new();
+        for (number, layer) in self.layers.iter().enumerate() {
+            if !machine.done[number] {
+                lines.push(format!("{} is not asked for", layer.name));
+                continue;
+            }
+            // What a pass has taken away has no value.
+            let mut is_used = vec![false; layer.shader.symbols.len()];
+            uses(&layer.shader.code, &mut |id, _| is_used[id as usize] = true);
+            for (symbol, is_used) in layer.shader.symbols.iter().zip(is_used) {
+                let is_named = symbol.kind.is_param() || is_used && symbol.kind == SymbolKind::Local;
+                if !is_named || symbol.ty.struct_id().is_some() {
+                    continue;
+                }
+                // `___3_name` is a name of an inner block.
+                let plain =
+                    symbol.name.trim_start_matches('_').trim_start_matches(|c: char| c.is_ascii_digit());
+                let plain =
+                    if symbol.name.starts_with("___") { plain.trim_start_matches('_') } else { &symbol.name };
+                if symbol.name.starts_with("___") && plain.is_empty() {
+                    continue;
+                }
+                let Some((ty, data)) = machine.output(Some(number), &symbol.name) else { continue };
+                lines.push(format!("{}.{plain} = {}", layer.name, machine.text_of(ty, &data)));
+            }
+        }
+        lines.push(format!("Ci = {}", machine.closure_text(machine.ci()).replace("\n\t", " ")));
+        lines
+    }
+}
+
+impl Machine<'_> {
+    fn text_of(&self, ty: Type, data: &Data) -> String {
+        let mut words: Vec<String> = match data {
+            Data::Int(list) if ty.base == Base::Closure => {
+                list.iter().map(|&n| self.closure_text(n as u32).replace("\n\t", " ")).collect()
+            }
+            Data::Int(list) => list.iter().map(ToString::to_string).collect(),
+            Data::Float(list) => list.iter().map(|&x| general(f64::from(x), 6)).collect(),
+            Data::Str(list) => list.iter().map(|text| format!("\"{text}\"")).collect(),
+        };
+        if words.len() > 32 {
+            let left = words.len() - 32;
+            words.truncate(32);
+            words.push(format!("and {left} more"));
+        }
+        words.join(" ")
     }
 }
 

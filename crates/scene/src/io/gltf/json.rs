@@ -298,6 +298,41 @@ pub(super) struct Material<'a> {
     pub(super) alpha_mode: Text<'a>,
     pub(super) alpha_cutoff: f32,
     pub(super) extensions: MaterialExtensions,
+    /// What any program puts there, of any form.
+    #[serde(borrow)]
+    pub(super) extras: Option<&'a RawValue>,
+}
+
+impl Material<'_> {
+    /// The shader that `extras` name, and its parameters as texts; what is of another form is not ours.
+    pub(super) fn shader(&self) -> Option<(String, Vec<(String, String)>)> {
+        #[derive(Deserialize)]
+        struct Extras {
+            gnurt: Shader,
+        }
+        #[derive(Deserialize)]
+        struct Shader {
+            shader: String,
+            #[serde(default)]
+            parameters: serde_json::Map<String, serde_json::Value>,
+        }
+        fn text(value: &serde_json::Value) -> String {
+            match value {
+                serde_json::Value::String(text) => text.clone(),
+                serde_json::Value::Bool(value) => u8::from(*value).to_string(),
+                serde_json::Value::Array(list) => list.iter().map(text).collect::<Vec<_>>().join(","),
+                other => other.to_string(),
+            }
+        }
+        let extras: Extras = serde_json::from_str(self.extras?.get()).ok()?;
+        let parameters = extras.gnurt.parameters.iter().map(|(name, value)| (name.clone(), text(value)));
+        Some((extras.gnurt.shader, parameters.collect()))
+    }
+
+    /// Bytes of what `extras` hold.
+    pub(super) fn extras_bytes(&self) -> usize {
+        self.extras.map_or(0, |extras| extras.get().len())
+    }
 }
 
 impl Default for Material<'_> {
@@ -311,6 +346,7 @@ impl Default for Material<'_> {
             alpha_mode: Text(Cow::Borrowed("OPAQUE")),
             alpha_cutoff: 0.5,
             extensions: MaterialExtensions::default(),
+            extras: None,
         }
     }
 }

@@ -20,6 +20,7 @@ use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings, source};
 use crate::material::{Material, Principled, Surface};
 use crate::scene::Scene;
+use crate::shader_file::ShaderFile;
 use crate::texture::{Filter, Texels, Texture, Wrap};
 
 /// A material of the scene, and which texture coordinates of the mesh it reads.
@@ -75,6 +76,16 @@ pub(super) fn add_all(
             _ => false,
         };
         let id = scene.add_material(converted);
+        if material.extras_bytes() > 0 {
+            document.hold(4 * material.extras_bytes(), &place)?;
+        }
+        if let Some((name, parameters)) = material.shader() {
+            let file = source::resolve(&document.path, &name);
+            let outside = |(problem, remedy): (String, String)| document.error(&place, problem, &remedy);
+            document.access.check(&file).map_err(outside)?;
+            let confined_to = document.access.confined_to();
+            scene.set_shader_file(id, ShaderFile { file, parameters, confined_to });
+        }
         materials.added.push(AddedMaterial { id, texcoord_set, has_normal_map });
         if is_driven {
             document.hold(size_of::<MovingMaterial>() + factors.name.len(), &place)?;

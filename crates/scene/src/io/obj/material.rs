@@ -25,6 +25,7 @@ use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings};
 use crate::material::{Alpha, Color, Material, Opacity, OpacityChannel, Principled, Surface, TextureRef};
 use crate::scene::Scene;
+use crate::shader_file::ShaderFile;
 use crate::texture::{Filter, Texture, Wrap};
 
 /// Bytes that a material of the scene takes beside its name.
@@ -55,12 +56,35 @@ pub(super) fn add_all(
     }
     let mut textures = Textures { access, pictures: Pictures::new(access), known: HashMap::new() };
     let default = scene.add_material(Material::matte("default", [DEFAULT_ALBEDO; 3]));
-    let rest = library.entries.iter().map(|entry| {
+    let mut materials = vec![default];
+    for entry in &library.entries {
         let material = convert(entry, scene, &mut textures, warnings);
-        scene.add_material(material)
-    });
-    let materials = std::iter::once(default).chain(rest).collect();
+        let id = scene.add_material(material);
+        materials.push(id);
+        if let Some(said) = &entry.shader {
+            match shader_file(entry, said, access) {
+                Ok(file) => scene.set_shader_file(id, file),
+                Err(why) => warnings.note(Oddity::BadMaterialLine, &entry.path, Some(said.line), why),
+            }
+        }
+    }
     Ok((materials, textures.pictures.paths()))
+}
+
+/// `FILE [NAME=VALUE ...]`: the file's name ends where the first parameter begins.
+fn shader_file(entry: &Entry, said: &Map, access: &Access) -> Result<ShaderFile, String> {
+    let words: Vec<&str> = said.text.split_whitespace().collect();
+    let first = words.iter().position(|word| word.contains('=')).unwrap_or(words.len());
+    if first == 0 {
+        return Err("`gnurt_shader` without a file name".into());
+    }
+    let pair = |word: &&str| match word.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
+        _ => Err("`gnurt_shader`: expected NAME=VALUE behind the file".to_owned()),
+    };
+    let parameters = words[first..].iter().map(pair).collect::<Result<_, _>>()?;
+    let file = source::resolve(&entry.path, &words[..first].join(" "));
+    Ok(ShaderFile { file, parameters, confined_to: access.confined_to() })
 }
 
 /// Refuses textures outside of the folder that files must be in.
@@ -70,6 +94,12 @@ fn check_maps(entry: &Entry, access: &Access) -> Result<(), Error> {
             let outside = |(problem, remedy)| Error::data(&entry.path, Some(map.line), problem, remedy);
             access.check(&source::resolve(&entry.path, &statement.file)).map_err(outside)?;
         }
+    }
+    if let Some(said) = &entry.shader
+        && let Ok(shader) = shader_file(entry, said, access)
+    {
+        let outside = |(problem, remedy)| Error::data(&entry.path, Some(said.line), problem, remedy);
+        access.check(&shader.file).map_err(outside)?;
     }
     Ok(())
 }

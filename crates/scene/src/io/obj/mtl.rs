@@ -47,6 +47,8 @@ pub(super) struct Entry {
     pub(super) map_kd: Option<Box<Map>>,
     pub(super) map_ke: Option<Box<Map>>,
     pub(super) map_d: Option<Box<Map>>,
+    /// A file in the shading language and its parameters; not MTL's.
+    pub(super) shader: Option<Box<Map>>,
 }
 
 /// The materials of all libraries of a file.
@@ -147,7 +149,11 @@ impl Library {
                     Some(false) => Some(&mut nowhere),
                     None => None,
                 };
-                let held = if keyword.starts_with("map_") { rest.len() + size_of::<Map>() } else { 0 };
+                let held = if keyword.starts_with("map_") || keyword == "gnurt_shader" {
+                    rest.len() + size_of::<Map>()
+                } else {
+                    0
+                };
                 match (statement(keyword, rest, line), entry) {
                     (Ok(None), _) => {}
                     (Ok(Some(_)), None) => warn("before the first `newmtl`".into()),
@@ -223,6 +229,7 @@ fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<State
         "map_Kd" | "map_kd" => map(|e| &mut e.map_kd),
         "map_Ke" | "map_ke" => map(|e| &mut e.map_ke),
         "map_d" => map(|e| &mut e.map_d),
+        "gnurt_shader" => map(|e| &mut e.shader),
         _ => Ok(None),
     }
 }

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shaders in the shading language: `--shader`, scene files, skies, `trace`.
+//! Source: original.
+
+use gnurt::image::{Picture, compare};
+
+use super::harness::Folder;
+use super::samples;
+
+const MATTE: &str = "surface my_matte (color tint = 0.5 [[ string label = \"Tint\" ]])\n{\n    float unused = u + 1;\n    Ci = tint * diffuse (N);\n}\n";
+
+fn picture(folder: &Folder, name: &str) -> Picture {
+    gnurt::image::read(&folder.at(name)).expect("a picture")
+}
+
+/// The greatest difference of two pictures.
+fn difference(folder: &Folder, [a, b]: [&str; 2]) -> f64 {
+    f64::from(compare(&picture(folder, a), &picture(folder, b)).expect("one size").max_difference)
+}
+
+#[test]
+fn a_diffuse_script_is_the_built_in_matte() {
+    let folder = Folder::new();
+    folder.write("matte.osl", MATTE);
+    for integrator in ["whitted", "path", "ir"] {
+        let line = format!("render builtin:cornell -r 16x12 --spp 1 --integrator {integrator} --shader");
+        folder.gnurt(&format!("{line} *=MatteShader:color=0.9,0.5,0.2 -o class.pfm")).success();
+        folder.gnurt(&format!("{line} *=matte.osl:tint=0.9,0.5,0.2 -o script.pfm")).success();
+        let found = difference(&folder, ["class.pfm", "script.pfm"]);
+        assert!(found < 1e-4, "{integrator}: the same light: {found}");
+    }
+    let seen =
+        folder.gnurt("trace builtin:cornell --pixel 8,6 -r 16x12 --shader *=matte.osl:tint=0.25").success();
+    for wanted in ["tint = 0.25 0.25 0.25", "Ci = (0.25, 0.25, 0.25) * diffuse"] {
+        assert!(seen.stdout.contains(wanted), "{wanted}: {}", seen.stdout);
+    }
+}
+
+#[test]
+fn lights_and_skies_in_the_language_shine() {
+    let folder = Folder::new();
+    folder.write("scene.obj", samples::OBJ);
+    folder.write("scene.mtl", "newmtl red\nKd 0.5 0.5 0.5\n");
+    folder.write(
+        "lamp.osl",
+        "light lamp (color power = 1) { vector way = point (0, 1, 4) - Ps; lightdist = length (way); L = normalize (way); Cl = power / dot (way, way); }",
+    );
+    folder.write("sky.osl", "environment sky () { Ci = color (0.5, 1, 2) * background (); }");
+    let line = "render scene.obj -r 16x12 --spp 1 --integrator whitted --environment";
+    folder.gnurt(&format!("{line} 0,0,0 --shader lamp.osl:power=2,4,8 -o lamp.pfm")).success();
+    let lamp = picture(&folder, "lamp.pfm");
+    let bright = lamp.color.iter().map(|pixel| pixel[2]).fold(0.0, f32::max);
+    // Near the middle: albedo / pi * power / distance squared.
+    assert!((bright - 0.5 / std::f32::consts::PI * 8.0 / 16.0).abs() < 0.01, "{bright}");
+    folder.gnurt(&format!("{line} sky.osl -o sky.pfm")).success();
+    folder.gnurt(&format!("{line} 0.5,1,2 -o even.pfm")).success();
+    let found = difference(&folder, ["sky.pfm", "even.pfm"]);
+    assert!(found < 0.2, "the same sky, sampled by a table or evenly: {found}");
+    let sky = picture(&folder, "sky.pfm");
+    assert!((sky.color[0][2] - 2.0).abs() < 1e-3, "what is seen of it: {:?}", sky.color[0]);
+}
+
+#[test]
+fn scene_files_name_shaders() {
+    let folder = Folder::new();
+    folder.write("scene.obj", samples::OBJ);
+    folder.write("shaders/glow.osl", "surface glow (color tint = 1) { Ci = tint * emission (); }");
+    let line = "render scene.obj -r 16x12 --spp 1 --integrator whitted --environment 0,0,0";
+    folder
+        .write("scene.mtl", "newmtl red\nKd 0.5 0.5 0.5\ngnurt_shader shaders/glow.osl tint=0.25,0.5,0.75\n");
+    folder.gnurt(&format!("{line} -o glow.pfm")).success();
+    let glow = picture(&folder, "glow.pfm");
+    assert!(glow.color.iter().any(|pixel| pixel[..3] == [0.25, 0.5, 0.75]), "as the file says");
+    folder.write("scene.mtl", "newmtl red\nKd 0.5 0.5 0.5\ngnurt_shader shaders/none.osl\n");
+    let run = folder.gnurt(&format!("{line} -o none.pfm")).success();
+    assert!(run.stderr.contains("warning: ") && run.stderr.contains("none.osl"), "{}", run.stderr);
+    folder.write("other/secret.osl", "surface secret () { Ci = emission (); }");
+    folder.write("inner/scene.obj", samples::OBJ);
+    folder.write("inner/scene.mtl", "newmtl red\ngnurt_shader ../other/secret.osl\n");
+    let run = folder.gnurt("render inner/scene.obj -r 8x8 --spp 1 --confine inner -o no.png");
+    assert_eq!(run.status, Some(1), "it lies outside: {}", run.stderr);
+}
+
+#[test]
+fn wrong_scripts_are_refused() {
+    let folder = Folder::new();
+    folder.write("bad.osl", "surface bad ()\n{\n    Ci = diffus (N);\n}\n");
+    folder.write("matte.osl", MATTE);
+    folder.write("lamp.osl", "light lamp () { Cl = 1; L = N; }");
+    folder.write("eye.osl", "camera eye () { I = N; }");
+    for (choice, said) in [
+        ("*=bad.osl", "bad.osl:3:10"),
+        ("*=bad.osl", "Ci = diffus (N);"),
+        ("*=none.osl", "none.osl: no such file"),
+        ("*=matte.osl:tnt=1", "no parameter 'tnt'"),
+        ("*=matte.osl:tint=red", "'red' is not numbers"),
+        ("*=lamp.osl", "of type light; one of type surface is wanted"),
+        ("matte.osl", "give MATERIAL=matte.osl"),
+        ("eye.osl", "no option yet"),
+    ] {
+        let run = folder.run(&["render", "builtin:cornell", "-r", "8x8", "-o", "p.png", "--shader", choice]);
+        assert!(matches!(run.status, Some(1 | 2)), "{choice}: {:?} {}", run.status, run.stderr);
+        assert!(run.stderr.contains(said), "{choice}: '{said}' must be said: {}", run.stderr);
+        assert!(!run.stderr.contains("panicked") && !folder.at("p.png").exists(), "{choice}");
+    }
+    // What does not end is stopped, and the picture goes on.
+    folder.write("endless.osl", "surface endless () { while (1) { } }");
+    let run = folder.gnurt("render builtin:cornell -r 8x8 --spp 1 --shader *=endless.osl -o p.pfm").success();
+    assert!(run.stderr.contains("did not end"), "{}", run.stderr);
+}

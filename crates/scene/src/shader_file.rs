@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shaders that a scene's file names for its materials, as they are written there: who renders it compiles them.
+//! Source: original. glTF: `extras` of a material, `{"gnurt": {"shader": "wood.osl", "parameters": {"scale": 2}}}`;
+//! MTL: `gnurt_shader wood.osl scale=2 tint=1,0.5,0.2`. Proof: `tests/obj.rs`, `tests/gltf.rs`.
+
+use std::path::PathBuf;
+
+/// A file in the shading language, and values for its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ShaderFile {
+    /// The file.
+    pub file: PathBuf,
+    /// Names and values: numbers between commas, or texts.
+    pub parameters: Vec<(String, String)>,
+    /// The folder that it and all that it names must be in; `None` = anywhere.
+    pub confined_to: Option<PathBuf>,
+}

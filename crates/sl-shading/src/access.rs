@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Which files shaders may name: those that they include and the pictures that they read.
+//! Source: original. Proof: `tests/scripts.rs`.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// Bytes of a source file.
+const LONGEST: u64 = 16 << 20;
+
+/// Where shaders may take files from.
+#[derive(Clone, Debug, Default)]
+pub struct Access {
+    /// Only from below this folder; from anywhere if there is none.
+    pub confined_to: Option<PathBuf>,
+    /// Folders that `#include` looks through after the shader's own.
+    pub includes: Vec<String>,
+}
+
+impl Access {
+    /// Whether a file may be read.
+    #[must_use]
+    pub fn allows(&self, path: &Path) -> bool {
+        let Some(folder) = &self.confined_to else { return true };
+        match (path.canonicalize(), folder.canonicalize()) {
+            (Ok(path), Ok(folder)) => path.starts_with(folder),
+            _ => false,
+        }
+    }
+
+    /// The text of a file.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    pub fn text(&self, path: &Path) -> Result<String, String> {
+        if !self.allows(path) {
+            return Err("it is outside of the folder that files may come from".to_owned());
+        }
+        let reason = |error: std::io::Error| gnurt_image::system_reason(&error).to_string();
+        let data = std::fs::metadata(path).map_err(reason)?;
+        if !data.is_file() {
+            return Err("not a file".to_owned());
+        }
+        let mut bytes = Vec::new();
+        let file = std::fs::File::open(path).map_err(reason)?;
+        file.take(LONGEST + 1).read_to_end(&mut bytes).map_err(reason)?;
+        if bytes.len() as u64 > LONGEST {
+            return Err(format!("longer than {} MiB", LONGEST >> 20));
+        }
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+}

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Camera shaders as cameras.
+//! Source: original. Space: world; the shader's space `camera` is that of a camera that stands somewhere, looks along its -z and has y up.
+
+use glam::Vec3;
+use gnurt_accel::{Ray, RayBatch};
+use gnurt_shading::{CameraSamples, CameraShader};
+use gnurt_sl::exec::{LANES, Point, Points, Results};
+use gnurt_sl_lib::Dual;
+
+use crate::world::{Common, World};
+
+/// Where a camera stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraPlace {
+    /// Where it is.
+    pub eye: [f32; 3],
+    /// Unit, to the right.
+    pub right: [f32; 3],
+    /// Unit, upwards.
+    pub up: [f32; 3],
+    /// Unit, towards the viewer: it looks the other way.
+    pub back: [f32; 3],
+    /// Pixels of the picture, across and down.
+    pub pixels: [u32; 2],
+}
+
+/// A camera.
+pub(crate) struct ScriptCamera {
+    pub(crate) common: Common,
+    pub(crate) place: CameraPlace,
+    pub(crate) has_lens: bool,
+}
+
+impl CameraShader for ScriptCamera {
+    fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
+        let CameraPlace { eye, right, up, back, pixels } = self.place;
+        let row = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
+        let ahead = back.map(|x| -x);
+        let mut world = World::empty(&self.common);
+        world.world_from_camera = Some([row(right, 0.0), row(up, 0.0), row(back, 0.0), row(eye, 1.0)]);
+        world.aspect = aspect;
+        let [w, h] = pixels.map(|n| n.max(1) as f32);
+        let (mut points, mut results) = (Points::default(), Results::default());
+        for first in (0..samples.len()).step_by(LANES) {
+            points.count = LANES.min(samples.len() - first);
+            for lane in 0..points.count {
+                let i = first + lane;
+                let [u, v] = samples.places[i];
+                let point = Point {
+                    p: Dual::from(eye),
+                    i: Dual::from(ahead),
+                    n: back,
+                    ng: back,
+                    u: Dual::new(u, 1.0 / w, 0.0),
+                    v: Dual::new(v, 0.0, -1.0 / h),
+                    time: samples.time(i),
+                    xi: samples.lens(i),
+                    raster: [u * w, (1.0 - v) * h],
+                    index: i as i32,
+                    ..Point::default()
+                };
+                points.set(lane, &point);
+            }
+            self.common.program.run(&world, &points, &mut results);
+            let kept = |name: &str| self.common.program.kept().iter().find(|kept| kept.name == name);
+            let vector = |name: &str, lane: usize| {
+                let row = kept(name)?.row;
+                Some(Vec3::from([0, 1, 2].map(|k| results.rows[row + k][lane])))
+            };
+            let number = |name: &str, lane: usize| kept(name).map(|kept| results.rows[kept.row][lane]);
+            for lane in 0..points.count {
+                let org = vector("P", lane).filter(|p| p.is_finite()).unwrap_or(Vec3::from(eye));
+                let seen = vector("weight", lane).is_none_or(|weight| weight != Vec3::ZERO);
+                let dir = vector("I", lane).filter(|_| seen).and_then(Vec3::try_normalize);
+                let near = number("tmin", lane).unwrap_or(0.0).max(0.0);
+                let far = number("tmax", lane).filter(|&t| t < 1e30).unwrap_or(f32::INFINITY);
+                // A ray without a direction sees nothing.
+                let ray = Ray::new(org.to_array(), dir.unwrap_or(Vec3::ZERO).to_array()).within(near, far);
+                out.push(ray);
+            }
+            for (_, event) in &results.events {
+                self.common.faults.hear(&self.common.name, event);
+            }
+        }
+    }
+
+    fn has_lens(&self) -> bool {
+        self.has_lens
+    }
+}

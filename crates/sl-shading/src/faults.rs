@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What shaders said while they ran: each line once, and not without end.
+//! Source: original.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use gnurt_sl::exec::Event;
+
+/// Lines that are kept.
+const MOST: usize = 16;
+
+/// Lines of all threads.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    lines: Mutex<Vec<String>>,
+    is_full: AtomicBool,
+}
+
+impl Faults {
+    /// Notes a line, if there is room and it is new.
+    pub(crate) fn note(&self, line: &str) {
+        if self.is_full.load(Ordering::Relaxed) {
+            return;
+        }
+        let Ok(mut lines) = self.lines.lock() else { return };
+        let mut end = line.len().min(400);
+        while !line.is_char_boundary(end) {
+            end -= 1;
+        }
+        let line = line[..end].trim_end();
+        if line.is_empty() || lines.iter().any(|known| known == line) {
+            return;
+        }
+        if lines.len() == MOST {
+            lines.push("and more, which is not told".to_owned());
+            self.is_full.store(true, Ordering::Relaxed);
+            return;
+        }
+        lines.push(line.to_owned());
+    }
+
+    /// Notes what a shader said.
+    pub(crate) fn hear(&self, name: &str, event: &Event) {
+        if self.is_full.load(Ordering::Relaxed) {
+            return;
+        }
+        match event {
+            Event::Print(text) => self.note(&format!("{name} says: {text}")),
+            Event::Error(text) => self.note(&format!("{name}: {text}")),
+            Event::Warning(text) => self.note(&format!("{name}: warning: {text}")),
+            // Shaders write no files.
+            Event::File(file, text) => self.note(&format!("{name} says to \"{file}\": {text}")),
+        }
+    }
+
+    /// All lines.
+    pub(crate) fn lines(&self) -> Vec<String> {
+        self.lines.lock().map(|lines| lines.clone()).unwrap_or_default()
+    }
+}

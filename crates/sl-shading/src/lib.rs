@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shaders written in the shading language, as shaders of the renderer.
+//! Source: original.
+//!
+//! A [`Script`] is a shader's file, compiled, with values for its parameters; it makes what `gnurt_shading` knows: a surface, a light,
+//! a camera, a sky. `access` says which files may be read, `closures` which closures there are, `parts` makes lobes of them,
+//! `world` answers what a shader asks while it runs, `surface`, `light`, `camera` and `sky` are the kinds.
+#![forbid(unsafe_code)]
+
+mod access;
+mod camera;
+mod closures;
+mod faults;
+mod light;
+mod parameter;
+mod parts;
+mod script;
+mod sky;
+mod surface;
+mod textures;
+mod world;
+
+pub use access::Access;
+pub use camera::CameraPlace;
+pub use parameter::{Parameter, ParameterValue};
+pub use script::{Kind, Script};

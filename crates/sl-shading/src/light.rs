@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Light shaders as lights.
+//! Source: original. Space: world.
+
+use glam::Vec3;
+use gnurt_shading::{LightBatch, LightShader, Vec3s};
+use gnurt_sl::exec::{LANES, Point, Points, Results};
+use gnurt_sl_lib::Dual;
+
+use crate::world::{Common, World};
+
+/// A light.
+pub(crate) struct ScriptLight {
+    pub(crate) common: Common,
+}
+
+impl LightShader for ScriptLight {
+    fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
+        let world = World::empty(&self.common);
+        let (mut points, mut results) = (Points::default(), Results::default());
+        for first in (0..p.len()).step_by(LANES) {
+            points.count = LANES.min(p.len() - first);
+            for lane in 0..points.count {
+                let i = first + lane;
+                let (place, n) = (p.get(i).to_array(), normal.get(i).to_array());
+                let point = Point {
+                    p: Dual::from(place),
+                    ps: Dual::from(place),
+                    n,
+                    ng: n,
+                    xi: random.get(i).copied().unwrap_or([0.5; 2]),
+                    index: i as i32,
+                    ..Point::default()
+                };
+                points.set(lane, &point);
+            }
+            self.common.program.run(&world, &points, &mut results);
+            let kept = |name: &str| self.common.program.kept().iter().find(|kept| kept.name == name);
+            let vector = |name: &str, lane: usize| {
+                let row = kept(name)?.row;
+                Some(Vec3::from([0, 1, 2].map(|k| results.rows[row + k][lane])))
+            };
+            for lane in 0..points.count {
+                let i = first + lane;
+                let (Some(dir), Some(light)) = (vector("L", lane), vector("Cl", lane)) else { continue };
+                let Some(dir) = dir.try_normalize() else { continue };
+                let light = light.max(Vec3::ZERO);
+                if light == Vec3::ZERO || !light.is_finite() {
+                    continue;
+                }
+                let far = kept("lightdist").map_or(1e30, |kept| results.rows[kept.row][lane]);
+                out.dir.set(i, dir);
+                out.dist[i] = if far >= 1e30 || far <= 0.0 { f32::INFINITY } else { far };
+                out.radiance.set(i, light);
+            }
+            for (_, event) in &results.events {
+                self.common.faults.hear(&self.common.name, event);
+            }
+        }
+    }
+}

@@ -1,0 +1,447 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A shader's file with values for its parameters, and the shaders of the renderer that it makes.
+//! Source: original. `.osl` is source text, `.oso` what OSL's compiler makes of it, `.oslgroup` OSL's text for groups:
+//! `param float scale 2 ; shader noise.osl pattern ; shader matte.osl base ; connect pattern.out base.Kd ;`, names of files beside it.
+//! Proof: `tests/scripts.rs`.
+
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use gnurt_shading::{AttributeRequest, CameraShader, EnvironmentShader, LightShader, SurfaceShader};
+use gnurt_sl::diagnostics::{Severity, Style};
+use gnurt_sl::exec::{Plan, PlanOptions, unknown_operation};
+use gnurt_sl::group::{Group, Hint, read_group};
+use gnurt_sl::hir::Data;
+use gnurt_sl::ir::{Op, Shader, SymbolKind, ops, read as read_oso};
+use gnurt_sl::types::{Base, Type};
+use gnurt_sl::{Options, compile};
+use gnurt_sl_lib::color::ColorSystem;
+
+use crate::access::Access;
+use crate::camera::{CameraPlace, ScriptCamera};
+use crate::faults::Faults;
+use crate::light::ScriptLight;
+use crate::parameter::{self, Parameter, ParameterValue};
+use crate::sky::ScriptSky;
+use crate::surface::ScriptSurface;
+use crate::textures::Textures;
+use crate::world::Common;
+
+/// Turns of loops that a point may take.
+const TURNS: u64 = 1 << 20;
+
+/// What a script is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The look of a surface: `surface` and `shader`.
+    Surface,
+    /// A light.
+    Light,
+    /// A camera.
+    Camera,
+    /// What rays see that hit nothing.
+    Environment,
+    /// What a pixel shows.
+    Pixel,
+}
+
+impl Kind {
+    /// The word in the language.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Surface => "surface",
+            Self::Light => "light",
+            Self::Camera => "camera",
+            Self::Environment => "environment",
+            Self::Pixel => "pixel",
+        }
+    }
+}
+
+/// A shader's file, compiled, with values.
+#[derive(Clone, Debug)]
+pub struct Script {
+    name: String,
+    kind: Kind,
+    group: Group,
+    files: Vec<PathBuf>,
+    warnings: Vec<String>,
+    textures: Arc<Textures>,
+    faults: Arc<Faults>,
+}
+
+impl Script {
+    /// Reads and compiles a file.
+    ///
+    /// # Errors
+    /// The file cannot be read, or what the compiler says: file, line, column and the source line of each error.
+    pub fn open(path: &Path, access: &Access) -> Result<Self, String> {
+        let text = access.text(path).map_err(|why| format!("{}: {why}", path.display()))?;
+        Self::from_text(path, &text, access)
+    }
+
+    /// Compiles a text as if it stood in a file of this name.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn from_text(path: &Path, text: &str, access: &Access) -> Result<Self, String> {
+        let reader =
+            Reader { access, files: RefCell::new(vec![path.to_owned()]), warnings: RefCell::default() };
+        let folder = path.parent().map(Path::to_owned).unwrap_or_default();
+        let is_group = path.extension().is_some_and(|end| end == "oslgroup");
+        let mut group = Group::default();
+        if is_group {
+            group = reader.group(path, text, &folder)?;
+        } else {
+            let shader = reader.shader(path, text)?;
+            group.name = shader.name.to_string();
+            group.add(Arc::new(shader), None, &[], &mut Vec::new());
+        }
+        let last = group.layers.last().ok_or_else(|| format!("{}: no shader is in it", path.display()))?;
+        let kind = match &*last.shader.kind {
+            "surface" | "shader" => Kind::Surface,
+            "light" => Kind::Light,
+            "camera" => Kind::Camera,
+            "environment" => Kind::Environment,
+            "pixel" => Kind::Pixel,
+            other => return Err(format!("{}: shaders of type {other} are not drawn", path.display())),
+        };
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        Ok(Self {
+            name,
+            kind,
+            group,
+            files: reader.files.into_inner(),
+            warnings: reader.warnings.into_inner(),
+            textures: Arc::new(Textures::new(access.clone(), folder)),
+            faults: Arc::default(),
+        })
+    }
+
+    /// What it is for.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// The file's name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The shader's name; the last layer's of a group.
+    #[must_use]
+    pub fn shader_name(&self) -> &str {
+        self.group.layers.last().map_or("", |layer| &layer.shader.name)
+    }
+
+    /// All source files that were read, its own first.
+    #[must_use]
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// What the compiler warned of.
+    #[must_use]
+    pub fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    /// What it said while it ran, and what went wrong: each line once.
+    #[must_use]
+    pub fn faults(&self) -> Vec<String> {
+        self.faults.lines()
+    }
+
+    /// Its parameters; those of the last layer of a group.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let Some(layer) = self.group.layers.last() else { return Vec::new() };
+        let settable = |ty: Type| ty.struct_id().is_none() && ty.base != Base::Closure;
+        let all = layer.shader.params();
+        all.filter(|(_, symbol)| symbol.kind == SymbolKind::Param && settable(symbol.ty))
+            .map(|(id, symbol)| Parameter::of(symbol, layer.values.get(&id)))
+            .collect()
+    }
+
+    /// Gives a parameter a value.
+    ///
+    /// # Errors
+    /// There is none of this name, or it takes other values.
+    pub fn set(&mut self, name: &str, given: &ParameterValue) -> Result<(), String> {
+        let ty = self.type_of(name)?;
+        let value = parameter::value(ty, given).map_err(|why| format!("parameter '{name}': {why}"))?;
+        let mut said = Vec::new();
+        if let Some(layer) = self.group.layers.last_mut() {
+            layer.set(name, &value, Hint::default(), &mut said);
+        }
+        said.first().map_or(Ok(()), |why| Err(format!("parameter '{name}': {why}")))
+    }
+
+    /// The same of a value that somebody wrote: numbers between commas, or a text.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set).
+    pub fn set_text(&mut self, name: &str, text: &str) -> Result<(), String> {
+        let ty = self.type_of(name)?;
+        // As people name pictures elsewhere.
+        let text = text.strip_prefix('@').filter(|_| ty == Type::STRING).unwrap_or(text);
+        let given = parameter::read(ty, text).map_err(|why| format!("parameter '{name}': {why}"))?;
+        self.set(name, &given)
+    }
+
+    fn type_of(&self, name: &str) -> Result<Type, String> {
+        let all = self.parameters();
+        let layer = self.group.layers.last();
+        if let (true, Some(layer)) = (all.iter().any(|p| p.name == name), layer)
+            && let Some(id) = layer.shader.find(name)
+        {
+            return Ok(layer.shader.symbol(id).ty);
+        }
+        let names: Vec<&str> = all.iter().map(|p| &p.name[..]).collect();
+        let list =
+            if names.is_empty() { "it has none".into() } else { format!("there are {}", names.join(", ")) };
+        let near = names
+            .iter()
+            .max_by(|a, b| strsim::jaro_winkler(name, a).total_cmp(&strsim::jaro_winkler(name, b)));
+        let near = near.filter(|near| strsim::jaro_winkler(name, near) > 0.8);
+        let meant = near.map_or_else(String::new, |near| format!("; did you mean '{near}'?"));
+        Err(format!("no parameter '{name}'; {list}{meant}"))
+    }
+
+    /// As a surface.
+    ///
+    /// # Errors
+    /// It is none, or too large.
+    pub fn surface(&self) -> Result<Arc<dyn SurfaceShader>, String> {
+        self.is(Kind::Surface)?;
+        let common = self.common(&self.group, &[])?;
+        let closures = self.closures();
+        let has = |names: &[&str]| names.iter().any(|name| closures.contains(*name));
+        let is_holey = has(&["transparent", "transparent_bsdf"]);
+        let is_glass = has(&["refraction", "microfacet", "dielectric_bsdf", "generalized_schlick_bsdf"]);
+        let is_radiance = has(&["radiance"]) || self.uses(&["trace", "lightcount", "illuminate"]);
+        Ok(Arc::new(ScriptSurface { common, is_radiance, is_see_through: is_holey || is_glass, is_holey }))
+    }
+
+    /// As a light.
+    ///
+    /// # Errors
+    /// It is none, or too large.
+    pub fn light(&self) -> Result<Arc<dyn LightShader>, String> {
+        self.is(Kind::Light)?;
+        let common = self.common(&self.group, &["L", "Cl", "lightdist"])?;
+        Ok(Arc::new(ScriptLight { common }))
+    }
+
+    /// As a camera that stands somewhere. A parameter `aspect` that nobody has set is the picture's width over its height.
+    ///
+    /// # Errors
+    /// It is none, or too large.
+    pub fn camera(&self, place: CameraPlace) -> Result<Arc<dyn CameraShader>, String> {
+        self.is(Kind::Camera)?;
+        let mut group = self.group.clone();
+        if let Some(layer) = group.layers.last_mut()
+            && let Some(id) = layer.shader.find("aspect")
+            && layer.shader.symbol(id).kind == SymbolKind::Param
+            && !layer.values.contains_key(&id)
+        {
+            layer.hints.insert(id, Hint { interpolated: true, interactive: false });
+        }
+        let common = self.common(&group, &["P", "I", "tmin", "tmax", "weight"])?;
+        let has_lens = group.layers.iter().any(|layer| layer.shader.symbols.iter().any(|s| &*s.name == "xi"));
+        Ok(Arc::new(ScriptCamera { common, place, has_lens }))
+    }
+
+    /// As what rays see that hit nothing.
+    ///
+    /// # Errors
+    /// It is none, or too large.
+    pub fn environment(&self) -> Result<Arc<dyn EnvironmentShader>, String> {
+        self.is(Kind::Environment)?;
+        Ok(Arc::new(ScriptSky { common: self.common(&self.group, &[])? }))
+    }
+
+    fn is(&self, wanted: Kind) -> Result<(), String> {
+        if self.kind == wanted {
+            return Ok(());
+        }
+        let (is, wanted) = (self.kind.word(), wanted.word());
+        Err(format!("{}: its shader is of type {is}; one of type {wanted} is wanted here", self.name))
+    }
+
+    fn common(&self, group: &Group, outputs: &[&str]) -> Result<Common, String> {
+        let outputs = outputs.iter().map(ToString::to_string).collect();
+        let plan = Plan::new(group, &PlanOptions { outputs, turns: TURNS, ..PlanOptions::default() });
+        let plan = plan.map_err(|why| format!("{}: {why}", self.name))?;
+        let Some(colors) = ColorSystem::named("Rec709") else {
+            return Err("the colour system is missing".to_owned());
+        };
+        Ok(Common {
+            name: self.name.clone(),
+            program: Arc::new(plan),
+            textures: self.textures.clone(),
+            faults: self.faults.clone(),
+            requests: self.requests(group),
+            colors,
+        })
+    }
+
+    /// What meshes and instances are asked for: values of parameters, attributes by names that are written out, matrices.
+    fn requests(&self, group: &Group) -> Vec<AttributeRequest> {
+        let mut found: Vec<AttributeRequest> = Vec::new();
+        let mut ask = |name: &str, components: usize| {
+            if components > 0 && components <= 64 && !found.iter().any(|known| known.name == name) {
+                // No mesh has a value that is no number: then it has none.
+                let default = vec![f32::NAN; components];
+                found.push(AttributeRequest {
+                    name: name.to_owned(),
+                    components: components as u32,
+                    default,
+                });
+            }
+        };
+        let mut spaces = false;
+        for layer in &group.layers {
+            let shader = &layer.shader;
+            for (id, symbol) in shader.params().filter(|(id, _)| layer.interpolated(*id)) {
+                let _ = id;
+                if symbol.ty.base == Base::Int || symbol.ty.base.is_float_based() {
+                    ask(&symbol.name, symbol.ty.size());
+                }
+            }
+            each_op(shader, &mut |op| {
+                let text = |id: u32| match (shader.symbol(id).kind, &shader.symbol(id).value) {
+                    (SymbolKind::Const, Some(Data::Str(list))) => list.first().map(|text| &**text),
+                    _ => None,
+                };
+                match &*op.name {
+                    "getattribute" => {
+                        let value = op.args.last().map(|&id| shader.symbol(id).ty);
+                        if let (3, Some(name), Some(ty)) = (op.args.len(), text(op.args[1]), value) {
+                            ask(name, ty.size());
+                        }
+                    }
+                    "point" | "vector" | "normal" | "matrix" | "getmatrix" | "transform" | "transformv"
+                    | "transformn" => {
+                        let names = op.args.iter().filter(|&&id| shader.symbol(id).ty == Type::STRING);
+                        for &id in names {
+                            spaces |= !matches!(text(id), Some("common" | "world" | "camera"));
+                        }
+                    }
+                    _ => {}
+                }
+            });
+        }
+        if spaces && self.kind == Kind::Surface {
+            ask(AttributeRequest::WORLD_FROM_OBJECT, 12);
+        }
+        found
+    }
+
+    /// Names of closures that it may make.
+    fn closures(&self) -> BTreeSet<String> {
+        let mut found = BTreeSet::new();
+        for layer in &self.group.layers {
+            each_op(&layer.shader, &mut |op| {
+                if let ("closure", Some(&name)) = (&*op.name, op.args.get(1))
+                    && let Some(Data::Str(list)) = &layer.shader.symbol(name).value
+                {
+                    found.extend(list.first().map(ToString::to_string));
+                }
+            });
+        }
+        found
+    }
+
+    fn uses(&self, names: &[&str]) -> bool {
+        let mut found = false;
+        for layer in &self.group.layers {
+            each_op(&layer.shader, &mut |op| found |= names.contains(&&*op.name));
+        }
+        found
+    }
+}
+
+fn each_op(shader: &Shader, with: &mut dyn FnMut(&Op)) {
+    let mut with = |op: &Op| with(op);
+    for symbol in &shader.symbols {
+        ops(&symbol.init, &mut with);
+    }
+    ops(&shader.code, &mut with);
+}
+
+/// Reads files, and remembers which.
+struct Reader<'a> {
+    access: &'a Access,
+    files: RefCell<Vec<PathBuf>>,
+    warnings: RefCell<Vec<String>>,
+}
+
+impl Reader<'_> {
+    fn shader(&self, path: &Path, text: &str) -> Result<Shader, String> {
+        let shown = path.display();
+        let shader = if path.extension().is_some_and(|end| end == "oso") {
+            read_oso(text).map_err(|why| format!("{shown}: {why}"))?
+        } else {
+            self.compiled(path, text)?
+        };
+        match unknown_operation(&shader) {
+            None => Ok(shader),
+            Some(op) => Err(format!("{shown}: the operation {op} is not known")),
+        }
+    }
+
+    fn compiled(&self, path: &Path, text: &str) -> Result<Shader, String> {
+        let load = |path: &Path| {
+            let text = self.access.text(path).ok()?;
+            self.files.borrow_mut().push(path.to_owned());
+            Some(text)
+        };
+        let options = Options { includes: self.access.includes.clone(), ..Options::default() };
+        let compiled = compile(&path.to_string_lossy(), text, &options, &load);
+        let of = |severity: Severity| {
+            let list = compiled.diagnostics.list.iter().filter(move |d| d.severity == severity);
+            list.map(|d| d.render(&compiled.sources, Style::Drawn)).collect::<Vec<_>>()
+        };
+        self.warnings.borrow_mut().extend(of(Severity::Warning));
+        compiled.shader.ok_or_else(|| {
+            let mut errors = of(Severity::Error);
+            errors.truncate(5);
+            format!("{} does not compile\n{}", path.display(), errors.concat().trim_end())
+        })
+    }
+
+    fn group(&self, path: &Path, text: &str, folder: &Path) -> Result<Group, String> {
+        let mut wrong: Vec<String> = Vec::new();
+        let mut find = |name: &str| {
+            let file = [name.to_owned(), format!("{name}.osl"), format!("{name}.oso")]
+                .into_iter()
+                .map(|name| folder.join(name))
+                .find(|file| file.is_file());
+            let made = match file {
+                None => Err(format!("no shader {name}, {name}.osl or {name}.oso is beside it")),
+                Some(file) => self.access.text(&file).and_then(|text| {
+                    self.files.borrow_mut().push(file.clone());
+                    self.shader(&file, &text)
+                }),
+            };
+            made.map(Arc::new).map_err(|why| wrong.push(why)).ok()
+        };
+        let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let mut said = Vec::new();
+        let group = read_group(&name, text, &mut find, &mut said);
+        if let Some(why) = wrong.first() {
+            return Err(format!("{}: {why}", path.display()));
+        }
+        let group = group.map_err(|why| format!("{}: {}", path.display(), why.join("; ")))?;
+        match said.first() {
+            None => Ok(group),
+            Some(why) => Err(format!("{}: {why}", path.display())),
+        }
+    }
+}

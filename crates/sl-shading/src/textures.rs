@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Pictures that shaders read, each file once.
+//! Source: original; wrap modes are OSL's. Colours of 8-bit pictures are decoded to linear light, as everywhere in GNU RT. Where a
+//! point stands for more than a texel, smaller copies are read.
+
+use std::collections::HashMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex};
+
+use gnurt_image::read_texture;
+use gnurt_shading::mipmap::{Minify, MipMap};
+use gnurt_shading::texture::{TextureSampler, Wrap};
+use gnurt_sl::exec::TextureOptions;
+use gnurt_sl_lib::Dual;
+
+use crate::access::Access;
+
+/// Different names that are kept, those that are no pictures among them.
+const MOST: usize = 4096;
+
+type Found = Result<Arc<TextureSampler>, Arc<str>>;
+
+/// Pictures by the names that shaders call them.
+#[derive(Debug, Default)]
+pub(crate) struct Textures {
+    access: Access,
+    /// Where names are looked for after the current folder.
+    folder: PathBuf,
+    known: Mutex<HashMap<String, Found>>,
+}
+
+impl Textures {
+    pub(crate) fn new(access: Access, folder: PathBuf) -> Self {
+        Self { access, folder, known: Mutex::default() }
+    }
+
+    /// The picture of a name.
+    pub(crate) fn find(&self, name: &str) -> Found {
+        let Ok(mut known) = self.known.lock() else { return Err("its memory is lost".into()) };
+        if let Some(found) = known.get(name) {
+            return found.clone();
+        }
+        if known.len() >= MOST {
+            return Err(format!("more than {MOST} pictures").into());
+        }
+        let found = self.read(name);
+        known.insert(name.to_owned(), found.clone());
+        found
+    }
+
+    fn read(&self, name: &str) -> Found {
+        let path = [PathBuf::from(name), self.folder.join(name)].into_iter().find(|path| path.is_file());
+        let path = path.unwrap_or_else(|| self.folder.join(name));
+        if !self.access.allows(&path) {
+            let why = "not there, or outside of the folder that files may come from";
+            return Err(format!("texture {}: {why}", path.display()).into());
+        }
+        match read_texture(&path) {
+            Ok(texels) => {
+                let texels = Arc::new(texels);
+                let mips = Arc::new(MipMap::new(texels.clone()));
+                let minify = Minify::Mipmap { linear: true, between_levels: true };
+                Ok(Arc::new(TextureSampler { minify: Some((minify, mips)), ..TextureSampler::new(texels) }))
+            }
+            Err(error) => Err(format!("texture {error}").into()),
+        }
+    }
+
+    /// Four channels at `s` and `t`, t downwards.
+    pub(crate) fn sample(
+        &self,
+        file: &str,
+        at: [Dual<f32>; 2],
+        options: &TextureOptions,
+    ) -> Result<[f32; 4], String> {
+        let sampler = self.find(file).map_err(|why| why.to_string())?;
+        let outside = |k: usize| {
+            let black = matches!(&*options.wrap[k], "black" | "default" | "");
+            black && !(0.0..=1.0).contains(&at[k].value)
+        };
+        if outside(0) || outside(1) {
+            return Ok([0.0; 4]);
+        }
+        let wrap = [0, 1].map(|k: usize| match &*options.wrap[k] {
+            "periodic" => Wrap::Repeat,
+            "mirror" => Wrap::Mirror,
+            _ => Wrap::Clamp,
+        });
+        let [s, t] = at;
+        let [w, h] = [sampler.texels.width, sampler.texels.height].map(|n| n as f32);
+        // The same for pictures that are not square: the sampler counts in the mean of both sides.
+        let mean = (w * h).sqrt();
+        let step = |x: [f32; 2]| (x[0] * options.width[0] * w).hypot(x[1] * options.width[1] * h) / mean;
+        let blur = (options.blur[0] * w).max(options.blur[1] * h) / mean;
+        let width = step([s.dx, t.dx]).max(step([s.dy, t.dy])) + blur;
+        let linear = &*options.interpolation != "closest";
+        let uv = [s.value, 1.0 - t.value];
+        let as_it_is = sampler.wrap == wrap && linear;
+        let texel = if as_it_is {
+            sampler.sample_wide(uv, width)
+        } else {
+            TextureSampler { wrap, linear, ..(*sampler).clone() }.sample_wide(uv, width)
+        };
+        let first = options.first_channel;
+        Ok(std::array::from_fn(|k| {
+            let k = first.saturating_add(k as i32);
+            usize::try_from(k).ok().and_then(|k| texel.get(k).copied()).unwrap_or(options.fill)
+        }))
+    }
+}

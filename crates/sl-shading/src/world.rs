@@ -1,0 +1,332 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a shader asks while it runs: spaces, values that the mesh has, pictures, and rays and lights where there is a tracer.
+//! Source: original. Space: world is the common space; `object` and `shader` are the instance's; matrices have points as rows.
+//! Lights are asked for all points of a batch when the first one asks, so that shadow rays are traced side by side.
+//! Proof: `tests/scripts.rs`; crates/render/tests/appearance.rs for the matrices.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::Vec3;
+use gnurt_accel::Ray;
+use gnurt_shading::{AttributeRequest, LightBatch, RayRequest, SurfaceBatch, Tracer, Vec3s};
+use gnurt_sl::exec::{Arriving, ClosureDecl, Given, Host, Point, Program, TextureOptions, TraceOptions};
+use gnurt_sl::hir::Data;
+use gnurt_sl::types::{Base, Type};
+use gnurt_sl_lib::Dual;
+use gnurt_sl_lib::color::ColorSystem;
+
+use crate::closures;
+use crate::faults::Faults;
+use crate::textures::Textures;
+
+/// Kinds of rays; each is a bit.
+const RAYS: [&str; 8] =
+    ["camera", "shadow", "reflection", "refraction", "diffuse", "glossy", "subsurface", "displacement"];
+/// Bits of rays from the camera and of those that ask for shadow.
+pub(crate) const CAMERA: u32 = 1;
+pub(crate) const SHADOW: u32 = 2;
+/// Branches of a point's key from here on are rays that a shader asks for.
+const BRANCH: u32 = 64;
+
+/// What all points of a shader share.
+pub(crate) struct Common {
+    pub(crate) name: String,
+    pub(crate) program: Arc<dyn Program>,
+    pub(crate) textures: Arc<Textures>,
+    pub(crate) faults: Arc<Faults>,
+    /// What is asked of the mesh.
+    pub(crate) requests: Vec<AttributeRequest>,
+    pub(crate) colors: ColorSystem,
+}
+
+/// Where a shader runs.
+pub(crate) struct World<'a> {
+    common: &'a Common,
+    hits: Option<&'a SurfaceBatch>,
+    asks: Option<RefCell<Asks<'a>>>,
+    /// From a camera's space.
+    pub(crate) world_from_camera: Option<[[f32; 4]; 4]>,
+    /// Width over height of the picture.
+    pub(crate) aspect: f32,
+}
+
+/// A tracer, and what it has answered.
+struct Asks<'a> {
+    tracer: &'a mut (dyn Tracer + 'a),
+    /// Light and what comes through, by lights.
+    lights: HashMap<i32, (LightBatch, Option<Vec3s>)>,
+    /// Rays that each point has asked for.
+    rays: Vec<u32>,
+    /// How far the last ray went, if it hit something.
+    last: Option<f32>,
+}
+
+impl<'a> World<'a> {
+    /// Without surfaces: of lights, cameras, skies.
+    pub(crate) fn empty(common: &'a Common) -> Self {
+        Self { common, hits: None, asks: None, world_from_camera: None, aspect: 1.0 }
+    }
+
+    /// Around points.
+    pub(crate) fn around(
+        common: &'a Common,
+        hits: &'a SurfaceBatch,
+        tracer: Option<&'a mut (dyn Tracer + 'a)>,
+    ) -> Self {
+        let asks = tracer.map(|tracer| {
+            RefCell::new(Asks { tracer, lights: HashMap::new(), rays: vec![0; hits.len()], last: None })
+        });
+        Self { hits: Some(hits), asks, ..Self::empty(common) }
+    }
+
+    /// The batch and the point's place in it.
+    fn lane(&self, point: &Point) -> Option<(&'a SurfaceBatch, usize)> {
+        let hits = self.hits?;
+        Some((hits, usize::try_from(point.index).ok().filter(|&i| i < hits.len())?))
+    }
+
+    /// A value of the mesh, if it has it.
+    fn asked(&self, name: &str, point: &Point) -> Option<Vec<f32>> {
+        let (hits, lane) = self.lane(point)?;
+        let number = self.common.requests.iter().position(|request| request.name == name)?;
+        let values = hits.attributes.get(number)?;
+        let all: Vec<f32> = values.iter().skip(lane).step_by(hits.len()).copied().collect();
+        (!all.is_empty() && all.iter().all(|x| !x.is_nan())).then_some(all)
+    }
+
+    /// A ray from `p`: away from the surface where `p` is the point that is shaded.
+    fn ray(&self, p: [f32; 3], r: [f32; 3], options: &TraceOptions, point: &Point) -> Option<Ray> {
+        let dir = Vec3::from(r).try_normalize()?;
+        let far = if options.maxdist >= 1e30 { f32::INFINITY } else { options.maxdist };
+        let ray = match self.lane(point) {
+            Some((hits, lane)) if Vec3::from(p) == hits.p.get(lane) => hits.spawn(lane, dir, far),
+            _ => Ray::new(p, dir.to_array()).within(0.0, far),
+        };
+        let near = ray.t_near.max(options.mindist);
+        Some(ray.within(near, ray.t_far))
+    }
+
+    /// The ray as a request, and the tracer to send it.
+    fn request(&self, ray: Ray, point: &Point) -> Option<(RayRequest, std::cell::RefMut<'_, Asks<'a>>)> {
+        let (hits, lane) = self.lane(point)?;
+        let mut asks = self.asks.as_ref()?.borrow_mut();
+        asks.rays[lane] += 1;
+        let mut request = RayRequest::default();
+        request.rays.push(ray);
+        request.parent.push(lane as u32);
+        request.key.push(hits.key[lane].fork(BRANCH + asks.rays[lane]));
+        request.width.push(hits.footprint.get(lane).copied().unwrap_or(0.0));
+        Some((request, asks))
+    }
+}
+
+fn some(list: Vec<f32>) -> Option<Given> {
+    Some(Given::from(Data::Float(list)))
+}
+
+/// Numbers as the type has them; none if there are too few.
+fn fitting(list: Vec<f32>, ty: Type) -> Option<Given> {
+    match ty.base {
+        Base::Int if !list.is_empty() => {
+            Some(Given::from(Data::Int(list.iter().map(|&x| x as i32).collect())))
+        }
+        base if base.is_float_based() && list.len() >= ty.size() => some(list),
+        _ => None,
+    }
+}
+
+const IDENTITY: [[f32; 4]; 4] =
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+
+impl Host for World<'_> {
+    fn common_from(&self, space: &str, point: &Point) -> Option<[[f32; 4]; 4]> {
+        match space {
+            "world" => Some(IDENTITY),
+            "camera" => self.world_from_camera,
+            "object" | "shader" => {
+                let Some(m) = self.asked(AttributeRequest::WORLD_FROM_OBJECT, point) else {
+                    return Some(IDENTITY);
+                };
+                let row = |k: usize, w: f32| [m[3 * k], m[3 * k + 1], m[3 * k + 2], w];
+                Some([row(0, 0.0), row(1, 0.0), row(2, 0.0), row(3, 1.0)])
+            }
+            _ => None,
+        }
+    }
+
+    fn userdata(&self, name: &str, ty: Type, point: &Point) -> Option<Given> {
+        if name == "aspect" && ty == Type::FLOAT && self.hits.is_none() {
+            return some(vec![self.aspect]);
+        }
+        if let Some(found) = self.asked(name, point) {
+            return fitting(found, ty);
+        }
+        let (hits, lane) = self.lane(point)?;
+        let [u, v] = [hits.texcoord[0][lane], hits.texcoord[1][lane]];
+        match (name, ty.base) {
+            ("uv" | "st", _) if ty.size() >= 2 => {
+                let mut list = vec![u, v];
+                list.resize(ty.size(), 0.0);
+                some(list)
+            }
+            ("s", Base::Float) => some(vec![u]),
+            ("t", Base::Float) => some(vec![v]),
+            ("Cd" | "color", base) if base.is_triple() => some(hits.color.get(lane).to_array().to_vec()),
+            ("alpha", Base::Float) => some(vec![hits.alpha[lane]]),
+            _ => None,
+        }
+    }
+
+    fn attribute(
+        &self,
+        object: &str,
+        name: &str,
+        index: Option<i32>,
+        ty: Type,
+        point: &Point,
+    ) -> Option<Given> {
+        if !object.is_empty() || index.is_some() {
+            return None;
+        }
+        if name == "osl:version" && ty == Type::INT {
+            return Some(Given::from(Data::Int(vec![gnurt_sl::VERSION_CODE as i32])));
+        }
+        self.userdata(name, ty, point)
+    }
+
+    fn trace(&self, p: Dual<[f32; 3]>, r: Dual<[f32; 3]>, options: &TraceOptions, point: &Point) -> bool {
+        let Some(ray) = self.ray(p.value, r.value, options, point) else { return false };
+        let Some((request, mut asks)) = self.request(ray, point) else { return false };
+        let mut found = Vec::new();
+        asks.tracer.distances(&request, &mut found);
+        asks.last = found.first().copied().filter(|t| t.is_finite());
+        asks.last.is_some()
+    }
+
+    fn trace_message(&self, name: &str, ty: Type, _: &Point) -> (bool, Option<Given>) {
+        let last = self.asks.as_ref().and_then(|asks| asks.borrow().last);
+        match (name, ty) {
+            ("hit", Type::INT) => (true, Some(Given::from(Data::Int(vec![i32::from(last.is_some())])))),
+            ("hitdist", Type::FLOAT) => (last.is_some(), last.and_then(|t| some(vec![t]))),
+            _ => (false, None),
+        }
+    }
+
+    fn radiance(
+        &self,
+        p: Dual<[f32; 3]>,
+        r: Dual<[f32; 3]>,
+        options: &TraceOptions,
+        point: &Point,
+    ) -> [f32; 3] {
+        let Some(ray) = self.ray(p.value, r.value, options, point) else { return [0.0; 3] };
+        let Some((request, mut asks)) = self.request(ray, point) else { return [0.0; 3] };
+        let mut seen = Vec3s::default();
+        let depth = self.hits.map_or(0, |hits| hits.depth);
+        asks.tracer.trace(depth, &request, &mut seen);
+        seen.get(0).to_array()
+    }
+
+    fn light_count(&self) -> i32 {
+        self.asks.as_ref().map_or(0, |asks| asks.borrow().tracer.light_count() as i32)
+    }
+
+    fn illuminate(
+        &self,
+        light: i32,
+        p: [f32; 3],
+        _category: &str,
+        shadowed: bool,
+        point: &Point,
+    ) -> Option<Arriving> {
+        let (hits, lane) = self.lane(point)?;
+        let mut asks = self.asks.as_ref()?.borrow_mut();
+        if light < 0 || light as usize >= asks.tracer.light_count() {
+            return None;
+        }
+        if Vec3::from(p) != hits.p.get(lane) {
+            let mut alone = hits.gather(&[lane as u32]);
+            alone.p.set(0, Vec3::from(p));
+            return arriving(&mut *asks.tracer, light, &alone, 0, shadowed, &mut None);
+        }
+        let mut known = asks.lights.remove(&light);
+        let found = arriving(&mut *asks.tracer, light, hits, lane, shadowed, &mut known);
+        if let Some(known) = known {
+            asks.lights.insert(light, known);
+        }
+        found
+    }
+
+    fn texture(
+        &self,
+        file: &str,
+        at: [Dual<f32>; 2],
+        options: &TextureOptions,
+        _: &Point,
+    ) -> Result<[f32; 4], String> {
+        self.common.textures.sample(file, at, options)
+    }
+
+    fn texture_size(&self, file: &str) -> Option<[i32; 3]> {
+        let found = self.common.textures.find(file).ok()?;
+        Some([found.texels.width as i32, found.texels.height as i32, 4])
+    }
+
+    fn closure(&self, name: &str) -> Option<&ClosureDecl> {
+        closures::find(name)
+    }
+
+    fn ray_kind(&self, name: &str) -> u32 {
+        RAYS.iter().position(|ray| *ray == name).map_or(0, |i| 1 << i)
+    }
+
+    fn color_system(&self) -> &ColorSystem {
+        &self.common.colors
+    }
+}
+
+/// Light that arrives at a point of a batch; `known` is what was found for the batch before.
+fn arriving(
+    tracer: &mut dyn Tracer,
+    light: i32,
+    hits: &SurfaceBatch,
+    lane: usize,
+    shadowed: bool,
+    known: &mut Option<(LightBatch, Option<Vec3s>)>,
+) -> Option<Arriving> {
+    let (all, through) = known.get_or_insert_with(|| {
+        let mut all = LightBatch::default();
+        tracer.illuminate(light as usize, hits, &mut all);
+        (all, None)
+    });
+    if shadowed && through.is_none() {
+        let mut share = Vec3s::splat(hits.len(), Vec3::ZERO);
+        let mut request = RayRequest::default();
+        for i in 0..hits.len() {
+            if all.radiance.get(i) == Vec3::ZERO {
+                continue;
+            }
+            if let Some(ray) = hits.shadow_ray(i, all.dir.get(i), all.dist[i]) {
+                request.rays.push(ray);
+                request.parent.push(i as u32);
+                request.key.push(hits.key[i]);
+            }
+        }
+        let mut passed = Vec3s::default();
+        tracer.occluded(&request, &mut passed);
+        for (k, &i) in request.parent.iter().enumerate() {
+            share.set(i as usize, passed.get(k));
+        }
+        *through = Some(share);
+    }
+    let share = through.as_ref().filter(|_| shadowed).map_or(Vec3::ONE, |share| share.get(lane));
+    let light = all.radiance.get(lane) * share;
+    (light != Vec3::ZERO).then(|| Arriving {
+        dir: all.dir.get(lane).to_array(),
+        light: light.to_array(),
+        distance: all.dist[lane].min(1e30),
+        pdf: 0.0,
+    })
+}

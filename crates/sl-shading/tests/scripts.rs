@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shaders of all kinds, asked as the renderer asks them.
+
+#[path = "scripts/closures.rs"]
+mod closures;
+#[path = "scripts/floor.rs"]
+mod floor;
+#[path = "scripts/kinds.rs"]
+mod kinds;
+#[path = "scripts/wrong.rs"]
+mod wrong;

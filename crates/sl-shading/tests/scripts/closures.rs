@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What becomes of each closure.
+
+use glam::Vec3;
+use gnurt_shading::bsdf::{ClosureBatch, Kind, Scattering};
+
+use super::floor::{floor, surface};
+
+fn point(body: &str) -> Scattering {
+    let hits = floor(1);
+    let mut out = ClosureBatch::default();
+    out.reset(1);
+    surface(body).evaluate(&hits, &mut out);
+    out.point(0)
+}
+
+fn toward() -> Vec3 {
+    Vec3::new(0.0, 1.0, 1.0).normalize()
+}
+
+#[test]
+fn each_closure_has_its_lobe() {
+    let zero = "vector (0)";
+    for (closure, kind) in [
+        ("diffuse (N)", Kind::Diffuse),
+        ("oren_nayar (N, 0.5)", Kind::Diffuse),
+        ("oren_nayar_diffuse_bsdf (N, color (0.5), 0.3)", Kind::Diffuse),
+        ("burley_diffuse_bsdf (N, color (0.5), 0.8)", Kind::Diffuse),
+        ("subsurface (1.3, 0, color (1), color (0.5))", Kind::Diffuse),
+        ("subsurface_bssrdf (N, color (0.5), color (1), 0)", Kind::Diffuse),
+        ("phong (N, 100)", Kind::Facets),
+        ("ward (N, dPdu, 0.2, 0.3)", Kind::Facets),
+        ("microfacet (\"ggx\", N, 0.3, 1.5, 0)", Kind::Facets),
+        ("microfacet (\"beckmann\", N, dPdu, 0.3, 0.2, 0, 0)", Kind::Facets),
+        ("microfacet (\"ggx\", N, 0.3, 1.5, 2)", Kind::Glass),
+        ("reflection (N)", Kind::Mirror),
+        ("reflection (N, 1.5)", Kind::SmoothGlass),
+        ("refraction (N, 1.5)", Kind::SmoothGlass),
+        (
+            &format!("dielectric_bsdf (N, {zero}, color (1), color (1), 0, 0, 1.5, \"ggx\")"),
+            Kind::SmoothGlass,
+        ),
+        (&format!("dielectric_bsdf (N, {zero}, color (1), color (1), 0.2, 0.2, 1.5, \"ggx\")"), Kind::Glass),
+        (&format!("dielectric_bsdf (N, {zero}, color (1), color (0), 0.2, 0.2, 1.5, \"ggx\")"), Kind::Facets),
+        (&format!("conductor_bsdf (N, {zero}, 0.2, 0.2, color (0.2), color (3), \"ggx\")"), Kind::Metal),
+        (
+            &format!(
+                "generalized_schlick_bsdf (N, {zero}, color (1), color (0), 0.2, 0.2, color (0.1), color (1), 5, \"ggx\")"
+            ),
+            Kind::Facets,
+        ),
+        ("sheen_bsdf (N, color (0.5), 0.4)", Kind::Sheen),
+    ] {
+        let found = point(&format!("Ci = {closure};"));
+        let kinds: Vec<Kind> = found.bsdf.lobes().as_slice().iter().map(|lobe| lobe.kind).collect();
+        assert_eq!(kinds, [kind], "{closure}");
+        let albedo = found.bsdf.albedo(toward());
+        let fine = albedo.max_element() <= 1.001 && albedo.min_element() > 0.0;
+        assert!(fine, "{closure} scatters some of the light, and no more: {albedo}");
+        assert_eq!((found.emission, found.coverage), (Vec3::ZERO, 1.0), "{closure} does nothing else");
+    }
+    for closure in ["translucent (N)", "translucent_bsdf (N, color (0.5))"] {
+        let found = point(&format!("Ci = {closure};"));
+        let albedo = found.bsdf.albedo(toward());
+        assert!(found.bsdf.is_translucent() && albedo.x > 0.3 && albedo.x <= 1.001, "{closure}: {albedo}");
+        assert_eq!(found.bsdf.eval(toward(), Vec3::Y), Vec3::ZERO, "{closure} sends nothing back");
+    }
+    for closure in ["debug (\"x\")", "holdout ()"] {
+        assert!(point(&format!("Ci = {closure};")).bsdf.is_black(), "{closure}");
+    }
+}
+
+#[test]
+fn sums_weights_and_layers() {
+    let sum =
+        point("Ci = color (0.1, 0.2, 0.3) * diffuse (N) + 0.5 * (diffuse (N) * 0.5 + 2 * emission ());");
+    let lambertian = sum.bsdf.albedo(toward());
+    assert!((lambertian - Vec3::new(0.35, 0.45, 0.55)).length() < 1e-5, "weights multiply: {lambertian}");
+    assert_eq!(sum.emission, Vec3::ONE, "light that is given off");
+    let coat = "dielectric_bsdf (N, vector (0), color (1), color (0), 0.1, 0.1, 1.5, \"ggx\")";
+    let layered = point(&format!("Ci = layer ({coat}, diffuse (N));"));
+    let alone = point(&format!("Ci = {coat} + diffuse (N);"));
+    let [layered, alone] = [layered, alone].map(|point| point.bsdf.albedo(toward()).x);
+    assert!(
+        layered <= 1.0 + 1e-3 && layered > 0.95,
+        "a coat takes what it sends back from the body: {layered}"
+    );
+    assert!(alone > 1.02, "a sum does not: {alone}");
+    let tilted = point("Ci = diffuse (N) + 0.1 * diffuse (normalize (N + vector (1, 0, 0)));");
+    let [main, other] = tilted.bsdf.lobes().as_slice() else { panic!("two lobes") };
+    assert_eq!(main.normal, Vec3::ZERO, "the heavier one lies around the point's normal");
+    assert!(other.normal.x > 0.5, "the other around its own: {}", other.normal);
+    assert_eq!(tilted.bsdf.normal(), Vec3::Y);
+}
+
+#[test]
+fn light_goes_straight_through() {
+    let open = point("Ci = transparent ();");
+    assert_eq!(open.coverage, 0.0, "nothing is there");
+    let half = point("Ci = 0.5 * transparent () + 0.5 * diffuse (N);");
+    assert_eq!(half.coverage, 0.5);
+    let albedo = half.bsdf.albedo(toward()).x * half.coverage;
+    assert!((albedo - 0.5).abs() < 1e-5, "what is there scatters as much as the sum says: {albedo}");
+    let red = point("Ci = color (0.75, 0.25, 0.25) * transparent ();");
+    assert_eq!(red.coverage, 0.75, "what all channels let through");
+    let [_, straight] = red.bsdf.delta_branches(toward());
+    let straight = straight.expect("the rest goes on as through a pane");
+    assert!((straight.weight * 0.75 - Vec3::new(0.5, 0.0, 0.0)).length() < 1e-4, "{}", straight.weight);
+    assert!((straight.wi + toward()).length() < 1e-5, "unbent");
+}
+
+#[test]
+fn numbers_that_are_none_do_no_harm() {
+    for body in [
+        "Ci = (0.0 / u) * diffuse (N);",
+        "Ci = diffuse (normal (0));",
+        "Ci = diffuse (normal (1e38) * 1e38);",
+        "Ci = exp (1000.0) * emission ();",
+        "Ci = (-1) * diffuse (N);",
+        "Ci = microfacet (\"ggx\", N, dPdu, -1, 1e30, -2, 2);",
+        "Ci = dielectric_bsdf (N, vector (0), color (1e30), color (-1), 7, -7, 0, \"\");",
+        "Ci = conductor_bsdf (-N, vector (0), 0, 0, color (0), color (-1), \"\");",
+        "closure color c = diffuse (N); for (int i = 0; i < 40; ++i) c = layer (c, c); Ci = c;",
+        "for (int i = 0; i < 100; ++i) Ci = Ci + 0.001 * diffuse (N);",
+    ] {
+        let found = point(body);
+        let albedo = found.bsdf.albedo(toward());
+        assert!(albedo.is_finite() && found.emission.is_finite(), "{body}: {albedo} {}", found.emission);
+    }
+}

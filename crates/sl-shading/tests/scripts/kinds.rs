@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Surfaces, lights, cameras and skies.
+
+use glam::Vec3;
+use gnurt_accel::RayBatch;
+use gnurt_shading::bsdf::ClosureBatch;
+use gnurt_shading::{AttributeRequest, CameraSamples, LightBatch, SurfaceBatch, SurfaceShader, Vec3s};
+use gnurt_sl_shading::{CameraPlace, Kind, ParameterValue};
+
+use super::floor::{Probe, floor, script, surface};
+
+/// Emission of each point.
+fn emitted(shader: &dyn SurfaceShader, hits: &SurfaceBatch) -> Vec<Vec3> {
+    let mut out = ClosureBatch::default();
+    out.reset(hits.len());
+    shader.evaluate(hits, &mut out);
+    (0..hits.len()).map(|i| out.emission(i)).collect()
+}
+
+#[test]
+fn globals_are_those_of_the_points() {
+    let hits = floor(40);
+    let shader = surface(
+        "Ci = color (P[0], u, v) * emission () + (N[1] - I[1] + raytype (\"camera\") + backfacing ()) * emission ();",
+    );
+    let add = 2.0 - hits.ray_dir.get(0).y;
+    for (i, light) in emitted(&*shader, &hits).into_iter().enumerate() {
+        let wanted = Vec3::new(i as f32, i as f32, 0.5) + Vec3::splat(add);
+        assert!((light - wanted).length() < 1e-4, "point {i}: {light}, {wanted}");
+    }
+}
+
+#[test]
+fn derivatives_follow_the_width_of_rays() {
+    let mut hits = floor(1);
+    hits.ray_dir = Vec3s::splat(1, -Vec3::Y);
+    hits.footprint = vec![0.25];
+    let shader = surface(
+        "Ci = color (length (vector (Dx (u), Dy (u), 0)), length (Dx (P)), length (Dy (P))) * emission ();",
+    );
+    let light = emitted(&*shader, &hits)[0];
+    assert!((light - Vec3::splat(0.25)).length() < 1e-5, "as wide as the ray, in u as in the world: {light}");
+    let still = emitted(&*shader, &floor(1))[0];
+    assert_eq!(still, Vec3::ZERO, "nobody knows");
+}
+
+#[test]
+fn meshes_and_instances_give_what_is_asked_for() {
+    let text =
+        "surface s (float heat = 3 [[ int interpolated = 1 ]], color tint = 5 [[ int lockgeom = 0 ]]) {
+        float shine = 0; int found = getattribute (\"shine\", shine);
+        color c = 0; getattribute (\"Cd\", c);
+        point p = transform (\"object\", P);
+        Ci = color (heat, tint[0], shine + found) * emission () + p[1] * emission () + c[2] * emission ();
+    }";
+    let shader = script(text).surface().expect("a surface");
+    let names: Vec<(&str, u32)> =
+        shader.attributes().iter().map(|request| (&request.name[..], request.components)).collect();
+    let wanted =
+        [("heat", 1), ("tint", 3), ("shine", 1), ("Cd", 3), (AttributeRequest::WORLD_FROM_OBJECT, 12)];
+    assert_eq!(names, wanted, "what is asked of the mesh");
+    let mut hits = floor(2);
+    let nan = f32::NAN;
+    // One point's mesh has all of it, the other's nothing; the object lies 4 below the world.
+    let lanes = |first: &[f32]| first.iter().flat_map(|&x| [x, nan]).collect::<Vec<f32>>();
+    hits.attributes = vec![lanes(&[7.0]), lanes(&[0.5; 3]), lanes(&[9.0]), vec![nan; 6]];
+    let matrix = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, -4.0, 0.0];
+    hits.attributes.push(matrix.iter().flat_map(|&x| [x, x]).collect());
+    let light = emitted(&*shader, &hits);
+    assert_eq!(light[0], Vec3::new(7.0, 0.5, 10.0) + Vec3::splat(4.0 + 0.75), "as the mesh says");
+    assert_eq!(light[1], Vec3::new(3.0, 5.0, 0.0) + Vec3::splat(4.0 + 0.75), "as the shader says");
+}
+
+#[test]
+fn pictures_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "surface s (string file = \"two.png\") { float a = 0; int size[2];
+        gettextureinfo (file, \"resolution\", size);
+        Ci = (color) texture (file, 0.5, 0.25, \"alpha\", a, \"interp\", \"closest\") * emission ()
+            + color (0, a, size[1]) * emission () + (color) texture (file, 0.5, 1.5) * emission (); }";
+    let mut image = vec![];
+    image.extend_from_slice(&png());
+    std::fs::write(folder.path().join("two.png"), image).expect("a picture");
+    let at = folder.path().join("s.osl");
+    std::fs::write(&at, text).expect("a shader");
+    let made =
+        gnurt_sl_shading::Script::open(&at, &gnurt_sl_shading::Access::default()).expect("it compiles");
+    let light = emitted(&*made.surface().expect("a surface"), &floor(1))[0];
+    assert_eq!(
+        light,
+        Vec3::new(1.0, 2.0, 3.0),
+        "row 0 lies at t = 0; opaque; 2 high; black outside; {:?}",
+        made.faults()
+    );
+}
+
+/// A picture of one column: white over black.
+fn png() -> Vec<u8> {
+    use gnurt_image::{Picture, WriteOptions};
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("p.png");
+    let mut picture = Picture::new(1, 2);
+    picture.color[0] = [1.0; 4];
+    picture.color[1] = [0.0, 0.0, 0.0, 1.0];
+    gnurt_image::write(&picture, &path, &WriteOptions::default()).expect("a picture");
+    std::fs::read(path).expect("it was written")
+}
+
+#[test]
+fn shaders_that_ask_rays_and_lights_are_told() {
+    let hits = floor(20);
+    let shade = |body: &str| {
+        let shader = surface(body);
+        let mut out = Vec3s::splat(20, Vec3::ZERO);
+        shader.radiance().expect("it works out its own").shade(&mut Probe(4.0), &hits, &mut out);
+        let all: Vec<Vec3> = (0..20).map(|i| out.get(i)).collect();
+        assert!(all.iter().all(|light| *light == all[0]), "all points are alike: {all:?}");
+        all[0]
+    };
+    let own =
+        shade("color c = 0; illuminance (P) c += Cl * dot (N, L) * lightpdf + Cl; Ci = c * radiance ();");
+    assert_eq!(own, Vec3::splat(2.0), "half of the light is in shadow");
+    let both = shade(
+        "color c = 0; illuminance (P) c += Cl; illuminance (P, \"shadow\", 0) c += Cl; Ci = c * radiance ();",
+    );
+    assert_eq!(both, Vec3::splat(6.0), "and all of it without");
+    let elsewhere = shade("color c = 0; illuminance (P + 1) c += Cl; Ci = c * radiance ();");
+    assert_eq!(elsewhere, Vec3::splat(2.0), "at another place");
+    let seen = shade("Ci = (color) trace (P, vector (0, 2, 0)) * radiance ();");
+    assert_eq!(seen, Vec3::Y, "what lies above");
+    let far =
+        shade("float d = 0; if (trace (P, N)) getmessage (\"trace\", \"hitdist\", d); Ci = d * radiance ();");
+    assert_eq!(far, Vec3::splat(7.0), "how far it is");
+    // A mixture: other closures are lit by all lights.
+    let mixed = shade("Ci = M_PI * diffuse (N) + radiance ();");
+    assert!((mixed - Vec3::splat(3.0)).length() < 1e-5, "{mixed}");
+}
+
+#[test]
+fn lights_shine() {
+    let mut script = script(
+        "light l (color power = 1, point from = point (0, 2, 0)) {
+        vector way = from - Ps; lightdist = length (way); L = way; Cl = power * xi[0]; }",
+    );
+    assert_eq!(script.kind(), Kind::Light);
+    script.set("power", &ParameterValue::Floats(vec![1.0, 2.0, 3.0])).expect("a colour");
+    let light = script.light().expect("a light");
+    let mut out = LightBatch::default();
+    out.reset(20);
+    let p = Vec3s::splat(20, Vec3::ZERO);
+    light.illuminate(&p, &Vec3s::splat(20, Vec3::Y), &[[0.5, 0.0]; 20], &mut out);
+    for i in 0..20 {
+        assert_eq!((out.dir.get(i), out.dist[i]), (Vec3::Y, 2.0), "where it is");
+        assert_eq!(out.radiance.get(i), Vec3::new(0.5, 1.0, 1.5), "what it sends");
+    }
+}
+
+#[test]
+fn cameras_make_rays() {
+    let place = CameraPlace {
+        eye: [1.0, 0.0, 0.0],
+        right: [1.0, 0.0, 0.0],
+        up: [0.0, 1.0, 0.0],
+        back: [0.0, 0.0, 1.0],
+        pixels: [200, 100],
+    };
+    let text = "camera c (float fov = 90, float aspect = 1) {
+        float half = tan (radians (0.5 * fov));
+        P = transform (\"camera\", \"common\", point (0, xi[0], 0));
+        I = vector (\"camera\", (2 * u - 1) * half * aspect, (2 * v - 1) * half, -1);
+        weight = raster[1] > 90 ? 0 : 1; }";
+    let camera = script(text).camera(place).expect("a camera");
+    assert!(camera.has_lens(), "it asks for xi");
+    let mut rays = RayBatch::default();
+    let places = [[1.0, 0.5], [0.5, 1.0], [0.5, 0.0]];
+    camera.rays(&CameraSamples { places: &places, lens: &[[0.25, 0.0]; 3], times: &[] }, 2.0, &mut rays);
+    assert_eq!(rays.get(0).org.map(|x| x), [1.0, 0.25, 0.0], "on the lens");
+    let dir = Vec3::from(rays.get(0).dir);
+    assert!((dir - Vec3::new(2.0, 0.0, -1.0).normalize()).length() < 1e-6, "as wide as the picture: {dir}");
+    assert!(rays.get(1).dir[1] > 0.7, "v is upwards");
+    assert_eq!(Vec3::from(rays.get(2).dir), Vec3::ZERO, "no weight, no ray");
+}
+
+#[test]
+fn skies_are_seen() {
+    let sky = script("environment e () { Ci = color (I[0], 0, 0) * background () + emission (); }");
+    let sky = sky.environment().expect("a sky");
+    let mut out = Vec3s::splat(2, Vec3::ZERO);
+    let mut dirs = Vec3s::splat(2, Vec3::X);
+    dirs.set(1, Vec3::Y);
+    sky.miss(&dirs, &mut out);
+    assert_eq!([out.get(0), out.get(1)], [Vec3::new(2.0, 1.0, 1.0), Vec3::ONE]);
+}
+
+#[test]
+fn it_tells_its_variables() {
+    let shader = surface(
+        "float a = P[0] + 2; { string b = \"x\"; if (a > 1) b = \"y\"; Ci = (a + startswith (b, \"z\")) * diffuse (N); }",
+    );
+    let lines = shader.tell(&floor(2), 1);
+    for wanted in ["a = 3", "b = \"y\"", "Ci = (3, 3, 3) * diffuse ((0, 1, 0))"] {
+        assert!(lines.iter().any(|line| line.ends_with(wanted)), "{wanted}: {lines:?}");
+    }
+}
