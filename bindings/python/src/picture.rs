@@ -31,6 +31,14 @@ pub(crate) fn image_error(error: &image::Error) -> PyErr {
     }
 }
 
+/// The same for what surrounds a scene: a picture, or a sky in the shading language.
+pub(crate) fn surroundings_error(error: &gnurt::Error) -> PyErr {
+    match error {
+        gnurt::Error::Image(error) => image_error(error),
+        _ => PyValueError::new_err(error.to_string()),
+    }
+}
+
 impl Picture {
     /// As a file of this format shows it: on a screen the background is part of the picture.
     fn encoded(&self, format: OutputFormat, options: &WriteOptions) -> PyResult<Vec<u8>> {

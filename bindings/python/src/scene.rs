@@ -16,7 +16,7 @@ use crate::arrays::{Numbers, transform};
 use crate::describing::{self, NewLight};
 use crate::given::Given;
 use crate::meshes::Mesh;
-use crate::picture::{Picture, image_error};
+use crate::picture::{Picture, surroundings_error};
 use crate::rendering::{Growing, Wanted};
 use crate::stage::Stage;
 
@@ -253,7 +253,7 @@ impl Scene {
                 }
                 scene.lights().len().saturating_sub(1) as u32
             });
-            failed.map_or(Ok(number), |error| Err(image_error(&error)))
+            failed.map_or(Ok(number), |error| Err(surroundings_error(&error)))
         })
     }
 
@@ -279,7 +279,7 @@ impl Scene {
                 NewLight::Around(around, up, turn) => {
                     // Made in a scene of its own, whose textures move here.
                     let mut other = Description::new();
-                    around.put_around(&mut other, up, turn).map_err(|error| image_error(&error))?;
+                    around.put_around(&mut other, up, turn).map_err(|error| surroundings_error(&error))?;
                     let textures = stage.scene().textures().len() as u32;
                     let light = other.lights().last().cloned();
                     let mut light =
