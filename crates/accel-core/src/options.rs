@@ -21,6 +21,13 @@ pub enum Structure {
     /// A bounding volume hierarchy whose nodes have eight children.
     #[default]
     Bvh,
+    /// A bounding interval hierarchy \[WK06\]: nodes of 12 bytes with two planes along one axis. Shared out by the surface area
+    /// heuristic, with clips where a child does not fill what rays know of it. Can be refitted.
+    Bih,
+    /// The same as it was published: space is halved, and nothing is done about what is empty. For comparison.
+    PlainBih,
+    /// A B-KD tree \[WMS06\]: nodes of 20 bytes with four planes along one axis, and clips as above. Can be refitted.
+    BKd,
 }
 
 /// How much time a build may take for faster rays.

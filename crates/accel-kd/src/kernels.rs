@@ -12,6 +12,7 @@ use gnurt_accel_core::trip::{RayTrip, TileTrip};
 use gnurt_simd::{Simd, Token, by_level};
 
 use crate::index::KdIndex;
+use crate::interval::IntervalIndex;
 
 /// The kernels of one level. Rays are sound and regular.
 #[derive(Clone, Copy)]
@@ -24,12 +25,19 @@ struct Table {
     ray: fn(Token, &KdIndex, &mut RayTrip),
     /// `None` where lanes are too narrow for it to pay.
     tile: Option<fn(Token, &KdIndex, Heading, &mut TileTrip)>,
+    interval: fn(Token, &IntervalIndex, &mut RayTrip),
+    interval_tile: Option<fn(Token, &IntervalIndex, Heading, &mut TileTrip)>,
 }
 
 struct For<S>(PhantomData<S>);
 
 impl<S: Simd> For<S> {
-    const TABLE: Table = Table { ray: ray::<S>, tile: if S::HAS_TILES { Some(tile::<S>) } else { None } };
+    const TABLE: Table = Table {
+        ray: ray::<S>,
+        tile: if S::HAS_TILES { Some(tile::<S>) } else { None },
+        interval: interval::<S>,
+        interval_tile: if S::HAS_TILES { Some(interval_tile::<S>) } else { None },
+    };
 }
 
 fn ray<S: Simd>(token: Token, index: &KdIndex, trip: &mut RayTrip) {
@@ -41,6 +49,22 @@ fn ray<S: Simd>(token: Token, index: &KdIndex, trip: &mut RayTrip) {
 }
 
 fn tile<S: Simd>(token: Token, index: &KdIndex, heading: Heading, trip: &mut TileTrip) {
+    let simd = S::from_token(token);
+    simd.vectorize(
+        #[inline(always)]
+        || index.search_tile(simd, heading, trip),
+    );
+}
+
+fn interval<S: Simd>(token: Token, index: &IntervalIndex, trip: &mut RayTrip) {
+    let simd = S::from_token(token);
+    simd.vectorize(
+        #[inline(always)]
+        || index.search(simd, trip),
+    );
+}
+
+fn interval_tile<S: Simd>(token: Token, index: &IntervalIndex, heading: Heading, trip: &mut TileTrip) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
@@ -66,5 +90,17 @@ impl Kernels {
     #[inline]
     pub fn tile(&self, index: &KdIndex, heading: Heading, trip: &mut TileTrip) -> bool {
         self.table.tile.inspect(|kernel| kernel(self.token, index, heading, trip)).is_some()
+    }
+
+    /// One ray through an interval hierarchy.
+    #[inline]
+    pub fn interval(&self, index: &IntervalIndex, trip: &mut RayTrip) {
+        (self.table.interval)(self.token, index, trip);
+    }
+
+    /// A tile as [`tile`](Self::tile) takes it. Whether there is a kernel for it.
+    #[inline]
+    pub fn interval_tile(&self, index: &IntervalIndex, heading: Heading, trip: &mut TileTrip) -> bool {
+        self.table.interval_tile.inspect(|kernel| kernel(self.token, index, heading, trip)).is_some()
     }
 }

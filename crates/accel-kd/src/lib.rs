@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The kd-tree over an object's triangles: layout, construction, traversal by one ray and by a tile.
-//! Source: the paper's sections 4.1, 5.1 and 5.2. What is compiled for each level is in [`Kernels`].
+//! Trees whose nodes have planes along one axis: the kd-tree over an object's triangles, its layout, construction, traversal by one ray
+//! and by a tile; and interval hierarchies, which can follow what moves (`interval`).
+//! Source: the paper's sections 4.1, 5.1, 5.2 and 6. What is compiled for each level is in [`Kernels`].
 //!
 //! `gnurt-accel` is the door for programs; this crate is one of its structures.
 #![forbid(unsafe_code)]
@@ -14,6 +15,7 @@ mod builder;
 mod divide;
 mod event;
 mod index;
+mod interval;
 mod kernels;
 mod leaves;
 mod measure;
@@ -32,4 +34,5 @@ mod slab;
 mod tiles;
 
 pub use index::KdIndex;
+pub use interval::IntervalIndex;
 pub use kernels::Kernels;

@@ -14,6 +14,7 @@ mod counters;
 mod far_away;
 mod filters;
 mod instances;
+mod intervals;
 mod kd_build;
 mod kd_sampled;
 mod limits;

@@ -187,7 +187,7 @@ fn nodes_that_share_a_child_are_refused() {
                 set_word(&mut file, inner[1], child);
             }
             // The children of the root's left child become those of its right one.
-            Structure::Kd => {
+            _ => {
                 let children = word(&file, NODES + 2);
                 assert!(children > 0 && word(&file, NODES + 4) > 0, "both are no leaves");
                 set_word(&mut file, NODES + 4, children);

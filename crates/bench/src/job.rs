@@ -109,6 +109,9 @@ impl OwnKind {
         let structure = match self.structure {
             Structure::Bvh => "bvh",
             Structure::Kd => "kd",
+            Structure::Bih => "bih",
+            Structure::PlainBih => "bih-plain",
+            Structure::BKd => "b-kd",
         };
         let quality = match (self.memory, self.quality) {
             (Memory::Compact, _) => "compact",

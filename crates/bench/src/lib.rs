@@ -43,6 +43,7 @@ mod ray_classes;
 pub mod rays;
 pub mod record;
 mod row;
+pub mod stadium;
 mod subject;
 pub mod table;
 mod ties;

@@ -9,7 +9,7 @@ use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::screened::Screened;
 use gnurt_accel_core::surfaces::Surfaces;
-use gnurt_accel_kd::KdIndex;
+use gnurt_accel_kd::{IntervalIndex, KdIndex};
 
 use super::kind::{Group, Kind, group_of};
 use super::{Index, ObjectTree, Part};
@@ -87,7 +87,7 @@ impl ObjectTree {
                     let numbers: usize = wanted_numbers.map(|i| numbering.range(i).len()).sum();
                     let number = size_of::<u32>();
                     match options.structure {
-                        Structure::Kd => {
+                        Structure::Kd | Structure::Bih | Structure::PlainBih | Structure::BKd => {
                             watch.take(number * numbers);
                             watch.result()?;
                             let screened = Screened::over(geometries, &numbering, wanted, threads);
@@ -96,9 +96,16 @@ impl ObjectTree {
                             if screened.good.is_empty() {
                                 continue;
                             }
-                            let index = KdIndex::build(&screened, options, threads, &watch)?;
+                            let index = match options.structure {
+                                Structure::Kd => {
+                                    Index::Kd(KdIndex::build(&screened, options, threads, &watch)?)
+                                }
+                                other => {
+                                    Index::Interval(IntervalIndex::build(&screened, other, threads, &watch)?)
+                                }
+                            };
                             watch.give(number * numbers);
-                            Index::Kd(index)
+                            index
                         }
                         Structure::Bvh => {
                             let each = number + size_of::<[f32; 8]>();

@@ -16,6 +16,7 @@ impl Index {
     pub(super) fn numbers(&self, visit: &mut dyn FnMut(usize, &[u32; WIDTH])) -> usize {
         match self {
             Self::Kd(index) => index.numbers(visit),
+            Self::Interval(index) => index.numbers(visit),
             Self::Bvh(index) => index.numbers(visit),
             Self::Moving(index) => index.first().numbers(visit),
             Self::Spheres(index) => index.numbers(visit),
@@ -26,6 +27,7 @@ impl Index {
     fn primitive(&self, number: u32, block: usize, lane: usize, time: f32) -> Option<Primitive<'_>> {
         Some(match self {
             Self::Kd(index) => Primitive::Triangle(index.corners_at(number, block, lane)),
+            Self::Interval(index) => Primitive::Triangle(index.corners_at(block, lane)),
             Self::Bvh(index) => Primitive::Triangle(index.corners_at(block, lane)),
             Self::Moving(index) => Primitive::Triangle(index.corners_at(block, lane, time)),
             Self::Spheres(index) => {

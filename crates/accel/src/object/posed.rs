@@ -20,7 +20,7 @@ impl ObjectTree {
     ///
     /// # Errors
     /// [`RefitError`] where it has to be built: for meshes with other triangles, where other triangles than before cannot be
-    /// traced, and for kd-trees.
+    /// traced, and for structures other than BVHs.
     ///
     /// ```
     /// use gnurt_accel::{BuildOptions, ObjectTree, Ray, Threads, Triangles};
@@ -53,7 +53,7 @@ impl ObjectTree {
         let part = |part: &Part| {
             let group = part.group();
             let index = match &part.index {
-                Index::Kd(_) => return Err(RefitError::Structure),
+                Index::Kd(_) | Index::Interval(_) => return Err(RefitError::Structure),
                 Index::Bvh(index) => {
                     let surfaces = Surfaces::new(geometries, &numbering, |other| group_of(other) == group);
                     Index::Bvh(index.without_pose(&surfaces)?)

@@ -64,6 +64,9 @@ impl ObjectTree {
             let mut primitives = None;
             match &mut part.index {
                 Index::Kd(_) | Index::Moving(_) => return Err(RefitError::Structure),
+                Index::Interval(index) => {
+                    index.refit(&Surfaces::new(geometries, &numbering, wanted), threads)?
+                }
                 Index::Bvh(index) => {
                     let refitted = index.refit(&Surfaces::new(geometries, &numbering, wanted), threads)?;
                     bad += refitted.bad;
@@ -91,6 +94,7 @@ impl ObjectTree {
     pub fn cost_growth(&self) -> f64 {
         let growth = |part: &super::Part| match &part.index {
             Index::Bvh(index) => index.decline(),
+            Index::Interval(index) => index.decline(),
             _ => 1.0,
         };
         self.parts.iter().map(growth).fold(1.0, f64::max)

@@ -26,7 +26,7 @@ impl ObjectTree {
     /// It takes about as many bytes as in memory.
     ///
     /// # Errors
-    /// Those of `to`, and `Unsupported` where there is user geometry: it cannot be saved.
+    /// Those of `to`, and `Unsupported` where there is user geometry or an interval hierarchy: these cannot be saved.
     ///
     /// ```
     /// use gnurt_accel::{BuildOptions, ObjectTree, Ray, Threads, Triangles};
@@ -62,6 +62,12 @@ impl ObjectTree {
                 },
                 Index::Spheres(index) if index.is_compact() => COMPACT_SPHERES,
                 Index::Spheres(_) => SPHERES,
+                Index::Interval(_) => {
+                    return Err(io::Error::new(
+                        io::ErrorKind::Unsupported,
+                        "interval hierarchies cannot be saved: they are there to be built and refitted",
+                    ));
+                }
                 Index::Moving(_) => {
                     return Err(io::Error::new(
                         io::ErrorKind::Unsupported,
@@ -78,7 +84,7 @@ impl ObjectTree {
                 Index::Kd(index) => index.save(&mut writer)?,
                 Index::Bvh(index) => index.save(&mut writer)?,
                 Index::Spheres(index) => index.save(&mut writer)?,
-                Index::Moving(_) | Index::User(_) => {}
+                Index::Interval(_) | Index::Moving(_) | Index::User(_) => {}
             }
         }
         writer.end()
@@ -156,7 +162,7 @@ impl ObjectTree {
                 Index::Kd(index) => index.check(count)?,
                 Index::Bvh(index) => index.check(count)?,
                 Index::Spheres(index) => index.check(count)?,
-                Index::Moving(_) | Index::User(_) => {}
+                Index::Interval(_) | Index::Moving(_) | Index::User(_) => {}
             }
             bounds = bounds.union(&index.bounds());
             measured = both(measured, index.stats());

@@ -433,7 +433,7 @@ pub(crate) fn motion_case(name: &str) -> Result<String, String> {
     by_name("case", name, &MOTION_CASES).map(str::to_owned)
 }
 
-const MOTION_CASES: [&str; 4] = ["refit", "rebuild", "crowd", "crowd64"];
+const MOTION_CASES: [&str; 5] = ["refit", "rebuild", "stadium", "crowd", "crowd64"];
 
 /// Characters of a crowd.
 pub(crate) fn characters(text: &str) -> Result<usize, String> {

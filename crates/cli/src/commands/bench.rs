@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use gnurt_bench::rays::News;
 use gnurt_bench::{
     Class, EmbreeLibrary, Error, Filter, Subject, builds, crowd, dynamic, dynamic_row, paper, plot, rays,
-    record, table, to_json,
+    record, stadium, table, to_json,
 };
 
 use super::bench_files::{check_outputs, write};
@@ -129,6 +129,12 @@ fn measure_motion(
             print(dynamic_row::table(&measured))?;
             rows.extend(measured);
         }
+    }
+    if is_wanted("stadium") {
+        let options = stadium::Options { rounds: arguments.rounds, size: arguments.size, level };
+        let measured = stadium::run(&stadium::RATIOS, &options, &mut quietly(messages)).map_err(failure)?;
+        print(dynamic_row::table(&measured))?;
+        rows.extend(measured);
     }
     for (case, poses) in [("crowd", arguments.characters), ("crowd64", 64)] {
         if is_wanted(case) {

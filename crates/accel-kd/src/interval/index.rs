@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! An object's triangles under an interval hierarchy. Source: original. Space: object. Proof: `tests/brute_force.rs`,
+//! `tests/intervals.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::bits::TILE;
+use gnurt_accel_core::blocks::{BlockRay, TriangleBlock, WIDTH};
+use gnurt_accel_core::chunks::Chunks;
+use gnurt_accel_core::control::Watch;
+use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::threads::extend;
+use gnurt_accel_core::tile::LANES;
+use gnurt_accel_core::tile_test::TileTest;
+use gnurt_accel_core::triangle::ShearedRay;
+use gnurt_accel_core::trip::{RayTrip, TileTrip};
+use gnurt_accel_core::{Aabb, BuildError, INVALID_ID, Structure, Threads, TreeStats};
+use gnurt_simd::Simd;
+
+use super::clips::Laid;
+use super::node::{BihNode, BkdNode, Layout, MOST_NODES};
+use super::share::{Binary, LEAF, Reference, Rule};
+use super::walk::walk;
+use crate::slab::RaySlabs;
+
+/// Nodes and triangles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IntervalIndex {
+    pub(super) nodes: Nodes,
+    pub(super) blocks: Vec<TriangleBlock>,
+    pub(super) bounds: Aabb,
+    /// The greatest coordinate.
+    pub(super) greatest: f32,
+    pub(super) stats: TreeStats,
+    /// What a ray was expected to do when it was built.
+    pub(super) built: f64,
+}
+
+/// Nodes of one layout.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Nodes {
+    Bih(Vec<BihNode>),
+    Bkd(Vec<BkdNode>),
+}
+
+/// Runs `$body` on the nodes, whatever their layout.
+macro_rules! with_nodes {
+    ($nodes:expr, $list:ident => $body:expr) => {
+        match $nodes {
+            Nodes::Bih($list) => $body,
+            Nodes::Bkd($list) => $body,
+        }
+    };
+}
+pub(super) use with_nodes;
+
+impl IntervalIndex {
+    /// Builds over the good triangles, one or more. `structure` says which nodes, and whether with clips.
+    ///
+    /// # Errors
+    /// That `watch` stopped it, or that there are too many nodes.
+    pub fn build(
+        screened: &Screened,
+        structure: Structure,
+        threads: Threads,
+        watch: &Watch,
+    ) -> Result<Self, BuildError> {
+        let count = screened.good.len();
+        let passing = count * size_of::<Reference>();
+        watch.take(passing);
+        watch.result()?;
+        let (rule, clips) = match structure {
+            Structure::PlainBih => (Rule::Halves, false),
+            _ => (Rule::Cost, true),
+        };
+        let tree = threads.run(|parallel| {
+            let mut references = Vec::new();
+            extend(parallel, &mut references, count, |i| {
+                let number = screened.good[i];
+                Reference { bounds: Aabb::around(&screened.corners(number)), number }
+            });
+            Binary::build(&mut references, rule, parallel, watch)
+        })?;
+        let bounds = *tree.bounds();
+        let (nodes, in_blocks) = match structure {
+            Structure::BKd => {
+                let Laid { nodes, blocks, .. } = Laid::new(tree, clips);
+                (Nodes::Bkd(nodes), blocks)
+            }
+            _ => {
+                let Laid { nodes, blocks, .. } = Laid::new(tree, clips);
+                (Nodes::Bih(nodes), blocks)
+            }
+        };
+        let node_count = with_nodes!(&nodes, nodes => nodes.len());
+        if node_count > MOST_NODES {
+            let (blocks, most) = (in_blocks.len() as u64, (MOST_NODES / 2) as u64);
+            return Err(BuildError::TooManyBlocks { blocks, most });
+        }
+        watch.take(in_blocks.len() * size_of::<TriangleBlock>());
+        watch.result()?;
+        let block = |i: usize| {
+            let mut numbers = [INVALID_ID; LEAF];
+            numbers[..in_blocks[i].len()].copy_from_slice(&in_blocks[i]);
+            TriangleBlock::new(|number| screened.corners(number), &numbers)
+        };
+        let mut blocks = Vec::with_capacity(in_blocks.len());
+        threads.run(|parallel| extend(parallel, &mut blocks, in_blocks.len(), block));
+        drop(in_blocks);
+        watch.give(passing);
+        let greatest = bounds.greatest();
+        let mut index = Self { nodes, blocks, bounds, greatest, stats: TreeStats::default(), built: 0.0 };
+        index.measure(count as u64);
+        index.built = index.stats.sah_cost;
+        Ok(index)
+    }
+
+    /// Box around all triangles.
+    #[must_use]
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Size and shape.
+    #[must_use]
+    pub fn stats(&self) -> TreeStats {
+        self.stats
+    }
+
+    /// How much more a ray is expected to do than when the tree was built.
+    #[must_use]
+    pub fn decline(&self) -> f64 {
+        self.stats.sah_cost / self.built
+    }
+
+    /// Offers what the ray meets; it is sound and regular.
+    #[inline(always)]
+    pub(crate) fn search<S: Simd>(&self, simd: S, trip: &mut RayTrip) {
+        with_nodes!(&self.nodes, nodes => self.search_in(simd, nodes, trip));
+    }
+
+    #[inline(always)]
+    fn search_in<S: Simd, N: Layout>(&self, simd: S, nodes: &[N], trip: &mut RayTrip) {
+        let RayTrip { ray, slot, .. } = *trip;
+        let slabs = RaySlabs::new(ray, &self.bounds, self.greatest);
+        let t_near = ray.t_near;
+        let Some(interval) = slabs.clip(&self.bounds, t_near, trip.reach()) else { return };
+        let (lanes, alone) = (BlockRay::new(simd, ray), ShearedRay::new(ray));
+        let mut tested = 0;
+        let visited = walk(
+            nodes,
+            &slabs,
+            interval,
+            #[inline(always)]
+            |block| {
+                tested += WIDTH as u64;
+                if const { S::LANES == 1 } {
+                    self.blocks[block].meet_in_turn(&alone, t_near, slot, trip);
+                } else {
+                    self.blocks[block].meet(simd, &lanes, slot, trip);
+                }
+                trip.reach()
+            },
+        );
+        trip.counters.nodes += visited;
+        trip.counters.triangles += tested;
+    }
+
+    /// The same for a tile's first rays, all of them active and of one heading.
+    #[inline(always)]
+    pub(crate) fn search_tile<S: Simd>(&self, simd: S, heading: Heading, trip: &mut TileTrip) {
+        with_nodes!(&self.nodes, nodes => self.search_tile_in(simd, nodes, heading, trip));
+    }
+
+    #[inline(always)]
+    fn search_tile_in<S: Simd, N: Layout>(
+        &self,
+        simd: S,
+        nodes: &[N],
+        heading: Heading,
+        trip: &mut TileTrip,
+    ) {
+        let TileTrip { rays, kind, slot, .. } = *trip;
+        let count = TILE - trip.active.leading_zeros() as usize;
+        let [x, y, z] = self.bounds.extent();
+        let size = x.max(y).max(z) as f32;
+        let chunks = Chunks::new(simd, rays, count, heading, self.greatest, trip.nearest, |whole| {
+            whole.spread(size) > FARTHEST_SPREAD * size
+        });
+        let Some(mut chunks) = chunks else { return self.one_by_one(simd, nodes, trip) };
+        let test = TileTest { simd, rays, kind, slot, heading };
+        let (planes, mut tested) = (chunks.beam.planes(), 0u64);
+        let interval = planes.clip(&self.bounds, chunks.farthest);
+        let visited = walk(
+            nodes,
+            &planes,
+            interval,
+            #[inline(always)]
+            |block| {
+                let block = &self.blocks[block];
+                chunks.block(
+                    simd,
+                    block,
+                    trip.active,
+                    trip.nearest,
+                    #[inline(always)]
+                    |candidate, slopes, nearest| {
+                        tested += LANES as u64;
+                        test.meet(block, &candidate, slopes, nearest)
+                    },
+                );
+                chunks.farthest
+            },
+        );
+        trip.counters.nodes += visited * count as u64;
+        trip.counters.triangles += tested;
+    }
+
+    /// A function of its own, so that the walk is compiled once more and not twice.
+    #[cold]
+    #[inline(never)]
+    fn one_by_one<S: Simd, N: Layout>(&self, simd: S, nodes: &[N], trip: &mut TileTrip) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                trip.one_by_one(
+                    #[inline(always)]
+                    |trip| self.search_in(simd, nodes, trip),
+                );
+            },
+        );
+    }
+}
+
+/// Tiles may be this wide, as a part of the tree's size; wider ones go ray by ray.
+const FARTHEST_SPREAD: f32 = 1.0 / 16.0;

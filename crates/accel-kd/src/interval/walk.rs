@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Rays through an interval hierarchy, one or all of a tile: the same walk, since both meet planes in an interval of their own measure.
+//! Source: [WK06] section 4; intervals as in the kd-tree's `slab.rs` and in [RSH05] for tiles.
+//!
+//! What a ray knows of a node is when it is in it, `[t_min, t_max]`. A split cuts that for each child by itself: children may overlap, so
+//! that a hit in the nearer one does not end the walk, but what lies beyond it is skipped. A clip cuts it for its only child.
+//! Invariant: what a triangle test can hit is in no node that is skipped. Proof: `tests/brute_force.rs`, `tests/intervals.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::beam::PlaneBeam;
+use gnurt_accel_core::float::{least, most};
+use gnurt_simd::StackRoom;
+
+use super::node::{Kind, Layout, Meets};
+use crate::slab::RaySlabs;
+
+/// No node has so many splits above it.
+pub(super) const DEEPEST: usize = 88;
+
+/// A child that is still to be visited.
+#[derive(Clone, Copy)]
+struct Waiting {
+    node: u32,
+    t_min: f32,
+    t_max: f32,
+}
+
+impl Meets for RaySlabs {
+    #[inline(always)]
+    fn meet(&self, axis: usize, plane: f32) -> [f32; 2] {
+        let axis = axis & 3;
+        let d = (plane - self.org[axis]) * self.inv[axis];
+        [d - self.slack[axis], d + self.slack[axis]]
+    }
+
+    #[inline(always)]
+    fn back(&self, axis: usize) -> usize {
+        self.back[axis & 3] as usize
+    }
+}
+
+impl Meets for PlaneBeam {
+    #[inline(always)]
+    fn meet(&self, axis: usize, plane: f32) -> [f32; 2] {
+        PlaneBeam::meet(self, axis & 3, plane)
+    }
+
+    #[inline(always)]
+    fn back(&self, axis: usize) -> usize {
+        self.back[axis & 3] as usize
+    }
+}
+
+/// From the root on, where rays are from `t_min` to `t_max`: calls `leaf` with the block of each leaf that they may meet before they
+/// reach `t_max`; it answers with the new reach. Returns the nodes visited.
+#[inline(always)]
+pub(super) fn walk<N: Layout, M: Meets>(
+    nodes: &[N],
+    rays: &M,
+    [mut t_min, mut t_max]: [f32; 2],
+    mut leaf: impl FnMut(usize) -> f32,
+) -> u64 {
+    if t_min > t_max {
+        return 0;
+    }
+    let mut room = StackRoom::<Waiting, DEEPEST>::new();
+    let mut waiting = room.stack();
+    let (mut at, mut visited, mut reach) = (0, 0, t_max);
+    loop {
+        let node = nodes[at];
+        visited += 1;
+        match node.kind() {
+            Kind::Leaf { block } => reach = leaf(block),
+            Kind::Clip { axis } => {
+                let ends = node.ends();
+                let back = rays.back(axis) & 1;
+                t_min = most(t_min, rays.meet(axis, ends[back])[0]);
+                t_max = least(t_max, rays.meet(axis, ends[1 - back])[1]);
+                if t_min <= t_max {
+                    at += 1;
+                    continue;
+                }
+            }
+            Kind::Split { axis, right } => {
+                let [near, far] = node.children(rays, axis);
+                let near = [most(t_min, near[0]), least(t_max, near[1])];
+                let far = [most(t_min, far[0]), least(t_max, far[1])];
+                let (first, second) = if rays.back(axis) == 0 { (at + 1, right) } else { (right, at + 1) };
+                if near[0] <= near[1] {
+                    if far[0] <= far[1] {
+                        waiting.push(Waiting { node: second as u32, t_min: far[0], t_max: far[1] });
+                    }
+                    (at, [t_min, t_max]) = (first, near);
+                    continue;
+                }
+                if far[0] <= far[1] {
+                    (at, [t_min, t_max]) = (second, far);
+                    continue;
+                }
+            }
+        }
+        loop {
+            let Some(next) = waiting.pop() else { return visited };
+            if next.t_min <= reach {
+                (at, t_min, t_max) = (next.node as usize, next.t_min, least(next.t_max, reach));
+                break;
+            }
+        }
+    }
+}
