@@ -3,7 +3,7 @@
 //! Source: original.
 
 use gnurt_simd::Level;
-use gnurt_sl::exec::{Host, Kept, Plan, Points, Program, Results};
+use gnurt_sl::exec::{Host, Kept, Plan, Point, Points, Program, Results};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -25,6 +25,12 @@ pub struct Cache {
 pub struct Job {
     plan: Arc<Plan>,
     slot: Slot,
+}
+
+impl std::fmt::Debug for Cache {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Cache").finish_non_exhaustive()
+    }
 }
 
 impl Cache {
@@ -84,5 +90,9 @@ impl Program for Job {
 
     fn kept(&self) -> &[Kept] {
         self.plan.kept()
+    }
+
+    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        self.plan.tell(host, point)
     }
 }

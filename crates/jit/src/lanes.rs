@@ -4,8 +4,8 @@
 //! brought into the machine's memory and what it wrote is brought back.
 
 use gnurt_sl::exec::{
-    Component, DualRow, Event, Host, Kept, Machine, Memory, Message, Points, Program, Results, Row, Slot,
-    Step,
+    Component, DualRow, Event, Host, Kept, Machine, Memory, Message, Point, Points, Program, Results, Row,
+    Slot, Step,
 };
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
@@ -266,6 +266,10 @@ impl Program for Compiled {
             memories.push(memory);
             works.push(work.machine.into_memory());
         }
+    }
+
+    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        self.plan.tell(host, point)
     }
 
     fn kept(&self) -> &[Kept] {

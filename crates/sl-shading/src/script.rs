@@ -9,7 +9,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use gnurt_jit::Cache;
 use gnurt_shading::{AttributeRequest, CameraShader, EnvironmentShader, LightShader, SurfaceShader};
+use gnurt_simd::Level;
 use gnurt_sl::diagnostics::{Severity, Style};
 use gnurt_sl::exec::{Plan, PlanOptions, unknown_operation};
 use gnurt_sl::group::{Group, Hint, read_group};
@@ -71,6 +73,7 @@ pub struct Script {
     warnings: Vec<String>,
     textures: Arc<Textures>,
     faults: Arc<Faults>,
+    code: Arc<Cache>,
 }
 
 impl Script {
@@ -118,6 +121,7 @@ impl Script {
             warnings: reader.warnings.into_inner(),
             textures: Arc::new(Textures::new(access.clone(), folder)),
             faults: Arc::default(),
+            code: Arc::default(),
         })
     }
 
@@ -283,7 +287,8 @@ impl Script {
         };
         Ok(Common {
             name: self.name.clone(),
-            program: Arc::new(plan),
+            // The interpreter runs it until there is code, where there is some at all; the values are the same.
+            program: Arc::new(self.code.start(Arc::new(plan), Level::best())),
             textures: self.textures.clone(),
             faults: self.faults.clone(),
             requests: self.requests(group),

@@ -16,7 +16,7 @@ const ARROWS: [(&str, &[&str]); 23] = [
     ("shading", &["simd", "image", "accel"]),
     ("sl-lib", &[]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
-    ("sl-shading", &["accel", "image", "shading", "sl", "sl-lib"]),
+    ("sl-shading", &["simd", "accel", "image", "shading", "sl", "sl-lib", "jit"]),
     ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render", "sl-shading"]),
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),

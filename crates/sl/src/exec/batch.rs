@@ -169,8 +169,5 @@ pub trait Program: Send + Sync {
     fn kept(&self) -> &[Kept];
 
     /// Runs it for one point and tells its parameters and variables, a line each.
-    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String> {
-        let _ = (host, point);
-        Vec::new()
-    }
+    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String>;
 }
