@@ -83,6 +83,6 @@ mod tests {
     }
 
     fn texels_error(path: &Path) -> String {
-        texels(path).err().expect("it is wrong")
+        texels(path).expect_err("it is wrong")
     }
 }

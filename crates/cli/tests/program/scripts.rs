@@ -15,7 +15,7 @@ fn picture(folder: &Folder, name: &str) -> Picture {
 
 /// The greatest difference of two pictures.
 fn difference(folder: &Folder, [a, b]: [&str; 2]) -> f64 {
-    f64::from(compare(&picture(folder, a), &picture(folder, b)).expect("one size").max_difference)
+    compare(&picture(folder, a), &picture(folder, b)).expect("one size").max_difference
 }
 
 #[test]
