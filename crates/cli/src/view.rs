@@ -94,13 +94,13 @@ pub(crate) fn choose_around(
         Some(_) => defaults::complete_camera_around(scene, bounds, aspect),
         None => defaults::complete_camera(scene, aspect),
     };
+    let (camera, rays) = aim(scene, view)?;
     if let Some(note) = note {
         let is_all_given = view.eye.is_some() && view.target.is_some();
         if !is_all_given {
             messages.note(note);
         }
     }
-    let (camera, rays) = aim(scene, view)?;
     if camera.frame().is_some_and(|frame| frame.up_replaced) {
         messages.warning("the camera's up is parallel to its view; another up is used");
     }
