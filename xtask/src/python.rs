@@ -17,9 +17,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if let Some(argument) = arguments.first() {
         return Err(format!("python takes no arguments, not '{argument}'"));
     }
-    // With what `installed` builds, and so with the same features of libraries: alone, half of the crates would be compiled again.
-    let packages = ["gnurt-python", "gnurt-cli", "openrt", "rtut"].map(|name| ["--package", name]);
-    command::run(command::cargo().arg("build").args(packages.as_flattened()))?;
+    // With the same features of libraries as the tests' build: alone, half of the crates would be compiled again.
+    command::run(command::cargo().args(["build", "--workspace", "--all-targets"]))?;
     let target = Workspace::load()?.target;
     let source = command::root().join("bindings/python");
     let built = target.join("debug/lib_gnurt.so");
@@ -33,7 +32,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         tests
             .current_dir(&source)
             .args(options)
-            .env("PYTHONPATH", "python")
+            // Some tests start programs in other folders.
+            .env("PYTHONPATH", source.join("python"))
             .env("GNURT", target.join("debug/gnurt"))
             .env("PYTHONDONTWRITEBYTECODE", "1"),
     )

@@ -20,7 +20,7 @@ pub enum Error {
     /// A picture could not be read, written or compared.
     #[error(transparent)]
     Image(#[from] image::Error),
-    /// What surrounds a scene could not be read: a picture, or a sky in the shading language.
+    /// A sky in the shading language could not be read or compiled.
     #[error("{0}")]
     Surroundings(String),
     /// A picture is larger than what the machine has left.

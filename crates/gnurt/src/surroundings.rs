@@ -47,13 +47,14 @@ impl Surroundings {
     /// +y if it is no direction; `turn` turns them around it, in degrees, counter-clockwise seen from above.
     ///
     /// # Errors
-    /// [`Error::Surroundings`] if the picture cannot be read, or the shader does not compile; the scene stays as it was.
+    /// [`Error::Image`] if the picture cannot be read, [`Error::Surroundings`] if the shader does not compile; the scene stays as
+    /// it was.
     pub fn put_around(&self, scene: &mut Scene, up: [f32; 3], turn: f64) -> Result<(), Error> {
         let read = |path: &Path| match script_sky::is_script(path) {
-            true => script_sky::texels(path),
-            false => image::read_texture(path).map_err(|error| error.to_string()),
+            true => script_sky::texels(path).map_err(Error::Surroundings),
+            false => image::read_texture(path).map_err(Error::from),
         };
-        let texels = self.file().map(read).transpose().map_err(Error::Surroundings)?;
+        let texels = self.file().map(read).transpose()?;
         let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], turn.to_radians());
         let (radiance, texture) = match (self, texels) {
             (Self::Sky(sky), _) => {
