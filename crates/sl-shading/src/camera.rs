@@ -8,7 +8,7 @@ use gnurt_shading::{CameraSamples, CameraShader};
 use gnurt_sl::exec::{LANES, Point, Points, Results};
 use gnurt_sl_lib::Dual;
 
-use crate::world::{Common, World};
+use crate::world::{Common, World, vector};
 
 /// Where a camera stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,6 +42,8 @@ impl CameraShader for ScriptCamera {
         world.aspect = aspect;
         let [w, h] = pixels.map(|n| n.max(1) as f32);
         let (mut points, mut results) = (Points::default(), Results::default());
+        let [from, along, weight, near, far] =
+            ["P", "I", "weight", "tmin", "tmax"].map(|name| self.common.row(name));
         for first in (0..samples.len()).step_by(LANES) {
             points.count = LANES.min(samples.len() - first);
             for lane in 0..points.count {
@@ -62,25 +64,19 @@ impl CameraShader for ScriptCamera {
                 };
                 points.set(lane, &point);
             }
-            self.common.program.run(&world, &points, &mut results);
-            let kept = |name: &str| self.common.program.kept().iter().find(|kept| kept.name == name);
-            let vector = |name: &str, lane: usize| {
-                let row = kept(name)?.row;
-                Some(Vec3::from([0, 1, 2].map(|k| results.rows[row + k][lane])))
-            };
-            let number = |name: &str, lane: usize| kept(name).map(|kept| results.rows[kept.row][lane]);
+            self.common.run(&world, &points, &mut results);
+            let number = |row: Option<usize>, lane: usize| row.map(|row| results.rows[row][lane]);
+            let triple = |row: Option<usize>, lane: usize| row.map(|row| vector(&results, row, lane));
             for lane in 0..points.count {
-                let org = vector("P", lane).filter(|p| p.is_finite()).unwrap_or(Vec3::from(eye));
-                let seen = vector("weight", lane).is_none_or(|weight| weight != Vec3::ZERO);
-                let dir = vector("I", lane).filter(|_| seen).and_then(Vec3::try_normalize);
-                let near = number("tmin", lane).unwrap_or(0.0).max(0.0);
-                let far = number("tmax", lane).filter(|&t| t < 1e30).unwrap_or(f32::INFINITY);
+                let org = triple(from, lane).filter(|p| p.is_finite()).unwrap_or(Vec3::from(eye));
+                let seen = triple(weight, lane).is_none_or(|weight| weight != Vec3::ZERO);
+                let dir = triple(along, lane).filter(|_| seen).and_then(Vec3::try_normalize);
+                let t_near = number(near, lane).unwrap_or(0.0).max(0.0);
+                let t_far = number(far, lane).filter(|&t| t < 1e30).unwrap_or(f32::INFINITY);
                 // A ray without a direction sees nothing.
-                let ray = Ray::new(org.to_array(), dir.unwrap_or(Vec3::ZERO).to_array()).within(near, far);
+                let ray =
+                    Ray::new(org.to_array(), dir.unwrap_or(Vec3::ZERO).to_array()).within(t_near, t_far);
                 out.push(ray);
-            }
-            for (_, event) in &results.events {
-                self.common.faults.hear(&self.common.name, event);
             }
         }
     }

@@ -7,7 +7,7 @@ use gnurt_shading::{LightBatch, LightShader, Vec3s};
 use gnurt_sl::exec::{LANES, Point, Points, Results};
 use gnurt_sl_lib::Dual;
 
-use crate::world::{Common, World};
+use crate::world::{Common, World, vector};
 
 /// A light.
 pub(crate) struct ScriptLight {
@@ -17,6 +17,8 @@ pub(crate) struct ScriptLight {
 impl LightShader for ScriptLight {
     fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
         let world = World::empty(&self.common);
+        let [way, color, distance] = ["L", "Cl", "lightdist"].map(|name| self.common.row(name));
+        let (Some(way), Some(color)) = (way, color) else { return };
         let (mut points, mut results) = (Points::default(), Results::default());
         for first in (0..p.len()).step_by(LANES) {
             points.count = LANES.min(p.len() - first);
@@ -34,27 +36,18 @@ impl LightShader for ScriptLight {
                 };
                 points.set(lane, &point);
             }
-            self.common.program.run(&world, &points, &mut results);
-            let kept = |name: &str| self.common.program.kept().iter().find(|kept| kept.name == name);
-            let vector = |name: &str, lane: usize| {
-                let row = kept(name)?.row;
-                Some(Vec3::from([0, 1, 2].map(|k| results.rows[row + k][lane])))
-            };
+            self.common.run(&world, &points, &mut results);
             for lane in 0..points.count {
                 let i = first + lane;
-                let (Some(dir), Some(light)) = (vector("L", lane), vector("Cl", lane)) else { continue };
-                let Some(dir) = dir.try_normalize() else { continue };
-                let light = light.max(Vec3::ZERO);
+                let Some(dir) = vector(&results, way, lane).try_normalize() else { continue };
+                let light = vector(&results, color, lane).max(Vec3::ZERO);
                 if light == Vec3::ZERO || !light.is_finite() {
                     continue;
                 }
-                let far = kept("lightdist").map_or(1e30, |kept| results.rows[kept.row][lane]);
+                let far = distance.map_or(1e30, |row| results.rows[row][lane]);
                 out.dir.set(i, dir);
                 out.dist[i] = if far >= 1e30 || far <= 0.0 { f32::INFINITY } else { far };
                 out.radiance.set(i, light);
-            }
-            for (_, event) in &results.events {
-                self.common.faults.hear(&self.common.name, event);
             }
         }
     }

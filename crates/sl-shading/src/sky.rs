@@ -35,16 +35,13 @@ impl EnvironmentShader for ScriptSky {
                 };
                 points.set(lane, &point);
             }
-            self.common.program.run(&world, &points, &mut results);
+            self.common.run(&world, &points, &mut results);
             for lane in 0..points.count {
                 let back = -dir.get(first + lane);
                 let parts =
                     parts::of(&results.closures, results.ci[lane], At { ng: back, ns: back, front: true });
                 let light = parts.emission + parts.radiance;
                 out.set(first + lane, if light.is_finite() { light } else { Vec3::ZERO });
-            }
-            for (_, event) in &results.events {
-                self.common.faults.hear(&self.common.name, event);
             }
         }
     }

@@ -96,7 +96,7 @@ impl ScriptSurface {
             for lane in 0..points.count {
                 points.set(lane, &point(hits, first + lane, ray_kinds));
             }
-            self.common.program.run(world, &points, &mut results);
+            self.common.run(world, &points, &mut results);
             for lane in 0..points.count {
                 let i = first + lane;
                 let parts = parts::of(&results.closures, results.ci[lane], At::lane(hits, i));
@@ -108,9 +108,6 @@ impl ScriptSurface {
                     ));
                 }
                 with(i, parts);
-            }
-            for (_, event) in &results.events {
-                self.common.faults.hear(&self.common.name, event);
             }
         }
     }

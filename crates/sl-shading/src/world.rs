@@ -11,7 +11,9 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_accel::Ray;
 use gnurt_shading::{AttributeRequest, LightBatch, RayRequest, SurfaceBatch, Tracer, Vec3s};
-use gnurt_sl::exec::{Arriving, ClosureDecl, Given, Host, Point, Program, TextureOptions, TraceOptions};
+use gnurt_sl::exec::{
+    Arriving, ClosureDecl, Given, Host, Point, Points, Program, Results, TextureOptions, TraceOptions,
+};
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl_lib::Dual;
@@ -39,6 +41,26 @@ pub(crate) struct Common {
     /// What is asked of the mesh.
     pub(crate) requests: Vec<AttributeRequest>,
     pub(crate) colors: ColorSystem,
+}
+
+impl Common {
+    /// The first row of a value that is kept, in [`Results::rows`]; the others of a triple follow.
+    pub(crate) fn row(&self, name: &str) -> Option<usize> {
+        self.program.kept().iter().find(|kept| kept.name == name).map(|kept| kept.row)
+    }
+
+    /// Runs the shader, and passes on what it says.
+    pub(crate) fn run(&self, world: &World, points: &Points, results: &mut Results) {
+        self.program.run(world, points, results);
+        for (_, event) in &results.events {
+            self.faults.hear(&self.name, event);
+        }
+    }
+}
+
+/// A triple that begins in this row.
+pub(crate) fn vector(results: &Results, row: usize, lane: usize) -> Vec3 {
+    Vec3::from([0, 1, 2].map(|k| results.rows[row + k][lane]))
 }
 
 /// Where a shader runs.
