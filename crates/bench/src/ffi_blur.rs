@@ -4,7 +4,6 @@
 //! Invariant: arrays outlive the scene that shares them. Proof: `blur::tests`.
 
 use std::ffi::c_uint;
-use std::marker::PhantomData;
 
 use crate::ffi_embree::{
     BUFFER_INDEX, BUFFER_VERTEX, Device, FORMAT_FLOAT3, FORMAT_UINT3, GEOMETRY_TRIANGLE, Scene,
@@ -43,14 +42,7 @@ impl<'a> Scene<'a> {
             }
             let triangles = indices.as_ptr().cast();
             share(geometry, BUFFER_INDEX, 0, FORMAT_UINT3, triangles, 0, 12, indices.len());
-            (library.commit_geometry)(geometry);
-            let raw = (library.new_scene)(device.raw);
-            (library.set_quality)(raw, 1);
-            (library.set_flags)(raw, flags);
-            (library.attach)(raw, geometry);
-            (library.release_geometry)(geometry);
-            (library.commit_scene)(raw);
-            Self { library, raw, arrays: PhantomData }
+            Self::of(device, geometry, 1, flags)
         };
         device.check()?;
         Ok(scene)

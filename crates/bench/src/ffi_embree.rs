@@ -325,6 +325,20 @@ impl<'a> Scene<'a> {
             let share = library.share_buffer;
             share(geometry, BUFFER_VERTEX, 0, FORMAT_FLOAT3, vertices, 0, 12, padded.len() - 1);
             share(geometry, BUFFER_INDEX, 0, FORMAT_UINT3, triangles, 0, 12, indices.len());
+            Self::of(device, geometry, quality, flags)
+        };
+        device.check()?;
+        Ok(scene)
+    }
+
+    /// Commits a geometry, and a scene of it alone, which then owns it.
+    ///
+    /// # Safety
+    /// The geometry is the device's, and what it shares outlives the scene.
+    pub(crate) unsafe fn of(device: &'a Device<'a>, geometry: Handle, quality: i32, flags: i32) -> Self {
+        let library = device.library;
+        // SAFETY: handles are used as Embree's manual shows; the caller answers for the arrays.
+        let raw = unsafe {
             (library.commit_geometry)(geometry);
             let raw = (library.new_scene)(device.raw);
             (library.set_quality)(raw, quality);
@@ -332,10 +346,9 @@ impl<'a> Scene<'a> {
             (library.attach)(raw, geometry);
             (library.release_geometry)(geometry);
             (library.commit_scene)(raw);
-            Self { library, raw, arrays: PhantomData }
+            raw
         };
-        device.check()?;
-        Ok(scene)
+        Self { library, raw, arrays: PhantomData }
     }
 
     /// Closest hits; `N` is 1, 4, 8 or 16.
