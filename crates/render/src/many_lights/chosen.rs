@@ -105,22 +105,19 @@ impl Witnesses {
 mod tests {
     use glam::Vec3;
     use gnurt_shading::SurfacePoint;
-    use gnurt_shading::bsdf::{Bsdf, Lobe};
-    use gnurt_shading::sampling::{sample_pair, uniform_sphere};
+    use gnurt_shading::bsdf::Bsdf;
 
     use super::super::bound::Bound;
+    use super::super::test_points;
     use super::super::vpl::Vpl;
     use super::*;
 
     fn random(n: u32, purpose: u32) -> [f32; 2] {
-        sample_pair(11, gnurt_shading::SampleKey { pixel: n, sample: 0, branch: 0 }, 0, purpose)
+        test_points::random(11, n, purpose)
     }
 
     fn surface(n: u32) -> (SurfacePoint, Bsdf) {
-        let ([x, y], [z, _]) = (random(n, 0), random(n, 1));
-        let ng = uniform_sphere(random(n, 2));
-        let bsdf = Bsdf::new(ng, Lobe::lambert(Vec3::new(0.8, 0.5, 0.3)));
-        (SurfacePoint { p: Vec3::new(x, y, z), error: 1e-6, ng, ns: ng, lift: Vec3::ZERO }, bsdf)
+        test_points::surface(11, n)
     }
 
     /// What a part of the lights brings has the mean of what all bring, whatever has been learned, with less noise where the

@@ -26,6 +26,8 @@ mod pilots;
 mod promise;
 mod shader_lamps;
 mod shader_lights;
+#[cfg(test)]
+mod test_points;
 mod vpl;
 
 pub(crate) use estimate::{radiance, radiance_apart};

@@ -105,21 +105,14 @@ fn add(light: &Light, sum: &mut Lanes) {
 
 #[cfg(test)]
 mod tests {
-    use gnurt_shading::bsdf::{Bsdf, Lobe};
-    use gnurt_shading::sampling::{sample_pair, uniform_sphere};
-    use gnurt_shading::{SampleKey, SurfacePoint};
+    use gnurt_shading::SurfacePoint;
+    use gnurt_shading::bsdf::Bsdf;
 
+    use super::super::test_points;
     use super::*;
 
-    fn random(n: u32, purpose: u32) -> [f32; 2] {
-        sample_pair(7, SampleKey { pixel: n, sample: 0, branch: 0 }, 0, purpose)
-    }
-
     fn surface(n: u32) -> (SurfacePoint, Bsdf) {
-        let ([x, y], [z, _]) = (random(n, 0), random(n, 1));
-        let ng = uniform_sphere(random(n, 2));
-        let bsdf = Bsdf::new(ng, Lobe::lambert(Vec3::new(0.8, 0.5, 0.3)));
-        (SurfacePoint { p: Vec3::new(x, y, z), error: 1e-6, ng, ns: ng, lift: Vec3::ZERO }, bsdf)
+        test_points::surface(7, n)
     }
 
     #[test]
