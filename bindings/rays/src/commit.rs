@@ -2,7 +2,7 @@
 //! From the draft of a scene to what can be asked: trees over all enabled geometries. Source: original; Embree's manual.
 //! Space: that of the scene. Invariant: ids are those under which geometries were attached; bad primitives are left out, as
 //! by Embree. Where a scene is dynamic, or all that it holds is to be refitted, trees follow their geometry.
-//! Proof: `tests/embree.rs`.
+//! Proof: `tests/c/embree.c`.
 
 use std::borrow::Cow;
 use std::sync::Arc;

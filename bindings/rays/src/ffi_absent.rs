@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Calls of Embree's for what is not here: subdivision surfaces, its builder of BVHs, collisions, packets of rays that user geometry
 //! sends on (its tests get single rays). They exist, so that programs can be linked and loaded; each says so and does nothing.
-//! Source: the names of Embree 4.4's headers. Proof: `tests/embree.rs`.
+//! Source: the names of Embree 4.4's headers. Proof: `tests/c/embree.c`.
 
 use crate::device::{Device, Problem};
 use crate::ffi_device::absent;

@@ -4,7 +4,7 @@
 //! The program is shown what is nearer than the radius by our own measure, which is exact for triangles, quads and spheres; of
 //! user geometry it is the box that counts. Queries that the program sends on from a user geometry, with places of its own on
 //! the stack, are made in the innermost place's space, by the longest that lengths may become there.
-//! Proof: `tests/embree.rs`.
+//! Proof: `tests/c/embree.c`.
 
 use std::ffi::{c_int, c_void};
 

@@ -4,7 +4,7 @@
 //!
 //! Rays of a packet are traced one by one: a tree's packets are as wide as 64 rays, and 16 of them are no faster than single ones.
 //! Callbacks get one ray at a time (`N` is 1), as Embree's rules allow. Filters see the ray as it was asked, also inside of
-//! instances. Proof: `tests/embree.rs`, `tests/c/embree.c`.
+//! instances. Proof: `tests/c/embree.c`, `tests/c/embree.c`.
 
 use std::collections::HashSet;
 use std::ffi::{c_int, c_uint};

@@ -3,7 +3,7 @@
 //!
 //! A program's test writes into the ray and its hit whatever it likes: other ids, a normal, what another scene answered. A tree
 //! keeps of that `t`, `u` and `v`; the rest waits in the [`Frame`] of the query, from where the answer is completed.
-//! Invariant: a frame is on its thread's stack for as long as the thread is in its query. Proof: `tests/embree.rs`.
+//! Invariant: a frame is on its thread's stack for as long as the thread is in its query. Proof: `tests/c/embree.c`.
 
 use std::cell::{Cell, RefCell};
 use std::ffi::c_int;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Code that was made is kept, and made beside the threads that render; the interpreter runs the group meanwhile.
 //! Source: original.
+//! Proof: `tests/batches.rs`.
 
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Host, Kept, Plan, Point, Points, Program, Results};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group as machine code.
 //! Source: original.
+//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Kept, Memory, Plan, Program as _, Slot};

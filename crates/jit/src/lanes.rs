@@ -2,6 +2,7 @@
 //! Runs machine code for a batch of points, and does what the code calls for.
 //! Source: original. What code cannot do is done by the interpreter's machine, one lane after the other: its arguments are
 //! brought into the machine's memory and what it wrote is brought back.
+//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{
     Component, DualRow, Event, Host, Kept, Machine, Memory, Message, Point, Points, Program, Results, Row,

@@ -2,7 +2,7 @@
 //! Operations on lanes, and what each means for one lane.
 //! Source: original. A value is 32 bits a lane: a float, a whole number, or a mask of ones or zeros.
 //! Invariant: [`Op::apply`] is what every back end computes, bit for bit but for the bits of NaNs.
-//! Proof: `tests/regions.rs`.
+//! Proof: `tests/agreement.rs`.
 
 /// Number of a value in its region.
 pub(crate) type Id = u32;

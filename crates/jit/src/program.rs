@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group as a back end takes it: regions, and what happens between them. Masks are bits, kept in slots.
 //! Source: original.
+//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Slot, Step};
 use gnurt_sl::ir::Place as Line;

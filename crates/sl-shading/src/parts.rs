@@ -3,7 +3,7 @@
 //! Source: original; what the closures are is in the OSL specification and MaterialX, the lobes' models are in docs/materials.md.
 //! Differs from other renderers: facets are GGX whatever the distribution's name, as wide on average where they are anisotropic;
 //! light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered where it enters; hair and volumes are not drawn.
-//! Space: world. Proof: `tests/closures.rs`.
+//! Space: world. Proof: `tests/scripts/closures.rs`.
 
 use std::sync::Arc;
 

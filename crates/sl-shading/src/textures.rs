@@ -2,6 +2,7 @@
 //! Pictures that shaders read, each file once.
 //! Source: original; wrap modes are OSL's. Colours of 8-bit pictures are decoded to linear light, as everywhere in GNU RT. Where a
 //! point stands for more than a texel, smaller copies are read.
+//! Proof: `tests/scripts/kinds.rs`.
 
 use std::collections::HashMap;
 use std::path::PathBuf;

@@ -13,6 +13,7 @@ mod known_circles;
 mod length;
 mod manifests;
 mod modules;
+mod proofs;
 mod rust_code;
 mod test_files;
 mod unsafe_code;
@@ -48,6 +49,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let keys = citations::keys(&bibliography);
     let files = files::all(&root)?;
     complaints.extend(circles::check(&files));
+    complaints.extend(proofs::check(&files));
     complaints.extend(test_files::check(&files));
     for file in &files {
         let found = RULES.iter().flat_map(|rule| rule(file)).chain(citations::check(file, &keys));

@@ -4,6 +4,7 @@
 //! Invariants: what does not vary is written only where all lanes that run agree, from what does not vary. A clean variable is
 //! read only where every lane that reads it has passed a write in the same run of the block that holds all its uses, so lanes
 //! that do not run may be overwritten.
+//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Flow, Instruction, Plan, Slot, Source};
 use gnurt_sl::ir::SymbolKind;

@@ -3,6 +3,7 @@
 //! Source: original. Control is on masks in memory, sixteen bits each, with branches that skip what no lane does; computing is
 //! in regions. A layer is a function; `rbx` is the memory, `r12` what calls are given, `r13` where calls go.
 //! `asm` encodes, `region` gives registers.
+//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 mod asm;
 mod region;

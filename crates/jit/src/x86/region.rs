@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The instructions of a region, and which register holds what.
-//! Source: the choice of what leaves a register is Belady's (the value that is needed last); original code.
+//! Source: \[Bel66\] for what leaves a register (the value that is needed last); original code.
 //! A region has no branches, so one pass over it is enough. Constants and cells are loaded where they are needed.
+//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 use crate::layout::{Layout, Place};
 use crate::op::{Binary, Id, Op, Region, Shift, Unary};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The interpreter as a [`Program`]: the points of a batch, one after the other.
-//! Source: original. Proof: `tests/batch.rs`.
+//! Source: original. Proof: `tests/meaning/more.rs`.
 
 use super::batch::{LANES, Points, Program, Results, Row};
 use super::host::{Host, Point};
