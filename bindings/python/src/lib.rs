@@ -11,6 +11,7 @@ mod hits;
 mod meshes;
 mod picture;
 mod pool;
+mod program;
 mod ray_scene;
 mod rays;
 mod rendering;
@@ -25,6 +26,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _gnurt(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(program::program, module)?)?;
     module.add_class::<hits::Hits>()?;
     module.add_class::<hits::AllHits>()?;
     module.add_class::<picture::Picture>()?;

@@ -3,7 +3,6 @@
 //! Source: original; the statuses are the contract of the command line.
 
 use std::fmt;
-use std::process::ExitCode;
 
 /// What a command gives back.
 pub(crate) type Outcome = Result<(), Failure>;
@@ -41,11 +40,11 @@ impl Failure {
     }
 
     /// The status that the program ends with.
-    pub(crate) fn status(&self) -> ExitCode {
+    pub(crate) fn status(&self) -> u8 {
         match self {
-            Self::Usage(_) => ExitCode::from(2),
-            Self::Data(_) | Self::Differs => ExitCode::from(1),
-            Self::Unheard => ExitCode::SUCCESS,
+            Self::Usage(_) => 2,
+            Self::Data(_) | Self::Differs => 1,
+            Self::Unheard => 0,
         }
     }
 }

@@ -4,13 +4,14 @@
 
 use std::io::{BufWriter, stderr, stdout};
 use std::path::Path;
-use std::process::ExitCode;
 
 use gnurt_sl::tools::{Console, tool};
 
-/// Runs the tool that is asked for; none if it is another command.
-pub(crate) fn run() -> Option<ExitCode> {
-    let mut words = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
+use crate::words::words;
+
+/// Runs the tool that is asked for; none if it is another command. It gives back its exit status.
+pub(crate) fn run() -> Option<u8> {
+    let mut words = words().iter().map(|word| word.to_string_lossy().into_owned());
     let called = words.next()?;
     let called = Path::new(&called).file_stem()?.to_string_lossy().into_owned();
     let link = tool(&called).is_some();
@@ -22,5 +23,5 @@ pub(crate) fn run() -> Option<ExitCode> {
     console.engine = Some(gnurt_jit::engine);
     let status = run(&rest, &mut console);
     console.flush();
-    Some(ExitCode::from(u8::try_from(status).unwrap_or(1)))
+    Some(u8::try_from(status).unwrap_or(1))
 }

@@ -12,6 +12,7 @@ use gnurt::render::{CameraMatrices, RenderStats};
 use gnurt::scene::Camera;
 
 use crate::arguments::FrameArguments;
+use crate::words::words;
 
 /// Says what the picture depends on.
 pub(crate) fn describe(picture: &mut Picture, frame: &FrameArguments) {
@@ -37,12 +38,12 @@ pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f3
 
 /// The words of this call.
 pub(crate) fn command() -> String {
-    command_line(std::env::args_os())
+    command_line(words().iter())
 }
 
 /// The words of a call; of paths only the last part, for a picture need not tell where its maker's files lie.
-fn command_line(words: impl Iterator<Item = OsString>) -> String {
-    let shorten = |word: OsString| {
+fn command_line<'a>(words: impl Iterator<Item = &'a OsString>) -> String {
+    let shorten = |word: &OsString| {
         let text = word.to_string_lossy().into_owned();
         let (option, value) = match text.split_once('=') {
             Some((option, value)) if option.starts_with("--") => (format!("{option}="), value),
@@ -67,7 +68,7 @@ mod tests {
     fn the_command_line_tells_no_folders() {
         let words =
             ["/usr/bin/gnurt", "render", "/home/me/my scene.obj", "--heatmap=/tmp/h.png", "--eye", "1,2,3"];
-        let line = command_line(words.iter().map(OsString::from));
+        let line = command_line(words.map(OsString::from).iter());
         assert_eq!(line, "gnurt render 'my scene.obj' --heatmap=h.png --eye 1,2,3", "last parts only");
     }
 }

@@ -4,7 +4,6 @@
 //! Proof: `tests/program/interface.rs`, `tests/program/arguments.rs`.
 
 use std::panic::{PanicHookInfo, catch_unwind};
-use std::process::ExitCode;
 use std::sync::{Mutex, Once, PoisonError};
 
 use clap::{CommandFactory, Parser};
@@ -16,15 +15,16 @@ use crate::environment::{Environment, Overridden};
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, Verbosity, print};
 use crate::osl;
+use crate::words::words;
 
-/// Runs the program and says how it ended.
-pub(crate) fn run() -> ExitCode {
+/// Runs the program and gives back its exit status.
+pub(crate) fn run() -> u8 {
     announce_bugs_in_one_line();
     catch_unwind(parse_and_run).unwrap_or_else(|_| {
         // The hook has told what happened, unless a picture was being decoded elsewhere.
         let kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take();
         tell_once(&kept.unwrap_or_else(|| "internal: please report this".into()));
-        ExitCode::from(1)
+        1
     })
 }
 
@@ -36,24 +36,24 @@ fn tell_once(text: &str) {
     FIRST.call_once(|| Messages::new(Verbosity::Normal).error(text));
 }
 
-fn parse_and_run() -> ExitCode {
+fn parse_and_run() -> u8 {
     if let Some(status) = osl::run() {
         return status;
     }
-    let arguments = match Arguments::try_parse_from(talk_behind_command(
-        std::env::args_os().collect(),
-        &Arguments::command(),
-    )) {
-        Ok(arguments) => arguments,
-        Err(error) => {
-            return match explain(&error) {
-                Refusal::Answer(text) => conclude(print(text.trim_end()), Messages::new(Verbosity::Normal)),
-                Refusal::Mistake(text) => {
-                    conclude(Err(Failure::Usage(text)), Messages::new(Verbosity::Normal))
-                }
-            };
-        }
-    };
+    let arguments =
+        match Arguments::try_parse_from(talk_behind_command(words().to_vec(), &Arguments::command())) {
+            Ok(arguments) => arguments,
+            Err(error) => {
+                return match explain(&error) {
+                    Refusal::Answer(text) => {
+                        conclude(print(text.trim_end()), Messages::new(Verbosity::Normal))
+                    }
+                    Refusal::Mistake(text) => {
+                        conclude(Err(Failure::Usage(text)), Messages::new(Verbosity::Normal))
+                    }
+                };
+            }
+        };
     let asked = arguments.command.talk().verbosity();
     let machine = arguments.command.machine();
     let overridden = Overridden {
@@ -84,9 +84,9 @@ fn run_command(command: Command, environment: &Environment, messages: Messages) 
     }
 }
 
-fn conclude(outcome: Outcome, messages: Messages) -> ExitCode {
+fn conclude(outcome: Outcome, messages: Messages) -> u8 {
     match outcome {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(()) => 0,
         Err(failure) => {
             if let Some(message) = failure.message() {
                 messages.error(message);

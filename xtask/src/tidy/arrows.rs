@@ -26,7 +26,7 @@ const ARROWS: [(&str, &[&str]); 23] = [
     ("cli", &["gnurt", "bench", "view", "plugins", "sl", "jit"]),
     ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),
-    ("python", &["accel", "gnurt"]),
+    ("python", &["accel", "gnurt", "cli"]),
     ("rays", &["accel"]),
 ];
 

@@ -3,7 +3,7 @@
 
 Each frame is cut into pieces (`gnurt render --piece`), which workers of a Dask cluster render; what comes back is joined here to the
 bytes of a single run. A worker that dies costs its pieces, which others render again. The scene travels to each worker once, as an
-archive that is named by its content. Workers need this package, and the program `gnurt` on their path.
+archive that is named by its content. Workers need this package.
 """
 
 import argparse
@@ -27,10 +27,11 @@ _PATIENCE = 20
 class Job:
     """A picture, or the frames of an animation, to be rendered in pieces.
 
-    `options` are those of `gnurt render`, `look` those of `gnurt join`; `frames` is None or (first, last).
+    `options` are those of `gnurt render`, `look` those of `gnurt join`; `frames` is None or (first, last). `program` is one that
+    stands in for the one that this package carries.
     """
 
-    def __init__(self, scene, output, options=(), look=(), pieces=16, frames=None, program="gnurt"):
+    def __init__(self, scene, output, options=(), look=(), pieces=16, frames=None, program=None):
         if pieces < 1:
             raise ValueError(f"pieces: expected a number from 1 on, not {pieces}")
         if frames is not None and "#" not in os.path.basename(output):
@@ -53,7 +54,7 @@ class Job:
         if frame is not None:
             last = list(re.finditer("#+", output))[-1]
             output = f"{output[: last.start()]}{frame:0{len(last.group())}}{output[last.end() :]}"
-        _run([self.program, "join", "-q", *files, "-o", output, *self.look])
+        _run([*_program(self.program), "join", "-q", *files, "-o", output, *self.look])
         return output
 
 
@@ -69,8 +70,8 @@ def render(job, client, progress=None, threads=None):
     with tempfile.TemporaryDirectory(prefix="gnurt-") as folder:
 
         def submit(task):
-            words = [job.program, "render", "-q", *job.words] + ([] if threads is None else ["-t", str(threads)])
-            future = client.submit(_render_piece, job.name, words, *task, job.pieces, pure=False)
+            words = ["render", "-q", *job.words] + ([] if threads is None else ["-t", str(threads)])
+            future = client.submit(_render_piece, job.name, job.program, words, *task, job.pieces, pure=False)
             pending[future.key] = task
             return future
 
@@ -173,7 +174,7 @@ def _plugin(job):
     return Scene()
 
 
-def _render_piece(name, words, frame, piece, pieces):
+def _render_piece(name, program, words, frame, piece, pieces):
     """On a worker: the bytes of a piece's file."""
     with tempfile.TemporaryDirectory(prefix="gnurt-") as folder:
         file = os.path.join(folder, "p.exr")
@@ -181,10 +182,15 @@ def _render_piece(name, words, frame, piece, pieces):
         if frame is not None:
             more += ["--frames", f"{frame}..{frame}"]
             file = os.path.join(folder, "p.####.exr")
-        _run([*words, *more, "-o", file], cwd=_folder(name))
+        _run([*_program(program), *words, *more, "-o", file], cwd=_folder(name))
         (found,) = os.listdir(folder)
         with open(os.path.join(folder, found), "rb") as rendered:
             return rendered.read()
+
+
+def _program(path):
+    """How the program is called on this machine."""
+    return [sys.executable, "-m", "gnurt"] if path is None else [path]
 
 
 def _run(words, cwd=None):
@@ -223,7 +229,7 @@ def _parsed(words):
     parser.add_argument("-o", "--output", required=True, help="picture to write; frame.####.png for frames")
     parser.add_argument("--pieces", metavar="N", type=int, default=16, help="pieces of each frame [default: 16]")
     parser.add_argument("--frames", metavar="FIRST..LAST", type=_frames, help="frames, both ends included")
-    parser.add_argument("--gnurt", metavar="PROGRAM", default="gnurt", help="the program, here and there")
+    parser.add_argument("--gnurt", metavar="PROGRAM", help="the program, here and there [default: this package's]")
     parser.add_argument("-q", "--quiet", action="store_true", help="no progress")
     for option in ("--denoise", "--tone", "--exposure"):
         parser.add_argument(option, nargs="?", const="", help="as of `gnurt join`")
@@ -237,7 +243,7 @@ def main(words=None):
         import distributed
     except ImportError:
         parser.error("Dask is missing; pip install 'gnurt[cluster]'")
-    if shutil.which(known.gnurt) is None:
+    if known.gnurt is not None and shutil.which(known.gnurt) is None:
         parser.error(f"--gnurt: there is no program {known.gnurt}; give its path")
     look = [
         f"--{name}={value}" if value else f"--{name}"

@@ -8,7 +8,7 @@ class Job:
     output: str
     look: list[str]
     pieces: int
-    program: str
+    program: str | None
     frames: list[int | None]
     words: list[str]
     archive: bytes
@@ -21,7 +21,7 @@ class Job:
         look: Iterable[str] = (),
         pieces: int = 16,
         frames: tuple[int, int] | None = None,
-        program: str = "gnurt",
+        program: str | None = None,
     ) -> None: ...
     def tasks(self) -> list[tuple[int | None, int]]: ...
     def join(self, folder: str, frame: int | None) -> str: ...

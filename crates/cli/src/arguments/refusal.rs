@@ -7,6 +7,7 @@ use clap::{Command, CommandFactory};
 
 use super::Arguments;
 use crate::nearest::unknown;
+use crate::words::words;
 
 /// What became of a command line that is no command.
 #[derive(Debug)]
@@ -82,7 +83,7 @@ fn unknown_argument(argument: &str) -> String {
 
 /// The subcommand that the process was called with, or its subcommand.
 fn used_command(root: &Command) -> &Command {
-    std::env::args_os().skip(1).fold(root, |command, word| command.find_subcommand(word).unwrap_or(command))
+    words().iter().skip(1).fold(root, |command, word| command.find_subcommand(word).unwrap_or(command))
 }
 
 fn commands(root: &Command) -> Vec<&str> {

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The program `gnurt` as a library of one function, for the binary of that name and for the Python package, which carries it.
+//! It translates command lines into calls of the library `gnurt` and holds no logic of its own.
+//! Source: original. The hop path of a call: `program` -> `arguments` -> `commands::<the subcommand>`.
+//! Contract: exit status 0 done, 1 bad data, 2 bad arguments, 130 stopped; one `error:` line, never a panic's text.
+//! Proof: `tests/program`, which runs the program itself; `bindings/python/tests/test_program.py`.
+#![forbid(unsafe_code)]
+
+mod arguments;
+mod checkpoint;
+mod clips;
+mod commands;
+mod display;
+mod environment;
+mod failure;
+mod messages;
+mod nearest;
+mod osl;
+mod output;
+mod picture_header;
+mod program;
+mod progress;
+mod shaders;
+mod signals;
+mod source;
+mod statistics;
+mod view;
+mod words;
+mod workers;
+
+/// Runs the program and gives back its exit status: 0 done, 1 bad data, 2 bad arguments. `words` are the command line, the
+/// program's name first. It is meant for a process of its own: it listens to signals, says panics in a line of its own, and
+/// a second Ctrl-C ends the process. Only the first call's words count.
+pub fn run(words: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
+    words::keep(words.into_iter().collect());
+    program::run()
+}
