@@ -3,18 +3,30 @@
 //! Proof: `tests/test_pictures.py`.
 
 use gnurt::Surroundings;
+use gnurt::osl::Script;
 use gnurt::scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled};
-use gnurt::scene::{Camera, Light, Material, Surface};
+use gnurt::scene::{Camera, Lens, Light, Material, Projection, Surface};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::given::Given;
+use crate::scripts::script;
 
 const MOST: f64 = f32::MAX as f64;
 
-/// A material; `kind` says which arguments there are.
-pub(crate) fn material(given: &mut Given) -> PyResult<Material> {
+/// What a material becomes in a scene.
+pub(crate) enum NewMaterial {
+    Material(Material),
+    /// Its name, and what it is instead.
+    Script(String, Script),
+}
+
+/// A material; `kind` says which arguments there are, unless a shader stands for all of them.
+pub(crate) fn material(given: &mut Given) -> PyResult<NewMaterial> {
     let name = given.text("name")?.unwrap_or_default();
+    if let Some(script) = script(given)? {
+        return Ok(NewMaterial::Script(name, script));
+    }
     let kind = given.text("kind")?.unwrap_or_else(|| "principled".into());
     let color = given.color("color")?;
     let base_color = Color::constant(color.unwrap_or([0.8; 3]));
@@ -65,7 +77,7 @@ pub(crate) fn material(given: &mut Given) -> PyResult<Material> {
         let opacity = Opacity { factor, texture: None, channel: OpacityChannel::Alpha };
         material.alpha = Alpha::Blend { opacity };
     }
-    Ok(material)
+    Ok(NewMaterial::Material(material))
 }
 
 fn ior(given: &mut Given) -> PyResult<f32> {
@@ -137,16 +149,43 @@ pub(crate) fn light(kind: &str, given: &mut Given) -> PyResult<NewLight> {
 /// A camera.
 pub(crate) fn camera(given: &mut Given) -> PyResult<Camera> {
     let needed = |name: &str| PyValueError::new_err(format!("{name}: a camera needs one"));
-    let camera = Camera {
+    let mut camera = Camera {
         name: given.text("name")?.unwrap_or_default(),
         eye: given.numbers("eye")?.ok_or_else(|| needed("eye"))?,
         target: given.numbers("target")?.ok_or_else(|| needed("target"))?,
         up: given.numbers("up")?.unwrap_or([0.0, 1.0, 0.0]),
-        fov_y: given.number("fov", 0.001, 179.999)?.unwrap_or(40.0) as f32,
+        fov_y: given.number("fov", 0.001, 360.0)?.unwrap_or(40.0) as f32,
+        lens: Lens {
+            aperture: given.number("aperture", 0.0, MOST)?.unwrap_or(0.0) as f32,
+            focus: given.number("focus", f64::from(f32::MIN_POSITIVE), MOST)?.map(|focus| focus as f32),
+        },
         ..Camera::default()
     };
-    match camera.frame() {
-        Some(_) => Ok(camera),
-        None => Err(PyValueError::new_err("target: is where eye is; the camera must look somewhere")),
+    if camera.frame().is_none() {
+        return Err(PyValueError::new_err("target: is where eye is; the camera must look somewhere"));
+    }
+    let word = given.text("projection")?;
+    let height = given.number("view_height", f64::from(f32::MIN_POSITIVE), MOST)?;
+    camera.projection = match word.as_deref().unwrap_or(Projection::WORDS[0]) {
+        "perspective" => Projection::Perspective,
+        "fisheye" => Projection::Fisheye,
+        "panorama" => Projection::Panorama,
+        "orthographic" => Projection::Orthographic {
+            height: height.map_or_else(|| camera.height_at_target(), |height| height as f32),
+        },
+        other => {
+            let words = Projection::WORDS.join(", ");
+            return Err(PyValueError::new_err(format!("projection: expected one of {words}, not '{other}'")));
+        }
+    };
+    if height.is_some() && !matches!(camera.projection, Projection::Orthographic { .. }) {
+        let projection = camera.projection;
+        return Err(PyValueError::new_err(format!(
+            "view_height: is of orthographic cameras, and this is a {projection}"
+        )));
+    }
+    match camera.fault() {
+        Some(fault) => Err(PyValueError::new_err(format!("camera: {fault}"))),
+        None => Ok(camera),
     }
 }

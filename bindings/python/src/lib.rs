@@ -16,6 +16,7 @@ mod ray_scene;
 mod rays;
 mod rendering;
 mod scene;
+mod scripts;
 mod stage;
 mod trees;
 mod watch;

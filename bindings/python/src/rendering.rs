@@ -72,10 +72,14 @@ impl Wanted {
         let view = View {
             camera: aim(&mut given)?,
             at: moment(&mut given)?,
+            shutter: given.number("shutter", 0.0, 1e9)?.unwrap_or(0.0),
             aspect: width as f32 / height as f32,
             integrator: options.integrator,
             force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
         };
+        if view.shutter > 0.0 && view.at.is_none() {
+            return Err(PyValueError::new_err("shutter: when it opens is not said; give at=SECONDS, too"));
+        }
         let threads = given.whole("threads", 0, 1024)?.unwrap_or(0) as usize;
         given.end()?;
         Ok(Self { view, workers: Workers::new(threads)?, options, layers, denoise })
@@ -93,7 +97,7 @@ impl Wanted {
             let begun = Accumulation::new(self.options.clone())
                 .map_err(|error| PyValueError::new_err(error.to_string()))?;
             let pool = self.workers.pool()?;
-            let frame = render_on(begun, &shot.world, &shot.camera, &pool, watch, None, &mut |_| {});
+            let frame = render_on(begun, &shot.world, &*shot.camera, &pool, watch, None, &mut |_| {});
             self.finished(frame.picture, &frame.stats, shot.exposure)
         })
     }
@@ -184,7 +188,7 @@ impl Growing {
         watched(py, progress, |watch| {
             let mut so_far = self.so_far.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             let pool = self.wanted.workers.pool()?;
-            so_far.pass(&self.shot.world, &self.shot.camera, samples, &pool, watch);
+            so_far.pass(&self.shot.world, &*self.shot.camera, samples, &pool, watch);
             Ok(so_far.is_complete())
         })
     }

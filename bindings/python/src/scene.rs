@@ -6,14 +6,14 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use gnurt::scene::{Affine, InstanceId, LightId, MaterialId, MeshId, Scene as Description, io};
-use gnurt::scene::{Light, Mesh as SceneMesh};
+use gnurt::scene::{Camera, Light, Material, Mesh as SceneMesh, Projection, Surface};
 use pyo3::exceptions::{PyIndexError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Numbers, transform};
-use crate::describing::{self, NewLight};
+use crate::describing::{self, NewLight, NewMaterial};
 use crate::given::Given;
 use crate::meshes::Mesh;
 use crate::picture::{Picture, surroundings_error};
@@ -28,7 +28,20 @@ pub(crate) struct Scene {
 }
 
 type Object<'a, 'py> = &'a Bound<'py, PyAny>;
-type CameraRow = (String, [f32; 3], [f32; 3], [f32; 3], f32);
+
+/// A camera as `gnurt.Camera` takes it.
+#[derive(IntoPyObject)]
+struct CameraRow {
+    name: String,
+    eye: [f32; 3],
+    target: [f32; 3],
+    up: [f32; 3],
+    fov: f32,
+    projection: String,
+    view_height: Option<f32>,
+    aperture: f32,
+    focus: Option<f32>,
+}
 
 impl Scene {
     fn with<R>(&self, py: Python<'_>, job: impl FnOnce(&mut Stage) -> R) -> R {
@@ -60,6 +73,14 @@ fn per_vertex<const N: usize>(name: &str, value: Option<Object>, vertices: usize
         )));
     }
     Ok(numbers.singles())
+}
+
+/// The material as the scene has it.
+fn made(stage: &mut Stage, material: NewMaterial) -> PyResult<Material> {
+    Ok(match material {
+        NewMaterial::Material(material) => material,
+        NewMaterial::Script(name, script) => Material::of(name, Surface::Shader(stage.add_script(script)?)),
+    })
 }
 
 fn material_id(scene: &Description, material: usize) -> PyResult<MaterialId> {
@@ -104,8 +125,8 @@ impl Scene {
     }
 
     fn _take(&self, py: Python<'_>, other: &Bound<'_, Self>) {
-        let scene = other.get().with(py, |stage| stage.scene().clone());
-        self.with(py, |stage| *stage = Stage::of(scene));
+        let copy = other.get().with(py, Stage::copy);
+        self.with(py, |stage| *stage = copy);
     }
 
     /// Writes it: .gltf, .glb, .obj or .ply. What the format cannot hold is told.
@@ -119,7 +140,10 @@ impl Scene {
         let mut given = Given::new(arguments);
         let material = describing::material(&mut given)?;
         given.end()?;
-        Ok(self.with(py, |stage| stage.edit(|scene| scene.add_material(material.clone()).0)))
+        self.with(py, |stage| {
+            let material = made(stage, material)?;
+            Ok(stage.edit(|scene| scene.add_material(material.clone()).0))
+        })
     }
 
     fn _set_material(&self, py: Python<'_>, number: usize, arguments: &Bound<'_, PyDict>) -> PyResult<()> {
@@ -128,6 +152,7 @@ impl Scene {
         given.end()?;
         self.with(py, |stage| {
             let id = material_id(stage.scene(), number)?;
+            let material = made(stage, material)?;
             stage.edit(|scene| *scene.edit_material(id) = material.clone());
             Ok(())
         })
@@ -307,11 +332,27 @@ impl Scene {
 
     fn _cameras(&self, py: Python<'_>) -> Vec<CameraRow> {
         self.with(py, |stage| {
-            let row = |camera: &gnurt::scene::Camera| {
-                (camera.name.clone(), camera.eye, camera.target, camera.up, camera.fov_y)
+            let row = |camera: &Camera| CameraRow {
+                name: camera.name.clone(),
+                eye: camera.eye,
+                target: camera.target,
+                up: camera.up,
+                fov: camera.fov_y,
+                projection: camera.projection.to_string(),
+                view_height: match camera.projection {
+                    Projection::Orthographic { height } => Some(height),
+                    _ => None,
+                },
+                aperture: camera.lens.aperture,
+                focus: camera.lens.focus,
             };
             stage.scene().cameras().iter().map(row).collect()
         })
+    }
+
+    /// What is to be told of shaders and has not been.
+    fn _news(&self, py: Python<'_>) -> Vec<String> {
+        self.with(py, Stage::news)
     }
 
     #[getter]

@@ -3,10 +3,15 @@
 //! What is shown is a copy with lights where there are none, at a moment. Edits of the scene go to both, so that a commit does what
 //! is due; where the copy differs from the scene, it is made anew. Proof: `tests/test_pictures.py::test_edits_show`.
 
-use gnurt::ThreadPool;
+use std::collections::BTreeSet;
+
 use gnurt::defaults::{self, Bounds};
-use gnurt::render::{CommitOptions, Integrator, SceneCamera, ShaderTable, World};
+use gnurt::osl::Script;
+use gnurt::render::{CommitOptions, Integrator, MovingCamera, SceneCamera, ShaderTable, World};
+use gnurt::scene::animation::Exposure;
 use gnurt::scene::{Camera, Scene};
+use gnurt::shading::CameraShader;
+use gnurt::{ThreadPool, put_named_shaders};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 
@@ -15,6 +20,8 @@ pub(crate) struct View {
     pub(crate) camera: Aim,
     /// The clip and the moment of it, in seconds.
     pub(crate) at: Option<(Clip, f64)>,
+    /// For how long the shutter is open from then, in seconds.
+    pub(crate) shutter: f64,
     pub(crate) aspect: f32,
     pub(crate) integrator: Integrator,
     pub(crate) force_diffuse: bool,
@@ -37,7 +44,7 @@ pub(crate) enum Clip {
 /// A world and a camera that are ready.
 pub(crate) struct Shot {
     pub(crate) world: World,
-    pub(crate) camera: SceneCamera,
+    pub(crate) camera: Box<dyn CameraShader>,
     /// Stops that suit the light, where that is known before.
     pub(crate) exposure: Option<f32>,
 }
@@ -47,6 +54,12 @@ pub(crate) struct Shot {
 pub(crate) struct Stage {
     scene: Scene,
     shown: Option<Shown>,
+    /// Those that materials are.
+    shaders: ShaderTable,
+    scripts: Vec<Script>,
+    /// What is to be told, and what was.
+    news: Vec<String>,
+    told: BTreeSet<String>,
 }
 
 struct Shown {
@@ -60,8 +73,33 @@ struct Shown {
 }
 
 impl Stage {
-    pub(crate) fn of(scene: Scene) -> Self {
-        Self { scene, shown: None }
+    /// Of a scene as it was read: shaders that its file names are compiled.
+    pub(crate) fn of(mut scene: Scene) -> Self {
+        let mut shaders = ShaderTable::default();
+        let (scripts, news) = put_named_shaders(&mut scene, &mut shaders);
+        Self { scene, shaders, scripts, news, ..Self::default() }
+    }
+
+    /// What it shows, for another one, but not what is ready to be rendered.
+    pub(crate) fn copy(&mut self) -> Self {
+        let (shaders, scripts) = (self.shaders.clone(), self.scripts.clone());
+        Self { scene: self.scene.clone(), shaders, scripts, news: self.news(), ..Self::default() }
+    }
+
+    /// The number of a surface that a shader makes.
+    pub(crate) fn add_script(&mut self, script: Script) -> PyResult<u32> {
+        let surface = script.surface().map_err(|why| PyValueError::new_err(format!("shader: {why}")))?;
+        self.news.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+        self.shaders.surfaces.push(surface);
+        self.scripts.push(script);
+        Ok((self.shaders.surfaces.len() - 1) as u32)
+    }
+
+    /// What is to be told of shaders and has not been.
+    pub(crate) fn news(&mut self) -> Vec<String> {
+        let faults = self.scripts.iter().flat_map(Script::faults);
+        let news = std::mem::take(&mut self.news).into_iter().chain(faults);
+        news.filter(|line| self.told.insert(line.clone())).collect()
     }
 
     pub(crate) fn scene(&self) -> &Scene {
@@ -91,9 +129,10 @@ impl Stage {
             self.shown = None;
         }
         let shown = self.shown.get_or_insert_with(|| Shown::new(&self.scene, bounds, wanted));
+        let mut exposure = Exposure::default();
         match clip {
-            Some((clip, seconds)) => {
-                shown.scene.pose(clip, seconds);
+            Some((clip, opens)) => {
+                exposure = shown.scene.expose(clip, opens, opens + view.shutter);
                 shown.is_posed = true;
             }
             None if shown.is_posed => {
@@ -105,10 +144,14 @@ impl Stage {
         let camera = number.map_or(camera, |number| shown.scene.cameras()[number].clone());
         let options = CommitOptions { force_diffuse: view.force_diffuse, ..CommitOptions::default() };
         let error = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
-        let table = ShaderTable::default();
-        shown.world.commit(&shown.scene, &table, &options, pool).map_err(|why| error(&why))?;
-        let rays = SceneCamera::new(&camera)
-            .ok_or_else(|| PyValueError::new_err("camera: has no view: a number of it is too large"))?;
+        let (scene, shaders) = (&shown.scene, &self.shaders);
+        shown.world.commit_exposed(scene, &exposure, shaders, &options, pool).map_err(|why| error(&why))?;
+        let no_view = || PyValueError::new_err("camera: has no view: a number of it is too large");
+        let moves = exposure.cameras.iter().find(|(id, _)| Some(id.index()) == number);
+        let rays: Box<dyn CameraShader> = match moves {
+            Some((_, keys)) => Box::new(MovingCamera::new(keys).ok_or_else(no_view)?),
+            None => Box::new(SceneCamera::new(&camera).ok_or_else(no_view)?),
+        };
         let exposure = if view.integrator == Integrator::Normals { Some(0.0) } else { shown.exposure };
         Ok(Shot { world: shown.world.clone(), camera: rays, exposure })
     }

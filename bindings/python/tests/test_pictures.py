@@ -188,3 +188,34 @@ def test_others_run_meanwhile():
         counted.append(1)
         time.sleep(0.001)
     assert len(counted) > 5
+
+
+def test_lenses_and_projections(tmp_path):
+    scene = red_cube()
+    flat = gnurt.Camera((0.5, 0.5, 4), (0.5, 0.5, 0), projection="orthographic", view_height=2, name="flat")
+    seen = np.asarray(scene.render(40, 40, integrator="normals", camera=flat))[..., 3]
+    assert abs(seen.sum() - 20 * 20) < 4, "parallel rays: a cube of 1 in a picture of 2"
+    scene.add_camera(flat)
+    scene.add_camera(gnurt.Camera((0, 0, 5), (0, 0, 0), aperture=0.5, focus=3))
+    assert scene.cameras[0] == flat and scene.cameras[1].focus == 3 and "aperture=0.5" in repr(scene.cameras[1])
+    sharp, soft = (
+        np.asarray(scene.render(40, 40, integrator="eyelight", spp=16, camera=gnurt.Camera((0.5, 0.5, 4), (0.5, 0.5, 0), **lens)))
+        for lens in ({}, {"aperture": 0.5, "focus": 1})
+    )
+    assert np.abs(np.diff(sharp[20, :, 3])).max() > 2 * np.abs(np.diff(soft[20, :, 3])).max(), "edges are soft"
+    for wrong, message in (
+        ({"projection": "fishy"}, "projection: expected one of perspective"),
+        ({"view_height": 2}, "view_height: is of orthographic cameras"),
+        ({"aperture": -1}, "aperture"),
+        ({"focus": 0}, "focus"),
+        ({"fov": 200}, "angle of view"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            scene.add_camera(gnurt.Camera((0, 0, 5), (0, 0, 0), **wrong))
+    with pytest.raises(ValueError, match="shutter: .*at=SECONDS"):
+        scene.render(8, 8, shutter=1)
+    wind = gnurt.load("builtin:wind")
+    still, moving = (
+        np.asarray(wind.render(32, 24, integrator="eyelight", spp=4, at=0.5, shutter=s))[..., :3] for s in (0, 0.4)
+    )
+    assert (still != moving).any() and abs(still.mean() - moving.mean()) < 0.1 * still.mean()

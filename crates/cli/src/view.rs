@@ -184,10 +184,8 @@ fn replaced(camera: &Camera, view: &ViewArguments) -> Result<Camera, Failure> {
         Projection::Orthographic { height } => Some(height),
         _ => None,
     };
+    let like_perspective = replaced.height_at_target();
     if let Projection::Orthographic { height } = &mut replaced.projection {
-        let half_angle = f64::from(replaced.fov_y).to_radians() / 2.0;
-        let far = (0..3).map(|k| f64::from(replaced.target[k] - replaced.eye[k]).powi(2)).sum::<f64>().sqrt();
-        let like_perspective = (2.0 * far * half_angle.tan()) as f32;
         *height = view.view_height.or(kept).unwrap_or(like_perspective);
     } else if view.view_height.is_some() {
         let message =

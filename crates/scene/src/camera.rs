@@ -106,6 +106,14 @@ impl Camera {
         self.lens.focus.unwrap_or_else(target)
     }
 
+    /// How much a perspective of its angle shows at the target, from the lower edge to the upper one.
+    #[must_use]
+    pub fn height_at_target(&self) -> f32 {
+        let far =
+            (0..3).map(|k| (f64::from(self.target[k]) - f64::from(self.eye[k])).powi(2)).sum::<f64>().sqrt();
+        (2.0 * far * (f64::from(self.fov_y).to_radians() / 2.0).tan()) as f32
+    }
+
     /// What keeps it from showing anything, in words, and what would be right; `None` if it can.
     #[must_use]
     pub fn fault(&self) -> Option<String> {

@@ -11,12 +11,29 @@ __all__ = ["Camera", "Scene", "load"]
 
 
 class Camera:
-    """A pinhole camera: where it is, what it looks at, what is up, and its vertical angle of view in degrees."""
+    """A camera: where it is, what it looks at, what is up, and its vertical angle of view in degrees.
 
-    __slots__ = ("eye", "fov", "name", "target", "up")
+    `projection` is "perspective", "orthographic" (which shows `view_height` world units), "fisheye" or "panorama". `aperture` is the
+    diameter of its lens in world units, 0 for a pinhole; what is in `focus` is that far away, or as far as the target.
+    """
 
-    def __init__(self, eye, target, up=(0.0, 1.0, 0.0), fov=40.0, name=""):
+    __slots__ = ("aperture", "eye", "focus", "fov", "name", "projection", "target", "up", "view_height")
+
+    def __init__(
+        self,
+        eye,
+        target,
+        up=(0.0, 1.0, 0.0),
+        fov=40.0,
+        name="",
+        *,
+        projection="perspective",
+        view_height=None,
+        aperture=0.0,
+        focus=None,
+    ):
         self.eye, self.target, self.up, self.fov, self.name = tuple(eye), tuple(target), tuple(up), fov, name
+        self.projection, self.view_height, self.aperture, self.focus = projection, view_height, aperture, focus
 
     def _arguments(self):
         return {name: getattr(self, name) for name in self.__slots__}
@@ -27,7 +44,10 @@ class Camera:
     __hash__ = None
 
     def __repr__(self):
-        return f"Camera(eye={self.eye}, target={self.target}, up={self.up}, fov={self.fov}, name={self.name!r})"
+        more = {"projection": "perspective", "view_height": None, "aperture": 0.0, "focus": None}
+        more = [f", {name}={getattr(self, name)!r}" for name, usual in more.items() if getattr(self, name) != usual]
+        first = f"eye={self.eye}, target={self.target}, up={self.up}, fov={self.fov}, name={self.name!r}"
+        return f"Camera({first}{''.join(more)})"
 
 
 class Scene(_Scene):
@@ -40,12 +60,17 @@ class Scene(_Scene):
 
         kind="principled" (metallic, roughness, ior, specular, clearcoat, sheen_color, transmission, thin, ...), "matte", "mirror"
         or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
+
+        Or shader=FILE or source text in the shading language, and parameters={name: number, text or several of them}.
         """
-        return self._add_material({"name": name, **properties})
+        number = self._add_material({"name": name, **properties})
+        _warn(self._news())
+        return number
 
     def set_material(self, material, name="", **properties):
         """Puts another material in the place of one."""
         self._set_material(material, {"name": name, **properties})
+        _warn(self._news())
 
     def add_mesh(
         self, vertices, faces=None, *, material=None, normals=None, texcoords=None, colors=None, transform=None, name=""
@@ -83,7 +108,7 @@ class Scene(_Scene):
     @property
     def cameras(self):
         """All cameras."""
-        return [Camera(eye, target, up, fov, name) for name, eye, target, up, fov in self._cameras()]
+        return [Camera(**camera) for camera in self._cameras()]
 
     def save(self, path):
         """Writes it: .glb, .gltf, .obj or .ply. What the format cannot hold is warned of."""
@@ -92,9 +117,12 @@ class Scene(_Scene):
 
     def render(self, width=640, height=480, *, progress=None, **options):
         """A picture. Options are those of the program: spp, integrator, camera, at, animation, seed, max_depth, vpls, clamp, noise,
-        crop, filter, time, denoise, layers, force_diffuse, threads. `progress` is True, or called with the share that is done."""
+        crop, filter, time, denoise, layers, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
+        `progress` is True, or called with the share that is done."""
         with _told(progress) as tell:
-            return self._render({"width": width, "height": height, **options}, tell)
+            picture = self._render({"width": width, "height": height, **options}, tell)
+        _warn(self._news())
+        return picture
 
     def accumulate(self, width=640, height=480, *, progress=None, **options):
         """Pictures, each with more samples than the one before, until there are `spp` of them. Options as of `render`, but for time."""
@@ -106,6 +134,7 @@ class Scene(_Scene):
             with _told(progress) as tell:
                 complete = growing.grow(max(1, min(samples, 16)), tell)
             samples = growing.samples
+            _warn(self._news())
             yield growing.picture()
 
 
@@ -116,7 +145,13 @@ def load(source):
         warnings.warn(warning, stacklevel=2)
     scene = Scene()
     scene._take(found)
+    _warn(scene._news())
     return scene
+
+
+def _warn(lines):
+    for line in lines:
+        warnings.warn(line, stacklevel=3)
 
 
 def _arrays(mesh):

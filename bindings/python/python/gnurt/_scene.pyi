@@ -15,6 +15,10 @@ class Camera:
     up: tuple[float, ...]
     fov: float
     name: str
+    projection: str
+    view_height: float | None
+    aperture: float
+    focus: float | None
     def __init__(
         self,
         eye: Sequence[float],
@@ -22,6 +26,11 @@ class Camera:
         up: Sequence[float] = (0.0, 1.0, 0.0),
         fov: float = 40.0,
         name: str = "",
+        *,
+        projection: Literal["perspective", "orthographic", "fisheye", "panorama"] = "perspective",
+        view_height: float | None = None,
+        aperture: float = 0.0,
+        focus: float | None = None,
     ) -> None: ...
     def __eq__(self, other: object) -> bool: ...
     __hash__: None  # type: ignore[assignment]

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Materials in the shading language."""
+
+import numpy as np
+import pytest
+
+import gnurt
+from conftest import cube
+
+GLOW = "surface glow(color tint = 1, int times = 1, string how = \"plain\") { Ci = tint * times * emission(); }"
+FRONT = gnurt.Camera(eye=(0.5, 0.5, 4), target=(0.5, 0.5, 0), fov=40)
+
+
+def shown(**material):
+    scene = gnurt.Scene()
+    glow = scene.add_material("glow", **material)
+    scene.add_mesh(*cube(), material=glow)
+    return scene, np.asarray(scene.render(16, 12, spp=1, camera=FRONT))[6, 8, :3]
+
+
+def test_text_and_parameters(tmp_path):
+    assert np.allclose(shown(shader=GLOW)[1], 1)
+    scene, found = shown(shader=GLOW, parameters={"tint": np.array([0.5, 0.25, 1]), "times": 2})
+    assert np.allclose(found, (1, 0.5, 2))
+    file = tmp_path / "glow.osl"
+    file.write_text(GLOW)
+    assert np.allclose(shown(shader=file, parameters={"tint": 0.5, "how": "much"})[1], 0.5)
+    scene.set_material(0, shader=str(file), parameters={"tint": (3, 3, 3)})
+    assert np.allclose(np.asarray(scene.render(16, 12, spp=1, camera=FRONT))[6, 8, :3], 3), "an edit shows"
+
+
+def test_files_of_scenes(tmp_path):
+    (tmp_path / "glow.osl").write_text(GLOW)
+    (tmp_path / "a.mtl").write_text("newmtl glow\ngnurt_shader glow.osl tint=0.5,0.25,1\n")
+    (tmp_path / "a.obj").write_text("mtllib a.mtl\nusemtl glow\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    picture = gnurt.load(tmp_path / "a.obj").render(16, 12, spp=1, camera=gnurt.Camera((0.3, 0.3, 1), (0.3, 0.3, 0)))
+    assert np.allclose(np.asarray(picture)[6, 8, :3], (0.5, 0.25, 1))
+    (tmp_path / "glow.osl").unlink()
+    with pytest.warns(UserWarning, match="material 'glow' is shown without its shader: .*glow.osl"):
+        gnurt.load(tmp_path / "a.obj")
+
+
+def test_what_is_wrong_is_said():
+    for material, kind, message in (
+        ({"shader": "none.osl"}, ValueError, "shader: none.osl"),
+        ({"shader": "surface a() { Ci = 1 * ; }"}, ValueError, "shader.osl"),
+        ({"shader": 3}, TypeError, "shader: expected a file, or source text"),
+        ({"shader": "pixel a() { }"}, ValueError, "shader: .*of type pixel"),
+        ({"shader": GLOW, "parameters": {"tnt": 1}}, ValueError, "no parameter 'tnt'.*did you mean 'tint'"),
+        ({"shader": GLOW, "parameters": {"tint": (1, 2)}}, ValueError, "parameters: parameter 'tint'"),
+        ({"shader": GLOW, "parameters": {"tint": {}}}, ValueError, "parameter 'tint'"),
+        ({"shader": GLOW, "parameters": {"tint": object()}}, TypeError, "parameters: 'tint'"),
+        ({"shader": GLOW, "parameters": [1]}, TypeError, "parameters: expected a dict"),
+        ({"parameters": {"tint": 1}}, ValueError, "give shader="),
+        ({"shader": GLOW, "metallic": 1}, TypeError, "metallic"),
+    ):
+        with pytest.raises(kind, match=message):
+            gnurt.Scene().add_material("x", **material)
+    with pytest.warns(UserWarning, match="not so"):
+        shown(shader='surface a() { warning("not so"); Ci = emission(); }')

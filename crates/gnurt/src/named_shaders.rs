@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The shaders in the shading language that a scene's file names for its materials, compiled and put in their place.
+//! Source: original. Proof: `tests` below; bindings/python/tests/test_shaders.py.
+
+use gnurt_render::ShaderTable;
+use gnurt_scene::{MaterialId, Scene, ShaderFile, Surface};
+use gnurt_sl_shading::{Access, Script};
+
+/// Compiles the shaders that a scene's file names for its materials, adds them to `table` and shows materials by them. A material whose
+/// shader cannot be had stays what it is without it, which the second list tells in a line each, as it does what the compiler warns of.
+pub fn put_named_shaders(scene: &mut Scene, table: &mut ShaderTable) -> (Vec<Script>, Vec<String>) {
+    let named: Vec<(MaterialId, ShaderFile)> =
+        scene.shader_files().map(|(id, file)| (id, file.clone())).collect();
+    let (mut scripts, mut told) = (Vec::new(), Vec::new());
+    for (id, ShaderFile { file, parameters, confined_to }) in named {
+        let access = Access { confined_to, ..Access::default() };
+        let made = Script::open(&file, &access).and_then(|mut script| {
+            parameters.iter().try_for_each(|(name, value)| script.set_text(name, value))?;
+            Ok((script.surface()?, script))
+        });
+        match made {
+            Ok((surface, script)) => {
+                told.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+                // What it is without the shader still stands for it where all is forced to be diffuse.
+                let diffuse = scene.material(id).diffuse_color();
+                let material = scene.edit_material(id);
+                material.diffuse.get_or_insert(diffuse);
+                material.surface = Surface::Shader(table.surfaces.len() as u32);
+                table.surfaces.push(surface);
+                scripts.push(script);
+            }
+            Err(why) => {
+                let name = &scene.material(id).name;
+                told.push(format!("material '{name}' is shown without its shader: {why}"));
+            }
+        }
+    }
+    (scripts, told)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use gnurt_scene::Material;
+
+    #[test]
+    fn shaders_that_cannot_be_had_change_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("grey.osl");
+        std::fs::write(&file, "surface grey(float k = 0.5) { Ci = k * diffuse(N); }").expect("a file");
+        let mut scene = Scene::new();
+        let mut named = |parameters: &[(&str, &str)], file| {
+            let id = scene.add_material(Material::matte("", [0.5; 3]));
+            let parameters = parameters.iter().map(|(name, value)| (name.to_string(), value.to_string()));
+            let parameters = parameters.collect();
+            scene.set_shader_file(id, ShaderFile { file, parameters, confined_to: None });
+            id
+        };
+        let good = named(&[("k", "0.25")], file.clone());
+        let bad = [named(&[("j", "1")], file), named(&[], folder.path().join("none.osl"))];
+        let mut table = ShaderTable::default();
+        let (scripts, told) = put_named_shaders(&mut scene, &mut table);
+        assert_eq!((scripts.len(), table.surfaces.len()), (1, 1));
+        assert!(matches!(scene.material(good).surface, Surface::Shader(0)), "the good one");
+        for id in bad {
+            assert_eq!(scene.material(id).surface, Material::matte("", [0.5; 3]).surface, "as it was");
+        }
+        assert!(
+            told.len() == 2 && told[0].contains("no parameter 'j'") && told[1].contains("none.osl"),
+            "{told:?}"
+        );
+    }
+}
