@@ -11,6 +11,8 @@ use crate::workspace::Workspace;
 
 /// What the tests need.
 const PACKAGES: [&str; 2] = ["numpy", "pytest"];
+/// What the notebooks need; without them they are not run.
+const NOTEBOOKS: [&str; 3] = ["matplotlib", "nbclient", "ipykernel"];
 
 /// Builds and tests. Without a Python that the package is for, or without its packages, that is told and skipped.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
@@ -49,15 +51,18 @@ fn environment_with_packages(folder: &Path) -> Option<std::path::PathBuf> {
     let python = folder.join("bin/python");
     let imports = PACKAGES.map(|package| format!("import {package}")).join("; ");
     let has_packages = || succeeds(Command::new(&python).args(["-c", &imports]));
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
     if !has_packages() {
         let made = succeeds(Command::new("python3").args(["-m", "venv"]).arg(folder));
-        let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
         if !made || !succeeds(Command::new(&python).args(install).args(PACKAGES)) {
             eprintln!(
                 "SKIPPED: tests of the Python package; pip could not install {}",
                 PACKAGES.join(" and ")
             );
             return None;
+        }
+        if !succeeds(Command::new(&python).args(install).args(NOTEBOOKS)) {
+            eprintln!("SKIPPED: the notebooks; pip could not install {}", NOTEBOOKS.join(" and "));
         }
     }
     Some(python)

@@ -8,6 +8,7 @@ mod describing;
 mod ffi_arrays;
 mod given;
 mod hits;
+mod lights;
 mod meshes;
 mod picture;
 mod pool;

@@ -5,18 +5,19 @@
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-use gnurt::scene::{Affine, InstanceId, LightId, MaterialId, MeshId, Scene as Description, io};
-use gnurt::scene::{Camera, Light, Material, Mesh as SceneMesh, Projection, Surface};
+use gnurt::scene::{Affine, InstanceId, MaterialId, MeshId, Scene as Description, io};
+use gnurt::scene::{Camera, Material, Mesh as SceneMesh, Projection, Surface};
 use pyo3::exceptions::{PyIndexError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Numbers, transform};
-use crate::describing::{self, NewLight, NewMaterial};
+use crate::describing::{self, NewMaterial};
 use crate::given::Given;
+use crate::lights;
 use crate::meshes::Mesh;
-use crate::picture::{Picture, surroundings_error};
+use crate::picture::Picture;
 use crate::rendering::{Growing, Wanted};
 use crate::stage::Stage;
 
@@ -265,21 +266,7 @@ impl Scene {
         let mut given = Given::new(arguments);
         let light = describing::light(kind, &mut given)?;
         given.end()?;
-        self.with(py, |stage| {
-            let mut failed = None;
-            let number = stage.edit(|scene| {
-                match &light {
-                    NewLight::Light(light) => {
-                        scene.add_light(light.clone());
-                    }
-                    NewLight::Around(around, up, turn) => {
-                        failed = around.put_around(scene, *up, *turn).err();
-                    }
-                }
-                scene.lights().len().saturating_sub(1) as u32
-            });
-            failed.map_or(Ok(number), |error| Err(surroundings_error(&error)))
-        })
+        self.with(py, |stage| lights::add(stage, light))
     }
 
     fn _set_light(
@@ -292,35 +279,7 @@ impl Scene {
         let mut given = Given::new(arguments);
         let light = describing::light(kind, &mut given)?;
         given.end()?;
-        self.with(py, |stage| {
-            let count = stage.scene().lights().len();
-            if number >= count {
-                return Err(PyIndexError::new_err(format!(
-                    "light: there is no light {number}; there are {count}"
-                )));
-            }
-            let light: Light = match light {
-                NewLight::Light(light) => light,
-                NewLight::Around(around, up, turn) => {
-                    // Made in a scene of its own, whose textures move here.
-                    let mut other = Description::new();
-                    around.put_around(&mut other, up, turn).map_err(|error| surroundings_error(&error))?;
-                    let textures = stage.scene().textures().len() as u32;
-                    let light = other.lights().last().cloned();
-                    let mut light =
-                        light.ok_or_else(|| PyValueError::new_err("environment: gives no light"))?;
-                    if let Light::Environment { texture: Some(texture), .. } = &mut light {
-                        texture.0 += textures;
-                    }
-                    for texture in other.textures() {
-                        stage.edit(|scene| scene.add_texture(texture.clone()));
-                    }
-                    light
-                }
-            };
-            stage.edit(|scene| *scene.edit_light(LightId(number as u32)) = light.clone());
-            Ok(())
-        })
+        self.with(py, |stage| lights::set(stage, number, light))
     }
 
     fn _add_camera(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {

@@ -3,7 +3,7 @@
 //! What is shown is a copy with lights where there are none, at a moment. Edits of the scene go to both, so that a commit does what
 //! is due; where the copy differs from the scene, it is made anew. Proof: `tests/test_pictures.py::test_edits_show`.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gnurt::defaults::{self, Bounds};
 use gnurt::osl::Script;
@@ -57,6 +57,8 @@ pub(crate) struct Stage {
     /// Those that materials are.
     shaders: ShaderTable,
     scripts: Vec<Script>,
+    /// Lights that are the suns of others.
+    pub(crate) suns: BTreeMap<u32, u32>,
     /// What is to be told, and what was.
     news: Vec<String>,
     told: BTreeSet<String>,

@@ -219,3 +219,20 @@ def test_lenses_and_projections(tmp_path):
         np.asarray(wind.render(32, 24, integrator="eyelight", spp=4, at=0.5, shutter=s))[..., :3] for s in (0, 0.4)
     )
     assert (still != moving).any() and abs(still.mean() - moving.mean()) < 0.1 * still.mean()
+
+
+def test_skies():
+    def under(*skies):
+        scene = gnurt.Scene()
+        scene.add_mesh(np.array([[-9, 0, 9], [9, 0, 9], [9, 0, -9], [-9, 0, -9]]), np.array([[0, 1, 2], [0, 2, 3]]))
+        light = scene.add_light("environment", sky=skies[0])
+        pictures = []
+        for sky in [None, *skies[1:]]:
+            if sky is not None:
+                scene.set_light(light, "environment", sky=sky)
+            camera = gnurt.Camera((0, 2, 7), (0, 1, 0))
+            pictures.append(np.asarray(scene.render(32, 24, spp=4, camera=camera)))
+        return pictures[-1]
+
+    for skies in (("day", "evening"), ("evening", "overcast"), ("overcast", "day"), ("day", "overcast", "evening")):
+        assert np.allclose(under(*skies).mean((0, 1)), under(skies[-1]).mean((0, 1)), rtol=0.05), skies

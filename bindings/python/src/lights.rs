@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Lights of a scene by numbers. Source: original. A sky has a sun, which is a light behind it: it comes, changes and goes with the sky.
+//! Proof: `tests/test_pictures.py::test_skies`.
+
+use gnurt::scene::{Light, LightId, Scene};
+use pyo3::exceptions::PyIndexError;
+use pyo3::prelude::*;
+
+use crate::describing::NewLight;
+use crate::picture::surroundings_error;
+use crate::stage::Stage;
+
+/// The number of a new light; of a sky that of its surroundings.
+pub(crate) fn add(stage: &mut Stage, light: NewLight) -> PyResult<u32> {
+    let lights = made(stage, light)?;
+    let number = stage.scene().lights().len() as u32;
+    stage.edit(|scene| {
+        for light in &lights {
+            scene.add_light(light.clone());
+        }
+    });
+    if lights.len() > 1 {
+        stage.suns.insert(number, number + 1);
+    }
+    Ok(number)
+}
+
+/// Puts another light in the place of one.
+pub(crate) fn set(stage: &mut Stage, number: usize, light: NewLight) -> PyResult<()> {
+    let count = stage.scene().lights().len();
+    let Some(number) = u32::try_from(number).ok().filter(|_| number < count) else {
+        return Err(PyIndexError::new_err(format!("light: there is no light {number}; there are {count}")));
+    };
+    let mut lights = made(stage, light)?.into_iter();
+    let (first, sun) = (lights.next(), lights.next());
+    let place = stage.suns.get(&number).copied();
+    // Others keep their numbers: a sun that is gone is dark.
+    let sun = sun.or(place.map(|_| Light::Directional { direction: [0.0, -1.0, 0.0], irradiance: [0.0; 3] }));
+    if let (Some(_), None) = (&sun, place) {
+        stage.suns.insert(number, count as u32);
+    }
+    stage.edit(|scene| {
+        if let Some(light) = &first {
+            *scene.edit_light(LightId(number)) = light.clone();
+        }
+        let Some(sun) = &sun else { return };
+        if let Some(place) = place {
+            *scene.edit_light(LightId(place)) = sun.clone();
+        } else {
+            scene.add_light(sun.clone());
+        }
+    });
+    Ok(())
+}
+
+/// The light, or the lights of surroundings, whose textures are added to the scene.
+fn made(stage: &mut Stage, light: NewLight) -> PyResult<Vec<Light>> {
+    let (around, up, turn) = match light {
+        NewLight::Light(light) => return Ok(vec![light]),
+        NewLight::Around(around, up, turn) => (around, up, turn),
+    };
+    let mut other = Scene::new();
+    around.put_around(&mut other, up, turn).map_err(|error| surroundings_error(&error))?;
+    let textures = stage.scene().textures().len() as u32;
+    for texture in other.textures() {
+        stage.edit(|scene| scene.add_texture(texture.clone()));
+    }
+    let mut lights = other.lights().to_vec();
+    for light in &mut lights {
+        if let Light::Environment { texture: Some(texture), .. } = light {
+            texture.0 += textures;
+        }
+    }
+    Ok(lights)
+}
