@@ -44,28 +44,25 @@ impl TilePlanes {
         }
     }
 
-    /// Which of the rays from `at` on, all of one heading, meet the box at `place` before their ends.
+    /// The rays from `at` on, all of one heading.
     #[inline(always)]
-    pub(crate) fn meet<S: Simd>(
+    pub(crate) fn chunk<S: Simd>(
         &self,
         simd: S,
-        (node, place): (&Node8, usize),
         heading: Heading,
         rays: &RayTile,
         nearest: &NearestTile,
         at: usize,
-    ) -> u64 {
-        let mut enter = chunk(simd, &rays.t_near, at);
-        let mut leave = chunk(simd, &nearest.t, at);
-        for k in 0..3 {
-            let row = 2 * k + usize::from(heading.backwards[k]);
-            let inv = chunk(simd, &self.inv[k], at);
-            let near = f32x16::splat(simd, node.rows[row & 7][place & 7]);
-            let far = f32x16::splat(simd, node.rows[(row ^ 1) & 7][place & 7]);
-            enter = enter.max(near.mul_sub(inv, chunk(simd, &self.near[k], at)));
-            leave = leave.min(far.mul_sub(inv, chunk(simd, &self.far[k], at)));
+    ) -> ChunkPlanes<S> {
+        let of = |[x, y, z]: &[PerRay; 3]| [chunk(simd, x, at), chunk(simd, y, at), chunk(simd, z, at)];
+        ChunkPlanes {
+            inv: of(&self.inv),
+            near: of(&self.near),
+            far: of(&self.far),
+            enter: chunk(simd, &rays.t_near, at),
+            leave: chunk(simd, &nearest.t, at),
+            rows: heading.rows(),
         }
-        enter.simd_le(leave).to_bitmask()
     }
 
     /// Ray `i` by itself, whose nearer planes are in `rows`.
@@ -75,5 +72,29 @@ impl TilePlanes {
         let at = |[x, y, z]: &[PerRay; 3]| [x[i], y[i], z[i]];
         let slabs = Slabs { inv: at(&self.inv), near: at(&self.near), far: at(&self.far) };
         NodeRay::of_slabs(simd, &slabs, rows, t_near)
+    }
+}
+
+/// Sixteen rays of one heading, prepared for planes.
+pub(crate) struct ChunkPlanes<S: Simd> {
+    inv: [f32x16<S>; 3],
+    near: [f32x16<S>; 3],
+    far: [f32x16<S>; 3],
+    enter: f32x16<S>,
+    leave: f32x16<S>,
+    rows: [usize; 3],
+}
+
+impl<S: Simd> ChunkPlanes<S> {
+    /// Which of them meet the box at `place` before their ends.
+    #[inline(always)]
+    pub(crate) fn meet(&self, simd: S, node: &Node8, place: usize) -> u64 {
+        let plane = |row: usize| f32x16::splat(simd, node.rows[row & 7][place & 7]);
+        let [x, y, z] = self.rows;
+        let near = |k: usize, row: usize| plane(row).mul_sub(self.inv[k], self.near[k]);
+        let far = |k: usize, row: usize| plane(row ^ 1).mul_sub(self.inv[k], self.far[k]);
+        let enter = near(0, x).max(near(1, y)).max(near(2, z).max(self.enter));
+        let leave = far(0, x).min(far(1, y)).min(far(2, z).min(self.leave));
+        enter.simd_le(leave).to_bitmask()
     }
 }

@@ -139,19 +139,27 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
             planes_ready = true;
         }
         let mut pushed = 0;
+        // Chunks outside, children inside: what is known of a chunk's rays stays in registers.
+        let mut masks = [0u64; WIDTH];
+        if one_by_one {
+            for at in (0..count).step_by(LANES) {
+                if bits >> at & 0xffff != 0 {
+                    let planes = planes.chunk(simd, heading, rays, trip.nearest, at);
+                    let mut left = places;
+                    while left != 0 {
+                        let place = left.trailing_zeros() as usize & (WIDTH - 1);
+                        left &= left - 1;
+                        masks[place] |= planes.meet(simd, node, place) << at;
+                    }
+                }
+            }
+        }
         while places != 0 {
             let place = places.trailing_zeros() as usize & (WIDTH - 1);
             places &= places - 1;
             let mut those = bits;
             if one_by_one {
-                those = 0;
-                for at in (0..count).step_by(LANES) {
-                    if bits >> at & 0xffff != 0 {
-                        let meet = planes.meet(simd, (node, place), heading, rays, trip.nearest, at);
-                        those |= meet << at;
-                    }
-                }
-                those &= bits;
+                those &= masks[place];
                 if those == 0 {
                     continue;
                 }
