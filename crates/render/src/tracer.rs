@@ -206,7 +206,13 @@ impl<'w> BatchTracer<'w> {
             lanes.clear();
             lanes.extend(same.iter().map(|&lane| lane as u32));
             let detail = if wanted == Wanted::Light { Detail::Full } else { Detail::Sides };
-            world.surface_points((self.options.level, from), lanes, detail, shader.attributes(), points);
+            world.places().surface_points(
+                (self.options.level, from),
+                lanes,
+                detail,
+                shader.attributes(),
+                points,
+            );
             self.cone.widen(points, lanes, &widths);
             with(self, shader, lanes, points);
         }

@@ -11,6 +11,7 @@ mod commit;
 mod common;
 mod determinism;
 mod edits;
+mod glow;
 mod interleave;
 mod kept_lights;
 mod lanes;

@@ -40,6 +40,11 @@ pub trait SurfaceShader: Send + Sync {
         None
     }
 
+    /// Whether [`evaluate`](Self::evaluate) may tell of light that it gives off: such surfaces are lights, sampled by asking it.
+    fn emits(&self) -> bool {
+        false
+    }
+
     /// Writes the share of light that goes straight through; `out` has `hits.len()` lanes, all zero.
     /// Called only if [`is_opaque`](Self::is_opaque) says no.
     fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -228,8 +228,10 @@ impl Script {
         let has = |names: &[&str]| names.iter().any(|name| closures.contains(*name));
         let is_holey = has(&["transparent", "transparent_bsdf"]);
         let is_glass = has(&["refraction", "microfacet", "dielectric_bsdf", "generalized_schlick_bsdf"]);
+        let is_lamp = has(&["emission", "background", "uniform_edf"]);
         let is_radiance = has(&["radiance"]) || self.uses(&["trace", "lightcount", "illuminate"]);
-        Ok(Arc::new(ScriptSurface { common, is_radiance, is_see_through: is_holey || is_glass, is_holey }))
+        let is_see_through = is_holey || is_glass;
+        Ok(Arc::new(ScriptSurface { common, is_radiance, is_see_through, is_holey, is_lamp }))
     }
 
     /// As a light.

@@ -28,6 +28,8 @@ pub(crate) struct ScriptSurface {
     pub(crate) is_see_through: bool,
     /// Whether light may go straight through.
     pub(crate) is_holey: bool,
+    /// Whether it may give off light.
+    pub(crate) is_lamp: bool,
 }
 
 /// How a place changes from pixel to pixel: across the ray, carried along it to the surface.
@@ -161,6 +163,10 @@ impl SurfaceShader for ScriptSurface {
 
     fn radiance(&self) -> Option<&dyn RadianceShader> {
         self.is_radiance.then_some(self)
+    }
+
+    fn emits(&self) -> bool {
+        self.is_lamp
     }
 
     fn transmit(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {

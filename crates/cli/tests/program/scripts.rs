@@ -83,6 +83,27 @@ fn scene_files_name_shaders() {
 }
 
 #[test]
+fn surfaces_that_glow_are_lamps() {
+    let folder = Folder::new();
+    let floor = "v -2 0 -2\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nusemtl floor\nf 1 2 3 4\n";
+    let lamp = "v -0.1 1 -0.1\nv 0.1 1 -0.1\nv 0.1 1 0.1\nv -0.1 1 0.1\nusemtl lamp\nf 5 6 7 8\n";
+    folder.write("scene.obj", format!("mtllib scene.mtl\n{floor}{lamp}"));
+    folder.write("glow.osl", "surface glow () { Ci = (backfacing () ? 0 : 40) * emission (); }");
+    for integrator in ["whitted", "path", "ir", "mir"] {
+        for (name, says) in [("told", "Kd 0 0 0\nKe 40 40 40"), ("asked", "gnurt_shader glow.osl")] {
+            folder.write("scene.mtl", format!("newmtl floor\nKd 0.5 0.5 0.5\nnewmtl lamp\n{says}\n"));
+            let line = "render scene.obj --eye 2,2,3 --target 0,0,0 -r 12x8 --spp 1 --vpls 16 --max-depth 2";
+            let line = format!("{line} --environment 0,0,0 --integrator {integrator}");
+            folder.gnurt(&format!("{line} -o {name}.pfm")).success();
+        }
+        let lit = picture(&folder, "told.pfm").color.iter().filter(|pixel| pixel[1] > 0.01).count();
+        assert!(lit > 48, "{integrator}: the lamp shines on the floor: {lit} pixels");
+        let found = difference(&folder, ["told.pfm", "asked.pfm"]);
+        assert!(found < 1e-3, "{integrator}: one light, and the same samples of it: {found}");
+    }
+}
+
+#[test]
 fn wrong_scripts_are_refused() {
     let folder = Folder::new();
     folder.write("bad.osl", "surface bad ()\n{\n    Ci = diffus (N);\n}\n");

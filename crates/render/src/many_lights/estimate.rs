@@ -372,8 +372,7 @@ fn arrive(
         };
         let emission = vertex.scattering.emission;
         if emission != Vec3::ZERO {
-            let [instance, mesh, triangle] = vertex.ids;
-            let light = lights.triangle(instance, mesh, triangle);
+            let light = lights.triangle(vertex.ids, -vertex.wo);
             let pdf = walk.last.map_or(0.0, |last| {
                 let dist = (vertex.point.p - last.point.p).length();
                 light.filter(|_| !vertex.is_final).map_or(0.0, |light| {

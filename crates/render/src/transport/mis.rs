@@ -34,14 +34,8 @@ pub(crate) fn over_both(own: f32, other: f32) -> f32 {
 
 /// How much the light counts that a path's ray along `dir` found on triangle `ids` (instance, mesh, triangle) at `p`:
 /// light samples find it, too.
-pub(crate) fn weigh(
-    lights: &LightSet,
-    path: &Path,
-    [instance, mesh, triangle]: [u32; 3],
-    p: Vec3,
-    dir: Vec3,
-) -> f32 {
-    let (Some(origin), Some(triangle)) = (path.from, lights.triangle(instance, mesh, triangle)) else {
+pub(crate) fn weigh(lights: &LightSet, path: &Path, ids: [u32; 3], p: Vec3, dir: Vec3) -> f32 {
+    let (Some(origin), Some(triangle)) = (path.from, lights.triangle(ids, dir)) else {
         return 1.0;
     };
     let dist = (p - origin.p).length();

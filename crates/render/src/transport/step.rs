@@ -89,12 +89,12 @@ impl Met<'_> {
     /// radiance, they find what the description lets shine.
     fn counted(&self, found: Vec3, lights: &LightSet, path: &Path, k: usize) -> Vec3 {
         let points = self.points;
-        let [instance, mesh, triangle] = [points.inst_id[k], points.geom_id[k], points.prim_id[k]];
-        let weight = weigh(lights, path, [instance, mesh, triangle], points.p.get(k), points.ray_dir.get(k));
-        match lights.triangle(instance, mesh, triangle) {
+        let (ids, dir) = ([points.inst_id[k], points.geom_id[k], points.prim_id[k]], points.ray_dir.get(k));
+        let weight = weigh(lights, path, ids, points.p.get(k), dir);
+        match lights.triangle(ids, dir) {
             Some(triangle) if self.is_final && points.front(k) && path.from.is_some() => {
                 let place = [points.u[k], points.v[k]];
-                found - lights.radiance_of_triangle(triangle, place) * (1.0 - weight)
+                found - lights.radiance_of_triangle(triangle, place, dir) * (1.0 - weight)
             }
             _ => found * weight,
         }

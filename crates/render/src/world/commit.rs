@@ -112,7 +112,7 @@ impl World {
 
         let lights = &self.lights;
         let lamps = &lights.lamps;
-        let lamps = lamps.after(&changed, emission_changed, &self.instances, &self.materials, pool);
+        let lamps = lamps.after(&changed, emission_changed, self.shown(pool));
         report.found_lamps = lamps.is_some();
         let bounds = self.tree.bounds();
         let changed = ChangedLights {

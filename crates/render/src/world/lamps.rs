@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The triangles that shine: all those of all instances together are one light.
 //! Source: original. Space: world. Looked for again only where an instance that shines moved, came or went, an object that
-//! shines was changed, or a material shines differently. Proof: `crates/render/tests/{lights,commit}.rs`.
+//! shines was changed, or a material shines differently. Proof: `crates/render/tests/{lights,commit,glow}.rs`.
 
 use std::sync::Arc;
 
@@ -10,30 +10,42 @@ use gnurt_scene::RayMask;
 use gnurt_shading::lights as shading;
 use rayon::prelude::*;
 
+use super::glow::{Glow, GlowTriangle};
 use super::instance::{InstanceSlot, PlacedInstance};
 use super::material_table::MaterialTable;
 use super::object::WorldObject;
+
+/// What is looked through for them.
+#[derive(Clone, Copy)]
+pub(super) struct Shown<'a> {
+    pub(super) instances: &'a SharedList<InstanceSlot>,
+    pub(super) materials: &'a MaterialTable,
+    pub(super) face_normals: bool,
+    pub(super) pool: &'a rayon::ThreadPool,
+}
 
 /// All triangles that shine.
 #[derive(Default)]
 pub(super) struct Lamps {
     pub(super) triangles: Option<Arc<shading::TriangleLights>>,
-    /// Instance, mesh and triangle of each of them, ascending.
+    /// Instance, mesh and triangle of each of them, ascending; twice where both sides shine.
     pub(super) ids: Arc<Vec<[u32; 3]>>,
     /// Instances that have a mesh that shines, ascending.
     instances: Vec<u32>,
 }
 
+/// Triangles that may shine: each with instance, mesh and triangle, and what is known of those whose shaders are asked.
+#[derive(Default)]
+struct Found {
+    triangles: Vec<shading::EmissiveTriangle>,
+    ids: Vec<[u32; 3]>,
+    glowing: Vec<Option<GlowTriangle>>,
+}
+
 impl Lamps {
     /// The lamps after the instances of `changed`, ascending, have changed; `None` if they are as they were.
-    pub(super) fn after(
-        &self,
-        changed: &[u32],
-        emission_changed: bool,
-        instances: &SharedList<InstanceSlot>,
-        materials: &MaterialTable,
-        pool: &rayon::ThreadPool,
-    ) -> Option<Self> {
+    pub(super) fn after(&self, changed: &[u32], emission_changed: bool, shown: Shown) -> Option<Self> {
+        let Shown { instances, materials, pool, .. } = shown;
         let shines = |place: usize| {
             let placed = instances.get(place).and_then(InstanceSlot::placed);
             // What rays of light do not see gives off none.
@@ -61,18 +73,12 @@ impl Lamps {
         if now.is_empty() && self.instances.is_empty() {
             return None;
         }
-        Some(Self::of(now, 0.0, instances, materials, pool))
+        Some(Self::of(now, None, shown))
     }
 
     /// The same lamps where they are at a moment of the open shutter.
-    pub(super) fn at(
-        &self,
-        time: f32,
-        instances: &SharedList<InstanceSlot>,
-        materials: &MaterialTable,
-        pool: &rayon::ThreadPool,
-    ) -> Self {
-        Self::of(self.instances.clone(), time, instances, materials, pool)
+    pub(super) fn at(&self, time: f32, shown: Shown) -> Self {
+        Self::of(self.instances.clone(), Some(time), shown)
     }
 
     /// Whether some of them move while the shutter is open.
@@ -83,40 +89,67 @@ impl Lamps {
         self.triangles.is_some() && self.instances.iter().filter_map(placed).any(moves)
     }
 
-    fn of(
-        lamps: Vec<u32>,
-        time: f32,
-        instances: &SharedList<InstanceSlot>,
-        materials: &MaterialTable,
-        pool: &rayon::ThreadPool,
-    ) -> Self {
-        let emitters: Vec<_> = materials.emitters().flatten().cloned().collect();
+    fn of(lamps: Vec<u32>, time: Option<f32>, shown: Shown) -> Self {
+        let emitters: Vec<_> = shown.materials.emitters().flatten().cloned().collect();
+        let mut found = Found::of(&lamps, time.unwrap_or(0.0), shown, &emitters);
+        let mut shaders: Option<Arc<dyn shading::LampShaders>> = None;
+        if found.glowing.iter().any(Option::is_some) {
+            let slot = |place: usize| shown.instances[lamps[place] as usize].clone();
+            let instances = SharedList::new(lamps.len(), false, slot);
+            let Shown { face_normals, .. } = shown;
+            let triangles = std::mem::take(&mut found.glowing);
+            let mut glow = Glow { triangles, instances, emitters: emitters.clone(), time, face_normals };
+            let mut shines = shown.pool.install(|| glow.look(&mut found.triangles)).into_iter();
+            let mut stays = || shines.next().unwrap_or(false);
+            let all = found.triangles.into_iter().zip(found.ids).zip(std::mem::take(&mut glow.triangles));
+            let ((triangles, ids), glowing) = all.filter(|_| stays()).unzip();
+            (found.triangles, found.ids, glow.triangles) = (triangles, ids, glowing);
+            shaders = Some(Arc::new(glow));
+        }
+        match shading::TriangleLights::new(found.triangles, emitters, shaders) {
+            Some(lights) => {
+                Self { triangles: Some(Arc::new(lights)), ids: Arc::new(found.ids), instances: lamps }
+            }
+            None => Self { instances: lamps, ..Self::default() },
+        }
+    }
+}
+
+impl Found {
+    fn of(lamps: &[u32], time: f32, shown: Shown, emitters: &[Arc<shading::Emitter>]) -> Self {
         // Position among the emitters of each material that shines.
         let mut next = 0..;
         let number: Vec<Option<u32>> =
-            materials.emitters().map(|emitter| emitter.and_then(|_| next.next())).collect();
-        let of_instance = |&inst_id: &u32| {
+            shown.materials.emitters().map(|emitter| emitter.and_then(|_| next.next())).collect();
+        let of_instance = |(place, &inst_id): (usize, &u32)| {
             let mut found = Vec::new();
-            let Some(instance) = instances[inst_id as usize].placed() else { return found };
+            let Some(instance) = shown.instances[inst_id as usize].placed() else { return found };
             let moved = instance.at(time);
             let instance = moved.as_ref().unwrap_or(instance);
             let meshes = instance.object.meshes.iter().zip(&instance.object.keys);
             for (geom_id, (mesh, keys)) in (0..).zip(meshes) {
                 let Some(emitter) = number[mesh.material.index()] else { continue };
+                let of = (emitter, &*emitters[emitter as usize]);
                 for prim_id in 0..mesh.indices.len() {
-                    if let Some(shining) = triangle(instance, (mesh, keys, time), prim_id, emitter) {
-                        found.push((shining, [inst_id, geom_id, prim_id as u32]));
+                    let Some(front) = triangle(instance, (mesh, keys, time), prim_id, of) else { continue };
+                    let (ids, met) =
+                        ([inst_id, geom_id, prim_id as u32], [place as u32, geom_id, prim_id as u32]);
+                    if of.1.shader().is_none() {
+                        found.push((front, (ids, None)));
+                        continue;
+                    }
+                    // Both sides may shine.
+                    for side in [front.clone(), turned(front)] {
+                        let glow = GlowTriangle { met, inst_id, emitter, is_turned: side.is_turned };
+                        found.push((side, (ids, Some(glow))));
                     }
                 }
             }
             found
         };
-        let (triangles, ids): (Vec<_>, Vec<_>) =
-            pool.install(|| lamps.par_iter().flat_map_iter(of_instance).unzip());
-        match shading::TriangleLights::new(triangles, emitters) {
-            Some(lights) => Self { triangles: Some(Arc::new(lights)), ids: Arc::new(ids), instances: lamps },
-            None => Self { instances: lamps, ..Self::default() },
-        }
+        let all = || lamps.par_iter().enumerate().flat_map_iter(of_instance).unzip();
+        let (triangles, (ids, glowing)) = shown.pool.install(all);
+        Self { triangles, ids, glowing }
     }
 }
 
@@ -129,7 +162,7 @@ fn triangle(
     instance: &PlacedInstance,
     (mesh, keys, time): (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),
     prim_id: usize,
-    emitter: u32,
+    (emitter, of): (u32, &shading::Emitter),
 ) -> Option<shading::EmissiveTriangle> {
     let mut corners = mesh.indices[prim_id].map(|i| i as usize);
     if instance.mirrors {
@@ -146,7 +179,19 @@ fn triangle(
     };
     let p = [position(corners[0])?, position(corners[1])?, position(corners[2])?];
     let area = (p[1] - p[0]).cross(p[2] - p[0]).length();
+    if !(area > 0.0 && area.is_finite()) {
+        return None;
+    }
     let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
     let opacity = corners.map(|i| mesh.colors.get(i).map_or(1.0, |color| color[3]));
-    (area > 0.0 && area.is_finite()).then_some(shading::EmissiveTriangle { p, uv, opacity, emitter })
+    let brightness = of.mean_over(&uv, opacity);
+    Some(shading::EmissiveTriangle { p, is_turned: instance.mirrors, uv, opacity, emitter, brightness })
+}
+
+/// The other side of a triangle.
+fn turned(mut front: shading::EmissiveTriangle) -> shading::EmissiveTriangle {
+    front.p.swap(1, 2);
+    front.uv.swap(1, 2);
+    front.opacity.swap(1, 2);
+    shading::EmissiveTriangle { is_turned: !front.is_turned, ..front }
 }

@@ -137,13 +137,17 @@ fn entry(
     let material = &scene.materials()[id as usize];
     let emission = materials::emission(scene, material);
     let coverage = if force_diffuse { None } else { materials::coverage(scene, &material.alpha) };
-    let emitter = emission.as_ref().map(|emission| {
-        let same = before.and_then(|before| before.emitter.as_ref());
-        let same = same.filter(|emitter| emitter.gives_off(emission, coverage.as_ref()));
-        same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission.clone(), coverage.clone())))
-    });
-    let shader = materials::shader(scene, material, shaders, force_diffuse, emission, coverage);
     // Forced or not: who swaps it asks for the surface to be looked at again.
     let from_table = number_of(scene, id).map(|number| shaders.surfaces[number as usize].clone());
+    // What surfaces show by their own rays and loops over lights is no light.
+    let asked = from_table.as_ref().filter(|it| !force_diffuse && it.emits() && it.radiance().is_none());
+    let before = before.and_then(|before| before.emitter.as_ref());
+    let told = emission.clone().filter(|_| asked.is_none()).map(|emission| {
+        let same = before.filter(|emitter| emitter.gives_off(&emission, coverage.as_ref()));
+        same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.clone())))
+    });
+    let is_asked = asked.is_some();
+    let shader = materials::shader(scene, material, shaders, force_diffuse, emission, coverage);
+    let emitter = told.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
     MaterialEntry { is_opaque: shader.is_opaque(), is_solid: shader.is_solid(), emitter, from_table, shader }
 }

@@ -9,6 +9,7 @@ mod check;
 mod commit;
 mod crowds;
 mod due;
+mod glow;
 mod instance;
 mod lamps;
 mod lights;
@@ -36,12 +37,13 @@ use crate::many_lights::ShaderLamps;
 use crowds::Crowds;
 use instance::InstanceSlot;
 pub(crate) use instance::PlacedInstance;
+use lamps::Shown;
 pub(crate) use lights::{Lights, LightsContent};
 pub(crate) use material_table::MaterialTable;
 use object::ObjectSlot;
 use open::Open;
 pub(crate) use open::Shutter;
-pub(crate) use surface::HitLanes;
+pub(crate) use surface::{HitLanes, Places};
 pub use table::{CommitOptions, CommitReport, ShaderTable};
 
 /// Sizes of a world.
@@ -218,11 +220,26 @@ impl World {
     pub fn at(&self, time: f32, pool: &rayon::ThreadPool) -> Self {
         let mut world = Self { shutter: Shutter::All(time), ..self.clone() };
         if let Some(open) = self.open.as_ref().filter(|open| open.lights_move()) {
-            let lamps =
-                open.lamps_move.then(|| self.lights.lamps.at(time, &self.instances, &self.materials, pool));
+            let lamps = open.lamps_move.then(|| self.lights.lamps.at(time, self.shown(pool)));
             world.lights = Arc::new(self.lights.at(open.lights_at(time), lamps));
         }
         world
+    }
+
+    /// Where its points are computed.
+    pub(crate) fn places(&self) -> Places<'_> {
+        let shutter = self.is_open().then_some(self.shutter);
+        Places { instances: &self.instances, shutter, face_normals: self.face_normals }
+    }
+
+    /// What lamps are looked for in.
+    fn shown<'a>(&'a self, pool: &'a rayon::ThreadPool) -> Shown<'a> {
+        Shown {
+            instances: &self.instances,
+            materials: &self.materials,
+            face_normals: self.face_normals,
+            pool,
+        }
     }
 
     /// The moment of a ray with this key.

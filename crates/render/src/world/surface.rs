@@ -9,15 +9,16 @@
 use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
-use gnurt_accel::{HitBatch, Moment, RayBatch};
+use gnurt_accel::{HitBatch, Moment, RayBatch, SharedList};
 use gnurt_scene::{Attribute, Mesh, Rate};
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::{AttributeRequest, Detail, SampleKey, SurfaceBatch, Vec3s};
 use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 
+use super::instance::{InstanceSlot, PlacedInstance};
 use super::normals::{Columns, Precise};
-use super::{PlacedInstance, World};
+use super::open::Shutter;
 
 /// Rounding errors of the point, of its transform, and of the test that the next ray makes against the same triangle,
 /// as a multiple of the largest coordinate.
@@ -36,6 +37,16 @@ pub(crate) struct HitLanes<'a> {
 }
 
 type Row = [f32; LANES];
+
+/// Where points are computed: the world, or what of it shines.
+#[derive(Clone, Copy)]
+pub(crate) struct Places<'w> {
+    /// By instance id.
+    pub(super) instances: &'w SharedList<InstanceSlot>,
+    /// When rays see what moves; `None` = nothing does.
+    pub(super) shutter: Option<Shutter>,
+    pub(super) face_normals: bool,
+}
 
 /// What some points are made from, out of the meshes' arrays; rows of vectors stand one after the other.
 struct Gathered<'w> {
@@ -83,16 +94,15 @@ impl<'w> Gathered<'w> {
     }
 
     /// Reads what the points of these lanes need, sixteen or fewer.
-    fn read(&mut self, world: &'w World, from: HitLanes, lanes: &[u32]) {
+    fn read(&mut self, places: &Places<'w>, from: HitLanes, lanes: &[u32]) {
         let hits = from.hits;
         self.has = Has::default();
         let (mut last, mut known) = ([u32::MAX; 2], None);
-        let is_open = world.is_open();
         for (i, &lane) in lanes.iter().enumerate().take(LANES) {
             let lane = lane as usize;
             let ids = [hits.inst_id[lane], hits.geom_id[lane]];
             if ids != last {
-                let instance = world.instance(ids[0]);
+                let instance = places.instance(ids[0]);
                 let geom_id = ids[1] as usize;
                 let keys = instance.object.keys.get(geom_id).map_or(&[][..], |keys| &keys[..]);
                 known = Some((instance, &*instance.object.meshes[geom_id], keys));
@@ -100,15 +110,15 @@ impl<'w> Gathered<'w> {
             }
             let Some((instance, mesh, keys)) = known else { continue };
             (self.instances[i], self.meshes[i], self.keys[i]) = (Some(instance), Some(mesh), keys);
-            if is_open {
-                self.times[i] = world.time(from.keys[lane]);
+            if let Some(shutter) = places.shutter {
+                self.times[i] = shutter.time(from.keys[lane]);
             }
             let vertices = mesh.indices[hits.prim_id[lane] as usize].map(|v| v as usize);
             self.vertices[i] = vertices;
             for (c, &vertex) in vertices.iter().enumerate() {
                 put_vector(&mut self.corners, 3 * c, i, mesh.positions[vertex]);
             }
-            self.read_attributes(i, mesh, !world.face_normals);
+            self.read_attributes(i, mesh, !places.face_normals);
             if !keys.is_empty() {
                 self.bend(i);
             }
@@ -217,7 +227,12 @@ fn put3<R: Real>(out: &mut Vec3s, range: (usize, usize), v: Vector<R>) {
     put(&mut out.z, range, v.z);
 }
 
-impl World {
+impl<'w> Places<'w> {
+    /// Panics where nothing can be hit; hits name only instances that are there.
+    fn instance(&self, inst_id: u32) -> &'w PlacedInstance {
+        self.instances[inst_id as usize].placed().expect("hits name instances that are there")
+    }
+
     /// Writes the points of some lanes, all of which hit something: others panic.
     pub(crate) fn surface_points(
         &self,

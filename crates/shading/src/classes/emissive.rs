@@ -7,7 +7,7 @@
 //! | texture | texture 0 | multiplied to it |
 //! | color | 0 0 0 | share of light that is scattered, on both sides |
 //!
-//! Whitted's integrator shows it; it lights others where light is found by chance, in path-traced pictures.
+//! It is a light: all integrators sample it.
 //! Source: see `materials/material.rs`. Proof: `materials::tests`.
 
 use std::sync::Arc;

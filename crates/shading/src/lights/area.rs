@@ -2,24 +2,36 @@
 //! All emissive triangles of a scene as one light: a triangle by what it may bring to the point, a place on it by area.
 //! Source: [TCE05] (resampled importance sampling), [SWZ96] (sampling many luminaires); [PJH23] section 6.5 (area to
 //! solid angle). Differs: candidates are stratified by power, and one number both chooses and places, see `choose`.
-//! Space: world. One-sided: light leaves the side of the geometric normal. Textures and opacity modulate it.
-//! Proof: `tests::{rectangle_has_its_closed_form, many_lamps_add_up, nothing_is_wasted}`, crates/render/tests/lights.rs.
+//! Space: world. One-sided: light leaves the side of the geometric normal; what shines to both sides is two triangles. Textures and
+//! opacity modulate it, or a surface's shader says what leaves each place: choices go by each triangle's mean, light by its place.
+//! Proof: `tests::{rectangle_has_its_closed_form, many_lamps_add_up, nothing_is_wasted, textures_count_where_they_are}`,
+//! crates/render/tests/{lights,glow}.rs.
 
 use std::sync::Arc;
 
 use glam::Vec3;
+use gnurt_image::srgb::luminance;
 
 use crate::batch::Vec3s;
 use crate::materials::{Coverage, Emission};
 use crate::sampling::distribution::ALMOST_ONE;
 use crate::sampling::{self, Distribution};
-use crate::shader::{LightBatch, LightShader};
+use crate::shader::{LightBatch, LightShader, SurfaceShader};
+use crate::texture::TextureSampler;
+
+/// Least share of its emitter's mean that a triangle counts as: what was looked at of it may be dark where it shines elsewhere.
+pub const LEAST_SHARE: f32 = 1.0 / 64.0;
+/// Places that are looked at on one triangle.
+const LOOKS: [f32; 2] = [4.0, 256.0];
 
 /// What a group of triangles gives off.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone)]
 pub struct Emitter {
+    /// Nothing where only `shader` knows.
     emission: Emission,
     coverage: Option<Coverage>,
+    /// Who is asked what leaves a place.
+    shader: Option<Arc<dyn SurfaceShader>>,
     /// Over the whole texture: found once, since textures are large.
     brightness: f32,
 }
@@ -29,14 +41,89 @@ impl Emitter {
     #[must_use]
     pub fn new(emission: Emission, coverage: Option<Coverage>) -> Self {
         let brightness = emission.mean_luminance();
-        Self { emission, coverage, brightness }
+        Self { emission, coverage, shader: None, brightness }
+    }
+
+    /// Gives off what `shader` says, on both sides.
+    #[must_use]
+    pub fn by_shader(shader: Arc<dyn SurfaceShader>) -> Self {
+        let emission = Emission { factor: Vec3::ZERO, texture: None };
+        Self { emission, coverage: None, shader: Some(shader), brightness: 0.0 }
     }
 
     /// Whether it gives off just this.
     #[must_use]
     pub fn gives_off(&self, emission: &Emission, coverage: Option<&Coverage>) -> bool {
-        self.emission == *emission && self.coverage.as_ref() == coverage
+        self.shader.is_none() && self.emission == *emission && self.coverage.as_ref() == coverage
     }
+
+    /// Who is asked what leaves a place, if that is not known otherwise.
+    #[must_use]
+    pub fn shader(&self) -> Option<&Arc<dyn SurfaceShader>> {
+        self.shader.as_ref()
+    }
+
+    /// Mean brightness of a triangle whose corners have these texture coordinates and opacities: of as many places as it has texels.
+    /// No triangle is quite dark, because its brightest texel may lie between them. Without meaning where a shader is asked.
+    #[must_use]
+    pub fn mean_over(&self, uv: &[[f32; 2]; 3], opacity: [f32; 3]) -> f32 {
+        let textures = [
+            self.emission.texture.as_ref(),
+            self.coverage.as_ref().and_then(|coverage| coverage.texture.as_ref()),
+        ];
+        if textures == [None, None] && opacity == [opacity[0]; 3] {
+            return luminance(self.radiance(uv, opacity, [1.0 / 3.0; 2]).into());
+        }
+        let edge = |k: usize| [uv[k][0] - uv[0][0], uv[k][1] - uv[0][1]];
+        let ([a, b], [c, d]) = (edge(1), edge(2));
+        let texels = |texture: &TextureSampler| {
+            let [e, f, g, h, ..] = texture.uv_from_mesh;
+            let size = texture.texels.width as f32 * texture.texels.height as f32;
+            0.5 * (a * d - b * c).abs() * (e * h - f * g).abs() * size
+        };
+        let texels = textures.into_iter().flatten().map(texels).fold(0.0, f32::max);
+        let count = (2.0 * texels).clamp(LOOKS[0], LOOKS[1]) as u32;
+        let look = |i| {
+            let place = sampling::triangle(looking_at(i));
+            luminance(self.radiance(uv, opacity, place).into())
+        };
+        let mean = (0..count).map(look).sum::<f32>() / count as f32;
+        mean.max(LEAST_SHARE * self.brightness)
+    }
+
+    /// What leaves the place at the barycentric weights of the second and third corner.
+    fn radiance(&self, uv: &[[f32; 2]; 3], opacity: [f32; 3], [b1, b2]: [f32; 2]) -> Vec3 {
+        let uv = interpolate(uv, b1, b2);
+        let radiance = self.emission.at(uv);
+        // Weighted as the opacities of points that rays meet are.
+        let weights = [1.0 - b1 - b2, b1, b2];
+        let opacity = (0..3).map(|c| weights[c] * opacity[c]).sum();
+        self.coverage.as_ref().map_or(radiance, |coverage| radiance * coverage.at(uv, opacity))
+    }
+}
+
+/// Place `i` of those that are looked at to find a mean, spread evenly over the unit square: Roberts's sequence.
+#[must_use]
+pub fn looking_at(i: u32) -> [f32; 2] {
+    const STEPS: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
+    STEPS.map(|step| ((0.5 + f64::from(i) * step).fract() as f32).min(ALMOST_ONE))
+}
+
+/// A place on a triangle that shines, and the ray that looks at it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LampPlace {
+    /// Number of the triangle.
+    pub triangle: u32,
+    /// Barycentric weights of its second and third corner.
+    pub place: [f32; 2],
+    /// Unit, of a ray that comes to it: against its normal.
+    pub dir: Vec3,
+}
+
+/// What triangles give off whose emitters have a shader.
+pub trait LampShaders: Send + Sync {
+    /// Writes the radiance that leaves each place against its ray, as much of it as the surface's coverage lets be there.
+    fn radiance(&self, asked: &[LampPlace], out: &mut [Vec3]);
 }
 
 /// A triangle that shines, world space.
@@ -44,12 +131,16 @@ impl Emitter {
 pub struct EmissiveTriangle {
     /// Vertices, counter-clockwise seen from the side that shines.
     pub p: [Vec3; 3],
+    /// Whether its second corner is the mesh's third, and the other way round.
+    pub is_turned: bool,
     /// Texture coordinates.
     pub uv: [[f32; 2]; 3],
     /// Opacities of the vertices, by which the emitter's is multiplied.
     pub opacity: [f32; 3],
     /// Which emitter it belongs to.
     pub emitter: u32,
+    /// Mean brightness: what it is chosen by.
+    pub brightness: f32,
 }
 
 /// One light of many triangles.
@@ -58,7 +149,9 @@ pub struct TriangleLights {
     /// What choices are made by, for each triangle.
     pub(super) shapes: Vec<Shape>,
     emitters: Vec<Arc<Emitter>>,
-    pub(super) distribution: Distribution,
+    /// What those emitters give off that have a shader.
+    shaders: Option<Arc<dyn LampShaders>>,
+    distribution: Distribution,
 }
 
 /// Triangles that compete for each sample.
@@ -76,11 +169,12 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    fn new(triangle: &EmissiveTriangle, brightness: f32) -> Self {
+    fn new(triangle: &EmissiveTriangle) -> Self {
         let p = triangle.p.map(Vec3::as_dvec3);
         let cross = (p[1] - p[0]).cross(p[2] - p[0]);
         let area = (0.5 * cross.length()) as f32;
-        Self { p: triangle.p, normal: cross.normalize_or_zero().as_vec3(), area, power: area * brightness }
+        let normal = cross.normalize_or_zero().as_vec3();
+        Self { p: triangle.p, normal, area, power: area * triangle.brightness }
     }
 
     /// About what it brings to a surface at `p` if nothing is in between; exactly 0 where it brings nothing: seen from
@@ -132,13 +226,17 @@ struct Chosen {
 impl TriangleLights {
     /// `None` if no triangle shines. Panics if a triangle names an emitter that is not there.
     #[must_use]
-    pub fn new(triangles: Vec<EmissiveTriangle>, emitters: Vec<Arc<Emitter>>) -> Option<Self> {
-        let brightness: Vec<f64> = emitters.iter().map(|e| f64::from(e.brightness)).collect();
-        let power = |t: &EmissiveTriangle| double_area(t) * brightness[t.emitter as usize];
+    pub fn new(
+        triangles: Vec<EmissiveTriangle>,
+        emitters: Vec<Arc<Emitter>>,
+        shaders: Option<Arc<dyn LampShaders>>,
+    ) -> Option<Self> {
+        let last = triangles.iter().map(|t| t.emitter as usize).max();
+        assert!(last < Some(emitters.len()), "emitter {last:?} of {}", emitters.len());
+        let power = |t: &EmissiveTriangle| double_area(t) * f64::from(t.brightness);
         let distribution = Distribution::new(triangles.iter().map(power))?;
-        let shape = |t: &EmissiveTriangle| Shape::new(t, brightness[t.emitter as usize] as f32);
-        let shapes = triangles.iter().map(shape).collect();
-        Some(Self { triangles, shapes, emitters, distribution })
+        let shapes = triangles.iter().map(Shape::new).collect();
+        Some(Self { triangles, shapes, emitters, shaders, distribution })
     }
 
     /// How many triangles.
@@ -196,27 +294,51 @@ impl TriangleLights {
         if !(cos > 0.0 && dist > 0.0) {
             return None;
         }
-        let radiance = self.radiance(chosen.index, place);
+        let radiance = self.radiance(chosen.index, place, dir);
         Some((dir, dist, radiance * (cos / distance2 * shape.area * chosen.weight)))
     }
 
     /// What leaves triangle `index` wherever it is looked at; `None` where that depends on the place.
     pub(super) fn even_radiance(&self, index: usize) -> Option<Vec3> {
         let emitter = &self.emitters[self.triangles[index].emitter as usize];
-        let even = emitter.emission.texture.is_none() && emitter.coverage.is_none();
+        let even =
+            emitter.emission.texture.is_none() && emitter.coverage.is_none() && emitter.shader.is_none();
         even.then_some(emitter.emission.factor)
     }
 
-    /// What leaves triangle `index` at the barycentric weights of its second and third vertex.
-    pub(super) fn radiance(&self, index: usize, [b1, b2]: [f32; 2]) -> Vec3 {
-        let triangle = &self.triangles[index];
-        let emitter = &self.emitters[triangle.emitter as usize];
-        let uv = interpolate(&triangle.uv, b1, b2);
-        let radiance = emitter.emission.at(uv);
-        // Weighted as the opacities of points that rays meet are.
-        let weights = [1.0 - b1 - b2, b1, b2];
-        let opacity = (0..3).map(|c| weights[c] * triangle.opacity[c]).sum();
-        emitter.coverage.as_ref().map_or(radiance, |coverage| radiance * coverage.at(uv, opacity))
+    /// What leaves triangle `index` at the barycentric weights of its second and third corner against a ray along the unit `dir`.
+    pub(super) fn radiance(&self, index: usize, place: [f32; 2], dir: Vec3) -> Vec3 {
+        let mut out = [Vec3::ZERO];
+        self.radiances(&[LampPlace { triangle: index as u32, place, dir }], &mut out);
+        out[0]
+    }
+
+    /// The same of many places.
+    pub(super) fn radiances(&self, asked: &[LampPlace], out: &mut [Vec3]) {
+        let triangle = |at: &LampPlace| &self.triangles[at.triangle as usize];
+        let emitter = |at: &LampPlace| &self.emitters[triangle(at).emitter as usize];
+        let mut of_shaders = false;
+        for (at, out) in asked.iter().zip(out.iter_mut()) {
+            let EmissiveTriangle { uv, opacity, .. } = triangle(at);
+            of_shaders |= emitter(at).shader.is_some();
+            *out = emitter(at).radiance(uv, *opacity, at.place);
+        }
+        let Some(shaders) = self.shaders.as_ref().filter(|_| of_shaders) else { return };
+        if asked.iter().all(|at| emitter(at).shader.is_some()) {
+            shaders.radiance(asked, out);
+            return;
+        }
+        let these: Vec<usize> = (0..asked.len()).filter(|&i| emitter(&asked[i]).shader.is_some()).collect();
+        let places: Vec<LampPlace> = these.iter().map(|&i| asked[i]).collect();
+        let mut found = vec![Vec3::ZERO; these.len()];
+        shaders.radiance(&places, &mut found);
+        these.into_iter().zip(found).for_each(|(i, found)| out[i] = found);
+    }
+
+    /// The same where a ray along `dir` met it at these barycentric weights of the mesh's second and third corner.
+    pub(super) fn radiance_where_met(&self, index: usize, [u, v]: [f32; 2], dir: Vec3) -> Vec3 {
+        let place = if self.triangles[index].is_turned { [v, u] } else { [u, v] };
+        self.radiance(index, place, dir)
     }
 }
 
@@ -258,12 +380,14 @@ mod tests {
         let middle = corner(0.0, 0.0);
         let triangles = [[a, b, c], [a, middle, d], [middle, c, d]].map(|p| EmissiveTriangle {
             p,
+            is_turned: false,
             uv: [[0.0; 2]; 3],
             opacity: [1.0; 3],
             emitter: 0,
+            brightness: 2.0,
         });
         let emission = Emission { factor: Vec3::new(1.0, 2.0, 3.0), texture: None };
-        TriangleLights::new(triangles.into(), vec![Arc::new(Emitter::new(emission, None))])
+        TriangleLights::new(triangles.into(), vec![Arc::new(Emitter::new(emission, None))], None)
             .expect("it shines")
     }
 
@@ -305,15 +429,18 @@ mod tests {
     }
 
     fn light_of(corners: &[[Vec3; 3]]) -> Option<TriangleLights> {
+        const BRIGHTNESS: [f32; 4] = [1.0, 5.0, 40.0, 2.0];
         let shine = |factor| Arc::new(Emitter::new(Emission { factor, texture: None }, None));
         let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveTriangle {
             p,
+            is_turned: false,
             uv: [[0.0; 2]; 3],
             opacity: [1.0; 3],
             emitter: (i % 2 + i % 3) as u32,
+            brightness: BRIGHTNESS[i % 2 + i % 3],
         };
-        let emitters = [1.0, 5.0, 40.0, 2.0].map(|x| shine(Vec3::splat(x)));
-        TriangleLights::new(corners.iter().enumerate().map(triangle).collect(), emitters.into())
+        let emitters = BRIGHTNESS.map(|x| shine(Vec3::splat(x)));
+        TriangleLights::new(corners.iter().enumerate().map(triangle).collect(), emitters.into(), None)
     }
 
     #[test]
@@ -356,10 +483,29 @@ mod tests {
         let emitter = Arc::new(Emitter::new(emission, None));
         let flat = EmissiveTriangle {
             p: [Vec3::ZERO, Vec3::X, Vec3::X * 2.0],
+            is_turned: false,
             uv: [[0.0; 2]; 3],
             opacity: [1.0; 3],
             emitter: 0,
+            brightness: 1.0,
         };
-        assert!(TriangleLights::new(vec![flat], vec![emitter]).is_none(), "no area, no light");
+        assert!(TriangleLights::new(vec![flat], vec![emitter], None).is_none(), "no area, no light");
+    }
+
+    #[test]
+    fn textures_count_where_they_are() {
+        // Bright in its left half only.
+        let texel = |i: u32| if i % 8 < 4 { [2.0, 2.0, 2.0, 1.0] } else { [0.0, 0.0, 0.0, 1.0] };
+        let data = gnurt_image::TexelData::Float((0..64).map(texel).collect());
+        let texels = Arc::new(gnurt_image::Texels { width: 8, height: 8, data });
+        let texture = TextureSampler { linear: false, ..TextureSampler::new(texels) };
+        let emission = Emission { factor: Vec3::splat(3.0), texture: Some(texture) };
+        let emitter = Emitter::new(emission, None);
+        let over = |u: [f32; 3]| emitter.mean_over(&[[u[0], 0.1], [u[1], 0.1], [u[2], 0.9]], [1.0; 3]);
+        assert!((over([0.05, 0.45, 0.25]) - 6.0).abs() < 1e-5, "where it is bright");
+        assert_eq!(over([0.55, 0.95, 0.75]), 3.0 * LEAST_SHARE, "where it is dark, it is not quite so");
+        assert!((over([0.25, 0.75, 0.5]) - 3.0).abs() < 0.4, "half of it, by 25 places");
+        let faint = Emitter::new(Emission { factor: Vec3::ONE, texture: None }, None);
+        assert!((faint.mean_over(&[[0.0; 2]; 3], [0.5; 3]) - 1.0).abs() < 1e-6, "no coverage, no opacity");
     }
 }

@@ -40,19 +40,6 @@ pub struct LightRay {
     pub light: LightId,
 }
 
-/// A point on a triangle that shines.
-#[derive(Clone, Copy, Debug)]
-pub struct SurfaceSample {
-    /// Where, with the normal on the side that shines.
-    pub point: SurfacePoint,
-    /// What leaves to all directions of that side.
-    pub radiance: Vec3,
-    /// Density per area, the choice of the triangle included.
-    pub pdf_area: f32,
-    /// Number of the emissive triangle.
-    pub triangle: u32,
-}
-
 /// A point that lies on no surface.
 fn free_point(p: Vec3, dir: Vec3) -> SurfacePoint {
     SurfacePoint { p, error: 0.0, ng: dir, ns: dir, lift: Vec3::ZERO }
@@ -109,29 +96,6 @@ impl LightSet {
         (ray.radiance_over_pdf.is_finite() && ray.radiance_over_pdf != Vec3::ZERO).then_some(ray)
     }
 
-    /// A point on a triangle that shines, chosen by power, and its density; for light that leaves its source.
-    #[must_use]
-    pub fn sample_surface(&self, u: [f32; 3]) -> Option<SurfaceSample> {
-        let triangles = self.parts.triangles.as_ref()?;
-        let choice = triangles.distribution.sample(u[0]);
-        let shape = &triangles.shapes[choice.index];
-        let place = sampling::triangle([u[1], u[2]]);
-        let point = SurfacePoint {
-            p: shape.point(place),
-            error: shape.rounding(Vec3::ZERO),
-            ng: shape.normal,
-            ns: shape.normal,
-            lift: Vec3::ZERO,
-        };
-        let radiance = triangles.radiance(choice.index, place);
-        Some(SurfaceSample {
-            point,
-            radiance,
-            pdf_area: choice.probability / shape.area,
-            triangle: choice.index as u32,
-        })
-    }
-
     /// Density per area with which [`emit`](Self::emit) starts at a point of an emissive triangle.
     #[must_use]
     pub fn pdf_emit_position(&self, triangle: u32) -> f32 {
@@ -150,7 +114,7 @@ impl LightSet {
         let (p, normal) = (shape.point(place), shape.normal);
         let local = cosine_hemisphere(u_dir);
         let dir = Basis::around(normal).to_world(local).normalize();
-        let emitted = triangles.radiance(index as usize, place);
+        let emitted = triangles.radiance(index as usize, place, -dir);
         Some(LightRay {
             point: SurfacePoint {
                 p,

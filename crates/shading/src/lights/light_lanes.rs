@@ -9,7 +9,7 @@
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
-use super::area::Shape;
+use super::area::{LampPlace, Shape};
 use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
 use crate::lanes::{Floats, LANES, LanesOf, Mask, Vec3x16, Words, floats, select3, transpose};
@@ -170,11 +170,17 @@ impl LightLanes {
         let density = cos.simd_gt(zero).select(dist * dist / (cos * area), zero);
         let mut radiance = Vec3x16::new(row[13], row[14], row[15]);
         if let (false, Some(triangles)) = (self.uneven.is_empty(), &parts.triangles) {
-            for i in LanesOf(found.to_bitmask()) {
-                if self.uneven[light[i] as usize] {
-                    let here = triangles.radiance(light[i] as usize, [b1[i], b2[i]]);
-                    (radiance.x[i], radiance.y[i], radiance.z[i]) = here.into();
-                }
+            let (mut asked, mut of) = ([LampPlace::default(); LANES], [0; LANES]);
+            let mut count = 0;
+            for i in LanesOf(found.to_bitmask()).filter(|&i| self.uneven[light[i] as usize]) {
+                let (triangle, place, dir) = (light[i], [b1[i], b2[i]], dir.get(i));
+                (asked[count], of[count]) = (LampPlace { triangle, place, dir }, i);
+                count += 1;
+            }
+            let mut here = [Vec3::ZERO; LANES];
+            triangles.radiances(&asked[..count], &mut here);
+            for (&i, here) in of[..count].iter().zip(here) {
+                (radiance.x[i], radiance.y[i], radiance.z[i]) = here.into();
             }
         }
         let pdf = probability * density;

@@ -122,10 +122,18 @@ impl LightSet {
         LightKind::Environment
     }
 
-    /// The number of the emissive triangle that a ray met.
+    /// The number of the emissive triangle that a ray along `dir` met, given instance, mesh and triangle; of one that shines to
+    /// both sides that of the side that was met.
     #[must_use]
-    pub fn triangle(&self, instance: u32, mesh: u32, triangle: u32) -> Option<u32> {
-        self.parts.triangle_ids.binary_search(&[instance, mesh, triangle]).ok().map(|i| i as u32)
+    pub fn triangle(&self, met: [u32; 3], dir: Vec3) -> Option<u32> {
+        let ids = &self.parts.triangle_ids;
+        let first = ids.partition_point(|ids| *ids < met);
+        if ids.get(first) != Some(&met) {
+            return None;
+        }
+        let triangles = self.parts.triangles.as_ref()?;
+        let is_behind = ids.get(first + 1) == Some(&met) && triangles.shapes[first].normal.dot(dir) > 0.0;
+        Some((first + usize::from(is_behind)) as u32)
     }
 
     /// Chooses a light and a direction to it for a surface at `p` that faces the unit normal `ns`; zero asks for all
@@ -174,7 +182,7 @@ impl LightSet {
                 let dist = way.length();
                 let dir = way / dist;
                 let pdf = probability * solid_angle_density(shape.normal, shape.area, dir, dist);
-                let radiance = triangles.radiance(i as usize, place);
+                let radiance = triangles.radiance(i as usize, place, dir);
                 (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
             }
             LightKind::Point(i) => {
@@ -227,11 +235,12 @@ impl LightSet {
         choice.probability(0) * self.near.tree.probability(triangle, p, ns, promise) * here
     }
 
-    /// What leaves the front of emissive triangle `triangle` at the weights of its second and third corner.
+    /// What emissive triangle `triangle` sends against a ray along `dir` that met it at these weights of the mesh's second and third
+    /// corner.
     #[must_use]
-    pub fn radiance_of_triangle(&self, triangle: u32, place: [f32; 2]) -> Vec3 {
+    pub fn radiance_of_triangle(&self, triangle: u32, met: [f32; 2], dir: Vec3) -> Vec3 {
         let triangles = self.parts.triangles.as_ref();
-        triangles.map_or(Vec3::ZERO, |triangles| triangles.radiance(triangle as usize, place))
+        triangles.map_or(Vec3::ZERO, |triangles| triangles.radiance_where_met(triangle as usize, met, dir))
     }
 
     /// Density with which [`sample`](Self::sample) finds the environment along the unit direction `dir`.

@@ -14,9 +14,9 @@ mod light_set_tests;
 mod light_tree;
 mod punctual;
 
-pub use area::{EmissiveTriangle, Emitter, TriangleLights};
+pub use area::{EmissiveTriangle, Emitter, LEAST_SHARE, LampPlace, LampShaders, TriangleLights, looking_at};
 pub use environment::{ConstantEnvironment, PictureEnvironment};
-pub use light_emission::{LightRay, SurfaceSample};
+pub use light_emission::LightRay;
 pub use light_lanes::{LightSampleX16, LightSamples};
 pub use light_parts::{EnvironmentLight, LightId, LightKind, LightParts, LightSample};
 pub use light_set::LightSet;

@@ -37,6 +37,10 @@ impl SurfaceShader for Material {
         self.surface.radiance()
     }
 
+    fn emits(&self) -> bool {
+        self.emission.is_some() || self.surface.emits()
+    }
+
     fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         if !self.surface.is_opaque() {
             self.surface.transmit(tracer, hits, out);
