@@ -23,6 +23,8 @@ pub struct Options {
     pub seconds: f64,
     /// Pictures by each.
     pub seeds: u64,
+    /// Render each picture twice under the same virtual lights, and tell what their errors have in common from the rest.
+    pub lights_apart: bool,
 }
 
 /// Errors of one picture after some samples.
@@ -40,6 +42,8 @@ pub struct Point {
     pub rel_mse: f64,
     /// Error of the mean of the picture, a share of it.
     pub mean_error: f64,
+    /// What of `rel_mse` is the virtual lights', where that was asked.
+    pub of_lights: Option<f64>,
 }
 
 /// The truth, twice.
@@ -139,6 +143,20 @@ impl Truth {
         (sum / (3 * self.weights.len()) as f64, off)
     }
 
+    /// What the relative squared errors of two pictures have in common.
+    #[must_use]
+    pub fn in_common(&self, one: &Picture, other: &Picture) -> f64 {
+        let [a, b] = &self.pictures;
+        let mut sum = 0.0;
+        for (i, weight) in self.weights.iter().enumerate() {
+            for k in 0..3 {
+                let off = |found: &Picture, truth: &Picture| channel(found, i, k) - channel(truth, i, k);
+                sum += 0.5 * (off(one, a) * off(other, b) + off(one, b) * off(other, a)) * weight;
+            }
+        }
+        sum / (3 * self.weights.len()) as f64
+    }
+
     /// How far the means of the two are apart, as a share: about twice the error of their mean.
     #[must_use]
     pub fn doubt(&self) -> f64 {
@@ -174,6 +192,11 @@ pub fn run(
                 time_limit: None,
                 ..options.picture.clone()
             };
+            // Of other rays under the same virtual lights.
+            let twin = options.lights_apart && integrator.has_virtual_lights();
+            let lights_seed = Some(seed_of_picture);
+            let of_twin = RenderOptions { seed: SEED + 2 + seed_of_picture, lights_seed, ..picture.clone() };
+            let mut twin = if twin { Some(Accumulation::new(of_twin)?) } else { None };
             let mut accumulation = Accumulation::new(picture)?;
             let mut seconds = 0.0;
             loop {
@@ -184,7 +207,11 @@ pub fn run(
                 if over || samples.is_power_of_two() {
                     let picture = accumulation.colors();
                     let (rel_mse, mean_error) = truth.errors(&picture);
-                    let point = Point { integrator, seed, samples, seconds, rel_mse, mean_error };
+                    let of_lights = twin.as_mut().map(|twin| {
+                        twin.pass(world, camera, samples - twin.samples(), pool, &Silent);
+                        truth.in_common(&picture, &twin.colors())
+                    });
+                    let point = Point { integrator, seed, samples, seconds, rel_mse, mean_error, of_lights };
                     tell(&point, &picture);
                     points.push(point);
                 }
@@ -213,6 +240,8 @@ pub struct Summary {
     pub samples: f64,
     /// Median of relative errors, brought to the asked time: errors of means of independent samples fall as one over time.
     pub rel_mse: f64,
+    /// The same of what is the virtual lights', where that was asked.
+    pub of_lights: Option<f64>,
     /// Root mean square of the errors of the pictures' means.
     pub mean_error: f64,
     /// Mean of the errors of the pictures' means: the error of all pictures together.
@@ -241,6 +270,11 @@ pub fn summaries(points: &[Point], seconds: f64) -> Vec<Summary> {
             integrator,
             samples: median(last.iter().map(|p| f64::from(p.samples)).collect()),
             rel_mse: median(last.iter().map(|p| p.rel_mse * p.seconds / seconds).collect()),
+            of_lights: last
+                .iter()
+                .map(|p| p.of_lights.map(|own| own * p.seconds / seconds))
+                .collect::<Option<Vec<f64>>>()
+                .map(median),
             mean_error: (last.iter().map(|p| p.mean_error.powi(2)).sum::<f64>() / count).sqrt(),
             bias: last.iter().map(|p| p.mean_error).sum::<f64>() / count,
         }
@@ -251,16 +285,19 @@ pub fn summaries(points: &[Point], seconds: f64) -> Vec<Summary> {
 /// A table of summaries.
 #[must_use]
 pub fn table(summaries: &[Summary]) -> String {
-    let mut text =
-        String::from("integrator  samples     relMSE  rms error of the mean  error of all together\n");
+    let mut text = String::from(
+        "integrator  samples     relMSE  of lights  rms error of the mean  error of all together\n",
+    );
     for s in summaries {
+        let of_lights = s.of_lights.map_or_else(|| "-".to_owned(), |own| format!("{own:.6}"));
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
-            "{:<10} {:>8.0} {:>10.6} {:>21.2}% {:>21.2}%",
+            "{:<10} {:>8.0} {:>10.6} {:>10} {:>21.2}% {:>21.2}%",
             s.integrator.name(),
             s.samples,
             s.rel_mse,
+            of_lights,
             100.0 * s.mean_error,
             100.0 * s.bias
         );
@@ -271,13 +308,18 @@ pub fn table(summaries: &[Summary]) -> String {
 /// All points as a table of comma-separated values.
 #[must_use]
 pub fn csv(scene: &str, points: &[Point]) -> String {
-    let mut text = String::from("scene,integrator,seed,samples,cpu_seconds,rel_mse,mean_error\n");
+    let mut text = String::from("scene,integrator,seed,samples,cpu_seconds,rel_mse,mean_error,of_lights\n");
     for p in points {
         let name = p.integrator.name();
         let _ = writeln!(
             text,
-            "{scene},{name},{},{},{:.3},{:.3e},{:.3e}",
-            p.seed, p.samples, p.seconds, p.rel_mse, p.mean_error
+            "{scene},{name},{},{},{:.3},{:.3e},{:.3e},{}",
+            p.seed,
+            p.samples,
+            p.seconds,
+            p.rel_mse,
+            p.mean_error,
+            p.of_lights.map_or_else(String::new, |own| format!("{own:.3e}"))
         );
     }
     text
@@ -322,11 +364,28 @@ mod tests {
             seconds,
             rel_mse,
             mean_error: 0.1,
+            of_lights: (samples > 1).then_some(0.5 * rel_mse),
         };
         let points =
             [point(0, 1, 1.0, 9.0), point(0, 2, 2.0, 1.0), point(1, 2, 4.0, 2.0), point(2, 2, 2.0, 3.0)];
         let found = summaries(&points, 2.0);
         assert_eq!(found.len(), 1, "one integrator");
         assert_eq!(found[0].rel_mse, 3.0, "the median of 1, 4 and 3");
+        assert_eq!(found[0].of_lights, Some(1.5), "half of it");
+    }
+
+    #[test]
+    fn errors_in_common_are_told_apart() {
+        let truth = Truth::new([picture(2.0, 1.0, 1), picture(2.0, 1.0, 2)]).expect("of one size");
+        let of = |seed| {
+            let (mut shared, own) = (picture(2.0, 0.6, 3), picture(0.0, 0.8, seed));
+            shared.color.iter_mut().zip(&own.color).for_each(|(a, b)| (0..3).for_each(|k| a[k] += b[k]));
+            shared
+        };
+        let (one, other) = (of(4), of(5));
+        let (common, all) = (truth.in_common(&one, &other), truth.errors(&one).0);
+        // Variances of 0.36 / 12 and 0.64 / 12 on 2^2 * 1.01.
+        assert!((common - 0.36 / 12.0 / 4.04).abs() < 0.001, "in common: {common}");
+        assert!((all - 1.0 / 12.0 / 4.04).abs() < 0.002, "all: {all}");
     }
 }

@@ -150,7 +150,15 @@ mod tests {
                 let samples = 1 << k;
                 let rel_mse = 0.01 * (n + 1) as f64 / f64::from(samples);
                 let mean_error = 0.1 / f64::from(samples);
-                points.push(Point { integrator, seed: 0, samples, seconds: 1.0, rel_mse, mean_error });
+                points.push(Point {
+                    integrator,
+                    seed: 0,
+                    samples,
+                    seconds: 1.0,
+                    rel_mse,
+                    mean_error,
+                    of_lights: None,
+                });
             }
         }
         let text = svg("a<b", &points);

@@ -186,7 +186,7 @@ impl Accumulation {
         let at_once = if has_virtual_lights || is_of_pass { 1 } else { u32::MAX };
         let mut done = self.samples();
         while done < last && !shared.should_stop() {
-            let of_pass = is_of_pass.then(|| world.of_pass(seed, done, pool));
+            let of_pass = is_of_pass.then(|| world.of_pass(self.options.seed_of_lights(), done, pool));
             let own = of_pass.as_ref().map(|world| {
                 if self.options.integrator.needs_light_set() {
                     world.lights().make_set(pool);

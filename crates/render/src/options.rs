@@ -105,6 +105,9 @@ pub struct RenderOptions {
     pub spp: u32,
     /// The same seed gives the same picture, bit for bit, on any number of threads.
     pub seed: u64,
+    /// The seed of virtual lights, if they shall have another: pictures that differ in `seed` alone then are lit by the same ones, and
+    /// what their errors have in common is the virtual lights'. `None` = `seed`.
+    pub lights_seed: Option<u64>,
     /// How radiance is computed.
     pub integrator: Integrator,
     /// How samples make a pixel.
@@ -155,6 +158,7 @@ impl Default for RenderOptions {
             height: 768,
             spp: 16,
             seed: 0,
+            lights_seed: None,
             integrator: Integrator::default(),
             filter: ReconstructionFilter::Box,
             pixel_centres: false,
@@ -180,6 +184,11 @@ impl RenderOptions {
     pub(crate) fn pattern(&self) -> Option<u32> {
         let n = self.interleave.min(WIDEST) | 1;
         (n > 1 && self.integrator.has_virtual_lights()).then_some(n)
+    }
+
+    /// The seed of virtual lights.
+    pub(crate) fn seed_of_lights(&self) -> u64 {
+        self.lights_seed.unwrap_or(self.seed)
     }
 
     /// The crop clipped to the frame, or the whole frame; an error if nothing is left or a size is 0.

@@ -219,6 +219,9 @@ pub(crate) struct BenchLightArguments {
     /// Largest geometry term, one over area, that virtual lights bring light over
     #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,
+    /// Render each picture twice under the same virtual lights, and tell their share of the error from that of rays
+    #[arg(long)]
+    pub(crate) lights_apart: bool,
     /// Make every material a Lambertian reflector of its base colour
     #[arg(long)]
     pub(crate) force_diffuse: bool,

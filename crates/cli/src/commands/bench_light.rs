@@ -46,6 +46,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
         picture,
         seconds,
         seeds: arguments.rounds as u64,
+        lights_apart: arguments.lights_apart,
     };
     let mut kept = Ok(());
     let mut keep = |point: &light::Point, picture: &image::Picture| {

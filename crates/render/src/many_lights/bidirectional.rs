@@ -40,7 +40,7 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
     let joined = found.joined.iter().map(|([_, eye], own)| (own, found.share_of_pair(*eye)));
     let all: Vec<(&Candidate, f32)> = lights.chain(eyes).chain(joined).collect();
     let key = SampleKey { pixel: hash_combine(RESAMPLING, sample), sample: 0, branch: RESAMPLING };
-    let [start, _] = sample_pair(job.options.seed, key, 0, 0);
+    let [start, _] = sample_pair(job.options.seed_of_lights(), key, 0, 0);
     let (count, paths) = (job.options.vpls as usize, found.paths as f32);
     spread(&all, count, start).into_iter().map(|(i, weight)| all[i].0.vpl.scaled(weight / paths)).collect()
 }
@@ -75,7 +75,7 @@ impl Candidates {
         stats.add(&tracer.take_stats());
         let vpls = job.options.vpls;
         let paths = vpls.saturating_mul(PATHS_PER_LIGHT).min(ENOUGH).max(vpls).max(64);
-        let numbers = light_path::numbers(job.options.seed, sample);
+        let numbers = light_path::numbers(job.options.seed_of_lights(), sample);
         let chunks = in_chunks(job, paths, stats, |tracer, range| {
             let first = range.start;
             let light = light_sides(tracer, &pilots, range.clone(), &numbers);

@@ -26,7 +26,7 @@ pub(super) fn vertices(
     stats: &mut RenderStats,
 ) -> Vec<LightVertex> {
     let (first, paths) = (paths.start, paths.len() as u32);
-    let of_set = numbers(job.options.seed, set);
+    let of_set = numbers(job.options.seed_of_lights(), set);
     let plain = |path: u32, edge: u32, which: u32| of_set(first + path, edge, which);
     // Only the number that chooses a lamp is bent towards those that matter.
     let bent = |path: u32| {

@@ -191,8 +191,9 @@ fn chosen(job: &Job, number: u32, stats: &mut RenderStats) -> Vec<Vpl> {
 
 /// Whether virtual lights for one are good for the other.
 fn alike(a: &RenderOptions, b: &RenderOptions) -> bool {
-    let what =
-        |o: &RenderOptions| (o.integrator, o.vpls, o.max_depth, o.clamp, o.seed, o.white, o.ray_epsilon);
+    let what = |o: &RenderOptions| {
+        (o.integrator, o.vpls, o.max_depth, o.clamp, o.seed_of_lights(), o.white, o.ray_epsilon)
+    };
     what(a) == what(b)
 }
 

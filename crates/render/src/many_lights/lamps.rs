@@ -34,7 +34,7 @@ pub(super) fn learned(job: &Job, stats: &mut RenderStats) -> Option<LampChoice> 
     let mut tracer = BatchTracer::new(job.world, job.options, false);
     let pilots = Pilots::new(job, &mut tracer, u32::MAX, bound_of(job.world, job.options));
     stats.add(&tracer.take_stats());
-    let numbers = light_path::numbers(job.options.seed, u32::MAX - 1);
+    let numbers = light_path::numbers(job.options.seed_of_lights(), u32::MAX - 1);
     let max_edges = job.options.max_depth.saturating_sub(2);
     let found = in_chunks(job, PARTICLES, stats, |tracer, range| {
         let vertices = light_path::trace(tracer, range, &numbers, max_edges);

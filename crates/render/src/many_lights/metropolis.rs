@@ -112,7 +112,7 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
     // What all of them together bring, on average: the total that chains only share out.
     let mean = choice.total() / f64::from(all.paths);
     let count = job.options.vpls.div_ceil(STEPS * LIGHTS_PER_STEP);
-    let seed = job.options.seed;
+    let seed = job.options.seed_of_lights();
     let dice = Dice { seed, pixel: hash_combine(CHAINS, sample) };
     let fresh = light_path::numbers(seed, sample);
     let key = SampleKey { pixel: hash_combine(RESAMPLING, sample), sample: 0, branch: RESAMPLING };

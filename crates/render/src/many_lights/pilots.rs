@@ -78,13 +78,13 @@ impl Pilots {
         let keys: Vec<SampleKey> =
             (0..SEEN).map(|sample| SampleKey { pixel, sample, branch: PURPOSE }).collect();
         let place = |key: &SampleKey| {
-            let [u, v] = sample_pair(options.seed, *key, 0, PURPOSE);
+            let [u, v] = sample_pair(options.seed_of_lights(), *key, 0, PURPOSE);
             [(x0 + (x1 - x0) * u) / options.width as f32, 1.0 - (y0 + (y1 - y0) * v) / options.height as f32]
         };
         let places: Vec<[f32; 2]> = keys.iter().map(place).collect();
         let mut rays = RayBatch::default();
         let lens: Vec<[f32; 2]> =
-            keys.iter().map(|&key| sample_pair(options.seed, key, 0, PURPOSE + 5)).collect();
+            keys.iter().map(|&key| sample_pair(options.seed_of_lights(), key, 0, PURPOSE + 5)).collect();
         let times: Vec<f32> = match job.world.is_open() {
             true => keys.iter().map(|&key| job.world.time(key)).collect(),
             false => Vec::new(),
@@ -107,8 +107,8 @@ impl Pilots {
                     }
                     continue;
                 }
-                let [u, v] = sample_pair(options.seed, key, edges, PURPOSE + 1);
-                let [lobe, _] = sample_pair(options.seed, key, edges, PURPOSE + 2);
+                let [u, v] = sample_pair(options.seed_of_lights(), key, edges, PURPOSE + 1);
+                let [lobe, _] = sample_pair(options.seed_of_lights(), key, edges, PURPOSE + 2);
                 if let Some((ray, sample)) = eye.scatter([lobe, u, v]) {
                     next.push(ray, key, throughput * sample.weight);
                 }
@@ -263,8 +263,8 @@ fn ends_of_rays(
     let mut walks = Walks::default();
     for (sample, eye) in (0..).zip(points) {
         let key = SampleKey { pixel, sample, branch: PURPOSE + 1 };
-        let [u, v] = sample_pair(job.options.seed, key, 0, PURPOSE + 3);
-        let [lobe, _] = sample_pair(job.options.seed, key, 0, PURPOSE + 4);
+        let [u, v] = sample_pair(job.options.seed_of_lights(), key, 0, PURPOSE + 3);
+        let [lobe, _] = sample_pair(job.options.seed_of_lights(), key, 0, PURPOSE + 4);
         if let Some((ray, sample)) = eye.scatter([lobe, u, v]) {
             walks.push(ray, key, (eye, sample));
         }

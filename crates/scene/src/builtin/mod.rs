@@ -7,6 +7,7 @@ mod cornell;
 mod island;
 mod materials;
 mod noise;
+mod rooms;
 mod shapes;
 mod sky;
 mod slit;
@@ -57,6 +58,11 @@ pub const ALL: &[Builtin] = &[
         name: "slit",
         description: "two rooms with a slit between them: the camera is in the one without the lamp",
         make: slit::scene,
+    },
+    Builtin {
+        name: "rooms",
+        description: "three rooms joined by narrow openings: the lamp is in the last one, the camera in the first",
+        make: rooms::scene,
     },
     Builtin {
         name: "wind",
