@@ -7,9 +7,9 @@ mod store;
 use std::sync::{Arc, OnceLock};
 
 use gnurt_accel_core::control::Watch;
-use gnurt_accel_core::{Aabb, BuildError, Memory, Quality, Threads, TreeStats};
+use gnurt_accel_core::{Aabb, BuildError, INVALID_ID, Memory, Quality, Threads, TreeStats};
 
-use crate::build::try_build;
+use crate::build::{build_along_curve, try_build};
 use crate::leaves::Leaves;
 use crate::pose::Structure;
 use crate::refit::Moving;
@@ -51,13 +51,27 @@ impl BvhIndex {
         threads: Threads,
         watch: &Watch,
     ) -> Result<Self, BuildError> {
+        if quality == Quality::Fast {
+            let middles = screen.take_middles();
+            let leaves = |blocks: &[_]| Leaves::boxed(screen, memory, blocks, threads, watch);
+            let built = threads.run(|parallel| build_along_curve(middles, leaves, parallel, watch));
+            let (mut tree, leaves) = built?;
+            tree.settle(memory);
+            let stats = tree.measure();
+            watch.give(size_of_val(&tree.blocks[..]));
+            tree.blocks = Vec::new();
+            return Ok(Self { leaves, ..Self::of_tree(tree, stats) });
+        }
         let references = screen.take_references();
         let mut tree = try_build(screen, references, quality, threads, watch)?;
         let mut held = tree.node_bytes();
         tree.settle(memory);
         watch.recount(&mut held, tree.node_bytes());
         let stats = tree.measure();
-        let in_blocks = std::mem::take(&mut tree.blocks);
+        let mut in_blocks = std::mem::take(&mut tree.blocks);
+        for place in in_blocks.as_flattened_mut().iter_mut().filter(|place| **place != INVALID_ID) {
+            *place = screen.good[*place as usize];
+        }
         let leaves = Leaves::build(screen, memory, &in_blocks, threads, watch)?;
         watch.give(size_of_val(&in_blocks[..]));
         Ok(Self { leaves, ..Self::of_tree(tree, stats) })

@@ -7,15 +7,20 @@ use gnurt_simd::{Level, Simd, dispatch_two, prefer_huge_pages, prefetch};
 use gnurt_accel_core::blocks::TriangleBlock;
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::surfaces::Mesh;
-use gnurt_accel_core::threads::extend;
-use gnurt_accel_core::{BuildError, INVALID_ID, Memory, Threads};
+use gnurt_accel_core::threads::{extend, extend_two};
+use gnurt_accel_core::{Aabb, BuildError, INVALID_ID, Memory, Threads};
 
+use crate::build::Lanes;
 use crate::gather::{Eight, store};
 use crate::node::{Child, WIDTH};
 use crate::pools::{Filling, Pools};
 use crate::pose::PosedLeaves;
 use crate::screen::Screen;
 use crate::tree::Tree;
+
+/// Blocks between two questions whether to go on, and how far ahead a block's triangles are asked for.
+const STEP: usize = 1 << 10;
+const AHEAD: usize = 4;
 
 /// Blocks by their numbers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,10 +40,9 @@ impl Leaves {
         watch: &Watch,
     ) -> Result<Self, BuildError> {
         let mut leaves = Self::default();
-        let number = |i: u32| screen.good.get(i as usize).copied().unwrap_or(INVALID_ID);
         let level = Level::best();
         let block =
-            |places: &[u32; WIDTH]| dispatch_two!(level, simd => block(simd, screen, &places.map(number)));
+            |numbers: &[u32; WIDTH]| dispatch_two!(level, simd => block(simd, screen, numbers, None).0);
         if memory == Memory::Fast {
             watch.take(size_of::<TriangleBlock>() * in_blocks.len());
             watch.result()?;
@@ -53,9 +57,8 @@ impl Leaves {
         for some in in_blocks.chunks(1 << 12) {
             watch.recount(&mut held, filling.memory_bytes());
             watch.result()?;
-            for places in some {
-                let first = number(places[0]);
-                let numbers = places.map(|i| if i == INVALID_ID { first } else { number(i) });
+            for numbers in some {
+                let numbers = without_gaps(numbers);
                 filling.push(&numbers, |number| screen.surfaces.corners(number));
             }
         }
@@ -63,6 +66,43 @@ impl Leaves {
         watch.recount(&mut held, leaves.pools.memory_bytes());
         watch.result()?;
         Ok(leaves)
+    }
+
+    /// The same with the boxes of blocks.
+    pub(super) fn boxed(
+        screen: &Screen,
+        memory: Memory,
+        in_blocks: &[[u32; WIDTH]],
+        threads: Threads,
+        watch: &Watch,
+    ) -> Result<(Vec<Lanes>, Self), BuildError> {
+        let count = in_blocks.len();
+        let mut boxes = Vec::with_capacity(count);
+        if memory == Memory::Compact {
+            let leaves = Self::build(screen, memory, in_blocks, threads, watch)?;
+            let around = |numbers: &[u32; WIDTH]| {
+                let corners = without_gaps(numbers).map(|number| screen.surfaces.corners(number));
+                Lanes::new(0, &Aabb::around(corners.as_flattened()))
+            };
+            threads.run(|parallel| extend(parallel, &mut boxes, count, |i| around(&in_blocks[i])));
+            return Ok((boxes, leaves));
+        }
+        watch.take(size_of::<TriangleBlock>() * count);
+        watch.result()?;
+        let mut leaves = Self { blocks: Vec::with_capacity(count), ..Self::default() };
+        prefer_huge_pages(&leaves.blocks);
+        let level = Level::best();
+        let boxed = |i: usize| {
+            if i.is_multiple_of(STEP) {
+                watch.advance(STEP.min(count - i) * WIDTH);
+                watch.go_on();
+            }
+            let ahead = in_blocks.get(i + AHEAD);
+            dispatch_two!(level, simd => block(simd, screen, &in_blocks[i], ahead))
+        };
+        let blocks = &mut leaves.blocks;
+        threads.run(|parallel| extend_two(parallel, blocks, &mut boxes, count, boxed));
+        Ok((boxes, leaves))
     }
 
     /// How many there are.
@@ -107,14 +147,24 @@ impl Leaves {
     }
 }
 
-/// A block of these triangles; `INVALID_ID` where there is none, which is not so for the first.
+/// The first number in the place of those that are `INVALID_ID`; the first is not.
+fn without_gaps(numbers: &[u32; WIDTH]) -> [u32; WIDTH] {
+    numbers.map(|number| if number == INVALID_ID { numbers[0] } else { number })
+}
+
+/// A block of these triangles, and its box; `INVALID_ID` where there is none, which is not so for the first.
 #[inline(always)]
-fn block<S: Simd>(simd: S, screen: &Screen, numbers: &[u32; WIDTH]) -> TriangleBlock {
-    let numbers = numbers.map(|number| if number == INVALID_ID { numbers[0] } else { number });
+fn block<S: Simd>(
+    simd: S,
+    screen: &Screen,
+    numbers: &[u32; WIDTH],
+    ahead: Option<&[u32; WIDTH]>,
+) -> (TriangleBlock, Lanes) {
+    let numbers = without_gaps(numbers);
     let mut block = TriangleBlock { numbers, ..TriangleBlock::ZERO };
-    let triangles = Eight::gather(simd, &screen.surfaces, &mut { Mesh::NONE }, &numbers, None);
+    let triangles = Eight::gather(simd, &screen.surfaces, &mut { Mesh::NONE }, &numbers, ahead);
     store(&triangles.rows(), &mut block);
-    block
+    (block, Lanes::new(0, &triangles.bounds()))
 }
 
 /// Asks for the memory of what will be visited: a node, or the first block of a leaf. Not for compact trees.

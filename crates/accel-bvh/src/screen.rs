@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a wide BVH over triangles is built from: those that can be traced, as references, in one pass over them.
+//! What a wide BVH over triangles is built from: those that can be traced, as references, or as middles for a fast build, in one
+//! pass over them.
 //! Source: original. Space: object. Invariant: what is taken, and what is counted, is what `accel_core::screened` takes and
 //! counts. Proof: `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
 
@@ -7,11 +8,11 @@ use std::ops::Range;
 
 use gnurt_accel_core::clip::split_boxes;
 use gnurt_accel_core::surfaces::{Mesh, Surfaces};
-use gnurt_accel_core::{Aabb, BadPrimitives, Threads};
+use gnurt_accel_core::{Aabb, BadPrimitives, Quality, Threads};
 use gnurt_simd::{Level, Simd, dispatch_two, prefer_huge_pages, prelude::*};
 use rayon::prelude::*;
 
-use crate::build::{Lanes, Reference};
+use crate::build::{Lanes, Middle, Reference};
 use crate::gather::{Eight, are_certain};
 use crate::node::WIDTH;
 use crate::primitives::Primitives;
@@ -22,10 +23,13 @@ const PIECE: u32 = if cfg!(test) { 1 << 4 } else { 1 << 14 };
 /// Triangles that can be traced.
 pub struct Screen<'a> {
     pub(crate) surfaces: Surfaces<'a>,
-    /// Their numbers, ascending.
+    /// Their numbers, ascending; not for a fast build.
     pub(crate) good: Vec<u32>,
     /// Their boxes, each with its place in `good`.
     references: Vec<Reference>,
+    /// The middles of their boxes, for a fast build.
+    middles: Vec<Middle>,
+    count: usize,
     /// The others.
     pub bad: BadPrimitives,
 }
@@ -35,24 +39,41 @@ pub struct Screen<'a> {
 struct Piece {
     good: Vec<u32>,
     references: Vec<Reference>,
+    middles: Vec<Middle>,
     bad: BadPrimitives,
 }
 
+impl Piece {
+    /// Room for so many.
+    fn reserve(&mut self, count: usize, is_fast: bool) {
+        if is_fast {
+            self.middles.reserve_exact(count);
+            prefer_huge_pages(&self.middles);
+        } else {
+            self.good.reserve_exact(count);
+            self.references.reserve_exact(count);
+            prefer_huge_pages(&self.references);
+        }
+    }
+
+    fn count(&self) -> usize {
+        self.good.len() + self.middles.len()
+    }
+}
+
 impl<'a> Screen<'a> {
-    /// Looks at all triangles once.
+    /// Looks at all triangles once, for a build of this quality.
     #[must_use]
-    pub fn over(surfaces: Surfaces<'a>, threads: Threads) -> Self {
+    pub fn over(surfaces: Surfaces<'a>, quality: Quality, threads: Threads) -> Self {
+        let is_fast = quality == Quality::Fast;
         let (level, ranges) = (Level::best(), surfaces.numbers().collect::<Vec<Range<u32>>>());
         let look = |range: &Range<u32>, piece: &mut Piece| {
-            dispatch_two!(level, simd => piece.add(simd, &surfaces, range.clone()));
+            dispatch_two!(level, simd => piece.add(simd, &surfaces, range.clone(), is_fast));
         };
         let piece = threads.run(|parallel| {
             let mut all = Piece::default();
             if !parallel {
-                let count = ranges.iter().map(Range::len).sum();
-                all.good.reserve_exact(count);
-                all.references.reserve_exact(count);
-                prefer_huge_pages(&all.references);
+                all.reserve(ranges.iter().map(Range::len).sum(), is_fast);
                 ranges.iter().for_each(|range| look(range, &mut all));
                 return all;
             }
@@ -67,26 +88,45 @@ impl<'a> Screen<'a> {
                 piece
             };
             let pieces: Vec<Piece> = cut.par_iter().map(one).collect();
-            let count = pieces.iter().map(|piece| piece.good.len()).sum();
-            all.good.reserve_exact(count);
-            all.references.reserve_exact(count);
-            prefer_huge_pages(&all.references);
-            for Piece { good, references, bad } in pieces {
+            all.reserve(pieces.iter().map(Piece::count).sum(), is_fast);
+            for Piece { good, references, middles, bad } in pieces {
                 let first = all.good.len() as u32;
                 all.good.extend_from_slice(&good);
                 all.references.extend(references.iter().map(|reference| reference.moved(first)));
+                all.middles.extend_from_slice(&middles);
                 all.bad += bad;
             }
             all
         });
-        let Piece { good, references, bad } = piece;
-        Self { surfaces, good, references, bad }
+        let count = piece.count();
+        let Piece { good, references, middles, bad } = piece;
+        Self { surfaces, good, references, middles, count, bad }
+    }
+
+    /// Most bytes that are taken for each triangle, for a build of this quality.
+    #[must_use]
+    pub fn bytes_each(quality: Quality) -> usize {
+        match quality {
+            Quality::Fast => size_of::<Middle>(),
+            _ => size_of::<u32>() + size_of::<Reference>(),
+        }
+    }
+
+    /// Bytes that stay taken through all of the build; others are counted there, as long as they are needed.
+    #[must_use]
+    pub fn kept_bytes(&self) -> usize {
+        size_of_val(&self.good[..])
     }
 
     /// How many there are.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.good.len()
+        self.count
+    }
+
+    /// The middles, for once.
+    pub(crate) fn take_middles(&mut self) -> Vec<Middle> {
+        std::mem::take(&mut self.middles)
     }
 
     /// The references, for once.
@@ -98,7 +138,7 @@ impl<'a> Screen<'a> {
 impl Piece {
     /// Takes what is good among `numbers` of one geometry.
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, surfaces: &Surfaces, numbers: Range<u32>) {
+    fn add<S: Simd>(&mut self, simd: S, surfaces: &Surfaces, numbers: Range<u32>, is_fast: bool) {
         let mut mesh = Mesh::NONE;
         for first in numbers.clone().step_by(WIDTH) {
             let mut eight = [first; WIDTH];
@@ -111,6 +151,17 @@ impl Piece {
             let place = self.good.len() as u32;
             if are_certain {
                 let [a, b, c] = &triangles.0;
+                if is_fast {
+                    let mut middles = [Middle::new([0.0; 3], 0); WIDTH];
+                    for (lane, middle) in middles.iter_mut().enumerate() {
+                        let low = a[lane].min(b[lane]).min(c[lane]);
+                        let high = a[lane].max(b[lane]).max(c[lane]);
+                        let [x, y, z, _] = (low + high).to_array();
+                        *middle = Middle::new([x, y, z], eight[lane]);
+                    }
+                    self.middles.extend_from_slice(&middles[..count]);
+                    continue;
+                }
                 let mut references = [Reference::ZERO; WIDTH];
                 for (lane, reference) in references.iter_mut().enumerate() {
                     let low = a[lane].min(b[lane]).min(c[lane]);
@@ -124,6 +175,10 @@ impl Piece {
             for &number in &eight[..count] {
                 if surfaces.judge(number, &mut self.bad) {
                     let bounds = Aabb::around(&surfaces.corners(number));
+                    if is_fast {
+                        self.middles.push(Middle::of(&bounds, number));
+                        continue;
+                    }
                     self.references.push(Reference::new(self.good.len() as u32, &bounds));
                     self.good.push(number);
                 }
@@ -134,7 +189,7 @@ impl Piece {
 
 impl Primitives for Screen<'_> {
     fn count(&self) -> usize {
-        self.good.len()
+        self.count
     }
 
     fn bounds(&self, i: usize) -> Aabb {
@@ -174,12 +229,19 @@ mod tests {
             assert!(screened.bad.total() > 0, "there is something to find: {:?}", screened.bad);
             for threads in [Threads::Single, Threads::Pool(&pool)] {
                 let surfaces = Surfaces::new(&geometries, &numbering, |_| true);
-                let screen = Screen::over(surfaces, threads);
+                let screen = Screen::over(surfaces, Quality::Medium, threads);
                 assert_eq!((&screen.good, screen.bad), (&screened.good, screened.bad), "seed {seed}");
                 for (i, reference) in screen.references.iter().enumerate() {
                     assert_eq!(reference.number() as usize, i, "places in a row");
                     let bounds = Aabb::around(&screened.corners(screened.good[i]));
                     assert_eq!(reference.bounds(), bounds, "seed {seed}, triangle {i}");
+                }
+                let surfaces = Surfaces::new(&geometries, &numbering, |_| true);
+                let fast = Screen::over(surfaces, Quality::Fast, threads);
+                assert_eq!((fast.count(), fast.bad), (screen.count(), screen.bad), "seed {seed}");
+                for (i, (middle, reference)) in fast.middles.iter().zip(&screen.references).enumerate() {
+                    let same = Middle::of(&reference.bounds(), screen.good[i]);
+                    assert_eq!(middle, &same, "seed {seed}, triangle {i}");
                 }
             }
         }

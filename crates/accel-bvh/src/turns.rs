@@ -245,7 +245,7 @@ mod tests {
     fn index_over(soup: &Soup) -> BvhIndex {
         let meshes = [Triangles { positions: &soup.positions, indices: &soup.indices }.into()];
         let surfaces = Surfaces::new(&meshes, &Numbering::new(&meshes), |_| true);
-        let mut screen = Screen::over(surfaces, Threads::Single);
+        let mut screen = Screen::over(surfaces, Quality::Medium, Threads::Single);
         BvhIndex::build(&mut screen, Quality::Medium, Memory::Fast, Threads::Single, &Watch::new(&()))
             .expect("there is memory")
     }

@@ -36,3 +36,21 @@ pub fn extend<T: Send>(
         all.extend((0..count).map(value));
     }
 }
+
+/// Puts `count` pairs of values into `first` and `second`, which are empty; several threads may work on it.
+pub fn extend_two<A: Send, B: Send>(
+    parallel: bool,
+    first: &mut Vec<A>,
+    second: &mut Vec<B>,
+    count: usize,
+    pair: impl Fn(usize) -> (A, B) + Send + Sync,
+) {
+    if parallel {
+        (0..count).into_par_iter().with_min_len(1024).map(pair).unzip_into_vecs(first, second);
+    } else {
+        for (a, b) in (0..count).map(pair) {
+            first.push(a);
+            second.push(b);
+        }
+    }
+}

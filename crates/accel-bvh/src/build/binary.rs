@@ -40,7 +40,7 @@ pub(super) struct Careful<'a, P> {
     /// From this depth on references are divided by number alone.
     by_number: usize,
     /// What references are of; none if they are of primitives.
-    clusters: &'a [Cluster<'a>],
+    clusters: &'a [Cluster],
 }
 
 impl<'a, P: Primitives> Careful<'a, P> {
@@ -49,9 +49,9 @@ impl<'a, P: Primitives> Careful<'a, P> {
         Self { primitives, tasks, least_overlap, by_number, clusters: &[] }
     }
 
-    /// As above, but references are of clusters.
+    /// As above, but references are of clusters, which are never split.
     pub(super) fn over(
-        clusters: &'a [Cluster<'a>],
+        clusters: &'a [Cluster],
         primitives: &'a P,
         tasks: TaskPool<'a>,
         root: &Part,
@@ -91,9 +91,9 @@ impl<'a, P: Primitives> Careful<'a, P> {
         let last = pieces.len() - 1;
         if !self.clusters.is_empty() {
             if count == 1 {
-                let Cluster { nodes, costs } = &self.clusters[references[0].number() as usize];
-                pieces[last].extend_from_slice(nodes);
-                return (nodes.len(), *costs);
+                let Cluster { child, costs } = self.clusters[references[0].number() as usize];
+                pieces[last].push(BinaryNode::made(part.bounds, child));
+                return (1, costs);
             }
         } else if count <= WIDTH {
             pieces[last].push(BinaryNode::leaf(part.bounds, &references[..count]));

@@ -5,7 +5,10 @@ use gnurt_accel_core::INVALID_ID;
 
 use super::costs::{Costs, Shares};
 use super::reference::{Lanes, Reference};
-use crate::node::WIDTH;
+use crate::node::{Child, WIDTH};
+
+/// Instead of a number of primitives.
+const MADE: u32 = u32::MAX;
 
 /// A node of a binary tree. It says where its children are seen from itself, so that trees may be put one behind another.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +16,7 @@ pub(super) struct BinaryNode {
     pub(super) bounds: Lanes,
     /// In a leaf the numbers of primitives; else the first two say where the children are.
     pub(super) numbers: [u32; WIDTH],
-    /// Primitives of a leaf; 0 if it is none.
+    /// Primitives of a leaf; 0 if it is none, [`MADE`] if it stands for what was made before.
     pub(super) count: u32,
     /// How the children share the places of a wide node.
     pub(super) shares: Shares,
@@ -32,6 +35,13 @@ impl BinaryNode {
         node
     }
 
+    /// In the place of a wide node, or of a leaf block, that was made before.
+    pub(super) fn made(bounds: Lanes, child: Child) -> Self {
+        let mut numbers = [INVALID_ID; WIDTH];
+        numbers[0] = child.0;
+        Self { bounds, numbers, count: MADE, shares: [0; WIDTH + 1] }
+    }
+
     /// `back` is how far before it its children are, modulo 2^32.
     pub(super) fn inner(bounds: Lanes, back: [u32; 2], shares: Shares) -> Self {
         let mut numbers = [INVALID_ID; WIDTH];
@@ -39,8 +49,14 @@ impl BinaryNode {
         Self { bounds, numbers, count: 0, shares }
     }
 
+    /// What it stands for, if that was made before.
+    pub(super) fn as_made(&self) -> Option<Child> {
+        (self.count == MADE).then_some(Child(self.numbers[0]))
+    }
+
+    /// Whether a leaf block is made of it.
     pub(super) fn is_leaf(&self) -> bool {
-        self.count > 0
+        self.as_made().map_or(self.count > 0, Child::is_leaf)
     }
 
     /// Where the children are of a node, no leaf, that is at `at`.
@@ -49,8 +65,8 @@ impl BinaryNode {
     }
 }
 
-/// The nodes over a cluster, and what they cost.
-pub(super) struct Cluster<'a> {
-    pub(super) nodes: &'a [BinaryNode],
+/// Some primitives near each other, and what was made of them.
+pub(super) struct Cluster {
+    pub(super) child: Child,
     pub(super) costs: Costs,
 }

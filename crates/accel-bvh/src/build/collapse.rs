@@ -23,6 +23,12 @@ struct Pending {
     depth: usize,
 }
 
+/// What wide nodes are made from.
+struct Source<'a> {
+    binary: &'a [BinaryNode],
+    made: &'a [Node8],
+}
+
 /// Some nodes and the blocks below them, with places of their own.
 #[derive(Default)]
 struct Piece {
@@ -30,9 +36,10 @@ struct Piece {
     blocks: Vec<[u32; WIDTH]>,
 }
 
-/// The wide tree; `None` where it would be too deep. Nodes come in the order of a walk that takes first children first,
+/// The wide tree; `None` where it would be too deep. `made` are nodes that binary ones stand for. Nodes come in the order of a walk that takes first children first,
 /// whoever made them.
-pub(super) fn collapse(binary: &[BinaryNode], tasks: TaskPool) -> Option<Tree> {
+pub(super) fn collapse(binary: &[BinaryNode], made: &[Node8], tasks: TaskPool) -> Option<Tree> {
+    let source = Source { binary, made };
     let root = binary.last()?;
     let bounds = root.bounds.bounds();
     let first = Pending { from: binary.len() - 1, parent: 0, place: WIDTH, depth: 0 };
@@ -46,14 +53,14 @@ pub(super) fn collapse(binary: &[BinaryNode], tasks: TaskPool) -> Option<Tree> {
         }
         let mut piece = Piece::default();
         let from = waiting.len();
-        piece.add(binary, next, &mut waiting);
+        piece.add(&source, next, &mut waiting);
         // Parents of what is below are places among the parts, as long as these have none.
         waiting[from..].iter_mut().for_each(|below| below.parent = parts.len());
         parts.push((next, Some(piece)));
     }
     let below = |(next, top): &mut (Pending, Option<Piece>)| match top.take() {
         Some(piece) => Some(piece),
-        None => Piece::below(binary, *next),
+        None => Piece::below(&source, *next),
     };
     let pieces: Option<Vec<Piece>> = if tasks.parallel {
         parts.par_iter_mut().map(below).collect()
@@ -99,7 +106,7 @@ pub(super) fn collapse(binary: &[BinaryNode], tasks: TaskPool) -> Option<Tree> {
 
 impl Piece {
     /// All that is below a node; `None` where it would be too deep.
-    fn below(binary: &[BinaryNode], first: Pending) -> Option<Self> {
+    fn below(source: &Source, first: Pending) -> Option<Self> {
         let mut piece = Self::default();
         let mut waiting = vec![Pending { place: WIDTH, ..first }];
         while let Some(next) = waiting.pop() {
@@ -108,13 +115,10 @@ impl Piece {
             }
             if next.place < WIDTH {
                 let index = piece.nodes.len();
-                piece.nodes[next.parent].set(
-                    next.place,
-                    &binary[next.from].bounds.bounds(),
-                    Child::node(index),
-                );
+                let bounds = source.binary[next.from].bounds.bounds();
+                piece.nodes[next.parent].set(next.place, &bounds, Child::node(index));
             }
-            piece.add(binary, next, &mut waiting);
+            piece.add(source, next, &mut waiting);
         }
         Some(piece)
     }
@@ -122,21 +126,26 @@ impl Piece {
     /// Makes a node and its leaves; what else is below it goes to `waiting`, the first child on top.
     fn add(
         &mut self,
-        binary: &[BinaryNode],
+        &Source { binary, made }: &Source,
         Pending { from, depth, .. }: Pending,
         waiting: &mut Vec<Pending>,
     ) {
         let index = self.nodes.len();
+        if let Some(child) = binary[from].as_made().filter(|child| !child.is_leaf()) {
+            return self.nodes.push(made[child.index()]);
+        }
         let mut node = Node8::EMPTY;
         let (mut children, count) = open(binary, from);
         by_promise(binary, &mut children[..count]);
         for (place, &child) in children[..count].iter().enumerate().rev() {
             let from = &binary[child];
-            if from.is_leaf() {
+            if !from.is_leaf() {
+                waiting.push(Pending { from: child, parent: index, place, depth: depth + 1 });
+            } else if let Some(block) = from.as_made() {
+                node.set(place, &from.bounds.bounds(), block);
+            } else {
                 node.set(place, &from.bounds.bounds(), Child::leaf(self.blocks.len(), 1));
                 self.blocks.push(from.numbers);
-            } else {
-                waiting.push(Pending { from: child, parent: index, place, depth: depth + 1 });
             }
         }
         self.nodes.push(node);

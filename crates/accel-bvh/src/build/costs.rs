@@ -19,6 +19,11 @@ pub(super) fn leaf_costs(area: f32) -> Costs {
     [area; WIDTH]
 }
 
+/// Costs of a wide node that was made before, given half its surface and the surfaces of its leaves.
+pub(super) fn made_costs(area: f32, below: f32) -> Costs {
+    [NODE * area + below; WIDTH]
+}
+
 /// Costs of a node with two children, given half its surface, and how they share its places.
 pub(super) fn inner_costs(area: f32, left: &Costs, right: &Costs) -> (Costs, Shares) {
     let (mut costs, mut shares) = ([f32::INFINITY; WIDTH], [0; WIDTH + 1]);

@@ -2,7 +2,7 @@
 //! Building a wide BVH by the surface area heuristic.
 //! Source: binned heuristic [Wald07], improved by reinsertion [MB18], made into nodes of the least cost [YKL17]. With time to
 //! spare the same with spatial splits [SFD09]; the cheaper of both trees is taken, since either may be: splits that are
-//! good at the top of a tree leave less to gain below.
+//! good at the top of a tree leave less to gain below. With no time at all: `fast`.
 //! In: boxes of primitives. Out: [`Tree`]. Cost: O(n log n).
 //! Invariant: every primitive is in at least one leaf whose box, and that of all nodes above, holds (its part of) it;
 //! the tree does not depend on the number of threads. Proof: `tests`.
@@ -10,11 +10,13 @@
 mod binary;
 mod binary_node;
 mod bins;
-mod cluster;
 mod collapse;
 mod costs;
+mod curve;
+mod fast;
 mod partition;
 pub(crate) mod parts;
+mod radix;
 mod reference;
 mod reinsert;
 mod spatial;
@@ -29,9 +31,11 @@ use crate::tree::{DEEPEST, Tree};
 use binary::Careful;
 use binary_node::BinaryNode;
 use collapse::collapse;
+use curve::Curve;
+pub(crate) use curve::Middle;
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::threads::extend;
-use gnurt_accel_core::{Aabb, BuildError, Quality, Threads};
+use gnurt_accel_core::{Aabb, BuildError, INVALID_ID, Quality, Threads};
 use gnurt_simd::Level;
 pub(crate) use reference::{Lanes, Reference};
 use reinsert::{QUICK, THOROUGH, reinsert};
@@ -81,6 +85,9 @@ fn build_with(
     if count == 0 {
         return Ok(Tree::new(Aabb::EMPTY));
     }
+    if quality == Quality::Fast {
+        return build_fast(primitives, parallel, watch);
+    }
     // What cannot be split has no parts.
     let first = primitives.bounds(0);
     let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
@@ -96,13 +103,9 @@ fn build_with(
     let mut references = if given.is_empty() { all_references(primitives, parallel) } else { given };
     let tasks = TaskPool { parallel, level: Level::best(), scale: 1.0, watch };
     let root = tasks.around(&references);
-    let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
-    let tasks = TaskPool { scale: (1.0 / longest) as f32, ..tasks };
+    let tasks = tasks.scaled_to(&root);
     let careful = Careful::new(primitives, tasks, &root, BY_NUMBER);
-    let mut nodes = match quality {
-        Quality::Fast => cluster::build(primitives, tasks, &references, &root),
-        _ => careful.build(&mut references, root),
-    };
+    let mut nodes = careful.build(&mut references, root);
     watch.grown();
     stages.end();
     if try_parts {
@@ -112,7 +115,7 @@ fn build_with(
         references = Vec::new();
         hold(size_of_val(&nodes[..]))?;
     }
-    let cost = if quality == Quality::Fast { 0.0 } else { reinsert(&mut nodes, QUICK, tasks) };
+    let cost = reinsert(&mut nodes, QUICK, tasks);
     stages.end();
     if try_parts {
         let mut others = careful.build(&mut references, root);
@@ -146,18 +149,77 @@ fn build_with(
 fn collapsed(nodes: &[BinaryNode], tasks: TaskPool) -> Result<Option<Tree>, BuildError> {
     let watch = tasks.watch;
     let blocks = nodes.iter().filter(|node| node.is_leaf()).count();
-    if blocks > Child::MOST_NUMBERS {
-        let (blocks, most) = (blocks as u64, Child::MOST_NUMBERS as u64);
-        return Err(BuildError::TooManyBlocks { blocks, most });
-    }
+    within_numbers(blocks)?;
     // Every second node is a leaf, and a node holds at least four of them on average; all is there twice for a while.
     let mut held = 0;
     watch.recount(&mut held, nodes.len() * (size_of::<[u32; WIDTH]>() + size_of::<Node8>() / 4));
     watch.result()?;
-    let tree = collapse(nodes, tasks);
+    let tree = collapse(nodes, &[], tasks);
     watch.recount(&mut held, tree.as_ref().map_or(0, Tree::memory_bytes));
     watch.result()?;
     Ok(tree)
+}
+
+fn build_fast(primitives: &impl Primitives, parallel: bool, watch: &Watch) -> Result<Tree, BuildError> {
+    let count = primitives.count();
+    let middle = |number: usize| Middle::of(&primitives.bounds(number), number as u32);
+    let mut middles = Vec::new();
+    extend(parallel, &mut middles, count, middle);
+    let around = |block: &[u32; WIDTH]| {
+        let numbers = block.iter().filter(|&&number| number != INVALID_ID);
+        let bounds = numbers.map(|&number| primitives.bounds(number as usize));
+        Lanes::new(0, &bounds.fold(Aabb::EMPTY, |all, one| all.union(&one)))
+    };
+    let make = |blocks: &[[u32; WIDTH]]| {
+        let mut boxes = Vec::new();
+        extend(parallel, &mut boxes, blocks.len(), |i| around(&blocks[i]));
+        Ok((boxes, ()))
+    };
+    Ok(build_along_curve(middles, make, parallel, watch)?.0)
+}
+
+/// The fast way; `make` makes something of all leaf blocks, and their boxes.
+///
+/// # Errors
+/// That `watch` stopped it, or that there are too many blocks.
+pub(crate) fn build_along_curve<T>(
+    middles: Vec<Middle>,
+    make: impl FnOnce(&[[u32; WIDTH]]) -> Result<(Vec<Lanes>, T), BuildError>,
+    parallel: bool,
+    watch: &Watch,
+) -> Result<(Tree, T), BuildError> {
+    let tasks = TaskPool { parallel, level: Level::best(), scale: 1.0, watch };
+    let mut held = 0;
+    let mut hold = |bytes| {
+        watch.recount(&mut held, bytes);
+        watch.result()
+    };
+    let count = middles.len();
+    watch.start(count);
+    // Codes, and those before they are sorted.
+    let of_middles = size_of_val(&middles[..]);
+    hold(of_middles + 2 * size_of::<u64>() * middles.len())?;
+    let mut curve = Curve::through(tasks, &middles);
+    drop(middles);
+    let blocks = curve.blocks.len();
+    watch.result()?;
+    within_numbers(blocks)?;
+    hold((size_of::<[u32; WIDTH]>() + size_of::<Lanes>()) * blocks)?;
+    let (boxes, made) = make(&curve.blocks)?;
+    watch.advance_to(count);
+    let mut tree = fast::over_curve(tasks, &curve, &boxes)?;
+    tree.blocks = std::mem::take(&mut curve.blocks);
+    hold(tree.memory_bytes())?;
+    Ok((tree, made))
+}
+
+/// Whether leaves can number so many blocks.
+fn within_numbers(blocks: usize) -> Result<(), BuildError> {
+    if blocks > Child::MOST_NUMBERS {
+        let (blocks, most) = (blocks as u64, Child::MOST_NUMBERS as u64);
+        return Err(BuildError::TooManyBlocks { blocks, most });
+    }
+    Ok(())
 }
 
 fn all_references(primitives: &impl Primitives, parallel: bool) -> Vec<Reference> {

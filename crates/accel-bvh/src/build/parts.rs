@@ -46,8 +46,7 @@ pub(crate) fn build_parts<T: Send>(
         watch.start(references.len());
         let tasks = TaskPool { parallel, level: Level::best(), scale: 1.0, watch };
         let root = tasks.around(&references);
-        let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
-        let tasks = TaskPool { scale: (1.0 / longest) as f32, ..tasks };
+        let tasks = tasks.scaled_to(&root);
         let parting = Parting {
             careful: Careful::new(&boxes, tasks, &root, BY_NUMBER),
             alone: Careful::new(&boxes, TaskPool { parallel: false, ..tasks }, &root, BY_NUMBER_WHEN_DEEP),
@@ -114,6 +113,6 @@ impl<T: Send, M: Fn(Tree) -> T + Sync> Parting<'_, M> {
         if self.options.quality == Quality::High {
             reinsert(&mut nodes, THOROUGH, self.alone.tasks);
         }
-        collapse(&nodes, self.alone.tasks)
+        collapse(&nodes, &[], self.alone.tasks)
     }
 }

@@ -54,6 +54,14 @@ impl Lanes {
         moved
     }
 
+    /// The same box under this number.
+    #[inline(always)]
+    pub(super) fn numbered(&self, number: u32) -> Self {
+        let mut numbered = *self;
+        numbered.0[3] = f32::from_bits(number + NORMAL);
+        numbered
+    }
+
     #[inline(always)]
     pub(crate) fn number(&self) -> u32 {
         self.0[3].to_bits() - NORMAL

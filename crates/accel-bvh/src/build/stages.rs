@@ -20,11 +20,10 @@ impl<'a> Stages<'a> {
     /// Over `count` primitives, then over `parts` of them, where that is tried.
     pub(super) fn new(watch: &'a Watch<'a>, quality: Quality, count: usize, parts: usize) -> Self {
         let moving = |count: usize, rounds| reinsert::steps(NODES_PER_TEN * count / 10, rounds);
-        let steps = match quality {
-            Quality::Fast => vec![count, 0],
-            _ if parts > 0 => vec![count, moving(count, QUICK), parts, moving(parts, QUICK)],
-            _ => vec![count, moving(count, QUICK)],
-        };
+        let mut steps = vec![count, moving(count, QUICK)];
+        if parts > 0 {
+            steps.extend([parts, moving(parts, QUICK)]);
+        }
         let mut ends: Vec<usize> = steps
             .iter()
             .scan(0, |end, steps| {

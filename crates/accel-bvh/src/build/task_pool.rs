@@ -37,6 +37,12 @@ pub(super) struct Found {
 }
 
 impl TaskPool<'_> {
+    /// The same, where areas are those within the box around all: its longest side is 1.
+    pub(super) fn scaled_to(self, root: &Part) -> Self {
+        let longest = root.bounds.bounds().extent().into_iter().fold(f64::from(f32::MIN_POSITIVE), f64::max);
+        Self { scale: (1.0 / longest) as f32, ..self }
+    }
+
     /// Runs two jobs, at the same time where there are threads.
     pub(super) fn both<A: Send, B: Send>(
         self,
@@ -86,10 +92,10 @@ impl TaskPool<'_> {
     }
 
     /// What there is to know of `references`: of pieces on their own, then of two neighbours together.
-    fn fold<T: Send>(
+    pub(super) fn fold<R: Sync, T: Send>(
         self,
-        references: &[Reference],
-        piece: &(impl Fn(&[Reference]) -> T + Sync),
+        references: &[R],
+        piece: &(impl Fn(&[R]) -> T + Sync),
         together: &(impl Fn(T, T) -> T + Sync),
     ) -> T {
         if references.len() <= PIECE {

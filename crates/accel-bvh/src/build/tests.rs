@@ -259,7 +259,7 @@ fn no_other_collapse_is_cheaper() {
         let tasks = TaskPool { parallel: false, level: Level::best(), scale: 1.0, watch: &watch };
         let root = tasks.around(&references);
         let nodes = Careful::new(&boxes, tasks, &root, 64).build(&mut references, root);
-        let tree = collapse(&nodes, tasks).expect("it is not deep");
+        let tree = collapse(&nodes, &[], tasks).expect("it is not deep");
         let found = (cost(&tree) + 1.0) * tree.bounds.half_area();
         let least = least_cost(&nodes, nodes.len() - 1, 1);
         assert!((found - least).abs() < 1e-5 * least, "{found} is the least of all, {least}");

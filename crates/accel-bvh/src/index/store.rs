@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A wide BVH's way into a file and back. Source: original; the format is that of `crate::store`.
-//! Invariant: what is loaded is one tree of nodes and blocks in the order of a walk, none deeper than a build would put it. Proof: `tests/saved.rs`.
+//! Invariant: what is loaded is one tree of nodes in the order of a walk, each block in one leaf, none deeper than a build would put it. Proof: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 use std::sync::Arc;
@@ -218,9 +218,9 @@ impl Tree {
         if (count == 0) != self.bounds.is_empty() {
             return damaged("its bounds are not those of its nodes");
         }
-        // Nodes that are to come, the next one last, and their depths; and the next block.
+        // Nodes that are to come, the next one last, and their depths; and blocks that have come.
         let mut waiting = if count == 0 { Vec::new() } else { vec![(0, 0)] };
-        let mut next_block = 0;
+        let (mut seen, mut seen_blocks) = (vec![false; blocks], 0);
         for at in 0..count {
             let Some((_, depth)) = waiting.pop().filter(|&(next, _)| next == at) else {
                 return damaged("a node is not where a walk comes to it");
@@ -242,16 +242,17 @@ impl Tree {
                 }
                 if child.is_leaf() {
                     let range = child.blocks();
-                    if range.is_empty() || range.start != next_block || range.end > blocks {
-                        return damaged("a leaf's blocks are not where a walk comes to them");
+                    if range.is_empty() || range.end > blocks || seen[range.clone()].contains(&true) {
+                        return damaged("a leaf's blocks are none, or another leaf's");
                     }
-                    next_block = range.end;
+                    seen_blocks += range.len();
+                    seen[range].fill(true);
                 } else {
                     waiting.push((child.index(), depth + 1));
                 }
             }
         }
-        if !waiting.is_empty() || next_block != blocks {
+        if !waiting.is_empty() || seen_blocks != blocks {
             return damaged("nodes or blocks are missing, or there are too many");
         }
         Ok(())

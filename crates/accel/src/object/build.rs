@@ -108,21 +108,21 @@ impl ObjectTree {
                             index
                         }
                         Structure::Bvh => {
-                            let each = number + size_of::<[f32; 8]>();
+                            let each = Screen::bytes_each(quality);
                             watch.take(each * numbers);
                             watch.result()?;
                             let surfaces = Surfaces::new(geometries, &numbering, wanted);
-                            let mut screen = Screen::over(surfaces, threads);
+                            let mut screen = Screen::over(surfaces, quality, threads);
                             bad += screen.bad;
                             let count = screen.count();
                             triangles = Some(count as u64);
-                            // It counts the boxes itself, as long as it needs them.
-                            watch.give(each * numbers - number * count);
+                            let kept = screen.kept_bytes();
+                            watch.give(each * numbers - kept);
                             if count == 0 {
                                 continue;
                             }
                             let index = BvhIndex::build(&mut screen, quality, memory, threads, &watch)?;
-                            watch.give(number * count);
+                            watch.give(kept);
                             Index::Bvh(index)
                         }
                     }

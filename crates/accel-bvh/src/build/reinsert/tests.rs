@@ -74,7 +74,7 @@ fn every_round_makes_it_cheaper() {
                 assert!(after <= before * (1.0 + 1e-12), "{after} after {before}");
                 before = after;
                 // The cost that is returned is that of the wide tree; floats add up to it.
-                let tree = collapse::collapse(&nodes, tasks).expect("it is not deep");
+                let tree = collapse::collapse(&nodes, &[], tasks).expect("it is not deep");
                 let children = |node: &crate::node::Node8| -> f64 {
                     (0..crate::node::WIDTH).map(|place| node.bounds(place).half_area()).sum()
                 };
