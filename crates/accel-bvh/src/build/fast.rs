@@ -49,7 +49,8 @@ pub(super) fn over_curve(tasks: TaskPool, curve: &Curve, boxes: &[Lanes]) -> Res
     let above = |by_number| {
         let mut references = references.clone();
         let binary = Careful::over(&clusters, &NOTHING, tasks, &root, by_number).build(&mut references, root);
-        collapse(&binary, &nodes, tasks)
+        // What was stopped is no tree.
+        if tasks.watch.go_on() { collapse(&binary, &nodes, tasks) } else { None }
     };
     let tree = above(BY_NUMBER).or_else(|| above(BY_NUMBER_WHEN_DEEP));
     tasks.watch.give(bytes);

@@ -107,6 +107,37 @@ fn random_boxes_are_all_found() {
     assert!(tree.blocks.len() < 20_000 / 4, "{} blocks are at least half full", tree.blocks.len());
 }
 
+/// Says no when it is asked so often.
+struct Patience(std::sync::atomic::AtomicU32);
+
+impl gnurt_accel_core::control::BuildControl for Patience {
+    fn keep_going(&self) -> bool {
+        self.0.fetch_sub(1, std::sync::atomic::Ordering::Relaxed) > 1
+    }
+}
+
+#[test]
+fn what_is_stopped_is_no_tree() {
+    let all = random_boxes(&mut Random::new(7), 20_000, 0.01);
+    // So many that several threads would build the tree over clusters, too.
+    for (quality, boxes) in [(Quality::Fast, &all[..]), (Quality::Medium, &all[..3000])] {
+        let mut stopped = 0;
+        for no in 1.. {
+            let control = Patience(no.into());
+            let watch = Watch::new(&control);
+            match try_build(&boxes, Vec::new(), quality, Threads::Single, &watch) {
+                Ok(tree) => {
+                    check(boxes, &tree);
+                    break;
+                }
+                Err(error) => assert_eq!(error, BuildError::Cancelled, "{quality:?}, asked {no} times"),
+            }
+            stopped += 1;
+        }
+        assert!(stopped > 4, "{quality:?} is asked more than {stopped} times");
+    }
+}
+
 #[test]
 fn equal_boxes_share_leaves() {
     let unit = Aabb { min: [0.0; 3], max: [1.0; 3] };
