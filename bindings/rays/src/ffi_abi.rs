@@ -98,6 +98,9 @@ pub(crate) struct Arguments {
 /// Of [`Arguments::flags`]: the filter of the arguments is for all geometries.
 pub(crate) const INVOKE_ARGUMENT_FILTER: c_uint = 1 << 1;
 
+/// Of [`Arguments::flags`]: the rays of a packet go much the same way.
+pub(crate) const COHERENT: c_uint = 1 << 16;
+
 /// `RTCFilterFunctionNArguments`.
 #[repr(C)]
 #[derive(Debug)]

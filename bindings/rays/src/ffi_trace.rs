@@ -2,7 +2,8 @@
 //! `rtcIntersect1/4/8/16` and `rtcOccluded1/4/8/16`, those of traversables, and rays that user geometry sends on.
 //! Source: original; Embree's manual.
 //!
-//! Rays of a packet are traced one by one: a tree's packets are as wide as 64 rays, and 16 of them are no faster than single ones.
+//! Rays of a packet go through trees together where the program says that they are coherent, there are enough of them and nobody
+//! is asked about hits; else one by one.
 //! Callbacks get one ray at a time (`N` is 1), as Embree's rules allow. Filters see the ray as it was asked, also inside of
 //! instances. Proof: `tests/c/embree.c`, `tests/c/embree.c`.
 
@@ -10,12 +11,12 @@ use std::collections::HashSet;
 use std::ffi::{c_int, c_uint};
 use std::ptr::null_mut;
 
-use gnurt_accel::{Hit, PrimitiveId, Ray};
+use gnurt_accel::{Coherence, Hit, Packet, PrimitiveId, Query, Ray};
 
 use crate::device::Problem;
 use crate::ffi_abi::{
-    self as abi, Arguments, Context, FilterArguments, FilterFunction, INVALID, INVOKE_ARGUMENT_FILTER,
-    UserArguments, row,
+    self as abi, Arguments, COHERENT, Context, FilterArguments, FilterFunction, INVALID,
+    INVOKE_ARGUMENT_FILTER, UserArguments, row,
 };
 use crate::ffi_handle::{Handle, guarded, with};
 use crate::ffi_user::{Call, Frame};
@@ -134,6 +135,12 @@ impl Asked {
         self.get().is_some_and(|a| a.flags & INVOKE_ARGUMENT_FILTER != 0 && a.filter.is_some())
     }
 
+    /// Whether the rays of a packet go much the same way.
+    #[inline(always)]
+    fn is_coherent(self) -> bool {
+        self.get().is_some_and(|a| a.flags & COHERENT != 0)
+    }
+
     #[inline(always)]
     fn context(self) -> *mut Context {
         self.get().map_or(null_mut(), |a| a.context)
@@ -163,6 +170,83 @@ fn occluded(committed: &Committed, lane: Lane, asked: Asked) {
     };
     if is_hit {
         lane.set(row::T_FAR, f32::NEG_INFINITY);
+    }
+}
+
+/// Rays of a packet that are asked for, together, and which lane each of them is.
+struct Together<'a> {
+    query: Query,
+    committed: &'a Committed,
+    packet: Packet,
+    lanes: [Option<Lane>; Packet::MOST],
+}
+
+impl<'a> Together<'a> {
+    fn new(committed: &'a Committed, lanes: impl Iterator<Item = Lane>) -> Self {
+        let query = Query { coherence: Coherence::Coherent, ..committed.query };
+        let mut together = Self { query, committed, packet: Packet::new(), lanes: [None; Packet::MOST] };
+        for (at, lane) in lanes.enumerate().take(Packet::MOST) {
+            together.packet.push(&lane.ray());
+            together.lanes[at] = Some(lane);
+        }
+        together
+    }
+
+    fn intersect(self, asked: Asked) {
+        let Self { query, committed, packet, lanes } = self;
+        ask!(committed, tree => tree.intersect_packet(&query, packet, |at, hit| {
+            if let Some(lane) = lanes[at] {
+                let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
+                lane.write(hit.t, &shown(&located, &hit, &lane.ray(), asked.context()));
+            }
+        }));
+    }
+
+    fn occluded(self) {
+        let Self { query, committed, packet, lanes } = self;
+        let hit = ask!(committed, tree => tree.occluded_packet(&query, packet));
+        for (at, lane) in lanes.into_iter().enumerate() {
+            if let Some(lane) = lane.filter(|_| hit >> at & 1 == 1) {
+                lane.set(row::T_FAR, f32::NEG_INFINITY);
+            }
+        }
+    }
+}
+
+/// What is asked of each ray.
+trait Trace {
+    /// Coherent packets of so many rays go together: fewer are faster one by one (bench/record/embree-calls-2026-11-23.md).
+    const WORTH_IT: usize;
+    fn one(committed: &Committed, lane: Lane, asked: Asked);
+    fn together(rays: Together, asked: Asked);
+}
+
+struct Intersect;
+struct Occluded;
+
+impl Trace for Intersect {
+    const WORTH_IT: usize = 8;
+
+    #[inline(always)]
+    fn one(committed: &Committed, lane: Lane, asked: Asked) {
+        intersect(committed, lane, asked);
+    }
+
+    fn together(rays: Together, asked: Asked) {
+        rays.intersect(asked);
+    }
+}
+
+impl Trace for Occluded {
+    const WORTH_IT: usize = 16;
+
+    #[inline(always)]
+    fn one(committed: &Committed, lane: Lane, asked: Asked) {
+        occluded(committed, lane, asked);
+    }
+
+    fn together(rays: Together, _: Asked) {
+        rays.occluded();
     }
 }
 
@@ -352,29 +436,31 @@ pub(crate) fn not_committed() -> Problem {
 /// # Safety
 /// The handle is a scene's, `rays` a packet of `N`, `valid` null for one ray or an array of `N`.
 #[inline(always)]
-unsafe fn each<const N: usize>(
+unsafe fn each<const N: usize, T: Trace>(
     valid: *const c_int,
     scene: Handle,
     rays: *mut f32,
     arguments: *const Arguments,
-    trace: impl Fn(&Committed, Lane, Asked),
 ) {
     // SAFETY: passed on.
     let Some(committed) = (unsafe { committed(scene) }) else { return };
+    let asked = Asked { arguments };
     guarded(|| {
-        for i in 0..N {
-            // SAFETY: there are `N` of them.
-            if N == 1 || unsafe { *valid.add(i) } != 0 {
-                // SAFETY: passed on.
-                let lane = unsafe { Lane::new(rays, N, i) };
-                trace(committed, lane, Asked { arguments });
-            }
+        let lanes = (0..N)
+            // SAFETY: there are `N` numbers in `valid`.
+            .filter(|&i| N == 1 || unsafe { *valid.add(i) } != 0)
+            // SAFETY: passed on.
+            .map(|i| unsafe { Lane::new(rays, N, i) });
+        if N >= T::WORTH_IT && committed.is_plain && asked.is_coherent() && !asked.filters_all() {
+            T::together(Together::new(committed, lanes), asked);
+        } else {
+            lanes.for_each(|lane| T::one(committed, lane, asked));
         }
     });
 }
 
 macro_rules! packets {
-    ($($name:ident, $traversable:ident: $trace:ident $n:literal;)*) => { $(
+    ($($name:ident, $traversable:ident: $trace:ty, $n:literal;)*) => { $(
         /// Traces a packet. See Embree's manual.
         ///
         /// # Safety
@@ -382,7 +468,7 @@ macro_rules! packets {
         #[unsafe(no_mangle)]
         pub(crate) unsafe extern "C" fn $name(valid: *const c_int, scene: Handle, rays: *mut f32, arguments: *const Arguments) {
             // SAFETY: passed on.
-            unsafe { each::<$n>(valid, scene, rays, arguments, $trace) }
+            unsafe { each::<$n, $trace>(valid, scene, rays, arguments) }
         }
 
         /// The same; a scene is its own traversable.
@@ -397,22 +483,22 @@ macro_rules! packets {
             arguments: *const Arguments,
         ) {
             // SAFETY: passed on.
-            unsafe { each::<$n>(valid, scene, rays, arguments, $trace) }
+            unsafe { each::<$n, $trace>(valid, scene, rays, arguments) }
         }
     )* };
 }
 
 packets! {
-    rtcIntersect4, rtcTraversableIntersect4: intersect 4;
-    rtcIntersect8, rtcTraversableIntersect8: intersect 8;
-    rtcIntersect16, rtcTraversableIntersect16: intersect 16;
-    rtcOccluded4, rtcTraversableOccluded4: occluded 4;
-    rtcOccluded8, rtcTraversableOccluded8: occluded 8;
-    rtcOccluded16, rtcTraversableOccluded16: occluded 16;
+    rtcIntersect4, rtcTraversableIntersect4: Intersect, 4;
+    rtcIntersect8, rtcTraversableIntersect8: Intersect, 8;
+    rtcIntersect16, rtcTraversableIntersect16: Intersect, 16;
+    rtcOccluded4, rtcTraversableOccluded4: Occluded, 4;
+    rtcOccluded8, rtcTraversableOccluded8: Occluded, 8;
+    rtcOccluded16, rtcTraversableOccluded16: Occluded, 16;
 }
 
 macro_rules! single {
-    ($($name:ident, $traversable:ident: $trace:ident;)*) => { $(
+    ($($name:ident, $traversable:ident: $trace:ty;)*) => { $(
         /// Traces a ray. See Embree's manual.
         ///
         /// # Safety
@@ -420,7 +506,7 @@ macro_rules! single {
         #[unsafe(no_mangle)]
         pub(crate) unsafe extern "C" fn $name(scene: Handle, ray: *mut f32, arguments: *const Arguments) {
             // SAFETY: passed on.
-            unsafe { each::<1>(std::ptr::null(), scene, ray, arguments, $trace) }
+            unsafe { each::<1, $trace>(std::ptr::null(), scene, ray, arguments) }
         }
 
         /// The same; a scene is its own traversable.
@@ -430,14 +516,14 @@ macro_rules! single {
         #[unsafe(no_mangle)]
         pub(crate) unsafe extern "C" fn $traversable(scene: Handle, ray: *mut f32, arguments: *const Arguments) {
             // SAFETY: passed on.
-            unsafe { each::<1>(std::ptr::null(), scene, ray, arguments, $trace) }
+            unsafe { each::<1, $trace>(std::ptr::null(), scene, ray, arguments) }
         }
     )* };
 }
 
 single! {
-    rtcIntersect1, rtcTraversableIntersect1: intersect;
-    rtcOccluded1, rtcTraversableOccluded1: occluded;
+    rtcIntersect1, rtcTraversableIntersect1: Intersect;
+    rtcOccluded1, rtcTraversableOccluded1: Occluded;
 }
 
 /// Sends the ray of a user geometry's test on into another scene.

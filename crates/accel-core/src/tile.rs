@@ -133,12 +133,23 @@ impl RayTile {
                 *to = time[(number as usize).min(count - 1)];
             }
         }
-        for lane in numbers.len()..numbers.len().next_multiple_of(LANES).min(TILE) {
+        self.fill_up(numbers.len(), nearest);
+        nearest.number = [INVALID_ID; TILE];
+        nearest.slot = [INVALID_ID; TILE];
+    }
+
+    /// The first `count` rays, one at least, have this heading.
+    pub fn go_together(&mut self, count: usize, heading: Heading, nearest: &mut NearestTile) {
+        self.heading = Some(heading);
+        self.fill_up(count, nearest);
+    }
+
+    /// Fills up to a multiple of 16 with copies of the first ray that look for nothing.
+    fn fill_up(&mut self, count: usize, nearest: &mut NearestTile) {
+        for lane in count..count.next_multiple_of(LANES).min(TILE) {
             self.repeat(lane);
             nearest.t[lane] = f32::NEG_INFINITY;
         }
-        nearest.number = [INVALID_ID; TILE];
-        nearest.slot = [INVALID_ID; TILE];
     }
 
     /// The rays in `bits` side by side, with their best hits; fills up to a multiple of 16 with copies of the first

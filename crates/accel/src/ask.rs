@@ -2,6 +2,7 @@
 //! What objects and scenes answer alike: the bodies of their methods (`object/queries.rs`, `scene/queries.rs`).
 //! Source: original. Proof: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/filters.rs`, `tests/masks.rs`.
 
+use gnurt_accel_bvh::BvhIndex;
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::point::{ClosestPoint, NearestPoint, Probe};
 use gnurt_accel_core::trip::{RayKind, RayTrip};
@@ -18,6 +19,17 @@ pub(crate) struct One<'a> {
     ray: &'a Ray,
     /// The ray's origin in double precision, where that is known.
     origin: Option<&'a [f64; 3]>,
+}
+
+impl One<'_> {
+    /// Into one tree of an object.
+    #[inline(always)]
+    fn straight(self, tree: &BvhIndex, mut kind: RayKind, nearest: &mut Nearest) {
+        let Self { query, ray, origin } = self;
+        let counters = &mut Counters::default();
+        let trip = &mut RayTrip { ray, origin, kind: kind.again(), slot: 0, nearest, counters };
+        Engine::at(query.level).bvh.ray(tree, trip);
+    }
 }
 
 impl Target<'_> {
@@ -37,9 +49,25 @@ impl Target<'_> {
         }
     }
 
+    /// The tree that a ray can go straight into, which most single rays do: nothing is to be looked at but one mesh of triangles.
+    #[inline(always)]
+    fn only_tree(&self, One { query, ray, .. }: One) -> Option<&BvhIndex> {
+        match self {
+            Self::Object(object) if ray.is_sound() && ray.is_regular() => {
+                object.only_tree(ray.mask & query.mask)
+            }
+            _ => None,
+        }
+    }
+
     #[inline(never)]
     fn closest_of(self, one: One) -> Option<Hit> {
         let mut nearest = Nearest::none(one.ray.t_far);
+        if let Some(tree) = self.only_tree(one) {
+            one.straight(tree, RayKind::Closest, &mut nearest);
+            let Nearest { t, u, v, number: prim_id, .. } = nearest;
+            return nearest.is_hit().then_some(Hit { t, u, v, prim_id, geom_id: 0, inst_id: 0, leaf_id: 0 });
+        }
         self.trace(one, RayKind::Closest, &mut nearest);
         if !nearest.is_hit() {
             return None;
@@ -54,6 +82,10 @@ impl Target<'_> {
     #[inline(never)]
     fn any_of(self, one: One) -> bool {
         let mut nearest = Nearest::none(one.ray.t_far);
+        if let Some(tree) = self.only_tree(one) {
+            one.straight(tree, RayKind::Any, &mut nearest);
+            return nearest.is_hit();
+        }
         self.trace(one, RayKind::Any, &mut nearest);
         nearest.is_hit()
     }

@@ -195,6 +195,17 @@ impl ObjectTree {
         }
     }
 
+    /// Its tree, where it has but one, over one mesh of triangles that `mask` sees.
+    #[inline(always)]
+    pub(crate) fn only_tree(&self, mask: u32) -> Option<&BvhIndex> {
+        match &self.parts[..] {
+            [Part { index: Index::Bvh(index), mask: own }] if own & mask != 0 && self.has_one_mesh() => {
+                Some(index)
+            }
+            _ => None,
+        }
+    }
+
     /// Whether triangles' numbers are their `prim_id`s.
     pub(crate) fn has_one_mesh(&self) -> bool {
         self.numbering.quads == [false]

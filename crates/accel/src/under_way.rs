@@ -40,30 +40,17 @@ impl UnderWay<'_> {
         nearest: &mut NearestTile,
         counters: &mut Counters,
     ) {
-        let mut left = active;
-        loop {
-            let mut same = left;
-            tile.mask = self.mask;
-            if !self.rays.mask.is_empty() && left != 0 {
-                tile.mask = self.mask_of(place(left.trailing_zeros() as usize));
-                each(left, |i| {
-                    if self.mask_of(place(i)) != tile.mask {
-                        same &= !(1 << i);
-                    }
-                });
-            }
-            if same != left {
-                // The others, which see something else, look for something, too.
-                tile.heading = None;
-            }
-            let (rays, kind) = (&*tile, self.kind);
-            let trip = &mut TileTrip { rays, active: same, kind, slot: 0, nearest, counters };
-            self.target.tile(self.engine, trip, apart);
-            left &= !same;
-            if left == 0 {
-                return;
-            }
-        }
+        let is_shared = self.rays.mask.is_empty();
+        by_mask(
+            tile,
+            active,
+            is_shared,
+            |i| self.mask_of(place(i)),
+            |rays, active| {
+                let trip = &mut TileTrip { rays, active, kind: self.kind, slot: 0, nearest, counters };
+                self.target.tile(self.engine, trip, apart);
+            },
+        );
     }
 
     /// Traces rays in tiles of 64 neighbours, which may be `apart`.
@@ -97,6 +84,39 @@ impl UnderWay<'_> {
             }
             let spent = counters.nodes + counters.triangles - before;
             costs.push(spent.min(u64::from(u32::MAX)) as u32);
+        }
+    }
+}
+
+/// Calls `go` with the active rays of a tile that see the same, once for each mask. `mask_of` says what a ray sees; where
+/// it `is_shared`, ray 0 says so for all.
+pub(crate) fn by_mask(
+    tile: &mut RayTile,
+    active: u64,
+    is_shared: bool,
+    mask_of: impl Fn(usize) -> u32,
+    mut go: impl FnMut(&RayTile, u64),
+) {
+    let mut left = active;
+    loop {
+        let mut same = left;
+        let first = left.trailing_zeros() as usize;
+        tile.mask = if left == 0 { 0 } else { mask_of(if is_shared { 0 } else { first }) };
+        if !is_shared {
+            each(left, |i| {
+                if mask_of(i) != tile.mask {
+                    same &= !(1 << i);
+                }
+            });
+        }
+        if same != left {
+            // The others, which see something else, look for something, too.
+            tile.heading = None;
+        }
+        go(tile, same);
+        left &= !same;
+        if left == 0 {
+            return;
         }
     }
 }

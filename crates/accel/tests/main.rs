@@ -23,6 +23,7 @@ mod mixed;
 mod moving;
 mod moving_instances;
 mod nested;
+mod packets;
 mod pencils;
 mod poses;
 mod refit;

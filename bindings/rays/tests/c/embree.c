@@ -119,7 +119,7 @@ static void triangles(void)
         CHECK(masked.hit.geomID == RTC_INVALID_GEOMETRY_ID && masked.ray.tfar == INFINITY, "mask of %d", i);
     }
     CHECK(hits > RAYS / 4 && hits < RAYS, "%d of %d rays hit", hits, RAYS);
-#define PACKETS(n)                                                                                                    \
+#define PACKETS(n, seen, hidden)                                                                                      \
     for (int first = 0; first + n <= RAYS; first += n) {                                                              \
         struct RTCRayHit##n packet;                                                                                   \
         struct RTCRay##n shadows;                                                                                     \
@@ -133,8 +133,8 @@ static void triangles(void)
             packet.ray.tnear[i] = 0, packet.ray.tfar[i] = INFINITY, packet.ray.time[i] = 0;                           \
         }                                                                                                             \
         shadows = packet.ray;                                                                                         \
-        rtcIntersect##n(valid, scene, &packet, NULL);                                                                 \
-        rtcOccluded##n(valid, scene, &shadows, NULL);                                                                 \
+        rtcIntersect##n(valid, scene, &packet, seen);                                                                 \
+        rtcOccluded##n(valid, scene, &shadows, hidden);                                                               \
         for (int i = 0; i < n; i++) {                                                                                 \
             struct RTCRayHit one = all[first + i];                                                                    \
             if (valid[i])                                                                                             \
@@ -144,9 +144,17 @@ static void triangles(void)
             CHECK((one.hit.geomID == 0) == (shadows.tfar[i] == -INFINITY), "shadow " #n);                             \
         }                                                                                                             \
     }
-    PACKETS(4)
-    PACKETS(8)
-    PACKETS(16)
+    struct RTCIntersectArguments together;
+    struct RTCOccludedArguments also;
+    rtcInitIntersectArguments(&together);
+    rtcInitOccludedArguments(&also);
+    together.flags = also.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    PACKETS(4, NULL, NULL)
+    PACKETS(8, NULL, NULL)
+    PACKETS(16, NULL, NULL)
+    PACKETS(4, &together, &also)
+    PACKETS(8, &together, &also)
+    PACKETS(16, &together, &also)
     rtcReleaseScene(scene);
 }
 

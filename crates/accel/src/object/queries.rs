@@ -5,7 +5,9 @@
 
 use super::ObjectTree;
 use crate::target::Target;
-use crate::{AnyRay, Hit, HitBatch, Pencil, PointHit, PrimitiveId, Query, Ray, RayBatch, Record, batch};
+use crate::{
+    AnyRay, Hit, HitBatch, Packet, Pencil, PointHit, PrimitiveId, Query, Ray, RayBatch, Record, batch,
+};
 
 /// Ray queries. A ray is a [`Ray`] or a [`Ray64`](crate::Ray64).
 impl ObjectTree {
@@ -129,6 +131,18 @@ impl ObjectTree {
         record: &mut Record,
     ) {
         batch::occluded(self.target(), query, rays, occluded, record);
+    }
+
+    /// The closest hits of a packet's rays: `tell` gets the place of each ray that has one, counted from 0 as they were pushed, and
+    /// its hit. `query.coherence` says whether the rays have something in common.
+    pub fn intersect_packet(&self, query: &Query, packet: Packet, tell: impl FnMut(usize, Hit)) {
+        self.target().closest_of_packet(query, packet, tell);
+    }
+
+    /// Which rays of a packet hit anything, as bits from the lowest on; see [`intersect_packet`](Self::intersect_packet).
+    #[must_use]
+    pub fn occluded_packet(&self, query: &Query, packet: Packet) -> u64 {
+        self.target().any_of_packet(query, packet)
     }
 
     /// Which rays of a pencil hit anything, as bits. They are traced together, whatever `query` says of

@@ -5,7 +5,9 @@
 
 use super::types::SceneTree;
 use crate::target::Target;
-use crate::{AnyRay, Hit, HitBatch, Pencil, PointHit, PrimitiveId, Query, Ray, RayBatch, Record, batch};
+use crate::{
+    AnyRay, Hit, HitBatch, Packet, Pencil, PointHit, PrimitiveId, Query, Ray, RayBatch, Record, batch,
+};
 
 /// Ray queries, answered by all that the instances show. A ray is a [`Ray`] or a [`Ray64`](crate::Ray64).
 impl SceneTree {
@@ -119,6 +121,17 @@ impl SceneTree {
         record: &mut Record,
     ) {
         batch::occluded(self.target(), query, rays, occluded, record);
+    }
+
+    /// See [`ObjectTree::intersect_packet`](crate::ObjectTree::intersect_packet).
+    pub fn intersect_packet(&self, query: &Query, packet: Packet, tell: impl FnMut(usize, Hit)) {
+        self.target().closest_of_packet(query, packet, tell);
+    }
+
+    /// See [`ObjectTree::occluded_packet`](crate::ObjectTree::occluded_packet).
+    #[must_use]
+    pub fn occluded_packet(&self, query: &Query, packet: Packet) -> u64 {
+        self.target().any_of_packet(query, packet)
     }
 
     /// See [`ObjectTree::occluded_pencil`](crate::ObjectTree::occluded_pencil).

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Up to sixteen rays without memory of their own elsewhere: what programs ask that hold a few rays at a time.
+//! Source: original. Space: that of the structure that is asked.
+//! Invariant: the answer for a ray is that of the same ray alone. Proof: `tests/packets.rs`.
+
+use gnurt_accel_core::bits::{all, each};
+use gnurt_accel_core::nearest::Kind;
+use gnurt_accel_core::tile::{LANES, NearestTile, RayTile};
+use gnurt_accel_core::trip::TileTrip;
+
+use crate::engine::Engine;
+use crate::target::Target;
+use crate::under_way::by_mask;
+use crate::{Coherence, Counters, Hit, Query, Ray};
+
+/// Up to [`MOST`](Self::MOST) rays that are asked for together.
+#[derive(Clone, Debug)]
+pub struct Packet {
+    rays: RayTile,
+    nearest: NearestTile,
+    masks: [u32; LANES],
+    count: usize,
+}
+
+impl Packet {
+    /// Rays that fit.
+    pub const MOST: usize = LANES;
+
+    /// No rays.
+    #[must_use]
+    #[inline]
+    pub fn new() -> Self {
+        Self { rays: RayTile::EMPTY, nearest: NearestTile::EMPTY, masks: [0; LANES], count: 0 }
+    }
+
+    /// Number of rays.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Puts a ray behind the others. Panics where [`MOST`](Self::MOST) are there.
+    #[inline]
+    pub fn push(&mut self, ray: &Ray) {
+        let lane = self.count;
+        self.masks[lane] = ray.mask;
+        for k in 0..3 {
+            self.rays.org[k][lane] = ray.org[k];
+            self.rays.dir[k][lane] = ray.dir[k];
+        }
+        self.rays.t_near[lane] = ray.t_near;
+        self.rays.time[lane] = ray.time;
+        self.rays.is_timed |= ray.time != 0.0;
+        self.nearest.t[lane] = ray.t_far;
+        self.count += 1;
+    }
+}
+
+impl Default for Packet {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Target<'_> {
+    /// Traces the rays of a packet, which then is used up, and says which of them have hit something, as bits.
+    fn packet(self, query: &Query, packet: &mut Packet, kind: Kind) -> u64 {
+        let engine = Engine::at(query.level);
+        let Packet { rays, nearest, masks, count } = packet;
+        let sound = engine.tiles.sound(rays, nearest) & all(*count);
+        let apart = query.coherence == Coherence::Incoherent;
+        if !apart && sound != 0 && sound == all(*count) {
+            let headings = engine.tiles.headings(rays);
+            let (heading, alike) = headings.like(0, sound & headings.regular);
+            if alike == sound {
+                rays.go_together(*count, heading, nearest);
+            }
+        }
+        let counters = &mut Counters::default();
+        let see = |i: usize| masks[i % LANES] & query.mask;
+        let is_shared = masks[..*count].iter().all(|&mask| mask == masks[0]);
+        by_mask(rays, sound, is_shared, see, |rays, active| {
+            self.tile(engine, &mut TileTrip { rays, active, kind, slot: 0, nearest, counters }, apart);
+        });
+        sound & engine.tiles.hit(nearest)
+    }
+
+    /// Tells the closest hit of each ray of a packet that has one.
+    pub(crate) fn closest_of_packet(
+        self,
+        query: &Query,
+        mut packet: Packet,
+        mut tell: impl FnMut(usize, Hit),
+    ) {
+        let hit = self.packet(query, &mut packet, Kind::Closest);
+        each(hit, |i| tell(i, self.hit(&packet.nearest.get(i))));
+    }
+
+    /// Which rays of a packet hit anything, as bits.
+    pub(crate) fn any_of_packet(self, query: &Query, mut packet: Packet) -> u64 {
+        self.packet(query, &mut packet, Kind::Any)
+    }
+}
