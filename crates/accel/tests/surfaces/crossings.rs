@@ -12,7 +12,7 @@ use gnurt_testkit::{Random, Soup, Voxels, closed, lattice};
 use crate::common::{WATERTIGHT, build, options, scene_of};
 
 /// A ray from outside through a point of a grid, in half sides of its cubes.
-fn aimed(random: &mut Random, n: i64) -> ([i64; 3], [i64; 3]) {
+pub(super) fn aimed(random: &mut Random, n: i64) -> ([i64; 3], [i64; 3]) {
     let target = [0; 3].map(|_: i32| random.below(2 * n as usize + 1) as i64);
     loop {
         let dir = [0; 3].map(|_: i32| random.below(9) as i64 - 4);

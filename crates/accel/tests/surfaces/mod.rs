@@ -4,6 +4,7 @@
 
 mod crossings;
 mod inside;
+mod million;
 mod motion;
 mod normals;
 mod overlaps;
