@@ -268,7 +268,10 @@ impl Stage {
 fn surface(made: RenderShader) -> Option<Arc<dyn SurfaceShader>> {
     match made {
         RenderShader::Surface(surface) => Some(surface),
-        RenderShader::Environment(_) | RenderShader::Light(_) | RenderShader::Camera(_) => None,
+        RenderShader::Environment(_)
+        | RenderShader::Light(_)
+        | RenderShader::Camera(_)
+        | RenderShader::Pixel(_) => None,
     }
 }
 

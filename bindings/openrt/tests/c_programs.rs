@@ -148,5 +148,9 @@ fn script() {
     let lit =
         write("lit.osl", "surface lit () { color c = 0; illuminance (P) c += Cl; Ci = c * radiance (); }");
     let bad = write("bad.osl", "surface bad ()\n{\n    Ci = diffus (N);\n}\n");
-    workshop.run(&binary, &[&glow, &lamp, &lit, &bad]);
+    let twice = write(
+        "twice.osl",
+        "pixel twice (float gain = 1, output color Cpixel = 0) { Cpixel = gain * (color) trace (P, I); }",
+    );
+    workshop.run(&binary, &[&glow, &lamp, &lit, &bad, &twice]);
 }

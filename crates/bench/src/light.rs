@@ -8,7 +8,8 @@ use std::fmt::Write;
 
 use gnurt::ThreadPool;
 use gnurt::image::Picture;
-use gnurt::render::{Accumulation, Integrator, RenderOptions, SceneCamera, Silent, World};
+use gnurt::render::{Accumulation, Integrator, RenderOptions, Silent, World};
+use gnurt::shading::CameraShader;
 
 use crate::clock::process_seconds;
 
@@ -102,7 +103,7 @@ impl Truth {
     /// If the options leave nothing to render.
     pub fn by_paths(
         world: &World,
-        camera: &SceneCamera,
+        camera: &dyn CameraShader,
         options: &RenderOptions,
         spp: u32,
         pool: &ThreadPool,
@@ -175,7 +176,7 @@ const SEED: u64 = 1 << 40;
 /// If the options leave nothing to render.
 pub fn run(
     world: &World,
-    camera: &SceneCamera,
+    camera: &dyn CameraShader,
     options: &Options,
     truth: &Truth,
     pool: &ThreadPool,

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `--shader`: classes of libOpenRT, built-in ones and those of plugins, and files in the shading language, in place of a scene's
-//! materials.
+//! materials; `--pixel-shader` and `--camera FILE.osl`.
 //! Source: original. Proof: `tests/program/shaders.rs`.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use gnurt::osl::{Access, Kind, Script};
+use gnurt::osl::{Access, CameraScript, Kind, Script};
 use gnurt::render::ShaderTable;
-use gnurt::scene::{MaterialId, Scene, ShaderFile, Surface};
+use gnurt::scene::{CameraId, MaterialId, Scene, ShaderFile, Surface};
 use gnurt_plugins::{SceneShader, is_script};
+use gnurt_view::{ScriptRole, Scripts, StageScript};
 
-use crate::arguments::ShaderChoice;
+use crate::arguments::{FrameArguments, ShaderChoice, ViewArguments};
 use crate::failure::Failure;
 use crate::messages::Messages;
 use crate::nearest::unknown;
@@ -23,7 +24,8 @@ pub(crate) struct Shaders {
     /// What a commit takes.
     pub(crate) table: ShaderTable,
     made: Vec<SceneShader>,
-    lights: Vec<Script>,
+    /// Of lights and pixels.
+    scripts: Vec<Script>,
 }
 
 /// Shaders whose faults are told as they come.
@@ -33,15 +35,21 @@ impl Shaders {
     /// Makes them, and puts them in the place of the scene's materials; the last one for a material counts.
     pub(crate) fn put_into(
         scene: &mut Scene,
-        choices: &[ShaderChoice],
+        frame: &FrameArguments,
         messages: Messages,
     ) -> Result<Self, Failure> {
         let mut shaders = Self::default();
         shaders.put_named(scene, messages);
-        for choice in choices {
+        if let Some(choice) = &frame.pixel_shader {
+            let script = script("--pixel-shader", choice, &Access::default(), messages)?;
+            let made = script.pixel().map_err(|why| wrong("--pixel-shader", choice, &why))?;
+            shaders.table.pixel = Some(made);
+            shaders.scripts.push(script);
+        }
+        for choice in &frame.shaders {
             let ShaderChoice { material, class, file, parameters } = choice;
             if material.is_empty() {
-                shaders.put_light(class, parameters, messages)?;
+                shaders.put_light(choice, messages)?;
                 continue;
             }
             let option = || format!("--shader {material}={class}");
@@ -85,53 +93,56 @@ impl Shaders {
     }
 
     /// A light in the shading language.
-    fn put_light(
-        &mut self,
-        file: &str,
-        parameters: &[(String, String)],
-        messages: Messages,
-    ) -> Result<(), Failure> {
-        let wrong = |why: String| Failure::data(format_args!("--shader {file}: {why}"));
-        let mut script = Script::open(Path::new(file), &Access::default()).map_err(wrong)?;
+    fn put_light(&mut self, choice: &ShaderChoice, messages: Messages) -> Result<(), Failure> {
+        let (script, file) = (script("--shader", choice, &Access::default(), messages)?, &choice.class);
         let right = match script.kind() {
             Kind::Light => None,
             Kind::Surface => {
                 Some(format!("a surface needs a material; give MATERIAL={file}, or *={file} for all"))
             }
             Kind::Environment => Some(format!("give --environment {file}")),
-            Kind::Camera | Kind::Pixel => {
-                let word = script.kind().word();
-                Some(format!("shaders of type {word} have no option yet; programs take them by the API"))
-            }
+            Kind::Camera => Some(format!("give --camera {file}")),
+            Kind::Pixel => Some(format!("give --pixel-shader {file}")),
         };
         if let Some(right) = right {
             return Err(Failure::usage(format_args!("--shader {file}: {right}")));
         }
-        script.warnings().iter().for_each(|warning| messages.warning(warning.trim_end()));
-        parameters.iter().try_for_each(|(name, value)| script.set_text(name, value)).map_err(wrong)?;
-        self.table.lights.push(script.light().map_err(wrong)?);
-        self.lights.push(script);
+        self.table.lights.push(script.light().map_err(|why| wrong("--shader", choice, &why))?);
+        self.scripts.push(script);
         Ok(())
     }
 
-    /// The files that they were made from, included ones too.
-    pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
-        let surfaces = self.made.iter().flat_map(|made| made.files().iter().cloned());
-        surfaces.chain(self.lights.iter().flat_map(|script| script.files().iter().cloned()))
-    }
-
-    /// For those who ask again and again.
-    pub(crate) fn watched(self) -> Watched {
-        Watched(self.made.into_iter().map(|made| (made, AtomicBool::new(false))).collect())
+    /// Those that are files in the shading language, and where they go in the shader table, for a viewer to read them again; and the
+    /// others.
+    pub(crate) fn into_viewed(self, camera: Option<&CameraShaderChoice>) -> (Scripts, Watched) {
+        let (mut surfaces, mut others) = (Vec::new(), Vec::new());
+        for (number, made) in self.made.into_iter().enumerate() {
+            match made.script() {
+                Some(script) => surfaces.push(StageScript::new(script.clone(), ScriptRole::Surface(number))),
+                None => others.push((made, AtomicBool::new(false))),
+            }
+        }
+        let mut lights = 0..;
+        let scripts = self.scripts.into_iter().map(|script| {
+            let role = match script.kind() {
+                Kind::Pixel => ScriptRole::Pixel,
+                _ => ScriptRole::Light(lights.next().unwrap_or_default()),
+            };
+            StageScript::new(script, role)
+        });
+        surfaces.extend(scripts);
+        surfaces.extend(camera.map(|camera| StageScript::new(camera.script.clone(), ScriptRole::Camera)));
+        let camera = camera.map(|camera| camera.camera.clone());
+        (Scripts { list: surfaces, table: self.table, camera }, Watched(others))
     }
 
     /// Tells what they did wrong.
     pub(crate) fn tell_faults(&self, messages: Messages) {
-        let lights = self.lights.iter().flat_map(Script::faults);
+        let scripts = self.scripts.iter().flat_map(Script::faults);
         self.made
             .iter()
             .flat_map(SceneShader::faults)
-            .chain(lights)
+            .chain(scripts)
             .for_each(|fault| messages.warning(fault));
     }
 }
@@ -148,36 +159,118 @@ impl Watched {
     }
 }
 
-/// The files that they come from.
-pub(crate) fn files(choices: &[ShaderChoice]) -> impl Iterator<Item = PathBuf> + '_ {
+/// A script with values, whose compiler has been listened to.
+fn script(
+    option: &str,
+    choice: &ShaderChoice,
+    access: &Access,
+    messages: Messages,
+) -> Result<Script, Failure> {
+    let mut script =
+        Script::open(Path::new(&choice.class), access).map_err(|why| wrong(option, choice, &why))?;
+    let set = choice.parameters.iter().try_for_each(|(name, value)| script.set_text(name, value));
+    set.map_err(|why| wrong(option, choice, &why))?;
+    script.warnings().iter().for_each(|warning| messages.warning(warning.trim_end()));
+    Ok(script)
+}
+
+fn wrong(option: &str, choice: &ShaderChoice, why: &str) -> Failure {
+    Failure::data(format_args!("{option} {}: {why}", choice.class))
+}
+
+/// A camera's shader, and the script that it was made of.
+#[derive(Clone)]
+pub(crate) struct CameraShaderChoice {
+    pub(crate) camera: CameraScript,
+    pub(crate) script: Script,
+}
+
+/// The shader in a camera's place: one that was asked for, or else the one that the scene's file names for the camera; that is told and
+/// left out where it cannot be had.
+pub(crate) fn camera(
+    scene: &Scene,
+    number: usize,
+    view: &ViewArguments,
+    messages: Messages,
+) -> Result<Option<CameraShaderChoice>, Failure> {
+    if let Some(choice) = view.camera_shader() {
+        let script = script("--camera", choice, &Access::default(), messages)?;
+        let camera = script.camera_anywhere().map_err(|why| wrong("--camera", choice, &why))?;
+        return Ok(Some(CameraShaderChoice { camera, script }));
+    }
+    let Some(ShaderFile { file, parameters, confined_to }) = scene.camera_file(CameraId(number as u32))
+    else {
+        return Ok(None);
+    };
+    let open = || -> Result<CameraShaderChoice, String> {
+        let mut script =
+            Script::open(file, &Access { confined_to: confined_to.clone(), ..Access::default() })?;
+        parameters.iter().try_for_each(|(name, value)| script.set_text(name, value))?;
+        Ok(CameraShaderChoice { camera: script.camera_anywhere()?, script })
+    };
+    match open() {
+        Ok(choice) => Ok(Some(choice)),
+        Err(why) => {
+            let name = &scene.cameras()[number].name;
+            messages.warning(format_args!("camera '{name}' is used without its shader: {why}"));
+            Ok(None)
+        }
+    }
+}
+
+/// All that options ask for.
+fn choices<'a>(
+    frame: &'a FrameArguments,
+    view: &'a ViewArguments,
+) -> impl Iterator<Item = (&'static str, &'a ShaderChoice)> {
+    let surfaces = frame.shaders.iter().map(|choice| ("--shader", choice));
+    let pixel = frame.pixel_shader.iter().map(|choice| ("--pixel-shader", choice));
+    surfaces.chain(pixel).chain(view.camera_shader().into_iter().map(|choice| ("--camera", choice)))
+}
+
+/// The files that one comes from.
+fn files_of(choice: &ShaderChoice) -> impl Iterator<Item = PathBuf> + '_ {
     let texture = |(_, value): &(String, String)| value.strip_prefix('@').map(PathBuf::from);
-    choices.iter().flat_map(move |choice| {
-        let script = is_script(&choice.class).then(|| PathBuf::from(&choice.class));
-        choice.file.iter().cloned().chain(script).chain(choice.parameters.iter().filter_map(texture))
-    })
+    let script = is_script(&choice.class).then(|| PathBuf::from(&choice.class));
+    choice.file.iter().cloned().chain(script).chain(choice.parameters.iter().filter_map(texture))
+}
+
+/// The files that they come from.
+fn files<'a>(frame: &'a FrameArguments, view: &'a ViewArguments) -> impl Iterator<Item = PathBuf> + 'a {
+    choices(frame, view).flat_map(|(_, choice)| files_of(choice))
+}
+
+/// Those of them that are not in the shading language: plugins, and pictures.
+pub(crate) fn other_files<'a>(
+    frame: &'a FrameArguments,
+    view: &'a ViewArguments,
+) -> impl Iterator<Item = PathBuf> + 'a {
+    files(frame, view).filter(|file| !is_script(&file.to_string_lossy()))
 }
 
 /// What tells shaders apart from others: what was asked for, and the bytes of the files.
-pub(crate) fn print(choices: &[ShaderChoice]) -> u64 {
+pub(crate) fn print(frame: &FrameArguments, view: &ViewArguments) -> u64 {
     let mut hasher = DefaultHasher::new();
-    format!("{choices:?}").hash(&mut hasher);
+    format!("{:?}", choices(frame, view).collect::<Vec<_>>()).hash(&mut hasher);
     // A file that is gone by now was read before: its shaders exist.
-    files(choices).for_each(|file| std::fs::read(file).unwrap_or_default().hash(&mut hasher));
+    files(frame, view).for_each(|file| std::fs::read(file).unwrap_or_default().hash(&mut hasher));
     hasher.finish()
 }
 
 /// What can be refused before the scene is read.
-pub(crate) fn check(choices: &[ShaderChoice]) -> Result<(), Failure> {
-    files(choices).try_for_each(|file| match std::fs::metadata(&file) {
-        Ok(data) if data.is_file() => Ok(()),
-        Ok(_) => Err(no_file(&file, "not a file")),
-        Err(error) => Err(no_file(&file, gnurt::image::system_reason(&error))),
+pub(crate) fn check(frame: &FrameArguments, view: &ViewArguments) -> Result<(), Failure> {
+    choices(frame, view).try_for_each(|(option, choice)| {
+        files_of(choice).try_for_each(|file| match std::fs::metadata(&file) {
+            Ok(data) if data.is_file() => Ok(()),
+            Ok(_) => Err(no_file(option, &file, "not a file")),
+            Err(error) => Err(no_file(option, &file, gnurt::image::system_reason(&error))),
+        })
     })
 }
 
-fn no_file(file: &Path, why: impl std::fmt::Display) -> Failure {
+fn no_file(option: &str, file: &Path, why: impl std::fmt::Display) -> Failure {
     Failure::data(format_args!(
-        "--shader: {}: {why}; give the path of a plugin, a shader or a picture",
+        "{option}: {}: {why}; give the path of a plugin, a shader or a picture",
         file.display()
     ))
 }

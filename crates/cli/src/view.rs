@@ -2,16 +2,21 @@
 //! The camera of a picture: the scene's, the one that was asked for, or a default one, each part of it replaceable.
 //! Source: original; the rules are the contract of the command line. Proof: `tests/program/cameras.rs`.
 
+use std::sync::Arc;
+
 use gnurt::defaults::{self, Bounds};
 use gnurt::image::system_reason;
-use gnurt::render::{Integrator, MovingCamera, SceneCamera};
+use gnurt::render::Integrator;
 use gnurt::scene::animation::Exposure;
 use gnurt::scene::{Camera, Lens, Projection, Scene};
+use gnurt::shading::CameraShader;
+use gnurt::{camera_rays, camera_rays_along};
 
 use crate::arguments::{Resolution, ViewArguments};
 use crate::failure::Failure;
 use crate::messages::Messages;
 use crate::nearest::nearest;
+use crate::shaders::{self, CameraShaderChoice};
 
 /// What can be refused before the scene is read.
 pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
@@ -24,6 +29,21 @@ pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
             system_reason(&error)
         )));
     }
+    if let Some(choice) = view.camera_shader() {
+        let of_lenses = [
+            ("--fov", view.fov.is_some()),
+            ("--projection", view.projection.is_some()),
+            ("--view-height", view.view_height.is_some()),
+            ("--aperture", view.aperture.is_some()),
+            ("--focus", view.focus.is_some()),
+        ];
+        if let Some((option, _)) = of_lenses.iter().find(|(_, is_given)| *is_given) {
+            return Err(Failure::usage(format_args!(
+                "{option} does not go with --camera {}, which makes all rays; give its parameters as {}:NAME=VALUE",
+                choice.class, choice.class
+            )));
+        }
+    }
     match (view.eye, view.target) {
         (Some(eye), Some(target)) if eye == target => Err(same_place()),
         _ => Ok(()),
@@ -34,7 +54,9 @@ pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
 #[derive(Clone)]
 pub(crate) struct Chosen {
     pub(crate) camera: Camera,
-    pub(crate) rays: SceneCamera,
+    pub(crate) rays: Arc<dyn CameraShader>,
+    /// The shader that makes them, if one does.
+    pub(crate) shader: Option<CameraShaderChoice>,
     /// What suits the light that was added, in stops.
     pub(crate) exposure: Option<f32>,
 }
@@ -87,14 +109,15 @@ pub(crate) fn choose_around(
     messages: Messages,
 ) -> Result<Chosen, Failure> {
     let aspect = resolution.width as f32 / resolution.height as f32;
-    if scene.cameras().is_empty() && view.camera.is_some() {
+    if scene.cameras().is_empty() && view.camera_name().is_some() {
         find_named(scene, view)?;
     }
     let note = match bounds {
         Some(_) => defaults::complete_camera_around(scene, bounds, aspect),
         None => defaults::complete_camera(scene, aspect),
     };
-    let (camera, rays) = aim(scene, view)?;
+    let shader = shaders::camera(scene, find_named(scene, view)?.unwrap_or(0), view, messages)?;
+    let (camera, rays) = aim(scene, view, shader.as_ref(), resolution)?;
     if let Some(note) = note {
         let is_all_given = view.eye.is_some() && view.target.is_some();
         if !is_all_given {
@@ -121,11 +144,16 @@ pub(crate) fn choose_around(
     if let Some(note) = added {
         messages.note(note);
     }
-    Ok(Chosen { camera, rays, exposure: added.and_then(defaults::Note::exposure) })
+    Ok(Chosen { camera, rays, shader, exposure: added.and_then(defaults::Note::exposure) })
 }
 
 /// The camera that was asked for as the scene has it now, and its rays.
-pub(crate) fn aim(scene: &Scene, view: &ViewArguments) -> Result<(Camera, SceneCamera), Failure> {
+pub(crate) fn aim(
+    scene: &Scene,
+    view: &ViewArguments,
+    shader: Option<&CameraShaderChoice>,
+    resolution: Resolution,
+) -> Result<(Camera, Arc<dyn CameraShader>), Failure> {
     let named = find_named(scene, view)?.unwrap_or(0);
     let camera = replaced(&scene.cameras()[named], view)?;
     if camera.eye == camera.target {
@@ -134,24 +162,35 @@ pub(crate) fn aim(scene: &Scene, view: &ViewArguments) -> Result<(Camera, SceneC
     if let Some(fault) = camera.fault() {
         return Err(Failure::usage(format_args!("the camera shows nothing: {fault}")));
     }
-    let rays = SceneCamera::new(&camera).ok_or_else(no_view)?;
+    let size = [resolution.width, resolution.height];
+    let rays = camera_rays(&camera, shader.map(|shader| &shader.camera), size).ok_or_else(no_view)?;
     Ok((camera, rays))
 }
 
-/// The way of that camera while the shutter is open, if it moves then.
+/// The way of that camera while the shutter is open, and its rays, if it moves then.
 pub(crate) fn way(
     scene: &Scene,
     exposure: &Exposure,
     view: &ViewArguments,
-) -> Result<Option<MovingCamera>, Failure> {
+    shader: Option<&CameraShaderChoice>,
+    resolution: Resolution,
+) -> Result<Option<Way>, Failure> {
     let named = find_named(scene, view)?.unwrap_or(0);
     let keys = exposure.cameras.iter().find(|(id, _)| id.index() == named).map(|(_, keys)| keys);
     let keys = keys.into_iter().flatten().map(|camera| replaced(camera, view));
     let keys: Vec<Camera> = keys.collect::<Result<_, _>>()?;
-    match keys.iter().all(|key| *key == keys[0]) {
-        true => Ok(None),
-        false => MovingCamera::new(&keys).map(Some).ok_or_else(no_view),
+    if keys.iter().all(|key| *key == keys[0]) {
+        return Ok(None);
     }
+    let size = [resolution.width, resolution.height];
+    let rays = camera_rays_along(&keys, shader.map(|shader| &shader.camera), size).ok_or_else(no_view)?;
+    Ok(Some(Way { keys, rays }))
+}
+
+/// A camera that moves while the shutter is open.
+pub(crate) struct Way {
+    pub(crate) keys: Vec<Camera>,
+    pub(crate) rays: Arc<dyn CameraShader>,
 }
 
 fn no_view() -> Failure {
@@ -159,7 +198,7 @@ fn no_view() -> Failure {
 }
 
 fn find_named(scene: &Scene, view: &ViewArguments) -> Result<Option<usize>, Failure> {
-    view.camera.as_deref().map(|name| find(scene.cameras(), name)).transpose()
+    view.camera_name().map(|name| find(scene.cameras(), name)).transpose()
 }
 
 fn same_place() -> Failure {

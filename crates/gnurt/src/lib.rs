@@ -77,6 +77,7 @@
 //! * The API may change until version 1.0.
 #![forbid(unsafe_code)]
 
+mod camera_rays;
 pub mod defaults;
 mod error;
 mod load;
@@ -89,6 +90,7 @@ mod size;
 mod surroundings;
 mod threads;
 
+pub use camera_rays::{camera_rays, camera_rays_along};
 pub use error::Error;
 pub use gnurt_accel as accel;
 pub use gnurt_denoise as denoise;

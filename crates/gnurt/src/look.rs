@@ -5,7 +5,7 @@
 //! Proof: `tests`, and the command line's `tests/program/look.rs`.
 
 use crate::image::{ToneCurve, exposure_for};
-use crate::render::{Integrator, RenderError, RenderOptions, SceneCamera, Silent, World, render};
+use crate::render::{Integrator, RenderError, RenderOptions, Silent, World, render};
 use crate::shading::CameraShader;
 
 /// The curve that pictures for screens get.
@@ -32,11 +32,10 @@ const METERED_SAMPLES: u32 = 4;
 /// [`RenderError`] if the options leave nothing to render.
 pub fn meter(
     world: &World,
-    camera: &SceneCamera,
+    camera: &dyn CameraShader,
     options: &RenderOptions,
     pool: &rayon::ThreadPool,
 ) -> Result<f32, RenderError> {
-    let camera: &dyn CameraShader = camera;
     let longest = options.width.max(options.height).max(1);
     let side = |pixels: u32| {
         if longest <= METERED {
@@ -65,7 +64,7 @@ pub fn meter(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::{CommitOptions, ShaderTable};
+    use crate::render::{CommitOptions, SceneCamera, ShaderTable};
 
     #[test]
     fn few_samples_of_random_light_are_noisy() {

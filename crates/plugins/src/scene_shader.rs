@@ -78,6 +78,12 @@ impl SceneShader {
         self.script.as_ref().map_or(&[], Script::warnings)
     }
 
+    /// The script, if it is one.
+    #[must_use]
+    pub fn script(&self) -> Option<&Script> {
+        self.script.as_ref()
+    }
+
     /// The source files of a script, included ones too.
     #[must_use]
     pub fn files(&self) -> &[PathBuf] {
@@ -155,9 +161,10 @@ impl SceneShader {
 fn surface(made: RenderShader) -> Result<Arc<dyn SurfaceShader>, String> {
     match made {
         RenderShader::Surface(surface) => Ok(surface),
-        RenderShader::Environment(_) | RenderShader::Light(_) | RenderShader::Camera(_) => {
-            Err("it is of no surfaces".to_owned())
-        }
+        RenderShader::Environment(_)
+        | RenderShader::Light(_)
+        | RenderShader::Camera(_)
+        | RenderShader::Pixel(_) => Err("it is of no surfaces".to_owned()),
     }
 }
 

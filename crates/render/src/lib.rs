@@ -30,6 +30,7 @@ mod options;
 mod packing;
 mod piece;
 mod pixel_trace;
+mod pixels;
 mod progress;
 mod render;
 mod sampler;

@@ -15,6 +15,7 @@ use crate::job::Job;
 use crate::log::{Log, triple};
 use crate::many_lights;
 use crate::options::RenderOptions;
+use crate::pixels;
 use crate::progress::Unwatched;
 use crate::tracer::BatchTracer;
 use crate::world::{HitLanes, World};
@@ -65,14 +66,15 @@ pub fn trace_pixel(
     tracer.log = Some(Log::default());
     let mut batch = CameraBatch::default();
     job.camera_rays(std::iter::once([x, y]), 0..1, &mut batch);
-    let CameraBatch { rays, keys, .. } = batch;
-    let hits = tracer.intersect(RayMask::CAMERA, &rays, &keys, Coherence::Coherent);
+    batch.hits = tracer.intersect(RayMask::CAMERA, &batch.rays, &batch.keys, Coherence::Coherent);
+    let CameraBatch { rays, keys, hits, .. } = &batch;
     if let Some(log) = &mut tracer.log {
-        log.rays(0, &rays, &hits);
+        log.rays(0, rays, hits);
     }
-    let camera = HitLanes { rays: &rays, keys: &keys, hits: &hits, depth: 0, epsilon: options.ray_epsilon };
+    let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: options.ray_epsilon };
     let mut radiance = Vec3s::default();
     integrators::radiance(options.integrator, &mut tracer, pass.as_ref(), camera, &mut radiance);
+    pixels::show(&job, pass.as_ref(), &mut tracer, &batch, &mut radiance);
     let lines = tracer.log.take().unwrap_or_default().lines;
     Ok(PixelTrace { x, y, lines, radiance: radiance.get(0).into() })
 }

@@ -18,6 +18,7 @@ use crate::job::Job;
 use crate::many_lights::interleave::{Seen, Texel};
 use crate::many_lights::{self, PassLights};
 use crate::options::Integrator;
+use crate::pixels;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
 use crate::world::HitLanes;
@@ -61,20 +62,23 @@ impl<'a> Sampler<'a> {
         };
         let samples = tile.samples..last.min(tile.samples.saturating_add(at_once));
         self.job.camera_rays(tile.pixels(), samples.clone(), &mut batch);
-        let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
+        let CameraBatch { rays, keys, hits, .. } = &mut batch;
         tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
-        let epsilon = self.job.options.ray_epsilon;
-        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon };
-        integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, radiance);
+        let mut radiance = std::mem::take(&mut batch.radiance);
+        let CameraBatch { rays, keys, hits, .. } = &batch;
+        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.job.options.ray_epsilon };
+        integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, &mut radiance);
+        pixels::show(self.job, self.pass, tracer, &batch, &mut radiance);
         for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
             let lanes = first..first + pixels;
             if let Some(aovs) = &mut tile.aovs {
-                aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward, radiance);
+                aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward, &radiance);
             }
-            tracer.stats.bad_samples += tile.add_sample(radiance, hits, lanes);
+            tracer.stats.bad_samples += tile.add_sample(&radiance, hits, lanes);
         }
         tracer.stats.camera_rays += rays.len() as u64;
         tracer.stats.samples += rays.len() as u64;
+        batch.radiance = radiance;
         tracer.camera = batch;
     }
 
@@ -112,6 +116,7 @@ impl<'a> Sampler<'a> {
     ) -> RenderStats {
         let mut radiance = Vec3s::default();
         seen.filtered(tile, &mut radiance);
+        pixels::show(self.job, self.pass, tracer, &apart.batch, &mut radiance);
         let CameraBatch { rays, keys, hits, .. } = &apart.batch;
         let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.job.options.ray_epsilon };
         if let Some(aovs) = &mut tile.aovs {

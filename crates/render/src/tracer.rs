@@ -13,7 +13,9 @@ use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::materials::recursive_radiance;
 use gnurt_shading::sampling::{purpose, sample_pair};
-use gnurt_shading::{Detail, LightBatch, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_shading::{
+    Detail, LightBatch, Meeting, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s,
+};
 
 use crate::camera_batch::CameraBatch;
 use crate::cone::Cone;
@@ -259,6 +261,51 @@ impl<'w> BatchTracer<'w> {
         seen
     }
 
+    /// How far rays of a kind go.
+    pub(crate) fn distances_of(&mut self, kind: RayMask, request: &RayRequest, out: &mut Vec<f32>) {
+        self.stats.secondary_rays += request.rays.len() as u64;
+        let hits = self.intersect(kind, &request.rays, &request.key, Coherence::Incoherent);
+        out.clear();
+        out.extend((0..request.rays.len()).map(|i| hits.get(i).map_or(f32::INFINITY, |hit| hit.t)));
+    }
+
+    /// What rays of a kind meet first.
+    pub(crate) fn meetings_of(
+        &mut self,
+        kind: RayMask,
+        request: &RayRequest,
+        out: &mut Vec<Option<Meeting>>,
+    ) {
+        self.stats.secondary_rays += request.rays.len() as u64;
+        let RayRequest { rays, key: keys, width, .. } = request;
+        let hits = &self.intersect(kind, rays, keys, Coherence::Incoherent);
+        out.clear();
+        out.resize(rays.len(), None);
+        self.widths.clone_from(width);
+        let from = HitLanes { rays, keys, hits, depth: 1, epsilon: self.options.ray_epsilon };
+        self.for_each_surface(from, Wanted::Sides, |tracer, shader, lanes, points| {
+            let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
+            shader.albedo(points, &mut albedo);
+            for (k, &lane) in lanes.iter().enumerate() {
+                let (world, instance) = (tracer.world, points.inst_id[k]);
+                out[lane as usize] = Some(Meeting {
+                    t: points.t[k],
+                    p: points.p.get(k),
+                    ng: points.facing_ng(k),
+                    ns: points.facing_ns(k),
+                    uv: [points.texcoord[0][k], points.texcoord[1][k]],
+                    albedo: albedo.get(k),
+                    ids: [
+                        instance,
+                        world.object_of(instance),
+                        world.material_of(instance, points.geom_id[k]),
+                        points.prim_id[k],
+                    ],
+                });
+            }
+        });
+    }
+
     /// Whether rays with these keys, neighbours of each other, hit anything.
     pub(crate) fn occluded_batch(&mut self, rays: &RayBatch, keys: &[SampleKey], blocked: &mut Vec<bool>) {
         let query = Query { level: self.options.level, coherence: self.shadows, mask: RayMask::SHADOW.0 };
@@ -404,10 +451,11 @@ impl Tracer for BatchTracer<'_> {
     }
 
     fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {
-        self.stats.secondary_rays += request.rays.len() as u64;
-        let hits = self.intersect(RayMask::OTHER, &request.rays, &request.key, Coherence::Incoherent);
-        out.clear();
-        out.extend((0..request.rays.len()).map(|i| hits.get(i).map_or(f32::INFINITY, |hit| hit.t)));
+        self.distances_of(RayMask::OTHER, request, out);
+    }
+
+    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<Meeting>>) {
+        self.meetings_of(RayMask::OTHER, request, out);
     }
 
     fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s) {

@@ -20,6 +20,7 @@ mod many_lights;
 mod mirrors;
 mod offsets;
 mod path;
+mod pixels;
 mod ray_masks;
 mod references;
 mod shader_lights;

@@ -56,6 +56,8 @@ pub struct Scene {
     materials: Vec<Material>,
     /// Those that its file names, by materials.
     shader_files: BTreeMap<MaterialId, ShaderFile>,
+    /// Likewise, by cameras.
+    camera_files: BTreeMap<CameraId, ShaderFile>,
     textures: Vec<Texture>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
@@ -115,6 +117,18 @@ impl Scene {
     pub fn set_shader_file(&mut self, material: MaterialId, file: ShaderFile) {
         self.log.note(Edit::Material(material));
         self.shader_files.insert(material, file);
+    }
+
+    /// The shader that its file names for a camera; the camera is where that stands, and what is seen without it.
+    #[must_use]
+    pub fn camera_file(&self, camera: CameraId) -> Option<&ShaderFile> {
+        self.camera_files.get(&camera)
+    }
+
+    /// Names a shader for a camera. Who renders the scene compiles it.
+    pub fn set_camera_file(&mut self, camera: CameraId, file: ShaderFile) {
+        self.log.note(Edit::Camera(camera));
+        self.camera_files.insert(camera, file);
     }
 
     /// An empty scene.

@@ -5,7 +5,7 @@
 use crate::common::load_named;
 use gnurt_scene::io::Oddity;
 use gnurt_scene::material::{Alpha, TextureRef};
-use gnurt_scene::{Lens, Light, Material, Projection, RayMask, Scene, Surface};
+use gnurt_scene::{CameraId, Lens, Light, Material, Projection, RayMask, Scene, Surface};
 
 /// Accessors: 0 = triangle (0,0,0) (1,0,0) (0,1,0) as floats, 1 = its first vertex three times, 2 = joints 0,
 /// 3 = weights 1, 4 = the triangle with vertex 2 replaced by (1,0,0) through a sparse accessor.
@@ -218,7 +218,7 @@ fn lenses_and_wide_views_are_among_the_extras() {
     let file = |extras: &str| {
         let bytes = r#"{ "asset": { "version": "2.0" }, "nodes": [{ "camera": 0 }],
             "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 }, "extras": EXTRAS }] }"#;
-        let loaded = crate::common::load_named("cameras.gltf", bytes.replace("EXTRAS", extras).as_bytes());
+        let loaded = load_named("cameras.gltf", bytes.replace("EXTRAS", extras).as_bytes());
         let loaded = loaded.unwrap_or_else(|e| panic!("{extras}: {e}"));
         let camera = &loaded.scene.cameras()[0];
         (camera.projection, camera.fov_y, camera.lens, loaded.warnings.count(Oddity::CameraExtras))
@@ -240,6 +240,23 @@ fn lenses_and_wide_views_are_among_the_extras() {
 }
 
 #[test]
+fn cameras_name_shaders() {
+    let file = |shader: &str| {
+        let bytes = r#"{ "asset": { "version": "2.0" }, "scenes": [{ "nodes": [0] }], "nodes": [{ "camera": 0 }],
+            "cameras": [{ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 }, "extras": { "gnurt": SHADER } }] }"#;
+        let loaded = load_named("camera.gltf", bytes.replace("SHADER", shader).as_bytes());
+        let scene = loaded.unwrap_or_else(|e| panic!("{shader}: {e}")).scene;
+        scene.camera_file(CameraId(0)).cloned()
+    };
+    let found =
+        file(r#"{ "shader": "fish.osl", "parameters": { "fov": 200, "tint": [1, 2] } }"#).expect("a shader");
+    assert!(found.file.ends_with("fish.osl") && found.file.parent().is_some(), "beside the scene: {found:?}");
+    let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    assert_eq!(found.parameters, [pair("fov", "200"), pair("tint", "1,2")], "texts");
+    assert_eq!(file(r#"{ "shader": 3 }"#), None, "of another form");
+}
+
+#[test]
 fn masks_are_among_the_extras() {
     let file = |extras: &str| {
         let bytes = r#"{ "asset": { "version": "2.0" }, "nodes": [{ "mesh": 0EXTRAS }],
@@ -248,8 +265,7 @@ fn masks_are_among_the_extras() {
             "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
             "buffers": [{ "byteLength": 36, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }] }"#;
         let bytes = bytes.replace("EXTRAS", extras);
-        let loaded = crate::common::load_named("masks.gltf", bytes.as_bytes())
-            .unwrap_or_else(|e| panic!("{extras}: {e}"));
+        let loaded = load_named("masks.gltf", bytes.as_bytes()).unwrap_or_else(|e| panic!("{extras}: {e}"));
         (loaded.scene.instances()[0].mask, loaded.warnings.count(Oddity::BadNode))
     };
     for (extras, mask) in [

@@ -22,6 +22,6 @@ pub use batch::{Detail, SampleKey, SurfaceBatch, Vec3s};
 pub use look_camera::{Look, LookCamera};
 pub use point::{Leaving, Rays, SurfacePoint};
 pub use shader::{
-    AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, LightBatch, LightShader,
-    RadianceShader, RayRequest, SurfaceShader, Tracer,
+    AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, LightBatch, LightShader, Meeting,
+    PixelSamples, PixelShader, RadianceShader, RayRequest, SurfaceShader, Tracer,
 };

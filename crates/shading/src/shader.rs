@@ -187,6 +187,32 @@ pub trait CameraShader: Send + Sync {
     }
 }
 
+/// Samples of pixels: camera rays, and what came against them.
+#[derive(Clone, Copy)]
+pub struct PixelSamples<'a> {
+    /// The rays; a direction of zero sees nothing.
+    pub rays: &'a RayBatch,
+    /// The same a pixel to the right, and a pixel below.
+    pub beside: [&'a RayBatch; 2],
+    /// Where, through which place of the lens and when they go.
+    pub camera: CameraSamples<'a>,
+    /// Columns and rows of the picture.
+    pub size: [u32; 2],
+    /// Keys of their random numbers.
+    pub keys: &'a [SampleKey],
+    /// The radiance against each ray, as the integrator found it.
+    pub radiance: &'a Vec3s,
+    /// How far each went, world units; infinite where it met nothing.
+    pub distances: &'a [f32],
+}
+
+/// What pixels show: the last step between what comes against camera rays and the picture.
+pub trait PixelShader: Send + Sync {
+    /// Writes what each sample shows in place of its radiance; `out` has as many lanes as there are rays, all zero. Rays that it asks
+    /// `tracer` for are rays of the camera: `trace` takes a sample of the integrator along each.
+    fn show(&self, tracer: &mut dyn Tracer, samples: &PixelSamples, out: &mut Vec3s);
+}
+
 /// What rays see that hit nothing.
 pub trait EnvironmentShader: Send + Sync {
     /// Writes the radiance that comes against each direction (unit, world); `out` has `dir.len()` lanes.
@@ -205,6 +231,25 @@ pub struct RayRequest {
     /// Widths of the rays' cones where they begin, world units; empty = all 0. Mirrored and straight rays begin as wide
     /// as the point that sends them.
     pub width: Vec<f32>,
+}
+
+/// What a ray met first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Meeting {
+    /// How far away, world units.
+    pub t: f32,
+    /// Where, world.
+    pub p: Vec3,
+    /// Unit geometric normal; it faces the ray.
+    pub ng: Vec3,
+    /// Unit shading normal; it faces the ray.
+    pub ns: Vec3,
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+    /// Share of light that is scattered there.
+    pub albedo: Vec3,
+    /// Numbers of instance, object, material and triangle.
+    pub ids: [u32; 4],
 }
 
 /// What a shader may ask the renderer for.
@@ -233,6 +278,12 @@ pub trait Tracer {
     fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {
         out.clear();
         out.resize(request.rays.len(), f32::INFINITY);
+    }
+
+    /// Writes what each ray meets first; nothing for those who trace nothing.
+    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<Meeting>>) {
+        out.clear();
+        out.resize(request.rays.len(), None);
     }
 
     /// Two stratified random numbers in [0, 1) for a lane's key and a purpose below [`purpose::LIGHT`].

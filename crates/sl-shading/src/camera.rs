@@ -3,8 +3,10 @@
 //! Source: original. Space: world; the shader's space `camera` is that of a camera that stands somewhere, looks along its -z and has y up.
 //! Proof: `tests/scripts/kinds.rs`.
 
+use std::sync::Arc;
+
 use glam::Vec3;
-use gnurt_accel::{Ray, RayBatch};
+use gnurt_accel::{Moment, Ray, RayBatch};
 use gnurt_shading::{CameraSamples, CameraShader};
 use gnurt_sl::exec::{LANES, Point, Points, Results};
 use gnurt_sl_lib::Dual;
@@ -26,22 +28,71 @@ pub struct CameraPlace {
     pub pixels: [u32; 2],
 }
 
-/// A camera.
-pub(crate) struct ScriptCamera {
-    pub(crate) common: Common,
-    pub(crate) place: CameraPlace,
+impl CameraPlace {
+    /// The place at a moment from 0 to 1 of the way along places evenly spaced over that time: the eye goes straight from one to the
+    /// next, axes are mixed and made units again. Panics if there is none.
+    fn along(places: &[Self], time: f32) -> Self {
+        let moment = Moment::of(time, places.len());
+        let (a, b) = (&places[moment.key], &places[moment.next]);
+        let mix = |a: [f32; 3], b: [f32; 3]| Vec3::from(moment.mix3(a, b));
+        let axis = |a: [f32; 3], b: [f32; 3]| mix(a, b).normalize_or(a.into()).to_array();
+        Self {
+            eye: mix(a.eye, b.eye).to_array(),
+            right: axis(a.right, b.right),
+            up: axis(a.up, b.up),
+            back: axis(a.back, b.back),
+            pixels: a.pixels,
+        }
+    }
+
+    /// From the camera's space to the world.
+    fn matrix(&self) -> [[f32; 4]; 4] {
+        let row = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
+        [row(self.right, 0.0), row(self.up, 0.0), row(self.back, 0.0), row(self.eye, 1.0)]
+    }
+}
+
+/// A camera's shader, ready to stand anywhere. Cheap to clone.
+#[derive(Clone)]
+pub struct CameraScript {
+    pub(crate) common: Arc<Common>,
     pub(crate) has_lens: bool,
+}
+
+impl CameraScript {
+    /// The camera where it is while the shutter is open: at places evenly spaced over that time, one or more; `None` if there is none.
+    #[must_use]
+    pub fn at(&self, places: &[CameraPlace]) -> Option<Arc<dyn CameraShader>> {
+        let Self { common, has_lens } = self.clone();
+        (!places.is_empty())
+            .then(|| Arc::new(ScriptCamera { common, places: places.to_vec(), has_lens }) as _)
+    }
+}
+
+/// A camera.
+struct ScriptCamera {
+    common: Arc<Common>,
+    /// Where it is while the shutter is open, one or more.
+    places: Vec<CameraPlace>,
+    has_lens: bool,
+}
+
+impl ScriptCamera {
+    fn place(&self, time: f32) -> CameraPlace {
+        match &self.places[..] {
+            [place] => *place,
+            places => CameraPlace::along(places, time),
+        }
+    }
 }
 
 impl CameraShader for ScriptCamera {
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
-        let CameraPlace { eye, right, up, back, pixels } = self.place;
-        let row = |[x, y, z]: [f32; 3], w: f32| [x, y, z, w];
-        let ahead = back.map(|x| -x);
+        let world_from_camera = |time: f32| self.place(time).matrix();
         let mut world = World::empty(&self.common);
-        world.world_from_camera = Some([row(right, 0.0), row(up, 0.0), row(back, 0.0), row(eye, 1.0)]);
+        world.world_from_camera = Some(&world_from_camera);
         world.aspect = aspect;
-        let [w, h] = pixels.map(|n| n.max(1) as f32);
+        let [w, h] = self.places[0].pixels.map(|n| n.max(1) as f32);
         let (mut points, mut results) = (Points::default(), Results::default());
         let [from, along, weight, near, far] =
             ["P", "I", "weight", "tmin", "tmax"].map(|name| self.common.row(name));
@@ -50,9 +101,10 @@ impl CameraShader for ScriptCamera {
             for lane in 0..points.count {
                 let i = first + lane;
                 let [u, v] = samples.places[i];
+                let CameraPlace { eye, back, .. } = self.place(samples.time(i));
                 let point = Point {
                     p: Dual::from(eye),
-                    i: Dual::from(ahead),
+                    i: Dual::from(back.map(|x| -x)),
                     n: back,
                     ng: back,
                     u: Dual::new(u, 1.0 / w, 0.0),
@@ -69,7 +121,9 @@ impl CameraShader for ScriptCamera {
             let number = |row: Option<usize>, lane: usize| row.map(|row| results.rows[row][lane]);
             let triple = |row: Option<usize>, lane: usize| row.map(|row| vector(&results, row, lane));
             for lane in 0..points.count {
-                let org = triple(from, lane).filter(|p| p.is_finite()).unwrap_or(Vec3::from(eye));
+                let org = triple(from, lane)
+                    .filter(|p| p.is_finite())
+                    .unwrap_or_else(|| Vec3::from(self.place(samples.time(first + lane)).eye));
                 let seen = triple(weight, lane).is_none_or(|weight| weight != Vec3::ZERO);
                 let dir = triple(along, lane).filter(|_| seen).and_then(Vec3::try_normalize);
                 let t_near = number(near, lane).unwrap_or(0.0).max(0.0);

@@ -4,7 +4,7 @@
 //!
 //! A [`Script`] is a shader's file, compiled, with values for its parameters; it makes what `gnurt_shading` knows: a surface, a light,
 //! a camera, a sky. `access` says which files may be read, `closures` which closures there are, `parts` makes lobes of them,
-//! `world` answers what a shader asks while it runs, `surface`, `light`, `camera` and `sky` are the kinds.
+//! `world` answers what a shader asks while it runs, `surface`, `light`, `camera`, `sky` and `pixel` are the kinds.
 #![forbid(unsafe_code)]
 
 mod access;
@@ -12,8 +12,10 @@ mod camera;
 mod closures;
 mod faults;
 mod light;
+mod live;
 mod parameter;
 mod parts;
+mod pixel;
 mod script;
 mod sky;
 mod surface;
@@ -21,6 +23,6 @@ mod textures;
 mod world;
 
 pub use access::Access;
-pub use camera::CameraPlace;
+pub use camera::{CameraPlace, CameraScript};
 pub use parameter::{Parameter, ParameterValue};
 pub use script::{Kind, Script};

@@ -19,6 +19,18 @@ pub enum ParameterValue {
     Texts(Vec<String>),
 }
 
+impl ParameterValue {
+    /// Its numbers as floats; `None` of texts.
+    #[must_use]
+    pub fn numbers(&self) -> Option<Vec<f32>> {
+        match self {
+            Self::Floats(list) => Some(list.clone()),
+            Self::Ints(list) => Some(list.iter().map(|&x| x as f32).collect()),
+            Self::Texts(_) => None,
+        }
+    }
+}
+
 /// A parameter of a script.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
@@ -34,11 +46,22 @@ pub struct Parameter {
     pub help: String,
     /// The least and the greatest value that is useful.
     pub range: Option<[f32; 2]>,
+    /// The least change that is useful: `step`, or `sensitivity` as OSL's manual has it.
+    pub step: Option<f32>,
+    /// How people set it: `number`, `checkBox`, `boolean`, `mapper`, `popup`, `null` for not at all; empty if nobody says.
+    pub widget: String,
+    /// What `mapper` and `popup` offer, between bars: `off:0|on:1`.
+    pub options: String,
+    /// Whether it can be changed without compiling: numbers whose value is known before the shader runs.
+    pub is_tunable: bool,
     /// How often the mesh has one, as the text says: `vertex`, `triangle`, or nothing.
     pub rate: String,
     /// Whether the mesh may give it: by vertex or triangle, under its name.
     pub is_of_mesh: bool,
 }
+
+/// Numbers of a parameter that is changed without compiling.
+const MOST_NUMBERS: usize = 16;
 
 fn number(data: &Data) -> Option<f32> {
     match data {
@@ -76,6 +99,13 @@ impl Parameter {
             help: text("help"),
             rate: text("rate"),
             range: range.map(|(min, max)| [min, max]),
+            step: meta("step").or(meta("sensitivity")).and_then(number).filter(|&x| x > 0.0),
+            widget: text("widget"),
+            options: text("options"),
+            is_tunable: (symbol.ty.base == Base::Int || symbol.ty.base.is_float_based())
+                && (value.is_some() || symbol.init.is_empty() && symbol.value.is_some())
+                && (1..=MOST_NUMBERS).contains(&size)
+                && !symbol.ty.is_array(),
             is_of_mesh: flag("lockgeom") == Some(0) || flag("interpolated") == Some(1),
         }
     }

@@ -10,7 +10,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use gnurt_jit::Cache;
-use gnurt_shading::{AttributeRequest, CameraShader, EnvironmentShader, LightShader, SurfaceShader};
+use gnurt_shading::{
+    AttributeRequest, CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader,
+};
 use gnurt_simd::Level;
 use gnurt_sl::diagnostics::{Severity, Style};
 use gnurt_sl::exec::{Plan, PlanOptions, unknown_operation};
@@ -22,10 +24,12 @@ use gnurt_sl::{Options, compile};
 use gnurt_sl_lib::color::ColorSystem;
 
 use crate::access::Access;
-use crate::camera::{CameraPlace, ScriptCamera};
+use crate::camera::{CameraPlace, CameraScript};
 use crate::faults::Faults;
 use crate::light::ScriptLight;
+use crate::live::Live;
 use crate::parameter::{self, Parameter, ParameterValue};
+use crate::pixel::{self, ScriptPixel};
 use crate::sky::ScriptSky;
 use crate::surface::ScriptSurface;
 use crate::textures::Textures;
@@ -74,6 +78,10 @@ pub struct Script {
     textures: Arc<Textures>,
     faults: Arc<Faults>,
     code: Arc<Cache>,
+    access: Access,
+    /// Values that were given, the last one of each parameter.
+    given: Vec<(String, ParameterValue)>,
+    live: Live,
 }
 
 impl Script {
@@ -122,7 +130,73 @@ impl Script {
             textures: Arc::new(Textures::new(access.clone(), folder)),
             faults: Arc::default(),
             code: Arc::default(),
+            access: access.clone(),
+            given: Vec::new(),
+            live: Live::default(),
         })
+    }
+
+    /// Reads and compiles its file again, and gives the parameters the values that they were given here; what they do not take any more
+    /// becomes a warning.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn again(&self) -> Result<Self, String> {
+        let path = self.files.first().ok_or_else(|| format!("{}: it has no file", self.name))?;
+        let mut script = Self::open(path, &self.access)?;
+        for (name, value) in &self.given {
+            if let Err(why) = script.set(name, value) {
+                script.warnings.push(format!("{}: {why}", self.name));
+            }
+        }
+        Ok(script)
+    }
+
+    /// Makes its numbers ones that [`tune`](Self::tune) changes in all shaders that are made of it from now on; those compute a little
+    /// more slowly, for nothing of such a number is computed beforehand.
+    pub fn make_tunable(&mut self) {
+        let tunable: Vec<Parameter> =
+            self.parameters().into_iter().filter(|p| p.is_tunable && !p.is_of_mesh).collect();
+        let others = self.group.layers.split_last().map_or(&[][..], |(_, others)| others);
+        let is_elsewhere = |name: &str| {
+            others.iter().any(|layer| layer.shader.find(name).is_some_and(|id| layer.interpolated(id)))
+        };
+        // A camera's `aspect` that nobody has given is the picture's.
+        let is_given = |name: &str| self.given.iter().any(|(known, _)| known == name);
+        let is_of_picture = |name: &str| self.kind == Kind::Camera && name == "aspect" && !is_given(name);
+        let tunable: Vec<Parameter> =
+            tunable.into_iter().filter(|p| !is_elsewhere(&p.name) && !is_of_picture(&p.name)).collect();
+        self.live = Live::default();
+        let Some(layer) = self.group.layers.last_mut() else { return };
+        for parameter in &tunable {
+            let (Some(id), Some(numbers)) = (layer.shader.find(&parameter.name), parameter.default.numbers())
+            else {
+                continue;
+            };
+            layer.hints.insert(id, Hint { interpolated: true, interactive: false });
+            self.live.add(&parameter.name, &numbers);
+        }
+    }
+
+    /// Whether a parameter is one that [`tune`](Self::tune) changes.
+    #[must_use]
+    pub fn is_tunable(&self, name: &str) -> bool {
+        self.live.has(name)
+    }
+
+    /// Gives a number another value in all shaders that were made of this script since it was
+    /// [made tunable](Self::make_tunable), at once and without compiling.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set); or it cannot be tuned.
+    pub fn tune(&mut self, name: &str, given: &ParameterValue) -> Result<(), String> {
+        self.set(name, given)?;
+        let numbers =
+            self.parameters().into_iter().find(|p| p.name == name).and_then(|p| p.default.numbers());
+        match numbers.is_some_and(|numbers| self.live.set(name, &numbers)) {
+            true => Ok(()),
+            false => Err(format!("parameter '{name}': it cannot be changed without compiling")),
+        }
     }
 
     /// What it is for.
@@ -181,9 +255,15 @@ impl Script {
         let value = parameter::value(ty, given).map_err(|why| format!("parameter '{name}': {why}"))?;
         let mut said = Vec::new();
         if let Some(layer) = self.group.layers.last_mut() {
-            layer.set(name, &value, Hint::default(), &mut said);
+            let hint = Hint { interpolated: self.live.has(name), interactive: false };
+            layer.set(name, &value, hint, &mut said);
         }
-        said.first().map_or(Ok(()), |why| Err(format!("parameter '{name}': {why}")))
+        if let Some(why) = said.first() {
+            return Err(format!("parameter '{name}': {why}"));
+        }
+        self.given.retain(|(known, _)| known != name);
+        self.given.push((name.to_owned(), given.clone()));
+        Ok(())
     }
 
     /// The same of a value that somebody wrote: numbers between commas, or a text.
@@ -249,6 +329,15 @@ impl Script {
     /// # Errors
     /// It is none, or too large.
     pub fn camera(&self, place: CameraPlace) -> Result<Arc<dyn CameraShader>, String> {
+        let camera = self.camera_anywhere()?.at(&[place]);
+        camera.ok_or_else(|| format!("{}: it stands nowhere", self.name))
+    }
+
+    /// The same before anybody knows where it stands.
+    ///
+    /// # Errors
+    /// As [`camera`](Self::camera).
+    pub fn camera_anywhere(&self) -> Result<CameraScript, String> {
         self.is(Kind::Camera)?;
         let mut group = self.group.clone();
         if let Some(layer) = group.layers.last_mut()
@@ -258,9 +347,9 @@ impl Script {
         {
             layer.hints.insert(id, Hint { interpolated: true, interactive: false });
         }
-        let common = self.common(&group, &["P", "I", "tmin", "tmax", "weight"])?;
+        let common = Arc::new(self.common(&group, &["P", "I", "tmin", "tmax", "weight"])?);
         let has_lens = group.layers.iter().any(|layer| layer.shader.symbols.iter().any(|s| &*s.name == "xi"));
-        Ok(Arc::new(ScriptCamera { common, place, has_lens }))
+        Ok(CameraScript { common, has_lens })
     }
 
     /// As what rays see that hit nothing.
@@ -270,6 +359,26 @@ impl Script {
     pub fn environment(&self) -> Result<Arc<dyn EnvironmentShader>, String> {
         self.is(Kind::Environment)?;
         Ok(Arc::new(ScriptSky { common: self.common(&self.group, &[])? }))
+    }
+
+    /// As what pixels show.
+    ///
+    /// # Errors
+    /// It is none, has no `output color Cpixel`, or is too large.
+    pub fn pixel(&self) -> Result<Arc<dyn PixelShader>, String> {
+        self.is(Kind::Pixel)?;
+        let shown = self.group.layers.last().and_then(|layer| {
+            let symbol = layer.shader.symbol(layer.shader.find(pixel::SHOWN)?);
+            (symbol.kind == SymbolKind::OutputParam && symbol.ty == Type::COLOR).then_some(())
+        });
+        if shown.is_none() {
+            return Err(format!(
+                "{}: pixels show its 'output color {}', and it has none",
+                self.name,
+                pixel::SHOWN
+            ));
+        }
+        Ok(Arc::new(ScriptPixel { common: self.common(&self.group, &[pixel::SHOWN])? }))
     }
 
     fn is(&self, wanted: Kind) -> Result<(), String> {
@@ -295,6 +404,7 @@ impl Script {
             faults: self.faults.clone(),
             requests: self.requests(group),
             colors,
+            live: self.live.clone(),
         })
     }
 
@@ -315,8 +425,10 @@ impl Script {
         let mut spaces = false;
         for layer in &group.layers {
             let shader = &layer.shader;
-            for (id, symbol) in shader.params().filter(|(id, _)| layer.interpolated(*id)) {
-                let _ = id;
+            for (_, symbol) in shader.params().filter(|(id, _)| layer.interpolated(*id)) {
+                if self.live.has(&symbol.name) {
+                    continue;
+                }
                 if symbol.ty.base == Base::Int || symbol.ty.base.is_float_based() {
                     ask(&symbol.name, symbol.ty.size());
                 }

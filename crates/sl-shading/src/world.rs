@@ -10,7 +10,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use gnurt_accel::Ray;
-use gnurt_shading::{AttributeRequest, LightBatch, RayRequest, SurfaceBatch, Tracer, Vec3s};
+use gnurt_shading::{
+    AttributeRequest, LightBatch, Meeting, PixelSamples, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s,
+};
 use gnurt_sl::exec::{
     Arriving, ClosureDecl, Given, Host, Point, Points, Program, Results, TextureOptions, TraceOptions,
 };
@@ -21,6 +23,7 @@ use gnurt_sl_lib::color::ColorSystem;
 
 use crate::closures;
 use crate::faults::Faults;
+use crate::live::Live;
 use crate::textures::Textures;
 
 /// Kinds of rays; each is a bit.
@@ -41,6 +44,8 @@ pub(crate) struct Common {
     /// What is asked of the mesh.
     pub(crate) requests: Vec<AttributeRequest>,
     pub(crate) colors: ColorSystem,
+    /// Parameters that may change while it runs.
+    pub(crate) live: Live,
 }
 
 impl Common {
@@ -67,9 +72,10 @@ pub(crate) fn vector(results: &Results, row: usize, lane: usize) -> Vec3 {
 pub(crate) struct World<'a> {
     common: &'a Common,
     hits: Option<&'a SurfaceBatch>,
+    pixels: Option<&'a PixelSamples<'a>>,
     asks: Option<RefCell<Asks<'a>>>,
-    /// From a camera's space.
-    pub(crate) world_from_camera: Option<[[f32; 4]; 4]>,
+    /// From a camera's space, at a moment.
+    pub(crate) world_from_camera: Option<&'a dyn Fn(f32) -> [[f32; 4]; 4]>,
     /// Width over height of the picture.
     pub(crate) aspect: f32,
 }
@@ -81,14 +87,30 @@ struct Asks<'a> {
     lights: HashMap<i32, (LightBatch, Option<Vec3s>)>,
     /// Rays that each point has asked for.
     rays: Vec<u32>,
-    /// How far the last ray went, if it hit something.
-    last: Option<f32>,
+    /// The last ray of each point.
+    last: Vec<Option<Last>>,
+}
+
+/// A ray that was sent, and what is known of it.
+struct Last {
+    request: RayRequest,
+    /// How far it went; infinite if it met nothing.
+    distance: f32,
+    /// What it met, once somebody has asked.
+    met: Option<Option<Meeting>>,
+}
+
+impl<'a> Asks<'a> {
+    fn new(tracer: &'a mut (dyn Tracer + 'a), points: usize) -> RefCell<Self> {
+        let last = std::iter::repeat_with(|| None).take(points).collect();
+        RefCell::new(Self { tracer, lights: HashMap::new(), rays: vec![0; points], last })
+    }
 }
 
 impl<'a> World<'a> {
     /// Without surfaces: of lights, cameras, skies.
     pub(crate) fn empty(common: &'a Common) -> Self {
-        Self { common, hits: None, asks: None, world_from_camera: None, aspect: 1.0 }
+        Self { common, hits: None, pixels: None, asks: None, world_from_camera: None, aspect: 1.0 }
     }
 
     /// Around points.
@@ -97,10 +119,18 @@ impl<'a> World<'a> {
         hits: &'a SurfaceBatch,
         tracer: Option<&'a mut (dyn Tracer + 'a)>,
     ) -> Self {
-        let asks = tracer.map(|tracer| {
-            RefCell::new(Asks { tracer, lights: HashMap::new(), rays: vec![0; hits.len()], last: None })
-        });
+        let asks = tracer.map(|tracer| Asks::new(tracer, hits.len()));
         Self { hits: Some(hits), asks, ..Self::empty(common) }
+    }
+
+    /// Around samples of pixels.
+    pub(crate) fn before(
+        common: &'a Common,
+        pixels: &'a PixelSamples<'a>,
+        tracer: &'a mut (dyn Tracer + 'a),
+    ) -> Self {
+        let asks = Some(Asks::new(tracer, pixels.keys.len()));
+        Self { pixels: Some(pixels), asks, ..Self::empty(common) }
     }
 
     /// The batch and the point's place in it.
@@ -120,6 +150,14 @@ impl<'a> World<'a> {
 
     /// A ray from `p`: away from the surface where `p` is the point that is shaded.
     fn ray(&self, p: [f32; 3], r: [f32; 3], options: &TraceOptions, point: &Point) -> Option<Ray> {
+        let of_camera = self.pixels.zip(usize::try_from(point.index).ok());
+        if let Some((pixels, lane)) = of_camera.filter(|(pixels, lane)| *lane < pixels.rays.len()) {
+            let own = pixels.rays.get(lane);
+            let is_whole = options.mindist <= own.t_near && options.maxdist >= own.t_far.min(1e30);
+            if (own.org, own.dir) == (p, r) && is_whole {
+                return Some(own);
+            }
+        }
         let dir = Vec3::from(r).try_normalize()?;
         let far = if options.maxdist >= 1e30 { f32::INFINITY } else { options.maxdist };
         let ray = match self.lane(point) {
@@ -130,17 +168,40 @@ impl<'a> World<'a> {
         Some(ray.within(near, ray.t_far))
     }
 
+    /// The number of the point among those that are asked about, its key, and how wide its rays begin.
+    fn asker(&self, point: &Point) -> Option<(usize, SampleKey, f32)> {
+        let lane = usize::try_from(point.index).ok()?;
+        let key = match (self.hits, self.pixels) {
+            (Some(hits), _) => hits.key.get(lane),
+            (None, pixels) => pixels?.keys.get(lane),
+        };
+        let width = self.hits.and_then(|hits| hits.footprint.get(lane));
+        Some((lane, *key?, width.copied().unwrap_or(0.0)))
+    }
+
     /// The ray as a request, and the tracer to send it.
     fn request(&self, ray: Ray, point: &Point) -> Option<(RayRequest, std::cell::RefMut<'_, Asks<'a>>)> {
-        let (hits, lane) = self.lane(point)?;
+        let (lane, key, width) = self.asker(point)?;
         let mut asks = self.asks.as_ref()?.borrow_mut();
-        asks.rays[lane] += 1;
         let mut request = RayRequest::default();
         request.rays.push(ray);
         request.parent.push(lane as u32);
-        request.key.push(hits.key[lane].fork(BRANCH + asks.rays[lane]));
-        request.width.push(hits.footprint.get(lane).copied().unwrap_or(0.0));
+        // The camera's own ray is not another one.
+        if self.own(&ray, lane).is_some() {
+            request.key.push(key);
+        } else {
+            asks.rays[lane] += 1;
+            request.key.push(key.fork(BRANCH + asks.rays[lane]));
+        }
+        request.width.push(width);
         Some((request, asks))
+    }
+
+    /// What is known of a ray before it is sent, if it is the one of the camera: radiance, and how far it went.
+    fn own(&self, ray: &Ray, lane: usize) -> Option<(Vec3, f32)> {
+        let pixels = self.pixels?;
+        let is_own = lane < pixels.rays.len() && pixels.rays.get(lane) == *ray;
+        is_own.then(|| (pixels.radiance.get(lane), pixels.distances[lane]))
     }
 }
 
@@ -166,7 +227,7 @@ impl Host for World<'_> {
     fn common_from(&self, space: &str, point: &Point) -> Option<[[f32; 4]; 4]> {
         match space {
             "world" => Some(IDENTITY),
-            "camera" => self.world_from_camera,
+            "camera" => self.world_from_camera.map(|at| at(point.time)),
             "object" | "shader" => {
                 let Some(m) = self.asked(AttributeRequest::WORLD_FROM_OBJECT, point) else {
                     return Some(IDENTITY);
@@ -179,6 +240,9 @@ impl Host for World<'_> {
     }
 
     fn userdata(&self, name: &str, ty: Type, point: &Point) -> Option<Given> {
+        if let Some(found) = self.common.live.get(name) {
+            return fitting(found, ty);
+        }
         if name == "aspect" && ty == Type::FLOAT && self.hits.is_none() {
             return some(vec![self.aspect]);
         }
@@ -221,19 +285,36 @@ impl Host for World<'_> {
     fn trace(&self, p: Dual<[f32; 3]>, r: Dual<[f32; 3]>, options: &TraceOptions, point: &Point) -> bool {
         let Some(ray) = self.ray(p.value, r.value, options, point) else { return false };
         let Some((request, mut asks)) = self.request(ray, point) else { return false };
-        let mut found = Vec::new();
-        asks.tracer.distances(&request, &mut found);
-        asks.last = found.first().copied().filter(|t| t.is_finite());
-        asks.last.is_some()
+        let lane = request.parent[0] as usize;
+        let distance = match self.own(&ray, lane) {
+            Some((_, distance)) => distance,
+            None => {
+                let mut found = Vec::new();
+                asks.tracer.distances(&request, &mut found);
+                found.first().copied().unwrap_or(f32::INFINITY)
+            }
+        };
+        asks.last[lane] = Some(Last { request, distance, met: None });
+        distance.is_finite()
     }
 
-    fn trace_message(&self, name: &str, ty: Type, _: &Point) -> (bool, Option<Given>) {
-        let last = self.asks.as_ref().and_then(|asks| asks.borrow().last);
-        match (name, ty) {
-            ("hit", Type::INT) => (true, Some(Given::from(Data::Int(vec![i32::from(last.is_some())])))),
-            ("hitdist", Type::FLOAT) => (last.is_some(), last.and_then(|t| some(vec![t]))),
-            _ => (false, None),
+    fn trace_message(&self, name: &str, ty: Type, point: &Point) -> (bool, Option<Given>) {
+        let (Some(asks), Some((lane, ..))) = (&self.asks, self.asker(point)) else { return (false, None) };
+        let Asks { tracer, last, .. } = &mut *asks.borrow_mut();
+        let is_hit = last[lane].as_ref().is_some_and(|last| last.distance.is_finite());
+        if (name, ty) == ("hit", Type::INT) {
+            return (true, Some(Given::from(Data::Int(vec![i32::from(is_hit)]))));
         }
+        let Some(last) = last[lane].as_mut().filter(|_| is_hit) else { return (false, None) };
+        if (name, ty) == ("hitdist", Type::FLOAT) {
+            return (true, some(vec![last.distance]));
+        }
+        let met = last.met.get_or_insert_with(|| {
+            let mut found = Vec::new();
+            tracer.meet(&last.request, &mut found);
+            found.first().copied().flatten()
+        });
+        (true, met.as_ref().and_then(|met| message_of(met, name, ty)))
     }
 
     fn radiance(
@@ -245,6 +326,9 @@ impl Host for World<'_> {
     ) -> [f32; 3] {
         let Some(ray) = self.ray(p.value, r.value, options, point) else { return [0.0; 3] };
         let Some((request, mut asks)) = self.request(ray, point) else { return [0.0; 3] };
+        if let Some((radiance, _)) = self.own(&ray, request.parent[0] as usize) {
+            return radiance.to_array();
+        }
         let mut seen = Vec3s::default();
         let depth = self.hits.map_or(0, |hits| hits.depth);
         asks.tracer.trace(depth, &request, &mut seen);
@@ -307,6 +391,26 @@ impl Host for World<'_> {
     fn color_system(&self) -> &ColorSystem {
         &self.common.colors
     }
+}
+
+/// What a shader may know of what a ray met.
+fn message_of(met: &Meeting, name: &str, ty: Type) -> Option<Given> {
+    let Meeting { p, ng, ns, uv, albedo, ids, .. } = met;
+    if ty == Type::INT {
+        let number = ["instance", "object", "material", "prim"].iter().position(|known| *known == name)?;
+        return Some(Given::from(Data::Int(vec![ids[number] as i32])));
+    }
+    let triple = |v: &Vec3| v.to_array().to_vec();
+    let list = match name {
+        "P" => triple(p),
+        "N" => triple(ns),
+        "Ng" => triple(ng),
+        "albedo" => triple(albedo),
+        "u" => vec![uv[0]],
+        "v" => vec![uv[1]],
+        _ => return None,
+    };
+    (ty.base.is_float_based() && list.len() == ty.size()).then(|| Given::from(Data::Float(list)))
 }
 
 /// Light that arrives at a point of a batch; `known` is what was found for the batch before.

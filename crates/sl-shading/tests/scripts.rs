@@ -7,5 +7,9 @@ mod closures;
 mod floor;
 #[path = "scripts/kinds.rs"]
 mod kinds;
+#[path = "scripts/live.rs"]
+mod live;
+#[path = "scripts/pixels.rs"]
+mod pixels;
 #[path = "scripts/wrong.rs"]
 mod wrong;

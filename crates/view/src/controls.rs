@@ -11,6 +11,7 @@ use gnurt::scene::Camera;
 use crate::exposure::Exposure;
 use crate::flight::Flight;
 use crate::input::{Button, Input, Key};
+use crate::knobs::Knobs;
 use crate::playing::Playing;
 use crate::shown::Shown;
 
@@ -29,6 +30,8 @@ pub enum Effect {
     PrintCamera,
     /// Fill the screen, or no longer.
     Fullscreen(bool),
+    /// Give the parameter of the chosen knob its value.
+    Tune,
 }
 
 /// All that people can change.
@@ -52,6 +55,8 @@ pub struct Controls {
     pub recording: bool,
     /// What is played, where something moves.
     pub playing: Option<Playing>,
+    /// Parameters of shaders.
+    pub knobs: Knobs,
     home: Flight,
     home_exposure: Exposure,
     fullscreen: bool,
@@ -85,6 +90,8 @@ const TURNING: f64 = 1.0;
 const NOTCH: f64 = 0.9;
 const FASTER: f64 = 1.5;
 const STOPS: f32 = 0.25;
+/// Steps of a knob with shift.
+const MANY: f32 = 10.0;
 const MOST_STOPS: f32 = 64.0;
 
 /// Keys that do something for as long as they are held.
@@ -119,6 +126,7 @@ impl Controls {
             denoised: false,
             recording: false,
             playing: None,
+            knobs: Knobs::default(),
             fullscreen: false,
             held: Vec::new(),
             shift: false,
@@ -246,6 +254,12 @@ impl Controls {
             Key::Char('-' | '_') => self.speed = (self.speed / FASTER).max(1e-12),
             Key::Char('.' | '>') => self.step(1.0),
             Key::Char(',' | '<') => self.step(-1.0),
+            Key::Char('j' | 'J') => self.knobs.choose(-1),
+            Key::Char('k' | 'K') => self.knobs.choose(1),
+            Key::Char('u') => return self.turn(-1.0),
+            Key::Char('i') => return self.turn(1.0),
+            Key::Char('U') => return self.turn(-MANY),
+            Key::Char('I') => return self.turn(MANY),
             Key::Char('b') => self.expose(STOPS),
             Key::Char('B') => self.expose(-STOPS),
             _ if repeat => {}
@@ -257,6 +271,8 @@ impl Controls {
                 return Some(Effect::Fullscreen(self.fullscreen));
             }
             Key::Char('h' | 'H' | '?') | Key::F(1) => self.help = !self.help,
+            Key::Char('m' | 'M') => self.knobs.shown = !self.knobs.shown,
+            Key::Char('o' | 'O') => return self.knobs.reset().then_some(Effect::Tune),
             Key::Char('g' | 'G') => self.hud = !self.hud,
             Key::Char('p' | 'P') => self.paused = !self.paused,
             Key::Char(' ') => {
@@ -282,6 +298,10 @@ impl Controls {
             _ => {}
         }
         None
+    }
+
+    fn turn(&mut self, steps: f32) -> Option<Effect> {
+        self.knobs.turn(steps).then_some(Effect::Tune)
     }
 
     fn step(&mut self, frames: f64) {

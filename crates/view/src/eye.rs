@@ -2,10 +2,15 @@
 //! A picture in the making, as somebody looks at it: samples, then colours of what is shown.
 //! Source: original. Memory is used again from picture to picture. Proof: `tests`.
 
+use std::sync::Arc;
+
 use gnurt::ThreadPool;
+use gnurt::camera_rays;
 use gnurt::denoise;
-use gnurt::render::{Accumulation, KeptLights, Progress, RenderOptions, SceneCamera, World};
+use gnurt::osl::CameraScript;
+use gnurt::render::{Accumulation, KeptLights, Progress, RenderOptions, World};
 use gnurt::scene::Camera;
+use gnurt::shading::CameraShader;
 
 use crate::error::ViewError;
 use crate::exposure::Exposure;
@@ -45,7 +50,7 @@ pub(crate) struct Eye {
 
 struct Making {
     accumulation: Accumulation,
-    rays: SceneCamera,
+    rays: Arc<dyn CameraShader>,
     shown: Shown,
     /// Distance from eye to target.
     reach: f32,
@@ -59,8 +64,8 @@ impl Eye {
         Self { options, making: None, kept: KeptLights::default(), colors: Vec::new() }
     }
 
-    /// Begins a picture.
-    pub(crate) fn begin(&mut self, sight: &Sight) -> Result<(), ViewError> {
+    /// Begins a picture; a shader may stand in the camera's place.
+    pub(crate) fn begin(&mut self, sight: &Sight, script: Option<&CameraScript>) -> Result<(), ViewError> {
         let [width, height] = sight.size;
         let options = RenderOptions {
             width,
@@ -78,7 +83,7 @@ impl Eye {
             heatmap: false,
             ..self.options.clone()
         };
-        let rays = SceneCamera::new(&sight.camera).ok_or(ViewError::NoView)?;
+        let rays = camera_rays(&sight.camera, script, sight.size).ok_or(ViewError::NoView)?;
         let accumulation = match self.making.take() {
             Some(mut making) => making.accumulation.restart(options).map(|()| making.accumulation),
             None => Accumulation::new(options),
@@ -106,9 +111,9 @@ impl Eye {
     ) -> bool {
         let Some(Making { accumulation, rays, fleeting, .. }) = &mut self.making else { return true };
         if *fleeting {
-            return accumulation.pass_in_motion(&mut self.kept, world, rays, pool, progress);
+            return accumulation.pass_in_motion(&mut self.kept, world, &**rays, pool, progress);
         }
-        accumulation.pass(world, rays, samples, pool, progress)
+        accumulation.pass(world, &**rays, samples, pool, progress)
     }
 
     /// Samples of each pixel so far.
@@ -206,7 +211,8 @@ mod tests {
         let (camera, shown) = (scene.cameras()[0].clone(), Shown::Light(Integrator::Eyelight));
         let from = [61, 47];
         let mut eye = Eye::new(RenderOptions::default());
-        eye.begin(&Sight { camera, shown, size: from, fleeting: true, denoised: false }).expect("a view");
+        eye.begin(&Sight { camera, shown, size: from, fleeting: true, denoised: false }, None)
+            .expect("a view");
         assert!(eye.pass(&world, 1, &pool, &Silent), "nobody stops it");
         for size in [from, [130, 90], [61, 20], [20, 47], [7, 200]] {
             let (mut passing, mut kept) = (Vec::new(), Vec::new());

@@ -110,7 +110,7 @@ pub fn run_headless(
         let (camera, shown, size) = (flight.camera(), Shown::Light(integrator), [width, height]);
         // One sample in motion is what a window shows while the camera moves.
         let fleeting = spp == 1 && options.orbit != 0.0;
-        eye.begin(&Sight { camera, shown, size, fleeting, denoised: false })?;
+        eye.begin(&Sight { camera, shown, size, fleeting, denoised: false }, stage.scripts.camera.as_ref())?;
         let (mut seconds, mut finished) = (0.0, true);
         while finished && !eye.is_complete() {
             finished = eye.pass(&stage.world, eye.samples().clamp(1, MOST_SAMPLES), pool, progress);

@@ -40,6 +40,10 @@ P                   pause: no more samples
 space               play, stop
 , .                 a frame back, a frame on
 N                   take the noise out
+M                   parameters of shaders
+J K                 the one before, the next one
+u i, U I            less, more; ten times as much
+O                   as it was
 C                   print the camera
 F12, Ctrl-S         write a picture
 Ctrl-R              write all pictures, until pressed again
@@ -75,6 +79,7 @@ pub(crate) fn lines(
         format!("{}  EV {:+.2}  {}", controls.shown, exposure.stops, exposure.tone),
     ];
     lines.extend(controls.playing.as_ref().map(|playing| playing.line(readings.update_seconds * 1e3)));
+    lines.extend(controls.knobs.lines());
     lines.extend(said.iter().cloned());
     lines
 }

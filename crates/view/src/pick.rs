@@ -5,9 +5,9 @@
 use std::fmt;
 
 use gnurt::accel::RayBatch;
-use gnurt::render::SceneCamera;
+use gnurt::camera_rays;
 use gnurt::scene::Camera;
-use gnurt::shading::{CameraSamples, CameraShader};
+use gnurt::shading::CameraSamples;
 
 use crate::stage::Stage;
 
@@ -34,7 +34,7 @@ impl Pick {
     /// What a camera sees in the middle of a pixel of a picture of `size`; `None` if that is nothing.
     #[must_use]
     pub fn at(stage: &Stage, camera: &Camera, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Option<Self> {
-        let rays = SceneCamera::new(camera)?;
+        let rays = camera_rays(camera, stage.scripts.camera.as_ref(), [width, height])?;
         let middle = |at: u32, side: u32| (f64::from(at) + 0.5) / f64::from(side.max(1));
         let place = [middle(x, width) as f32, (1.0 - middle(y, height)) as f32];
         let mut batch = RayBatch::default();
@@ -80,6 +80,7 @@ impl fmt::Display for Pick {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scripts::Scripts;
     use gnurt::render::{CommitOptions, ShaderTable, World};
     use gnurt::scene::{Affine, Material, Mesh, Scene};
 
@@ -102,7 +103,15 @@ mod tests {
         world
             .commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool)
             .expect("the scene is sound");
-        let stage = Stage { scene, world, files: Vec::new(), clip: None, faults: Box::new(Vec::new) };
+        let stage = Stage {
+            scene,
+            world,
+            files: Vec::new(),
+            clip: None,
+            how: CommitOptions::default(),
+            scripts: Scripts::default(),
+            faults: Box::new(Vec::new),
+        };
         let camera = |target| Camera {
             name: String::new(),
             eye: [0.0; 3],

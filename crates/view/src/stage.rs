@@ -5,8 +5,11 @@ use std::fmt;
 use std::path::PathBuf;
 
 use gnurt::ThreadPool;
-use gnurt::render::{CommitOptions, ShaderTable, World};
+use gnurt::osl::ParameterValue;
+use gnurt::render::{CommitOptions, World};
 use gnurt::scene::Scene;
+
+use crate::scripts::Scripts;
 
 /// A scene that can be rendered, and where it came from.
 pub struct Stage {
@@ -16,28 +19,29 @@ pub struct Stage {
     pub world: World,
     /// Files that it was read from: if one changes, it is read again.
     pub files: Vec<PathBuf>,
-    /// What is played, where something moves.
-    pub clip: Option<StageClip>,
-    /// Tells what shaders have done wrong since it was asked last, a line each.
-    pub faults: Faults,
-}
-
-/// A clip of a stage's scene, and what commits its moments.
-pub struct StageClip {
-    /// Its place among the clips.
-    pub number: usize,
+    /// What is played, where something moves: a place among the clips.
+    pub clip: Option<usize>,
     /// What the world was committed with.
-    pub shaders: ShaderTable,
-    /// Likewise.
     pub how: CommitOptions,
+    /// Likewise; files in the shading language are read again one by one.
+    pub scripts: Scripts,
+    /// Tells what other shaders have done wrong since it was asked last, a line each.
+    pub faults: Faults,
 }
 
 impl Stage {
     /// The moments of the first and of the last key of what is played.
     #[must_use]
     pub fn range(&self) -> Option<[f64; 2]> {
-        let clip = self.clip.as_ref()?;
-        self.scene.animation()?.clips.get(clip.number).map(|clip| clip.range())
+        self.scene.animation()?.clips.get(self.clip?).map(|clip| clip.range())
+    }
+
+    /// What shaders of all kinds have done wrong.
+    #[must_use]
+    pub fn all_faults(&self) -> Vec<String> {
+        let mut faults = (self.faults)();
+        faults.extend(self.scripts.faults());
+        faults
     }
 
     /// Shows a moment of its clip, or the scene at rest.
@@ -45,13 +49,49 @@ impl Stage {
     /// # Errors
     /// What the commit says; the world stays as it was.
     pub(crate) fn show(&mut self, moment: Option<f64>, pool: &ThreadPool) -> Result<(), String> {
-        let Some(clip) = &self.clip else { return Ok(()) };
+        let Some(clip) = self.clip else { return Ok(()) };
         match moment {
-            Some(seconds) => self.scene.pose(clip.number, seconds),
+            Some(seconds) => self.scene.pose(clip, seconds),
             None => self.scene.rest(),
         };
-        let committed = self.world.commit(&self.scene, &clip.shaders, &clip.how, pool);
+        self.commit(pool)
+    }
+
+    fn commit(&mut self, pool: &ThreadPool) -> Result<(), String> {
+        let committed = self.world.commit(&self.scene, &self.scripts.table, &self.how, pool);
         committed.map(drop).map_err(|error| error.to_string())
+    }
+
+    /// Reads shaders again that come from `changed` files; what to say of it, a line each.
+    ///
+    /// # Errors
+    /// What the compiler says; all stays as it was.
+    pub(crate) fn read_again(
+        &mut self,
+        changed: &[PathBuf],
+        pool: &ThreadPool,
+    ) -> Result<Vec<String>, String> {
+        let (next, said) = self.scripts.again(changed)?;
+        let before = std::mem::replace(&mut self.scripts, next);
+        match self.commit(pool) {
+            Ok(()) => Ok(said),
+            Err(why) => {
+                self.scripts = before;
+                Err(why)
+            }
+        }
+    }
+
+    /// Gives a shader's parameter another value.
+    ///
+    /// # Errors
+    /// It does not fit.
+    pub(crate) fn tune(
+        &mut self,
+        (script, name, value): &(usize, String, ParameterValue),
+        pool: &ThreadPool,
+    ) -> Result<(), String> {
+        if self.scripts.tune(*script, name, value)? { self.commit(pool) } else { Ok(()) }
     }
 }
 

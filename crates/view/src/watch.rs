@@ -26,15 +26,27 @@ impl Watch {
         Self { files, known: marks.clone(), seen: marks }
     }
 
+    /// Whether there are files to look at.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.files.is_empty()
+    }
+
     /// Looks; tells each change once, when it has come to rest.
     pub(crate) fn has_changed(&mut self) -> bool {
+        !self.changed().is_empty()
+    }
+
+    /// The same, and which files: all that have changed once all of them rest.
+    pub(crate) fn changed(&mut self) -> Vec<PathBuf> {
         let now: Vec<Mark> = self.files.iter().map(mark).collect();
         let rests = now == self.seen;
         self.seen = now;
-        let changed = rests && self.seen != self.known;
-        if changed {
-            self.known.clone_from(&self.seen);
+        if !rests || self.seen == self.known {
+            return Vec::new();
         }
+        let is_other = |&i: &usize| self.seen[i] != self.known[i];
+        let changed = (0..self.files.len()).filter(is_other).map(|i| self.files[i].clone()).collect();
+        self.known.clone_from(&self.seen);
         changed
     }
 }
@@ -64,6 +76,6 @@ mod tests {
         std::fs::write(&b, "new").expect("a file");
         assert!(!watch.has_changed() && watch.has_changed(), "a file that comes");
         std::fs::remove_file(&a).expect("it is there");
-        assert!(!watch.has_changed() && watch.has_changed(), "a file that goes");
+        assert!(!watch.has_changed() && watch.changed() == [a], "a file that goes");
     }
 }

@@ -65,6 +65,8 @@ const REST: Duration = Duration::from_millis(120);
 const STEP: Duration = Duration::from_millis(10);
 /// Between two looks at files.
 const WATCHED: Duration = Duration::from_millis(250);
+/// Between two looks at files of shaders: one that is saved is seen a tenth of a second later.
+const SHADERS_WATCHED: Duration = Duration::from_millis(20);
 /// How long a message is shown.
 const SAID: Duration = Duration::from_secs(12);
 /// Pixels of a touch pad per notch of a wheel.
@@ -91,7 +93,8 @@ pub fn run_window(
     let events =
         EventLoop::<News>::with_user_event().build().map_err(|error| ViewError::no_display(&error))?;
     let proxy = events.create_proxy();
-    let watch = Watch::new(stage.files.clone());
+    let (watch, shader_watch) = (Watch::new(stage.files.clone()), Watch::new(stage.scripts.files()));
+    controls.knobs.replace(stage.scripts.knobs());
     let mut app = App {
         begin: Some((
             LookerParts {
@@ -108,11 +111,15 @@ pub fn run_window(
         controls,
         listener,
         watch,
+        shader_watch,
+        bad_shader: Vec::new(),
+        told: Vec::new(),
         open: None,
         failure: None,
         now: Instant::now(),
         moved: Instant::now(),
         watched: Instant::now(),
+        shaders_watched: Instant::now(),
         said: None,
         wants_screenshot: false,
         recorder: None,
@@ -136,6 +143,12 @@ struct App {
     controls: Controls,
     listener: Arc<dyn Listener>,
     watch: Watch,
+    /// Files of shaders that are read again by themselves.
+    shader_watch: Watch,
+    /// What keeps a shader from being read again, until it is mended.
+    bad_shader: Vec<String>,
+    /// Faults of shaders that were told.
+    told: Vec<String>,
     open: Option<Open>,
     failure: Option<ViewError>,
     /// Up to when keys that are held have moved the camera.
@@ -143,6 +156,7 @@ struct App {
     /// When the camera moved last.
     moved: Instant,
     watched: Instant,
+    shaders_watched: Instant,
     said: Option<(Instant, Vec<String>)>,
     wants_screenshot: bool,
     recorder: Option<Recorder>,
@@ -222,6 +236,11 @@ impl App {
             Some(Effect::Record(true)) => self.begin_recording(),
             Some(Effect::Record(false)) => self.end_recording(),
             Some(Effect::PrintCamera) => self.print_camera(),
+            Some(Effect::Tune) => {
+                if let (Some(open), Some(tuned)) = (&self.open, self.controls.knobs.chosen()) {
+                    open.looker.tune(tuned);
+                }
+            }
             Some(Effect::Fullscreen(fills)) => {
                 if let Some(open) = &self.open {
                     open.window.set_fullscreen(fills.then_some(Fullscreen::Borderless(None)));
@@ -235,6 +254,14 @@ impl App {
             open.window.request_redraw();
         }
         self.take_screenshot();
+    }
+
+    /// Watches the files of the shaders that there are now, and shows their parameters.
+    fn look_at_shaders(&mut self) {
+        let Some(open) = &self.open else { return };
+        let stage = open.looker.stage();
+        self.shader_watch = Watch::new(stage.scripts.files());
+        self.controls.knobs.replace(stage.scripts.knobs());
     }
 
     fn say(&mut self, lines: Vec<String>) {
@@ -273,7 +300,13 @@ impl App {
     /// Tells what shaders did wrong, once.
     fn tell_faults(&mut self) {
         let Some(open) = &self.open else { return };
-        let faults = (open.looker.stage().faults)();
+        let stage = open.looker.stage();
+        let mut faults = (stage.faults)();
+        let all = stage.scripts.faults();
+        drop(stage);
+        faults.extend(all.iter().filter(|line| !self.told.contains(line)).cloned());
+        // A shader that was read again begins anew.
+        self.told = all;
         if !faults.is_empty() {
             faults.iter().for_each(|fault| self.listener.warning(fault));
             self.say(faults);
@@ -360,6 +393,7 @@ impl App {
             let said = self.said.as_ref().map(|(_, lines)| &lines[..]).unwrap_or_default();
             let drawn = self.drawn.len() as f64;
             let mut lines = hud::lines(&self.controls, &readings, drawn, memory::resident(), said);
+            lines.extend(self.bad_shader.iter().cloned());
             lines.extend(self.recorder.as_ref().map(Recorder::status));
             hud::draw(&mut buffer, size, &self.controls, &lines);
         }
@@ -382,6 +416,8 @@ impl ApplicationHandler<News> for App {
             News::Picture => self.take_screenshot(),
             News::Reloaded(files) => {
                 self.watch = Watch::new(files);
+                self.look_at_shaders();
+                self.bad_shader.clear();
                 let range = self.open.as_ref().and_then(|open| open.looker.stage().range());
                 let is_same = self.controls.playing.as_ref().map(Playing::range) == range;
                 if !is_same {
@@ -389,6 +425,18 @@ impl ApplicationHandler<News> for App {
                 }
                 self.listener.note("the scene was read again");
                 self.say(vec!["the scene was read again".into()]);
+            }
+            News::Shaders(lines) => {
+                self.look_at_shaders();
+                self.bad_shader.clear();
+                lines.iter().for_each(|line| self.listener.note(line));
+                self.say(lines);
+            }
+            News::BadShader(why) => {
+                self.listener.warning(&why);
+                let lines = why.lines().map(str::to_owned);
+                self.bad_shader =
+                    std::iter::once("the shader before stays:".to_owned()).chain(lines).collect();
             }
             News::Trouble(why) => {
                 self.listener.warning(&why);
@@ -433,12 +481,20 @@ impl ApplicationHandler<News> for App {
                 open.looker.reload();
             }
         }
+        if self.shaders_watched.elapsed() >= SHADERS_WATCHED {
+            self.shaders_watched = Instant::now();
+            let changed = self.shader_watch.changed();
+            if let Some(open) = self.open.as_ref().filter(|_| !changed.is_empty()) {
+                open.looker.read_again(changed);
+            }
+        }
         let wish = self.wish();
         if let Some(open) = &self.open {
             open.looker.want(&wish);
         }
         let busy = wish.moving || self.controls.is_held();
-        events.set_control_flow(ControlFlow::wait_duration(if busy { STEP } else { WATCHED }));
+        let idle = if self.shader_watch.is_empty() { WATCHED } else { SHADERS_WATCHED };
+        events.set_control_flow(ControlFlow::wait_duration(if busy { STEP } else { idle }));
     }
 }
 

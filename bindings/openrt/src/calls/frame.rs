@@ -40,7 +40,8 @@ impl Context {
         let rendering = self.rendering();
         if self.scene_mode == SceneMode::Immediate {
             self.instances.clear();
-            self.usage = Usage { rendering_object: self.usage.rendering_object, ..Default::default() };
+            let Usage { rendering_object, pixel, .. } = self.usage;
+            self.usage = Usage { rendering_object, pixel, ..Default::default() };
         }
         let told = self.tell(plugins.problems());
         let sampling = match &rendering {

@@ -74,6 +74,7 @@ impl Context {
                 Some(RenderShader::Light(light)) => table.lights.push(light),
                 Some(RenderShader::Camera(camera)) => table.camera = Some(camera),
                 Some(RenderShader::Environment(environment)) => table.environment = Some(environment),
+                Some(RenderShader::Pixel(pixel)) => table.pixel = Some(pixel),
                 Some(RenderShader::Surface(_)) | None => {}
             }
         }

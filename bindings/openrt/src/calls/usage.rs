@@ -5,6 +5,7 @@
 use gnurt_plugins::host::Kind;
 
 use crate::context::Context;
+use crate::state::class::ClassCode;
 use crate::state::error::{Error, Result};
 
 impl Context {
@@ -52,9 +53,12 @@ impl Context {
         Ok(())
     }
 
-    /// rtUseRenderingObject.
+    /// rtUseRenderingObject. One in the shading language says what pixels show; the integrator stays beside it.
     pub(crate) fn use_rendering_object(&mut self, id: u32) -> Result<()> {
-        self.usage.rendering_object = Some(self.shader_of_kind(id, Kind::RenderingObject)?);
+        let id = self.shader_of_kind(id, Kind::RenderingObject)?;
+        let is_script =
+            self.shaders.get(id).is_some_and(|shader| matches!(shader.class.code, ClassCode::Script(_)));
+        *(if is_script { &mut self.usage.pixel } else { &mut self.usage.rendering_object }) = Some(id);
         Ok(())
     }
 }

@@ -37,10 +37,7 @@ impl ScriptClass {
             ScriptKind::Light => Kind::Light,
             ScriptKind::Camera => Kind::Camera,
             ScriptKind::Environment => Kind::Environment,
-            ScriptKind::Pixel => {
-                let why = "shaders of type pixel are no class of OpenRT; give a surface, light, camera or environment";
-                return Err(LoadError::Unfit(format!("{file}: {why}")));
-            }
+            ScriptKind::Pixel => Kind::RenderingObject,
         };
         let parameters = script.parameters().iter().filter_map(described).collect();
         Ok(Self { name: name.to_owned(), kind, parameters, script })
@@ -68,7 +65,8 @@ impl ScriptClass {
                 let place = CameraPlace { eye: [0.0; 3], right, up, back, pixels: [1; 2] };
                 RenderShader::Camera(script.camera(place)?)
             }
-            Kind::Surface | Kind::RenderingObject => RenderShader::Surface(script.surface()?),
+            Kind::RenderingObject => RenderShader::Pixel(script.pixel()?),
+            Kind::Surface => RenderShader::Surface(script.surface()?),
         })
     }
 }

@@ -14,12 +14,14 @@ pub(crate) struct Usage {
     pub(crate) environment: Option<u32>,
     /// How pictures are made; `Whitted` with the context's limits if none.
     pub(crate) rendering_object: Option<u32>,
+    /// What pixels show, by a rendering object in the shading language; the radiance along their rays if none.
+    pub(crate) pixel: Option<u32>,
 }
 
 impl Usage {
     /// All ids.
     pub(crate) fn ids(&self) -> impl Iterator<Item = u32> + '_ {
         let lights = self.lights.iter().copied();
-        lights.chain(self.camera).chain(self.environment).chain(self.rendering_object)
+        lights.chain(self.camera).chain(self.environment).chain(self.rendering_object).chain(self.pixel)
     }
 }

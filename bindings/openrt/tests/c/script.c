@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later
  * Shader classes in the shading language: parameters of all types and rates, a light, a light loop, and what is told of mistakes.
- * Arguments: glow.osl, lamp.osl, lit.osl, bad.osl. */
+ * Arguments: glow.osl, lamp.osl, lit.osl, bad.osl, twice.osl. */
 #include "check.h"
 
 int main(int count, char **files)
 {
     RTuint lamp;
-    CHECK(count == 5);
-    if (count != 5)
+    CHECK(count == 6);
+    if (count != 6)
         return 1;
     helpers_are_used();
     use_frame();
@@ -39,6 +39,15 @@ int main(int count, char **files)
     rtEndObject();
     rtRender();
     SHOWS(0.5, 0, 1, 2, 3);
+
+    /* What pixels show is a rendering object beside the one that says how light is computed. */
+    EXPECT_ID(rtGenNewShaderClass("twice", files[5]), RT_NO_ERROR);
+    EXPECT_ID(lamp = rtGenNewShader(), RT_NO_ERROR);
+    EXPECT(rtParameter1f(rtParameterHandle("gain"), 2), RT_NO_ERROR);
+    EXPECT(rtUseCamera(lamp), RT_INVALID_OPERATION);
+    EXPECT(rtUseRenderingObject(lamp), RT_NO_ERROR);
+    rtRender();
+    SHOWS(0.5, 0, 2, 4, 6);
 
     EXPECT_ID(rtGenNewShaderClass("bad", files[4]), RT_INVALID_OPERATION);
     CHECK(strstr(rtGetShaderClassInfoLog(), "diffus (N)") != NULL);

@@ -40,6 +40,15 @@ pub(crate) struct ShaderChoice {
     pub(crate) parameters: Vec<(String, String)>,
 }
 
+/// Which camera, and what it looks through.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum CameraChoice {
+    /// The scene's of this name or number.
+    Named(String),
+    /// A shader in the place of that; of the first one where its `material`, a camera here, is empty.
+    Script(ShaderChoice),
+}
+
 /// How noise is to be taken out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DenoiserChoice {
@@ -326,6 +335,25 @@ pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
     let parameters = parts.map(pair).collect::<Result<_, _>>()?;
     let (material, class) = (unescaped(material), unescaped(class));
     Ok(ShaderChoice { material, class, file: file.map(PathBuf::from), parameters })
+}
+
+/// `[NAME=]FILE.osl[:NAME=VALUE...]`, or else a name or a number.
+pub(crate) fn camera(text: &str) -> Result<CameraChoice, String> {
+    let first = pieces(text, ':')[0];
+    let file = split_plain(first, '=').map_or(first, |(_, file)| file);
+    if gnurt_plugins::is_script(file) {
+        shader(text).map(CameraChoice::Script)
+    } else {
+        Ok(CameraChoice::Named(text.to_owned()))
+    }
+}
+
+/// `FILE.osl[:NAME=VALUE...]`.
+pub(crate) fn pixel_shader(text: &str) -> Result<ShaderChoice, String> {
+    let choice = shader(text).ok().filter(|choice| choice.material.is_empty());
+    choice.ok_or_else(|| {
+        "give FILE.osl, and parameters as :NAME=VALUE; within names \\ stands before :, = and @".to_owned()
+    })
 }
 
 /// What has a meaning in `--shader`, unless a backslash stands before it.

@@ -13,7 +13,7 @@ use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
 
-use super::value::{self, ExposureChoice, Resolution, ShaderChoice};
+use super::value::{self, CameraChoice, ExposureChoice, Resolution, ShaderChoice};
 
 /// What is computed for which pixels.
 #[derive(Args, Clone, Debug)]
@@ -97,15 +97,20 @@ pub(crate) struct FrameArguments {
         conflicts_with = "force_diffuse"
     )]
     pub(crate) shaders: Vec<ShaderChoice>,
+    /// What pixels show, by a pixel shader in the shading language (.osl, .oso, .oslgroup): it sees the light along each camera ray,
+    /// and asks for more rays
+    #[arg(help_heading = "Look", hide_short_help = true, long = "pixel-shader", value_name = "FILE.osl[:NAME=VALUE...]", value_parser = value::pixel_shader, allow_hyphen_values = true)]
+    pub(crate) pixel_shader: Option<ShaderChoice>,
 }
 
 /// Where it is seen from: each option replaces one part of the scene's camera.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct ViewArguments {
-    /// Camera of the scene, by its name or its number from 0
-    #[arg(long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
-    pub(crate) camera: Option<String>,
+    /// Camera of the scene, by its name or its number from 0; or a camera in the shading language that stands where the scene's first
+    /// one does, or the one of a name: [NAME=]FILE.osl[:NAME=VALUE...]
+    #[arg(long, value_name = "NAME|INDEX|FILE.osl", value_parser = value::camera, allow_hyphen_values = true)]
+    pub(crate) camera: Option<CameraChoice>,
     /// Where the camera is
     #[arg(long, value_name = "X,Y,Z", value_parser = value::point, allow_hyphen_values = true)]
     pub(crate) eye: Option<[f32; 3]>,
@@ -145,6 +150,24 @@ pub(crate) struct SurroundingsArguments {
     /// Degrees that it is turned by around what is up
     #[arg(hide_short_help = true, long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true, default_value = "0", requires = "environment")]
     pub(crate) environment_turn: f64,
+}
+
+impl ViewArguments {
+    /// The name of the scene's camera, if one was given.
+    pub(crate) fn camera_name(&self) -> Option<&str> {
+        match self.camera.as_ref()? {
+            CameraChoice::Named(name) => Some(name),
+            CameraChoice::Script(choice) => Some(&choice.material[..]).filter(|name| !name.is_empty()),
+        }
+    }
+
+    /// The shader in a camera's place, if one was given.
+    pub(crate) fn camera_shader(&self) -> Option<&ShaderChoice> {
+        match self.camera.as_ref()? {
+            CameraChoice::Named(_) => None,
+            CameraChoice::Script(choice) => Some(choice),
+        }
+    }
 }
 
 impl SurroundingsArguments {

@@ -5,7 +5,8 @@
 use std::path::Path;
 
 use gnurt::image::{self, WriteOptions};
-use gnurt::render::{CommitOptions, RenderOptions, SceneCamera, ShaderTable, World};
+use gnurt::render::{CommitOptions, RenderOptions, ShaderTable, World};
+use gnurt::shading::CameraShader;
 use gnurt_bench::light::{self, Truth};
 use gnurt_bench::light_plot;
 
@@ -39,7 +40,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
         level,
         ..RenderOptions::default()
     };
-    let truth = truth(arguments, &world, &camera, &picture, &pool, messages)?;
+    let truth = truth(arguments, &world, &*camera, &picture, &pool, messages)?;
     let seconds = arguments.time.as_secs_f64();
     let options = light::Options {
         integrators: arguments.integrators.clone(),
@@ -59,7 +60,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
             kept = image::write(picture, &file, &WriteOptions::default()).map_err(Failure::data);
         }
     };
-    let points = light::run(&world, &camera, &options, &truth, &pool, &mut keep).map_err(Failure::usage)?;
+    let points = light::run(&world, &*camera, &options, &truth, &pool, &mut keep).map_err(Failure::usage)?;
     kept?;
     let name = source.stem();
     write(arguments.csv.as_deref(), || light::csv(&name, &points))?;
@@ -72,7 +73,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
 fn truth(
     arguments: &BenchLightArguments,
     world: &World,
-    camera: &SceneCamera,
+    camera: &dyn CameraShader,
     options: &RenderOptions,
     pool: &gnurt::ThreadPool,
     messages: Messages,

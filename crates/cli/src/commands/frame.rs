@@ -12,8 +12,8 @@ use gnurt::image::Picture;
 use gnurt::look::{FEW_SAMPLES, is_noisy};
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
-    Accumulation, CommitOptions, CommitReport, Frame, MovingCamera, Piece, RenderOptions, ShaderTable, World,
-    fingerprint, render_on,
+    Accumulation, CommitOptions, CommitReport, Frame, Piece, RenderOptions, ShaderTable, World, fingerprint,
+    render_on,
 };
 use gnurt::scene::Scene;
 use gnurt::scene::animation::Exposure;
@@ -37,7 +37,7 @@ use crate::shaders::{self, Shaders};
 use crate::signals;
 use crate::source::Source;
 use crate::statistics::Statistics;
-use crate::view::{self, Chosen};
+use crate::view::{self, Chosen, Way};
 
 /// What was decided before any work.
 pub(super) struct Plan {
@@ -66,7 +66,7 @@ pub(super) struct Ready {
     pub(super) report: CommitReport,
     pub(super) chosen: Chosen,
     /// The camera's way while the shutter is open, if it moves.
-    pub(super) way: Option<MovingCamera>,
+    pub(super) way: Option<Way>,
     pub(super) shaders: Shaders,
     pub(super) checkpoint: Option<Checkpoint>,
     /// The fingerprint of the picture, if somebody needs it.
@@ -89,6 +89,8 @@ pub(super) fn make(
     let mut frame = render_frame(arguments, plan, ready, options, pool, messages)?;
     tell(&frame, arguments, messages);
     ready.shaders.tell_faults(messages);
+    let camera = ready.chosen.shader.iter();
+    camera.flat_map(|shader| shader.script.faults()).for_each(|fault| messages.warning(fault));
     if signals::is_stopped() && arguments.moments.frames.is_some() {
         // A file that is there counts as a frame that is done.
         return Ok(());
@@ -121,10 +123,7 @@ fn render_frame(
     let displayed = Displayed::new(&watcher, tev);
     let every = ready.checkpoint.as_ref().map(|checkpoint| checkpoint.every);
     let mut saved = Ok(());
-    let rays: &dyn CameraShader = match &ready.way {
-        Some(way) => way,
-        None => &ready.chosen.rays,
-    };
+    let rays: &dyn CameraShader = ready.way.as_ref().map_or(&*ready.chosen.rays, |way| &*way.rays);
     let frame = render_on(begun, &ready.world, rays, pool, &displayed, every, &mut |picture| {
         if let Some(checkpoint) = &ready.checkpoint {
             saved = checkpoint.save(picture);
@@ -210,7 +209,7 @@ fn report(
 /// Everything that can be refused before any work.
 pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> Result<Plan, Failure> {
     view::check(&arguments.view)?;
-    shaders::check(&arguments.frame.shaders)?;
+    shaders::check(&arguments.frame, &arguments.view)?;
     pieces::check(arguments)?;
     let resolution = arguments.frame.resolution;
     if let Some(crop) = arguments.crop.filter(|crop| crop.within(resolution).is_none()) {
@@ -303,7 +302,7 @@ pub(super) fn identify(
     if arguments.checkpoint.is_none() && arguments.piece.is_none() {
         return (0, None);
     }
-    let shown = (&chosen.rays, shaders::print(&arguments.frame.shaders), open);
+    let shown = (&chosen.camera, shaders::print(&arguments.frame, &arguments.view), open);
     let print = fingerprint(scene, arguments.frame.force_diffuse, &shown, options);
     let checkpoint = arguments.checkpoint.as_deref().map(|path| {
         // Each piece goes on from its own.

@@ -107,7 +107,7 @@ impl Studio<'_> {
         };
         let bounds = bounds_over(&mut scene, clip);
         let chosen = self.choose(&mut scene, bounds)?;
-        let shaders = Shaders::put_into(&mut scene, &self.arguments.frame.shaders, self.messages)?;
+        let shaders = Shaders::put_into(&mut scene, &self.arguments.frame, self.messages)?;
         let mut world = World::new();
         let light = self.light(&scene, &chosen, &shaders, &mut world)?;
         let mut ready = self.ready(world, chosen, shaders, light, begin.elapsed());
@@ -138,13 +138,12 @@ impl Studio<'_> {
                 next.pose(clip, frame.seconds);
             }
             added.add_to(&mut next);
-            let shaders = Shaders::put_into(&mut next, &self.arguments.frame.shaders, self.messages)?;
+            let shaders = Shaders::put_into(&mut next, &self.arguments.frame, self.messages)?;
             let light = match light {
                 Some(light) => light,
                 None => {
                     let mut scene = scene.clone();
-                    let shaders =
-                        Shaders::put_into(&mut scene, &self.arguments.frame.shaders, self.messages)?;
+                    let shaders = Shaders::put_into(&mut scene, &self.arguments.frame, self.messages)?;
                     *light.insert(self.light(&scene, &chosen, &shaders, &mut World::new())?)
                 }
             };
@@ -192,7 +191,7 @@ impl Studio<'_> {
         let how = commit_options(&self.arguments.frame, &self.arguments.trees, self.options.level);
         let still = Exposure::default();
         commit_into(world, (scene, &still), &shaders.table, how, self.pool, self.messages)?;
-        let measured = meter(world, &chosen.rays, self.options, self.pool).map_err(Failure::usage)?;
+        let measured = meter(world, &*chosen.rays, self.options, self.pool).map_err(Failure::usage)?;
         let (look, note) = light.chosen(measured);
         note.iter().for_each(|note| self.messages.note(note));
         Ok(LightArguments { exposure: ExposureChoice::Stops(look.exposure), ..light })
@@ -241,12 +240,16 @@ impl Studio<'_> {
     ) -> Outcome {
         let how = commit_options(&self.arguments.frame, &self.arguments.trees, self.options.level);
         let (pool, messages) = (self.pool, self.messages);
-        (ready.chosen.camera, ready.chosen.rays) = view::aim(scene, &self.arguments.view)?;
-        ready.way = view::way(scene, exposure, &self.arguments.view)?;
+        let (view, resolution) = (&self.arguments.view, self.arguments.frame.resolution);
+        let shader = ready.chosen.shader.as_ref();
+        let aimed = view::aim(scene, view, shader, resolution)?;
+        ready.way = view::way(scene, exposure, view, shader, resolution)?;
+        (ready.chosen.camera, ready.chosen.rays) = aimed;
         let shown = (scene, exposure);
         ready.report = commit_into(&mut ready.world, shown, &ready.shaders.table, how, pool, messages)?;
         let closes = self.arguments.moments.closes(frame.seconds);
-        let open = (&ready.way, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
+        let keys = ready.way.as_ref().map(|way| &way.keys);
+        let open = (keys, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
         (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, self.options);
         plan.targets = frame.targets;
         make(self.arguments, begin, plan, ready, self.options, pool, messages)

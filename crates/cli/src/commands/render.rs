@@ -47,7 +47,7 @@ fn prepare(
     let (frame, stage) = (&arguments.frame, Stage::of(options.integrator));
     let chosen = view::choose(&mut scene, &arguments.view, frame.resolution, stage, messages)?;
     let load_time = begin.elapsed();
-    let shaders = Shaders::put_into(&mut scene, &frame.shaders, messages)?;
+    let shaders = Shaders::put_into(&mut scene, frame, messages)?;
     let how = commit_options(frame, &arguments.trees, options.level);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
     let (print, checkpoint) = identify(arguments, &scene, &chosen, &(), options);

@@ -17,7 +17,7 @@ use crate::workers::machine;
 /// Follows one pixel.
 pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, messages: Messages) -> Outcome {
     view::check(&arguments.view)?;
-    shaders::check(&arguments.frame.shaders)?;
+    shaders::check(&arguments.frame, &arguments.view)?;
     let (pixel, resolution) = (arguments.pixel, arguments.frame.resolution);
     if pixel.x >= resolution.width || pixel.y >= resolution.height {
         return Err(Failure::usage(format_args!(
@@ -38,9 +38,9 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
         Stage::of(arguments.frame.integrator),
         messages,
     )?;
-    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders, messages)?;
+    let shaders = Shaders::put_into(&mut scene, &arguments.frame, messages)?;
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, &pool, messages)?;
     let options = frame_options(&arguments.frame, level);
-    print(trace_pixel(&world, &rays, &options, pixel.x, pixel.y).map_err(Failure::usage)?)
+    print(trace_pixel(&world, &*rays, &options, pixel.x, pixel.y).map_err(Failure::usage)?)
 }

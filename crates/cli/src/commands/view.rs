@@ -11,8 +11,8 @@ use gnurt::look::{is_noisy, meter};
 use gnurt::render::RenderOptions;
 use gnurt::simd::Level;
 use gnurt_view::{
-    Exposure, FrameTimes, HeadlessOptions, Listener, Stage, StageClip, TevImage, ViewError, WindowOptions,
-    run_headless, run_window,
+    Exposure, FrameTimes, HeadlessOptions, Listener, Stage, TevImage, ViewError, WindowOptions, run_headless,
+    run_window,
 };
 use serde_json::json;
 
@@ -34,7 +34,7 @@ use crate::workers::machine;
 pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messages: Messages) -> Outcome {
     let windowless = arguments.headless || arguments.display.is_some();
     view::check(&arguments.view)?;
-    shaders::check(&arguments.frame.shaders)?;
+    shaders::check(&arguments.frame, &arguments.view)?;
     for (name, given) in [
         ("--orbit", arguments.orbit.is_some()),
         ("--output", arguments.output.is_some()),
@@ -90,7 +90,7 @@ fn look(
     Ok(match light.exposure {
         ExposureChoice::Stops(exposure) => (Look { tone: light.tone, exposure }, None),
         ExposureChoice::Auto => {
-            light.chosen(meter(&stage.world, &chosen.rays, options, pool).map_err(Failure::usage)?)
+            light.chosen(meter(&stage.world, &*chosen.rays, options, pool).map_err(Failure::usage)?)
         }
     })
 }
@@ -113,14 +113,13 @@ fn prepare(
         view::Stage::of(arguments.frame.integrator),
         messages,
     )?;
-    files.extend(shaders::files(&arguments.frame.shaders));
-    let shaders = Shaders::put_into(&mut scene, &arguments.frame.shaders, messages)?;
-    files.extend(shaders.files());
+    files.extend(shaders::other_files(&arguments.frame, &arguments.view));
+    let shaders = Shaders::put_into(&mut scene, &arguments.frame, messages)?;
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, pool, messages)?;
-    let clip = clip.map(|number| StageClip { number, shaders: shaders.table.clone(), how });
-    let shaders = shaders.watched();
-    Ok((Stage { scene, world, files, clip, faults: Box::new(move || shaders.new_faults()) }, chosen))
+    let (scripts, others) = shaders.into_viewed(chosen.shader.as_ref());
+    let faults = Box::new(move || others.new_faults());
+    Ok((Stage { scene, world, files, clip, how, scripts, faults }, chosen))
 }
 
 fn run_windowless(
@@ -165,7 +164,7 @@ fn run_windowless(
         tev.as_mut().map_or(Ok(()), |tev| tev.update(frame.picture()))
     });
     watcher.end();
-    (stage.faults)().iter().for_each(|fault| messages.warning(fault));
+    stage.all_faults().iter().for_each(|fault| messages.warning(fault));
     let times = times.map_err(|error| match error {
         ViewError::NoView | ViewError::Render(_) => Failure::usage(error),
         _ => Failure::data(error),

@@ -118,7 +118,7 @@ fn wrong_scripts_are_refused() {
         ("*=matte.osl:tint=red", "'red' is not numbers"),
         ("*=lamp.osl", "of type light; one of type surface is wanted"),
         ("matte.osl", "give MATERIAL=matte.osl"),
-        ("eye.osl", "no option yet"),
+        ("eye.osl", "give --camera eye.osl"),
     ] {
         let run = folder.run(&["render", "builtin:cornell", "-r", "8x8", "-o", "p.png", "--shader", choice]);
         assert!(matches!(run.status, Some(1 | 2)), "{choice}: {:?} {}", run.status, run.stderr);
@@ -129,4 +129,71 @@ fn wrong_scripts_are_refused() {
     folder.write("endless.osl", "surface endless () { while (1) { } }");
     let run = folder.gnurt("render builtin:cornell -r 8x8 --spp 1 --shader *=endless.osl -o p.pfm").success();
     assert!(run.stderr.contains("did not end"), "{}", run.stderr);
+}
+
+const PINHOLE: &str = "camera eye (float fov = 45, float aspect = 1) { float half = tan (radians (0.5 * fov));
+    P = point (\"camera\", 0, 0, 0); I = vector (\"camera\", (2 * u - 1) * half * aspect, (2 * v - 1) * half, -1); }";
+
+#[test]
+fn cameras_in_the_language_see() {
+    let folder = Folder::new();
+    folder.write("eye.osl", PINHOLE);
+    let line = "render builtin:cornell -r 24x16 --spp 4 --integrator whitted --eye 0.5,1,3 --target 0.5,1,0";
+    folder.gnurt(&format!("{line} --fov 60 -o built-in.pfm")).success();
+    folder.gnurt(&format!("{line} --camera eye.osl:fov=60 -o script.pfm")).success();
+    let found =
+        compare(&picture(&folder, "built-in.pfm"), &picture(&folder, "script.pfm")).expect("one size");
+    assert!(found.mse < 1e-4, "the same view, but for edges: {found:?}");
+    // In a scene's file, where the camera moves, and in its place by name.
+    super::animation::animated(&folder);
+    let text = String::from_utf8(folder.read("a.gltf")).expect("text");
+    let with =
+        text.replacen("\"cameras\":[{", "\"cameras\":[{\"extras\":{\"gnurt\":{\"shader\":\"eye.osl\"}},", 1);
+    assert_ne!(text, with, "it has a camera");
+    folder.write("b.gltf", &with);
+    let clip = "-r 24x16 --spp 2 --integrator eyelight --animation all --shutter 0.5 --at 0.1";
+    folder.gnurt(&format!("render b.gltf {clip} -o file.pfm")).success();
+    folder.gnurt(&format!("render a.gltf {clip} --camera eye.osl -o option.pfm")).success();
+    assert!(folder.read("file.pfm") == folder.read("option.pfm"), "the file's or the option's");
+    for (options, said) in [
+        ("--camera eye.osl --fov 30", "give its parameters as eye.osl:NAME=VALUE"),
+        ("--camera none.osl", "--camera: none.osl: no such file"),
+        ("--camera eye.osl:fv=1", "no parameter 'fv'"),
+        ("--camera nobody=eye.osl", "no such camera"),
+        ("--pixel-shader eye.osl", "of type camera; one of type pixel is wanted"),
+        ("--pixel-shader *=eye.osl", "give FILE.osl"),
+    ] {
+        let run = folder.gnurt(&format!("render builtin:cornell -r 8x8 -o p.png {options}"));
+        assert!(matches!(run.status, Some(1 | 2)), "{options}: {:?} {}", run.status, run.stderr);
+        assert!(run.stderr.contains(said), "{options}: '{said}' must be said: {}", run.stderr);
+    }
+}
+
+#[test]
+fn pixels_show_what_a_shader_says() {
+    let folder = Folder::new();
+    folder.write(
+        "grade.osl",
+        "pixel grade (color gain = 1, float far = 0, output color Cpixel = 0) {
+            float d = 0; if (trace (P, I)) getmessage (\"trace\", \"hitdist\", d);
+            Cpixel = gain * (color) trace (P, I) + far * d; }",
+    );
+    let line = "render builtin:cornell -r 40x30 --spp 3 --denoise=none";
+    folder.gnurt(&format!("{line} -o plain.pfm")).success();
+    folder.gnurt(&format!("{line} --pixel-shader grade.osl -o same.pfm")).success();
+    assert!(folder.read("plain.pfm") == folder.read("same.pfm"), "the radiance along its ray");
+    // Pieces and threads make the same bytes, and a piece knows its shader.
+    let line = format!("{line} --pixel-shader grade.osl:gain=2,1,0.5:far=0.25");
+    folder.gnurt(&format!("{line} -o whole.png -t 1")).success();
+    for i in [1, 2] {
+        folder.gnurt(&format!("{line} --piece {i}/2 -o {i}.exr")).success();
+    }
+    folder.gnurt("join 1.exr 2.exr --denoise=none -o joined.png").success();
+    assert!(folder.read("whole.png") == folder.read("joined.png"), "the bytes of the single run");
+    folder.gnurt(&format!("{line}:gain=1 --piece 2/2 -o other.exr")).success();
+    assert_ne!(folder.gnurt("join 1.exr other.exr -o no.png").status, Some(0), "of another picture");
+    folder.gnurt("view builtin:cornell --headless -r 40x30 --integrator eyelight --pixel-shader grade.osl:gain=0 -o v.pfm").success();
+    assert!(picture(&folder, "v.pfm").color.iter().all(|pixel| pixel[..3] == [0.0; 3]), "in the viewer, too");
+    let seen = folder.gnurt("trace builtin:cornell --pixel 8,6 -r 16x12 --pixel-shader grade.osl").success();
+    assert!(seen.stdout.contains("radiance"), "{}", seen.stdout);
 }

@@ -73,6 +73,7 @@ impl World {
         let is_first = followed.is_none();
         world.update(is_first, &due, (scene, exposure), shaders, options, pool, &mut report);
         world.shutter = Shutter::Closed;
+        world.pixel.clone_from(&shaders.pixel);
         open.lamps_move = world.lights.lamps.move_in(&world.instances);
         world.open = (!exposure.is_still()).then(|| Arc::new(open));
         world.follows =

@@ -31,7 +31,7 @@ use std::sync::{Arc, Weak};
 use gnurt_accel::{Hit, HitBatch, INVALID_ID, Ray, SceneTree, SharedList};
 use gnurt_scene::edit::{Cursor, SceneIdentity};
 use gnurt_shading::lights::LightSet;
-use gnurt_shading::{SampleKey, SurfaceShader};
+use gnurt_shading::{PixelShader, SampleKey, SurfaceShader};
 
 use crate::many_lights::ShaderLamps;
 use crowds::Crowds;
@@ -80,6 +80,8 @@ pub struct World {
     materials: Arc<MaterialTable>,
     lights: Arc<Lights>,
     face_normals: bool,
+    /// What pixels show, where that is not the radiance against their rays.
+    pixel: Option<Arc<dyn PixelShader>>,
     /// What moves while the shutter is open; `None` = nothing.
     open: Option<Arc<Open>>,
     /// When rays see it.
@@ -282,6 +284,11 @@ impl World {
 
     pub(crate) fn materials(&self) -> &MaterialTable {
         &self.materials
+    }
+
+    /// What pixels show, where that is not the radiance against their rays.
+    pub(crate) fn pixel(&self) -> Option<&dyn PixelShader> {
+        self.pixel.as_deref()
     }
 
     /// The shader of a material.

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use gnurt_accel::Memory;
-use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, SurfaceShader};
+use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader};
 use gnurt_simd::Level;
 
 /// Shaders that the description only names by number, or does not know at all.
@@ -16,6 +16,8 @@ pub struct ShaderTable {
     pub lights: Vec<Arc<dyn LightShader>>,
     /// What misses see, instead of the scene's own environment.
     pub environment: Option<Arc<dyn EnvironmentShader>>,
+    /// What pixels show in place of the radiance against their rays.
+    pub pixel: Option<Arc<dyn PixelShader>>,
     /// The camera that goes with them; commit does not use it, callers pass it to `render`.
     pub camera: Option<Arc<dyn CameraShader>>,
 }

@@ -7,7 +7,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::shader::{AttributeRequest, CameraShader, EnvironmentShader, LightShader, SurfaceShader};
+use crate::shader::{
+    AttributeRequest, CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader,
+};
 use crate::texture::TextureSampler;
 
 /// What a shader of a class is for.
@@ -154,6 +156,8 @@ pub enum Shader {
     Light(Arc<dyn LightShader>),
     /// A camera.
     Camera(Arc<dyn CameraShader>),
+    /// What pixels show.
+    Pixel(Arc<dyn PixelShader>),
 }
 
 /// A class of shaders.

@@ -303,30 +303,38 @@ pub(super) struct Material<'a> {
     pub(super) extras: Option<&'a RawValue>,
 }
 
+/// A file, and names and values of parameters.
+pub(super) type NamedShader = (String, Vec<(String, String)>);
+
+/// The shader that `extras` name: `{"gnurt": {"shader": FILE, "parameters": {..}}}`.
+pub(super) fn shader_in<'de>(extras: impl Deserializer<'de>) -> Option<NamedShader> {
+    #[derive(Deserialize)]
+    struct Extras {
+        gnurt: Shader,
+    }
+    #[derive(Deserialize)]
+    struct Shader {
+        shader: String,
+        #[serde(default)]
+        parameters: serde_json::Map<String, serde_json::Value>,
+    }
+    fn text(value: &serde_json::Value) -> String {
+        match value {
+            serde_json::Value::String(text) => text.clone(),
+            serde_json::Value::Bool(value) => u8::from(*value).to_string(),
+            serde_json::Value::Array(list) => list.iter().map(text).collect::<Vec<_>>().join(","),
+            other => other.to_string(),
+        }
+    }
+    let extras = Extras::deserialize(extras).ok()?;
+    let parameters = extras.gnurt.parameters.iter().map(|(name, value)| (name.clone(), text(value)));
+    Some((extras.gnurt.shader, parameters.collect()))
+}
+
 impl Material<'_> {
     /// The shader that `extras` name, and its parameters as texts; what is of another form is not ours.
-    pub(super) fn shader(&self) -> Option<(String, Vec<(String, String)>)> {
-        #[derive(Deserialize)]
-        struct Extras {
-            gnurt: Shader,
-        }
-        #[derive(Deserialize)]
-        struct Shader {
-            shader: String,
-            #[serde(default)]
-            parameters: serde_json::Map<String, serde_json::Value>,
-        }
-        fn text(value: &serde_json::Value) -> String {
-            match value {
-                serde_json::Value::String(text) => text.clone(),
-                serde_json::Value::Bool(value) => u8::from(*value).to_string(),
-                serde_json::Value::Array(list) => list.iter().map(text).collect::<Vec<_>>().join(","),
-                other => other.to_string(),
-            }
-        }
-        let extras: Extras = serde_json::from_str(self.extras?.get()).ok()?;
-        let parameters = extras.gnurt.parameters.iter().map(|(name, value)| (name.clone(), text(value)));
-        Some((extras.gnurt.shader, parameters.collect()))
+    pub(super) fn shader(&self) -> Option<NamedShader> {
+        shader_in(&mut serde_json::Deserializer::from_str(self.extras?.get()))
     }
 
     /// Bytes of what `extras` hold.

@@ -20,10 +20,11 @@ use crate::animation::{
     Body, LightFactors, LightKind, MovingCamera, MovingInstance, MovingLight, Place, camera_at,
 };
 use crate::id::ObjectId;
-use crate::io::{Error, Oddity, Warnings};
+use crate::io::{Error, Oddity, Warnings, source};
 use crate::motion::Motion;
 use crate::ray_mask::RayMask;
 use crate::scene::{Instance, Object, Scene};
+use crate::shader_file::ShaderFile;
 
 /// Bytes that an instance, a camera or a light of the scene takes beside its name.
 const PLACED_BYTES: usize = 224;
@@ -179,6 +180,9 @@ impl Adder<'_> {
         let root = &self.document.root;
         if let Some(camera) = node.camera {
             let from: json::Camera = self.document.get(&root.cameras, camera, &place, "camera")?;
+            if let Some(extras) = &from.extras {
+                self.document.hold(4 * extras.to_string().len(), &place)?;
+            }
             self.add_camera(&name, camera, &from, placed, warnings);
         }
         if let Some(light) = light {
@@ -320,6 +324,18 @@ impl Adder<'_> {
             return warnings.note(Oddity::BadCamera, path, None, name);
         };
         let camera = self.scene.add_camera(camera);
+        if let Some((file, parameters)) = from.extras.as_ref().and_then(json::shader_in) {
+            let (access, file) = (&self.document.access, source::resolve(path, &file));
+            match access.check(&file) {
+                Ok(()) => {
+                    let confined_to = access.confined_to();
+                    self.scene.set_camera_file(camera, ShaderFile { file, parameters, confined_to });
+                }
+                Err((problem, _)) => {
+                    warnings.note(Oddity::CameraExtras, path, None, format!("{name}: {problem}"))
+                }
+            }
+        }
         if self.rig.drafts.drives_angle(index) || matches!(placed.place, Place::On(_)) {
             let field_of_view = self.rig.add_angle(index, yfov);
             self.rig.made.cameras.push(MovingCamera { camera, place: placed.place, field_of_view });

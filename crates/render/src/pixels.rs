@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What pixels show where a shader says it: between the integrator and the film, sample by sample.
+//! Source: original; the default of a pixel shader, the radiance along its ray, is what there is without one. Being samples, what it
+//! shows is averaged by the film as light is: lines have no steps, and pieces, checkpoints and frames are what they are without it.
+//! Layers beside the colour stay those of what camera rays hit, but for light that nothing has scattered, which nobody knows any more.
+//! Space: world. Proof: crates/render/tests/pixels.rs.
+
+use gnurt_accel::{Coherence, RayBatch};
+use gnurt_scene::RayMask;
+use gnurt_shading::{
+    CameraSamples, LightBatch, Meeting, PixelSamples, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s,
+};
+
+use crate::camera_batch::CameraBatch;
+use crate::integrators;
+use crate::job::Job;
+use crate::many_lights::PassLights;
+use crate::tracer::BatchTracer;
+use crate::world::HitLanes;
+
+/// Puts what the pixel shader of the world shows in the place of `radiance`, that of the camera rays of a batch; nothing happens where
+/// there is none.
+pub(crate) fn show(
+    job: &Job,
+    pass: Option<&PassLights>,
+    tracer: &mut BatchTracer,
+    batch: &CameraBatch,
+    radiance: &mut Vec3s,
+) {
+    let Some(shader) = job.world.pixel() else { return };
+    let CameraBatch { rays, keys, places, lens, times, hits, .. } = batch;
+    let (width, height) = (job.options.width as f32, job.options.height as f32);
+    let beside = [[1.0 / width, 0.0], [0.0, -1.0 / height]].map(|[dx, dy]| {
+        let moved: Vec<[f32; 2]> = places.iter().map(|[x, y]| [x + dx, y + dy]).collect();
+        let mut there = RayBatch::default();
+        job.camera.rays(&CameraSamples { places: &moved, lens, times }, width / height, &mut there);
+        there
+    });
+    let distances: Vec<f32> =
+        (0..rays.len()).map(|i| hits.get(i).map_or(f32::INFINITY, |hit| hit.t)).collect();
+    let samples = PixelSamples {
+        rays,
+        beside: [&beside[0], &beside[1]],
+        camera: CameraSamples { places, lens, times },
+        size: [job.options.width, job.options.height],
+        keys,
+        radiance,
+        distances: &distances,
+    };
+    let mut shown = Vec3s::default();
+    shown.resize(rays.len());
+    shader.show(&mut Looking { tracer, pass }, &samples, &mut shown);
+    *radiance = shown;
+    tracer.seen = Vec3s::default();
+}
+
+/// A tracer whose rays are those of the camera.
+struct Looking<'t, 'w> {
+    tracer: &'t mut BatchTracer<'w>,
+    pass: Option<&'t PassLights>,
+}
+
+impl Tracer for Looking<'_, '_> {
+    fn light_count(&self) -> usize {
+        self.tracer.light_count()
+    }
+
+    fn light_is_visible(&self, light: usize) -> bool {
+        self.tracer.light_is_visible(light)
+    }
+
+    fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch) {
+        self.tracer.illuminate(light, hits, out);
+    }
+
+    fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
+        self.tracer.occluded(request, transmittance);
+    }
+
+    fn trace(&mut self, _: u32, request: &RayRequest, radiance: &mut Vec3s) {
+        let (tracer, RayRequest { rays, key: keys, .. }) = (&mut *self.tracer, request);
+        tracer.stats.camera_rays += rays.len() as u64;
+        let hits = &tracer.intersect(RayMask::CAMERA, rays, keys, Coherence::Incoherent);
+        if let Some(log) = &mut tracer.log {
+            log.rays(0, rays, hits);
+        }
+        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: tracer.options.ray_epsilon };
+        integrators::radiance(tracer.options.integrator, tracer, self.pass, camera, radiance);
+    }
+
+    fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {
+        self.tracer.distances_of(RayMask::CAMERA, request, out);
+    }
+
+    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<Meeting>>) {
+        self.tracer.meetings_of(RayMask::CAMERA, request, out);
+    }
+
+    fn random(&self, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2] {
+        self.tracer.random(key, depth, purpose)
+    }
+}

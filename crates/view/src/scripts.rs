@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shaders of a stage that are files in the shading language: read again one by one when they are saved, and turned by knobs.
+//! Source: original. A commit afterwards does what the new shader makes due; trees, textures and other shaders stay. Where a file does
+//! not compile nothing changes. Proof: `tests`, and `looker`'s.
+
+use std::path::PathBuf;
+
+use gnurt::osl::{CameraScript, Parameter, ParameterValue, Script};
+use gnurt::render::ShaderTable;
+
+use crate::knobs::Knob;
+
+/// What a script is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ScriptRole {
+    /// The surface of this number in the shader table.
+    Surface(usize),
+    /// The light of this number there.
+    Light(usize),
+    /// What stands in the camera's place.
+    Camera,
+    /// What pixels show.
+    Pixel,
+}
+
+/// A shader of a stage.
+#[derive(Clone, Debug)]
+pub struct StageScript {
+    script: Script,
+    role: ScriptRole,
+    /// Its parameters when the scene was read.
+    first: Vec<Parameter>,
+}
+
+impl StageScript {
+    /// A script with its values, and what it is for.
+    #[must_use]
+    pub fn new(script: Script, role: ScriptRole) -> Self {
+        Self { first: script.parameters(), script, role }
+    }
+
+    /// Puts the shader that it makes in its place.
+    fn put_into(&self, table: &mut ShaderTable, camera: &mut Option<CameraScript>) -> Result<(), String> {
+        let script = &self.script;
+        match self.role {
+            ScriptRole::Surface(number) => set(&mut table.surfaces, number, script.surface()?),
+            ScriptRole::Light(number) => set(&mut table.lights, number, script.light()?),
+            ScriptRole::Camera => *camera = Some(script.camera_anywhere()?),
+            ScriptRole::Pixel => table.pixel = Some(script.pixel()?),
+        }
+        Ok(())
+    }
+}
+
+fn set<T>(list: &mut [T], number: usize, shader: T) {
+    if let Some(place) = list.get_mut(number) {
+        *place = shader;
+    }
+}
+
+/// The shaders of a stage, and where they go.
+#[derive(Clone, Default)]
+pub struct Scripts {
+    /// The files.
+    pub list: Vec<StageScript>,
+    /// What the world is committed with.
+    pub table: ShaderTable,
+    /// The shader that stands in the camera's place, if one does.
+    pub camera: Option<CameraScript>,
+}
+
+impl Scripts {
+    /// All files that they were read from, included ones too.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        let mut files: Vec<PathBuf> =
+            self.list.iter().flat_map(|script| script.script.files().iter().cloned()).collect();
+        files.sort_unstable();
+        files.dedup();
+        files
+    }
+
+    /// The same with those shaders read again that come from `changed` files, and what to say of it, a line each.
+    ///
+    /// # Errors
+    /// What the compiler says of the first that does not compile.
+    pub(crate) fn again(&self, changed: &[PathBuf]) -> Result<(Self, Vec<String>), String> {
+        let (mut next, mut said) = (self.clone(), Vec::new());
+        for shader in &mut next.list {
+            if !shader.script.files().iter().any(|file| changed.contains(file)) {
+                continue;
+            }
+            let is_tuned = shader.first.iter().any(|p| shader.script.is_tunable(&p.name));
+            let mut script = shader.script.again()?;
+            said.push(format!("{} was read again", script.name()));
+            said.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+            if is_tuned {
+                script.make_tunable();
+            }
+            *shader = StageScript { first: script.parameters(), script, role: shader.role };
+            shader.put_into(&mut next.table, &mut next.camera)?;
+        }
+        Ok((next, said))
+    }
+
+    /// Gives a parameter of a script another value; says whether the world must be committed: once for each script, and always where
+    /// it gives off light; all later changes are seen by the shaders that are there.
+    ///
+    /// # Errors
+    /// The value does not fit, or there is no such parameter.
+    pub(crate) fn tune(&mut self, script: usize, name: &str, value: &ParameterValue) -> Result<bool, String> {
+        let Self { list, table, camera } = self;
+        let shader = list.get_mut(script).ok_or("there is no such shader any more")?;
+        if shader.script.is_tunable(name) {
+            shader.script.tune(name, value)?;
+            // What gives off light is looked at by a commit.
+            let number = if let ScriptRole::Surface(number) = shader.role { number } else { usize::MAX };
+            if !table.surfaces.get(number).is_some_and(|surface| surface.emits()) {
+                return Ok(false);
+            }
+        } else {
+            shader.script.make_tunable();
+            shader.script.tune(name, value)?;
+        }
+        shader.put_into(table, camera)?;
+        Ok(true)
+    }
+
+    /// All that keys can turn.
+    pub(crate) fn knobs(&self) -> Vec<Knob> {
+        let of = |(i, shader): (usize, &StageScript)| Knob::of(i, &shader.script, &shader.first);
+        self.list.iter().enumerate().flat_map(of).collect()
+    }
+
+    /// What they did wrong, or said: each line once, as long as they stay.
+    pub(crate) fn faults(&self) -> Vec<String> {
+        self.list.iter().flat_map(|shader| shader.script.faults()).collect()
+    }
+}
