@@ -14,12 +14,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let rounds = arguments.next().unwrap_or(Ok(9))?;
     let file = std::env::var_os("EMBREE4_LIB");
     let library = file.map(|file| EmbreeLibrary::open(Path::new(&file))).transpose()?;
-    println!("| {count} instances | engine | threads | CPU ms | wall ms |");
-    println!("|---|---|---|---|---|");
+    println!("| {count} instances | engine | threads | CPU ms | wall ms | Mrays/s |");
+    println!("|---|---|---|---|---|---|");
     for row in top::run(count, rounds, library.as_ref(), &gnurt::thread_pool(2)?)? {
         println!(
-            "| {} | {} | {} | {:.2} | {:.2} |",
-            row.what, row.engine, row.threads, row.cpu_ms, row.wall_ms
+            "| {} | {} | {} | {:.2} | {:.2} | {:.3} |",
+            row.what, row.engine, row.threads, row.cpu_ms, row.wall_ms, row.mrays_cpu
         );
     }
     Ok(())

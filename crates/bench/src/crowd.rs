@@ -197,6 +197,7 @@ pub fn run(case: &'static str, poses: usize, options: &Options) -> Result<Vec<Dy
         scene: "walkers".into(),
         strategy: follower.strategy,
         engine: "gnurt",
+        threads: 1,
         triangles: (options.characters * indices.len()) as u64,
         instances: options.characters as u64,
         update_ms_cpu: 1e3 * median(&follower.update),

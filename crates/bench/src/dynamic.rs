@@ -234,6 +234,7 @@ fn rows(
             scene: moved.name.clone(),
             strategy,
             engine,
+            threads: 1,
             triangles: moved.triangle_count() as u64,
             instances: 1,
             update_ms_cpu: 1e3 * median(&times[i]),

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 /// One strategy's numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DynamicRow {
-    /// `refit`, `rebuild`, `stadium`, `crowd` or `crowd64`.
+    /// `refit`, `rebuild`, `top`, `stadium`, `crowd` or `crowd64`.
     pub case: &'static str,
     /// The scene.
     pub scene: String,
@@ -15,6 +15,8 @@ pub struct DynamicRow {
     pub strategy: &'static str,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,
+    /// Threads of an update; times are processor time of all of them.
+    pub threads: usize,
     /// Triangles of the scene, those of each instance.
     pub triangles: u64,
     /// Instances of the scene.
@@ -28,11 +30,19 @@ pub struct DynamicRow {
     pub bytes: Option<u64>,
     /// Of the rays.
     pub hits: u64,
-    /// Updates that built the tree again, at least in part.
+    /// Updates that built the tree again, at least in part; not in the JSON.
     pub rebuilds: usize,
 }
 
-/// A table for people.
+impl DynamicRow {
+    /// Processor milliseconds of a frame: an update, and a million rays.
+    #[must_use]
+    pub fn frame_ms_cpu(&self) -> f64 {
+        self.update_ms_cpu + 1e3 / self.trace_mrays_cpu
+    }
+}
+
+/// A table for people. A frame is an update and a million rays.
 #[must_use]
 pub fn table(rows: &[DynamicRow]) -> String {
     let mut text = String::new();
@@ -41,26 +51,30 @@ pub fn table(rows: &[DynamicRow]) -> String {
         if row.scene != scene {
             scene = &row.scene;
             text += &format!(
-                "{scene}: {} triangles\n  {:<8} {:<8} {:<9} {:>10} {:>10} {:>9} {:>9} {:>9}\n",
+                "{scene}: {} triangles\n  {:<8} {:<8} {:<9} {:>7} {:>10} {:>10} {:>9} {:>10} {:>9} {:>9}\n",
                 row.triangles,
                 "case",
                 "engine",
                 "strategy",
+                "threads",
                 "update ms",
                 "Mtri/s",
                 "Mrays/s",
+                "frame ms",
                 "MB",
                 "rebuilds"
             );
         }
         text += &format!(
-            "  {:<8} {:<8} {:<9} {:>10.3} {:>10.1} {:>9.3} {:>9} {:>9}\n",
+            "  {:<8} {:<8} {:<9} {:>7} {:>10.3} {:>10.1} {:>9.3} {:>10.1} {:>9} {:>9}\n",
             row.case,
             row.engine,
             row.strategy,
+            row.threads,
             row.update_ms_cpu,
             row.triangles as f64 / row.update_ms_cpu / 1e3,
             row.trace_mrays_cpu,
+            row.frame_ms_cpu(),
             row.bytes.map_or_else(|| "-".to_owned(), |bytes| format!("{:.1}", bytes as f64 / 1e6)),
             row.rebuilds
         );
@@ -78,14 +92,13 @@ pub fn to_json(rows: &[DynamicRow]) -> Value {
                 "scene": row.scene,
                 "strategy": row.strategy,
                 "engine": row.engine,
-                "threads": 1,
+                "threads": row.threads,
                 "triangles": row.triangles,
                 "instances": row.instances,
                 "update_ms_cpu": row.update_ms_cpu,
                 "trace_mrays_cpu": row.trace_mrays_cpu,
                 "bytes": row.bytes,
                 "hits": row.hits,
-                "rebuilds": row.rebuilds,
             })
         })
         .collect()

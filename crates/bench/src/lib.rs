@@ -16,6 +16,7 @@ mod clock;
 mod contest;
 pub mod crowd;
 pub mod dynamic;
+pub mod dynamic_plot;
 pub mod dynamic_row;
 mod embree;
 mod error;

@@ -102,7 +102,7 @@ fn draw_class(class: Class, rows: &[Row], mut y: f64, body: &mut String) -> f64 
 }
 
 /// Text as XML wants it.
-fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 

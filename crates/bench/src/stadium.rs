@@ -172,6 +172,7 @@ fn measure(
             scene: subject.name.clone(),
             strategy: STRUCTURES[i].0,
             engine: "gnurt",
+            threads: 1,
             triangles: subject.triangle_count() as u64,
             instances: 1,
             update_ms_cpu: 1e3 * median(&updates[i]),

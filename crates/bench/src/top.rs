@@ -17,6 +17,7 @@ use gnurt::accel::{
 use gnurt::simd::Level;
 
 use crate::clock::process_seconds;
+use crate::dynamic_row::DynamicRow;
 use crate::embree::EmbreeLibrary;
 use crate::error::Error;
 use crate::ffi_embree::{Active, Arguments, Packet, Scene};
@@ -27,17 +28,48 @@ use crate::row::median;
 /// One measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TopRow {
-    /// What was done: `build`, `place`, `all move`, `one moves`, `1000 move`, or `rays`.
+    /// What was done: `build`, `place`, `move-all`, `move-1000` or `move-one`.
     pub what: &'static str,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,
     /// Threads of the pool; 1: the calling thread alone.
     pub threads: usize,
-    /// Median of the processor time of all threads, in milliseconds; of rays: for a million.
+    /// Median of the processor time of all threads, in milliseconds.
     pub cpu_ms: f64,
-    /// Median of the time on the wall, in milliseconds; of rays: for a million.
+    /// Median of the time on the wall, in milliseconds.
     pub wall_ms: f64,
+    /// Millions of rays in a second of one thread's processor time, through what came of it; 0 of `place`.
+    pub mrays_cpu: f64,
+    /// Of the rays.
+    pub hits: u64,
+    /// Of the tree, where the engine tells.
+    pub bytes: Option<u64>,
 }
+
+/// Rows as `bench dynamic` shows them, but for `place`.
+#[must_use]
+pub fn dynamic_rows(rows: &[TopRow], count: usize) -> Vec<DynamicRow> {
+    let triangles = (count * ball().1.len()) as u64;
+    let shown = rows.iter().filter(|row| row.what != PLACE);
+    let dynamic = |row: &TopRow| DynamicRow {
+        case: "top",
+        scene: "balls".into(),
+        strategy: row.what,
+        engine: row.engine,
+        threads: row.threads,
+        triangles,
+        instances: count as u64,
+        update_ms_cpu: row.cpu_ms,
+        trace_mrays_cpu: row.mrays_cpu,
+        bytes: row.bytes,
+        hits: row.hits,
+        rebuilds: 0,
+    };
+    shown.map(dynamic).collect()
+}
+
+const BUILD: &str = "build";
+const PLACE: &str = "place";
 
 /// Columns of a map: turned about, between half and one and a half times as large.
 fn somewhere(random: &mut Random, spread: f32) -> [[f32; 3]; 4] {
@@ -88,7 +120,7 @@ pub fn run(
     padded.push([0.0; 3]);
 
     let all_threads = pool.current_num_threads();
-    let mut table = Table::default();
+    let (mut table, mut traces) = (Table::default(), Table::default());
     for threads in if all_threads == 1 { vec![1] } else { vec![1, all_threads] } {
         let ours = if threads == 1 { Threads::Single } else { Threads::Pool(pool) };
         let device = embree.map(|library| library.device(Level::best(), threads)).transpose()?;
@@ -100,34 +132,43 @@ pub fn run(
             _ => None,
         };
         let mut theirs = theirs;
-        let mut scene = SceneTree::default();
+        let (mut scene, mut updated) = (SceneTree::default(), Vec::new());
         for round in 0..rounds {
-            scene = table.time("build", "gnurt", threads, || SceneTree::build(&list, &options, ours));
+            scene = table.time(BUILD, "gnurt", threads, || SceneTree::build(&list, &options, ours));
             if let Some(theirs) = &mut theirs {
-                table.time("place", "embree4", threads, || theirs.place(&places));
-                table.time("build", "embree4", threads, || theirs.commit());
+                table.time(PLACE, "embree4", threads, || theirs.place(&places));
+                table.time(BUILD, "embree4", threads, || theirs.commit());
             }
-            for (what, step) in [("all move", 1), ("1000 move", count.div_ceil(1000)), ("one moves", count)] {
+            updated.clear();
+            for (what, step) in [("move-all", 1), ("move-1000", count.div_ceil(1000)), ("move-one", count)] {
                 let moved = |place: usize| {
                     let mut instance = list[place].clone();
                     instance.world_from_object[3][1] += 0.1 * (round + 1) as f64;
                     (place as u32, Some(instance))
                 };
                 let changed: Vec<_> = (0..count).step_by(step).map(moved).collect();
-                drop(table.time(what, "gnurt", threads, || scene.updated(count, &changed, ours)));
+                let tree = table.time(what, "gnurt", threads, || scene.updated(count, &changed, ours));
+                updated.push((what, tree));
             }
         }
         if threads == 1 {
+            updated.insert(0, (BUILD, scene));
+            let query = Query { coherence: Coherence::Incoherent, ..Query::default() };
             let mut hits = HitBatch::default();
             for _ in 0..rounds {
-                let per_million = rays.len() as f64 / 1e6;
-                let query = Query { coherence: Coherence::Incoherent, ..Query::default() };
-                let ask = || scene.intersect_batch(&query, &rays, &mut hits, &mut Record::default());
-                table.time_of("rays", "gnurt", threads, per_million, ask);
-                if let (Some(theirs), Some(library)) = (&theirs, embree) {
-                    let found = table
-                        .time_of("rays", "embree4", threads, per_million, || closest(&theirs.scene, &rays));
-                    compare(&hits, &found).map_err(|e| library.failed(e))?;
+                for (what, tree) in &updated {
+                    let ask = || tree.intersect_batch(&query, &rays, &mut hits, &mut Record::default());
+                    traces.time(what, "gnurt", 1, ask);
+                    let stats = tree.stats();
+                    let (hit, bytes) = (hits.inst_id.iter(), stats.tree_bytes + stats.primitive_bytes);
+                    let hit = hit.filter(|&&instance| instance != INVALID_ID).count() as u64;
+                    traces.note(what, "gnurt", hit, Some(bytes));
+                    if let (BUILD, Some(theirs), Some(library)) = (*what, &theirs, embree) {
+                        let found = traces.time(BUILD, "embree4", 1, || closest(&theirs.scene, &rays));
+                        compare(&hits, &found).map_err(|e| library.failed(e))?;
+                        let hit = found.iter().filter(|(instance, _)| *instance != INVALID_ID).count();
+                        traces.note(BUILD, "embree4", hit as u64, None);
+                    }
                 }
             }
         }
@@ -135,7 +176,16 @@ pub fn run(
             device.check().map_err(|e| library.failed(e))?;
         }
     }
-    Ok(table.rows())
+    let mut rows = table.rows();
+    let traces = traces.rows();
+    for row in &mut rows {
+        let same = |trace: &&TopRow| (trace.what, trace.engine) == (row.what, row.engine);
+        if let Some(trace) = traces.iter().find(same) {
+            row.mrays_cpu = rays.len() as f64 / 1e3 / trace.cpu_ms.max(1e-6);
+            (row.hits, row.bytes) = (trace.hits, trace.bytes);
+        }
+    }
+    Ok(rows)
 }
 
 /// Rays from one side of the cube to the other.
@@ -195,31 +245,27 @@ impl Table {
         threads: usize,
         job: impl FnOnce() -> T,
     ) -> T {
-        self.time_of(what, engine, threads, 1.0, job)
-    }
-
-    /// A job of so many units.
-    fn time_of<T>(
-        &mut self,
-        what: &'static str,
-        engine: &'static str,
-        threads: usize,
-        units: f64,
-        job: impl FnOnce() -> T,
-    ) -> T {
         let (start, before) = (Instant::now(), process_seconds());
         let result = job();
-        let times = [process_seconds() - before, start.elapsed().as_secs_f64()].map(|s| 1e3 * s / units);
+        let times = [process_seconds() - before, start.elapsed().as_secs_f64()].map(|s| 1e3 * s);
         let same =
             |(row, _): &&mut (TopRow, _)| (row.what, row.engine, row.threads) == (what, engine, threads);
         match self.0.iter_mut().find(same) {
             Some((_, all)) => all.push(times),
             None => {
-                let row = TopRow { what, engine, threads, cpu_ms: 0.0, wall_ms: 0.0 };
+                let (mrays_cpu, hits, bytes) = (0.0, 0, None);
+                let row = TopRow { what, engine, threads, cpu_ms: 0.0, wall_ms: 0.0, mrays_cpu, hits, bytes };
                 self.0.push((row, vec![times]));
             }
         }
         result
+    }
+
+    /// What else is known of a job that was timed.
+    fn note(&mut self, what: &str, engine: &str, hits: u64, bytes: Option<u64>) {
+        for (row, _) in self.0.iter_mut().filter(|(row, _)| (row.what, row.engine) == (what, engine)) {
+            (row.hits, row.bytes) = (hits, bytes);
+        }
     }
 
     fn rows(self) -> Vec<TopRow> {
@@ -247,5 +293,12 @@ mod tests {
         let builds = rows.iter().filter(|row| row.what == "build").count();
         assert_eq!(builds, 2 * engines, "{rows:?}");
         assert!(rows.iter().all(|row| row.cpu_ms >= 0.0), "{rows:?}");
+        let shown = dynamic_rows(&rows, 3000);
+        assert_eq!(
+            shown.len(),
+            2 * (3 + engines),
+            "four of ours and one of theirs, by one thread and by two"
+        );
+        assert!(shown.iter().all(|row| row.hits > 1000 && row.trace_mrays_cpu > 0.0), "{shown:?}");
     }
 }

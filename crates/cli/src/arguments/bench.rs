@@ -136,9 +136,12 @@ pub(crate) struct BenchDynamicArguments {
     /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is deformed and measured by itself
     #[arg(value_name = "SCENE", default_value = "builtin:materials")]
     pub(crate) scenes: Vec<OsString>,
-    /// Cases: refit and rebuild of each scene; stadium: a small thing in a large one; crowd, crowd64: characters in 1000 or 64 poses
+    /// Cases: refit and rebuild of each scene; top: a tree over instances; stadium: a small thing in a large one; crowd, crowd64: characters in 1000 or 64 poses
     #[arg(long = "case", value_name = "LIST", value_parser = value::motion_case, value_delimiter = ',')]
     pub(crate) cases: Vec<String>,
+    /// Instances of the case top
+    #[arg(long, value_name = "N", value_parser = value::instances, allow_hyphen_values = true, default_value = "100000")]
+    pub(crate) instances: usize,
     /// Characters of a crowd
     #[arg(long, value_name = "N", value_parser = value::characters, allow_hyphen_values = true, default_value = "1000")]
     pub(crate) characters: usize,
@@ -154,6 +157,9 @@ pub(crate) struct BenchDynamicArguments {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
+    /// Write times of updates and rates of rays as bars
+    #[arg(long, value_name = "FILE")]
+    pub(crate) svg: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
     #[command(flatten)]

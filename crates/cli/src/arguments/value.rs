@@ -461,7 +461,12 @@ pub(crate) fn motion_case(name: &str) -> Result<String, String> {
     by_name("case", name, &MOTION_CASES).map(str::to_owned)
 }
 
-const MOTION_CASES: [&str; 5] = ["refit", "rebuild", "stadium", "crowd", "crowd64"];
+const MOTION_CASES: [&str; 6] = ["refit", "rebuild", "top", "stadium", "crowd", "crowd64"];
+
+/// Instances of the case `top`.
+pub(crate) fn instances(text: &str) -> Result<usize, String> {
+    whole(text, 1, 10_000_000)
+}
 
 /// Characters of a crowd.
 pub(crate) fn characters(text: &str) -> Result<usize, String> {

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 
 use gnurt_bench::rays::News;
 use gnurt_bench::{
-    Class, EmbreeLibrary, Error, Filter, Subject, builds, crowd, dynamic, dynamic_row, paper, plot, rays,
-    record, stadium, table, to_json,
+    Class, EmbreeLibrary, Error, Filter, Subject, builds, crowd, dynamic, dynamic_plot, dynamic_row, paper,
+    plot, rays, record, stadium, table, to_json, top,
 };
 
 use super::bench_files::{check_outputs, write};
@@ -111,7 +111,7 @@ fn measure_motion(
     environment: &Environment,
     messages: Messages,
 ) -> Outcome {
-    check_outputs(&[&arguments.json])?;
+    check_outputs(&[&arguments.json, &arguments.svg])?;
     let sources = find(&arguments.scenes, &arguments.files, environment)?;
     let embree = rival(&Filter::default(), messages)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
@@ -130,6 +130,13 @@ fn measure_motion(
             rows.extend(measured);
         }
     }
+    if is_wanted("top") {
+        let (count, rounds) = (arguments.instances, arguments.rounds);
+        let measured = top::run(count, rounds, embree.as_ref(), &pool).map_err(failure)?;
+        let measured = top::dynamic_rows(&measured, count);
+        print(dynamic_row::table(&measured))?;
+        rows.extend(measured);
+    }
     if is_wanted("stadium") {
         let options = stadium::Options { rounds: arguments.rounds, size: arguments.size, level };
         let measured = stadium::run(&stadium::RATIOS, &options, &mut quietly(messages)).map_err(failure)?;
@@ -145,6 +152,7 @@ fn measure_motion(
             rows.extend(measured);
         }
     }
+    write(arguments.svg.as_deref(), || dynamic_plot::svg(&rows))?;
     write(arguments.json.as_deref(), || dynamic_row::to_json(&rows).to_string())
 }
 

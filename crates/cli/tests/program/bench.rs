@@ -53,6 +53,31 @@ fn builds_are_measured() {
 }
 
 #[test]
+fn what_moves_is_measured() {
+    let folder = Folder::new();
+    let line = "bench dynamic builtin:cornell --case refit,rebuild,top --frames 2 --rounds 1 --size 16 --instances 500 -t 2 \
+                --json moving.json --svg moving.svg";
+    let run = folder.gnurt(line).success();
+    assert!(run.stdout.contains("frame ms") && run.stdout.contains("move-1000"), "{}", run.stdout);
+    assert!(folder.read("moving.svg").starts_with(b"<svg"), "bars");
+    let rows: serde_json::Value = serde_json::from_slice(&folder.read("moving.json")).expect("JSON");
+    let rows = rows.as_array().expect("an array");
+    let keys =
+        "bytes case engine hits instances scene strategy threads trace_mrays_cpu triangles update_ms_cpu";
+    for row in rows {
+        let mut found: Vec<&str> = row.as_object().expect("an object").keys().map(String::as_str).collect();
+        found.sort_unstable();
+        assert_eq!(found.join(" "), keys, "{row}");
+    }
+    let has = |case: &str, strategy: &str| {
+        rows.iter().any(|row| row["case"] == case && row["strategy"] == strategy)
+    };
+    assert!(has("refit", "auto") && has("rebuild", "fast") && has("top", "build"), "{rows:?}");
+    folder.gnurt("bench dynamic --case tops").fails(2, "did you mean 'top'?");
+    folder.gnurt("bench dynamic --instances 0").fails(2, "from 1 to 10000000");
+}
+
+#[test]
 fn the_papers_tables_are_made() {
     let folder = Folder::new();
     let run = folder.gnurt("bench paper builtin:cornell --size 32 --rounds 1 --json paper.json").success();
