@@ -4,6 +4,7 @@
 
 use gnurt::Surroundings;
 use gnurt::osl::Script;
+use gnurt::scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use gnurt::scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled};
 use gnurt::scene::{Camera, Lens, Light, Material, Projection, Surface};
 use pyo3::exceptions::PyValueError;
@@ -42,11 +43,12 @@ pub(crate) fn material(given: &mut Given) -> PyResult<NewMaterial> {
         "glass" => {
             let (ior, tint) = (ior(given)?, color.unwrap_or([1.0; 3]));
             let (roughness, thin) = (share(given, "roughness", 0.0)?, given.flag("thin")?.unwrap_or(false));
+            let interior = interior(given)?;
             if roughness == 0.0 && !thin {
-                Surface::Dielectric { ior, reflectance: [1.0; 3], transmittance: tint }
+                Surface::Dielectric { ior, reflectance: [1.0; 3], transmittance: tint, interior }
             } else {
                 let (reflectance, transmittance) = ([1.0; 3], tint);
-                Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin }
+                Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin, interior }
             }
         }
         "principled" => Surface::Principled(Box::new(Principled {
@@ -62,6 +64,22 @@ pub(crate) fn material(given: &mut Given) -> PyResult<NewMaterial> {
             sheen_roughness: share(given, "sheen_roughness", 0.3)?,
             transmission: share(given, "transmission", 0.0)?,
             thin: given.flag("thin")?.unwrap_or(true),
+            interior: interior(given)?,
+            anisotropy: Anisotropy {
+                strength: share(given, "anisotropy", 0.0)?,
+                rotation: given.number("anisotropy_rotation", -MOST, MOST)?.unwrap_or(0.0).to_radians()
+                    as f32,
+                texture: None,
+            },
+            iridescence: Iridescence {
+                factor: share(given, "iridescence", 0.0)?,
+                ior: given.number("iridescence_ior", 1.0, 100.0)?.unwrap_or(1.3) as f32,
+                thickness: given.number("iridescence_thickness", 0.0, 1e6)?.unwrap_or(400.0) as f32,
+            },
+            diffuse_transmission: DiffuseTransmission {
+                factor: share(given, "diffuse_transmission", 0.0)?,
+                color: given.color("diffuse_transmission_color")?.unwrap_or([1.0; 3]),
+            },
             ..Principled::default()
         })),
         _ => {
@@ -78,6 +96,17 @@ pub(crate) fn material(given: &mut Given) -> PyResult<NewMaterial> {
         material.alpha = Alpha::Blend { opacity };
     }
     Ok(NewMaterial::Material(material))
+}
+
+/// What is within glass that is not thin.
+fn interior(given: &mut Given) -> PyResult<Interior> {
+    Ok(Interior {
+        attenuation_color: given.color("attenuation_color")?.unwrap_or([1.0; 3]),
+        attenuation_distance: given
+            .number("attenuation_distance", 1e-30, MOST)?
+            .map_or(f32::INFINITY, |distance| distance as f32),
+        dispersion: given.number("dispersion", 0.0, 1000.0)?.unwrap_or(0.0) as f32,
+    })
 }
 
 fn ior(given: &mut Given) -> PyResult<f32> {

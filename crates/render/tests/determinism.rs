@@ -15,7 +15,12 @@ use gnurt_simd::Level;
 /// A bit of everything.
 fn still_life() -> (Scene, SceneCamera) {
     let mut scene = floor(0.6, 5.0);
-    let glass = Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: [0.9; 3] };
+    let glass = Surface::Dielectric {
+        ior: 1.5,
+        reflectance: [1.0; 3],
+        transmittance: [0.9; 3],
+        interior: Default::default(),
+    };
     let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };
     let coat = Surface::MetallicRoughness {
         base_color: Color::constant([0.8, 0.3, 0.2]),

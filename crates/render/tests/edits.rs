@@ -129,7 +129,12 @@ fn any_material(random: &mut Random) -> Material {
     let color = Color { factor: random.vector(0.1, 0.9), texture: any_reference(random) };
     let surface = match random.below(6) {
         0 => Surface::Mirror { reflectance: color },
-        1 => Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: [1.0; 3] },
+        1 => Surface::Dielectric {
+            ior: 1.5,
+            reflectance: [1.0; 3],
+            transmittance: [1.0; 3],
+            interior: Default::default(),
+        },
         2 => Surface::Shader(random.below(2) as u32),
         _ => Surface::Matte { base_color: color },
     };

@@ -9,6 +9,7 @@ use gnurt_image::{TexelData, Texels};
 use gnurt_render::{
     Accumulation, CommitOptions, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
 };
+use gnurt_scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, Wrap};
 use gnurt_scene::{Affine, Light, Material, MaterialId, Scene, Surface, Texture};
@@ -85,9 +86,24 @@ fn room(lit: Lit) -> (World, SceneCamera) {
         reflectance: [1.0; 3],
         transmittance: tint,
         thin,
+        interior: Default::default(),
     };
+    let rare = Principled {
+        metallic: 0.3,
+        anisotropy: Anisotropy { strength: 0.8, rotation: 0.4, texture: None },
+        iridescence: Iridescence { factor: 0.6, ior: 1.4, thickness: 350.0 },
+        diffuse_transmission: DiffuseTransmission { factor: 0.5, color: tint },
+        ..plastic.clone()
+    };
+    let interior =
+        Interior { attenuation_color: [0.8, 0.5, 0.3], attenuation_distance: 0.5, dispersion: 2.0 };
     let surfaces = [
-        Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: tint },
+        Surface::Dielectric {
+            ior: 1.5,
+            reflectance: [1.0; 3],
+            transmittance: tint,
+            interior: Default::default(),
+        },
         Surface::Mirror { reflectance: base_color },
         Surface::RoughMatte { base_color, roughness: 0.7 },
         Surface::Metal { eta: [0.2, 0.9, 1.1], k: [3.9, 2.4, 2.2], roughness: 0.5 },
@@ -95,6 +111,8 @@ fn room(lit: Lit) -> (World, SceneCamera) {
         Surface::Principled(Box::new(coated)),
         rough_glass(false),
         rough_glass(true),
+        Surface::Principled(Box::new(rare)),
+        Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: tint, interior },
     ];
     for (i, surface) in surfaces.into_iter().enumerate() {
         let mut made = Material::of("", surface);

@@ -153,7 +153,12 @@ fn glass_lets_light_through_and_holes_too() {
     };
     let free = lit(None);
     assert_eq!(lit(Some(Material::matte("screen", [0.5; 3]))), 0.0, "a screen");
-    let surface = Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: [0.9; 3] };
+    let surface = Surface::Dielectric {
+        ior: 1.5,
+        reflectance: [1.0; 3],
+        transmittance: [0.9; 3],
+        interior: Default::default(),
+    };
     let through = lit(Some(Material::of("pane", surface)));
     assert_close(through, free * (0.9_f64 * 0.96).powi(2), 1e-3, "two panes at normal incidence");
     let opacity = gnurt_scene::material::Opacity {

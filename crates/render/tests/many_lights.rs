@@ -158,7 +158,12 @@ fn edges_are_counted_alike() {
 #[test]
 fn light_through_glass_counts_once() {
     let mut scene = gnurt_scene::builtin::load("cornell").expect("it is built in");
-    let clear = Surface::Dielectric { ior: 1.0001, reflectance: [1.0; 3], transmittance: [1.0; 3] };
+    let clear = Surface::Dielectric {
+        ior: 1.0001,
+        reflectance: [1.0; 3],
+        transmittance: [1.0; 3],
+        interior: Default::default(),
+    };
     let clear = scene.add_material(Material::of("clear", clear));
     let (low, high) = bounds_of_lamp(&scene);
     let below = low[1] - 0.02 * (high[0] - low[0]);

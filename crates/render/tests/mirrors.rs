@@ -41,7 +41,12 @@ fn depth_limit_shows_the_environment() {
 #[test]
 fn slabs_shift_and_dim() {
     let mut scene = Scene::new();
-    let glass = Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: [1.0; 3] };
+    let glass = Surface::Dielectric {
+        ior: 1.5,
+        reflectance: [1.0; 3],
+        transmittance: [1.0; 3],
+        interior: Default::default(),
+    };
     let glass = scene.add_material(Material::of("glass", glass));
     // Faces at z = 1 (normal up) and z = 0 (normal down).
     place(&mut scene, quad([-9.0, -9.0, 1.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], glass));
@@ -72,7 +77,12 @@ fn slabs_shift_and_dim() {
 #[test]
 fn glass_balls_keep_the_furnace() {
     let mut scene = Scene::new();
-    let glass = Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: [1.0; 3] };
+    let glass = Surface::Dielectric {
+        ior: 1.5,
+        reflectance: [1.0; 3],
+        transmittance: [1.0; 3],
+        interior: Default::default(),
+    };
     let glass = scene.add_material(Material::of("glass", glass));
     place(&mut scene, sphere([0.0; 3], 1.0, 32, glass));
     scene.add_light(environment([1.0; 3]));

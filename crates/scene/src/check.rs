@@ -95,7 +95,7 @@ impl Scene {
 }
 
 /// All textures that a material reads.
-fn textures(material: &Material) -> [Option<TextureRef>; 6] {
+fn textures(material: &Material) -> [Option<TextureRef>; 7] {
     let (first, second) = match &material.surface {
         Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
             (*metallic_roughness_texture, normal_texture.map(|n| n.texture))
@@ -118,7 +118,12 @@ fn textures(material: &Material) -> [Option<TextureRef>; 6] {
         Alpha::Opaque => None,
         Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } => opacity.texture,
     };
-    [base, material.diffuse.and_then(|d| d.texture), material.emission_texture, opacity, first, second]
+    let brushed = match &material.surface {
+        Surface::Principled(p) => p.anisotropy.texture,
+        _ => None,
+    };
+    let diffuse = material.diffuse.and_then(|d| d.texture);
+    [base, diffuse, material.emission_texture, opacity, first, second, brushed]
 }
 
 #[cfg(test)]

@@ -3,11 +3,12 @@
 //! Source: glTF 2.0 section 3.9 and its extensions. Kept apart from [`Material`] because which of our surfaces comes of the numbers
 //! depends on them, and because they may change with time.
 //! Materials without extensions become metallic-roughness or, where they neither mirror nor conduct, Lambertian; those with specular,
-//! clear coat, sheen or transmission become principled. Glass is solid where there is a thickness, else a pane that bends nothing,
+//! clear coat, sheen, transmission and the like become principled. Glass is solid where there is a thickness, else a pane that bends nothing,
 //! at every roughness; solid glass that is smooth and lets through all light that it does not mirror is perfectly smooth, tinted by
 //! the base colour. glTF's v runs downwards, ours upwards: `uv_from_mesh`.
 //! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
 
+use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::id::TextureId;
 use crate::material::{
     Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface, TextureRef,
@@ -57,6 +58,26 @@ pub struct Factors {
     pub transmission: f32,
     /// KHR_materials_volume: above 0 = solid.
     pub thickness: f32,
+    /// KHR_materials_volume: what is left after the distance below.
+    pub attenuation_color: [f32; 3],
+    /// KHR_materials_volume: world units.
+    pub attenuation_distance: f32,
+    /// KHR_materials_dispersion.
+    pub dispersion: f32,
+    /// KHR_materials_anisotropy.
+    pub anisotropy: f32,
+    /// KHR_materials_anisotropy: radians.
+    pub anisotropy_rotation: f32,
+    /// KHR_materials_iridescence.
+    pub iridescence: f32,
+    /// KHR_materials_iridescence.
+    pub iridescence_ior: f32,
+    /// KHR_materials_iridescence: the greatest, which is that of all without a texture; nanometres.
+    pub iridescence_thickness: f32,
+    /// KHR_materials_diffuse_transmission.
+    pub diffuse_transmission: f32,
+    /// KHR_materials_diffuse_transmission.
+    pub diffuse_transmission_color: [f32; 3],
     /// Of the base colour and the opacity.
     pub base_texture: Option<MappedTexture>,
     /// Green times roughness, blue times metallic.
@@ -65,6 +86,8 @@ pub struct Factors {
     pub normal_texture: Option<MappedTexture>,
     /// Multiplied to x and y of these normals.
     pub normal_scale: f32,
+    /// Direction and strength of the anisotropy.
+    pub anisotropy_texture: Option<MappedTexture>,
     /// Multiplied to the emission.
     pub emission_texture: Option<MappedTexture>,
 }
@@ -128,10 +151,21 @@ impl Default for Factors {
             sheen_roughness: 0.0,
             transmission: 0.0,
             thickness: 0.0,
+            attenuation_color: [1.0; 3],
+            attenuation_distance: f32::INFINITY,
+            dispersion: 0.0,
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            iridescence: 0.0,
+            iridescence_ior: 1.3,
+            iridescence_thickness: 400.0,
+            diffuse_transmission: 0.0,
+            diffuse_transmission_color: [1.0; 3],
             base_texture: None,
             metallic_roughness_texture: None,
             normal_texture: None,
             normal_scale: 1.0,
+            anisotropy_texture: None,
             emission_texture: None,
         }
     }
@@ -139,15 +173,14 @@ impl Default for Factors {
 
 /// The surfaces that factors may make.
 enum Kind {
-    Glass,
+    Glass(Interior),
     Matte,
-    Facets(Principled),
+    Facets(Box<Principled>),
 }
 
 impl Factors {
     /// What the extensions add, over glTF's defaults for the rest.
     fn layers(&self) -> Principled {
-        let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 };
         let transmission = unit(self.transmission);
         Principled {
             specular: unit(self.specular),
@@ -157,26 +190,85 @@ impl Factors {
             sheen_color: self.sheen_color.map(unit),
             sheen_roughness: unit(self.sheen_roughness),
             transmission,
-            thin: transmission == 0.0 || unit(self.thickness) == 0.0,
+            thin: self.is_thin(),
+            interior: self.interior(),
+            anisotropy: self.brushed(),
+            iridescence: self.film(),
+            diffuse_transmission: self.translucence(),
             ..Principled::default()
+        }
+    }
+
+    /// Whether what glass there is has no inside.
+    fn is_thin(&self) -> bool {
+        unit(self.transmission) == 0.0 || unit(self.thickness) == 0.0
+    }
+
+    /// What is within glass; of materials without that, the default.
+    fn interior(&self) -> Interior {
+        if self.is_thin() {
+            return Interior::default();
+        }
+        let distance = self.attenuation_distance;
+        Interior {
+            attenuation_color: self.attenuation_color.map(unit),
+            attenuation_distance: if distance > 0.0 { distance } else { f32::INFINITY },
+            dispersion: positive(self.dispersion),
+        }
+    }
+
+    fn brushed(&self) -> Anisotropy {
+        match unit(self.anisotropy) {
+            0.0 => Anisotropy::default(),
+            strength => Anisotropy {
+                strength,
+                rotation: if self.anisotropy_rotation.is_finite() { self.anisotropy_rotation } else { 0.0 },
+                texture: self.anisotropy_texture.map(|t| t.reference()),
+            },
+        }
+    }
+
+    fn film(&self) -> Iridescence {
+        match unit(self.iridescence) {
+            0.0 => Iridescence::default(),
+            factor => Iridescence {
+                factor,
+                ior: if self.iridescence_ior >= 1.0 && self.iridescence_ior.is_finite() {
+                    self.iridescence_ior
+                } else {
+                    1.3
+                },
+                thickness: positive(self.iridescence_thickness),
+            },
+        }
+    }
+
+    fn translucence(&self) -> DiffuseTransmission {
+        match unit(self.diffuse_transmission) {
+            0.0 => DiffuseTransmission::default(),
+            factor => DiffuseTransmission { factor, color: self.diffuse_transmission_color.map(unit) },
         }
     }
 
     /// `has_normals`: whether a normal map is to be looked at.
     fn kind(&self, has_normals: bool) -> Kind {
         let layers = self.layers();
-        let plain =
-            Principled { transmission: layers.transmission, thin: layers.thin, ..Principled::default() };
+        let plain = Principled {
+            transmission: layers.transmission,
+            thin: layers.thin,
+            interior: layers.interior,
+            ..Principled::default()
+        };
         let is_clear = layers.transmission >= CLEAR && self.facets() < GLASS_ROUGHNESS && !layers.thin;
         if layers == plain && is_clear {
-            return Kind::Glass;
+            return Kind::Glass(layers.interior);
         }
         let matte =
             Principled { specular: 0.0, specular_color: layers.specular_color, ..Principled::default() };
         if layers == matte && self.metallic == 0.0 && !has_normals {
             return Kind::Matte;
         }
-        Kind::Facets(layers)
+        Kind::Facets(Box::new(layers))
     }
 
     /// Roughness that can be.
@@ -217,15 +309,19 @@ impl Factors {
         }
         let ior = if self.ior > 0.0 && self.ior.is_finite() { self.ior } else { 1.5 };
         let layers = match self.kind(self.normal_texture.is_some()) {
-            Kind::Glass => {
-                material.surface =
-                    Surface::Dielectric { ior, reflectance: [1.0; 3], transmittance: base_color.factor };
+            Kind::Glass(interior) => {
+                material.surface = Surface::Dielectric {
+                    ior,
+                    reflectance: [1.0; 3],
+                    transmittance: base_color.factor,
+                    interior,
+                };
                 material.diffuse = Some(base_color);
                 return material;
             }
             // What neither mirrors nor conducts is Lambertian, as the material is so far.
             Kind::Matte => return material,
-            Kind::Facets(layers) => layers,
+            Kind::Facets(layers) => *layers,
         };
         let roughness = self.facets();
         let metallic = self.metallic.clamp(0.0, 1.0);
@@ -260,6 +356,10 @@ impl MappedTexture {
     fn reference(self) -> TextureRef {
         TextureRef { texture: self.texture, uv_from_mesh: uv_from_mesh(self.transform) }
     }
+}
+
+fn unit(x: f32) -> f32 {
+    if x.is_finite() { x.clamp(0.0, 1.0) } else { 0.0 }
 }
 
 fn positive(x: f32) -> f32 {

@@ -7,6 +7,7 @@ pub mod animation;
 pub mod builtin;
 pub mod camera;
 mod check;
+pub mod detail;
 pub mod edit;
 pub mod factors;
 pub mod id;

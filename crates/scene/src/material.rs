@@ -3,7 +3,8 @@
 //! Source: glTF 2.0 section 3.9 and appendix B (metallic-roughness); Wavefront MTL; \[DWBS03\] for shader slots.
 //! Conventions: surfaces scatter on both sides; emission leaves the side of the geometric normal only; colours are linear.
 
-use crate::id::TextureId;
+use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
+pub use crate::texture::TextureRef;
 
 /// How a surface looks: what it scatters, what it gives off, where it is not there.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,23 +22,6 @@ pub struct Material {
     pub emission_texture: Option<TextureRef>,
     /// Where it lets light straight through.
     pub alpha: Alpha,
-}
-
-/// A texture and the transform from the mesh's texture coordinates to its own.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TextureRef {
-    /// The texture.
-    pub texture: TextureId,
-    /// `uv' = (a u + c v + e, b u + d v + f)` as `[a, b, c, d, e, f]`, v upwards on both sides.
-    pub uv_from_mesh: [f32; 6],
-}
-
-impl TextureRef {
-    /// The texture under the mesh's own coordinates.
-    #[must_use]
-    pub fn new(texture: TextureId) -> Self {
-        Self { texture, uv_from_mesh: [1.0, 0.0, 0.0, 1.0, 0.0, 0.0] }
-    }
 }
 
 /// A linear colour, multiplied by a texture where there is one.
@@ -108,8 +92,10 @@ pub enum Surface {
         reflectance: [f32; 3],
         /// Tint of what goes through.
         transmittance: [f32; 3],
-        /// Whether it is a pane that does not bend light.
+        /// Whether it is a pane that does not bend light, and has no inside.
         thin: bool,
+        /// What is within.
+        interior: Interior,
     },
     /// Perfect mirror.
     Mirror {
@@ -124,6 +110,8 @@ pub enum Surface {
         reflectance: [f32; 3],
         /// Tint of what goes through.
         transmittance: [f32; 3],
+        /// What is within.
+        interior: Interior,
     },
     /// A Lambertian floor that only catches shadow: where nothing shadows it, it shows what lies behind the scene, so that it is
     /// not seen. In pictures with opacity it is there as far as it is darker than that.
@@ -138,7 +126,7 @@ pub enum Surface {
     Shader(u32),
 }
 
-/// glTF's metal and plastic with what its extensions add. Textures of the extensions are not known.
+/// glTF's metal and plastic with what its extensions add. Of their textures that of the anisotropy is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Principled {
     /// Albedo of the dielectric part, tint of its glass, normal reflectance of the metal part.
@@ -169,6 +157,14 @@ pub struct Principled {
     pub transmission: f32,
     /// Whether that glass is a pane that does not bend light, as it is without KHR_materials_volume.
     pub thin: bool,
+    /// KHR_materials_volume and KHR_materials_dispersion: what is within that glass, unless it is thin.
+    pub interior: Interior,
+    /// KHR_materials_anisotropy, of plastic, metal and glass.
+    pub anisotropy: Anisotropy,
+    /// KHR_materials_iridescence, on plastic, metal and glass.
+    pub iridescence: Iridescence,
+    /// KHR_materials_diffuse_transmission, of the dielectric part's body.
+    pub diffuse_transmission: DiffuseTransmission,
 }
 
 impl Default for Principled {
@@ -189,6 +185,10 @@ impl Default for Principled {
             sheen_roughness: 0.0,
             transmission: 0.0,
             thin: true,
+            interior: Interior::default(),
+            anisotropy: Anisotropy::default(),
+            iridescence: Iridescence::default(),
+            diffuse_transmission: DiffuseTransmission::default(),
         }
     }
 }

@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 pub use gnurt_image::{TexelData, Texels};
 
+use crate::id::TextureId;
+
 /// A two-dimensional texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
@@ -40,4 +42,21 @@ pub enum Filter {
     /// Bilinear, after decoding.
     #[default]
     Linear,
+}
+
+/// A texture and the transform from the mesh's texture coordinates to its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// The texture.
+    pub texture: TextureId,
+    /// `uv' = (a u + c v + e, b u + d v + f)` as `[a, b, c, d, e, f]`, v upwards on both sides.
+    pub uv_from_mesh: [f32; 6],
+}
+
+impl TextureRef {
+    /// The texture under the mesh's own coordinates.
+    #[must_use]
+    pub fn new(texture: TextureId) -> Self {
+        Self { texture, uv_from_mesh: [1.0, 0.0, 0.0, 1.0, 0.0, 0.0] }
+    }
 }

@@ -3,6 +3,7 @@
 //! Source: original; glTF 2.0 and its extensions.
 
 use crate::common::load_named;
+use gnurt_scene::detail::{DiffuseTransmission, Interior, Iridescence};
 use gnurt_scene::io::Oddity;
 use gnurt_scene::material::{Alpha, TextureRef};
 use gnurt_scene::{CameraId, Lens, Light, Material, Projection, RayMask, Scene, Surface};
@@ -97,6 +98,49 @@ fn materials_become_ours() {
     assert_eq!(sign.emission, [0.5, 0.25, 0.0], "unlit shines");
     let leaf = material(r#""alphaMode":"MASK","alphaCutoff":0.25"#);
     assert!(matches!(leaf.alpha, Alpha::Mask { cutoff: 0.25, .. }), "masked: {:?}", leaf.alpha);
+}
+
+/// What few materials have.
+#[test]
+fn rare_extensions_become_ours() {
+    let volume = r#""KHR_materials_volume":{"thicknessFactor":2,"attenuationColor":[0.5,0.25,1],"attenuationDistance":0.75},"KHR_materials_dispersion":{"dispersion":0.5}"#;
+    let wanted =
+        Interior { attenuation_color: [0.5, 0.25, 1.0], attenuation_distance: 0.75, dispersion: 0.5 };
+    for roughness in [0.0, 0.5] {
+        let glass = material(&format!(
+            r#""pbrMetallicRoughness":{{"roughnessFactor":{roughness},"metallicFactor":0}},"extensions":{{"KHR_materials_transmission":{{"transmissionFactor":1}},{volume}}}"#
+        ));
+        let interior = match &glass.surface {
+            Surface::Dielectric { interior, .. } => interior,
+            Surface::Principled(principled) => &principled.interior,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(*interior, wanted, "roughness {roughness}");
+    }
+    let all = material(
+        r#""extensions":{"KHR_materials_anisotropy":{"anisotropyStrength":0.75,"anisotropyRotation":0.5},"KHR_materials_iridescence":{"iridescenceFactor":0.25,"iridescenceIor":1.5,"iridescenceThicknessMaximum":300},"KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":0.125,"diffuseTransmissionColorFactor":[1,0.5,0.25]}}"#,
+    );
+    let Surface::Principled(all) = &all.surface else { panic!("{:?}", all.surface) };
+    assert_eq!((all.anisotropy.strength, all.anisotropy.rotation), (0.75, 0.5), "brushed");
+    let Iridescence { factor, ior, thickness } = all.iridescence;
+    assert_eq!([factor, ior, thickness], [0.25, 1.5, 300.0], "a film");
+    let DiffuseTransmission { factor, color } = all.diffuse_transmission;
+    assert_eq!((factor, color), (0.125, [1.0, 0.5, 0.25]), "light goes through");
+    let pane = material(&format!(
+        r#""extensions":{{"KHR_materials_transmission":{{"transmissionFactor":1}},{}}}"#,
+        volume.replace(r#""thicknessFactor":2"#, r#""thicknessFactor":0"#)
+    ));
+    let Surface::Principled(pane) = &pane.surface else { panic!("{:?}", pane.surface) };
+    assert!(pane.thin && pane.interior == Interior::default(), "a pane has no inside: {pane:?}");
+    let odd = material(
+        r#""extensions":{"KHR_materials_iridescence":{"iridescenceFactor":7,"iridescenceIor":-1},"KHR_materials_anisotropy":{"anisotropyStrength":-1}}"#,
+    );
+    let Surface::Principled(odd) = &odd.surface else { panic!("{:?}", odd.surface) };
+    assert_eq!(
+        (odd.iridescence.factor, odd.iridescence.ior, odd.anisotropy.strength),
+        (1.0, 1.3, 0.0),
+        "odd numbers"
+    );
 }
 
 /// A PNG of one pixel.

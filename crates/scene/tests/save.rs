@@ -5,6 +5,7 @@
 use std::sync::Arc;
 
 use gnurt_scene::builtin;
+use gnurt_scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use gnurt_scene::io::{load, save};
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
@@ -175,12 +176,25 @@ fn layers_come_back() {
         sheen_roughness: 0.375,
         transmission: 0.625,
         thin: false,
+        interior: Interior {
+            attenuation_color: [0.5, 0.75, 1.0],
+            attenuation_distance: 0.25,
+            dispersion: 0.125,
+        },
+        anisotropy: Anisotropy { strength: 0.5, rotation: 0.75, texture: None },
+        iridescence: Iridescence { factor: 0.5, ior: 1.25, thickness: 320.0 },
+        diffuse_transmission: DiffuseTransmission { factor: 0.25, color: [1.0, 0.5, 0.25] },
         ..Principled::default()
     };
+    let interior = layered.interior;
     let surface = Surface::Principled(Box::new(layered));
     scene.add_material(gnurt_scene::Material::of("layered", surface.clone()));
+    let glass =
+        Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: [0.5, 1.0, 1.0], interior };
+    scene.add_material(gnurt_scene::Material::of("glass", glass.clone()));
     let back = there_and_back(&scene, "a.glb");
     assert_eq!(back.materials()[0].surface, surface, "all of it");
+    assert_eq!(back.materials()[1].surface, glass, "and what is within glass");
 }
 
 /// A texture of two texels in a row.

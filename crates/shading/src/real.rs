@@ -447,6 +447,24 @@ impl<R: Real> Vector<R> {
         self.dot(self)
     }
 
+    /// Other colours in the place of those of the points in the mask, by the number of the point.
+    #[inline(always)]
+    pub fn each_colour(self, mask: R::Mask, f: impl Fn(usize, Vec3) -> Vec3) -> Self {
+        let (mut found, bits) = ([Vec3::ZERO; 16], R::bits(mask));
+        for (i, found) in found.iter_mut().enumerate().take(R::LANES) {
+            if bits >> i & 1 != 0 {
+                *found = f(i, self.get(i));
+            }
+        }
+        let by = |k: usize| {
+            self.x.each(
+                #[inline(always)]
+                |i| found[i][k],
+            )
+        };
+        Self::pick(mask, Self::new(by(0), by(1), by(2)), self)
+    }
+
     /// Divided by its length, as `Vec3::normalize` does it.
     #[inline(always)]
     pub fn normalize(self) -> Self {

@@ -68,6 +68,12 @@ pub trait SurfaceShader: Send + Sync {
         self.is_opaque()
     }
 
+    /// Whether some point says that light is absorbed on one of its sides ([`ClosureBatch::fill`]). Where no surface does, paths do not
+    /// look.
+    fn has_medium(&self) -> bool {
+        false
+    }
+
     /// Writes the share of light that the surface scatters, for previews and denoisers; `out` has `hits.len()` lanes of
     /// mid-grey.
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {

@@ -8,7 +8,8 @@ use std::sync::LazyLock;
 use gnurt_sl::exec::{ClosureDecl, ClosureParam};
 use gnurt_sl::types::{Base, Type};
 
-/// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure.
+/// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure; `~` a thin film's thickness (nanometres) and
+/// index, given by name.
 const TABLE: [(&str, &str); 29] = [
     ("emission", ""),
     ("background", ""),
@@ -27,9 +28,9 @@ const TABLE: [(&str, &str); 29] = [
     ("subsurface", "FFCC"),
     ("oren_nayar_diffuse_bsdf", "VCF"),
     ("burley_diffuse_bsdf", "VCF"),
-    ("dielectric_bsdf", "VVCCFFFS"),
-    ("conductor_bsdf", "VVFFCCS"),
-    ("generalized_schlick_bsdf", "VVCCFFCCFS"),
+    ("dielectric_bsdf", "VVCCFFFS~"),
+    ("conductor_bsdf", "VVFFCCS~"),
+    ("generalized_schlick_bsdf", "VVCCFFCCFS~"),
     ("translucent_bsdf", "VC"),
     ("transparent_bsdf", ""),
     ("subsurface_bssrdf", "VCCF"),
@@ -53,9 +54,12 @@ static ALL: LazyLock<Vec<ClosureDecl>> = LazyLock::new(|| {
         };
         ClosureParam { ty: Type::of(base), key: None }
     };
-    let decl = |(name, codes): (&str, &str)| ClosureDecl {
-        name: name.into(),
-        params: codes.chars().map(param).collect(),
+    let film = ["thinfilm_thickness", "thinfilm_ior"]
+        .map(|name| ClosureParam { ty: Type::of(Base::Float), key: Some(name.into()) });
+    let decl = |(name, codes): (&str, &str)| {
+        let (plain, films) = codes.split_once('~').map_or((codes, false), |(plain, _)| (plain, true));
+        let named = film.iter().filter(|_| films).cloned();
+        ClosureDecl { name: name.into(), params: plain.chars().map(param).chain(named).collect() }
     };
     TABLE.into_iter().map(decl).collect()
 });

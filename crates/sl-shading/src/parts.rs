@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From a closure to what a point does to light: weighted lobes, light that it gives off, light that goes straight through.
 //! Source: original; what the closures are is in the OSL specification and MaterialX, the lobes' models are in docs/materials.md.
-//! Differs from other renderers: facets are GGX whatever the distribution's name, as wide on average where they are anisotropic;
-//! light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered where it enters; hair and volumes are not drawn.
+//! Differs from other renderers: facets are GGX whatever the distribution's name; light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered where it enters; hair and volumes are not drawn.
 //! Space: world. Proof: `tests/scripts/closures.rs`.
 
 use std::sync::Arc;
 
 use glam::Vec3;
 use gnurt_shading::SurfaceBatch;
-use gnurt_shading::bsdf::{Lobe, Lobes, MOST};
+use gnurt_shading::bsdf::{Film, Lobe, Lobes, MOST};
 use gnurt_sl::exec::{Closure, Component, parts};
 use gnurt_sl::hir::Data;
 
@@ -84,9 +83,53 @@ impl Params<'_> {
         }
     }
 
-    /// The width of facets by two roughnesses that are widths already.
-    fn alpha(&self, x: usize, y: usize) -> f32 {
-        (self.float(x).clamp(0.0, 1.0) * self.float(y).clamp(0.0, 1.0)).sqrt()
+    /// Widths of facets along a direction and across it.
+    fn slopes(&self, tangent: Option<usize>, x: usize, y: usize) -> Slopes {
+        let [along, across] = [x, y].map(|i| self.float(i).clamp(0.0, 1.0));
+        Slopes { tangent: tangent.map_or(Vec3::ZERO, |i| self.vec3(i)), along, across }
+    }
+
+    /// A number that is given by name; 0 if it is not.
+    fn named(&self, name: &str) -> f32 {
+        let place = self.0.iter().position(|(key, ..)| key.as_deref() == Some(name));
+        place.map_or(0.0, |i| self.float(i))
+    }
+
+    /// The film of MaterialX's closures; one without a thickness is none.
+    fn film(&self) -> Film {
+        let (thickness, ior) = (self.named("thinfilm_thickness"), self.named("thinfilm_ior"));
+        Film {
+            share: f32::from(u8::from(thickness > 0.0)),
+            ior: if ior > 0.0 { ior } else { 1.0 },
+            thickness,
+        }
+    }
+}
+
+/// How wide facets' slopes are.
+#[derive(Clone, Copy)]
+struct Slopes {
+    tangent: Vec3,
+    along: f32,
+    across: f32,
+}
+
+impl Slopes {
+    fn even(alpha: f32) -> Self {
+        Self { tangent: Vec3::ZERO, along: alpha, across: alpha }
+    }
+
+    fn is_smooth(self) -> bool {
+        self.along.max(self.across) < SMOOTH
+    }
+
+    /// The lobe that is made for one width, with both. Where nobody says along what, slopes are as wide on average.
+    fn of(self, make: impl FnOnce(f32) -> Lobe) -> Lobe {
+        let [along, across] = [self.along, self.across].map(|alpha| alpha.clamp(SMOOTH, 1.0));
+        match self.tangent.try_normalize() {
+            Some(tangent) if along != across => make(along).brushed(tangent, across),
+            _ => make((along * across).sqrt()),
+        }
     }
 }
 
@@ -131,17 +174,17 @@ fn fresnel_at_normal(eta: f32) -> f32 {
 }
 
 /// Glass by the index beyond over the index on the side that the ray came from.
-fn glass(alpha: f32, eta: f32, reflectance: Vec3, transmittance: Vec3) -> Lobe {
+fn glass(slopes: Slopes, eta: f32, reflectance: Vec3, transmittance: Vec3) -> Lobe {
     let eta = if eta > 0.0 { 1.0 / eta } else { 1.0 };
-    if alpha < SMOOTH {
+    if slopes.is_smooth() {
         Lobe::glass(eta, reflectance, transmittance, false)
     } else {
-        Lobe::rough_glass(alpha, eta, reflectance, transmittance, false)
+        slopes.of(|alpha| Lobe::rough_glass(alpha, eta, reflectance, transmittance, false))
     }
 }
 
-fn facets(alpha: f32, f0: Vec3, f90: Vec3) -> Lobe {
-    Lobe::facets(alpha.clamp(SMOOTH, 1.0), f0, f90)
+fn facets(slopes: Slopes, f0: Vec3, f90: Vec3) -> Lobe {
+    slopes.of(|alpha| Lobe::facets(alpha, f0, f90))
 }
 
 fn one(nodes: &[Closure], component: &Component, at: At, depth: u32) -> Parts {
@@ -178,54 +221,57 @@ fn one(nodes: &[Closure], component: &Component, at: At, depth: u32) -> Parts {
         }
         "subsurface" => Lobes::from(Lobe::lambert(p.share(3))),
         "subsurface_bssrdf" => around(Lobe::lambert(p.share(1)), 0),
-        "translucent" => around(translucent(Vec3::ONE), 0),
-        "translucent_bsdf" => around(translucent(p.share(1)), 0),
+        "translucent" => around(Lobe::translucent(Vec3::ONE), 0),
+        "translucent_bsdf" => around(Lobe::translucent(p.share(1)), 0),
         "sheen_bsdf" => around(Lobe::sheen(p.share(1), p.float(2).clamp(0.0, 1.0)), 0),
         // cos^n around the mirror image is cos^4n around the half vector, near it.
         "phong" => {
             let exponent = p.float(1).max(0.0);
-            around(facets((2.0 / (4.0 * exponent + 2.0)).sqrt(), Vec3::ONE, Vec3::ONE), 0)
+            let alpha = (2.0 / (4.0 * exponent + 2.0)).sqrt();
+            around(facets(Slopes::even(alpha), Vec3::ONE, Vec3::ONE), 0)
         }
-        "ward" => around(facets(p.alpha(2, 3), Vec3::ONE, Vec3::ONE), 0),
+        "ward" => around(facets(p.slopes(Some(1), 2, 3), Vec3::ONE, Vec3::ONE), 0),
         "microfacet" => {
-            let (alpha, eta) = (p.alpha(3, 4), p.float(5));
+            let (slopes, eta) = (p.slopes(Some(2), 3, 4), p.float(5));
             match p.int(6) {
-                0 if eta <= 0.0 => around(facets(alpha, Vec3::ONE, Vec3::ONE), 1),
-                0 => around(facets(alpha, Vec3::splat(fresnel_at_normal(eta)), Vec3::ONE), 1),
-                1 => around(glass(alpha, eta, Vec3::ZERO, Vec3::ONE), 1),
-                _ => around(glass(alpha, eta, Vec3::ONE, Vec3::ONE), 1),
+                0 if eta <= 0.0 => around(facets(slopes, Vec3::ONE, Vec3::ONE), 1),
+                0 => around(facets(slopes, Vec3::splat(fresnel_at_normal(eta)), Vec3::ONE), 1),
+                1 => around(glass(slopes, eta, Vec3::ZERO, Vec3::ONE), 1),
+                _ => around(glass(slopes, eta, Vec3::ONE, Vec3::ONE), 1),
             }
         }
         "reflection" => match p.float(1) {
             eta if eta <= 0.0 => around(Lobe::mirror(Vec3::ONE), 0),
-            eta => around(glass(0.0, eta, Vec3::ONE, Vec3::ZERO), 0),
+            eta => around(glass(Slopes::even(0.0), eta, Vec3::ONE, Vec3::ZERO), 0),
         },
-        "refraction" => around(glass(0.0, p.float(1), Vec3::ZERO, Vec3::ONE), 0),
+        "refraction" => around(glass(Slopes::even(0.0), p.float(1), Vec3::ZERO, Vec3::ONE), 0),
         "dielectric_bsdf" => {
             let index = Some(p.float(6)).filter(|&index| index > 0.0).unwrap_or(1.0);
             let eta = if at.front { index } else { 1.0 / index };
-            let (alpha, reflectance, transmittance) = (p.alpha(4, 5), p.share(2), p.share(3));
-            if transmittance == Vec3::ZERO && alpha >= SMOOTH {
-                let f0 = reflectance * fresnel_at_normal(index);
-                around(facets(alpha, f0, reflectance), 0)
+            let (slopes, reflectance, transmittance) = (p.slopes(Some(1), 4, 5), p.share(2), p.share(3));
+            if transmittance == Vec3::ZERO && !slopes.is_smooth() {
+                let f0 = Vec3::splat(fresnel_at_normal(index));
+                around(tinted(facets(slopes, f0, Vec3::ONE).filmed(p.film()), reflectance), 0)
             } else {
-                around(glass(alpha, eta, reflectance, transmittance), 0)
+                around(glass(slopes, eta, reflectance, transmittance).filmed(p.film()), 0)
             }
         }
         "conductor_bsdf" => {
             let (eta, k) = (p.vec3(4).max(Vec3::splat(1e-3)), p.vec3(5).max(Vec3::ZERO));
-            around(Lobe::metal(p.alpha(2, 3).max(SMOOTH), eta, k), 0)
+            let metal = p.slopes(Some(1), 2, 3).of(|alpha| Lobe::metal(alpha, eta, k));
+            around(metal.filmed(p.film()), 0)
         }
         "generalized_schlick_bsdf" => {
-            let (alpha, f0, tint) = (p.alpha(4, 5), p.share(6), p.share(2));
-            let mirrored = around(facets(alpha, f0 * tint, p.share(7) * tint), 0);
+            let (slopes, f0, tint) = (p.slopes(Some(1), 4, 5), p.share(6), p.share(2));
+            let mirrored = facets(slopes, f0, p.share(7)).filmed(p.film());
+            let mirrored = around(tinted(mirrored, tint), 0);
             match p.share(3) {
                 Vec3::ZERO => mirrored,
                 through => {
                     let root = f0.element_sum().max(0.0).mul_add(1.0 / 3.0, 0.0).min(0.99).sqrt();
                     let index = (1.0 + root) / (1.0 - root);
                     let eta = if at.front { index } else { 1.0 / index };
-                    mirrored.plus(around(glass(alpha, eta, Vec3::ZERO, through), 0))
+                    mirrored.plus(around(glass(slopes, eta, Vec3::ZERO, through), 0))
                 }
             }
         }
@@ -236,9 +282,14 @@ fn one(nodes: &[Closure], component: &Component, at: At, depth: u32) -> Parts {
     out
 }
 
-/// Scatters all light beyond the surface: glass without an index whose facets face everywhere.
-fn translucent(albedo: Vec3) -> Lobe {
-    Lobe::rough_glass(1.0, 1.0, Vec3::ZERO, albedo, true)
+/// A lobe times a tint. Without a film that is in its reflectances, where layers find it.
+fn tinted(mut lobe: Lobe, tint: Vec3) -> Lobe {
+    if lobe.film.is_there() {
+        lobe.weight = tint;
+    } else {
+        (lobe.a, lobe.b) = (lobe.a * tint, lobe.b * tint);
+    }
+    lobe
 }
 
 fn layer(nodes: &[Closure], p: &Params, at: At, depth: u32) -> Parts {

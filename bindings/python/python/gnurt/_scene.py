@@ -58,8 +58,8 @@ class Scene(_Scene):
     def add_material(self, name="", **properties):
         """The number of a new material.
 
-        kind="principled" (metallic, roughness, ior, specular, clearcoat, sheen_color, transmission, thin, ...), "matte", "mirror"
-        or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
+        kind="principled" (metallic, roughness, ior, specular, clearcoat, sheen_color, transmission, thin, anisotropy, iridescence,
+        diffuse_transmission, attenuation_color, attenuation_distance, dispersion, ...), "matte", "mirror" or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
 
         Or shader=FILE or source text in the shading language, and parameters={name: number, text or several of them}.
         """

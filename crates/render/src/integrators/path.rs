@@ -13,10 +13,12 @@
 use glam::Vec3;
 use gnurt_accel::{Coherence, INVALID_ID};
 use gnurt_scene::RayMask;
+use gnurt_shading::bsdf::left_after;
 use gnurt_shading::{Tracer, Vec3s};
 use gnurt_simd::dispatch_wide;
 
 use crate::tracer::{BatchTracer, Wanted};
+use crate::transport::absorption::absorb;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
@@ -27,7 +29,10 @@ use crate::world::HitLanes;
 pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
     radiance.reset(camera.rays.len(), Vec3::ZERO);
     let mut wavefront = std::mem::take(&mut tracer.wavefront);
-    wavefront.paths.start(camera.rays.len());
+    let has_media = tracer.world.materials().has_media();
+    wavefront.paths.set_media(has_media);
+    wavefront.next.set_media(has_media);
+    wavefront.paths.start(camera.rays);
     step(tracer, camera, &mut wavefront, radiance);
     let mut hits = std::mem::take(&mut wavefront.hits);
     for round in 1.. {
@@ -86,6 +91,7 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
             log.surface(shader, points);
         }
         let is_final = tracer.closures_of(shader, points, closures) == Known::Shown;
+        absorb(options, (&mut *paths, from), numbers, points, closures);
         let backdrop = shader.backdrop();
         // The backdrop of a shadow catcher stands for scattered light, and light is taken from it.
         if is_final || backdrop.is_some() {
@@ -118,7 +124,8 @@ fn ask_plugins(met: &Met, onward: &mut Onward) {
     ask_plugin_lights(met.world, met.options.seed, &asking, |i, Offer { dir, dist, arriving }| {
         let (k, point, bsdf) = &vertices[i];
         let wo = -met.points.ray_dir.get(*k);
-        let value = paths[*k].throughput * bsdf.eval(wo, dir) * arriving;
+        let left = left_after(dist, [bsdf.absorption(dir), Vec3::ZERO]);
+        let value = paths[*k].throughput * bsdf.eval(wo, dir) * arriving * left;
         if value != Vec3::ZERO
             && let Some(ray) = shadow_ray(point, bsdf, dir, dist)
         {
@@ -149,7 +156,8 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &Wavefront, 
         let weight = path.from.map_or(1.0, |origin| {
             power_heuristic(origin.pdf, lights.pdf_environment(origin.p, origin.ns, dir))
         });
-        let light = path.throughput * seen.get(k) * weight;
+        let left = left_after(f32::INFINITY, [path.absorption, Vec3::ZERO]);
+        let light = path.throughput * seen.get(k) * weight * left;
         add(radiance, path.lane, light, path.edges, tracer.options.clamp);
     }
 }

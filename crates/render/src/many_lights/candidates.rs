@@ -12,7 +12,7 @@ use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
 
 use glam::Vec3;
-use gnurt_shading::bsdf::Bsdf;
+use gnurt_shading::bsdf::{Bsdf, left_after};
 use gnurt_shading::lights::LightKind;
 use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 
@@ -234,7 +234,9 @@ fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numb
     // Per solid angle of the lamp, and per area of the virtual light.
     let share = light_path::share_of_light_set(tracer.world);
     let standard = share * lights.pdf_emit_position(triangle) * cos * FRAC_1_PI;
-    let power = sample.radiance * (end.lamp_gain * cos * over_both(end.density * sample.pdf, standard));
+    let left = left_after(sample.dist, [end.bsdf.absorption(sample.dir), Vec3::ZERO]);
+    let power =
+        sample.radiance * left * (end.lamp_gain * cos * over_both(end.density * sample.pdf, standard));
     let vpl = Vpl::new(point, end.bsdf, sample.dir, power, 1);
     let ray = point.spawn_to(sample.dir, sample.dist);
     Some(Join { ray, of, vpl, seen: end.seen })
@@ -260,7 +262,8 @@ fn to_vertex(of: usize, z: &LightVertex, end: &End) -> Option<Join> {
     }
     let per_area = point.ng.dot(to).abs() / distance2;
     let standard = z.vpl.bsdf.pdf(z.vpl.from, to) * z.survival * per_area;
-    let power = z.vpl.power * scattered * (per_area * over_both(end.density, standard));
+    let left = left_after(distance2.sqrt(), [z.vpl.bsdf.absorption(to), end.bsdf.absorption(-to)]);
+    let power = z.vpl.power * scattered * left * (per_area * over_both(end.density, standard));
     let vpl = Vpl::new(point, end.bsdf, -to, power, z.vpl.edges + 1);
     let start = vpl::end(&z.vpl.point, to);
     let way = vpl::end(&point, -to) - start;

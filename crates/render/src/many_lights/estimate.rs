@@ -12,6 +12,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 use gnurt_accel::{INVALID_ID, RayBatch};
+use gnurt_shading::bsdf::left_after;
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
 use gnurt_shading::{RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
 
@@ -63,6 +64,9 @@ struct Walk {
     lane: u32,
     key: SampleKey,
     throughput: Vec3,
+    /// Where the edge under way begins, and how much is absorbed along it there.
+    start: Vec3,
+    absorption: Vec3,
     /// Edges, that under way included.
     edges: u32,
     /// `None` if the edge under way comes from the eye, a mirror or smooth glass.
@@ -73,6 +77,16 @@ struct Walk {
     lamp_gain: f32,
     /// How many walks share the light of its lane.
     siblings: f32,
+}
+
+impl Walk {
+    /// It at the end of the edge under way: without what is absorbed along that. `None` = it leaves the scene.
+    fn absorbed(&self, vertex: Option<&Vertex>) -> Self {
+        let (way, there) = vertex.map_or((f32::INFINITY, Vec3::ZERO), |vertex| {
+            ((vertex.point.p - self.start).length(), vertex.scattering.bsdf.medium().on(true))
+        });
+        Self { throughput: self.throughput * left_after(way, [self.absorption, there]), ..*self }
+    }
 }
 
 /// Where a walk arrived and goes on from.
@@ -141,6 +155,8 @@ fn all_radiance(
         lane: lane as u32,
         key,
         throughput: Vec3::ONE,
+        start: camera.rays.get(lane).org.into(),
+        absorption: Vec3::ZERO,
         edges: 1,
         last: None,
         is_seen: true,
@@ -319,6 +335,8 @@ pub(super) fn rest_at(
                 lane: i as u32,
                 key,
                 throughput: Vec3::ONE,
+                start: point.p,
+                absorption: Vec3::ZERO,
                 edges: edges + 1,
                 last: Some(last),
                 is_seen: false,
@@ -358,6 +376,7 @@ fn arrive(
     environment_of_shaders(tracer, carried, vertices, rays, radiance);
     for (i, (walk, vertex)) in carried.iter().zip(vertices).enumerate() {
         let lane = walk.lane as usize;
+        let walk = &walk.absorbed(vertex.as_ref());
         let share = |pdf_light: f32| {
             walk.last.map_or(1.0, |last| balance_heuristic(last.pdf, last.light_samples * pdf_light))
         };
@@ -451,7 +470,8 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
                 balance_heuristic(count * sample.pdf, rays * eye.bsdf.pdf(eye.wo, sample.dir))
             };
             let offer = eye.throughput * scattered * sample.radiance * (share / (count * sample.pdf));
-            let offer = offer * (lamp_gain * stop.rest(sample.dir));
+            let left = left_after(sample.dist, [eye.bsdf.absorption(sample.dir), Vec3::ZERO]);
+            let offer = offer * left * (lamp_gain * stop.rest(sample.dir));
             if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, sample.dir, sample.dist) {
                 offers.push(ray, walk, offer);
             }
@@ -469,7 +489,8 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
         .collect();
     ask_plugin_lights(tracer.world, seed, &asking, |i, Offer { dir, dist, arriving }| {
         let Stop { walk, eye, lamp_gain, .. } = there[i];
-        let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving;
+        let left = left_after(dist, [eye.bsdf.absorption(dir), Vec3::ZERO]);
+        let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving * left;
         if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
             offers.push(ray, walk, scattered * (lamp_gain * there[i].rest(dir)));
         }
@@ -491,7 +512,8 @@ fn environment_of_shaders(
     let missed: Vec<usize> = (0..walks.len()).filter(|&i| vertices[i].is_none()).collect();
     let seen = tracer.environment(rays, &missed);
     for (k, &i) in missed.iter().enumerate() {
-        radiance.add(walks[i].lane as usize, walks[i].throughput * seen.get(k));
+        let walk = walks[i].absorbed(None);
+        radiance.add(walk.lane as usize, walk.throughput * seen.get(k));
     }
 }
 
@@ -589,6 +611,8 @@ fn scattered(
     let next = Walk {
         key: if count > 1 { walk.key.fork(n) } else { walk.key },
         throughput,
+        start: eye.point.p,
+        absorption: eye.bsdf.absorption(sample.wi),
         edges: walk.edges + 1,
         last: (!sample.delta).then_some(last),
         is_seen: walk.is_seen && sample.delta,

@@ -32,6 +32,6 @@ impl EyePoint {
 
     /// Where a walk goes on from it.
     pub(super) fn scatter(&self, u: [f32; 3]) -> Option<(Ray, BsdfSample)> {
-        walks::scatter(&self.point, &self.bsdf, self.wo, u)
+        walks::scatter(&self.point, &self.bsdf, (self.wo, self.throughput), u)
     }
 }

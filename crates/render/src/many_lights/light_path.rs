@@ -6,6 +6,7 @@
 
 use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
+use gnurt_shading::bsdf::left_after;
 use gnurt_shading::lights::LightKind;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
 use gnurt_shading::{SampleKey, Vec3s};
@@ -66,6 +67,10 @@ struct Walk {
     smooth: bool,
     origin: Vec3,
     is_far: bool,
+    /// Whether its first edge comes from infinitely far away.
+    is_endless: bool,
+    /// How much is absorbed along the edge where it begins.
+    absorption: Vec3,
     /// The lamp's triangle and normal, on the first edge.
     lamp: Option<(u32, Vec3)>,
     /// On the first edge from a light of a shader plugin: which one; `power` then is what its light is multiplied with.
@@ -159,6 +164,8 @@ pub(crate) fn trace(
                         smooth: false,
                         origin: start.org,
                         is_far: true,
+                        is_endless: start.source == Source::Environment,
+                        absorption: Vec3::ZERO,
                         lamp: None,
                         plugin: Some(start.source),
                         // Shaders do not ask what is around the scene.
@@ -183,6 +190,8 @@ pub(crate) fn trace(
                 smooth: ray.is_surface,
                 origin: ray.point.p,
                 is_far: !ray.is_surface,
+                is_endless: matches!(ray.kind, LightKind::Directional(_) | LightKind::Environment),
+                absorption: Vec3::ZERO,
                 lamp: match ray.kind {
                     LightKind::Triangle(triangle) => Some((triangle, ray.normal)),
                     _ => None,
@@ -210,7 +219,8 @@ pub(crate) fn trace(
                 walk.pdf * point.ng.dot(from).abs() / (point.p - walk.origin).length_squared()
             };
             let gain = if walk.is_lamplight { vertex.lamp_gain } else { 1.0 };
-            let power = walk.power * gain;
+            let way = if walk.is_endless { f32::INFINITY } else { (point.p - walk.origin).length() };
+            let power = walk.power * left_after(way, [walk.absorption, bsdf.medium().on(true)]) * gain;
             let vpl = Vpl::new(point, bsdf, from, power, walk.edges);
             let [lobe, end] = numbers(walk.path, walk.edges, pair::LOBE);
             let direction = numbers(walk.path, walk.edges, pair::DIRECTION);
@@ -231,7 +241,7 @@ pub(crate) fn trace(
                 continue;
             }
             let u = [lobe, direction[0], direction[1]];
-            let Some((ray, sample)) = scatter_light(&point, &bsdf, from, u) else { continue };
+            let Some((ray, sample)) = scatter_light(&point, &bsdf, (from, power), u) else { continue };
             let power = power * sample.weight / survival;
             if power == Vec3::ZERO || !power.is_finite() {
                 continue;
@@ -247,6 +257,8 @@ pub(crate) fn trace(
                     smooth: !sample.delta,
                     origin: point.p,
                     is_far: false,
+                    is_endless: false,
+                    absorption: bsdf.absorption(sample.wi),
                     lamp: None,
                     plugin: None,
                     is_lamplight: walk.is_lamplight && sample.delta,

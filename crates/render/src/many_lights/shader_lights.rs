@@ -9,6 +9,7 @@
 use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
+use gnurt_shading::bsdf::left_after;
 use gnurt_shading::{LightBatch, SurfaceBatch, SurfacePoint};
 
 use super::bound::Bound;
@@ -79,7 +80,8 @@ fn brings(vpl: &Vpl, point: &SurfacePoint, bound: &Bound) -> Option<(Vec3, f32, 
     }
     let pdf_eye = point.ns.dot(to).max(0.0) * FRAC_1_PI * vpl.point.ng.dot(to).abs() / distance2;
     let pdf_vpl = pdf_of_other_end(&vpl.point, &vpl.bsdf, vpl.from, -to) * point.ng.dot(to).abs() / distance2;
-    let arriving = sent * (bound.share(pdf_eye, pdf_vpl) / distance2);
+    let left = left_after(distance, [Vec3::ZERO, vpl.bsdf.absorption(-to)]);
+    let arriving = sent * left * (bound.share(pdf_eye, pdf_vpl) / distance2);
     arriving.is_finite().then_some((to, distance, arriving))
 }
 

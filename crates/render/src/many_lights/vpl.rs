@@ -8,7 +8,7 @@
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 use gnurt_shading::SurfacePoint;
-use gnurt_shading::bsdf::Bsdf;
+use gnurt_shading::bsdf::{Bsdf, left_after};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
@@ -96,7 +96,8 @@ impl Vpl {
         let pdf_eye = eye.bsdf.pdf(eye.wo, to) * self.point.ng.dot(to).abs() / distance2;
         let pdf_vpl = pdf_of_other_end(&self.point, &self.bsdf, self.from, -to) * eye.point.ng.dot(to).abs()
             / distance2;
-        Some(eye.throughput * got * sent * (bound.share(pdf_eye, pdf_vpl) / distance2))
+        let left = left_after(distance2.sqrt(), [eye.bsdf.absorption(to), self.bsdf.absorption(-to)]);
+        Some(eye.throughput * got * sent * left * (bound.share(pdf_eye, pdf_vpl) / distance2))
     }
 }
 

@@ -3,6 +3,7 @@
 //! path tracer, many paths at a time.
 //! Source: see each file.
 
+pub(crate) mod absorption;
 mod finals;
 pub(crate) mod holes;
 mod light_samples;

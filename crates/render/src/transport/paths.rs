@@ -25,6 +25,9 @@ pub(crate) struct Path {
     pub(crate) layers: u32,
     /// Where the ray was scattered; `None` where no light sample could have found what it meets.
     pub(crate) from: Option<Origin>,
+    /// Where it was scattered in any case, and how much is absorbed there along it: meant if paths have media.
+    pub(crate) start: Vec3,
+    pub(crate) absorption: Vec3,
 }
 
 /// Where a ray was scattered with a density.
@@ -52,6 +55,9 @@ pub(crate) struct Paths {
     from_p: Vec3s,
     from_ns: Vec3s,
     from_pdf: Vec<f32>,
+    /// How much is absorbed along the ray where it was scattered; empty if nothing is anywhere.
+    absorption: Vec3s,
+    has_media: bool,
     /// The next ray of each.
     rays: RayBatch,
 }
@@ -64,6 +70,8 @@ pub(crate) struct Scattered<R> {
     pub(crate) ns: Vector<R>,
     /// [`NOWHERE`] where no light sample could have found what the ray meets.
     pub(crate) pdf: R,
+    /// What is absorbed along the rays where they were scattered; meant if paths have media.
+    pub(crate) absorption: Vector<R>,
 }
 
 /// Which paths some points belong to.
@@ -89,12 +97,26 @@ impl Paths {
             throughput: self.throughput.get(i),
             edges: self.edges[i],
             layers: self.layers[i],
+            start: self.from_p.get(i),
+            absorption: if self.has_media { self.absorption.get(i) } else { Vec3::ZERO },
             from: (pdf != NOWHERE).then(|| Origin { p: self.from_p.get(i), ns: self.from_ns.get(i), pdf }),
         }
     }
 
-    /// One path for each of `n` camera rays; rays and keys are not in it.
-    pub(crate) fn start(&mut self, n: usize) {
+    /// Whether light is absorbed anywhere between surfaces.
+    pub(crate) fn has_media(&self) -> bool {
+        self.has_media
+    }
+
+    /// Says whether it is.
+    pub(crate) fn set_media(&mut self, has_media: bool) {
+        self.has_media = has_media;
+        self.absorption.resize(0);
+    }
+
+    /// One path for each camera ray; rays and keys are not in it.
+    pub(crate) fn start(&mut self, rays: &RayBatch) {
+        let n = rays.len();
         self.count = n;
         self.lane.clear();
         self.lane.extend(0..n as u32);
@@ -107,6 +129,15 @@ impl Paths {
         self.from_ns.resize(n);
         self.from_pdf.clear();
         self.from_pdf.resize(n, NOWHERE);
+        if self.has_media {
+            (0..n).for_each(|i| self.from_p.set(i, Vec3::from(rays.get(i).org)));
+            self.absorption.reset(n, Vec3::ZERO);
+        }
+    }
+
+    /// Takes from path `i` what is absorbed.
+    pub(crate) fn dim(&mut self, i: usize, left: Vec3) {
+        self.throughput.set(i, self.throughput.get(i) * left);
     }
 
     /// Lends out rays and keys, so that they can be read while a step is taken.
@@ -145,6 +176,9 @@ impl Paths {
         let Self { throughput, from_p, from_ns, .. } = self;
         [throughput, from_p, from_ns].into_iter().for_each(|array| array.resize(n));
         self.from_pdf.resize(n, 0.0);
+        if self.has_media {
+            self.absorption.resize(n);
+        }
         self.rays.org.iter_mut().chain(&mut self.rays.dir).for_each(|array| array.resize(n, 0.0));
     }
 
@@ -163,6 +197,10 @@ impl Paths {
         let [x, y, z] = dir;
         next.ray.dir.squeeze(alive, [x, y, z], at);
         next.pdf.squeeze(alive, &mut self.from_pdf, at);
+        if self.has_media {
+            let Vec3s { x, y, z } = &mut self.absorption;
+            next.absorption.squeeze(alive, [x, y, z], at);
+        }
         for i in LanesOf(R::bits(alive)) {
             let number = of.numbers[i] as usize;
             self.lane[self.count] = of.paths.lane[number];
@@ -181,7 +219,10 @@ impl Paths {
         self.keys.push(path.key);
         self.throughput.set(at, path.throughput);
         let from = path.from.unwrap_or(Origin { p: Vec3::ZERO, ns: Vec3::ZERO, pdf: NOWHERE });
-        self.from_p.set(at, from.p);
+        self.from_p.set(at, path.start);
+        if self.has_media {
+            self.absorption.set(at, path.absorption);
+        }
         self.from_ns.set(at, from.ns);
         self.from_pdf[at] = from.pdf;
         for k in 0..3 {

@@ -6,7 +6,7 @@
 //! Proof: crates/render/tests/{lanes,path,agreement}.rs.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{ClosureBatch, Sampled, Seen};
+use gnurt_shading::bsdf::{ClosureBatch, Sampled, Seen, left_after};
 use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::real::{Real, Vector};
@@ -70,6 +70,44 @@ impl Met<'_> {
             onward.next.push(path, self.points.spawn(k, self.points.ray_dir.get(k), f32::INFINITY));
         }
         true
+    }
+
+    /// How much is absorbed along rays that leave the points from `first` on that are in a mask, through the surface or not.
+    #[inline(always)]
+    fn absorption<R: Real>(&self, first: usize, leaving: R::Mask, through: R::Mask, zero: R) -> Vector<R> {
+        let black = Vector::grey(zero);
+        if !self.closures.has_media() {
+            return black;
+        }
+        let through = R::bits(through);
+        black.each_colour(
+            leaving,
+            #[inline(always)]
+            |i, _| self.closures.medium(first + i).on(through >> i & 1 == 0),
+        )
+    }
+
+    /// What is left at the points from `first` on that are lit of light that comes so far, through the surface or not.
+    #[inline(always)]
+    fn dimmed<R: Real>(
+        &self,
+        first: usize,
+        lit: R::Mask,
+        (light, through): (Vector<R>, R::Mask),
+        dist: R,
+    ) -> Vector<R> {
+        if !self.closures.has_media() {
+            return light;
+        }
+        let through = R::bits(through);
+        light.each_colour(
+            lit,
+            #[inline(always)]
+            |i, light| {
+                let here = self.closures.medium(first + i).on(through >> i & 1 == 0);
+                light * left_after(dist.lane(i), [here, Vec3::ZERO])
+            },
+        )
     }
 
     /// Takes the light that the surface gives off, and what lies behind it.
@@ -148,7 +186,6 @@ fn scatter<W: Width>(
     let there = zero.points(there);
     let wo = -vectors(zero, &points.ray_dir, first);
     let at = leaving(zero, points, first, wo);
-    let seen = width.seen(met.closures, first, wo);
     let mut throughput = Vector::grey(zero);
     throughput.x = zero.each(
         #[inline(always)]
@@ -162,6 +199,7 @@ fn scatter<W: Width>(
         #[inline(always)]
         |i| number_of(of, i).map_or(0.0, |number| met.paths.throughput.z[number]),
     );
+    let seen = width.seen(met.closures, first, wo, throughput);
     let draws = width.draws(options.seed, &points.key[first..], edges);
     let translucent = seen.is_translucent();
     if !lights.is_empty() {
@@ -177,7 +215,9 @@ fn scatter<W: Width>(
             let arriving = light.radiance * (weight / light.pdf);
             let transmitted = zero.above(seen.normal().dot(light.dir));
             let (ray, sends) = at.shadow_rays(light.dir, light.dist, transmitted);
-            let (lit, here) = (lit & sends, throughput * value * arriving);
+            let lit = lit & sends;
+            let here = throughput * value * arriving;
+            let here = met.dimmed(first, lit, (here, transmitted), light.dist);
             if met.backdrop.is_some() {
                 // The backdrop holds what the environment brings: it is taken away, and comes back where nothing is in between.
                 let far = lit & !light.delta & !light.dist.is_number();
@@ -192,13 +232,13 @@ fn scatter<W: Width>(
     let [x, y] = W::pair(draws, purpose::DIRECTION);
     let [choice, survival] = W::pair(draws, purpose::CHOICE);
     let chosen = seen.sample([choice, x, y]);
-    go_on(met, (of, there), &at, &seen, (chosen, throughput), (survival, edges), onward);
+    go_on((met, first), (of, there), &at, &seen, (chosen, throughput), (survival, edges), onward);
 }
 
 /// Sends on the paths that are there, in the directions that were chosen.
 #[inline(always)]
 fn go_on<R: Real>(
-    met: &Met,
+    (met, first): (&Met, usize),
     (of, there): (Of, R::Mask),
     at: &Leaving<R>,
     seen: &Seen<R>,
@@ -225,7 +265,8 @@ fn go_on<R: Real>(
     let pdf = if met.backdrop.is_some() { zero } else { chosen.pdf };
     let pdf = R::pick(chosen.delta, one.all(NOWHERE), pdf);
     let ns = Vector::pick(seen.is_translucent(), Vector::grey(zero), at.ns);
-    onward.next.push_all(alive & sends, of, &Scattered { ray, throughput, p: at.p, ns, pdf });
+    let absorption = met.absorption(first, alive, chosen.transmitted, zero);
+    onward.next.push_all(alive & sends, of, &Scattered { ray, throughput, p: at.p, ns, pdf, absorption });
 }
 
 #[inline(always)]

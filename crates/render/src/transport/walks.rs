@@ -92,21 +92,33 @@ impl BatchTracer<'_> {
     }
 }
 
-/// Where a walk from the eye goes on: a direction that the BSDF chooses, and the ray that takes it.
-pub(crate) fn scatter(point: &SurfacePoint, bsdf: &Bsdf, wo: Vec3, u: [f32; 3]) -> Option<(Ray, BsdfSample)> {
-    let sample = bsdf.sample(wo, u)?;
+/// A direction that the BSDF chooses for light that counts so much, by colour.
+fn choose(bsdf: &Bsdf, wo: Vec3, light: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+    // Who asks for densities does not know what light counts: only where there are none colours are chosen by that.
+    let by_light = bsdf.is_dispersed() && !bsdf.is_smooth();
+    bsdf.sample_by(wo, if by_light { light } else { Vec3::ONE }, u)
+}
+
+/// Where a walk from the eye goes on whose light counts so much: a direction that the BSDF chooses, and the ray that takes it.
+pub(crate) fn scatter(
+    point: &SurfacePoint,
+    bsdf: &Bsdf,
+    (wo, light): (Vec3, Vec3),
+    u: [f32; 3],
+) -> Option<(Ray, BsdfSample)> {
+    let sample = choose(bsdf, wo, light, u)?;
     let ray = point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)?;
     Some((ray, sample))
 }
 
-/// The same for a walk that carries light from the unit direction `from`: the weight is that of light.
+/// The same for a walk that carries this light from the unit direction `from`: the weight is that of light.
 pub(crate) fn scatter_light(
     point: &SurfacePoint,
     bsdf: &Bsdf,
-    from: Vec3,
+    (from, light): (Vec3, Vec3),
     u: [f32; 3],
 ) -> Option<(Ray, BsdfSample)> {
-    let mut sample = bsdf.sample(from, u)?;
+    let mut sample = choose(bsdf, from, light, u)?;
     // Light goes on to either side, but does not cheat its facet.
     if (point.ng.dot(sample.wi) > 0.0) == sample.transmitted {
         return None;

@@ -19,8 +19,14 @@ pub(crate) trait Width: Copy {
 
     /// Zeros.
     fn zero(self) -> Self::R;
-    /// Points of a batch from `first` on, seen from `wo`.
-    fn seen(self, closures: &ClosureBatch, first: usize, wo: Vector<Self::R>) -> Seen<Self::R>;
+    /// Points of a batch from `first` on, seen from `wo`, where the light that they scatter will count `light`.
+    fn seen(
+        self,
+        closures: &ClosureBatch,
+        first: usize,
+        wo: Vector<Self::R>,
+        light: Vector<Self::R>,
+    ) -> Seen<Self::R>;
     /// The random numbers of some keys at some edges, as many as there are points or fewer.
     fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Self::Draws;
     /// The pair for a purpose.
@@ -52,8 +58,8 @@ impl Width for One {
         0.0
     }
 
-    fn seen(self, closures: &ClosureBatch, first: usize, wo: Vector<f32>) -> Seen<f32> {
-        closures.point(first).bsdf.seen(wo.into())
+    fn seen(self, closures: &ClosureBatch, first: usize, wo: Vector<f32>, light: Vector<f32>) -> Seen<f32> {
+        closures.point(first).bsdf.seen_by(wo.into(), light.into())
     }
 
     fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Draws {
@@ -86,8 +92,14 @@ impl<S: Simd> Width for Sixteen<S> {
     }
 
     #[inline(always)]
-    fn seen(self, closures: &ClosureBatch, first: usize, wo: Vector<f32x16<S>>) -> Seen<f32x16<S>> {
-        closures.seen(self.0, first, wo)
+    fn seen(
+        self,
+        closures: &ClosureBatch,
+        first: usize,
+        wo: Vector<f32x16<S>>,
+        light: Vector<f32x16<S>>,
+    ) -> Seen<f32x16<S>> {
+        closures.seen(self.0, first, wo, light)
     }
 
     #[inline(always)]

@@ -21,6 +21,7 @@ pub(crate) struct MaterialEntry {
     pub(super) emitter: Option<Arc<Emitter>>,
     is_opaque: bool,
     is_solid: bool,
+    has_medium: bool,
     /// The shader of the table that it shows.
     from_table: Option<Arc<dyn SurfaceShader>>,
 }
@@ -36,6 +37,8 @@ pub(crate) struct MaterialTable {
     see_through: usize,
     /// How many have holes.
     holey: usize,
+    /// How many absorb light on one of their sides.
+    filled: usize,
 }
 
 /// What an update has done.
@@ -62,6 +65,11 @@ impl MaterialTable {
     /// Whether no surface has holes; one that lets light through by scattering it has none.
     pub(crate) fn all_solid(&self) -> bool {
         self.holey == 0
+    }
+
+    /// Whether light is absorbed beside some surface.
+    pub(crate) fn has_media(&self) -> bool {
+        self.filled > 0
     }
 
     /// What each gives off, in their order.
@@ -105,6 +113,7 @@ impl MaterialTable {
             };
             self.see_through = count(|entry| entry.is_opaque, self.see_through);
             self.holey = count(|entry| entry.is_solid, self.holey);
+            self.filled = count(|entry| !entry.has_medium, self.filled);
             let listed = self.from_table.binary_search_by_key(&id, |&(material, _)| material);
             let number = now.from_table.as_ref().and(number_of(scene, id));
             match (listed, number) {
@@ -149,5 +158,12 @@ fn entry(
     let is_asked = asked.is_some();
     let shader = materials::shader(scene, material, shaders, force_diffuse, emission, coverage);
     let emitter = told.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
-    MaterialEntry { is_opaque: shader.is_opaque(), is_solid: shader.is_solid(), emitter, from_table, shader }
+    MaterialEntry {
+        is_opaque: shader.is_opaque(),
+        is_solid: shader.is_solid(),
+        has_medium: shader.has_medium(),
+        emitter,
+        from_table,
+        shader,
+    }
 }

@@ -10,6 +10,7 @@ use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled, T
 use gnurt_scene::texture::{Filter, Wrap};
 use gnurt_scene::{Material, Scene, Surface, TextureId};
 use gnurt_shading::SurfaceShader;
+use gnurt_shading::bsdf::Film;
 use gnurt_shading::materials as shading;
 use gnurt_shading::texture::{TextureSampler, Wrap as SamplerWrap};
 
@@ -65,22 +66,20 @@ fn surface(scene: &Scene, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
             let eta = Vec3::from(*eta).max(Vec3::splat(1e-3));
             Arc::new(shading::metal(eta, Vec3::from(*k).max(Vec3::ZERO), roughness.clamp(0.0, 1.0)))
         }
-        Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin } => {
-            Arc::new(shading::rough_glass(
-                index(*ior),
-                roughness.clamp(0.0, 1.0),
-                Vec3::from(*reflectance),
-                Vec3::from(*transmittance),
-                *thin,
-            ))
+        Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin, interior } => {
+            let (ior, tints) = (index(*ior), [reflectance, transmittance].map(|tint| Vec3::from(*tint)));
+            let glass = shading::RoughGlass::new(ior, roughness.clamp(0.0, 1.0), tints, *thin);
+            Arc::new(glass.with_inside(Vec3::from(interior.absorption()), interior.spread(ior)))
         }
         Surface::Mirror { reflectance } => {
             Arc::new(shading::Mirror { reflectance: color(scene, reflectance) })
         }
-        Surface::Dielectric { ior, reflectance, transmittance } => Arc::new(shading::Dielectric {
+        Surface::Dielectric { ior, reflectance, transmittance, interior } => Arc::new(shading::Dielectric {
             ior: index(*ior),
             reflectance: Vec3::from(*reflectance),
             transmittance: Vec3::from(*transmittance),
+            absorption: Vec3::from(interior.absorption()),
+            spread: interior.spread(index(*ior)),
         }),
         Surface::ShadowCatcher { albedo, radiance } => {
             Arc::new(shading::ShadowCatcher { albedo: Vec3::from(*albedo), radiance: Vec3::from(*radiance) })
@@ -114,6 +113,18 @@ fn principled(scene: &Scene, from: &Principled) -> shading::MetallicRoughness {
             sheen_roughness: from.sheen_roughness,
             transmission: from.transmission,
             thin: from.thin,
+            absorption: Vec3::from(from.interior.absorption()),
+            spread: from.interior.spread(index(from.ior)),
+            anisotropy: from.anisotropy.strength,
+            anisotropy_rotation: from.anisotropy.rotation,
+            anisotropy_texture: from.anisotropy.texture.as_ref().map(|t| sampler(scene, t)),
+            film: Film {
+                share: from.iridescence.factor.clamp(0.0, 1.0),
+                ior: from.iridescence.ior,
+                thickness: from.iridescence.thickness,
+            },
+            translucence: from.diffuse_transmission.factor,
+            beyond: Vec3::from(from.diffuse_transmission.color),
         },
     }
 }
@@ -191,6 +202,10 @@ pub(super) fn textures_of(material: &Material) -> impl Iterator<Item = TextureId
         Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } => opacity.texture,
     };
     let diffuse = material.diffuse.and_then(|color| color.texture);
-    let all = colors.into_iter().chain([material.emission_texture, opacity, diffuse]);
+    let brushed = match &material.surface {
+        Surface::Principled(p) => p.anisotropy.texture,
+        _ => None,
+    };
+    let all = colors.into_iter().chain([material.emission_texture, opacity, diffuse, brushed]);
     all.flatten().map(|reference| reference.texture)
 }

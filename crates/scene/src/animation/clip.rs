@@ -89,10 +89,21 @@ pub enum FactorPart {
     SheenRoughness,
     Transmission,
     Thickness,
+    AttenuationColor,
+    AttenuationDistance,
+    Dispersion,
+    Anisotropy,
+    AnisotropyRotation,
+    Iridescence,
+    IridescenceIor,
+    IridescenceThickness,
+    DiffuseTransmission,
+    DiffuseTransmissionColor,
     /// The texture of the base colour is moved.
     BaseTexture(TexturePart),
     MetallicRoughnessTexture(TexturePart),
     NormalTexture(TexturePart),
+    AnisotropyTexture(TexturePart),
     EmissionTexture(TexturePart),
 }
 
@@ -119,10 +130,15 @@ impl FactorPart {
     pub fn width(self) -> usize {
         match self {
             Self::BaseColor => 4,
-            Self::Emission | Self::SpecularColor | Self::SheenColor => 3,
+            Self::Emission
+            | Self::SpecularColor
+            | Self::SheenColor
+            | Self::AttenuationColor
+            | Self::DiffuseTransmissionColor => 3,
             Self::BaseTexture(part)
             | Self::MetallicRoughnessTexture(part)
             | Self::NormalTexture(part)
+            | Self::AnisotropyTexture(part)
             | Self::EmissionTexture(part) => match part {
                 TexturePart::Offset | TexturePart::Scale => 2,
                 TexturePart::Rotation => 1,

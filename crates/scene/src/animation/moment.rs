@@ -151,6 +151,13 @@ fn set_factor(to: &mut Factors, part: FactorPart, sampler: &Sampler, seconds: f6
         P::Emission => return to.emission = numbers(sampler, seconds),
         P::SpecularColor => return to.specular_color = numbers(sampler, seconds),
         P::SheenColor => return to.sheen_color = numbers(sampler, seconds),
+        P::AttenuationColor => return to.attenuation_color = numbers(sampler, seconds),
+        P::DiffuseTransmissionColor => {
+            return to.diffuse_transmission_color = numbers(sampler, seconds);
+        }
+        P::AnisotropyTexture(part) => {
+            return set_texture(&mut to.anisotropy_texture, part, sampler, seconds);
+        }
         P::BaseTexture(part) => return set_texture(&mut to.base_texture, part, sampler, seconds),
         P::MetallicRoughnessTexture(part) => {
             return set_texture(&mut to.metallic_roughness_texture, part, sampler, seconds);
@@ -169,6 +176,14 @@ fn set_factor(to: &mut Factors, part: FactorPart, sampler: &Sampler, seconds: f6
         P::SheenRoughness => &mut to.sheen_roughness,
         P::Transmission => &mut to.transmission,
         P::Thickness => &mut to.thickness,
+        P::AttenuationDistance => &mut to.attenuation_distance,
+        P::Dispersion => &mut to.dispersion,
+        P::Anisotropy => &mut to.anisotropy,
+        P::AnisotropyRotation => &mut to.anisotropy_rotation,
+        P::Iridescence => &mut to.iridescence,
+        P::IridescenceIor => &mut to.iridescence_ior,
+        P::IridescenceThickness => &mut to.iridescence_thickness,
+        P::DiffuseTransmission => &mut to.diffuse_transmission,
     };
     *single = number(sampler, seconds);
 }

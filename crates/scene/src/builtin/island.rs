@@ -71,7 +71,12 @@ fn island() -> (Scene, Vec<wind::Tree>) {
 }
 
 fn add_sea(scene: &mut Scene) {
-    let water = Surface::Dielectric { ior: 1.333, reflectance: [1.0; 3], transmittance: [1.0; 3] };
+    let water = Surface::Dielectric {
+        ior: 1.333,
+        reflectance: [1.0; 3],
+        transmittance: [1.0; 3],
+        interior: Default::default(),
+    };
     let water = scene.add_material(Material::of("water", water));
     show(scene, "sea", quad([-SEA, 0.0, SEA], [2.0 * SEA, 0.0, 0.0], [0.0, 0.0, -2.0 * SEA]), water);
 }

@@ -21,7 +21,12 @@ pub(super) fn scene() -> Scene {
     show(&mut scene, "floor", quad([-FLOOR, 0.0, FLOOR], [side, 0.0, 0.0], [0.0, 0.0, -side]), floor);
 
     let mirror = Surface::Mirror { reflectance: Color::constant([0.92, 0.93, 0.95]) };
-    let glass = Surface::Dielectric { ior: 1.5, reflectance: [1.0; 3], transmittance: [0.96, 1.0, 0.98] };
+    let glass = Surface::Dielectric {
+        ior: 1.5,
+        reflectance: [1.0; 3],
+        transmittance: [0.96, 1.0, 0.98],
+        interior: Default::default(),
+    };
     let big = [
         ("mirror", mirror, [-0.1, 1.0, -1.3], 1.0),
         ("glass", glass, [1.25, 0.75, 0.35], 0.75),

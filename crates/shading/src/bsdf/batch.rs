@@ -8,10 +8,12 @@
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*};
 
+use super::film::Film;
 use super::lobe::{Kind, Lobe};
 use super::lobes::{Lobes, MOST};
+use super::medium::Medium;
 use super::seen::Seen;
-use super::seen_lobe::LobesAt;
+use super::seen_lobe::{LobesAt, Rarities};
 use super::{Bsdf, Scattering};
 use crate::lanes::{LANES, Vec3x16};
 use crate::real::Vector;
@@ -29,6 +31,9 @@ struct LobeRows {
     /// Weight, normal, a, b, c; alpha, eta, cover.
     numbers: [Row<f32>; 18],
     under: Row<u32>,
+    /// Tangent, width across it; share, index and thickness of the film; spread of indices: meant where `rare` is not 0.
+    rarities: [Row<f32>; 8],
+    rare: u32,
     /// Kinds that are there, and bits of all lobes that lie above some.
     kinds: u32,
     under_any: u32,
@@ -53,12 +58,14 @@ pub struct ClosureBatch {
     blocks: Vec<Block>,
     emits: bool,
     has_holes: bool,
+    /// What lies beside the points; empty if nothing does.
+    media: Vec<Medium>,
 }
 
 impl LobeRows {
     fn clear(&mut self) {
         (self.kind, self.under) = (Row::default(), Row::default());
-        (self.kinds, self.under_any, self.covers) = (0, 0, false);
+        (self.kinds, self.under_any, self.covers, self.rare) = (0, 0, false, 0);
     }
 
     #[inline]
@@ -74,11 +81,23 @@ impl LobeRows {
         self.kinds |= lobe.kind.bit();
         self.under_any |= lobe.under;
         self.covers |= lobe.cover > 0.0;
+        let rare = lobe.rare();
+        if rare != 0 {
+            if self.rare == 0 {
+                self.rarities = Default::default();
+            }
+            self.rare |= rare;
+            let Lobe { tangent, across, film: Film { share, ior, thickness }, spread, .. } = *lobe;
+            let numbers = [tangent.x, tangent.y, tangent.z, across, share, ior, thickness, spread];
+            self.rarities.iter_mut().zip(numbers).for_each(|(row, x)| row.0[i] = x);
+        }
     }
 
     fn get(&self, i: usize) -> Lobe {
         let v =
             |k: usize| Vec3::new(self.numbers[k].0[i], self.numbers[k + 1].0[i], self.numbers[k + 2].0[i]);
+        let rarities = if self.rare == 0 { [0.0; 8] } else { self.rarities.each_ref().map(|row| row.0[i]) };
+        let [x, y, z, across, share, ior, thickness, spread] = rarities;
         let kind = Kind::ALL.into_iter().find(|&kind| kind as u32 as f32 == self.kind.0[i]);
         Lobe {
             kind: kind.unwrap_or_default(),
@@ -91,6 +110,10 @@ impl LobeRows {
             eta: self.numbers[16].0[i],
             cover: self.numbers[17].0[i],
             under: self.under.0[i],
+            tangent: Vec3::new(x, y, z),
+            across,
+            film: Film { share, ior, thickness },
+            spread,
         }
     }
 
@@ -120,6 +143,24 @@ impl LobeRows {
             under: &self.under.0,
             under_any: self.under_any,
             covers: self.covers,
+            rare: self.rare,
+            rarities: self.rare_lanes(simd),
+        }
+    }
+
+    #[inline(always)]
+    fn rare_lanes<S: Simd>(&self, simd: S) -> Rarities<f32x16<S>> {
+        let none = Rarities::all(f32x16::splat(simd, 0.0));
+        if self.rare == 0 {
+            return none;
+        }
+        let row = |k: usize| f32x16::from_slice(simd, &self.rarities[k].0);
+        Rarities {
+            tangent: Vec3x16::new(row(0), row(1), row(2)),
+            across: row(3),
+            film: [row(4), row(5), row(6)],
+            spread: row(7),
+            ..none
         }
     }
 }
@@ -129,6 +170,7 @@ impl ClosureBatch {
     pub fn reset(&mut self, n: usize) {
         self.len = n;
         (self.emits, self.has_holes) = (false, false);
+        self.media.clear();
         let blocks = n.div_ceil(LANES);
         if self.blocks.len() < blocks {
             self.blocks.resize(blocks, Block::default());
@@ -208,6 +250,25 @@ impl ClosureBatch {
         self.blocks[i / LANES].coverage.0[i % LANES] *= share;
     }
 
+    /// Says what lies beside point `i`.
+    pub fn fill(&mut self, i: usize, medium: Medium) {
+        self.media.resize(self.len, Medium::default());
+        self.media[i] = medium;
+    }
+
+    /// Whether something may lie beside some point.
+    #[must_use]
+    pub fn has_media(&self) -> bool {
+        !self.media.is_empty()
+    }
+
+    /// What lies beside point `i`.
+    #[inline]
+    #[must_use]
+    pub fn medium(&self, i: usize) -> Medium {
+        self.media.get(i).copied().unwrap_or_default()
+    }
+
     /// Point `i` alone.
     #[must_use]
     pub fn point(&self, i: usize) -> Scattering {
@@ -215,7 +276,7 @@ impl ClosureBatch {
         let [x, y, z] = &block.normal;
         let mut lobes = Lobes::default();
         block.lobes[..block.count as usize].iter().for_each(|rows| lobes.push(rows.get(lane)));
-        let bsdf = Bsdf::new(Vec3::new(x.0[lane], y.0[lane], z.0[lane]), lobes);
+        let bsdf = Bsdf::new(Vec3::new(x.0[lane], y.0[lane], z.0[lane]), lobes).beside(self.medium(i));
         Scattering { bsdf, emission: self.emission(i), coverage: self.coverage(i) }
     }
 
@@ -233,9 +294,10 @@ impl ClosureBatch {
         Vector::load(f32x16::splat(simd, 0.0), [&x.0, &y.0, &z.0], 0)
     }
 
-    /// The sixteen points from `first` on, a multiple of sixteen, seen from the unit directions `wo`.
+    /// The sixteen points from `first` on, a multiple of sixteen, seen from the unit directions `wo`, where the light that they scatter will
+    /// count `light` by colour (ones where nobody knows): see [`Bsdf::seen_by`].
     #[inline(always)]
-    pub fn seen<S: Simd>(&self, simd: S, first: usize, wo: Vec3x16<S>) -> Seen<f32x16<S>> {
+    pub fn seen<S: Simd>(&self, simd: S, first: usize, wo: Vec3x16<S>, light: Vec3x16<S>) -> Seen<f32x16<S>> {
         let block = &self.blocks[first / LANES];
         Seen::new(
             block.count as usize,
@@ -243,6 +305,7 @@ impl ClosureBatch {
             |k| block.lobes[k].lanes(simd),
             self.normals(simd, first),
             wo,
+            light,
         )
     }
 }

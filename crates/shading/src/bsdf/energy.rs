@@ -19,6 +19,14 @@ use crate::real::{Real, Vector};
 const COSINES: usize = 48;
 const ROUGHNESSES: usize = 32;
 
+/// Gauss's rule with four points for the measure 2 cos dcos on [0, 1].
+pub(super) const RULE: [(f32, f32); 4] = [
+    (0.139_759_86, 0.062_361_94),
+    (0.416_409_57, 0.259_695_1),
+    (0.723_157, 0.406_929_14),
+    (0.942_895_8, 0.271_013_83),
+];
+
 /// Parts of an albedo that belong to the reflectance at normal (x) and at grazing incidence (y).
 type Split = Vec2;
 
@@ -31,7 +39,7 @@ struct Table {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Energy<R> {
     /// Root of the facets' width.
-    roughness: R,
+    pub(super) roughness: R,
     /// Parts of the albedo averaged over a cosine-weighted hemisphere.
     pub(super) average: [R; 2],
 }
@@ -134,8 +142,8 @@ fn albedo(ggx: Ggx<f32>, cos: f32) -> Split {
 }
 
 /// The integral of `2 cos f(cos)` over [0, 1] for `f` linear between its entries.
-fn average(entries: &[Split; COSINES]) -> Split {
-    let step = 1.0 / (COSINES - 1) as f32;
+pub(super) fn average<const N: usize>(entries: &[Split; N]) -> Split {
+    let step = 1.0 / (N - 1) as f32;
     let segment = |k: usize| {
         let (a, b, x) = (entries[k], entries[k + 1], k as f32 * step);
         // Of 2 (x + s t) (a + (b - a) t) over t in [0, 1], times the step s.
@@ -143,7 +151,7 @@ fn average(entries: &[Split; COSINES]) -> Split {
         let rest = (a + 2.0 * b) * (step / 3.0);
         (linear + rest) * step
     };
-    (0..COSINES - 1).map(segment).sum()
+    (0..N - 1).map(segment).sum()
 }
 
 #[cfg(test)]

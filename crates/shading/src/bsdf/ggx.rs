@@ -57,12 +57,18 @@ impl<R: Real> Ggx<R> {
     /// A facet that the viewer sees, in proportion to its share of the view.
     #[inline(always)]
     pub(crate) fn sample_visible(self, wo: Vector<R>, u: [R; 2]) -> Vector<R> {
-        let stretched = Vector::new(wo.x * self.alpha, wo.y * self.alpha, wo.z).normalize();
+        self.sample_visible_across(self.alpha, wo, u)
+    }
+
+    /// The same of facets that have the width `across` along the second axis.
+    #[inline(always)]
+    pub(crate) fn sample_visible_across(self, across: R, wo: Vector<R>, u: [R; 2]) -> Vector<R> {
+        let stretched = Vector::new(wo.x * self.alpha, wo.y * across, wo.z).normalize();
         let (sin, cos) = sin_cos_of_turn(u[0]);
         let z = u[1].rest() * (stretched.z + wo.z.all(1.0)) - stretched.z;
         let radius = (z * z).rest().or_more(z.all(0.0)).root();
         let h = Vector::new(radius * cos, radius * sin, z) + stretched;
-        Vector::new(h.x * self.alpha, h.y * self.alpha, h.z.or_more(h.z.all(1e-7))).normalize()
+        Vector::new(h.x * self.alpha, h.y * across, h.z.or_more(h.z.all(1e-7))).normalize()
     }
 }
 

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::Bsdf;
 use super::seen::Seen;
-use super::seen_lobe::{SeenLobe, eval_pdf};
+use super::seen_lobe::{Rarities, SeenLobe, eval_pdf};
 use crate::lanes::LANES;
 use crate::real::{Real, Vector};
 
@@ -84,7 +84,7 @@ impl Seen<f32> {
 impl<Q> SeenLobe<Q> {
     /// The same with other numbers, of the points from `first` on.
     #[inline(always)]
-    fn map<R>(&self, f: impl Fn(&Q) -> R + Copy, first: usize) -> SeenLobe<R> {
+    fn map<R: Copy>(&self, f: impl Fn(&Q) -> R + Copy, first: usize) -> SeenLobe<R> {
         let mut under = self.under;
         for under in &mut under {
             *under >>= first;
@@ -111,7 +111,34 @@ impl<Q> SeenLobe<Q> {
             covers: self.covers,
             under,
             under_any: self.under_any,
+            rare: self.rare,
+            // Nobody looks at them where there are none.
+            rarities: if self.rare == 0 { Rarities::all(f(&self.kind)) } else { self.rarities.map(f) },
         }
+    }
+}
+
+impl<Q> Rarities<Q> {
+    fn map<R>(&self, f: impl Fn(&Q) -> R + Copy) -> Rarities<R> {
+        let [share, ior, thickness] = &self.film;
+        Rarities {
+            tangent: self.tangent.each(f),
+            across: f(&self.across),
+            film: [f(share), f(ior), f(thickness)],
+            spread: f(&self.spread),
+            channels: self.channels.each(f),
+        }
+    }
+}
+
+impl Rarities<Row> {
+    fn put(&mut self, i: usize, of: &Rarities<f32>) {
+        let Self { tangent, across, film, spread, channels } = self;
+        for (rows, v) in [(tangent, of.tangent), (channels, of.channels)] {
+            (rows.x[i], rows.y[i], rows.z[i]) = (v.x, v.y, v.z);
+        }
+        (across[i], spread[i]) = (of.across, of.spread);
+        film.iter_mut().zip(of.film).for_each(|(row, x)| row[i] = x);
     }
 }
 
@@ -144,6 +171,10 @@ impl SeenLobe<Row> {
         for (under, from) in self.under.iter_mut().zip(lobe.under) {
             *under |= (from & 1) << i;
         }
+        if lobe.rare != 0 {
+            self.rarities.put(i, &lobe.rarities);
+        }
+        self.rare |= lobe.rare;
         self.kinds |= lobe.kinds;
         self.under_any |= lobe.under_any;
         self.covers |= lobe.covers;

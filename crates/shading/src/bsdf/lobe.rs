@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 
+use super::film::{self, Base, Film};
 use super::{conductor, fresnel, rough_dielectric};
 
 /// What a lobe does to light.
@@ -32,11 +33,13 @@ pub enum Kind {
     SmoothGlass,
     /// The same of a pane.
     SmoothPane,
+    /// Scatters to all sides beyond the surface.
+    Translucent,
 }
 
 impl Kind {
     /// In the order of their numbers.
-    pub(super) const ALL: [Self; 10] = [
+    pub(super) const ALL: [Self; 11] = [
         Self::None,
         Self::Diffuse,
         Self::Facets,
@@ -47,6 +50,7 @@ impl Kind {
         Self::Mirror,
         Self::SmoothGlass,
         Self::SmoothPane,
+        Self::Translucent,
     ];
 
     /// Its place in a set of kinds.
@@ -65,9 +69,23 @@ impl Kind {
     /// Whether some of its light goes through the surface.
     #[must_use]
     pub fn goes_through(self) -> bool {
-        matches!(self, Self::Glass | Self::Pane | Self::SmoothGlass | Self::SmoothPane)
+        matches!(self, Self::Glass | Self::Pane | Self::SmoothGlass | Self::SmoothPane | Self::Translucent)
     }
 }
+
+/// What few lobes have, as bits: who has none of it pays nothing for it.
+pub(super) mod rare {
+    /// Facets that are wider along one direction than across it.
+    pub(crate) const GRAIN: u32 = 1;
+    /// A thin film.
+    pub(crate) const FILM: u32 = 2;
+    /// Indices that differ by colour.
+    pub(crate) const SPREAD: u32 = 4;
+}
+
+/// How far the index of red, green and blue is from that of yellow light (587.6 nm), as multiples of the difference between
+/// blue-green (486.1 nm) and red light (656.3 nm): by Cauchy's law, at 611, 549 and 464 nm, where sRGB's primaries are.
+const SPREADS: [f32; 3] = [-0.1158, 0.2199, 0.9134];
 
 /// One lobe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -82,13 +100,21 @@ pub struct Lobe {
     pub a: Vec3,
     /// By kind: reflectance at grazing incidence; extinction of a metal; tint of what goes through.
     pub b: Vec3,
-    /// Follows from the other parameters: a metal's mean reflectance; what rough glass loses on this side and beyond, and
+    /// Follows from the other parameters: mean reflectance of a metal or under a film; what rough glass loses on this side and beyond, and
     /// which share of that ends beyond.
     pub c: Vec3,
     /// Width of facets' slopes, the square of glTF's roughness; the roughness of diffuse and sheen lobes.
     pub alpha: f32,
     /// Index of refraction on the side that rays come from over the index beyond, > 0.
     pub eta: f32,
+    /// About where along the surface `alpha` is meant, where slopes have another width across that; unit.
+    pub tangent: Vec3,
+    /// Width of the slopes across `tangent`; 0 = slopes are alike in all directions.
+    pub across: f32,
+    /// A film that lies on the facets.
+    pub film: Film,
+    /// Of glass, how much greater its index is for blue-green light (486.1 nm) than for red (656.3 nm); 0 = it bends all light alike.
+    pub spread: f32,
     /// How much of what it sends back is missing below it.
     pub(super) cover: f32,
     /// Bits of the lobes of its point that lie above it.
@@ -113,6 +139,13 @@ impl Lobe {
     #[must_use]
     pub fn oren_nayar(albedo: Vec3, roughness: f32) -> Self {
         Self { a: albedo, alpha: roughness, ..Self::of(Kind::Diffuse) }
+    }
+
+    /// Scatters to all sides beyond the surface, as thin paper does; `albedo` is the share of light that goes there.
+    #[inline]
+    #[must_use]
+    pub fn translucent(albedo: Vec3) -> Self {
+        Self { a: albedo, ..Self::of(Kind::Translucent) }
     }
 
     /// Facets of width `alpha`, in (0, 1], that mirror `f0` head on and `f90` at grazing incidence.
@@ -144,7 +177,7 @@ impl Lobe {
     /// The same with facets of width `alpha`, in (0, 1].
     #[must_use]
     pub fn rough_glass(alpha: f32, eta: f32, reflectance: Vec3, transmittance: Vec3, thin: bool) -> Self {
-        let (eta, c) = rough_dielectric::losses(alpha, eta, thin);
+        let (eta, c) = rough_dielectric::losses([alpha; 2], eta, thin);
         let kind = if thin { Kind::Pane } else { Kind::Glass };
         Self { a: reflectance, b: transmittance, c, alpha, eta, ..Self::of(kind) }
     }
@@ -153,6 +186,79 @@ impl Lobe {
     #[must_use]
     pub fn sheen(color: Vec3, roughness: f32) -> Self {
         Self { weight: color, alpha: roughness, ..Self::of(Kind::Sheen) }
+    }
+
+    /// The same with slopes that have the width `across` across `tangent` (unit, about along the surface): facets of brushed
+    /// surfaces. What is no facets stays as it is.
+    #[must_use]
+    pub fn brushed(self, tangent: Vec3, across: f32) -> Self {
+        let has_facets = matches!(self.kind, Kind::Facets | Kind::Metal | Kind::Glass | Kind::Pane);
+        if !has_facets || across == self.alpha || !tangent.is_finite() || tangent == Vec3::ZERO {
+            return self;
+        }
+        let brushed = Self { tangent, across: across.max(f32::MIN_POSITIVE), ..self };
+        match self.kind {
+            Kind::Glass | Kind::Pane => {
+                let thin = self.kind == Kind::Pane;
+                let (eta, c) = rough_dielectric::losses([self.alpha, across], self.eta, thin);
+                Self { eta, c, ..brushed }
+            }
+            _ => brushed,
+        }
+    }
+
+    /// The same under a film. What is no facets, and no glass, stays as it is.
+    #[must_use]
+    pub fn filmed(self, film: Film) -> Self {
+        let carries = matches!(
+            self.kind,
+            Kind::Facets | Kind::Metal | Kind::Glass | Kind::Pane | Kind::SmoothGlass | Kind::SmoothPane
+        );
+        if !carries || !film.is_there() {
+            return self;
+        }
+        let filmed = Self { film, ..self };
+        match self.kind {
+            Kind::Facets | Kind::Metal => {
+                let bare = match self.kind {
+                    Kind::Metal => self.c,
+                    _ => fresnel::schlick_average(self.a.into(), self.b.into()).into(),
+                };
+                Self { c: bare.lerp(film::average(film, filmed.base()), film.share), ..filmed }
+            }
+            _ => filmed,
+        }
+    }
+
+    /// The same of glass whose index is greater by `spread` (>= 0) for blue-green light (486.1 nm) than for red (656.3 nm): (index - 1) over
+    /// Abbe's number. What bends nothing stays as it is.
+    #[must_use]
+    pub fn dispersed(self, spread: f32) -> Self {
+        let bends = matches!(self.kind, Kind::Glass | Kind::SmoothGlass);
+        if bends && spread > 0.0 && spread.is_finite() { Self { spread, ..self } } else { self }
+    }
+
+    /// What a film lies on.
+    pub(super) fn base(&self) -> Base {
+        match self.kind {
+            Kind::Metal => Base::Metal(self.a, self.b),
+            Kind::Facets => Base::Normal(self.a),
+            _ => Base::Index(self.eta),
+        }
+    }
+
+    /// Which rare things it has.
+    #[inline]
+    pub(super) fn rare(&self) -> u32 {
+        let bit = |has: bool, bit: u32| if has { bit } else { 0 };
+        let brushed = bit(self.across > 0.0, rare::GRAIN);
+        brushed | bit(self.film.share > 0.0, rare::FILM) | bit(self.spread > 0.0, rare::SPREAD)
+    }
+
+    /// Whether it sends colours into different directions.
+    #[must_use]
+    pub fn is_dispersed(&self) -> bool {
+        self.spread > 0.0
     }
 
     /// A clear coat: facets of an index of 1.5.
@@ -165,7 +271,7 @@ impl Lobe {
     #[must_use]
     pub fn is_narrow(&self, alpha: f32) -> bool {
         match self.kind {
-            Kind::Facets | Kind::Metal | Kind::Glass | Kind::Pane => self.alpha < alpha,
+            Kind::Facets | Kind::Metal | Kind::Glass | Kind::Pane => self.alpha.max(self.across) < alpha,
             kind => kind.is_delta(),
         }
     }
@@ -176,8 +282,20 @@ impl Lobe {
         self.kind == Kind::None || self.weight == Vec3::ZERO
     }
 
-    /// Index of refraction for light that goes through; 1 where it is not bent.
-    pub(super) fn bending(&self) -> f32 {
-        if matches!(self.kind, Kind::Glass | Kind::SmoothGlass) { self.eta } else { 1.0 }
+    /// Index of refraction for light that goes through, by colour; 1 where it is not bent.
+    pub(super) fn bending(&self) -> Vec3 {
+        if !matches!(self.kind, Kind::Glass | Kind::SmoothGlass) {
+            return Vec3::ONE;
+        }
+        Vec3::from([0, 1, 2].map(|channel| eta_of(self.eta, self.spread, channel)))
     }
+}
+
+/// The index here over that beyond for one colour, of glass whose index differs by colour: the denser side's does.
+pub(super) fn eta_of(eta: f32, spread: f32, channel: usize) -> f32 {
+    if spread == 0.0 {
+        return eta;
+    }
+    let of = |dense: f32| (dense + spread * SPREADS[channel]).max(1.0);
+    if eta > 1.0 { of(eta) } else { 1.0 / of(1.0 / eta) }
 }

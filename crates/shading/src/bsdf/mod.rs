@@ -16,12 +16,16 @@
 mod batch;
 mod conductor;
 mod dielectric;
+mod dispersed;
 mod energy;
+mod film;
 pub(crate) mod fresnel;
 mod ggx;
+mod grain;
 mod kept;
 mod lobe;
 mod lobes;
+mod medium;
 mod oren_nayar;
 mod principled;
 mod rough_dielectric;
@@ -35,9 +39,11 @@ mod tests;
 use glam::Vec3;
 
 pub use batch::ClosureBatch;
+pub use film::Film;
 pub use kept::Kept;
 pub use lobe::{Kind, Lobe};
 pub use lobes::{Lobes, MOST};
+pub use medium::{Medium, left_after};
 pub use principled::Principled;
 pub use sample::BsdfSample;
 pub use seen::{GRAZING, Sampled, Seen};
@@ -47,13 +53,38 @@ pub use seen::{GRAZING, Sampled, Seen};
 pub struct Bsdf {
     normal: Vec3,
     lobes: Lobes,
+    medium: Medium,
 }
 
 impl Bsdf {
     /// A BSDF around the unit shading normal `ns`, which is on the side that the first ray came from.
     #[must_use]
     pub fn new(ns: Vec3, lobes: impl Into<Lobes>) -> Self {
-        Self { normal: ns, lobes: lobes.into() }
+        Self { normal: ns, lobes: lobes.into(), medium: Medium::default() }
+    }
+
+    /// The same with something on one of its sides.
+    #[must_use]
+    pub fn beside(self, medium: Medium) -> Self {
+        Self { medium, ..self }
+    }
+
+    /// What lies beside it.
+    #[inline]
+    #[must_use]
+    pub fn medium(&self) -> Medium {
+        self.medium
+    }
+
+    /// How much light is absorbed along rays that leave to `dir` or come from there, 1 over world units: by what lies on that side, for
+    /// [`left_after`].
+    #[inline]
+    #[must_use]
+    pub fn absorption(&self, dir: Vec3) -> Vec3 {
+        if self.medium.absorption == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        self.medium.on(!self.is_transmitted(dir))
     }
 
     /// Scatters nothing.
@@ -77,7 +108,20 @@ impl Bsdf {
     /// It as it is seen from `wo`: for many questions about one direction.
     #[must_use]
     pub fn seen(&self, wo: Vec3) -> Seen<f32> {
-        Seen::of_point(self.lobes.as_slice(), self.normal, wo)
+        self.seen_by(wo, Vec3::ONE)
+    }
+
+    /// The same where the light that it scatters will count `light` by colour: glass that bends colours into different directions then
+    /// chooses them by that. Values stay the same, densities are others.
+    #[must_use]
+    pub fn seen_by(&self, wo: Vec3, light: Vec3) -> Seen<f32> {
+        Seen::of_point(self.lobes.as_slice(), self.normal, wo, light)
+    }
+
+    /// Whether some of its glass bends colours into different directions.
+    #[must_use]
+    pub fn is_dispersed(&self) -> bool {
+        self.any(Lobe::is_dispersed)
     }
 
     /// BSDF times |cos| of `wi` to the shading normal, and the density per solid angle with which [`sample`](Self::sample)
@@ -104,7 +148,13 @@ impl Bsdf {
     /// ends here.
     #[must_use]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
-        let Sampled { wi, weight, pdf, delta, transmitted, found } = self.seen(wo).sample(u);
+        self.sample_by(wo, Vec3::ONE, u)
+    }
+
+    /// The same where the light that it scatters will count `light` by colour; see [`seen_by`](Self::seen_by).
+    #[must_use]
+    pub fn sample_by(&self, wo: Vec3, light: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+        let Sampled { wi, weight, pdf, delta, transmitted, found } = self.seen_by(wo, light).sample(u);
         found.then(|| BsdfSample { wi: wi.into(), weight: weight.into(), pdf, delta, transmitted })
     }
 
@@ -162,15 +212,15 @@ impl Bsdf {
     /// differently \[Vea97\], and so does refraction. `ng` is the unit geometric normal, on either side. Zero where light
     /// comes from below the shading normal: there light samples bring nothing, either.
     #[must_use]
-    pub fn adjoint_correction(&self, wo: Vec3, wi: Vec3, ng: Vec3) -> f32 {
+    pub fn adjoint_correction(&self, wo: Vec3, wi: Vec3, ng: Vec3) -> Vec3 {
         let ns = self.normal;
         let (so, si) = (ns.dot(wo), ns.dot(wi));
         let (go, gi) = (ng.dot(wo), ng.dot(wi));
         if so <= 0.0 || si == 0.0 || go == 0.0 {
-            return 0.0;
+            return Vec3::ZERO;
         }
-        let eta = if si < 0.0 { self.eta() } else { 1.0 };
-        (so * gi / (go * si)).abs() * eta * eta
+        let eta = if si < 0.0 { self.etas() } else { Vec3::ONE };
+        eta * eta * (so * gi / (go * si)).abs()
     }
 
     /// Whether light samples from behind the surface can bring anything.
@@ -186,10 +236,10 @@ impl Bsdf {
         self.normal.dot(wi) < 0.0
     }
 
-    /// Index of refraction on the side of the first ray over the index beyond; 1 where nothing is refracted.
+    /// Indices of refraction on the side of the first ray over those beyond, for red, green and blue; 1 where nothing is refracted.
     #[must_use]
-    pub fn eta(&self) -> f32 {
-        self.lobes.as_slice().iter().map(Lobe::bending).find(|&eta| eta != 1.0).unwrap_or(1.0)
+    pub fn etas(&self) -> Vec3 {
+        self.lobes.as_slice().iter().map(Lobe::bending).find(|&etas| etas != Vec3::ONE).unwrap_or(Vec3::ONE)
     }
 }
 

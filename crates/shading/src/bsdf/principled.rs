@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! glTF's layered surface: a coat, over sheen, over plastic, metal or glass or a mix, over a diffuse body.
-//! Source: glTF 2.0 appendix B.3, KHR_materials_{ior, specular, clearcoat, sheen, transmission}.
+//! glTF's layered surface: a coat, over sheen, over plastic, metal or glass or a mix, over a body that scatters light back or through.
+//! Source: glTF 2.0 appendix B.3, KHR_materials_{anisotropy, clearcoat, diffuse_transmission, dispersion, ior, iridescence, sheen, specular,
+//! transmission}.
 //! Differs from glTF's sample code: the body gets what the layers above leave on the whole, in both directions, not Fresnel's
-//! share at the half vector, so that white plastic keeps all light. Proof: `tests` of `bsdf`.
+//! share at the half vector, so that white plastic keeps all light. A body that scatters light through has panes for its glass: light that
+//! leaves it has been bent by no one knows what.
+//! Proof: `tests` of `bsdf`.
 
 use glam::Vec3;
 
+use super::film::Film;
 use super::fresnel;
 use super::lobe::Lobe;
 use super::lobes::Lobes;
@@ -37,6 +41,18 @@ pub struct Principled {
     pub eta: f32,
     /// Whether the glass is a pane that does not bend light.
     pub thin: bool,
+    /// Unit, about along the surface: where the facets' slopes have the width `alpha`, if they have another across that.
+    pub tangent: Vec3,
+    /// Width of the slopes across the tangent; 0 = alike in all directions. The coat's are.
+    pub across: f32,
+    /// A film on plastic, metal and glass, below sheen and coat.
+    pub film: Film,
+    /// How much greater the glass's index is for blue-green light than for red: see [`Lobe::dispersed`].
+    pub spread: f32,
+    /// Share of the body's light that it scatters through, in [0, 1].
+    pub translucence: f32,
+    /// Albedo of that.
+    pub beyond: Vec3,
 }
 
 impl Principled {
@@ -57,6 +73,12 @@ impl Principled {
             transmission: 0.0,
             eta: 1.0 / ior,
             thin: false,
+            tangent: Vec3::ZERO,
+            across: 0.0,
+            film: Film::default(),
+            spread: 0.0,
+            translucence: 0.0,
+            beyond: Vec3::ONE,
         }
     }
 }
@@ -77,20 +99,33 @@ impl From<Principled> for Lobes {
             let cover = p.sheen.max_element();
             above |= lobes.put(Lobe { cover, ..Lobe::sheen(p.sheen, p.sheen_roughness) }, above);
         }
+        let facets = |lobe: Lobe| {
+            let brushed = if p.across > 0.0 { lobe.brushed(p.tangent, p.across) } else { lobe };
+            brushed.filmed(p.film)
+        };
+        let translucence = p.translucence;
         if plastic > 0.0 {
             let weight = Vec3::splat(plastic);
-            let facets = Lobe { weight, cover: 1.0, ..Lobe::facets(p.alpha, p.f0, Vec3::splat(p.f90)) };
-            let facets = lobes.put(facets, above);
-            lobes.put(Lobe { weight, ..Lobe::lambert(p.base) }, above | facets);
+            let lobe = facets(Lobe::facets(p.alpha, p.f0, Vec3::splat(p.f90)));
+            let above = above | lobes.put(Lobe { weight, cover: 1.0, ..lobe }, above);
+            if translucence < 1.0 {
+                let weight = Vec3::splat(plastic * (1.0 - translucence));
+                lobes.put(Lobe { weight, ..Lobe::lambert(p.base) }, above);
+            }
+            if translucence > 0.0 {
+                let weight = Vec3::splat(plastic * translucence);
+                lobes.put(Lobe { weight, ..Lobe::translucent(p.beyond) }, above);
+            }
         }
         if metal > 0.0 {
             let weight = Vec3::splat(metal);
-            lobes.put(Lobe { weight, ..Lobe::facets(p.alpha, p.base, Vec3::ONE) }, above);
+            lobes.put(Lobe { weight, ..facets(Lobe::facets(p.alpha, p.base, Vec3::ONE)) }, above);
         }
         if glass > 0.0 {
             let weight = Vec3::splat(glass);
-            let glass = Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, p.base, p.thin);
-            lobes.put(Lobe { weight, ..glass }, above);
+            let thin = p.thin || translucence > 0.0;
+            let glass = facets(Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, p.base, thin));
+            lobes.put(Lobe { weight, ..glass.dispersed(p.spread) }, above);
         }
         lobes
     }

@@ -13,17 +13,20 @@ use glam::{FloatExt, Vec3};
 
 use super::dielectric::{pane, refract};
 use super::energy::{Energy, lost, place};
+use super::film::{self, Base, Film};
 use super::fresnel;
 use super::ggx::Ggx;
+use super::grain::{self, Slopes};
 use crate::real::{Real, Vector};
 
 /// Nearer to 1 than this an index bends nothing that a float could tell.
 const SMALLEST_STEP: f32 = 1e-3;
 
 /// The index that counts; and the share of what one bounce loses, averaged over all directions, on this side and beyond, and the
-/// share of further bounces that ends beyond.
-pub(super) fn losses(alpha: f32, eta: f32, thin: bool) -> (f32, Vec3) {
-    let ggx = Ggx::from_alpha(alpha);
+/// share of further bounces that ends beyond; for facets with slopes of two widths.
+pub(super) fn losses(widths: [f32; 2], eta: f32, thin: bool) -> (f32, Vec3) {
+    let ggx = Ggx::from_alpha(widths[0]);
+    let even = widths[0] == widths[1];
     let eta = match eta {
         eta if thin => eta.min(1.0 / eta),
         eta if (eta - 1.0).abs() < SMALLEST_STEP => 1.0 + SMALLEST_STEP.copysign(eta - 1.0),
@@ -31,10 +34,14 @@ pub(super) fn losses(alpha: f32, eta: f32, thin: bool) -> (f32, Vec3) {
     };
     let rare = eta.min(1.0 / eta);
     if thin {
-        let lost = lost(Energy::of(ggx).average);
+        let lost = if even { lost(Energy::of(ggx).average) } else { 1.0 - grain::mean_kept(widths) };
         return (eta, Vec3::new(lost, lost, 1.0 - pane_average(rare)));
     }
-    let lost = [eta, 1.0 / eta].map(|eta| 1.0 - Albedos::of(ggx.alpha(), eta).average());
+    let kept = |eta: f32| match even {
+        true => Albedos::of(ggx.alpha(), eta).average(),
+        false => grain::mean_kept_by_glass(widths, eta),
+    };
+    let lost = [eta, 1.0 / eta].map(|eta| 1.0 - kept(eta));
     let mirrored = fresnel_average(rare);
     // With the index beyond as unit: shares through are as the inverse of these on the two sides.
     let capacity = [lost[0] * eta * eta, lost[1]];
@@ -44,9 +51,11 @@ pub(super) fn losses(alpha: f32, eta: f32, thin: bool) -> (f32, Vec3) {
 
 /// Rough glass as one side of it is met, or a pane.
 #[derive(Clone, Copy)]
-pub(super) struct Glass<R> {
-    pub(super) alpha: R,
+pub(super) struct Glass<R: Real> {
+    pub(super) slopes: Slopes<R>,
     pub(super) eta: R,
+    /// Share, index and thickness, where some point has one.
+    pub(super) film: Option<[R; 3]>,
     /// Tints of what is mirrored and of what goes through.
     pub(super) tints: [Vector<R>; 2],
     /// See [`losses`].
@@ -63,48 +72,89 @@ pub(super) struct SeenGlass<R> {
     pub(super) lost: R,
 }
 
+/// What a film mirrors at the cosine `cos` on glass or a pane, mixed with what is mirrored where there is none.
+#[inline(always)]
+pub(super) fn filmed<R: Real>(
+    [share, ior, thickness]: [R; 3],
+    cos: R,
+    eta: R,
+    thin: R::Mask,
+    bare: R,
+) -> Vector<R> {
+    let bare = Vector::grey(bare);
+    let thin = R::bits(thin);
+    bare.each_colour(
+        share.above_all(0.0),
+        #[inline(always)]
+        |i, bare| {
+            let film = Film { share: share.lane(i), ior: ior.lane(i), thickness: thickness.lane(i) };
+            let once = film::reflectance(film, cos.lane(i), Base::Index(eta.lane(i)));
+            let all = if thin >> i & 1 != 0 { once * 2.0 / (once + 1.0) } else { once };
+            bare.lerp(all, film.share)
+        },
+    )
+}
+
 impl<R: Real> Glass<R> {
-    #[inline(always)]
-    fn ggx(&self) -> Ggx<R> {
-        Ggx::from_alpha(self.alpha)
+    /// That of one point.
+    pub(super) fn point(&self, i: usize) -> Glass<f32> {
+        Glass {
+            slopes: self.slopes.point(i),
+            eta: self.eta.lane(i),
+            film: self.film.map(|film| film.map(|x| x.lane(i))),
+            tints: self.tints.map(|tint| tint.get(i).into()),
+            losses: self.losses.get(i).into(),
+            thin: self.thin,
+        }
     }
 
-    /// Share of light that a facet mirrors.
+    /// Share of light that a facet mirrors where there is no film.
     #[inline(always)]
-    pub(super) fn mirrored(&self, cos: R) -> R {
+    fn bare(&self, cos: R) -> R {
         let once = fresnel::dielectric(cos, self.eta);
         if self.thin { pane(once) } else { once }
     }
 
+    /// Share of light that a facet mirrors, by colour.
+    #[inline(always)]
+    pub(super) fn mirrored(&self, cos: R) -> Vector<R> {
+        let bare = self.bare(cos);
+        let Some(film) = self.film else { return Vector::grey(bare) };
+        let thin = if self.thin { bare.is(bare) } else { !bare.is(bare) };
+        filmed(film, cos, self.eta, thin, bare)
+    }
+
     /// Probability with which a facet's mirrored branch is followed.
     #[inline(always)]
-    pub(super) fn chance(&self, mirrored: R) -> R {
-        let a = mirrored * self.tints[0].max_element();
-        let b = mirrored.rest() * self.tints[1].max_element();
+    pub(super) fn chance(&self, mirrored: Vector<R>) -> R {
+        let mean = match self.film {
+            Some([share, ..]) => R::pick(share.above_all(0.0), mirrored.sum() * (1.0 / 3.0), mirrored.x),
+            None => mirrored.x,
+        };
+        let a = mean * self.tints[0].max_element();
+        let b = mean.rest() * self.tints[1].max_element();
         R::pick((a + b).above_all(0.0), a / (a + b), a.all(1.0))
     }
 
-    /// Share of light from cosine `cos` that one bounce loses, on this side or beyond.
+    /// Share of light from the direction `w` at the cosine `cos` > 0 that one bounce loses, on this side or beyond.
     #[inline(always)]
-    pub(super) fn lost(&self, cos: R, beyond: bool) -> R {
+    pub(super) fn lost(&self, w: Vector<R>, cos: R, beyond: bool) -> R {
         if self.thin {
-            return lost(Energy::of(self.ggx()).split(cos));
+            return lost(self.slopes.split(Some(w), cos));
         }
-        let alpha = self.ggx().alpha();
-        cos.each(
+        let (alpha, one) = (self.slopes.ggx.alpha(), cos.all(1.0));
+        let eta = if beyond { one / self.eta } else { self.eta };
+        let plain = cos.each(
             #[inline(always)]
-            |i| {
-                let eta = self.eta.lane(i);
-                let eta = if beyond { 1.0 / eta } else { eta };
-                1.0 - Albedos::of(alpha.lane(i), eta).albedo(cos.lane(i))
-            },
-        )
+            |i| Albedos::of(alpha.lane(i), eta.lane(i)).albedo(cos.lane(i)),
+        );
+        self.slopes.kept_by_glass(w, cos, eta, plain).rest()
     }
 
-    /// What all directions share.
+    /// What all directions share: `wo` lies at the cosine `cos_o` > 0.
     #[inline(always)]
-    pub(super) fn seen(&self, cos_o: R) -> SeenGlass<R> {
-        SeenGlass { hidden: self.ggx().lambda(cos_o), lost: self.lost(cos_o, false) }
+    pub(super) fn seen(&self, wo: Vector<R>, cos_o: R) -> SeenGlass<R> {
+        SeenGlass { hidden: self.slopes.lambda(wo, cos_o), lost: self.lost(wo, cos_o, false) }
     }
 
     /// Value times cosine and density of the unit `wi`, for the unit normal `n`; `wo` lies at the cosine `o` > 0, `wi` at `i`.
@@ -116,9 +166,9 @@ impl<R: Real> Glass<R> {
         [wo, wi]: [Vector<R>; 2],
         [o, i]: [R; 2],
     ) -> (Vector<R>, R) {
-        let (zero, ggx, cos_i) = (o.all(0.0), self.ggx(), i.size());
+        let (zero, cos_i) = (o.all(0.0), i.size());
         let above = i.above(zero);
-        let hidden = ggx.lambda(cos_i);
+        let hidden = self.slopes.lambda(wi, cos_i);
         // The facet that leads to `wi`, and the change of its solid angle with that of `wi`.
         let mirror = (wo + wi).normalize_or(n);
         let (facet, change) = if self.thin {
@@ -137,25 +187,25 @@ impl<R: Real> Glass<R> {
         let h = Vector::pick(above, mirror, facet);
         let cos_h = wo.dot(h);
         let change = R::pick(above, o.all(0.25) / cos_h.or_more(o.all(1e-20)), change);
-        let density = ggx.density(n.dot(h), n.cross(h).length_squared()) * cos_h * change / o;
+        let density = self.slopes.density(n, h) * cos_h * change / o;
         let mirrored = self.mirrored(cos_h);
-        let share = R::pick(above, mirrored, mirrored.rest());
-        let once = share * density / (seen.hidden + hidden + o.all(1.0));
+        let share = Vector::pick(above, mirrored, mirrored.rest());
         let [here, beyond] = [self.losses.x, self.losses.y];
         let mean = R::pick(above, here, beyond);
         let through = self.losses.z;
         let ends = R::pick(above, through.rest(), through);
         let lost_i = if R::bits(above) == 0 {
-            self.lost(cos_i, true)
+            self.lost(wi, cos_i, true)
         } else if R::bits(!above) == 0 || self.thin {
-            self.lost(cos_i, false)
+            self.lost(wi, cos_i, false)
         } else {
-            R::pick(above, self.lost(cos_i, false), self.lost(cos_i, true))
+            R::pick(above, self.lost(wi, cos_i, false), self.lost(wi, cos_i, true))
         };
         let by_cosine = cos_i * FRAC_1_PI;
         let more = R::pick(mean.above_all(1e-6), seen.lost * lost_i * by_cosine / mean, zero);
         let tint = Vector::pick(above, self.tints[0], self.tints[1]);
-        let value = tint * (once + ends * more);
+        let once = density / (seen.hidden + hidden + o.all(1.0));
+        let value = tint * (share * once + Vector::grey(ends * more));
         let chance = self.chance(mirrored);
         let chance = R::pick(above, chance, chance.rest());
         let facets = chance * density / (seen.hidden + o.all(1.0));
@@ -164,8 +214,8 @@ impl<R: Real> Glass<R> {
         (Vector::pick(none, Vector::grey(zero), value), R::pick(none, zero, pdf))
     }
 
-    /// A direction in a frame with z = the normal, `u` being numbers in [0, 1), the first of which chooses what happens; points at
-    /// which there is one.
+    /// A direction in a frame with z = the normal and x along the slopes, `u` being numbers in [0, 1), the first of which chooses
+    /// what happens; points at which there is one.
     #[inline(always)]
     pub(super) fn sample(
         &self,
@@ -180,7 +230,7 @@ impl<R: Real> Glass<R> {
         let beyond = (seen.lost * self.losses.z).above(u[0]);
         let scattered = Vector::pick(beyond, flip(cosine), cosine);
         let choice = (u[0] - seen.lost) / seen.lost.rest();
-        let h = self.ggx().sample_visible(wo, [u[1], u[2]]);
+        let h = self.slopes.sample_visible(wo, [u[1], u[2]]);
         let cos = wo.dot(h);
         let mirrored = h * (cos * 2.0) - wo;
         let is_mirrored = self.chance(self.mirrored(cos)).above(choice);
@@ -328,9 +378,10 @@ mod tests {
             let ggx = Ggx::new(roughness);
             // Nothing lost: one bounce alone.
             let tints = [Vector::grey(1.0); 2];
-            let glass = Glass { alpha: ggx.alpha(), eta, tints, losses: Vector::grey(0.0), thin: false };
-            let seen = glass.seen(cos);
+            let slopes = Slopes { ggx, grain: None };
+            let glass = Glass { slopes, eta, film: None, tints, losses: Vector::grey(0.0), thin: false };
             let wo = Vec3::new((1.0_f32 - cos * cos).sqrt(), 0.0, cos);
+            let seen = glass.seen(wo.into(), cos);
             let (rings, sectors) = (1600, 200);
             let mut sum = 0.0_f64;
             for (ring, sector) in (0..rings).flat_map(|r| (0..sectors).map(move |s| (r, s))) {

@@ -9,9 +9,9 @@
 
 use glam::Vec3;
 
-use super::energy::Energy;
-use super::ggx::Ggx;
-use super::lobe::{Kind, Lobe};
+use super::dispersed::{self, Colours};
+use super::energy::RULE;
+use super::lobe::{Kind, Lobe, rare};
 use super::lobes::MOST;
 use super::seen_lobe::{LobesAt, SeenLobe, eval_pdf};
 use crate::real::{Real, Vector};
@@ -47,22 +47,16 @@ pub struct Seen<R> {
     pub(super) albedo: Vector<R>,
 }
 
-/// Gauss's rule with four points for the measure 2 cos dcos on [0, 1].
-const RULE: [(f32, f32); 4] = [
-    (0.139_759_86, 0.062_361_94),
-    (0.416_409_57, 0.259_695_1),
-    (0.723_157, 0.406_929_14),
-    (0.942_895_8, 0.271_013_83),
-];
-
 impl<R: Real> Seen<R> {
-    /// Points' lobes, `count` places of them, seen from the unit `wo`; `normal` is unit.
+    /// Points' lobes, `count` places of them, seen from the unit `wo`; `normal` is unit. `light` is what the light that they scatter will
+    /// count, by colour: where a direction has one colour only, colours are chosen by that.
     #[inline(always)]
     pub(crate) fn new<'a>(
         count: usize,
         at: impl Fn(usize) -> LobesAt<'a, R>,
         normal: Vector<R>,
         wo: Vector<R>,
+        light: Vector<R>,
     ) -> Self {
         let (zero, one) = (wo.x.all(0.0), wo.x.all(1.0));
         let mut seen = Self { normal, lobes: [const { None }; MOST], albedo: Vector::grey(zero) };
@@ -82,6 +76,12 @@ impl<R: Real> Seen<R> {
             (lobe.alpha, lobe.eta, lobe.cover) = (from.alpha, from.eta, from.cover);
             (lobe.covers, lobe.under_any) = (from.covers, from.under_any);
             (lobe.weight, lobe.left) = (from.weight, Vector::grey(one));
+            lobe.rare = from.rare;
+            if lobe.rare != 0 {
+                lobe.rarities = from.rarities;
+                lobe.rarities.tangent = along(lobe.normal, from.rarities.tangent);
+                lobe.rarities.channels = Colours::chances(light * from.weight);
+            }
             let albedo = lobe.look();
             if lobe.under_any != 0 {
                 for (j, under) in lobe.under.iter_mut().enumerate() {
@@ -90,19 +90,11 @@ impl<R: Real> Seen<R> {
                     }
                 }
                 let left = seen.left(&lobe, None);
-                // A diffuse body gets what is left of both directions, over the mean of what is left.
                 let average = seen.left_on_average(&lobe);
-                let is = lobe.is(Kind::Diffuse);
-                let shared = (lobe.weight * left).with(
-                    average,
-                    #[inline(always)]
-                    |w, a| w / a.or_more(a.all(1e-6)),
-                );
-                let scattered = (lobe.weight * left * albedo).max_element();
-                lobe.chance = scattered;
-                seen.albedo = seen.albedo + lobe.weight * left * albedo;
-                lobe.weight = Vector::pick(is, shared, lobe.weight);
-                lobe.left = Vector::pick(is, Vector::grey(one.all(f32::MAX)), left);
+                let scattered = lobe.weight * left * albedo;
+                lobe.chance = scattered.max_element();
+                seen.albedo = seen.albedo + scattered;
+                lobe.put_below(left, average);
             } else {
                 lobe.chance = (lobe.weight * albedo).max_element();
                 seen.albedo = seen.albedo + lobe.weight * albedo;
@@ -130,8 +122,8 @@ impl<R: Real> Seen<R> {
         let mut left = Vector::grey(one);
         for (j, top) in self.lobes().enumerate() {
             if lobe.under_any >> j & 1 != 0 {
-                let cos = towards.map_or(top.cos, |cos| one.all(cos));
-                let back = top.sent_back(cos, top.split(cos));
+                let (w, cos) = towards.map_or((Some(top.wo), top.cos), |cos| (None, one.all(cos)));
+                let back = top.sent_back(cos, top.split(w, cos));
                 left = Vector::pick(lobe.below(j), left * back.rest(), left);
             }
         }
@@ -151,9 +143,13 @@ impl<R: Real> Seen<R> {
         let mut rest = u64::from(any);
         for (j, top) in self.lobes().enumerate() {
             let single = lobe.under[j] & !twice;
+            // The table holds Schlick's reflectances, not what films mirror.
             if single != 0 && top.has(Kind::Facets) {
-                let by_table = one.points(u64::from(single)) & top.is(Kind::Facets);
-                let left = top.sent_back(one, Energy::of(Ggx::from_alpha(top.alpha)).average).rest();
+                let mut by_table = one.points(u64::from(single)) & top.is(Kind::Facets);
+                if top.rare & rare::FILM != 0 {
+                    by_table = by_table & !top.rarities.film[0].above_all(0.0);
+                }
+                let left = top.sent_back(one, top.slopes().energy().average).rest();
                 average = Vector::pick(by_table, left, average);
                 rest &= !R::bits(by_table);
             }
@@ -190,21 +186,36 @@ impl<R: Real> Seen<R> {
             lobe = lobe.or_with(on, next);
         }
         let first = ((u[0] - before) / lobe.chance).within(0.0, 0.999_999_9);
-        let [tangent, bitangent] = frame_around(lobe.normal);
+        let [mut tangent, mut bitangent] = frame_around(lobe.normal);
+        if lobe.rare & rare::GRAIN != 0 {
+            let is = lobe.rarities.across.above_all(0.0);
+            tangent = Vector::pick(is, lobe.rarities.tangent, tangent);
+            bitangent = Vector::pick(is, lobe.normal.cross(tangent), bitangent);
+        }
         let wo = Vector::new(tangent.dot(lobe.wo), bitangent.dot(lobe.wo), lobe.cos);
         let cosine = cosine_hemisphere_of([u[1], u[2]]);
         let mut wi = cosine;
         let mut found = lobe.chance.above(zero);
         if lobe.has(Kind::Facets) || lobe.has(Kind::Metal) {
             let is = (lobe.is(Kind::Facets) | lobe.is(Kind::Metal)) & !lobe.share_of_more.above(first);
-            let h = Ggx::from_alpha(lobe.alpha).sample_visible(wo, [u[1], u[2]]);
+            let h = lobe.slopes().sample_visible(wo, [u[1], u[2]]);
             wi = Vector::pick(is, h * (wo.dot(h) * 2.0) - wo, wi);
         }
-        let mut through_is_fine = one.above(one);
+        if lobe.has(Kind::Translucent) {
+            let below = Vector::new(cosine.x, cosine.y, -cosine.z);
+            wi = Vector::pick(lobe.is(Kind::Translucent), below, wi);
+        }
+        let mut through_is_fine = lobe.is(Kind::Translucent);
         for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
             if lobe.has(kind) {
                 let (glass, seen) = lobe.glass(thin);
-                let (chosen, some) = glass.sample(seen, wo, [first, u[1], u[2]], cosine);
+                let (mut chosen, mut some) = glass.sample(seen, wo, [first, u[1], u[2]], cosine);
+                if lobe.rare & rare::SPREAD != 0 && !thin {
+                    let u = [first, u[1], u[2]];
+                    let colours = lobe.colours();
+                    (chosen, some) =
+                        dispersed::sample(&glass, &colours, [lobe.wo, wo], u, cosine, (chosen, some));
+                }
                 let is = lobe.is(kind);
                 wi = Vector::pick(is, chosen, wi);
                 found = found & (some | !is);
@@ -224,6 +235,13 @@ impl<R: Real> Seen<R> {
             let light = Vector::pick(mirrors, light_mirrored, light_through);
             wi = Vector::pick(delta, Vector::pick(mirrors, mirrored, through), wi);
             weight = (light * lobe.weight * lobe.left.min(Vector::grey(one))).over(chance * lobe.chance);
+            if lobe.rare & rare::SPREAD != 0 {
+                let is = delta & glass & lobe.rarities.spread.above_all(0.0) & lobe.chance.above(zero);
+                let (ways, lights) = lobe.branch_by_colour(is, wo, first);
+                wi = Vector::pick(is, ways, wi);
+                let lights = (lights * lobe.weight * lobe.left.min(Vector::grey(one))).over(lobe.chance);
+                weight = Vector::pick(is, lights, weight);
+            }
             through_is_fine = through_is_fine | (delta & glass);
         }
         found = found & (wi.z.above(zero) | through_is_fine);
@@ -285,11 +303,20 @@ impl<R: Real> Seen<R> {
     }
 }
 
+/// `tangent` made perpendicular to the unit `normal`, unit; any direction along the surface where it says nothing.
+#[inline(always)]
+fn along<R: Real>(normal: Vector<R>, tangent: Vector<R>) -> Vector<R> {
+    let flat = tangent - normal * normal.dot(tangent);
+    let [any, _] = frame_around(normal);
+    let good = flat.length_squared().above_all(1e-8);
+    Vector::pick(good, flat.normalize_or(any), any)
+}
+
 impl Seen<f32> {
-    /// One point's lobes.
-    pub(super) fn of_point(lobes: &[Lobe], normal: Vec3, wo: Vec3) -> Self {
+    /// One point's lobes; `light` as for [`Seen::new`].
+    pub(super) fn of_point(lobes: &[Lobe], normal: Vec3, wo: Vec3, light: Vec3) -> Self {
         let at = |k: usize| LobesAt::of_point(&lobes[k]);
-        Self::new(lobes.len(), at, normal.into(), wo.into())
+        Self::new(lobes.len(), at, normal.into(), wo.into(), light.into())
     }
 
     /// What leaves by delta lobes, mirrored and through the surface: unit directions in the world, and shares of the light.

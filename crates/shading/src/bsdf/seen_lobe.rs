@@ -8,12 +8,15 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::energy::{Energy, lost};
+use super::dispersed::Colours;
+use super::energy::lost;
+use super::film::{self, Base, Film};
 use super::ggx::Ggx;
-use super::lobe::{Kind, Lobe};
+use super::grain::{Grain, Slopes};
+use super::lobe::{Kind, Lobe, rare};
 use super::lobes::MOST;
-use super::rough_dielectric::{Glass, SeenGlass};
-use super::{dielectric, fresnel, oren_nayar, sheen};
+use super::rough_dielectric::{self, Glass, SeenGlass};
+use super::{dielectric, dispersed, fresnel, oren_nayar, sheen};
 use crate::real::{Real, Vector};
 
 /// The lobes in one place of many points' lists, as numbers.
@@ -34,6 +37,47 @@ pub(crate) struct LobesAt<'a, R> {
     pub(super) under: &'a [u32],
     pub(super) under_any: u32,
     pub(super) covers: bool,
+    /// Which rare things some have: bits of [`rare`].
+    pub(super) rare: u32,
+    pub(super) rarities: Rarities<R>,
+}
+
+/// What few lobes have, as numbers; zero where a point has none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rarities<R> {
+    /// See [`Lobe::tangent`]; once seen, unit and along the surface.
+    pub(super) tangent: Vector<R>,
+    pub(super) across: R,
+    /// Share, index, thickness of the film.
+    pub(super) film: [R; 3],
+    pub(super) spread: R,
+    /// Chances of the three colours where they are bent into different directions.
+    pub(super) channels: Vector<R>,
+}
+
+impl<R: Copy> Rarities<R> {
+    #[inline(always)]
+    pub(super) fn all(x: R) -> Self {
+        let v = Vector { x, y: x, z: x };
+        Self { tangent: v, across: x, film: [x; 3], spread: x, channels: v }
+    }
+}
+
+impl<R: Real> Rarities<R> {
+    #[inline(always)]
+    fn pick(mask: R::Mask, a: &Self, b: &Self) -> Self {
+        let film = [0, 1, 2].map(
+            #[inline(always)]
+            |k: usize| R::pick(mask, a.film[k], b.film[k]),
+        );
+        Self {
+            tangent: Vector::pick(mask, a.tangent, b.tangent),
+            across: R::pick(mask, a.across, b.across),
+            film,
+            spread: R::pick(mask, a.spread, b.spread),
+            channels: Vector::pick(mask, a.channels, b.channels),
+        }
+    }
 }
 
 /// Points' lobes in one place of their lists, seen from one direction each.
@@ -66,6 +110,8 @@ pub(super) struct SeenLobe<R> {
     /// Bits of the points below each of the lobes before.
     pub(super) under: [u32; MOST],
     pub(super) under_any: u32,
+    pub(super) rare: u32,
+    pub(super) rarities: Rarities<R>,
 }
 
 impl<R: Real> SeenLobe<R> {
@@ -94,6 +140,8 @@ impl<R: Real> SeenLobe<R> {
             covers: false,
             under: [0; MOST],
             under_any: 0,
+            rare: 0,
+            rarities: Rarities::all(zero),
         }
     }
 
@@ -107,10 +155,80 @@ impl<R: Real> SeenLobe<R> {
         self.kind.is(self.kind.all(kind as u32 as f32))
     }
 
+    /// Its facets.
+    #[inline(always)]
+    pub(super) fn slopes(&self) -> Slopes<R> {
+        let ggx = Ggx::from_alpha(self.alpha);
+        if self.rare & rare::GRAIN == 0 {
+            return Slopes { ggx, grain: None };
+        }
+        let Rarities { tangent, across, .. } = self.rarities;
+        let is = across.above_all(0.0);
+        // As narrow as slopes along the first axis may be.
+        let across = R::pick(is, Ggx::from_alpha(across).alpha(), across);
+        Slopes { ggx, grain: Some(Grain { tangent, bitangent: self.normal.cross(tangent), across, is }) }
+    }
+
     #[inline(always)]
     pub(super) fn glass(&self, thin: bool) -> (Glass<R>, SeenGlass<R>) {
-        let glass = Glass { alpha: self.alpha, eta: self.eta, tints: [self.a, self.b], losses: self.c, thin };
+        let glass = Glass {
+            slopes: self.slopes(),
+            eta: self.eta,
+            film: (self.rare & rare::FILM != 0).then_some(self.rarities.film),
+            tints: [self.a, self.b],
+            losses: self.c,
+            thin,
+        };
         (glass, SeenGlass { hidden: self.hidden, lost: self.lost })
+    }
+
+    /// How its colours go apart.
+    #[inline(always)]
+    pub(super) fn colours(&self) -> Colours<R> {
+        Colours { spread: self.rarities.spread, chances: self.rarities.channels }
+    }
+
+    /// What facets mirror at the cosine `cos`: `bare`, or what a film makes of it.
+    #[inline(always)]
+    fn filmed(&self, cos: R, bare: Vector<R>) -> Vector<R> {
+        if self.rare & rare::FILM == 0 {
+            return bare;
+        }
+        let [share, ior, thickness] = self.rarities.film;
+        let metal = R::bits(self.is(Kind::Metal));
+        bare.each_colour(
+            share.above_all(0.0),
+            #[inline(always)]
+            |i, bare| {
+                let film = Film { share: share.lane(i), ior: ior.lane(i), thickness: thickness.lane(i) };
+                let base = if metal >> i & 1 != 0 {
+                    Base::Metal(self.a.get(i), self.b.get(i))
+                } else {
+                    Base::Normal(self.a.get(i))
+                };
+                bare.lerp(film::reflectance(film, cos.lane(i), base), film.share)
+            },
+        )
+    }
+
+    /// About what facets send back at the cosine `cos` after one bounce that loses `lost` of white light; exact without a film.
+    #[inline(always)]
+    fn once(&self, cos: R, split: [R; 2]) -> Vector<R> {
+        let schlick = self.a * split[0] + self.b * split[1];
+        if self.rare & rare::FILM == 0 {
+            return schlick;
+        }
+        let share = self.rarities.film[0];
+        // Of those that are seen, the mean facet: by what the table says of Schlick's curve over them.
+        let rise = split[1] / (split[0] + split[1]).or_more(cos.all(1e-6));
+        let blurred = cos.each(
+            #[inline(always)]
+            |i| 1.0 - rise.lane(i).clamp(0.0, 1.0).powf(0.2),
+        );
+        let under_film = self.filmed(blurred, Vector::grey(cos.all(0.0))).over(share.or_more(cos.all(1e-6)));
+        let under_film = under_film * (split[0] + split[1]);
+        let mixed = schlick * share.rest() + under_film * share;
+        Vector::pick(share.above_all(0.0), mixed, schlick)
     }
 
     /// Fills in what follows from the view; says which share of light the lobe scatters, without its weight.
@@ -133,28 +251,30 @@ impl<R: Real> SeenLobe<R> {
         if self.has(Kind::Facets) || self.has(Kind::Metal) {
             let metal = self.is(Kind::Metal);
             let is = self.is(Kind::Facets) | metal;
-            let ggx = Ggx::from_alpha(self.alpha);
-            let energy = Energy::of(ggx);
-            let split = energy.split(self.cos);
+            let slopes = self.slopes();
+            let energy = slopes.energy();
+            let split = slopes.split(Some(self.wo), self.cos);
             let lost_here = lost(split);
-            let average = Vector::pick(metal, self.c, fresnel::schlick_average(self.a, self.b));
+            let mut average = Vector::pick(metal, self.c, fresnel::schlick_average(self.a, self.b));
+            if self.rare & rare::FILM != 0 {
+                average = Vector::pick(self.rarities.film[0].above_all(0.0), self.c, average);
+            }
             let more = energy.more(average);
-            let schlick = self.a * split[0] + self.b * split[1];
-            let once = Vector::pick(metal, self.c * lost_here.rest(), schlick);
+            let once = Vector::pick(metal, self.c * lost_here.rest(), self.once(self.cos, split));
             let further = more * lost_here;
             let (by_facets, by_cosine) = (once.max_element(), further.max_element());
             let both = (by_facets + by_cosine).or_more(one.all(f32::MIN_POSITIVE));
             self.share_of_more = R::pick(is, by_cosine / both, self.share_of_more);
             self.more = Vector::pick(is, more, self.more);
             self.lost = R::pick(is, lost_here * energy.more_scale(), self.lost);
-            self.hidden = R::pick(is, ggx.lambda(self.cos), self.hidden);
+            self.hidden = R::pick(is, slopes.lambda(self.wo, self.cos), self.hidden);
             albedo = Vector::pick(is, once + further, albedo);
         }
         for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
             if self.has(kind) {
                 let is = self.is(kind);
                 let (glass, _) = self.glass(thin);
-                let seen = glass.seen(self.cos);
+                let seen = glass.seen(self.wo, self.cos);
                 self.lost = R::pick(is, seen.lost, self.lost);
                 self.hidden = R::pick(is, seen.hidden, self.hidden);
                 // About: facets mirror as the plane does, blurred.
@@ -162,6 +282,9 @@ impl<R: Real> SeenLobe<R> {
                 let mirrored = glass.mirrored(blurred);
                 albedo = Vector::pick(is, self.b + (self.a - self.b) * mirrored, albedo);
             }
+        }
+        if self.has(Kind::Translucent) {
+            albedo = Vector::pick(self.is(Kind::Translucent), self.a, albedo);
         }
         if self.has(Kind::Sheen) {
             let is = self.is(Kind::Sheen);
@@ -178,17 +301,21 @@ impl<R: Real> SeenLobe<R> {
         albedo
     }
 
-    /// Share of light that smooth glass mirrors.
+    /// Share of light that smooth glass mirrors, by colour.
     #[inline(always)]
-    fn mirrored_by_plane(&self) -> R {
-        let once = fresnel::dielectric(self.cos, self.eta);
-        R::pick(self.is(Kind::SmoothPane), dielectric::pane(once), once)
+    pub(super) fn mirrored_by_plane(&self) -> Vector<R> {
+        let (once, pane) = (fresnel::dielectric(self.cos, self.eta), self.is(Kind::SmoothPane));
+        let bare = R::pick(pane, dielectric::pane(once), once);
+        if self.rare & rare::FILM == 0 {
+            return Vector::grey(bare);
+        }
+        rough_dielectric::filmed(self.rarities.film, self.cos, self.eta, pane, bare)
     }
 
     /// Share of light that a lobe which covers others sends back, towards the cosine `cos`; `split` is that of its facets there.
     #[inline(always)]
     pub(super) fn sent_back(&self, cos: R, split: [R; 2]) -> Vector<R> {
-        let facets = self.a * split[0] + self.b * split[1] + self.more * lost(split);
+        let facets = self.once(cos, split) + self.more * lost(split);
         let is_facets = self.is(Kind::Facets);
         let mut back = Vector::pick(is_facets, facets, self.c);
         if self.has(Kind::Sheen) {
@@ -200,13 +327,28 @@ impl<R: Real> SeenLobe<R> {
         Vector::pick(clear, Vector::grey(cos.all(0.0)), back) * self.cover
     }
 
+    /// What facets send back of white light at the cosine `cos` > 0, from the direction `w` or from all around.
     #[inline(always)]
-    pub(super) fn split(&self, cos: R) -> [R; 2] {
+    pub(super) fn split(&self, w: Option<Vector<R>>, cos: R) -> [R; 2] {
         if self.has(Kind::Facets) || self.has(Kind::Metal) {
-            Energy::of(Ggx::from_alpha(self.alpha)).split(cos)
+            self.slopes().split(w, cos)
         } else {
             [cos.all(0.0); 2]
         }
+    }
+
+    /// Takes into account what the layers above leave: `left` of light from where it is seen, `average` of light from everywhere. A body
+    /// that scatters to all sides gets what is left of both directions, over the mean of what is left; others the smaller of both.
+    #[inline(always)]
+    pub(super) fn put_below(&mut self, left: Vector<R>, average: Vector<R>) {
+        let wide = self.is(Kind::Diffuse) | self.is(Kind::Translucent);
+        let shared = (self.weight * left).with(
+            average,
+            #[inline(always)]
+            |w, a| w / a.or_more(a.all(1e-6)),
+        );
+        self.weight = Vector::pick(wide, shared, self.weight);
+        self.left = Vector::pick(wide, Vector::grey(self.cos.all(f32::MAX)), left);
     }
 
     /// Points that lie below lobe `j`.
@@ -225,6 +367,11 @@ impl<R: Real> SeenLobe<R> {
         let front = above & i.above(zero);
         let i_front = i.or_more(i.all(1e-20));
         let by_cosine = i_front * FRAC_1_PI;
+        if self.has(Kind::Translucent) {
+            let is = self.is(Kind::Translucent) & !above & zero.above(i);
+            let by_cosine = i.size() * FRAC_1_PI;
+            (value, pdf) = (Vector::pick(is, self.a * by_cosine, value), R::pick(is, by_cosine, pdf));
+        }
         if self.has(Kind::Diffuse) {
             let is = self.is(Kind::Diffuse) & front;
             let smooth = self.alpha.is(zero);
@@ -239,13 +386,12 @@ impl<R: Real> SeenLobe<R> {
         let facets = Kind::Facets.bit() | Kind::Metal.bit() | Kind::Sheen.bit();
         if self.kinds & facets != 0 {
             let h = (self.wo + wi).normalize_or(self.normal);
-            let sin2 = self.normal.cross(h).length_squared();
             if self.has(Kind::Facets) || self.has(Kind::Metal) {
                 let is = (self.is(Kind::Facets) | self.is(Kind::Metal)) & front;
-                let ggx = Ggx::from_alpha(self.alpha);
-                let density = ggx.density(self.normal.dot(h), sin2) / (self.cos * 4.0);
+                let slopes = self.slopes();
+                let density = slopes.density(self.normal, h) / (self.cos * 4.0);
                 let (one, cos_h) = (i.all(1.0), self.wo.dot(h));
-                let lobe = density / (self.hidden + ggx.lambda(i_front) + one);
+                let lobe = density / (self.hidden + slopes.lambda(wi, i_front) + one);
                 let rise = fresnel::schlick_rise(cos_h);
                 let mut reflectance = self.a + (self.b - self.a) * rise;
                 if self.has(Kind::Metal) {
@@ -256,6 +402,7 @@ impl<R: Real> SeenLobe<R> {
                     );
                     reflectance = Vector::pick(self.is(Kind::Metal), metal, reflectance);
                 }
+                reflectance = self.filmed(cos_h, reflectance);
                 let further = self.more * (self.lost * lost(split) * i_front);
                 let mixed = self.share_of_more.rest() * density / (self.hidden + one)
                     + self.share_of_more * by_cosine;
@@ -264,14 +411,31 @@ impl<R: Real> SeenLobe<R> {
             }
             if self.has(Kind::Sheen) {
                 let is = self.is(Kind::Sheen) & front;
-                let lobe = sheen::lobe_cos(self.alpha, [self.cos, i_front], sin2.root());
+                let lobe = sheen::lobe_cos(
+                    self.alpha,
+                    [self.cos, i_front],
+                    self.normal.cross(h).length_squared().root(),
+                );
                 (value, pdf) = (Vector::pick(is, Vector::grey(lobe), value), R::pick(is, by_cosine, pdf));
             }
         }
         for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
             if self.has(kind) {
                 let (glass, seen) = self.glass(thin);
-                let (light, density) = glass.eval_pdf(seen, self.normal, [self.wo, wi], [self.cos, i]);
+                let (mut light, mut density) =
+                    glass.eval_pdf(seen, self.normal, [self.wo, wi], [self.cos, i]);
+                if self.rare & rare::SPREAD != 0 && !thin {
+                    let ways = [self.wo, wi];
+                    let colours = self.colours();
+                    (light, density) = dispersed::eval_pdf(
+                        &glass,
+                        &colours,
+                        self.normal,
+                        ways,
+                        [self.cos, i],
+                        (light, density),
+                    );
+                }
                 // Both normals must say the same of the side.
                 let is = self.is(kind) & (front | (!above & zero.above(i)));
                 (value, pdf) = (Vector::pick(is, light, value), R::pick(is, density, pdf));
@@ -305,18 +469,24 @@ impl<R: Real> SeenLobe<R> {
             lost: R::pick(mask, next.lost, self.lost),
             chance: R::pick(mask, next.chance, self.chance),
             share_of_more: R::pick(mask, next.share_of_more, self.share_of_more),
+            rare: self.rare | next.rare,
+            rarities: if (self.rare | next.rare) == 0 {
+                self.rarities
+            } else {
+                Rarities::pick(mask, &next.rarities, &self.rarities)
+            },
             ..self
         }
     }
 
     /// Where delta lobes send light, mirrored and through, in the frame of `wo`, with its share of the light; and the
-    /// probability with which the former is followed.
+    /// probability with which the former is followed. What is bent by colour goes where yellow light does.
     #[inline(always)]
     pub(super) fn branches(&self, wo: Vector<R>) -> ([Branch<R>; 2], R) {
         let (zero, one) = (wo.z.all(0.0), wo.z.all(1.0));
         let mirrored = Vector::new(-wo.x, -wo.y, wo.z);
         let is_mirror = self.is(Kind::Mirror);
-        let share = R::pick(is_mirror, one, self.mirrored_by_plane());
+        let share = Vector::pick(is_mirror, Vector::grey(one), self.mirrored_by_plane());
         let (bent, some) = dielectric::refract(wo, Vector::all(one, Vec3::Z), self.eta);
         let pane = self.is(Kind::SmoothPane);
         let (through, some) = (Vector::pick(pane, -wo, bent), some | pane);
@@ -328,6 +498,33 @@ impl<R: Real> SeenLobe<R> {
         );
         let chance = R::pick((a + b).above(zero), a / (a + b), one);
         ([(mirrored, lights[0]), (through, lights[1])], chance)
+    }
+}
+
+impl<R: Real> SeenLobe<R> {
+    /// For smooth glass that bends colours into different directions, at the points in the mask: the direction that `u` chooses, in the
+    /// frame of `wo`, and its light over the probability of that.
+    #[inline(always)]
+    pub(super) fn branch_by_colour(&self, mask: R::Mask, wo: Vector<R>, u: R) -> (Vector<R>, Vector<R>) {
+        let black = Vector::grey(u.all(0.0));
+        let [share, ior, thickness] = self.rarities.film;
+        let one = |i: usize| {
+            let colours = (self.rarities.spread.lane(i), self.rarities.channels.get(i));
+            let film = Film { share: share.lane(i), ior: ior.lane(i), thickness: thickness.lane(i) };
+            let tints = [self.a.get(i), self.b.get(i)];
+            dispersed::branch(self.eta.lane(i), colours, film, tints, wo.get(i), u.lane(i))
+        };
+        let ways = black.each_colour(
+            mask,
+            #[inline(always)]
+            |i, _| one(i).0,
+        );
+        let lights = black.each_colour(
+            mask,
+            #[inline(always)]
+            |i, _| one(i).1,
+        );
+        (ways, lights)
     }
 }
 
@@ -346,7 +543,7 @@ pub(super) fn eval_pdf<R: Real, L: Borrow<SeenLobe<R>>>(
     for (k, lobe) in lobes.take(MOST).enumerate() {
         let lobe: &SeenLobe<R> = lobe.borrow();
         let i = lobe.normal.dot(wi);
-        let split = lobe.split(i.size());
+        let split = lobe.split(Some(wi), i.size());
         if lobe.covers {
             left[k] = Some(lobe.sent_back(i.size(), split).rest());
         }
@@ -384,6 +581,14 @@ impl<'a> LobesAt<'a, f32> {
             under: std::slice::from_ref(&lobe.under),
             under_any: lobe.under,
             covers: lobe.cover > 0.0,
+            rare: lobe.rare(),
+            rarities: Rarities {
+                tangent: lobe.tangent.into(),
+                across: lobe.across,
+                film: [lobe.film.share, lobe.film.ior, lobe.film.thickness],
+                spread: lobe.spread,
+                channels: Vector::grey(0.0),
+            },
         }
     }
 }

@@ -8,7 +8,7 @@
 use glam::Vec3;
 
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::bsdf::{Bsdf, ClosureBatch, Lobe, fresnel};
+use crate::bsdf::{Bsdf, ClosureBatch, Lobe, Medium, fresnel};
 use crate::shader::{SurfaceShader, Tracer};
 
 /// Smooth glass; the geometric normal points out of it.
@@ -20,19 +20,35 @@ pub struct Dielectric {
     pub reflectance: Vec3,
     /// Tint of what goes through.
     pub transmittance: Vec3,
+    /// Share of light that is absorbed within per way, 1 over world units, >= 0.
+    pub absorption: Vec3,
+    /// How much greater the index is for blue-green light (486.1 nm) than for red (656.3 nm), >= 0.
+    pub spread: f32,
+}
+
+/// What is left of light that comes straight to lane `i` through what absorbs so much, where it comes from within.
+pub(super) fn inside(hits: &SurfaceBatch, i: usize, absorption: Vec3) -> Vec3 {
+    if hits.front(i) || absorption == Vec3::ZERO { Vec3::ONE } else { (-absorption * hits.t[i]).exp() }
 }
 
 impl SurfaceShader for Dielectric {
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
         for i in 0..hits.len() {
             let eta = if hits.front(i) { 1.0 / self.ior } else { self.ior };
-            let lobes = Lobe::glass(eta, self.reflectance, self.transmittance, false);
+            let lobes = Lobe::glass(eta, self.reflectance, self.transmittance, false).dispersed(self.spread);
             let (point, wo) = (hits.point(i), -hits.ray_dir.get(i));
             let bent = point.bent_normal(hits.facing_ns(i), wo);
             let [_, through] = Bsdf::new(bent, lobes).delta_branches(wo);
             let leads_in = through.is_none_or(|s| point.scatter_ray(s.wi, true, f32::INFINITY).is_some());
             out.set(i, if leads_in { bent } else { point.ng }, &[lobes]);
+            if self.has_medium() {
+                out.fill(i, Medium::behind(self.absorption, hits.front(i)));
+            }
         }
+    }
+
+    fn has_medium(&self) -> bool {
+        self.absorption != Vec3::ZERO
     }
 
     fn transmit(&self, _tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
@@ -40,7 +56,7 @@ impl SurfaceShader for Dielectric {
             let cos = hits.ray_dir.get(i).dot(hits.facing_ng(i)).abs();
             // Straight on, so the share is that of the denser side's outside wherever one is.
             let share = fresnel::dielectric(cos, (1.0 / self.ior).min(self.ior));
-            out.set(i, self.transmittance * (1.0 - share));
+            out.set(i, self.transmittance * inside(hits, i, self.absorption) * (1.0 - share));
         }
     }
 

@@ -55,6 +55,10 @@ impl SurfaceShader for Material {
         self.open(hits, out);
     }
 
+    fn has_medium(&self) -> bool {
+        self.surface.has_medium()
+    }
+
     fn is_solid(&self) -> bool {
         self.coverage.is_none() && self.surface.is_solid()
     }

@@ -4,12 +4,13 @@
 //! Source: glTF 2.0 section 3.9, KHR_materials_{specular, clearcoat, sheen, transmission}; the model itself is `bsdf/principled.rs`.
 //! Proof: crates/render/tests/appearance.rs, `tests` of `bsdf`.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::bsdf::{ClosureBatch, Lobes, Principled, fresnel};
+use crate::bsdf::{ClosureBatch, Film, Lobes, Medium, Principled, fresnel};
 use crate::materials::SMOOTH;
 use crate::materials::color::TexturedColor;
+use crate::materials::dielectric::inside;
 use crate::sampling::Basis;
 use crate::shader::{SurfaceShader, Tracer};
 use crate::texture::TextureSampler;
@@ -34,7 +35,7 @@ pub struct MetallicRoughness {
 }
 
 /// What glTF's extensions add to metal and plastic.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Layers {
     /// Multiplied to the plastic's reflectance, in [0, 1].
     pub specular: f32,
@@ -52,6 +53,22 @@ pub struct Layers {
     pub transmission: f32,
     /// Whether that glass is a pane that does not bend light.
     pub thin: bool,
+    /// Share of light that the inside of glass which is no pane absorbs per way, 1 over world units, >= 0.
+    pub absorption: Vec3,
+    /// How much greater the glass's index is for blue-green light than for red, >= 0.
+    pub spread: f32,
+    /// How much rougher facets are along one direction, in [0, 1]; 0 = not at all.
+    pub anisotropy: f32,
+    /// That direction, from where the texture's u grows, counter-clockwise, radians.
+    pub anisotropy_rotation: f32,
+    /// Red and green: the direction before it is turned; blue: multiplied to how much rougher they are.
+    pub anisotropy_texture: Option<TextureSampler>,
+    /// A film on plastic, metal and glass.
+    pub film: Film,
+    /// Share of the plastic's body that scatters light through, in [0, 1].
+    pub translucence: f32,
+    /// Albedo of that.
+    pub beyond: Vec3,
 }
 
 impl Default for Layers {
@@ -66,8 +83,24 @@ impl Default for Layers {
             sheen_roughness: 0.0,
             transmission: 0.0,
             thin: true,
+            absorption: Vec3::ZERO,
+            spread: 0.0,
+            anisotropy: 0.0,
+            anisotropy_rotation: 0.0,
+            anisotropy_texture: None,
+            film: Film::default(),
+            translucence: 0.0,
+            beyond: Vec3::ONE,
         }
     }
+}
+
+/// Where a texture's own coordinates grow, from where the mesh's do: its transform undone. `None` where they grow nowhere.
+fn axes(texture: &TextureSampler, dp_du: Vec3, dp_dv: Vec3) -> Option<[Vec3; 2]> {
+    let [a, b, c, d, ..] = texture.uv_from_mesh;
+    let side = (a * d - b * c).signum();
+    let (u, v) = ((dp_du * d - dp_dv * b) * side, (dp_dv * a - dp_du * c) * side);
+    (u != Vec3::ZERO && a * d != b * c).then_some([u, v])
 }
 
 /// Normals from a texture.
@@ -80,20 +113,14 @@ pub struct NormalMap {
 }
 
 impl NormalMap {
-    /// Where the map's own coordinates grow, from where the mesh's do: its transform undone. `None` where they grow nowhere.
-    fn axes(&self, dp_du: Vec3, dp_dv: Vec3) -> Option<[Vec3; 2]> {
-        let [a, b, c, d, ..] = self.texture.uv_from_mesh;
-        let side = (a * d - b * c).signum();
-        let (u, v) = ((dp_du * d - dp_dv * b) * side, (dp_dv * a - dp_du * c) * side);
-        (u != Vec3::ZERO && a * d != b * c).then_some([u, v])
-    }
-
     /// The shading normal of a lane, unit, on the side of the mesh's own.
     fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
         let ns = hits.ns.get(i);
         let [x, y, z, _] = self.texture.sample([hits.texcoord[0][i], hits.texcoord[1][i]]);
         let local = Vec3::new((2.0 * x - 1.0) * self.scale, (2.0 * y - 1.0) * self.scale, 2.0 * z - 1.0);
-        let Some([tangent, bitangent]) = self.axes(hits.dp_du.get(i), hits.dp_dv.get(i)) else { return ns };
+        let Some([tangent, bitangent]) = axes(&self.texture, hits.dp_du.get(i), hits.dp_dv.get(i)) else {
+            return ns;
+        };
         let mut frame = Basis::along(ns, tangent);
         // Mirrored coordinates, and mirrored instances, make it left-handed.
         if frame.bitangent.dot(bitangent) < 0.0 {
@@ -109,6 +136,38 @@ impl MetallicRoughness {
     fn normal(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
         let ns = self.normal_map.as_ref().map_or_else(|| hits.ns.get(i), |map| map.at_hit(hits, i));
         if ns.dot(hits.facing_ng(i)) < 0.0 { -ns } else { ns }
+    }
+}
+
+impl MetallicRoughness {
+    /// Makes facets rougher along the direction in which they are brushed: glTF's alpha along it goes to 1 with the square of the strength.
+    fn brush(&self, hits: &SurfaceBatch, i: usize, ns: Vec3, model: &mut Principled) {
+        let layers = &self.layers;
+        let (mut strength, mut way) = (layers.anisotropy, Vec2::X);
+        let [mut u, mut v] = [hits.dp_du.get(i), hits.dp_dv.get(i)];
+        if let Some(texture) = &layers.anisotropy_texture {
+            let [r, g, b, _] = texture.sample([hits.texcoord[0][i], hits.texcoord[1][i]]);
+            strength *= b;
+            way = Vec2::new(2.0 * r - 1.0, 2.0 * g - 1.0).try_normalize().unwrap_or(Vec2::X);
+            if let Some(axes) = axes(texture, u, v) {
+                [u, v] = axes;
+            }
+        }
+        let way = Vec2::from_angle(layers.anisotropy_rotation).rotate(way);
+        let frame = Basis::along(ns, u);
+        let bitangent = if frame.bitangent.dot(v) < 0.0 { -frame.bitangent } else { frame.bitangent };
+        model.tangent = frame.tangent * way.x + bitangent * way.y;
+        model.across = model.alpha.max(f32::MIN_POSITIVE);
+        model.alpha += (1.0 - model.alpha) * (strength * strength).clamp(0.0, 1.0);
+    }
+
+    /// Whether light is absorbed in it.
+    fn has_inside(&self) -> bool {
+        let layers = &self.layers;
+        layers.absorption != Vec3::ZERO
+            && layers.transmission > 0.0
+            && !layers.thin
+            && layers.translucence == 0.0
     }
 }
 
@@ -132,8 +191,22 @@ impl SurfaceShader for MetallicRoughness {
             model.transmission = layers.transmission.clamp(0.0, 1.0);
             model.eta = if hits.front(i) { 1.0 / self.ior } else { self.ior };
             model.thin = layers.thin;
+            model.film = layers.film;
+            model.spread = layers.spread;
+            model.translucence = layers.translucence.clamp(0.0, 1.0);
+            model.beyond = layers.beyond.clamp(Vec3::ZERO, Vec3::ONE);
+            if layers.anisotropy > 0.0 {
+                self.brush(hits, i, ns, &mut model);
+            }
             out.set(i, ns, Lobes::from(model).as_slice());
+            if self.has_inside() {
+                out.fill(i, Medium::behind(layers.absorption, hits.front(i)));
+            }
         }
+    }
+
+    fn has_medium(&self) -> bool {
+        self.has_inside()
     }
 
     fn transmit(&self, _tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
@@ -145,7 +218,8 @@ impl SurfaceShader for MetallicRoughness {
             let cos = hits.ray_dir.get(i).dot(hits.facing_ng(i)).abs();
             let share = fresnel::dielectric(cos, (1.0 / self.ior).min(self.ior));
             let glass = self.layers.transmission * (1.0 - self.metallic);
-            out.set(i, self.base_color.at_hit(hits, i) * (glass * (1.0 - share)));
+            let left = inside(hits, i, if self.has_inside() { self.layers.absorption } else { Vec3::ZERO });
+            out.set(i, self.base_color.at_hit(hits, i) * left * (glass * (1.0 - share)));
         }
     }
 

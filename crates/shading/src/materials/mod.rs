@@ -21,7 +21,7 @@ pub use material::Material;
 pub use matte::Matte;
 pub use metallic_roughness::{Layers, MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
-pub use points::{FromPoints, metal, rough_glass, rough_matte};
+pub use points::{FromPoints, RoughGlass, metal, rough_matte};
 pub use shadow_catcher::ShadowCatcher;
 pub use whitted::{recursive_radiance, scattered_radiance};
 

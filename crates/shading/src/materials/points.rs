@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::bsdf::{Bsdf, ClosureBatch, Lobe};
+use crate::bsdf::{Bsdf, ClosureBatch, Kind, Lobe, Medium};
 use crate::materials::color::TexturedColor;
 use crate::shader::SurfaceShader;
 
@@ -42,21 +42,53 @@ pub fn metal(eta: Vec3, k: Vec3, roughness: f32) -> impl SurfaceShader {
     FromPoints(move |hits: &SurfaceBatch, i| shiny(hits, i, hits.facing_ns(i), metal))
 }
 
-/// Rough glass of index `ior`, a pane if `thin`; `roughness` is glTF's, in [0, 1].
-#[must_use]
-pub fn rough_glass(
-    ior: f32,
-    roughness: f32,
-    reflectance: Vec3,
-    transmittance: Vec3,
-    thin: bool,
-) -> impl SurfaceShader {
-    let side = |eta| Lobe::rough_glass(roughness * roughness, eta, reflectance, transmittance, thin);
-    let (front, back) = (side(1.0 / ior), side(ior));
-    FromPoints(move |hits: &SurfaceBatch, i| {
-        let glass = if hits.front(i) { front } else { back };
-        shiny(hits, i, hits.facing_ns(i), glass)
-    })
+/// Rough glass; the geometric normal points out of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoughGlass {
+    front: Lobe,
+    back: Lobe,
+    absorption: Vec3,
+}
+
+impl RoughGlass {
+    /// Glass of index `ior`, a pane if `thin`; `roughness` is glTF's, in [0, 1]; tints are of what is mirrored and of what goes through.
+    #[must_use]
+    pub fn new(ior: f32, roughness: f32, [reflectance, transmittance]: [Vec3; 2], thin: bool) -> Self {
+        let side = |eta| Lobe::rough_glass(roughness * roughness, eta, reflectance, transmittance, thin);
+        Self { front: side(1.0 / ior), back: side(ior), absorption: Vec3::ZERO }
+    }
+
+    /// The same with an inside, if it is no pane: it absorbs so much per way (1 over world units), and its index is greater by `spread` for
+    /// blue-green light than for red.
+    #[must_use]
+    pub fn with_inside(self, absorption: Vec3, spread: f32) -> Self {
+        let absorption = if self.front.kind == Kind::Pane { Vec3::ZERO } else { absorption };
+        Self { front: self.front.dispersed(spread), back: self.back.dispersed(spread), absorption }
+    }
+}
+
+impl SurfaceShader for RoughGlass {
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        for i in 0..hits.len() {
+            let front = hits.front(i);
+            let bsdf = shiny(hits, i, hits.facing_ns(i), if front { self.front } else { self.back });
+            out.set(i, bsdf.normal(), bsdf.lobes().as_slice());
+            if self.has_medium() {
+                out.fill(i, Medium::behind(self.absorption, front));
+            }
+        }
+    }
+
+    fn has_medium(&self) -> bool {
+        self.absorption != Vec3::ZERO
+    }
+
+    fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
+        for i in 0..hits.len() {
+            let lobe = if hits.front(i) { self.front } else { self.back };
+            out.set(i, shiny(hits, i, hits.facing_ns(i), lobe).albedo(-hits.ray_dir.get(i)));
+        }
+    }
 }
 
 /// A lane that scatters around the normal `ns`, bent so that mirror images stay above.

@@ -4,6 +4,7 @@
 //! ray each and ignore light samples of lights that such a ray can meet; wide lobes weigh all light samples and send no
 //! ray. Lights without extent reach narrow lobes by samples either way. Smooth glass follows both branches at the ray's
 //! first hit; later ones choose one by its share, which keeps the tree small and the mean right.
+//! Glass that bends colours apart sends one ray, of one of them. What glass absorbs is taken where light leaves it.
 //! What wide lobes would scatter of other surfaces is left out: that is light scattered twice.
 //! Proof: crates/render/tests/{mirrors,appearance,lights}.rs.
 
@@ -11,7 +12,7 @@ use glam::Vec3;
 use gnurt_accel::Ray;
 
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::bsdf::{Bsdf, BsdfSample, ClosureBatch, Scattering};
+use crate::bsdf::{Bsdf, BsdfSample, ClosureBatch, Scattering, left_after};
 use crate::materials::SMOOTH;
 use crate::materials::direct::direct_light;
 use crate::sampling::purpose;
@@ -57,6 +58,12 @@ pub fn recursive_radiance(
         behind.push(hits, i, straight, (branch::STRAIGHT, Vec3::splat(1.0 - points[i].coverage)));
     }
     behind.trace(tracer, hits, out);
+    if closures.has_media() {
+        for i in 0..hits.len() {
+            let left = left_after(hits.t[i], [closures.medium(i).on(true), Vec3::ZERO]);
+            out.set(i, out.get(i) * left);
+        }
+    }
 }
 
 /// The same of what is there.
@@ -98,7 +105,7 @@ pub fn scattered_radiance(
             continue;
         }
         let deltas = narrow.delta_branches(wo(i));
-        if hits.depth == 0 && !narrow.is_smooth() {
+        if hits.depth == 0 && !narrow.is_smooth() && !narrow.is_dispersed() {
             deltas.into_iter().flatten().for_each(|sample| rays.push_sample(hits, i, &sample));
         } else {
             let pair = tracer.random(hits.key[i], hits.depth, purpose::DIRECTION);

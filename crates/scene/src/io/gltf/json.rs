@@ -384,12 +384,20 @@ impl Default for MetallicRoughness {
 #[derive(Deserialize, Default)]
 #[serde(default)]
 pub(super) struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_anisotropy")]
+    pub(super) anisotropy: Option<Anisotropy>,
     #[serde(rename = "KHR_materials_clearcoat")]
     pub(super) clearcoat: Option<Clearcoat>,
+    #[serde(rename = "KHR_materials_diffuse_transmission")]
+    pub(super) diffuse_transmission: Option<DiffuseTransmission>,
+    #[serde(rename = "KHR_materials_dispersion")]
+    pub(super) dispersion: Option<Dispersion>,
     #[serde(rename = "KHR_materials_emissive_strength")]
     pub(super) emissive_strength: Option<EmissiveStrength>,
     #[serde(rename = "KHR_materials_ior")]
     pub(super) ior: Option<Ior>,
+    #[serde(rename = "KHR_materials_iridescence")]
+    pub(super) iridescence: Option<Iridescence>,
     #[serde(rename = "KHR_materials_sheen")]
     pub(super) sheen: Option<Sheen>,
     #[serde(rename = "KHR_materials_specular")]
@@ -421,6 +429,11 @@ macro_rules! extensions {
 }
 
 extensions! {
+    Anisotropy {
+        anisotropy_strength: f32 = 0.0,
+        anisotropy_rotation: f32 = 0.0,
+        anisotropy_texture: Option<TextureInfo> = None,
+    }
     Clearcoat {
         clearcoat_factor: f32 = 0.0,
         clearcoat_texture: Option<TextureInfo> = None,
@@ -428,8 +441,22 @@ extensions! {
         clearcoat_roughness_texture: Option<TextureInfo> = None,
         clearcoat_normal_texture: Option<TextureInfo> = None,
     }
+    DiffuseTransmission {
+        diffuse_transmission_factor: f32 = 0.0,
+        diffuse_transmission_texture: Option<TextureInfo> = None,
+        diffuse_transmission_color_factor: [f32; 3] = [1.0; 3],
+        diffuse_transmission_color_texture: Option<TextureInfo> = None,
+    }
+    Dispersion { dispersion: f32 = 0.0 }
     EmissiveStrength { emissive_strength: f32 = 1.0 }
     Ior { ior: f32 = 1.5 }
+    Iridescence {
+        iridescence_factor: f32 = 0.0,
+        iridescence_texture: Option<TextureInfo> = None,
+        iridescence_ior: f32 = 1.3,
+        iridescence_thickness_maximum: f32 = 400.0,
+        iridescence_thickness_texture: Option<TextureInfo> = None,
+    }
     Sheen {
         sheen_color_factor: [f32; 3] = [0.0; 3],
         sheen_color_texture: Option<TextureInfo> = None,
@@ -446,7 +473,11 @@ extensions! {
         transmission_factor: f32 = 0.0,
         transmission_texture: Option<TextureInfo> = None,
     }
-    Volume { thickness_factor: f32 = 0.0 }
+    Volume {
+        thickness_factor: f32 = 0.0,
+        attenuation_color: [f32; 3] = [1.0; 3],
+        attenuation_distance: f32 = f32::INFINITY,
+    }
 }
 
 #[derive(Deserialize, Default)]

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF materials and their textures.
-//! Source: glTF 2.0 section 3.9; KHR_materials_{clearcoat, emissive_strength, ior, sheen, specular, transmission, unlit},
+//! Source: glTF 2.0 section 3.9; KHR_materials_{anisotropy, clearcoat, diffuse_transmission, dispersion, emissive_strength,
+//! ior, iridescence, sheen, specular, transmission, unlit, volume},
 //! KHR_texture_transform.
 //!
-//! Textures of these extensions are not shown, and say so. What material numbers and textures make is said in [`Factors`].
+//! Textures of these extensions, but of the anisotropy, are not shown, and say so. What material numbers and textures make is said in [`Factors`].
 //! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension,
 //! tangents_come_with_normal_maps}`.
 
@@ -28,7 +29,8 @@ use crate::texture::{Filter, Texels, Texture, Wrap};
 pub(super) struct AddedMaterial {
     pub(super) id: MaterialId,
     pub(super) texcoord_set: u32,
-    pub(super) has_normal_map: bool,
+    /// Whether something lies along the tangents of its meshes.
+    pub(super) has_tangents: bool,
 }
 
 /// Bytes that a material of the scene takes beside its name.
@@ -69,10 +71,12 @@ pub(super) fn add_all(
         let factors = converter.factors(i, &material, is_driven);
         let texcoord_set = converter.texcoord_set.unwrap_or(0);
         let converted = factors.material();
-        let has_normal_map = match &converted.surface {
-            _ if is_driven => factors.normal_texture.is_some(),
+        let has_tangents = match &converted.surface {
+            _ if is_driven => factors.normal_texture.is_some() || factors.anisotropy > 0.0,
             Surface::MetallicRoughness { normal_texture, .. } => normal_texture.is_some(),
-            Surface::Principled(principled) => principled.normal_texture.is_some(),
+            Surface::Principled(principled) => {
+                principled.normal_texture.is_some() || principled.anisotropy.strength > 0.0
+            }
             _ => false,
         };
         let id = scene.add_material(converted);
@@ -86,7 +90,7 @@ pub(super) fn add_all(
             let confined_to = document.access.confined_to();
             scene.set_shader_file(id, ShaderFile { file, parameters, confined_to });
         }
-        materials.added.push(AddedMaterial { id, texcoord_set, has_normal_map });
+        materials.added.push(AddedMaterial { id, texcoord_set, has_tangents });
         if is_driven {
             document.hold(size_of::<MovingMaterial>() + factors.name.len(), &place)?;
             materials.moving.push(MovingMaterial { material: id, factors });
@@ -140,6 +144,9 @@ impl Converter<'_, '_> {
             to.metallic_roughness_texture = self.info(pbr.metallic_roughness_texture.as_ref(), Meaning::Data);
             to.normal_texture = self.info(from.normal_texture.as_ref(), Meaning::Data);
             to.normal_scale = from.normal_texture.as_ref().map_or(1.0, |normal| normal.scale);
+            let brushed = extensions.anisotropy.as_ref().filter(|_| is_driven || to.anisotropy > 0.0);
+            to.anisotropy_texture =
+                self.info(brushed.and_then(|brushed| brushed.anisotropy_texture.as_ref()), Meaning::Data);
         }
         to
     }
@@ -176,7 +183,35 @@ impl Converter<'_, '_> {
                 textured.push("KHR_materials_sheen");
             }
         }
-        to.thickness = extensions.volume.as_ref().map_or(0.0, |volume| volume.thickness_factor);
+        if let Some(volume) = &extensions.volume {
+            to.thickness = volume.thickness_factor;
+            to.attenuation_color = volume.attenuation_color;
+            to.attenuation_distance = volume.attenuation_distance;
+        }
+        if let Some(dispersion) = &extensions.dispersion {
+            to.dispersion = dispersion.dispersion;
+        }
+        if let Some(brushed) = &extensions.anisotropy {
+            to.anisotropy = brushed.anisotropy_strength;
+            to.anisotropy_rotation = brushed.anisotropy_rotation;
+        }
+        if let Some(film) = &extensions.iridescence {
+            to.iridescence = film.iridescence_factor;
+            to.iridescence_ior = film.iridescence_ior;
+            to.iridescence_thickness = film.iridescence_thickness_maximum;
+            if film.iridescence_texture.is_some() || film.iridescence_thickness_texture.is_some() {
+                textured.push("KHR_materials_iridescence");
+            }
+        }
+        if let Some(through) = &extensions.diffuse_transmission {
+            to.diffuse_transmission = through.diffuse_transmission_factor;
+            to.diffuse_transmission_color = through.diffuse_transmission_color_factor;
+            let textures =
+                [&through.diffuse_transmission_texture, &through.diffuse_transmission_color_texture];
+            if textures.into_iter().any(Option::is_some) {
+                textured.push("KHR_materials_diffuse_transmission");
+            }
+        }
         for name in textured {
             self.warnings.note(Oddity::NotShown, &self.document.path, None, format!("textures of {name}"));
         }

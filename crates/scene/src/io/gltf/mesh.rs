@@ -153,7 +153,7 @@ impl PrimitiveReader<'_> {
         count: usize,
         warnings: &mut Warnings,
     ) -> Result<Vec<[f32; 4]>, Error> {
-        if !material.has_normal_map || self.primitive.attributes.normals.is_none() {
+        if !material.has_tangents || self.primitive.attributes.normals.is_none() {
             return Ok(Vec::new());
         }
         self.optional::<4>(self.primitive.attributes.tangents, count, warnings)

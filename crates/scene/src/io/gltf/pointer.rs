@@ -100,6 +100,7 @@ fn factor(path: &[&str]) -> Option<FactorPart> {
             ["pbrMetallicRoughness", "metallicRoughnessTexture"] => P::MetallicRoughnessTexture(part),
             ["normalTexture"] => P::NormalTexture(part),
             ["emissiveTexture"] => P::EmissionTexture(part),
+            ["extensions", "KHR_materials_anisotropy", "anisotropyTexture"] => P::AnisotropyTexture(part),
             _ => return None,
         });
     }
@@ -121,6 +122,18 @@ fn factor(path: &[&str]) -> Option<FactorPart> {
             ("KHR_materials_sheen", "sheenRoughnessFactor") => P::SheenRoughness,
             ("KHR_materials_transmission", "transmissionFactor") => P::Transmission,
             ("KHR_materials_volume", "thicknessFactor") => P::Thickness,
+            ("KHR_materials_volume", "attenuationColor") => P::AttenuationColor,
+            ("KHR_materials_volume", "attenuationDistance") => P::AttenuationDistance,
+            ("KHR_materials_dispersion", "dispersion") => P::Dispersion,
+            ("KHR_materials_anisotropy", "anisotropyStrength") => P::Anisotropy,
+            ("KHR_materials_anisotropy", "anisotropyRotation") => P::AnisotropyRotation,
+            ("KHR_materials_iridescence", "iridescenceFactor") => P::Iridescence,
+            ("KHR_materials_iridescence", "iridescenceIor") => P::IridescenceIor,
+            ("KHR_materials_iridescence", "iridescenceThicknessMaximum") => P::IridescenceThickness,
+            ("KHR_materials_diffuse_transmission", "diffuseTransmissionFactor") => P::DiffuseTransmission,
+            ("KHR_materials_diffuse_transmission", "diffuseTransmissionColorFactor") => {
+                P::DiffuseTransmissionColor
+            }
             _ => return None,
         },
         _ => return None,

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `illum` 4, 6, 7, 9; or `d` < 1 with `Kd` 0 and `Ni` > 1 or `Tf` | glass of `Ni`, tinted by `Tf` |
 //! | `illum` 3 or 5 with `Ks` above `Kd`; or `Kd` 0 and `Ks` >= 0.2 | metal of `Ks`; a mirror if `Ns` is absent or >= 1000 |
-//! | `Pm`, `Pr`, `Ps`, `Pc` or `Pcr` (the PBR extension) | metallic-roughness as given, with sheen and clear coat |
+//! | `Pm`, `Pr`, `Ps`, `Pc`, `Pcr`, `aniso` or `anisor` (the PBR extension; the last in turns) | metallic-roughness as given, with sheen, clear coat, brushed facets |
 //! | `Kd` and `Ks` with `Ns` | plastic whose normal reflectance is the mean of `Ks` |
 //! | otherwise | matte |
 //!
@@ -18,6 +18,7 @@ use std::path::PathBuf;
 
 use super::directives::MapStatement;
 use super::mtl::{Entry, Library, Map};
+use crate::detail::{Anisotropy, Interior};
 use crate::id::{MaterialId, TextureId};
 use crate::io::budget::Excess;
 use crate::io::source::{self, Access};
@@ -145,6 +146,7 @@ struct Phong {
     sheen: Option<f32>,
     coat: Option<f32>,
     coat_roughness: Option<f32>,
+    anisotropy: Anisotropy,
 }
 
 impl Phong {
@@ -173,6 +175,11 @@ impl Phong {
             sheen: entry.ps.map(unit),
             coat: entry.pc.map(unit),
             coat_roughness: entry.pcr.map(unit),
+            anisotropy: Anisotropy {
+                strength: entry.aniso.map_or(0.0, unit),
+                rotation: entry.anisor.unwrap_or(0.0) * std::f32::consts::TAU,
+                texture: None,
+            },
         }
     }
 
@@ -186,10 +193,11 @@ impl Phong {
                 ior: self.ni.unwrap_or(1.5),
                 reflectance: [1.0; 3],
                 transmittance: self.tf.unwrap_or([1.0; 3]),
+                interior: Interior::default(),
             };
         }
         let layers = [self.sheen, self.coat].map(|x| x.unwrap_or(0.0));
-        if layers != [0.0; 2] {
+        if layers != [0.0; 2] || self.anisotropy.strength > 0.0 {
             return Surface::Principled(Box::new(Principled {
                 base_color: diffuse,
                 metallic: self.metallic.unwrap_or(0.0),
@@ -198,6 +206,7 @@ impl Phong {
                 sheen_roughness: if layers[0] > 0.0 { SHEEN_ROUGHNESS } else { 0.0 },
                 clearcoat: layers[1],
                 clearcoat_roughness: self.coat_roughness.unwrap_or(0.0),
+                anisotropy: self.anisotropy,
                 ..Principled::default()
             }));
         }

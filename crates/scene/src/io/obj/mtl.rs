@@ -43,6 +43,8 @@ pub(super) struct Entry {
     pub(super) ps: Option<f32>,
     pub(super) pc: Option<f32>,
     pub(super) pcr: Option<f32>,
+    pub(super) aniso: Option<f32>,
+    pub(super) anisor: Option<f32>,
     pub(super) illum: Option<u8>,
     pub(super) map_kd: Option<Box<Map>>,
     pub(super) map_ke: Option<Box<Map>>,
@@ -222,6 +224,8 @@ fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<State
         "Ps" => number(|e| &mut e.ps),
         "Pc" => number(|e| &mut e.pc),
         "Pcr" => number(|e| &mut e.pcr),
+        "aniso" => number(|e| &mut e.aniso),
+        "anisor" => number(|e| &mut e.anisor),
         "illum" => match rest.split_whitespace().next().unwrap_or("").parse() {
             Ok(model) => Ok(Some(Statement::Illum(model))),
             Err(_) => Err("`illum`: expected 0 to 10".into()),

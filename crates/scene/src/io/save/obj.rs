@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use super::files::{check_writable, leave_out, write};
 use super::{png, world};
+use crate::detail::Anisotropy;
 use crate::id::TextureId;
 use crate::io::{Error, Warnings};
 use crate::material::{Alpha, Color, Material, OpacityChannel, Surface, TextureRef};
@@ -145,7 +146,13 @@ fn push_material(text: &mut String, material: &Material, stem: &str) {
             } else {
                 String::new()
             };
-            writeln!(text, "Pm {}\nPr {}{more}", p.metallic, p.roughness)
+            let Anisotropy { strength, rotation, .. } = p.anisotropy;
+            let brushed = if strength > 0.0 {
+                format!("\naniso {strength}\nanisor {}", rotation / std::f32::consts::TAU)
+            } else {
+                String::new()
+            };
+            writeln!(text, "Pm {}\nPr {}{more}{brushed}", p.metallic, p.roughness)
         }
         Surface::Metal { roughness, .. } => writeln!(text, "Pm 1\nPr {roughness}"),
         Surface::RoughDielectric { ior, transmittance, .. } => {

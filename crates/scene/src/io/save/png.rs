@@ -28,7 +28,11 @@ pub(super) fn measures(scene: &Scene) -> HashSet<TextureId> {
             }
             Alpha::Opaque => None,
         };
-        let used = [roughness, normals.map(|normals| normals.texture), opacity];
+        let brushed = match &material.surface {
+            Surface::Principled(p) => p.anisotropy.texture,
+            _ => None,
+        };
+        let used = [roughness, normals.map(|normals| normals.texture), opacity, brushed];
         found.extend(used.into_iter().flatten().map(|used| used.texture));
     }
     found

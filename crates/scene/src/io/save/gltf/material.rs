@@ -4,15 +4,20 @@
 
 use serde_json::{Value, json};
 
+use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::material::{Alpha, Color, Material, Principled, Surface, TextureRef};
 use crate::texture::{Filter, Texture, Wrap};
 
 /// Extensions that a written file may use.
 pub(super) const EXTENSIONS: &[&str] = &[
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
+    "KHR_materials_diffuse_transmission",
+    "KHR_materials_dispersion",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_sheen",
     "KHR_materials_specular",
     "KHR_materials_transmission",
@@ -49,20 +54,19 @@ pub(super) fn material(
             (Color::constant(*albedo), 0.0, 1.0)
         }
         Surface::Metal { roughness, .. } => (material.diffuse_color(), 1.0, *roughness),
-        Surface::RoughDielectric { ior, roughness, transmittance, thin, .. } => {
+        Surface::RoughDielectric { ior, roughness, transmittance, thin, interior, .. } => {
             extensions["KHR_materials_ior"] = json!({ "ior": ior });
             extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
             if !thin {
-                extensions["KHR_materials_volume"] = json!({ "thicknessFactor": 1.0 });
+                inside(interior, &mut extensions);
             }
             (Color::constant(*transmittance), 0.0, *roughness)
         }
         Surface::Mirror { reflectance } => (*reflectance, 1.0, 0.0),
-        Surface::Dielectric { ior, transmittance, .. } => {
+        Surface::Dielectric { ior, transmittance, interior, .. } => {
             extensions["KHR_materials_ior"] = json!({ "ior": ior });
             extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
-            // What has no thickness is a pane.
-            extensions["KHR_materials_volume"] = json!({ "thicknessFactor": 1.0 });
+            inside(interior, &mut extensions);
             (Color::constant(*transmittance), 0.0, 0.0)
         }
         Surface::Shader(_) => (material.diffuse_color(), 0.0, 1.0),
@@ -124,8 +128,39 @@ fn layers(p: &Principled, extensions: &mut Value) {
     if p.transmission > 0.0 {
         extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": p.transmission });
         if !p.thin {
-            extensions["KHR_materials_volume"] = json!({ "thicknessFactor": 1.0 });
+            inside(&p.interior, extensions);
         }
+    }
+    let Anisotropy { strength, rotation, texture } = p.anisotropy;
+    if strength > 0.0 {
+        let mut brushed = json!({ "anisotropyStrength": strength, "anisotropyRotation": rotation });
+        set_texture(&mut brushed, "anisotropyTexture", texture);
+        extensions["KHR_materials_anisotropy"] = brushed;
+    }
+    let Iridescence { factor, ior, thickness } = p.iridescence;
+    if factor > 0.0 {
+        extensions["KHR_materials_iridescence"] = json!({
+            "iridescenceFactor": factor, "iridescenceIor": ior, "iridescenceThicknessMaximum": thickness,
+        });
+    }
+    let DiffuseTransmission { factor, color } = p.diffuse_transmission;
+    if factor > 0.0 {
+        extensions["KHR_materials_diffuse_transmission"] =
+            json!({ "diffuseTransmissionFactor": factor, "diffuseTransmissionColorFactor": color });
+    }
+}
+
+/// What is within solid glass, which glTF tells from a pane by a thickness.
+fn inside(interior: &Interior, extensions: &mut Value) {
+    let mut volume = json!({ "thicknessFactor": 1.0 });
+    // JSON has no infinity: nothing said is that.
+    if interior.attenuation_distance.is_finite() {
+        volume["attenuationColor"] = json!(interior.attenuation_color);
+        volume["attenuationDistance"] = json!(interior.attenuation_distance);
+    }
+    extensions["KHR_materials_volume"] = volume;
+    if interior.dispersion > 0.0 {
+        extensions["KHR_materials_dispersion"] = json!({ "dispersion": interior.dispersion });
     }
 }
 

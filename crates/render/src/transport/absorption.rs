@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What paths from the eye lose to what lies between surfaces.
+//! Source: Beer's law; the rule is that of `gnurt_shading::bsdf::Medium`. Space: world.
+//! A way through holes is one way: it ends where the path is stopped. Invariant: worlds without media are not looked at.
+//! Proof: crates/render/tests/agreement.rs.
+
+use gnurt_shading::SurfaceBatch;
+use gnurt_shading::bsdf::{ClosureBatch, left_after};
+
+use super::holes;
+use super::paths::Paths;
+use crate::options::RenderOptions;
+use crate::world::HitLanes;
+
+/// Takes from the paths of these numbers what is absorbed on their way to the points that stop them.
+pub(crate) fn absorb(
+    options: &RenderOptions,
+    (paths, from): (&mut Paths, HitLanes),
+    numbers: &[u32],
+    points: &SurfaceBatch,
+    closures: &ClosureBatch,
+) {
+    if !paths.has_media() {
+        return;
+    }
+    for (k, &number) in numbers.iter().enumerate() {
+        let number = number as usize;
+        let path = paths.get(number, from.keys[number]);
+        if closures.has_holes() && !holes::is_met(options.seed, path.key, path.edges, closures.coverage(k)) {
+            continue;
+        }
+        let left = left_after(
+            (points.p.get(k) - path.start).length(),
+            [path.absorption, closures.medium(k).on(true)],
+        );
+        paths.dim(number, left);
+    }
+}

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What few materials have: something within them, brushed facets, a thin film, a body that light goes through.
+//! Source: KHR_materials_{anisotropy, diffuse_transmission, dispersion, iridescence, volume}; each says what its numbers mean.
+//! Units: world units, nanometres, radians. Proof: `tests` here and `tests/gltf.rs`.
+
+use crate::texture::TextureRef;
+
+/// What light meets within solid glass. Glass that is thin has no inside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interior {
+    /// What is left of white light after the distance below, in `[0, 1]`.
+    pub attenuation_color: [f32; 3],
+    /// World units, > 0; infinite = nothing is absorbed.
+    pub attenuation_distance: f32,
+    /// 20 over Abbe's number: how far colours are bent apart; 0 = not at all.
+    pub dispersion: f32,
+}
+
+impl Default for Interior {
+    /// Clear.
+    fn default() -> Self {
+        Self { attenuation_color: [1.0; 3], attenuation_distance: f32::INFINITY, dispersion: 0.0 }
+    }
+}
+
+impl Interior {
+    /// Share of light absorbed per way, 1 over world units, by colour: Beer's law has the exponential of minus it times the way.
+    #[must_use]
+    pub fn absorption(&self) -> [f32; 3] {
+        // A colour of nothing would be infinitely much of it.
+        const DARKEST: f32 = 1e-6;
+        let distance = self.attenuation_distance;
+        self.attenuation_color.map(|left| {
+            let most = -left.clamp(DARKEST, 1.0).ln() / distance;
+            if distance > 0.0 && most.is_finite() { most.max(0.0) } else { 0.0 }
+        })
+    }
+
+    /// How much greater the index of glass is for blue-green light (486.1 nm) than for red (656.3 nm), its index for yellow being `ior`.
+    #[must_use]
+    pub fn spread(&self, ior: f32) -> f32 {
+        let dense = ior.max(1.0 / ior);
+        let spread = (dense - 1.0) * self.dispersion / 20.0;
+        if spread.is_finite() { spread.max(0.0) } else { 0.0 }
+    }
+}
+
+/// Facets that are brushed: rougher along one direction.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Anisotropy {
+    /// In `[0, 1]`; the facets' width along the direction goes from that of the roughness to 1 with its square.
+    pub strength: f32,
+    /// From the direction in which the texture's u grows, counter-clockwise, radians.
+    pub rotation: f32,
+    /// Red and green: the direction, `2 texel - 1`, before it is turned; blue: multiplied to the strength.
+    pub texture: Option<TextureRef>,
+}
+
+/// A thin film, whose two sides' reflections interfere.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iridescence {
+    /// Share of the surface that it is on, in `[0, 1]`.
+    pub factor: f32,
+    /// Index of refraction, >= 1.
+    pub ior: f32,
+    /// Nanometres.
+    pub thickness: f32,
+}
+
+impl Default for Iridescence {
+    /// None.
+    fn default() -> Self {
+        Self { factor: 0.0, ior: 1.3, thickness: 400.0 }
+    }
+}
+
+/// A body that scatters light through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiffuseTransmission {
+    /// Share of the body's light that goes through, in `[0, 1]`.
+    pub factor: f32,
+    /// Its colour.
+    pub color: [f32; 3],
+}
+
+impl Default for DiffuseTransmission {
+    /// None.
+    fn default() -> Self {
+        Self { factor: 0.0, color: [1.0; 3] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_after_the_distance_is_the_colour() {
+        let tea = Interior { attenuation_color: [0.8, 0.4, 0.0], attenuation_distance: 2.5, dispersion: 0.0 };
+        let [r, g, b] = tea.absorption().map(|a| (-a * 2.5).exp());
+        assert!((r - 0.8).abs() < 1e-6 && (g - 0.4).abs() < 1e-6 && b < 1e-5, "{r} {g} {b}");
+        assert_eq!(Interior::default().absorption(), [0.0; 3], "clear");
+        for distance in [0.0, -1.0, f32::NAN] {
+            let odd = Interior { attenuation_distance: distance, ..tea };
+            assert_eq!(odd.absorption(), [0.0; 3], "a distance that cannot be: {distance}");
+        }
+    }
+
+    #[test]
+    fn abbes_number_is_twenty_over_the_dispersion() {
+        let diamond = Interior { dispersion: 0.36, ..Interior::default() };
+        let spread = diamond.spread(2.42);
+        assert!((1.42 / spread - 20.0 / 0.36).abs() < 0.01, "{spread}");
+        assert_eq!(Interior::default().spread(1.5), 0.0, "none");
+    }
+}
