@@ -5,6 +5,8 @@
 //! meets eight of them in one test.
 //! Boxes that lie near each other are in one [`Treelet`], and an upper one is over those, so that who changes a box makes one
 //! treelet and the upper one anew and shares all others with the tree before. A few boxes are one treelet, and no more.
+//! Boxes that move while the shutter is open are around all of their way; rays, which know their moment, meet them where they are
+//! (`treelet/keys.rs`).
 //! Space: that of the boxes, which are relative to an origin. Invariant: a box is in one treelet, and `homes` tells in which.
 //! Proof: `build::tests`, `update::tests`, `tests/instances.rs` and `tests/moving_instances.rs` of `gnurt-accel`.
 
@@ -15,7 +17,7 @@ mod update;
 
 use gnurt_accel_core::{Aabb, Quality, SharedList, TreeStats};
 
-use crate::treelet::Treelet;
+use crate::treelet::{NodesAtKeys, Treelet};
 
 pub use update::BoxEdit;
 
@@ -29,8 +31,10 @@ pub struct BoxIndex {
     homes: SharedList<u32>,
     /// Boxes are relative to it.
     origin: [f32; 3],
-    /// Around everything.
+    /// Around everything, at every moment.
     bounds: Aabb,
+    /// The greatest coordinate of any plane.
+    greatest: f32,
     quality: Quality,
     /// How many boxes there are.
     count: usize,
@@ -81,7 +85,29 @@ impl BoxIndex {
 
     /// The greatest coordinate of any plane.
     pub(crate) fn greatest(&self) -> f32 {
-        self.bounds.greatest()
+        self.greatest
+    }
+
+    /// The treelet over all.
+    fn root(&self) -> &Treelet {
+        match &self.treelets[..] {
+            [only] => only,
+            _ => &self.upper,
+        }
+    }
+
+    /// Whether boxes move while the shutter is open.
+    fn moves(&self) -> bool {
+        self.root().at_keys().is_some()
+    }
+
+    /// Looks how large it is.
+    fn measure(&mut self) {
+        let root = self.root();
+        let (bounds, at_keys) = (root.bounds(), root.at_keys().map(NodesAtKeys::bounds));
+        self.greatest =
+            at_keys.iter().flatten().fold(bounds.greatest(), |most, key| most.max(key.greatest()));
+        self.bounds = bounds;
     }
 
     /// What a ray that meets the whole is expected to visit, beside the first node: by the surface area heuristic, a visit of

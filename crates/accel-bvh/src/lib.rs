@@ -12,6 +12,7 @@
 
 mod alone;
 mod apart;
+mod between;
 mod blocked;
 mod boxes;
 mod build;
@@ -49,4 +50,5 @@ pub use motion::MotionIndex;
 pub use refit::Refitted;
 pub use screen::Screen;
 pub use spheres::SphereIndex;
+pub use treelet::BoxesAt;
 pub use user::UserIndex;

@@ -20,11 +20,11 @@ use gnurt_accel_core::{
     Aabb, BadPrimitives, BuildError, INVALID_ID, LARGEST_COORDINATE, Moment, Quality, Threads, TreeStats,
 };
 
+use crate::between::hide_nothing;
 use crate::build::try_build;
 use crate::index::BvhIndex;
 use crate::leaves::Leaves;
-use crate::node::{Child, Node8, WIDTH};
-use crate::tree::Tree;
+use crate::node::{Node8, WIDTH};
 
 /// A tree and triangles at each key.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,9 +35,6 @@ pub struct MotionIndex {
     bounds: Aabb,
     greatest: f32,
 }
-
-/// A box that no ray meets, mixed with itself or not.
-const NOWHERE: Aabb = Aabb { min: [f32::MAX; 3], max: [-f32::MAX; 3] };
 
 impl MotionIndex {
     /// Builds over the triangles that can be traced at every key, given all of them at each; `None` where there are none.
@@ -76,7 +73,7 @@ impl MotionIndex {
                 extend(parallel, &mut boxes, blocks.len(), |i| around(&blocks[i]));
                 let mut tree = tree.clone();
                 tree.refit(&boxes, parallel, &mut Vec::new());
-                hide_nothing(&mut tree);
+                hide_nothing(&mut tree.nodes);
                 let stats = tree.measure();
                 BvhIndex { leaves: Leaves { blocks, ..Leaves::default() }, ..BvhIndex::of_tree(tree, stats) }
             }));
@@ -202,13 +199,4 @@ fn judge(keys: &[Surfaces], number: u32, middle: &Moment) -> Result<Aabb, BadPri
 fn around(block: &TriangleBlock) -> Aabb {
     let boxes = (0..WIDTH).map(|lane| Aabb::around(&block.triangle(lane)));
     boxes.fold(Aabb::EMPTY, |all, one| all.union(&one))
-}
-
-/// Gives children that do not exist a box that can be mixed.
-fn hide_nothing(tree: &mut Tree) {
-    for node in &mut tree.nodes {
-        for place in (0..WIDTH).filter(|&place| node.child(place) == Child::NONE).collect::<Vec<_>>() {
-            node.set(place, &NOWHERE, Child::NONE);
-        }
-    }
 }

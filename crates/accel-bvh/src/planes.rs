@@ -11,6 +11,15 @@ use gnurt_accel_core::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 
 use crate::node::Node8;
 use crate::node_ray::NodeRay;
+use crate::treelet::NodesAtKeys;
+
+/// A member of a treelet that moves: where its box is at keys.
+pub(crate) struct MovingMember<'a> {
+    pub(crate) keys: &'a NodesAtKeys,
+    /// The block, counted with the nodes, and the place in it.
+    pub(crate) block: usize,
+    pub(crate) lane: usize,
+}
 
 /// [`Slabs`] of each ray.
 #[repr(C, align(64))]
@@ -24,18 +33,43 @@ impl TilePlanes {
     pub(crate) const EMPTY: Self =
         Self { inv: [[0.0; TILE]; 3], near: [[0.0; TILE]; 3], far: [[0.0; TILE]; 3] };
 
+    /// The first `count` rays, relative to `origin`, for a tree whose greatest coordinate is `greatest`.
+    #[inline(always)]
+    pub(crate) fn of<S: Simd>(
+        simd: S,
+        rays: &RayTile,
+        count: usize,
+        origin: [f32; 3],
+        greatest: f32,
+    ) -> Self {
+        let mut planes = Self::EMPTY;
+        for at in (0..count).step_by(LANES) {
+            planes.prepare_chunk(simd, rays, origin, greatest, at);
+        }
+        planes
+    }
+
     /// Prepares the first `count` rays.
     #[inline(always)]
     pub(crate) fn prepare<S: Simd>(&mut self, simd: S, rays: &RayTile, count: usize, greatest: f32) {
         for at in (0..count).step_by(LANES) {
-            self.prepare_chunk(simd, rays, greatest, at);
+            self.prepare_chunk(simd, rays, [0.0; 3], greatest, at);
         }
     }
 
     #[inline(always)]
-    fn prepare_chunk<S: Simd>(&mut self, simd: S, rays: &RayTile, greatest: f32, at: usize) {
+    fn prepare_chunk<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &RayTile,
+        origin: [f32; 3],
+        greatest: f32,
+        at: usize,
+    ) {
         let dir = rays.dir_lanes(simd, [0, 1, 2], at);
-        let org = rays.org_lanes(simd, [0, 1, 2], at);
+        let [x, y, z] = rays.org_lanes(simd, [0, 1, 2], at);
+        let from = origin.map(|x| f32x16::splat(simd, x));
+        let org = [x - from[0], y - from[1], z - from[2]];
         let slabs = Slabs::new(org, dir, greatest, |x| f32x16::splat(simd, x));
         for k in 0..3 {
             slabs.inv[k].store_slice(&mut self.inv[k][at..at + LANES]);
@@ -63,6 +97,47 @@ impl TilePlanes {
             leave: chunk(simd, &nearest.t, at),
             rows: heading.rows(),
         }
+    }
+
+    /// The same for a box that moves, each ray at its moment.
+    #[inline(always)]
+    pub(crate) fn meet_moving<S: Simd>(
+        &self,
+        simd: S,
+        &MovingMember { keys, block, lane }: &MovingMember,
+        heading: Heading,
+        rays: &RayTile,
+        nearest: &NearestTile,
+        at: usize,
+    ) -> u64 {
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let time = chunk(simd, &rays.time, at);
+        // NaN is not above zero.
+        let time = time.simd_gt(zero).select(time.min(one), zero) * f32x16::splat(simd, keys.pieces() as f32);
+        let mut bits = 0;
+        for key in 0..keys.pieces() {
+            let b = time - f32x16::splat(simd, key as f32);
+            let is_here = b.simd_ge(zero) & b.simd_le(one);
+            if keys.pieces() > 1 && !is_here.any_true() {
+                continue;
+            }
+            let a = one - b;
+            let (from, to) = (&keys.nodes(key)[block].rows, &keys.nodes(key + 1)[block].rows);
+            let plane = |row: usize| {
+                let [from, to] = [from, to].map(|rows| f32x16::splat(simd, rows[row & 7][lane & 7]));
+                a * from + b * to
+            };
+            let mut enter = chunk(simd, &rays.t_near, at);
+            let mut leave = chunk(simd, &nearest.t, at);
+            for k in 0..3 {
+                let row = 2 * k + usize::from(heading.backwards[k]);
+                let inv = chunk(simd, &self.inv[k], at);
+                enter = enter.max(plane(row).mul_sub(inv, chunk(simd, &self.near[k], at)));
+                leave = leave.min(plane(row ^ 1).mul_sub(inv, chunk(simd, &self.far[k], at)));
+            }
+            bits |= (enter.simd_le(leave) & is_here).to_bitmask();
+        }
+        bits
     }
 
     /// Ray `i` by itself, whose nearer planes are in `rows`.

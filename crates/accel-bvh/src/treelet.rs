@@ -2,8 +2,12 @@
 //! A wide BVH over boxes in one piece of memory, which its copies share: the part of a top tree that an edit makes anew.
 //! Source: [WBB08] for the nodes, [WBS06] for the refit. Leaf blocks are eight boxes again, with the numbers of members as
 //! children, and lie behind the nodes; children come after their parents, so that one pass from the end refits.
+//! Where members move while the shutter is open, boxes are around all of their ways, and `keys.rs` has those of moments.
 //! Space: that of the boxes. Invariant: a box of a node is the smallest around what is below it, or empty.
 //! Proof: `tests`, `boxes::update::tests`.
+
+mod fit;
+mod keys;
 
 use std::sync::Arc;
 
@@ -11,12 +15,18 @@ use gnurt_accel_core::{Aabb, INVALID_ID};
 
 use crate::node::{Child, Node8, WIDTH};
 use crate::tree::Tree;
+use fit::{below, refit};
+
+pub use keys::BoxesAt;
+pub(crate) use keys::NodesAtKeys;
 
 /// Nodes, then blocks.
 #[derive(Clone, Debug)]
 pub(crate) struct Treelet {
     nodes: Arc<[Node8]>,
     first_block: usize,
+    /// The same at moments of an open shutter, if members move.
+    at_keys: Option<Arc<NodesAtKeys>>,
     /// Half the surfaces of all boxes of nodes together: what a ray is expected to visit, times half of the whole's surface.
     areas: f64,
     /// What a ray that meets the whole was expected to visit when this was built.
@@ -26,7 +36,7 @@ pub(crate) struct Treelet {
 impl Default for Treelet {
     /// Without members.
     fn default() -> Self {
-        Self { nodes: Arc::new([]), first_block: 0, areas: 0.0, built_cost: 0.0 }
+        Self { nodes: Arc::new([]), first_block: 0, at_keys: None, areas: 0.0, built_cost: 0.0 }
     }
 }
 
@@ -54,10 +64,22 @@ impl Treelet {
             block
         };
         let nodes = tree.nodes.iter().map(behind_nodes).chain(tree.blocks.iter().map(block)).collect();
-        let mut treelet = Self { nodes, first_block, areas: 0.0, built_cost: 0.0 };
+        let mut treelet = Self { nodes, first_block, at_keys: None, areas: 0.0, built_cost: 0.0 };
         treelet.areas = treelet.measure();
         treelet.built_cost = treelet.cost();
         treelet
+    }
+
+    /// The same with members that are elsewhere at other moments; boxes are to be around all of their ways. Edits forget it.
+    pub(crate) fn moving(self, boxes_at: impl Fn(usize) -> Option<Vec<Aabb>>) -> Self {
+        let at_keys = NodesAtKeys::new(&self.nodes, self.first_block, boxes_at).map(Arc::new);
+        Self { at_keys, ..self }
+    }
+
+    /// The nodes at moments of an open shutter, if members move.
+    #[inline(always)]
+    pub(crate) fn at_keys(&self) -> Option<&NodesAtKeys> {
+        self.at_keys.as_deref()
     }
 
     /// All nodes and blocks; a child of a node is a place among them.
@@ -78,7 +100,8 @@ impl Treelet {
 
     /// Of nodes and blocks.
     pub(crate) fn memory_bytes(&self) -> usize {
-        size_of::<Self>() + size_of_val(&self.nodes[..])
+        let keys = self.at_keys.as_ref().map_or(0, |keys| keys.memory_bytes());
+        size_of::<Self>() + size_of_val(&self.nodes[..]) + keys
     }
 
     /// As the field says.
@@ -150,7 +173,7 @@ impl Treelet {
             }
         }
         refit(nodes, self.first_block);
-        let mut treelet = Self { nodes: all, ..*self };
+        let mut treelet = Self { nodes: all, at_keys: None, ..*self };
         treelet.areas = treelet.measure();
         Some(treelet)
     }
@@ -204,23 +227,6 @@ fn best_room<'a>(blocks: &'a mut [Node8], bounds: &Aabb) -> Option<&'a mut Node8
     let has_room = |block: &&mut Node8| (0..WIDTH).any(|lane| block.child(lane) == Child::NONE);
     let growth = |block: &Node8| growth(&block.whole(), bounds);
     blocks.iter_mut().filter(has_room).min_by(|a, b| growth(a).total_cmp(&growth(b)))
-}
-
-/// Lanes of a node that have a child, and the place of that.
-fn below(node: &Node8) -> impl Iterator<Item = (usize, usize)> {
-    let taken = (0..WIDTH).map(|lane| (lane, node.child(lane))).filter(|(_, child)| *child != Child::NONE);
-    taken.map(|(lane, child)| (lane, if child.is_leaf() { child.blocks().start } else { child.index() }))
-}
-
-/// Makes the boxes of nodes the smallest again.
-fn refit(nodes: &mut [Node8], first_block: usize) {
-    for at in (0..first_block).rev() {
-        let mut node = nodes[at];
-        for (lane, child) in below(&nodes[at]) {
-            node.set(lane, &nodes[child].whole(), node.child(lane));
-        }
-        nodes[at] = node;
-    }
 }
 
 #[cfg(test)]

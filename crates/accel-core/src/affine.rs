@@ -5,6 +5,24 @@
 
 use crate::ray::Ray;
 
+/// Rows of the inverse of a map's linear part, given the images of the axes, then of the origin; `None` where there is none.
+#[inline]
+#[must_use]
+pub fn inverse(columns: &[[f64; 3]; 4]) -> Option<[[f64; 3]; 3]> {
+    // Written out: rays through what moves come here.
+    let [a, b, c, _] = *columns;
+    let cross = |p: [f64; 3], q: [f64; 3]| {
+        [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
+    };
+    let (x, y, z) = (cross(b, c), cross(c, a), cross(a, b));
+    let determinant = a[0] * x[0] + a[1] * x[1] + a[2] * x[2];
+    if determinant == 0.0 {
+        return None;
+    }
+    let over = |n: [f64; 3]| [n[0] / determinant, n[1] / determinant, n[2] / determinant];
+    Some([over(x), over(y), over(z)])
+}
+
 /// `p_object = linear * (p_world - place)`.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectFromWorld {

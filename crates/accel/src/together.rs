@@ -11,7 +11,7 @@ use gnurt_accel_core::trip::TileTrip;
 use crate::engine::Engine;
 
 /// Fewer rays of one heading go one by one.
-const WORTH_A_TILE: u32 = 4;
+pub(crate) const WORTH_A_TILE: u32 = 4;
 
 /// Calls `go` for each heading that is worth it, with a trip whose first rays have it, all of them active; lanes beyond
 /// them up to the next multiple of 16 look for nothing. Returns the bits of the rays that are to go one by one.

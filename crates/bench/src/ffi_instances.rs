@@ -11,6 +11,27 @@ use crate::ffi_embree::{Device, Handle, Scene};
 const GEOMETRY_INSTANCE: c_int = 121;
 const FORMAT_FLOAT3X4_COLUMNS: c_int = 0x9234;
 
+/// Where an instance is at a step: RTCQuaternionDecomposition.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(16))]
+pub(crate) struct Turned {
+    scale: [f32; 3],
+    skew: [f32; 3],
+    shift: [f32; 3],
+    /// The real part first.
+    quaternion: [f32; 4],
+    translation: [f32; 3],
+}
+
+impl Turned {
+    /// Scaled, turned about y, moved.
+    pub(crate) fn about_y(size: f32, angle: f32, translation: [f32; 3]) -> Self {
+        let (sine, cosine) = (0.5 * angle).sin_cos();
+        let quaternion = [cosine, 0.0, sine, 0.0];
+        Self { scale: [size; 3], skew: [0.0; 3], shift: [0.0; 3], quaternion, translation }
+    }
+}
+
 /// A scene of instances, and what is to be told where they are.
 pub(crate) struct Instances<'a> {
     pub(crate) scene: Scene<'a>,
@@ -59,6 +80,22 @@ impl<'a> Instances<'a> {
                     columns.as_ptr().cast(),
                 );
                 (self.scene.library.commit_geometry)(*geometry);
+            }
+        }
+    }
+
+    /// Puts each instance at places evenly spaced over the time, between which it turns along the arc.
+    pub(crate) fn place_moving(&self, ways: &[Vec<Turned>]) {
+        assert_eq!(ways.len(), self.geometries.len(), "a way for each instance");
+        let library = self.scene.library;
+        for (geometry, way) in self.geometries.iter().zip(ways) {
+            // SAFETY: the scene holds the geometry; a structure of sixteen floats is read at each step, and copied.
+            unsafe {
+                (library.set_time_steps)(*geometry, way.len() as c_uint);
+                for (step, turned) in (0..).zip(way) {
+                    (library.set_turned)(*geometry, step, (&raw const *turned).cast());
+                }
+                (library.commit_geometry)(*geometry);
             }
         }
     }

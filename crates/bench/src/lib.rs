@@ -11,6 +11,7 @@
 #![deny(unsafe_code)]
 
 pub mod blur;
+pub mod blur_top;
 pub mod builds;
 mod clock;
 mod contest;

@@ -81,7 +81,7 @@ fn somewhere(random: &mut Random, spread: f32) -> [[f32; 3]; 4] {
 }
 
 /// A ball of 8 x 8 quadrangles.
-fn ball() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
+pub(crate) fn ball() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let side = 8;
     let corner = |i: u32| {
         let (u, v) = ((i % (side + 1)) as f32 / side as f32, (i / (side + 1)) as f32 / side as f32);
@@ -189,7 +189,7 @@ pub fn run(
 }
 
 /// Rays from one side of the cube to the other.
-fn rays(random: &mut Random, spread: f32) -> RayBatch {
+pub(crate) fn rays(random: &mut Random, spread: f32) -> RayBatch {
     (0..50_000)
         .map(|_| {
             let mut next = || spread * random.unit();
@@ -200,7 +200,7 @@ fn rays(random: &mut Random, spread: f32) -> RayBatch {
 }
 
 /// Instances and distances of the closest hits.
-fn closest(scene: &Scene, rays: &RayBatch) -> Vec<(u32, f32)> {
+pub(crate) fn closest(scene: &Scene, rays: &RayBatch) -> Vec<(u32, f32)> {
     let (arguments, active) = (Arguments::new(false), Active([-1; 1]));
     let mut packet = Packet::<1>::new();
     let ask = |i: usize| {
@@ -209,7 +209,7 @@ fn closest(scene: &Scene, rays: &RayBatch) -> Vec<(u32, f32)> {
             (packet.org[k], packet.dir[k]) = ([ray.org[k]], [ray.dir[k]]);
         }
         (packet.t_near, packet.t_far) = ([ray.t_near], [ray.t_far]);
-        (packet.geom_id, packet.inst_id) = ([INVALID_ID], [INVALID_ID]);
+        (packet.time, packet.geom_id, packet.inst_id) = ([ray.time], [INVALID_ID], [INVALID_ID]);
         scene.intersect(&active, &mut packet, &arguments);
         match packet.geom_id[0] {
             INVALID_ID => (INVALID_ID, f32::INFINITY),

@@ -8,7 +8,7 @@ use gnurt_accel_core::{Aabb, BuildError, Quality, SharedList, Threads};
 use super::BoxIndex;
 use crate::build::build;
 use crate::build::parts::{PartOptions, build_parts};
-use crate::treelet::Treelet;
+use crate::treelet::{BoxesAt, NodesAtKeys, Treelet};
 
 /// Most boxes of a treelet when it is built: the fewer, the less an edit copies, and the more often rays change treelets.
 pub(super) const MOST: usize = 128;
@@ -17,13 +17,14 @@ pub(super) const MOST: usize = 128;
 pub(super) const FEW: usize = 1024;
 
 impl BoxIndex {
-    /// Over boxes relative to `origin`, those that are not empty. High quality optimises treelets; the upper one is built
-    /// as `quality` says.
+    /// Over boxes relative to `origin`, those that are not empty; `boxes_at` tells which of them move. High quality optimises
+    /// treelets; the upper one is built as `quality` says.
     ///
     /// # Errors
     /// That `watch` stopped it, or that there are too many boxes (some 2^30).
     pub fn build(
         boxes: &[Aabb],
+        boxes_at: BoxesAt,
         origin: [f32; 3],
         quality: Quality,
         threads: Threads,
@@ -31,7 +32,7 @@ impl BoxIndex {
     ) -> Result<Self, BuildError> {
         let most = if boxes.len() <= FEW { FEW } else { MOST };
         let treelets = build_parts(boxes, PartOptions { most, quality }, threads, watch, |tree| {
-            Treelet::new(&tree, |place| (place, boxes[place as usize]))
+            Treelet::new(&tree, |place| (place, boxes[place as usize])).moving(boxes_at)
         })?;
         let bytes: usize = treelets.iter().map(Treelet::memory_bytes).sum();
         watch.take(bytes + size_of::<u32>() * boxes.len());
@@ -46,13 +47,20 @@ impl BoxIndex {
         }
         let homes = threads.run(|parallel| SharedList::new(homes.len(), parallel, |place| homes[place]));
         let upper = upper(&treelets, quality, threads)?;
-        let bounds = match &treelets[..] {
-            [only] => only.bounds(),
-            _ => upper.bounds(),
-        };
         let built_treelets = treelets.len();
-        let mut index =
-            Self { treelets, upper, homes, origin, bounds, quality, count, built_cost: 0.0, built_treelets };
+        let mut index = Self {
+            treelets,
+            upper,
+            homes,
+            origin,
+            bounds: Aabb::EMPTY,
+            greatest: 0.0,
+            quality,
+            count,
+            built_cost: 0.0,
+            built_treelets,
+        };
+        index.measure();
         index.built_cost = index.cost();
         Ok(index)
     }
@@ -67,7 +75,12 @@ pub(super) fn upper(treelets: &[Treelet], quality: Quality, threads: Threads) ->
     let members: Vec<(u32, Aabb)> = all.filter(|(_, bounds)| !bounds.is_empty()).collect();
     let boxes: Vec<Aabb> = members.iter().map(|(_, bounds)| *bounds).collect();
     let tree = build(&&boxes[..], quality, threads)?;
-    Ok(Treelet::new(&tree, |number| members[number as usize]))
+    Ok(Treelet::new(&tree, |number| members[number as usize]).moving(|number| bounds_at(&treelets[number])))
+}
+
+/// The box of a treelet at keys, if it moves.
+pub(super) fn bounds_at(treelet: &Treelet) -> Option<Vec<Aabb>> {
+    treelet.at_keys().map(NodesAtKeys::bounds)
 }
 
 #[cfg(test)]
@@ -95,7 +108,7 @@ mod tests {
             let boxes = boxes(count);
             for quality in [Quality::Fast, Quality::Medium, Quality::High] {
                 let watch = Watch::new(&());
-                let index = BoxIndex::build(&boxes, [0.0; 3], quality, Threads::Single, &watch)
+                let index = BoxIndex::build(&boxes, &|_| None, [0.0; 3], quality, Threads::Single, &watch)
                     .expect("nobody stops it");
                 let mut seen = vec![0; count];
                 for (home, treelet) in (1..).zip(&index.treelets) {
@@ -127,7 +140,7 @@ mod tests {
         let boxes = boxes(20_000);
         let build = |threads| {
             let watch = Watch::new(&());
-            let index = BoxIndex::build(&boxes, [0.0; 3], Quality::Medium, threads, &watch);
+            let index = BoxIndex::build(&boxes, &|_| None, [0.0; 3], Quality::Medium, threads, &watch);
             index.expect("nobody stops it")
         };
         let (alone, together) = (build(Threads::Single), build(Threads::Pool(&pool)));

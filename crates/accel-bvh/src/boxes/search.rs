@@ -11,8 +11,8 @@ use crate::node::Child;
 use crate::node_ray::NodeRay;
 use crate::point::{Around, square_of, walk_near};
 use crate::tree::DEEPEST;
-use crate::treelet::{DEEPEST_TREELET, Treelet};
-use crate::walk::walk_with;
+use crate::treelet::{DEEPEST_TREELET, NodesAtKeys, Treelet};
+use crate::walk::{Nodes, walk_with};
 
 impl BoxIndex {
     /// Calls `enter` with the places of boxes that `ray`, which is regular and relative to the origin, meets before
@@ -27,8 +27,8 @@ impl BoxIndex {
     ) -> u32 {
         let for_nodes = &NodeRay::new(simd, ray, self.greatest());
         match &self.treelets[..] {
-            [only] => search_treelet(simd, only, for_nodes, reach, enter).1,
-            treelets => search_upper(simd, &self.upper, treelets, for_nodes, reach, enter),
+            [only] => search_treelet(simd, only, for_nodes, ray.time, reach, enter).1,
+            treelets => search_upper(simd, &self.upper, treelets, for_nodes, ray.time, reach, enter),
         }
     }
 
@@ -60,12 +60,11 @@ type Short = StackRoom<u64, { 8 * DEEPEST_TREELET }>;
 fn search_nodes<S: Simd, const WAIT: usize>(
     simd: S,
     room: StackRoom<u64, WAIT>,
-    treelet: &Treelet,
+    nodes: &(impl Nodes + ?Sized),
     ray: &NodeRay<S>,
     mut reach: f32,
     mut enter: impl FnMut(usize, f32) -> f32,
 ) -> (f32, u32) {
-    let nodes = treelet.nodes();
     let visited = walk_with(
         room,
         nodes,
@@ -75,10 +74,10 @@ fn search_nodes<S: Simd, const WAIT: usize>(
         reach,
         #[inline(always)]
         |range| {
-            for block in &nodes[range] {
-                let (mut bits, _) = ray.meet(simd, block, reach);
+            for block in range {
+                let (mut bits, _, members) = nodes.meet(simd, block, ray, reach);
                 while bits != 0 {
-                    let member = block.child(bits.trailing_zeros() as usize).index();
+                    let member = Child::at(members, bits.trailing_zeros() as usize).index();
                     bits &= bits - 1;
                     reach = enter(member, reach);
                 }
@@ -89,51 +88,96 @@ fn search_nodes<S: Simd, const WAIT: usize>(
     (reach, visited)
 }
 
-/// The same, as a function of its own: for the treelets below the upper one.
+/// The same at a moment, as a function of its own: for the treelets below the upper one.
 #[inline(never)]
 fn search_treelet<S: Simd>(
     simd: S,
     treelet: &Treelet,
     ray: &NodeRay<S>,
+    time: f32,
+    reach: f32,
+    enter: &mut dyn FnMut(usize) -> f32,
+) -> (f32, u32) {
+    match treelet.at_keys() {
+        None => simd.vectorize(
+            #[inline(always)]
+            || search_nodes(simd, Short::new(), treelet.nodes(), ray, reach, |place, _| enter(place)),
+        ),
+        Some(keys) => search_keys(simd, keys, ray, time, reach, enter),
+    }
+}
+
+/// The same where members move.
+#[inline(never)]
+fn search_keys<S: Simd>(
+    simd: S,
+    keys: &NodesAtKeys,
+    ray: &NodeRay<S>,
+    time: f32,
     reach: f32,
     enter: &mut dyn FnMut(usize) -> f32,
 ) -> (f32, u32) {
     simd.vectorize(
         #[inline(always)]
-        || search_nodes(simd, Short::new(), treelet, ray, reach, |place, _| enter(place)),
+        || search_nodes(simd, Short::new(), &keys.between(time), ray, reach, |place, _| enter(place)),
     )
 }
 
 /// The same through the upper treelet into those below; returns the number of nodes visited.
-#[inline(never)]
 fn search_upper<S: Simd>(
     simd: S,
     upper: &Treelet,
     treelets: &[Treelet],
     ray: &NodeRay<S>,
+    time: f32,
     reach: f32,
     enter: &mut dyn FnMut(usize) -> f32,
 ) -> u32 {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let mut visited = 0;
-            let above = search_nodes(
-                simd,
-                Long::new(),
-                upper,
-                ray,
-                reach,
-                #[inline(always)]
-                |number, reach| {
-                    let (reach, count) = search_treelet(simd, &treelets[number], ray, reach, enter);
-                    visited += count;
-                    reach
-                },
-            );
-            visited + above.1
-        },
-    )
+    let below = Below { treelets, time };
+    match upper.at_keys() {
+        None => below.search(simd, upper.nodes(), ray, reach, enter),
+        Some(keys) => below.search(simd, &keys.between(time), ray, reach, enter),
+    }
+}
+
+/// Treelets below the upper one, at a moment.
+struct Below<'a> {
+    treelets: &'a [Treelet],
+    time: f32,
+}
+
+impl Below<'_> {
+    #[inline(never)]
+    fn search<S: Simd>(
+        &self,
+        simd: S,
+        upper: &(impl Nodes + ?Sized),
+        ray: &NodeRay<S>,
+        reach: f32,
+        enter: &mut dyn FnMut(usize) -> f32,
+    ) -> u32 {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut visited = 0;
+                let above = search_nodes(
+                    simd,
+                    Long::new(),
+                    upper,
+                    ray,
+                    reach,
+                    #[inline(always)]
+                    |number, reach| {
+                        let treelet = &self.treelets[number];
+                        let (reach, count) = search_treelet(simd, treelet, ray, self.time, reach, enter);
+                        visited += count;
+                        reach
+                    },
+                );
+                visited + above.1
+            },
+        )
+    }
 }
 
 /// Calls `enter` with the members within `radius`, and with that; it answers with the new one. Returns the last one.

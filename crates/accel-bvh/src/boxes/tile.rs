@@ -5,10 +5,12 @@
 use gnurt_accel_core::beam::{Beam, Slopes};
 use gnurt_accel_core::bits::{TILE, all};
 use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::tile::LANES;
 use gnurt_accel_core::trip::TileTrip;
 use gnurt_simd::Simd;
 
 use super::BoxIndex;
+use crate::planes::{MovingMember, TilePlanes};
 use crate::treelet::Treelet;
 use crate::walk::walk_beam;
 
@@ -28,7 +30,8 @@ impl BoxIndex {
         slopes.prepare(simd, trip.rays, count, heading);
         let whole = slopes.all_ranges(simd, trip.rays, count);
         let beam = Beam::new(&whole.relative_to(self.origin), heading, self.greatest());
-        let shot = &Shot { beam, slopes, count };
+        let planes = self.planes(simd, trip, count);
+        let shot = &Shot { beam, slopes, count, heading, planes };
         let farthest = shot.slopes.steps_ahead(simd, trip.nearest, count);
         let visited = match &self.treelets[..] {
             [only] => tile_treelet(simd, only, shot, farthest, trip, enter).1,
@@ -38,12 +41,46 @@ impl BoxIndex {
     }
 }
 
+impl BoxIndex {
+    /// A tile's rays prepared one by one, where boxes move. Not on the stack, which scenes in one another share.
+    #[inline(never)]
+    fn planes<S: Simd>(&self, simd: S, trip: &TileTrip, count: usize) -> Option<Box<TilePlanes>> {
+        if !self.moves() {
+            return None;
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || Some(Box::new(TilePlanes::of(simd, trip.rays, count, self.origin, self.greatest()))),
+        )
+    }
+}
+
 /// A tile's rays, prepared for boxes.
 struct Shot {
     beam: Beam,
     slopes: Slopes,
     /// How many rays there are.
     count: usize,
+    heading: Heading,
+    /// Each ray by itself, where boxes move.
+    planes: Option<Box<TilePlanes>>,
+}
+
+impl Shot {
+    /// Which of the rays, each at its moment, may meet the member at a place of a block that moves.
+    #[inline(never)]
+    fn at_moments<S: Simd>(&self, simd: S, member: MovingMember, trip: &TileTrip) -> u64 {
+        let Some(planes) = &self.planes else { return u64::MAX };
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let chunks = (0..self.count).step_by(LANES);
+                chunks.fold(0, |bits, at| {
+                    bits | planes.meet_moving(simd, &member, self.heading, trip.rays, trip.nearest, at) << at
+                })
+            },
+        )
+    }
 }
 
 /// Calls `enter` with the members whose boxes a tile's rays may meet within `farthest` steps. Returns how far they reach
@@ -68,13 +105,19 @@ fn tile_treelet<S: Simd>(
                 farthest,
                 #[inline(always)]
                 |range| {
-                    for block in &nodes[range] {
+                    for at in range {
+                        let block = &nodes[at];
                         let (mut bits, _) = shot.beam.meet(simd, &block.rows, farthest);
                         while bits != 0 {
-                            let place = block.child(bits.trailing_zeros() as usize).index();
+                            let lane = bits.trailing_zeros() as usize;
                             bits &= bits - 1;
-                            let active = all(shot.count) & trip.nearest.looking(simd);
-                            enter(place, &mut trip.only(active));
+                            let mut active = all(shot.count) & trip.nearest.looking(simd);
+                            if let Some(keys) = treelet.at_keys()
+                                && keys.moves(at, lane)
+                            {
+                                active &= shot.at_moments(simd, MovingMember { keys, block: at, lane }, trip);
+                            }
+                            enter(block.child(lane).index(), &mut trip.only(active));
                         }
                     }
                     farthest = shot.slopes.steps_ahead(simd, trip.nearest, shot.count);

@@ -11,9 +11,9 @@ use gnurt_accel_core::{Aabb, Threads};
 use rayon::prelude::*;
 
 use super::BoxIndex;
-use super::build::{FEW, MOST, upper};
+use super::build::{FEW, MOST, bounds_at, upper};
 use crate::build::parts::{PartOptions, build_parts};
-use crate::treelet::{Treelet, growth};
+use crate::treelet::{BoxesAt, Treelet, growth};
 
 /// A tree that costs this much more than when all of it was built is built again.
 const WORN: f64 = 1.5;
@@ -31,16 +31,17 @@ struct Due<'a> {
 }
 
 impl BoxIndex {
-    /// The tree with other boxes at some places, which ascend: `None` and empty boxes are taken out.
+    /// The tree with other boxes at some places, which ascend: `None` and empty boxes are taken out. `boxes_at` tells which boxes
+    /// move, of all that are there then.
     #[must_use]
-    pub fn updated(&self, edits: &[BoxEdit], threads: Threads) -> Self {
+    pub fn updated(&self, edits: &[BoxEdit], boxes_at: BoxesAt, threads: Threads) -> Self {
         let length = edits.last().map_or(0, |edit| edit.0 as usize + 1).max(self.homes.len());
         let fits = if self.treelets.len() == 1 { length <= FEW } else { self.treelets.len() > 1 };
         if !fits || edits.len() > self.count / MANY {
-            return self.built_again(edits, length, threads);
+            return self.built_again(edits, length, boxes_at, threads);
         }
         let orders = threads.run(|parallel| self.orders(edits, parallel));
-        let made = self.made(&orders, threads);
+        let made = self.made(&orders, boxes_at, threads);
         let mut after = self.clone();
         after.homes.grow(length);
         after.rehome(&orders, edits, threads);
@@ -65,7 +66,7 @@ impl BoxIndex {
         after.settle(self.treelets.len(), &touched, threads);
         let grown = after.treelets.len() > 2 * after.built_treelets.max(8);
         if grown || after.cost() > WORN * after.built_cost {
-            return after.built_again(&[], length, threads);
+            return after.built_again(&[], length, boxes_at, threads);
         }
         after
     }
@@ -76,7 +77,7 @@ impl BoxIndex {
     }
 
     /// All of it from scratch.
-    fn built_again(&self, edits: &[BoxEdit], length: usize, threads: Threads) -> Self {
+    fn built_again(&self, edits: &[BoxEdit], length: usize, boxes_at: BoxesAt, threads: Threads) -> Self {
         let mut boxes = vec![Aabb::EMPTY; length];
         for (place, bounds) in self.treelets.iter().flat_map(Treelet::members) {
             boxes[place as usize] = bounds;
@@ -86,7 +87,7 @@ impl BoxIndex {
         }
         let watch = Watch::new(&());
         // A billion boxes take a hundred times the memory of their tree before.
-        Self::build(&boxes, self.origin, self.quality, threads, &watch)
+        Self::build(&boxes, boxes_at, self.origin, self.quality, threads, &watch)
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -136,7 +137,12 @@ impl BoxIndex {
     }
 
     /// Treelets after their orders: one each, several where it had to be parted.
-    fn made(&self, orders: &[(u32, BoxEdit)], threads: Threads) -> Vec<(usize, Vec<Treelet>)> {
+    fn made(
+        &self,
+        orders: &[(u32, BoxEdit)],
+        boxes_at: BoxesAt,
+        threads: Threads,
+    ) -> Vec<(usize, Vec<Treelet>)> {
         let edits: Vec<BoxEdit> = orders.iter().map(|(_, edit)| *edit).collect();
         let mut rest = &edits[..];
         let mut due = Vec::new();
@@ -146,15 +152,15 @@ impl BoxIndex {
             due.push(Due { number: run[0].0 as usize, edits });
         }
         threads.run(|parallel| {
-            let make = |due: &Due| (due.number, self.remade(due));
+            let make = |due: &Due| (due.number, self.remade(due, boxes_at));
             if parallel { due.par_iter().map(make).collect() } else { due.iter().map(make).collect() }
         })
     }
 
-    fn remade(&self, Due { number, edits }: &Due) -> Vec<Treelet> {
+    fn remade(&self, Due { number, edits }: &Due, boxes_at: BoxesAt) -> Vec<Treelet> {
         let before = &self.treelets[*number];
         if let Some(after) = before.edited(edits).filter(|after| !after.is_worn()) {
-            return vec![after];
+            return vec![after.moving(boxes_at)];
         }
         let members = before.members_after(edits);
         let boxes: Vec<Aabb> = members.iter().map(|(_, bounds)| *bounds).collect();
@@ -162,7 +168,7 @@ impl BoxIndex {
         let most = if members.len() <= full { full } else { MOST };
         let options = PartOptions { most, quality: self.quality };
         let watch = Watch::new(&());
-        let make = |tree| Treelet::new(&tree, |number| members[number as usize]);
+        let make = |tree| Treelet::new(&tree, |number| members[number as usize]).moving(boxes_at);
         build_parts(&boxes, options, Threads::Single, &watch, make).unwrap_or_else(|error| panic!("{error}"))
     }
 
@@ -191,8 +197,8 @@ impl BoxIndex {
 
     /// Brings the upper treelet up to date, where there were so many treelets and these have other boxes.
     fn settle(&mut self, before: usize, touched: &[(u32, Option<Aabb>)], threads: Threads) {
-        if let [only] = &self.treelets[..] {
-            self.bounds = only.bounds();
+        if self.treelets.len() == 1 {
+            self.measure();
             return;
         }
         let refitted = match self.treelets.len() == before {
@@ -200,10 +206,10 @@ impl BoxIndex {
             false => None,
         };
         self.upper = match refitted {
-            Some(refitted) => refitted,
+            Some(refitted) => refitted.moving(|number| bounds_at(&self.treelets[number])),
             None => upper(&self.treelets, self.quality, threads).unwrap_or_else(|error| panic!("{error}")),
         };
-        self.bounds = self.upper.bounds();
+        self.measure();
     }
 }
 
@@ -245,7 +251,7 @@ mod tests {
         let mut random = Random::new(1);
         let mut boxes: Vec<Aabb> = (0..3000).map(|_| small(random.point())).collect();
         let build = |boxes: &[Aabb]| {
-            BoxIndex::build(boxes, [0.0; 3], Quality::Medium, Threads::Single, &Watch::new(&()))
+            BoxIndex::build(boxes, &|_| None, [0.0; 3], Quality::Medium, Threads::Single, &Watch::new(&()))
                 .expect("nobody stops it")
         };
         let mut index = build(&boxes);
@@ -269,8 +275,8 @@ mod tests {
                 }
             }
             let before = index.treelets.len();
-            let alone = index.updated(&edits, Threads::Single);
-            index = index.updated(&edits, Threads::Pool(&pool));
+            let alone = index.updated(&edits, &|_| None, Threads::Single);
+            index = index.updated(&edits, &|_| None, Threads::Pool(&pool));
             check(&index, &boxes);
             let pairs = alone.treelets.iter().zip(&index.treelets).chain([(&alone.upper, &index.upper)]);
             assert!(pairs.into_iter().all(|(a, b)| a.nodes() == b.nodes()), "threads do not show");
@@ -284,6 +290,6 @@ mod tests {
         for (place, _) in &all {
             boxes[*place as usize] = Aabb::EMPTY;
         }
-        check(&index.updated(&all, Threads::Single), &boxes);
+        check(&index.updated(&all, &|_| None, Threads::Single), &boxes);
     }
 }

@@ -17,6 +17,13 @@ impl Box64 {
         (0..3).any(|k| self.min[k] > self.max[k])
     }
 
+    pub(super) fn union(&self, other: &Self) -> Self {
+        Self {
+            min: [0, 1, 2].map(|k| self.min[k].min(other.min[k])),
+            max: [0, 1, 2].map(|k| self.max[k].max(other.max[k])),
+        }
+    }
+
     /// With all coordinates rounded to the nearest floats.
     pub(super) fn nearest(&self) -> Aabb {
         Aabb { min: self.min.map(|x| x as f32), max: self.max.map(|x| x as f32) }

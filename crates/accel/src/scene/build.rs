@@ -132,7 +132,8 @@ fn build(
         }
         let leaves = Leaves::new(facts.iter().map(|facts| facts.leaves));
         drop(facts);
-        let top = BoxIndex::build(&boxes, origin, quality, threads, watch)?;
+        let boxes_at = |place: usize| slots[place].boxes_at(origin);
+        let top = BoxIndex::build(&boxes, &boxes_at, origin, quality, threads, watch)?;
         watch.give(passing);
         watch.result()?;
         Ok(SceneTree { only: top.only(), top, slots, leaves, depths, dropped })

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An affine map in double precision, and its inverse. Source: original. Proof: `instance::tests::carries_rays`, `tests/far_away.rs`.
 
+use gnurt_accel_core::affine::inverse;
+
 use crate::Ray;
 
 /// A map into the world, and the linear part of its inverse.
@@ -14,15 +16,9 @@ pub(crate) struct Exact {
 
 impl Exact {
     /// The inverse, where there is one.
+    #[inline]
     pub(super) fn new(columns: &[[f64; 3]; 4]) -> Option<Self> {
-        let [a, b, c, _] = *columns;
-        let cross = |p: [f64; 3], q: [f64; 3]| {
-            [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-        };
-        let normals = [cross(b, c), cross(c, a), cross(a, b)];
-        let determinant: f64 = (0..3).map(|k| a[k] * normals[0][k]).sum();
-        (determinant != 0.0)
-            .then(|| Self { rows: normals.map(|n| n.map(|x| x / determinant)), columns: *columns })
+        Some(Self { rows: inverse(columns)?, columns: *columns })
     }
 
     /// A point of the world in the object's space.

@@ -122,17 +122,31 @@ impl Slot {
             Self::Absent | Self::Refused => Aabb::EMPTY,
         }
     }
+
+    /// Boxes of what moves at moments evenly spaced from 0 to 1, relative to `origin`: mixed between two of them, they hold it.
+    /// One more than a power of two; `None` where it stands still or cannot be seen.
+    pub(super) fn boxes_at(&self, origin: [f32; 3]) -> Option<Vec<Aabb>> {
+        let Self::Placed(placed) = self else { return None };
+        boxes_along(placed.motion.as_ref()?, &placed.shape.bounds(), origin.map(f64::from))
+    }
 }
 
 /// The map in floats; `None` where these cannot hold it.
+#[inline]
 pub(super) fn rounded(exact: &Exact) -> Option<ObjectFromWorld> {
-    let rows = exact.rows.map(|row| row.map(|x| x as f32));
+    // Written out: rays through what moves come here.
+    let floats = |v: [f64; 3]| [v[0] as f32, v[1] as f32, v[2] as f32];
+    let is_finite = |v: [f32; 3]| v[0].is_finite() & v[1].is_finite() & v[2].is_finite();
+    let spans = |v: [f32; 3]| (v[0] != 0.0) | (v[1] != 0.0) | (v[2] != 0.0);
+    let [x, y, z] = exact.rows;
+    let (x, y, z) = (floats(x), floats(y), floats(z));
     let place = exact.columns[3];
-    let high = place.map(|x| x as f32);
-    let low = [0, 1, 2].map(|k| (place[k] - f64::from(high[k])) as f32);
-    let sound = rows.iter().chain([&high, &low]).flatten().all(|x| x.is_finite());
-    let spans = rows.iter().all(|row| row.iter().any(|&x| x != 0.0));
-    (sound && spans).then_some(ObjectFromWorld { rows, place: [high, low] })
+    let high = floats(place);
+    let over = |k: usize| (place[k] - f64::from(high[k])) as f32;
+    let low = [over(0), over(1), over(2)];
+    let sound = is_finite(x) & is_finite(y) & is_finite(z) & is_finite(high) & is_finite(low);
+    (sound && spans(x) && spans(y) && spans(z))
+        .then_some(ObjectFromWorld { rows: [x, y, z], place: [high, low] })
 }
 
 /// The box around all that an object's box passes through, relative to `origin`; `None` where a float cannot hold it.
@@ -152,6 +166,53 @@ fn carry_along(motion: &MotionPath, object: &Box64, origin: [f64; 3]) -> Option<
     });
     let is_held = |b: &Box64| b.min.iter().chain(&b.max).all(|&x| (x as f32).is_finite());
     whole.filter(is_held)
+}
+
+/// Boxes at keys that, mixed, hold an object's box on its way, relative to `origin`; `None` where there is nothing to see.
+///
+/// Between two keys both boxes grow by what the object leaves their mixture by, side by side.
+fn boxes_along(motion: &MotionPath, object: &Box64, origin: [f64; 3]) -> Option<Vec<Aabb>> {
+    if object.is_empty() {
+        return None;
+    }
+    let pieces = motion.straight_pieces();
+    // By piece: where on it, and around what.
+    let mut samples: Vec<Vec<(f64, Box64)>> = vec![Vec::new(); pieces];
+    let mut held = true;
+    motion.steps_of(object, pieces, |piece, ends, bulge| {
+        for (share, columns) in ends {
+            let Some(mut carried) = carry_box(&columns, object, origin) else {
+                held = false;
+                return;
+            };
+            for k in 0..3 {
+                (carried.min[k], carried.max[k]) = (carried.min[k] - bulge, carried.max[k] + bulge);
+            }
+            samples[piece].push((share, carried));
+        }
+    });
+    let mut keys = vec![Box64::EMPTY; pieces + 1];
+    for (piece, samples) in samples.iter().enumerate() {
+        let ((_, mut from), (_, mut to)) = (*samples.first()?, *samples.last()?);
+        let (mut below, mut above) = ([0.0_f64; 3], [0.0_f64; 3]);
+        for (share, sample) in samples {
+            for k in 0..3 {
+                let mix = |from: f64, to: f64| (1.0 - share) * from + share * to;
+                below[k] = below[k].max(mix(from.min[k], to.min[k]) - sample.min[k]);
+                above[k] = above[k].max(sample.max[k] - mix(from.max[k], to.max[k]));
+            }
+        }
+        for end in [&mut from, &mut to] {
+            for k in 0..3 {
+                (end.min[k], end.max[k]) = (end.min[k] - below[k], end.max[k] + above[k]);
+            }
+        }
+        keys[piece] = keys[piece].union(&from);
+        keys[piece + 1] = keys[piece + 1].union(&to);
+    }
+    let keys: Vec<Aabb> = keys.iter().map(Box64::nearest).collect();
+    let is_held = |b: &Aabb| b.min.iter().chain(&b.max).all(|x| x.is_finite());
+    (held && keys.iter().all(is_held)).then_some(keys)
 }
 
 /// The world box of an object's box, relative to `origin`: around its eight corners, a little wider than rounding could
@@ -197,6 +258,46 @@ mod tests {
         let (precise, inside) = exact.ray(&world, &[1e6 - 1.0, 4.0 + 1e-9, -7.0]);
         assert_eq!(precise.dir, object.dir, "directions are those of floats here");
         assert!((inside[0] - 1.85 - 5e-10).abs() < 1e-12, "{inside:?} keeps what floats would lose");
+    }
+
+    #[test]
+    fn boxes_at_keys_hold_what_moves() {
+        let object = Box64 { min: [-1.0, 0.5, -2.0], max: [3.0, 4.0, 1.0] };
+        let turned = |angle: f64, size: f64, place: [f64; 3]| {
+            let (s, c) = angle.sin_cos();
+            [[c * size, s * size, 0.0], [-s, c, 0.0], [0.0, 0.1, size], place]
+        };
+        let spin = |i: i32| turned(2.0 * f64::from(i), 1.0, [f64::from(i), 0.0, 0.0]);
+        let paths = [
+            (vec![turned(0.3, 1.0, [0.0; 3]), turned(0.3, 1.0, [5.0, 1.0, -30.0])], 1, 1.001),
+            (vec![turned(0.0, 1.0, [0.0; 3]), turned(0.1, 1.0, [1.0, 0.0, 0.0])], 1, 1.02),
+            ((0..4).map(|i| turned(0.0, 1.0, [0.0, f64::from(i * i), 0.0])).collect(), 4, 1.6),
+            (vec![turned(0.0, 1.0, [0.0; 3]), turned(2.9, 3.0, [9.0, 1.0, 0.0])], 8, 1.2),
+            ((0..12).map(spin).collect(), 8, 4.0),
+        ];
+        for (places, pieces, most) in paths {
+            let path = MotionPath::new(&places).expect("they have inverses");
+            let keys = boxes_along(&path, &object, [0.5; 3]).expect("there is something to see");
+            assert_eq!(keys.len(), pieces + 1, "as many as its way needs");
+            let (mut area, mut least) = (0.0, 0.0);
+            for step in 0..=1000 {
+                let time = step as f32 / 1000.0;
+                let moment = crate::Moment::of(time, keys.len());
+                let (from, to) = (&keys[moment.key], &keys[moment.next]);
+                let mixed = Aabb { min: moment.mix3(from.min, to.min), max: moment.mix3(from.max, to.max) };
+                let there = carry_box(&path.at(time), &object, [0.5; 3]).expect("near");
+                // As much as the slabs of rays allow for.
+                let slack = 1e-6 * f64::from(mixed.greatest());
+                for k in 0..3 {
+                    let holds = f64::from(mixed.min[k]) - slack <= there.min[k]
+                        && there.max[k] <= f64::from(mixed.max[k]) + slack;
+                    assert!(holds, "{there:?} at {time} is in {mixed:?}");
+                }
+                area += mixed.half_area();
+                least += there.nearest().half_area();
+            }
+            assert!(area < most * least, "{pieces} pieces: {} of the least area", area / least);
+        }
     }
 
     #[test]

@@ -33,6 +33,8 @@ struct Turn {
     arc: f64,
     /// Columns of what is done before the turn, at both ends.
     stretch: [[[f64; 3]; 3]; 2],
+    /// Whether these two are the same but for rounding: then the first counts.
+    is_rigid: bool,
 }
 
 /// The object turns by so much at most, in radians, between two boxes of which one around its way is made.
@@ -58,7 +60,8 @@ impl MotionPath {
             let sine = length(&across);
             let beyond = if sine > 0.0 { across.map(|x| x / sine) } else { [0.0; 4] };
             let arc = sine.atan2(dot.abs());
-            Some(Piece::Turn(Turn { from, beyond, arc, stretch: [stretch, stretch_to] }))
+            let is_rigid = is_same(&stretch, &stretch_to);
+            Some(Piece::Turn(Turn { from, beyond, arc, stretch: [stretch, stretch_to], is_rigid }))
         };
         let mut pieces: Vec<Piece> = pairs.map(piece).collect::<Option<_>>()?;
         let mut keys = places.to_vec();
@@ -125,13 +128,58 @@ impl MotionPath {
                 visit(&self.keys[i], &self.keys[i + 1], 0.0);
                 continue;
             };
-            let (angle, [reach, growth]) = (2.0 * turn.arc, turn.reach(object));
-            let count = (angle / STEP).ceil().max(1.0);
-            let acceleration = angle * angle * reach + 2.0 * angle * growth;
-            let bulge = acceleration / (8.0 * count * count);
+            let (count, bulge) = turn.steps(object);
             for step in 0..count as u32 {
                 let [from, to] = [step, step + 1].map(|step| self.between(i, f64::from(step) / count));
                 visit(&from, &to, bulge);
+            }
+        }
+    }
+}
+
+/// Pieces between which boxes go straight: two keys more for each.
+const MOST_PIECES: usize = 8;
+
+/// The object turns by so much at most, in radians, while a box goes straight, where so many pieces do.
+const STRAIGHT: f64 = 0.35;
+
+impl MotionPath {
+    /// In how many pieces of the time, a power of two, a box can follow it by going straight.
+    pub(super) fn straight_pieces(&self) -> usize {
+        let angle = |piece: &Piece| match piece {
+            Piece::Shift(_) => 0.0,
+            Piece::Turn(turn) => 2.0 * turn.arc,
+        };
+        let count = self.pieces.len();
+        let widest = self.pieces.iter().map(angle).fold(0.0, f64::max) * count as f64;
+        let wanted = count.max((widest / STRAIGHT).ceil() as usize);
+        wanted.next_power_of_two().min(MOST_PIECES)
+    }
+
+    /// As [`steps`](Self::steps), cut where one of so many pieces of the time ends. `visit` is called with the number of that
+    /// piece, with two places and where on that piece they are (0 to 1), and with the bulge; pieces and places ascend.
+    pub(super) fn steps_of(
+        &self,
+        object: &Box64,
+        pieces: usize,
+        mut visit: impl FnMut(usize, [(f64, [[f64; 3]; 4]); 2], f64),
+    ) {
+        let own = self.pieces.len() as f64;
+        for (i, piece) in self.pieces.iter().enumerate() {
+            let (count, bulge) = match piece {
+                Piece::Shift(_) => (1.0, 0.0),
+                Piece::Turn(turn) => turn.steps(object),
+            };
+            let mut ends: Vec<f64> = (0..=count as u32).map(|step| f64::from(step) / count).collect();
+            let cuts = (1..pieces).map(|cut| cut as f64 / pieces as f64 * own - i as f64);
+            ends.extend(cuts.filter(|&behind| behind > 0.0 && behind < 1.0));
+            ends.sort_unstable_by(f64::total_cmp);
+            for pair in ends.windows(2) {
+                let at = |behind: f64| (i as f64 + behind) / own * pieces as f64;
+                let piece = (at(0.5 * (pair[0] + pair[1])) as usize).min(pieces - 1);
+                let end =
+                    |behind: f64| ((at(behind) - piece as f64).clamp(0.0, 1.0), self.between(i, behind));
+                visit(piece, [end(pair[0]), end(pair[1])], bulge);
             }
         }
     }
@@ -145,14 +193,39 @@ type Parts = (Quaternion, [[f64; 3]; 3]);
 impl Turn {
     /// The linear part at a place of the piece, as columns.
     fn linear(&self, behind: f64) -> [[f64; 3]; 3] {
+        // Written out: rays come here, each at its moment.
         let (sine, cosine) = (behind * self.arc).sin_cos();
-        let turn: Quaternion = std::array::from_fn(|k| cosine * self.from[k] + sine * self.beyond[k]);
-        let axes = axes(&turn);
+        let (from, beyond) = (&self.from, &self.beyond);
+        let along = |k: usize| cosine * from[k] + sine * beyond[k];
+        let [x, y, z] = axes(&[along(0), along(1), along(2), along(3)]);
+        let [[ax, ..], [bx, by, _], [cx, cy, cz]] = self.stretch_at(behind);
+        // Upper triangular.
+        let a = [x[0] * ax, x[1] * ax, x[2] * ax];
+        let b = [x[0] * bx + y[0] * by, x[1] * bx + y[1] * by, x[2] * bx + y[2] * by];
+        let c = [
+            x[0] * cx + y[0] * cy + z[0] * cz,
+            x[1] * cx + y[1] * cy + z[1] * cz,
+            x[2] * cx + y[2] * cy + z[2] * cz,
+        ];
+        [a, b, c]
+    }
+
+    /// What is done before the turn.
+    #[inline(always)]
+    fn stretch_at(&self, behind: f64) -> [[f64; 3]; 3] {
         let [from, to] = &self.stretch;
-        [0, 1, 2].map(|k| {
-            let v = mix(&from[k], &to[k], behind);
-            [0, 1, 2].map(|row| axes[0][row] * v[0] + axes[1][row] * v[1] + axes[2][row] * v[2])
-        })
+        if self.is_rigid {
+            return *from;
+        }
+        [mix(&from[0], &to[0], behind), mix(&from[1], &to[1], behind), mix(&from[2], &to[2], behind)]
+    }
+
+    /// In how many steps a box follows it, and by how much at most a point of the box leaves the straight line within one.
+    fn steps(&self, object: &Box64) -> (f64, f64) {
+        let (angle, [reach, growth]) = (2.0 * self.arc, self.reach(object));
+        let count = (angle / STEP).ceil().max(1.0);
+        let acceleration = angle * angle * reach + 2.0 * angle * growth;
+        (count, acceleration / (8.0 * count * count))
     }
 
     /// How far corners of a box are from the origin that they turn around, and how much they move by stretching.
@@ -173,8 +246,17 @@ impl Turn {
     }
 }
 
+/// Whether two stretches differ by what taking apart rounds, no more.
+fn is_same(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> bool {
+    let pairs = || a.as_flattened().iter().zip(b.as_flattened());
+    let size = pairs().fold(0.0_f64, |most, (a, _)| most.max(a.abs()));
+    pairs().all(|(a, b)| (a - b).abs() <= 1e-14 * size)
+}
+
+#[inline(always)]
 fn mix(from: &[f64; 3], to: &[f64; 3], behind: f64) -> [f64; 3] {
-    std::array::from_fn(|k| (1.0 - behind) * from[k] + behind * to[k])
+    let mix = |k: usize| (1.0 - behind) * from[k] + behind * to[k];
+    [mix(0), mix(1), mix(2)]
 }
 
 fn length(v: &[f64]) -> f64 {
@@ -222,6 +304,7 @@ fn quaternion([x, y, z]: [[f64; 3]; 3]) -> Quaternion {
 }
 
 /// The columns of a turn.
+#[inline(always)]
 fn axes(&[x, y, z, w]: &Quaternion) -> [[f64; 3]; 3] {
     [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],

@@ -82,7 +82,8 @@ impl SceneTree {
                 changes[at].1.clone()
             });
         });
-        scene.top = self.top.updated(&edits, threads);
+        let (slots, origin) = (&scene.slots, self.top.origin());
+        scene.top = self.top.updated(&edits, &|place| slots[place].boxes_at(origin), threads);
         let bounds = scene.bounds64();
         if !is_near(&bounds, scene.top.origin()) {
             scene.move_origin(origin_for(&bounds), threads);
@@ -130,7 +131,8 @@ impl SceneTree {
         let slots = &self.slots;
         threads.run(|parallel| extend(parallel, &mut boxes, slots.len(), |i| slots[i].bounds_from(origin)));
         // A billion boxes take a hundred times the memory of their tree before.
-        self.top = BoxIndex::build(&boxes, origin, self.top.quality(), threads, &Watch::new(&()))
+        let boxes_at = |place: usize| slots[place].boxes_at(origin);
+        self.top = BoxIndex::build(&boxes, &boxes_at, origin, self.top.quality(), threads, &Watch::new(&()))
             .unwrap_or_else(|error| panic!("{error}"));
     }
 }

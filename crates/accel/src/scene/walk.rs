@@ -3,6 +3,7 @@
 //! Source: [WBS03a] for the two levels; nearer boxes first, boxes beyond the best hit skipped.
 //! Space: world until an instance is entered. Proof: `tests/instances.rs`, `tests/brute_force.rs` (`ask`).
 
+use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::tile::RayTile;
 use gnurt_accel_core::trip::{RayTrip, TileTrip};
@@ -11,7 +12,7 @@ use super::instance::rounded;
 use super::types::{Placed, SceneTree, Shape};
 use crate::Ray;
 use crate::engine::Engine;
-use crate::together::by_heading;
+use crate::together::{WORTH_A_TILE, by_heading};
 
 /// Tiles go together through so many scenes in one another; what lies deeper is searched ray by ray, which takes less of the
 /// stack.
@@ -84,7 +85,6 @@ impl SceneTree {
     }
 
     /// Into one that moves: to where it is at the ray's moment, as if it stood there.
-    #[cold]
     #[inline(never)]
     fn enter_moving(engine: &Engine, placed: &Placed, slot: u32, trip: &mut RayTrip) {
         let (ray, origin) = (trip.ray, trip.origin);
@@ -140,11 +140,26 @@ impl SceneTree {
         let Some(placed) = self.placed(place).filter(|placed| placed.mask & trip.rays.mask != 0) else {
             return;
         };
-        let slot = trip.slot + self.leaves.first(place);
-        if placed.motion.is_some() {
-            return trip.one_by_one(|trip| Self::enter_moving(engine, placed, slot, trip));
+        if trip.active == 0 {
+            return;
         }
-        match &placed.object_from_world {
+        let slot = trip.slot + self.leaves.first(place);
+        let stopped;
+        let object_from_world = match &placed.motion {
+            None => &placed.object_from_world,
+            // Where all rays are of one moment it stands still for them.
+            Some(motion) => match only_moment(trip) {
+                None => return trip.one_by_one(|trip| Self::enter_moving(engine, placed, slot, trip)),
+                Some(time) => {
+                    stopped = motion.exact(time).and_then(|exact| rounded(&exact));
+                    if stopped.is_none() {
+                        return;
+                    }
+                    &stopped
+                }
+            },
+        };
+        match object_from_world {
             None => {
                 let (rays, active) = (trip.rays, trip.active);
                 placed.shape.tile(engine, &mut trip.inside(rays, active, slot), apart, depth);
@@ -157,6 +172,24 @@ impl SceneTree {
             }
         }
     }
+}
+
+/// The moment of all active rays of a tile, if they have the same one and are worth a tile.
+fn only_moment(trip: &TileTrip) -> Option<f32> {
+    let time = &trip.rays.time;
+    if trip.active.count_ones() < WORTH_A_TILE {
+        return None;
+    }
+    if !trip.rays.is_timed {
+        return Some(0.0);
+    }
+    let first = time[trip.active.trailing_zeros() as usize % TILE];
+    let (mut left, mut same) = (trip.active, true);
+    while left != 0 && same {
+        same = time[left.trailing_zeros() as usize % TILE] == first;
+        left &= left - 1;
+    }
+    same.then_some(first)
 }
 
 impl Shape {

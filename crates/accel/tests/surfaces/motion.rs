@@ -186,6 +186,60 @@ fn instances_are_seen_where_they_are_at_the_moment() {
     compare(&following, &rays, |time| frozen(&instances, time));
 }
 
+/// So many that the top tree is in parts, some of which move; and what becomes of it when some of them go another way.
+#[test]
+fn many_instances_are_met_where_they_are() {
+    let mut random = Random::new(11);
+    let (options, threads) = (BuildOptions::default(), Threads::Single);
+    let soup = Soup::random(2, 12, 0.5);
+    let mesh = Triangles { positions: &soup.positions, indices: &soup.indices };
+    let object = Arc::new(ObjectTree::build(&[mesh], &options, threads));
+    let small = |random: &mut Random, from: [f32; 3]| {
+        let near = random.point();
+        let [axes @ .., _] = place(random);
+        let at = [0, 1, 2].map(|k| f64::from(10.0 * from[k] + near[k]));
+        let [x, y, z] = axes.map(|axis| axis.map(|x| 0.9 * x));
+        [x, y, z, at]
+    };
+    let instance = |random: &mut Random| {
+        let from = random.point();
+        let keys = random.pick(&[1, 1, 2, 3, 5, 12]);
+        let places: Vec<_> = (0..keys).map(|_| small(random, from)).collect();
+        match keys {
+            1 => Instance::new(object.clone(), places[0]),
+            _ => Instance::moving(
+                object.clone(),
+                Arc::new(MotionPath::new(&places).expect("they have inverses")),
+            ),
+        }
+    };
+    let instances: Vec<Instance> = (0..1200).map(|_| instance(&mut random)).collect();
+    let mut scene = SceneTree::build(&instances, &options, threads);
+    let ray = |(i, (org, dir)): (usize, ([f32; 3], [f32; 3]))| {
+        Ray::new(org.map(|x| 10.0 * x), dir).with_time(TIMES[i % TIMES.len()])
+    };
+    let rays: Vec<Ray> = rays::random(6, 900).into_iter().enumerate().map(ray).collect();
+    compare(&scene, &rays, |time| scene.at(time, threads));
+    // All at one moment, in tiles: what moves stands still for them.
+    let stopped = scene.at(0.734, threads);
+    let together = |random: &mut Random| {
+        let to = random.point();
+        Ray::new([-5.0, 4.0, 6.0], [0, 1, 2].map(|k| 10.0 * to[k] - [-5.0, 4.0, 6.0][k])).with_time(0.734)
+    };
+    let bundle: RayBatch = (0..256).map(|_| together(&mut random)).collect();
+    assert_eq!(ask(&scene, &bundle), ask(&stopped, &bundle), "at one moment");
+    let spread: RayBatch = (0..256).map(|i| bundle.get(i).with_time(i as f32 / 256.0)).collect();
+    let found = ask(&scene, &spread);
+    for (i, found) in found.iter().enumerate().step_by(64) {
+        let ray = spread.get(i);
+        assert_eq!(*found, scene.at(ray.time, threads).intersect(&ray), "{ray:?} in a tile of many moments");
+    }
+    let other: Vec<(u32, Option<Instance>)> =
+        (0..240).map(|i| (5 * i, (i % 10 != 0).then(|| instance(&mut random)))).collect();
+    scene = scene.updated(instances.len(), &other, threads);
+    compare(&scene, &rays, |time| scene.at(time, threads));
+}
+
 #[test]
 fn normals_and_faces_are_those_of_the_moment() {
     let (options, threads) = (BuildOptions::default(), Threads::Single);
