@@ -81,8 +81,9 @@ fn worth_a_clip(tree: &Binary, region: &Aabb) -> Option<usize> {
     (saved(axis) > STEP).then_some(axis)
 }
 
-/// What a clip costs, in steps through splits: it meets as many planes, and never waits.
-const STEP: f64 = 0.8;
+/// What a clip costs, in steps through splits: it meets as many planes, but turns few rays away, whose way on is hard to foresee.
+/// Anything from 0.8 to 1.6 traces as fast; more puts fewer clips in.
+const STEP: f64 = 1.6;
 
 fn clipped(region: &Aabb, axis: usize, to: &Aabb) -> Aabb {
     let mut clipped = *region;

@@ -19,8 +19,7 @@ use gnurt_simd::Simd;
 use super::clips::Laid;
 use super::node::{BihNode, BkdNode, Layout, MOST_NODES};
 use super::share::{Binary, LEAF, Reference, Rule};
-use super::walk::walk;
-use crate::slab::RaySlabs;
+use super::walk::{PlaneRay, walk};
 
 /// Nodes and triangles.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,14 +140,14 @@ impl IntervalIndex {
     #[inline(always)]
     fn search_in<S: Simd, N: Layout>(&self, simd: S, nodes: &[N], trip: &mut RayTrip) {
         let RayTrip { ray, slot, .. } = *trip;
-        let slabs = RaySlabs::new(ray, &self.bounds, self.greatest);
+        let planes = PlaneRay::new(ray, self.greatest);
         let t_near = ray.t_near;
-        let Some(interval) = slabs.clip(&self.bounds, t_near, trip.reach()) else { return };
+        let interval = planes.clip(&self.bounds, [t_near, trip.reach()]);
         let (lanes, alone) = (BlockRay::new(simd, ray), ShearedRay::new(ray));
         let mut tested = 0;
         let visited = walk(
             nodes,
-            &slabs,
+            &planes,
             interval,
             #[inline(always)]
             |block| {

@@ -61,9 +61,12 @@ impl Word {
     }
 }
 
-/// Rays that meet planes: when the first and the last of them may, in their own measure.
+/// Rays that meet planes, in their own measure.
 pub(super) trait Meets {
-    fn meet(&self, axis: usize, plane: f32) -> [f32; 2];
+    /// When the first of them may.
+    fn first(&self, axis: usize, plane: f32) -> f32;
+    /// When the last of them may.
+    fn last(&self, axis: usize, plane: f32) -> f32;
     /// 1 where they go towards smaller coordinates.
     fn back(&self, axis: usize) -> usize;
 }
@@ -71,17 +74,17 @@ pub(super) trait Meets {
 /// How nodes keep their planes.
 pub(super) trait Layout: Copy + Send + Sync {
     fn new(kind: Kind) -> Self;
-    fn kind(self) -> Kind;
+    fn kind(&self) -> Kind;
     /// Sets the planes of a split from its children's boxes.
     fn set_split(&mut self, axis: usize, left: &Aabb, right: &Aabb);
     /// Sets the planes of a clip from its child's box.
     fn set_clip(&mut self, axis: usize, child: &Aabb);
     /// Between which planes the child of a clip lies.
-    fn ends(self) -> [f32; 2];
+    fn ends(&self) -> [f32; 2];
     /// What is known of a split's children where `region` is known of their parent.
-    fn regions(self, axis: usize, region: &Aabb) -> [Aabb; 2];
+    fn regions(&self, axis: usize, region: &Aabb) -> [Aabb; 2];
     /// When rays may be in the nearer child of a split, and in the farther one.
-    fn children<M: Meets>(self, rays: &M, axis: usize) -> [[f32; 2]; 2];
+    fn children<M: Meets>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2];
 }
 
 /// Two planes.
@@ -99,7 +102,7 @@ impl Layout for BihNode {
     }
 
     #[inline(always)]
-    fn kind(self) -> Kind {
+    fn kind(&self) -> Kind {
         self.word.kind()
     }
 
@@ -112,11 +115,11 @@ impl Layout for BihNode {
     }
 
     #[inline(always)]
-    fn ends(self) -> [f32; 2] {
+    fn ends(&self) -> [f32; 2] {
         self.planes
     }
 
-    fn regions(self, axis: usize, region: &Aabb) -> [Aabb; 2] {
+    fn regions(&self, axis: usize, region: &Aabb) -> [Aabb; 2] {
         let mut regions = [*region; 2];
         regions[0].max[axis] = self.planes[0];
         regions[1].min[axis] = self.planes[1];
@@ -124,10 +127,10 @@ impl Layout for BihNode {
     }
 
     #[inline(always)]
-    fn children<M: Meets>(self, rays: &M, axis: usize) -> [[f32; 2]; 2] {
+    fn children<M: Meets>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2] {
         let back = rays.back(axis);
-        let [_, last] = rays.meet(axis, self.planes[back & 1]);
-        let [first, _] = rays.meet(axis, self.planes[1 - (back & 1)]);
+        let last = rays.last(axis, self.planes[back & 1]);
+        let first = rays.first(axis, self.planes[1 - (back & 1)]);
         [[f32::NEG_INFINITY, last], [first, f32::INFINITY]]
     }
 }
@@ -147,7 +150,7 @@ impl Layout for BkdNode {
     }
 
     #[inline(always)]
-    fn kind(self) -> Kind {
+    fn kind(&self) -> Kind {
         self.word.kind()
     }
 
@@ -160,11 +163,11 @@ impl Layout for BkdNode {
     }
 
     #[inline(always)]
-    fn ends(self) -> [f32; 2] {
+    fn ends(&self) -> [f32; 2] {
         [self.planes[0], self.planes[1]]
     }
 
-    fn regions(self, axis: usize, region: &Aabb) -> [Aabb; 2] {
+    fn regions(&self, axis: usize, region: &Aabb) -> [Aabb; 2] {
         let [a, b, c, d] = self.planes;
         [[a, b], [c, d]].map(|[low, high]| {
             let mut child = *region;
@@ -174,12 +177,13 @@ impl Layout for BkdNode {
     }
 
     #[inline(always)]
-    fn children<M: Meets>(self, rays: &M, axis: usize) -> [[f32; 2]; 2] {
+    fn children<M: Meets>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2] {
         let back = rays.back(axis) & 1;
         let ends = |child: usize| {
-            let [first, _] = rays.meet(axis, self.planes[2 * child + back]);
-            let [_, last] = rays.meet(axis, self.planes[2 * child + (1 - back)]);
-            [first, last]
+            [
+                rays.first(axis, self.planes[2 * child + back]),
+                rays.last(axis, self.planes[2 * child + (1 - back)]),
+            ]
         };
         [ends(back), ends(1 - back)]
     }
@@ -205,8 +209,12 @@ mod tests {
     struct Along(usize);
 
     impl Meets for Along {
-        fn meet(&self, _: usize, plane: f32) -> [f32; 2] {
-            [plane, plane].map(|x| if self.0 == 0 { x } else { -x })
+        fn first(&self, _: usize, plane: f32) -> f32 {
+            if self.0 == 0 { plane } else { -plane }
+        }
+
+        fn last(&self, axis: usize, plane: f32) -> f32 {
+            self.first(axis, plane)
         }
 
         fn back(&self, _: usize) -> usize {

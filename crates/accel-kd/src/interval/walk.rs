@@ -8,10 +8,11 @@
 
 use gnurt_accel_core::beam::PlaneBeam;
 use gnurt_accel_core::float::{least, most};
+use gnurt_accel_core::slab::Slabs;
+use gnurt_accel_core::{Aabb, Ray};
 use gnurt_simd::StackRoom;
 
 use super::node::{Kind, Layout, Meets};
-use crate::slab::RaySlabs;
 
 /// No node has so many splits above it.
 pub(super) const DEEPEST: usize = 88;
@@ -24,12 +25,49 @@ struct Waiting {
     t_max: f32,
 }
 
-impl Meets for RaySlabs {
+/// One ray: [`Slabs`], which meet a plane by a product and a difference. Arrays have four entries so that two bits of an axis
+/// need no check.
+pub(super) struct PlaneRay {
+    inv: [f32; 4],
+    near: [f32; 4],
+    far: [f32; 4],
+    /// 1 where it goes towards smaller coordinates.
+    back: [u32; 4],
+}
+
+impl PlaneRay {
+    /// For a tree, not empty, whose greatest coordinate is `greatest`; the ray is sound and regular.
     #[inline(always)]
-    fn meet(&self, axis: usize, plane: f32) -> [f32; 2] {
-        let axis = axis & 3;
-        let d = (plane - self.org[axis]) * self.inv[axis];
-        [d - self.slack[axis], d + self.slack[axis]]
+    pub(super) fn new(ray: &Ray, greatest: f32) -> Self {
+        let Slabs { inv, near, far } = Slabs::new(ray.org, ray.dir, greatest, |x| x);
+        let four = |[x, y, z]: [f32; 3]| [x, y, z, 0.0];
+        let back = |k: usize| u32::from(ray.dir[k].is_sign_negative());
+        let back = [back(0), back(1), back(2), 0];
+        Self { inv: four(inv), near: four(near), far: four(far), back }
+    }
+
+    /// When it may be in a box, from `t_min` to `t_max`; in that order where it is.
+    #[inline(always)]
+    pub(super) fn clip(&self, bounds: &Aabb, [mut t_min, mut t_max]: [f32; 2]) -> [f32; 2] {
+        for k in 0..3 {
+            let ends = [bounds.min[k], bounds.max[k]];
+            let back = self.back(k) & 1;
+            t_min = most(t_min, self.first(k, ends[back]));
+            t_max = least(t_max, self.last(k, ends[1 - back]));
+        }
+        [t_min, t_max]
+    }
+}
+
+impl Meets for PlaneRay {
+    #[inline(always)]
+    fn first(&self, axis: usize, plane: f32) -> f32 {
+        plane * self.inv[axis & 3] - self.near[axis & 3]
+    }
+
+    #[inline(always)]
+    fn last(&self, axis: usize, plane: f32) -> f32 {
+        plane * self.inv[axis & 3] - self.far[axis & 3]
     }
 
     #[inline(always)]
@@ -40,8 +78,13 @@ impl Meets for RaySlabs {
 
 impl Meets for PlaneBeam {
     #[inline(always)]
-    fn meet(&self, axis: usize, plane: f32) -> [f32; 2] {
-        PlaneBeam::meet(self, axis & 3, plane)
+    fn first(&self, axis: usize, plane: f32) -> f32 {
+        PlaneBeam::meet(self, axis & 3, plane)[0]
+    }
+
+    #[inline(always)]
+    fn last(&self, axis: usize, plane: f32) -> f32 {
+        PlaneBeam::meet(self, axis & 3, plane)[1]
     }
 
     #[inline(always)]
@@ -66,15 +109,15 @@ pub(super) fn walk<N: Layout, M: Meets>(
     let mut waiting = room.stack();
     let (mut at, mut visited, mut reach) = (0, 0, t_max);
     loop {
-        let node = nodes[at];
+        let node = &nodes[at];
         visited += 1;
         match node.kind() {
             Kind::Leaf { block } => reach = leaf(block),
             Kind::Clip { axis } => {
                 let ends = node.ends();
                 let back = rays.back(axis) & 1;
-                t_min = most(t_min, rays.meet(axis, ends[back])[0]);
-                t_max = least(t_max, rays.meet(axis, ends[1 - back])[1]);
+                t_min = most(t_min, rays.first(axis, ends[back]));
+                t_max = least(t_max, rays.last(axis, ends[1 - back]));
                 if t_min <= t_max {
                     at += 1;
                     continue;
