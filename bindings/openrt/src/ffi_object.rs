@@ -14,6 +14,7 @@ id_functions! {
 }
 
 procedures! {
+    rtNestObject(object: u32, mask: u32) => |context| context.nest_object(object, mask);
     rtEndObject() => |context| context.end_object();
     rtRemoveObject(id: u32) => |context| context.remove_object(id);
     rtUpdateInstance(instance: u32) => |context| context.update_instance(instance);

@@ -12,8 +12,8 @@ use std::sync::Arc;
 
 use gnurt::render::{Accumulation, CommitReport, ShaderTable, World};
 use gnurt::scene::{
-    Affine, Attribute, Instance, InstanceId, Material, MaterialId, Mesh, MeshId, Object, ObjectId, RayMask,
-    Scene, Surface, TEXCOORD_RQ,
+    Affine, Attribute, Instance, InstanceId, Material, MaterialId, Member, Mesh, MeshId, Object, ObjectId,
+    RayMask, Scene, Surface, TEXCOORD_RQ,
 };
 use gnurt::shading::SurfaceShader;
 use gnurt::shading::classes::{Shader as RenderShader, Value, Values};
@@ -57,18 +57,19 @@ pub(crate) struct Stage {
     no_shader: Option<Arc<dyn SurfaceShader>>,
 }
 
-/// An instance as the program has it.
+/// An instance as the program has it, or an object within another.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shown {
     /// The object's id.
     pub(crate) object: u32,
+    /// Of an object within another: to that.
     pub(crate) world_from_object: Affine,
     pub(crate) mask: RayMask,
 }
 
 impl Stage {
-    /// Gives an object new meshes.
-    pub(crate) fn define(&mut self, id: u32, meshes: Vec<ShaderMesh>) {
+    /// Gives an object new meshes, and objects in it.
+    pub(crate) fn define(&mut self, id: u32, meshes: Vec<ShaderMesh>, nested: impl Iterator<Item = Shown>) {
         let object = self.object(id);
         self.release_meshes(object);
         let meshes = meshes.into_iter().map(|ShaderMesh { shader, mesh }| {
@@ -76,7 +77,15 @@ impl Stage {
             self.place_mesh(Mesh { material, ..mesh })
         });
         let meshes = meshes.collect();
-        self.scene.edit_object(object).meshes = meshes;
+        // What is not defined yet, or not any more, is there and empty.
+        let member = |shown: Shown| Member {
+            object: self.object(shown.object),
+            object_from_member: shown.world_from_object,
+            mask: shown.mask,
+        };
+        let members = nested.map(member).collect();
+        let object = self.scene.edit_object(object);
+        (object.meshes, object.members) = (meshes, members);
     }
 
     /// Frees the objects that are not to be kept.
@@ -86,6 +95,7 @@ impl Stage {
             if let Some(object) = self.objects.remove(&id) {
                 self.renewed = true;
                 self.release_meshes(object);
+                self.scene.edit_object(object).members.clear();
                 self.free_objects.push(object);
             }
         }
@@ -284,8 +294,8 @@ mod tests {
         let mut stage = Stage::default();
         let meshes = |n: u32| (0..n).map(|shader| ShaderMesh { shader, mesh: Mesh::default() }).collect();
         for round in 0..10 {
-            stage.define(1, meshes(1 + round % 3));
-            stage.define(2 + round, meshes(2));
+            stage.define(1, meshes(1 + round % 3), std::iter::empty());
+            stage.define(2 + round, meshes(2), std::iter::empty());
             let shown =
                 |object| (object, Shown { object, world_from_object: Affine::IDENTITY, mask: RayMask::ALL });
             stage.show_all([1, 2 + round, 99].into_iter().map(shown));

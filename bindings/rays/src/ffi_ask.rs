@@ -238,11 +238,31 @@ pub(crate) unsafe extern "C" fn gnurt_intersect(
     query: *const QueryIn,
     hits: *const Places,
 ) -> c_int {
+    // SAFETY: passed on; nothing is written of paths without levels.
+    unsafe { gnurt_intersect_paths(scene, rays, query, hits, 0, std::ptr::null_mut()) }
+}
+
+/// Closest hits, with all instances on the way to each.
+///
+/// # Safety
+/// As [`gnurt_intersect`], with room for `levels` ids for each ray.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C" fn gnurt_intersect_paths(
+    scene: *const RayScene,
+    rays: *const RaysIn,
+    query: *const QueryIn,
+    hits: *const Places,
+    levels: usize,
+    paths: *mut u32,
+) -> c_int {
     called(|| {
         // SAFETY: passed on.
         let (built, rays, asked) = unsafe { (built(scene)?, Rays::new(rays)?, Asked::new(query)) };
         // SAFETY: passed on.
         let places = *unsafe { hits.as_ref() }.ok_or("hits: a null pointer")?;
+        if levels > 0 && paths.is_null() {
+            return Err(format!("paths: a null pointer where there is said to be room for {levels} levels"));
+        }
         with_threads(asked.threads, |threads| {
             trace(&built, &rays, &asked, threads, |i, hit| {
                 let found = hit.map_or(Written::MISS, |hit| {
@@ -253,6 +273,12 @@ pub(crate) unsafe extern "C" fn gnurt_intersect(
                 });
                 // SAFETY: there is a place for each ray.
                 unsafe { places.set(i, &found) };
+                if levels > 0 {
+                    let mut path = hit.map(|hit| built.path(hit.leaf_id)).unwrap_or_default();
+                    path.resize(levels, u32::MAX);
+                    // SAFETY: there is room for as many ids for each ray.
+                    unsafe { paths.add(i * levels).copy_from_nonoverlapping(path.as_ptr(), levels) };
+                }
             });
         });
         Ok(())

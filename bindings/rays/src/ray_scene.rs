@@ -71,6 +71,19 @@ impl Built {
         }
         (scene.geometries[geom_id as usize], *id)
     }
+
+    /// The ids of the instances on the way to what was hit, outermost first, each in the scene that has it.
+    pub(crate) fn path(&self, leaf_id: u32) -> Vec<u32> {
+        let Tree::Scene(tree) = &self.tree else { return Vec::new() };
+        let (mut scene, mut path) = (self, Vec::new());
+        for inst_id in tree.instance_path(leaf_id).unwrap_or_default() {
+            // A scene's own surfaces are no instance of it.
+            let Some((id, Some(inner))) = scene.instances.get(inst_id as usize) else { break };
+            path.push(*id);
+            scene = inner;
+        }
+        path
+    }
 }
 
 /// What `gnurt_scene` points to.

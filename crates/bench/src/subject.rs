@@ -103,11 +103,10 @@ fn lamp(low: V3, high: V3, camera: &Camera) -> V3 {
 /// Vertices and triangles of all visible instances, in world space.
 fn flattened(scene: &Scene) -> (Vec<V3>, Vec<[u32; 3]>) {
     let (mut positions, mut indices): (Vec<V3>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
-    for instance in scene.instances().iter().filter(|instance| instance.visible) {
-        let Some(object) = scene.objects().get(instance.object.index()) else { continue };
-        for mesh in object.meshes.iter().filter_map(|id| scene.meshes().get(id.index())) {
+    for found in scene.occurrences() {
+        for mesh in found.object.meshes.iter().filter_map(|id| scene.meshes().get(id.index())) {
             let first = positions.len() as u32;
-            let to_world = |p: &V3| instance.world_from_object.point(p.map(f64::from)).map(|x| x as f32);
+            let to_world = |p: &V3| found.world_from_object.point(p.map(f64::from)).map(|x| x as f32);
             positions.extend(mesh.positions.iter().map(to_world));
             // What no vertex belongs to is left out, as trees leave it out.
             let whole =

@@ -125,10 +125,10 @@ impl TileAovs {
                         position: points.p.get(k),
                         depth: points.t[k],
                         z: points.t[k] * points.ray_dir.get(k).dot(forward),
-                        object: world.object_of(instance),
+                        object: world.leaf(points.leaf_id[k]).1.0,
                         instance,
                         prim: points.prim_id[k],
-                        material: world.material_of(instance, points.geom_id[k]),
+                        material: world.material_of(points.leaf_id[k], points.geom_id[k]),
                     };
                 }
             }

@@ -2,6 +2,8 @@
 //! What may go wrong, and whose fault it is. Source: original.
 //! Bad geometry is no error: commit drops it and counts it.
 
+use gnurt_scene::nesting::NestingError;
+
 use crate::piece::Piece;
 
 /// A description that cannot become a world. All are mistakes of the caller.
@@ -29,6 +31,9 @@ pub enum CommitError {
         /// How many there are.
         known: usize,
     },
+    /// Objects that cannot lie in one another as the scene says.
+    #[error(transparent)]
+    Nesting(#[from] NestingError),
     /// More triangles or instances than 32-bit ids can count.
     #[error("the scene is too large: {0}")]
     TooLarge(String),

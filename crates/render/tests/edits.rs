@@ -14,7 +14,7 @@ use gnurt_render::{
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
 use gnurt_scene::texture::{Filter, Texture, Wrap};
 use gnurt_scene::{
-    Affine, CameraId, InstanceId, Light, LightId, Material, MaterialId, Mesh, MeshId, Motion, Object,
+    Affine, CameraId, InstanceId, Light, LightId, Material, MaterialId, Member, Mesh, MeshId, Motion, Object,
     ObjectId, RayMask, Scene, Surface, TextureId,
 };
 use gnurt_shading::{
@@ -108,6 +108,12 @@ fn any_place(random: &mut Random) -> Affine {
         _ => {}
     }
     place
+}
+
+/// An object below `end` in another.
+fn any_member(random: &mut Random, end: usize) -> Member {
+    let mask = RayMask(if random.below(4) == 0 { random.below(8) as u32 } else { u32::MAX });
+    Member { object: ObjectId(random.below(end) as u32), object_from_member: any_place(random), mask }
 }
 
 fn any_texture(random: &mut Random) -> Texture {
@@ -210,7 +216,7 @@ impl Edited {
         let mesh = MeshId(random.below(scene.meshes().len()) as u32);
         let object = ObjectId(random.below(scene.objects().len()) as u32);
         let material = MaterialId(random.below(MATERIALS) as u32);
-        match random.below(24) {
+        match random.below(27) {
             0..3 if scene.instances().len() < INSTANCES => {
                 scene.instantiate(object, any_place(random));
                 "an instance more"
@@ -221,7 +227,7 @@ impl Edited {
             }
             4 if scene.objects().len() < OBJECTS => {
                 let motion = [Motion::Auto, Motion::Rigid, Motion::Deforming, Motion::Known][random.below(4)];
-                scene.add_object(Object { name: String::new(), meshes: vec![mesh], motion });
+                scene.add_object(Object { meshes: vec![mesh], motion, ..Object::default() });
                 "an object more"
             }
             5 | 6 => {
@@ -303,6 +309,21 @@ impl Edited {
                 }
                 "a light of the table"
             }
+            23 if scene.objects().len() < OBJECTS => {
+                let members = (0..1 + random.below(3)).map(|_| any_member(random, scene.objects().len()));
+                scene.add_object_of_members("", members.collect());
+                "an object made of objects"
+            }
+            // What an object holds comes before it, so that none holds itself.
+            24 | 25 if object.index() > 0 => {
+                let members = &mut scene.edit_object(object).members;
+                match random.below(4) {
+                    0 => members.push(any_member(random, object.index())),
+                    1 => members.truncate(1),
+                    _ => members.iter_mut().for_each(|member| *member = any_member(random, object.index())),
+                }
+                "other members"
+            }
             _ => {
                 scene.edit_camera(CameraId(0)).eye = [random.within(-1.0, 1.0), -7.0, 1.0];
                 "the camera"
@@ -315,14 +336,17 @@ impl Edited {
         world.commit(&self.scene, &self.shaders, &options, pool).expect("all ids name something")
     }
 
-    /// How many own each mesh: the scene, and each object that a visible instance shows.
+    /// How many own each mesh: the scene, and each object that a visible instance shows, by itself or within another.
     fn owners(&self) -> Vec<usize> {
         let mut owners = vec![1; self.scene.meshes().len()];
-        let shown = |id: ObjectId| self.scene.instances().iter().any(|i| i.visible && i.object == id);
-        for (id, object) in (0..).zip(self.scene.objects()) {
-            if shown(ObjectId(id)) {
-                object.meshes.iter().for_each(|mesh| owners[mesh.index()] += 1);
-            }
+        let mut shown: Vec<*const Object> =
+            self.scene.occurrences().map(|it| std::ptr::from_ref(it.object)).collect();
+        shown.sort_unstable();
+        shown.dedup();
+        for object in
+            self.scene.objects().iter().filter(|object| shown.contains(&std::ptr::from_ref(*object)))
+        {
+            object.meshes.iter().for_each(|mesh| owners[mesh.index()] += 1);
         }
         owners
     }

@@ -18,6 +18,7 @@ mod lanes;
 mod lights;
 mod many_lights;
 mod mirrors;
+mod nested;
 mod offsets;
 mod path;
 mod pixels;

@@ -75,6 +75,9 @@ impl Scene {
             let checked = meshes.try_for_each(|mesh| exists(mesh.index(), self.meshes().len(), "mesh"));
             checked.map_err(result(at("object", i, &object.name)))?;
         }
+        if let Err(error) = self.levels() {
+            return Err(CheckError { place: "objects".to_owned(), problem: error.to_string() });
+        }
         for (i, instance) in self.instances().iter().enumerate() {
             let checked = exists(instance.object.index(), self.objects().len(), "object");
             checked.map_err(result(at("instance", i, &instance.name)))?;
@@ -159,6 +162,11 @@ mod tests {
         });
         assert!(attribute.contains("attribute `a` has 1 floats, not 1 times 2"), "an attribute: {attribute}");
         assert!(problem(|s| _ = s.add_object_of("p", vec![MeshId(7)])).contains("object 1 (p)"), "a mesh id");
+        let itself = |s: &mut Scene| {
+            let member = crate::Member::new(ObjectId(0), Affine::IDENTITY);
+            s.edit_object(ObjectId(0)).members.push(member);
+        };
+        assert!(problem(itself).starts_with("objects: object 0 holds itself"), "a circle");
         let bad = |s: &mut Scene| s.edit_instance(crate::InstanceId(0)).object = ObjectId(9);
         assert!(problem(bad).contains("object 9 does not exist"), "an object id");
     }

@@ -14,7 +14,7 @@ use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, Tex
 pub enum Edit {
     /// A mesh's arrays: objects that hold it need a new tree if its triangles moved.
     Mesh(MeshId),
-    /// An object's list of meshes.
+    /// An object's lists of meshes and members.
     Object(ObjectId),
     /// An instance's transform, object, visibility or mask: only the top tree changes.
     Instance(InstanceId),

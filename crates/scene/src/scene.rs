@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The scene: arrays of plain data and the log of their edits.
-//! Source: original; two levels (objects, instances) after the paper's section 6 and [WBS03a].
+//! Source: original; objects and instances after the paper's section 6 and [WBS03a], objects in objects: `nesting`.
 //! Everything is read through public slices and written through methods, so that no edit escapes the log.
 //! Meshes are shared: who keeps an `Arc` of one keeps it as it was, because an edit copies what others hold.
 //! Proof: `tests::edits_leave_shared_meshes_alone`, crates/render/tests/commit.rs.
@@ -28,8 +28,30 @@ pub struct Object {
     pub name: String,
     /// Its meshes; a hit's `geom_id` is a position in this list.
     pub meshes: Vec<MeshId>,
+    /// Other objects that it is made of, beside its meshes: what they show is stored once, however often they occur.
+    /// [`DEEPEST`](crate::nesting::DEEPEST) levels at most, and none may hold itself.
+    pub members: Vec<Member>,
     /// What becomes of its tree when they are edited.
     pub motion: Motion,
+}
+
+/// An object within another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Member {
+    /// What is there.
+    pub object: ObjectId,
+    /// Where, in the space of the object that holds it; must have an inverse, else the member is dropped and counted at commit.
+    pub object_from_member: Affine,
+    /// Which rays meet it, of those that meet the object that holds it.
+    pub mask: RayMask,
+}
+
+impl Member {
+    /// One that all rays meet.
+    #[must_use]
+    pub fn new(object: ObjectId, object_from_member: Affine) -> Self {
+        Self { object, object_from_member, mask: RayMask::ALL }
+    }
 }
 
 /// An object put somewhere.
@@ -172,7 +194,12 @@ impl Scene {
 
     /// Adds an object of `meshes`.
     pub fn add_object_of(&mut self, name: impl Into<String>, meshes: Vec<MeshId>) -> ObjectId {
-        self.add_object(Object { name: name.into(), meshes, motion: Motion::Auto })
+        self.add_object(Object { name: name.into(), meshes, ..Object::default() })
+    }
+
+    /// Adds an object that is made of others.
+    pub fn add_object_of_members(&mut self, name: impl Into<String>, members: Vec<Member>) -> ObjectId {
+        self.add_object(Object { name: name.into(), members, ..Object::default() })
     }
 
     /// Puts `object` at `world_from_object`.

@@ -41,6 +41,31 @@ fn meshes_are_instanced() {
 }
 
 #[test]
+fn a_node_may_have_its_mesh_at_many_places() {
+    let node = |attributes: &str, rest: &str| {
+        let extension =
+            format!(r#""extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{{attributes}}}}}}}"#);
+        format!(
+            r#"{TRIANGLE},"extensionsRequired":["EXT_mesh_gpu_instancing"],"nodes":[{{"mesh":0,"translation":[5,0,0],{extension}{rest}}}]"#
+        )
+    };
+    // Three places (0,0,0) (1,0,0) (0,1,0), scaled by as much; what else there is of each is passed over.
+    let scene = gltf(&node(r#""TRANSLATION":0,"_ID":1"#, r#","extras":{"mask":5}"#));
+    assert_eq!((scene.instances().len(), scene.objects().len()), (1, 2), "an object made of another");
+    assert_eq!(scene.instances()[0].mask, RayMask(5), "the node's mask is of all");
+    let found: Vec<_> = scene.occurrences().skip(1).map(|found| found.world_from_object.columns[3]).collect();
+    assert_eq!(found, [[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 1.0, 0.0]], "behind the node's own transform");
+    let scaled = gltf(&node(r#""TRANSLATION":0,"SCALE":0,"ROTATION":3"#, ""));
+    let second = scaled.occurrences().nth(2).expect("three places").world_from_object;
+    assert_eq!(second.columns[0], [1.0, 0.0, 0.0], "turned by nothing, scaled by 1 along x");
+    assert_eq!(gltf(&node("", "")).objects().len(), 1, "nothing is said of places");
+    let json =
+        format!(r#"{{"asset":{{"version":"2.0"}},{DATA},{}}}"#, node(r#""TRANSLATION":0,"SCALE":9"#, ""));
+    let error = load_named("t.gltf", json.as_bytes()).expect_err("no such accessor").to_string();
+    assert!(error.contains("nodes[0].extensions.EXT_mesh_gpu_instancing"), "{error}");
+}
+
+#[test]
 fn sparse_accessors_substitute() {
     let body = r#""meshes":[{"primitives":[{"attributes":{"POSITION":4}}]}],"nodes":[{"mesh":0}]"#;
     let json = format!(r#"{{"asset":{{"version":"2.0"}},{DATA},{body}}}"#);

@@ -9,7 +9,9 @@ use gnurt_scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence
 use gnurt_scene::io::{load, save};
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
-use gnurt_scene::{Camera, Lens, Material, Projection, RayMask, Scene, Surface, TextureId};
+use gnurt_scene::{
+    Affine, Camera, Lens, Material, Member, Object, Projection, RayMask, Scene, Surface, TextureId,
+};
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -53,6 +55,34 @@ fn tangents_come_back() {
     mesh.tangents = vec![[2.0, 0.0, 0.0, -1.0]; count];
     let back = there_and_back(&scene, "t.glb");
     assert_eq!(back.meshes()[0].tangents, vec![[1.0, 0.0, 0.0, -1.0]; count], "unit, on their side");
+}
+
+#[test]
+fn objects_in_objects_are_unfolded() {
+    let mut scene = builtin::load("cornell").expect("it is built in");
+    let object = scene.instances()[0].object;
+    let at = |x: f64| Affine::translation([x, 0.0, 0.0]);
+    let pair =
+        vec![Member::new(object, at(1.0)), Member { mask: RayMask::CAMERA, ..Member::new(object, at(2.0)) }];
+    let pair = scene.add_object_of_members("pair", pair);
+    let own = scene.object(object).meshes.clone();
+    let members = vec![Member::new(pair, at(10.0)), Member::new(pair, at(20.0))];
+    let four = scene.add_object(Object { name: "four".into(), meshes: own, members, ..Object::default() });
+    scene.instantiate(four, at(100.0));
+    let places = |scene: &Scene| {
+        let shown = scene.occurrences().filter(|found| !found.object.meshes.is_empty());
+        shown.map(|found| (found.world_from_object.columns[3][0], found.mask)).collect::<Vec<_>>()
+    };
+    let back = there_and_back(&scene, "t.glb");
+    assert_eq!(places(&back), places(&scene), "all of them, with their masks");
+    let obj = there_and_back(&scene, "t.obj");
+    let triangles = |scene: &Scene| -> usize { scene.meshes().iter().map(|mesh| mesh.indices.len()).sum() };
+    let unfolded: usize = scene
+        .occurrences()
+        .flat_map(|found| &found.object.meshes)
+        .map(|&id| scene.mesh(id).indices.len())
+        .sum();
+    assert_eq!(triangles(&obj), unfolded, "a format without instances has them all");
 }
 
 #[test]

@@ -161,6 +161,8 @@ pub struct SurfaceBatch {
     pub geom_id: Vec<u32>,
     /// Instances.
     pub inst_id: Vec<u32>,
+    /// Which of all objects that instances show, those of objects in objects too.
+    pub leaf_id: Vec<u32>,
     /// How many bounces the rays had behind them: 0 for camera rays.
     pub depth: u32,
     /// Keys of the lanes' random numbers.
@@ -177,7 +179,7 @@ impl SurfaceBatch {
         [p, ng, ns, ray_dir, color].into_iter().for_each(|array| array.resize(n));
         let Self { t, u, v, texcoord: [s, r], uv_per_length, alpha, .. } = self;
         [t, u, v, s, r, uv_per_length, alpha].into_iter().for_each(|array| array.resize(n, 0.0));
-        [&mut self.prim_id, &mut self.geom_id, &mut self.inst_id]
+        [&mut self.prim_id, &mut self.geom_id, &mut self.inst_id, &mut self.leaf_id]
             .into_iter()
             .for_each(|array| array.resize(n, 0));
         self.key.resize(n, SampleKey::default());
@@ -294,6 +296,7 @@ impl SurfaceBatch {
             prim_id: pick(&self.prim_id, lanes),
             geom_id: pick(&self.geom_id, lanes),
             inst_id: pick(&self.inst_id, lanes),
+            leaf_id: pick(&self.leaf_id, lanes),
             depth: self.depth,
             key: pick(&self.key, lanes),
             attributes: self.attributes.iter().map(components).collect(),

@@ -16,7 +16,7 @@ use crate::stage::Stage;
 pub struct Pick {
     /// Number and name of the instance.
     pub instance: (u32, String),
-    /// Number and name of the object that it shows.
+    /// Number and name of the object that was hit: what it shows, or an object in that.
     pub object: (u32, String),
     /// The mesh, as a place within the object.
     pub mesh: u32,
@@ -43,12 +43,14 @@ impl Pick {
         let hit = stage.world.intersect(&ray)?;
         let scene = &stage.scene;
         let instance = scene.instances().get(hit.inst_id as usize)?;
-        let object = scene.objects().get(instance.object.index())?;
+        // Within what the instance shows, where that holds others.
+        let object_id = stage.world.object_of(&hit);
+        let object = scene.objects().get(object_id.index())?;
         let mesh = scene.meshes().get(object.meshes.get(hit.geom_id as usize)?.index())?;
         let material = scene.materials().get(mesh.material.index());
         Some(Self {
             instance: (hit.inst_id, instance.name.clone()),
-            object: (instance.object.0, object.name.clone()),
+            object: (object_id.0, object.name.clone()),
             mesh: hit.geom_id,
             triangle: hit.prim_id,
             material: (mesh.material.0, material.map(|material| material.name.clone()).unwrap_or_default()),

@@ -189,14 +189,19 @@ RTAPI RTuint RTAPIENTRY rtNewObject(RTuint id, RTenum mode);
 /* Generates an id and opens its object. BE; OBJ; IE. */
 RTAPI RTuint RTAPIENTRY rtCreateObject(RTenum mode);
 
-/* Closes the open object. BE; IO if none is open, or after RT_UPDATE with other numbers of vertices: then the
- * object is closed and keeps its old geometry. */
+/* Closes the open object. BE; IO if none is open, or after RT_UPDATE with another number of vertices or other objects in it,
+ * or if objects in it hold it themselves or lie more than 16 deep: then the object is closed and keeps its old geometry. */
 RTAPI void RTAPIENTRY rtEndObject(void);
 
 /* Adds an instance of the object, placed by the current RT_MODELVIEW matrix, and returns the instance's id.
  * Closes object `id` first if it is the open one. The id of an instance that is gone comes back when all others have had
  * their turn. BE; IO if another object is open; IV unknown id. */
 RTAPI RTuint RTAPIENTRY rtInstantiateObject(RTuint id);
+
+/* Puts an object into the open one, placed in it by the current RT_MODELVIEW matrix: what it shows is stored once, however often
+ * it occurs. It shows what is defined under its id then, or later. `mask` says which of the rays that see the open object see it:
+ * see rtInstanceMask; ~0u is all. BE; IO if no object is open, or `object` is the open one; IV unknown id. */
+RTAPI void RTAPIENTRY rtNestObject(RTuint object, RTuint mask);
 
 /* Frees the object's id; its instances remain. BE; OBJ; IV. */
 RTAPI void RTAPIENTRY rtRemoveObject(RTuint id);

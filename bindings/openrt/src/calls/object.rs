@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Objects (rtGenObjects, rtNewObject, rtCreateObject, rtEndObject, rtInstantiateObject, rtRemoveObject, rtIsObject).
+//! Objects (rtGenObjects, rtNewObject, rtCreateObject, rtEndObject, rtInstantiateObject, rtNestObject,
+//! rtRemoveObject, rtIsObject).
 //! Source: \[DWBS03\], the paper's Figure 1; display lists of OpenGL 1.x. Proof: tests/c/scene.c, tests/c/errors.c.
 
 use crate::context::Context;
 use crate::state::block::Assembly;
 use crate::state::enums::ObjectMode;
 use crate::state::error::{Error, Result};
-use crate::state::object::{Definition, OpenObject};
+use crate::state::object::{Definition, Nested, OpenObject};
 
 impl Context {
     /// rtGenObjects.
@@ -44,7 +45,7 @@ impl Context {
 
     fn open_object(&mut self, id: u32, mode: ObjectMode) {
         self.bound.restart_values();
-        self.open = Some(OpenObject { id, mode, assembly: Assembly::default() });
+        self.open = Some(OpenObject { id, mode, assembly: Assembly::default(), nested: Vec::new() });
     }
 
     /// rtEndObject.
@@ -73,14 +74,35 @@ impl Context {
         }
     }
 
-    /// Stores what an open object has taken in. Returns the instance that its mode asks for.
-    fn close(&mut self, open: OpenObject) -> Result<Option<u32>> {
-        let geometry = open.assembly.geometry;
-        let known_vertices = self.objects.defined.get(&open.id).map_or(0, |known| known.vertices_given);
-        if open.mode == ObjectMode::Update && geometry.vertices_given != known_vertices {
+    /// rtNestObject.
+    pub(crate) fn nest_object(&mut self, id: u32, mask: u32) -> Result<()> {
+        self.outside_block()?;
+        let object_from_nested = self.modelview();
+        let open = self.open.as_mut().ok_or(Error::InvalidOperation)?;
+        self.objects.ids.check(id)?;
+        if open.id == id {
             return Err(Error::InvalidOperation);
         }
-        self.objects.defined.insert(open.id, Definition::of(geometry));
+        open.nested.push(Nested { object: id, object_from_nested, mask });
+        Ok(())
+    }
+
+    /// Stores what an open object has taken in. Returns the instance that its mode asks for.
+    fn close(&mut self, open: OpenObject) -> Result<Option<u32>> {
+        let (geometry, nested) = (open.assembly.geometry, open.nested);
+        if open.mode == ObjectMode::Update {
+            let known = self.objects.defined.get(&open.id);
+            let known_vertices = known.map_or(0, |known| known.vertices_given);
+            let objects = |nested: &[Nested]| nested.iter().map(|nested| nested.object).collect::<Vec<_>>();
+            let known_objects = known.map_or_else(Vec::new, |known| objects(&known.nested));
+            if geometry.vertices_given != known_vertices || objects(&nested) != known_objects {
+                return Err(Error::InvalidOperation);
+            }
+        }
+        if !self.objects.may_hold(open.id, &nested) {
+            return Err(Error::InvalidOperation);
+        }
+        self.objects.defined.insert(open.id, Definition::of(geometry, nested));
         match open.mode {
             ObjectMode::DefineAndInstantiate => self.add_instance(open.id).map(Some),
             ObjectMode::Define | ObjectMode::Update => Ok(None),

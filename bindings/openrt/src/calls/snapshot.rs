@@ -18,13 +18,16 @@ use crate::state::class::ClassCode;
 use crate::state::enums::MatrixMode;
 use crate::state::error::{Error, Result};
 use crate::state::instance::Instance;
+use crate::state::object::Nested;
 use crate::state::progress::Seen;
 
 impl Context {
     /// Frees objects and shaders that were removed and that nothing shows any more.
     pub(super) fn prune(&mut self) {
         if self.objects.has_removed() {
-            let shown: BTreeSet<u32> = self.instances.iter().map(|i| i.object).collect();
+            let alive = self.objects.defined.keys().copied().filter(|&id| self.objects.ids.exists(id));
+            let shown = self.instances.iter().map(|i| i.object).chain(alive).collect();
+            let shown: BTreeSet<u32> = self.objects.with_held(shown);
             self.objects.prune(|id| shown.contains(&id));
         }
         if !self.shaders.has_deleted() {
@@ -40,14 +43,22 @@ impl Context {
     pub(super) fn update(&mut self, stage: &mut Stage) {
         let unnamed = std::mem::take(&mut self.unnamed).geometry;
         let has_unnamed = !unnamed.is_empty();
-        stage.keep_objects(|id| self.objects.defined.contains_key(&id) || id == UNNAMED && has_unnamed);
+        let held = self.objects.held();
+        stage.keep_objects(|id| {
+            self.objects.defined.contains_key(&id) || held.contains(&id) || id == UNNAMED && has_unnamed
+        });
         for (&id, object) in &mut self.objects.defined {
             if let Some(meshes) = object.fresh.take() {
-                stage.define(id, meshes);
+                let member = |nested: &Nested| Shown {
+                    object: nested.object,
+                    world_from_object: nested.object_from_nested.to_affine(),
+                    mask: RayMask(nested.mask),
+                };
+                stage.define(id, meshes, object.nested.iter().map(member));
             }
         }
         if has_unnamed {
-            stage.define(UNNAMED, unnamed.finish());
+            stage.define(UNNAMED, unnamed.finish(), std::iter::empty());
         }
         let place = |instance: &Instance| Shown {
             object: instance.object,

@@ -47,7 +47,7 @@ static void between_begin_and_end(void)
     BE(rtMultTransposeMatrixd(doubles)); BE(rtLoadMatrixf(NULL)); BE(rtPushMatrix()); BE(rtPopMatrix());
     BE_ID(rtGenObjects(1)); BE_ID(rtNewObject(object, RT_DEFINE)); BE_ID(rtNewObject(RT_DEFINE));
     BE_ID(rtCreateObject(RT_DEFINE)); BE(rtEndObject()); BE_ID(rtInstantiateObject(object)); BE(rtRemoveObject(object));
-    BE(rtUpdateInstance(instance)); BE(rtInstanceMask(instance, 1)); BE(rtDeleteInstance(instance)); BE(rtClearInstances());
+    BE(rtNestObject(object, 1)); BE(rtUpdateInstance(instance)); BE(rtInstanceMask(instance, 1)); BE(rtDeleteInstance(instance)); BE(rtClearInstances());
     BE(rtGetInstanceMatrixf(instance, floats)); BE(rtBegin(RT_QUADS)); BE(rtBegin(0));
     BE_ID(rtGenNewShaderClass("sample", NULL)); BE(rtBindShaderClass(class_id)); BE_ID(rtGenNewShader());
     BE(rtBindShader(surface)); BE_ID(rtParameterHandle("value")); BE(rtGetParameterfv(handle, floats));
@@ -154,9 +154,10 @@ static void objects(void)
     EXPECT_ID(rtGenObjects(0), IV); EXPECT_ID(rtGenObjects(-1), IV); EXPECT_ID(rtNewObject(other, 0x203), IE);
     EXPECT_ID(rtNewObject(0x100u), IE); EXPECT_ID(rtNewObject(NOBODY, RT_DEFINE), IV);
     EXPECT_ID(rtNewObject(0, RT_DEFINE), IV); EXPECT(rtEndObject(), IO); EXPECT_ID(rtInstantiateObject(NOBODY), IV);
-    EXPECT(rtRemoveObject(NOBODY), IV); EXPECT(rtUpdateInstance(NOBODY), IV); EXPECT(rtInstanceMask(NOBODY, 1), IV); EXPECT(rtDeleteInstance(NOBODY), IV);
+    EXPECT(rtRemoveObject(NOBODY), IV); EXPECT(rtUpdateInstance(NOBODY), IV); EXPECT(rtNestObject(other, 1), IO); EXPECT(rtInstanceMask(NOBODY, 1), IV); EXPECT(rtDeleteInstance(NOBODY), IV);
     EXPECT(rtGetInstanceMatrixf(NOBODY, floats), IV); EXPECT(rtGetInstanceMatrixf(instance, NULL), IV);
     EXPECT_ID(opened = rtNewObject(RT_DEFINE), OK);
+    EXPECT(rtNestObject(NOBODY, 1), IV); EXPECT(rtNestObject(opened, 1), IO);
     EXPECT_ID(rtGenObjects(1), IO); EXPECT_ID(rtNewObject(other, RT_DEFINE), IO); EXPECT_ID(rtNewObject(RT_DEFINE), IO);
     EXPECT_ID(rtNewObject(NOBODY, 0), IO); EXPECT_ID(rtInstantiateObject(other), IO);
     EXPECT_ID(rtInstantiateObject(NOBODY), IO); EXPECT(rtRemoveObject(other), IO); EXPECT(rtRemoveObject(NOBODY), IO);

@@ -78,6 +78,69 @@ static void attributes(void)
     rtClearInstances();
 }
 
+/* Objects in objects: placed by both matrices, masked, defined before or after, and none in itself. */
+static void objects_in_objects(void)
+{
+    RTuint tile = rtGenObjects(1), pair = rtGenObjects(1), four = rtGenObjects(1), shown, chain, i;
+    rtClearInstances();
+    constant_shader(1, 0, 0);
+    rtNewObject(tile, RT_DEFINE);
+    rectangle(-0.1f, -0.1f, 0.1f, 0.1f, 0);
+    rtEndObject();
+    rtNewObject(four, RT_DEFINE);
+    rtTranslatef(0, 0.5f, 0); rtNestObject(pair, ~0u); rtLoadIdentity();
+    rtTranslatef(0, -0.5f, 0); rtNestObject(pair, ~0u); rtLoadIdentity();
+    shown = rtInstantiateObject(four);
+    rtRender();
+    SHOWS(0.5, 0.5, 0, 0, 0);
+    rtNewObject(pair, RT_DEFINE);
+    rtTranslatef(-0.5f, 0, 0); rtNestObject(tile, ~0u); rtLoadIdentity();
+    rtTranslatef(0.5f, 0, 0); rtNestObject(tile, 2); rtLoadIdentity();
+    rectangle(-0.1f, -0.1f, 0.1f, 0.1f, 0);
+    rtEndObject();
+    CHECK(rtGetError() == RT_NO_ERROR);
+    rtRender();
+    SHOWS(-0.5, 0.5, 1, 0, 0); SHOWS(-0.5, -0.5, 1, 0, 0); SHOWS(0, 0.5, 1, 0, 0); SHOWS(0.5, 0.5, 0, 0, 0); SHOWS(0, 0, 0, 0, 0);
+    /* An update moves what is in it; other objects are none. */
+    rtNewObject(pair, RT_UPDATE);
+    rtTranslatef(-0.3f, 0, 0); rtNestObject(tile, ~0u); rtLoadIdentity();
+    rtTranslatef(0.5f, 0, 0); rtNestObject(tile, ~0u); rtLoadIdentity();
+    rectangle(-0.1f, -0.1f, 0.1f, 0.1f, 0);
+    rtEndObject();
+    CHECK(rtGetError() == RT_NO_ERROR);
+    rtRemoveObject(tile);
+    rtRender();
+    SHOWS(-0.5, 0.5, 0, 0, 0); SHOWS(-0.3, 0.5, 1, 0, 0); SHOWS(0.5, -0.5, 1, 0, 0);
+    rtNewObject(pair, RT_UPDATE);
+    rectangle(-0.1f, -0.1f, 0.1f, 0.1f, 0);
+    rtEndObject();
+    CHECK(rtGetError() == RT_INVALID_OPERATION);
+    rtNewObject(pair, RT_DEFINE);
+    rtNestObject(four, ~0u);
+    rtEndObject();
+    CHECK(rtGetError() == RT_INVALID_OPERATION);
+    rtRender();
+    SHOWS(-0.3, 0.5, 1, 0, 0);
+    /* Sixteen matrices on the way are fine, seventeen are not. */
+    for (chain = four, i = 0; i < 13; i++) {
+        RTuint outer = rtGenObjects(1);
+        rtNewObject(outer, RT_DEFINE);
+        rtNestObject(chain, ~0u);
+        rtEndObject();
+        chain = outer;
+    }
+    CHECK(rtGetError() == RT_NO_ERROR);
+    rtNewObject(RT_DEFINE);
+    rtNestObject(chain, ~0u);
+    rtEndObject();
+    CHECK(rtGetError() == RT_INVALID_OPERATION);
+    rtDeleteInstance(shown);
+    shown = rtInstantiateObject(chain);
+    rtRender();
+    SHOWS(-0.3, -0.5, 1, 0, 0);
+    rtDeleteInstance(shown);
+}
+
 static void instances_and_objects(void)
 {
     RTuint red = constant_shader(1, 0, 0), object = rtGenObjects(1), a, b, handle = rtParameterHandle("value");
@@ -362,6 +425,7 @@ int main(void)
     matrices();
     attributes();
     instances_and_objects();
+    objects_in_objects();
     rates();
     lights_and_mirrors();
     textures();

@@ -126,6 +126,10 @@ typedef struct gnurt_query {
 } gnurt_query;
 
 int gnurt_intersect(const gnurt_scene *, const gnurt_rays *, const gnurt_query *, const gnurt_hits *);
+/* The same; writes the instances on the way to each hit, too: `levels` ids for each ray, those of ray i from paths + i * levels on,
+ * outermost first, each in the scene that has it. GNURT_NONE behind the last; what does not fit is left out. */
+int gnurt_intersect_paths(const gnurt_scene *, const gnurt_rays *, const gnurt_query *, const gnurt_hits *, size_t levels,
+                          uint32_t *paths);
 /* Writes 1 where anything is hit, else 0. */
 int gnurt_occluded(const gnurt_scene *, const gnurt_rays *, const gnurt_query *, uint8_t *occluded);
 /* All hits of all rays, in the order of rays and then of t. Writes where the hits of ray i end to ends[i], and as many hits as there is

@@ -236,6 +236,13 @@ static void scenes_in_scenes(void)
         CHECK(got[2].t == INFINITY && got[2].inst == GNURT_NONE, "%d: nothing there", user);
         if (user == 0)
             CHECK(got[0].normal[2] == -1, "a sphere's normal: %g", got[0].normal[2]);
+        uint32_t paths[3][3];
+        OK(gnurt_intersect_paths(outer, &all, NULL, &to, 3, paths[0]));
+        CHECK(paths[0][0] == shown && paths[0][1] == ids[2] && paths[0][2] == GNURT_NONE && paths[2][0] == GNURT_NONE,
+              "%d: the way is %u %u %u", user, paths[0][0], paths[0][1], paths[0][2]);
+        OK(gnurt_intersect_paths(outer, &all, NULL, &to, 1, paths[0]));
+        CHECK(paths[0][0] == shown && paths[0][1] == shown && paths[0][2] == GNURT_NONE, "%d: the outermost alone", user);
+        REFUSED(gnurt_intersect_paths(outer, &all, NULL, &to, 1, NULL), "paths: a null pointer");
         /* Hidden, then seen again elsewhere. */
         OK(gnurt_set_mask(outer, shown, 0));
         OK(gnurt_commit(outer));

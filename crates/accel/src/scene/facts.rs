@@ -38,7 +38,8 @@ impl SceneTree {
     }
 
     /// How many objects it shows, those of nested scenes too: numbers below this are [`Hit::leaf_id`]s.
-    pub(super) fn leaf_count(&self) -> u32 {
+    #[must_use]
+    pub fn leaf_count(&self) -> u32 {
         self.leaves.count()
     }
 
@@ -55,6 +56,33 @@ impl SceneTree {
                 Shape::Scene(inner) => (scene, leaf) = (inner, leaf - scene.leaves.first(place)),
             }
         }
+    }
+
+    /// The outermost instance on the way to the object that [`Hit::leaf_id`] stands for, and the object's number in the scene
+    /// which that shows, 0 where it shows an object. `None` where there is no such object.
+    #[must_use]
+    pub fn instance_at(&self, leaf_id: u32) -> Option<(u32, u32)> {
+        if leaf_id >= self.leaves.count() {
+            return None;
+        }
+        let place = self.leaves.place(leaf_id);
+        Some((place as u32, leaf_id - self.leaves.first(place)))
+    }
+
+    /// The number of the first object of an instance, what [`instance_at`](Self::instance_at) undoes.
+    ///
+    /// # Panics
+    /// If there is no such instance.
+    #[must_use]
+    pub fn first_leaf(&self, inst_id: u32) -> u32 {
+        assert!((inst_id as usize) < self.slots.len(), "instance {inst_id} of {}", self.slots.len());
+        self.leaves.first(inst_id as usize)
+    }
+
+    /// Whether both number objects alike: hits on one name the same objects in the other, where these are there.
+    #[must_use]
+    pub fn numbers_alike(&self, other: &Self) -> bool {
+        self.leaves.is_like(&other.leaves)
     }
 
     /// Size and shape of the top tree.

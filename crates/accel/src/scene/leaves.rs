@@ -75,6 +75,11 @@ impl Leaves {
         self.firsts.partition_point(|&first| first <= leaf) - 1
     }
 
+    /// Whether instances have the same numbers here and there, as far as both have them.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.firsts, &other.firsts) || self.firsts == other.firsts
+    }
+
     pub(super) fn memory_bytes(&self) -> usize {
         size_of_val(&self.firsts[..])
     }

@@ -64,14 +64,12 @@ impl Inventory {
         let meshes = scene.meshes();
         let emits =
             |mesh: &&Arc<Mesh>| scene.materials().get(mesh.material.index()).is_some_and(|m| m.emits());
-        let of_object = |object: &gnurt::scene::Object| -> usize {
-            object.meshes.iter().filter_map(|id| meshes.get(id.index())).map(|mesh| mesh.indices.len()).sum()
-        };
-        let objects =
-            scene.instances().iter().filter_map(|instance| scene.objects().get(instance.object.index()));
+        let of_objects = scene.unfolded_triangles().unwrap_or_default();
+        let of_instances =
+            scene.instances().iter().filter_map(|instance| of_objects.get(instance.object.index()));
         Self {
             triangles: meshes.iter().map(|mesh| mesh.indices.len()).sum(),
-            instanced: objects.map(of_object).sum(),
+            instanced: of_instances.fold(0, |sum: u64, count| sum.saturating_add(*count)) as usize,
             emitting: meshes.iter().filter(emits).map(|mesh| mesh.indices.len()).sum(),
             vertices: meshes.iter().map(|mesh| mesh.positions.len()).sum(),
             mesh_bytes: meshes.iter().map(|mesh| mesh.memory_bytes()).sum(),

@@ -92,7 +92,9 @@ impl Added {
         for object in &self.objects {
             let mesh = |&MeshId(id): &MeshId| MeshId(moved(id, before.meshes, now.meshes));
             let meshes = object.meshes.iter().map(mesh).collect();
-            scene.add_object(Object { meshes, name: object.name.clone(), motion: object.motion });
+            // The studio has no objects in objects.
+            debug_assert!(object.members.is_empty(), "{object:?}");
+            scene.add_object(Object { meshes, ..object.clone() });
         }
         for instance in &self.instances {
             let object = ObjectId(moved(instance.object.0, before.objects, now.objects));

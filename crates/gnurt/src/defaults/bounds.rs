@@ -33,6 +33,11 @@ impl Bounds {
         (0..3).all(|k| self.min[k] < p[k] && p[k] < self.max[k])
     }
 
+    /// Its corners elsewhere.
+    fn moved(self, to: Affine) -> [[f64; 3]; 8] {
+        self.corners().map(|corner| to.point(corner))
+    }
+
     fn around(points: impl IntoIterator<Item = [f64; 3]>) -> Option<Self> {
         let finite = points.into_iter().filter(|p| p.iter().all(|x| x.is_finite()));
         finite.fold(None, |bounds, p| {
@@ -47,18 +52,51 @@ impl Bounds {
 /// An instance contributes the box of its object's box, which may be larger than the instance where it is turned.
 #[must_use]
 pub fn bounds_of(scene: &Scene) -> Option<Bounds> {
-    let meshes: Vec<Option<Bounds>> = scene.meshes().iter().map(|mesh| mesh_bounds(mesh)).collect();
-    let corners_of = |bounds: Option<Bounds>, to: Affine| {
-        bounds.into_iter().flat_map(move |b| b.corners().map(|corner| to.point(corner)))
+    let mut known = Known {
+        meshes: scene.meshes().iter().map(|mesh| mesh_bounds(mesh)).collect(),
+        objects: vec![None; scene.objects().len()],
+        unfolds: scene.levels().is_ok(),
     };
     let visible = scene.instances().iter().filter(|instance| instance.visible);
-    Bounds::around(visible.flat_map(|instance| {
-        let object = scene.objects().get(instance.object.index());
-        let boxes = object.into_iter().flat_map(|object| &object.meshes).map(|id| meshes.get(id.index()));
+    let corners = visible.flat_map(|instance| {
+        let to = instance.world_from_object;
+        known.boxes(scene, instance.object.index()).into_iter().flat_map(move |bounds| bounds.moved(to))
+    });
+    Bounds::around(corners)
+}
+
+/// Boxes of meshes, and of objects that hold others.
+struct Known {
+    meshes: Vec<Option<Bounds>>,
+    /// `None` = not known yet.
+    objects: Vec<Option<Option<Bounds>>>,
+    /// Whether no object holds itself.
+    unfolds: bool,
+}
+
+impl Known {
+    /// Boxes around all of an object: those of its meshes, and one for each object in it.
+    fn boxes(&mut self, scene: &Scene, object: usize) -> Vec<Bounds> {
+        let Some(object) = scene.objects().get(object) else { return Vec::new() };
+        let meshes = object.meshes.iter().filter_map(|id| self.meshes.get(id.index()).copied().flatten());
+        let mut boxes: Vec<Bounds> = meshes.collect();
+        for member in object.members.iter().filter(|_| self.unfolds) {
+            let bounds = self.object(scene, member.object.index());
+            boxes.extend(bounds.and_then(|bounds| Bounds::around(bounds.moved(member.object_from_member))));
+        }
         boxes
-            .flat_map(move |b| corners_of(b.copied().flatten(), instance.world_from_object))
-            .collect::<Vec<_>>()
-    }))
+    }
+
+    /// The box of an object, looked for once.
+    fn object(&mut self, scene: &Scene, object: usize) -> Option<Bounds> {
+        if let Some(known) = self.objects[object] {
+            return known;
+        }
+        let boxes = self.boxes(scene, object);
+        let found = Bounds::around(boxes.into_iter().flat_map(|bounds| [bounds.min, bounds.max]));
+        self.objects[object] = Some(found);
+        found
+    }
 }
 
 /// Moments at which a clip is looked at.
@@ -84,6 +122,7 @@ fn mesh_bounds(mesh: &Mesh) -> Option<Bounds> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Member;
 
     #[test]
     fn counts_what_is_seen() {
@@ -106,5 +145,10 @@ mod tests {
             Bounds { min: [10.0, 0.0, 0.0], max: [11.0, 2.0, 0.0] },
             "strays and hidden ones do not count"
         );
+        let far = [5.0, 7.0].map(|y| Member::new(object, Affine::translation([0.0, y, 0.0])));
+        let pair = scene.add_object_of_members("pair", far.to_vec());
+        scene.instantiate(pair, Affine::translation([11.0, 1.0, 0.0]));
+        let bounds = bounds_of(&scene).expect("more triangles");
+        assert_eq!(bounds.max, [12.0, 10.0, 0.0], "objects in objects count");
     }
 }

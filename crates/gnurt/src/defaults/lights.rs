@@ -5,6 +5,7 @@
 //! Source: original. Space: world; linear light. A white matte surface that faces the key light shows about 1.
 //! Proof: `tests`.
 
+use super::sight::MOST_LOOKED_AT;
 use super::{bounds_of, sight};
 use crate::image::srgb;
 use crate::scene::{Affine, Camera, Light, Material, Mesh, Projection, Scene};
@@ -63,11 +64,9 @@ fn emission(scene: &Scene) -> Option<Emitted> {
         return Some(Emitted { brightest, mean: f64::INFINITY, share: 0.0 });
     }
     let (mut all, mut light, mut glowing) = (0.0, 0.0, 0.0);
-    for instance in scene.instances().iter().filter(|instance| instance.visible) {
-        let object = scene.objects().get(instance.object.index());
-        for mesh in object.into_iter().flat_map(|o| &o.meshes).filter_map(|id| scene.meshes().get(id.index()))
-        {
-            let area = area(mesh, &instance.world_from_object);
+    for found in scene.occurrences().take(MOST_LOOKED_AT) {
+        for mesh in found.object.meshes.iter().filter_map(|id| scene.meshes().get(id.index())) {
+            let area = area(mesh, &found.world_from_object);
             all += area;
             let material = scene.materials().get(mesh.material.index()).filter(|material| material.emits());
             light += area * material.map_or(0.0, lamp_luminance);

@@ -7,15 +7,15 @@ use crate::scene::{Affine, Mesh, Scene};
 
 type Point = [f64; 3];
 
+/// Objects that are looked at, where very many are unfolded.
+pub(super) const MOST_LOOKED_AT: usize = 1 << 20;
+
 /// Distance to what is nearest in each direction (unit), infinite where nothing is.
 pub(super) fn distances(scene: &Scene, eye: Point, directions: &[Point]) -> Vec<f64> {
     let mut nearest = vec![f64::INFINITY; directions.len()];
-    for instance in scene.instances().iter().filter(|instance| instance.visible) {
-        let object = scene.objects().get(instance.object.index());
-        for id in object.into_iter().flat_map(|object| &object.meshes) {
-            if let Some(mesh) = scene.meshes().get(id.index()) {
-                see_mesh(mesh, &instance.world_from_object, eye, directions, &mut nearest);
-            }
+    for found in scene.occurrences().take(MOST_LOOKED_AT) {
+        for mesh in found.object.meshes.iter().filter_map(|id| scene.meshes().get(id.index())) {
+            see_mesh(mesh, &found.world_from_object, eye, directions, &mut nearest);
         }
     }
     nearest

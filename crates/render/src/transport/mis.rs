@@ -32,7 +32,7 @@ pub(crate) fn over_both(own: f32, other: f32) -> f32 {
     1.0 / (own + other)
 }
 
-/// How much the light counts that a path's ray along `dir` found on triangle `ids` (instance, mesh, triangle) at `p`:
+/// How much the light counts that a path's ray along `dir` found on triangle `ids` (leaf, mesh, triangle) at `p`:
 /// light samples find it, too.
 pub(crate) fn weigh(lights: &LightSet, path: &Path, ids: [u32; 3], p: Vec3, dir: Vec3) -> f32 {
     let (Some(origin), Some(triangle)) = (path.from, lights.triangle(ids, dir)) else {

@@ -127,7 +127,7 @@ impl Met<'_> {
     /// radiance, they find what the description lets shine.
     fn counted(&self, found: Vec3, lights: &LightSet, path: &Path, k: usize) -> Vec3 {
         let points = self.points;
-        let (ids, dir) = ([points.inst_id[k], points.geom_id[k], points.prim_id[k]], points.ray_dir.get(k));
+        let (ids, dir) = ([points.leaf_id[k], points.geom_id[k], points.prim_id[k]], points.ray_dir.get(k));
         let weight = weigh(lights, path, ids, points.p.get(k), dir);
         match lights.triangle(ids, dir) {
             Some(triangle) if self.is_final && points.front(k) && path.from.is_some() => {

@@ -37,7 +37,7 @@ pub(crate) struct Vertex {
     pub(crate) lamp_gain: f32,
     /// How far the ray came.
     pub(crate) t: f32,
-    /// What was hit: instance, mesh, triangle.
+    /// What was hit: leaf, mesh, triangle.
     pub(crate) ids: [u32; 3],
 }
 
@@ -106,7 +106,7 @@ impl BatchTracer<'_> {
                 is_final,
                 lamp_gain,
                 t: points.t[k],
-                ids: [points.inst_id[k], points.geom_id[k], points.prim_id[k]],
+                ids: [points.leaf_id[k], points.geom_id[k], points.prim_id[k]],
             };
             with(lane as usize, vertex);
         }

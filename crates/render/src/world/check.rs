@@ -19,6 +19,9 @@ pub(super) fn check(scene: &Scene, shaders: &ShaderTable, due: &Due) -> Result<(
             return Err(dangling("instance", index, "object", object.0));
         }
     }
+    if due.objects.iter().any(|&index| !scene.objects()[index as usize].members.is_empty()) {
+        scene.levels()?;
+    }
     for &index in &due.objects {
         let object = &scene.objects()[index as usize];
         if let Some(mesh) = object.meshes.iter().find(|mesh| mesh.index() >= scene.meshes().len()) {

@@ -17,10 +17,9 @@ use gnurt_scene::{Affine, Scene};
 use super::due::Due;
 use super::instance::InstanceSlot;
 use super::lights::ChangedLights;
-use super::object::{self, ObjectSlot};
 use super::open::{Open, Shutter};
 use super::table::{CommitOptions, CommitReport, ShaderTable};
-use super::{Followed, World, check, top};
+use super::{Dropped, Followed, World, check, members, object_build, top, users};
 use crate::error::CommitError;
 
 impl World {
@@ -106,6 +105,7 @@ impl World {
 
         let Geometry { changed, is_moved } =
             self.update_geometry(due, (scene, exposure), options, pool, report);
+        let tree_before = self.tree.clone();
         if is_moved {
             self.tree = top::after(&self.tree, scene, &self.instances, &changed, pool);
             report.built_top_tree = true;
@@ -113,7 +113,9 @@ impl World {
 
         let lights = &self.lights;
         let lamps = &lights.lamps;
-        let lamps = lamps.after(&changed, emission_changed, self.shown(pool));
+        let found = lamps.after(&changed, emission_changed, self.shown(pool));
+        let is_numbered = || lamps.ids.is_empty() || tree_before.numbers_alike(&self.tree);
+        let lamps = found.or_else(|| (!is_numbered()).then(|| lamps.renumbered(&tree_before, &self.tree)));
         report.found_lamps = lamps.is_some();
         let bounds = self.tree.bounds();
         let changed = ChangedLights {
@@ -154,28 +156,36 @@ impl World {
                 if before == now {
                     continue;
                 }
-                if let Some(before) = before {
-                    let slot = objects.edit(before.index());
-                    slot.users -= 1;
-                    objects_due.extend((slot.users == 0).then_some(before.0));
-                }
                 if let Some(now) = now {
-                    let slot = objects.edit(now.index());
-                    slot.users += 1;
-                    objects_due.extend((slot.users == 1).then_some(now.0));
+                    users::retain(objects, scene, now.0, &mut objects_due);
+                }
+                if let Some(before) = before {
+                    users::release(objects, before.0, &mut objects_due);
+                }
+            }
+            for &id in &due.objects {
+                if objects[id as usize].users > 0 {
+                    users::hold(objects, scene, id, &mut objects_due);
                 }
             }
             objects_due.sort_unstable();
             objects_due.dedup();
             let before = objects.clone();
-            let scene = (scene, exposure);
-            let rebuilt = object::update(objects, &self.crowds, &objects_due, scene, options.memory, pool);
-            let dropped = |slot: &ObjectSlot| {
-                slot.object.as_ref().map_or(0, |object| object.tree.bad_primitives().total() as usize)
-            };
-            for &id in &objects_due {
-                self.dropped.triangles += dropped(&objects[id as usize]);
-                self.dropped.triangles -= dropped(&before[id as usize]);
+            let mut rebuilt = object_build::update(
+                objects,
+                &self.crowds,
+                &objects_due,
+                (scene, exposure),
+                options.memory,
+                pool,
+            );
+            members::update(objects, &before, &objects_due, scene, pool, &mut rebuilt);
+            let mut touched = [&objects_due[..], &rebuilt.ids].concat();
+            touched.sort_unstable();
+            touched.dedup();
+            for &id in &touched {
+                self.dropped += Dropped::of(&objects[id as usize]);
+                self.dropped -= Dropped::of(&before[id as usize]);
             }
             (report.built_objects, report.refitted_objects) = (rebuilt.built, rebuilt.refitted);
             is_moved |= rebuilt.reshaped;

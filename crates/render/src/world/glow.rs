@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::instance::InstanceSlot;
 use super::open::Shutter;
-use super::surface::{HitLanes, Places};
+use super::surface::{HitLanes, Leaves, Places};
 
 /// Places that are looked at on each side of all triangles of one surface together; on one triangle not more nor fewer than these.
 const LOOKS: usize = 1 << 13;
@@ -31,8 +31,8 @@ const FEWEST_LOOKS: usize = 4;
 /// A triangle that may shine.
 #[derive(Clone, Copy)]
 pub(super) struct GlowTriangle {
-    /// Instance, mesh, triangle; the instance by its place in `Glow::instances`.
-    pub(super) met: [u32; 3],
+    /// Instance, object in what that shows, mesh, triangle; the instance by its place in `Glow::instances`.
+    pub(super) met: [u32; 4],
     /// Its instance in the world.
     pub(super) inst_id: u32,
     /// Which emitter it belongs to.
@@ -94,10 +94,13 @@ impl Glow {
             rays.clear();
             hits.reset(some.len());
             keys.clear();
+            let mut leaves = [[0; 2]; LANES];
             for (i, (glow, at)) in some.iter().enumerate() {
                 let [u, v] = if glow.is_turned { [at.place[1], at.place[0]] } else { at.place };
                 (hits.u[i], hits.v[i], hits.t[i]) = (u, v, 0.0);
-                [hits.inst_id[i], hits.geom_id[i], hits.prim_id[i]] = glow.met;
+                let [place, leaf, geom_id, prim_id] = glow.met;
+                (hits.leaf_id[i], leaves[i]) = (i as u32, [place, leaf]);
+                [hits.inst_id[i], hits.geom_id[i], hits.prim_id[i]] = [glow.inst_id, geom_id, prim_id];
                 rays.push(gnurt_accel::Ray::new([0.0; 3], at.dir.into()));
                 keys.push(SampleKey::default());
             }
@@ -105,10 +108,10 @@ impl Glow {
             let from = HitLanes { rays, keys, hits, depth: 1, epsilon: 0.0 };
             let lanes: [u32; LANES] = std::array::from_fn(|i| i as u32);
             let shutter = self.time.map(Shutter::All);
-            let world = Places { instances: &self.instances, shutter, face_normals: self.face_normals };
+            let (instances, leaves) = (&self.instances, Leaves::Listed(&leaves));
+            let world = Places { instances, leaves, shutter, face_normals: self.face_normals };
             let of = (Level::default(), from);
             world.surface_points(of, &lanes[..some.len()], Detail::Full, shader.attributes(), points);
-            points.inst_id.iter_mut().zip(some).for_each(|(id, (glow, _))| *id = glow.inst_id);
             closures.reset(some.len());
             shader.evaluate(points, closures);
             for i in 0..some.len() {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object put somewhere: single-precision transforms for shading. Source: original.
+//! An object put somewhere, and what of it a hit names. Source: original.
 //! Invariant: the transform of a placed instance has an inverse.
 
 use std::sync::Arc;
 
-use glam::{DMat3, Mat3, Vec3};
 use gnurt_accel::{MotionPath, SharedList};
 use gnurt_scene::{Affine, Instance, ObjectId, RayMask};
 
 use super::object::{ObjectSlot, WorldObject};
 use super::open::path;
+use super::place::Place;
 
 /// An instance as shading needs it.
 #[derive(Clone)]
@@ -18,15 +18,8 @@ pub(crate) struct PlacedInstance {
     pub(crate) object_id: ObjectId,
     /// Which rays see it.
     pub(crate) mask: RayMask,
-    /// Linear part of `world_from_object`.
-    pub(crate) linear: Mat3,
-    /// Where the object's origin is in the world.
-    pub(crate) origin: Vec3,
-    /// Transforms normals; unit length is lost, their side is kept also where `linear` mirrors.
-    pub(crate) normals: Mat3,
-    /// Whether `linear` mirrors: triangles wind the other way round in the world.
-    pub(crate) mirrors: bool,
-    /// Its way while the shutter is open; all the above is where it is at first.
+    pub(crate) place: Place,
+    /// Its way while the shutter is open; `place` is where it is at first.
     pub(crate) motion: Option<Arc<MotionPath>>,
 }
 
@@ -50,13 +43,17 @@ impl InstanceSlot {
     ) -> Self {
         let object = objects.get(instance.object.index()).and_then(|slot| slot.object.clone());
         let Some(object) = object.filter(|_| instance.visible) else { return Self::Hidden };
-        match PlacedInstance::new(object, instance.object, &instance.world_from_object, instance.mask) {
-            Some(placed) => {
-                let motion = places.and_then(|places| path(places, &placed.object.tree.bounds()));
-                Self::Placed(PlacedInstance { motion, ..placed })
-            }
-            None => Self::Dropped(instance.object),
-        }
+        let Some(place) = Place::new(&instance.world_from_object) else {
+            return Self::Dropped(instance.object);
+        };
+        let motion = places.and_then(|places| path(places, &object.bounds()));
+        Self::Placed(PlacedInstance {
+            object,
+            object_id: instance.object,
+            mask: instance.mask,
+            place,
+            motion,
+        })
     }
 
     pub(super) fn placed(&self) -> Option<&PlacedInstance> {
@@ -81,44 +78,29 @@ impl InstanceSlot {
 }
 
 impl PlacedInstance {
-    /// `None` if the transform flattens or is not finite, in double or single precision.
-    pub(crate) fn new(
-        object: Arc<WorldObject>,
-        object_id: ObjectId,
-        world_from_object: &Affine,
-        mask: RayMask,
-    ) -> Option<Self> {
-        world_from_object.inverse()?;
-        let [x, y, z, origin] = world_from_object.columns;
-        let linear = DMat3::from_cols(x.into(), y.into(), z.into());
-        // Only directions matter: scaled to the size of 1 so that nothing overflows.
-        let normals = {
-            let inverse = linear.inverse().transpose();
-            let largest = inverse.to_cols_array().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-            inverse * (1.0 / largest)
-        };
-        let placed = Self {
-            object,
-            object_id,
-            mask,
-            linear: linear.as_mat3(),
-            origin: Vec3::from(origin.map(|x| x as f32)),
-            normals: normals.as_mat3(),
-            mirrors: linear.determinant() < 0.0,
-            motion: None,
-        };
-        let finite = placed.linear.is_finite() && placed.origin.is_finite() && placed.normals.is_finite();
-        finite.then_some(placed)
+    /// Where it is at a moment.
+    pub(crate) fn at(&self, time: f32) -> Place {
+        // Where it is flat then, it stays.
+        let moved = self.motion.as_ref().and_then(|motion| Place::new(&Affine { columns: motion.at(time) }));
+        moved.unwrap_or(self.place)
     }
 
-    /// Where it is at a moment, if it moves and has a place then.
-    pub(crate) fn at(&self, time: f32) -> Option<Self> {
-        let columns = self.motion.as_ref()?.at(time);
-        Self::new(self.object.clone(), self.object_id, &Affine { columns }, self.mask)
+    /// Where number `leaf` of the objects that it shows is at a moment.
+    pub(crate) fn leaf_at(&self, leaf: u32, time: f32) -> Place {
+        let (mut object, mut leaf, mut place) = (&*self.object, leaf, self.at(time));
+        while let Some((member, inner)) = object.member_at(leaf) {
+            place = place.then(&member.place, member.reach);
+            (object, leaf) = (&member.object, inner);
+        }
+        place
     }
 
-    /// A point of the object in the world.
-    pub(crate) fn point(&self, p: Vec3) -> Vec3 {
-        self.linear * p + self.origin
+    /// Number `leaf` of the objects that it shows, and its id.
+    pub(crate) fn leaf(&self, leaf: u32) -> (&WorldObject, ObjectId) {
+        let (mut object, mut id, mut leaf) = (&*self.object, self.object_id, leaf);
+        while let Some((member, inner)) = object.member_at(leaf) {
+            (object, id, leaf) = (&member.object, member.object_id, inner);
+        }
+        (object, id)
     }
 }

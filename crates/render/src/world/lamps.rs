@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use gnurt_accel::{Moment, SharedList};
+use gnurt_accel::{Moment, SceneTree, SharedList};
 use gnurt_scene::RayMask;
 use gnurt_shading::lights as shading;
 use rayon::prelude::*;
@@ -14,11 +14,14 @@ use super::glow::{Glow, GlowTriangle};
 use super::instance::{InstanceSlot, PlacedInstance};
 use super::material_table::MaterialTable;
 use super::object::WorldObject;
+use super::place::Place;
 
 /// What is looked through for them.
 #[derive(Clone, Copy)]
 pub(super) struct Shown<'a> {
     pub(super) instances: &'a SharedList<InstanceSlot>,
+    /// Which numbers their objects.
+    pub(super) tree: &'a SceneTree,
     pub(super) materials: &'a MaterialTable,
     pub(super) face_normals: bool,
     pub(super) pool: &'a rayon::ThreadPool,
@@ -28,13 +31,14 @@ pub(super) struct Shown<'a> {
 #[derive(Default)]
 pub(super) struct Lamps {
     pub(super) triangles: Option<Arc<shading::TriangleLights>>,
-    /// Instance, mesh and triangle of each of them, ascending; twice where both sides shine.
+    /// Object (as the tree over instances numbers them), mesh and triangle of each of them, ascending; twice where both sides
+    /// shine.
     pub(super) ids: Arc<Vec<[u32; 3]>>,
     /// Instances that have a mesh that shines, ascending.
     instances: Vec<u32>,
 }
 
-/// Triangles that may shine: each with instance, mesh and triangle, and what is known of those whose shaders are asked.
+/// Triangles that may shine: each with leaf, mesh and triangle, and what is known of those whose shaders are asked.
 #[derive(Default)]
 struct Found {
     triangles: Vec<shading::EmissiveTriangle>,
@@ -50,7 +54,7 @@ impl Lamps {
             let placed = instances.get(place).and_then(InstanceSlot::placed);
             // What rays of light do not see gives off none.
             placed.is_some_and(|placed| {
-                placed.mask.meets(RayMask::OTHER) && object_shines(&placed.object, materials)
+                placed.mask.meets(RayMask::OTHER) && shows_lamps(&placed.object, materials)
             })
         };
         let now: Vec<u32> = if emission_changed {
@@ -81,11 +85,20 @@ impl Lamps {
         Self::of(self.instances.clone(), Some(time), shown)
     }
 
+    /// The same lamps where objects have other numbers.
+    pub(super) fn renumbered(&self, before: &SceneTree, now: &SceneTree) -> Self {
+        let number = |&[leaf_id, geom_id, prim_id]: &[u32; 3]| {
+            let (inst_id, leaf) = before.instance_at(leaf_id).expect("lamps are there");
+            [now.first_leaf(inst_id) + leaf, geom_id, prim_id]
+        };
+        let ids = Arc::new(self.ids.iter().map(number).collect());
+        Self { triangles: self.triangles.clone(), ids, instances: self.instances.clone() }
+    }
+
     /// Whether some of them move while the shutter is open.
     pub(super) fn move_in(&self, instances: &SharedList<InstanceSlot>) -> bool {
         let placed = |&id: &u32| instances.get(id as usize).and_then(InstanceSlot::placed);
-        let bends = |object: &WorldObject| object.keys.iter().any(|keys| !keys.is_empty());
-        let moves = |placed: &PlacedInstance| placed.motion.is_some() || bends(&placed.object);
+        let moves = |placed: &PlacedInstance| placed.motion.is_some() || placed.object.bends;
         self.triangles.is_some() && self.instances.iter().filter_map(placed).any(moves)
     }
 
@@ -124,27 +137,27 @@ impl Found {
         let of_instance = |(place, &inst_id): (usize, &u32)| {
             let mut found = Vec::new();
             let Some(instance) = shown.instances[inst_id as usize].placed() else { return found };
-            let moved = instance.at(time);
-            let instance = moved.as_ref().unwrap_or(instance);
-            let meshes = instance.object.meshes.iter().zip(&instance.object.keys);
-            for (geom_id, (mesh, keys)) in (0..).zip(meshes) {
-                let Some(emitter) = number[mesh.material.index()] else { continue };
-                let of = (emitter, &*emitters[emitter as usize]);
-                for prim_id in 0..mesh.indices.len() {
-                    let Some(front) = triangle(instance, (mesh, keys, time), prim_id, of) else { continue };
-                    let (ids, met) =
-                        ([inst_id, geom_id, prim_id as u32], [place as u32, geom_id, prim_id as u32]);
-                    if of.1.shader().is_none() {
-                        found.push((front, (ids, None)));
-                        continue;
-                    }
-                    // Both sides may shine.
-                    for side in [front.clone(), turned(front)] {
-                        let glow = GlowTriangle { met, inst_id, emitter, is_turned: side.is_turned };
-                        found.push((side, (ids, Some(glow))));
+            let first = shown.tree.first_leaf(inst_id);
+            each_lamp(&instance.object, (0, &instance.at(time)), shown.materials, &mut |object, leaf, at| {
+                for (geom_id, (mesh, keys)) in (0..).zip(object.meshes.iter().zip(&object.keys)) {
+                    let Some(emitter) = number[mesh.material.index()] else { continue };
+                    let of = (emitter, &*emitters[emitter as usize]);
+                    for prim_id in 0..mesh.indices.len() {
+                        let Some(front) = triangle(at, (mesh, keys, time), prim_id, of) else { continue };
+                        let prim = prim_id as u32;
+                        let (ids, met) = ([first + leaf, geom_id, prim], [place as u32, leaf, geom_id, prim]);
+                        if of.1.shader().is_none() {
+                            found.push((front, (ids, None)));
+                            continue;
+                        }
+                        // Both sides may shine.
+                        for side in [front.clone(), turned(front)] {
+                            let glow = GlowTriangle { met, inst_id, emitter, is_turned: side.is_turned };
+                            found.push((side, (ids, Some(glow))));
+                        }
                     }
                 }
-            }
+            });
             found
         };
         let all = || lamps.par_iter().enumerate().flat_map_iter(of_instance).unzip();
@@ -153,19 +166,39 @@ impl Found {
     }
 }
 
-fn object_shines(object: &WorldObject, materials: &MaterialTable) -> bool {
-    object.meshes.iter().any(|mesh| materials.shines(mesh.material.index()))
+fn shows_lamps(object: &WorldObject, materials: &MaterialTable) -> bool {
+    object.has_material(|material| materials.shines(material))
+}
+
+/// Calls `visit` with all objects in one that have triangles that shine, where they are, and their numbers from `first` on.
+fn each_lamp(
+    object: &WorldObject,
+    (first, place): (u32, &Place),
+    materials: &MaterialTable,
+    visit: &mut dyn FnMut(&WorldObject, u32, &Place),
+) {
+    if !shows_lamps(object, materials) {
+        return;
+    }
+    let Some(members) = &object.members else { return visit(object, first, place) };
+    for (leaf, member, mask) in members.iter() {
+        if mask.meets(RayMask::OTHER) {
+            let place = place.then(&member.place, member.reach);
+            each_lamp(&member.object, (first + leaf, &place), materials, visit);
+        }
+    }
+    visit(object, first + members.own_leaf(), place);
 }
 
 /// A triangle in the world; `None` if it cannot be traced, because what is not there does not shine.
 fn triangle(
-    instance: &PlacedInstance,
+    place: &Place,
     (mesh, keys, time): (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),
     prim_id: usize,
     (emitter, of): (u32, &shading::Emitter),
 ) -> Option<shading::EmissiveTriangle> {
     let mut corners = mesh.indices[prim_id].map(|i| i as usize);
-    if instance.mirrors {
+    if place.mirrors {
         corners.swap(1, 2);
     }
     let moment = Moment::of(time, keys.len());
@@ -175,7 +208,7 @@ fn triangle(
             [] => at(mesh)?,
             _ => moment.mix3(at(&keys[moment.key])?, at(&keys[moment.next])?),
         };
-        Some(instance.point(p.into()))
+        Some(place.point(p.into()))
     };
     let p = [position(corners[0])?, position(corners[1])?, position(corners[2])?];
     let area = (p[1] - p[0]).cross(p[2] - p[0]).length();
@@ -185,7 +218,7 @@ fn triangle(
     let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
     let opacity = corners.map(|i| mesh.colors.get(i).map_or(1.0, |color| color[3]));
     let brightness = of.mean_over(&uv, opacity);
-    Some(shading::EmissiveTriangle { p, is_turned: instance.mirrors, uv, opacity, emitter, brightness })
+    Some(shading::EmissiveTriangle { p, is_turned: place.mirrors, uv, opacity, emitter, brightness })
 }
 
 /// The other side of a triangle.

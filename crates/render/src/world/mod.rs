@@ -15,20 +15,25 @@ mod lamps;
 mod lights;
 mod material_table;
 mod materials;
+mod members;
 mod normals;
 mod object;
+mod object_build;
 mod open;
+mod place;
 mod surface;
 mod table;
 #[cfg(test)]
 mod tests;
 mod top;
+mod users;
 
 use std::collections::HashSet;
 use std::ops::Range;
 use std::sync::{Arc, Weak};
 
 use gnurt_accel::{Hit, HitBatch, INVALID_ID, Ray, SceneTree, SharedList};
+use gnurt_scene::ObjectId;
 use gnurt_scene::edit::{Cursor, SceneIdentity};
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::{PixelShader, SampleKey, SurfaceShader};
@@ -36,13 +41,13 @@ use gnurt_shading::{PixelShader, SampleKey, SurfaceShader};
 use crate::many_lights::ShaderLamps;
 use crowds::Crowds;
 use instance::InstanceSlot;
-pub(crate) use instance::PlacedInstance;
 use lamps::Shown;
 pub(crate) use lights::{Lights, LightsContent};
 pub(crate) use material_table::MaterialTable;
-use object::ObjectSlot;
+use object::{ObjectSlot, WorldObject};
 use open::Open;
 pub(crate) use open::Shutter;
+use surface::Leaves;
 pub(crate) use surface::{HitLanes, Places};
 pub use table::{CommitOptions, CommitReport, ShaderTable};
 
@@ -126,7 +131,31 @@ struct Followed {
 #[derive(Clone, Copy, Default)]
 struct Dropped {
     triangles: usize,
+    /// Members of objects, too.
     instances: usize,
+}
+
+impl Dropped {
+    /// In an object by itself.
+    fn of(slot: &ObjectSlot) -> Self {
+        let Some(object) = &slot.object else { return Self::default() };
+        let instances = object.members.as_ref().map_or(0, |members| members.dropped());
+        Self { triangles: object.tree.bad_primitives().total() as usize, instances }
+    }
+}
+
+impl std::ops::AddAssign for Dropped {
+    fn add_assign(&mut self, more: Self) {
+        self.triangles += more.triangles;
+        self.instances += more.instances;
+    }
+}
+
+impl std::ops::SubAssign for Dropped {
+    fn sub_assign(&mut self, fewer: Self) {
+        self.triangles -= fewer.triangles;
+        self.instances -= fewer.instances;
+    }
 }
 
 impl World {
@@ -166,11 +195,16 @@ impl World {
             if object.tree.is_posed() && seen.insert(object.kind_ptr()) {
                 stats.tree_bytes += object.tree.shared_bytes() as usize;
             }
+            if let Some(members) = &object.members {
+                let inner = members.tree.stats();
+                stats.tree_nodes += inner.nodes as usize;
+                stats.tree_bytes += (inner.tree_bytes + inner.primitive_bytes) as usize;
+            }
             stats.array_bytes += object.meshes.iter().map(|mesh| mesh.memory_bytes()).sum::<usize>();
         }
         for instance in self.instances.iter().filter_map(InstanceSlot::placed) {
             stats.instances += 1;
-            stats.instanced_triangles += instance.object.tree.stats().primitives as usize;
+            stats.instanced_triangles += instance.object.triangles() as usize;
         }
         stats
     }
@@ -231,13 +265,15 @@ impl World {
     /// Where its points are computed.
     pub(crate) fn places(&self) -> Places<'_> {
         let shutter = self.is_open().then_some(self.shutter);
-        Places { instances: &self.instances, shutter, face_normals: self.face_normals }
+        let (instances, leaves) = (&*self.instances, Leaves::Tree(&self.tree));
+        Places { instances, leaves, shutter, face_normals: self.face_normals }
     }
 
     /// What lamps are looked for in.
     fn shown<'a>(&'a self, pool: &'a rayon::ThreadPool) -> Shown<'a> {
         Shown {
             instances: &self.instances,
+            tree: &self.tree,
             materials: &self.materials,
             face_normals: self.face_normals,
             pool,
@@ -297,8 +333,8 @@ impl World {
     }
 
     /// The material of what was hit: its place among the surface shaders.
-    pub(crate) fn material_of(&self, inst_id: u32, geom_id: u32) -> u32 {
-        self.instance(inst_id).object.meshes[geom_id as usize].material.0
+    pub(crate) fn material_of(&self, leaf_id: u32, geom_id: u32) -> u32 {
+        self.leaf(leaf_id).0.meshes[geom_id as usize].material.0
     }
 
     /// Writes the lanes in `range` that hit something in order of their materials: material in the upper half of each word, lane in
@@ -307,15 +343,15 @@ impl World {
         order.clear();
         let (mut last, mut material) = ([INVALID_ID; 2], 0);
         let mut in_order = true;
-        let lanes = hits.inst_id[range.clone()].iter().zip(&hits.geom_id[range.clone()]);
-        for (lane, (&inst_id, &geom_id)) in range.zip(lanes) {
+        let lanes = hits.leaf_id[range.clone()].iter().zip(&hits.geom_id[range.clone()]);
+        for (lane, (&leaf_id, &geom_id)) in range.zip(lanes) {
             if hits.prim_id[lane] == INVALID_ID {
                 continue;
             }
-            if last != [inst_id, geom_id] {
-                let next = self.material_of(inst_id, geom_id);
+            if last != [leaf_id, geom_id] {
+                let next = self.material_of(leaf_id, geom_id);
                 in_order &= order.is_empty() || next >= material;
-                (last, material) = ([inst_id, geom_id], next);
+                (last, material) = ([leaf_id, geom_id], next);
             }
             order.push(u64::from(material) << 32 | lane as u64);
         }
@@ -324,13 +360,15 @@ impl World {
         }
     }
 
-    /// The object that an instance shows.
-    pub(crate) fn object_of(&self, inst_id: u32) -> u32 {
-        self.instance(inst_id).object_id.0
+    /// The object whose triangle was hit: within what the instance shows, where that holds others.
+    #[must_use]
+    pub fn object_of(&self, hit: &Hit) -> ObjectId {
+        self.leaf(hit.leaf_id).1
     }
 
-    /// Panics where nothing can be hit; hits name only instances that are there.
-    fn instance(&self, inst_id: u32) -> &PlacedInstance {
-        self.instances[inst_id as usize].placed().expect("hits name instances that are there")
+    /// The object that a leaf of the tree is, and its id.
+    pub(crate) fn leaf(&self, leaf_id: u32) -> (&WorldObject, ObjectId) {
+        let (instance, leaf) = self.places().instance(leaf_id);
+        instance.leaf(leaf)
     }
 }

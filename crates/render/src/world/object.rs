@@ -1,21 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Committed objects: their arrays and the trees over them. Source: original. Space: object.
-//! Edits of meshes and of an object's list come here; trees of all objects that are due are built side by side.
-//! Invariant: an object has a tree while a visible instance shows it. Proof: crates/render/tests/commit.rs.
+//! What a world knows of objects. In one file, since objects hold objects. Source: original; [WBS03a], level by level.
+//! Space: object. Numbers of objects in an object are those of the tree over them: [`SceneTree::instance_at`].
+//! Proof: crates/render/tests/{commit,nested}.rs.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use gnurt_accel::{
-    BuildOptions, Geometry, Memory, Motion, MovingTree, MovingTriangles, ObjectTree, SharedList, Threads,
-    Triangles, Update,
-};
-use gnurt_scene::animation::Exposure;
-use gnurt_scene::{Mesh, MeshId, Scene};
-use rayon::prelude::*;
+use glam::Vec3;
+use gnurt_accel::{Aabb, MovingTree, ObjectTree, SceneTree, Shape, SharedList};
+use gnurt_scene::{Member, Mesh, ObjectId, RayMask};
 
-use super::crowds::{Crowds, Kind};
+use super::crowds::Kind;
+use super::place::Place;
 
 /// An object's arrays and the tree over them.
+#[derive(Clone)]
 pub(crate) struct WorldObject {
     /// By geometry id: what the scene's meshes were at commit. Shared with the scene until it edits them.
     pub(crate) meshes: Vec<Arc<Mesh>>,
@@ -23,10 +22,16 @@ pub(crate) struct WorldObject {
     pub(crate) keys: Vec<Vec<Arc<Mesh>>>,
     pub(crate) tree: Arc<ObjectTree>,
     /// The same tree, with what it takes to follow the meshes.
-    moving: MovingTree,
-    motion: gnurt_scene::Motion,
+    pub(super) moving: MovingTree,
+    pub(super) motion: gnurt_scene::Motion,
     /// Its topology, which others may have, too; `None` of what is not to move within itself.
-    kind: Option<Arc<Kind>>,
+    pub(super) kind: Option<Arc<Kind>>,
+    /// Objects in it; `None` = there are none.
+    pub(super) members: Option<Arc<Members>>,
+    /// Materials of its meshes and of all objects in it, ascending.
+    pub(super) materials: Arc<[u32]>,
+    /// Whether meshes of it, or in it, bend while the shutter is open.
+    pub(super) bends: bool,
 }
 
 impl WorldObject {
@@ -34,6 +39,59 @@ impl WorldObject {
     pub(super) fn kind_ptr(&self) -> *const () {
         self.kind.as_ref().map_or(std::ptr::null(), |kind| Arc::as_ptr(kind).cast())
     }
+
+    /// What rays meet of it.
+    pub(super) fn shape(&self) -> Shape {
+        match &self.members {
+            Some(members) => members.tree.clone().into(),
+            None => self.tree.clone().into(),
+        }
+    }
+
+    /// The box around all of it.
+    pub(super) fn bounds(&self) -> Aabb {
+        self.members.as_ref().map_or_else(|| self.tree.bounds(), |members| members.tree.bounds())
+    }
+
+    /// Triangles that rays may meet, those of objects in it as often as they occur.
+    pub(super) fn triangles(&self) -> u64 {
+        self.members.as_ref().map_or_else(|| self.tree.stats().primitives, |members| members.triangles)
+    }
+
+    /// The member that holds number `leaf` of the objects in it, and that object's number there; `None` where it is the object
+    /// itself.
+    pub(super) fn member_at(&self, leaf: u32) -> Option<(&PlacedMember, u32)> {
+        let members = self.members.as_ref()?;
+        let (place, inner) = members.tree.instance_at(leaf)?;
+        members.get(place as usize).map(|member| (member, inner))
+    }
+
+    /// Whether some material of its meshes, or of those in it, is one of these.
+    pub(super) fn has_material(&self, is_one: impl Fn(usize) -> bool) -> bool {
+        self.materials.iter().any(|&material| is_one(material as usize))
+    }
+
+    /// The same with members.
+    pub(super) fn with_members(mut self, members: Members) -> Self {
+        let inner = members.iter().flat_map(|(_, member, _)| member.object.materials.iter().copied());
+        let own = self.meshes.iter().map(|mesh| mesh.material.0);
+        // Of many members most are of few objects.
+        let all: BTreeSet<u32> = own.chain(inner).collect();
+        self.bends = bends(&self.keys) || members.iter().any(|(_, member, _)| member.object.bends);
+        (self.materials, self.members) = (all.into_iter().collect(), Some(Arc::new(members)));
+        self
+    }
+}
+
+/// Materials of meshes, ascending.
+pub(super) fn materials_of(meshes: &[Arc<Mesh>]) -> Arc<[u32]> {
+    let all: BTreeSet<u32> = meshes.iter().map(|mesh| mesh.material.0).collect();
+    all.into_iter().collect()
+}
+
+/// Whether some of an object's meshes bend while the shutter is open.
+pub(super) fn bends(keys: &[Vec<Arc<Mesh>>]) -> bool {
+    keys.iter().any(|keys| !keys.is_empty())
 }
 
 /// What there is of an object of the scene.
@@ -41,191 +99,63 @@ impl WorldObject {
 pub(super) struct ObjectSlot {
     /// `None` where no visible instance needs it.
     pub(super) object: Option<Arc<WorldObject>>,
-    /// Visible instances.
+    /// Visible instances, and objects in use that hold it.
     pub(super) users: u32,
+    /// The objects that it holds, ascending, each once; empty while nobody uses it.
+    pub(super) holds: Arc<[u32]>,
 }
 
-/// Objects that became others, ascending.
-#[derive(Default)]
-pub(super) struct ChangedObjects {
-    pub(super) ids: Vec<u32>,
-    /// Trees that were built for them, at least in part.
-    pub(super) built: usize,
-    /// Trees that were fitted to what has moved.
-    pub(super) refitted: usize,
-    /// Whether what rays meet has changed: meshes may have got other coordinates for textures only.
-    pub(super) reshaped: bool,
+/// Objects in an object.
+pub(crate) struct Members {
+    /// Over them, and over the object's own meshes.
+    pub(super) tree: Arc<SceneTree>,
+    /// By place in the description's list.
+    pub(super) list: SharedList<MemberSlot>,
+    /// Triangles that rays may meet, each as often as it occurs.
+    pub(super) triangles: u64,
 }
 
-/// Brings those of `due`, ascending, up to date: builds what is needed, lets go what is not.
-pub(super) fn update(
-    objects: &mut SharedList<ObjectSlot>,
-    crowds: &Crowds,
-    due: &[u32],
-    scene: (&Scene, &Exposure),
-    memory: Memory,
-    pool: &rayon::ThreadPool,
-) -> ChangedObjects {
-    let needed = |&&id: &&u32| objects[id as usize].users > 0;
-    let ids: Vec<u32> = due.iter().filter(needed).copied().collect();
-    // All are known by their kinds before the first is built: those of many are told by that.
-    let found: Vec<Found> = ids.iter().map(|&id| Found::new(scene, id, objects, crowds)).collect();
-    let build = |found: &Found| {
-        let (object, update) = build(found, memory, pool);
-        (Arc::new(object), update)
-    };
-    let made: Vec<(Arc<WorldObject>, Option<Update>)> = match &found[..] {
-        [found] => vec![build(found)],
-        // Large and small ones come in any order: each is shared out for itself, too.
-        _ => pool.install(|| found.par_iter().with_max_len(1).map(build).collect()),
-    };
-    let count = |of: fn(Update) -> bool| made.iter().filter(|(_, update)| update.is_some_and(of)).count();
-    let refitted = count(|update| update == Update::Refitted);
-    let built = count(|update| update != Update::Refitted);
-    for &id in due {
-        let slot = objects.edit(id as usize);
-        if slot.users == 0 {
-            slot.object = None;
-        }
+/// What there is of a member.
+#[derive(Clone, Default)]
+pub(super) struct MemberSlot {
+    /// As the scene has it; `None` before it is made.
+    pub(super) from: Option<Member>,
+    /// `None` if it flattens, or is not finite.
+    pub(super) placed: Option<PlacedMember>,
+}
+
+/// An object within another.
+#[derive(Clone)]
+pub(crate) struct PlacedMember {
+    pub(crate) object: Arc<WorldObject>,
+    pub(crate) object_id: ObjectId,
+    pub(crate) place: Place,
+    /// The greatest coordinates that its points have in the object that holds it.
+    pub(crate) reach: Vec3,
+}
+
+impl Members {
+    /// Members that are left out.
+    pub(super) fn dropped(&self) -> usize {
+        self.list.iter().filter(|slot| slot.placed.is_none()).count() + self.tree.dropped_instances() as usize
     }
-    for (&id, (object, _)) in ids.iter().zip(made) {
-        objects.edit(id as usize).object = Some(object);
+
+    /// A member, if it is there.
+    pub(super) fn get(&self, place: usize) -> Option<&PlacedMember> {
+        self.list.get(place).and_then(|slot| slot.placed.as_ref())
     }
-    ChangedObjects { ids, built, refitted, reshaped: built + refitted > 0 }
-}
 
-/// An object as the scene has it now.
-struct Found {
-    meshes: Vec<Arc<Mesh>>,
-    /// As those of a [`WorldObject`].
-    keys: Vec<Vec<Arc<Mesh>>>,
-    motion: gnurt_scene::Motion,
-    kind: Option<Arc<Kind>>,
-    /// What it was, if nothing but vertices can have moved.
-    before: Option<Arc<WorldObject>>,
-}
-
-impl Found {
-    fn new(
-        (scene, exposure): (&Scene, &Exposure),
-        id: u32,
-        objects: &SharedList<ObjectSlot>,
-        crowds: &Crowds,
-    ) -> Self {
-        let object = &scene.objects()[id as usize];
-        // Shared with the scene, which copies what it edits later.
-        let meshes: Vec<Arc<Mesh>> =
-            object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
-        let exposed =
-            |id: &MeshId| exposure.meshes.iter().find(|(mesh, keys)| mesh == id && !keys.is_empty());
-        let keys = |id: &MeshId| exposed(id).map(|(_, keys)| keys.clone()).unwrap_or_default();
-        let keys: Vec<Vec<Arc<Mesh>>> = object.meshes.iter().map(keys).collect();
-        let before = objects[id as usize].object.clone().filter(|before| !bends(&before.keys));
-        let before = before.filter(|before| same_topology(&before.meshes, &meshes));
-        // One that bends while the shutter is open has a tree of its own.
-        let moves = !bends(&keys)
-            && !matches!(object.motion, gnurt_scene::Motion::Static | gnurt_scene::Motion::Rigid);
-        let known = before.as_ref().and_then(|before| before.kind.clone());
-        let kind = moves.then(|| known.unwrap_or_else(|| crowds.kind_of(&meshes)));
-        Self { meshes, keys, motion: object.motion, kind, before }
+    /// All that are there, with the number of the first object in each, and who sees it.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, &PlacedMember, RayMask)> {
+        let there = (0..).zip(self.list.iter());
+        there.filter_map(|(place, slot)| {
+            let mask = slot.from.map_or(RayMask::ALL, |member| member.mask);
+            Some((self.tree.first_leaf(place), slot.placed.as_ref()?, mask))
+        })
     }
-}
 
-/// Whether some of an object's meshes bend while the shutter is open.
-fn bends(keys: &[Vec<Arc<Mesh>>]) -> bool {
-    keys.iter().any(|keys| !keys.is_empty())
-}
-
-/// An object, and what was done for it: its tree is the one before where no triangle has moved, and that one refitted where
-/// vertices have. One of many of its kind shares with the others.
-fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObject, Option<Update>) {
-    let Found { meshes, keys, motion: moves, kind, before } = found;
-    if bends(keys) {
-        return exposed(*moves, meshes.clone(), keys.clone(), memory, pool);
+    /// The number of the object's own meshes.
+    pub(super) fn own_leaf(&self) -> u32 {
+        self.tree.first_leaf(self.list.len() as u32)
     }
-    let known = before.as_ref().map(|before| match before.motion == *moves {
-        true => before.moving.clone(),
-        false => MovingTree::of(before.tree.clone(), motion(*moves)),
-    });
-    let known = before.as_ref().zip(known);
-    let (moving, update) = match known {
-        Some((before, moving)) if same_positions(&before.meshes, meshes) => (moving, None),
-        known => {
-            let triangles = meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices });
-            let geometries: Vec<Geometry> = triangles.map(Geometry::from).collect();
-            let options = BuildOptions { memory, ..BuildOptions::default() };
-            let threads = Threads::Pool(pool);
-            // What has a tree of its own keeps it.
-            let shares = known.as_ref().is_none_or(|(before, _)| before.tree.is_posed());
-            match (kind.as_ref().filter(|kind| shares && kind.is_of_many()), known) {
-                (Some(kind), known) => {
-                    let tree = kind.crowd.pose(&geometries, &options, threads);
-                    let is_fitted = known.is_some() && tree.is_posed();
-                    let update = if is_fitted { Update::Refitted } else { Update::Rebuilt };
-                    (MovingTree::of(tree, motion(*moves)), Some(update))
-                }
-                (None, Some((_, mut moving))) => {
-                    let update = moving.update(&geometries, &options, threads);
-                    (moving, Some(update))
-                }
-                (None, None) => {
-                    let moving = MovingTree::build(&geometries, &options, motion(*moves), threads);
-                    (moving, Some(Update::Rebuilt))
-                }
-            }
-        }
-    };
-    let (tree, meshes, kind) = (moving.tree().clone(), meshes.clone(), kind.clone());
-    (WorldObject { tree, moving, motion: *moves, meshes, keys: keys.clone(), kind }, update)
-}
-
-/// An object some of whose meshes bend while the shutter is open. Its tree is built.
-fn exposed(
-    motion_of_object: gnurt_scene::Motion,
-    meshes: Vec<Arc<Mesh>>,
-    keys: Vec<Vec<Arc<Mesh>>>,
-    memory: Memory,
-    pool: &rayon::ThreadPool,
-) -> (WorldObject, Option<Update>) {
-    let lists: Vec<Vec<&[[f32; 3]]>> =
-        keys.iter().map(|keys| keys.iter().map(|mesh| &mesh.positions[..]).collect()).collect();
-    let mut geometries: Vec<Geometry> = Vec::with_capacity(meshes.len());
-    for (mesh, keys) in meshes.iter().zip(&lists) {
-        geometries.push(match keys.is_empty() {
-            true => Triangles { positions: &mesh.positions, indices: &mesh.indices }.into(),
-            false => MovingTriangles { keys, indices: &mesh.indices }.into(),
-        });
-    }
-    let options = BuildOptions { memory, ..BuildOptions::default() };
-    let tree = Arc::new(ObjectTree::build_from(&geometries, &options, Threads::Pool(pool)));
-    let moving = MovingTree::of(tree.clone(), motion(motion_of_object));
-    (WorldObject { tree, moving, motion: motion_of_object, meshes, keys, kind: None }, Some(Update::Rebuilt))
-}
-
-fn motion(motion: gnurt_scene::Motion) -> Motion {
-    match motion {
-        gnurt_scene::Motion::Auto => Motion::Auto,
-        gnurt_scene::Motion::Static => Motion::Static,
-        gnurt_scene::Motion::Rigid => Motion::Rigid,
-        gnurt_scene::Motion::Deforming => Motion::Deforming,
-        gnurt_scene::Motion::Known => Motion::Known,
-    }
-}
-
-/// Whether nothing but vertices can have moved.
-fn same_topology(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
-    let same = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| {
-        Arc::ptr_eq(a, b) || (a.positions.len() == b.positions.len() && a.indices == b.indices)
-    };
-    before.len() == now.len() && before.iter().zip(now).all(same)
-}
-
-/// Whether rays see no difference, where the topology is the same. Where something moved the answer comes soon: mostly the
-/// first vertex has.
-fn same_positions(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
-    let bits = |p: &[f32; 3]| p.map(f32::to_bits);
-    let same = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| {
-        Arc::ptr_eq(a, b) || a.positions.iter().zip(&b.positions).all(|(a, b)| bits(a) == bits(b))
-    };
-    before.iter().zip(now).all(same)
 }

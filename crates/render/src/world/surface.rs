@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
-use gnurt_accel::{HitBatch, Moment, RayBatch, SharedList};
+use gnurt_accel::{HitBatch, Moment, RayBatch, SceneTree, SharedList};
 use gnurt_scene::{Attribute, Mesh, Rate};
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::real::{Real, Vector};
@@ -19,6 +19,7 @@ use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 use super::instance::{InstanceSlot, PlacedInstance};
 use super::normals::{Columns, Precise};
 use super::open::Shutter;
+use super::place::Place;
 
 /// Rounding errors of the point, of its transform, and of the test that the next ray makes against the same triangle,
 /// as a multiple of the largest coordinate.
@@ -38,11 +39,20 @@ pub(crate) struct HitLanes<'a> {
 
 type Row = [f32; LANES];
 
+/// Whose a leaf is that a hit names.
+#[derive(Clone, Copy)]
+pub(super) enum Leaves<'w> {
+    /// As the tree over the instances numbers them.
+    Tree(&'w SceneTree),
+    /// By leaf: the place of its instance, and its number in what that shows.
+    Listed(&'w [[u32; 2]]),
+}
+
 /// Where points are computed: the world, or what of it shines.
 #[derive(Clone, Copy)]
 pub(crate) struct Places<'w> {
-    /// By instance id.
     pub(super) instances: &'w SharedList<InstanceSlot>,
+    pub(super) leaves: Leaves<'w>,
     /// When rays see what moves; `None` = nothing does.
     pub(super) shutter: Option<Shutter>,
     pub(super) face_normals: bool,
@@ -50,7 +60,8 @@ pub(crate) struct Places<'w> {
 
 /// What some points are made from, out of the meshes' arrays; rows of vectors stand one after the other.
 struct Gathered<'w> {
-    instances: [Option<&'w PlacedInstance>; LANES],
+    /// With the numbers of objects in what they show.
+    instances: [Option<(&'w PlacedInstance, u32)>; LANES],
     meshes: [Option<&'w Mesh>; LANES],
     /// Of meshes that bend while the shutter is open.
     keys: [&'w [Arc<Mesh>]; LANES],
@@ -62,8 +73,8 @@ struct Gathered<'w> {
     normals: [Row; 9],
     /// Their texture coordinates.
     uv: [Row; 6],
-    /// Linear part, matrix of normals, origin.
-    place: [Row; 21],
+    /// Linear part, matrix of normals, origin, greatest coordinate on the way.
+    place: [Row; 22],
     has: Has,
 }
 
@@ -88,7 +99,7 @@ impl<'w> Gathered<'w> {
             corners: [[0.0; LANES]; 9],
             normals: [[0.0; LANES]; 9],
             uv: [[0.0; LANES]; 6],
-            place: [[0.0; LANES]; 21],
+            place: [[0.0; LANES]; 22],
             has: Has::default(),
         }
     }
@@ -100,12 +111,12 @@ impl<'w> Gathered<'w> {
         let (mut last, mut known) = ([u32::MAX; 2], None);
         for (i, &lane) in lanes.iter().enumerate().take(LANES) {
             let lane = lane as usize;
-            let ids = [hits.inst_id[lane], hits.geom_id[lane]];
+            let ids = [hits.leaf_id[lane], hits.geom_id[lane]];
             if ids != last {
-                let instance = places.instance(ids[0]);
-                let geom_id = ids[1] as usize;
-                let keys = instance.object.keys.get(geom_id).map_or(&[][..], |keys| &keys[..]);
-                known = Some((instance, &*instance.object.meshes[geom_id], keys));
+                let (instance, leaf) = places.instance(ids[0]);
+                let (object, geom_id) = (instance.leaf(leaf).0, ids[1] as usize);
+                let keys = object.keys.get(geom_id).map_or(&[][..], |keys| &keys[..]);
+                known = Some(((instance, leaf), &*object.meshes[geom_id], keys));
                 last = ids;
             }
             let Some((instance, mesh, keys)) = known else { continue };
@@ -170,13 +181,14 @@ impl<'w> Gathered<'w> {
     fn read_places(&mut self, count: usize) {
         let mut first = 0;
         while first < count {
-            let Some(instance) = self.instances[first] else { return };
-            let is_same = |i: &usize| self.instances[*i].is_some_and(|other| std::ptr::eq(other, instance));
-            let moved = instance.at(self.times[first]);
+            let Some((instance, leaf)) = self.instances[first] else { return };
+            let is_same =
+                |i: &usize| self.instances[*i].is_some_and(|it| it.1 == leaf && std::ptr::eq(it.0, instance));
+            let moves = instance.motion.is_some();
             let end = (first + 1..count)
-                .find(|&i| !is_same(&i) || (moved.is_some() && self.times[i] != self.times[first]))
+                .find(|&i| !is_same(&i) || (moves && self.times[i] != self.times[first]))
                 .unwrap_or(count);
-            let PlacedInstance { linear, normals, origin, .. } = moved.as_ref().unwrap_or(instance);
+            let Place { linear, normals, origin, between, .. } = instance.leaf_at(leaf, self.times[first]);
             let (linear, normals) = (linear.to_cols_array(), normals.to_cols_array());
             for k in 0..9 {
                 self.place[k][first..end].fill(linear[k]);
@@ -185,6 +197,7 @@ impl<'w> Gathered<'w> {
             for k in 0..3 {
                 self.place[18 + k][first..end].fill(origin[k]);
             }
+            self.place[21][first..end].fill(between);
             first = end;
         }
     }
@@ -228,9 +241,15 @@ fn put3<R: Real>(out: &mut Vec3s, range: (usize, usize), v: Vector<R>) {
 }
 
 impl<'w> Places<'w> {
-    /// Panics where nothing can be hit; hits name only instances that are there.
-    fn instance(&self, inst_id: u32) -> &'w PlacedInstance {
-        self.instances[inst_id as usize].placed().expect("hits name instances that are there")
+    /// The instance that a leaf belongs to, and the leaf's number in what that shows. Panics where nothing can be hit; hits name only
+    /// instances that are there.
+    #[inline]
+    pub(super) fn instance(&self, leaf_id: u32) -> (&'w PlacedInstance, u32) {
+        let (place, leaf) = match self.leaves {
+            Leaves::Tree(tree) => tree.instance_at(leaf_id).expect("hits name objects that are there"),
+            Leaves::Listed(list) => (list[leaf_id as usize][0], list[leaf_id as usize][1]),
+        };
+        (self.instances[place as usize].placed().expect("hits name instances that are there"), leaf)
     }
 
     /// Writes the points of some lanes, all of which hit something: others panic.
@@ -252,6 +271,7 @@ impl<'w> Places<'w> {
             (points.t[i], points.u[i], points.v[i]) = (hits.t[lane], hits.u[lane], hits.v[lane]);
             points.prim_id[i] = hits.prim_id[lane];
             (points.geom_id[i], points.inst_id[i]) = (hits.geom_id[lane], hits.inst_id[lane]);
+            points.leaf_id[i] = hits.leaf_id[lane];
         }
         let mut gathered = Gathered::new();
         for (block, some) in lanes.chunks(LANES).enumerate() {
@@ -274,17 +294,23 @@ impl<'w> Places<'w> {
         let mut values = vec![0.0; lanes * components];
         if request.name == AttributeRequest::WORLD_FROM_OBJECT {
             for i in 0..lanes {
-                let instance = self.instance(points.inst_id[i]);
-                let columns = [instance.linear.x_axis, instance.linear.y_axis, instance.linear.z_axis];
-                let numbers = columns.into_iter().chain([instance.origin]).flat_map(|v| v.to_array());
+                let (instance, leaf) = self.instance(points.leaf_id[i]);
+                // As it is when the shutter opens.
+                let Place { linear, origin, .. } = instance.leaf_at(leaf, 0.0);
+                let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
+                let numbers = columns.into_iter().chain([origin]).flat_map(|v| v.to_array());
                 numbers.take(components).enumerate().for_each(|(k, x)| values[k * lanes + i] = x);
             }
             return values;
         }
+        let object_of = |leaf_id: u32| {
+            let (instance, leaf) = self.instance(leaf_id);
+            instance.leaf(leaf).0
+        };
         // Names are compared once for lanes of one mesh that follow each other.
         let mut last: Option<(&Mesh, Option<&Attribute>)> = None;
         for i in 0..lanes {
-            let mesh = &*self.instance(points.inst_id[i]).object.meshes[points.geom_id[i] as usize];
+            let mesh = &*object_of(points.leaf_id[i]).meshes[points.geom_id[i] as usize];
             let found = match last {
                 Some((same, found)) if std::ptr::eq(same, mesh) => found,
                 _ => mesh.attributes.iter().find(|a| a.name == request.name),
@@ -367,6 +393,7 @@ impl Gathered<'_> {
             let [x, y, z] = linear.0;
             let most = x.abs() * reach.x + y.abs() * reach.y;
             let magnitude = (most + z.abs() * reach.z + origin.abs()).max_element();
+            let magnitude = magnitude.or_more(zero.load(&self.place[21], first));
             put(&mut out.error, range, magnitude * ERROR_SCALE + zero.all(epsilon));
             put3(&mut out.lift, range, lift);
         }

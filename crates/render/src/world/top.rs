@@ -22,10 +22,10 @@ pub(super) fn after(
 ) -> Arc<SceneTree> {
     let shown = |place: usize| {
         let placed = instances[place].placed()?;
-        let tree = placed.object.tree.clone();
+        let shape = placed.object.shape();
         let instance = match &placed.motion {
-            Some(motion) => Instance::moving(tree, motion.clone()),
-            None => Instance::new(tree, scene.instances()[place].world_from_object.columns),
+            Some(motion) => Instance::moving(shape, motion.clone()),
+            None => Instance::new(shape, scene.instances()[place].world_from_object.columns),
         };
         Some(instance.with_mask(placed.mask.0))
     };

@@ -47,7 +47,7 @@ pub enum EnvironmentLight {
 pub struct LightParts {
     /// Emissive triangles.
     pub triangles: Option<Arc<TriangleLights>>,
-    /// Instance, mesh and triangle of each of them, ascending; twice where both sides shine.
+    /// What a hit on each of them names: leaf (the instance's object), mesh and triangle; ascending, twice where both sides shine.
     pub triangle_ids: Arc<Vec<[u32; 3]>>,
     /// Lights without extent.
     pub points: Vec<PointLight>,

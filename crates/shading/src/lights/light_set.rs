@@ -122,7 +122,7 @@ impl LightSet {
         LightKind::Environment
     }
 
-    /// The number of the emissive triangle that a ray along `dir` met, given instance, mesh and triangle; of one that shines to
+    /// The number of the emissive triangle that a ray along `dir` met, given leaf, mesh and triangle; of one that shines to
     /// both sides that of the side that was met.
     #[must_use]
     pub fn triangle(&self, met: [u32; 3], dir: Vec3) -> Option<u32> {

@@ -20,6 +20,7 @@ use crate::io::{Error, Format, Oddity, Warnings};
 
 /// Extensions that are shown, or whose absence nobody would notice.
 const KNOWN_EXTENSIONS: &[&str] = &[
+    "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
     "KHR_animation_pointer",
     "KHR_lights_punctual",

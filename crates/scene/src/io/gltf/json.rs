@@ -626,6 +626,24 @@ pub(super) struct NodeExtensions {
     pub(super) light: Option<NodeLight>,
     #[serde(rename = "KHR_node_visibility")]
     pub(super) visibility: Option<NodeVisibility>,
+    #[serde(rename = "EXT_mesh_gpu_instancing")]
+    pub(super) instances: Option<NodeInstances>,
+}
+
+/// EXT_mesh_gpu_instancing.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+pub(super) struct NodeInstances {
+    pub(super) attributes: InstanceAttributes,
+}
+
+/// Of each instance. Others, which shaders of the file's maker know, are passed over.
+#[derive(Deserialize, Default)]
+#[serde(rename_all = "UPPERCASE", default)]
+pub(super) struct InstanceAttributes {
+    pub(super) translation: Option<Index>,
+    pub(super) rotation: Option<Index>,
+    pub(super) scale: Option<Index>,
 }
 
 /// KHR_node_visibility.

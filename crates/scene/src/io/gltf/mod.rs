@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF 2.0, text and binary.
 //! Source: Khronos, glTF 2.0 specification; KHR_lights_punctual, KHR_materials_{emissive_strength, ior, transmission,
-//! unlit}, KHR_texture_transform, KHR_mesh_quantization, EXT_texture_webp, KHR_animation_pointer, KHR_node_visibility.
+//! unlit}, KHR_texture_transform, KHR_mesh_quantization, EXT_texture_webp, EXT_mesh_gpu_instancing, KHR_animation_pointer, KHR_node_visibility.
 //!
 //! ```text
 //! file -> container (JSON, binary chunk) -> Document (buffers) -> animations -> materials, meshes -> nodes: instances, cameras, lights
@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Every index is looked up where it is used, and what nobody uses is not looked at (see `json`).
-//! Each glTF mesh becomes one object, each node that shows it one instance; what a skin or morph weights bend becomes an
-//! object of its own. The scene is read in its rest pose. Space: +Y up, metres, as here. Proof: `tests/gltf.rs`.
+//! Each glTF mesh becomes one object, each node that shows it one instance, also where that repeats the mesh: an object made of
+//! others then. What a skin or morph weights bend becomes an object of its own. The scene is read in its rest pose. Space: +Y up, metres, as here. Proof: `tests/gltf.rs`.
 
 mod accessor;
 mod animation;
@@ -18,6 +18,7 @@ mod base64;
 mod camera;
 mod container;
 mod document;
+mod instancing;
 mod json;
 mod material;
 mod mesh;

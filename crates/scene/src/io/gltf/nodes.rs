@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::camera;
 use super::document::Document;
+use super::instancing;
 use super::json::{self, Index};
 use super::material::AddedMaterial;
 use super::mesh;
@@ -23,7 +24,7 @@ use crate::id::ObjectId;
 use crate::io::{Error, Oddity, Warnings, source};
 use crate::motion::Motion;
 use crate::ray_mask::RayMask;
-use crate::scene::{Instance, Object, Scene};
+use crate::scene::{Instance, Member, Object, Scene};
 use crate::shader_file::ShaderFile;
 
 /// Bytes that an instance, a camera or a light of the scene takes beside its name.
@@ -246,7 +247,8 @@ impl Adder<'_> {
             warnings.note(Oddity::NotShown, &document.path, None, detail);
             Motion::Auto
         });
-        let object = (!ids.is_empty()).then(|| self.scene.add_object(Object { name, meshes: ids, motion }));
+        let object = (!ids.is_empty())
+            .then(|| self.scene.add_object(Object { name, meshes: ids, motion, ..Object::default() }));
         if is_shared {
             self.objects.insert(index, object);
         }
@@ -272,6 +274,7 @@ impl Adder<'_> {
             return Ok(());
         }
         let object = self.object(index, node, mesh, warnings)?;
+        let object = object.map(|object| self.repeated(name, index, node, object, warnings)).transpose()?;
         if let Some(object) = object {
             let visible = self.rig.is_visible(placed.place);
             let name = name.to_owned();
@@ -283,6 +286,26 @@ impl Adder<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The object that shows `object` wherever a node has it: one made of others, if it has it at several places.
+    fn repeated(
+        &mut self,
+        name: &str,
+        index: Index,
+        node: &json::Node,
+        object: ObjectId,
+        warnings: &mut Warnings,
+    ) -> Result<ObjectId, Error> {
+        let Some(from) = &node.extensions.instances else { return Ok(object) };
+        if node.skin.is_some() {
+            let detail = format!("{name}: EXT_mesh_gpu_instancing of a skinned mesh, shown once");
+            warnings.note(Oddity::NotShown, &self.document.path, None, detail);
+            return Ok(object);
+        }
+        let Some(places) = instancing::places(self.document, from, index)? else { return Ok(object) };
+        let members = places.into_iter().map(|place| Member::new(object, place)).collect();
+        Ok(self.scene.add_object_of_members(name, members))
     }
 
     /// What a node's `extras` say of who sees its mesh.

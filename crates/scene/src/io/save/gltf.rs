@@ -26,13 +26,14 @@ use crate::material::TextureRef;
 use crate::mesh::Mesh;
 use crate::motion::Motion;
 use crate::ray_mask::RayMask;
-use crate::scene::Scene;
+use crate::scene::{Object, Scene};
 
 pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Warnings) -> Result<(), Error> {
     let mut buffer = Buffer::default();
     let meshes: Vec<Value> = scene
         .objects()
         .iter()
+        .filter(|object| is_mesh(object))
         .map(|object| {
             let primitives = object.meshes.iter().map(|&id| primitive(scene.mesh(id), &mut buffer));
             let mut mesh = json!({ "name": object.name, "primitives": primitives.collect::<Vec<_>>() });
@@ -72,12 +73,14 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
         samplers.push(material::sampler(texture));
         textures.push(json!({ "source": k, "sampler": k, "name": texture.name }));
     }
-    let (mut nodes, lights) = nodes(scene, path, warnings);
+    let (mut nodes, mut roots, lights) = nodes(scene, path, warnings)?;
     let cameras: Vec<Value> = scene.cameras().iter().map(camera::camera).collect();
-    nodes.extend(scene.cameras().iter().enumerate().filter_map(|(k, camera)| {
-        Some(json!({ "name": camera.name, "camera": k, "matrix": camera_matrix(camera)?.to_column_major() }))
-    }));
-    let roots: Vec<usize> = (0..nodes.len()).collect();
+    for (k, camera) in scene.cameras().iter().enumerate() {
+        if let Some(matrix) = camera_matrix(camera) {
+            roots.push(nodes.len());
+            nodes.push(json!({ "name": camera.name, "camera": k, "matrix": matrix.to_column_major() }));
+        }
+    }
 
     let mut root = Map::new();
     let mut put = |key: &str, values: Vec<Value>| {
@@ -175,19 +178,52 @@ fn unit_tangent(&[x, y, z, side]: &[f32; 4]) -> [f32; 4] {
     [x, y, z, 1.0_f32.copysign(side)]
 }
 
-/// Nodes of instances and lights, and the lights.
-fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> (Vec<Value>, Vec<Value>) {
-    let shown = scene.instances().iter().filter(|instance| instance.visible);
-    let mut nodes: Vec<Value> = shown
-        .map(|i| {
-            let matrix = i.world_from_object.to_column_major();
-            let mut node = json!({ "name": i.name, "mesh": i.object.0, "matrix": matrix });
-            if i.mask != RayMask::ALL {
-                node["extras"] = json!({ "mask": i.mask.0 });
+/// Whether an object becomes a mesh: one that only holds others has nodes only.
+fn is_mesh(object: &Object) -> bool {
+    !object.meshes.is_empty() || object.members.is_empty()
+}
+
+/// Nodes for objects in objects, unfolded, that a file may have.
+const MOST_NODES: usize = 1 << 24;
+
+/// Nodes of instances and lights, which of them are roots, and the lights.
+type Nodes = (Vec<Value>, Vec<usize>, Vec<Value>);
+
+fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<Nodes, Error> {
+    let (mut nodes, mut roots) = (Vec::new(), Vec::new());
+    let mut next = 0..;
+    let numbers: Vec<Option<usize>> =
+        scene.objects().iter().map(|object| if is_mesh(object) { next.next() } else { None }).collect();
+    // Way from the root: how many nodes it has, and their places.
+    let mut way: Vec<usize> = Vec::new();
+    for found in scene.occurrences() {
+        if nodes.len() >= MOST_NODES {
+            let problem = format!("more than {MOST_NODES} nodes, with objects in objects unfolded");
+            return Err(Error::io(path, problem, "glTF has a node for each; leave some out"));
+        }
+        way.truncate(found.depth);
+        let matrix = found.parent_from_object.to_column_major();
+        let mut node = json!({ "name": found.name, "matrix": matrix });
+        if let Some(number) = numbers[found.object_id.index()] {
+            node["mesh"] = number.into();
+            if found.mask != RayMask::ALL {
+                node["extras"] = json!({ "mask": found.mask.0 });
             }
-            node
-        })
-        .collect();
+        }
+        let place = nodes.len();
+        match way.last() {
+            None => roots.push(place),
+            Some(&parent) => {
+                let parent: &mut Value = &mut nodes[parent];
+                match parent["children"].as_array_mut() {
+                    Some(children) => children.push(place.into()),
+                    None => parent["children"] = json!([place]),
+                }
+            }
+        }
+        nodes.push(node);
+        way.push(place);
+    }
     let mut lights = Vec::new();
     for light in scene.lights() {
         let (described, place) = match light {
@@ -208,10 +244,11 @@ fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> (Vec<Value>, Ve
             }
         };
         let extension = json!({ "KHR_lights_punctual": { "light": lights.len() } });
+        roots.push(nodes.len());
         nodes.push(json!({ "matrix": place.to_column_major(), "extensions": extension }));
         lights.push(described);
     }
-    (nodes, lights)
+    Ok((nodes, roots, lights))
 }
 
 fn punctual(kind: &str, color: [f32; 3]) -> Value {

@@ -8,13 +8,10 @@ use crate::id::MeshId;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
-/// Every mesh of every visible instance that can be placed.
+/// Every mesh of every visible instance that can be placed, those of objects in objects too.
 pub(super) fn placed_meshes(scene: &Scene) -> impl Iterator<Item = (MeshId, Affine)> + '_ {
-    scene
-        .instances()
-        .iter()
-        .filter(|instance| instance.visible && instance.world_from_object.inverse().is_some())
-        .flat_map(|i| scene.object(i.object).meshes.iter().map(move |&mesh| (mesh, i.world_from_object)))
+    let placed = scene.occurrences().filter(|found| found.world_from_object.inverse().is_some());
+    placed.flat_map(|found| found.object.meshes.iter().map(move |&mesh| (mesh, found.world_from_object)))
 }
 
 pub(super) fn positions(mesh: &Mesh, world_from_object: Affine) -> impl Iterator<Item = [f32; 3]> + '_ {

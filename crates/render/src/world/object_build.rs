@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Committed objects: their arrays and the trees over them. Source: original. Space: object.
+//! Edits of meshes and of an object's list come here; trees of all objects that are due are built side by side.
+//! Invariant: an object has a tree while a visible instance shows it. Proof: crates/render/tests/commit.rs.
+
+use std::sync::Arc;
+
+use gnurt_accel::{
+    BuildOptions, Geometry, Memory, Motion, MovingTree, MovingTriangles, ObjectTree, SharedList, Threads,
+    Triangles, Update,
+};
+use gnurt_scene::animation::Exposure;
+use gnurt_scene::{Mesh, MeshId, Scene};
+use rayon::prelude::*;
+
+use super::crowds::{Crowds, Kind};
+use super::object::{ObjectSlot, WorldObject, bends, materials_of};
+
+/// Objects that became others, ascending.
+#[derive(Default)]
+pub(super) struct ChangedObjects {
+    pub(super) ids: Vec<u32>,
+    /// Trees that were built for them, at least in part.
+    pub(super) built: usize,
+    /// Trees that were fitted to what has moved.
+    pub(super) refitted: usize,
+    /// Whether what rays meet has changed: meshes may have got other coordinates for textures only.
+    pub(super) reshaped: bool,
+}
+
+/// Brings those of `due`, ascending, up to date: builds what is needed, lets go what is not.
+pub(super) fn update(
+    objects: &mut SharedList<ObjectSlot>,
+    crowds: &Crowds,
+    due: &[u32],
+    scene: (&Scene, &Exposure),
+    memory: Memory,
+    pool: &rayon::ThreadPool,
+) -> ChangedObjects {
+    let needed = |&&id: &&u32| objects[id as usize].users > 0;
+    let ids: Vec<u32> = due.iter().filter(needed).copied().collect();
+    // All are known by their kinds before the first is built: those of many are told by that.
+    let found: Vec<Found> = ids.iter().map(|&id| Found::new(scene, id, objects, crowds)).collect();
+    let build = |found: &Found| {
+        let (object, update) = build(found, memory, pool);
+        (Arc::new(object), update)
+    };
+    let made: Vec<(Arc<WorldObject>, Option<Update>)> = match &found[..] {
+        [found] => vec![build(found)],
+        // Large and small ones come in any order: each is shared out for itself, too.
+        _ => pool.install(|| found.par_iter().with_max_len(1).map(build).collect()),
+    };
+    let count = |of: fn(Update) -> bool| made.iter().filter(|(_, update)| update.is_some_and(of)).count();
+    let refitted = count(|update| update == Update::Refitted);
+    let built = count(|update| update != Update::Refitted);
+    for &id in due {
+        let slot = objects.edit(id as usize);
+        if slot.users == 0 {
+            slot.object = None;
+        }
+    }
+    for (&id, (object, _)) in ids.iter().zip(made) {
+        objects.edit(id as usize).object = Some(object);
+    }
+    ChangedObjects { ids, built, refitted, reshaped: built + refitted > 0 }
+}
+
+/// An object as the scene has it now.
+struct Found {
+    meshes: Vec<Arc<Mesh>>,
+    /// As those of a [`WorldObject`].
+    keys: Vec<Vec<Arc<Mesh>>>,
+    motion: gnurt_scene::Motion,
+    kind: Option<Arc<Kind>>,
+    /// What it was, if nothing but vertices can have moved.
+    before: Option<Arc<WorldObject>>,
+}
+
+impl Found {
+    fn new(
+        (scene, exposure): (&Scene, &Exposure),
+        id: u32,
+        objects: &SharedList<ObjectSlot>,
+        crowds: &Crowds,
+    ) -> Self {
+        let object = &scene.objects()[id as usize];
+        // Shared with the scene, which copies what it edits later.
+        let meshes: Vec<Arc<Mesh>> =
+            object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
+        let exposed =
+            |id: &MeshId| exposure.meshes.iter().find(|(mesh, keys)| mesh == id && !keys.is_empty());
+        let keys = |id: &MeshId| exposed(id).map(|(_, keys)| keys.clone()).unwrap_or_default();
+        let keys: Vec<Vec<Arc<Mesh>>> = object.meshes.iter().map(keys).collect();
+        let before = objects[id as usize].object.clone().filter(|before| !bends(&before.keys));
+        let before = before.filter(|before| same_topology(&before.meshes, &meshes));
+        // One that bends while the shutter is open has a tree of its own.
+        let moves = !bends(&keys)
+            && !matches!(object.motion, gnurt_scene::Motion::Static | gnurt_scene::Motion::Rigid);
+        let known = before.as_ref().and_then(|before| before.kind.clone());
+        let kind = moves.then(|| known.unwrap_or_else(|| crowds.kind_of(&meshes)));
+        Self { meshes, keys, motion: object.motion, kind, before }
+    }
+}
+
+/// An object, and what was done for it: its tree is the one before where no triangle has moved, and that one refitted where
+/// vertices have. One of many of its kind shares with the others.
+fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObject, Option<Update>) {
+    let Found { meshes, keys, motion: moves, kind, before } = found;
+    if bends(keys) {
+        return exposed(*moves, meshes.clone(), keys.clone(), memory, pool);
+    }
+    let known = before.as_ref().map(|before| match before.motion == *moves {
+        true => before.moving.clone(),
+        false => MovingTree::of(before.tree.clone(), motion(*moves)),
+    });
+    let known = before.as_ref().zip(known);
+    let (moving, update) = match known {
+        Some((before, moving)) if same_positions(&before.meshes, meshes) => (moving, None),
+        known => {
+            let triangles = meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices });
+            let geometries: Vec<Geometry> = triangles.map(Geometry::from).collect();
+            let options = BuildOptions { memory, ..BuildOptions::default() };
+            let threads = Threads::Pool(pool);
+            // What has a tree of its own keeps it.
+            let shares = known.as_ref().is_none_or(|(before, _)| before.tree.is_posed());
+            match (kind.as_ref().filter(|kind| shares && kind.is_of_many()), known) {
+                (Some(kind), known) => {
+                    let tree = kind.crowd.pose(&geometries, &options, threads);
+                    let is_fitted = known.is_some() && tree.is_posed();
+                    let update = if is_fitted { Update::Refitted } else { Update::Rebuilt };
+                    (MovingTree::of(tree, motion(*moves)), Some(update))
+                }
+                (None, Some((_, mut moving))) => {
+                    let update = moving.update(&geometries, &options, threads);
+                    (moving, Some(update))
+                }
+                (None, None) => {
+                    let moving = MovingTree::build(&geometries, &options, motion(*moves), threads);
+                    (moving, Some(Update::Rebuilt))
+                }
+            }
+        }
+    };
+    let (tree, meshes, kind) = (moving.tree().clone(), meshes.clone(), kind.clone());
+    let (materials, members) = (materials_of(&meshes), None);
+    let (motion, keys) = (*moves, keys.clone());
+    (WorldObject { tree, moving, motion, meshes, keys, kind, members, materials, bends: false }, update)
+}
+
+/// An object some of whose meshes bend while the shutter is open. Its tree is built.
+fn exposed(
+    motion_of_object: gnurt_scene::Motion,
+    meshes: Vec<Arc<Mesh>>,
+    keys: Vec<Vec<Arc<Mesh>>>,
+    memory: Memory,
+    pool: &rayon::ThreadPool,
+) -> (WorldObject, Option<Update>) {
+    let lists: Vec<Vec<&[[f32; 3]]>> =
+        keys.iter().map(|keys| keys.iter().map(|mesh| &mesh.positions[..]).collect()).collect();
+    let mut geometries: Vec<Geometry> = Vec::with_capacity(meshes.len());
+    for (mesh, keys) in meshes.iter().zip(&lists) {
+        geometries.push(match keys.is_empty() {
+            true => Triangles { positions: &mesh.positions, indices: &mesh.indices }.into(),
+            false => MovingTriangles { keys, indices: &mesh.indices }.into(),
+        });
+    }
+    let options = BuildOptions { memory, ..BuildOptions::default() };
+    let tree = Arc::new(ObjectTree::build_from(&geometries, &options, Threads::Pool(pool)));
+    let moving = MovingTree::of(tree.clone(), motion(motion_of_object));
+    let (motion, materials) = (motion_of_object, materials_of(&meshes));
+    let (kind, members, bends) = (None, None, true);
+    let object = WorldObject { tree, moving, motion, meshes, keys, kind, members, materials, bends };
+    (object, Some(Update::Rebuilt))
+}
+
+fn motion(motion: gnurt_scene::Motion) -> Motion {
+    match motion {
+        gnurt_scene::Motion::Auto => Motion::Auto,
+        gnurt_scene::Motion::Static => Motion::Static,
+        gnurt_scene::Motion::Rigid => Motion::Rigid,
+        gnurt_scene::Motion::Deforming => Motion::Deforming,
+        gnurt_scene::Motion::Known => Motion::Known,
+    }
+}
+
+/// Whether nothing but vertices can have moved.
+fn same_topology(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
+    let same = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| {
+        Arc::ptr_eq(a, b) || (a.positions.len() == b.positions.len() && a.indices == b.indices)
+    };
+    before.len() == now.len() && before.iter().zip(now).all(same)
+}
+
+/// Whether rays see no difference, where the topology is the same. Where something moved the answer comes soon: mostly the
+/// first vertex has.
+fn same_positions(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
+    let bits = |p: &[f32; 3]| p.map(f32::to_bits);
+    let same = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| {
+        Arc::ptr_eq(a, b) || a.positions.iter().zip(&b.positions).all(|(a, b)| bits(a) == bits(b))
+    };
+    before.iter().zip(now).all(same)
+}

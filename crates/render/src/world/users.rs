@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Who uses an object: visible instances, and objects in use that hold it. Source: original (counts of references).
+//! Invariants: an object without users has no tree and holds nothing; no object holds itself. Proof: crates/render/tests/edits.rs.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use gnurt_accel::SharedList;
+use gnurt_scene::Scene;
+
+use super::object::ObjectSlot;
+
+/// An object has one user more, which may be its first.
+pub(super) fn retain(objects: &mut SharedList<ObjectSlot>, scene: &Scene, id: u32, due: &mut Vec<u32>) {
+    let slot = objects.edit(id as usize);
+    slot.users += 1;
+    if slot.users == 1 {
+        due.push(id);
+        hold(objects, scene, id, due);
+    }
+}
+
+/// An object has one user less, which may have been its last.
+pub(super) fn release(objects: &mut SharedList<ObjectSlot>, id: u32, due: &mut Vec<u32>) {
+    let slot = objects.edit(id as usize);
+    slot.users -= 1;
+    if slot.users == 0 {
+        due.push(id);
+        for &held in std::mem::take(&mut slot.holds).iter() {
+            release(objects, held, due);
+        }
+    }
+}
+
+/// An object in use holds what the scene says now.
+pub(super) fn hold(objects: &mut SharedList<ObjectSlot>, scene: &Scene, id: u32, due: &mut Vec<u32>) {
+    let members = &scene.objects()[id as usize].members;
+    let before = objects[id as usize].holds.clone();
+    if members.is_empty() && before.is_empty() {
+        return;
+    }
+    let now: BTreeSet<u32> = members.iter().map(|member| member.object.0).collect();
+    let now: Arc<[u32]> = now.into_iter().collect();
+    now.iter().for_each(|&held| retain(objects, scene, held, due));
+    objects.edit(id as usize).holds = now;
+    before.iter().for_each(|&held| release(objects, held, due));
+}
