@@ -113,7 +113,10 @@ pub(crate) fn told(error: &dyn std::fmt::Display, code: Error) -> Error {
 fn kind_of_commit(error: &CommitError) -> Error {
     match error {
         CommitError::TooLarge(_) => Error::OutOfMemory,
-        CommitError::DanglingId { .. } | CommitError::UnknownShader { .. } => Error::InvalidOperation,
+        // Objects that hold themselves, or too deep, are refused when they are closed.
+        CommitError::DanglingId { .. } | CommitError::UnknownShader { .. } | CommitError::Nesting(_) => {
+            Error::InvalidOperation
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Random edits, each followed by a commit: the world is that of a fresh commit, picture for picture, bit for bit, and a frame
-//! in flight keeps the world that it began with. Source: original. `GNURT_EDITS=n` asks for n edits.
+//! in flight keeps the world that it began with. Source: original. `GNURT_EDITS=n` asks for n edits;
+//! of very many, some are looked at.
 
 use std::sync::Arc;
 
@@ -377,16 +378,37 @@ fn bits(picture: &[[f32; 4]]) -> Vec<[u32; 4]> {
     picture.iter().map(|pixel| pixel.map(f32::to_bits)).collect()
 }
 
+/// How many edits are made, of how many each scene gets, and how many commits go by between two that are looked at.
+struct Length {
+    edits: usize,
+    of_one_scene: usize,
+    look_at_each: usize,
+}
+
+impl Length {
+    /// What `GNURT_EDITS` says: a few scenes where all is looked at, or long lives, looked at some ten thousand times.
+    fn asked() -> Self {
+        let edits: usize = std::env::var("GNURT_EDITS").ok().and_then(|n| n.parse().ok()).unwrap_or(160);
+        let of_one_scene = if edits > 10_000 { edits.div_ceil(8) } else { 80 };
+        Self { edits, of_one_scene, look_at_each: (edits / 10_000).max(1) }
+    }
+}
+
 #[test]
 fn any_edit_leads_to_the_picture_of_a_fresh_world() {
-    let edits: usize = std::env::var("GNURT_EDITS").ok().and_then(|n| n.parse().ok()).unwrap_or(160);
+    let Length { edits, of_one_scene, look_at_each } = Length::asked();
     let (pool, other_pool) = (pool(2), pool(1));
-    const OF_ONE_SCENE: usize = 80;
-    for seed in 0..edits.div_ceil(OF_ONE_SCENE) as u64 {
+    for seed in 0..edits.div_ceil(of_one_scene) as u64 {
         let mut random = Random(seed);
         let (mut edited, mut world) = (Edited::new(&mut random), World::new());
         edited.commit(&mut world, &pool);
-        for step in 0..OF_ONE_SCENE {
+        let resident_at_first = resident();
+        for step in 0..of_one_scene {
+            if step % look_at_each != 0 {
+                edited.edit(&mut random);
+                edited.commit(&mut world, &pool);
+                continue;
+            }
             let integrator = INTEGRATORS[random.below(INTEGRATORS.len())];
             let camera = SceneCamera::new(&edited.scene.cameras()[0]).expect("a view");
             let before = world.clone();
@@ -418,7 +440,17 @@ fn any_edit_leads_to_the_picture_of_a_fresh_world() {
             let owners: Vec<usize> = edited.scene.meshes().iter().map(Arc::strong_count).collect();
             assert_eq!(owners, edited.owners(), "{what}: who has each mesh");
         }
+        // The scenes are small: what is kept of each edit would come to more.
+        let grown = resident().saturating_sub(resident_at_first);
+        eprintln!("seed {seed}: {of_one_scene} commits, {} MB more in memory", grown >> 20);
+        assert!(grown < (64 << 20), "seed {seed}: {grown} bytes more in memory");
     }
+}
+
+/// Bytes of the process that are in memory; 0 where nobody tells.
+fn resident() -> u64 {
+    let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    pages.split(' ').nth(1).and_then(|pages| pages.parse::<u64>().ok()).unwrap_or(0) * 4096
 }
 
 /// A camera, and what nobody sees, costs nothing; a world of another scene is made anew.

@@ -80,7 +80,8 @@ impl Known {
         let Some(object) = scene.objects().get(object) else { return Vec::new() };
         let meshes = object.meshes.iter().filter_map(|id| self.meshes.get(id.index()).copied().flatten());
         let mut boxes: Vec<Bounds> = meshes.collect();
-        for member in object.members.iter().filter(|_| self.unfolds) {
+        let members = if self.unfolds { &object.members[..] } else { &[] };
+        for member in members {
             let bounds = self.object(scene, member.object.index());
             boxes.extend(bounds.and_then(|bounds| Bounds::around(bounds.moved(member.object_from_member))));
         }

@@ -80,11 +80,21 @@ def value(times, out, how, t, turns):
 def pose(f, clip, t):
     g = f.g
     nodes = [dict(n) for n in g["nodes"]]
+    meshes = [dict(m) for m in g["meshes"]]
     for c in clip["channels"]:
         s = clip["samplers"][c["sampler"]]
         times, out = f.accessor(s["input"])[:, 0], f.accessor(s["output"])
-        path = c["target"]["path"]
-        nodes[c["target"]["node"]][path] = value(times, out, s.get("interpolation", "LINEAR"), t, path == "rotation")
+        path, things, i = c["target"]["path"], nodes, c["target"].get("node")
+        element = None
+        if path == "pointer":
+            _, kind, i, path, *element = c["target"]["extensions"]["KHR_animation_pointer"]["pointer"].split("/")
+            things, i = {"nodes": nodes, "meshes": meshes}[kind], int(i)
+        v = value(times, out, s.get("interpolation", "LINEAR"), t, path == "rotation")
+        if element:
+            weights = list(things[i]["weights"])
+            weights[int(element[0])] = v[0]
+            v = weights
+        things[i][path] = v
     def local(n):
         if "matrix" in n: return np.array(n["matrix"], float).reshape(4, 4).T
         m = np.eye(4)
@@ -99,7 +109,7 @@ def pose(f, clip, t):
     corners = []
     for i, n in enumerate(nodes):
         if "mesh" not in n or i not in world: continue
-        mesh = g["meshes"][n["mesh"]]
+        mesh = meshes[n["mesh"]]
         weights = n.get("weights", mesh.get("weights", []))
         for p in mesh["primitives"]:
             x = f.accessor(p["attributes"]["POSITION"])
@@ -114,6 +124,8 @@ def pose(f, clip, t):
                 while f"JOINTS_{k}" in p["attributes"]:
                     js, ws = (f.accessor(p["attributes"][f"{name}_{k}"]) for name in ("JOINTS", "WEIGHTS"))
                     m += np.einsum("vk,vkij->vij", ws, joints[js.astype(int)]); total += ws.sum(1); k += 1
+                # What no joint holds stays.
+                m[total == 0], total[total == 0] = np.eye(4), 1
                 x = np.einsum("vij,vj->vi", m / total[:, None, None], x)
             else: x = x @ world[i].T
             index = f.accessor(p["indices"])[:, 0].astype(int) if "indices" in p else np.arange(len(x))
@@ -124,14 +136,18 @@ def pose(f, clip, t):
     waves = [np.cos(x @ np.array(k) / scale).mean() for k in ([5, 3, 2], [-1, 4, 7])]
     return [*x.min(0), *x.max(0), *x.mean(0), *waves]
 
-rows = []
-for name in FILES:
-    f = File(Path(sys.argv[1]) / name)
+def moments(f, name, shares):
+    """A row for each clip of a file before its first key, at these shares of its time, and after its last."""
     for i, clip in enumerate(f.g["animations"]):
         ends = np.concatenate([f.accessor(s["input"])[[0, -1], 0] for s in clip["samplers"]])
         first, last = ends.min(), ends.max()
-        for t in (first - 1, first + 0.31 * (last - first), first + 0.77 * (last - first), last + 1):
+        for t in [first - 1, *(first + share * (last - first) for share in shares), last + 1]:
             t = float(np.round(t, 4))
-            rows.append({"file": name, "clip": i, "name": clip.get("name", ""), "range": [float(first), float(last)], "seconds": t,
-                         "figures": [float(f"{v:.8g}") for v in pose(f, clip, t)]})
-print("[\n" + ",\n".join(json.dumps(r) for r in rows) + "\n]")
+            yield {"file": name, "clip": i, "name": clip.get("name", ""), "range": [float(first), float(last)], "seconds": t,
+                   "figures": [float(f"{v:.8g}") for v in pose(f, clip, t)]}
+
+def show(rows):
+    return "[\n" + ",\n".join(json.dumps(r) for r in rows) + "\n]\n"
+
+if __name__ == "__main__":
+    print(show(row for name in FILES for row in moments(File(Path(sys.argv[1]) / name), name, (0.31, 0.77))), end="")
