@@ -297,8 +297,8 @@ impl<'w> BatchTracer<'w> {
                     albedo: albedo.get(k),
                     ids: [
                         instance,
-                        world.object_of(instance),
-                        world.material_of(instance, points.geom_id[k]),
+                        world.leaf(points.leaf_id[k]).1.0,
+                        world.material_of(points.leaf_id[k], points.geom_id[k]),
                         points.prim_id[k],
                     ],
                 });
