@@ -66,6 +66,16 @@ fn parse_and_run() -> u8 {
         Err(failure) => return conclude(Err(failure), Messages::new(asked.unwrap_or_default())),
     };
     let messages = Messages::new(asked.or(environment.log).unwrap_or_default());
+    if let Some(folder) = arguments.command.machine().and_then(|machine| machine.out_of_core.as_deref())
+        && let Err(error) = crate::HEAP.page_to(folder)
+    {
+        let why = gnurt::image::system_reason(&error);
+        let failure = Failure::usage(format_args!(
+            "--out-of-core {}: {why}; give a folder on a local disk",
+            folder.display()
+        ));
+        return conclude(Err(failure), messages);
+    }
     conclude(run_command(arguments.command, &environment, messages), messages)
 }
 

@@ -75,11 +75,13 @@
 //! * Geometry is triangles and instances of them; no curves, no subdivision, no volumes. Scenes move by
 //!   [`Scene::pose`](scene::Scene::pose), and are blurred by [`Scene::expose`](scene::Scene::expose).
 //! * The API may change until version 1.0.
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod camera_rays;
 pub mod defaults;
 mod error;
+#[expect(unsafe_code, reason = "a global allocator")]
+mod ffi_heap;
 mod load;
 pub mod look;
 pub mod memory;

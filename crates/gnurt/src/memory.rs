@@ -7,6 +7,7 @@
 use std::fs::read_to_string;
 
 use crate::Error;
+pub use crate::ffi_heap::FileHeap;
 use crate::render::RenderOptions;
 pub use crate::size::format_bytes;
 

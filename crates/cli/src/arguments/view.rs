@@ -2,7 +2,7 @@
 //! Options that several commands share: the frame, the camera, the machine, the way from light to screen.
 //! Source: original; names after pbrt, Mitsuba and appleseed.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use gnurt::Surroundings;
@@ -187,6 +187,9 @@ pub(crate) struct MachineArguments {
     /// Instruction set: auto, scalar, sse4.2, avx2, avx512 or neon
     #[arg(hide_short_help = true, long, value_name = "NAME", value_parser = value::isa, allow_hyphen_values = true)]
     pub(crate) isa: Option<Level>,
+    /// Keep large arrays in a file in this folder instead of memory: for scenes larger than memory
+    #[arg(hide_short_help = true, long, value_name = "DIR")]
+    pub(crate) out_of_core: Option<PathBuf>,
 }
 
 /// What rays go through.

@@ -22,6 +22,8 @@ mod interface;
 mod interrupts;
 mod look;
 mod manuals;
+#[cfg(target_os = "linux")]
+mod out_of_core;
 mod output;
 mod pieces;
 mod recoverable;

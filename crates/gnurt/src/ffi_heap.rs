@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A heap whose large arrays may lie in a file, for scenes larger than memory: the system reads pages that are needed, and writes and
+//! forgets others when memory runs short.
+//! Source: mmap(2), fallocate(2). One sparse file is mapped as a whole; an array takes a range of it, and gives its blocks back with it.
+//! Invariant: ranges in use never overlap; those that are free hold no blocks and read as zero. Proof: `tests` below;
+//! crates/cli/tests/program/out_of_core.rs.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io;
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Arrays from this size on go to the file.
+const LARGE: usize = 16 << 10;
+/// Ranges begin and end at multiples of this.
+const GRAIN: usize = 4 << 10;
+/// Lengths of the file that are tried, in bytes; blocks are taken only as arrays are.
+const LENGTHS: [usize; 3] = [1 << 42, 1 << 38, 1 << 34];
+
+/// A global allocator: the system's, until [`page_to`](Self::page_to) puts large arrays into a file.
+///
+/// ```
+/// #[global_allocator]
+/// static HEAP: gnurt::memory::FileHeap = gnurt::memory::FileHeap::new();
+///
+/// # if cfg!(target_os = "linux") {
+/// HEAP.page_to(&std::env::temp_dir())?;
+/// let large = vec![1_u8; 1 << 20];
+/// assert_eq!(HEAP.bytes_in_file(), large.len());
+/// # }
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct FileHeap {
+    /// Where the file is mapped; 0 = nowhere.
+    base: AtomicUsize,
+    length: AtomicUsize,
+    /// Who may take ranges: a child process shares the file with its parent, and takes none.
+    owner: AtomicUsize,
+    in_use: AtomicUsize,
+    area: Mutex<Option<Area>>,
+}
+
+/// The file, and its ranges that nobody uses.
+#[derive(Debug)]
+struct Area {
+    file: File,
+    /// Where each begins, and its length.
+    free: BTreeMap<usize, usize>,
+    /// The same: length and begin.
+    by_length: BTreeSet<(usize, usize)>,
+}
+
+impl FileHeap {
+    /// The system's allocator.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            base: AtomicUsize::new(0),
+            length: AtomicUsize::new(0),
+            owner: AtomicUsize::new(0),
+            in_use: AtomicUsize::new(0),
+            area: Mutex::new(None),
+        }
+    }
+
+    /// From now on arrays of 16 KiB and more lie in a file without a name in `folder`, which is gone with the process. Where the disk is
+    /// full, they lie in memory as before.
+    ///
+    /// # Errors
+    /// The folder takes no such file: sparse, and able to give blocks back; or this is not Linux; or it has been called before.
+    pub fn page_to(&self, folder: &Path) -> io::Result<()> {
+        let mut area = self.area.lock().unwrap_or_else(PoisonError::into_inner);
+        if area.is_some() {
+            return Err(io::Error::other("large arrays lie in a file already"));
+        }
+        let (file, base, length) = mapped(folder)?;
+        let mut new = Area { file, free: BTreeMap::new(), by_length: BTreeSet::new() };
+        new.add(0, length);
+        *area = Some(new);
+        self.owner.store(std::process::id() as usize, Ordering::Relaxed);
+        self.length.store(length, Ordering::Relaxed);
+        self.base.store(base, Ordering::Release);
+        Ok(())
+    }
+
+    /// Bytes of arrays that lie in the file.
+    #[must_use]
+    pub fn bytes_in_file(&self) -> usize {
+        self.in_use.load(Ordering::Relaxed)
+    }
+
+    /// A range of the file; `None` if the array belongs elsewhere, or the disk is full.
+    fn take(&self, layout: Layout) -> Option<*mut u8> {
+        let base = self.base.load(Ordering::Acquire);
+        if base == 0 || layout.size() < LARGE || layout.align() > GRAIN {
+            return None;
+        }
+        let length = layout.size().checked_next_multiple_of(GRAIN)?;
+        if self.owner.load(Ordering::Relaxed) != std::process::id() as usize {
+            return None;
+        }
+        let mut area = self.area.lock().unwrap_or_else(PoisonError::into_inner);
+        let start = area.as_mut()?.take(length)?;
+        self.in_use.fetch_add(layout.size(), Ordering::Relaxed);
+        Some((base + start) as *mut u8)
+    }
+
+    /// The place in the file of an array that lies there.
+    fn place(&self, array: *mut u8) -> Option<usize> {
+        let base = self.base.load(Ordering::Acquire);
+        let place = (array as usize).checked_sub(base)?;
+        (base != 0 && place < self.length.load(Ordering::Relaxed)).then_some(place)
+    }
+
+    /// Gives a range back.
+    fn give(&self, place: usize, layout: Layout) {
+        if self.owner.load(Ordering::Relaxed) != std::process::id() as usize {
+            return;
+        }
+        self.in_use.fetch_sub(layout.size(), Ordering::Relaxed);
+        if let Some(area) = self.area.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
+            area.give(place, layout.size().next_multiple_of(GRAIN));
+        }
+    }
+}
+
+impl Area {
+    /// Of the ranges that fit best the first one, with blocks on the disk.
+    fn take(&mut self, length: usize) -> Option<usize> {
+        let &(room, start) = self.by_length.range((length, 0)..).next()?;
+        give_blocks(&self.file, start, length).ok()?;
+        self.remove(start, room);
+        if room > length {
+            self.add(start + length, room - length);
+        }
+        Some(start)
+    }
+
+    fn add(&mut self, start: usize, length: usize) {
+        self.free.insert(start, length);
+        self.by_length.insert((length, start));
+    }
+
+    fn remove(&mut self, start: usize, length: usize) {
+        self.free.remove(&start);
+        self.by_length.remove(&(length, start));
+    }
+
+    /// Joins a range with its free neighbours.
+    fn give(&mut self, mut start: usize, mut length: usize) {
+        if take_blocks(&self.file, start, length).is_err() {
+            // What it holds must not be taken for zeros: nobody gets it again.
+            return;
+        }
+        if let Some(&room) = self.free.get(&(start + length)) {
+            self.remove(start + length, room);
+            length += room;
+        }
+        if let Some((&before, &room)) = self.free.range(..start).next_back()
+            && before + room == start
+        {
+            self.remove(before, room);
+            (start, length) = (before, length + room);
+        }
+        self.add(start, length);
+    }
+}
+
+// SAFETY: an array is either the system's, by its own allocator, or a range of the mapped file that nobody else has: `Area` gives each
+// away once until it comes back. Ranges are as long as was asked for, begin at multiples of GRAIN, and stay mapped for ever.
+unsafe impl GlobalAlloc for FileHeap {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        match self.take(layout) {
+            Some(array) => array,
+            // SAFETY: as of the caller.
+            None => unsafe { System.alloc(layout) },
+        }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        match self.take(layout) {
+            // Blocks come with zeros.
+            Some(array) => array,
+            // SAFETY: as of the caller.
+            None => unsafe { System.alloc_zeroed(layout) },
+        }
+    }
+
+    unsafe fn dealloc(&self, array: *mut u8, layout: Layout) {
+        match self.place(array) {
+            Some(place) => self.give(place, layout),
+            // SAFETY: as of the caller; the array is the system's.
+            None => unsafe { System.dealloc(array, layout) },
+        }
+    }
+
+    unsafe fn realloc(&self, array: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        let is_mapped = self.base.load(Ordering::Relaxed) != 0 && size >= LARGE;
+        let place = self.place(array);
+        if !is_mapped && place.is_none() {
+            // SAFETY: as of the caller; the array is the system's.
+            return unsafe { System.realloc(array, layout, size) };
+        }
+        let grain = |bytes: usize| bytes.next_multiple_of(GRAIN);
+        if place.is_some() && size >= LARGE && grain(size) == grain(layout.size()) {
+            self.in_use.fetch_add(size.wrapping_sub(layout.size()), Ordering::Relaxed);
+            return array;
+        }
+        // SAFETY: the caller's size is one that a layout may have.
+        let new = unsafe { self.alloc(Layout::from_size_align_unchecked(size, layout.align())) };
+        if !new.is_null() {
+            // SAFETY: both are as long as what is copied, and they are two arrays; the old one is the caller's to give up.
+            unsafe {
+                std::ptr::copy_nonoverlapping(array, new, layout.size().min(size));
+                self.dealloc(array, layout);
+            }
+        }
+        new
+    }
+}
+
+/// A sparse file without a name, where it is mapped and how long it is.
+#[cfg(target_os = "linux")]
+fn mapped(folder: &Path) -> io::Result<(File, usize, usize)> {
+    use rustix::mm::{MapFlags, ProtFlags, mmap};
+    let file = tempfile::tempfile_in(folder)?;
+    let mut error = io::Error::other("no room");
+    for length in LENGTHS {
+        if let Err(why) = file.set_len(length as u64) {
+            error = why;
+            continue;
+        }
+        give_blocks(&file, 0, GRAIN)?;
+        take_blocks(&file, 0, GRAIN)?;
+        let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED | MapFlags::NORESERVE);
+        // SAFETY: the system chooses a place where nothing else is; the file is ours alone, for it has no name.
+        match unsafe { mmap(std::ptr::null_mut(), length, access, flags, &file, 0) } {
+            Ok(base) => return Ok((file, base as usize, length)),
+            Err(why) => error = why.into(),
+        }
+    }
+    Err(error)
+}
+
+#[cfg(target_os = "linux")]
+fn give_blocks(file: &File, start: usize, length: usize) -> io::Result<()> {
+    use rustix::fs::{FallocateFlags, fallocate};
+    Ok(fallocate(file, FallocateFlags::empty(), start as u64, length as u64)?)
+}
+
+#[cfg(target_os = "linux")]
+fn take_blocks(file: &File, start: usize, length: usize) -> io::Result<()> {
+    use rustix::fs::{FallocateFlags, fallocate};
+    let flags = FallocateFlags::PUNCH_HOLE | FallocateFlags::KEEP_SIZE;
+    Ok(fallocate(file, flags, start as u64, length as u64)?)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn mapped(_: &Path) -> io::Result<(File, usize, usize)> {
+    Err(io::Error::new(io::ErrorKind::Unsupported, "scenes larger than memory need Linux"))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn give_blocks(_: &File, _: usize, _: usize) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+#[cfg(not(target_os = "linux"))]
+fn take_blocks(_: &File, _: usize, _: usize) -> io::Result<()> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    /// Bytes of an array, all the same.
+    unsafe fn fill(array: *mut u8, size: usize, value: u8) {
+        // SAFETY: the caller's array is that long.
+        unsafe { std::ptr::write_bytes(array, value, size) };
+    }
+
+    #[test]
+    fn arrays_keep_what_is_theirs_and_ranges_come_back() {
+        let heap = FileHeap::new();
+        heap.page_to(&std::env::temp_dir()).expect("a folder for temporary files");
+        assert!(heap.page_to(&std::env::temp_dir()).is_err(), "once is enough");
+        let layout = |size| Layout::from_size_align(size, 64).expect("a layout");
+        let mut arrays: Vec<(*mut u8, usize, u8)> = Vec::new();
+        let mut random = 1_u64;
+        for step in 0..600_u32 {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            let size = if random >> 62 == 0 { 1000 } else { LARGE + (random >> 40) as usize % (4 * LARGE) };
+            let value = step as u8;
+            // SAFETY: layouts are those that the arrays were made with, and sizes are not zero.
+            unsafe {
+                match random >> 60 & 3 {
+                    0 if !arrays.is_empty() => {
+                        let (array, size, _) = arrays.swap_remove(random as usize % arrays.len());
+                        heap.dealloc(array, layout(size));
+                    }
+                    1 if !arrays.is_empty() => {
+                        let i = random as usize % arrays.len();
+                        let (array, before, old) = arrays[i];
+                        let new = heap.realloc(array, layout(before), size);
+                        assert!(
+                            (0..before.min(size)).step_by(97).all(|k| *new.add(k) == old),
+                            "it moves along"
+                        );
+                        fill(new, size, old);
+                        arrays[i] = (new, size, old);
+                    }
+                    _ => {
+                        let array = heap.alloc_zeroed(layout(size));
+                        assert!((0..size).all(|k| *array.add(k) == 0), "zeros, also where others were");
+                        fill(array, size, value);
+                        arrays.push((array, size, value));
+                    }
+                }
+                for &(array, size, value) in &arrays {
+                    assert!(
+                        (0..size).step_by(4001).all(|k| *array.add(k) == value),
+                        "nobody else writes there"
+                    );
+                }
+            }
+        }
+        let large: usize = arrays.iter().map(|&(_, size, _)| size).filter(|&size| size >= LARGE).sum();
+        assert_eq!(heap.bytes_in_file(), large, "all large ones are in the file");
+        for (array, size, _) in arrays {
+            // SAFETY: as above.
+            unsafe { heap.dealloc(array, layout(size)) };
+        }
+        let area = heap.area.lock().expect("nobody panics with it");
+        let free = &area.as_ref().expect("a file").free;
+        assert_eq!((heap.bytes_in_file(), free.len()), (0, 1), "one range again: {free:?}");
+        let blocks = area
+            .as_ref()
+            .map(|area| std::os::unix::fs::MetadataExt::blocks(&area.file.metadata().expect("data")));
+        assert!(blocks < Some(1024), "the disk has its blocks back: {blocks:?}");
+    }
+
+    #[test]
+    fn folders_that_do_not_exist_are_refused() {
+        assert!(FileHeap::new().page_to(Path::new("no/such/folder")).is_err());
+    }
+}
