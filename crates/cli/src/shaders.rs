@@ -67,29 +67,14 @@ impl Shaders {
         Ok(shaders)
     }
 
-    /// Those that the scene's file names. One that cannot be had is told, and the material stays what it is without it.
+    /// Those that the scene's file names.
     fn put_named(&mut self, scene: &mut Scene, messages: Messages) {
-        let named: Vec<(MaterialId, ShaderFile)> =
-            scene.shader_files().map(|(id, file)| (id, file.clone())).collect();
-        for (id, ShaderFile { file, parameters, confined_to }) in named {
-            let access = Access { confined_to, ..Access::default() };
-            match SceneShader::of_script(&file, &parameters, &access) {
-                Ok(made) => {
-                    made.warnings().iter().for_each(|warning| messages.warning(warning.trim_end()));
-                    // What it is without the shader still stands for it where all is forced to be diffuse.
-                    let diffuse = scene.material(id).diffuse_color();
-                    let material = scene.edit_material(id);
-                    material.diffuse.get_or_insert(diffuse);
-                    material.surface = Surface::Shader(self.table.surfaces.len() as u32);
-                    self.table.surfaces.push(made.surface.clone());
-                    self.made.push(made);
-                }
-                Err(why) => {
-                    let name = &scene.material(id).name;
-                    messages.warning(format_args!("material '{name}' is shown without its shader: {why}"));
-                }
-            }
-        }
+        let (scripts, told) = gnurt::put_named_shaders(scene, &mut self.table);
+        told.iter().for_each(|line| messages.warning(line));
+        let surfaces = self.table.surfaces.iter().cloned();
+        self.made.extend(
+            scripts.into_iter().zip(surfaces).map(|(script, surface)| SceneShader::of(script, surface)),
+        );
     }
 
     /// A light in the shading language.

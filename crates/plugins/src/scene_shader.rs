@@ -45,23 +45,25 @@ impl SceneShader {
     /// One line: the class cannot be had or is of no surfaces, `prepare` fails or crashes, a parameter or value is wrong.
     pub fn new(class: &str, file: Option<&Path>, parameters: &[(String, String)]) -> Result<Self, String> {
         match file {
-            None if is_script(class) => Self::of_script(Path::new(class), parameters, &Access::default()),
+            None if is_script(class) => Self::of_script(Path::new(class), parameters),
             Some(file) => Self::of_plugin(class, file, parameters),
             None => Self::built_in(class, parameters),
         }
     }
 
-    /// A shader in the shading language, which may read the files that `access` allows.
-    ///
-    /// # Errors
-    /// What the compiler says, or one line: it is of no surfaces, a parameter or value is wrong.
-    pub fn of_script(file: &Path, parameters: &[(String, String)], access: &Access) -> Result<Self, String> {
-        let mut script = Script::open(file, access)?;
+    /// A script and the surface that it has made.
+    #[must_use]
+    pub fn of(script: Script, surface: Arc<dyn SurfaceShader>) -> Self {
+        Self { surface, plugins: PluginFrame::default(), script: Some(script) }
+    }
+
+    fn of_script(file: &Path, parameters: &[(String, String)]) -> Result<Self, String> {
+        let mut script = Script::open(file, &Access::default())?;
         for (name, value) in parameters {
             script.set_text(name, value)?;
         }
         let surface = script.surface()?;
-        Ok(Self { surface, plugins: PluginFrame::default(), script: Some(script) })
+        Ok(Self::of(script, surface))
     }
 
     /// What it did wrong since, a line each.

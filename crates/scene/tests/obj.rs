@@ -75,7 +75,7 @@ fn materials_become_ours() {
     });
     is(
         "Kd .5 .5 .5\nPm 1\nPr .25\naniso .5\nanisor .25",
-        |s| matches!(s, Surface::Principled(p) if p.anisotropy.strength == 0.5 && (p.anisotropy.rotation - 1.5708).abs() < 1e-3),
+        |s| matches!(s, Surface::Principled(p) if p.anisotropy.strength == 0.5 && (p.anisotropy.rotation - std::f32::consts::FRAC_PI_2).abs() < 1e-3),
     );
     let mirror = material("Kd 0 0 0\nKs .9 .9 .9\nillum 3");
     assert_eq!(mirror.diffuse_color().factor, [0.0; 3], "--force-diffuse shows Kd, black as it is");
