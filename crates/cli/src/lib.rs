@@ -13,6 +13,7 @@ mod commands;
 mod display;
 mod environment;
 mod failure;
+mod heap;
 mod messages;
 mod nearest;
 mod osl;
@@ -27,10 +28,6 @@ mod statistics;
 mod view;
 mod words;
 mod workers;
-
-/// Large arrays go where `--out-of-core` says.
-#[global_allocator]
-static HEAP: gnurt::memory::FileHeap = gnurt::memory::FileHeap::new();
 
 /// Runs the program and gives back its exit status: 0 done, 1 bad data, 2 bad arguments. `words` are the command line, the
 /// program's name first. It is meant for a process of its own: it listens to signals, says panics in a line of its own, and

@@ -13,6 +13,7 @@ use crate::arguments::{Arguments, Command, Refusal, explain, talk_behind_command
 use crate::commands;
 use crate::environment::{Environment, Overridden};
 use crate::failure::{Failure, Outcome};
+use crate::heap::HEAP;
 use crate::messages::{Messages, Verbosity, print};
 use crate::osl;
 use crate::words::words;
@@ -67,7 +68,7 @@ fn parse_and_run() -> u8 {
     };
     let messages = Messages::new(asked.or(environment.log).unwrap_or_default());
     if let Some(folder) = arguments.command.machine().and_then(|machine| machine.out_of_core.as_deref())
-        && let Err(error) = crate::HEAP.page_to(folder)
+        && let Err(error) = HEAP.page_to(folder)
     {
         let why = gnurt::image::system_reason(&error);
         let failure = Failure::usage(format_args!(
