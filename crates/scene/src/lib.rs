@@ -20,6 +20,7 @@ pub mod nesting;
 mod ray_mask;
 mod scene;
 mod shader_file;
+mod tangents;
 pub mod texture;
 mod waste;
 
@@ -35,5 +36,6 @@ pub use motion::Motion;
 pub use ray_mask::RayMask;
 pub use scene::{Instance, Member, Object, Scene};
 pub use shader_file::ShaderFile;
+pub use tangents::tangents;
 pub use texture::Texture;
 pub use waste::has_area;

@@ -12,6 +12,7 @@ use super::skin::{Bending, Parts};
 use crate::io::clean::{clean, clean_attributes};
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
+use crate::tangents;
 
 /// Bytes that a mesh of the scene takes beside its arrays and its name.
 const MESH_BYTES: usize = 512;
@@ -113,8 +114,30 @@ impl PrimitiveReader<'_> {
         for [_, v] in &mut mesh.texcoords {
             *v = 1.0 - *v;
         }
+        let mut triangles = self.triangles(mode, count)?;
+        if material.has_tangents && mesh.tangents.is_empty() {
+            let held = self.document.budget().held();
+            self.document.hold(tangents::BYTES_PER_TRIANGLE * triangles.len(), self.place)?;
+            mesh.indices = triangles;
+            mesh.tangents = tangents::tangents(&mesh);
+            self.document.budget().settle(held);
+            self.document.hold(size_of_val(&mesh.tangents[..]), self.place)?;
+            triangles = std::mem::take(&mut mesh.indices);
+        }
+        self.bent(bending, mesh, triangles, warnings)
+    }
+
+    /// The mesh and its triangles as they are at rest, and what bends them later.
+    fn bent(
+        &self,
+        bending: &Bending,
+        mut mesh: Mesh,
+        triangles: Vec<[u32; 3]>,
+        warnings: &mut Warnings,
+    ) -> Result<Option<(Mesh, Option<Parts>)>, Error> {
+        let count = mesh.positions.len();
         let parts = bending.bend(self, &mut mesh, warnings)?;
-        mesh.indices = self.triangles(mode, count)?;
+        mesh.indices = triangles;
         let parts = match parts {
             Some(parts) => {
                 self.document.hold(size_of_val(&mesh.indices[..]) + 6 * count, self.place)?;
