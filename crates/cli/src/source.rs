@@ -33,7 +33,7 @@ impl Source {
         files: &FileArguments,
         environment: &Environment,
     ) -> Result<Self, Failure> {
-        let options = files.options();
+        let options = files.options()?;
         if let Some(folder) = options.confine.as_deref().filter(|folder| !folder.is_dir()) {
             return Err(Failure::usage(format_args!(
                 "--confine {}: there is no such folder; give the one that files may be read from",
@@ -90,6 +90,16 @@ impl Source {
     pub(crate) fn at(&self, number: u32) -> Self {
         let Some(numbered) = &self.numbered else { return self.clone() };
         Self { found: numbered.at(number).into_os_string(), numbered: None, ..self.clone() }
+    }
+
+    /// Warns of textures that were lost while they were on the disk.
+    pub(crate) fn tell_lost(&self, messages: Messages) {
+        let failed = self.options.tiles.as_ref().map_or(0, |tiles| tiles.counts().failed);
+        if failed > 0 {
+            messages.warning(format_args!(
+                "--texture-memory: {failed} tiles of textures could not be read from the temporary file; they are white"
+            ));
+        }
     }
 
     fn stem_or(&self, otherwise: &'static str) -> &OsStr {

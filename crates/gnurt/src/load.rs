@@ -34,7 +34,7 @@ pub fn load_scene(source: impl AsRef<OsStr>) -> Result<Loaded, io::Error> {
 /// As [`load_scene`], but the scene may only do what `options` allow.
 ///
 /// ```
-/// let options = gnurt::LoadOptions { confine: Some(".".into()) };
+/// let options = gnurt::LoadOptions { confine: Some(".".into()), ..Default::default() };
 /// let loaded = gnurt::load_scene_with("builtin:cornell", &options)?;
 /// assert!(loaded.files.is_empty(), "it names no files");
 /// # Ok::<(), gnurt::scene::io::Error>(())

@@ -9,9 +9,11 @@ mod file;
 mod filter;
 mod heat;
 mod picture;
+mod pyramid;
 pub mod srgb;
 mod ssim;
 mod texels;
+mod tiles;
 mod tone;
 
 pub use compare::{Comparison, compare};
@@ -25,7 +27,9 @@ pub use file::{
 pub use filter::{Filter, FilterShape};
 pub use heat::{heat_color, heat_map};
 pub use picture::{BACKGROUND, Channel, ChannelData, Layer, Opacity, Picture};
-pub use texels::{TexelData, Texels};
+pub use pyramid::Weigh;
+pub use texels::{TexelData, Texels, Tiled};
+pub use tiles::{TileCache, TileCounts};
 pub use tone::{ToneCurve, screen_bytes};
 
 /// The name and version that files say they were made by.

@@ -34,6 +34,7 @@ pub fn encode_u8(linear: f32) -> u8 {
 }
 
 /// Linear value of an sRGB byte, from a table.
+#[inline]
 #[must_use]
 pub fn decode_u8(byte: u8) -> f32 {
     DECODED[usize::from(byte)]

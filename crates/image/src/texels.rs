@@ -2,7 +2,8 @@
 //! Texels: the picture of a texture, in the form that its file had.
 //! Source: original. Rows from the upper left texel on. Invariant: `data` holds `width * height` values, both at least 1.
 
-use crate::{Picture, srgb};
+use crate::tiles::{TileCache, Tiles};
+use crate::{Error, Picture, srgb};
 
 /// Texels in rows, from the upper left one.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +23,112 @@ pub enum TexelData {
     Srgb8(Vec<[u8; 4]>),
     /// Red, green, blue, opacity as linear bytes (roughness, metalness, OpenRT's byte textures).
     Linear8(Vec<[u8; 4]>),
+    /// Red, green, blue, opacity as linear numbers of 16 bits, 65535 = 1: smaller copies of pictures of bytes.
+    Linear16(Vec<[u16; 4]>),
     /// Linear floats, unclamped.
     Float(Vec<[f32; 4]>),
+    /// Any of these, most of it on the disk.
+    Tiled(Tiled),
+}
+
+/// Texels in a [`TileCache`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tiled {
+    form: Form,
+    tiles: Tiles,
+}
+
+/// What the bytes of tiles are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Srgb8,
+    Linear8,
+    Linear16,
+    Float,
+}
+
+impl Tiled {
+    /// The cache that it is in.
+    #[must_use]
+    pub fn cache(&self) -> &TileCache {
+        self.tiles.cache()
+    }
+
+    fn is_float(&self) -> bool {
+        self.form == Form::Float
+    }
+
+    #[inline]
+    fn texel(&self, column: usize, row: usize) -> [f32; 4] {
+        let raw = self.tiles.texel(column, row);
+        match self.form {
+            Form::Srgb8 => from_srgb(bytes(raw)),
+            Form::Linear8 => bytes(raw).map(unit),
+            Form::Linear16 => numbers(raw).map(unit16),
+            Form::Float => floats(raw),
+        }
+    }
+
+    /// The same in memory.
+    fn resident(&self, [width, height]: [usize; 2]) -> TexelData {
+        let all = (0..height).flat_map(|y| (0..width).map(move |x| self.tiles.texel(x, y)));
+        match self.form {
+            Form::Srgb8 => TexelData::Srgb8(all.map(bytes).collect()),
+            Form::Linear8 => TexelData::Linear8(all.map(bytes).collect()),
+            Form::Linear16 => TexelData::Linear16(all.map(numbers).collect()),
+            Form::Float => TexelData::Float(all.map(floats).collect()),
+        }
+    }
+}
+
+fn bytes([word, _]: [u64; 2]) -> [u8; 4] {
+    (word as u32).to_le_bytes()
+}
+
+fn numbers([word, _]: [u64; 2]) -> [u16; 4] {
+    [0, 16, 32, 48].map(|shift| (word >> shift) as u16)
+}
+
+/// What could not be read is all ones: white, as other numbers are that.
+fn floats([low, high]: [u64; 2]) -> [f32; 4] {
+    if [low, high] == [u64::MAX; 2] {
+        return [1.0; 4];
+    }
+    [low, low >> 32, high, high >> 32].map(|bits| f32::from_bits(bits as u32))
+}
+
+impl TileCache {
+    /// The same picture in tiles of this cache; one that is tiled already stays as it is.
+    ///
+    /// # Errors
+    /// [`Error::File`] if the temporary file cannot grow.
+    pub fn keep(&self, texels: Texels) -> Result<Texels, Error> {
+        let size = [texels.width, texels.height].map(|n| n as usize);
+        let row = |y: usize, columns: std::ops::Range<usize>| {
+            y * size[0] + columns.start..y * size[0] + columns.end
+        };
+        let (form, tiles) = match &texels.data {
+            TexelData::Srgb8(all) | TexelData::Linear8(all) => {
+                let form =
+                    if matches!(texels.data, TexelData::Srgb8(_)) { Form::Srgb8 } else { Form::Linear8 };
+                (form, self.store(size, 4, |y, columns, to| to.extend(all[row(y, columns)].as_flattened()))?)
+            }
+            TexelData::Linear16(all) => {
+                let push = |y, columns, to: &mut Vec<u8>| {
+                    to.extend(all[row(y, columns)].as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+                };
+                (Form::Linear16, self.store(size, 8, push)?)
+            }
+            TexelData::Float(all) => {
+                let push = |y, columns, to: &mut Vec<u8>| {
+                    to.extend(all[row(y, columns)].as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+                };
+                (Form::Float, self.store(size, 16, push)?)
+            }
+            TexelData::Tiled(_) => return Ok(texels),
+        };
+        Ok(Texels { data: TexelData::Tiled(Tiled { form, tiles }), ..texels })
+    }
 }
 
 impl Texels {
@@ -32,9 +137,61 @@ impl Texels {
     pub fn memory_bytes(&self) -> usize {
         match &self.data {
             TexelData::Srgb8(v) | TexelData::Linear8(v) => size_of_val(&v[..]),
+            TexelData::Linear16(v) => size_of_val(&v[..]),
             TexelData::Float(v) => size_of_val(&v[..]),
+            TexelData::Tiled(tiled) => tiled.tiles.memory_bytes(),
         }
     }
+
+    /// The same texels, all in memory.
+    #[must_use]
+    pub fn resident(self) -> Self {
+        let [width, height] = [self.width, self.height].map(|n| n as usize);
+        match &self.data {
+            TexelData::Tiled(tiled) => Self { data: tiled.resident([width, height]), ..self },
+            _ => self,
+        }
+    }
+
+    /// Whether its values are floats, whose colours may be above 1.
+    #[must_use]
+    pub fn is_float(&self) -> bool {
+        match &self.data {
+            TexelData::Float(_) => true,
+            TexelData::Tiled(tiled) => tiled.is_float(),
+            TexelData::Srgb8(_) | TexelData::Linear8(_) | TexelData::Linear16(_) => false,
+        }
+    }
+
+    /// Red, green, blue and opacity of the texel at a column and a row, linear. Panics outside of the picture.
+    #[inline]
+    #[must_use]
+    pub fn texel(&self, column: usize, row: usize) -> [f32; 4] {
+        let i = row * self.width as usize + column;
+        match &self.data {
+            TexelData::Tiled(tiled) => tiled.texel(column, row),
+            TexelData::Srgb8(pixels) => from_srgb(pixels[i]),
+            TexelData::Linear8(pixels) => pixels[i].map(unit),
+            TexelData::Linear16(pixels) => pixels[i].map(unit16),
+            TexelData::Float(pixels) => pixels[i],
+        }
+    }
+}
+
+/// A byte of opacity or of other linear numbers.
+#[inline]
+fn unit(byte: u8) -> f32 {
+    f32::from(byte) / 255.0
+}
+
+#[inline]
+fn unit16(number: u16) -> f32 {
+    f32::from(number) / 65535.0
+}
+
+#[inline]
+fn from_srgb([r, g, b, a]: [u8; 4]) -> [f32; 4] {
+    [srgb::decode_u8(r), srgb::decode_u8(g), srgb::decode_u8(b), unit(a)]
 }
 
 impl From<Picture> for Texels {
@@ -47,13 +204,13 @@ impl From<Picture> for Texels {
 impl From<Texels> for Picture {
     /// The texels in linear light.
     fn from(texels: Texels) -> Self {
-        let unit = |byte: u8| f32::from(byte) / 255.0;
+        let texels = texels.resident();
         let color = match texels.data {
-            TexelData::Srgb8(pixels) => pixels
-                .iter()
-                .map(|&[r, g, b, a]| [srgb::decode_u8(r), srgb::decode_u8(g), srgb::decode_u8(b), unit(a)])
-                .collect(),
+            // Nothing stays tiled.
+            TexelData::Tiled(_) => Vec::new(),
+            TexelData::Srgb8(pixels) => pixels.into_iter().map(from_srgb).collect(),
             TexelData::Linear8(pixels) => pixels.iter().map(|pixel| pixel.map(unit)).collect(),
+            TexelData::Linear16(pixels) => pixels.iter().map(|pixel| pixel.map(unit16)).collect(),
             TexelData::Float(pixels) => pixels,
         };
         Self { width: texels.width, height: texels.height, color, ..Self::default() }

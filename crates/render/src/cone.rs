@@ -1,25 +1,103 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a pixel stands for, as a cone around its ray: how wide it is at the camera and how fast it widens.
-//! Source: [AM21] (ray cones), [Ige99] (what they stand for: differentials). Cones are round and mirrors are taken as flat:
-//! a mirrored ray goes on as wide as it came, with the same spread. Space: world; the spread is in units per unit of way.
-//! Proof: `tests`; the OpenRT binding's tests/c/mipmaps.c.
+//! What a ray stands for, as a cone around it: how wide it is where it begins and how fast it widens. From the camera it is the
+//! pixel's; where rays are scattered it goes on as wide as it came, and widens by the surface's curvature and by the lobe's width.
+//! Source: [AM21] (ray cones), [Ige99] (what they stand for: differentials). Differs: the lobe's width is read from the density of the
+//! direction that was chosen, which all lobes have: a sample stands for one over its density of solid angle. Cones are round.
+//! All widths shrink with a pixel's samples, so that these and not the cones make the picture in the end: sample n has cones
+//! 1 / sqrt(n + 1) as wide, an eighth at least, which leaves a blur of an eighth of a pixel.
+//! Space: world; spreads are in units per unit of way, widths from rim to rim.
+//! Proof: `tests`; tests/filtering.rs; the OpenRT binding's tests/c/mipmaps.c.
 
 use gnurt_accel::RayBatch;
-use gnurt_shading::{CameraSamples, CameraShader, SurfaceBatch};
+use gnurt_shading::bsdf::BsdfSample;
+use gnurt_shading::real::Real;
+use gnurt_shading::{CameraSamples, CameraShader, SampleKey, SurfaceBatch};
 
 use crate::options::RenderOptions;
 
-/// The cone of a pixel in the middle of the picture, which all pixels take for theirs.
+/// The cone of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Cone {
-    /// Distance of the origins of two pixels beside each other: 0 in perspective.
+    /// How wide it is where the ray begins.
     width: f32,
-    /// Distance of the ends of their unit directions.
+    /// How fast it widens; below zero it narrows until it has no width, then widens again.
     spread: f32,
 }
 
+/// The cones of many rays.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Cones {
+    pub(crate) width: Vec<f32>,
+    pub(crate) spread: Vec<f32>,
+}
+
+/// Least share of their full width that cones keep, squared.
+const FINEST: f32 = 1.0 / 64.0;
+/// The cone of a scattered ray has this over its density of solid angle: `PI / 4` times the square of its width at distance 1.
+const SHARE_OF_LOBE: f32 = 0.25 * 4.0 * std::f32::consts::FRAC_1_PI;
+/// No lobe makes a ray's cone wider than this at distance 1, squared.
+const WIDEST: f32 = 1.0;
+/// A mirror turns its image by twice what its normal turns.
+const MIRRORED: f32 = 2.0;
+/// Glass by about half of that, to any side.
+const REFRACTED: f32 = 0.5;
+/// Cosines to normals count as this at least, where a cone meets a bent surface.
+const LEAST_COS: f32 = 0.1;
+
+/// The square of the share of their full width that the cones of a sample have.
+pub(crate) fn fineness(key: SampleKey) -> f32 {
+    (1.0 / (key.sample as f32 + 1.0)).max(FINEST)
+}
+
+/// Where a cone meets a surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Meeting<R> {
+    pub(crate) width: R,
+    pub(crate) spread: R,
+    /// Of the surface, positive where it bulges towards the ray.
+    pub(crate) curvature: R,
+    /// Of the ray to the surface's normal.
+    pub(crate) cos: R,
+}
+
+impl<R: Real> Meeting<R> {
+    /// How fast the cone widens that goes on in a direction of this density; `fineness` is that of its sample.
+    #[inline(always)]
+    pub(crate) fn spread_after(&self, pdf: R, delta: R::Mask, transmitted: R::Mask, fineness: R) -> R {
+        let zero = self.width.all(0.0);
+        let slope = self.curvature * self.width / self.cos.or_more(zero.all(LEAST_COS));
+        let mirrored = slope * zero.all(MIRRORED);
+        let bent = self.spread + R::pick(transmitted, slope.size() * zero.all(REFRACTED), mirrored);
+        let lobe = (zero.all(SHARE_OF_LOBE) / pdf).or_less(zero.all(WIDEST)) * fineness;
+        let bent = R::pick(bent.is_number(), bent, zero);
+        R::pick(delta, bent, (bent * bent + lobe).root())
+    }
+}
+
+impl Meeting<f32> {
+    /// Of lane `i` of a batch.
+    pub(crate) fn of(points: &SurfaceBatch, i: usize) -> Self {
+        let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
+        let cos = points.ng.get(i).dot(points.ray_dir.get(i));
+        let bulge = if cos > 0.0 { -known(&points.curvature) } else { known(&points.curvature) };
+        let (width, spread) = (known(&points.footprint), known(&points.cone_spread));
+        Self { width, spread, curvature: bulge, cos: cos.abs() }
+    }
+
+    /// The cone of the ray that goes on.
+    pub(crate) fn after(&self, sample: &BsdfSample, fineness: f32) -> Cone {
+        let spread = self.spread_after(sample.pdf, sample.delta, sample.transmitted, fineness);
+        Cone { width: self.width, spread }
+    }
+
+    /// The cone of the ray that goes straight on.
+    pub(crate) fn straight(&self) -> Cone {
+        Cone { width: self.width, spread: self.spread }
+    }
+}
+
 impl Cone {
-    /// The cone of a camera's pixels; nothing if it gives no rays.
+    /// The cone of a pixel in the middle of the picture, which all pixels take for theirs; nothing if the camera gives no rays.
     pub(crate) fn of(camera: &dyn CameraShader, options: &RenderOptions) -> Self {
         let (width, height) = (options.width as f32, options.height as f32);
         let mut rays = RayBatch::default();
@@ -37,23 +115,68 @@ impl Cone {
         }
     }
 
+    /// The cone of a ray that begins without width in a direction of this density, as fine as cones get.
+    pub(crate) fn from_point(pdf: f32) -> Self {
+        let spread = Meeting::default().spread_after(pdf, false, false, FINEST);
+        Self { width: 0.0, spread: if spread.is_finite() { spread } else { 0.0 } }
+    }
+
+    /// That of a ray that begins as wide as something else and spreads as this.
+    pub(crate) fn beginning(self, width: f32) -> Self {
+        Self { width, ..self }
+    }
+
     /// How wide it is `distance` away from a camera.
     pub(crate) fn width_at(self, distance: f32) -> f32 {
         self.width + self.spread * distance
     }
 
-    /// Writes the widths at points that the rays of `lanes` met. `begin` holds how wide each ray began, if anybody knows
-    /// that; rays of depth 0 began at the camera.
-    pub(crate) fn widen(self, points: &mut SurfaceBatch, lanes: &[u32], begin: &[f32]) {
-        if points.depth > 0 && begin.is_empty() {
-            return;
-        }
-        let from =
-            |lane: u32| if points.depth == 0 { Some(self.width) } else { begin.get(lane as usize).copied() };
-        let widths =
-            lanes.iter().zip(&points.t).map(|(&lane, t)| from(lane).unwrap_or(0.0) + self.spread * t);
+    /// As fine as a sample's.
+    pub(crate) fn of_sample(self, key: SampleKey) -> Self {
+        let share = fineness(key).sqrt();
+        Self { width: self.width * share, spread: self.spread * share }
+    }
+
+    /// Writes the widths and spreads at points that the rays of `lanes` met. `cones` are those of all rays, if anybody knows
+    /// them; rays of depth 0 have the camera's, which is this.
+    pub(crate) fn widen(self, points: &mut SurfaceBatch, lanes: &[u32], cones: Option<&Cones>) {
         points.footprint.clear();
-        points.footprint.extend(widths);
+        points.cone_spread.clear();
+        for (i, &lane) in lanes.iter().enumerate() {
+            let cone = match cones {
+                Some(cones) => cones.get(lane as usize),
+                None if points.depth == 0 => self.of_sample(points.key[i]),
+                None => Self::default(),
+            };
+            let width = cone.width_at(points.t[i]);
+            // Beyond its narrowest place it widens again.
+            let spread = if width < 0.0 { -cone.spread } else { cone.spread };
+            points.footprint.push(width.abs());
+            points.cone_spread.push(spread);
+        }
+    }
+}
+
+impl Cones {
+    pub(crate) fn push(&mut self, cone: Cone) {
+        self.width.push(cone.width);
+        self.spread.push(cone.spread);
+    }
+
+    /// That of ray `i`; without width where there are fewer.
+    pub(crate) fn get(&self, i: usize) -> Cone {
+        let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
+        Cone { width: known(&self.width), spread: known(&self.spread) }
+    }
+
+    /// Writes that of ray `i`, which is there.
+    pub(crate) fn set(&mut self, i: usize, cone: Cone) {
+        (self.width[i], self.spread[i]) = (cone.width, cone.spread);
+    }
+
+    pub(crate) fn resize(&mut self, n: usize) {
+        self.width.resize(n, 0.0);
+        self.spread.resize(n, 0.0);
     }
 }
 
@@ -81,11 +204,36 @@ mod tests {
             "a picture 2 high at distance 1, by 100 rows: {}",
             cone.spread
         );
-        let mut points = SurfaceBatch { t: vec![10.0, 5.0], ..SurfaceBatch::default() };
-        cone.widen(&mut points, &[1, 0], &[]);
+        let key = |sample| SampleKey { sample, ..SampleKey::default() };
+        let mut points =
+            SurfaceBatch { t: vec![10.0, 5.0], key: vec![key(0), key(3)], ..SurfaceBatch::default() };
+        cone.widen(&mut points, &[1, 0], None);
         assert!((points.footprint[0] - 0.2).abs() < 1e-3, "at distance 10: {:?}", points.footprint);
+        assert!((points.footprint[1] - 0.05).abs() < 1e-3, "the fourth sample: half of 0.1");
         points.depth = 1;
-        cone.widen(&mut points, &[1, 0], &[1.0, 2.0]);
+        let cones = Cones { width: vec![1.0, 2.0], spread: vec![-0.4, 0.02] };
+        cone.widen(&mut points, &[1, 0], Some(&cones));
         assert!((points.footprint[0] - 2.2).abs() < 1e-3, "after a mirror: {:?}", points.footprint);
+        assert_eq!([points.footprint[1], points.cone_spread[1]], [1.0, 0.4], "beyond a focus");
+        cone.widen(&mut points, &[1, 0], None);
+        assert_eq!(points.footprint, [0.0; 2], "nobody knows");
+    }
+
+    #[test]
+    fn surfaces_widen_cones() {
+        let flat = Meeting { width: 0.1_f32, spread: 0.01, curvature: 0.0, cos: 1.0 };
+        let after = |at: &Meeting<f32>, pdf: f32, delta| at.spread_after(pdf, delta, false, 1.0);
+        assert_eq!(after(&flat, f32::INFINITY, true), 0.01, "a plane mirror");
+        // A ball of radius 2 turns its normal by 0.05 over 0.1, and its image by twice that.
+        let ball = Meeting { curvature: 0.5, ..flat };
+        assert!((after(&ball, f32::INFINITY, true) - 0.11).abs() < 1e-6, "a ball spreads");
+        let bowl = Meeting { curvature: -0.5, ..flat };
+        assert!((after(&bowl, f32::INFINITY, true) + 0.09).abs() < 1e-6, "a bowl focuses");
+        let rough = |pdf| after(&flat, pdf, false);
+        assert!(rough(1e6) < 0.011 && rough(10.0) > 0.1, "by the width of its lobe: {}", rough(10.0));
+        // A quarter of the solid angle pi that a sample of a diffuse lobe stands for, as a disc.
+        let diffuse = rough(std::f32::consts::FRAC_1_PI);
+        assert!((diffuse - 1.0).abs() < 1e-3, "diffuse: {diffuse}");
+        assert_eq!(after(&flat, 0.0, false), (1.0_f32 + 0.0001).sqrt(), "never wider");
     }
 }

@@ -6,7 +6,7 @@
 
 use std::fmt::{self, Debug, Write};
 
-use gnurt_image::TexelData;
+use gnurt_image::{TexelData, Texels};
 use gnurt_scene::Scene;
 use gnurt_simd::Level;
 
@@ -38,9 +38,16 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
     }
     for texture in scene.textures() {
         hash.debug(&(texture.wrap, texture.filter, texture.texels.width, texture.texels.height));
-        match &texture.texels.data {
+        // Texels in tiles count as those in memory.
+        let tiled = matches!(texture.texels.data, TexelData::Tiled(_));
+        let resident = tiled.then(|| Texels::clone(&texture.texels).resident());
+        match &resident.as_ref().unwrap_or(&texture.texels).data {
+            TexelData::Tiled(_) => {}
             TexelData::Srgb8(texels) | TexelData::Linear8(texels) => {
                 texels.iter().for_each(|&texel| hash.word(u64::from(u32::from_le_bytes(texel))));
+            }
+            TexelData::Linear16(texels) => {
+                texels.iter().flatten().for_each(|&number| hash.word(u64::from(number)));
             }
             TexelData::Float(texels) => hash.floats(texels.as_flattened()),
         }

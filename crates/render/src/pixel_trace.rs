@@ -71,7 +71,7 @@ pub fn trace_pixel(
     if let Some(log) = &mut tracer.log {
         log.rays(0, rays, hits);
     }
-    let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: options.ray_epsilon };
+    let camera = HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon: options.ray_epsilon };
     let mut radiance = Vec3s::default();
     integrators::radiance(options.integrator, &mut tracer, pass.as_ref(), camera, &mut radiance);
     pixels::show(&job, pass.as_ref(), &mut tracer, &batch, &mut radiance);

@@ -84,7 +84,8 @@ impl Tracer for Looking<'_, '_> {
         if let Some(log) = &mut tracer.log {
             log.rays(0, rays, hits);
         }
-        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: tracer.options.ray_epsilon };
+        let epsilon = tracer.options.ray_epsilon;
+        let camera = HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon };
         integrators::radiance(tracer.options.integrator, tracer, self.pass, camera, radiance);
     }
 

@@ -66,7 +66,8 @@ impl<'a> Sampler<'a> {
         tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
         let mut radiance = std::mem::take(&mut batch.radiance);
         let CameraBatch { rays, keys, hits, .. } = &batch;
-        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.job.options.ray_epsilon };
+        let camera =
+            HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon: self.job.options.ray_epsilon };
         integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, &mut radiance);
         pixels::show(self.job, self.pass, tracer, &batch, &mut radiance);
         for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
@@ -89,7 +90,8 @@ impl<'a> Sampler<'a> {
         tracer.costs = self.job.options.heatmap.then(|| TileCosts::new(tile.rect, self.job.options.width));
         let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
         tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
-        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.job.options.ray_epsilon };
+        let camera =
+            HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon: self.job.options.ray_epsilon };
         let mut lanes = vec![Texel::default(); keys.len()];
         if let Some(pass) = self.pass {
             many_lights::radiance_apart(tracer, pass, camera, radiance, &mut lanes);
@@ -118,7 +120,8 @@ impl<'a> Sampler<'a> {
         seen.filtered(tile, &mut radiance);
         pixels::show(self.job, self.pass, tracer, &apart.batch, &mut radiance);
         let CameraBatch { rays, keys, hits, .. } = &apart.batch;
-        let camera = HitLanes { rays, keys, hits, depth: 0, epsilon: self.job.options.ray_epsilon };
+        let camera =
+            HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon: self.job.options.ray_epsilon };
         if let Some(aovs) = &mut tile.aovs {
             aovs.add(tracer, camera, 0..keys.len(), sample, self.job.forward, &radiance);
         }

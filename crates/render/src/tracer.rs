@@ -18,7 +18,7 @@ use gnurt_shading::{
 };
 
 use crate::camera_batch::CameraBatch;
-use crate::cone::Cone;
+use crate::cone::{Cone, Cones};
 use crate::cost::TileCosts;
 use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
@@ -61,8 +61,6 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) is_interleaved: bool,
     /// What pixels stand for.
     pub(crate) cone: Cone,
-    /// How wide the rays that are shaded next began; empty if nobody knows.
-    widths: Vec<f32>,
     record: Record,
     /// What camera rays see without anything scattered, lane by lane; empty if the integrator does not tell or nobody asks.
     pub(crate) seen: Vec3s,
@@ -114,7 +112,6 @@ impl<'w> BatchTracer<'w> {
             probes: options.integrator.has_virtual_lights(),
             is_interleaved: false,
             cone: Cone::default(),
-            widths: Vec::new(),
             record,
             seen: Vec3s::default(),
             spare: Vec::new(),
@@ -200,7 +197,7 @@ impl<'w> BatchTracer<'w> {
         wanted: Wanted,
         mut with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
     ) {
-        let (world, widths) = (self.world, std::mem::take(&mut self.widths));
+        let world = self.world;
         let mut group = self.spare.pop().unwrap_or_default();
         for same in order.chunk_by(|a, b| a >> 32 == b >> 32) {
             let shader = world.shader((same[0] >> 32) as usize);
@@ -215,7 +212,7 @@ impl<'w> BatchTracer<'w> {
                 shader.attributes(),
                 points,
             );
-            self.cone.widen(points, lanes, &widths);
+            self.cone.widen(points, lanes, from.cones);
             with(self, shader, lanes, points);
         }
         self.spare.push(group);
@@ -269,6 +266,16 @@ impl<'w> BatchTracer<'w> {
         out.extend((0..request.rays.len()).map(|i| hits.get(i).map_or(f32::INFINITY, |hit| hit.t)));
     }
 
+    /// The cones of rays that a shader asks for: as wide as it says, and as a pixel's spread.
+    fn cones_of(&self, request: &RayRequest) -> Cones {
+        let mut cones = Cones::default();
+        for (i, &key) in request.key.iter().enumerate() {
+            let width = request.width.get(i).copied().unwrap_or(0.0);
+            cones.push(self.cone.of_sample(key).beginning(width));
+        }
+        cones
+    }
+
     /// What rays of a kind meet first.
     pub(crate) fn meetings_of(
         &mut self,
@@ -277,12 +284,12 @@ impl<'w> BatchTracer<'w> {
         out: &mut Vec<Option<Meeting>>,
     ) {
         self.stats.secondary_rays += request.rays.len() as u64;
-        let RayRequest { rays, key: keys, width, .. } = request;
+        let RayRequest { rays, key: keys, .. } = request;
         let hits = &self.intersect(kind, rays, keys, Coherence::Incoherent);
         out.clear();
         out.resize(rays.len(), None);
-        self.widths.clone_from(width);
-        let from = HitLanes { rays, keys, hits, depth: 1, epsilon: self.options.ray_epsilon };
+        let (cones, epsilon) = (&self.cones_of(request), self.options.ray_epsilon);
+        let from = HitLanes { rays, keys, hits, cones: Some(cones), depth: 1, epsilon };
         self.for_each_surface(from, Wanted::Sides, |tracer, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
             shader.albedo(points, &mut albedo);
@@ -333,6 +340,7 @@ impl<'w> BatchTracer<'w> {
 
     /// From surface to surface, multiplying what each lets through, until all light or all way is used up.
     fn occluded_by_layers(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
+        let no_width = Cones::default();
         let (mut rays, mut keys) = (request.rays.clone(), request.key.clone());
         // Which ray of the request each lane still serves.
         let mut serves: Vec<u32> = (0..rays.len() as u32).collect();
@@ -342,6 +350,8 @@ impl<'w> BatchTracer<'w> {
                 rays: &rays,
                 keys: &keys,
                 hits: &hits,
+                // Holes are read as they are.
+                cones: Some(&no_width),
                 depth: 0,
                 epsilon: self.options.ray_epsilon,
             };
@@ -474,14 +484,15 @@ impl Tracer for BatchTracer<'_> {
         if let Some(log) = &mut self.log {
             log.rays(depth, &request.rays, &hits);
         }
+        let cones = self.cones_of(request);
         let from = HitLanes {
             rays: &request.rays,
             keys: &request.key,
             hits: &hits,
+            cones: Some(&cones),
             depth,
             epsilon: self.options.ray_epsilon,
         };
-        self.widths.clone_from(&request.width);
         self.shade(from, radiance);
     }
 

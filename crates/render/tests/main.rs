@@ -6,11 +6,13 @@
 mod accumulation;
 mod agreement;
 mod appearance;
+mod bumps;
 mod checkpoint;
 mod commit;
 mod common;
 mod determinism;
 mod edits;
+mod filtering;
 mod glow;
 mod interleave;
 mod kept_lights;

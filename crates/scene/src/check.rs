@@ -98,7 +98,7 @@ impl Scene {
 }
 
 /// All textures that a material reads.
-fn textures(material: &Material) -> [Option<TextureRef>; 7] {
+fn textures(material: &Material) -> [Option<TextureRef>; 8] {
     let (first, second) = match &material.surface {
         Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
             (*metallic_roughness_texture, normal_texture.map(|n| n.texture))
@@ -126,7 +126,8 @@ fn textures(material: &Material) -> [Option<TextureRef>; 7] {
         _ => None,
     };
     let diffuse = material.diffuse.and_then(|d| d.texture);
-    [base, diffuse, material.emission_texture, opacity, first, second, brushed]
+    let bump = material.bump.map(|bump| bump.texture);
+    [base, diffuse, material.emission_texture, opacity, first, second, brushed, bump]
 }
 
 #[cfg(test)]

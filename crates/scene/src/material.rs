@@ -22,6 +22,8 @@ pub struct Material {
     pub emission_texture: Option<TextureRef>,
     /// Where it lets light straight through.
     pub alpha: Alpha,
+    /// Heights that turn its normals.
+    pub bump: Option<BumpMap>,
 }
 
 /// A linear colour, multiplied by a texture where there is one.
@@ -202,6 +204,16 @@ pub struct NormalMap {
     pub scale: f32,
 }
 
+/// A bump map: heights that turn normals, not the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BumpMap {
+    /// Heights, by their luminance; bytes are linear.
+    pub texture: TextureRef,
+    /// How far white lies above black, in widths of a texel: 1 makes a step from black to white within one texel a slope of 45 degrees,
+    /// however large the texture lies on the surface. Below zero: white is a hollow.
+    pub height: f32,
+}
+
 /// Where a surface is not there.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Alpha {
@@ -259,6 +271,7 @@ impl Material {
             emission: [0.0; 3],
             emission_texture: None,
             alpha: Alpha::Opaque,
+            bump: None,
         }
     }
 

@@ -19,7 +19,7 @@ fn write(path: &Path, bytes: impl AsRef<[u8]>) {
 fn confined(folder: &Path, name: &str, text: &str) -> Result<Loaded, Error> {
     let path = folder.join("in").join(name);
     write(&path, text);
-    load_with(path, &LoadOptions { confine: Some(folder.join("in")) })
+    load_with(path, &LoadOptions { confine: Some(folder.join("in")), ..LoadOptions::default() })
 }
 
 fn folder() -> tempfile::TempDir {
@@ -125,7 +125,7 @@ fn the_folder_must_be_one() {
     let scene = folder.path().join("in/t.obj");
     write(&scene, V);
     for bad in ["none", "in/t.obj"] {
-        let options = LoadOptions { confine: Some(folder.path().join(bad)) };
+        let options = LoadOptions { confine: Some(folder.path().join(bad)), ..LoadOptions::default() };
         load_with(&scene, &options).expect_err("it is no folder");
     }
     load(&scene).expect("without a folder all is well");

@@ -134,3 +134,29 @@ fn materials_name_shaders() {
     let told = loaded.warnings.count(gnurt_scene::io::Oddity::BadMaterialLine);
     assert_eq!(told, 1, "the other is told: {:?}", loaded.warnings);
 }
+
+#[test]
+fn bumps_are_heights() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let grey = gnurt_scene::texture::TexelData::Linear8(vec![[9, 9, 9, 255]; 4]);
+    let texels = gnurt_scene::texture::Texels { width: 2, height: 2, data: grey };
+    let png = gnurt_image::encode_texels(&texels, true).expect("a picture");
+    std::fs::write(folder.path().join("h.png"), png).expect("a file");
+    let obj =
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n";
+    std::fs::write(folder.path().join("s.obj"), obj).expect("a file");
+    let mtl = "newmtl a\nmap_Bump -bm 0.25 -s 2 2 1 h.png\nnewmtl b\ndisp h.png\nnewmtl c\nbump h.png\ndisp none.png\n";
+    std::fs::write(folder.path().join("m.mtl"), mtl).expect("a file");
+    let scene = gnurt_scene::io::load(folder.path().join("s.obj")).expect("a scene").scene;
+    let of = |name: &str| {
+        let material = scene.materials().iter().find(|m| m.name == name).expect("the material");
+        material.bump.expect("a bump map")
+    };
+    assert_eq!((of("a").height, of("a").texture.uv_from_mesh[0]), (0.25, 2.0), "-bm and -s");
+    assert_eq!((of("b").height, of("c").height), (1.0, 1.0), "disp is taken for bump, where there is none");
+    assert_eq!(
+        scene.texture(of("a").texture.texture).texels.texel(0, 0)[0],
+        9.0 / 255.0,
+        "not decoded as colours"
+    );
+}

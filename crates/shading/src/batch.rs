@@ -113,7 +113,7 @@ impl SampleKey {
 pub enum Detail {
     /// All of it.
     Full,
-    /// Places and normals: all but `error`, `lift`, `dp_du` and `dp_dv`, which are empty.
+    /// Places and normals: all but `error`, `lift` and `curvature`, which are empty.
     Sides,
 }
 
@@ -128,6 +128,8 @@ pub struct SurfaceBatch {
     pub ng: Vec3s,
     /// Unit shading normals, interpolated, as the mesh has them: not flipped; the geometric one where the mesh has none.
     pub ns: Vec3s,
+    /// The same as bump maps bend them; empty = nothing does.
+    pub bent: Vec3s,
     /// From the points to the curved surface that the vertex normals suggest, world units: where shadow rays start, so
     /// that facets do not shade their own mesh. Zero where the mesh is flat, or hollow on the side of the ray.
     pub lift: Vec3s,
@@ -148,6 +150,11 @@ pub struct SurfaceBatch {
     /// Widths of the rays' cones at the points, across the rays, world units: what a pixel stands for. Empty or 0 where
     /// nobody knows.
     pub footprint: Vec<f32>,
+    /// How much wider the cones grow per world unit of way, where they meet the points; as long as `footprint`. Negative: narrower.
+    pub cone_spread: Vec<f32>,
+    /// Mean curvature of the surface that the vertex normals suggest, one over world units: positive where it bulges to where the
+    /// geometric normal points. Empty or 0 where the mesh is flat.
+    pub curvature: Vec<f32>,
     /// Change of texture coordinates per world unit along the surface, the mean of all directions; empty or 0 where the
     /// mesh has none.
     pub uv_per_length: Vec<f32>,
@@ -185,8 +192,10 @@ impl SurfaceBatch {
         self.key.resize(n, SampleKey::default());
         let moving = if detail == Detail::Full { n } else { 0 };
         self.error.resize(moving, 0.0);
-        [&mut self.lift, &mut self.dp_du, &mut self.dp_dv].into_iter().for_each(|array| array.resize(moving));
-        self.footprint.clear();
+        self.lift.resize(moving);
+        self.bent.resize(0);
+        [&mut self.dp_du, &mut self.dp_dv].into_iter().for_each(|array| array.resize(n));
+        [&mut self.footprint, &mut self.cone_spread, &mut self.curvature].into_iter().for_each(Vec::clear);
         self.attributes.clear();
     }
 
@@ -210,12 +219,44 @@ impl SurfaceBatch {
         if self.front(i) { ng } else { -ng }
     }
 
-    /// Shading normal of lane `i`, turned to the side of [`facing_ng`](Self::facing_ng).
+    /// Normal of lane `i` that scatters light, as the mesh has it, or as a bump map bends that: not flipped.
+    #[inline]
+    #[must_use]
+    pub fn scattering_ns(&self, i: usize) -> Vec3 {
+        if self.bent.is_empty() { self.ns.get(i) } else { self.bent.get(i) }
+    }
+
+    /// The same, turned to the side of [`facing_ng`](Self::facing_ng).
     #[inline]
     #[must_use]
     pub fn facing_ns(&self, i: usize) -> Vec3 {
-        let ns = self.ns.get(i);
-        if ns.dot(self.facing_ng(i)) < 0.0 { -ns } else { ns }
+        let ns = self.scattering_ns(i);
+        // Bumps lean, but do not turn it over.
+        if self.ns.get(i).dot(self.facing_ng(i)) < 0.0 { -ns } else { ns }
+    }
+
+    /// Texture coordinates of lane `i`.
+    #[inline]
+    #[must_use]
+    pub fn uv(&self, i: usize) -> [f32; 2] {
+        [self.texcoord[0][i], self.texcoord[1][i]]
+    }
+
+    /// What lane `i` stands for, in texture coordinates: how they change along the two axes of the ellipse in which its ray's cone
+    /// meets the surface, from rim to rim. Source: \[AM21\] section 4. Zero where nobody knows.
+    #[must_use]
+    pub fn texture_axes(&self, i: usize) -> [[f32; 2]; 2] {
+        let width = self.footprint.get(i).copied().unwrap_or(0.0);
+        if !(width > 0.0 && width.is_finite()) || self.dp_du.is_empty() {
+            return [[0.0; 2]; 2];
+        }
+        let (dir, ng) = (self.ray_dir.get(i), self.ng.get(i));
+        let cos = dir.dot(ng);
+        // Stretched where it falls on the surface aslant.
+        let along = (dir - ng * cos).try_normalize().unwrap_or_else(|| ng.any_orthonormal_vector());
+        let own = [self.dp_du.get(i), self.dp_dv.get(i)];
+        let across = ng.cross(along);
+        [uv_step(own, along * (width / cos.abs().max(1e-4))), uv_step(own, across * width)]
     }
 
     /// Width of what lane `i` stands for, in texture coordinates, along the direction in which it is longest; 0 where
@@ -238,12 +279,13 @@ impl SurfaceBatch {
     /// What rays that leave lane `i` need to know.
     #[must_use]
     pub fn point(&self, i: usize) -> SurfacePoint {
+        let ng = self.facing_ng(i);
         SurfacePoint {
             p: self.p.get(i),
             // What was left out counts as nothing.
             error: self.error.get(i).copied().unwrap_or(0.0),
-            ng: self.facing_ng(i),
-            ns: self.facing_ns(i),
+            ng,
+            ns: if self.ns.get(i).dot(ng) < 0.0 { -self.ns.get(i) } else { self.ns.get(i) },
             lift: if self.lift.is_empty() { Vec3::ZERO } else { self.lift.get(i) },
         }
     }
@@ -281,6 +323,7 @@ impl SurfaceBatch {
             error: pick(&self.error, lanes),
             ng: vectors(&self.ng),
             ns: vectors(&self.ns),
+            bent: if self.bent.is_empty() { Vec3s::default() } else { vectors(&self.bent) },
             lift: vectors(&self.lift),
             ray_dir: vectors(&self.ray_dir),
             t: pick(&self.t, lanes),
@@ -290,6 +333,8 @@ impl SurfaceBatch {
             dp_du: vectors(&self.dp_du),
             dp_dv: vectors(&self.dp_dv),
             footprint: known(&self.footprint),
+            cone_spread: known(&self.cone_spread),
+            curvature: known(&self.curvature),
             uv_per_length: known(&self.uv_per_length),
             color: vectors(&self.color),
             alpha: pick(&self.alpha, lanes),
@@ -302,4 +347,15 @@ impl SurfaceBatch {
             attributes: self.attributes.iter().map(components).collect(),
         }
     }
+}
+
+/// How texture coordinates change along `step` within a surface whose points change by `dp_du` and `dp_dv` with them; zero where
+/// they do not.
+#[must_use]
+pub fn uv_step([dp_du, dp_dv]: [Vec3; 2], step: Vec3) -> [f32; 2] {
+    let (uu, uv, vv) = (dp_du.dot(dp_du), dp_du.dot(dp_dv), dp_dv.dot(dp_dv));
+    let area = uu * vv - uv * uv;
+    let (a, b) = (dp_du.dot(step), dp_dv.dot(step));
+    let found = [(a * vv - b * uv) / area, (b * uu - a * uv) / area];
+    if found.iter().all(|x| x.is_finite()) { found } else { [0.0; 2] }
 }

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Smaller copies of textures, so that a point that stands for many texels reads few.
-//! Source: \[Wil83\] (pyramids, interpolation between levels); OpenGL 1.4 section 3.8.8 for filters and sizes (half, rounded
-//! down). Each texel is the mean of the area that it covers, in linear light: odd sizes weigh the texels at its edges.
-//! Invariant: every level has the mean of the picture. Memory: a third of the picture as floats, made when first asked for.
-//! Proof: `tests`; the binding's tests/c/mipmaps.c.
+//! Source: \[Wil83\] (pyramids, interpolation between levels); OpenGL 1.4 section 3.8.8 (filters); \[MPFJ99\] (several probes along
+//! the longer axis of an ellipse). Memory: two thirds of a picture of bytes, one third of one of floats, made when first asked for.
+//! Proof: `tests`; the binding's tests/c/mipmaps.c; crates/render/tests/filtering.rs.
 
 use std::sync::{Arc, OnceLock};
 
-use gnurt_image::Texels;
+use gnurt_image::{Texels, Weigh};
 
-use crate::texels::{Wrap, fold, texel_of, wrap_index};
+use crate::texels::{Wrap, bilinear, nearest};
 
 /// How a texture is read where a pixel stands for more than a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,37 +24,38 @@ pub enum Minify {
         /// Between two levels, not the nearest one.
         between_levels: bool,
     },
+    /// Over the ellipse of texels that a point stands for: from two levels at up to sixteen places along its longer axis, as
+    /// wide as its shorter one.
+    Ellipse,
 }
 
 /// The smaller copies of a picture.
 #[derive(Debug)]
 pub struct MipMap {
     base: Arc<Texels>,
+    weigh: Weigh,
     /// From half the size down to one texel.
-    levels: OnceLock<Vec<Level>>,
+    levels: OnceLock<Vec<Texels>>,
 }
 
-#[derive(Debug)]
-struct Level {
-    size: [usize; 2],
-    texels: Vec<[f32; 4]>,
-}
+/// Most places along the longer axis of an ellipse; where it is longer still, it is taken to be wider.
+const MOST_PLACES: f32 = 16.0;
 
 impl MipMap {
-    /// Those of a picture; they are made when one is first asked for.
+    /// Those of a picture whose texels all count alike; they are made when one is first asked for.
     #[must_use]
     pub fn new(base: Arc<Texels>) -> Self {
-        Self { base, levels: OnceLock::new() }
+        Self::weighed(base, Weigh::Alike)
     }
 
-    fn levels(&self) -> &[Level] {
-        self.levels.get_or_init(|| {
-            let size = [self.base.width as usize, self.base.height as usize];
-            let texels = (0..size[0] * size[1]).map(|i| texel_of(&self.base, i)).collect();
-            let base = Level { size, texels };
-            let smaller = |level: &Level| (level.size != [1, 1]).then(|| level.halved());
-            std::iter::successors(smaller(&base), smaller).collect()
-        })
+    /// The same where texels may count by their opacity.
+    #[must_use]
+    pub fn weighed(base: Arc<Texels>, weigh: Weigh) -> Self {
+        Self { base, weigh, levels: OnceLock::new() }
+    }
+
+    fn levels(&self) -> &[Texels] {
+        self.levels.get_or_init(|| self.base.pyramid(self.weigh))
     }
 
     /// The value at texture coordinates that are where they should be, for a `level` above 0, the picture itself.
@@ -71,8 +71,8 @@ impl MipMap {
         let Minify::Mipmap { linear, between_levels } = minify else { return base };
         let levels = self.levels();
         let at = |number: usize| match number.checked_sub(1).map(|i| &levels[i]) {
-            Some(level) if linear => level.bilinear(uv, wrap),
-            Some(level) => level.nearest(uv, wrap),
+            Some(level) if linear => bilinear(level, uv, wrap),
+            Some(level) => nearest(level, uv, wrap),
             None => base,
         };
         let level = level.clamp(0.0, levels.len() as f32);
@@ -87,65 +87,54 @@ impl MipMap {
         let blurred = at(lower + 1);
         std::array::from_fn(|k| sharp[k] + share * (blurred[k] - sharp[k]))
     }
-}
 
-impl Level {
-    /// Half as large, at least one texel.
-    fn halved(&self) -> Self {
-        let [width, height] = self.size;
-        let [w, h] = self.size.map(|n| (n / 2).max(1));
-        let (columns, rows) = (overlaps(width, w), overlaps(height, h));
-        let mut texels = Vec::with_capacity(w * h);
-        for row in &rows {
-            for column in &columns {
-                let mut sum = [0.0_f64; 4];
-                for (&(y, wy), &(x, wx)) in row.iter().flat_map(|y| column.iter().map(move |x| (y, x))) {
-                    let texel = self.texels[y * width + x];
-                    (0..4).for_each(|k| sum[k] += wx * wy * f64::from(texel[k]));
-                }
-                texels.push(sum.map(|s| s as f32));
-            }
+    /// The mean over an ellipse around coordinates that are where they should be. `axes` are two lengths that cross in its middle,
+    /// in texels, x to the right and y upwards, from rim to rim, one the image of a line across a circle and the other that of the line
+    /// square to it. `None` where it is no wider than a texel: the picture itself is read there.
+    #[must_use]
+    pub(crate) fn over(&self, uv: [f32; 2], axes: [[f32; 2]; 2], wrap: [Wrap; 2]) -> Option<[f32; 4]> {
+        let [[ax, ay], [bx, by]] = axes;
+        // The larger root of the ellipse's matrix is the square of its longer axis.
+        let (xx, xy, yy) = (ax * ax + bx * bx, ax * ay + bx * by, ay * ay + by * by);
+        let (half, area) = (0.5 * (xx + yy), (ax * by - ay * bx).abs());
+        let long2 = half + (half * half - area * area).max(0.0).sqrt();
+        if !(long2 > 1.0 && long2.is_finite()) {
+            return None;
         }
-        Self { size: [w, h], texels }
+        let long = long2.sqrt();
+        let short = (area / long).max(long / MOST_PLACES).max(1.0).min(long);
+        // More than one place only where that is longer than wide.
+        let places = (long / short - 0.05).ceil().clamp(1.0, MOST_PLACES) as usize;
+        let level = short.log2();
+        if places == 1 {
+            return Some(self.between_levels(uv, wrap, level));
+        }
+        let along = if xx > yy { [long2 - yy, xy] } else { [xy, long2 - xx] };
+        let scale = long / along[0].hypot(along[1]).max(f32::MIN_POSITIVE);
+        let step = [along[0] * scale / self.base.width as f32, along[1] * scale / self.base.height as f32];
+        let mut sum = [0.0; 4];
+        for i in 0..places {
+            let at = (i as f32 + 0.5) / places as f32 - 0.5;
+            let found = self.between_levels([uv[0] + step[0] * at, uv[1] + step[1] * at], wrap, level);
+            (0..4).for_each(|k| sum[k] += found[k]);
+        }
+        Some(sum.map(|x| x / places as f32))
     }
 
-    fn texel(&self, place: [i64; 2], wrap: [Wrap; 2]) -> [f32; 4] {
-        let [column, row] = [0, 1].map(|k| wrap_index(place[k], self.size[k] as u32, wrap[k]));
-        self.texels[row * self.size[0] + column]
+    /// From two levels, 0 being the picture itself.
+    fn between_levels(&self, uv: [f32; 2], wrap: [Wrap; 2], level: f32) -> [f32; 4] {
+        let levels = self.levels();
+        let at =
+            |number: usize| bilinear(number.checked_sub(1).map_or(&*self.base, |i| &levels[i]), uv, wrap);
+        let level = level.clamp(0.0, levels.len() as f32);
+        let (lower, share) = (level.floor() as usize, level.fract());
+        let sharp = at(lower);
+        if share == 0.0 {
+            return sharp;
+        }
+        let blurred = at(lower + 1);
+        std::array::from_fn(|k| sharp[k] + share * (blurred[k] - sharp[k]))
     }
-
-    /// From the upper left corner, in texels.
-    fn place(&self, [u, v]: [f32; 2], wrap: [Wrap; 2]) -> [f32; 2] {
-        [fold(u, wrap[0]) * self.size[0] as f32, (1.0 - fold(v, wrap[1])) * self.size[1] as f32]
-    }
-
-    fn nearest(&self, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 4] {
-        self.texel(self.place(uv, wrap).map(|x| x.floor() as i64), wrap)
-    }
-
-    fn bilinear(&self, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 4] {
-        let [x, y] = self.place(uv, wrap).map(|x| x - 0.5);
-        let (fx, fy) = (x - x.floor(), y - y.floor());
-        let [column, row] = [x.floor() as i64, y.floor() as i64];
-        let at = |dx: i64, dy: i64| self.texel([column + dx, row + dy], wrap);
-        let [a, b, c, d] = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
-        std::array::from_fn(|k| {
-            let (upper, lower) = (a[k] + fx * (b[k] - a[k]), c[k] + fx * (d[k] - c[k]));
-            upper + fy * (lower - upper)
-        })
-    }
-}
-
-/// For each of `m` texels the `n` larger ones' parts that it covers, as numbers and shares that add up to 1.
-fn overlaps(n: usize, m: usize) -> Vec<Vec<(usize, f64)>> {
-    let size = n as f64 / m as f64;
-    let covered = |i: usize| {
-        let (from, to) = (i as f64 * size, (i + 1) as f64 * size);
-        let share = |k: usize| ((k + 1) as f64).min(to) - (k as f64).max(from);
-        let all = (from.floor() as usize..n.min(to.ceil() as usize)).map(|k| (k, share(k) / size));
-        all.filter(|&(_, share)| share > 1e-12).collect()
-    };
-    (0..m).map(covered).collect()
 }
 
 #[cfg(test)]
@@ -158,34 +147,6 @@ mod tests {
         let data =
             TexelData::Float((0..(width * height) as usize).map(|i| [grey(i), 0.0, 0.0, 1.0]).collect());
         MipMap::new(Arc::new(Texels { width, height, data }))
-    }
-
-    #[test]
-    fn every_level_has_the_mean() {
-        for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 2), (3, 3)] {
-            let grey = |i: usize| ((i * 37) % 11) as f32;
-            let pyramid = picture(width, height, grey);
-            let n = (width * height) as usize;
-            let mean = (0..n).map(grey).sum::<f32>() / n as f32;
-            for level in pyramid.levels() {
-                let sum: f32 = level.texels.iter().map(|texel| texel[0]).sum();
-                assert!(
-                    (sum / level.texels.len() as f32 - mean).abs() < 1e-4,
-                    "{width} x {height}, {:?}",
-                    level.size
-                );
-            }
-            assert_eq!(pyramid.levels().last().map(|level| level.size), Some([1, 1]), "down to one texel");
-        }
-        let three = picture(3, 1, |i| [3.0, 6.0, 12.0][i]);
-        assert_eq!(three.levels()[0].texels[0][0], 7.0, "three in one");
-        let five = picture(5, 1, |i| i as f32);
-        // 0 and 1 whole, half of 2; half of 2, 3 and 4 whole.
-        assert_eq!(
-            five.levels()[0].texels.iter().map(|t| t[0]).collect::<Vec<_>>(),
-            [0.8, 3.2],
-            "shares at edges"
-        );
     }
 
     #[test]
@@ -205,5 +166,24 @@ mod tests {
             9.0,
             "no levels asked for"
         );
+    }
+
+    #[test]
+    fn ellipses_are_read_along_their_longer_axis() {
+        // Stripes along y: each column has one value.
+        let stripes = picture(64, 64, |i| ((i % 64) / 4 % 2) as f32);
+        let over = |axes: [[f32; 2]; 2]| stripes.over([0.53, 0.5], axes, [Wrap::Repeat; 2]).map(|t| t[0]);
+        assert_eq!(over([[0.5, 0.0], [0.0, 0.9]]), None, "no wider than a texel");
+        let middle = stripes.over([34.0 / 64.0, 0.5], [[0.0, 12.0], [1.0, 0.0]], [Wrap::Repeat; 2]);
+        assert_eq!(middle.map(|t| t[0]), Some(0.0), "long along the stripes: as sharp as ever");
+        let across = over([[16.0, 0.0], [0.0, 1.0]]).expect("wide");
+        assert!((across - 0.5).abs() < 0.02, "long across them: their mean {across}");
+        // The same ellipse by another pair of lengths, and turned.
+        let [c, s] = [0.8_f32, 0.6];
+        let turned = over([[16.0 * c, -s], [16.0 * s, c]]).expect("wide");
+        assert!((turned - across).abs() < 1e-4, "whatever lines say it: {turned}");
+        let all = over([[1e6, 0.0], [0.0, 1e6]]).expect("wide");
+        assert!((all - 0.5).abs() < 1e-6, "all of it: {all}");
+        assert_eq!(over([[f32::NAN, 0.0], [0.0, 2.0]]), None, "no number");
     }
 }

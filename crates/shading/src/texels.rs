@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Single texels of a picture, and what happens at its edges.
-//! Source: references/README point 3 (decode first), glTF 2.0 section 3.8 (wrap modes). Units: linear light.
-//! Proof: the tests of `texture`.
+//! Pictures read at texture coordinates: nearest texels, means of four, and what happens at edges.
+//! Source: references/README point 3 (decode first, then bilinear; texel centres at (i + 0.5) / N; v upwards), glTF 2.0 section 3.8
+//! (wrap modes). Units: linear light. Proof: the tests of `texture`.
 
-use std::sync::LazyLock;
-
-use gnurt_image::{TexelData, Texels};
+use gnurt_image::Texels;
 
 /// What happens outside of [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -19,29 +17,37 @@ pub enum Wrap {
     Clamp,
 }
 
-/// Texel number `i`, decoded.
-pub(crate) fn texel_of(texels: &Texels, i: usize) -> [f32; 4] {
-    match &texels.data {
-        TexelData::Srgb8(texels) => {
-            let [r, g, b, a] = texels[i];
-            let decode = |x: u8| SRGB[usize::from(x)];
-            [decode(r), decode(g), decode(b), f32::from(a) / 255.0]
-        }
-        TexelData::Linear8(texels) => texels[i].map(|x| f32::from(x) / 255.0),
-        TexelData::Float(texels) => texels[i],
-    }
+/// Where coordinates lie, in texels from the upper left corner.
+#[inline]
+fn place(texels: &Texels, [u, v]: [f32; 2], wrap: [Wrap; 2]) -> [f32; 2] {
+    [fold(u, wrap[0]) * texels.width as f32, (1.0 - fold(v, wrap[1])) * texels.height as f32]
 }
 
-/// Linear value of each sRGB byte.
-static SRGB: LazyLock<[f32; 256]> = LazyLock::new(|| {
-    std::array::from_fn(|i| {
-        let x = i as f64 / 255.0;
-        (if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }) as f32
+/// The texel that the coordinates lie in.
+pub(crate) fn nearest(texels: &Texels, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 4] {
+    let [x, y] = place(texels, uv, wrap).map(|x| x as i32);
+    texels.texel(wrap_index(x, texels.width, wrap[0]), wrap_index(y, texels.height, wrap[1]))
+}
+
+/// Between the four texels whose centres are around the coordinates.
+pub(crate) fn bilinear(texels: &Texels, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 4] {
+    let [x, y] = place(texels, uv, wrap).map(|x| x - 0.5);
+    let [column, row] = [x.floor(), y.floor()];
+    let (fx, fy) = (x - column, y - row);
+    let columns = [0, 1].map(|k| wrap_index(column as i32 + k, texels.width, wrap[0]));
+    let rows = [0, 1].map(|k| wrap_index(row as i32 + k, texels.height, wrap[1]));
+    let [a, b] = columns.map(|column| texels.texel(column, rows[0]));
+    let [c, d] = columns.map(|column| texels.texel(column, rows[1]));
+    std::array::from_fn(|k| {
+        let upper = a[k] + fx * (b[k] - a[k]);
+        let lower = c[k] + fx * (d[k] - c[k]);
+        upper + fy * (lower - upper)
     })
-});
+}
 
 /// Brings a coordinate to [0, 1].
-pub(crate) fn fold(x: f32, wrap: Wrap) -> f32 {
+#[inline]
+fn fold(x: f32, wrap: Wrap) -> f32 {
     if !x.is_finite() {
         return 0.0;
     }
@@ -56,12 +62,14 @@ pub(crate) fn fold(x: f32, wrap: Wrap) -> f32 {
 }
 
 /// Brings the index of a neighbour, at most one outside, back into the picture.
-pub(crate) fn wrap_index(i: i64, n: u32, wrap: Wrap) -> usize {
-    let n = i64::from(n);
+#[inline]
+fn wrap_index(i: i32, n: u32, wrap: Wrap) -> usize {
+    let last = n as i32 - 1;
     let inside = match wrap {
-        Wrap::Repeat => i.rem_euclid(n),
+        Wrap::Repeat if i < 0 => last,
+        Wrap::Repeat if i > last => 0,
         // The texel before the first is the first again; both ends alike.
-        Wrap::Mirror | Wrap::Clamp => i.clamp(0, n - 1),
+        Wrap::Repeat | Wrap::Mirror | Wrap::Clamp => i.clamp(0, last),
     };
     inside as usize
 }

@@ -2,15 +2,16 @@
 //! Reading textures: transform, wrap, decode, interpolate.
 //! Source: references/README point 3 (decode first, then bilinear; texel centres at (i + 0.5) / N; v upwards), glTF 2.0
 //! section 3.8 (wrap modes). Units: linear light. A coordinate that is not finite reads as 0.
-//! Proof: `tests::{centres_are_exact_and_v_points_up, wraps, decodes_before_interpolating}`.
+//! Where a point stands for more than a texel, smaller copies are read (`mipmap`). Proof: `tests::{centres_are_exact_and_v_points_up, wraps, decodes_before_interpolating}`.
 
 use std::sync::Arc;
 
 use gnurt_image::Texels;
 
+use crate::batch::SurfaceBatch;
 use crate::mipmap::{Minify, MipMap};
 pub use crate::texels::Wrap;
-use crate::texels::{fold, texel_of, wrap_index};
+use crate::texels::{bilinear, nearest};
 
 /// A picture that can be asked for its value anywhere.
 #[derive(Clone, Debug)]
@@ -74,50 +75,54 @@ impl TextureSampler {
         mips.sample(uv, self.wrap, level, *minify, self.read(uv, linear))
     }
 
+    /// The mean over what a point stands for: an ellipse around `uv` whose axes are two changes of the mesh's coordinates, from
+    /// rim to rim.
+    #[must_use]
+    pub fn sample_over(&self, uv: [f32; 2], axes: [[f32; 2]; 2]) -> [f32; 4] {
+        match &self.minify {
+            None => self.sample(uv),
+            Some((Minify::Ellipse, mips)) => {
+                let [a, b, c, d, ..] = self.uv_from_mesh;
+                let [width, height] = [self.texels.width, self.texels.height].map(|n| n as f32);
+                let own = axes.map(|[u, v]| [(a * u + c * v) * width, (b * u + d * v) * height]);
+                mips.over(self.own(uv), own, self.wrap).unwrap_or_else(|| self.sample(uv))
+            }
+            Some(_) => self.sample_wide(uv, axes.map(|[u, v]| u.hypot(v)).into_iter().fold(0.0, f32::max)),
+        }
+    }
+
+    /// At lane `i` of a batch: the mean over what its ray stands for.
+    #[must_use]
+    pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> [f32; 4] {
+        let uv = hits.uv(i);
+        match &self.minify {
+            None => self.sample(uv),
+            Some((Minify::Ellipse, _)) => self.sample_over(uv, hits.texture_axes(i)),
+            Some(_) => self.sample_wide(uv, hits.texture_width(i)),
+        }
+    }
+
     /// The texture's own coordinates.
     fn own(&self, [u, v]: [f32; 2]) -> [f32; 2] {
         let [a, b, c, d, e, f] = self.uv_from_mesh;
         [a * u + c * v + e, b * u + d * v + f]
     }
 
-    fn read(&self, [u, v]: [f32; 2], linear: bool) -> [f32; 4] {
-        let size = [self.texels.width, self.texels.height];
-        // From the upper left corner, in texels.
-        let place = [fold(u, self.wrap[0]) * size[0] as f32, (1.0 - fold(v, self.wrap[1])) * size[1] as f32];
-        if linear { self.bilinear(place) } else { self.texel(place.map(|x| x.floor() as i64)) }
+    fn read(&self, uv: [f32; 2], linear: bool) -> [f32; 4] {
+        let read = if linear { bilinear } else { nearest };
+        read(&self.texels, uv, self.wrap)
     }
 
     /// Mean of all texels: what a far-away viewer sees.
     #[must_use]
     pub fn mean(&self) -> [f32; 4] {
-        let (w, h) = (i64::from(self.texels.width), i64::from(self.texels.height));
+        let [w, h] = [self.texels.width, self.texels.height].map(|n| n as usize);
         let mut sum = [0.0_f64; 4];
         for (x, y) in (0..h).flat_map(|y| (0..w).map(move |x| (x, y))) {
-            let texel = self.texel([x, y]);
+            let texel = self.texels.texel(x, y);
             (0..4).for_each(|k| sum[k] += f64::from(texel[k]));
         }
         sum.map(|s| (s / (w * h) as f64) as f32)
-    }
-
-    fn bilinear(&self, place: [f32; 2]) -> [f32; 4] {
-        let [x, y] = place.map(|x| x - 0.5);
-        let [column, row] = [x.floor(), y.floor()];
-        let (fx, fy) = (x - column, y - row);
-        let [column, row] = [column as i64, row as i64];
-        let [a, b] = [self.texel([column, row]), self.texel([column + 1, row])];
-        let [c, d] = [self.texel([column, row + 1]), self.texel([column + 1, row + 1])];
-        std::array::from_fn(|k| {
-            let upper = a[k] + fx * (b[k] - a[k]);
-            let lower = c[k] + fx * (d[k] - c[k]);
-            upper + fy * (lower - upper)
-        })
-    }
-
-    /// The decoded texel at a column and a row that may lie outside.
-    fn texel(&self, [column, row]: [i64; 2]) -> [f32; 4] {
-        let column = wrap_index(column, self.texels.width, self.wrap[0]);
-        let row = wrap_index(row, self.texels.height, self.wrap[1]);
-        texel_of(&self.texels, row * self.texels.width as usize + column)
     }
 }
 

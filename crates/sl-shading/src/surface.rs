@@ -6,6 +6,7 @@
 //! Proof: `tests/scripts.rs`.
 
 use glam::Vec3;
+use gnurt_shading::batch::uv_step;
 use gnurt_shading::bsdf::{ClosureBatch, Scattering};
 use gnurt_shading::materials::scattered_radiance;
 use gnurt_shading::sampling::Basis;
@@ -43,15 +44,6 @@ fn steps(hits: &SurfaceBatch, i: usize) -> [Vec3; 2] {
     // Grazing rays would see all the way to the horizon.
     let cos = dir.dot(ng).min(-1e-2);
     [across.tangent, across.bitangent].map(|step| (step - dir * (step.dot(ng) / cos)) * width)
-}
-
-/// How texture coordinates change along `step` within the surface.
-fn uv_step([u, v]: [Vec3; 2], step: Vec3) -> [f32; 2] {
-    let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
-    let area = uu * vv - uv * uv;
-    let (a, b) = (u.dot(step), v.dot(step));
-    let found = [(a * vv - b * uv) / area, (b * uu - a * uv) / area];
-    if found.iter().all(|x| x.is_finite()) { found } else { [0.0; 2] }
 }
 
 /// A point as shaders see it.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures that shaders read, each file once.
 //! Source: original; wrap modes are OSL's. Colours of 8-bit pictures are decoded to linear light, as everywhere in GNU RT. Where a
-//! point stands for more than a texel, smaller copies are read.
+//! point stands for more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as materials of files do.
 //! Proof: `tests/scripts/kinds.rs`.
 
 use std::collections::HashMap;
@@ -60,7 +60,7 @@ impl Textures {
             Ok(texels) => {
                 let texels = Arc::new(texels);
                 let mips = Arc::new(MipMap::new(texels.clone()));
-                let minify = Minify::Mipmap { linear: true, between_levels: true };
+                let minify = Minify::Ellipse;
                 Ok(Arc::new(TextureSampler { minify: Some((minify, mips)), ..TextureSampler::new(texels) }))
             }
             Err(error) => Err(format!("texture {error}").into()),
@@ -88,19 +88,16 @@ impl Textures {
             _ => Wrap::Clamp,
         });
         let [s, t] = at;
-        let [w, h] = [sampler.texels.width, sampler.texels.height].map(|n| n as f32);
-        // The same for pictures that are not square: the sampler counts in the mean of both sides.
-        let mean = (w * h).sqrt();
-        let step = |x: [f32; 2]| (x[0] * options.width[0] * w).hypot(x[1] * options.width[1] * h) / mean;
-        let blur = (options.blur[0] * w).max(options.blur[1] * h) / mean;
-        let width = step([s.dx, t.dx]).max(step([s.dy, t.dy])) + blur;
         let linear = &*options.interpolation != "closest";
         let uv = [s.value, 1.0 - t.value];
+        let [x, y] =
+            [[s.dx, -t.dx], [s.dy, -t.dy]].map(|[s, t]| [s * options.width[0], t * options.width[1]]);
+        let axes = blurred([x, y], options.blur);
         let as_it_is = sampler.wrap == wrap && linear;
         let texel = if as_it_is {
-            sampler.sample_wide(uv, width)
+            sampler.sample_over(uv, axes)
         } else {
-            TextureSampler { wrap, linear, ..(*sampler).clone() }.sample_wide(uv, width)
+            TextureSampler { wrap, linear, ..(*sampler).clone() }.sample_over(uv, axes)
         };
         let first = options.first_channel;
         Ok(std::array::from_fn(|k| {
@@ -108,4 +105,20 @@ impl Textures {
             usize::try_from(k).ok().and_then(|k| texel.get(k).copied()).unwrap_or(options.fill)
         }))
     }
+}
+
+/// The axes of an ellipse that is wider by `blur` along s and t: squares of widths add up.
+fn blurred([x, y]: [[f32; 2]; 2], blur: [f32; 2]) -> [[f32; 2]; 2] {
+    if blur == [0.0; 2] {
+        return [x, y];
+    }
+    let (ss, st, tt) = (
+        x[0] * x[0] + y[0] * y[0] + blur[0] * blur[0],
+        x[0] * x[1] + y[0] * y[1],
+        x[1] * x[1] + y[1] * y[1] + blur[1] * blur[1],
+    );
+    // A triangular root of that matrix is as good a pair of axes as any.
+    let first = ss.sqrt();
+    let shear = if first > 0.0 { st / first } else { 0.0 };
+    [[first, shear], [0.0, (tt - shear * shear).max(0.0).sqrt()]]
 }

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that say which files a scene may read. Source: original. Proof: `tests/program/confine.rs`.
+//! Options that say which files a scene may read, and where their textures are kept. Source: original.
+//! Proof: `tests/program/{confine,textures}.rs`.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use gnurt::LoadOptions;
+use gnurt::image::TileCache;
 
-/// `--confine`.
+use crate::failure::Failure;
+
+/// `--confine` and `--texture-memory`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FileArguments {
     /// Let the scene name files below this folder only (libraries, textures, buffers; links are followed)
@@ -18,11 +22,23 @@ pub(crate) struct FileArguments {
         allow_hyphen_values = true
     )]
     confine: Option<PathBuf>,
+
+    /// Keep textures of files in a temporary file, and no more of them in memory at a time than this [default: all in memory]
+    #[arg(
+        long,
+        help_heading = "Time and machine",
+        hide_short_help = true,
+        value_name = "MIB",
+        value_parser = clap::value_parser!(u64).range(1..=1 << 24)
+    )]
+    texture_memory: Option<u64>,
 }
 
 impl FileArguments {
     /// What a scene may do.
-    pub(crate) fn options(&self) -> LoadOptions {
-        LoadOptions { confine: self.confine.clone() }
+    pub(crate) fn options(&self) -> Result<LoadOptions, Failure> {
+        let failed = |error| Failure::data(format_args!("--texture-memory: {error}"));
+        let tiles = self.texture_memory.map(|mib| TileCache::new(mib << 20)).transpose().map_err(failed)?;
+        Ok(LoadOptions { confine: self.confine.clone(), tiles })
     }
 }

@@ -27,11 +27,15 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
     signals::listen(if is_sequence { FirstSignal::Stops } else { FirstSignal::Saves }, messages)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let options = options(arguments, &plan, level);
-    if arguments.moments.is_given() {
-        return moments::run(arguments, plan, &options, &pool, messages);
-    }
-    let ready = prepare(arguments, &plan, &options, &pool, messages)?;
-    make(arguments, begin, &plan, &ready, &options, &pool, messages)
+    let source = plan.source.clone();
+    let outcome = if arguments.moments.is_given() {
+        moments::run(arguments, plan, &options, &pool, messages)
+    } else {
+        let ready = prepare(arguments, &plan, &options, &pool, messages)?;
+        make(arguments, begin, &plan, &ready, &options, &pool, messages)
+    };
+    source.tell_lost(messages);
+    outcome
 }
 
 /// Reads the scene and builds what rays need.

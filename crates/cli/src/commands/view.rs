@@ -51,7 +51,9 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     output.iter().try_for_each(Output::check)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     if windowless {
-        return run_windowless(arguments, &source, output.as_ref(), &pool, level, messages);
+        let outcome = run_windowless(arguments, &source, output.as_ref(), &pool, level, messages);
+        source.tell_lost(messages);
+        return outcome;
     }
     signals::listen(FirstSignal::Leaves, messages)?;
     let (stage, chosen) = prepare(&source, arguments, level, &pool, messages)?;

@@ -33,6 +33,7 @@ mod scripts;
 mod shaders;
 mod statistics;
 mod surroundings;
+mod textures;
 mod viewing;
 #[cfg(target_os = "linux")]
 mod window;

@@ -70,18 +70,24 @@ fn encode_with(
 /// # Errors
 /// [`Error::Shape`] if the number of values is not that of its columns and rows.
 pub fn encode_texels(texels: &Texels, measures: bool) -> Result<Vec<u8>, Error> {
+    if let TexelData::Tiled(_) = texels.data {
+        return encode_texels(&texels.clone().resident(), measures);
+    }
     let size = [texels.width, texels.height];
     let meaning = if measures { None } else { Some(png::SrgbRenderingIntent::RelativeColorimetric) };
     let (depth, bytes): (_, Vec<u8>) = match &texels.data {
         TexelData::Srgb8(pixels) | TexelData::Linear8(pixels) => {
             (png::BitDepth::Eight, pixels.iter().flatten().copied().collect())
         }
-        TexelData::Float(pixels) => {
+        TexelData::Linear16(_) | TexelData::Float(_) | TexelData::Tiled(_) => {
             // `clamp` keeps a NaN; `as` makes it 0.
             let wide = |x: f32| ((x.clamp(0.0, 1.0) * 65535.0 + 0.5) as u16).to_be_bytes();
             let color = |x: f32| wide(if measures { x } else { srgb::encode(x.clamp(0.0, 1.0)) });
-            let texel = |&[r, g, b, a]: &[f32; 4]| [color(r), color(g), color(b), wide(a)];
-            (png::BitDepth::Sixteen, pixels.iter().flat_map(texel).flatten().collect())
+            let texel = |[r, g, b, a]: [f32; 4]| [color(r), color(g), color(b), wide(a)];
+            let [width, height] = size.map(|n| n as usize);
+            let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let all = places.map(|(x, y)| texels.texel(x, y));
+            (png::BitDepth::Sixteen, all.flat_map(texel).flatten().collect())
         }
     };
     encode_with(size, png::ColorType::Rgba, depth, png::Compression::default(), meaning, &bytes)

@@ -41,15 +41,22 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
             break;
         }
         // Lent out while the step is taken.
-        let (rays, keys) = wavefront.paths.lend();
+        let (rays, keys, cones) = wavefront.paths.lend();
         tracer.stats.secondary_rays += rays.len() as u64;
         tracer.intersect_into(RayMask::OTHER, &rays, &keys, Coherence::Incoherent, &mut hits);
         if let Some(log) = &mut tracer.log {
             log.rays(round, &rays, &hits);
         }
-        let from = HitLanes { rays: &rays, keys: &keys, hits: &hits, depth: round, epsilon: camera.epsilon };
+        let from = HitLanes {
+            rays: &rays,
+            keys: &keys,
+            hits: &hits,
+            cones: Some(&cones),
+            depth: round,
+            epsilon: camera.epsilon,
+        };
         step(tracer, from, &mut wavefront, radiance);
-        wavefront.paths.take_back(rays, keys);
+        wavefront.paths.take_back((rays, keys, cones));
     }
     wavefront.hits = hits;
     tracer.wavefront = wavefront;

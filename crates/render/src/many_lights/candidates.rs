@@ -20,6 +20,7 @@ use super::lanes::{BLOCK, END};
 use super::light_path::{self, LightVertex, Numbers};
 use super::pilots::{Pilots, Scratch, Seen};
 use super::vpl::{self, Vpl, is_open};
+use crate::cone::Cone;
 use crate::tracer::BatchTracer;
 use crate::transport::Vertex;
 use crate::transport::mis::{balance_heuristic, over_both};
@@ -203,8 +204,9 @@ fn ends(
         let k = ((which * pilots.points.len() as f32) as usize).min(pilots.points.len() - 1);
         let eye = &pilots.points[k];
         let [u, v] = numbers(path, EYE_EDGE, pair::DIRECTION);
-        if let Some((ray, _)) = eye.scatter([lobe, u, v]).filter(|(_, sample)| !sample.delta) {
-            walks.push(ray, SampleKey { pixel: path, sample: 0, branch: 0xeee }, (path, k));
+        if let Some((ray, sample)) = eye.scatter([lobe, u, v]).filter(|(_, sample)| !sample.delta) {
+            let cone = Cone::from_point(sample.pdf);
+            walks.push((ray, cone), SampleKey { pixel: path, sample: 0, branch: 0xeee }, (path, k));
         }
     }
     let met = walks.meet(tracer, 1);

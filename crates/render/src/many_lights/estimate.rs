@@ -12,7 +12,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 use gnurt_accel::{INVALID_ID, RayBatch};
-use gnurt_shading::bsdf::left_after;
+use gnurt_shading::bsdf::{BsdfSample, left_after};
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
 use gnurt_shading::{RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
 
@@ -25,6 +25,7 @@ use super::lanes::{BLOCK, END, Source};
 use super::pass::PassLights;
 use super::promise::Promises;
 use super::vpl::{self, pdf_of_other_end};
+use crate::cone::{Cone, Meeting, fineness};
 use crate::tracer::BatchTracer;
 use crate::transport::mis::balance_heuristic;
 use crate::transport::walks::Walks;
@@ -98,6 +99,8 @@ struct Stop {
     /// What was met, and how far the last edge was.
     instance: u32,
     distance: f32,
+    /// How the ray's cone met it.
+    cone: Meeting<f32>,
 }
 
 impl Stop {
@@ -164,7 +167,7 @@ fn all_radiance(
         siblings: 1.0,
     };
     let carried = camera.keys.iter().enumerate().map(walk).collect();
-    let walks = Walks { rays: camera.rays.clone(), keys: camera.keys.to_vec(), carried };
+    let walks = Walks { rays: camera.rays.clone(), keys: camera.keys.to_vec(), cones: None, carried };
     // What the eye sees of shaders that only know `shade` is what they show.
     let probes = std::mem::replace(&mut tracer.probes, false);
     let vertices = tracer.stopped(camera);
@@ -286,7 +289,8 @@ fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option
     for is_seen in [true, false] {
         let mut some = Walks::default();
         for (i, walk) in walks.carried.iter().enumerate().filter(|(_, walk)| walk.is_seen == is_seen) {
-            some.push(walks.rays.get(i), walk.key, i);
+            let cone = walks.cones.as_ref().map_or_else(Cone::default, |cones| cones.get(i));
+            some.push((walks.rays.get(i), cone), walk.key, i);
         }
         let probes = std::mem::replace(&mut tracer.probes, !is_seen);
         let found = some.meet(tracer, depth);
@@ -328,8 +332,10 @@ pub(super) fn rest_at(
         let Some(ray) = point.scatter_ray(dir, false, f32::INFINITY).filter(|_| cos > 0.0) else { continue };
         let pdf = cos * FRAC_1_PI;
         let last = Last { point, pdf, side: point.ns, light_samples: 1.0, bound: pass.bound };
+        let sample = BsdfSample { wi: dir, weight: Vec3::ONE, pdf, delta: false, transmitted: false };
+        let cone = Meeting::of(points, i).after(&sample, fineness(key));
         walks.push(
-            ray,
+            (ray, cone),
             key,
             Walk {
                 lane: i as u32,
@@ -405,8 +411,8 @@ fn arrive(
             continue;
         }
         let eye = EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane);
-        let Vertex { lamp_gain, ids: [instance, ..], t: distance, .. } = *vertex;
-        let stop = Stop { walk: *walk, eye, lamp_gain, instance, distance };
+        let Vertex { lamp_gain, ids: [instance, ..], t: distance, cone, .. } = *vertex;
+        let stop = Stop { walk: *walk, eye, lamp_gain, instance, distance, cone };
         if !stop.is_spent() {
             stops.push(stop);
         }
@@ -567,8 +573,8 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> Walks<Wal
     for stop in stops {
         let count = stop.rays(pass);
         for n in 0..count {
-            if let Some((ray, walk)) = scattered(tracer.options.seed, pass, stop, (n, count)) {
-                walks.push(ray, walk.key, walk);
+            if let Some((from, walk)) = scattered(tracer.options.seed, pass, stop, (n, count)) {
+                walks.push(from, walk.key, walk);
             }
         }
     }
@@ -581,7 +587,7 @@ fn scattered(
     pass: &PassLights,
     stop: &Stop,
     (n, count): (u32, u32),
-) -> Option<(gnurt_accel::Ray, Walk)> {
+) -> Option<((gnurt_accel::Ray, Cone), Walk)> {
     let Stop { walk, eye, .. } = stop;
     let key = SampleKey { sample: walk.key.sample.wrapping_mul(count).wrapping_add(n), ..walk.key };
     let [u, v] = sample_pair(seed, key, walk.edges, purpose::DIRECTION);
@@ -620,5 +626,5 @@ fn scattered(
         siblings: walk.siblings * count as f32,
         ..*walk
     };
-    Some((ray, next))
+    Some(((ray, stop.cone.after(&sample, fineness(walk.key))), next))
 }

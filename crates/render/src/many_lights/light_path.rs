@@ -13,6 +13,7 @@ use gnurt_shading::{SampleKey, Vec3s};
 
 use super::shader_lamps::{self, Source, Start};
 use super::vpl::{Vpl, is_open};
+use crate::cone::{Cone, fineness};
 use crate::tracer::BatchTracer;
 use crate::transport::walks::{Walks, scatter_light};
 use crate::transport::{Vertex, roulette};
@@ -154,7 +155,7 @@ pub(crate) fn trace(
             Ok(start) => {
                 let ray = Ray::new(start.org.into(), start.dir.into());
                 walks.push(
-                    ray,
+                    (ray, Cone::default()),
                     key(path),
                     Walk {
                         path,
@@ -179,8 +180,9 @@ pub(crate) fn trace(
         else {
             continue;
         };
+        let pdf = if ray.is_surface { ray.pdf_dir } else { f32::INFINITY };
         walks.push(
-            ray.point.spawn(ray.dir, f32::INFINITY),
+            (ray.point.spawn(ray.dir, f32::INFINITY), Cone::from_point(pdf)),
             key(path),
             Walk {
                 path,
@@ -246,8 +248,10 @@ pub(crate) fn trace(
             if power == Vec3::ZERO || !power.is_finite() {
                 continue;
             }
+            // Light paths are few: they are as fine as cones get.
+            let fine = fineness(SampleKey { sample: u32::MAX, ..SampleKey::default() });
             next.push(
-                ray,
+                (ray, vertex.cone.after(&sample, fine)),
                 key(walk.path).fork(walk.edges),
                 Walk {
                     path: walk.path,

@@ -21,6 +21,7 @@ use super::eye::EyePoint;
 use super::lanes::{BLOCK, Block, Densities, END, Light, Source};
 use super::neighbours;
 use super::vpl::{self, Vpl};
+use crate::cone::{Cone, Cones};
 use crate::job::Job;
 use crate::tracer::BatchTracer;
 use crate::transport::walks::Walks;
@@ -93,7 +94,8 @@ impl Pilots {
         job.camera.rays(&samples, options.width as f32 / options.height as f32, &mut rays);
         // Each carries what light at its end is multiplied with.
         let carried = vec![Vec3::ONE; rays.len()];
-        let mut walks = Walks { keys: keys[..rays.len()].to_vec(), rays, carried };
+        let mut walks =
+            Walks { keys: keys[..rays.len()].to_vec(), rays, cones: Some(Cones::default()), carried };
         let mut points = Vec::new();
         for edges in 1..=MOST_MIRRORS {
             let found = walks.meet(tracer, edges);
@@ -110,7 +112,7 @@ impl Pilots {
                 let [u, v] = sample_pair(options.seed_of_lights(), key, edges, PURPOSE + 1);
                 let [lobe, _] = sample_pair(options.seed_of_lights(), key, edges, PURPOSE + 2);
                 if let Some((ray, sample)) = eye.scatter([lobe, u, v]) {
-                    next.push(ray, key, throughput * sample.weight);
+                    next.push((ray, Cone::default()), key, throughput * sample.weight);
                 }
             }
             walks = next;
@@ -266,7 +268,7 @@ fn ends_of_rays(
         let [u, v] = sample_pair(job.options.seed_of_lights(), key, 0, PURPOSE + 3);
         let [lobe, _] = sample_pair(job.options.seed_of_lights(), key, 0, PURPOSE + 4);
         if let Some((ray, sample)) = eye.scatter([lobe, u, v]) {
-            walks.push(ray, key, (eye, sample));
+            walks.push((ray, Cone::from_point(sample.pdf)), key, (eye, sample));
         }
     }
     let found = walks.meet(tracer, MOST_MIRRORS + 1);

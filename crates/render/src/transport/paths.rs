@@ -12,6 +12,8 @@ use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::{RayRequest, Rays, SampleKey, Vec3s};
 
+use crate::cone::{Cone, Cones};
+
 /// A path that goes on.
 pub(crate) struct Path {
     /// Whose radiance it brings.
@@ -60,6 +62,7 @@ pub(crate) struct Paths {
     has_media: bool,
     /// The next ray of each.
     rays: RayBatch,
+    cones: Cones,
 }
 
 /// Paths that go on from as many points as are looked at at once.
@@ -72,6 +75,8 @@ pub(crate) struct Scattered<R> {
     pub(crate) pdf: R,
     /// What is absorbed along the rays where they were scattered; meant if paths have media.
     pub(crate) absorption: Vector<R>,
+    /// The rays' cones: how wide they begin, how fast they widen.
+    pub(crate) cone: [R; 2],
 }
 
 /// Which paths some points belong to.
@@ -140,14 +145,15 @@ impl Paths {
         self.throughput.set(i, self.throughput.get(i) * left);
     }
 
-    /// Lends out rays and keys, so that they can be read while a step is taken.
-    pub(crate) fn lend(&mut self) -> (RayBatch, Vec<SampleKey>) {
-        (std::mem::take(&mut self.rays), std::mem::take(&mut self.keys))
+    /// Lends out rays, keys and cones, so that they can be read while a step is taken.
+    pub(crate) fn lend(&mut self) -> (RayBatch, Vec<SampleKey>, Cones) {
+        let Self { rays, keys, cones, .. } = self;
+        (std::mem::take(rays), std::mem::take(keys), std::mem::take(cones))
     }
 
     /// Takes their memory back.
-    pub(crate) fn take_back(&mut self, rays: RayBatch, keys: Vec<SampleKey>) {
-        (self.rays, self.keys) = (rays, keys);
+    pub(crate) fn take_back(&mut self, (rays, keys, cones): (RayBatch, Vec<SampleKey>, Cones)) {
+        (self.rays, self.keys, self.cones) = (rays, keys, cones);
     }
 
     /// Forgets all paths.
@@ -179,6 +185,7 @@ impl Paths {
         if self.has_media {
             self.absorption.resize(n);
         }
+        self.cones.resize(n);
         self.rays.org.iter_mut().chain(&mut self.rays.dir).for_each(|array| array.resize(n, 0.0));
     }
 
@@ -201,6 +208,8 @@ impl Paths {
             let Vec3s { x, y, z } = &mut self.absorption;
             next.absorption.squeeze(alive, [x, y, z], at);
         }
+        next.cone[0].squeeze(alive, &mut self.cones.width, at);
+        next.cone[1].squeeze(alive, &mut self.cones.spread, at);
         for i in LanesOf(R::bits(alive)) {
             let number = of.numbers[i] as usize;
             self.lane[self.count] = of.paths.lane[number];
@@ -212,7 +221,7 @@ impl Paths {
     }
 
     /// Appends one; there must be room.
-    pub(crate) fn push(&mut self, path: Path, ray: Ray) {
+    pub(crate) fn push(&mut self, path: Path, (ray, cone): (Ray, Cone)) {
         let at = self.count;
         self.count += 1;
         (self.lane[at], self.edges[at], self.layers[at]) = (path.lane, path.edges, path.layers);
@@ -225,6 +234,7 @@ impl Paths {
         }
         self.from_ns.set(at, from.ns);
         self.from_pdf[at] = from.pdf;
+        self.cones.set(at, cone);
         for k in 0..3 {
             (self.rays.org[k][at], self.rays.dir[k][at]) = (ray.org[k], ray.dir[k]);
         }

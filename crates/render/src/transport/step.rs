@@ -17,6 +17,7 @@ use super::mis::{power_heuristic, weigh};
 use super::paths::{NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::Width;
 use super::{add, holes, roulette};
+use crate::cone::{Meeting, fineness};
 use crate::options::RenderOptions;
 use crate::world::{HitLanes, World};
 
@@ -67,7 +68,8 @@ impl Met<'_> {
         path.layers += 1;
         path.key = holes::key_beyond(path.key);
         if path.layers <= holes::MOST_LAYERS {
-            onward.next.push(path, self.points.spawn(k, self.points.ray_dir.get(k), f32::INFINITY));
+            let ray = self.points.spawn(k, self.points.ray_dir.get(k), f32::INFINITY);
+            onward.next.push(path, (ray, Meeting::of(self.points, k).straight()));
         }
         true
     }
@@ -232,7 +234,21 @@ fn scatter<W: Width>(
     let [x, y] = W::pair(draws, purpose::DIRECTION);
     let [choice, survival] = W::pair(draws, purpose::CHOICE);
     let chosen = seen.sample([choice, x, y]);
-    go_on((met, first), (of, there), &at, &seen, (chosen, throughput), (survival, edges), onward);
+    let cone = meeting(zero, points, first, wo);
+    let fineness = zero.each(
+        #[inline(always)]
+        |i| points.key.get(first + i).map_or(1.0, |&key| fineness(key)),
+    );
+    let spread = cone.spread_after(chosen.pdf, chosen.delta, chosen.transmitted, fineness);
+    go_on(
+        (met, first),
+        (of, there),
+        &at,
+        &seen,
+        (chosen, throughput),
+        (survival, edges, [cone.width, spread]),
+        onward,
+    );
 }
 
 /// Sends on the paths that are there, in the directions that were chosen.
@@ -243,7 +259,7 @@ fn go_on<R: Real>(
     at: &Leaving<R>,
     seen: &Seen<R>,
     (chosen, throughput): (Sampled<R>, Vector<R>),
-    (survival, edges): (R, &[u32; LANES]),
+    (survival, edges, cone): (R, &[u32; LANES], [R; 2]),
     onward: &mut Onward,
 ) {
     let (zero, one) = (at.error.all(0.0), at.error.all(1.0));
@@ -266,7 +282,8 @@ fn go_on<R: Real>(
     let pdf = R::pick(chosen.delta, one.all(NOWHERE), pdf);
     let ns = Vector::pick(seen.is_translucent(), Vector::grey(zero), at.ns);
     let absorption = met.absorption(first, alive, chosen.transmitted, zero);
-    onward.next.push_all(alive & sends, of, &Scattered { ray, throughput, p: at.p, ns, pdf, absorption });
+    let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone };
+    onward.next.push_all(alive & sends, of, &next);
 }
 
 #[inline(always)]
@@ -277,6 +294,21 @@ fn number_of(of: Of, i: usize) -> Option<usize> {
 #[inline(always)]
 fn vectors<R: Real>(like: R, v: &Vec3s, first: usize) -> Vector<R> {
     Vector::load(like, [&v.x, &v.y, &v.z], first)
+}
+
+/// How the cones of rays from `-wo` meet the points from `first` on.
+#[inline(always)]
+fn meeting<R: Real>(like: R, points: &SurfaceBatch, first: usize, wo: Vector<R>) -> Meeting<R> {
+    let zero = like.all(0.0);
+    let cos = vectors(like, &points.ng, first).dot(wo);
+    let known = |values: &[f32]| if values.is_empty() { zero } else { like.load(values, first) };
+    let curvature = known(&points.curvature);
+    Meeting {
+        width: known(&points.footprint),
+        spread: known(&points.cone_spread),
+        curvature: R::pick(zero.above(cos), -curvature, curvature),
+        cos: cos.size(),
+    }
 }
 
 /// What rays that leave the points from `first` on need to know; see [`SurfaceBatch::point`].

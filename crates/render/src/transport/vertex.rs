@@ -8,6 +8,7 @@ use gnurt_shading::bsdf::{ClosureBatch, Scattering};
 use gnurt_shading::{SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
 
 use super::finals;
+use crate::cone::Meeting;
 use crate::tracer::{BatchTracer, Wanted};
 use crate::world::HitLanes;
 
@@ -37,6 +38,8 @@ pub(crate) struct Vertex {
     pub(crate) lamp_gain: f32,
     /// How far the ray came.
     pub(crate) t: f32,
+    /// How its cone met the surface.
+    pub(crate) cone: Meeting<f32>,
     /// What was hit: leaf, mesh, triangle.
     pub(crate) ids: [u32; 3],
 }
@@ -106,6 +109,7 @@ impl BatchTracer<'_> {
                 is_final,
                 lamp_gain,
                 t: points.t[k],
+                cone: Meeting::of(points, k),
                 ids: [points.leaf_id[k], points.geom_id[k], points.prim_id[k]],
             };
             with(lane as usize, vertex);

@@ -15,6 +15,7 @@ use gnurt_shading::{SampleKey, SurfacePoint};
 
 use super::Vertex;
 use super::holes::{self, MOST_LAYERS};
+use crate::cone::{Cone, Cones};
 use crate::tracer::BatchTracer;
 use crate::world::HitLanes;
 
@@ -23,18 +24,26 @@ use crate::world::HitLanes;
 pub(crate) struct Walks<W> {
     pub(crate) rays: RayBatch,
     pub(crate) keys: Vec<SampleKey>,
+    /// `None` = those of camera rays.
+    pub(crate) cones: Option<Cones>,
     pub(crate) carried: Vec<W>,
 }
 
 impl<W> Default for Walks<W> {
     fn default() -> Self {
-        Self { rays: RayBatch::default(), keys: Vec::new(), carried: Vec::new() }
+        Self {
+            rays: RayBatch::default(),
+            keys: Vec::new(),
+            cones: Some(Cones::default()),
+            carried: Vec::new(),
+        }
     }
 }
 
 impl<W> Walks<W> {
     /// Appends one.
-    pub(crate) fn push(&mut self, ray: Ray, key: SampleKey, carried: W) {
+    pub(crate) fn push(&mut self, (ray, cone): (Ray, Cone), key: SampleKey, carried: W) {
+        self.cones.get_or_insert_default().push(cone);
         self.rays.push(ray);
         self.keys.push(key);
         self.carried.push(carried);
@@ -52,7 +61,8 @@ impl<W> Walks<W> {
         tracer.stats.secondary_rays += self.rays.len() as u64;
         let hits = tracer.intersect(RayMask::OTHER, &self.rays, &self.keys, Coherence::Incoherent);
         let epsilon = tracer.options.ray_epsilon;
-        let from = HitLanes { rays: &self.rays, keys: &self.keys, hits: &hits, depth, epsilon };
+        let (rays, keys, cones) = (&self.rays, &self.keys, self.cones.as_ref());
+        let from = HitLanes { rays, keys, hits: &hits, cones, depth, epsilon };
         tracer.stopped(from)
     }
 }
@@ -73,7 +83,7 @@ impl BatchTracer<'_> {
                 }
                 if layer < MOST_LAYERS {
                     let straight = vertex.point.spawn(-vertex.wo, f32::INFINITY);
-                    beyond.push(straight, holes::key_beyond(key), lane);
+                    beyond.push((straight, vertex.cone.straight()), holes::key_beyond(key), lane);
                 } else {
                     vertex.darken();
                 }
@@ -81,10 +91,11 @@ impl BatchTracer<'_> {
             if beyond.is_empty() {
                 return vertices;
             }
-            let Walks { rays, keys, carried } = &beyond;
+            let Walks { rays, keys, cones, carried } = &beyond;
             self.stats.secondary_rays += rays.len() as u64;
             let hits = self.intersect(RayMask::OTHER, rays, keys, Coherence::Incoherent);
-            let found = self.vertices(HitLanes { rays, keys, hits: &hits, depth, epsilon: from.epsilon });
+            let (cones, epsilon) = (cones.as_ref(), from.epsilon);
+            let found = self.vertices(HitLanes { rays, keys, hits: &hits, cones, depth, epsilon });
             carried.iter().zip(found).for_each(|(&lane, found)| vertices[lane] = found);
             asked = beyond.carried.into_iter().zip(beyond.keys).collect();
         }

@@ -105,7 +105,7 @@ impl Glow {
                 keys.push(SampleKey::default());
             }
             // As rays do that some surface has scattered.
-            let from = HitLanes { rays, keys, hits, depth: 1, epsilon: 0.0 };
+            let from = HitLanes { rays, keys, hits, cones: None, depth: 1, epsilon: 0.0 };
             let lanes: [u32; LANES] = std::array::from_fn(|i| i as u32);
             let shutter = self.time.map(Shutter::All);
             let (instances, leaves) = (&self.instances, Leaves::Listed(&leaves));

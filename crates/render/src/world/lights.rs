@@ -16,8 +16,8 @@ use gnurt_shading::lights::{EnvironmentLight, LightSet};
 use gnurt_shading::{EnvironmentShader, LightShader};
 
 use super::lamps::Lamps;
-use super::materials::sampler;
 use super::table::ShaderTable;
+use super::textures::sharp;
 use crate::many_lights::ShaderLamps;
 
 /// Tells what shines from all else that ever shone.
@@ -270,7 +270,7 @@ fn environment(
     let [x, y, z, _] = world_from_light.to_f32();
     let unit = |v: [f32; 3]| Vec3::from(v).normalize_or_zero();
     let rotation = Mat3::from_cols(unit(x), unit(y), unit(z));
-    let sampler = sampler(scene, &TextureRef::new(texture));
+    let sampler = sharp(scene, &TextureRef::new(texture));
     let picture = match before {
         Some(same @ EnvironmentLight::Picture(picture)) if picture.shows(&sampler) => {
             if picture.shines_as(radiance, rotation) {

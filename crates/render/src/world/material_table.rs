@@ -12,6 +12,7 @@ use gnurt_shading::lights::Emitter;
 
 use super::materials;
 use super::table::ShaderTable;
+use super::textures::{Reading, Textures};
 
 /// A material as rays meet it.
 #[derive(Clone)]
@@ -39,6 +40,7 @@ pub(crate) struct MaterialTable {
     holey: usize,
     /// How many absorb light on one of their sides.
     filled: usize,
+    textures: Textures,
 }
 
 /// What an update has done.
@@ -104,7 +106,7 @@ impl MaterialTable {
         for &id in due {
             let place = self.entries.edit(id as usize);
             let before = place.take();
-            let now = entry(scene, id, shaders, force_diffuse, before.as_ref());
+            let now = entry((scene, &self.textures), id, shaders, force_diffuse, before.as_ref());
             let emitter = |entry: &MaterialEntry| entry.emitter.as_ref().map(Arc::as_ptr);
             changed.emission |= before.as_ref().and_then(emitter) != emitter(&now);
             let count = |what: fn(&MaterialEntry) -> bool, total: usize| {
@@ -124,6 +126,7 @@ impl MaterialTable {
             }
             *place = Some(now);
         }
+        self.textures.tidy();
         changed
     }
 }
@@ -137,15 +140,17 @@ fn number_of(scene: &Scene, material: u32) -> Option<u32> {
 }
 
 fn entry(
-    scene: &Scene,
+    (scene, textures): (&Scene, &Textures),
     id: u32,
     shaders: &ShaderTable,
     force_diffuse: bool,
     before: Option<&MaterialEntry>,
 ) -> MaterialEntry {
     let material = &scene.materials()[id as usize];
-    let emission = materials::emission(scene, material);
-    let coverage = if force_diffuse { None } else { materials::coverage(scene, &material.alpha) };
+    let holes = if force_diffuse { None } else { materials::holes(&material.alpha) };
+    let from = Reading { scene, textures, holes };
+    let emission = materials::emission(from, material);
+    let coverage = if force_diffuse { None } else { materials::coverage(from, &material.alpha) };
     // Forced or not: who swaps it asks for the surface to be looked at again.
     let from_table = number_of(scene, id).map(|number| shaders.surfaces[number as usize].clone());
     // What surfaces show by their own rays and loops over lights is no light.
@@ -156,7 +161,7 @@ fn entry(
         same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.clone())))
     });
     let is_asked = asked.is_some();
-    let shader = materials::shader(scene, material, shaders, force_diffuse, emission, coverage);
+    let shader = materials::shader(from, material, shaders, force_diffuse, emission, coverage);
     let emitter = told.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
     MaterialEntry {
         is_opaque: shader.is_opaque(),

@@ -6,19 +6,19 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled, TextureRef};
-use gnurt_scene::texture::{Filter, Wrap};
-use gnurt_scene::{Material, Scene, Surface, TextureId};
+use gnurt_image::Weigh;
+use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled};
+use gnurt_scene::{Material, Surface, TextureId};
 use gnurt_shading::SurfaceShader;
 use gnurt_shading::bsdf::Film;
 use gnurt_shading::materials as shading;
-use gnurt_shading::texture::{TextureSampler, Wrap as SamplerWrap};
 
 use super::table::ShaderTable;
+use super::textures::Reading;
 
-/// The shader of a material that gives off `emission` and is there as `coverage` says.
+/// The shader of a material that gives off `emission` and is there as `coverage` says; bumps go with what is not forced.
 pub(super) fn shader(
-    scene: &Scene,
+    from: Reading,
     material: &Material,
     shaders: &ShaderTable,
     force_diffuse: bool,
@@ -27,19 +27,23 @@ pub(super) fn shader(
 ) -> Arc<dyn SurfaceShader> {
     let catches = matches!(material.surface, Surface::ShadowCatcher { .. });
     let surface = if force_diffuse && !catches {
-        Arc::new(shading::Matte { albedo: color(scene, &material.diffuse_color()) })
+        Arc::new(shading::Matte { albedo: color(from, &material.diffuse_color()) })
     } else {
-        surface(scene, &material.surface, shaders)
+        surface(from, &material.surface, shaders)
     };
-    if emission.is_none() && coverage.is_none() {
+    let bump = material.bump.filter(|_| !force_diffuse).map(|bump| shading::BumpMap {
+        texture: from.sampler(&bump.texture, Weigh::Alike),
+        height: bump.height,
+    });
+    if emission.is_none() && coverage.is_none() && bump.is_none() {
         return surface;
     }
-    Arc::new(shading::Material { surface, emission, coverage })
+    Arc::new(shading::Material { surface, emission, coverage, bump })
 }
 
-fn surface(scene: &Scene, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn SurfaceShader> {
+fn surface(from: Reading, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn SurfaceShader> {
     match surface {
-        Surface::Matte { base_color } => Arc::new(shading::Matte { albedo: color(scene, base_color) }),
+        Surface::Matte { base_color } => Arc::new(shading::Matte { albedo: color(from, base_color) }),
         Surface::MetallicRoughness {
             base_color,
             metallic,
@@ -48,19 +52,22 @@ fn surface(scene: &Scene, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
             ior,
             normal_texture,
         } => Arc::new(shading::MetallicRoughness {
-            base_color: color(scene, base_color),
+            base_color: color(from, base_color),
             metallic: *metallic,
             roughness: *roughness,
-            metallic_roughness_texture: metallic_roughness_texture.as_ref().map(|t| sampler(scene, t)),
-            ior: *ior,
-            normal_map: normal_texture
+            metallic_roughness_texture: metallic_roughness_texture
                 .as_ref()
-                .map(|map| shading::NormalMap { texture: sampler(scene, &map.texture), scale: map.scale }),
+                .map(|t| from.sampler(t, Weigh::Alike)),
+            ior: *ior,
+            normal_map: normal_texture.as_ref().map(|map| shading::NormalMap {
+                texture: from.sampler(&map.texture, Weigh::Directions),
+                scale: map.scale,
+            }),
             layers: shading::Layers::default(),
         }),
-        Surface::Principled(principled) => Arc::new(self::principled(scene, principled)),
+        Surface::Principled(principled) => Arc::new(self::principled(from, principled)),
         Surface::RoughMatte { base_color, roughness } => {
-            Arc::new(shading::rough_matte(color(scene, base_color), roughness.clamp(0.0, 1.0)))
+            Arc::new(shading::rough_matte(color(from, base_color), roughness.clamp(0.0, 1.0)))
         }
         Surface::Metal { eta, k, roughness } => {
             let eta = Vec3::from(*eta).max(Vec3::splat(1e-3));
@@ -72,7 +79,7 @@ fn surface(scene: &Scene, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
             Arc::new(glass.with_inside(Vec3::from(interior.absorption()), interior.spread(ior)))
         }
         Surface::Mirror { reflectance } => {
-            Arc::new(shading::Mirror { reflectance: color(scene, reflectance) })
+            Arc::new(shading::Mirror { reflectance: color(from, reflectance) })
         }
         Surface::Dielectric { ior, reflectance, transmittance, interior } => Arc::new(shading::Dielectric {
             ior: index(*ior),
@@ -93,17 +100,20 @@ fn index(ior: f32) -> f32 {
     if ior > 0.0 && ior.is_finite() { ior } else { 1.0 }
 }
 
-fn principled(scene: &Scene, from: &Principled) -> shading::MetallicRoughness {
+fn principled(reading: Reading, from: &Principled) -> shading::MetallicRoughness {
     shading::MetallicRoughness {
-        base_color: color(scene, &from.base_color),
+        base_color: color(reading, &from.base_color),
         metallic: from.metallic,
         roughness: from.roughness,
-        metallic_roughness_texture: from.metallic_roughness_texture.as_ref().map(|t| sampler(scene, t)),
-        ior: index(from.ior),
-        normal_map: from
-            .normal_texture
+        metallic_roughness_texture: from
+            .metallic_roughness_texture
             .as_ref()
-            .map(|map| shading::NormalMap { texture: sampler(scene, &map.texture), scale: map.scale }),
+            .map(|t| reading.sampler(t, Weigh::Alike)),
+        ior: index(from.ior),
+        normal_map: from.normal_texture.as_ref().map(|map| shading::NormalMap {
+            texture: reading.sampler(&map.texture, Weigh::Directions),
+            scale: map.scale,
+        }),
         layers: shading::Layers {
             specular: from.specular,
             specular_color: Vec3::from(from.specular_color),
@@ -117,7 +127,7 @@ fn principled(scene: &Scene, from: &Principled) -> shading::MetallicRoughness {
             spread: from.interior.spread(index(from.ior)),
             anisotropy: from.anisotropy.strength,
             anisotropy_rotation: from.anisotropy.rotation,
-            anisotropy_texture: from.anisotropy.texture.as_ref().map(|t| sampler(scene, t)),
+            anisotropy_texture: from.anisotropy.texture.as_ref().map(|t| reading.sampler(t, Weigh::Alike)),
             film: Film {
                 share: from.iridescence.factor.clamp(0.0, 1.0),
                 ior: from.iridescence.ior,
@@ -129,23 +139,23 @@ fn principled(scene: &Scene, from: &Principled) -> shading::MetallicRoughness {
     }
 }
 
-fn color(scene: &Scene, color: &Color) -> shading::TexturedColor {
+fn color(from: Reading, color: &Color) -> shading::TexturedColor {
     shading::TexturedColor {
         factor: Vec3::from(color.factor),
-        texture: color.texture.as_ref().map(|texture| sampler(scene, texture)),
+        texture: color.texture.as_ref().map(|texture| from.colors(texture)),
     }
 }
 
 /// What a material gives off, if anything.
-pub(super) fn emission(scene: &Scene, material: &Material) -> Option<shading::Emission> {
+pub(super) fn emission(from: Reading, material: &Material) -> Option<shading::Emission> {
     material.emits().then(|| shading::Emission {
         factor: Vec3::from(material.emission).max(Vec3::ZERO),
-        texture: material.emission_texture.as_ref().map(|texture| sampler(scene, texture)),
+        texture: material.emission_texture.as_ref().map(|texture| from.sampler(texture, Weigh::Alike)),
     })
 }
 
 /// Where a material is there; `None` = everywhere.
-pub(super) fn coverage(scene: &Scene, alpha: &Alpha) -> Option<shading::Coverage> {
+pub(super) fn coverage(from: Reading, alpha: &Alpha) -> Option<shading::Coverage> {
     let (opacity, cutoff): (&Opacity, _) = match alpha {
         Alpha::Opaque => return None,
         Alpha::Mask { cutoff, opacity } => (opacity, Some(*cutoff)),
@@ -153,7 +163,7 @@ pub(super) fn coverage(scene: &Scene, alpha: &Alpha) -> Option<shading::Coverage
     };
     Some(shading::Coverage {
         factor: opacity.factor,
-        texture: opacity.texture.as_ref().map(|texture| sampler(scene, texture)),
+        texture: opacity.texture.as_ref().map(|texture| from.sampler(texture, Weigh::Alike)),
         channel: match opacity.channel {
             OpacityChannel::Alpha => shading::OpacityChannel::Alpha,
             OpacityChannel::Red => shading::OpacityChannel::Red,
@@ -162,20 +172,15 @@ pub(super) fn coverage(scene: &Scene, alpha: &Alpha) -> Option<shading::Coverage
     })
 }
 
-/// A reader of a texture under a material's transform.
-pub(super) fn sampler(scene: &Scene, reference: &TextureRef) -> TextureSampler {
-    let texture = scene.texture(reference.texture);
-    TextureSampler {
-        // Scene files are filtered by samples alone, as the reference pictures are.
-        minify: None,
-        texels: texture.texels.clone(),
-        wrap: texture.wrap.map(|wrap| match wrap {
-            Wrap::Repeat => SamplerWrap::Repeat,
-            Wrap::MirroredRepeat => SamplerWrap::Mirror,
-            Wrap::ClampToEdge => SamplerWrap::Clamp,
-        }),
-        linear: texture.filter == Filter::Linear,
-        uv_from_mesh: reference.uv_from_mesh,
+/// The texture whose alpha says where a material is not there.
+pub(super) fn holes(alpha: &Alpha) -> Option<TextureId> {
+    match alpha {
+        Alpha::Mask { opacity, .. } | Alpha::Blend { opacity }
+            if opacity.channel == OpacityChannel::Alpha =>
+        {
+            opacity.texture.map(|reference| reference.texture)
+        }
+        _ => None,
     }
 }
 
@@ -206,6 +211,7 @@ pub(super) fn textures_of(material: &Material) -> impl Iterator<Item = TextureId
         Surface::Principled(p) => p.anisotropy.texture,
         _ => None,
     };
-    let all = colors.into_iter().chain([material.emission_texture, opacity, diffuse, brushed]);
+    let bump = material.bump.map(|bump| bump.texture);
+    let all = colors.into_iter().chain([material.emission_texture, opacity, diffuse, brushed, bump]);
     all.flatten().map(|reference| reference.texture)
 }

@@ -25,6 +25,7 @@ mod surface;
 mod table;
 #[cfg(test)]
 mod tests;
+mod textures;
 mod top;
 mod users;
 

@@ -20,6 +20,7 @@ use super::instance::{InstanceSlot, PlacedInstance};
 use super::normals::{Columns, Precise};
 use super::open::Shutter;
 use super::place::Place;
+use crate::cone::Cones;
 
 /// Rounding errors of the point, of its transform, and of the test that the next ray makes against the same triangle,
 /// as a multiple of the largest coordinate.
@@ -31,6 +32,8 @@ pub(crate) struct HitLanes<'a> {
     pub(crate) rays: &'a RayBatch,
     pub(crate) keys: &'a [SampleKey],
     pub(crate) hits: &'a HitBatch,
+    /// What the rays stand for; `None` = camera rays a pixel, others nobody knows what.
+    pub(crate) cones: Option<&'a Cones>,
     /// Bounces that the rays had behind them.
     pub(crate) depth: u32,
     /// World units added to each point's error.
@@ -284,6 +287,10 @@ impl<'w> Places<'w> {
             );
             gathered.rare(some.len(), at, points);
         }
+        // Blocks without normals have none.
+        if !points.curvature.is_empty() {
+            points.curvature.resize(lanes.len(), 0.0);
+        }
         points.attributes = attributes.iter().map(|request| self.attribute(request, points)).collect();
     }
 
@@ -366,13 +373,22 @@ impl Gathered<'_> {
                 let ray_dir = Vector::load(zero, [&out.ray_dir.x, &out.ray_dir.y, &out.ray_dir.z], at);
                 let to_viewer = Vector::pick(ng.dot(ray_dir).above(zero), -ng, ng);
                 let behind = zero.above(ns.dot(to_viewer));
-                for (corner, (unit, weight)) in corners.iter().zip(units.iter().zip(weights)) {
-                    let normal = normals.times(*unit).normalize_or(black);
-                    let seen = Vector::pick(behind, -normal, normal);
-                    let below = (linear.times(*corner) + origin - p).dot(seen).or_more(zero);
+                let placed = corners.map(
+                    #[inline(always)]
+                    |corner| linear.times(corner) + origin,
+                );
+                let turned = units.map(
+                    #[inline(always)]
+                    |unit| normals.times(unit).normalize_or(black),
+                );
+                for (corner, (normal, weight)) in placed.iter().zip(turned.iter().zip(weights)) {
+                    let seen = Vector::pick(behind, -*normal, *normal);
+                    let below = (*corner - p).dot(seen).or_more(zero);
                     lift = lift + seen * below * weight;
                 }
                 lift = Vector::pick(flat, black, lift);
+                out.curvature.resize(at + count, 0.0);
+                put(&mut out.curvature, range, R::pick(flat, zero, curvature(&placed, &turned)));
             }
         }
         put3(&mut out.ns, range, ns);
@@ -426,10 +442,8 @@ impl Gathered<'_> {
             scale = R::pick(ratio.is_number(), ratio, zero).root();
         }
         put(&mut out.uv_per_length, range, scale);
-        if !out.error.is_empty() {
-            put3(&mut out.dp_du, range, dp_du);
-            put3(&mut out.dp_dv, range, dp_dv);
-        }
+        put3(&mut out.dp_du, range, dp_du);
+        put3(&mut out.dp_dv, range, dp_dv);
     }
 
     /// Writes what few meshes have: colours, tangents, coordinates with divisors.
@@ -460,9 +474,7 @@ impl Gathered<'_> {
                 let linear = Columns([linear.x_axis, linear.y_axis, linear.z_axis].map(Vector::from));
                 divided.changes((0.0_f32, 0), &corners, &linear, (place, 1), out);
             }
-            if !out.error.is_empty()
-                && let Some([along, across]) = self.tangents(i, weights)
-            {
+            if let Some([along, across]) = self.tangents(i, weights) {
                 let length = |v: Vec3| if v == Vec3::ZERO { 1.0 } else { v.length() };
                 let lengths = [out.dp_du.get(place), out.dp_dv.get(place)].map(length);
                 out.dp_du.set(place, (linear * along).normalize_or_zero() * lengths[0]);
@@ -502,6 +514,18 @@ impl Gathered<'_> {
         let at = |key: usize| keys.get(key)?.tangents.get(vertex).map(|&[x, y, z, _]| [x, y, z]);
         Some(moment.mix3(at(moment.key)?, at(moment.next)?))
     }
+}
+
+/// Mean curvature over a triangle by how its normals turn along its edges: the mean of the edges' \[AM21\].
+#[inline(always)]
+fn curvature<R: Real>(corners: &[Vector<R>; 3], normals: &[Vector<R>; 3]) -> R {
+    let zero = corners[0].x.all(0.0);
+    let mut sum = zero;
+    for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+        let edge = corners[b] - corners[a];
+        sum = sum + edge.dot(normals[b] - normals[a]) / edge.length_squared();
+    }
+    R::pick(sum.is_number(), sum * zero.all(1.0 / 3.0), zero)
 }
 
 /// Component `k` of an attribute; `None` where it has none.

@@ -7,6 +7,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use gnurt_image::TileCache;
+
 use super::budget::{Budget, Excess};
 use super::error::Error;
 use super::options::LoadOptions;
@@ -16,6 +18,8 @@ use super::options::LoadOptions;
 pub(crate) struct Access {
     /// The folder, its true name, that files must lie below.
     confine: Option<PathBuf>,
+    /// Where textures are kept.
+    pub(crate) tiles: Option<TileCache>,
     /// What was read so far.
     pub(crate) budget: Budget,
 }
@@ -24,13 +28,13 @@ impl Access {
     /// As `options` say; an error if the folder is none.
     pub(crate) fn new(options: &LoadOptions) -> Result<Self, Error> {
         let Some(folder) = &options.confine else {
-            return Ok(Self::default());
+            return Ok(Self { tiles: options.tiles.clone(), ..Self::default() });
         };
         let folder = std::fs::canonicalize(folder).map_err(|e| Error::system(folder, &e))?;
         if !folder.is_dir() {
             return Err(Error::io(&folder, "is no folder", "name the folder that files may be read from"));
         }
-        Ok(Self { confine: Some(folder), budget: Budget::default() })
+        Ok(Self { confine: Some(folder), tiles: options.tiles.clone(), budget: Budget::default() })
     }
 
     /// Whether files must lie below a folder.

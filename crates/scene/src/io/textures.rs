@@ -66,6 +66,10 @@ impl<'a> Pictures<'a> {
             Meaning::Data => gnurt_image::decode_data_texture_within(bytes, name, most),
         };
         let texels = texels.map_err(|e| format!("{name}: {e}"))?;
+        let texels = match &self.access.tiles {
+            Some(tiles) => tiles.keep(texels).map_err(|e| format!("{name}: {e}"))?,
+            None => texels,
+        };
         budget.hold(texels.memory_bytes()).map_err(|excess| format!("{name}: {excess}"))?;
         Ok(Arc::new(texels))
     }

@@ -45,8 +45,7 @@ pub(super) fn texel_colors(texture: Option<&TextureSampler>, hits: &SurfaceBatch
         return out.reset(hits.len(), Vec3::ONE);
     };
     for i in 0..hits.len() {
-        let [r, g, b, _] =
-            texture.sample_wide([hits.texcoord[0][i], hits.texcoord[1][i]], hits.texture_width(i));
+        let [r, g, b, _] = texture.at_hit(hits, i);
         out.set(i, Vec3::new(r, g, b));
     }
 }

@@ -38,8 +38,7 @@ impl TexturedColor {
     #[must_use]
     pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
         let color = self.texture.as_ref().map_or(self.factor, |texture| {
-            let uv = [hits.texcoord[0][i], hits.texcoord[1][i]];
-            let [r, g, b, _] = texture.sample_wide(uv, hits.texture_width(i));
+            let [r, g, b, _] = texture.at_hit(hits, i);
             self.factor * Vec3::new(r, g, b)
         });
         color * hits.color.get(i)
@@ -59,8 +58,18 @@ impl Emission {
     /// At texture coordinates of the mesh.
     #[must_use]
     pub fn at(&self, uv: [f32; 2]) -> Vec3 {
+        self.times(|texture| texture.sample(uv))
+    }
+
+    /// At lane `i` of a batch.
+    #[must_use]
+    pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
+        self.times(|texture| texture.at_hit(hits, i))
+    }
+
+    fn times(&self, read: impl FnOnce(&TextureSampler) -> [f32; 4]) -> Vec3 {
         self.texture.as_ref().map_or(self.factor, |texture| {
-            let [r, g, b, _] = texture.sample(uv);
+            let [r, g, b, _] = read(texture);
             self.factor * Vec3::new(r, g, b)
         })
     }
@@ -99,8 +108,21 @@ impl Coverage {
     /// Share of light that the surface stops, in [0, 1].
     #[must_use]
     pub fn at(&self, uv: [f32; 2], vertex_opacity: f32) -> f32 {
+        self.of(vertex_opacity, |texture| texture.sample(uv))
+    }
+
+    /// At lane `i` of a batch. Masks are read as they are: a mean that is cut off afterwards would make leaves grow or shrink.
+    #[must_use]
+    pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> f32 {
+        self.of(hits.alpha[i], |texture| match self.cutoff {
+            Some(_) => texture.sample(hits.uv(i)),
+            None => texture.at_hit(hits, i),
+        })
+    }
+
+    fn of(&self, vertex_opacity: f32, read: impl FnOnce(&TextureSampler) -> [f32; 4]) -> f32 {
         let texel = self.texture.as_ref().map_or(1.0, |texture| {
-            let [r, _, _, a] = texture.sample(uv);
+            let [r, _, _, a] = read(texture);
             if self.channel == OpacityChannel::Alpha { a } else { r }
         });
         let opacity = self.factor * texel * vertex_opacity;
@@ -108,12 +130,6 @@ impl Coverage {
             Some(cutoff) => f32::from(u8::from(opacity >= cutoff)),
             None => opacity.clamp(0.0, 1.0),
         }
-    }
-
-    /// At lane `i` of a batch.
-    #[must_use]
-    pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> f32 {
-        self.at([hits.texcoord[0][i], hits.texcoord[1][i]], hits.alpha[i])
     }
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What every surface may have beside its scattering: emission on its front, and places where it is not there.
+//! What every surface may have beside its scattering: emission on its front, bumps, and places where it is not there.
 //! Source: glTF 2.0 section 3.9 (alpha modes, emission). Radiance is coverage * (scattered + emitted) + (1 - coverage) *
 //! what lies straight behind. Proof: `crates/render/tests/appearance.rs`.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::batch::{SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;
+use crate::materials::bump::BumpMap;
 use crate::materials::color::{Coverage, Emission};
 use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
 
@@ -19,9 +21,19 @@ pub struct Material {
     pub emission: Option<Emission>,
     /// Where it is there; `None` = everywhere.
     pub coverage: Option<Coverage>,
+    /// What turns its normals.
+    pub bump: Option<BumpMap>,
 }
 
 impl Material {
+    /// The points with their normals bent.
+    fn bumpy<'a>(&self, hits: &'a SurfaceBatch) -> Cow<'a, SurfaceBatch> {
+        match &self.bump {
+            Some(bump) => Cow::Owned(SurfaceBatch { bent: bump.bent(hits), ..hits.clone() }),
+            None => Cow::Borrowed(hits),
+        }
+    }
+
     /// Adds what passes the holes to what the surface lets through.
     fn open(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         let Some(coverage) = &self.coverage else { return };
@@ -34,7 +46,8 @@ impl Material {
 
 impl SurfaceShader for Material {
     fn radiance(&self) -> Option<&dyn RadianceShader> {
-        self.surface.radiance()
+        let inner = self.surface.radiance()?;
+        Some(if self.bump.is_some() { self } else { inner })
     }
 
     fn emits(&self) -> bool {
@@ -68,10 +81,10 @@ impl SurfaceShader for Material {
     }
 
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
-        self.surface.evaluate(hits, out);
+        self.surface.evaluate(&self.bumpy(hits), out);
         for i in 0..hits.len() {
             if let Some(emission) = self.emission.as_ref().filter(|_| hits.front(i)) {
-                out.emit(i, emission.at([hits.texcoord[0][i], hits.texcoord[1][i]]));
+                out.emit(i, emission.at_hit(hits, i));
             }
             if let Some(coverage) = &self.coverage {
                 out.cover(i, coverage.at_hit(hits, i));
@@ -85,5 +98,14 @@ impl SurfaceShader for Material {
 
     fn attributes(&self) -> &[AttributeRequest] {
         self.surface.attributes()
+    }
+}
+
+/// Where the surface computes its radiance itself and normals are bent.
+impl RadianceShader for Material {
+    fn shade(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        if let Some(surface) = self.surface.radiance() {
+            surface.shade(tracer, &self.bumpy(hits), out);
+        }
     }
 }

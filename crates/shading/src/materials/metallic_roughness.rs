@@ -113,29 +113,52 @@ pub struct NormalMap {
 }
 
 impl NormalMap {
-    /// The shading normal of a lane, unit, on the side of the mesh's own.
-    fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
-        let ns = hits.ns.get(i);
-        let [x, y, z, _] = self.texture.sample([hits.texcoord[0][i], hits.texcoord[1][i]]);
+    /// The shading normal of a lane, unit, on the side of the mesh's own, and the square of the slopes that the map has around it
+    /// within what the lane stands for, by how much shorter their mean is than they are \[Tok05\].
+    fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> (Vec3, f32) {
+        let ns = hits.scattering_ns(i);
+        let [x, y, z, _] = self.texture.at_hit(hits, i);
+        let length = Vec3::new(2.0 * x - 1.0, 2.0 * y - 1.0, 2.0 * z - 1.0).length();
+        let lost = (1.0 - ROUNDED - length).max(0.0) / length.max(1e-3);
+        let slopes = if lost.is_finite() { lost * self.scale * self.scale } else { 0.0 };
+        (self.bent(hits, i, [x, y, z]).unwrap_or(ns), slopes)
+    }
+
+    /// The normal that a texel says, where it is one.
+    fn bent(&self, hits: &SurfaceBatch, i: usize, [x, y, z]: [f32; 3]) -> Option<Vec3> {
+        let ns = hits.scattering_ns(i);
         let local = Vec3::new((2.0 * x - 1.0) * self.scale, (2.0 * y - 1.0) * self.scale, 2.0 * z - 1.0);
-        let Some([tangent, bitangent]) = axes(&self.texture, hits.dp_du.get(i), hits.dp_dv.get(i)) else {
-            return ns;
-        };
+        let [tangent, bitangent] = axes(&self.texture, hits.dp_du.get(i), hits.dp_dv.get(i))?;
         let mut frame = Basis::along(ns, tangent);
         // Mirrored coordinates, and mirrored instances, make it left-handed.
         if frame.bitangent.dot(bitangent) < 0.0 {
             frame.bitangent = -frame.bitangent;
         }
         let bent = frame.to_world(local);
-        bent.try_normalize().filter(|bent| bent.dot(ns) > 0.0).unwrap_or(ns)
+        bent.try_normalize().filter(|bent| bent.dot(ns) > 0.0)
     }
 }
 
+/// What a unit normal of three bytes may lack by rounding.
+const ROUNDED: f32 = 0.004;
+/// The most that fine slopes add to the square of facets' slopes \[TK19\].
+const MOST_ROUGHER: f32 = 0.18;
+
+/// Roughness of facets on fine slopes: the squares add up.
+fn rougher(roughness: f32, slopes: f32) -> f32 {
+    if slopes == 0.0 {
+        return roughness;
+    }
+    let alpha = roughness * roughness;
+    (alpha * alpha + (2.0 * slopes).min(MOST_ROUGHER)).sqrt().sqrt().min(1.0)
+}
+
 impl MetallicRoughness {
-    /// Shading normal on the side that the ray came from.
-    fn normal(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
-        let ns = self.normal_map.as_ref().map_or_else(|| hits.ns.get(i), |map| map.at_hit(hits, i));
-        if ns.dot(hits.facing_ng(i)) < 0.0 { -ns } else { ns }
+    /// Shading normal on the side that the ray came from, and the square of slopes that are too fine to be seen.
+    fn normal(&self, hits: &SurfaceBatch, i: usize) -> (Vec3, f32) {
+        let own = || (hits.scattering_ns(i), 0.0);
+        let (ns, slopes) = self.normal_map.as_ref().map_or_else(own, |map| map.at_hit(hits, i));
+        (if ns.dot(hits.facing_ng(i)) < 0.0 { -ns } else { ns }, slopes)
     }
 }
 
@@ -146,7 +169,7 @@ impl MetallicRoughness {
         let (mut strength, mut way) = (layers.anisotropy, Vec2::X);
         let [mut u, mut v] = [hits.dp_du.get(i), hits.dp_dv.get(i)];
         if let Some(texture) = &layers.anisotropy_texture {
-            let [r, g, b, _] = texture.sample([hits.texcoord[0][i], hits.texcoord[1][i]]);
+            let [r, g, b, _] = texture.at_hit(hits, i);
             strength *= b;
             way = Vec2::new(2.0 * r - 1.0, 2.0 * g - 1.0).try_normalize().unwrap_or(Vec2::X);
             if let Some(axes) = axes(texture, u, v) {
@@ -174,12 +197,12 @@ impl MetallicRoughness {
 impl SurfaceShader for MetallicRoughness {
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
         for i in 0..hits.len() {
-            let uv = [hits.texcoord[0][i], hits.texcoord[1][i]];
-            let texel = self.metallic_roughness_texture.as_ref().map_or([1.0; 4], |t| t.sample(uv));
-            let roughness = (self.roughness * texel[1]).clamp(0.0, 1.0);
+            let texel = self.metallic_roughness_texture.as_ref().map_or([1.0; 4], |t| t.at_hit(hits, i));
+            let (normal, slopes) = self.normal(hits, i);
+            let roughness = rougher((self.roughness * texel[1]).clamp(0.0, 1.0), slopes);
             let metallic = (self.metallic * texel[2]).clamp(0.0, 1.0);
             let base = self.base_color.at_hit(hits, i);
-            let ns = hits.point(i).bent_normal(self.normal(hits, i), -hits.ray_dir.get(i));
+            let ns = hits.point(i).bent_normal(normal, -hits.ray_dir.get(i));
             let mut model = Principled::new(base, metallic, roughness, self.ior);
             let layers = &self.layers;
             model.f0 = (model.f0 * layers.specular_color * layers.specular).clamp(Vec3::ZERO, Vec3::ONE);

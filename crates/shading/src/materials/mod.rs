@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The built-in surfaces, as shaders: each says what BSDF its points have, and what Whitted's renderer shows follows from
-//! that alone; [`Material`] adds emission and holes around any of them.
+//! that alone; [`Material`] adds emission, bumps and holes around any of them.
 //! Source: see each file. One model, one file.
 
+mod bump;
 mod color;
 mod dielectric;
 mod direct;
@@ -14,6 +15,7 @@ mod points;
 mod shadow_catcher;
 mod whitted;
 
+pub use bump::BumpMap;
 pub use color::{Coverage, Emission, OpacityChannel, TexturedColor};
 pub use dielectric::Dielectric;
 pub use direct::direct_light;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Texture statements of MTL: options, then a file name that may have spaces.
-//! Source: Wavefront MTL 4.2, "Options for texture map statements". `-o`, `-s` and `-clamp` are obeyed; the other options
+//! Source: Wavefront MTL 4.2, "Options for texture map statements". `-o`, `-s`, `-clamp` and `-bm` are obeyed; the other options
 //! are known well enough to be stepped over.
 //! Proof: `tests::options_and_names`.
 
@@ -13,12 +13,15 @@ pub(super) struct MapStatement {
     pub(super) scale: [f32; 2],
     pub(super) offset: [f32; 2],
     pub(super) wrap: Wrap,
+    /// What heights are multiplied with.
+    pub(super) bump: f32,
 }
 
 impl MapStatement {
     /// Reads everything after the keyword; `None` if no file is named.
     pub(super) fn parse(text: &str) -> Option<Self> {
-        let mut map = Self { file: String::new(), scale: [1.0; 2], offset: [0.0; 2], wrap: Wrap::Repeat };
+        let mut map =
+            Self { file: String::new(), scale: [1.0; 2], offset: [0.0; 2], wrap: Wrap::Repeat, bump: 1.0 };
         let mut rest = text.trim();
         while let Some((option, after)) =
             rest.split_once(char::is_whitespace).filter(|(o, _)| o.starts_with('-'))
@@ -36,9 +39,12 @@ impl MapStatement {
                     }
                     after
                 }
-                "-blendu" | "-blendv" | "-cc" | "-imfchan" | "-type" | "-bm" | "-boost" | "-texres" => {
-                    token(after).1
+                "-bm" => {
+                    let (value, after) = token(after);
+                    map.bump = value.parse().ok().filter(|x: &f32| x.is_finite()).unwrap_or(1.0);
+                    after
                 }
+                "-blendu" | "-blendv" | "-cc" | "-imfchan" | "-type" | "-boost" | "-texres" => token(after).1,
                 // Not an option: a file name that begins with a minus.
                 _ => break,
             };
@@ -85,7 +91,7 @@ mod tests {
         let map = MapStatement::parse("-s 2 3 1 -o .5 -clamp on -bm 0.2 my oak.png").expect("a file");
         assert_eq!(map.file, "my oak.png", "a name with a space");
         assert_eq!(map.uv_from_mesh(), [2.0, 0.0, 0.0, 3.0, 0.5, 0.0], "scale and offset");
-        assert_eq!(map.wrap, Wrap::ClampToEdge, "-clamp on");
+        assert_eq!((map.wrap, map.bump), (Wrap::ClampToEdge, 0.2), "-clamp on -bm 0.2");
         assert_eq!(MapStatement::parse("-odd.png x").expect("a file").file, "-odd.png x", "not an option");
         assert_eq!(MapStatement::parse("-s 1 1 7").expect("a file").file, "7", "a file called 7");
         assert_eq!(MapStatement::parse("-clamp on"), None, "no file");

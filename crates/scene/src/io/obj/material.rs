@@ -10,6 +10,7 @@
 //! | `Kd` and `Ks` with `Ns` | plastic whose normal reflectance is the mean of `Ks` |
 //! | otherwise | matte |
 //!
+//! `bump` and its `-bm` are heights, and `disp` where there is no `bump`: 1 = white lies a texel's width above black.
 //! The diffuse colour always stays `Kd` times `map_Kd` (`Material::diffuse`). `Ke` is radiance. `d` < 1 that did not make
 //! glass is opacity. Proof: `tests/obj.rs::materials_become_ours`.
 
@@ -24,7 +25,9 @@ use crate::io::budget::Excess;
 use crate::io::source::{self, Access};
 use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings};
-use crate::material::{Alpha, Color, Material, Opacity, OpacityChannel, Principled, Surface, TextureRef};
+use crate::material::{
+    Alpha, BumpMap, Color, Material, Opacity, OpacityChannel, Principled, Surface, TextureRef,
+};
 use crate::scene::Scene;
 use crate::shader_file::ShaderFile;
 use crate::texture::{Filter, Texture, Wrap};
@@ -90,7 +93,7 @@ fn shader_file(entry: &Entry, said: &Map, access: &Access) -> Result<ShaderFile,
 
 /// Refuses textures outside of the folder that files must be in.
 fn check_maps(entry: &Entry, access: &Access) -> Result<(), Error> {
-    for map in [&entry.map_kd, &entry.map_ke, &entry.map_d].into_iter().flatten() {
+    for map in [&entry.map_kd, &entry.map_ke, &entry.map_d, &entry.bump, &entry.disp].into_iter().flatten() {
         if let Some(statement) = MapStatement::parse(&map.text) {
             let outside = |(problem, remedy)| Error::data(&entry.path, Some(map.line), problem, remedy);
             access.check(&source::resolve(&entry.path, &statement.file)).map_err(outside)?;
@@ -112,6 +115,11 @@ fn convert(entry: &Entry, scene: &mut Scene, textures: &mut Textures, warnings: 
     let map_kd = map(&entry.map_kd, Meaning::Color);
     let map_ke = map(&entry.map_ke, Meaning::Color);
     let map_d = map(&entry.map_d, Meaning::Data);
+    let heights = if entry.bump.is_some() { &entry.bump } else { &entry.disp };
+    let bump = map(heights, Meaning::Data).map(|texture| {
+        let said = heights.as_ref().and_then(|map| MapStatement::parse(&map.text));
+        BumpMap { texture, height: said.map_or(1.0, |said| said.bump) }
+    });
 
     let phong = Phong::of(entry);
     let diffuse = Color { factor: phong.kd, texture: map_kd };
@@ -127,6 +135,7 @@ fn convert(entry: &Entry, scene: &mut Scene, textures: &mut Textures, warnings: 
         emission: phong.ke.unwrap_or(if map_ke.is_some() { [1.0; 3] } else { [0.0; 3] }),
         emission_texture: map_ke,
         alpha,
+        bump,
         ..Material::of(&*entry.name, surface)
     }
 }

@@ -49,6 +49,9 @@ pub(super) struct Entry {
     pub(super) map_kd: Option<Box<Map>>,
     pub(super) map_ke: Option<Box<Map>>,
     pub(super) map_d: Option<Box<Map>>,
+    /// Heights, or else a displacement that is taken for one.
+    pub(super) bump: Option<Box<Map>>,
+    pub(super) disp: Option<Box<Map>>,
     /// A file in the shading language and its parameters; not MTL's.
     pub(super) shader: Option<Box<Map>>,
 }
@@ -151,11 +154,12 @@ impl Library {
                     Some(false) => Some(&mut nowhere),
                     None => None,
                 };
-                let held = if keyword.starts_with("map_") || keyword == "gnurt_shader" {
-                    rest.len() + size_of::<Map>()
-                } else {
-                    0
-                };
+                let held =
+                    if keyword.starts_with("map_") || matches!(keyword, "gnurt_shader" | "bump" | "disp") {
+                        rest.len() + size_of::<Map>()
+                    } else {
+                        0
+                    };
                 match (statement(keyword, rest, line), entry) {
                     (Ok(None), _) => {}
                     (Ok(Some(_)), None) => warn("before the first `newmtl`".into()),
@@ -233,6 +237,8 @@ fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<State
         "map_Kd" | "map_kd" => map(|e| &mut e.map_kd),
         "map_Ke" | "map_ke" => map(|e| &mut e.map_ke),
         "map_d" => map(|e| &mut e.map_d),
+        "bump" | "map_bump" | "map_Bump" => map(|e| &mut e.bump),
+        "disp" | "map_disp" | "map_Disp" => map(|e| &mut e.disp),
         "gnurt_shader" => map(|e| &mut e.shader),
         _ => Ok(None),
     }

@@ -171,6 +171,9 @@ fn push_material(text: &mut String, material: &Material, stem: &str) {
         let _ = writeln!(text, "Ke {}", triple(material.emission));
         push_map(text, "map_Ke", material.emission_texture, stem);
     }
+    if let Some(bump) = material.bump {
+        push_map(text, &format!("bump -bm {}", bump.height), Some(bump.texture), stem);
+    }
     if let Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } = material.alpha {
         let _ = writeln!(text, "d {}", opacity.factor);
         push_map(text, "map_d", opacity.texture.filter(|_| opacity.channel == OpacityChannel::Red), stem);

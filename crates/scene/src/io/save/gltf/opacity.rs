@@ -54,18 +54,18 @@ pub(super) fn base_texture(scene: &Scene, material: &Material, base: Option<Text
 }
 
 fn is_opaque(texels: &Texels) -> bool {
-    match &texels.data {
-        TexelData::Srgb8(pixels) | TexelData::Linear8(pixels) => pixels.iter().all(|p| p[3] == 255),
-        TexelData::Float(pixels) => pixels.iter().all(|p| p[3] >= 1.0),
-    }
+    let [width, height] = [texels.width, texels.height].map(|n| n as usize);
+    (0..height).all(|y| (0..width).all(|x| texels.texel(x, y)[3] >= 1.0))
 }
 
 /// Colours of one, white without it, with a channel of the other as alpha, 1 without it.
 fn merge(color: Option<&Texels>, opacity: Option<&Texels>, channel: OpacityChannel) -> Texels {
+    let color = color.map(|color| color.clone().resident());
+    let color = color.as_ref();
     let both = || color.into_iter().chain(opacity);
     let width = both().map(|t| t.width).max().unwrap_or(1);
     let height = both().map(|t| t.height).max().unwrap_or(1);
-    let wide = color.is_some_and(|color| matches!(color.data, TexelData::Float(_)));
+    let wide = color.is_some_and(|color| color.is_float() || matches!(color.data, TexelData::Linear16(_)));
     let channel = if channel == OpacityChannel::Red { 0 } else { 3 };
     let alpha =
         |x, y| opacity.map_or(1.0, |texels| linear(texels, channel, nearest(texels, [width, height], x, y)));
@@ -88,7 +88,7 @@ fn merge(color: Option<&Texels>, opacity: Option<&Texels>, channel: OpacityChann
                 TexelData::Srgb8(pixels) | TexelData::Linear8(pixels) => {
                     pixels[nearest(texels, [width, height], x, y)]
                 }
-                TexelData::Float(_) => [255; 4],
+                TexelData::Linear16(_) | TexelData::Float(_) | TexelData::Tiled(_) => [255; 4],
             };
             let [r, g, b, _] = color.map_or([255; 4], at);
             [r, g, b, (alpha(x, y).clamp(0.0, 1.0) * 255.0 + 0.5) as u8]
@@ -106,9 +106,6 @@ fn nearest(texels: &Texels, [width, height]: [u32; 2], x: u32, y: u32) -> usize 
 
 /// A channel of a texel in linear light, in `[0, 1]` for bytes.
 fn linear(texels: &Texels, channel: usize, at: usize) -> f32 {
-    match &texels.data {
-        TexelData::Srgb8(pixels) if channel < 3 => gnurt_image::srgb::decode_u8(pixels[at][channel]),
-        TexelData::Srgb8(pixels) | TexelData::Linear8(pixels) => f32::from(pixels[at][channel]) / 255.0,
-        TexelData::Float(pixels) => pixels[at][channel],
-    }
+    let width = texels.width as usize;
+    texels.texel(at % width, at / width)[channel]
 }

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Smaller copies of a texture: half as large, each texel the mean of the area that it covers.
+//! Source: \[Wil83\]; OpenGL 1.4 section 3.8.8 for sizes (half, rounded down). In linear light; odd sizes weigh the texels at
+//! edges by their shares. Colours of pictures with holes count by their opacity, so that what hides in holes does not shine
+//! through at their rims.
+//! Copies of a picture in tiles are in tiles of the same cache.
+//! Invariant: every level has the mean of the picture. Proof: `tests`.
+
+use crate::{TexelData, Texels};
+
+/// What the texels of an area count for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Weigh {
+    /// All alike.
+    #[default]
+    Alike,
+    /// Colours by their opacity, opacities alike.
+    ByOpacity,
+    /// All alike, and red, green, blue are directions from 0 = -1 to 1: each counts as a unit one, so that the length of a mean
+    /// says how far they differ.
+    Directions,
+}
+
+/// Added to opacities, so that areas that are all hole have their texels' mean.
+const HOLE: f64 = 1e-6;
+
+/// The texels that one covers, along one side, and their shares, which add up to 1.
+type Covered = [(usize, f64); 3];
+
+impl Texels {
+    /// The picture half as large, at least one texel: bytes become numbers of 16 bits.
+    #[must_use]
+    pub fn halved(&self, weigh: Weigh) -> Self {
+        self.smaller(
+            weigh == Weigh::ByOpacity,
+            |texel| if weigh == Weigh::Directions { unit(texel) } else { texel },
+        )
+    }
+
+    fn smaller(&self, by_opacity: bool, of: impl Fn([f32; 4]) -> [f32; 4]) -> Self {
+        let [width, height] = [self.width, self.height].map(|n| (n / 2).max(1));
+        let columns = overlaps(self.width as usize, width as usize);
+        let rows = overlaps(self.height as usize, height as usize);
+        let mut texels = Vec::with_capacity(columns.len() * rows.len());
+        let mut line = vec![[0.0; 4]; self.width as usize];
+        for row in rows {
+            let mut sums = vec![[0.0_f64; 5]; columns.len()];
+            for &(y, share) in row.iter().filter(|(_, share)| *share > 0.0) {
+                line.iter_mut().enumerate().for_each(|(x, texel)| *texel = of(self.texel(x, y)));
+                for (sum, column) in sums.iter_mut().zip(&columns) {
+                    for &(x, part) in column {
+                        let [r, g, b, a] = line[x].map(f64::from);
+                        let opacity = if by_opacity { a + HOLE } else { 1.0 };
+                        let weight = share * part * opacity;
+                        let more = [r * weight, g * weight, b * weight, a * share * part, weight];
+                        (0..5).for_each(|k| sum[k] += more[k]);
+                    }
+                }
+            }
+            texels.extend(sums.iter().map(|[r, g, b, a, weight]| [r / weight, g / weight, b / weight, *a]));
+        }
+        let data = if self.is_float() {
+            TexelData::Float(texels.iter().map(|t| t.map(|x| x as f32)).collect())
+        } else {
+            TexelData::Linear16(texels.iter().map(|t| t.map(|x| (x * 65535.0 + 0.5) as u16)).collect())
+        };
+        let smaller = Self { width, height, data };
+        // Where the disk is full, it stays in memory.
+        match &self.data {
+            TexelData::Tiled(tiled) => tiled.cache().keep(smaller.clone()).unwrap_or(smaller),
+            _ => smaller,
+        }
+    }
+
+    /// The smaller copies, from half the size down to one texel.
+    #[must_use]
+    pub fn pyramid(&self, weigh: Weigh) -> Vec<Self> {
+        let smaller =
+            |texels: &Self, weigh| ([texels.width, texels.height] != [1, 1]).then(|| texels.halved(weigh));
+        // Means of directions are shorter, and stay so.
+        let then = if weigh == Weigh::Directions { Weigh::Alike } else { weigh };
+        std::iter::successors(smaller(self, weigh), |texels| smaller(texels, then)).collect()
+    }
+}
+
+/// A direction of any length, as a unit one.
+fn unit([x, y, z, a]: [f32; 4]) -> [f32; 4] {
+    let way = [x, y, z].map(|x| 2.0 * x - 1.0);
+    let length = way.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let [x, y, z] = if length > 0.0 { way.map(|x| 0.5 + 0.5 * x / length) } else { [0.5, 0.5, 1.0] };
+    [x, y, z, a]
+}
+
+/// For each of `m` texels what of the `n` larger ones it covers; `m` is `n / 2`, or 1.
+fn overlaps(n: usize, m: usize) -> Vec<Covered> {
+    let size = n as f64 / m as f64;
+    let covered = |i: usize| {
+        let (from, to) = (i as f64 * size, (i + 1) as f64 * size);
+        let first = from.floor() as usize;
+        std::array::from_fn(|k| {
+            let at = first + k;
+            let share = ((at + 1) as f64).min(to) - (at as f64).max(from);
+            (at.min(n - 1), if at < n && share > 1e-9 { share / size } else { 0.0 })
+        })
+    };
+    (0..m).map(covered).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(width: u32, height: u32, grey: impl Fn(usize) -> f32) -> Texels {
+        let data =
+            TexelData::Float((0..(width * height) as usize).map(|i| [grey(i), 0.0, 0.0, 1.0]).collect());
+        Texels { width, height, data }
+    }
+
+    fn first_channel(texels: &Texels) -> Vec<f32> {
+        let [width, height] = [texels.width, texels.height].map(|n| n as usize);
+        (0..width * height).map(|i| texels.texel(i % width, i / width)[0]).collect()
+    }
+
+    #[test]
+    fn every_level_has_the_mean() {
+        for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 2), (3, 3)] {
+            let grey = |i: usize| ((i * 37) % 11) as f32;
+            let all = picture(width, height, grey);
+            let mean = first_channel(&all).iter().sum::<f32>() / (width * height) as f32;
+            let levels = all.pyramid(Weigh::Alike);
+            for level in &levels {
+                let found = first_channel(level);
+                let sum: f32 = found.iter().sum();
+                assert!((sum / found.len() as f32 - mean).abs() < 1e-4, "{width} x {height}: {level:?}");
+            }
+            let last = levels.last().map(|level| [level.width, level.height]);
+            assert_eq!(last, Some([1, 1]), "down to one texel");
+        }
+        let three = picture(3, 1, |i| [3.0, 6.0, 12.0][i]).halved(Weigh::Alike);
+        assert_eq!(three.texel(0, 0)[0], 7.0, "three in one");
+        // 0 and 1 whole, half of 2; half of 2, 3 and 4 whole.
+        let five = picture(5, 1, |i| i as f32).halved(Weigh::Alike);
+        assert_eq!(first_channel(&five), [0.8, 3.2], "shares at edges");
+    }
+
+    #[test]
+    fn means_are_of_light_and_of_what_is_there() {
+        let data = TexelData::Srgb8(vec![[255, 0, 0, 0], [255, 255, 255, 255]]);
+        let texels = Texels { width: 2, height: 1, data };
+        let [r, g, _, a] = texels.halved(Weigh::Alike).texel(0, 0);
+        assert!((r - 1.0).abs() < 1e-4 && (g - 0.5).abs() < 1e-4, "half of white's light: {g}");
+        assert!((a - 0.5).abs() < 1e-4, "half of it is there: {a}");
+        let [_, g, _, a] = texels.halved(Weigh::ByOpacity).texel(0, 0);
+        assert!((g - 1.0).abs() < 1e-4 && (a - 0.5).abs() < 1e-4, "red hides in a hole: {g}, {a}");
+        let holes = Texels { data: TexelData::Srgb8(vec![[0; 4], [255, 255, 255, 0]]), ..texels };
+        assert!((holes.halved(Weigh::ByOpacity).texel(0, 0)[1] - 0.5).abs() < 1e-4, "all hole: the mean");
+    }
+
+    #[test]
+    fn directions_count_as_unit_ones() {
+        let data = TexelData::Float(vec![[1.0, 0.5, 0.5, 1.0], [0.5, 0.5, 0.75, 1.0]]);
+        let texels = Texels { width: 2, height: 1, data };
+        assert_eq!(texels.pyramid(Weigh::Directions)[0].texel(0, 0), [0.75, 0.5, 0.75, 1.0], "x and z alike");
+    }
+}

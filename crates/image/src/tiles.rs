@@ -1,0 +1,392 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Textures that are larger than memory: cut into tiles on the disk, of which a fixed number is in memory at a time.
+//! Source: \[PKGH97\] (textures by tiles on demand), \[Boe12\] (reading under a version number); original. A texel is what it was, bit for
+//! bit: pictures do not change.
+//! * The tiles lie in a temporary file that has no name any more: nobody can change it, and it goes with the program.
+//! * Each tile has a place in its picture's list: the number of its slot in memory, or none. A reader looks up the slot, reads, and
+//!   looks whether the slot's version is still the same: no lock. Who does not find a tile reads it from the file into memory of its own,
+//!   and then waits for the one lock, to put it into the slot that was not read from for longest, about \[Cor68\].
+//! * A tile that cannot be read from the file any more is white; such reads are counted.
+//!
+//! Proof: `tests`; crates/render/tests/filtering.rs with many readers at once; crates/cli/tests/program/textures.rs for a scene's picture.
+
+use std::fmt;
+use std::fs::File;
+use std::io::{self, Write};
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering, fence};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::Error;
+
+/// Words of 64 bits that a tile has: 16 KiB.
+const WORDS: usize = 2048;
+const TILE_BYTES: usize = WORDS * 8;
+/// Tiles in memory at least, so that threads do not take them from each other while they are read.
+const LEAST_TILES: usize = 64;
+
+/// Tiles of textures: a part of them in memory, all of them in a temporary file. Clones share it.
+#[derive(Clone)]
+pub struct TileCache(Arc<Shared>);
+
+struct Shared {
+    file: File,
+    /// Where the next picture begins.
+    end: Mutex<u64>,
+    slots: Box<[Slot]>,
+    clock: Mutex<Clock>,
+    read: AtomicU64,
+    failed: AtomicU64,
+}
+
+/// A tile in memory.
+struct Slot {
+    /// Odd while it is written.
+    version: AtomicU32,
+    /// Whether it was read from since the hand passed.
+    was_read: AtomicBool,
+    words: Box<[AtomicU64]>,
+}
+
+/// Which slot is next, and whose tiles they hold.
+struct Clock {
+    hand: usize,
+    owners: Vec<Option<(Arc<Places>, usize)>>,
+}
+
+/// Where a picture's tiles are.
+struct Places {
+    /// In the file, of the first tile.
+    offset: u64,
+    /// Slot of each tile and 1, row by row; 0 = not in memory.
+    slots: Box<[AtomicU32]>,
+}
+
+/// A picture in tiles.
+#[derive(Clone)]
+pub(crate) struct Tiles {
+    cache: TileCache,
+    places: Arc<Places>,
+    /// Of a texel: 4, 8 or 16.
+    bytes: usize,
+    /// Tiles beside each other.
+    across: usize,
+}
+
+/// What a cache has done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TileCounts {
+    /// Bytes that the tiles in memory may take.
+    pub memory_bytes: u64,
+    /// Bytes of all tiles, in the file.
+    pub file_bytes: u64,
+    /// Tiles that were read from the file.
+    pub read: u64,
+    /// Reads that failed: their texels are white.
+    pub failed: u64,
+}
+
+/// Columns and rows of a tile of texels of so many bytes.
+#[inline]
+fn tile_size(bytes: usize) -> [usize; 2] {
+    match bytes {
+        4 => [64, 64],
+        8 => [64, 32],
+        _ => [32, 32],
+    }
+}
+
+impl TileCache {
+    /// A cache whose tiles take so many bytes of memory, about; a megabyte at least.
+    ///
+    /// # Errors
+    /// [`Error::File`] if the temporary folder takes no file.
+    pub fn new(memory_bytes: u64) -> Result<Self, Error> {
+        let file = tempfile::tempfile().map_err(|error| failure(&error))?;
+        let count = usize::try_from(memory_bytes / TILE_BYTES as u64).unwrap_or(usize::MAX);
+        let count = count.clamp(LEAST_TILES, u32::MAX as usize - 1);
+        let slot = || Slot {
+            version: AtomicU32::new(0),
+            was_read: AtomicBool::new(false),
+            words: (0..WORDS).map(|_| AtomicU64::new(0)).collect(),
+        };
+        Ok(Self(Arc::new(Shared {
+            file,
+            end: Mutex::new(0),
+            slots: (0..count).map(|_| slot()).collect(),
+            clock: Mutex::new(Clock { hand: 0, owners: vec![None; count] }),
+            read: AtomicU64::new(0),
+            failed: AtomicU64::new(0),
+        })))
+    }
+
+    /// What it has done so far.
+    #[must_use]
+    pub fn counts(&self) -> TileCounts {
+        TileCounts {
+            memory_bytes: (self.0.slots.len() * TILE_BYTES) as u64,
+            file_bytes: *self.0.end.lock().unwrap_or_else(PoisonError::into_inner),
+            read: self.0.read.load(Ordering::Relaxed),
+            failed: self.0.failed.load(Ordering::Relaxed),
+        }
+    }
+
+    /// Stores a picture whose texels have 4, 8 or 16 bytes; `push(y, columns, to)` appends those of some columns of row y.
+    pub(crate) fn store(
+        &self,
+        [width, height]: [usize; 2],
+        bytes: usize,
+        push: impl Fn(usize, Range<usize>, &mut Vec<u8>),
+    ) -> Result<Tiles, Error> {
+        let [columns, rows] = tile_size(bytes);
+        let (across, down) = (width.div_ceil(columns), height.div_ceil(rows));
+        // Where a thread died while it wrote, its bytes are no picture's.
+        let mut end = self.0.end.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut file = Appending { file: &self.0.file, at: *end };
+        let mut tile = Vec::with_capacity(TILE_BYTES);
+        for (ty, tx) in (0..down).flat_map(|ty| (0..across).map(move |tx| (ty, tx))) {
+            tile.clear();
+            for (k, y) in (ty * rows..height.min((ty + 1) * rows)).enumerate() {
+                push(y, tx * columns..width.min((tx + 1) * columns), &mut tile);
+                tile.resize((k + 1) * columns * bytes, 0);
+            }
+            tile.resize(TILE_BYTES, 0);
+            file.write_all(&tile).map_err(|error| failure(&error))?;
+        }
+        let slots = (0..across * down).map(|_| AtomicU32::new(0)).collect();
+        let places = Arc::new(Places { offset: *end, slots });
+        *end = file.at;
+        Ok(Tiles { cache: self.clone(), places, bytes, across })
+    }
+}
+
+fn failure(error: &io::Error) -> Error {
+    Error::file(&std::env::temp_dir(), "no temporary file for textures", error)
+}
+
+/// Writes at a place of a file that others read.
+struct Appending<'a> {
+    file: &'a File,
+    at: u64,
+}
+
+impl Write for Appending<'_> {
+    #[cfg(unix)]
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = std::os::unix::fs::FileExt::write_at(self.file, bytes, self.at)?;
+        self.at += written as u64;
+        Ok(written)
+    }
+
+    #[cfg(windows)]
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = std::os::windows::fs::FileExt::seek_write(self.file, bytes, self.at)?;
+        self.at += written as u64;
+        Ok(written)
+    }
+
+    #[cfg(not(any(unix, windows)))]
+    fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Reads a tile at a place of a file that others read.
+fn read_tile(file: &File, at: u64, bytes: &mut [u8]) -> io::Result<()> {
+    let mut done = 0;
+    while done < bytes.len() {
+        let (rest, at) = (&mut bytes[done..], at + done as u64);
+        #[cfg(unix)]
+        let read = std::os::unix::fs::FileExt::read_at(file, rest, at)?;
+        #[cfg(windows)]
+        let read = std::os::windows::fs::FileExt::seek_read(file, rest, at)?;
+        #[cfg(not(any(unix, windows)))]
+        let read = {
+            let _ = (file, rest, at);
+            0
+        };
+        if read == 0 {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        done += read;
+    }
+    Ok(())
+}
+
+impl Shared {
+    /// Words `first` and the one behind it, where two are wanted, of a tile.
+    fn words(&self, places: &Arc<Places>, tile: usize, first: usize, two: bool) -> [u64; 2] {
+        let place = &places.slots[tile];
+        let entry = place.load(Ordering::Acquire);
+        if entry != 0 {
+            let slot = &self.slots[entry as usize - 1];
+            let version = slot.version.load(Ordering::Acquire);
+            // If the slot is the tile's still, this version is of the tile.
+            if version.is_multiple_of(2) && place.load(Ordering::Acquire) == entry {
+                let word = |i: usize| slot.words[i].load(Ordering::Relaxed);
+                let found = [word(first), if two { word(first + 1) } else { 0 }];
+                fence(Ordering::Acquire);
+                if slot.version.load(Ordering::Relaxed) == version {
+                    if !slot.was_read.load(Ordering::Relaxed) {
+                        slot.was_read.store(true, Ordering::Relaxed);
+                    }
+                    return found;
+                }
+            }
+        }
+        self.fetch(places, tile, first)
+    }
+
+    /// The same for a tile that is not in memory: reads it, and finds it a slot.
+    #[cold]
+    fn fetch(&self, places: &Arc<Places>, tile: usize, first: usize) -> [u64; 2] {
+        let mut bytes = vec![0; TILE_BYTES];
+        self.read.fetch_add(1, Ordering::Relaxed);
+        if read_tile(&self.file, places.offset + (tile * TILE_BYTES) as u64, &mut bytes).is_err() {
+            self.failed.fetch_add(1, Ordering::Relaxed);
+            return [u64::MAX; 2];
+        }
+        let word = |i: usize| {
+            let bytes = bytes.get(i * 8..i * 8 + 8).and_then(|bytes| bytes.try_into().ok());
+            bytes.map_or(0, u64::from_le_bytes)
+        };
+        // A thread that died here has left a slot with an odd version, which nobody reads and the next one writes.
+        let mut clock = self.clock.lock().unwrap_or_else(PoisonError::into_inner);
+        if places.slots[tile].load(Ordering::Acquire) == 0 {
+            let number = self.victim(&mut clock);
+            let slot = &self.slots[number];
+            if let Some((before, tile)) = clock.owners[number].take() {
+                before.slots[tile].store(0, Ordering::Release);
+            }
+            let version = slot.version.load(Ordering::Relaxed) | 1;
+            slot.version.store(version, Ordering::Relaxed);
+            fence(Ordering::Release);
+            slot.words.iter().enumerate().for_each(|(i, to)| to.store(word(i), Ordering::Relaxed));
+            slot.version.store(version.wrapping_add(1), Ordering::Release);
+            slot.was_read.store(true, Ordering::Relaxed);
+            clock.owners[number] = Some((places.clone(), tile));
+            places.slots[tile].store(number as u32 + 1, Ordering::Release);
+        }
+        [word(first), word(first + 1)]
+    }
+
+    /// The next slot that was not read from since the hand passed it.
+    fn victim(&self, clock: &mut Clock) -> usize {
+        for _ in 0..2 * self.slots.len() {
+            let number = clock.hand;
+            clock.hand = (number + 1) % self.slots.len();
+            if !self.slots[number].was_read.swap(false, Ordering::Relaxed) {
+                return number;
+            }
+        }
+        clock.hand
+    }
+}
+
+impl Tiles {
+    /// The cache that they are in.
+    pub(crate) fn cache(&self) -> &TileCache {
+        &self.cache
+    }
+
+    /// The bytes of a texel, the first in the lowest place; all ones if they are lost.
+    #[inline]
+    pub(crate) fn texel(&self, column: usize, row: usize) -> [u64; 2] {
+        let [columns, rows] = tile_size(self.bytes);
+        let tile = row / rows * self.across + column / columns;
+        let at = (row % rows * columns + column % columns) * self.bytes;
+        let found = self.cache.0.words(&self.places, tile, at / 8, self.bytes == 16);
+        if at % 8 == 4 { [found[0] >> 32, 0] } else { found }
+    }
+
+    /// Bytes that they take beside their share of the cache.
+    pub(crate) fn memory_bytes(&self) -> usize {
+        size_of_val(&self.places.slots[..])
+    }
+}
+
+/// Tiles are the same if they are the same ones.
+impl PartialEq for Tiles {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.places, &other.places)
+    }
+}
+
+impl PartialEq for TileCache {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl Eq for TileCache {}
+
+impl fmt::Debug for TileCache {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("TileCache").field(&self.counts()).finish()
+    }
+}
+
+impl fmt::Debug for Tiles {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Tiles").field("bytes", &self.bytes).field("tiles", &self.places.slots.len()).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{TexelData, Texels, Weigh};
+
+    /// A picture whose texels all differ, in one of the forms.
+    fn picture(form: usize, width: u32, height: u32) -> Texels {
+        let all = 0..width * height;
+        let mixed = |i: u32| i.wrapping_mul(0x9e37_79b9) ^ (i << 7);
+        let data = match form {
+            0 => TexelData::Srgb8(all.map(|i| mixed(i).to_le_bytes()).collect()),
+            1 => TexelData::Linear8(all.map(|i| mixed(i).to_le_bytes()).collect()),
+            2 => TexelData::Linear16(all.map(|i| [mixed(i) as u16, i as u16, 7, (i >> 3) as u16]).collect()),
+            _ => TexelData::Float(all.map(|i| [i as f32, 0.1 * i as f32, -1.0, mixed(i) as f32]).collect()),
+        };
+        Texels { width, height, data }
+    }
+
+    #[test]
+    fn texels_are_what_they_were() {
+        let cache = TileCache::new(0).expect("a file");
+        for form in 0..4 {
+            for (width, height) in [(1, 1), (64, 64), (65, 33), (200, 131)] {
+                let plain = picture(form, width, height);
+                let tiled = cache.keep(plain.clone()).expect("room on the disk");
+                for (x, y) in (0..height as usize).flat_map(|y| (0..width as usize).map(move |x| (x, y))) {
+                    assert_eq!(
+                        tiled.texel(x, y),
+                        plain.texel(x, y),
+                        "form {form}, {width} x {height} at {x}, {y}"
+                    );
+                }
+                assert_eq!(tiled.clone().resident().data, plain.data, "back in memory");
+                let levels = tiled.pyramid(Weigh::Alike);
+                for (tiled, plain) in levels.into_iter().zip(plain.pyramid(Weigh::Alike)) {
+                    assert!(matches!(tiled.data, TexelData::Tiled(..)), "smaller copies are in tiles, too");
+                    assert_eq!(tiled.resident().data, plain.data, "and the same");
+                }
+            }
+        }
+        assert_eq!(cache.counts().failed, 0);
+    }
+
+    #[test]
+    fn what_is_lost_is_white_and_counted() {
+        for form in 0..4 {
+            let cache = TileCache::new(0).expect("a file");
+            let tiled = cache.keep(picture(form, 100, 100)).expect("room on the disk");
+            cache.0.file.set_len(0).expect("a shorter file");
+            assert_eq!(tiled.texel(70, 70), [1.0; 4], "form {form}");
+            assert_eq!(cache.counts().failed, 1, "counted");
+        }
+    }
+}

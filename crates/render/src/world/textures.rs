@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Readers of a description's textures, and their smaller copies: one set for each picture, whoever shows it.
+//! Source: original. Invariant: the same picture has the same copies as long as anybody has a reader of it, so that readers can be
+//! compared, and what an edit does not touch is not made again. Proof: crates/render/tests/{commit,filtering}.rs.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex};
+
+use gnurt_image::{Texels, Weigh};
+use gnurt_scene::material::TextureRef;
+use gnurt_scene::texture::{Filter, Wrap};
+use gnurt_scene::{Scene, TextureId};
+use gnurt_shading::mipmap::{Minify, MipMap};
+use gnurt_shading::texture::{TextureSampler, Wrap as SamplerWrap};
+
+/// Smaller copies by the addresses of pictures.
+type ByPicture = HashMap<(usize, Weigh), Arc<MipMap>>;
+
+/// Smaller copies by pictures; worlds that are committed from each other share it.
+#[derive(Clone, Default)]
+pub(crate) struct Textures {
+    /// Each holds its picture, whose address is its key, so that no other picture can have that.
+    mips: Arc<Mutex<ByPicture>>,
+}
+
+/// A description's textures as one of its materials reads them.
+#[derive(Clone, Copy)]
+pub(super) struct Reading<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) textures: &'a Textures,
+    /// Whose opacity says where the material is not there: its colours count by that.
+    pub(super) holes: Option<TextureId>,
+}
+
+impl Reading<'_> {
+    /// A reader under the material's transform, that takes the mean over what a ray stands for.
+    pub(super) fn sampler(&self, reference: &TextureRef, weigh: Weigh) -> TextureSampler {
+        let sharp = sharp(self.scene, reference);
+        TextureSampler { minify: Some((Minify::Ellipse, self.textures.mips(&sharp.texels, weigh))), ..sharp }
+    }
+
+    /// The same of a texture of colours.
+    pub(super) fn colors(&self, reference: &TextureRef) -> TextureSampler {
+        let has_holes = self.holes == Some(reference.texture);
+        self.sampler(reference, if has_holes { Weigh::ByOpacity } else { Weigh::Alike })
+    }
+}
+
+/// A reader that takes no means: what it shows hangs on coordinates alone.
+pub(super) fn sharp(scene: &Scene, reference: &TextureRef) -> TextureSampler {
+    let texture = scene.texture(reference.texture);
+    TextureSampler {
+        minify: None,
+        texels: texture.texels.clone(),
+        wrap: texture.wrap.map(|wrap| match wrap {
+            Wrap::Repeat => SamplerWrap::Repeat,
+            Wrap::MirroredRepeat => SamplerWrap::Mirror,
+            Wrap::ClampToEdge => SamplerWrap::Clamp,
+        }),
+        linear: texture.filter == Filter::Linear,
+        uv_from_mesh: reference.uv_from_mesh,
+    }
+}
+
+impl Textures {
+    /// Smaller copies of a picture; they are made when a ray first wants one.
+    fn mips(&self, texels: &Arc<Texels>, weigh: Weigh) -> Arc<MipMap> {
+        let made = || Arc::new(MipMap::weighed(texels.clone(), weigh));
+        // Where a thread has died, nothing is shared.
+        let Ok(mut mips) = self.mips.lock() else { return made() };
+        mips.entry((Arc::as_ptr(texels).addr(), weigh)).or_insert_with(made).clone()
+    }
+
+    /// Forgets the copies that nobody reads.
+    pub(super) fn tidy(&self) {
+        if let Ok(mut mips) = self.mips.lock() {
+            mips.retain(|_, mips| Arc::strong_count(mips) > 1);
+        }
+    }
+}
