@@ -28,6 +28,7 @@ pub(crate) fn floor(count: usize) -> SurfaceBatch {
         prim_id: vec![0; count],
         geom_id: vec![0; count],
         inst_id: vec![0; count],
+        leaf_id: vec![0; count],
         key: vec![SampleKey::default(); count],
         u: vec![0.0; count],
         v: vec![0.0; count],
