@@ -18,7 +18,8 @@ const LARGE: usize = 16 << 10;
 /// Ranges begin and end at multiples of this.
 const GRAIN: usize = 4 << 10;
 /// Lengths of the file that are tried, in bytes; blocks are taken only as arrays are.
-const LENGTHS: [usize; 3] = [1 << 42, 1 << 38, 1 << 34];
+#[cfg(target_os = "linux")]
+const LENGTHS: [u64; 4] = [1 << 42, 1 << 38, 1 << 34, 1 << 30];
 
 /// A global allocator: the system's, until [`page_to`](Self::page_to) puts large arrays into a file.
 ///
@@ -230,7 +231,8 @@ fn mapped(folder: &Path) -> io::Result<(File, usize, usize)> {
     let file = tempfile::tempfile_in(folder)?;
     let mut error = io::Error::other("no room");
     for length in LENGTHS {
-        if let Err(why) = file.set_len(length as u64) {
+        let Ok(bytes) = usize::try_from(length) else { continue };
+        if let Err(why) = file.set_len(length) {
             error = why;
             continue;
         }
@@ -238,8 +240,8 @@ fn mapped(folder: &Path) -> io::Result<(File, usize, usize)> {
         take_blocks(&file, 0, GRAIN)?;
         let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED | MapFlags::NORESERVE);
         // SAFETY: the system chooses a place where nothing else is; the file is ours alone, for it has no name.
-        match unsafe { mmap(std::ptr::null_mut(), length, access, flags, &file, 0) } {
-            Ok(base) => return Ok((file, base as usize, length)),
+        match unsafe { mmap(std::ptr::null_mut(), bytes, access, flags, &file, 0) } {
+            Ok(base) => return Ok((file, base as usize, bytes)),
             Err(why) => error = why.into(),
         }
     }
