@@ -166,6 +166,7 @@ fn failure(error: &io::Error) -> Error {
 
 /// Writes at a place of a file that others read.
 struct Appending<'a> {
+    #[cfg_attr(not(any(unix, windows)), expect(dead_code, reason = "files have no places there"))]
     file: &'a File,
     at: u64,
 }
