@@ -6,8 +6,8 @@
 //! Proof: `tests::both_hit_the_same`.
 
 use gnurt::accel::{
-    BuildOptions, Coherence, HitBatch, INVALID_ID, MovingTriangles, ObjectTree, Query, RayBatch, Record,
-    Threads, TreeStats,
+    BuildOptions, Coherence, HitBatch, MovingTriangles, ObjectTree, Query, RayBatch, Record, Threads,
+    TreeStats,
 };
 use gnurt::simd::Level;
 
@@ -15,10 +15,11 @@ use crate::clock::{process_seconds, thread_seconds};
 use crate::dynamic::deformed;
 use crate::embree::EmbreeLibrary;
 use crate::error::Error;
-use crate::ffi_embree::{Active, Arguments, Packet, Scene};
+use crate::ffi_embree::Scene;
 use crate::random::Random;
 use crate::ray_classes::{Class, RayMaker};
 use crate::row::median;
+use crate::single::{agree, closest, hit_count};
 use crate::subject::Subject;
 
 /// One measurement.
@@ -40,9 +41,6 @@ pub struct BlurRow {
 
 /// Embree's flags: none, and RTC_SCENE_FLAG_ROBUST.
 const RIVALS: [(&str, i32); 2] = [("embree4", 0), ("embree4 robust", 4)];
-
-/// What is found: triangles and distances.
-type Found = Vec<(u32, f32)>;
 
 enum Engine<'a> {
     Ours(Box<ObjectTree>),
@@ -97,19 +95,22 @@ pub fn run(
         }
         let rays: usize = batches.iter().map(RayBatch::len).sum();
         let mut seconds = vec![Vec::new(); engines.len()];
-        let mut found: Vec<Found> = vec![Vec::new(); engines.len()];
+        let mut found = vec![vec![HitBatch::default(); batches.len()]; engines.len()];
         for round in 0..rounds {
             for turn in 0..engines.len() {
                 let i = (turn + round) % engines.len();
-                found[i].clear();
                 let before = thread_seconds();
-                ask(&engines[i].1, &batches, &mut found[i]);
+                for (rays, hits) in batches.iter().zip(&mut found[i]) {
+                    ask(&engines[i].1, rays, hits);
+                }
                 seconds[i].push(thread_seconds() - before);
             }
         }
         for (i, (name, engine, build_seconds)) in engines.iter().enumerate() {
             if let (Engine::Theirs(_), Some(library)) = (engine, embree) {
-                compare(&found[0], &found[i]).map_err(|why| library.failed(format!("{name}: {why}")))?;
+                for (ours, theirs) in found[0].iter().zip(&found[i]) {
+                    agree(ours, theirs, 1e-3, 200).map_err(|why| library.failed(format!("{name}: {why}")))?;
+                }
             }
             let bytes = |stats: TreeStats| stats.tree_bytes + stats.primitive_bytes;
             rows.push(BlurRow {
@@ -121,7 +122,7 @@ pub fn run(
                     Engine::Ours(tree) => Some(bytes(tree.stats())),
                     Engine::Theirs(_) => None,
                 },
-                hits: found[i].iter().filter(|(id, _)| *id != INVALID_ID).count(),
+                hits: found[i].iter().map(hit_count).sum(),
             });
         }
     }
@@ -129,60 +130,24 @@ pub fn run(
 }
 
 /// Closest hits, ray by ray.
-fn ask(engine: &Engine, batches: &[RayBatch], found: &mut Found) {
+fn ask(engine: &Engine, rays: &RayBatch, hits: &mut HitBatch) {
     match engine {
         Engine::Ours(tree) => {
             let query = Query { coherence: Coherence::Incoherent, ..Query::default() };
-            let mut hits = HitBatch::default();
-            for batch in batches {
-                tree.intersect_batch(&query, batch, &mut hits, &mut Record::default());
-                found.extend(hits.prim_id.iter().copied().zip(hits.t.iter().copied()));
-            }
+            tree.intersect_batch(&query, rays, hits, &mut Record::default());
         }
-        Engine::Theirs(scene) => {
-            let (arguments, active) = (Arguments::new(false), Active([-1; 1]));
-            let mut packet = Packet::<1>::new();
-            for batch in batches {
-                for i in 0..batch.len() {
-                    for k in 0..3 {
-                        (packet.org[k], packet.dir[k]) = ([batch.org[k][i]], [batch.dir[k][i]]);
-                    }
-                    (packet.t_near, packet.t_far) = ([batch.t_near[i]], [batch.t_far[i]]);
-                    (packet.time, packet.geom_id) = ([batch.time[i]], [INVALID_ID]);
-                    scene.intersect(&active, &mut packet, &arguments);
-                    found.push(match packet.geom_id[0] {
-                        INVALID_ID => (INVALID_ID, f32::INFINITY),
-                        _ => (packet.prim_id[0], packet.t_far[0]),
-                    });
-                }
-            }
-        }
-    }
-}
-
-/// Whether both found the same, but for one ray in two hundred: arithmetic differs, and neighbours meet at edges.
-fn compare(ours: &Found, theirs: &Found) -> Result<(), String> {
-    let differs = |((_, t), (_, other)): (&(u32, f32), &(u32, f32))| {
-        let near = t == other || (t - other).abs() <= 1e-3 * t.abs().max(1e-3);
-        !near
-    };
-    let wrong = ours.iter().zip(theirs).filter(|&pair| differs(pair)).count();
-    match wrong * 200 > theirs.len() {
-        true => Err(format!("{wrong} of {} rays hit something else than ours", theirs.len())),
-        false => Ok(()),
+        Engine::Theirs(scene) => closest(scene, rays, hits),
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
+    use crate::embree::embree_of_tests;
 
     #[test]
     fn both_hit_the_same() {
-        let file = std::env::var_os("EMBREE4_LIB");
-        let library = file.map(|file| EmbreeLibrary::open(Path::new(&file)).expect("Embree 4"));
+        let library = embree_of_tests();
         let scene = gnurt::load_scene("builtin:materials").expect("it is built in").scene;
         let subject = Subject::new("materials", &scene);
         for keys in [2, 4] {

@@ -8,8 +8,8 @@
 use std::sync::Arc;
 
 use gnurt::accel::{
-    BuildOptions, Coherence, HitBatch, INVALID_ID, Instance, MotionPath, ObjectTree, Query, Record,
-    SceneTree, Threads, Triangles,
+    BuildOptions, Coherence, HitBatch, Instance, MotionPath, ObjectTree, Query, Record, SceneTree, Threads,
+    Triangles,
 };
 use gnurt::simd::Level;
 
@@ -21,7 +21,8 @@ use crate::ffi_embree::Scene;
 use crate::ffi_instances::{Instances, Turned};
 use crate::random::Random;
 use crate::row::median;
-use crate::top::{ball, closest, rays};
+use crate::single::{agree, closest, hit_count};
+use crate::top::{ball, rays};
 
 /// A way: its size, and angle and place at both ends of the time.
 struct Way {
@@ -100,7 +101,7 @@ pub fn run(
     let query = Query { coherence: Coherence::Incoherent, ..Query::default() };
     let mut seconds = vec![Vec::new(); 3];
     let mut hits = [HitBatch::default(), HitBatch::default()];
-    let mut found = Vec::new();
+    let mut found = HitBatch::default();
     for _ in 0..rounds {
         for (i, (_, scene, _)) in ours.iter().enumerate() {
             let before = thread_seconds();
@@ -109,12 +110,12 @@ pub fn run(
         }
         if let Some((theirs, _)) = &theirs {
             let before = thread_seconds();
-            found = closest(&theirs.scene, &batch);
+            closest(&theirs.scene, &batch, &mut found);
             seconds[2].push(thread_seconds() - before);
         }
     }
     if let (Some(_), Some(library)) = (&theirs, embree) {
-        compare(&hits[0], &found).map_err(|e| library.failed(e))?;
+        agree(&hits[0], &found, 1e-4, 200).map_err(|e| library.failed(e))?;
     }
     let row = |engine, i: usize, build_seconds, bytes, hits| BlurRow {
         class: "across",
@@ -127,40 +128,23 @@ pub fn run(
     let mut rows: Vec<BlurRow> = Vec::new();
     for (i, (name, scene, build_seconds)) in ours.iter().enumerate() {
         let stats = scene.stats();
-        let count = hits[i].prim_id.iter().filter(|&&id| id != INVALID_ID).count();
-        rows.push(row(name, i, *build_seconds, Some(stats.tree_bytes + stats.primitive_bytes), count));
+        let bytes = stats.tree_bytes + stats.primitive_bytes;
+        rows.push(row(name, i, *build_seconds, Some(bytes), hit_count(&hits[i])));
     }
     if let Some((_, build_seconds)) = &theirs {
-        let count = found.iter().filter(|(id, _)| *id != INVALID_ID).count();
-        rows.push(row("embree4", 2, *build_seconds, None, count));
+        rows.push(row("embree4", 2, *build_seconds, None, hit_count(&found)));
     }
     Ok(rows)
 }
 
-/// Whether both found the same, but for one ray in two hundred: Embree's default test is not watertight, and its arithmetic
-/// another one.
-fn compare(ours: &HitBatch, theirs: &[(u32, f32)]) -> Result<(), String> {
-    let differs = |&(i, &(inst_id, t)): &(usize, &(u32, f32))| {
-        let near = ours.t[i] == t || (ours.t[i] - t).abs() < 1e-4;
-        !near || ours.inst_id[i] != inst_id
-    };
-    let wrong = theirs.iter().enumerate().filter(differs).count();
-    match wrong * 200 > theirs.len() {
-        true => Err(format!("{wrong} of {} rays hit other instances than ours", theirs.len())),
-        false => Ok(()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
+    use crate::embree::embree_of_tests;
 
     #[test]
     fn both_hit_the_same() {
-        let file = std::env::var_os("EMBREE4_LIB");
-        let library = file.map(|file| EmbreeLibrary::open(Path::new(&file)).expect("Embree 4"));
+        let library = embree_of_tests();
         let rows = run(300, 2.0, 1, library.as_ref()).expect("they agree");
         assert_eq!(rows.len(), if library.is_some() { 3 } else { 2 }, "{rows:?}");
         assert!(rows.iter().all(|row| row.hits > 10_000), "{rows:?}");

@@ -159,6 +159,16 @@ fn any<const N: usize>(scene: &Scene, arguments: &Arguments, rays: &RayBatch, an
     }
 }
 
+/// The library that `EMBREE4_LIB` names, for tests; without it they say that they are skipped.
+#[cfg(test)]
+pub(crate) fn embree_of_tests() -> Option<EmbreeLibrary> {
+    let Some(file) = std::env::var_os("EMBREE4_LIB") else {
+        eprintln!("skipped: EMBREE4_LIB names no library of Embree 4");
+        return None;
+    };
+    Some(EmbreeLibrary::open(Path::new(&file)).expect("Embree 4"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -176,11 +186,7 @@ mod tests {
 
     #[test]
     fn finds_the_triangle() {
-        let Some(file) = std::env::var_os("EMBREE4_LIB") else {
-            eprintln!("skipped: EMBREE4_LIB names no library of Embree 4");
-            return;
-        };
-        let library = EmbreeLibrary::open(Path::new(&file)).expect("Embree 4");
+        let Some(library) = embree_of_tests() else { return };
         let device = library.device(Level::best(), 0).expect("a device");
         let padded = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0; 3]];
         for kind in EmbreeKind::ALL {

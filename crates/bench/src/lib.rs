@@ -45,6 +45,7 @@ mod ray_classes;
 pub mod rays;
 pub mod record;
 mod row;
+mod single;
 pub mod stadium;
 mod subject;
 pub mod table;

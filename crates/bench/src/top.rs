@@ -11,8 +11,8 @@ use std::time::Instant;
 
 use gnurt::ThreadPool;
 use gnurt::accel::{
-    BuildOptions, Coherence, HitBatch, INVALID_ID, Instance, ObjectTree, Query, Ray, RayBatch, Record,
-    SceneTree, Threads, Triangles,
+    BuildOptions, Coherence, HitBatch, Instance, ObjectTree, Query, Ray, RayBatch, Record, SceneTree,
+    Threads, Triangles,
 };
 use gnurt::simd::Level;
 
@@ -20,10 +20,11 @@ use crate::clock::process_seconds;
 use crate::dynamic_row::DynamicRow;
 use crate::embree::EmbreeLibrary;
 use crate::error::Error;
-use crate::ffi_embree::{Active, Arguments, Packet, Scene};
+use crate::ffi_embree::Scene;
 use crate::ffi_instances::Instances;
 use crate::random::Random;
 use crate::row::median;
+use crate::single::{agree, closest, hit_count};
 
 /// One measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,20 +155,19 @@ pub fn run(
         if threads == 1 {
             updated.insert(0, (BUILD, scene));
             let query = Query { coherence: Coherence::Incoherent, ..Query::default() };
-            let mut hits = HitBatch::default();
+            let (mut hits, mut found) = (HitBatch::default(), HitBatch::default());
             for _ in 0..rounds {
                 for (what, tree) in &updated {
                     let ask = || tree.intersect_batch(&query, &rays, &mut hits, &mut Record::default());
                     traces.time(what, "gnurt", 1, ask);
                     let stats = tree.stats();
-                    let (hit, bytes) = (hits.inst_id.iter(), stats.tree_bytes + stats.primitive_bytes);
-                    let hit = hit.filter(|&&instance| instance != INVALID_ID).count() as u64;
-                    traces.note(what, "gnurt", hit, Some(bytes));
+                    let bytes = stats.tree_bytes + stats.primitive_bytes;
+                    traces.note(what, "gnurt", hit_count(&hits) as u64, Some(bytes));
                     if let (BUILD, Some(theirs), Some(library)) = (*what, &theirs, embree) {
-                        let found = traces.time(BUILD, "embree4", 1, || closest(&theirs.scene, &rays));
-                        compare(&hits, &found).map_err(|e| library.failed(e))?;
-                        let hit = found.iter().filter(|(instance, _)| *instance != INVALID_ID).count();
-                        traces.note(BUILD, "embree4", hit as u64, None);
+                        let ask = || closest(&theirs.scene, &rays, &mut found);
+                        traces.time(BUILD, "embree4", 1, ask);
+                        agree(&hits, &found, 1e-4, 1000).map_err(|e| library.failed(e))?;
+                        traces.note(BUILD, "embree4", hit_count(&found) as u64, None);
                     }
                 }
             }
@@ -197,40 +197,6 @@ pub(crate) fn rays(random: &mut Random, spread: f32) -> RayBatch {
             Ray::new(from, [0, 1, 2].map(|k: usize| to[k] - from[k]))
         })
         .collect()
-}
-
-/// Instances and distances of the closest hits.
-pub(crate) fn closest(scene: &Scene, rays: &RayBatch) -> Vec<(u32, f32)> {
-    let (arguments, active) = (Arguments::new(false), Active([-1; 1]));
-    let mut packet = Packet::<1>::new();
-    let ask = |i: usize| {
-        let ray = rays.get(i);
-        for k in 0..3 {
-            (packet.org[k], packet.dir[k]) = ([ray.org[k]], [ray.dir[k]]);
-        }
-        (packet.t_near, packet.t_far) = ([ray.t_near], [ray.t_far]);
-        (packet.time, packet.geom_id, packet.inst_id) = ([ray.time], [INVALID_ID], [INVALID_ID]);
-        scene.intersect(&active, &mut packet, &arguments);
-        match packet.geom_id[0] {
-            INVALID_ID => (INVALID_ID, f32::INFINITY),
-            _ => (packet.inst_id[0], packet.t_far[0]),
-        }
-    };
-    (0..rays.len()).map(ask).collect()
-}
-
-/// Whether both found the same, but for one ray in a thousand: Embree's default test is not watertight, and its arithmetic
-/// another one.
-fn compare(ours: &HitBatch, theirs: &[(u32, f32)]) -> Result<(), String> {
-    let differs = |(i, &(inst_id, t)): (usize, &(u32, f32))| {
-        let near = ours.t[i] == t || (ours.t[i] - t).abs() < 1e-4;
-        !near || ours.inst_id[i] != inst_id
-    };
-    let wrong = theirs.iter().enumerate().filter(|&pair| differs(pair)).count();
-    match wrong * 1000 > theirs.len() {
-        true => Err(format!("{wrong} of {} rays hit other instances than ours", theirs.len())),
-        false => Ok(()),
-    }
 }
 
 /// What is measured: processor and wall milliseconds of all runs.
@@ -279,14 +245,12 @@ impl Table {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
     use super::*;
+    use crate::embree::embree_of_tests;
 
     #[test]
     fn both_hit_the_same() {
-        let file = std::env::var_os("EMBREE4_LIB");
-        let library = file.map(|file| EmbreeLibrary::open(Path::new(&file)).expect("Embree 4"));
+        let library = embree_of_tests();
         let pool = gnurt::thread_pool(2).expect("threads start");
         let rows = run(3000, 1, library.as_ref(), &pool).expect("they agree");
         let engines = if library.is_some() { 2 } else { 1 };
