@@ -17,6 +17,15 @@ use crate::trees::{Trees, ask};
 /// Points that are asked for between two looks for Ctrl-C.
 const POINTS: usize = 1 << 16;
 
+/// Which hits of a ray are listed.
+#[derive(Clone, Copy)]
+pub(crate) enum Which {
+    /// The nearest, so many of them, on each triangle that the ray touches.
+    First(usize),
+    /// One for each crossing.
+    Crossed,
+}
+
 /// A scene that is asked, and who works.
 pub(crate) struct Asked {
     pub(crate) trees: Arc<Trees>,
@@ -93,7 +102,7 @@ impl Asked {
         answers.done_as("bool")
     }
 
-    pub(crate) fn all_hits(self, py: Python<'_>, rays: &Rays, most: usize) -> PyResult<AllHits> {
+    pub(crate) fn all_hits(self, py: Python<'_>, rays: &Rays, which: Which) -> PyResult<AllHits> {
         let mut splits = vec![0i64];
         let mut all: Vec<Hit> = Vec::new();
         for range in rays.blocks() {
@@ -102,7 +111,15 @@ impl Asked {
                 let of = |part: &[Ray64]| {
                     let (mut hits, mut counts, mut one) = (Vec::new(), Vec::new(), Vec::new());
                     for ray in part {
-                        ask!(self.trees, tree => tree.first_hits(&Query::default(), ray, most, &mut one));
+                        let query = Query::default();
+                        match which {
+                            Which::First(most) => {
+                                ask!(self.trees, tree => tree.first_hits(&query, ray, most, &mut one));
+                            }
+                            Which::Crossed => {
+                                ask!(self.trees, tree => tree.crossing_hits(&query, ray, &mut one));
+                            }
+                        }
                         hits.extend_from_slice(&one);
                         counts.push(one.len() as i64);
                     }

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
-use crate::answers::Asked;
+use crate::answers::{Asked, Which};
 use crate::arrays::{Numbers, transform};
 use crate::hits::{AllHits, Hits};
 use crate::meshes::{Mesh, Placed};
@@ -251,7 +251,21 @@ impl RayScene {
     ) -> PyResult<AllHits> {
         let py = origins.py();
         let rays = Rays::new(origins, directions, t_near, t_far)?;
-        self.asked(py, threads)?.all_hits(py, &rays, max_hits.unwrap_or(usize::MAX))
+        self.asked(py, threads)?.all_hits(py, &rays, Which::First(max_hits.unwrap_or(usize::MAX)))
+    }
+
+    #[pyo3(signature = (origins, directions, t_near=None, t_far=None, *, threads=0))]
+    fn crossing_hits(
+        &self,
+        py: Python<'_>,
+        origins: Object,
+        directions: Object,
+        t_near: Option<Object>,
+        t_far: Option<Object>,
+        threads: usize,
+    ) -> PyResult<AllHits> {
+        let rays = Rays::new(origins, directions, t_near, t_far)?;
+        self.asked(py, threads)?.all_hits(py, &rays, Which::Crossed)
     }
 
     #[pyo3(signature = (origins, directions, t_near=None, t_far=None, *, threads=0))]

@@ -55,6 +55,8 @@ def test_open3d(rays):
     assert np.allclose((1 - u - v) * a + u * b + v * c, near["points"][0])
     assert np.isnan(gnurt.open3d.RaycastingScene().compute_closest_points(points)["points"]).all()
     assert scene.list_intersections(picture)["ray_splits"].shape == (49,)
+    diagonal = scene.list_intersections(np.float32([[0.5, 0.5, -1, 0, 0, 1]]))
+    assert np.allclose(diagonal["t_hit"], [1, 2]), "once, where two triangles meet"
 
 
 def test_igl():

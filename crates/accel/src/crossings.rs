@@ -5,8 +5,9 @@
 
 use crate::surfaces::Seen;
 use crate::target::Target;
-use crate::{AnyRay, Query, Ray};
+use crate::{AnyRay, Hit, Query, Ray, UserGeometry, UserHit};
 use gnurt_accel_core::exact::{Line, Triangle};
+use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::{LineRegion, Region};
 
@@ -34,15 +35,12 @@ impl Crossed {
                 }
             }
             Primitive::Sphere(center, radius) => {
-                let count = seen.line().map_or(0, |line| through_sphere(line, *center, *radius));
-                self.others.push((seen.slot, count));
+                let count = seen.line().map_or(0, |line| through_sphere(line, *center, *radius).count());
+                self.others.push((seen.slot, count as u32));
             }
             Primitive::User(user, prim_id) => {
                 let mut count = 0;
-                if let Some(ray) = seen.line().map(ray_of).filter(Ray::is_sound) {
-                    let is_in = |t: f32| t >= ray.t_near && t <= ray.t_far;
-                    user.intersect(*prim_id, &ray, &mut |hit| count += u32::from(is_in(hit.t)));
-                }
+                through_user(seen, *user, *prim_id, &mut |_| count += 1);
                 self.others.push((seen.slot, count));
             }
         }
@@ -61,17 +59,57 @@ impl Crossed {
 
 /// How often a ray crosses what it sees.
 pub(crate) fn count(target: Target, query: &Query, ray: &dyn AnyRay, crossed: &mut Crossed) -> u32 {
+    crossed.clear();
+    show(target, query, ray, &mut |line, seen| crossed.take(line, seen));
+    crossed.finish();
+    crossed.count()
+}
+
+/// What [`count`] counts, in the order in which the ray meets it; of what is crossed at one place the lowest ids first.
+pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut Vec<Hit>) {
+    let (mut met, mut others): (Vec<Nearest>, Vec<Nearest>) = Default::default();
+    show(target, query, ray, &mut |line, seen| {
+        let (slot, number) = (seen.slot, seen.number);
+        let at = |t: f64, u: f64, v: f64| {
+            let [t, u, v] = [t, u, v].map(|x| x as f32);
+            Nearest { t, u, v, number, slot }
+        };
+        match &seen.primitive {
+            Primitive::Triangle(corners) => {
+                let triangle = Triangle::new(corners, seen.place);
+                if line.crosses(&triangle).is_some() {
+                    let [t, u, v] = line.meeting(&triangle);
+                    met.push(at(t, u, v));
+                }
+            }
+            Primitive::Sphere(center, radius) => {
+                let through = seen.line().into_iter().flat_map(|line| through_sphere(line, *center, *radius));
+                others.extend(through.map(|t| at(t, 0.0, 0.0)));
+            }
+            Primitive::User(user, prim_id) => through_user(seen, *user, *prim_id, &mut |hit| {
+                others.push(at(f64::from(hit.t), f64::from(hit.u), f64::from(hit.v)));
+            }),
+        }
+    });
+    // Triangles may be shown twice; spheres and user geometry are not, and may be crossed twice at one place.
+    met.sort_unstable_by_key(|hit| (hit.slot, hit.number));
+    met.dedup_by_key(|hit| (hit.slot, hit.number));
+    met.append(&mut others);
+    met.sort_by(|a, b| a.t.total_cmp(&b.t).then_with(|| (a.slot, a.number).cmp(&(b.slot, b.number))));
+    hits.clear();
+    hits.extend(met.iter().map(|nearest| target.hit(nearest)));
+}
+
+/// Shows what a ray may cross; nothing if it is no ray.
+fn show(target: Target, query: &Query, ray: &dyn AnyRay, visit: &mut dyn FnMut(&Line, &Seen)) {
     let rounded = ray.rounded();
     if !rounded.is_sound() {
-        return 0;
+        return;
     }
     let org = ray.origin64().unwrap_or_else(|| rounded.org.map(f64::from));
     let ends = [rounded.t_near, rounded.t_far].map(f64::from);
     let line = Line::new(org, rounded.dir.map(f64::from), ends[0], ends[1]);
-    crossed.clear();
-    target.show(&Region::line(&line), query.mask & rounded.mask, &mut |seen| crossed.take(&line, seen));
-    crossed.finish();
-    crossed.count()
+    target.show(&Region::line(&line), query.mask & rounded.mask, &mut |seen| visit(&line, seen));
 }
 
 /// In floats, for the caller's own geometry.
@@ -80,8 +118,20 @@ fn ray_of(line: &LineRegion) -> Ray {
     Ray::new(org.map(|x| x as f32), dir.map(|x| x as f32)).within(*near as f32, *far as f32)
 }
 
-/// How often a line crosses a sphere between its ends; touching is no crossing.
-fn through_sphere(line: &LineRegion, center: [f32; 3], radius: f32) -> u32 {
+/// Shows what a line meets of user geometry between its ends.
+fn through_user(seen: &Seen, user: &dyn UserGeometry, prim_id: u32, visit: &mut dyn FnMut(&UserHit)) {
+    if let Some(ray) = seen.line().map(ray_of).filter(Ray::is_sound) {
+        let is_in = |t: f32| t >= ray.t_near && t <= ray.t_far;
+        user.intersect(prim_id, &ray, &mut |hit| {
+            if is_in(hit.t) {
+                visit(&hit)
+            }
+        });
+    }
+}
+
+/// Where a line crosses a sphere between its ends; touching is no crossing.
+fn through_sphere(line: &LineRegion, center: [f32; 3], radius: f32) -> impl Iterator<Item = f64> + use<> {
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let to = [0, 1, 2].map(|k| f64::from(center[k]) - line.org[k]);
     let square = dot(line.dir, line.dir);
@@ -89,14 +139,13 @@ fn through_sphere(line: &LineRegion, center: [f32; 3], radius: f32) -> u32 {
     let beside = [0, 1, 2].map(|k| to[k] - middle * line.dir[k]);
     let radius = f64::from(radius);
     let half = ((radius * radius - dot(beside, beside)) / square).sqrt();
-    // NaN: it passes beside.
-    if half.is_nan() || half <= 0.0 {
-        return 0;
-    }
     // The root that does not cancel, and the other one by their product.
     let away = dot(to, to).sqrt();
     let product = (away - radius) * (away + radius) / square;
     let large = middle + half.copysign(middle);
     let small = product / large;
-    [large, small].iter().map(|&t| u32::from(t >= line.near && t <= line.far)).sum()
+    let (near, far) = (line.near, line.far);
+    // NaN: it passes beside.
+    let is_crossed = half > 0.0;
+    [large, small].into_iter().filter(move |&t| is_crossed && t >= near && t <= far)
 }

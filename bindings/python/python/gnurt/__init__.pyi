@@ -103,6 +103,15 @@ class RayScene:
         *,
         threads: int = 0,
     ) -> NDArray[np.int32]: ...
+    def crossing_hits(
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        t_near: ArrayLike | None = None,
+        t_far: ArrayLike | None = None,
+        *,
+        threads: int = 0,
+    ) -> AllHits: ...
     def contains(self, points: ArrayLike, *, threads: int = 0) -> NDArray[np.bool_]: ...
     def closest_point(
         self, points: ArrayLike, *, threads: int = 0

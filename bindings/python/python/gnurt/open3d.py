@@ -62,9 +62,9 @@ class RaycastingScene:
         return self._scene.crossings(rays[:, :3], rays[:, 3:], **self._asked(nthreads)).reshape(shape)
 
     def list_intersections(self, rays, nthreads=0):
-        """All hits of each ray, in order."""
+        """What `count_intersections` counts, in order."""
         rays, _ = _floats("rays", rays, 6)
-        hits = self._scene.all_hits(rays[:, :3], rays[:, 3:], **self._asked(nthreads))
+        hits = self._scene.crossing_hits(rays[:, :3], rays[:, 3:], **self._asked(nthreads))
         return {
             "ray_splits": hits.splits.astype(np.uint32),
             "ray_ids": hits.ray_id.astype(np.uint32),

@@ -77,6 +77,20 @@ impl Line {
         (is_before(self.near) && is_behind(self.far)).then_some(a > 0)
     }
 
+    /// How far along the line a triangle is that it [crosses](Self::crosses), between its ends, and the weights of the second
+    /// and third corner there; in doubles.
+    pub fn meeting(&self, triangle: &Triangle) -> [f64; 3] {
+        let [a, b, c] = triangle.near;
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let (to_b, to_c) = (away(b, a), away(c, a));
+        let normal = cross_of(to_b, to_c);
+        let t = dot(normal, away(a, self.org)) / dot(normal, self.dir);
+        let from = away([0, 1, 2].map(|k| self.org[k] + t * self.dir[k]), a);
+        let weight = |w: [f64; 3]| (dot(w, normal) / dot(normal, normal)).clamp(0.0, 1.0);
+        let u = weight(cross_of(from, to_c));
+        [t.clamp(self.near, self.far), u, weight(cross_of(to_b, from)).min(1.0 - u)]
+    }
+
     /// The sign of an edge if doubles tell.
     fn edge(&self, triangle: &Triangle, i: usize, j: usize) -> i8 {
         let (p, q) = (triangle.near[i], triangle.near[j]);

@@ -7,7 +7,7 @@ use super::ObjectTree;
 use crate::crossings::{self, Crossed};
 use crate::inside::{self, Side};
 use crate::lists::{Lists, answer_each};
-use crate::{AnyRay, PointHit, PrimitiveId, Query, Threads};
+use crate::{AnyRay, Hit, PointHit, PrimitiveId, Query, Threads};
 
 /// Questions about surfaces. Answers to many at once are those to each, whatever threads there are.
 impl ObjectTree {
@@ -44,6 +44,13 @@ impl ObjectTree {
     ) {
         let count = |crossed: &mut Crossed, ray: &R| crossings::count(self.target(), query, ray, crossed);
         answer_each(threads, rays, counts, Crossed::default, count);
+    }
+
+    /// What [`crossings`](Self::crossings) counts, in the order in which the ray meets it: of triangles that meet at an edge or a
+    /// corner there is one, where [`all_hits`](Self::all_hits) has all of them. `hits` is emptied first. Distances are worked out in
+    /// double precision, then rounded.
+    pub fn crossing_hits(&self, query: &Query, ray: &impl AnyRay, hits: &mut Vec<Hit>) {
+        crossings::list(self.target(), query, ray, hits);
     }
 
     /// Where a point lies with respect to closed meshes: inside where a ray from there crosses an odd number of an

@@ -7,7 +7,7 @@ use super::types::SceneTree;
 use crate::crossings::{self, Crossed};
 use crate::inside::{self, Side};
 use crate::lists::{Lists, answer_each};
-use crate::{AnyRay, PointHit, PrimitiveId, Query, Threads};
+use crate::{AnyRay, Hit, PointHit, PrimitiveId, Query, Threads};
 
 /// Questions about surfaces. Answers to many at once are those to each, whatever threads there are.
 impl SceneTree {
@@ -33,6 +33,11 @@ impl SceneTree {
     ) {
         let count = |crossed: &mut Crossed, ray: &R| crossings::count(self.target(), query, ray, crossed);
         answer_each(threads, rays, counts, Crossed::default, count);
+    }
+
+    /// See [`ObjectTree::crossing_hits`](crate::ObjectTree::crossing_hits).
+    pub fn crossing_hits(&self, query: &Query, ray: &impl AnyRay, hits: &mut Vec<Hit>) {
+        crossings::list(self.target(), query, ray, hits);
     }
 
     /// See [`ObjectTree::side`](crate::ObjectTree::side).

@@ -35,7 +35,7 @@ fn solids_of_cubes_equal_whole_numbers() {
             [(0.0, 1.0), (4096.0, 0.125), (0.0, 2f32.powi(-100)), (-1e6, 1.0), (0.0, 2f32.powi(50))]
                 [round % 5];
         let mesh = voxels.mesh(round % 2 == 0, [from; 3], side);
-        let tree = build(&[mesh], *kind);
+        let tree = build(std::slice::from_ref(&mesh), *kind);
         let scale = 2f32.powi(round as i32 % 7 - 3);
         let mut rays = Vec::new();
         let mut expected = Vec::new();
@@ -45,10 +45,24 @@ fn solids_of_cubes_equal_whole_numbers() {
             let at = org.map(|x| from + 0.5 * side * x as f32);
             rays.push(Ray::new(at, dir.map(|x| scale * side * x as f32)));
         }
-        let (mut counts, query) = (Vec::new(), Query::default());
+        let (mut counts, mut hits, query) = (Vec::new(), Vec::new(), Query::default());
         tree.crossings_batch(&query, &rays, Threads::Single, &mut counts);
         for ((ray, count), expected) in rays.iter().zip(&counts).zip(&expected) {
             assert_eq!(count, expected, "{ray:?} in {kind:?}, solid {round}");
+            tree.crossing_hits(&query, ray, &mut hits);
+            assert_eq!(hits.len(), *count as usize, "{ray:?} in {kind:?}: one hit each");
+            assert!(hits.is_sorted_by_key(|hit| hit.t), "{hits:?} in order");
+            for hit in &hits {
+                let corners = mesh.corners(hit.prim_id as usize).expect("a triangle");
+                let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+                let off = [0, 1, 2].map(|k| {
+                    let on_mesh: f32 = (0..3).map(|i| weights[i] * (corners[i][k] - from)).sum();
+                    let on_ray = f64::from(ray.org[k]) - f64::from(from) + f64::from(hit.t * ray.dir[k]);
+                    (on_ray as f32 - on_mesh).abs()
+                });
+                let bound = 1e-5 * side * (n * n) as f32 + 1e-6 * side;
+                assert!(off.iter().all(|&off| off < bound), "{hit:?} of {ray:?}: {off:?} off");
+            }
         }
         for level in Level::available() {
             let query = Query { level, ..Query::default() };
@@ -205,4 +219,11 @@ fn spheres_are_crossed_twice() {
     assert_eq!(tree.crossings(&ray.within(1.5, 100.0)), 3, "from inside of the first");
     assert_eq!(tree.crossings(&ray.within(1.5, 4.0)), 2, "from inside to inside");
     assert_eq!(tree.crossings(&Ray::new([-3.0, 1.0, 0.0], [1.0, 0.0, 0.0])), 2, "touching is no crossing");
+    let mut hits = Vec::new();
+    tree.crossing_hits(&Query::default(), &ray, &mut hits);
+    assert_eq!(hits.iter().map(|hit| hit.prim_id).collect::<Vec<_>>(), [0, 0, 1, 1]);
+    let x = |radius: f32| (radius * radius - 0.0625).sqrt();
+    for (hit, x) in hits.iter().zip([-x(1.0), x(1.0), 5.0 - x(2.0), 5.0 + x(2.0)]) {
+        assert!((2.0 * hit.t - 3.0 - x).abs() < 1e-5, "{hit:?} at {x}");
+    }
 }
