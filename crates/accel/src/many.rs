@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::slices::{HitSlices, RaySlices, SliceError, fits};
 use crate::target::Target;
-use crate::{AnyRay, Hit, HitBatch, Query, Ray, Ray64, RayBatch, Record, Threads, batch};
+use crate::{AnyRay, HitBatch, Query, Ray, Ray64, RayBatch, Record, Threads, batch};
 
 /// Rays that a thread traces at a time: whole tiles, enough of them to be sorted.
 const SHARE: usize = 4096;
@@ -20,6 +20,12 @@ trait Rays: Sync {
     fn count(&self) -> usize;
     /// A ray, and its origin where that is no float.
     fn ray(&self, i: usize) -> (Ray, Option<[f64; 3]>);
+    /// Appends some rays, of which none needs its origin in double precision.
+    fn gather(&self, range: Range<usize>, rays: &mut RayBatch) {
+        rays.extend(range.map(|i| self.ray(i).0));
+    }
+    /// Whether origins of some of these rays may be no floats.
+    fn may_be_precise(&self, range: Range<usize>) -> bool;
 }
 
 impl Rays for RaySlices<'_> {
@@ -29,6 +35,14 @@ impl Rays for RaySlices<'_> {
 
     fn ray(&self, i: usize) -> (Ray, Option<[f64; 3]>) {
         self.get(i)
+    }
+
+    fn gather(&self, range: Range<usize>, rays: &mut RayBatch) {
+        self.copy(range, rays);
+    }
+
+    fn may_be_precise(&self, _: Range<usize>) -> bool {
+        self.has_doubles()
     }
 }
 
@@ -41,6 +55,10 @@ impl<R: AnyRay + Sync> Rays for [R] {
         let ray = self[i].rounded();
         let is_float = |org: &[f64; 3]| (0..3).all(|k| f64::from(ray.org[k]) == org[k] || org[k].is_nan());
         (*ray, self[i].origin64().filter(|org| !is_float(org)))
+    }
+
+    fn may_be_precise(&self, range: Range<usize>) -> bool {
+        self[range].iter().any(|ray| ray.origin64().is_some())
     }
 }
 
@@ -60,15 +78,14 @@ impl Desk {
     fn gather(&mut self, rays: &(impl Rays + ?Sized), range: Range<usize>, are_origins_precise: bool) {
         self.rays.clear();
         self.precise.clear();
+        rays.gather(range.clone(), &mut self.rays);
+        if !(are_origins_precise && rays.may_be_precise(range.clone())) {
+            return;
+        }
         for (place, i) in range.enumerate() {
-            let (ray, origin) = rays.ray(i);
-            match origin.filter(|_| are_origins_precise) {
-                None => self.rays.push(ray),
-                Some(org) => {
-                    let Ray { t_near, dir, t_far, mask, time, .. } = ray;
-                    self.precise.push((place, Ray64 { org, t_near, dir, t_far, mask, time }));
-                    self.rays.push(ray.within(1.0, 0.0));
-                }
+            if let (Ray { t_near, dir, t_far, mask, time, .. }, Some(org)) = rays.ray(i) {
+                self.precise.push((place, Ray64 { org, t_near, dir, t_far, mask, time }));
+                (self.rays.t_near[place], self.rays.t_far[place]) = (1.0, 0.0);
             }
         }
     }
@@ -104,16 +121,16 @@ impl Target<'_> {
                     desk.hits.set(*place, hit);
                 }
             }
-            for place in 0..range.len() {
-                let hit: Option<Hit> = desk.hits.get(place);
-                let wanted = hit.filter(|_| slices.wants_normals());
-                let normal = wanted.and_then(|hit| {
+            slices.copy(&desk.hits);
+            for (place, normal) in slices.normal.iter_mut().flat_map(|normals| normals.iter_mut()).enumerate()
+            {
+                let found = desk.hits.get(place).and_then(|hit| {
                     let (ray, origin) = rays.ray(range.start + place);
                     let org = origin.unwrap_or_else(|| ray.org.map(f64::from));
                     let at = |k: usize| org[k] + f64::from(hit.t) * f64::from(ray.dir[k]);
                     self.normal(&hit, Some([at(0), at(1), at(2)]), ray.time)
                 });
-                slices.set(place, hit, normal);
+                *normal = found.unwrap_or_default();
             }
         });
         Ok(())

@@ -7,7 +7,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use crate::{Hit, INVALID_ID, Ray};
+use crate::{HitBatch, Ray, RayBatch};
 
 /// Borrowed numbers.
 #[derive(Clone, Copy, Debug)]
@@ -103,6 +103,20 @@ impl<'a> Column<'a> {
     #[inline]
     fn get(&self, i: usize) -> f64 {
         self.values.get(self.first + i * self.step)
+    }
+
+    /// Appends some of them, rounded.
+    fn copy(&self, range: Range<usize>, into: &mut Vec<f32>) {
+        let (first, step, count) = (self.first + range.start * self.step, self.step, range.len());
+        match self.values {
+            _ if step == 0 => into.resize(into.len() + count, self.get(0) as f32),
+            Floats::F32(values) => {
+                into.extend(values[first..].iter().step_by(step).take(count));
+            }
+            Floats::F64(values) => {
+                into.extend(values[first..].iter().step_by(step).take(count).map(|&x| x as f32));
+            }
+        }
     }
 }
 
@@ -243,6 +257,34 @@ impl<'a> RaySlices<'a> {
         self.len == 0
     }
 
+    /// Appends some rays, in single precision.
+    pub(crate) fn copy(&self, range: Range<usize>, rays: &mut RayBatch) {
+        let Self { org, dir, t_near, t_far, mask, time, .. } = self;
+        let end = rays.len() + range.len();
+        for k in 0..3 {
+            org.columns[k].copy(range.clone(), &mut rays.org[k]);
+            dir.columns[k].copy(range.clone(), &mut rays.dir[k]);
+        }
+        let ends = [(t_near, 0.0, &mut rays.t_near), (t_far, f32::INFINITY, &mut rays.t_far)];
+        for (column, default, into) in ends {
+            match column {
+                Some(column) => column.copy(range.clone(), into),
+                None => into.resize(end, default),
+            }
+        }
+        if let Some(mask) = mask {
+            rays.mask.extend_from_slice(&mask[range.clone()]);
+        }
+        if let Some(time) = time {
+            time.copy(range, &mut rays.time);
+        }
+    }
+
+    /// Whether origins are in double precision, and so may be no floats.
+    pub(crate) fn has_doubles(&self) -> bool {
+        self.org.columns.iter().any(|column| matches!(column.values, Floats::F64(_)))
+    }
+
     /// Ray `i` in single precision, and its origin where that is no float. Panics if `i >= len()`.
     #[must_use]
     pub fn get(&self, i: usize) -> (Ray, Option<[f64; 3]>) {
@@ -270,7 +312,7 @@ pub struct HitSlices<'a> {
     pub u: Option<&'a mut [f32]>,
     /// Second parameters, likewise.
     pub v: Option<&'a mut [f32]>,
-    /// Primitives; [`INVALID_ID`] where a ray missed.
+    /// Primitives; [`INVALID_ID`](crate::INVALID_ID) where a ray missed.
     pub prim_id: Option<&'a mut [u32]>,
     /// Geometries, likewise.
     pub geom_id: Option<&'a mut [u32]>,
@@ -344,25 +386,20 @@ impl HitSlices<'_> {
         floats.chain(ids).chain(self.normal.iter().map(|array| array.len())).next()
     }
 
-    pub(crate) fn wants_normals(&self) -> bool {
-        self.normal.is_some()
-    }
-
-    /// Writes place `i`.
-    pub(crate) fn set(&mut self, i: usize, hit: Option<Hit>, normal: Option<[f32; 3]>) {
-        fn put<T>(array: &mut Option<&mut [T]>, i: usize, value: T) {
+    /// Writes all hits of as many rays as there are places, but no normals.
+    pub(crate) fn copy(&mut self, hits: &HitBatch) {
+        fn put<T: Copy>(array: &mut Option<&mut [T]>, values: &[T]) {
             if let Some(array) = array {
-                array[i] = value;
+                array.copy_from_slice(values);
             }
         }
-        let id = |of: fn(&Hit) -> u32| hit.as_ref().map_or(INVALID_ID, of);
-        put(&mut self.t, i, hit.map_or(f32::INFINITY, |hit| hit.t));
-        put(&mut self.u, i, hit.map_or(0.0, |hit| hit.u));
-        put(&mut self.v, i, hit.map_or(0.0, |hit| hit.v));
-        put(&mut self.prim_id, i, id(|hit| hit.prim_id));
-        put(&mut self.geom_id, i, id(|hit| hit.geom_id));
-        put(&mut self.inst_id, i, id(|hit| hit.inst_id));
-        put(&mut self.leaf_id, i, id(|hit| hit.leaf_id));
-        put(&mut self.normal, i, normal.unwrap_or_default());
+        let HitBatch { t, u, v, prim_id, geom_id, inst_id, leaf_id } = hits;
+        put(&mut self.t, t);
+        put(&mut self.u, u);
+        put(&mut self.v, v);
+        put(&mut self.prim_id, prim_id);
+        put(&mut self.geom_id, geom_id);
+        put(&mut self.inst_id, inst_id);
+        put(&mut self.leaf_id, leaf_id);
     }
 }
