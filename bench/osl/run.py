@@ -6,7 +6,7 @@
     bench/osl/run.py SUITE PROGRAM --tier T4 --engines interpreter,avx2,avx512 [-j N]
 
 SUITE is a checkout of OpenShadingLanguage (its files stay where they are), PROGRAM a program that is one of the tools
-when it is called by a link of that name (`gnurt`, or the example `osl` of gnurt-jit).
+when it is called by a link of that name (`gnurt`, or the example `osl` of gnurt-sl-shading).
 
 Rules: text is equal to ref/out.txt or to any other ref/*.txt; pictures are compared by failthresh, failpercent and hardfail,
 by `oiiotool` (Debian: openimageio-tools), of the same extension; a status other than 0 fails unless the test says failureok; 30 s a command.

@@ -21,6 +21,8 @@ pub(crate) fn run() -> Option<u8> {
     let (mut out, mut err) = (BufWriter::new(stdout()), stderr());
     let mut console = Console::new(&mut out, &mut err, link);
     console.engine = Some(gnurt_jit::engine);
+    let textures = gnurt::osl::StoredTextures::default();
+    console.textures = Some(&textures);
     let status = run(&rest, &mut console);
     console.flush();
     Some(u8::try_from(status).unwrap_or(1))

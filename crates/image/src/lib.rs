@@ -12,6 +12,7 @@ mod picture;
 mod pyramid;
 pub mod srgb;
 mod ssim;
+mod stored;
 mod texels;
 mod tiles;
 mod tone;
@@ -22,12 +23,13 @@ pub use exposure::exposure_for;
 pub use file::{
     ExrPixels, MAX_PIXELS, OutputFormat, WriteOptions, check_writable, decode, decode_data_texture,
     decode_data_texture_within, decode_texture, decode_texture_within, encode, encode_screen, encode_texels,
-    expects_panics, read, read_data_texture, read_texture, replace_file, replace_file_if, write,
+    expects_panics, read, read_data_texture, read_stored, read_texture, replace_file, replace_file_if, write,
 };
 pub use filter::{Filter, FilterShape};
 pub use heat::{heat_color, heat_map};
 pub use picture::{BACKGROUND, Channel, ChannelData, Layer, Opacity, Picture};
 pub use pyramid::Weigh;
+pub use stored::{Stored, StoredLevel, StoredValues};
 pub use texels::{TexelData, Texels, Tiled};
 pub use tiles::{TileCache, TileCounts};
 pub use tone::{ToneCurve, screen_bytes};

@@ -4,11 +4,11 @@
 
 mod common;
 
-use common::{colors_only, file, files, picture};
+use common::{colors_only, file, files, picture, tiff};
 use gnurt_image::{
-    BACKGROUND, ExrPixels, Layer, Opacity, OutputFormat, Picture, TexelData, ToneCurve, WriteOptions,
-    compare, decode, decode_data_texture, decode_texture, encode, read, read_texture, screen_bytes, srgb,
-    write,
+    BACKGROUND, ExrPixels, Layer, Opacity, OutputFormat, Picture, StoredValues, TexelData, ToneCurve,
+    WriteOptions, compare, decode, decode_data_texture, decode_texture, encode, read, read_stored,
+    read_texture, screen_bytes, srgb, write,
 };
 
 /// Odd values that a float format must keep, bit by bit.
@@ -234,4 +234,50 @@ fn formats_may_be_mixed_when_compared() {
         "as their formats have it"
     );
     assert!(compare(&png, &exr).expect("sizes are equal").is_equal(), "PNG and EXR hold the same light");
+}
+
+#[test]
+fn tiffs_are_textures() {
+    use ::tiff::encoder::colortype::{Gray16, RGB8, RGB32Float, RGBA8};
+    let rgb = [10, 20, 30, 40, 50, 60];
+    let texels = |bytes: &[u8]| decode_texture(bytes, "x.tif").expect("a TIFF").data;
+    let srgb = TexelData::Srgb8(vec![[10, 20, 30, 255], [40, 50, 60, 255]]);
+    assert_eq!(texels(&tiff::<RGB8>(&[([2, 1], &rgb)])), srgb, "bytes stay bytes");
+    let data = decode_data_texture(&tiff::<RGBA8>(&[([1, 1], &[1, 2, 3, 4])]), "").expect("a TIFF").data;
+    assert_eq!(data, TexelData::Linear8(vec![[1, 2, 3, 4]]), "opacity is the fourth");
+    let grey = TexelData::Float(vec![[1.0; 4]]);
+    assert_eq!(texels(&tiff::<Gray16>(&[([1, 1], &[65535])])), grey, "grey is all colours at once");
+    let bright = TexelData::Float(vec![[0.5, 7.0, -1.0, 1.0]]);
+    assert_eq!(texels(&tiff::<RGB32Float>(&[([1, 1], &[0.5, 7.0, -1.0])])), bright, "floats are linear");
+}
+
+#[test]
+fn files_are_read_as_they_are_stored() {
+    use ::tiff::encoder::colortype::RGB8;
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("x.tx");
+    let large: Vec<u8> = (0..4 * 2 * 3).collect();
+    let copies = tiff::<RGB8>(&[
+        ([4, 2], &large),
+        ([2, 1], &[1, 2, 3, 4, 5, 6]),
+        ([1, 1], &[7, 8, 9]),
+        ([9, 9], &[0; 243]),
+    ]);
+    std::fs::write(&path, copies).expect("written");
+    let stored = read_stored(&path).expect("a TIFF");
+    let sizes: Vec<_> = stored.levels.iter().map(|level| [level.width, level.height]).collect();
+    assert_eq!(sizes, [[4, 2], [2, 1], [1, 1]], "smaller copies follow; what is no copy does not count");
+    assert_eq!(stored.levels[0].values, StoredValues::U8(large), "bytes as they are");
+    assert_eq!((stored.channels, stored.alpha, stored.window), (3, None, [0, 0, 3, 1]));
+    assert!((stored.levels[2].values.get(1) - 8.0 / 255.0).abs() < 1e-7, "255 is 1");
+
+    let path = folder.path().join("x.exr");
+    let picture = picture(3, 2);
+    std::fs::write(&path, file(&picture, OutputFormat::Exr)).expect("written");
+    let stored = read_stored(&path).expect("an EXR");
+    let StoredValues::F32(values) = &stored.levels[0].values else { panic!("an EXR holds floats") };
+    assert_eq!(stored.alpha, Some(3), "red, green, blue and opacity come first");
+    let second = &values[stored.channels..][..4];
+    assert_eq!(second, picture.color[1], "colours as they are");
+    assert_eq!(values.len(), 6 * stored.channels, "all channels, those of layers as well");
 }

@@ -4,7 +4,7 @@
 //!
 //! A [`Script`] is a shader's file, compiled, with values for its parameters; it makes what `gnurt_shading` knows: a surface, a light,
 //! a camera, a sky. `access` says which files may be read, `closures` which closures there are, `parts` makes lobes of them,
-//! `world` answers what a shader asks while it runs, `surface`, `light`, `camera`, `sky` and `pixel` are the kinds.
+//! `world` answers what a shader asks while it runs, `stored` reads pictures for the tools, `surface`, `light`, `camera`, `sky` and `pixel` are the kinds.
 #![forbid(unsafe_code)]
 
 mod access;
@@ -18,6 +18,7 @@ mod parts;
 mod pixel;
 mod script;
 mod sky;
+mod stored;
 mod surface;
 mod textures;
 mod world;
@@ -26,3 +27,4 @@ pub use access::Access;
 pub use camera::{CameraPlace, CameraScript};
 pub use parameter::{Parameter, ParameterValue};
 pub use script::{Kind, Script};
+pub use stored::StoredTextures;

@@ -49,9 +49,19 @@ impl Textures {
         found
     }
 
-    fn read(&self, name: &str) -> Found {
+    /// Where a file is that a shader names.
+    fn path(&self, name: &str) -> PathBuf {
         let path = [PathBuf::from(name), self.folder.join(name)].into_iter().find(|path| path.is_file());
-        let path = path.unwrap_or_else(|| self.folder.join(name));
+        path.unwrap_or_else(|| self.folder.join(name))
+    }
+
+    /// The text of a file, if it may be read.
+    pub(crate) fn text(&self, name: &str) -> Option<String> {
+        self.access.text(&self.path(name)).ok()
+    }
+
+    fn read(&self, name: &str) -> Found {
+        let path = self.path(name);
         if !self.access.allows(&path) {
             let why = "not there, or outside of the folder that files may come from";
             return Err(format!("texture {}: {why}", path.display()).into());

@@ -371,13 +371,29 @@ impl Host for World<'_> {
         at: [Dual<f32>; 2],
         options: &TextureOptions,
         _: &Point,
-    ) -> Result<[f32; 4], String> {
-        self.common.textures.sample(file, at, options)
+    ) -> Result<[Dual<f32>; 4], String> {
+        self.common.textures.sample(file, at, options).map(|texel| texel.map(Dual::from))
     }
 
-    fn texture_size(&self, file: &str) -> Option<[i32; 3]> {
-        let found = self.common.textures.find(file).ok()?;
-        Some([found.texels.width as i32, found.texels.height as i32, 4])
+    fn texture_info(
+        &self,
+        file: &str,
+        _: Option<[f32; 2]>,
+        name: &str,
+        _: Type,
+    ) -> Result<Option<Data>, String> {
+        let found = self.common.textures.find(file).ok();
+        let size = found.as_ref().map(|found| [found.texels.width as i32, found.texels.height as i32]);
+        Ok(match name {
+            "exists" => Some(Data::Int(vec![i32::from(size.is_some())])),
+            "resolution" => size.map(|size| Data::Int(size.to_vec())),
+            "channels" => size.map(|_| Data::Int(vec![4])),
+            _ => None,
+        })
+    }
+
+    fn dictionary(&self, file: &str) -> Option<String> {
+        self.common.textures.text(file)
     }
 
     fn closure(&self, name: &str) -> Option<&ClosureDecl> {

@@ -11,5 +11,7 @@ mod kinds;
 mod live;
 #[path = "scripts/pixels.rs"]
 mod pixels;
+#[path = "scripts/stored.rs"]
+mod stored;
 #[path = "scripts/wrong.rs"]
 mod wrong;

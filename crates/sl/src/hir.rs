@@ -36,6 +36,18 @@ pub enum Data {
     Str(Vec<Arc<str>>),
 }
 
+impl Data {
+    /// How many values it holds.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match self {
+            Self::Int(list) => list.len(),
+            Self::Float(list) => list.len(),
+            Self::Str(list) => list.len(),
+        }
+    }
+}
+
 /// One metadatum.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Meta {

@@ -58,10 +58,11 @@ pub(super) enum InputFormat {
     Exr,
     Pfm,
     Hdr,
+    Tiff,
     Raster(RasterFormat),
 }
 
-const KNOWN: &str = "PNG, JPEG, TGA, BMP, WebP, HDR, PFM, EXR";
+const KNOWN: &str = "PNG, JPEG, TIFF, TGA, BMP, WebP, HDR, PFM, EXR";
 const TGA_FOOTER: &[u8; 18] = b"TRUEVISION-XFILE.\0";
 
 impl InputFormat {
@@ -81,6 +82,7 @@ impl InputFormat {
         match head {
             [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => Some(Self::Raster(RasterFormat::Png)),
             [0xff, 0xd8, 0xff, ..] => Some(Self::Raster(RasterFormat::Jpeg)),
+            [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => Some(Self::Tiff),
             [b'B', b'M', ..] => Some(Self::Raster(RasterFormat::Bmp)),
             [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P'] => {
                 Some(Self::Raster(RasterFormat::Webp))

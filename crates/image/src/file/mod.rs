@@ -18,6 +18,7 @@ mod png;
 mod raster;
 mod replace;
 mod source;
+mod tiff;
 mod vp8l;
 mod webp;
 
@@ -32,7 +33,7 @@ pub use options::WriteOptions;
 pub use png::{encode_screen, encode_texels};
 pub use replace::{check_writable, replace_file, replace_file_if};
 
-use crate::{Error, Picture, Texels};
+use crate::{Error, Picture, Stored, StoredValues, Texels};
 use format::InputFormat;
 use limits::Room;
 use raster::Meaning;
@@ -133,6 +134,30 @@ pub fn read_data_texture(path: &Path) -> Result<Texels, Error> {
     read_texels(path, Meaning::Measure)
 }
 
+/// Reads a file as it is: all channels and levels, values as they are stored.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_stored(path: &Path) -> Result<Stored, Error> {
+    let (mut source, length) = open::open_regular(path)?;
+    let room = Room::of_file(length);
+    stored_from(&mut source, length, &path.to_string_lossy(), room).map_err(|error| error.in_file(path))
+}
+
+fn stored_from(source: &mut dyn Source, length: u64, name: &str, room: Room) -> Result<Stored, Error> {
+    let of_picture = |picture: Picture| {
+        let values = picture.color.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+        Stored::plain([picture.width as usize, picture.height as usize], 3, StoredValues::F32(values))
+    };
+    match InputFormat::of(source, length, name)? {
+        InputFormat::Tiff => tiff::stored(source, length, room, true),
+        InputFormat::Exr => exr::stored(source, length, room),
+        InputFormat::Pfm => pfm::decode(source, length, room).map(of_picture),
+        InputFormat::Hdr => hdr::decode(source, length, room).map(of_picture),
+        InputFormat::Raster(format) => raster::stored(source, length, format, room),
+    }
+}
+
 fn read_texels(path: &Path, meaning: Meaning) -> Result<Texels, Error> {
     let (mut source, length) = open::open_regular(path)?;
     let room = Room::of_file(length);
@@ -146,6 +171,7 @@ fn picture_from(source: &mut dyn Source, length: u64, name: &str) -> Result<Pict
         InputFormat::Exr => exr::decode(source, length, room),
         InputFormat::Pfm => pfm::decode(source, length, room),
         InputFormat::Hdr => hdr::decode(source, length, room),
+        InputFormat::Tiff => tiff::texels(source, length, Meaning::Color, room).map(Picture::from),
         InputFormat::Raster(format) => raster::picture(source, length, format, room),
     }
 }
@@ -161,6 +187,7 @@ fn texels_from(
         InputFormat::Exr => exr::decode(source, length, room).map(Texels::from),
         InputFormat::Pfm => pfm::decode(source, length, room).map(Texels::from),
         InputFormat::Hdr => hdr::decode(source, length, room).map(Texels::from),
+        InputFormat::Tiff => tiff::texels(source, length, meaning, room),
         InputFormat::Raster(format) => raster::texels(source, length, format, meaning, room),
     }
 }

@@ -15,7 +15,7 @@ use super::guard::decode_guarded;
 use super::limits::{PICTURE_BYTES, Room, check_bytes, check_density};
 use super::source::Source;
 use super::{jpeg, png, webp};
-use crate::{Error, Picture, TexelData, Texels, srgb};
+use crate::{Error, Picture, Stored, StoredValues, TexelData, Texels, srgb};
 
 /// A format that the library decodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +78,30 @@ pub(super) fn texels(
 ) -> Result<Texels, Error> {
     let wanted = Wanted { floats: false, room };
     texels_of(decode(source, length, format, wanted)?, meaning)
+}
+
+/// The picture as it is stored.
+pub(super) fn stored(
+    source: &mut dyn Source,
+    length: u64,
+    format: RasterFormat,
+    room: Room,
+) -> Result<Stored, Error> {
+    let image = decode(source, length, format, Wanted { floats: false, room })?;
+    let size = [image.width() as usize, image.height() as usize];
+    let channels = usize::from(image.color().channel_count());
+    let values = match image {
+        DynamicImage::ImageLuma8(image) => StoredValues::U8(image.into_raw()),
+        DynamicImage::ImageLumaA8(image) => StoredValues::U8(image.into_raw()),
+        DynamicImage::ImageRgb8(image) => StoredValues::U8(image.into_raw()),
+        DynamicImage::ImageRgba8(image) => StoredValues::U8(image.into_raw()),
+        DynamicImage::ImageLuma16(image) => StoredValues::U16(image.into_raw()),
+        DynamicImage::ImageLumaA16(image) => StoredValues::U16(image.into_raw()),
+        DynamicImage::ImageRgb16(image) => StoredValues::U16(image.into_raw()),
+        DynamicImage::ImageRgba16(image) => StoredValues::U16(image.into_raw()),
+        _ => return Err(Error::corrupt(format.name(), "its pixels have a form that is not known")),
+    };
+    Ok(Stored::plain(size, channels, values))
 }
 
 /// What is to become of a picture, and what that may take.

@@ -52,5 +52,21 @@ pub(crate) fn files(width: u32, height: u32) -> Vec<(String, Vec<u8>)> {
         rgb.write_to(&mut file, format).expect("the library writes this format");
         (name.to_string(), file.into_inner())
     });
-    ours.into_iter().chain(theirs).collect()
+    let tiff =
+        ("x.tif".to_string(), tiff::<tiff::encoder::colortype::RGB8>(&[([width, height], rgb.as_raw())]));
+    ours.into_iter().chain(theirs).chain([tiff]).collect()
+}
+
+/// A TIFF of pictures one after the other, packed.
+pub(crate) fn tiff<C: tiff::encoder::colortype::ColorType>(pictures: &[([u32; 2], &[C::Inner])]) -> Vec<u8>
+where
+    [C::Inner]: tiff::encoder::TiffValue,
+{
+    let mut file = std::io::Cursor::new(Vec::new());
+    let encoder = tiff::encoder::TiffEncoder::new(&mut file).expect("memory can be written");
+    let mut encoder = encoder.with_compression(tiff::encoder::Compression::Deflate(Default::default()));
+    for ([width, height], values) in pictures {
+        encoder.write_image::<C>(*width, *height, values).expect("sizes fit");
+    }
+    file.into_inner()
 }

@@ -9,6 +9,10 @@ use std::collections::HashMap;
 use super::path::Query;
 use super::xml::{Content, Document};
 
+/// Documents and nodes that are kept; what is asked beyond is not found.
+const DOCUMENTS: usize = 1 << 10;
+const NODES: usize = 1 << 20;
+
 /// All documents that were asked, and the nodes that were found.
 #[derive(Debug, Default)]
 pub struct Dictionaries {
@@ -77,6 +81,9 @@ impl Dictionaries {
         load: impl FnOnce(&str) -> Option<String>,
     ) -> Result<i32, DictionaryError> {
         if !self.by_name.contains_key(dictionary) {
+            if self.by_name.len() >= DOCUMENTS {
+                return Ok(-1);
+            }
             self.by_name.insert(dictionary.to_owned(), None);
             let missing = DictionaryError::Document { reason: "File was not found", at: 0 };
             let file =
@@ -107,6 +114,9 @@ impl Dictionaries {
         let key = (document, node, query.to_owned());
         if let Some(first) = self.cache.get(&key) {
             return Ok(*first);
+        }
+        if self.found.len() >= NODES {
+            return Ok(0);
         }
         let read = Query::parse(query).ok_or_else(|| DictionaryError::Query(query.to_owned()))?;
         let nodes = read.run(&self.documents[document], node);

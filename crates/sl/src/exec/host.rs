@@ -85,6 +85,8 @@ pub struct Arriving {
 /// How a texture is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureOptions {
+    /// How many channels are asked for, at most four.
+    pub channels: usize,
     /// Channel that is read first.
     pub first_channel: i32,
     /// What channels that are not there hold.
@@ -104,6 +106,7 @@ pub struct TextureOptions {
 impl Default for TextureOptions {
     fn default() -> Self {
         Self {
+            channels: 4,
             first_channel: 0,
             fill: 0.0,
             missing: None,
@@ -129,6 +132,22 @@ impl From<Data> for Given {
     fn from(value: Data) -> Self {
         Self { value, derivs: [Vec::new(), Vec::new()] }
     }
+}
+
+/// Where a direction lies on a picture over longitude and latitude with y up, and how that changes from pixel to pixel.
+#[must_use]
+pub fn longitude_latitude([x, y, z]: [Dual<f32>; 3]) -> [Dual<f32>; 2] {
+    use std::f32::consts::PI;
+    let place = |x: f32, y: f32, z: f32| [(-x).atan2(z) / (2.0 * PI) + 0.5, 0.5 - y.atan2(x.hypot(z)) / PI];
+    let here = place(x.value, y.value, z.value);
+    let step = |dx: f32, dy: f32, dz: f32| {
+        let there = place(x.value + dx, y.value + dy, z.value + dz);
+        // The shorter way around.
+        let turn = there[0] - here[0];
+        [turn - turn.round(), there[1] - here[1]]
+    };
+    let (right, down) = (step(x.dx, y.dx, z.dx), step(x.dy, y.dy, z.dy));
+    [0, 1].map(|k: usize| Dual::new(here[k], right[k], down[k]))
 }
 
 /// Answers. All have a default: the world is empty.
@@ -199,23 +218,58 @@ pub trait Host {
         None
     }
 
-    /// Four channels of a picture at `s` and `t`, t downwards; or why there are none.
+    /// Four channels of a picture at `s` and `t`, t downwards, and how they change from pixel to pixel; or why there are none.
     ///
     /// # Errors
-    /// A line for people.
+    /// A line for people; an empty one if they have been told before.
     fn texture(
         &self,
         file: &str,
         at: [Dual<f32>; 2],
         options: &TextureOptions,
         point: &Point,
-    ) -> Result<[f32; 4], String> {
+    ) -> Result<[Dual<f32>; 4], String> {
         let _ = (at, options, point);
         Err(format!("no texture \"{file}\": there are none here"))
     }
 
-    /// Width, height and channels of a picture.
-    fn texture_size(&self, file: &str) -> Option<[i32; 3]> {
+    /// The same of a picture of all around, in a direction of any length.
+    ///
+    /// # Errors
+    /// A line for people.
+    fn environment(
+        &self,
+        file: &str,
+        way: [Dual<f32>; 3],
+        options: &TextureOptions,
+        point: &Point,
+    ) -> Result<[Dual<f32>; 4], String> {
+        self.texture(file, longitude_latitude(way), options, point)
+    }
+
+    /// What is known of a picture: `exists`, `resolution`, `channels` and others; of the tile at `at` where a name stands for many files.
+    ///
+    /// # Errors
+    /// A line for people: there is no such picture.
+    fn texture_info(
+        &self,
+        file: &str,
+        at: Option<[f32; 2]>,
+        name: &str,
+        ty: Type,
+    ) -> Result<Option<Data>, String> {
+        let _ = (file, at, ty);
+        Ok((name == "exists").then(|| Data::Int(vec![0])))
+    }
+
+    /// How it is said why there is no texture; `asked` is what was asked for, `place` a place in a shader's text.
+    fn texture_fault(&self, asked: &str, why: &str, place: &str) -> String {
+        let _ = asked;
+        format!("{why} ({place})")
+    }
+
+    /// The text of a dictionary's file.
+    fn dictionary(&self, file: &str) -> Option<String> {
         let _ = file;
         None
     }

@@ -9,6 +9,7 @@ use super::strings::Strings;
 use crate::ir::{Place, Shader, SymId};
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
+use gnurt_sl_lib::dictionary::Dictionaries;
 use gnurt_sl_lib::regex::Regex;
 use std::collections::HashMap;
 use std::sync::atomic::AtomicU32;
@@ -238,6 +239,10 @@ pub struct Machine<'a> {
     pub events: Vec<Event>,
     /// Regular expressions that were read; none where one is wrong.
     pub(super) regexes: HashMap<Arc<str>, Option<Regex>>,
+    /// Dictionaries that were asked.
+    pub(super) dictionaries: Dictionaries,
+    /// Whether results that are no numbers are told.
+    pub(super) checks: bool,
 }
 
 /// What a machine works in, between two uses.
@@ -247,6 +252,7 @@ pub struct Memory {
     done: Vec<bool>,
     pulled: Vec<Vec<bool>>,
     regexes: HashMap<Arc<str>, Option<Regex>>,
+    dictionaries: Dictionaries,
 }
 
 impl Memory {
@@ -259,6 +265,7 @@ impl Memory {
             done: vec![false; plan.layers.len()],
             pulled: plan.layers.iter().map(|l| vec![false; l.slots.len()]).collect(),
             regexes: HashMap::new(),
+            dictionaries: Dictionaries::default(),
         }
     }
 }
@@ -273,7 +280,7 @@ impl<'a> Machine<'a> {
     /// A machine in memory that was made for the same plan.
     #[must_use]
     pub fn within(plan: &'a Plan, host: &'a dyn Host, memory: Memory) -> Self {
-        let Memory { cells, strings, done, pulled, regexes } = memory;
+        let Memory { cells, strings, done, pulled, regexes, dictionaries } = memory;
         Self {
             plan,
             host,
@@ -288,13 +295,20 @@ impl<'a> Machine<'a> {
             fuel: 0,
             events: Vec::new(),
             regexes,
+            dictionaries,
+            checks: false,
         }
+    }
+
+    /// Has results told from now on that are no numbers or infinite.
+    pub fn check_numbers(&mut self) {
+        self.checks = true;
     }
 
     /// What it worked in, for another one.
     #[must_use]
     pub fn into_memory(self) -> Memory {
-        let Self { memory, strings, done, pulled, regexes, .. } = self;
-        Memory { cells: memory, strings, done, pulled, regexes }
+        let Self { memory, strings, done, pulled, regexes, dictionaries, .. } = self;
+        Memory { cells: memory, strings, done, pulled, regexes, dictionaries }
     }
 }

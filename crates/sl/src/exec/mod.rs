@@ -12,6 +12,7 @@ mod assign;
 mod batch;
 mod closure;
 mod components;
+mod dictionary;
 mod element;
 mod host;
 mod lanes;
@@ -34,7 +35,7 @@ mod values;
 
 pub use batch::{DualRow, LANES, Points, Program, Results, Row};
 pub use components::{Closure, ClosureDecl, ClosureParam, Component, parts};
-pub use host::{Arriving, Given, Host, Point, TextureOptions, TraceOptions};
+pub use host::{Arriving, Given, Host, Point, TextureOptions, TraceOptions, longitude_latitude};
 pub use layout::PlanOptions;
 pub use machine::{
     Action, Copy, Event, Flow, Instruction, LayerPlan, Loop, Machine, Memory, Message, Param, Plan, Source,

@@ -252,6 +252,26 @@ impl Machine<'_> {
     fn step(&mut self, step: &Step) {
         self.pull(&step.pulls);
         self.perform(self.layer, step);
+        if self.checks {
+            self.check_results(step);
+        }
+    }
+
+    /// Tells results of a step that are no numbers or infinite.
+    fn check_results(&mut self, step: &Step) {
+        for (k, slot) in step.args.iter().enumerate().filter(|(k, _)| *k < 64 && step.writes & (1 << k) != 0)
+        {
+            if slot.ty.base != Base::Float && !slot.ty.base.is_triple() && slot.ty.base != Base::Matrix {
+                continue;
+            }
+            let found = (0..slot.size as usize).map(|i| self.float(slot, i)).find(|x| !x.is_finite());
+            if let Some(found) = found {
+                let what = if found.is_nan() { "nan" } else { "inf" };
+                let name = self.plan.layers[self.layer].shader.symbol(step.symbols[k]).name.clone();
+                let place = self.place(step.at);
+                self.error(format!("Detected {what} value in {name} at {place} (op {})", step.name));
+            }
+        }
     }
 
     /// The value and type of a layer's output, or of `Ci` and other globals.

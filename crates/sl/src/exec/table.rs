@@ -6,7 +6,8 @@ use super::machine::Action::{self, Map1, Map2, Map3, Whole};
 use super::machine::D;
 use super::slot::Slot;
 use super::{
-    arithmetic, assign, closure, element, light, math, message, noise, print, space, state, texts, texture,
+    arithmetic, assign, closure, dictionary, element, light, math, message, noise, print, space, state,
+    texts, texture,
 };
 use crate::ir::{Op, Shader, ops};
 use crate::types::{Base, Type};
@@ -157,6 +158,9 @@ fn whole(name: &str, out: Type) -> Option<Action> {
         "texture" => texture::texture,
         "environment" => texture::environment,
         "gettextureinfo" => texture::info,
+        "dict_find" => dictionary::find,
+        "dict_next" => dictionary::next,
+        "dict_value" => dictionary::value,
         "bump" | "displace" | "nop" | "end" | "useparam" => state::nothing,
         _ => return None,
     }))

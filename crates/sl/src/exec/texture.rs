@@ -6,10 +6,8 @@ use super::host::{Given, TextureOptions};
 use super::light::pairs;
 use super::machine::{D, Machine, Step};
 use super::slot::Slot;
-use crate::hir::Data;
 use crate::types::{Base, Type};
 use gnurt_sl_lib::Dual;
-use std::f32::consts::PI;
 
 /// `texture (file, s, t [, dsdx, dtdx, dsdy, dtdy], options)`
 pub(super) fn texture(m: &mut Machine<'_>, s: &Step) {
@@ -23,7 +21,7 @@ pub(super) fn texture(m: &mut Machine<'_>, s: &Step) {
         }
         rest => rest,
     };
-    read(m, s, (out, file), at, rest);
+    read(m, s, out, rest, |m, options| m.host.texture(&m.text(file), at, options, &m.point));
 }
 
 /// `environment (file, R [, dRdx, dRdy], options)`
@@ -40,31 +38,26 @@ pub(super) fn environment(m: &mut Machine<'_>, s: &Step) {
         }
         rest => rest,
     };
-    let [x, y, z] = way;
-    let place = |x: f32, y: f32, z: f32| [(-x).atan2(z) / (2.0 * PI) + 0.5, 0.5 - y.atan2(x.hypot(z)) / PI];
-    let here = place(x.value, y.value, z.value);
-    let step = |dx: f32, dy: f32, dz: f32| {
-        let there = place(x.value + dx, y.value + dy, z.value + dz);
-        // The shorter way around.
-        let turn = there[0] - here[0];
-        [turn - turn.round(), there[1] - here[1]]
-    };
-    let (right, down) = (step(x.dx, y.dx, z.dx), step(x.dy, y.dy, z.dy));
-    let at = [0, 1].map(|k: usize| Dual::new(here[k], right[k], down[k]));
-    read(m, s, (out, file), at, rest);
+    read(m, s, out, rest, |m, options| m.host.environment(&m.text(file), way, options, &m.point));
 }
 
-fn read(m: &mut Machine<'_>, s: &Step, (out, file): (&Slot, &Slot), at: [D; 2], rest: &[Slot]) {
+fn read(
+    m: &mut Machine<'_>,
+    s: &Step,
+    out: &Slot,
+    rest: &[Slot],
+    ask: impl FnOnce(&Machine<'_>, &TextureOptions) -> Result<[D; 4], String>,
+) {
     let mut options = TextureOptions::default();
     let (mut alpha, mut message) = (None, None);
-    let mut missing_alpha = 1.0;
+    let mut missing_alpha = None;
     pairs(m, rest, |m, name, value| match name {
         "alpha" => alpha = Some(*value),
         "errormessage" => message = Some(*value),
         "firstchannel" => options.first_channel = m.int(value),
         "fill" => options.fill = m.float(value, 0),
         "missingcolor" => options.missing = Some(m.triple_value(value)),
-        "missingalpha" => missing_alpha = m.float(value, 0),
+        "missingalpha" => missing_alpha = Some(m.float(value, 0)),
         "wrap" => options.wrap = [m.text(value), m.text(value)],
         "swrap" => options.wrap[0] = m.text(value),
         "twrap" => options.wrap[1] = m.text(value),
@@ -77,44 +70,48 @@ fn read(m: &mut Machine<'_>, s: &Step, (out, file): (&Slot, &Slot), at: [D; 2], 
         "interp" => options.interpolation = m.text(value),
         _ => {}
     });
-    let file = m.text(file);
-    let (texel, why) = match m.host.texture(&file, at, &options, &m.point) {
+    let channels = if out.ty.base == Base::Float { 1 } else { 3 };
+    options.channels = channels + usize::from(alpha.is_some());
+    let (texel, why) = match ask(m, &options) {
         Ok(texel) => (texel, String::new()),
         Err(why) => {
-            if options.missing.is_none() && message.is_none() {
-                let place = m.place(s.at);
-                m.error(format!("{why} ({place})"));
+            // A reason is given once.
+            if !why.is_empty() && options.missing.is_none() && missing_alpha.is_none() && message.is_none() {
+                let said = m.host.texture_fault(&s.name, &why, &m.place(s.at));
+                m.error(said);
             }
-            let [r, g, b] = options.missing.unwrap_or([0.0; 3]);
-            ([r, g, b, missing_alpha], why)
+            let mut texel = [options.missing.map_or(options.fill, |_| 1.0); 4];
+            texel[..3].copy_from_slice(&options.missing.unwrap_or([options.fill; 3]));
+            texel[channels] = missing_alpha.unwrap_or(texel[3]);
+            (texel.map(D::from), if why.is_empty() { "unknown".to_owned() } else { why })
         }
     };
-    let channels = if out.ty.base == Base::Float { 1 } else { 3 };
     for (i, &x) in texel.iter().enumerate().take(channels) {
-        m.set(out, i, x.into());
+        m.set(out, i, x);
     }
     if let Some(alpha) = alpha {
-        m.set(&alpha, 0, texel[channels].into());
+        m.set(&alpha, 0, texel[channels]);
     }
     if let Some(message) = message {
         m.set_text(&message, 0, &why);
     }
 }
 
-/// `gettextureinfo (file, name, value)`
+/// `gettextureinfo (file [, s, t], name, value)`
 pub(super) fn info(m: &mut Machine<'_>, s: &Step) {
-    let [out, file, .., name, value] = &*s.args else { return };
-    let (file, name) = (m.text(file), m.text(name));
-    let size = m.host.texture_size(&file);
-    let found: Option<Vec<i32>> = match (&*name, size) {
-        ("exists", _) => Some(vec![i32::from(size.is_some())]),
-        ("resolution", Some([w, h, _])) => Some(vec![w, h]),
-        ("channels", Some([_, _, channels])) => Some(vec![channels]),
-        _ => None,
+    let [out, file, at @ .., name, value] = &*s.args else { return };
+    let at = if let [s, t] = at { Some([m.float(s, 0), m.float(t, 0)]) } else { None };
+    let found = match m.host.texture_info(&m.text(file), at, &m.text(name), value.ty) {
+        Ok(found) => found,
+        Err(why) => {
+            let said = m.host.texture_fault("get_texture_info", &why, &m.place(s.at));
+            m.error(said);
+            None
+        }
     };
-    let fits = found.as_ref().is_some_and(|list| list.len() <= value.ty.size());
-    if let (true, Some(list)) = (fits, found) {
-        m.give(value, &Given::from(Data::Int(list)));
+    let found = found.filter(|data| data.count() <= value.ty.size());
+    m.set_int(out, i32::from(found.is_some()));
+    if let Some(data) = found {
+        m.give(value, &Given::from(data));
     }
-    m.set_int(out, i32::from(fits));
 }

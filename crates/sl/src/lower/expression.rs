@@ -56,7 +56,8 @@ impl Lowerer<'_> {
                 last.unwrap_or_else(|| self.temp(e.ty))
             }
             ExprKind::Cast(a) => {
-                let value = self.expr(a, None);
+                // A cast that says what is there already, as `(color) noise (P)` does, stands in nobody's way.
+                let value = self.expr(a, wanted.filter(|_| a.ty == e.ty));
                 self.convert(value, e.ty, loc)
             }
             ExprKind::Construct(parts) => self.construct(parts, e.ty, wanted, loc),

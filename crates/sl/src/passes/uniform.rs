@@ -26,6 +26,9 @@ fn asks(name: &str) -> bool {
             | "pointcloud_search"
             | "pointcloud_get"
             | "closure"
+            | "dict_find"
+            | "dict_next"
+            | "dict_value"
     )
 }
 

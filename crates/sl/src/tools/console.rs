@@ -3,6 +3,7 @@
 //! Source: original.
 
 use super::engine::Engine;
+use super::textures::Textures;
 use std::io::Write;
 
 /// Standard output and standard error, or what stands for them in a test.
@@ -13,12 +14,14 @@ pub struct Console<'a> {
     pub link: bool,
     /// What else the program can run shaders by.
     pub engine: Option<Engine>,
+    /// The pictures that shaders read, if it has some way to.
+    pub textures: Option<&'a dyn Textures>,
 }
 
 impl<'a> Console<'a> {
     /// On two streams.
     pub fn new(out: &'a mut dyn Write, err: &'a mut dyn Write, link: bool) -> Self {
-        Self { out, err, link, engine: None }
+        Self { out, err, link, engine: None, textures: None }
     }
 
     /// Writes to standard output. A reader that has gone away is no reason to stop.

@@ -8,12 +8,14 @@ mod oslc;
 mod oslinfo;
 mod picture;
 mod testshade;
+mod textures;
 
 pub use console::Console;
 pub use engine::{Batch, Engine};
 pub use oslc::oslc;
 pub use oslinfo::oslinfo;
 pub use testshade::testshade;
+pub use textures::Textures;
 
 /// The tool of a name.
 #[must_use]

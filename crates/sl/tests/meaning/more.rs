@@ -215,3 +215,37 @@ fn what_does_not_end_is_left_out() {
     }
     assert_eq!(said, 33, "told of each, and that there is an end to it");
 }
+
+#[test]
+fn dictionaries_are_asked() {
+    let text = r#"shader test () {
+        string all = "<pack><lens name='wide' f='24,28,1'/><lens name='long' f='85 105'/></pack>";
+        for (int lens = dict_find (all, "//lens"); lens; lens = dict_next (lens)) {
+            string name; vector f;
+            dict_value (lens, "name", name);
+            int found = dict_value (lens, "f", f);
+            printf ("%s %g %d;", name, f, found + dict_value (lens, "none", name));
+        }
+        printf ("%d", dict_find ("none.xml", "//lens") + dict_find ("none.xml", "//lens"));
+    }"#;
+    let out = crate::common::output(text);
+    let wanted =
+        "wide 24 28 1 1;long 85 105 0 1;ERROR XML parsed with errors: File was not found, at offset 0\n-2";
+    assert_eq!(out, wanted, "nodes in order, numbers with any gap, a missing file told once");
+}
+
+#[test]
+fn results_that_are_no_numbers_are_told_where_that_is_asked_for() {
+    let mut group = Group::default();
+    let text = "shader test (float x = 1e30, output float y = 0, output float z = 0) { y = (x + u) * x; z = y - y; }";
+    group.add(Arc::new(shader(text)), None, &[], &mut Vec::new());
+    let plan = Plan::new(&group, &PlanOptions::default()).expect("all operations are known");
+    let world = Empty::default();
+    let mut machine = Machine::new(&plan, &world);
+    machine.run(&Point::default());
+    assert_eq!(machine.events, [], "nobody asked");
+    machine.check_numbers();
+    machine.run(&Point::default());
+    let said: Vec<String> = machine.events.iter().map(|event| format!("{event:?}")).collect();
+    assert!(said[0].contains("inf value in y") && said[1].contains("nan value in z"), "{said:?}");
+}

@@ -5,7 +5,7 @@
 mod read;
 mod write;
 
-pub(super) use read::decode;
+pub(super) use read::{decode, stored};
 pub(super) use write::encode;
 
 /// Precision of the colours in an EXR.

@@ -15,7 +15,7 @@ use exr::prelude::{
 use super::super::guard::decode_guarded;
 use super::super::limits::{PICTURE_BYTES, Room, check_density, check_size};
 use super::super::source::Source;
-use crate::{Channel, ChannelData, Error, Layer, Opacity, Picture};
+use crate::{Channel, ChannelData, Error, Layer, Opacity, Picture, Stored, StoredValues};
 
 /// Most bytes that a byte of compressed data can become in any of the format's compressions: deflate's 1032.
 const MAX_INFLATION: u64 = 1032;
@@ -28,10 +28,50 @@ pub(in crate::file) fn decode(source: &mut dyn Source, length: u64, room: Room) 
     decode_guarded("EXR", || decode_unguarded(source, length, room))
 }
 
+/// The first part as it is stored: red, green, blue and opacity first, then the other channels in the file's order.
+pub(in crate::file) fn stored(source: &mut dyn Source, length: u64, room: Room) -> Result<Stored, Error> {
+    decode_guarded("EXR", || {
+        let image = flat(source, length, room)?;
+        let display = image.attributes.display_window;
+        let Some(part) = image.layer_data.into_iter().next() else {
+            return Err(Error::corrupt("EXR", "it has no parts"));
+        };
+        let position = part.attributes.layer_position;
+        let texts = texts(&part.attributes);
+        let window = IntegerBounds::new(position, part.size);
+        let mut list: Vec<(String, Vec<f32>)> = Vec::new();
+        for channel in part.channel_data.list {
+            let values = match placed(channel.sample_data, window, window)? {
+                ChannelData::F32(values) => values,
+                ChannelData::U32(values) => values.into_iter().map(|value| value as f32).collect(),
+            };
+            list.push((channel.name.to_string(), values));
+        }
+        let rank = |name: &str| ["R", "G", "B", "A"].iter().position(|known| *known == name).unwrap_or(4);
+        list.sort_by_key(|(name, _)| rank(name));
+        let channels = list.len();
+        let count = part.size.0 * part.size.1;
+        let values = (0..count * channels).map(|i| list[i % channels].1[i / channels]).collect();
+        let mut stored = Stored::plain([part.size.0, part.size.1], channels, StoredValues::F32(values));
+        stored.alpha = list.iter().position(|(name, _)| name == "A");
+        let bounds = |b: IntegerBounds| {
+            let [x, y] = [b.position.0, b.position.1];
+            [x, y, x + b.size.0 as i32 - 1, y + b.size.1 as i32 - 1]
+        };
+        (stored.window, stored.display) = (bounds(window), bounds(display));
+        stored.texts = texts;
+        Ok(stored)
+    })
+}
+
 fn decode_unguarded(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
+    picture(flat(source, length, room)?)
+}
+
+fn flat(source: &mut dyn Source, length: u64, room: Room) -> Result<FlatImage, Error> {
     let reader = exr::block::read(source, false).map_err(library_error)?;
     check_headers(&reader, length, room)?;
-    let image: FlatImage = read()
+    read()
         .no_deep_data()
         .largest_resolution_level()
         .all_channels()
@@ -39,8 +79,7 @@ fn decode_unguarded(source: &mut dyn Source, length: u64, room: Room) -> Result<
         .all_attributes()
         .non_parallel()
         .from_chunks(reader)
-        .map_err(library_error)?;
-    picture(image)
+        .map_err(library_error)
 }
 
 fn check_headers<R: std::io::Read + std::io::Seek>(

@@ -13,6 +13,7 @@ testshade [options] shader...
     --engine NAME                What runs shaders: interpreter (the default), machine (code for this CPU, sixteen
                                  points at once), avx2, avx512, or avx2-scalar, avx512-scalar (one point at once);
                                  without the option the variable TESTSHADE_ENGINE says so
+    --debugnan                   Tell results that are not a number or infinite
     --runstats                   Print what runs and how long it takes
     --res XRES YRES, -g          Set resolution
     --options LIST               Set extra OSL options
@@ -86,6 +87,7 @@ pub(super) struct Options {
     pub(super) archive: Option<String>,
     pub(super) engine: String,
     pub(super) times: bool,
+    pub(super) debug_nan: bool,
 }
 
 impl Default for Options {
@@ -116,12 +118,13 @@ impl Default for Options {
             archive: None,
             engine: std::env::var("TESTSHADE_ENGINE").unwrap_or_default(),
             times: false,
+            debug_nan: false,
         }
     }
 }
 
 /// Options without effect here, and how many values each takes.
-const IGNORED: [(&str, usize); 25] = [
+const IGNORED: [(&str, usize); 24] = [
     ("t", 1),
     ("optix", 0),
     ("llvm_debug", 0),
@@ -136,7 +139,6 @@ const IGNORED: [(&str, usize); 25] = [
     ("O2", 0),
     ("llvm_opt", 1),
     ("raytype_opt", 0),
-    ("debugnan", 0),
     ("debuguninit", 0),
     ("groupoutputs", 0),
     ("print-groupdata", 0),
@@ -206,6 +208,7 @@ pub(super) fn read(args: &[String]) -> Result<Options, Option<String>> {
             "d" | "od" => o.format = value()?,
             "engine" => o.engine = value()?,
             "runstats" => o.times = true,
+            "debugnan" => o.debug_nan = true,
             "print" => o.print = true,
             "groupname" => o.groupname = value()?,
             "raytype" => o.raytype = value()?,

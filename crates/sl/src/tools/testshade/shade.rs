@@ -9,7 +9,7 @@ use crate::exec::{Event, Machine, Plan, PlanOptions, Points};
 use crate::format::general;
 use crate::group::Group;
 use crate::hir::Data;
-use crate::ir::{SymbolKind, ops, uses};
+use crate::ir::{SymId, SymbolKind, ops, uses};
 use crate::tools::console::Console;
 use crate::tools::engine::Batch;
 use crate::tools::picture::Picture;
@@ -123,8 +123,7 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
     if options.debug {
         globals(&group, console);
     }
-    warn_of_errors(&group, options, console);
-    let world = World::new(options);
+    let world = World::new(options, console.textures);
     let repeats = flag(&options.extra, "error_repeats", false);
     let mut recent = Recent::default();
     let mut said: Vec<Event> = Vec::new();
@@ -134,6 +133,9 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
         }
         let Some(plan) = plan(&group, options, &entries, console) else { return 1 };
         let plan = Arc::new(plan);
+        if turn == 0 && flag(&options.extra, "opt_warnings", false) {
+            warn(&plan, options, console);
+        }
         let last = turn + 1 == options.iterations;
         let mut run = Run { options, world: &world, entries: &starts, outputs: &mut outputs, last };
         match run.all(&plan, console) {
@@ -164,7 +166,7 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
 /// One turn over all points.
 struct Run<'a> {
     options: &'a Options,
-    world: &'a World,
+    world: &'a World<'a>,
     entries: &'a [usize],
     outputs: &'a mut [Output],
     /// Whether the turn's outputs are kept.
@@ -177,7 +179,8 @@ impl Run<'_> {
         let name = self.options.engine.as_str();
         let mut said = Vec::new();
         let start = Instant::now();
-        if !matches!(name, "" | "interpreter") {
+        // Only the interpreter looks at each result.
+        if !matches!(name, "" | "interpreter") && !self.options.debug_nan {
             let Some(engine) = console.engine else {
                 return Err(format!("this program has no engine '{name}'; it has: interpreter"));
             };
@@ -206,6 +209,9 @@ impl Run<'_> {
         }
         let start = Instant::now();
         let mut machine = Machine::new(plan, self.world);
+        if self.options.debug_nan {
+            machine.check_numbers();
+        }
         self.points(&mut machine, console);
         self.times("interpreter", "", start.elapsed(), console);
         Ok(std::mem::take(&mut machine.events))
@@ -333,20 +339,39 @@ fn globals(group: &Group, console: &mut Console<'_>) {
     console.print(&format!("Need {} globals:  {}\n", names.len(), names.join(" ")));
 }
 
-/// What `error()` in a layer that does not wait costs, if that is asked for.
-fn warn_of_errors(group: &Group, options: &Options, console: &mut Console<'_>) {
-    if !flag(&options.extra, "opt_warnings", false) || flag(&options.extra, "lazyerror", true) {
-        return;
-    }
-    for layer in &group.layers {
-        ops(&layer.shader.code, &mut |op| {
-            if &*op.name == "error" {
-                let file = layer.shader.files.get(usize::from(op.at.file)).map_or("", |f| f);
-                console.complain(&format!(
-                    "WARNING: Optimization warning:\n  group:  {}\n  layer:  {}\n  source: {file}:{}\n  issue:  error() call present in optimized shader.\n",
-                    group.name, layer.name, op.at.line
-                ));
-            }
+/// What could not be known before the group runs, and costs time therefore.
+fn warn(plan: &Plan, options: &Options, console: &mut Console<'_>) {
+    let waits = flag(&options.extra, "lazyerror", true);
+    for layer in &plan.layers {
+        let shader = &layer.shader;
+        let constant = |id: Option<&SymId>| {
+            id.is_some_and(|&id| {
+                shader.symbol(id).kind == SymbolKind::Const || layer.constant.get(id as usize) == Some(&true)
+            })
+        };
+        ops(&shader.code, &mut |op| {
+            let issue = match &*op.name {
+                "error" if !waits => "call present in optimized shader.",
+                "texture" | "texture3d" | "environment" | "gettextureinfo" if !constant(op.args.get(1)) => {
+                    "texture name cannot be converted to a handle."
+                }
+                "format" | "concat" | "substr" if !constant(op.args.first()) => {
+                    "new string creation couldn't be optimized to a constant."
+                }
+                "strlen" | "getchar" | "startswith" | "endswith" | "stoi" | "stof" | "regex_search"
+                | "regex_match"
+                    if !constant(op.args.first()) =>
+                {
+                    "need for string characters couldn't be optimized away."
+                }
+                _ => return,
+            };
+            let file = shader.files.get(usize::from(op.at.file)).map_or("", |f| f);
+            let colon = if &*op.name == "error" { "" } else { ":" };
+            console.complain(&format!(
+                "WARNING: Optimization warning:\n  group:  {}\n  layer:  {}\n  source: {file}:{}\n  issue:  {}(){colon} {issue}\n",
+                plan.name, layer.name, op.at.line, op.name
+            ));
         });
     }
 }

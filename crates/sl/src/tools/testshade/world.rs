@@ -3,9 +3,10 @@
 //! Source: original; the world is that of OSL's `testshade`.
 
 use super::options::Options;
-use crate::exec::{ClosureDecl, ClosureParam, Given, Host, Point, TraceOptions};
+use crate::exec::{ClosureDecl, ClosureParam, Given, Host, Point, TextureOptions, TraceOptions};
 use crate::group::Value;
 use crate::hir::Data;
+use crate::tools::textures::Textures;
 use crate::types::{Base, Type};
 use gnurt_sl_lib::color::ColorSystem;
 use gnurt_sl_lib::{Dual, matrix as mx};
@@ -21,11 +22,12 @@ const RAYS: [&str; 8] =
     ["camera", "shadow", "reflection", "refraction", "diffuse", "glossy", "subsurface", "displacement"];
 
 /// The world.
-pub(super) struct World {
+pub(super) struct World<'a> {
     size: [usize; 2],
     userdata: Vec<(String, Value)>,
     closures: Vec<ClosureDecl>,
     colors: ColorSystem,
+    textures: Option<&'a dyn Textures>,
 }
 
 /// First turned about z, then moved: rows are points.
@@ -38,8 +40,8 @@ const HITHER: f32 = 0.1;
 const YON: f32 = 1000.0;
 const FOV: f32 = 90.0;
 
-impl World {
-    pub(super) fn new(options: &Options) -> Self {
+impl<'a> World<'a> {
+    pub(super) fn new(options: &Options, textures: Option<&'a dyn Textures>) -> Self {
         let name = if options.colorspace.is_empty() { "Rec709" } else { &options.colorspace };
         let colors = ColorSystem::named(name).or_else(|| ColorSystem::named("Rec709"));
         Self {
@@ -50,6 +52,7 @@ impl World {
                 Some(colors) => colors,
                 None => unreachable!("Rec709 is known"),
             },
+            textures,
         }
     }
 
@@ -120,7 +123,7 @@ fn some(value: Data) -> Option<Given> {
     Some(Given::from(value))
 }
 
-impl Host for World {
+impl Host for World<'_> {
     fn common_from(&self, space: &str, _: &Point) -> Option<Matrix> {
         match space {
             "shader" => Some(turned([1.0, 0.0, 0.0], FRAC_PI_4)),
@@ -223,6 +226,44 @@ impl Host for World {
         (hit, given)
     }
 
+    fn texture(
+        &self,
+        file: &str,
+        at: [Dual<f32>; 2],
+        options: &TextureOptions,
+        _: &Point,
+    ) -> Result<[Dual<f32>; 4], String> {
+        self.textures.ok_or_else(no_pictures)?.texture(file, at, options)
+    }
+
+    fn environment(
+        &self,
+        file: &str,
+        way: [Dual<f32>; 3],
+        options: &TextureOptions,
+        _: &Point,
+    ) -> Result<[Dual<f32>; 4], String> {
+        self.textures.ok_or_else(no_pictures)?.environment(file, way, options)
+    }
+
+    fn texture_info(
+        &self,
+        file: &str,
+        at: Option<[f32; 2]>,
+        name: &str,
+        ty: Type,
+    ) -> Result<Option<Data>, String> {
+        self.textures.ok_or_else(no_pictures)?.info(file, at, name, ty)
+    }
+
+    fn texture_fault(&self, asked: &str, why: &str, _: &str) -> String {
+        format!("[RendererServices::{asked}] {why}")
+    }
+
+    fn dictionary(&self, file: &str) -> Option<String> {
+        std::fs::read_to_string(file).ok()
+    }
+
     fn closure(&self, name: &str) -> Option<&ClosureDecl> {
         self.closures.iter().find(|c| &*c.name == name)
     }
@@ -234,6 +275,10 @@ impl Host for World {
     fn color_system(&self) -> &ColorSystem {
         &self.colors
     }
+}
+
+fn no_pictures() -> String {
+    "this program reads no pictures".to_owned()
 }
 
 /// The closures that are registered. Capitals are types: `V` vector, `F` float, `I` int, `C` colour, `S` text; `5` an array.

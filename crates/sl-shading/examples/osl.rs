@@ -2,6 +2,7 @@
 //! OSL's tools in one small program: called by a link named `oslc`, `oslinfo` or `testshade`, or with that as first word.
 
 use gnurt_sl::tools::{Console, tool};
+use gnurt_sl_shading::StoredTextures;
 use std::io::{BufWriter, stderr, stdout};
 
 fn main() {
@@ -17,6 +18,8 @@ fn main() {
     let (mut out, mut err) = (BufWriter::new(stdout()), stderr());
     let mut console = Console::new(&mut out, &mut err, true);
     console.engine = Some(gnurt_jit::engine);
+    let textures = StoredTextures::default();
+    console.textures = Some(&textures);
     let status = match tool(&name) {
         Some(run) => run(&args, &mut console),
         None => {

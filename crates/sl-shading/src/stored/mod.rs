@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Pictures as OSL's own tools read them: for `testshade`, whose output is compared with theirs.
+//! Source: original; what is computed follows OpenImageIO, whose texture system OSL's tools use: `filter` says over which ellipse and in
+//! which of a file's levels is read, `sample` how a level is read at a place, `copies` makes levels where a file has none. Values are those that are
+//! stored, without a colour space; renderings read pictures otherwise (`textures`).
+//! Proof: `tests/scripts/stored.rs`; OSL's suite (bench/record/osl-suite.md).
+
+mod copies;
+mod filter;
+mod sample;
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+
+use gnurt_image::{Stored, read_stored};
+use gnurt_sl::exec::TextureOptions;
+use gnurt_sl::hir::Data;
+use gnurt_sl::tools::Textures;
+use gnurt_sl::types::{Base, Type};
+use gnurt_sl_lib::Dual;
+
+use sample::{Read, Wrap};
+
+/// Different names that are kept.
+const MOST: usize = 4096;
+
+/// A name that stands for the tiles of a picture, by 1001 + u + 10 v.
+const TILES: [&str; 2] = ["<UDIM>", "<udim>"];
+
+type Found = Result<Arc<Stored>, Arc<str>>;
+
+/// Pictures by their files' names, each read once.
+#[derive(Debug, Default)]
+pub struct StoredTextures {
+    known: Mutex<HashMap<String, Found>>,
+    /// Files about which was complained.
+    told: Mutex<HashSet<String>>,
+}
+
+/// The file that a name stands for at a place, and the place in it.
+fn tile(name: &str, [s, t]: [f32; 2]) -> Option<(String, [f32; 2])> {
+    let word = TILES.into_iter().find(|word| name.contains(word))?;
+    let [column, row] = [s, t].map(|x| x.floor().clamp(0.0, 1000.0));
+    let number = 1001 + (column.min(9.0) as usize) + 10 * row as usize;
+    Some((name.replace(word, &number.to_string()), [s - s.floor(), t - t.floor()]))
+}
+
+impl StoredTextures {
+    fn find(&self, name: &str) -> Found {
+        let Ok(mut known) = self.known.lock() else { return Err("its memory is lost".into()) };
+        if let Some(found) = known.get(name) {
+            return found.clone();
+        }
+        if known.len() >= MOST {
+            return Err(format!("more than {MOST} pictures").into());
+        }
+        let found = read(name);
+        known.insert(name.to_owned(), found.clone());
+        found
+    }
+
+    /// The reason, if it has not been given before.
+    fn once(&self, name: &str, why: &str) -> String {
+        let is_new = self.told.lock().is_ok_and(|mut told| told.len() < MOST && told.insert(name.to_owned()));
+        if is_new { why.to_owned() } else { String::new() }
+    }
+
+    /// The picture, and what is read of it.
+    fn open(&self, name: &str, options: &TextureOptions) -> Result<(Arc<Stored>, [Wrap; 2], usize), String> {
+        let file = self.find(name).map_err(|why| self.once(name, &why))?;
+        let first = usize::try_from(options.first_channel).unwrap_or(0);
+        let of_file = file.text("wrapmodes").map(Wrap::of_file).unwrap_or([Wrap::Black; 2]);
+        let wrap = [0, 1].map(|k: usize| Wrap::named(&options.wrap[k]).unwrap_or(of_file[k]));
+        Ok((file, wrap, first))
+    }
+}
+
+fn read(name: &str) -> Found {
+    if name.is_empty() {
+        return Err("ImageInput::create() called with no filename".into());
+    }
+    if !Path::new(name).exists() {
+        return Err(format!("Could not open file: {name}: No such file or directory").into());
+    }
+    let file = read_stored(Path::new(name)).map_err(|error| error.to_string())?;
+    Ok(Arc::new(copies::with_copies(file)))
+}
+
+/// Red where there is nothing but red, and what is filled in where channels are missing.
+fn completed(mut texel: Read, file: &Stored, options: &TextureOptions, first: usize) -> Read {
+    if file.channels == 1 && options.channels >= 3 && first == 0 {
+        (texel[1], texel[2]) = (texel[0], texel[0]);
+    } else if file.channels == 2 && options.channels == 4 && first == 0 && file.alpha == Some(1) {
+        texel = [texel[0], texel[0], texel[0], texel[1]];
+    }
+    texel
+}
+
+impl Textures for StoredTextures {
+    fn texture(
+        &self,
+        name: &str,
+        at: [Dual<f32>; 2],
+        options: &TextureOptions,
+    ) -> Result<[Dual<f32>; 4], String> {
+        let mut place = [at[0].value, at[1].value];
+        let tile = tile(name, place);
+        if let Some((_, within)) = &tile {
+            place = *within;
+        }
+        let name = tile.as_ref().map_or(name, |(name, _)| name);
+        let (file, wrap, first) = self.open(name, options)?;
+        let [dx, dy] = [[at[0].dx, at[1].dx], [at[0].dy, at[1].dy]];
+        let texel = filter::over_ellipse(&file, place, [dx, dy], options, (wrap, first));
+        Ok(completed(texel, &file, options, first)
+            .map(|[value, ds, dt]| Dual::new(value, ds * dx[0] + dt * dx[1], ds * dy[0] + dt * dy[1])))
+    }
+
+    fn environment(
+        &self,
+        name: &str,
+        way: [Dual<f32>; 3],
+        options: &TextureOptions,
+    ) -> Result<[Dual<f32>; 4], String> {
+        let (file, _, first) = self.open(name, options)?;
+        let texel = filter::around(&file, way, options, first);
+        Ok(completed(texel, &file, options, first).map(|[value, ..]| value.into()))
+    }
+
+    fn info(&self, name: &str, at: Option<[f32; 2]>, what: &str, ty: Type) -> Result<Option<Data>, String> {
+        let tiled = TILES.into_iter().any(|word| name.contains(word));
+        let named = match at {
+            Some(at) => tile(name, at).map_or_else(|| name.to_owned(), |(name, _)| name),
+            // Without a place, what all tiles have in common; those of the first are taken for it.
+            None => tile(name, [0.0; 2]).map_or_else(|| name.to_owned(), |(name, _)| name),
+        };
+        let found = self.find(&named);
+        if what == "exists" {
+            return Ok((ty == Type::INT).then(|| Data::Int(vec![i32::from(found.is_ok())])));
+        }
+        let file = match found {
+            Ok(file) => file,
+            // A tile that is not there is a hole.
+            Err(_) if tiled => return Ok(None),
+            Err(_) => {
+                return Err(format!(
+                    "Invalid image file \"{name}\": Image \"{name}\" does not exist. Also, it is not the name of an image format that OpenImageIO recognizes."
+                ));
+            }
+        };
+        Ok(answer(&file, what, ty))
+    }
+}
+
+fn answer(file: &Stored, what: &str, ty: Type) -> Option<Data> {
+    let ints = |list: &[i32]| {
+        let fits = ty.base == Base::Int && ty.size() == list.len();
+        fits.then(|| Data::Int(list.to_vec()))
+    };
+    let text = |text: &str| (ty == Type::STRING).then(|| Data::Str(vec![text.into()]));
+    // Colours are those that the maker of the file has noted, or the one that the smallest level has.
+    let color = |noted: Option<&str>, from: usize| {
+        if ty.base != Base::Float && !ty.base.is_triple() {
+            return None;
+        }
+        let values: Vec<f32> = match noted {
+            Some(noted) => noted.split(',').map(|word| word.trim().parse().unwrap_or(0.0)).collect(),
+            None => {
+                let last = file.levels.last().filter(|level| [level.width, level.height] == [1, 1])?;
+                (0..file.channels).map(|c| last.values.get(c)).collect()
+            }
+        };
+        let at = |i: usize| values.get(from + i).copied().unwrap_or(0.0);
+        Some(Data::Float((0..ty.size()).map(at).collect()))
+    };
+    let average = file.text("oiio:AverageColor");
+    let constant = file.text("oiio:ConstantColor");
+    match what {
+        "resolution" => {
+            let [left, top, right, bottom] = file.window;
+            ints(&[right - left + 1, bottom - top + 1])
+        }
+        "channels" => ints(&[file.channels as i32])
+            .or_else(|| (ty == Type::FLOAT).then(|| Data::Float(vec![file.channels as f32]))),
+        "datawindow" => ints(&file.window),
+        "displaywindow" => ints(&file.display),
+        "texturetype" | "textureformat" => text(file.text("textureformat").unwrap_or("Plain Texture")),
+        "averagecolor" => color(average, 0),
+        "averagealpha" if ty == Type::FLOAT => color(average, file.alpha?),
+        "constantcolor" => color(Some(constant?), 0),
+        "constantalpha" if ty == Type::FLOAT => color(Some(constant?), file.alpha?),
+        _ => text(file.text(what)?),
+    }
+}

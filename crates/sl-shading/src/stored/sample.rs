@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Reads a level of a picture at a place: the nearest texel, between four, or by cubic B-splines over sixteen.
+//! Source: original; wrap modes and derivatives are those of OpenImageIO's textures. Cubic B-splines: Sigg and Hadwiger, Fast
+//! Third-Order Texture Filtering (GPU Gems 2, 2005). A channel that the file lacks is filled; what lies outside of a picture that is black there is black
+//! in filled channels as well.
+
+use gnurt_image::{Stored, StoredLevel};
+
+/// Of four channels: the value, and its changes with s and t.
+pub(super) type Read = [[f32; 3]; 4];
+
+/// How a picture goes on beyond its border.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wrap {
+    Black,
+    Clamp,
+    Periodic,
+    Mirror,
+}
+
+impl Wrap {
+    /// None for the file's own.
+    pub(super) fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "black" => Self::Black,
+            "clamp" => Self::Clamp,
+            "periodic" => Self::Periodic,
+            "mirror" => Self::Mirror,
+            _ => return None,
+        })
+    }
+
+    /// What a file says of both directions: `black,clamp`, or one word for both.
+    pub(super) fn of_file(text: &str) -> [Self; 2] {
+        let (s, t) = text.split_once(',').unwrap_or((text, text));
+        [s, t].map(|word| Self::named(word.trim()).unwrap_or(Self::Black))
+    }
+
+    /// The texel that stands at place `i` of `n`, if there is one.
+    fn texel(self, i: i32, n: usize) -> Option<usize> {
+        let n = n as i32;
+        let inside = match self {
+            Self::Black if !(0..n).contains(&i) => return None,
+            Self::Black => i,
+            Self::Clamp => i.clamp(0, n - 1),
+            Self::Periodic => i.rem_euclid(n),
+            Self::Mirror => {
+                let i = i.rem_euclid(2 * n);
+                if i < n { i } else { 2 * n - 1 - i }
+            }
+        };
+        Some(inside as usize)
+    }
+}
+
+/// How a level is read between its texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Between {
+    Closest,
+    Linear,
+    Cubic,
+}
+
+/// Which channels are read, and how.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Way {
+    pub(super) wrap: [Wrap; 2],
+    pub(super) first: usize,
+    /// Channels that are asked for.
+    pub(super) channels: usize,
+    /// What channels hold that the file lacks.
+    pub(super) fill: f32,
+}
+
+/// A coordinate as a texel and what is left.
+fn split(x: f32) -> (i32, f32) {
+    let whole = x.floor();
+    // Beyond what ints hold there is no picture.
+    (whole.clamp(-1e9, 1e9) as i32, x - whole)
+}
+
+/// The weights of two or four texels and their changes.
+fn weights(between: Between, f: f32) -> ([f32; 4], [f32; 4]) {
+    let g = 1.0 - f;
+    if between == Between::Linear {
+        return ([0.0, g, f, 0.0], [0.0, -1.0, 1.0, 0.0]);
+    }
+    let w = [
+        g * g * g / 6.0,
+        2.0 / 3.0 - 0.5 * f * f * (2.0 - f),
+        2.0 / 3.0 - 0.5 * g * g * (2.0 - g),
+        f * f * f / 6.0,
+    ];
+    let d = [-0.5 * g * g, 0.5 * f * (3.0 * f - 4.0), -0.5 * g * (3.0 * g - 4.0), 0.5 * f * f];
+    (w, d)
+}
+
+/// The texel of a level at (s, t), t downwards.
+pub(super) fn read(
+    file: &Stored,
+    level: &StoredLevel,
+    [s, t]: [f32; 2],
+    between: Between,
+    way: &Way,
+) -> Read {
+    let (w, h) = (level.width, level.height);
+    let mut out = Read::default();
+    let there = file.channels.saturating_sub(way.first).min(way.channels);
+    // The share of what lies where there is a picture.
+    let mut inside = 0.0;
+    let mut add = |x: Option<usize>, y: Option<usize>, weight: [f32; 3]| {
+        let (Some(x), Some(y)) = (x, y) else { return };
+        inside += weight[0];
+        let start = (y * w + x) * file.channels + way.first;
+        for (c, out) in out.iter_mut().enumerate().take(there) {
+            let value = level.values.get(start + c);
+            for (out, weight) in out.iter_mut().zip(weight) {
+                *out += weight * value;
+            }
+        }
+    };
+    if between == Between::Closest {
+        let ((i, _), (j, _)) = (split(s * w as f32), split(t * h as f32));
+        add(way.wrap[0].texel(i, w), way.wrap[1].texel(j, h), [1.0, 0.0, 0.0]);
+    } else {
+        let ((i, fs), (j, ft)) = (split(s * w as f32 - 0.5), split(t * h as f32 - 0.5));
+        let ((ws, ds), (wt, dt)) = (weights(between, fs), weights(between, ft));
+        let columns: [_; 4] = std::array::from_fn(|k| way.wrap[0].texel(i + k as i32 - 1, w));
+        for l in 0..4 {
+            let row = way.wrap[1].texel(j + l as i32 - 1, h);
+            for k in 0..4 {
+                if ws[k] != 0.0 || ds[k] != 0.0 {
+                    let weight = [ws[k] * wt[l], ds[k] * wt[l] * w as f32, ws[k] * dt[l] * h as f32];
+                    if weight != [0.0; 3] {
+                        add(columns[k], row, weight);
+                    }
+                }
+            }
+        }
+    }
+    for out in &mut out[there..] {
+        out[0] = way.fill * inside;
+    }
+    out
+}
