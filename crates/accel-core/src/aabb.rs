@@ -55,6 +55,15 @@ impl Aabb {
         x * y + y * z + z * x
     }
 
+    /// How far a point is from it; 0 inside.
+    #[must_use]
+    pub fn distance(&self, point: &[f64; 3]) -> f64 {
+        let beside =
+            |k: usize| (f64::from(self.min[k]) - point[k]).max(point[k] - f64::from(self.max[k])).max(0.0);
+        let [x, y, z] = [beside(0), beside(1), beside(2)];
+        (x * x + y * y + z * z).sqrt()
+    }
+
     /// The two parts on either side of the plane `p[axis] == at`.
     #[must_use]
     #[inline]

@@ -56,6 +56,12 @@ impl Ranges {
         self.slope
     }
 
+    /// Least and greatest coordinates of origins.
+    #[inline(always)]
+    pub fn org(&self) -> [[f32; 2]; 3] {
+        self.org
+    }
+
     /// How wide the rays are together after `size` steps, along the widest axis.
     #[inline(always)]
     pub fn spread(&self, size: f32) -> f32 {

@@ -75,14 +75,33 @@ impl TriangleBlock {
             if block.numbers[lane] == INVALID_ID {
                 block.numbers[lane] = block.numbers[0];
             }
-            let corners = corners(block.numbers[lane]);
-            for (corner, position) in corners.iter().enumerate() {
-                for (axis, &x) in position.iter().enumerate() {
-                    block.corners[corner][axis][lane] = x;
-                }
-            }
+            let number = block.numbers[lane];
+            block.put(lane, &corners(number), number);
         }
         block
+    }
+
+    /// Puts a triangle into a lane.
+    #[inline(always)]
+    pub fn put(&mut self, lane: usize, corners: &[[f32; 3]; 3], number: u32) {
+        let lane = lane & (WIDTH - 1);
+        for (to, position) in self.corners.iter_mut().zip(corners) {
+            for (row, &x) in to.iter_mut().zip(position) {
+                row[lane] = x;
+            }
+        }
+        self.numbers[lane] = number;
+    }
+
+    /// Puts a triangle into all lanes.
+    #[inline(always)]
+    pub fn put_everywhere(&mut self, corners: &[[f32; 3]; 3], number: u32) {
+        for (to, position) in self.corners.iter_mut().zip(corners) {
+            for (row, &x) in to.iter_mut().zip(position) {
+                *row = [x; WIDTH];
+            }
+        }
+        self.numbers = [number; WIDTH];
     }
 
     /// Offers the meetings with `ray`.

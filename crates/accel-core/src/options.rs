@@ -28,6 +28,9 @@ pub enum Structure {
     PlainBih,
     /// A B-KD tree \[WMS06\]: nodes of 20 bytes with four planes along one axis, and clips as above. Can be refitted.
     BKd,
+    /// A grid of cells of one size \[WIK*06\]: quick to build, for what is built anew each frame; slow to
+    /// trace, most of all where triangles are spread unevenly. All qualities are one.
+    Grid,
 }
 
 /// How much time a build may take for faster rays.
@@ -69,7 +72,7 @@ pub struct BuildOptions {
     pub triangle_cost: f32,
     /// Kd-tree: what the cost of a plane is multiplied with where one of its sides is empty.
     pub empty_factor: f32,
-    /// Leaves of a kd-tree, or of a BVH with spatial splits, may hold at most this many references in all, as a multiple
+    /// Leaves of a kd-tree, of a BVH with spatial splits, or cells of a grid may hold at most this many references in all, as a multiple
     /// of the number of triangles. A BVH stays below 2.
     pub reference_budget: f32,
     /// Kd-tree: nodes may not lie deeper; capped by what a traversal stack holds.

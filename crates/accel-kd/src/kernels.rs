@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is compiled for each level: one table of functions over kd-trees. This is the only place where they are made, and
+//! What is compiled for each level: one table of functions over kd-trees, interval hierarchies and grids. This is the only place where they are made, and
 //! [`Kernels`] the only door to them.
 //! Source: original; decision 0018 says why tables. Walks are compiled once for all that rays may look for.
 //! Invariant: a table's functions are called with its own token, which proves that the CPU has the level.
@@ -11,6 +11,7 @@ use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::trip::{RayTrip, TileTrip};
 use gnurt_simd::{Simd, Token, by_level};
 
+use crate::grid::GridIndex;
 use crate::index::KdIndex;
 use crate::interval::IntervalIndex;
 
@@ -27,6 +28,8 @@ struct Table {
     tile: Option<fn(Token, &KdIndex, Heading, &mut TileTrip)>,
     interval: fn(Token, &IntervalIndex, &mut RayTrip),
     interval_tile: Option<fn(Token, &IntervalIndex, Heading, &mut TileTrip)>,
+    grid: fn(Token, &GridIndex, &mut RayTrip),
+    grid_tile: Option<fn(Token, &GridIndex, Heading, &mut TileTrip)>,
 }
 
 struct For<S>(PhantomData<S>);
@@ -37,6 +40,8 @@ impl<S: Simd> For<S> {
         tile: if S::HAS_TILES { Some(tile::<S>) } else { None },
         interval: interval::<S>,
         interval_tile: if S::HAS_TILES { Some(interval_tile::<S>) } else { None },
+        grid: grid::<S>,
+        grid_tile: if S::HAS_TILES { Some(grid_tile::<S>) } else { None },
     };
 }
 
@@ -65,6 +70,22 @@ fn interval<S: Simd>(token: Token, index: &IntervalIndex, trip: &mut RayTrip) {
 }
 
 fn interval_tile<S: Simd>(token: Token, index: &IntervalIndex, heading: Heading, trip: &mut TileTrip) {
+    let simd = S::from_token(token);
+    simd.vectorize(
+        #[inline(always)]
+        || index.search_tile(simd, heading, trip),
+    );
+}
+
+fn grid<S: Simd>(token: Token, index: &GridIndex, trip: &mut RayTrip) {
+    let simd = S::from_token(token);
+    simd.vectorize(
+        #[inline(always)]
+        || index.search(simd, trip),
+    );
+}
+
+fn grid_tile<S: Simd>(token: Token, index: &GridIndex, heading: Heading, trip: &mut TileTrip) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
@@ -102,5 +123,17 @@ impl Kernels {
     #[inline]
     pub fn interval_tile(&self, index: &IntervalIndex, heading: Heading, trip: &mut TileTrip) -> bool {
         self.table.interval_tile.inspect(|kernel| kernel(self.token, index, heading, trip)).is_some()
+    }
+
+    /// One ray through a grid.
+    #[inline]
+    pub fn grid(&self, index: &GridIndex, trip: &mut RayTrip) {
+        (self.table.grid)(self.token, index, trip);
+    }
+
+    /// A tile as [`tile`](Self::tile) takes it. Whether there is a kernel for it.
+    #[inline]
+    pub fn grid_tile(&self, index: &GridIndex, heading: Heading, trip: &mut TileTrip) -> bool {
+        self.table.grid_tile.inspect(|kernel| kernel(self.token, index, heading, trip)).is_some()
     }
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Trees whose nodes have planes along one axis: the kd-tree over an object's triangles, its layout, construction, traversal by one ray
-//! and by a tile; and interval hierarchies, which can follow what moves (`interval`).
+//! and by a tile; interval hierarchies, which can follow what moves (`interval`); and grids, which are built at once (`grid`).
 //! Source: the paper's sections 4.1, 5.1, 5.2 and 6. What is compiled for each level is in [`Kernels`].
 //!
 //! `gnurt-accel` is the door for programs; this crate is one of its structures.
@@ -14,10 +14,12 @@ mod build;
 mod builder;
 mod divide;
 mod event;
+mod grid;
 mod index;
 mod interval;
 mod kernels;
 mod leaves;
+mod mailbox;
 mod measure;
 #[cfg(test)]
 mod naive;
@@ -33,6 +35,7 @@ mod single;
 mod slab;
 mod tiles;
 
+pub use grid::GridIndex;
 pub use index::KdIndex;
 pub use interval::IntervalIndex;
 pub use kernels::Kernels;

@@ -6,7 +6,6 @@
 //! need not be one point: they are an interval, too. Mailboxes [AW87].
 //! Invariant: a leaf that one of the rays alone would come to before its hit is visited. Proof: `tests/brute_force.rs`.
 
-use gnurt_accel_core::INVALID_ID;
 use gnurt_accel_core::beam::{Beam, CHUNKS, Ranges};
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::chunks::Chunks;
@@ -18,6 +17,7 @@ use gnurt_accel_core::trip::TileTrip;
 use gnurt_simd::{Simd, StackRoom};
 
 use crate::leaves::Leaves;
+use crate::mailbox::Mailbox;
 use crate::node::{DEEPEST, KdTree};
 
 /// A tree and its leaves.
@@ -32,22 +32,6 @@ struct FarChild {
     node: u32,
     first: f32,
     last: f32,
-}
-
-/// The last triangles that a chunk was tested against: a second test has nothing to add \[AW87\].
-struct Mailbox {
-    numbers: [u32; 64],
-}
-
-impl Mailbox {
-    const EMPTY: Self = Self { numbers: [INVALID_ID; 64] };
-
-    /// Whether a triangle is known; from now on it is.
-    #[inline(always)]
-    fn has(&mut self, number: u32) -> bool {
-        let place = &mut self.numbers[number as usize & 63];
-        std::mem::replace(place, number) == number
-    }
 }
 
 /// Tiles may be this wide, as a part of the tree's size.
@@ -74,7 +58,7 @@ impl Blocked<'_> {
             return false;
         };
         let test = TileTest { simd, rays, kind, slot, heading };
-        let mut mailboxes = [Mailbox::EMPTY; CHUNKS];
+        let mut mailboxes = [Mailbox::<64>::EMPTY; CHUNKS];
         let (mut visited, mut tested) = (0u64, 0u64);
         let (beam, farthest) = (chunks.beam, chunks.farthest);
         self.walk_together(

@@ -83,7 +83,7 @@ impl MovingTree {
     /// geometry is another one than before, or has other good triangles, or the structure knows no refit, or
     /// nothing is to move, the tree is built with `options`.
     pub fn update(&mut self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Update {
-        let is_fixed = matches!(self.motion, Motion::Static | Motion::Rigid);
+        let is_fixed = matches!(self.motion, Motion::Static | Motion::Rigid) || !self.tree.knows_refits();
         let refitted = (!is_fixed).then(|| self.room().refit_from(geometries, threads).ok()).flatten();
         let Some(tree) = refitted else {
             *self = Self::build(geometries, options, self.motion, threads);

@@ -27,7 +27,7 @@ use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::trip::{RayTrip, TileTrip};
-use gnurt_accel_kd::{IntervalIndex, KdIndex};
+use gnurt_accel_kd::{GridIndex, IntervalIndex, KdIndex};
 use kind::{Group, Kind};
 use places::Places;
 
@@ -62,6 +62,7 @@ struct Part {
 enum Index {
     Kd(KdIndex),
     Interval(IntervalIndex),
+    Grid(GridIndex),
     Bvh(BvhIndex),
     /// Triangles that move while the shutter is open.
     Moving(MotionIndex),
@@ -96,6 +97,7 @@ impl ObjectTree {
                 && match (&a.index, &b.index) {
                     (Index::Kd(a), Index::Kd(b)) => a == b,
                     (Index::Interval(a), Index::Interval(b)) => a == b,
+                    (Index::Grid(a), Index::Grid(b)) => a == b,
                     (Index::Bvh(a), Index::Bvh(b)) => a == b,
                     (Index::Moving(a), Index::Moving(b)) => a == b,
                     (Index::Spheres(a), Index::Spheres(b)) => a == b,
@@ -172,6 +174,7 @@ impl ObjectTree {
             let has_kernel = match &part.index {
                 Index::Kd(index) => engine.kd.tile(index, heading, trip),
                 Index::Interval(index) => engine.kd.interval_tile(index, heading, trip),
+                Index::Grid(index) => engine.kd.grid_tile(index, heading, trip),
                 Index::Bvh(index) => engine.bvh.tile(index, heading, trip),
                 Index::Moving(_) | Index::Spheres(_) | Index::User(_) => false,
             };
@@ -187,6 +190,7 @@ impl ObjectTree {
             match &part.index {
                 Index::Kd(index) => index.nearest(probe, slot, nearest),
                 Index::Interval(index) => index.nearest(probe, slot, nearest),
+                Index::Grid(index) => index.nearest(probe, slot, nearest),
                 Index::Bvh(index) => engine.bvh.point(index, probe, slot, nearest),
                 Index::Moving(index) => engine.bvh.point(index.first(), probe, slot, nearest),
                 Index::Spheres(index) => engine.bvh.spheres_point(index, probe, slot, nearest),
@@ -226,7 +230,7 @@ impl Part {
     /// What it is over.
     fn group(&self) -> Group {
         let kind = match self.index {
-            Index::Kd(_) | Index::Interval(_) | Index::Bvh(_) => Kind::Surfaces,
+            Index::Kd(_) | Index::Interval(_) | Index::Grid(_) | Index::Bvh(_) => Kind::Surfaces,
             Index::Moving(ref index) => Kind::Moving(index.keys()),
             Index::Spheres(_) => Kind::Spheres,
             Index::User(_) => Kind::User,
@@ -240,6 +244,7 @@ impl Index {
         match self {
             Self::Kd(index) => index.bounds(),
             Self::Interval(index) => index.bounds(),
+            Self::Grid(index) => index.bounds(),
             Self::Bvh(index) => index.bounds(),
             Self::Moving(index) => index.bounds(),
             Self::Spheres(index) => index.bounds(),
@@ -251,6 +256,7 @@ impl Index {
         match self {
             Self::Kd(index) => index.stats(),
             Self::Interval(index) => index.stats(),
+            Self::Grid(index) => index.stats(),
             Self::Bvh(index) => index.stats(),
             Self::Moving(index) => index.stats(),
             Self::Spheres(index) => index.stats(),
@@ -264,6 +270,7 @@ impl Index {
         match self {
             Self::Kd(index) => engine.kd.ray(index, trip),
             Self::Interval(index) => engine.kd.interval(index, trip),
+            Self::Grid(index) => engine.kd.grid(index, trip),
             Self::Bvh(index) => engine.bvh.ray(index, trip),
             Self::Moving(index) => engine.bvh.moving(index, trip),
             Self::Spheres(index) => engine.bvh.spheres(index, trip),

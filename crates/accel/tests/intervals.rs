@@ -15,12 +15,12 @@ const fn kind(structure: Structure) -> Kind {
 
 const KINDS: [Kind; 3] = [kind(Structure::PlainBih), kind(Structure::Bih), kind(Structure::BKd)];
 
-fn triangles(meshes: &[Soup]) -> Vec<Triangles<'_>> {
+pub(crate) fn triangles(meshes: &[Soup]) -> Vec<Triangles<'_>> {
     meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices }).collect()
 }
 
 /// Something small of many triangles in a box that is `ratio` times as large.
-fn stadium(ratio: f32) -> [Soup; 2] {
+pub(crate) fn stadium(ratio: f32) -> [Soup; 2] {
     let mut small = closed::torus(40);
     small.positions.iter_mut().for_each(|p| *p = p.map(|x| 0.3 * x));
     let mut room = closed::cube(12);
@@ -34,7 +34,7 @@ fn stadium(ratio: f32) -> [Soup; 2] {
     [small, room]
 }
 
-fn check(tree: &ObjectTree, meshes: &[Soup], kind: Kind, seed: u64) {
+pub(crate) fn check(tree: &ObjectTree, meshes: &[Soup], kind: Kind, seed: u64) {
     let mut all = rays::random(seed, 40);
     all.extend(rays::axis_parallel(seed, 2));
     let rays = batch(&all);

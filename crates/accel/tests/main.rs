@@ -13,6 +13,7 @@ mod control;
 mod counters;
 mod far_away;
 mod filters;
+mod grids;
 mod instances;
 mod intervals;
 mod kd_build;

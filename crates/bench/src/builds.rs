@@ -99,8 +99,9 @@ fn plans(filter: &Filter) -> Result<Vec<Plan>, Error> {
     if !filter.modes.iter().all(|part| modes.iter().any(|mode| mode.contains(part))) {
         return Err(Error::NothingToDo { valid: modes });
     }
-    // A kd-tree of high quality is one of medium quality.
+    // A kd-tree of high quality is one of medium quality; grids are for who asks.
     let is_usual = |plan: &Plan| match plan {
+        Plan::Own(OwnKind::GRID) => false,
         Plan::Own(kind) => (kind.structure, kind.quality) != (Structure::Kd, Quality::High),
         Plan::Embree(_) => true,
     };

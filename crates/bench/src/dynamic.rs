@@ -6,7 +6,8 @@
 
 use gnurt::ThreadPool;
 use gnurt::accel::{
-    BuildOptions, Coherence, Geometry, Motion, MovingTree, ObjectTree, Quality, Threads, Triangles, Update,
+    BuildOptions, Coherence, Geometry, Motion, MovingTree, ObjectTree, Quality, Structure, Threads,
+    Triangles, Update,
 };
 use gnurt::simd::Level;
 
@@ -15,7 +16,7 @@ use crate::contest::check;
 use crate::dynamic_row::DynamicRow;
 use crate::embree::EmbreeEngine;
 use crate::ffi_embree::{MovingScene, Scene};
-use crate::job::{Asked, Packets};
+use crate::job::{Asked, OwnKind, Packets};
 use crate::news::News;
 use crate::options::Options as RayOptions;
 use crate::own::OwnEngine;
@@ -52,11 +53,15 @@ pub(crate) fn deformed(subject: &Subject, share: f32, to: &mut [[f32; 3]]) {
     }
 }
 
+/// What is built anew: grids, BVHs and the quick kd-tree.
+const REBUILT: [OwnKind; 5] =
+    [OwnKind::GRID, OwnKind::FAST, OwnKind::MEDIUM, OwnKind::HIGH, OwnKind::FAST_KD];
+
 /// Something that follows the frames.
 enum Follower<'a> {
     Refit(Box<ObjectTree>),
     Moving(Motion, MovingTree),
-    Build(Quality, Box<ObjectTree>),
+    Build(OwnKind, Box<ObjectTree>),
     EmbreeRefit(MovingScene<'a>),
     EmbreeBuild(i32, Scene<'a>),
 }
@@ -67,9 +72,11 @@ impl Follower<'_> {
             Self::Refit(_) => ("refit", "refit", "gnurt"),
             Self::Moving(Motion::Auto, _) => ("refit", "auto", "gnurt"),
             Self::Moving(..) => ("refit", "known", "gnurt"),
-            Self::Build(Quality::Fast, _) => ("rebuild", "fast", "gnurt"),
-            Self::Build(Quality::Medium, _) => ("rebuild", "medium", "gnurt"),
-            Self::Build(Quality::High, _) => ("rebuild", "high", "gnurt"),
+            Self::Build(OwnKind { structure: Structure::Grid, .. }, _) => ("rebuild", "grid", "gnurt"),
+            Self::Build(OwnKind { structure: Structure::Kd, .. }, _) => ("rebuild", "kd-fast", "gnurt"),
+            Self::Build(OwnKind { quality: Quality::Fast, .. }, _) => ("rebuild", "fast", "gnurt"),
+            Self::Build(OwnKind { quality: Quality::Medium, .. }, _) => ("rebuild", "medium", "gnurt"),
+            Self::Build(OwnKind { quality: Quality::High, .. }, _) => ("rebuild", "high", "gnurt"),
             Self::EmbreeRefit(_) => ("refit", "refit", "embree4"),
             Self::EmbreeBuild(0, _) => ("rebuild", "low", "embree4"),
             Self::EmbreeBuild(1, _) => ("rebuild", "medium", "embree4"),
@@ -97,16 +104,15 @@ pub fn run(
     let last_frame = last_frame;
     let device = embree.map(|library| library.device(options.level, 1)).transpose()?;
     let mut moved = subject.clone();
-    let build = |subject: &Subject, quality| {
-        let options = BuildOptions { quality, ..BuildOptions::default() };
-        Box::new(ObjectTree::build(&[subject.triangles()], &options, Threads::Single))
+    let build = |subject: &Subject, kind: OwnKind| {
+        Box::new(ObjectTree::build(&[subject.triangles()], &kind.options(), Threads::Single))
     };
     let medium = BuildOptions::default();
     let rest: [Geometry; 1] = [subject.triangles().into()];
     let moving =
         |motion| Follower::Moving(motion, MovingTree::build(&rest, &medium, motion, Threads::Pool(pool)));
     let mut followers =
-        vec![Follower::Refit(build(subject, Quality::Medium)), moving(Motion::Auto), moving(Motion::Known)];
+        vec![Follower::Refit(build(subject, OwnKind::MEDIUM)), moving(Motion::Auto), moving(Motion::Known)];
     if let Some(device) = &device {
         let scene = MovingScene::build(device, subject.padded.clone(), &subject.indices);
         followers.push(Follower::EmbreeRefit(scene.map_err(failed)?));
@@ -129,18 +135,21 @@ pub fn run(
     }
 
     // Builds of the last frame.
-    for quality in [Quality::Fast, Quality::Medium, Quality::High] {
+    for kind in REBUILT {
         let mut taken = Vec::new();
         let mut last = None;
         for _ in 0..options.rounds {
             let before = process_seconds();
-            last = Some(build(&last_frame, quality));
+            last = Some(build(&last_frame, kind));
             taken.push(process_seconds() - before);
         }
-        followers.extend(last.map(|tree| Follower::Build(quality, tree)));
+        followers.extend(last.map(|tree| Follower::Build(kind, tree)));
         times.push(taken);
         let Some(device) = &device else { continue };
-        let embree = match quality {
+        if kind.structure != Structure::Bvh {
+            continue;
+        }
+        let embree = match kind.quality {
             Quality::Fast => 0,
             Quality::Medium => 1,
             Quality::High => 2,
@@ -263,9 +272,9 @@ mod tests {
         let pool = gnurt::thread_pool(2).expect("threads");
         let options = Options { frames: 5, rounds: 1, size: 32, level: Level::best() };
         let rows = run(&subject, &options, None, &pool, &mut |_| {}).expect("it can be followed");
-        assert_eq!(rows.len(), 6, "three that follow, three that are built: {rows:?}");
+        assert_eq!(rows.len(), 8, "three that follow, five that are built: {rows:?}");
         assert!(rows.iter().all(|row| row.hits == rows[0].hits && row.hits > 100), "{rows:?}");
-        assert_eq!(table(&rows).lines().count(), 8, "a title, a head, a line each");
-        assert_eq!(to_json(&rows).as_array().map(Vec::len), Some(6), "an object each");
+        assert_eq!(table(&rows).lines().count(), 10, "a title, a head, a line each");
+        assert_eq!(to_json(&rows).as_array().map(Vec::len), Some(8), "an object each");
     }
 }

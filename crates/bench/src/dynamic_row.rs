@@ -11,7 +11,7 @@ pub struct DynamicRow {
     pub case: &'static str,
     /// The scene.
     pub scene: String,
-    /// What was done for each frame; in `rebuild` the quality.
+    /// What was done for each frame; in `rebuild` the quality of a BVH, or another structure: `grid`, `kd-fast`.
     pub strategy: &'static str,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,

@@ -85,14 +85,19 @@ impl EmbreeKind {
 
 impl OwnKind {
     pub(crate) const MEDIUM: Self = Self::new(Structure::Bvh, Quality::Medium);
-    pub(crate) const ALL: [Self; 7] = [
-        Self::new(Structure::Bvh, Quality::Fast),
+    pub(crate) const FAST: Self = Self::new(Structure::Bvh, Quality::Fast);
+    pub(crate) const HIGH: Self = Self::new(Structure::Bvh, Quality::High);
+    pub(crate) const FAST_KD: Self = Self::new(Structure::Kd, Quality::Fast);
+    pub(crate) const GRID: Self = Self::new(Structure::Grid, Quality::Fast);
+    pub(crate) const ALL: [Self; 8] = [
+        Self::FAST,
         Self::MEDIUM,
-        Self::new(Structure::Bvh, Quality::High),
+        Self::HIGH,
         Self { memory: Memory::Compact, ..Self::MEDIUM },
-        Self::new(Structure::Kd, Quality::Fast),
+        Self::FAST_KD,
         Self::new(Structure::Kd, Quality::Medium),
         Self::new(Structure::Kd, Quality::High),
+        Self::GRID,
     ];
 
     const fn new(structure: Structure, quality: Quality) -> Self {
@@ -104,7 +109,7 @@ impl OwnKind {
         BuildOptions { structure, quality, memory, ..BuildOptions::default() }
     }
 
-    /// `bvh-medium`, `bvh-compact`, `kd-fast`, ...
+    /// `bvh-medium`, `bvh-compact`, `kd-fast`, ...; grids have one quality.
     pub(crate) fn name(self) -> String {
         let structure = match self.structure {
             Structure::Bvh => "bvh",
@@ -112,6 +117,7 @@ impl OwnKind {
             Structure::Bih => "bih",
             Structure::PlainBih => "bih-plain",
             Structure::BKd => "b-kd",
+            Structure::Grid => return "grid".to_owned(),
         };
         let quality = match (self.memory, self.quality) {
             (Memory::Compact, _) => "compact",
@@ -171,13 +177,14 @@ impl Job {
         jobs
     }
 
-    /// Whether it is timed when nobody says what: not fast builds and small trees, and kd-trees of one quality, since high
+    /// Whether it is timed when nobody says what: not fast builds, grids and small trees, and kd-trees of one quality, since high
     /// is medium.
     fn is_usual(&self) -> bool {
         match self {
             Self::Own { kind: OwnKind { structure: Structure::Kd, quality, .. }, .. } => {
                 *quality == Quality::Medium
             }
+            Self::Own { kind: OwnKind { structure: Structure::Grid, .. }, .. } => false,
             Self::Own { kind, .. } => kind.quality != Quality::Fast && kind.memory == Memory::Fast,
             Self::Embree { kind, .. } => *kind != EmbreeKind::Compact,
         }
@@ -238,7 +245,7 @@ mod tests {
         let count = names.len();
         names.sort();
         names.dedup();
-        assert_eq!((count, names.len()), (28 + 28, 28 + 28), "one name each");
+        assert_eq!((count, names.len()), (32 + 28, 32 + 28), "one name each");
     }
 
     #[test]

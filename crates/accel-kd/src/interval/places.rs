@@ -48,19 +48,11 @@ fn descend<N: Layout>(
     }
 }
 
-/// From a point to a box.
-fn distance(point: &[f64; 3], region: &Aabb) -> f64 {
-    let beside =
-        |k: usize| (f64::from(region.min[k]) - point[k]).max(point[k] - f64::from(region.max[k])).max(0.0);
-    let [x, y, z] = [beside(0), beside(1), beside(2)];
-    (x * x + y * y + z * z).sqrt()
-}
-
 impl IntervalIndex {
     /// Improves `nearest` by the triangles.
     pub fn nearest(&self, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         let reach = std::cell::Cell::new(probe.radius_for(nearest.distance()));
-        let far = |region: &Aabb| distance(&probe.point, region);
+        let far = |region: &Aabb| region.distance(&probe.point);
         let mut leaf = |block: usize| {
             self.blocks[block].nearest(probe, slot, nearest);
             reach.set(probe.radius_for(nearest.distance()));

@@ -9,7 +9,7 @@ use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::screened::Screened;
 use gnurt_accel_core::surfaces::Surfaces;
-use gnurt_accel_kd::{IntervalIndex, KdIndex};
+use gnurt_accel_kd::{GridIndex, IntervalIndex, KdIndex};
 
 use super::kind::{Group, Kind, group_of};
 use super::{Index, ObjectTree, Part};
@@ -87,7 +87,11 @@ impl ObjectTree {
                     let numbers: usize = wanted_numbers.map(|i| numbering.range(i).len()).sum();
                     let number = size_of::<u32>();
                     match options.structure {
-                        Structure::Kd | Structure::Bih | Structure::PlainBih | Structure::BKd => {
+                        Structure::Kd
+                        | Structure::Bih
+                        | Structure::PlainBih
+                        | Structure::BKd
+                        | Structure::Grid => {
                             watch.take(number * numbers);
                             watch.result()?;
                             let screened = Screened::over(geometries, &numbering, wanted, threads);
@@ -99,6 +103,9 @@ impl ObjectTree {
                             let index = match options.structure {
                                 Structure::Kd => {
                                     Index::Kd(KdIndex::build(&screened, options, threads, &watch)?)
+                                }
+                                Structure::Grid => {
+                                    Index::Grid(GridIndex::build(&screened, options, threads, &watch)?)
                                 }
                                 other => {
                                     Index::Interval(IntervalIndex::build(&screened, other, threads, &watch)?)

@@ -17,6 +17,7 @@ impl Index {
         match self {
             Self::Kd(index) => index.numbers(visit),
             Self::Interval(index) => index.numbers(visit),
+            Self::Grid(index) => index.numbers(visit),
             Self::Bvh(index) => index.numbers(visit),
             Self::Moving(index) => index.first().numbers(visit),
             Self::Spheres(index) => index.numbers(visit),
@@ -28,6 +29,7 @@ impl Index {
         Some(match self {
             Self::Kd(index) => Primitive::Triangle(index.corners_at(number, block, lane)),
             Self::Interval(index) => Primitive::Triangle(index.corners_at(block, lane)),
+            Self::Grid(index) => Primitive::Triangle(index.corners_at(block, lane)),
             Self::Bvh(index) => Primitive::Triangle(index.corners_at(block, lane)),
             Self::Moving(index) => Primitive::Triangle(index.corners_at(block, lane, time)),
             Self::Spheres(index) => {

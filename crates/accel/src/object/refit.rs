@@ -20,7 +20,7 @@ impl ObjectTree {
     ///
     /// # Errors
     /// [`RefitError`] where it has to be built again: for other geometry, where triangles can be traced that could not, and
-    /// for kd-trees and trees over meshes with several keys.
+    /// for kd-trees, grids and trees over meshes with several keys.
     ///
     /// ```
     /// use gnurt_accel::{BuildOptions, ObjectTree, Ray, Threads, Triangles};
@@ -63,7 +63,7 @@ impl ObjectTree {
             let wanted = |geometry: &Geometry| group_of(geometry) == group;
             let mut primitives = None;
             match &mut part.index {
-                Index::Kd(_) | Index::Moving(_) => return Err(RefitError::Structure),
+                Index::Kd(_) | Index::Grid(_) | Index::Moving(_) => return Err(RefitError::Structure),
                 Index::Interval(index) => {
                     index.refit(&Surfaces::new(geometries, &numbering, wanted), threads)?
                 }
@@ -86,6 +86,11 @@ impl ObjectTree {
             self.places = OnceLock::new();
         }
         Ok(self)
+    }
+
+    /// Whether its structure knows refits at all.
+    pub(crate) fn knows_refits(&self) -> bool {
+        !self.parts.iter().any(|part| matches!(part.index, Index::Kd(_) | Index::Grid(_) | Index::Moving(_)))
     }
 
     /// What a ray is expected to cost, as a multiple of what it was expected to cost when the trees over triangles were

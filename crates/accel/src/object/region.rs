@@ -26,6 +26,7 @@ impl ObjectTree {
             match &part.index {
                 Index::Kd(index) => index.sift(&sieve, visit),
                 Index::Interval(index) => index.sift(&sieve, visit),
+                Index::Grid(index) => index.sift(&sieve, visit),
                 Index::Bvh(index) => index.sift(&sieve, visit),
                 Index::Moving(index) => index.first().sift(&sieve, visit),
                 Index::Spheres(index) => index.sift(&sieve, visit),

@@ -26,7 +26,7 @@ impl ObjectTree {
     /// It takes about as many bytes as in memory.
     ///
     /// # Errors
-    /// Those of `to`, and `Unsupported` where there is user geometry or an interval hierarchy: these cannot be saved.
+    /// Those of `to`, and `Unsupported` where there is user geometry, an interval hierarchy or a grid: these cannot be saved.
     ///
     /// ```
     /// use gnurt_accel::{BuildOptions, ObjectTree, Ray, Threads, Triangles};
@@ -68,6 +68,12 @@ impl ObjectTree {
                         "interval hierarchies cannot be saved: they are there to be built and refitted",
                     ));
                 }
+                Index::Grid(_) => {
+                    return Err(io::Error::new(
+                        io::ErrorKind::Unsupported,
+                        "grids cannot be saved: they are there to be built anew",
+                    ));
+                }
                 Index::Moving(_) => {
                     return Err(io::Error::new(
                         io::ErrorKind::Unsupported,
@@ -84,7 +90,7 @@ impl ObjectTree {
                 Index::Kd(index) => index.save(&mut writer)?,
                 Index::Bvh(index) => index.save(&mut writer)?,
                 Index::Spheres(index) => index.save(&mut writer)?,
-                Index::Interval(_) | Index::Moving(_) | Index::User(_) => {}
+                Index::Interval(_) | Index::Grid(_) | Index::Moving(_) | Index::User(_) => {}
             }
         }
         writer.end()
@@ -162,7 +168,7 @@ impl ObjectTree {
                 Index::Kd(index) => index.check(count)?,
                 Index::Bvh(index) => index.check(count)?,
                 Index::Spheres(index) => index.check(count)?,
-                Index::Interval(_) | Index::Moving(_) | Index::User(_) => {}
+                Index::Interval(_) | Index::Grid(_) | Index::Moving(_) | Index::User(_) => {}
             }
             bounds = bounds.union(&index.bounds());
             measured = both(measured, index.stats());

@@ -24,6 +24,9 @@ pub(crate) const WATERTIGHT: [Kind; 7] = [
     Kind(Structure::Bvh, Quality::High, TriangleTest::Watertight, Memory::Compact),
 ];
 
+/// A grid. Not among all that never leak, since it has no nodes and cannot be saved.
+pub(crate) const GRID: Kind = Kind(Structure::Grid, Quality::Medium, TriangleTest::Watertight, Memory::Fast);
+
 /// All kinds, and how far their hits may be from the truth in barycentric weights.
 pub(crate) const TESTS: [(Kind, f64); 8] = [
     (WATERTIGHT[0], 2e-5),

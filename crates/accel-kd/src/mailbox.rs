@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Which triangles rays were tested against lately: where triangles lie in several cells, a second test has nothing to add.
+//! Source: [AW87]. Invariant: what it knows was tested; it may forget. Proof: `tests/brute_force.rs`, `tests/grids.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::INVALID_ID;
+
+/// The last triangles, each in the place that its number says; `N` is a power of two.
+pub(crate) struct Mailbox<const N: usize> {
+    numbers: [u32; N],
+}
+
+impl<const N: usize> Mailbox<N> {
+    pub(crate) const EMPTY: Self = Self { numbers: [INVALID_ID; N] };
+
+    /// Whether a triangle is known; from now on it is.
+    #[inline(always)]
+    pub(crate) fn has(&mut self, number: u32) -> bool {
+        let place = &mut self.numbers[number as usize & (N - 1)];
+        std::mem::replace(place, number) == number
+    }
+}
