@@ -170,6 +170,8 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
     };
     let kind = geometry.kind;
     let (vertices, indices) = match kind {
+        // Nothing was said: nothing is there, which is no error with Embree either.
+        _ if settings.arrays.is_empty() => (View::empty(), View::empty()),
         Kind::Triangles | Kind::Quads | Kind::Lines => {
             (array(buffer::VERTEX, "vertex")?, array(buffer::INDEX, "index")?)
         }

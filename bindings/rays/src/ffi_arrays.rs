@@ -171,9 +171,10 @@ impl Given {
                 "slot {slot} of buffers of type {of}: there are {slots} ({why})"
             )));
         }
-        if !stride.is_multiple_of(4) || (stride < width && self.count > 1) {
+        // Rows may overlap, as with Embree.
+        if !stride.is_multiple_of(4) {
             return Err(Problem::operation(format!(
-                "a stride of {stride} bytes: a multiple of 4 from {width} on is expected"
+                "a stride of {stride} bytes: a multiple of 4 is expected"
             )));
         }
         Ok(width)
@@ -303,11 +304,13 @@ pub(crate) unsafe extern "C" fn rtcSetNewGeometryBuffer(
 ) -> *mut c_void {
     let given = Given { of, slot, format, stride, count };
     let set = |geometry: &Arc<Geometry>| {
-        given.width(geometry)?;
-        let bytes = stride.checked_mul(count).ok_or_else(|| no_room(usize::MAX))?;
+        let width = given.width(geometry)?;
+        let bytes =
+            stride.checked_mul(count).and_then(|bytes| bytes.checked_add(width.saturating_sub(stride)));
+        let bytes = bytes.ok_or_else(|| no_room(usize::MAX))?;
         let block = Arc::new(Block::new(bytes).ok_or_else(|| no_room(bytes))?);
         let start = block.start();
-        // SAFETY: the block has so many rows, and 16 bytes more.
+        // SAFETY: the block has so many rows, the last one whole, and 16 bytes more.
         unsafe { given.set(geometry, start, Some(block)) }?;
         Ok(Pointer(start))
     };

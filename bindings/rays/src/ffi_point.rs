@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `rtcPointQuery`: primitives near a point, shown to the program. Source: original; Embree's manual.
 //!
-//! The program is shown what is nearer than the radius by our own measure, which is exact for triangles, quads and spheres; of
-//! user geometry it is the box that counts. Queries that the program sends on from a user geometry, with places of its own on
+//! The program is shown what is nearer than the radius by our own measure, which is exact for triangles and quads; of user geometry it
+//! is the box that counts. Spheres and lines are not shown, as by Embree. Queries that the program sends on from a user geometry, with places of its own on
 //! the stack, are made in the innermost place's space, by the longest that lengths may become there.
 //! Proof: `tests/c/embree.c`.
 
@@ -12,7 +12,7 @@ use crate::ffi_abi::{INVALID, PointArguments, PointContext, PointFunction, Point
 use crate::ffi_handle::{Handle, with};
 use crate::ffi_trace::not_committed;
 use crate::located::Located;
-use crate::objects::{Committed, Scene, ask};
+use crate::objects::{Committed, Kind, Scene, ask};
 use crate::transform::{self, Columns, IDENTITY};
 
 /// Sixteen floats, column by column.
@@ -103,6 +103,11 @@ unsafe fn visit(committed: &Committed, visit: &mut Visit) {
     let growth = transform::growth(&visit.own);
     let mut show = |hit: &gnurt_accel::PointHit| {
         let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
+        // Embree shows neither: programs do not expect them.
+        if matches!(located.surface.kind, Kind::Spheres | Kind::Lines) {
+            // SAFETY: passed on.
+            return growth * f64::from(unsafe { (*visit.query).radius });
+        }
         // SAFETY: passed on.
         growth * unsafe { visit.show(&located, hit.prim_id) }
     };

@@ -190,7 +190,9 @@ impl TriangleBlock {
 impl TriangleBlock {
     /// Improves `nearest` by the triangles.
     pub fn nearest(&self, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
-        for lane in 0..WIDTH {
+        // A block that is not full repeats some of its triangles.
+        let is_new = |&lane: &usize| !self.numbers[..lane].contains(&self.numbers[lane]);
+        for lane in (0..WIDTH).filter(is_new) {
             let coordinate = |corner: usize, k: usize| f64::from(self.corners[corner][k][lane]);
             let corner = |i: usize| probe.offset([coordinate(i, 0), coordinate(i, 1), coordinate(i, 2)]);
             let (offset, uv) = on_triangle([corner(0), corner(1), corner(2)]);

@@ -227,7 +227,7 @@ unsafe impl GlobalAlloc for FileHeap {
 /// A sparse file without a name, where it is mapped and how long it is.
 #[cfg(target_os = "linux")]
 fn mapped(folder: &Path) -> io::Result<(File, usize, usize)> {
-    use rustix::mm::{MapFlags, ProtFlags, mmap};
+    use rustix::mm::{Advice, MapFlags, ProtFlags, madvise, mmap};
     let file = tempfile::tempfile_in(folder)?;
     let mut error = io::Error::other("no room");
     for length in LENGTHS {
@@ -241,7 +241,12 @@ fn mapped(folder: &Path) -> io::Result<(File, usize, usize)> {
         let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED | MapFlags::NORESERVE);
         // SAFETY: the system chooses a place where nothing else is; the file is ours alone, for it has no name.
         match unsafe { mmap(std::ptr::null_mut(), bytes, access, flags, &file, 0) } {
-            Ok(base) => return Ok((file, base as usize, bytes)),
+            Ok(base) => {
+                // Rays go anywhere: what the system would read beside a page in advance, up to MiB, drives out what is in use.
+                // SAFETY: the range is the one that was mapped; advice changes nothing in it.
+                let _ = unsafe { madvise(base, bytes, Advice::Random) };
+                return Ok((file, base as usize, bytes));
+            }
             Err(why) => error = why.into(),
         }
     }

@@ -478,6 +478,57 @@ static void points(void)
     rtcReleaseScene(scene);
 }
 
+static bool counts(struct RTCPointQueryFunctionArguments *args)
+{
+    ++*(int *)args->userPtr;
+    return false;
+}
+
+/* How often the program is shown primitives of a geometry around the origin; takes the geometry. */
+static int shown_near(RTCGeometry geometry)
+{
+    RTCScene scene = committed(geometry);
+    struct RTCPointQuery query = { 0, 0, 0, 0, INFINITY };
+    struct RTCPointQueryContext context;
+    int count = 0;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(scene, &query, &context, counts, &count);
+    rtcReleaseScene(scene);
+    return count;
+}
+
+/* What Embree's own tests ask of odd arrays, and of what point queries show. */
+static void odd_arrays(void)
+{
+    static const float rows[5][4] = { { -1, 0, -1, 1 }, { 1, 0, -1, 1 }, { 0, 0, 1, 1 }, { 5, 5, 5, 1 } };
+    static const unsigned corners[2][3] = { { 0, 1, 2 } }, lines[2] = { 0, 1 };
+    RTCGeometry mesh = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, rows, 0, 16, 3);
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, corners, 0, 12, 1);
+    rtcSetGeometryVertexAttributeCount(mesh, 1);
+    /* Rows of five numbers, four apart. */
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE, 0, (enum RTCFormat)(RTC_FORMAT_FLOAT + 4), rows, 0, 16, 3);
+    expect(RTC_ERROR_NONE, "rows may overlap");
+    rtcCommitGeometry(mesh);
+    float values[2];
+    struct RTCInterpolateArguments args = { 0 };
+    args.geometry = mesh, args.v = 1, args.bufferType = RTC_BUFFER_TYPE_VERTEX_ATTRIBUTE;
+    args.P = values, args.valueCount = 2;
+    rtcInterpolate(&args);
+    CHECK(values[0] == 0 && values[1] == 0, "of the third row: %g, %g", values[0], values[1]);
+    CHECK(shown_near(mesh) == 1, "a triangle is shown once");
+    RTCGeometry balls = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    rtcSetSharedGeometryBuffer(balls, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, rows, 0, 16, 4);
+    CHECK(shown_near(balls) == 0, "spheres are not shown");
+    RTCGeometry ribbons = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_FLAT_LINEAR_CURVE);
+    rtcSetSharedGeometryBuffer(ribbons, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, rows, 0, 16, 4);
+    rtcSetSharedGeometryBuffer(ribbons, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, lines, 0, 4, 2);
+    CHECK(shown_near(ribbons) == 0, "lines are not shown");
+    RTCGeometry nothing = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    CHECK(shown_near(nothing) == 0, "nothing is there");
+    expect(RTC_ERROR_NONE, "without arrays a geometry is empty");
+}
+
 static void quads_and_values(void)
 {
     static const float corners[6][3] = { { 0, 0, 0 }, { 2, 0, 0 }, { 2, 2, 0 }, { 0, 2, 0 } };
@@ -631,9 +682,10 @@ static void errors(void)
     rtcAttachGeometry(scene, mesh);
     rtcCommitScene(scene);
     expect(RTC_ERROR_INVALID_OPERATION, "not committed");
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, soup, 0, 16, 3);
     rtcCommitGeometry(mesh);
     rtcCommitScene(scene);
-    expect(RTC_ERROR_INVALID_OPERATION, "without arrays");
+    expect(RTC_ERROR_INVALID_OPERATION, "with vertices alone");
     rtcAttachGeometryByID(scene, mesh, 0);
     expect(RTC_ERROR_INVALID_OPERATION, "an id that is taken");
     CHECK(rtcGetGeometry(scene, 9) == NULL, "no such geometry");
@@ -666,6 +718,7 @@ int main(int count, char **arguments)
     balls_of_all_kinds();
     instances_of_the_program();
     points();
+    odd_arrays();
     quads_and_values();
     edits();
     monitors();

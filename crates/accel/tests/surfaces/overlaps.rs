@@ -190,3 +190,17 @@ fn visitors_see_what_is_near() {
         assert_eq!(Some(nearest), closest, "the nearest of all is among them, near {point:?}");
     }
 }
+
+#[test]
+fn visitors_see_a_triangle_alone_once() {
+    let corners = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 0.0, 1.0]];
+    for kind in WATERTIGHT {
+        let alone = Soup { positions: corners.into(), indices: vec![[0, 1, 2]] };
+        let (tree, mut count) = (build(&[alone], kind), 0);
+        tree.visit_near(&Query::default(), [0.0; 3], f64::INFINITY, |_| {
+            count += 1;
+            f64::INFINITY
+        });
+        assert_eq!(count, 1, "{kind:?}");
+    }
+}
