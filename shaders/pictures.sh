@@ -17,7 +17,7 @@ picture() {
 # What surfaces are shown on: the large ball of the spheres; NAME:PARAMETERS, which suit its size.
 ball="builtin:spheres --eye 0.4,1.5,2.6 --target -0.1,0.98,-1.3 --fov 34 --exposure -0.8"
 for surface in bricks brushed_metal car_paint checker concrete fabric:threads=50 frosted_glass lava leather:scale=14 marble:scale=1.5 \
-    metal plastic rust:scale=2 skin snow tiles velvet water:height=0.08 wood; do
+    metal plastic principled:base=0.6,0.1,0.08:coat=1:sheen=0.1,0.1,0.2 rust:scale=2 skin snow tiles velvet water:height=0.08 wood; do
     name=${surface%%:*} parameters=${surface#"$name"}
     # shellcheck disable=SC2086
     picture "$name" $ball --shader "mirror=shaders/surfaces/$name.osl$parameters"

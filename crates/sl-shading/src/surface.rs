@@ -71,6 +71,8 @@ fn point(hits: &SurfaceBatch, i: usize, ray_kinds: u32) -> Point {
         dpdv: dpdv.to_array(),
         surface_area: 1.0,
         backfacing: !hits.front(i),
+        // Pixels may go around the other way.
+        flipped: dx.cross(dy).dot(n) < 0.0,
         ray_kinds,
         index: i as i32,
         ..Point::default()

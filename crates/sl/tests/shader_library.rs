@@ -15,7 +15,7 @@ fn shaders_compile_without_a_warning() {
     let options = Options { warnings_are_errors: true, ..Options::default() };
     let load = |path: &Path| std::fs::read_to_string(path).ok();
     let kinds = [
-        ("surfaces", "surface", 20),
+        ("surfaces", "surface", 21),
         ("lights", "light", 6),
         ("cameras", "camera", 4),
         ("skies", "environment", 3),

@@ -160,3 +160,22 @@ fn numbers_that_are_none_do_no_harm() {
         assert!(albedo.is_finite() && found.emission.is_finite(), "{body}: {albedo} {}", found.emission);
     }
 }
+
+#[test]
+fn what_lets_no_light_through_hides_what_lies_below() {
+    let albedo = |text: &str| point(&format!("Ci = {text};")).bsdf.albedo(toward());
+    let red = albedo("color (0.8, 0.1, 0.2) * diffuse (N)");
+    let over = albedo(
+        "layer (oren_nayar_diffuse_bsdf (N, color (0.8, 0.1, 0.2), 0), color (0, 1, 0) * diffuse (N))",
+    );
+    assert!((over - red).length() < 1e-3, "nothing of the green is seen: {over}, not {red}");
+    let half = albedo("layer (0.5 * diffuse (N), color (0, 1, 0) * diffuse (N))");
+    assert!((half - Vec3::new(0.5, 1.0, 0.5)).length() < 1e-3, "half of it is open: {half}");
+}
+
+#[test]
+fn closures_may_be_made_of_themselves() {
+    let there =
+        point("Ci = 0.5 * diffuse (N); Ci = layer (sheen_bsdf (N, 0, 0.5), Ci);").bsdf.albedo(toward());
+    assert!((there - Vec3::splat(0.5)).length() < 1e-3, "what was in Ci lies below: {there}");
+}

@@ -202,3 +202,13 @@ fn it_tells_its_variables() {
         assert!(lines.iter().any(|line| line.ends_with(wanted)), "{wanted}: {lines:?}");
     }
 }
+
+#[test]
+fn normals_of_raised_places_face_the_ray() {
+    let mut hits = floor(1);
+    hits.ray_dir = Vec3s::splat(1, -Vec3::Y);
+    hits.footprint = vec![0.25];
+    let shader = surface("Ci = (color (calculatenormal (P + N * 0.1 * P[0])) + 1) * emission ();");
+    let normal = emitted(&*shader, &hits)[0] - Vec3::ONE;
+    assert!(normal.y > 0.0 && normal.x < 0.0, "up, and away from where it is higher: {normal}");
+}

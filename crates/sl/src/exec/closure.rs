@@ -8,12 +8,13 @@ use crate::format::general;
 use crate::hir::Data;
 use crate::types::{Base, Type};
 
-/// Makes a component; none, and a message, if the program does not know it.
+/// Makes a component; none, and a message, if the program does not know it. What is written may be among what is read, as in
+/// `Ci = layer (coat, Ci)`.
 pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
     let [out, name, rest @ ..] = &*s.args else { return };
     let name = m.text(name);
-    m.set_word(out, 0, 0);
     let Some(decl) = m.host.closure(&name).cloned() else {
+        m.set_word(out, 0, 0);
         let (layer, shader) = m.layer_names();
         let place = m.place(s.at);
         m.error(format!(
