@@ -39,6 +39,24 @@ impl Texels {
 
     fn smaller(&self, by_opacity: bool, of: impl Fn([f32; 4]) -> [f32; 4]) -> Self {
         let [width, height] = [self.width, self.height].map(|n| (n / 2).max(1));
+        let is_even = self.width.is_multiple_of(2) && self.height.is_multiple_of(2);
+        let texels = if is_even && !by_opacity { self.means_of_four(of) } else { self.means(by_opacity, of) };
+        let data = if self.is_float() {
+            TexelData::Float(texels.iter().map(|t| t.map(|x| x as f32)).collect())
+        } else {
+            TexelData::Linear16(texels.iter().map(|t| t.map(|x| (x * 65535.0 + 0.5) as u16)).collect())
+        };
+        let smaller = Self { width, height, data };
+        // Where the disk is full, it stays in memory.
+        match &self.data {
+            TexelData::Tiled(tiled) => tiled.cache().keep(smaller.clone()).unwrap_or(smaller),
+            _ => smaller,
+        }
+    }
+
+    /// The texels of the picture half as large.
+    fn means(&self, by_opacity: bool, of: impl Fn([f32; 4]) -> [f32; 4]) -> Vec<[f64; 4]> {
+        let [width, height] = [self.width, self.height].map(|n| (n / 2).max(1));
         let columns = overlaps(self.width as usize, width as usize);
         let rows = overlaps(self.height as usize, height as usize);
         let mut texels = Vec::with_capacity(columns.len() * rows.len());
@@ -46,7 +64,8 @@ impl Texels {
         for row in rows {
             let mut sums = vec![[0.0_f64; 5]; columns.len()];
             for &(y, share) in row.iter().filter(|(_, share)| *share > 0.0) {
-                line.iter_mut().enumerate().for_each(|(x, texel)| *texel = of(self.texel(x, y)));
+                self.read_row(y, &mut line);
+                line.iter_mut().for_each(|texel| *texel = of(*texel));
                 for (sum, column) in sums.iter_mut().zip(&columns) {
                     for &(x, part) in column {
                         let [r, g, b, a] = line[x].map(f64::from);
@@ -59,17 +78,27 @@ impl Texels {
             }
             texels.extend(sums.iter().map(|[r, g, b, a, weight]| [r / weight, g / weight, b / weight, *a]));
         }
-        let data = if self.is_float() {
-            TexelData::Float(texels.iter().map(|t| t.map(|x| x as f32)).collect())
-        } else {
-            TexelData::Linear16(texels.iter().map(|t| t.map(|x| (x * 65535.0 + 0.5) as u16)).collect())
-        };
-        let smaller = Self { width, height, data };
-        // Where the disk is full, it stays in memory.
-        match &self.data {
-            TexelData::Tiled(tiled) => tiled.cache().keep(smaller.clone()).unwrap_or(smaller),
-            _ => smaller,
+        texels
+    }
+
+    /// The same, with the same bits, where both sizes are even and texels count alike: most pictures.
+    fn means_of_four(&self, of: impl Fn([f32; 4]) -> [f32; 4]) -> Vec<[f64; 4]> {
+        let (width, height) = (self.width as usize, self.height as usize);
+        let mut texels = Vec::with_capacity(width / 2 * (height / 2));
+        let (mut upper, mut lower) = (vec![[0.0; 4]; width], vec![[0.0; 4]; width]);
+        for y in (0..height).step_by(2) {
+            self.read_row(y, &mut upper);
+            self.read_row(y + 1, &mut lower);
+            for (up, low) in upper.chunks_exact(2).zip(lower.chunks_exact(2)) {
+                let [a, b, c, d] = [of(up[0]), of(up[1]), of(low[0]), of(low[1])];
+                let mut mean = [0.0; 4];
+                for k in 0..4 {
+                    mean[k] = (f64::from(a[k]) + f64::from(b[k]) + f64::from(c[k]) + f64::from(d[k])) * 0.25;
+                }
+                texels.push(mean);
+            }
         }
+        texels
     }
 
     /// The smaller copies, from half the size down to one texel.
@@ -141,6 +170,21 @@ mod tests {
         // 0 and 1 whole, half of 2; half of 2, 3 and 4 whole.
         let five = picture(5, 1, |i| i as f32).halved(Weigh::Alike);
         assert_eq!(first_channel(&five), [0.8, 3.2], "shares at edges");
+    }
+
+    #[test]
+    fn means_of_four_have_the_bits_of_all() {
+        for form in 0..2 {
+            let [width, height] = [6, 4];
+            let bytes = |i: u32| i.wrapping_mul(0x9e37_79b9).to_le_bytes();
+            let all = 0..width * height;
+            let data = match form {
+                0 => TexelData::Srgb8(all.map(bytes).collect()),
+                _ => TexelData::Float(all.map(|i| bytes(i).map(|x| 1.1 * f32::from(x))).collect()),
+            };
+            let texels = Texels { width, height, data };
+            assert_eq!(texels.means_of_four(unit), texels.means(false, unit), "form {form}");
+        }
     }
 
     #[test]

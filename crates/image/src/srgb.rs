@@ -40,6 +40,12 @@ pub fn decode_u8(byte: u8) -> f32 {
     DECODED[usize::from(byte)]
 }
 
+/// [`decode_u8`] of all bytes, for who decodes many.
+#[inline]
+pub(crate) fn decoded_bytes() -> &'static [f32; 256] {
+    &DECODED
+}
+
 static DECODED: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| decode_f64(byte as f64 / 255.0) as f32));
 

@@ -171,11 +171,70 @@ impl Texels {
         match &self.data {
             TexelData::Tiled(tiled) => tiled.texel(column, row),
             TexelData::Srgb8(pixels) => from_srgb(pixels[i]),
-            TexelData::Linear8(pixels) => pixels[i].map(unit),
-            TexelData::Linear16(pixels) => pixels[i].map(unit16),
+            TexelData::Linear8(pixels) => four(pixels[i], unit),
+            TexelData::Linear16(pixels) => four(pixels[i], unit16),
             TexelData::Float(pixels) => pixels[i],
         }
     }
+}
+
+impl Texels {
+    /// The texels at two columns of two rows: those of the first row, then those of the second one. Panics outside of the picture.
+    #[inline]
+    #[must_use]
+    pub fn quad(&self, [left, right]: [usize; 2], [upper, lower]: [usize; 2]) -> [[f32; 4]; 4] {
+        let (upper_row, lower_row) = (upper * self.width as usize, lower * self.width as usize);
+        let [a, b, c, d] = [upper_row + left, upper_row + right, lower_row + left, lower_row + right];
+        // What the values are is asked once for all four.
+        match &self.data {
+            TexelData::Tiled(tiled) => [
+                tiled.texel(left, upper),
+                tiled.texel(right, upper),
+                tiled.texel(left, lower),
+                tiled.texel(right, lower),
+            ],
+            TexelData::Srgb8(p) => {
+                let table = srgb::decoded_bytes();
+                [by_table(table, p[a]), by_table(table, p[b]), by_table(table, p[c]), by_table(table, p[d])]
+            }
+            TexelData::Linear8(p) => [four(p[a], unit), four(p[b], unit), four(p[c], unit), four(p[d], unit)],
+            TexelData::Linear16(p) => {
+                [four(p[a], unit16), four(p[b], unit16), four(p[c], unit16), four(p[d], unit16)]
+            }
+            TexelData::Float(p) => [p[a], p[b], p[c], p[d]],
+        }
+    }
+
+    /// Writes row `row`, linear. Panics outside of the picture.
+    pub(crate) fn read_row(&self, row: usize, out: &mut [[f32; 4]]) {
+        let width = self.width as usize;
+        let from = row * width..(row + 1) * width;
+        match &self.data {
+            TexelData::Tiled(tiled) => {
+                out.iter_mut().enumerate().for_each(|(column, to)| *to = tiled.texel(column, row));
+            }
+            TexelData::Srgb8(p) => {
+                let table = srgb::decoded_bytes();
+                out.iter_mut().zip(&p[from]).for_each(|(to, &x)| *to = by_table(table, x));
+            }
+            TexelData::Linear8(p) => out.iter_mut().zip(&p[from]).for_each(|(to, &x)| *to = four(x, unit)),
+            TexelData::Linear16(p) => {
+                out.iter_mut().zip(&p[from]).for_each(|(to, &x)| *to = four(x, unit16));
+            }
+            TexelData::Float(p) => out.copy_from_slice(&p[from]),
+        }
+    }
+}
+
+/// `map`, which is a call for each number where little is optimised.
+#[inline(always)]
+fn four<T>([r, g, b, a]: [T; 4], of: impl Fn(T) -> f32) -> [f32; 4] {
+    [of(r), of(g), of(b), of(a)]
+}
+
+#[inline(always)]
+fn by_table(table: &[f32; 256], [r, g, b, a]: [u8; 4]) -> [f32; 4] {
+    [table[usize::from(r)], table[usize::from(g)], table[usize::from(b)], unit(a)]
 }
 
 /// A byte of opacity or of other linear numbers.

@@ -140,19 +140,19 @@ impl Cone {
     /// Writes the widths and spreads at points that the rays of `lanes` met. `cones` are those of all rays, if anybody knows
     /// them; rays of depth 0 have the camera's, which is this.
     pub(crate) fn widen(self, points: &mut SurfaceBatch, lanes: &[u32], cones: Option<&Cones>) {
-        points.footprint.clear();
-        points.cone_spread.clear();
-        for (i, &lane) in lanes.iter().enumerate() {
+        let SurfaceBatch { footprint, cone_spread, t, key, depth, .. } = points;
+        [&mut *footprint, &mut *cone_spread].into_iter().for_each(|array| array.resize(lanes.len(), 0.0));
+        let places = footprint.iter_mut().zip(cone_spread).zip(lanes.iter().zip(&*t).zip(key));
+        for ((footprint, cone_spread), ((&lane, &t), &mut key)) in places {
             let cone = match cones {
                 Some(cones) => cones.get(lane as usize),
-                None if points.depth == 0 => self.of_sample(points.key[i]),
+                None if *depth == 0 => self.of_sample(key),
                 None => Self::default(),
             };
-            let width = cone.width_at(points.t[i]);
+            let width = cone.width_at(t);
+            *footprint = width.abs();
             // Beyond its narrowest place it widens again.
-            let spread = if width < 0.0 { -cone.spread } else { cone.spread };
-            points.footprint.push(width.abs());
-            points.cone_spread.push(spread);
+            *cone_spread = if width < 0.0 { -cone.spread } else { cone.spread };
         }
     }
 }

@@ -212,7 +212,10 @@ impl<'w> BatchTracer<'w> {
                 shader.attributes(),
                 points,
             );
-            self.cone.widen(points, lanes, from.cones);
+            // Unknown where nobody asks.
+            if world.materials().read_widths() {
+                self.cone.widen(points, lanes, from.cones);
+            }
             with(self, shader, lanes, points);
         }
         self.spare.push(group);

@@ -11,10 +11,10 @@ use gnurt_render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent
 use gnurt_scene::material::{Color, TextureRef};
 use gnurt_scene::texture::{Filter, Texture, Wrap};
 use gnurt_scene::{Light, Material, MaterialId, Scene, Surface};
-use gnurt_shading::SurfaceShader;
 use gnurt_shading::materials as shading;
 use gnurt_shading::mipmap::{Minify, MipMap};
 use gnurt_shading::texture::TextureSampler;
+use gnurt_shading::{SurfaceBatch, SurfaceShader, Vec3s};
 
 /// Black and white fields of eight texels, 64 by 64 texels in all.
 fn checker() -> Arc<Texels> {
@@ -189,4 +189,36 @@ fn readers_on_many_threads_share_few_tiles() {
     let counts = cache.counts();
     assert_eq!(counts.memory_bytes, 1 << 20, "no more than it may");
     assert!(counts.read > 500 && counts.failed == 0, "tiles come and go: {counts:?}");
+}
+
+#[test]
+fn what_broad_lobes_see_is_read_from_the_nearest_level() {
+    let texture = reader(&checker(), 1.0, Some(Weigh::Alike));
+    // In the middle of a white field, over so many texels.
+    let read = |depth, spread, texels: f32| {
+        let one = |v: Vec3| Vec3s::splat(1, v);
+        let points = SurfaceBatch {
+            t: vec![1.0],
+            texcoord: [vec![3.5 / 8.0], vec![4.5 / 8.0]],
+            ng: one(Vec3::Z),
+            ns: one(Vec3::Z),
+            ray_dir: one(-Vec3::Z),
+            dp_du: one(Vec3::X),
+            dp_dv: one(Vec3::Y),
+            footprint: vec![texels / 64.0],
+            cone_spread: vec![spread],
+            uv_per_length: vec![1.0],
+            depth,
+            ..SurfaceBatch::default()
+        };
+        texture.at_hit(&points, 0)[0]
+    };
+    let between = 1.0 - 0.5 * 1.5_f32.log2();
+    for (depth, spread) in [(0, 0.5), (1, 0.05)] {
+        let found = read(depth, spread, 12.0);
+        assert!((found - between).abs() < 1e-4, "depth {depth}, spread {spread}: between levels, {found}");
+    }
+    let [small, field, more, all] = [0.5, 8.0, 12.0, 1e3].map(|texels| read(1, -0.5, texels));
+    assert_eq!([small, field], [1.0; 2], "the picture itself, and the level of fields");
+    assert!((more - 0.5).abs() < 1e-4 && (all - 0.5).abs() < 1e-4, "the next one: {more}, all of it: {all}");
 }

@@ -6,6 +6,7 @@
 use glam::Vec3;
 use gnurt_accel::Ray;
 
+use crate::lanes::LANES;
 use crate::point::SurfacePoint;
 use crate::sampling::hash_combine;
 
@@ -107,6 +108,9 @@ impl SampleKey {
         Self { branch: hash_combine(self.branch, n.wrapping_add(1)), ..self }
     }
 }
+
+/// Cones that widen faster than this are of broad lobes: about a fifteenth of a right angle.
+const VAGUE: f32 = 0.1;
 
 /// How much of a batch is filled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -212,7 +216,7 @@ impl SurfaceBatch {
     }
 
     /// Geometric normal of lane `i`, turned towards where the ray came from.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn facing_ng(&self, i: usize) -> Vec3 {
         let ng = self.ng.get(i);
@@ -220,19 +224,43 @@ impl SurfaceBatch {
     }
 
     /// Normal of lane `i` that scatters light, as the mesh has it, or as a bump map bends that: not flipped.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn scattering_ns(&self, i: usize) -> Vec3 {
         if self.bent.is_empty() { self.ns.get(i) } else { self.bent.get(i) }
     }
 
     /// The same, turned to the side of [`facing_ng`](Self::facing_ng).
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn facing_ns(&self, i: usize) -> Vec3 {
         let ns = self.scattering_ns(i);
         // Bumps lean, but do not turn it over.
         if self.ns.get(i).dot(self.facing_ng(i)) < 0.0 { -ns } else { ns }
+    }
+
+    /// [`facing_ns`](Self::facing_ns) of sixteen lanes from `first` on, by component; lanes beyond the last one hold anything.
+    #[inline]
+    pub(crate) fn facing_ns_rows(&self, first: usize) -> [[f32; LANES]; 3] {
+        let count = LANES.min(self.len() - first);
+        // Arrays, so that loops over them need no checks.
+        let row = |of: &[f32]| {
+            let mut row = [0.0; LANES];
+            row[..count].copy_from_slice(&of[first..first + count]);
+            row
+        };
+        let rows = |v: &Vec3s| [row(&v.x), row(&v.y), row(&v.z)];
+        let (ng, ray, ns) = (rows(&self.ng), rows(&self.ray_dir), rows(&self.ns));
+        let mut facing = if self.bent.is_empty() { ns } else { rows(&self.bent) };
+        for i in 0..LANES {
+            let dot = |a: &[[f32; LANES]; 3], b: &[[f32; LANES]; 3]| {
+                (a[0][i] * b[0][i]) + (a[1][i] * b[1][i]) + (a[2][i] * b[2][i])
+            };
+            let side = if dot(&ng, &ray) <= 0.0 { 1.0 } else { -1.0 };
+            let turned = if dot(&ns, &ng) * side < 0.0 { -1.0 } else { 1.0 };
+            facing.iter_mut().for_each(|row| row[i] *= turned);
+        }
+        facing
     }
 
     /// Texture coordinates of lane `i`.
@@ -269,8 +297,25 @@ impl SurfaceBatch {
         known(&self.footprint) * known(&self.uv_per_length) / cos.max(1e-4)
     }
 
-    /// Whether the ray of lane `i` came from the side that the geometric normal points to.
+    /// Area of what lane `i` stands for, in texture coordinates; 0 where nobody knows.
     #[inline]
+    #[must_use]
+    pub fn texture_area(&self, i: usize) -> f32 {
+        let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
+        let cos = self.ng.get(i).dot(self.ray_dir.get(i)).abs();
+        let width = known(&self.footprint) * known(&self.uv_per_length);
+        width * width / cos.max(1e-4)
+    }
+
+    /// Whether a broad lobe sent the ray of lane `i`, so that its cone tells how much it stands for, and of what form hardly.
+    #[inline]
+    #[must_use]
+    pub fn is_vague(&self, i: usize) -> bool {
+        self.depth > 0 && self.cone_spread.get(i).is_some_and(|spread| spread.abs() > VAGUE)
+    }
+
+    /// Whether the ray of lane `i` came from the side that the geometric normal points to.
+    #[inline(always)]
     #[must_use]
     pub fn front(&self, i: usize) -> bool {
         self.ng.get(i).dot(self.ray_dir.get(i)) <= 0.0

@@ -58,34 +58,39 @@ impl MipMap {
         self.levels.get_or_init(|| self.base.pyramid(self.weigh))
     }
 
+    /// The picture itself, or a smaller copy; there must be so many.
+    fn level(&self, number: usize) -> &Texels {
+        number.checked_sub(1).map_or(&*self.base, |i| &self.levels()[i])
+    }
+
     /// The value at texture coordinates that are where they should be, for a `level` above 0, the picture itself.
     #[must_use]
-    pub(crate) fn sample(
-        &self,
-        uv: [f32; 2],
-        wrap: [Wrap; 2],
-        level: f32,
-        minify: Minify,
-        base: [f32; 4],
-    ) -> [f32; 4] {
-        let Minify::Mipmap { linear, between_levels } = minify else { return base };
-        let levels = self.levels();
-        let at = |number: usize| match number.checked_sub(1).map(|i| &levels[i]) {
-            Some(level) if linear => bilinear(level, uv, wrap),
-            Some(level) => nearest(level, uv, wrap),
-            None => base,
+    pub(crate) fn sample(&self, uv: [f32; 2], wrap: [Wrap; 2], level: f32, minify: Minify) -> [f32; 4] {
+        let (linear, between_levels) = match minify {
+            Minify::Nearest => return nearest(&self.base, uv, wrap),
+            Minify::Linear => return bilinear(&self.base, uv, wrap),
+            Minify::Mipmap { linear, between_levels } => (linear, between_levels),
+            Minify::Ellipse => (true, true),
         };
-        let level = level.clamp(0.0, levels.len() as f32);
-        if !between_levels {
-            return at((level + 0.5).floor().min(levels.len() as f32) as usize);
+        let read = if linear { bilinear } else { nearest };
+        if between_levels {
+            return self.between_levels(uv, wrap, level, read);
         }
-        let (lower, share) = (level.floor() as usize, level.fract());
-        let sharp = at(lower);
-        if share == 0.0 {
-            return sharp;
+        let last = self.levels().len() as f32;
+        read(self.level((level + 0.5).floor().clamp(0.0, last) as usize), uv, wrap)
+    }
+
+    /// About the mean over so many texels around coordinates that are where they should be: out of the one level whose texels
+    /// are nearest to that. `None` where that is the picture itself.
+    #[must_use]
+    pub(crate) fn about(&self, uv: [f32; 2], texels: f32, wrap: [Wrap; 2]) -> Option<[f32; 4]> {
+        // A texel of level n stands for 4^n of them: n is half the exponent, rounded.
+        if texels.is_nan() || texels < 2.0 {
+            return None;
         }
-        let blurred = at(lower + 1);
-        std::array::from_fn(|k| sharp[k] + share * (blurred[k] - sharp[k]))
+        let exponent = (texels.to_bits() >> 23) as usize - 127;
+        let level = exponent.div_ceil(2).min(self.levels().len());
+        Some(bilinear(self.level(level), uv, wrap))
     }
 
     /// The mean over an ellipse around coordinates that are where they should be. `axes` are two lengths that cross in its middle,
@@ -107,7 +112,7 @@ impl MipMap {
         let places = (long / short - 0.05).ceil().clamp(1.0, MOST_PLACES) as usize;
         let level = short.log2();
         if places == 1 {
-            return Some(self.between_levels(uv, wrap, level));
+            return Some(self.between_levels(uv, wrap, level, bilinear));
         }
         let along = if xx > yy { [long2 - yy, xy] } else { [xy, long2 - xx] };
         let scale = long / along[0].hypot(along[1]).max(f32::MIN_POSITIVE);
@@ -115,24 +120,30 @@ impl MipMap {
         let mut sum = [0.0; 4];
         for i in 0..places {
             let at = (i as f32 + 0.5) / places as f32 - 0.5;
-            let found = self.between_levels([uv[0] + step[0] * at, uv[1] + step[1] * at], wrap, level);
+            let place = [uv[0] + step[0] * at, uv[1] + step[1] * at];
+            let found = self.between_levels(place, wrap, level, bilinear);
             (0..4).for_each(|k| sum[k] += found[k]);
         }
         Some(sum.map(|x| x / places as f32))
     }
 
     /// From two levels, 0 being the picture itself.
-    fn between_levels(&self, uv: [f32; 2], wrap: [Wrap; 2], level: f32) -> [f32; 4] {
-        let levels = self.levels();
-        let at =
-            |number: usize| bilinear(number.checked_sub(1).map_or(&*self.base, |i| &levels[i]), uv, wrap);
-        let level = level.clamp(0.0, levels.len() as f32);
-        let (lower, share) = (level.floor() as usize, level.fract());
-        let sharp = at(lower);
+    #[inline]
+    fn between_levels(
+        &self,
+        uv: [f32; 2],
+        wrap: [Wrap; 2],
+        level: f32,
+        read: impl Fn(&Texels, [f32; 2], [Wrap; 2]) -> [f32; 4],
+    ) -> [f32; 4] {
+        let level = level.clamp(0.0, self.levels().len() as f32);
+        let lower = level as usize;
+        let share = level - lower as f32;
+        let sharp = read(self.level(lower), uv, wrap);
         if share == 0.0 {
             return sharp;
         }
-        let blurred = at(lower + 1);
+        let blurred = read(self.level(lower + 1), uv, wrap);
         std::array::from_fn(|k| sharp[k] + share * (blurred[k] - sharp[k]))
     }
 }
@@ -152,20 +163,33 @@ mod tests {
     #[test]
     fn filters_choose_levels() {
         let pyramid = picture(4, 4, |i| if (i / 4 + i) % 2 == 0 { 1.0 } else { 0.0 });
-        let at = |level, linear, between_levels| {
-            let minify = Minify::Mipmap { linear, between_levels };
-            pyramid.sample([0.1, 0.1], [Wrap::Repeat; 2], level, minify, [9.0; 4])[0]
-        };
-        assert_eq!(at(0.4, true, false), 9.0, "nearer to the picture itself");
+        let read = |level, minify| pyramid.sample([0.375, 0.125], [Wrap::Repeat; 2], level, minify)[0];
+        let at = |level, linear, between_levels| read(level, Minify::Mipmap { linear, between_levels });
+        assert_eq!(at(0.4, true, false), 1.0, "nearer to the picture itself");
         assert_eq!(at(0.6, true, false), 0.5, "nearer to the mean of four");
-        assert_eq!(at(0.5, false, true), 4.75, "half-way");
+        assert_eq!(at(0.5, false, true), 0.75, "half-way");
         assert_eq!(at(99.0, true, true), 0.5, "no smaller one is left");
-        let minify = Minify::Linear;
-        assert_eq!(
-            pyramid.sample([0.1; 2], [Wrap::Repeat; 2], 3.0, minify, [9.0; 4])[0],
-            9.0,
-            "no levels asked for"
-        );
+        assert_eq!(read(3.0, Minify::Linear), 1.0, "no levels asked for");
+    }
+
+    #[test]
+    fn areas_choose_the_level_that_is_nearest() {
+        // Every texel of level n is n.
+        let mut pyramid = picture(16, 16, |_| 0.0);
+        let levels = (1..=4).map(|n| {
+            let size = 16 >> n;
+            let data = TexelData::Float(vec![[n as f32; 4]; (size * size) as usize]);
+            Texels { width: size, height: size, data }
+        });
+        pyramid.levels = OnceLock::from(levels.collect::<Vec<_>>());
+        let about = |texels| pyramid.about([0.3, 0.6], texels, [Wrap::Repeat; 2]).map(|t| t[0]);
+        for level in 1..=4 {
+            let texels = 4.0_f32.powi(level);
+            let all = [0.51, 1.0, 1.99].map(|times| about(texels * times));
+            assert_eq!(all, [Some(level as f32); 3], "level {level}");
+        }
+        assert_eq!([0.0, 1.9, f32::NAN, -1.0].map(about), [None; 4], "the picture itself");
+        assert_eq!([1e9, f32::INFINITY].map(about), [Some(4.0); 2], "all of it");
     }
 
     #[test]

@@ -32,17 +32,29 @@ pub(crate) fn nearest(texels: &Texels, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 4
 /// Between the four texels whose centres are around the coordinates.
 pub(crate) fn bilinear(texels: &Texels, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 4] {
     let [x, y] = place(texels, uv, wrap).map(|x| x - 0.5);
-    let [column, row] = [x.floor(), y.floor()];
+    let [column, row] = [floor(x), floor(y)];
     let (fx, fy) = (x - column, y - row);
     let columns = [0, 1].map(|k| wrap_index(column as i32 + k, texels.width, wrap[0]));
     let rows = [0, 1].map(|k| wrap_index(row as i32 + k, texels.height, wrap[1]));
-    let [a, b] = columns.map(|column| texels.texel(column, rows[0]));
-    let [c, d] = columns.map(|column| texels.texel(column, rows[1]));
+    let [a, b, c, d] = texels.quad(columns, rows);
     std::array::from_fn(|k| {
         let upper = a[k] + fx * (b[k] - a[k]);
         let lower = c[k] + fx * (d[k] - c[k]);
         upper + fy * (lower - upper)
     })
+}
+
+/// `x.floor()`, which is a call where the CPU may lack an instruction for it; -0 becomes 0.
+#[inline]
+fn floor(x: f32) -> f32 {
+    /// Numbers from here on have no fraction.
+    const WHOLE: f32 = 8_388_608.0;
+    if x.abs() < WHOLE {
+        let toward_zero = x as i32 as f32;
+        if toward_zero > x { toward_zero - 1.0 } else { toward_zero }
+    } else {
+        x
+    }
 }
 
 /// Brings a coordinate to [0, 1].
@@ -52,9 +64,9 @@ fn fold(x: f32, wrap: Wrap) -> f32 {
         return 0.0;
     }
     match wrap {
-        Wrap::Repeat => x - x.floor(),
+        Wrap::Repeat => x - floor(x),
         Wrap::Mirror => {
-            let period = x - 2.0 * (x * 0.5).floor();
+            let period = x - 2.0 * floor(x * 0.5);
             1.0 - (period - 1.0).abs()
         }
         Wrap::Clamp => x.clamp(0.0, 1.0),

@@ -70,9 +70,7 @@ impl TextureSampler {
         if level.is_nan() || level <= 0.0 {
             return self.sample(uv);
         }
-        let uv = self.own(uv);
-        let linear = !matches!(minify, Minify::Nearest | Minify::Mipmap { linear: false, .. });
-        mips.sample(uv, self.wrap, level, *minify, self.read(uv, linear))
+        mips.sample(self.own(uv), self.wrap, level, *minify)
     }
 
     /// The mean over what a point stands for: an ellipse around `uv` whose axes are two changes of the mesh's coordinates, from
@@ -91,12 +89,18 @@ impl TextureSampler {
         }
     }
 
-    /// At lane `i` of a batch: the mean over what its ray stands for.
+    /// At lane `i` of a batch: the mean over what its ray stands for; where a broad lobe sent the ray, about that.
     #[must_use]
     pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> [f32; 4] {
         let uv = hits.uv(i);
         match &self.minify {
             None => self.sample(uv),
+            Some((Minify::Ellipse, mips)) if hits.is_vague(i) => {
+                let [a, b, c, d, ..] = self.uv_from_mesh;
+                let texels = self.texels.width as f32 * self.texels.height as f32;
+                let area = hits.texture_area(i) * (a * d - b * c).abs() * texels;
+                mips.about(self.own(uv), area, self.wrap).unwrap_or_else(|| self.sample(uv))
+            }
             Some((Minify::Ellipse, _)) => self.sample_over(uv, hits.texture_axes(i)),
             Some(_) => self.sample_wide(uv, hits.texture_width(i)),
         }

@@ -49,6 +49,8 @@ pub(crate) const NOWHERE: f32 = -1.0;
 #[derive(Default)]
 pub(crate) struct Paths {
     count: usize,
+    /// How long all arrays are at least.
+    room: usize,
     pub(crate) lane: Vec<u32>,
     keys: Vec<SampleKey>,
     pub(crate) throughput: Vec3s,
@@ -75,8 +77,8 @@ pub(crate) struct Scattered<R> {
     pub(crate) pdf: R,
     /// What is absorbed along the rays where they were scattered; meant if paths have media.
     pub(crate) absorption: Vector<R>,
-    /// The rays' cones: how wide they begin, how fast they widen.
-    pub(crate) cone: [R; 2],
+    /// The rays' cones: how wide they begin, how fast they widen; `None` if nobody asks.
+    pub(crate) cone: Option<[R; 2]>,
 }
 
 /// Which paths some points belong to.
@@ -117,12 +119,13 @@ impl Paths {
     pub(crate) fn set_media(&mut self, has_media: bool) {
         self.has_media = has_media;
         self.absorption.resize(0);
+        self.room = 0;
     }
 
-    /// One path for each camera ray; rays and keys are not in it.
+    /// One path for each camera ray; rays, keys and cones are not in it.
     pub(crate) fn start(&mut self, rays: &RayBatch) {
         let n = rays.len();
-        self.count = n;
+        (self.count, self.room) = (n, 0);
         self.lane.clear();
         self.lane.extend(0..n as u32);
         self.throughput.reset(n, Vec3::ONE);
@@ -164,7 +167,10 @@ impl Paths {
 
     /// Makes room for `more` paths behind those that are there, and as many lanes as are written at once.
     pub(crate) fn reserve(&mut self, more: usize) {
-        self.resize(self.count + more + LANES);
+        // Longer is as good, and need not be cleared.
+        if self.room < self.count + more + LANES {
+            self.resize(self.count + more + LANES);
+        }
     }
 
     /// Ends writing.
@@ -177,6 +183,7 @@ impl Paths {
     }
 
     fn resize(&mut self, n: usize) {
+        self.room = n;
         let Self { lane, edges, layers, .. } = self;
         [lane, edges, layers].into_iter().for_each(|array| array.resize(n, 0));
         let Self { throughput, from_p, from_ns, .. } = self;
@@ -208,8 +215,10 @@ impl Paths {
             let Vec3s { x, y, z } = &mut self.absorption;
             next.absorption.squeeze(alive, [x, y, z], at);
         }
-        next.cone[0].squeeze(alive, &mut self.cones.width, at);
-        next.cone[1].squeeze(alive, &mut self.cones.spread, at);
+        if let Some([width, spread]) = next.cone {
+            width.squeeze(alive, &mut self.cones.width, at);
+            spread.squeeze(alive, &mut self.cones.spread, at);
+        }
         for i in LanesOf(R::bits(alive)) {
             let number = of.numbers[i] as usize;
             self.lane[self.count] = of.paths.lane[number];
@@ -262,7 +271,9 @@ impl Unshadowed {
 
     /// As [`Paths::reserve`].
     pub(crate) fn reserve(&mut self, more: usize) {
-        self.resize(self.count + more + LANES);
+        if self.edges.len() < self.count + more + LANES {
+            self.resize(self.count + more + LANES);
+        }
     }
 
     /// As [`Paths::end`].

@@ -201,7 +201,8 @@ fn scatter<W: Width>(
         #[inline(always)]
         |i| number_of(of, i).map_or(0.0, |number| met.paths.throughput.z[number]),
     );
-    let seen = width.seen(met.closures, first, wo, throughput);
+    let mut seen = Seen::none(zero);
+    width.look(met.closures, first, (wo, throughput), &mut seen);
     let draws = width.draws(options.seed, &points.key[first..], edges);
     let translucent = seen.is_translucent();
     if !lights.is_empty() {
@@ -234,21 +235,16 @@ fn scatter<W: Width>(
     let [x, y] = W::pair(draws, purpose::DIRECTION);
     let [choice, survival] = W::pair(draws, purpose::CHOICE);
     let chosen = seen.sample([choice, x, y]);
-    let cone = meeting(zero, points, first, wo);
-    let fineness = zero.each(
-        #[inline(always)]
-        |i| points.key.get(first + i).map_or(1.0, |&key| fineness(key)),
-    );
-    let spread = cone.spread_after(chosen.pdf, chosen.delta, chosen.transmitted, fineness);
-    go_on(
-        (met, first),
-        (of, there),
-        &at,
-        &seen,
-        (chosen, throughput),
-        (survival, edges, [cone.width, spread]),
-        onward,
-    );
+    let mut cone = None;
+    if !points.footprint.is_empty() {
+        let at = meeting(zero, points, first, wo);
+        let fineness = zero.each(
+            #[inline(always)]
+            |i| points.key.get(first + i).map_or(1.0, |&key| fineness(key)),
+        );
+        cone = Some([at.width, at.spread_after(chosen.pdf, chosen.delta, chosen.transmitted, fineness)]);
+    }
+    go_on((met, first), (of, there), &at, &seen, (chosen, throughput), (survival, edges, cone), onward);
 }
 
 /// Sends on the paths that are there, in the directions that were chosen.
@@ -259,7 +255,7 @@ fn go_on<R: Real>(
     at: &Leaving<R>,
     seen: &Seen<R>,
     (chosen, throughput): (Sampled<R>, Vector<R>),
-    (survival, edges, cone): (R, &[u32; LANES], [R; 2]),
+    (survival, edges, cone): (R, &[u32; LANES], Option<[R; 2]>),
     onward: &mut Onward,
 ) {
     let (zero, one) = (at.error.all(0.0), at.error.all(1.0));

@@ -19,14 +19,15 @@ pub(crate) trait Width: Copy {
 
     /// Zeros.
     fn zero(self) -> Self::R;
-    /// Points of a batch from `first` on, seen from `wo`, where the light that they scatter will count `light`.
-    fn seen(
+    /// Looks at points of a batch from `first` on, from `wo`, where the light that they scatter will count `light`; `seen` is
+    /// [`Seen::none`].
+    fn look(
         self,
         closures: &ClosureBatch,
         first: usize,
-        wo: Vector<Self::R>,
-        light: Vector<Self::R>,
-    ) -> Seen<Self::R>;
+        from: (Vector<Self::R>, Vector<Self::R>),
+        seen: &mut Seen<Self::R>,
+    );
     /// The random numbers of some keys at some edges, as many as there are points or fewer.
     fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Self::Draws;
     /// The pair for a purpose.
@@ -58,8 +59,14 @@ impl Width for One {
         0.0
     }
 
-    fn seen(self, closures: &ClosureBatch, first: usize, wo: Vector<f32>, light: Vector<f32>) -> Seen<f32> {
-        closures.point(first).bsdf.seen_by(wo.into(), light.into())
+    fn look(
+        self,
+        closures: &ClosureBatch,
+        first: usize,
+        (wo, light): (Vector<f32>, Vector<f32>),
+        seen: &mut Seen<f32>,
+    ) {
+        *seen = closures.point(first).bsdf.seen_by(wo.into(), light.into());
     }
 
     fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Draws {
@@ -92,14 +99,14 @@ impl<S: Simd> Width for Sixteen<S> {
     }
 
     #[inline(always)]
-    fn seen(
+    fn look(
         self,
         closures: &ClosureBatch,
         first: usize,
-        wo: Vector<f32x16<S>>,
-        light: Vector<f32x16<S>>,
-    ) -> Seen<f32x16<S>> {
-        closures.seen(self.0, first, wo, light)
+        from: (Vector<f32x16<S>>, Vector<f32x16<S>>),
+        seen: &mut Seen<f32x16<S>>,
+    ) {
+        closures.look(self.0, first, from, seen);
     }
 
     #[inline(always)]

@@ -109,7 +109,7 @@ impl Glow {
             let lanes: [u32; LANES] = std::array::from_fn(|i| i as u32);
             let shutter = self.time.map(Shutter::All);
             let (instances, leaves) = (&self.instances, Leaves::Listed(&leaves));
-            let world = Places { instances, leaves, shutter, face_normals: self.face_normals };
+            let world = Places { instances, leaves, shutter, face_normals: self.face_normals, curved: false };
             let of = (Level::default(), from);
             world.surface_points(of, &lanes[..some.len()], Detail::Full, shader.attributes(), points);
             closures.reset(some.len());

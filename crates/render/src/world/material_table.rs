@@ -23,6 +23,7 @@ pub(crate) struct MaterialEntry {
     is_opaque: bool,
     is_solid: bool,
     has_medium: bool,
+    reads_widths: bool,
     /// The shader of the table that it shows.
     from_table: Option<Arc<dyn SurfaceShader>>,
 }
@@ -40,6 +41,8 @@ pub(crate) struct MaterialTable {
     holey: usize,
     /// How many absorb light on one of their sides.
     filled: usize,
+    /// How many look at what rays stand for.
+    reading: usize,
     textures: Textures,
 }
 
@@ -72,6 +75,11 @@ impl MaterialTable {
     /// Whether light is absorbed beside some surface.
     pub(crate) fn has_media(&self) -> bool {
         self.filled > 0
+    }
+
+    /// Whether some surface looks at what rays stand for: at how wide their cones are. Where none does, nobody need know.
+    pub(crate) fn read_widths(&self) -> bool {
+        self.reading > 0
     }
 
     /// What each gives off, in their order.
@@ -116,6 +124,7 @@ impl MaterialTable {
             self.see_through = count(|entry| entry.is_opaque, self.see_through);
             self.holey = count(|entry| entry.is_solid, self.holey);
             self.filled = count(|entry| !entry.has_medium, self.filled);
+            self.reading = count(|entry| !entry.reads_widths, self.reading);
             let listed = self.from_table.binary_search_by_key(&id, |&(material, _)| material);
             let number = now.from_table.as_ref().and(number_of(scene, id));
             match (listed, number) {
@@ -161,12 +170,14 @@ fn entry(
         same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.clone())))
     });
     let is_asked = asked.is_some();
+    let is_shader = matches!(material.surface, Surface::Shader(_));
     let shader = materials::shader(from, material, shaders, force_diffuse, emission, coverage);
     let emitter = told.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
     MaterialEntry {
         is_opaque: shader.is_opaque(),
         is_solid: shader.is_solid(),
         has_medium: shader.has_medium(),
+        reads_widths: is_shader || materials::textures_of(material).next().is_some(),
         emitter,
         from_table,
         shader,

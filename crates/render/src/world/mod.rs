@@ -267,7 +267,8 @@ impl World {
     pub(crate) fn places(&self) -> Places<'_> {
         let shutter = self.is_open().then_some(self.shutter);
         let (instances, leaves) = (&*self.instances, Leaves::Tree(&self.tree));
-        Places { instances, leaves, shutter, face_normals: self.face_normals }
+        let (face_normals, curved) = (self.face_normals, self.materials.read_widths());
+        Places { instances, leaves, shutter, face_normals, curved }
     }
 
     /// What lamps are looked for in.

@@ -59,6 +59,8 @@ pub(crate) struct Places<'w> {
     /// When rays see what moves; `None` = nothing does.
     pub(super) shutter: Option<Shutter>,
     pub(super) face_normals: bool,
+    /// Whether points have curvatures: somebody asks how wide cones of rays are.
+    pub(super) curved: bool,
 }
 
 /// What some points are made from, out of the meshes' arrays; rows of vectors stand one after the other.
@@ -79,6 +81,8 @@ struct Gathered<'w> {
     /// Linear part, matrix of normals, origin, greatest coordinate on the way.
     place: [Row; 22],
     has: Has,
+    /// Whether curvatures are wanted.
+    curved: bool,
 }
 
 /// What some of them have.
@@ -104,6 +108,7 @@ impl<'w> Gathered<'w> {
             uv: [[0.0; LANES]; 6],
             place: [[0.0; LANES]; 22],
             has: Has::default(),
+            curved: false,
         }
     }
 
@@ -206,6 +211,12 @@ impl<'w> Gathered<'w> {
     }
 }
 
+/// Writes the values of some lanes.
+#[inline]
+fn pick<T: Copy>(out: &mut [T], of: &[T], lanes: &[u32]) {
+    out.iter_mut().zip(lanes).for_each(|(out, &lane)| *out = of[lane as usize]);
+}
+
 /// Writes lane `i` of rows `k` to `k + 2`.
 #[inline(always)]
 fn put_vector(rows: &mut [Row; 9], k: usize, i: usize, [x, y, z]: [f32; 3]) {
@@ -267,16 +278,17 @@ impl<'w> Places<'w> {
         points.resize(lanes.len(), detail);
         points.depth = from.depth;
         let (hits, [x, y, z]) = (from.hits, &from.rays.dir);
-        for (i, &lane) in lanes.iter().enumerate() {
-            let lane = lane as usize;
-            points.ray_dir.set(i, Vec3::new(x[lane], y[lane], z[lane]));
-            points.key[i] = from.keys[lane];
-            (points.t[i], points.u[i], points.v[i]) = (hits.t[lane], hits.u[lane], hits.v[lane]);
-            points.prim_id[i] = hits.prim_id[lane];
-            (points.geom_id[i], points.inst_id[i]) = (hits.geom_id[lane], hits.inst_id[lane]);
-            points.leaf_id[i] = hits.leaf_id[lane];
-        }
-        let mut gathered = Gathered::new();
+        let Vec3s { x: dir_x, y: dir_y, z: dir_z } = &mut points.ray_dir;
+        [(dir_x, x), (dir_y, y), (dir_z, z)].into_iter().for_each(|(out, of)| pick(out, of, lanes));
+        pick(&mut points.key, from.keys, lanes);
+        let numbers =
+            [(&mut points.t, &hits.t), (&mut points.u, &hits.u), (&mut points.v, &hits.v)].into_iter();
+        numbers.for_each(|(out, of)| pick(out, of, lanes));
+        pick(&mut points.prim_id, &hits.prim_id, lanes);
+        pick(&mut points.geom_id, &hits.geom_id, lanes);
+        pick(&mut points.inst_id, &hits.inst_id, lanes);
+        pick(&mut points.leaf_id, &hits.leaf_id, lanes);
+        let mut gathered = Gathered { curved: self.curved, ..Gathered::new() };
         for (block, some) in lanes.chunks(LANES).enumerate() {
             gathered.read(self, from, some);
             let at = block * LANES;
@@ -387,8 +399,10 @@ impl Gathered<'_> {
                     lift = lift + seen * below * weight;
                 }
                 lift = Vector::pick(flat, black, lift);
-                out.curvature.resize(at + count, 0.0);
-                put(&mut out.curvature, range, R::pick(flat, zero, curvature(&placed, &turned)));
+                if self.curved {
+                    out.curvature.resize(at + count, 0.0);
+                    put(&mut out.curvature, range, R::pick(flat, zero, curvature(&placed, &turned)));
+                }
             }
         }
         put3(&mut out.ns, range, ns);

@@ -15,6 +15,7 @@ use super::medium::Medium;
 use super::seen::Seen;
 use super::seen_lobe::{LobesAt, Rarities};
 use super::{Bsdf, Scattering};
+use crate::batch::SurfaceBatch;
 use crate::lanes::{LANES, Vec3x16};
 use crate::real::Vector;
 
@@ -62,21 +63,32 @@ pub struct ClosureBatch {
     media: Vec<Medium>,
 }
 
+/// Those of [`LobeRows`].
+#[inline(always)]
+fn numbers(lobe: &Lobe) -> [f32; 18] {
+    let Lobe { weight: w, normal: n, a, b, c, alpha, eta, cover, .. } = lobe;
+    [w.x, w.y, w.z, n.x, n.y, n.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, *alpha, *eta, *cover]
+}
+
 impl LobeRows {
     fn clear(&mut self) {
         (self.kind, self.under) = (Row::default(), Row::default());
         (self.kinds, self.under_any, self.covers, self.rare) = (0, 0, false, 0);
     }
 
+    /// The first `count` points' are like this one, which has nothing rare and lies below none; there are no others.
+    #[inline]
+    fn fill(&mut self, count: usize, lobe: &Lobe) {
+        self.clear();
+        self.kind.0[..count].fill(lobe.kind as u32 as f32);
+        self.numbers.iter_mut().zip(numbers(lobe)).for_each(|(row, x)| row.0 = [x; LANES]);
+        (self.kinds, self.covers) = (lobe.kind.bit(), lobe.cover > 0.0);
+    }
+
     #[inline]
     fn set(&mut self, i: usize, lobe: &Lobe) {
         self.kind.0[i] = lobe.kind as u32 as f32;
-        let Lobe { weight, normal, a, b, c, .. } = lobe;
-        for (rows, v) in self.numbers.chunks_exact_mut(3).zip([weight, normal, a, b, c]) {
-            (rows[0].0[i], rows[1].0[i], rows[2].0[i]) = (v.x, v.y, v.z);
-        }
-        let [.., alpha, eta, cover] = &mut self.numbers;
-        (alpha.0[i], eta.0[i], cover.0[i]) = (lobe.alpha, lobe.eta, lobe.cover);
+        self.numbers.iter_mut().zip(numbers(lobe)).for_each(|(row, x)| row.0[i] = x);
         self.under.0[i] = lobe.under;
         self.kinds |= lobe.kind.bit();
         self.under_any |= lobe.under;
@@ -211,6 +223,25 @@ impl ClosureBatch {
         }
     }
 
+    /// Says that all points are Lambert's reflectors of these albedos around the normals that scatter light on the sides that rays came
+    /// from: what [`set`](Self::set) says of each.
+    pub fn set_lambertian(&mut self, hits: &SurfaceBatch, albedo: impl Fn(usize) -> Vec3) {
+        let black = Lobe::lambert(Vec3::ZERO);
+        for (block, first) in self.blocks.iter_mut().zip((0..self.len).step_by(LANES)) {
+            let count = LANES.min(self.len - first);
+            for (row, from) in block.normal.iter_mut().zip(hits.facing_ns_rows(first)) {
+                row.0[..count].copy_from_slice(&from[..count]);
+            }
+            block.count = 1;
+            let lobe = &mut block.lobes[0];
+            lobe.fill(count, &black);
+            let [.., r, g, b, _, _, _, _, _, _, _, _, _] = &mut lobe.numbers;
+            for i in 0..count {
+                (r.0[i], g.0[i], b.0[i]) = albedo(first + i).into();
+            }
+        }
+    }
+
     /// Radiance that point `i` sends against its ray.
     #[must_use]
     pub fn emission(&self, i: usize) -> Vec3 {
@@ -294,18 +325,24 @@ impl ClosureBatch {
         Vector::load(f32x16::splat(simd, 0.0), [&x.0, &y.0, &z.0], 0)
     }
 
-    /// The sixteen points from `first` on, a multiple of sixteen, seen from the unit directions `wo`, where the light that they scatter will
-    /// count `light` by colour (ones where nobody knows): see [`Bsdf::seen_by`].
+    /// Looks at the sixteen points from `first` on, a multiple of sixteen, from the unit directions `wo`, where the light that they scatter
+    /// will count `light` by colour (ones where nobody knows): see [`Bsdf::seen_by`]. `seen` must be [`Seen::none`].
     #[inline(always)]
-    pub fn seen<S: Simd>(&self, simd: S, first: usize, wo: Vec3x16<S>, light: Vec3x16<S>) -> Seen<f32x16<S>> {
+    pub fn look<S: Simd>(
+        &self,
+        simd: S,
+        first: usize,
+        (wo, light): (Vec3x16<S>, Vec3x16<S>),
+        seen: &mut Seen<f32x16<S>>,
+    ) {
         let block = &self.blocks[first / LANES];
-        Seen::new(
+        seen.look(
             block.count as usize,
             #[inline(always)]
             |k| block.lobes[k].lanes(simd),
             self.normals(simd, first),
             wo,
             light,
-        )
+        );
     }
 }

@@ -36,6 +36,12 @@ impl Lobes {
         &mut self.lobes[..self.count as usize]
     }
 
+    /// Takes all lobes away; where they were stays as it is.
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    #[inline]
     pub(super) fn push(&mut self, lobe: Lobe) {
         if let Some(place) = self.lobes.get_mut(self.count as usize) {
             *place = lobe;
@@ -44,6 +50,7 @@ impl Lobes {
     }
 
     /// Appends a lobe below those whose bits are set; gives its bit.
+    #[inline]
     pub(super) fn put(&mut self, lobe: Lobe, under: u32) -> u32 {
         self.push(Lobe { under, ..lobe });
         1 << (self.count - 1)

@@ -84,12 +84,21 @@ impl Principled {
 }
 
 impl From<Principled> for Lobes {
-    /// As `coat over (sheen over (plastic over body, metal and glass by their shares))`, without the sums on the way: it is made
-    /// for every point.
     fn from(p: Principled) -> Self {
+        let mut lobes = Self::default();
+        p.write(&mut lobes);
+        lobes
+    }
+}
+
+impl Principled {
+    /// Writes its lobes in place of others: `coat over (sheen over (plastic over body, metal and glass by their shares))`, without the
+    /// sums on the way, and into memory that is there, for it is made for every point.
+    pub fn write(&self, lobes: &mut Lobes) {
+        let p = self;
+        lobes.clear();
         let rest = 1.0 - p.metallic;
         let [plastic, metal, glass] = [rest * (1.0 - p.transmission), p.metallic, rest * p.transmission];
-        let mut lobes = Self::default();
         let mut above = 0;
         if p.coat > 0.0 {
             let coat = Lobe { weight: Vec3::splat(p.coat), cover: p.coat, ..Lobe::coat(p.coat_alpha) };
@@ -101,7 +110,7 @@ impl From<Principled> for Lobes {
         }
         let facets = |lobe: Lobe| {
             let brushed = if p.across > 0.0 { lobe.brushed(p.tangent, p.across) } else { lobe };
-            brushed.filmed(p.film)
+            if p.film.is_there() { brushed.filmed(p.film) } else { brushed }
         };
         let translucence = p.translucence;
         if plastic > 0.0 {
@@ -127,6 +136,5 @@ impl From<Principled> for Lobes {
             let glass = facets(Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, p.base, thin));
             lobes.put(Lobe { weight, ..glass.dispersed(p.spread) }, above);
         }
-        lobes
     }
 }

@@ -48,22 +48,32 @@ pub struct Seen<R> {
 }
 
 impl<R: Real> Seen<R> {
-    /// Points' lobes, `count` places of them, seen from the unit `wo`; `normal` is unit. `light` is what the light that they scatter will
-    /// count, by colour: where a direction has one colour only, colours are chosen by that.
+    /// Nothing seen yet: memory for [`look`](Self::look), which is large, so that it stays where it is.
     #[inline(always)]
-    pub(crate) fn new<'a>(
+    pub fn none(like: R) -> Self {
+        let black = Vector::grey(like.all(0.0));
+        Self { normal: black, lobes: [const { None }; MOST], albedo: black }
+    }
+
+    /// Points' lobes, `count` places of them, seen from the unit `wo`; `normal` is unit. `light` is what the light that they scatter will
+    /// count, by colour: where a direction has one colour only, colours are chosen by that. Nothing may have been seen before.
+    #[inline(always)]
+    pub(crate) fn look<'a>(
+        &mut self,
         count: usize,
         at: impl Fn(usize) -> LobesAt<'a, R>,
         normal: Vector<R>,
         wo: Vector<R>,
         light: Vector<R>,
-    ) -> Self {
+    ) {
         let (zero, one) = (wo.x.all(0.0), wo.x.all(1.0));
-        let mut seen = Self { normal, lobes: [const { None }; MOST], albedo: Vector::grey(zero) };
+        self.normal = normal;
         let mut total = zero;
         for k in 0..count.min(MOST) {
             let from = at(k);
-            let mut lobe = SeenLobe { kind: from.kind, kinds: from.kinds, ..SeenLobe::none(zero) };
+            let (above, rest) = self.lobes.split_at_mut(k);
+            let lobe = rest[0].insert(SeenLobe::none(zero));
+            (lobe.kind, lobe.kinds) = (from.kind, from.kinds);
             let own = !from.normal.is_zero();
             lobe.normal = Vector::pick(own, from.normal, normal);
             let cos = lobe.normal.dot(wo);
@@ -89,79 +99,28 @@ impl<R: Real> Seen<R> {
                         *under |= (bits >> j & 1) << i;
                     }
                 }
-                let left = seen.left(&lobe, None);
-                let average = seen.left_on_average(&lobe);
+                let left = left_by(above, lobe, None);
+                let average = left_on_average(above, lobe);
                 let scattered = lobe.weight * left * albedo;
                 lobe.chance = scattered.max_element();
-                seen.albedo = seen.albedo + scattered;
+                self.albedo = self.albedo + scattered;
                 lobe.put_below(left, average);
             } else {
                 lobe.chance = (lobe.weight * albedo).max_element();
-                seen.albedo = seen.albedo + lobe.weight * albedo;
+                self.albedo = self.albedo + lobe.weight * albedo;
             }
             total = total + lobe.chance;
-            seen.lobes[k] = Some(lobe);
         }
         let scale = R::pick(total.above(zero), one / total, zero);
-        for lobe in seen.lobes.iter_mut().map_while(Option::as_mut) {
+        for lobe in self.lobes.iter_mut().map_while(Option::as_mut) {
             lobe.chance = lobe.chance * scale;
         }
-        seen
     }
 
     /// The lobes, in the order of their places.
     #[inline(always)]
     pub(super) fn lobes(&self) -> impl Iterator<Item = &SeenLobe<R>> {
         self.lobes.iter().map_while(Option::as_ref)
-    }
-
-    /// What the lobes above `lobe` leave of light from where they are seen, or towards one cosine.
-    #[inline(always)]
-    fn left(&self, lobe: &SeenLobe<R>, towards: Option<f32>) -> Vector<R> {
-        let one = lobe.cos.all(1.0);
-        let mut left = Vector::grey(one);
-        for (j, top) in self.lobes().enumerate() {
-            if lobe.under_any >> j & 1 != 0 {
-                let (w, cos) = towards.map_or((Some(top.wo), top.cos), |cos| (None, one.all(cos)));
-                let back = top.sent_back(cos, top.split(w, cos));
-                left = Vector::pick(lobe.below(j), left * back.rest(), left);
-            }
-        }
-        left
-    }
-
-    /// The same, averaged over a cosine-weighted hemisphere: by the tables where one layer of facets is above.
-    #[inline(always)]
-    fn left_on_average(&self, lobe: &SeenLobe<R>) -> Vector<R> {
-        let one = lobe.cos.all(1.0);
-        let (mut any, mut twice) = (0, 0);
-        for &under in &lobe.under {
-            twice |= any & under;
-            any |= under;
-        }
-        let mut average = Vector::grey(one);
-        let mut rest = u64::from(any);
-        for (j, top) in self.lobes().enumerate() {
-            let single = lobe.under[j] & !twice;
-            // The table holds Schlick's reflectances, not what films mirror.
-            if single != 0 && top.has(Kind::Facets) {
-                let mut by_table = one.points(u64::from(single)) & top.is(Kind::Facets);
-                if top.rare & rare::FILM != 0 {
-                    by_table = by_table & !top.rarities.film[0].above_all(0.0);
-                }
-                let left = top.sent_back(one, top.slopes().energy().average).rest();
-                average = Vector::pick(by_table, left, average);
-                rest &= !R::bits(by_table);
-            }
-        }
-        if rest != 0 {
-            let mut sum = Vector::grey(one.all(0.0));
-            for (cos, weight) in RULE {
-                sum = sum + self.left(lobe, Some(cos)) * one.all(weight);
-            }
-            average = Vector::pick(one.points(rest), sum, average);
-        }
-        average
     }
 
     /// BSDF times |cos| of the unit `wi`, and the density per solid angle with which [`sample`](Self::sample) chooses it;
@@ -175,16 +134,26 @@ impl<R: Real> Seen<R> {
     #[inline(always)]
     pub fn sample(&self, u: [R; 3]) -> Sampled<R> {
         let (zero, one) = (u[0].all(0.0), u[0].all(1.0));
+        let Some(only) = &self.lobes[0] else {
+            let (wi, weight, none) = (self.normal, Vector::grey(zero), zero.above(zero));
+            return Sampled { wi, weight, pdf: zero, delta: none, transmitted: none, found: none };
+        };
         // The lobe, and the number as a new one.
-        let mut lobe = self.lobes[0].unwrap_or(SeenLobe::none(zero));
         let mut before = zero;
-        for next in self.lobes().skip(1) {
-            let past = before + lobe.chance;
-            let on = !past.above(u[0]) & next.chance.above(zero);
-            // Lobes without a chance stand between others and take none of the numbers.
-            before = R::pick(on, past, before);
-            lobe = lobe.or_with(on, next);
-        }
+        let mut mixed;
+        let lobe = if self.lobes[1].is_none() {
+            only
+        } else {
+            mixed = *only;
+            for next in self.lobes().skip(1) {
+                let past = before + mixed.chance;
+                let on = !past.above(u[0]) & next.chance.above(zero);
+                // Lobes without a chance stand between others and take none of the numbers.
+                before = R::pick(on, past, before);
+                mixed.mix(on, next);
+            }
+            &mixed
+        };
         let first = ((u[0] - before) / lobe.chance).within(0.0, 0.999_999_9);
         let [mut tangent, mut bitangent] = frame_around(lobe.normal);
         if lobe.rare & rare::GRAIN != 0 {
@@ -303,6 +272,55 @@ impl<R: Real> Seen<R> {
     }
 }
 
+/// What the lobes above `lobe` leave of light from where they are seen, or towards one cosine.
+#[inline(always)]
+fn left_by<R: Real>(above: &[Option<SeenLobe<R>>], lobe: &SeenLobe<R>, towards: Option<f32>) -> Vector<R> {
+    let one = lobe.cos.all(1.0);
+    let mut left = Vector::grey(one);
+    for (j, top) in above.iter().flatten().enumerate() {
+        if lobe.under_any >> j & 1 != 0 {
+            let (w, cos) = towards.map_or((Some(top.wo), top.cos), |cos| (None, one.all(cos)));
+            let back = top.sent_back(cos, top.split(w, cos));
+            left = Vector::pick(lobe.below(j), left * back.rest(), left);
+        }
+    }
+    left
+}
+
+/// The same, averaged over a cosine-weighted hemisphere: by the tables where one layer of facets is above.
+#[inline(always)]
+fn left_on_average<R: Real>(above: &[Option<SeenLobe<R>>], lobe: &SeenLobe<R>) -> Vector<R> {
+    let one = lobe.cos.all(1.0);
+    let (mut any, mut twice) = (0, 0);
+    for &under in &lobe.under {
+        twice |= any & under;
+        any |= under;
+    }
+    let mut average = Vector::grey(one);
+    let mut rest = u64::from(any);
+    for (j, top) in above.iter().flatten().enumerate() {
+        let single = lobe.under[j] & !twice;
+        // The table holds Schlick's reflectances, not what films mirror.
+        if single != 0 && top.has(Kind::Facets) {
+            let mut by_table = one.points(u64::from(single)) & top.is(Kind::Facets);
+            if top.rare & rare::FILM != 0 {
+                by_table = by_table & !top.rarities.film[0].above_all(0.0);
+            }
+            let left = top.sent_back(one, top.slopes().energy().average).rest();
+            average = Vector::pick(by_table, left, average);
+            rest &= !R::bits(by_table);
+        }
+    }
+    if rest != 0 {
+        let mut sum = Vector::grey(one.all(0.0));
+        for (cos, weight) in RULE {
+            sum = sum + left_by(above, lobe, Some(cos)) * one.all(weight);
+        }
+        average = Vector::pick(one.points(rest), sum, average);
+    }
+    average
+}
+
 /// `tangent` made perpendicular to the unit `normal`, unit; any direction along the surface where it says nothing.
 #[inline(always)]
 fn along<R: Real>(normal: Vector<R>, tangent: Vector<R>) -> Vector<R> {
@@ -313,10 +331,12 @@ fn along<R: Real>(normal: Vector<R>, tangent: Vector<R>) -> Vector<R> {
 }
 
 impl Seen<f32> {
-    /// One point's lobes; `light` as for [`Seen::new`].
+    /// One point's lobes; `light` as for [`Seen::look`].
     pub(super) fn of_point(lobes: &[Lobe], normal: Vec3, wo: Vec3, light: Vec3) -> Self {
+        let mut seen = Self::none(0.0);
         let at = |k: usize| LobesAt::of_point(&lobes[k]);
-        Self::new(lobes.len(), at, normal.into(), wo.into(), light.into())
+        seen.look(lobes.len(), at, normal.into(), wo.into(), light.into());
+        seen
     }
 
     /// What leaves by delta lobes, mirrored and through the surface: unit directions in the world, and shares of the light.

@@ -449,33 +449,28 @@ impl<R: Real> SeenLobe<R> {
 type Branch<R> = (Vector<R>, Vector<R>);
 
 impl<R: Real> SeenLobe<R> {
-    /// `next` where the mask says so.
+    /// Becomes `next` where the mask says so, as far as choosing directions asks.
     #[inline(always)]
-    pub(super) fn or_with(self, mask: R::Mask, next: &Self) -> Self {
-        Self {
-            kind: R::pick(mask, next.kind, self.kind),
-            kinds: self.kinds | next.kinds,
-            normal: Vector::pick(mask, next.normal, self.normal),
-            wo: Vector::pick(mask, next.wo, self.wo),
-            cos: R::pick(mask, next.cos, self.cos),
-            weight: Vector::pick(mask, next.weight, self.weight),
-            left: Vector::pick(mask, next.left, self.left),
-            a: Vector::pick(mask, next.a, self.a),
-            b: Vector::pick(mask, next.b, self.b),
-            c: Vector::pick(mask, next.c, self.c),
-            alpha: R::pick(mask, next.alpha, self.alpha),
-            eta: R::pick(mask, next.eta, self.eta),
-            hidden: R::pick(mask, next.hidden, self.hidden),
-            lost: R::pick(mask, next.lost, self.lost),
-            chance: R::pick(mask, next.chance, self.chance),
-            share_of_more: R::pick(mask, next.share_of_more, self.share_of_more),
-            rare: self.rare | next.rare,
-            rarities: if (self.rare | next.rare) == 0 {
-                self.rarities
-            } else {
-                Rarities::pick(mask, &next.rarities, &self.rarities)
-            },
-            ..self
+    pub(super) fn mix(&mut self, mask: R::Mask, next: &Self) {
+        self.kinds |= next.kinds;
+        self.kind = R::pick(mask, next.kind, self.kind);
+        self.cos = R::pick(mask, next.cos, self.cos);
+        self.alpha = R::pick(mask, next.alpha, self.alpha);
+        self.eta = R::pick(mask, next.eta, self.eta);
+        self.hidden = R::pick(mask, next.hidden, self.hidden);
+        self.lost = R::pick(mask, next.lost, self.lost);
+        self.chance = R::pick(mask, next.chance, self.chance);
+        self.share_of_more = R::pick(mask, next.share_of_more, self.share_of_more);
+        self.normal = Vector::pick(mask, next.normal, self.normal);
+        self.wo = Vector::pick(mask, next.wo, self.wo);
+        self.weight = Vector::pick(mask, next.weight, self.weight);
+        self.left = Vector::pick(mask, next.left, self.left);
+        self.a = Vector::pick(mask, next.a, self.a);
+        self.b = Vector::pick(mask, next.b, self.b);
+        self.c = Vector::pick(mask, next.c, self.c);
+        self.rare |= next.rare;
+        if self.rare != 0 {
+            self.rarities = Rarities::pick(mask, &next.rarities, &self.rarities);
         }
     }
 

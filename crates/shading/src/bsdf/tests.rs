@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use glam::Vec3;
 
 use super::*;
-use crate::batch::SampleKey;
+use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
 use crate::lanes::{LANES, Vec3x16};
 use crate::sampling::{sample_pair, uniform_sphere};
 use gnurt_simd::{Level, Simd, dispatch_wide, f32x16, prelude::*};
@@ -364,7 +364,8 @@ fn in_lanes<S: Simd>(
     u: &[[f32; 3]; LANES],
 ) -> [Found; LANES] {
     let light = Vec3x16::splat(simd, Vec3::ONE);
-    let seen = closures.seen(simd, 0, Vec3x16::splat(simd, wo), light);
+    let mut seen = Seen::none(light.x);
+    closures.look(simd, 0, (Vec3x16::splat(simd, wo), light), &mut seen);
     let (value, pdf) = seen.eval_pdf(Vec3x16::splat(simd, wi));
     let s = seen.sample([0, 1, 2].map(|k| f32x16::from_fn(simd, |i| u[i][k])));
     let (found, delta, through) = (s.found.to_bitmask(), s.delta.to_bitmask(), s.transmitted.to_bitmask());
@@ -461,4 +462,45 @@ fn layers_are_as_they_are_put_together() {
     let cloth = Lobes::from(Lobe::sheen(tint, p.sheen_roughness)).over(body);
     let coated = by(Lobe::coat(p.coat_alpha).into(), p.coat).over(cloth);
     assert_eq!(Lobes::from(p), coated, "the same lobes, one below the other");
+}
+
+/// Also into memory that has held other lobes, and for blocks that are not full.
+#[test]
+fn lambertians_at_once_are_those_one_by_one() {
+    let draw =
+        |n: u32, i: u32| uniform_sphere(sample_pair(9, SampleKey { pixel: i, ..Default::default() }, 0, n));
+    let count = 21;
+    let all = |n: u32| {
+        let mut vectors = Vec3s::default();
+        (0..count).for_each(|i| vectors.push(draw(n, i)));
+        vectors
+    };
+    let flat = SurfaceBatch {
+        t: vec![1.0; count as usize],
+        ng: all(0),
+        ns: all(1),
+        ray_dir: all(2),
+        ..SurfaceBatch::default()
+    };
+    let bumpy = SurfaceBatch { bent: all(3), ..flat.clone() };
+    let albedo = |i: usize| Vec3::splat(0.03 * i as f32);
+    let mut at_once = ClosureBatch::default();
+    at_once.reset(32);
+    let brushed = Lobe::facets(0.6, Vec3::ONE, Vec3::ONE).brushed(Vec3::X, 0.1);
+    (0..32).for_each(|i| at_once.set(i, Vec3::Z, Lobes::from(Lobe::coat(0.2)).over(brushed).as_slice()));
+    for hits in [flat, bumpy] {
+        at_once.reset(hits.len());
+        at_once.set_lambertian(&hits, albedo);
+        let mut one_by_one = ClosureBatch::default();
+        one_by_one.reset(hits.len());
+        for i in 0..hits.len() {
+            one_by_one.set(i, hits.facing_ns(i), &[Lobe::lambert(albedo(i))]);
+        }
+        for i in 0..hits.len() {
+            let [found, wanted] = [&at_once, &one_by_one].map(|batch| batch.point(i).bsdf);
+            assert_eq!(found.normal(), wanted.normal(), "point {i}");
+            assert_eq!(found.lobes(), wanted.lobes(), "point {i}");
+        }
+        assert_eq!([0, 16].map(|i| at_once.kinds(i)), [Kind::Diffuse.bit(); 2], "nothing else is left");
+    }
 }

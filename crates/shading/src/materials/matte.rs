@@ -3,7 +3,7 @@
 //! Source: [Lam60]; references/README point 2. Proof: crates/render/tests/lights.rs (closed forms, furnace).
 
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::bsdf::{ClosureBatch, Lobe};
+use crate::bsdf::ClosureBatch;
 use crate::materials::color::TexturedColor;
 use crate::shader::SurfaceShader;
 
@@ -16,9 +16,7 @@ pub struct Matte {
 
 impl SurfaceShader for Matte {
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
-        for i in 0..hits.len() {
-            out.set(i, hits.facing_ns(i), &[Lobe::lambert(self.albedo.at_hit(hits, i))]);
-        }
+        out.set_lambertian(hits, |i| self.albedo.at_hit(hits, i));
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {

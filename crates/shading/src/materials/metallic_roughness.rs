@@ -184,6 +184,26 @@ impl MetallicRoughness {
         model.alpha += (1.0 - model.alpha) * (strength * strength).clamp(0.0, 1.0);
     }
 
+    /// What it is where its textures hold these numbers, seen from its front or its back, not brushed.
+    fn model(&self, base: Vec3, metallic: f32, roughness: f32, front: bool) -> Principled {
+        let mut model = Principled::new(base, metallic, roughness, self.ior);
+        let layers = &self.layers;
+        model.f0 = (model.f0 * layers.specular_color * layers.specular).clamp(Vec3::ZERO, Vec3::ONE);
+        model.f90 = layers.specular.clamp(0.0, 1.0);
+        model.coat = layers.coat.clamp(0.0, 1.0);
+        model.coat_alpha = layers.coat_roughness * layers.coat_roughness;
+        model.sheen = layers.sheen.clamp(Vec3::ZERO, Vec3::ONE);
+        model.sheen_roughness = layers.sheen_roughness.clamp(0.0, 1.0);
+        model.transmission = layers.transmission.clamp(0.0, 1.0);
+        model.eta = if front { 1.0 / self.ior } else { self.ior };
+        model.thin = layers.thin;
+        model.film = layers.film;
+        model.spread = layers.spread;
+        model.translucence = layers.translucence.clamp(0.0, 1.0);
+        model.beyond = layers.beyond.clamp(Vec3::ZERO, Vec3::ONE);
+        model
+    }
+
     /// Whether light is absorbed in it.
     fn has_inside(&self) -> bool {
         let layers = &self.layers;
@@ -196,6 +216,9 @@ impl MetallicRoughness {
 
 impl SurfaceShader for MetallicRoughness {
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        let mut lobes = Lobes::default();
+        // What the lobes were made from: neighbours often are alike.
+        let mut made = None;
         for i in 0..hits.len() {
             let texel = self.metallic_roughness_texture.as_ref().map_or([1.0; 4], |t| t.at_hit(hits, i));
             let (normal, slopes) = self.normal(hits, i);
@@ -203,27 +226,19 @@ impl SurfaceShader for MetallicRoughness {
             let metallic = (self.metallic * texel[2]).clamp(0.0, 1.0);
             let base = self.base_color.at_hit(hits, i);
             let ns = hits.point(i).bent_normal(normal, -hits.ray_dir.get(i));
-            let mut model = Principled::new(base, metallic, roughness, self.ior);
-            let layers = &self.layers;
-            model.f0 = (model.f0 * layers.specular_color * layers.specular).clamp(Vec3::ZERO, Vec3::ONE);
-            model.f90 = layers.specular.clamp(0.0, 1.0);
-            model.coat = layers.coat.clamp(0.0, 1.0);
-            model.coat_alpha = layers.coat_roughness * layers.coat_roughness;
-            model.sheen = layers.sheen.clamp(Vec3::ZERO, Vec3::ONE);
-            model.sheen_roughness = layers.sheen_roughness.clamp(0.0, 1.0);
-            model.transmission = layers.transmission.clamp(0.0, 1.0);
-            model.eta = if hits.front(i) { 1.0 / self.ior } else { self.ior };
-            model.thin = layers.thin;
-            model.film = layers.film;
-            model.spread = layers.spread;
-            model.translucence = layers.translucence.clamp(0.0, 1.0);
-            model.beyond = layers.beyond.clamp(Vec3::ZERO, Vec3::ONE);
-            if layers.anisotropy > 0.0 {
-                self.brush(hits, i, ns, &mut model);
+            let front = hits.front(i);
+            let is_brushed = self.layers.anisotropy > 0.0;
+            if is_brushed || made != Some((base, metallic, roughness, front)) {
+                let mut model = self.model(base, metallic, roughness, front);
+                if is_brushed {
+                    self.brush(hits, i, ns, &mut model);
+                }
+                model.write(&mut lobes);
+                made = Some((base, metallic, roughness, front));
             }
-            out.set(i, ns, Lobes::from(model).as_slice());
+            out.set(i, ns, lobes.as_slice());
             if self.has_inside() {
-                out.fill(i, Medium::behind(layers.absorption, hits.front(i)));
+                out.fill(i, Medium::behind(self.layers.absorption, front));
             }
         }
     }
