@@ -48,7 +48,7 @@ pub struct Seen<R> {
 }
 
 impl<R: Real> Seen<R> {
-    /// Nothing seen yet: memory for [`look`](Self::look), which is large, so that it stays where it is.
+    /// Nothing seen yet: memory for [`ClosureBatch::look`](super::ClosureBatch::look), which is large, so that it stays where it is.
     #[inline(always)]
     pub fn none(like: R) -> Self {
         let black = Vector::grey(like.all(0.0));
