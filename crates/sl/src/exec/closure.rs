@@ -13,7 +13,8 @@ use crate::types::{Base, Type};
 pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
     let [out, name, rest @ ..] = &*s.args else { return };
     let name = m.text(name);
-    let Some(decl) = m.host.closure(&name).cloned() else {
+    let host = m.host;
+    let Some(decl) = host.closure(&name) else {
         m.set_word(out, 0, 0);
         let (layer, shader) = m.layer_names();
         let place = m.place(s.at);
@@ -38,7 +39,7 @@ pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
         };
         params.push((param.key.clone(), param.ty, fit(param.ty, value)));
     }
-    let number = m.add_closure(Closure::Component(Component { name: decl.name, params }));
+    let number = m.add_closure(Closure::Component(Component { name: decl.name.clone(), params }));
     m.set_word(out, 0, number);
 }
 
