@@ -82,8 +82,6 @@ impl fmt::Display for Pick {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scripts::Scripts;
-    use gnurt::render::{CommitOptions, ShaderTable, World};
     use gnurt::scene::{Affine, Material, Mesh, Scene};
 
     #[test]
@@ -101,19 +99,7 @@ mod tests {
         scene.instantiate(object, Affine::translation([0.0, 0.0, -70.0]));
         scene.instantiate(object, Affine::translation([0.0, 0.0, -5.0]));
         let pool = gnurt::thread_pool(1).expect("a thread");
-        let mut world = World::new();
-        world
-            .commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool)
-            .expect("the scene is sound");
-        let stage = Stage {
-            scene,
-            world,
-            files: Vec::new(),
-            clip: None,
-            how: CommitOptions::default(),
-            scripts: Scripts::default(),
-            faults: Box::new(Vec::new),
-        };
+        let stage = Stage::of(scene, &pool);
         let camera = |target| Camera {
             name: String::new(),
             eye: [0.0; 3],

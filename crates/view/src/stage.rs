@@ -95,6 +95,25 @@ impl Stage {
     }
 }
 
+#[cfg(test)]
+impl Stage {
+    /// A scene that comes from nowhere and is shown as it is.
+    pub(crate) fn of(scene: Scene, pool: &ThreadPool) -> Self {
+        let (table, how) = (gnurt::render::ShaderTable::default(), CommitOptions::default());
+        let mut world = World::new();
+        world.commit(&scene, &table, &how, pool).expect("a sound scene");
+        Self {
+            scene,
+            world,
+            files: Vec::new(),
+            clip: None,
+            how,
+            scripts: Scripts::default(),
+            faults: Box::new(Vec::new),
+        }
+    }
+}
+
 /// Asked from time to time, from any thread.
 pub type Faults = Box<dyn Fn() -> Vec<String> + Send + Sync>;
 

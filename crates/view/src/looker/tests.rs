@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the window gets to see, and when. Source: original.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::*;
+use crate::exposure::Exposure;
+use crate::scripts::{ScriptRole, StageScript};
+use crate::shown::Shown;
+use gnurt::osl::ParameterValue;
+use gnurt::render::{Integrator, SceneCamera, Silent, render};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+
+fn load(pool: &ThreadPool) -> Result<Stage, String> {
+    let mut scene = gnurt::load_scene("builtin:cornell").map_err(|error| error.to_string())?.scene;
+    gnurt::defaults::complete(&mut scene, 1.0);
+    Ok(Stage::of(scene, pool))
+}
+
+fn options() -> RenderOptions {
+    RenderOptions { spp: 6, seed: 5, ..RenderOptions::default() }
+}
+
+fn begin(loader: Loader) -> (Looker, Receiver<News>, Wish) {
+    begin_with(loader, load)
+}
+
+fn begin_with(
+    loader: Loader,
+    first: fn(&ThreadPool) -> Result<Stage, String>,
+) -> (Looker, Receiver<News>, Wish) {
+    let pool = gnurt::thread_pool(2).expect("two threads");
+    begin_on(loader, first(&pool).expect("the box is built in"))
+}
+
+fn begin_on(loader: Loader, stage: Stage) -> (Looker, Receiver<News>, Wish) {
+    let pool = gnurt::thread_pool(2).expect("two threads");
+    let wish = Wish {
+        camera: stage.scene.cameras()[0].clone(),
+        shown: Shown::Light(Integrator::Whitted),
+        size: [61, 47],
+        exposure: Exposure::default(),
+        moving: false,
+        paused: false,
+        denoised: false,
+        moment: None,
+    };
+    let (sender, news) = channel();
+    let tell = Box::new(move |what| drop(sender.send(what)));
+    let denoiser = denoise::Options { method: denoise::Method::BuiltIn, ..denoise::Options::default() };
+    let parts = LookerParts { stage, options: options(), pool, loader, denoiser, tell };
+    (Looker::begin(parts, wish.clone()).expect("a thread"), news, wish)
+}
+
+/// Waits until the front is as it should be.
+#[track_caller]
+fn wait_for(looker: &Looker, what: &str, is_there: impl Fn(&Front) -> bool) {
+    let begin = Instant::now();
+    while !is_there(&looker.front()) {
+        assert!(begin.elapsed() < Duration::from_secs(60), "no {what}: {:?}", looker.front().readings);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+fn is_finished(front: &Front) -> bool {
+    front.whole && front.readings.samples == [6, 6]
+}
+
+#[test]
+fn what_is_seen_at_last_is_what_render_makes() {
+    let (looker, _news, mut wish) = begin(Box::new(load));
+    // Restless: views come faster than pictures.
+    for step in 0..30 {
+        wish.camera.eye[0] += 0.001;
+        wish.moving = step % 3 != 0;
+        looker.want(&wish);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    wish.moving = false;
+    looker.want(&wish);
+    let view = lock(&looker.shared.wish).view;
+    wait_for(&looker, "finished picture", |front| is_finished(front) && front.view == view);
+    let pool = gnurt::thread_pool(1).expect("a thread");
+    let stage = load(&pool).expect("the box");
+    let camera = SceneCamera::new(&wish.camera).expect("a view");
+    let options = RenderOptions { width: 61, height: 47, ..options() };
+    let frame = render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options");
+    assert!(looker.front().colors == frame.picture.color, "the same bits");
+    wish.exposure.stops = 2.0;
+    looker.want(&wish);
+    wait_for(&looker, "brighter picture", |front| front.exposure.stops == 2.0);
+    assert!(is_finished(&looker.front()), "with the samples that were there");
+}
+
+#[test]
+fn moving_pictures_are_coarse_and_rest_makes_them_whole() {
+    let (looker, _news, mut wish) = begin(Box::new(load));
+    wait_for(&looker, "finished picture", is_finished);
+    wish.moving = true;
+    wish.camera.eye[0] += 0.01;
+    looker.want(&wish);
+    wait_for(&looker, "passing look", |front| !front.whole && front.view == 2);
+    std::thread::sleep(Duration::from_millis(50));
+    assert!(!looker.front().whole, "as long as it moves");
+    (wish.moving, wish.shown) = (false, Shown::Depth);
+    looker.want(&wish);
+    wait_for(&looker, "finished picture of depths", |front| is_finished(front) && front.view == 3);
+    let [r, g, b, _] = looker.front().colors[30];
+    assert!(r == g && g == b && r > 0.0, "grey: {r} {g} {b}");
+    (wish.paused, wish.shown) = (true, Shown::Light(Integrator::Normals));
+    looker.want(&wish);
+    wait_for(&looker, "first look", |front| front.view == 4);
+    std::thread::sleep(Duration::from_millis(50));
+    assert!(!is_finished(&looker.front()), "no samples are added");
+}
+
+#[test]
+fn noise_goes_when_asked_for() {
+    let (looker, _news, mut wish) = begin(Box::new(load));
+    wait_for(&looker, "finished picture", is_finished);
+    let noisy = looker.front().colors.clone();
+    wish.denoised = true;
+    looker.want(&wish);
+    wait_for(&looker, "clean picture", |front| is_finished(front) && front.readings.denoised);
+    let pool = gnurt::thread_pool(1).expect("a thread");
+    let stage = load(&pool).expect("the box");
+    let camera = SceneCamera::new(&wish.camera).expect("a view");
+    let options = RenderOptions { width: 61, height: 47, aovs: true, ..options() };
+    let mut picture = render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options").picture;
+    let how = denoise::Options { method: denoise::Method::BuiltIn, ..denoise::Options::default() };
+    denoise::denoise(&mut picture, &how, &pool).expect("it has all layers");
+    assert!(looker.front().colors == picture.color, "as a picture that is denoised after rendering");
+    assert!(noisy != picture.color, "another picture");
+    wish.exposure.stops = 1.0;
+    looker.want(&wish);
+    wait_for(&looker, "brighter picture", |front| front.exposure.stops == 1.0 && front.readings.denoised);
+    assert!(looker.front().colors == picture.color, "the same light");
+    wish.denoised = false;
+    looker.want(&wish);
+    wait_for(&looker, "noise again", |front| !front.readings.denoised);
+    assert!(is_finished(&looker.front()) && looker.front().colors == noisy, "with all samples");
+    // A camera that moves is not waited for.
+    (wish.denoised, wish.moving) = (true, true);
+    wish.camera.eye[0] += 0.01;
+    looker.want(&wish);
+    wait_for(&looker, "passing look", |front| !front.whole && !front.readings.denoised);
+}
+
+/// The box with a ball of a triangle that falls from 0 to 1 s.
+fn falling(pool: &ThreadPool) -> Result<Stage, String> {
+    use gnurt::scene::animation::{
+        Channel, Clip, Interpolation, Local, MovingInstance, Node, Place, Sampler, Target, Trs,
+    };
+    let mut stage = load(pool)?;
+    let instance = stage.scene.instantiate(gnurt::scene::ObjectId(0), gnurt::scene::Affine::IDENTITY);
+    let keys = Sampler::new([0.0, 1.0].into(), vec![0.0, 0.5, 0.0, 0.0, 0.0, 0.0], 3, Interpolation::Linear);
+    let ground = Place::Fixed { world_from_node: gnurt::scene::Affine::IDENTITY, visible: true };
+    let node = Node { name: "n".into(), parent: ground, rest: Local::Parts(Trs::default()), visible: true };
+    let channel = Channel { target: Target::Translation(0), sampler: Arc::new(keys.expect("keys")) };
+    let animated = stage.scene.animate(gnurt::scene::Animation {
+        clips: vec![Clip { name: "fall".into(), channels: vec![channel] }],
+        nodes: vec![node],
+        instances: vec![MovingInstance { instance, node: 0, is_placed: true }],
+        ..gnurt::scene::Animation::default()
+    });
+    animated.map_err(|error| error.to_string())?;
+    stage.clip = Some(0);
+    stage.show(None, pool)?;
+    Ok(stage)
+}
+
+#[test]
+fn moments_are_those_of_the_scene() {
+    let pool = gnurt::thread_pool(1).expect("a thread");
+    let (looker, news, mut wish) = begin_with(Box::new(falling), falling);
+    wait_for(&looker, "finished picture", is_finished);
+    // Played: moments come faster than pictures, and are seen all the same.
+    wish.moving = true;
+    for step in 1..40 {
+        wish.moment = Some(f64::from(step) / 80.0);
+        looker.want(&wish);
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    wait_for(&looker, "passing look", |front| !front.whole && front.readings.update_seconds > 0.0);
+    for moment in [Some(0.25), Some(0.75), None] {
+        (wish.moving, wish.moment) = (false, moment);
+        looker.want(&wish);
+        let view = lock(&looker.shared.wish).view;
+        wait_for(&looker, "moment", |front| is_finished(front) && front.view == view);
+        let mut stage = falling(&pool).expect("a box");
+        stage.show(moment, &pool).expect("it can be shown");
+        let camera = SceneCamera::new(&wish.camera).expect("a view");
+        let options = RenderOptions { width: 61, height: 47, ..options() };
+        let frame = render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options");
+        assert!(looker.front().colors == frame.picture.color, "{moment:?}: the same bits");
+    }
+    assert!(!news.try_iter().any(|news| matches!(news, News::Trouble(_))), "no trouble");
+}
+
+#[test]
+fn scenes_are_read_again_or_stay() {
+    let count = AtomicU64::new(0);
+    let (looker, news, _) = begin(Box::new(move |pool| match count.fetch_add(1, Ordering::Relaxed) {
+        0 => Err("line 3 is broken".into()),
+        _ => load(pool),
+    }));
+    wait_for(&looker, "finished picture", is_finished);
+    let number = looker.front().number;
+    let told = |looker: &Looker| {
+        looker.reload();
+        let mut news = news.iter().filter(|news| *news != News::Picture);
+        news.next().expect("it is told")
+    };
+    assert_eq!(told(&looker), News::Trouble("line 3 is broken".into()), "what is wrong");
+    assert_eq!(looker.front().number, number, "the picture stays");
+    assert_eq!(told(&looker), News::Reloaded(Vec::new()), "mended");
+    wait_for(&looker, "new picture", |front| is_finished(front) && front.number > number);
+}
+
+/// The box in a script of this text.
+fn painted(text: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("paint.osl");
+    std::fs::write(&file, text).expect("a file");
+    (folder, file)
+}
+
+#[test]
+fn shaders_are_read_again_by_themselves_or_stay() {
+    use gnurt::osl::{Access, Script};
+    let (_folder, file) = painted("surface paint (float gain = 1) { Ci = gain * emission (); }");
+    let pool = gnurt::thread_pool(2).expect("two threads");
+    let mut stage = load(&pool).expect("the box");
+    let script = Script::open(&file, &Access::default()).expect("it compiles");
+    for id in 0..stage.scene.materials().len() as u32 {
+        stage.scene.edit_material(gnurt::scene::MaterialId(id)).surface = gnurt::scene::Surface::Shader(0);
+    }
+    let surface = script.surface().expect("a surface");
+    stage.scripts.table.surfaces.push(surface);
+    stage.scripts.list.push(StageScript::new(script, ScriptRole::Surface(0)));
+    stage.world.commit(&stage.scene, &stage.scripts.table, &stage.how, &pool).expect("a sound scene");
+    let stage_files = stage.scripts.files();
+    let (looker, news, wish) = begin_on(Box::new(load), stage);
+    // Lamps and what lies beside the box show something else.
+    let is_all = |value: f32| {
+        move |front: &Front| {
+            let count = front.colors.iter().filter(|pixel| pixel[1] == value).count();
+            is_finished(front) && 2 * count > front.colors.len()
+        }
+    };
+    wait_for(&looker, "first picture", is_all(1.0));
+    let world = looker.stage().world.stats();
+    let mut watch = crate::watch::Watch::new(stage_files);
+    let mut save = |text: &str| {
+        std::fs::write(&file, text).expect("a file");
+        let begin = Instant::now();
+        // As the window looks at files.
+        let changed = loop {
+            std::thread::sleep(Duration::from_millis(20));
+            let changed = watch.changed();
+            if !changed.is_empty() {
+                break changed;
+            }
+        };
+        looker.read_again(changed);
+        let told = news.iter().find(|news| !matches!(news, News::Picture | News::Denoised(_)));
+        (told.expect("it is told"), begin.elapsed())
+    };
+    let (told, _) = save("surface paint (float gain = 1) { Ci = gainn * emission (); }");
+    assert!(
+        matches!(&told, News::BadShader(why) if why.contains("paint.osl:1") && why.contains("gainn")),
+        "{told:?}"
+    );
+    wait_for(&looker, "the last good one", is_all(1.0));
+    let (told, took) = save("surface paint (float gain = 2) { Ci = gain * emission (); }");
+    assert_eq!(told, News::Shaders(vec!["paint.osl was read again".into()]));
+    wait_for(&looker, "the new one", is_all(2.0));
+    assert_eq!(looker.stage().world.stats(), world, "nothing else was made");
+    // 74 ms beside twenty other programs on two cores.
+    eprintln!("a saved shader is read after {} ms", took.as_millis());
+    assert!(took < Duration::from_millis(1000), "{took:?}");
+    for value in [3.0, 0.25] {
+        looker.tune((0, "gain".into(), ParameterValue::Floats(vec![value])));
+        wait_for(&looker, "the knob's value", is_all(value));
+    }
+    let (told, _) = save("surface paint (float gain = 2) { Ci = 4 * gain * emission (); }");
+    assert!(matches!(told, News::Shaders(_)), "{told:?}");
+    wait_for(&looker, "the new one with the knob's value", is_all(1.0));
+    looker.tune((0, "gain".into(), ParameterValue::Floats(vec![0.5])));
+    wait_for(&looker, "which the knob still turns", is_all(2.0));
+    looker.tune((0, "no".into(), ParameterValue::Floats(vec![0.5])));
+    assert!(news.iter().any(|news| matches!(news, News::Trouble(_))), "told");
+    drop(wish);
+}
