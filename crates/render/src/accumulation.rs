@@ -6,6 +6,7 @@
 //! after `n` samples the picture equals that of `render` with `spp = n`, bit for bit.
 //! Proof: crates/render/tests/accumulation.rs.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use gnurt_image::{Picture, heat_map};
@@ -20,6 +21,7 @@ use crate::job::Job;
 use crate::layers;
 use crate::many_lights::interleave::Seen;
 use crate::many_lights::{self, KeptLights};
+use crate::motion::KeptPicture;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
 use crate::sampler::{Apart, Sampler};
@@ -153,6 +155,45 @@ impl Accumulation {
         self.pass_with(Some(kept), None, world, camera, 1, pool, progress)
     }
 
+    /// As [`pass_in_motion`](Self::pass_in_motion), and where [`KeptPicture::suits`] says so the picture is made of what the pictures
+    /// before knew of the light, and of fresh samples for a share `fresh` of the pixels, in (0, 1]: of the right mean, but smoothed, and
+    /// sparks are cut.
+    pub fn pass_remembering(
+        &mut self,
+        kept: &mut KeptPicture,
+        fresh: f32,
+        world: &World,
+        camera: &Arc<dyn CameraShader>,
+        pool: &rayon::ThreadPool,
+        progress: &dyn Progress,
+    ) -> bool {
+        if !KeptPicture::suits(world, &**camera, &self.options) {
+            return self.pass_in_motion(&mut kept.lights, world, &**camera, pool, progress);
+        }
+        if self.is_complete() {
+            return true;
+        }
+        let begin = Instant::now();
+        let (options, watched) = (self.options.clone(), Watched(progress));
+        if options.integrator.needs_light_set() {
+            world.lights().make_set(pool);
+        }
+        let job = Job::new(world, &**camera, &options, &watched);
+        let whole = kept.next(&job, camera, fresh, (&mut self.tiles, &mut self.stats), pool);
+        self.note_pass(begin, pool);
+        progress.passed(self);
+        whole
+    }
+
+    /// Notes what a pass has brought.
+    fn note_pass(&mut self, begin: Instant, pool: &rayon::ThreadPool) {
+        self.stats.spp_min = self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
+        self.stats.spp_max = self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);
+        self.stats.complete = self.is_complete();
+        self.stats.threads = pool.current_num_threads();
+        self.stats.seconds += begin.elapsed().as_secs_f64();
+    }
+
     /// As [`pass`](Self::pass), but with virtual lights that are kept, and it ends at a moment, too.
     #[expect(clippy::too_many_arguments, reason = "what all passes have in common")]
     pub(crate) fn pass_with(
@@ -216,11 +257,7 @@ impl Accumulation {
             };
             of_tiles.iter().for_each(|tile| self.stats.add(tile));
         }
-        self.stats.spp_min = self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
-        self.stats.spp_max = self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);
-        self.stats.complete = self.is_complete();
-        self.stats.threads = pool.current_num_threads();
-        self.stats.seconds += begin.elapsed().as_secs_f64();
+        self.note_pass(begin, pool);
         progress.passed(self);
         self.samples() >= last
     }

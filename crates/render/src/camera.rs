@@ -93,6 +93,10 @@ impl CameraShader for SceneCamera {
     fn has_lens(&self) -> bool {
         self.0.has_lens()
     }
+
+    fn place(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
+        self.0.place(p, aspect)
+    }
 }
 
 #[cfg(test)]

@@ -136,6 +136,19 @@ impl TileFilm {
         bad
     }
 
+    /// Makes its only sample what `color` says of each pixel.
+    pub(crate) fn show(&mut self, color: impl Fn([u32; 2]) -> [f32; 4]) {
+        self.clear();
+        let mut first = std::mem::take(&mut self.first);
+        let mut pixels = first.iter_mut();
+        self.pixels().for_each(|pixel| {
+            if let Some(first) = pixels.next() {
+                *first = color(pixel);
+            }
+        });
+        (self.first, self.samples) = (first, 1);
+    }
+
     /// Samples that it shall get, where the options say `spp`.
     pub(crate) fn wanted(&self, spp: u32) -> u32 {
         if self.target > 0 { self.target.min(spp) } else { spp }

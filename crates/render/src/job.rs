@@ -153,7 +153,7 @@ fn centres(width: u32, height: u32) -> [Vec<f32>; 2] {
 }
 
 /// Where the middle of the picture is seen from, and its unit direction.
-fn middle(camera: &dyn CameraShader, options: &RenderOptions) -> [Vec3; 2] {
+pub(crate) fn middle(camera: &dyn CameraShader, options: &RenderOptions) -> [Vec3; 2] {
     let mut rays = RayBatch::default();
     camera.rays(
         &CameraSamples::sharp(&[[0.5, 0.5]]),

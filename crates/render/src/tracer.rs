@@ -44,6 +44,17 @@ pub(crate) trait FurtherLights: Sync {
     );
 }
 
+/// How pixels share virtual lights out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sharing {
+    /// Not at all: each asks all of them.
+    All,
+    /// Each by its place in a pattern, which is in its key's sample.
+    Pattern,
+    /// Each sample by chance: its key's pixel.
+    Chance,
+}
+
 /// Traces for one tile at a time.
 pub(crate) struct BatchTracer<'w> {
     pub(crate) world: &'w World,
@@ -57,8 +68,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) lights: Option<&'w dyn FurtherLights>,
     /// Whether surfaces whose shaders only know `shade` are asked what they do to light, in place of what they show.
     pub(crate) probes: bool,
-    /// Whether pixels share virtual lights out, each by its place in a pattern; the place is in the keys.
-    pub(crate) is_interleaved: bool,
+    /// How pixels share virtual lights out.
+    pub(crate) sharing: Sharing,
     /// What pixels stand for.
     pub(crate) cone: Cone,
     record: Record,
@@ -110,7 +121,7 @@ impl<'w> BatchTracer<'w> {
             log: None,
             lights: None,
             probes: options.integrator.has_virtual_lights(),
-            is_interleaved: false,
+            sharing: Sharing::All,
             cone: Cone::default(),
             record,
             seen: Vec3s::default(),

@@ -20,6 +20,7 @@ mod lanes;
 mod lights;
 mod many_lights;
 mod mirrors;
+mod motion;
 mod nested;
 mod offsets;
 mod path;

@@ -125,6 +125,28 @@ impl LookCamera {
 }
 
 impl CameraShader for LookCamera {
+    fn place(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
+        let way = p - self.eye;
+        let [x, y, z] = [self.right, self.up, self.forward].map(|axis| way.dot(axis));
+        let place = match self.look {
+            Look::Perspective { half_height } => {
+                // Nothing shows that lies behind.
+                if z <= 0.0 {
+                    return None;
+                }
+                [x / (z * half_height * aspect), y / (z * half_height)]
+            }
+            Look::Parallel { half_height } => [x / (half_height * aspect), y / half_height],
+            Look::Fisheye { half_angle } => {
+                let aside = x.hypot(y);
+                let scale = if aside > 0.0 { aside.atan2(z) / (half_angle * aside) } else { 0.0 };
+                [x * scale / aspect, y * scale]
+            }
+            Look::Panorama => [x.atan2(z) / PI, (y / way.length()).asin() / FRAC_PI_2],
+        };
+        place.iter().all(|x| x.is_finite()).then(|| place.map(|x| 0.5 + 0.5 * x))
+    }
+
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
         if let Look::Perspective { half_height } = self.look
             && !self.has_lens()
@@ -192,6 +214,23 @@ mod tests {
             let dir = seen(Look::Panorama, place, 2.0).1;
             assert!(near(dir, wanted), "{place:?} of a panorama looks along {dir}");
         }
+    }
+
+    /// What a ray meets shows where the ray came through.
+    #[test]
+    fn points_show_where_their_rays_are() {
+        for look in LOOKS {
+            for place in [[0.5, 0.5], [0.2, 0.9], [0.97, 0.4], [0.01, 0.02]] {
+                let camera = camera(look, 0.0);
+                let ray = rays(&camera, &[place], &[], 1.25)[0];
+                let p = Vec3::from(ray.org) + 3.5 * Vec3::from(ray.dir);
+                let [x, y] = camera.place(p, 1.25).expect("it is seen");
+                let off = (x - place[0]).hypot(y - place[1]);
+                assert!(off < 1e-5, "{look:?}: {place:?} shows at {x}, {y}");
+            }
+        }
+        let behind = camera(LOOKS[0], 0.0).place(Vec3::new(1.0, 2.0, 4.0), 1.0);
+        assert_eq!(behind, None, "perspectives show nothing that lies behind");
     }
 
     /// All rays of a place meet where the pinhole's ray is in focus, begin within the lens, and fill it.

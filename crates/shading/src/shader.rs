@@ -191,6 +191,14 @@ pub trait CameraShader: Send + Sync {
     fn has_lens(&self) -> bool {
         false
     }
+
+    /// Where the point `p` of the world shows in a sharp picture, (0, 0) = lower left corner, (1, 1) = upper right one; places outside
+    /// are those that it would have in a larger picture. `None` where it does not show, or if nobody knows: pictures of a camera in
+    /// motion are made of earlier ones only if it does.
+    fn place(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
+        let _ = (p, aspect);
+        None
+    }
 }
 
 /// Samples of pixels: camera rays, and what came against them.

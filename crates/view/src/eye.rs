@@ -8,10 +8,11 @@ use gnurt::ThreadPool;
 use gnurt::camera_rays;
 use gnurt::denoise;
 use gnurt::osl::CameraScript;
-use gnurt::render::{Accumulation, KeptLights, Progress, RenderOptions, World};
+use gnurt::render::{Accumulation, KeptPicture, MotionCost, Progress, RenderOptions, World};
 use gnurt::scene::Camera;
 use gnurt::shading::CameraShader;
 
+use crate::calm::Calm;
 use crate::error::ViewError;
 use crate::exposure::Exposure;
 use crate::screen::{self, Part};
@@ -33,6 +34,9 @@ pub(crate) struct Sight {
 /// Virtual lights that a pixel gathers while the camera moves, at most, as far as patterns are wide enough.
 const MOST_LIGHTS: u32 = 64;
 
+/// Share of the pixels that get a fresh sample of light unless somebody measures time.
+pub(crate) const FRESH: f32 = 1.0 / 16.0;
+
 /// Width of the pattern of interleaved pixels while the camera moves.
 fn pattern_in_motion(vpls: u32) -> u32 {
     [3, 5, 7].into_iter().find(|n| vpls <= MOST_LIGHTS * n * n).unwrap_or(7)
@@ -43,12 +47,17 @@ pub(crate) struct Eye {
     /// What does not change from sight to sight.
     options: RenderOptions,
     making: Option<Making>,
-    /// Virtual lights of looks in passing, for the next one.
-    kept: KeptLights,
+    /// What looks in passing leave to the next one.
+    kept: KeptPicture,
+    /// Share of the pixels for which looks in passing take a fresh sample of light, where they remember the others.
+    pub(crate) fresh: f32,
     pub(crate) colors: Vec<[f32; 4]>,
+    /// What is shown of a picture at rest.
+    calm: Calm,
 }
 
 struct Making {
+    camera: Camera,
     accumulation: Accumulation,
     rays: Arc<dyn CameraShader>,
     shown: Shown,
@@ -61,11 +70,23 @@ struct Making {
 
 impl Eye {
     pub(crate) fn new(options: RenderOptions) -> Self {
-        Self { options, making: None, kept: KeptLights::default(), colors: Vec::new() }
+        Self {
+            options,
+            making: None,
+            kept: KeptPicture::default(),
+            fresh: FRESH,
+            colors: Vec::new(),
+            calm: Calm::default(),
+        }
     }
 
     /// Begins a picture; a shader may stand in the camera's place.
-    pub(crate) fn begin(&mut self, sight: &Sight, script: Option<&CameraScript>) -> Result<(), ViewError> {
+    pub(crate) fn begin(
+        &mut self,
+        sight: &Sight,
+        script: Option<&CameraScript>,
+        pool: &ThreadPool,
+    ) -> Result<(), ViewError> {
         let [width, height] = sight.size;
         let options = RenderOptions {
             width,
@@ -84,6 +105,7 @@ impl Eye {
             ..self.options.clone()
         };
         let rays = camera_rays(&sight.camera, script, sight.size).ok_or(ViewError::NoView)?;
+        self.begin_calm(sight, pool);
         let accumulation = match self.making.take() {
             Some(mut making) => making.accumulation.restart(options).map(|()| making.accumulation),
             None => Accumulation::new(options),
@@ -91,6 +113,7 @@ impl Eye {
         let reach =
             (0..3).map(|k| (sight.camera.target[k] - sight.camera.eye[k]).powi(2)).sum::<f32>().sqrt();
         self.making = Some(Making {
+            camera: sight.camera.clone(),
             accumulation: accumulation?,
             rays,
             shown: sight.shown,
@@ -99,6 +122,56 @@ impl Eye {
             clean: None,
         });
         Ok(())
+    }
+
+    /// Samples of each pixel that complete what rests, from the next picture on.
+    pub(crate) fn aim_at(&mut self, spp: u32) {
+        self.options.spp = spp;
+    }
+
+    /// What is shown at first of a picture at rest: what was shown of the same view in passing.
+    fn begin_calm(&mut self, sight: &Sight, pool: &ThreadPool) {
+        let is_same = self.making.as_ref().is_some_and(|making| {
+            let RenderOptions { width, height, .. } = *making.accumulation.options();
+            let is_whole = making.accumulation.samples() > 0;
+            is_whole
+                && [width, height] == sight.size
+                && (making.shown, &making.camera) == (sight.shown, &sight.camera)
+        });
+        if sight.fleeting || !is_same || sight.shown.needs_layers() {
+            self.calm.forget();
+        } else if self.making.as_ref().is_some_and(|making| making.fleeting) {
+            self.catch_up(pool);
+            self.calm.begin(sight.size[0] as usize, &self.colors);
+        }
+    }
+
+    /// Whether looks in passing remember those before.
+    pub(crate) fn remembers(&self, sight: &Sight, script: Option<&CameraScript>, world: &World) -> bool {
+        let [width, height] = sight.size;
+        let integrator = sight.shown.integrator();
+        let options =
+            RenderOptions { width, height, integrator, crop: None, heatmap: false, ..self.options.clone() };
+        !sight.shown.needs_layers()
+            && camera_rays(&sight.camera, script, sight.size)
+                .is_some_and(|rays| KeptPicture::suits(world, &*rays, &options))
+    }
+
+    /// Whether all that is known is shown.
+    pub(crate) fn is_calm(&self) -> bool {
+        self.making.as_ref().is_none_or(|making| making.fleeting || making.shown.needs_layers())
+            || self.calm.is_there()
+    }
+
+    /// What was shown last, row by row.
+    pub(crate) fn shown(&mut self, pool: &ThreadPool) -> &[[f32; 4]] {
+        match &self.making {
+            Some(making) if !making.fleeting && !making.shown.needs_layers() => self.calm.shown(),
+            _ => {
+                self.catch_up(pool);
+                &self.colors
+            }
+        }
     }
 
     /// Adds samples; says whether nobody stopped it.
@@ -111,9 +184,14 @@ impl Eye {
     ) -> bool {
         let Some(Making { accumulation, rays, fleeting, .. }) = &mut self.making else { return true };
         if *fleeting {
-            return accumulation.pass_in_motion(&mut self.kept, world, &**rays, pool, progress);
+            return accumulation.pass_remembering(&mut self.kept, self.fresh, world, rays, pool, progress);
         }
         accumulation.pass(world, &**rays, samples, pool, progress)
+    }
+
+    /// What the last look in passing took that was made of those before.
+    pub(crate) fn motion_cost(&self) -> MotionCost {
+        self.kept.cost()
     }
 
     /// Samples of each pixel so far.
@@ -172,14 +250,17 @@ impl Eye {
         self.colors.resize(width as usize * height as usize, [0.0; 4]);
         let parts = if let Some((_, clean)) = making.clean.as_ref().filter(|_| clean) {
             self.colors.clone_from(clean);
-            Part::all_of(&self.colors, [width, height])
+            self.calm.follow(width as usize, &self.colors);
+            Part::all_of(self.calm.shown(), [width, height])
         } else if shown.needs_layers() {
             shown.colors(&accumulation.picture(), *reach, &mut self.colors);
             Part::all_of(&self.colors, [width, height])
         } else if *fleeting {
             accumulation.film_bands().into_iter().map(Part::Passing).collect()
         } else {
-            accumulation.color_bands(&mut self.colors).into_iter().map(Part::Film).collect()
+            accumulation.write_colors(&mut self.colors, pool);
+            self.calm.follow(width as usize, &self.colors);
+            Part::all_of(self.calm.shown(), [width, height])
         };
         screen::develop(exposure, parts, [width, height], size, screen, Some(pool));
     }
@@ -211,7 +292,7 @@ mod tests {
         let (camera, shown) = (scene.cameras()[0].clone(), Shown::Light(Integrator::Eyelight));
         let from = [61, 47];
         let mut eye = Eye::new(RenderOptions::default());
-        eye.begin(&Sight { camera, shown, size: from, fleeting: true, denoised: false }, None)
+        eye.begin(&Sight { camera, shown, size: from, fleeting: true, denoised: false }, None, &pool)
             .expect("a view");
         assert!(eye.pass(&world, 1, &pool, &Silent), "nobody stops it");
         for size in [from, [130, 90], [61, 20], [20, 47], [7, 200]] {

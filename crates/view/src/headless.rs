@@ -11,6 +11,7 @@ use gnurt::image::Picture;
 use gnurt::render::{Progress, RenderOptions};
 use gnurt::scene::Camera;
 
+use crate::calm::flicker;
 use crate::error::ViewError;
 use crate::exposure::Exposure;
 use crate::eye::{Eye, Sight};
@@ -34,6 +35,9 @@ pub struct HeadlessOptions {
     pub frames: u32,
     /// Degrees that the camera goes around its target over all frames; 0 = it stays.
     pub orbit: f64,
+    /// How many pictures of the last view follow, to which samples are added as a window does while nothing moves; their time does not
+    /// count.
+    pub rest: u32,
 }
 
 /// How long frames took.
@@ -45,6 +49,22 @@ pub struct FrameTimes {
     pub rays: u64,
     /// Threads of the pool.
     pub threads: usize,
+    /// What was seen after the last frame, if anything was.
+    pub rest: Option<Rest>,
+}
+
+/// How quiet pictures at rest were.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Rest {
+    /// Pictures after the last frame.
+    pub pictures: u32,
+    /// Samples of each pixel of the last one.
+    pub samples: u32,
+    /// Share by which the mean brightness of a block of 8 x 8 pixels changed from one picture to the next, where it changed most. Blocks
+    /// darker than a twentieth of the picture count as that bright.
+    pub most: f32,
+    /// The same of the mean block and picture.
+    pub mean: f32,
 }
 
 impl FrameTimes {
@@ -110,7 +130,8 @@ pub fn run_headless(
         let (camera, shown, size) = (flight.camera(), Shown::Light(integrator), [width, height]);
         // One sample in motion is what a window shows while the camera moves.
         let fleeting = spp == 1 && options.orbit != 0.0;
-        eye.begin(&Sight { camera, shown, size, fleeting, denoised: false }, stage.scripts.camera.as_ref())?;
+        let sight = Sight { camera, shown, size, fleeting, denoised: false };
+        eye.begin(&sight, stage.scripts.camera.as_ref(), pool)?;
         let (mut seconds, mut finished) = (0.0, true);
         while finished && !eye.is_complete() {
             finished = eye.pass(&stage.world, eye.samples().clamp(1, MOST_SAMPLES), pool, progress);
@@ -124,11 +145,52 @@ pub fn run_headless(
         if !finished {
             break;
         }
+        if frame + 1 == options.frames {
+            break;
+        }
         if options.orbit != 0.0 {
             flight.orbit(options.orbit / 360.0 * TAU / f64::from(options.frames), 0.0);
         }
     }
+    if options.rest > 0 && !progress.should_stop() {
+        times.rest = Some(rest(options, &mut eye, flight.camera(), stage, pool, progress, seen)?);
+    }
     Ok(times)
+}
+
+/// Stays where the last frame was seen from, as a window does.
+fn rest(
+    options: &HeadlessOptions,
+    eye: &mut Eye,
+    camera: Camera,
+    stage: &Stage,
+    pool: &ThreadPool,
+    progress: &dyn Progress,
+    seen: &mut dyn FnMut(u32, &mut SeenFrame) -> Result<(), ViewError>,
+) -> Result<Rest, ViewError> {
+    let RenderOptions { width, height, integrator, .. } = options.render;
+    let (size, shown) = ([width, height], Shown::Light(integrator));
+    let mut picture = Picture { width, height, ..Picture::default() };
+    let mut before = eye.shown(pool).to_vec();
+    let mut rest = Rest::default();
+    // More than there will be.
+    eye.aim_at(options.rest.saturating_mul(MOST_SAMPLES));
+    let sight = Sight { camera, shown, size, fleeting: false, denoised: false };
+    eye.begin(&sight, stage.scripts.camera.as_ref(), pool)?;
+    let mut screen = Vec::new();
+    while rest.pictures < options.rest
+        && eye.pass(&stage.world, eye.samples().clamp(1, MOST_SAMPLES), pool, progress)
+    {
+        eye.develop(options.exposure, size, &mut screen, false, pool);
+        let [most, mean] = flicker(width as usize, &before, eye.shown(pool));
+        before.clear();
+        before.extend_from_slice(eye.shown(pool));
+        (rest.most, rest.mean) = (rest.most.max(most), rest.mean + mean);
+        (rest.pictures, rest.samples) = (rest.pictures + 1, eye.samples());
+        seen(options.frames + rest.pictures - 1, &mut SeenFrame { eye, picture: &mut picture, pool })?;
+    }
+    rest.mean /= rest.pictures.max(1) as f32;
+    Ok(rest)
 }
 
 #[cfg(test)]
@@ -137,7 +199,7 @@ mod tests {
 
     #[test]
     fn times_are_summed_up() {
-        let times = FrameTimes { seconds: vec![0.3, 0.1, 0.2], rays: 1, threads: 1 };
+        let times = FrameTimes { seconds: vec![0.3, 0.1, 0.2], rays: 1, threads: 1, rest: None };
         assert!((times.fps() - 5.0).abs() < 1e-9, "three frames in 0.6 s");
         let found = [0.0, 0.5, 1.0].map(|share| times.percentile(share));
         assert_eq!(found, [0.1, 0.2, 0.3], "shortest, median, longest");

@@ -6,6 +6,7 @@
 //! display libraries are opened only when a window is.
 #![forbid(unsafe_code)]
 
+mod calm;
 mod camera_options;
 mod controls;
 mod error;
@@ -37,7 +38,7 @@ pub use controls::{Controls, Effect};
 pub use error::ViewError;
 pub use exposure::Exposure;
 pub use flight::Flight;
-pub use headless::{FrameTimes, HeadlessOptions, SeenFrame, run_headless};
+pub use headless::{FrameTimes, HeadlessOptions, Rest, SeenFrame, run_headless};
 pub use hud::KEYS;
 pub use input::{Button, Input, Key};
 pub use knobs::{Knob, Knobs};

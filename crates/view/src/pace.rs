@@ -3,34 +3,66 @@
 //! Source: original. Cost per pixel is smoothed over frames, quickly upwards and slowly downwards, so that the size does
 //! not flicker. Proof: `tests`.
 
-/// Chooses the divisor of both sides of the picture.
+use gnurt::render::MotionCost;
+
+/// Chooses the divisor of both sides of the picture, and for how many pixels light is asked where pictures remember the others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
     /// Seconds that a frame may take.
     target: f64,
+    /// Seconds per pixel that is looked at, and per fresh sample of light; `None` before anything was measured.
+    remembering: Option<[f64; 2]>,
     /// Seconds per pixel of one sample; `None` before anything was measured.
     cost: Option<f64>,
     divisor: u32,
 }
 
+/// A cost that follows what is measured, quickly upwards and slowly downwards.
+fn smoothed(before: f64, now: f64) -> f64 {
+    before + if now < before { 0.2 } else { 0.5 } * (now - before)
+}
+
+/// Seconds that a whole picture which remembers others may take, and that it takes if it can.
+const SLOWEST: f64 = 0.095;
+const BRISK: f64 = 0.05;
+/// Share of the pixels that get a fresh sample.
+const LEAST_FRESH: f32 = 1.0 / 24.0;
+const MOST_FRESH: f32 = 0.5;
+/// Before anything is known of such pictures: they are seldom slow.
+const FIRST_REMEMBERING: u32 = 2;
 const COARSEST: u32 = 8;
 /// Before anything is known: soon enough for any integrator.
 const FIRST: u32 = 4;
 
 impl Pace {
     pub(crate) fn new(target: f64) -> Self {
-        Self { target, cost: None, divisor: FIRST }
+        Self { target, remembering: None, cost: None, divisor: FIRST }
     }
 
     /// A frame of so many pixels took so long.
     pub(crate) fn note(&mut self, pixels: u64, seconds: f64) {
         let cost = seconds / (pixels.max(1) as f64);
-        let smooth = match self.cost {
-            Some(before) if cost < before => before + 0.2 * (cost - before),
-            Some(before) => before + 0.5 * (cost - before),
-            None => cost,
-        };
-        self.cost = Some(smooth);
+        self.cost = Some(self.cost.map_or(cost, |before| smoothed(before, cost)));
+    }
+
+    /// A frame of so many pixels that remembers others took so long.
+    pub(crate) fn note_remembering(&mut self, pixels: u64, cost: MotionCost) {
+        let costs =
+            [cost.other_seconds / pixels.max(1) as f64, cost.sampling_seconds / cost.samples.max(1) as f64];
+        let smooth = |before: [f64; 2]| [0, 1].map(|k| smoothed(before[k], costs[k]));
+        self.remembering = Some(self.remembering.map_or(costs, smooth));
+    }
+
+    /// What to divide the sides by, 1 to 8, and the share of the pixels that are to get a fresh sample of light: a whole picture, as long as
+    /// it takes no longer than `SLOWEST` with the least of them; more samples as far as that takes `BRISK`.
+    pub(crate) fn remembering(&self, [width, height]: [u32; 2]) -> (u32, f32) {
+        let Some([look, sample]) = self.remembering else { return (FIRST_REMEMBERING, LEAST_FRESH) };
+        let pixels = |divisor: u32| f64::from(width.div_ceil(divisor)) * f64::from(height.div_ceil(divisor));
+        let least = look + f64::from(LEAST_FRESH) * sample;
+        let fits = |divisor: &u32| pixels(*divisor) * least <= SLOWEST;
+        let divisor = (1..COARSEST).find(fits).unwrap_or(COARSEST);
+        let fresh = (BRISK / pixels(divisor) - look) / sample.max(1e-12);
+        (divisor, fresh.clamp(f64::from(LEAST_FRESH), f64::from(MOST_FRESH)) as f32)
     }
 
     /// What to divide the sides of a picture by, 1 to 8.
@@ -86,6 +118,34 @@ mod tests {
         assert_eq!(settle(&mut pace, 0.02 / whole), [1; 10], "and back");
         pace.forget();
         assert_eq!(pace.divisor([1280, 720]), FIRST, "as in the beginning");
+    }
+
+    #[test]
+    fn whole_pictures_ask_for_as_much_light_as_there_is_time_for() {
+        let size = [640, 480];
+        let pixels = 640 * 480;
+        let settle = |look: f64, sample: f64| {
+            let mut pace = Pace::new(0.033);
+            for _ in 0..50 {
+                let (divisor, fresh) = pace.remembering(size);
+                let [w, h] = divided(size, divisor);
+                let seen = u64::from(w) * u64::from(h);
+                let samples = (f64::from(fresh) * seen as f64) as u64;
+                let cost = MotionCost {
+                    samples,
+                    sampling_seconds: samples as f64 * sample,
+                    other_seconds: seen as f64 * look,
+                };
+                pace.note_remembering(seen, cost);
+            }
+            pace.remembering(size)
+        };
+        let pixel = 1.0 / f64::from(pixels);
+        assert_eq!(settle(0.01 * pixel, 0.02 * pixel), (1, MOST_FRESH), "cheap: half of the pixels");
+        let (divisor, fresh) = settle(0.03 * pixel, 0.2 * pixel);
+        assert!(divisor == 1 && (fresh - 0.1).abs() < 0.01, "0.02 s are left: a tenth, {fresh}");
+        assert_eq!(settle(0.06 * pixel, 0.5 * pixel), (1, LEAST_FRESH), "slow, but whole");
+        assert_eq!(settle(0.3 * pixel, 0.5 * pixel).0, 2, "too slow");
     }
 
     #[test]

@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use gnurt::ThreadPool;
 use gnurt::image::ToneCurve;
 use gnurt::image::srgb::encode_u8;
-use gnurt::render::{ColorBand, FilmBand};
+use gnurt::render::FilmBand;
 use rayon::prelude::*;
 
 use crate::exposure::Exposure;
@@ -99,9 +99,7 @@ impl Table {
 pub(crate) enum Part<'a> {
     /// These are there.
     Colors { rows: Range<u32>, colors: &'a [[f32; 4]] },
-    /// These come from the film first.
-    Film(ColorBand<'a>),
-    /// These come from the film, too, and nobody keeps them.
+    /// These come from the film, and nobody keeps them.
     Passing(FilmBand<'a>),
 }
 
@@ -119,7 +117,6 @@ impl<'a> Part<'a> {
     fn rows(&self) -> Range<u32> {
         match self {
             Self::Colors { rows, .. } => rows.clone(),
-            Self::Film(band) => band.rows(),
             Self::Passing(band) => band.rows(),
         }
     }
@@ -168,7 +165,6 @@ pub(crate) fn develop(
         };
         let colors = match part {
             Part::Colors { colors, .. } => colors,
-            Part::Film(band) => band.write(),
             Part::Passing(band) if from == to => {
                 return band.pieces(|[x, y], colors| {
                     tone(colors, &mut out[(y - start) as usize * columns + x as usize..]);

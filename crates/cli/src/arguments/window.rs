@@ -48,6 +48,9 @@ pub(crate) struct WindowArguments {
     /// Leave after this many pictures; without a window 1 unless given
     #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true)]
     pub(crate) frames: Option<u32>,
+    /// Pictures at rest that follow the last frame, with more and more samples, and how much they flicker; only without a window
+    #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true)]
+    pub(crate) rest: Option<u32>,
     /// Show the pictures in tev instead of a window: tev:HOST:PORT
     #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
     pub(crate) display: Option<TevAddress>,

@@ -11,8 +11,8 @@ use gnurt::look::{is_noisy, meter};
 use gnurt::render::RenderOptions;
 use gnurt::simd::Level;
 use gnurt_view::{
-    Exposure, FrameTimes, HeadlessOptions, Listener, Stage, TevImage, ViewError, WindowOptions, run_headless,
-    run_window,
+    Exposure, FrameTimes, HeadlessOptions, Listener, Rest, Stage, TevImage, ViewError, WindowOptions,
+    run_headless, run_window,
 };
 use serde_json::json;
 
@@ -38,6 +38,7 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     for (name, given) in [
         ("--orbit", arguments.orbit.is_some()),
         ("--output", arguments.output.is_some()),
+        ("--rest", arguments.rest.is_some()),
         ("--stats", arguments.stats.is_some()),
     ] {
         if given && !windowless {
@@ -156,11 +157,12 @@ fn run_windowless(
         exposure: Exposure { stops: look.exposure, tone: look.tone },
         frames,
         orbit: arguments.orbit.unwrap_or(if frames > 1 { 360.0 } else { 0.0 }),
+        rest: arguments.rest.unwrap_or(0),
     };
     let watcher = Watcher::begin(false);
     let mut last: Option<Picture> = None;
     let times = run_headless(&options, &stage, pool, &watcher, &mut |number, frame| {
-        if output.is_some() && (number + 1 == options.frames || signals::is_stopped()) {
+        if output.is_some() && (number + 1 == options.frames + options.rest || signals::is_stopped()) {
             last = Some(frame.picture().clone());
         }
         tev.as_mut().map_or(Ok(()), |tev| tev.update(frame.picture()))
@@ -190,7 +192,7 @@ fn report(
     let milliseconds = [0.0, 0.5, 0.95, 1.0].map(|share| times.percentile(share) * 1e3);
     let rays_per_second = times.rays as f64 / times.total().max(1e-9);
     let frames = times.seconds.len();
-    let text = format!(
+    let mut text = format!(
         "{frames} frames of {} by {}: {:.2} fps, {:.2} ms (median {:.2}, longest {:.2}), {:.2} million rays per second on {} threads",
         arguments.frame.resolution,
         arguments.frame.integrator,
@@ -201,6 +203,13 @@ fn report(
         rays_per_second * 1e-6,
         times.threads
     );
+    if let Some(Rest { pictures, samples, most, mean }) = times.rest {
+        text += &format!(
+            "; at rest {pictures} pictures up to {samples} samples, blocks change by {:.2} % at most, {:.3} % in the mean",
+            most * 100.0,
+            mean * 100.0
+        );
+    }
     match arguments.stats {
         Some(StatisticsForm::Json) => print(json!({
             "version": env!("CARGO_PKG_VERSION"),
@@ -224,6 +233,11 @@ fn report(
             },
             "rays": times.rays,
             "rays_per_second": rays_per_second,
+            "rest": times.rest.map(|rest| json!({
+                "pictures": rest.pictures,
+                "spp": rest.samples,
+                "flicker": { "max": rest.most, "mean": rest.mean },
+            })),
         })),
         Some(StatisticsForm::Table) => {
             messages.table(text);

@@ -32,6 +32,21 @@ fn frames_are_rendered_and_timed() {
     assert!(last != folder.read("first.png"), "the camera went around");
 }
 
+/// After pictures in motion by integrators that find light by chance, those at rest change by steps that are not seen.
+#[test]
+fn pictures_at_rest_do_not_flicker() {
+    let folder = Folder::new();
+    for integrator in ["path", "bir"] {
+        let run = folder.gnurt(&format!(
+            "view builtin:cornell --headless --frames 6 --orbit 6 --rest 7 -r 64x48 --integrator {integrator} --vpls 64 --stats=json"
+        ));
+        let json: serde_json::Value = serde_json::from_str(&run.success().stdout).expect("JSON alone");
+        assert_eq!((&json["rest"]["pictures"], &json["rest"]["spp"]), (&7.into(), &48.into()), "{json}");
+        let most = json["rest"]["flicker"]["max"].as_f64().expect("a number");
+        assert!(most > 0.0 && most <= 0.02, "{integrator}: {most}");
+    }
+}
+
 #[test]
 fn a_still_view_is_what_render_makes() {
     let folder = Folder::new();
@@ -49,6 +64,7 @@ fn bad_arguments_of_view_are_refused() {
         ("view builtin:cornel", "did you mean"),
         ("view builtin:cornell --frames 0", "--frames"),
         ("view builtin:cornell --orbit 90", "--headless"),
+        ("view builtin:cornell --rest 9", "--headless"),
         ("view builtin:cornell --stats", "--headless"),
         ("view builtin:cornell -o a.png", "--headless"),
         ("view builtin:cornell --headless -o a.xyz", "unknown picture format"),

@@ -20,13 +20,13 @@ use super::bound::Bound;
 use super::cut::{MOST, cut};
 use super::eye::EyePoint;
 use super::gather::gather;
-use super::interleave::{Texel, key_of_place, place_of, place_of_key};
+use super::interleave::{Texel, key_of_place, place_of, share_of_key};
 use super::lanes::{BLOCK, END, Source};
 use super::pass::PassLights;
 use super::promise::Promises;
 use super::vpl::{self, pdf_of_other_end};
 use crate::cone::{Cone, Meeting, fineness};
-use crate::tracer::BatchTracer;
+use crate::tracer::{BatchTracer, Sharing};
 use crate::transport::mis::balance_heuristic;
 use crate::transport::walks::Walks;
 use crate::transport::{Asking, Offer, Vertex, ask_plugin_lights, roulette, sampling_normal, shadow_ray};
@@ -151,7 +151,11 @@ fn all_radiance(
         .pattern()
         .filter(|_| texels.is_some())
         .map(|n| camera.keys.iter().map(|&key| key_of_place(key, options.width, n)).collect());
-    tracer.is_interleaved = keys.is_some();
+    tracer.sharing = match keys {
+        _ if pass.is_few => Sharing::Chance,
+        Some(_) => Sharing::Pattern,
+        None => Sharing::All,
+    };
     let pixels = camera.keys;
     let camera = HitLanes { keys: keys.as_deref().unwrap_or(pixels), ..camera };
     let walk = |(lane, &key): (usize, &SampleKey)| Walk {
@@ -173,7 +177,7 @@ fn all_radiance(
     let vertices = tracer.stopped(camera);
     tracer.probes = probes;
     go_on(tracer, pass, (walks, vertices), pixels, 1, (radiance, texels));
-    tracer.is_interleaved = false;
+    tracer.sharing = Sharing::All;
 }
 
 /// The same, light and surfaces apart, each pixel with its share of the virtual lights.
@@ -220,7 +224,9 @@ fn go_on(
         light_samples(tracer, pass, &stops, radiance);
         let seen: Vec<EyePoint> =
             stops.iter().filter(|stop| stop.walk.is_seen).map(|stop| stop.eye).collect();
-        if texels.is_none() {
+        if pass.is_few {
+            // What the eye sees asks a few by chance, too.
+        } else if texels.is_none() {
             gather(tracer, &seen, keys, pass.whole(), &pass.bound, radiance);
         } else if let Some(n) = tracer.options.pattern() {
             let place = |eye: &&EyePoint| place_of(keys[eye.lane as usize].pixel, tracer.options.width, n);
@@ -523,18 +529,22 @@ fn environment_of_shaders(
     }
 }
 
+/// Whether all that virtual lights bring there is brought by a few of them.
+fn asks_few(pass: &PassLights, stop: &Stop) -> bool {
+    pass.is_few || !stop.walk.is_seen
+}
+
 /// Light from a few virtual lights on what scattered rays met: chosen by what they bring if nothing is in between [TCE05],
 /// which lanes find out, from all, or from those that the pixel gathers itself.
 fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], radiance: &mut Vec3s) {
     let there: Vec<&Stop> =
-        stops.iter().filter(|stop| !stop.walk.is_seen && stop.eye.bsdf.is_smooth()).collect();
+        stops.iter().filter(|stop| asks_few(pass, stop) && stop.eye.bsdf.is_smooth()).collect();
     if there.is_empty() || pass.vpls.is_empty() {
         return;
     }
     let mut offers = Offers::default();
     let shares = pass.unseen();
-    let place =
-        |stop: &Stop| if tracer.is_interleaved { place_of_key(stop.walk.key, shares.len()) } else { 0 };
+    let place = |stop: &Stop| share_of_key(tracer.sharing, stop.walk.key, shares.len());
     for (number, share) in shares.iter().enumerate() {
         let of_share: Vec<&Stop> = there.iter().filter(|stop| place(stop) == number).copied().collect();
         for stops in of_share.chunks(BLOCK) {

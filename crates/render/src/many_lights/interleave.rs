@@ -15,6 +15,7 @@ use gnurt_shading::{SampleKey, Vec3s};
 
 use super::vpl::Vpl;
 use crate::film::TileFilm;
+use crate::tracer::Sharing;
 
 /// Says that a number is for a place of the pattern.
 const PATTERN: u32 = 0x1e4f_0000;
@@ -93,14 +94,18 @@ pub(super) fn key_of_place(key: SampleKey, width: u32, n: u32) -> SampleKey {
     SampleKey { pixel: PATTERN, sample: sample * (n * n) + place, ..key }
 }
 
-/// The place that such a key belongs to, of so many.
-pub(super) fn place_of_key(key: SampleKey, places: usize) -> usize {
-    key.sample as usize % places.max(1)
+/// The share that a key belongs to, of so many.
+pub(super) fn share_of_key(sharing: Sharing, key: SampleKey, shares: usize) -> usize {
+    let number = match sharing {
+        Sharing::All => 0,
+        Sharing::Pattern => key.sample,
+        Sharing::Chance => key.pixel,
+    };
+    number as usize % shares.max(1)
 }
 
-/// The virtual lights of each place in the pattern, as strong as all of them.
-pub(super) fn shares(vpls: &[Vpl], n: u32) -> Vec<Vec<Vpl>> {
-    let places = (n * n) as usize;
+/// The virtual lights of each of so many shares, each as strong as all of them.
+pub(super) fn shares(vpls: &[Vpl], places: usize) -> Vec<Vec<Vpl>> {
     let share =
         |place: usize| vpls.iter().skip(place).step_by(places).map(|vpl| vpl.scaled(places as f32)).collect();
     (0..places).map(share).collect()

@@ -30,6 +30,12 @@ use crate::world::WorldMark;
 
 /// Parts that shine together.
 const PARTS: u32 = 8;
+/// The same where pixels ask few lights: small ones, made now and then, so that no picture waits for many.
+const SMALL_PARTS: u32 = 32;
+/// Of these so many are made at once for a first picture, and kept where the world changes.
+const FIRST_PARTS: usize = 4;
+/// Pictures between two of them, where nothing calls for more.
+const SELDOM: u32 = 4;
 /// Cosine between directions of view that are one view still, at least.
 const SAME_VIEW: f32 = 0.8;
 /// Way of the eye, as share of the scene's extent, after which it is elsewhere.
@@ -45,6 +51,9 @@ pub struct KeptLights {
     parts: VecDeque<Part>,
     /// Parts made so far.
     made: u32,
+    /// Parts that shine together once all are there; 0 = nothing was made yet. Pictures since then.
+    size: u32,
+    pictures: u32,
     /// Which lamps matter, once somebody has asked, and how many light paths bring the lights that are wanted.
     lamps: Option<Option<LampChoice>>,
     paths: Option<u32>,
@@ -77,50 +86,75 @@ impl View {
 impl KeptLights {
     /// The lights of the next picture; `None` if the integrator needs none.
     pub(crate) fn next(&mut self, job: &Job) -> Option<PassLights> {
+        let mut stats = RenderStats::default();
+        let vpls = self.next_vpls(job, PARTS, &mut stats)?;
+        Some(PassLights::of(job.world, job.options, vpls, stats))
+    }
+
+    /// The same for pixels that ask few of them, each its own.
+    pub(crate) fn next_few(&mut self, job: &Job) -> Option<PassLights> {
+        let mut stats = RenderStats::default();
+        let vpls = self.next_vpls(job, SMALL_PARTS, &mut stats)?;
+        Some(PassLights::few(job.world, job.options, vpls, stats))
+    }
+
+    fn next_vpls(&mut self, job: &Job, size: u32, stats: &mut RenderStats) -> Option<Vec<Vpl>> {
         let options = job.options;
         if !options.integrator.has_virtual_lights() {
             return None;
         }
         let edited = match &self.of {
-            Some((mark, of)) if alike(of, options) => !mark.is_of(job.world),
+            Some((mark, of)) if alike(of, options) && self.size == size => !mark.is_of(job.world),
             _ => {
-                *self = Self::default();
+                *self = Self { size, ..Self::default() };
                 false
             }
         };
-        let mut stats = RenderStats::default();
         let view = View::of(job);
         let extent = job.world.bounds().map_or(0.0, |(low, high)| Vec3::from(low).distance(Vec3::from(high)));
         let is_of_paths = options.integrator == Integrator::InstantRadiosity;
         let hangs_on_view = !is_of_paths || lamps::is_due(job.world);
-        if hangs_on_view {
+        let are_small = size == SMALL_PARTS;
+        if edited && are_small {
+            self.parts.truncate(FIRST_PARTS);
+        }
+        if hangs_on_view && !are_small {
             self.parts.retain(|part| part.view.is_near(&view, extent));
         }
         if edited {
-            self.follow_edits(job, view, &mut stats);
+            self.follow_edits(job, view, stats);
         } else {
             // What lamps matter hangs on the view, too; it is looked at once in a round of parts.
-            if self.made.is_multiple_of(PARTS) || self.parts.is_empty() {
+            if self.made.is_multiple_of(size) || self.parts.is_empty() {
                 self.lamps = None;
             }
-            if hangs_on_view && self.parts.len() == PARTS as usize {
+            let is_due = !are_small
+                || self.pictures.is_multiple_of(SELDOM)
+                || self.parts.front().is_some_and(|part| !part.view.is_near(&view, extent));
+            if hangs_on_view && is_due && self.parts.len() == size as usize {
                 self.parts.pop_front();
             }
         }
+        self.pictures = self.pictures.wrapping_add(1);
         if edited || self.of.is_none() {
             self.of = Some((job.world.mark(), options.clone()));
         }
-        for number in self.missing() {
-            let vpls = self.part(job, number, &mut stats);
+        let at_once = match self.parts.len() {
+            _ if !are_small => size as usize,
+            0 => FIRST_PARTS,
+            _ => 1,
+        };
+        for number in self.missing().take(at_once).collect::<Vec<u32>>() {
+            let vpls = self.part(job, number, stats);
             self.parts.push_back(Part { vpls, number, view });
             self.made += 1;
         }
-        let share = 1.0 / PARTS as f32;
+        let share = 1.0 / self.parts.len() as f32;
         // In the order of their numbers, so that the same lights are the same picture.
         let mut parts: Vec<&Part> = self.parts.iter().collect();
         parts.sort_by_key(|part| part.number);
         let all = parts.into_iter().flat_map(|part| &part.vpls);
-        Some(PassLights::of(job.world, options, all.map(|vpl| vpl.scaled(share)).collect(), stats))
+        Some(all.map(|vpl| vpl.scaled(share)).collect())
     }
 
     /// Makes all parts again, for the world as it is.
@@ -135,7 +169,7 @@ impl KeptLights {
         let are_as_many = self.paths.is_some();
         self.make_again(job, view, stats);
         let found: usize = self.parts.iter().map(|part| part.vpls.len()).sum();
-        let wanted = job.options.vpls as usize * self.parts.len() / PARTS as usize;
+        let wanted = job.options.vpls as usize * self.parts.len() / self.size.max(1) as usize;
         if are_as_many && (4 * found < 3 * wanted || 3 * found > 4 * wanted) {
             self.paths = None;
             self.make_again(job, view, stats);
@@ -155,14 +189,14 @@ impl KeptLights {
         if job.options.integrator == Integrator::InstantRadiosity {
             self.of_paths(job, number, stats)
         } else {
-            chosen(job, number, stats)
+            chosen(job, number, self.size, stats)
         }
     }
 
     /// Numbers of the parts that are not there.
-    fn missing(&self) -> Vec<u32> {
-        let is_there = |number: u32| self.parts.iter().any(|part| part.number == number);
-        (0..PARTS).filter(|&number| !is_there(number)).collect()
+    fn missing(&self) -> impl Iterator<Item = u32> {
+        let is_there = move |number: u32| self.parts.iter().any(|part| part.number == number);
+        (0..self.size).filter(move |&number| !is_there(number))
     }
 
     /// A part of the light paths of a set: all parts are a whole one.
@@ -170,15 +204,15 @@ impl KeptLights {
         let lamps = self.lamps.get_or_insert_with(|| lamps::learned(job, stats)).as_ref();
         let wanted = job.options.vpls;
         let all = *self.paths.get_or_insert_with(|| instant::paths_for(job, lamps, wanted, stats));
-        let paths = all.div_ceil(PARTS);
+        let paths = all.div_ceil(self.size.max(1));
         let found = instant::vertices(job, lamps, 0, number * paths..(number + 1) * paths, stats);
         found.iter().map(|v| v.vpl.scaled(1.0 / paths as f32)).collect()
     }
 }
 
 /// Fewer lights, chosen for the camera.
-fn chosen(job: &Job, number: u32, stats: &mut RenderStats) -> Vec<Vpl> {
-    let few = RenderOptions { vpls: job.options.vpls.div_ceil(PARTS), ..job.options.clone() };
+fn chosen(job: &Job, number: u32, size: u32, stats: &mut RenderStats) -> Vec<Vpl> {
+    let few = RenderOptions { vpls: job.options.vpls.div_ceil(size), ..job.options.clone() };
     let bound = bound_of(job.world, job.options);
     let job = Job::new(job.world, job.camera, &few, job.watch);
     match few.integrator {
@@ -190,7 +224,7 @@ fn chosen(job: &Job, number: u32, stats: &mut RenderStats) -> Vec<Vpl> {
 }
 
 /// Whether virtual lights for one are good for the other.
-fn alike(a: &RenderOptions, b: &RenderOptions) -> bool {
+pub(crate) fn alike(a: &RenderOptions, b: &RenderOptions) -> bool {
     let what = |o: &RenderOptions| {
         (o.integrator, o.vpls, o.max_depth, o.clamp, o.seed_of_lights(), o.white, o.ray_epsilon)
     };

@@ -32,6 +32,7 @@ mod vpl;
 
 pub(crate) use estimate::{radiance, radiance_apart};
 pub use kept::KeptLights;
+pub(crate) use kept::alike;
 pub(crate) use lamp_choice::LampChoice;
 pub(crate) use make::pass_lights;
 pub(crate) use pass::PassLights;

@@ -19,7 +19,7 @@ use crate::world::World;
 #[derive(Clone, Debug)]
 pub(crate) struct PassLights {
     pub(crate) vpls: Vec<Vpl>,
-    /// By place in the pattern of interleaved pixels; empty if there is none.
+    /// By place in the pattern of interleaved pixels, or by chance where samples ask few; else empty.
     pub(crate) shares: Vec<Vec<Vpl>>,
     /// The same, ready to be gathered.
     pub(super) sources: Vec<Vec<Source>>,
@@ -34,6 +34,8 @@ pub(crate) struct PassLights {
     few: u32,
     /// Light samples at each point that the eye sees.
     light_samples: u32,
+    /// Whether points that the eye sees ask no more lights than others: each sample few of a share that chance gives it.
+    pub(crate) is_few: bool,
     /// What it took to put them there.
     pub(crate) stats: RenderStats,
 }
@@ -45,13 +47,32 @@ impl PassLights {
         let few = (options.vpls / 64).clamp(1, 16);
         let pattern = options.pattern();
         let rays = if pattern.is_some() { 1 } else { (options.vpls / 256).clamp(1, MOST_RAYS) };
-        let shares = pattern.map_or_else(Vec::new, |n| interleave::shares(&vpls, n));
+        let shares = pattern.map_or_else(Vec::new, |n| interleave::shares(&vpls, (n * n) as usize));
         // Where pixels are averaged, each needs fewer.
         let per_pixel = |of_window: u32| pattern.map_or(of_window, |n| of_window.div_ceil(n * n));
         let (few, light_samples) = (per_pixel(few).div_ceil(rays.min(2)), per_pixel(few));
         let sources = shares.iter().map(|share| sources(share, &bound)).collect();
         let (whole, unseen) = (OnceLock::new(), OnceLock::new());
-        Self { vpls, shares, sources, whole, unseen, bound, rays, few, light_samples, stats }
+        Self { vpls, shares, sources, whole, unseen, bound, rays, few, light_samples, is_few: false, stats }
+    }
+
+    /// The same for samples of which each asks few lights, those that promise most of a share of them: for pictures in motion, where
+    /// noise is averaged afterwards.
+    pub(super) fn few(world: &World, options: &RenderOptions, vpls: Vec<Vpl>, stats: RenderStats) -> Self {
+        let shares = interleave::shares(&vpls, vpls.len().div_ceil(OF_SHARE).max(1));
+        Self {
+            shares,
+            vpls,
+            sources: Vec::new(),
+            whole: OnceLock::new(),
+            unseen: OnceLock::new(),
+            bound: bound_of(world, options),
+            rays: 1,
+            few: 1,
+            light_samples: 1,
+            is_few: true,
+            stats,
+        }
     }
 
     /// All virtual lights, ready to be gathered.
@@ -70,12 +91,16 @@ impl PassLights {
 
     /// The bound on what virtual lights bring to a point.
     pub(crate) fn bound_at(&self, is_seen: bool) -> Bound {
-        if is_seen { self.bound } else { self.bound.times(UNSEEN) }
+        if is_seen && !self.is_few { self.bound } else { self.bound.times(UNSEEN) }
     }
 
     /// How many virtual lights are asked at the end of a path of so many edges from the eye, where that does not see.
     pub(super) fn few_at(&self, edges: u32) -> u32 {
-        if edges > 2 { self.few.div_ceil(2) } else { self.few }
+        match edges {
+            1 if self.is_few => SEEN_FEW,
+            ..=2 => self.few,
+            _ => self.few.div_ceil(2),
+        }
     }
 
     /// How many light samples a point gets: many where the eye sees it.
@@ -87,6 +112,10 @@ impl PassLights {
 /// Rays at most that leave a point that the eye sees: a ray costs little beside what virtual lights cost there, and brings
 /// most of the error where surfaces are glossy.
 const MOST_RAYS: u32 = 4;
+
+/// Lights of a share, about, of which a sample asks few; how many where the eye sees.
+const OF_SHARE: usize = 64;
+const SEEN_FEW: u32 = 2;
 
 /// How much more virtual lights bring where the eye does not see: spots blur there, and rays that go on are noisier.
 const UNSEEN: f32 = 4.0;

@@ -14,14 +14,17 @@ use gnurt_shading::{LightBatch, SurfaceBatch, SurfacePoint};
 
 use super::bound::Bound;
 use super::estimate;
-use super::interleave::place_of_key;
+use super::interleave::share_of_key;
 use super::pass::PassLights;
 use super::vpl::{Vpl, is_open, pdf_of_other_end};
-use crate::tracer::{BatchTracer, FurtherLights};
+use crate::tracer::{BatchTracer, FurtherLights, Sharing};
 
 /// How many virtual lights a point has, at most.
 fn vpl_count(tracer: &BatchTracer, pass: &PassLights) -> usize {
-    if tracer.is_interleaved { pass.shares.iter().map(Vec::len).max().unwrap_or(0) } else { pass.vpls.len() }
+    match tracer.sharing {
+        Sharing::All => pass.vpls.len(),
+        Sharing::Pattern | Sharing::Chance => pass.shares.iter().map(Vec::len).max().unwrap_or(0),
+    }
 }
 
 impl FurtherLights for PassLights {
@@ -47,10 +50,9 @@ impl FurtherLights for PassLights {
         }
         let scale = FRAC_1_PI / tracer.options.white;
         for i in 0..points.len() {
-            let vpls = if tracer.is_interleaved {
-                &pass.shares[place_of_key(points.key[i], pass.shares.len())]
-            } else {
-                &pass.vpls
+            let vpls = match tracer.sharing {
+                Sharing::All => &pass.vpls,
+                sharing => &pass.shares[share_of_key(sharing, points.key[i], pass.shares.len())],
             };
             let Some(vpl) = vpls.get(number) else { continue };
             if vpl.edges + points.depth + 2 > tracer.options.max_depth {

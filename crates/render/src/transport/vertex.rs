@@ -9,7 +9,7 @@ use gnurt_shading::{SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
 
 use super::finals;
 use crate::cone::Meeting;
-use crate::tracer::{BatchTracer, Wanted};
+use crate::tracer::{BatchTracer, Sharing, Wanted};
 use crate::world::HitLanes;
 
 /// How what a surface does to light is known.
@@ -81,7 +81,7 @@ impl BatchTracer<'_> {
         }
         let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
         shader.shade(self, points, &mut radiance);
-        if self.is_interleaved {
+        if self.sharing == Sharing::Pattern {
             // What light is averaged without.
             finals::probe(shader, points, self.options.white, closures);
         }

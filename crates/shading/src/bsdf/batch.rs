@@ -311,6 +311,16 @@ impl ClosureBatch {
         Scattering { bsdf, emission: self.emission(i), coverage: self.coverage(i) }
     }
 
+    /// Kinds of the lobes of point `i` that scatter any light, and the widths of their facets' slopes.
+    pub fn widths(&self, i: usize) -> impl Iterator<Item = (Kind, f32)> {
+        let (block, lane) = (&self.blocks[i / LANES], i % LANES);
+        block.lobes[..block.count as usize].iter().filter_map(move |rows| {
+            let weighs = (0..3).any(|k| rows.numbers[k].0[lane] != 0.0);
+            let kind = Kind::ALL.get(rows.kind.0[lane] as usize).copied().unwrap_or_default();
+            (weighs && kind != Kind::None).then_some((kind, rows.numbers[15].0[lane]))
+        })
+    }
+
     /// Kinds that the sixteen points from `first` on have, as bits by [`Kind`].
     #[must_use]
     pub fn kinds(&self, first: usize) -> u32 {

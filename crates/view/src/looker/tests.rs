@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use super::*;
 use crate::exposure::Exposure;
+use crate::eye::{Eye, Sight};
 use crate::scripts::{ScriptRole, StageScript};
 use crate::shown::Shown;
 use gnurt::osl::ParameterValue;
@@ -92,6 +93,66 @@ fn what_is_seen_at_last_is_what_render_makes() {
     looker.want(&wish);
     wait_for(&looker, "brighter picture", |front| front.exposure.stops == 2.0);
     assert!(is_finished(&looker.front()), "with the samples that were there");
+}
+
+/// Each picture that reaches the window while the camera moves is what a look in passing from there shows, in all of its pixels.
+#[test]
+fn pictures_are_whole_when_they_are_shown() {
+    let (looker, _news, mut wish) = begin(Box::new(load));
+    wait_for(&looker, "finished picture", is_finished);
+    wish.moving = true;
+    let mut cameras = Vec::new();
+    let mut seen: Vec<(u64, u64, [u32; 2], Vec<u32>)> = Vec::new();
+    for step in 0..40 {
+        wish.camera.eye[0] += 0.01;
+        looker.want(&wish);
+        cameras.push((lock(&looker.shared.wish).view, wish.camera.clone()));
+        std::thread::sleep(Duration::from_millis(step % 5));
+        let front = looker.front();
+        if !front.whole && seen.last().is_none_or(|&(number, ..)| number != front.number) {
+            seen.push((front.number, front.view, front.readings.rendered, front.screen.clone()));
+        }
+    }
+    assert!(seen.len() > 3, "some are seen: {}", seen.len());
+    let pool = gnurt::thread_pool(1).expect("a thread");
+    let stage = load(&pool).expect("the box");
+    for (_, view, size, screen) in seen {
+        let (_, camera) = cameras.iter().find(|(of, _)| *of == view).expect("it was wished for");
+        let sight =
+            Sight { camera: camera.clone(), shown: wish.shown, size, fleeting: true, denoised: false };
+        let mut eye = Eye::new(options());
+        eye.begin(&sight, None, &pool).expect("a view");
+        assert!(eye.pass(&stage.world, 1, &pool, &Silent), "nobody stops it");
+        let mut whole = Vec::new();
+        eye.develop(wish.exposure, wish.size, &mut whole, false, &pool);
+        assert!(screen == whole, "view {view}, {size:?}");
+    }
+}
+
+/// What light is found by chance in is whole at once, and at rest becomes what render makes.
+#[test]
+fn remembered_pictures_are_full_size() {
+    let (looker, _news, mut wish) = begin(Box::new(load));
+    wish.shown = Shown::Light(Integrator::Path);
+    for moving in [true, false] {
+        for _ in 0..10 {
+            wish.camera.eye[0] += 0.002;
+            wish.moving = moving;
+            looker.want(&wish);
+            std::thread::sleep(Duration::from_millis(3));
+        }
+        let view = lock(&looker.shared.wish).view;
+        wait_for(&looker, "whole picture", |front| {
+            front.view == view && front.whole != moving && (!moving || front.readings.rendered == [61, 47])
+        });
+    }
+    wait_for(&looker, "finished picture", is_finished);
+    let pool = gnurt::thread_pool(1).expect("a thread");
+    let stage = load(&pool).expect("the box");
+    let camera = SceneCamera::new(&wish.camera).expect("a view");
+    let options = RenderOptions { width: 61, height: 47, integrator: Integrator::Path, ..options() };
+    let frame = render(&stage.world, &camera, &options, &pool, &Silent).expect("sound options");
+    assert!(looker.front().colors == frame.picture.color, "the same bits");
 }
 
 #[test]
@@ -207,14 +268,15 @@ fn scenes_are_read_again_or_stay() {
         _ => load(pool),
     }));
     wait_for(&looker, "finished picture", is_finished);
-    let number = looker.front().number;
+    let colors = looker.front().colors.clone();
     let told = |looker: &Looker| {
         looker.reload();
         let mut news = news.iter().filter(|news| *news != News::Picture);
         news.next().expect("it is told")
     };
     assert_eq!(told(&looker), News::Trouble("line 3 is broken".into()), "what is wrong");
-    assert_eq!(looker.front().number, number, "the picture stays");
+    assert!(is_finished(&looker.front()) && looker.front().colors == colors, "the picture stays");
+    let number = looker.front().number;
     assert_eq!(told(&looker), News::Reloaded(Vec::new()), "mended");
     wait_for(&looker, "new picture", |front| is_finished(front) && front.number > number);
 }

@@ -10,7 +10,9 @@ use gnurt::osl::ParameterValue;
 use gnurt::scene::Camera;
 
 use crate::exposure::Exposure;
+use crate::eye::Sight;
 use crate::hud::Readings;
+use crate::pace::divided;
 use crate::shown::Shown;
 use crate::stage::Stage;
 
@@ -31,6 +33,12 @@ pub(crate) struct Wish {
 }
 
 impl Wish {
+    /// A look at it in passing, its sides divided.
+    pub(super) fn sight(&self, divisor: u32) -> Sight {
+        let size = divided(self.size, divisor);
+        Sight { camera: self.camera.clone(), shown: self.shown, size, fleeting: true, denoised: false }
+    }
+
     /// Whether the noise is to be taken out of what is shown: other pictures than light have none.
     pub(super) fn wants_clean(&self) -> bool {
         self.denoised && matches!(self.shown, Shown::Light(_))

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The thread that renders what the window wants to see: coarse while the camera moves, then finer, then more samples.
 //! Source: original, after the habits of Cycles and OSPRay. A new view is first shown at the resolution that keeps the
-//! picture moving; when it rests, resolution doubles until it is full, then samples are added until there are enough.
+//! picture moving, or whole, made of the pictures before, where light is found by chance; when it rests, resolution doubles until it is
+//! full, then samples are added until there are enough, and are shown by steps too small to flicker (`calm.rs`).
+//! A picture is shown when it is whole: what was stopped is not.
 //! Frames of a camera that moves are finished, so that something is seen; all other work is stopped as soon as the view
 //! changes. Invariant: pixels and samples of a finished picture are those of `gnurt::render::render`.
 //! Proof: `super::tests`, and `crates/cli/tests/program/window.rs`.
@@ -9,7 +11,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use gnurt::ThreadPool;
 use gnurt::denoise;
@@ -28,6 +30,8 @@ const FRAME: f64 = 0.033;
 /// Seconds that a pass of a resting one may take before it is shown.
 const PASS: f64 = 0.2;
 const MOST_SAMPLES: u32 = 16;
+/// Between two steps of what is shown towards what is known, where nothing else is to be done.
+const FADE: Duration = Duration::from_millis(10);
 
 pub(super) struct Work {
     shared: Arc<Shared>,
@@ -58,16 +62,29 @@ struct Present {
     shown: Shown,
     divisor: u32,
     fleeting: bool,
+    /// Whether looks in passing remember those before, and are whole.
+    remembers: bool,
     /// Whether it has the layers that denoisers look at.
     layers: bool,
     /// Whether nothing can be added until something changes.
     done: bool,
+    /// Whether all that is known is shown.
+    calm: bool,
 }
 
 impl Present {
     /// Where nothing can be seen.
     fn nothing(view: u64, shown: Shown) -> Self {
-        Self { view, shown, divisor: 1, fleeting: false, layers: true, done: true }
+        Self {
+            view,
+            shown,
+            divisor: 1,
+            fleeting: false,
+            remembers: false,
+            layers: true,
+            done: true,
+            calm: true,
+        }
     }
 }
 
@@ -212,12 +229,14 @@ impl Work {
         let clean = present.fleeting || self.back.readings.denoised == wanted.wish.wants_clean();
         let same = present.view == wanted.view && self.back.exposure == wanted.wish.exposure && clean;
         let waits = if present.fleeting { wanted.wish.moving } else { wanted.wish.paused };
-        let rests = present.done || waits;
+        let rests = (present.done || waits) && present.calm;
         same && rests
     }
 
     /// What to render now: what is in the making, or a new picture.
     fn next(&mut self, present: Option<Present>, wish: &Wish, view: u64) -> Result<Present, ViewError> {
+        let stage = lock(&self.shared.stage).clone();
+        let script = stage.scripts.camera.as_ref();
         let next = match present {
             Some(present)
                 if present.view == view && (present.fleeting || !self.lacks_layers(&present, wish)) =>
@@ -229,38 +248,45 @@ impl Work {
                 let divisor = present.divisor / 2;
                 Present {
                     divisor: divisor.max(1),
-                    fleeting: divisor > 1,
+                    // One that remembers is whole before it rests.
+                    fleeting: divisor > 1 || (present.remembers && present.divisor > 1),
                     layers: wish.wants_clean(),
                     ..present
                 }
             }
             old => {
-                if old.is_some_and(|old| old.shown != wish.shown) {
+                if old.as_ref().is_some_and(|old| old.shown != wish.shown) {
                     self.pace.forget();
                 }
-                let divisor = self.pace.divisor(wish.size);
-                let fleeting = wish.moving || divisor > 1;
+                // What rests and only lacks layers goes on from what is shown.
+                let goes_on = old.is_some_and(|old| old.view == view && !old.fleeting);
+                let remembers = self.eye.remembers(&wish.sight(1), script, &stage.world);
+                let divisor = if goes_on {
+                    1
+                } else if remembers {
+                    let (divisor, fresh) = self.pace.remembering(wish.size);
+                    self.eye.fresh = fresh;
+                    divisor
+                } else {
+                    self.pace.divisor(wish.size)
+                };
                 Present {
                     view,
                     shown: wish.shown,
                     divisor,
-                    fleeting,
+                    // What is remembered is seen at once; what rests begins with that.
+                    fleeting: wish.moving || divisor > 1 || (remembers && !goes_on),
+                    remembers,
                     layers: wish.wants_clean(),
                     done: false,
+                    calm: true,
                 }
             }
         };
         (self.noisy_seconds, self.clean_seconds) = (0.0, 0.0);
-        let size = divided(wish.size, next.divisor);
-        let sight = Sight {
-            camera: wish.camera.clone(),
-            shown: wish.shown,
-            size,
-            fleeting: next.fleeting,
-            denoised: next.layers && !next.fleeting,
-        };
-        let stage = lock(&self.shared.stage).clone();
-        self.eye.begin(&sight, stage.scripts.camera.as_ref())?;
+        let fleeting = next.fleeting;
+        let sight = Sight { fleeting, denoised: next.layers && !fleeting, ..wish.sight(next.divisor) };
+        self.eye.begin(&sight, script, &self.pool)?;
         Ok(next)
     }
 
@@ -285,6 +311,8 @@ impl Work {
             if !self.eye.pass(&stage.world, samples, &self.pool, &cancel) {
                 return present;
             }
+        } else if !present.calm {
+            std::thread::sleep(FADE);
         }
         let wants_clean = wish.wants_clean() && !present.fleeting;
         // The first picture is shown as it is.
@@ -297,7 +325,11 @@ impl Work {
         let new_samples = self.eye.samples() - taken;
         if new_samples > 0 {
             self.per_sample = seconds / f64::from(new_samples);
-            self.pace.note(pixels * u64::from(new_samples), seconds);
+            if present.remembers && present.fleeting {
+                self.pace.note_remembering(pixels, self.eye.motion_cost());
+            } else {
+                self.pace.note(pixels * u64::from(new_samples), seconds);
+            }
             self.back.readings = Readings {
                 seconds,
                 rays: self.eye.rays() - rays,
@@ -314,6 +346,7 @@ impl Work {
         std::mem::swap(&mut self.back.colors, &mut self.eye.colors);
         let is_waited_for = wants_clean && self.eye.clean_samples() < self.eye.samples();
         present.done = !present.fleeting && self.eye.is_complete() && !is_waited_for;
+        present.calm = self.eye.is_calm();
         self.publish();
         (self.tell)(News::Picture);
         present

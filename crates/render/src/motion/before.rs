@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the picture before knows of the light on what a pixel sees now: the point is looked up where it was seen then, and what the
+//! four pixels around it knew is taken over as far as they showed the same surface.
+//! Source: temporal reprojection [NSL*07], light and surface apart, bilinear so that light stays where it is while the camera moves by
+//! parts of pixels. Differs: samples are counted, so that pixels that know nothing bring nothing. Space: world.
+//! Light that hangs on the direction of view is forgotten as fast as that turns against the width of the lobes.
+//! Invariant: nothing is taken over from another surface, nor from what has moved away by more than the pixels nearby show.
+//! Proof: `super::tests`.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use gnurt_shading::CameraShader;
+
+use super::look::Sight;
+use super::sight::{Light, Spot};
+
+/// How much faster light of narrow lobes is forgotten than the view turns by their width.
+const TURN: f32 = 4.0;
+/// Lobes as wide as this scatter to all sides.
+const WIDE: f32 = 0.99;
+
+/// A picture in motion.
+pub(super) struct Before {
+    pub(super) camera: Arc<dyn CameraShader>,
+    /// Where its middle was seen from.
+    pub(super) eye: Vec3,
+    pub(super) size: [u32; 2],
+    /// Row by row.
+    pub(super) spots: Vec<Spot>,
+    pub(super) lights: Vec<Light>,
+}
+
+impl Before {
+    /// What it knows of the light that is seen there; `most` samples count at most.
+    pub(super) fn recall(&self, sight: &Sight, most: f32) -> Light {
+        if !sight.spot.is_surface() {
+            return Light::default();
+        }
+        let [width, height] = self.size;
+        let Some([across, up]) = self.camera.place(sight.image, width as f32 / height as f32) else {
+            return Light::default();
+        };
+        let x = across * width as f32 - 0.5;
+        let y = (1.0 - up) * height as f32 - 0.5;
+        if !(x > -1.0 && y > -1.0 && x < width as f32 && y < height as f32) {
+            return Light::default();
+        }
+        let (left, top) = (x.floor(), y.floor());
+        let (right, below) = (x - left, y - top);
+        let (mut sum, mut weights) = (Light::default(), 0.0);
+        for (dx, dy, weight) in [
+            (0, 0, (1.0 - right) * (1.0 - below)),
+            (1, 0, right * (1.0 - below)),
+            (0, 1, (1.0 - right) * below),
+            (1, 1, right * below),
+        ] {
+            let (column, row) = (left as i32 + dx, top as i32 + dy);
+            if column < 0 || row < 0 || column >= width as i32 || row >= height as i32 {
+                continue;
+            }
+            let i = row as usize * width as usize + column as usize;
+            if sight.spot.agrees(&self.spots[i], 1.5) {
+                sum.add(&self.lights[i], weight);
+                weights += weight;
+            }
+        }
+        if weights <= 0.0 {
+            return Light::default();
+        }
+        let Light { mean, count } = sum.averaged();
+        let count = (count / weights).min(most);
+        Light { mean, count: count * self.lasting(sight) }
+    }
+
+    /// The share of samples that still count.
+    fn lasting(&self, sight: &Sight) -> f32 {
+        let grain = sight.tint.grain;
+        if grain >= WIDE {
+            return 1.0;
+        }
+        let turn = (sight.toward - (self.eye - sight.image).normalize_or_zero()).length() * TURN / grain;
+        1.0 / (1.0 + turn * turn)
+    }
+}

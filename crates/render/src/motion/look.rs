@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What each pixel of a picture in motion sees first: camera rays to the first surface that scatters light, through mirrors and smooth
+//! glass along the branch that counts most. No light is asked for.
+//! Source: original. Space: world.
+//! Behind a mirror a point has two places: on the surface that is seen, by which surfaces are compared, and that of its image straight
+//! ahead, by which it is found in other pictures; for flat mirrors that is exact.
+
+use glam::Vec3;
+use gnurt_accel::{Coherence, INVALID_ID};
+use gnurt_image::srgb::luminance;
+use gnurt_scene::RayMask;
+use gnurt_shading::bsdf::{Bsdf, BsdfSample, ClosureBatch, Kind};
+use gnurt_shading::sampling::hash_combine;
+use gnurt_shading::{SampleKey, SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
+
+use super::sight::{Spot, Tint};
+use crate::cone::{Meeting, fineness};
+use crate::film::{self, BLOCK};
+use crate::job::Job;
+use crate::tracer::{BatchTracer, MID_GREY, Wanted};
+use crate::transport::walks::Walks;
+use crate::world::HitLanes;
+
+/// Added to what a surface scatters, so that light on it can be told from what it shows.
+const LEAST_SHARE: f32 = 0.04;
+/// Lobes of surfaces that also scatter to all sides count as no narrower than this.
+const HALF_WIDE: f32 = 0.3;
+/// No lobe is narrower.
+const NARROWEST: f32 = 0.02;
+/// Mirrors behind mirrors that are followed.
+const MOST_MIRRORS: u32 = 8;
+/// Columns that are looked at together.
+const COLUMNS: u32 = 64;
+/// Kinds that look alike from all sides.
+const WIDE: u32 = Kind::None.bit() | Kind::Diffuse.bit() | Kind::Sheen.bit() | Kind::Translucent.bit();
+const DELTAS: u32 = Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit();
+
+/// What a pixel sees.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sight {
+    pub(super) spot: Spot,
+    pub(super) tint: Tint,
+    /// Where the image of the point is.
+    pub(super) image: Vec3,
+    /// Unit, to where it is seen from.
+    pub(super) toward: Vec3,
+}
+
+/// A ray behind a mirror.
+#[derive(Clone, Copy)]
+struct Beyond {
+    lane: usize,
+    throughput: Vec3,
+    /// From the eye to where it leaves.
+    way: f32,
+}
+
+/// What a point does to light that a picture in motion needs to know.
+struct Manner {
+    share: Vec3,
+    grain: f32,
+    /// Where more light comes from than from all other sides.
+    onward: Option<BsdfSample>,
+}
+
+impl Manner {
+    fn of(bsdf: &Bsdf, wo: Vec3) -> Self {
+        let share = bsdf.albedo(wo);
+        let counts = |branch: &BsdfSample| luminance(branch.weight.into());
+        let branches = bsdf.delta_branches(wo).into_iter().flatten();
+        let most = branches.max_by(|a, b| counts(a).total_cmp(&counts(b)));
+        let onward = most.filter(|branch| counts(branch) > luminance(share.into()));
+        let lobes = bsdf.lobes().as_slice().iter().filter(|lobe| !lobe.is_black());
+        Self { share, grain: grain_of(lobes.map(|lobe| (lobe.kind, lobe.alpha))), onward }
+    }
+}
+
+/// The width of the narrowest of some lobes, of these kinds and with these widths of their facets' slopes.
+fn grain_of(lobes: impl Iterator<Item = (Kind, f32)>) -> f32 {
+    let (mut narrowest, mut is_wide) = (1.0_f32, false);
+    for (kind, alpha) in lobes {
+        if WIDE & kind.bit() != 0 {
+            is_wide |= kind != Kind::None;
+        } else {
+            narrowest = narrowest.min(if kind.is_delta() { 0.0 } else { alpha });
+        }
+    }
+    narrowest.clamp(if is_wide { HALF_WIDE } else { NARROWEST }, 1.0)
+}
+
+/// Calls `with(column, row, sight)` for each pixel of some rows.
+pub(super) fn look(
+    job: &Job,
+    tracer: &mut BatchTracer,
+    rows: [u32; 2],
+    with: &mut dyn FnMut(u32, u32, &Sight),
+) {
+    let mut batch = std::mem::take(&mut tracer.camera);
+    let mut sights: Vec<Sight> = Vec::new();
+    for left in (0..job.options.width).step_by(COLUMNS as usize) {
+        let rect = [left, rows[0], (left + COLUMNS).min(job.options.width), rows[1]];
+        let pixels = film::blocks(rect)
+            .flat_map(|[x0, y0, x1, y1]| (y0..y1).flat_map(move |y| (x0..x1).map(move |x| [x, y])));
+        job.camera_rays(pixels, 0..1, &mut batch);
+        tracer.intersect_into(
+            RayMask::CAMERA,
+            &batch.rays,
+            &batch.keys,
+            Coherence::Coherent,
+            &mut batch.hits,
+        );
+        tracer.stats.camera_rays += batch.rays.len() as u64;
+        sights.clear();
+        sights.resize(batch.rays.len(), Sight::default());
+        let epsilon = job.options.ray_epsilon;
+        let camera = HitLanes {
+            rays: &batch.rays,
+            keys: &batch.keys,
+            hits: &batch.hits,
+            cones: None,
+            depth: 0,
+            epsilon,
+        };
+        see(tracer, camera, &mut sights);
+        for (&[x, y], sight) in batch.pixels.iter().zip(&sights) {
+            with(x, y, sight);
+        }
+    }
+    tracer.camera = batch;
+}
+
+/// Rows that go together.
+pub(super) const ROWS: u32 = BLOCK;
+
+/// What camera rays see.
+fn see(tracer: &mut BatchTracer, camera: HitLanes, sights: &mut [Sight]) {
+    let missed: Vec<usize> =
+        (0..sights.len()).filter(|&lane| camera.hits.prim_id[lane] == INVALID_ID).collect();
+    let seen = tracer.environment(camera.rays, &missed);
+    for (k, &lane) in missed.iter().enumerate() {
+        let dir = Vec3::from(camera.rays.get(lane).dir);
+        let tint = Tint { plain: seen.get(k), ..Tint::default() };
+        sights[lane] = Sight { tint, toward: -dir, ..Sight::default() };
+    }
+    let mut beyond = Walks::default();
+    let mut closures = std::mem::take(&mut tracer.closures);
+    let mut albedo = Vec3s::default();
+    tracer.for_each_surface(camera, Wanted::Light, |tracer, shader, lanes, points| {
+        closures.reset(points.len());
+        shader.evaluate(points, &mut closures);
+        albedo.reset(points.len(), MID_GREY);
+        shader.albedo(points, &mut albedo);
+        // All of these points show one.
+        let material = tracer.world.material_of(points.leaf_id[0], points.geom_id[0]);
+        let met = Met { tracer, shader, points, closures: &closures, albedo: &albedo, material };
+        for (k, &lane) in lanes.iter().enumerate() {
+            met.see(k, lane as usize, &mut sights[lane as usize], &mut beyond);
+        }
+    });
+    tracer.closures = closures;
+    for depth in 1.. {
+        if beyond.is_empty() {
+            return;
+        }
+        beyond = see_beyond(tracer, &beyond, depth, sights);
+    }
+}
+
+/// Points of one shader that camera rays met.
+struct Met<'a, 'w> {
+    tracer: &'a BatchTracer<'w>,
+    shader: &'a dyn SurfaceShader,
+    points: &'a SurfaceBatch,
+    closures: &'a ClosureBatch,
+    albedo: &'a Vec3s,
+    material: u32,
+}
+
+impl Met<'_, '_> {
+    /// Writes what is seen of point `k`, or sends a ray beyond it.
+    #[inline(always)]
+    fn see(&self, k: usize, lane: usize, sight: &mut Sight, beyond: &mut Walks<Beyond>) {
+        let Self { tracer, shader, points, closures, albedo, material } = *self;
+        let (toward, t) = (-points.ray_dir.get(k), points.t[k]);
+        let (mut share, mut grain) = (albedo.get(k), 1.0);
+        if shader.radiance().is_some() {
+            // Nobody knows what it does.
+            grain = HALF_WIDE;
+        } else if closures.kinds(k) & DELTAS != 0 {
+            let bsdf = closures.point(k).bsdf;
+            let manner = Manner::of(&bsdf, toward);
+            if let Some(branch) = manner.onward {
+                let (point, cone) = (points.point(k), Meeting::of(points, k));
+                let carried = Beyond { lane, throughput: branch.weight, way: t };
+                send(beyond, (&point, &branch), cone, points.key[k], carried);
+            }
+            (share, grain) = (manner.share, manner.grain);
+        } else if closures.kinds(k) & !WIDE != 0 {
+            grain = grain_of(closures.widths(k));
+        }
+        if closures.has_holes() && closures.coverage(k) < 0.5 {
+            let (point, cone) = (points.point(k), Meeting::of(points, k));
+            let ray = (point.spawn(-toward, f32::INFINITY), cone.straight());
+            beyond.push(ray, points.key[k], Beyond { lane, throughput: Vec3::ONE, way: t });
+        }
+        let p = points.p.get(k);
+        let spot = Spot {
+            p,
+            ns: points.facing_ns(k),
+            id: id_of(points.leaf_id[k], material),
+            width: tracer.cone.width_at(t),
+        };
+        let tint = Tint { plain: closures.emission(k), share: share + LEAST_SHARE, grain, opacity: 1.0 };
+        *sight = Sight { spot, tint, image: p, toward };
+    }
+}
+
+fn id_of(leaf: u32, material: u32) -> u32 {
+    hash_combine(leaf, material) | 1
+}
+
+/// Sends a ray along a branch of mirrors and smooth glass.
+fn send(
+    beyond: &mut Walks<Beyond>,
+    (point, branch): (&SurfacePoint, &BsdfSample),
+    cone: Meeting<f32>,
+    key: SampleKey,
+    carried: Beyond,
+) {
+    if let Some(ray) = point.scatter_ray(branch.wi, branch.transmitted, f32::INFINITY) {
+        beyond.push((ray, cone.after(branch, fineness(key))), key, carried);
+    }
+}
+
+/// What is seen in mirrors, and the mirrors that are.
+fn see_beyond(
+    tracer: &mut BatchTracer,
+    walks: &Walks<Beyond>,
+    depth: u32,
+    sights: &mut [Sight],
+) -> Walks<Beyond> {
+    let mut beyond = Walks::default();
+    // What shaders show that send rays themselves is light on their surfaces.
+    let probes = std::mem::replace(&mut tracer.probes, true);
+    let found = walks.meet(tracer, depth);
+    tracer.probes = probes;
+    for (i, (&Beyond { lane, throughput, way }, vertex)) in walks.carried.iter().zip(&found).enumerate() {
+        let sight = &mut sights[lane];
+        let Some(vertex) = vertex else {
+            let seen = tracer.environment(&walks.rays, &[i]).get(0);
+            let plain = sight.tint.plain + throughput * seen;
+            // What else it shows is light on the mirror.
+            sight.tint = Tint { plain, ..sight.tint };
+            continue;
+        };
+        let bsdf = &vertex.scattering.bsdf;
+        let (manner, way) = (Manner::of(bsdf, vertex.wo), way + vertex.t);
+        sight.tint.plain += throughput * vertex.scattering.emission;
+        if let Some(branch) = manner.onward.filter(|_| depth < MOST_MIRRORS && !vertex.is_final) {
+            let carried = Beyond { lane, throughput: throughput * branch.weight, way };
+            send(&mut beyond, (&vertex.point, &branch), vertex.cone, walks.keys[i], carried);
+        }
+        let material = tracer.world.material_of(vertex.ids[0], vertex.ids[1]);
+        sight.spot = Spot {
+            p: vertex.point.p,
+            ns: vertex.point.ns,
+            id: hash_combine(id_of(vertex.ids[0], material), sight.spot.id) | 1,
+            width: tracer.cone.width_at(way),
+        };
+        sight.tint.share = throughput * manner.share + LEAST_SHARE;
+        sight.tint.grain = sight.tint.grain.min(manner.grain).max(NARROWEST);
+        // Straight ahead, as far as the way is.
+        sight.image -= sight.toward * vertex.t;
+    }
+    beyond
+}

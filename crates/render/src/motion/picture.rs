@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A picture of a camera in motion, and what the next one needs of it.
+//! Source: see `motion/mod.rs`. Space: world.
+//! Fresh samples go through the pixels' centres, as what is seen does, with random numbers of their own in each frame. One that is far
+//! brighter than all that is known is cut: a picture that is gone in a moment has no time to average sparks away.
+//! Invariant: a function of the pictures before it and their options, whatever threads do. Proof: crates/render/tests/motion.rs.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::Vec3;
+use gnurt_accel::Coherence;
+use gnurt_image::srgb::luminance;
+use gnurt_scene::RayMask;
+use gnurt_shading::CameraShader;
+use gnurt_shading::sampling::hash_combine;
+use rayon::prelude::*;
+
+use super::before::Before;
+use super::choose::{need, scale, turn};
+use super::look::{ROWS, look};
+use super::sight::{Light, Spot, Tint};
+use super::smooth::Planes;
+use crate::film::{self, TileFilm};
+use crate::integrators;
+use crate::job::Job;
+use crate::many_lights::{KeptLights, PassLights, alike};
+use crate::options::{Integrator, RenderOptions};
+use crate::sampler::Sampler;
+use crate::stats::RenderStats;
+use crate::tracer::BatchTracer;
+use crate::world::{HitLanes, World, WorldMark};
+
+/// Samples of a pixel that are remembered at most.
+const MOST: f32 = 64.0;
+/// Share of them that is left with each frame while the world changes, and frames that this goes on after a change.
+const CHANGING: f32 = 0.7;
+const UNREST: u32 = 8;
+/// Samples count no more than so many times the light that is known there, or that of the mean pixel.
+const SPARK: f32 = 16.0;
+/// Fresh samples that go together.
+const TOGETHER: usize = 512;
+
+/// What pictures of a camera in motion leave to the next one: light on what they showed, and virtual lights; see
+/// [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
+#[derive(Default)]
+pub struct KeptPicture {
+    pub(crate) lights: KeptLights,
+    of: Option<(WorldMark, RenderOptions)>,
+    before: Option<Before>,
+    /// Pictures so far: each has random numbers of its own.
+    frame: u32,
+    /// Frames for which what is remembered fades.
+    unrest: u32,
+    /// Light on the mean pixel; 0 = nobody knows.
+    mean: f32,
+    tints: Vec<Tint>,
+    /// Light as it is shown.
+    shown: Planes,
+    spare: Vec<Light>,
+    spare_spots: Vec<Spot>,
+    cost: MotionCost,
+}
+
+/// What the last picture in motion took.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MotionCost {
+    /// Fresh samples of light.
+    pub samples: u64,
+    /// Seconds that these took, virtual lights included.
+    pub sampling_seconds: f64,
+    /// Seconds of all the rest.
+    pub other_seconds: f64,
+}
+
+impl KeptPicture {
+    /// Whether pictures in motion by this integrator and this camera are made of earlier ones: where light is found by chance, and the
+    /// camera tells where points show. Other ones take one sample of each pixel.
+    #[must_use]
+    pub fn suits(world: &World, camera: &dyn CameraShader, options: &RenderOptions) -> bool {
+        let by_chance = options.integrator == Integrator::Path || options.integrator.has_virtual_lights();
+        let is_plain = !options.aovs && !options.heatmap && options.crop.is_none() && options.piece.is_none();
+        by_chance && is_plain && world.pixel().is_none() && !world.is_open() && {
+            let [eye, forward] = crate::job::middle(camera, options);
+            camera.place(eye + forward, options.width as f32 / options.height as f32).is_some()
+        }
+    }
+
+    /// What the last picture took.
+    #[must_use]
+    pub fn cost(&self) -> MotionCost {
+        self.cost
+    }
+
+    /// Makes the next picture, with fresh samples for this share of the pixels, and writes it to `tiles`; says whether nobody stopped it.
+    pub(crate) fn next(
+        &mut self,
+        job: &Job,
+        camera: &Arc<dyn CameraShader>,
+        fresh: f32,
+        (tiles, stats): (&mut [TileFilm], &mut RenderStats),
+        pool: &rayon::ThreadPool,
+    ) -> bool {
+        let begin = Instant::now();
+        let size = [job.options.width, job.options.height];
+        self.follow(job);
+        let mut frame =
+            Frame::new(size, std::mem::take(&mut self.spare_spots), std::mem::take(&mut self.spare));
+        let fading = self.fading();
+        let counts = pool.install(|| frame.look(job, self.before.as_ref(), &mut self.tints, fading, stats));
+        let looked = Instant::now();
+        let pass = pool.install(|| self.lights.next_few(job));
+        if let Some(pass) = &pass {
+            stats.add(&pass.stats);
+        }
+        let wanted = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(size[0]) * f64::from(size[1]);
+        let scale = scale(counts, wanted);
+        let chosen = pool.install(|| frame.choose(scale, self.frame));
+        let whole = pool.install(|| {
+            frame.sample(job, pass.as_ref(), (&chosen, self.frame), &self.tints, self.mean, stats)
+        });
+        if !whole {
+            // The picture before stays the one before.
+            (self.spare_spots, self.spare) = (frame.spots, frame.lights);
+            return false;
+        }
+        let sampled = Instant::now();
+        pool.install(|| {
+            let level = job.options.level;
+            self.shown.smooth(size[0] as usize, &frame.spots, &self.tints, &frame.lights, level);
+            self.mean = mean_of(&frame.spots, &self.shown);
+            self.write(tiles, size[0] as usize);
+        });
+        let next =
+            Before { camera: camera.clone(), eye: job.eye, size, spots: frame.spots, lights: frame.lights };
+        if let Some(old) = self.before.replace(next) {
+            (self.spare_spots, self.spare) = (old.spots, old.lights);
+        }
+        self.frame = self.frame.wrapping_add(1);
+        self.unrest = self.unrest.saturating_sub(1);
+        let sampling_seconds = (sampled - looked).as_secs_f64();
+        let other_seconds = begin.elapsed().as_secs_f64() - sampling_seconds;
+        self.cost = MotionCost { samples: chosen.len() as u64, sampling_seconds, other_seconds };
+        true
+    }
+
+    /// Forgets what other options or another world have made wrong.
+    fn follow(&mut self, job: &Job) {
+        match &self.of {
+            Some((_, of)) if !alike(of, job.options) => {
+                *self = Self::default();
+            }
+            Some((mark, _)) if !mark.is_of(job.world) => self.unrest = UNREST,
+            Some(_) => return,
+            None => {}
+        }
+        self.of = Some((job.world.mark(), job.options.clone()));
+    }
+
+    /// The share of what is remembered that is left in this frame.
+    fn fading(&self) -> f32 {
+        if self.unrest > 0 { CHANGING } else { 1.0 }
+    }
+
+    /// Writes colours to the film.
+    fn write(&self, tiles: &mut [TileFilm], width: usize) {
+        let unknown = Vec3::splat(self.mean);
+        tiles.par_iter_mut().for_each(|tile| {
+            tile.show(|[x, y]| {
+                let i = y as usize * width + x as usize;
+                let (tint, light) = (&self.tints[i], self.shown.light(i));
+                let mean = if light.count > 0.0 { light.mean } else { unknown };
+                let [r, g, b] = (tint.plain + tint.share * mean).to_array();
+                [r, g, b, tint.opacity]
+            });
+        });
+    }
+}
+
+/// Luminance of light on the mean pixel that shows a surface.
+fn mean_of(spots: &[Spot], shown: &Planes) -> f32 {
+    let lights = (0..spots.len()).filter(|&i| spots[i].is_surface()).map(|i| shown.light(i));
+    let (sum, count) = lights
+        .filter(|light| light.count > 0.0)
+        .fold((0.0, 0.0), |(sum, count), light| (sum + f64::from(luminance(light.mean.into())), count + 1.0));
+    (sum / f64::max(count, 1.0)) as f32
+}
+
+/// Some rows, by their number from the top.
+type Band<'a> = (usize, ((&'a mut [Spot], &'a mut [Light]), &'a mut [Tint]));
+
+/// A picture in the making, row by row.
+struct Frame {
+    size: [u32; 2],
+    spots: Vec<Spot>,
+    lights: Vec<Light>,
+}
+
+impl Frame {
+    /// In this memory.
+    fn new(size: [u32; 2], mut spots: Vec<Spot>, mut lights: Vec<Light>) -> Self {
+        let pixels = size[0] as usize * size[1] as usize;
+        spots.resize(pixels, Spot::default());
+        lights.resize(pixels, Light::default());
+        Self { size, spots, lights }
+    }
+
+    /// Looks at all pixels, and remembers light; how many pixels have each of the needs 1, 2 and 4.
+    fn look(
+        &mut self,
+        job: &Job,
+        before: Option<&Before>,
+        tints: &mut Vec<Tint>,
+        fading: f32,
+        stats: &mut RenderStats,
+    ) -> [u64; 3] {
+        let [width, height] = self.size;
+        tints.resize(self.spots.len(), Tint::default());
+        let band = (width * ROWS) as usize;
+        let bands = self.spots.par_chunks_mut(band).zip(self.lights.par_chunks_mut(band));
+        let bands = bands.zip(tints.par_chunks_mut(band)).enumerate();
+        let sampler = Sampler { job, pass: None };
+        let see = |tracer: &mut BatchTracer, (n, ((spots, lights), tints)): Band| {
+            let top = n as u32 * ROWS;
+            let mut counts = [0; 3];
+            look(job, tracer, [top, (top + ROWS).min(height)], &mut |x, y, sight| {
+                let i = ((y - top) * width + x) as usize;
+                let mut light = before.map_or_else(Light::default, |before| before.recall(sight, MOST));
+                light.count *= fading;
+                (spots[i], tints[i], lights[i]) = (sight.spot, sight.tint, light);
+                match need(&sight.spot, &light) {
+                    need if need >= 4.0 => counts[2] += 1,
+                    need if need >= 2.0 => counts[1] += 1,
+                    need if need > 0.0 => counts[0] += 1,
+                    _ => {}
+                }
+            });
+            (counts, tracer.take_stats())
+        };
+        let found: Vec<([u64; 3], RenderStats)> = bands.map_init(|| sampler.tracer(), see).collect();
+        found.iter().fold([0; 3], |sum, (counts, of_band)| {
+            stats.add(of_band);
+            [0, 1, 2].map(|k| sum[k] + counts[k])
+        })
+    }
+
+    /// The pixels that get a fresh sample, neighbours together.
+    fn choose(&self, scale: f32, frame: u32) -> Vec<[u32; 2]> {
+        let [width, height] = self.size;
+        let bands: Vec<u32> = (0..height).step_by(ROWS as usize).collect();
+        let of_band = |&top: &u32| {
+            let mut chosen = Vec::new();
+            for [x0, y0, x1, y1] in film::blocks([0, top, width, (top + ROWS).min(height)]) {
+                for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
+                    let i = (y * width + x) as usize;
+                    if turn(x, y, frame) < scale * need(&self.spots[i], &self.lights[i]) {
+                        chosen.push([x, y]);
+                    }
+                }
+            }
+            chosen
+        };
+        bands.par_iter().flat_map(of_band).collect()
+    }
+
+    /// Adds a fresh sample to some pixels; says whether nobody stopped it.
+    fn sample(
+        &mut self,
+        job: &Job,
+        pass: Option<&PassLights>,
+        (chosen, frame): (&[[u32; 2]], u32),
+        tints: &[Tint],
+        mean: f32,
+        stats: &mut RenderStats,
+    ) -> bool {
+        let sampler = Sampler { job, pass };
+        let take = |tracer: &mut BatchTracer, pixels: &[[u32; 2]]| {
+            let is_wanted = !job.should_stop();
+            let seen = if is_wanted { radiance(job, pass, tracer, pixels, frame) } else { Vec::new() };
+            (seen, tracer.take_stats())
+        };
+        let found: Vec<(Vec<Vec3>, RenderStats)> =
+            chosen.par_chunks(TOGETHER).map_init(|| sampler.tracer(), take).collect();
+        found.iter().for_each(|(_, of_chunk)| stats.add(of_chunk));
+        if job.should_stop() {
+            return false;
+        }
+        let seen = found.iter().flat_map(|(seen, _)| seen);
+        for (&[x, y], &seen) in chosen.iter().zip(seen) {
+            let i = (y * self.size[0] + x) as usize;
+            if !seen.is_finite() {
+                stats.bad_samples += 1;
+                continue;
+            }
+            let (tint, light) = (&tints[i], &mut self.lights[i]);
+            let mut sample = (seen - tint.plain).max(Vec3::ZERO) / tint.share;
+            let known = if light.count >= 2.0 { luminance(light.mean.into()) } else { 0.0 };
+            let most = SPARK * known.max(mean);
+            let brightness = luminance(sample.into());
+            if most > 0.0 && brightness > most {
+                sample *= most / brightness;
+            }
+            let count = light.count + 1.0;
+            light.mean += (sample - light.mean) / count;
+            light.count = count.min(MOST);
+        }
+        true
+    }
+}
+
+/// A sample of each of some pixels.
+fn radiance(
+    job: &Job,
+    pass: Option<&PassLights>,
+    tracer: &mut BatchTracer,
+    pixels: &[[u32; 2]],
+    frame: u32,
+) -> Vec<Vec3> {
+    let mut batch = std::mem::take(&mut tracer.camera);
+    job.camera_rays(pixels.iter().copied(), 0..1, &mut batch);
+    for key in &mut batch.keys {
+        key.pixel = hash_combine(key.pixel, frame);
+    }
+    tracer.intersect_into(RayMask::CAMERA, &batch.rays, &batch.keys, Coherence::Coherent, &mut batch.hits);
+    let mut radiance = std::mem::take(&mut batch.radiance);
+    let (options, epsilon) = (job.options, job.options.ray_epsilon);
+    let camera =
+        HitLanes { rays: &batch.rays, keys: &batch.keys, hits: &batch.hits, cones: None, depth: 0, epsilon };
+    integrators::radiance(options.integrator, tracer, pass, camera, &mut radiance);
+    tracer.stats.camera_rays += pixels.len() as u64;
+    tracer.stats.samples += pixels.len() as u64;
+    let seen = (0..pixels.len()).map(|i| radiance.get(i)).collect();
+    batch.radiance = radiance;
+    tracer.camera = batch;
+    seen
+}
