@@ -114,7 +114,7 @@ impl PassLights {
 const MOST_RAYS: u32 = 4;
 
 /// Lights of a share, about, of which a sample asks few; how many where the eye sees.
-const OF_SHARE: usize = 64;
+const OF_SHARE: usize = 32;
 const SEEN_FEW: u32 = 2;
 
 /// How much more virtual lights bring where the eye does not see: spots blur there, and rays that go on are noisier.

@@ -39,7 +39,7 @@ const UNREST: u32 = 8;
 /// Samples count no more than so many times the light that is known there, or that of the mean pixel.
 const SPARK: f32 = 16.0;
 /// Fresh samples that go together.
-const TOGETHER: usize = 512;
+const TOGETHER: usize = 2048;
 
 /// What pictures of a camera in motion leave to the next one: light on what they showed, and virtual lights; see
 /// [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
