@@ -5,6 +5,8 @@
 //! Invariant: a trip's `nearest` says how far it is still of interest, whatever its kind.
 //! Proof: `tests::{scaled_trips_find_unscaled_hits, one_by_one_is_each}`, `tests/brute_force.rs` of `gnurt-accel`.
 
+use gnurt_simd::Simd;
+
 use crate::bits::each;
 use crate::collect::Collect;
 use crate::nearest::{AnyHit, Closest, Kind, Nearest};
@@ -168,6 +170,17 @@ impl TileTrip<'_> {
     ) -> TileTrip<'b> {
         let Self { kind, slot, .. } = *self;
         TileTrip { rays, active, kind, slot, nearest, counters: &mut *self.counters }
+    }
+
+    /// [`one_by_one`](Self::one_by_one) for rays that have too little in common. A function of its own, so that the search is compiled
+    /// once more beside the tile's walk and not into it.
+    #[cold]
+    #[inline(never)]
+    pub fn one_by_one_outlined<S: Simd>(&mut self, simd: S, search: impl FnMut(&mut RayTrip)) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.one_by_one(search),
+        );
     }
 
     /// Each active ray that still looks for something, one after the other.

@@ -171,7 +171,11 @@ impl KdIndex {
         match &self.triangles {
             Prepared::Watertight(leaves) => {
                 if !(Blocked { tree, leaves }.walk_tile(simd, *greatest, heading, trip)) {
-                    self.one_by_one(simd, trip);
+                    trip.one_by_one_outlined(
+                        simd,
+                        #[inline(always)]
+                        |trip| self.search(simd, trip),
+                    );
                 }
             }
             Prepared::Projected(triangles) => {
@@ -187,21 +191,6 @@ impl KdIndex {
                 }
             }
         }
-    }
-
-    /// A function of its own, so that the walk is compiled once more and not twice.
-    #[cold]
-    #[inline(never)]
-    fn one_by_one<S: Simd>(&self, simd: S, trip: &mut TileTrip) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                trip.one_by_one(
-                    #[inline(always)]
-                    |trip| self.search(simd, trip),
-                );
-            },
-        );
     }
 }
 

@@ -116,7 +116,13 @@ impl GridIndex {
             ranges.set(*whole);
             whole.spread(size) > FARTHEST_SPREAD * size
         });
-        let Some(mut chunks) = chunks else { return self.one_by_one(simd, trip) };
+        let Some(mut chunks) = chunks else {
+            return trip.one_by_one_outlined(
+                simd,
+                #[inline(always)]
+                |trip| self.search(simd, trip),
+            );
+        };
         let test = TileTest { simd, rays, kind, slot, heading };
         let frustum = Frustum::new(&ranges.get(), heading, self);
         let [fx, fy, fz] = frustum.axes;
@@ -164,20 +170,5 @@ impl GridIndex {
         }
         trip.counters.nodes += visited * count as u64;
         trip.counters.triangles += tested;
-    }
-
-    /// A function of its own, so that the walk is compiled once more and not twice.
-    #[cold]
-    #[inline(never)]
-    fn one_by_one<S: Simd>(&self, simd: S, trip: &mut TileTrip) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                trip.one_by_one(
-                    #[inline(always)]
-                    |trip| self.search(simd, trip),
-                );
-            },
-        );
     }
 }

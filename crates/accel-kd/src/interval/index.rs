@@ -185,7 +185,13 @@ impl IntervalIndex {
         let chunks = Chunks::new(simd, rays, count, heading, self.greatest, trip.nearest, |whole| {
             whole.spread(size) > FARTHEST_SPREAD * size
         });
-        let Some(mut chunks) = chunks else { return self.one_by_one(simd, nodes, trip) };
+        let Some(mut chunks) = chunks else {
+            return trip.one_by_one_outlined(
+                simd,
+                #[inline(always)]
+                |trip| self.search_in(simd, nodes, trip),
+            );
+        };
         let test = TileTest { simd, rays, kind, slot, heading };
         let (planes, mut tested) = (chunks.beam.planes(), 0u64);
         let interval = planes.clip(&self.bounds, chunks.farthest);
@@ -212,21 +218,6 @@ impl IntervalIndex {
         );
         trip.counters.nodes += visited * count as u64;
         trip.counters.triangles += tested;
-    }
-
-    /// A function of its own, so that the walk is compiled once more and not twice.
-    #[cold]
-    #[inline(never)]
-    fn one_by_one<S: Simd, N: Layout>(&self, simd: S, nodes: &[N], trip: &mut TileTrip) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                trip.one_by_one(
-                    #[inline(always)]
-                    |trip| self.search_in(simd, nodes, trip),
-                );
-            },
-        );
     }
 }
 
