@@ -11,10 +11,17 @@ use super::lobe::{Kind, Lobe};
 pub const MOST: usize = 8;
 
 /// A weighted sum of lobes.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Lobes {
+    /// What lies behind the first `count` are left-overs.
     lobes: [Lobe; MOST],
     count: u32,
+}
+
+impl PartialEq for Lobes {
+    fn eq(&self, other: &Self) -> bool {
+        self.as_slice() == other.as_slice()
+    }
 }
 
 impl From<Lobe> for Lobes {

@@ -504,3 +504,13 @@ fn lambertians_at_once_are_those_one_by_one() {
         assert_eq!([0, 16].map(|i| at_once.kinds(i)), [Kind::Diffuse.bit(); 2], "nothing else is left");
     }
 }
+
+#[test]
+fn lobes_are_equal_whatever_was_in_their_place() {
+    let lobe = Lobe::lambert(Vec3::ONE);
+    let mut used = Lobes::from(lobe).over(Lobe::lambert(Vec3::splat(0.5)));
+    used.clear();
+    used.push(lobe);
+    assert_eq!(used, Lobes::from(lobe), "two lay there before");
+    assert_ne!(used, Lobes::default(), "one is not none");
+}
