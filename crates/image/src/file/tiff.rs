@@ -129,8 +129,9 @@ pub(super) fn stored(source: &mut dyn Source, length: u64, room: Room, all: bool
         let first = shape(&mut reader)?;
         let size = first.size.map(|n| n as u64);
         check_density("TIFF", size, length, MOST_DENSE)?;
-        // The values, a tile or strip of them beside, and what they become.
-        room.check("TIFF", size, (first.channels as u64) * 4 * 2 + PICTURE_BYTES)?;
+        // Values of at most 8 bytes, what is kept of them, and what that becomes; smaller copies are a third more of what is kept.
+        let copies = if all { 2 } else { 0 };
+        room.check("TIFF", size, first.channels as u64 * (8 + 4 + copies) + PICTURE_BYTES)?;
         let values_of_first = values(&mut reader, first)?;
         let mut stored = Stored::plain(first.size, first.channels, values_of_first);
         if let ColorType::Multiband { num_samples: 4.., .. } = reader.colortype().map_err(library_error)? {
