@@ -67,6 +67,10 @@ pub trait Real:
     /// there are points.
     fn squeeze(self, mask: Self::Mask, to: &mut [f32], at: usize);
 
+    /// What `f` makes, by a function of its own: for what few points need, so that it is compiled once and not into every loop
+    /// over points. `f` must be `#[inline(always)]`.
+    fn apart<T>(self, f: impl FnOnce() -> T) -> T;
+
     /// Whether the mask holds any point.
     #[inline(always)]
     fn any(mask: Self::Mask) -> bool {
@@ -193,6 +197,11 @@ impl Real for f32 {
             to[at] = self;
         }
     }
+
+    #[inline(always)]
+    fn apart<T>(self, f: impl FnOnce() -> T) -> T {
+        outlined(f)
+    }
 }
 
 impl<S: Simd> Real for f32x16<S> {
@@ -311,6 +320,21 @@ impl<S: Simd> Real for f32x16<S> {
     fn squeeze(self, mask: Self::Mask, to: &mut [f32], at: usize) {
         self.compress(mask).store_slice(&mut to[at..at + 16]);
     }
+
+    #[inline(always)]
+    fn apart<T>(self, f: impl FnOnce() -> T) -> T {
+        let simd = self.token();
+        // The function itself knows no instructions of the level: its body enters them again.
+        outlined(
+            #[inline(always)]
+            move || simd.vectorize(f),
+        )
+    }
+}
+
+#[inline(never)]
+fn outlined<T>(f: impl FnOnce() -> T) -> T {
+    f()
 }
 
 /// The float after a finite one, or the one before if `down`.

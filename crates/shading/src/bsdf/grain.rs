@@ -93,9 +93,14 @@ impl<R: Real> Slopes<R> {
         let plain = Energy::of(self.ggx);
         let Some(grain) = &self.grain else { return plain };
         let along = self.ggx.alpha();
-        let [a, b] = along.each_pair(
+        let [a, b] = along.apart(
             #[inline(always)]
-            |i| mean_of_facets(along.lane(i), grain.across.lane(i)),
+            || {
+                along.each_pair(
+                    #[inline(always)]
+                    |i| mean_of_facets(along.lane(i), grain.across.lane(i)),
+                )
+            },
         );
         let [plain_a, plain_b] = plain.average;
         Energy { average: [R::pick(grain.is, a, plain_a), R::pick(grain.is, b, plain_b)], ..plain }
@@ -107,9 +112,14 @@ impl<R: Real> Slopes<R> {
         let plain = Energy::of(self.ggx).split(cos);
         let Some(grain) = &self.grain else { return plain };
         let (along, azimuth) = (self.ggx.alpha(), w.map_or(cos.all(0.5), |w| grain.azimuth(w)));
-        let [a, b] = cos.each_pair(
+        let [a, b] = cos.apart(
             #[inline(always)]
-            |i| split_of_facets([along.lane(i), grain.across.lane(i)], cos.lane(i), azimuth.lane(i)),
+            || {
+                cos.each_pair(
+                    #[inline(always)]
+                    |i| split_of_facets([along.lane(i), grain.across.lane(i)], cos.lane(i), azimuth.lane(i)),
+                )
+            },
         );
         [R::pick(grain.is, a, plain[0]), R::pick(grain.is, b, plain[1])]
     }

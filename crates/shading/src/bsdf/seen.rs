@@ -9,7 +9,7 @@
 
 use glam::Vec3;
 
-use super::dispersed::{self, Colours};
+use super::dispersed::Colours;
 use super::energy::RULE;
 use super::lobe::{Kind, Lobe, rare};
 use super::lobes::MOST;
@@ -92,15 +92,20 @@ impl<R: Real> Seen<R> {
                 lobe.rarities.tangent = along(lobe.normal, from.rarities.tangent);
                 lobe.rarities.channels = Colours::chances(light * from.weight);
             }
-            let albedo = lobe.look();
+            let albedo = zero.apart(
+                #[inline(always)]
+                || lobe.look(),
+            );
             if lobe.under_any != 0 {
                 for (j, under) in lobe.under.iter_mut().enumerate() {
                     for (i, bits) in from.under.iter().enumerate() {
                         *under |= (bits >> j & 1) << i;
                     }
                 }
-                let left = left_by(above, lobe, None);
-                let average = left_on_average(above, lobe);
+                let (left, average) = zero.apart(
+                    #[inline(always)]
+                    || (left_by(above, lobe, None), left_on_average(above, lobe)),
+                );
                 let scattered = lobe.weight * left * albedo;
                 lobe.chance = scattered.max_element();
                 self.albedo = self.albedo + scattered;
@@ -177,14 +182,7 @@ impl<R: Real> Seen<R> {
         let mut through_is_fine = lobe.is(Kind::Translucent);
         for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
             if lobe.has(kind) {
-                let (glass, seen) = lobe.glass(thin);
-                let (mut chosen, mut some) = glass.sample(seen, wo, [first, u[1], u[2]], cosine);
-                if lobe.rare & rare::SPREAD != 0 && !thin {
-                    let u = [first, u[1], u[2]];
-                    let colours = lobe.colours();
-                    (chosen, some) =
-                        dispersed::sample(&glass, &colours, [lobe.wo, wo], u, cosine, (chosen, some));
-                }
+                let (chosen, some) = lobe.sample_glass(thin, wo, [first, u[1], u[2]], cosine);
                 let is = lobe.is(kind);
                 wi = Vector::pick(is, chosen, wi);
                 found = found & (some | !is);

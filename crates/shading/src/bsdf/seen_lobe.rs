@@ -194,19 +194,25 @@ impl<R: Real> SeenLobe<R> {
         if self.rare & rare::FILM == 0 {
             return bare;
         }
-        let [share, ior, thickness] = self.rarities.film;
-        let metal = R::bits(self.is(Kind::Metal));
-        bare.each_colour(
-            share.above_all(0.0),
+        cos.apart(
             #[inline(always)]
-            |i, bare| {
-                let film = Film { share: share.lane(i), ior: ior.lane(i), thickness: thickness.lane(i) };
-                let base = if metal >> i & 1 != 0 {
-                    Base::Metal(self.a.get(i), self.b.get(i))
-                } else {
-                    Base::Normal(self.a.get(i))
-                };
-                bare.lerp(film::reflectance(film, cos.lane(i), base), film.share)
+            || {
+                let [share, ior, thickness] = self.rarities.film;
+                let metal = R::bits(self.is(Kind::Metal));
+                bare.each_colour(
+                    share.above_all(0.0),
+                    #[inline(always)]
+                    |i, bare| {
+                        let film =
+                            Film { share: share.lane(i), ior: ior.lane(i), thickness: thickness.lane(i) };
+                        let base = if metal >> i & 1 != 0 {
+                            Base::Metal(self.a.get(i), self.b.get(i))
+                        } else {
+                            Base::Normal(self.a.get(i))
+                        };
+                        bare.lerp(film::reflectance(film, cos.lane(i), base), film.share)
+                    },
+                )
             },
         )
     }
@@ -218,17 +224,23 @@ impl<R: Real> SeenLobe<R> {
         if self.rare & rare::FILM == 0 {
             return schlick;
         }
-        let share = self.rarities.film[0];
-        // Of those that are seen, the mean facet: by what the table says of Schlick's curve over them.
-        let rise = split[1] / (split[0] + split[1]).or_more(cos.all(1e-6));
-        let blurred = cos.each(
+        cos.apart(
             #[inline(always)]
-            |i| 1.0 - rise.lane(i).clamp(0.0, 1.0).powf(0.2),
-        );
-        let under_film = self.filmed(blurred, Vector::grey(cos.all(0.0))).over(share.or_more(cos.all(1e-6)));
-        let under_film = under_film * (split[0] + split[1]);
-        let mixed = schlick * share.rest() + under_film * share;
-        Vector::pick(share.above_all(0.0), mixed, schlick)
+            || {
+                let share = self.rarities.film[0];
+                // Of those that are seen, the mean facet: by what the table says of Schlick's curve over them.
+                let rise = split[1] / (split[0] + split[1]).or_more(cos.all(1e-6));
+                let blurred = cos.each(
+                    #[inline(always)]
+                    |i| 1.0 - rise.lane(i).clamp(0.0, 1.0).powf(0.2),
+                );
+                let black = Vector::grey(cos.all(0.0));
+                let under_film = self.filmed(blurred, black).over(share.or_more(cos.all(1e-6)));
+                let under_film = under_film * (split[0] + split[1]);
+                let mixed = schlick * share.rest() + under_film * share;
+                Vector::pick(share.above_all(0.0), mixed, schlick)
+            },
+        )
     }
 
     /// Fills in what follows from the view; says which share of light the lobe scatters, without its weight.
@@ -273,13 +285,9 @@ impl<R: Real> SeenLobe<R> {
         for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
             if self.has(kind) {
                 let is = self.is(kind);
-                let (glass, _) = self.glass(thin);
-                let seen = glass.seen(self.wo, self.cos);
+                let (seen, mirrored) = self.look_at_glass(thin);
                 self.lost = R::pick(is, seen.lost, self.lost);
                 self.hidden = R::pick(is, seen.hidden, self.hidden);
-                // About: facets mirror as the plane does, blurred.
-                let blurred = self.cos + (one.all(0.7) - self.cos) * (self.alpha * 0.5);
-                let mirrored = glass.mirrored(blurred);
                 albedo = Vector::pick(is, self.b + (self.a - self.b) * mirrored, albedo);
             }
         }
@@ -299,6 +307,20 @@ impl<R: Real> SeenLobe<R> {
             albedo = Vector::pick(is, self.a * mirrored + self.b * mirrored.rest(), albedo);
         }
         albedo
+    }
+
+    /// What follows from the view of rough glass, and the share of light that it mirrors.
+    #[inline(always)]
+    fn look_at_glass(&self, thin: bool) -> (SeenGlass<R>, Vector<R>) {
+        self.cos.apart(
+            #[inline(always)]
+            || {
+                let (glass, _) = self.glass(thin);
+                // About: facets mirror as the plane does, blurred.
+                let blurred = self.cos + (self.cos.all(0.7) - self.cos) * (self.alpha * 0.5);
+                (glass.seen(self.wo, self.cos), glass.mirrored(blurred))
+            },
+        )
     }
 
     /// Share of light that smooth glass mirrors, by colour.
@@ -421,27 +443,54 @@ impl<R: Real> SeenLobe<R> {
         }
         for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
             if self.has(kind) {
-                let (glass, seen) = self.glass(thin);
-                let (mut light, mut density) =
-                    glass.eval_pdf(seen, self.normal, [self.wo, wi], [self.cos, i]);
-                if self.rare & rare::SPREAD != 0 && !thin {
-                    let ways = [self.wo, wi];
-                    let colours = self.colours();
-                    (light, density) = dispersed::eval_pdf(
-                        &glass,
-                        &colours,
-                        self.normal,
-                        ways,
-                        [self.cos, i],
-                        (light, density),
-                    );
-                }
+                let (light, density) = self.eval_pdf_of_glass(thin, wi, i);
                 // Both normals must say the same of the side.
                 let is = self.is(kind) & (front | (!above & zero.above(i)));
                 (value, pdf) = (Vector::pick(is, light, value), R::pick(is, density, pdf));
             }
         }
         (value, pdf)
+    }
+}
+
+impl<R: Real> SeenLobe<R> {
+    /// Value times the cosine and density of rough glass for `wi` at the cosine `i`.
+    #[inline(always)]
+    fn eval_pdf_of_glass(&self, thin: bool, wi: Vector<R>, i: R) -> (Vector<R>, R) {
+        i.apart(
+            #[inline(always)]
+            || {
+                let (glass, seen) = self.glass(thin);
+                let (ways, cosines) = ([self.wo, wi], [self.cos, i]);
+                let white = glass.eval_pdf(seen, self.normal, ways, cosines);
+                if self.rare & rare::SPREAD == 0 || thin {
+                    return white;
+                }
+                dispersed::eval_pdf(&glass, &self.colours(), self.normal, ways, cosines, white)
+            },
+        )
+    }
+
+    /// Where rough glass sends light that comes from `wo`, in the frame of that; and the points at which it does.
+    #[inline(always)]
+    pub(super) fn sample_glass(
+        &self,
+        thin: bool,
+        wo: Vector<R>,
+        u: [R; 3],
+        cosine: Vector<R>,
+    ) -> (Vector<R>, R::Mask) {
+        wo.x.apart(
+            #[inline(always)]
+            || {
+                let (glass, seen) = self.glass(thin);
+                let white = glass.sample(seen, wo, u, cosine);
+                if self.rare & rare::SPREAD == 0 || thin {
+                    return white;
+                }
+                dispersed::sample(&glass, &self.colours(), [self.wo, wo], u, cosine, white)
+            },
+        )
     }
 }
 
