@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `cargo xtask ci`: everything that must pass before a change is taken. Source: original.
 
-use std::fs::File;
-use std::path::PathBuf;
-use std::process::{Child, Command};
+use std::process::Command;
 
 use crate::failure::Failure;
 use crate::workspace::Workspace;
@@ -19,19 +17,13 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     command::run(command::cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     let doc = ["doc", "--workspace", "--no-deps"];
     command::run(command::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))?;
-    for target in OTHER_MACHINES {
-        check_for(target)?;
-    }
+    check_for_other_machines()?;
 
     let promises = readme::promises()?;
-    let mut first = FirstCommand::start(&promises)?;
-    let checked =
-        run_words(&promises.test).and_then(|()| installed::check(&[])).and_then(|()| python::run(&[]));
-    if checked.is_err() {
-        first.give_up();
-    }
-    checked?;
-    first.finish()?;
+    run_words(&promises.test)?;
+    installed::check(&[])?;
+    first_picture(&promises)?;
+    python::run(&[])?;
     eprintln!("all checks passed");
     Ok(())
 }
@@ -39,65 +31,39 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
 /// What the libraries must compile for, beside the machine that this runs on.
 const OTHER_MACHINES: [&str; 2] = ["aarch64-unknown-linux-gnu", "wasm32-unknown-unknown"];
 
-/// Checks the libraries for another machine, if its standard library is installed.
-fn check_for(target: &str) -> Result<(), Failure> {
-    if !command::has_target(target) {
+/// Checks the libraries for other machines, those whose standard libraries are installed.
+fn check_for_other_machines() -> Result<(), Failure> {
+    let (there, missing): (Vec<_>, Vec<_>) =
+        OTHER_MACHINES.iter().partition(|target| command::has_target(target));
+    for target in missing {
         eprintln!("SKIPPED: the check for {target}; `rustup target add {target}` installs what it needs");
+    }
+    if there.is_empty() {
         return Ok(());
     }
     // Its dependencies are all the libraries that know no window, file lock or signal.
-    command::run(command::cargo().args(["check", "-p", "gnurt", "--target", target]))
+    let mut check = command::cargo();
+    check.args(["check", "-p", "gnurt"]);
+    for target in there {
+        check.args(["--target", target]);
+    }
+    command::run(&mut check)
 }
 
-/// The README's first command, which runs beside the tests: its build for release has a folder of its own, and cores that wait
-/// for the last crate of one build work on the other.
-struct FirstCommand {
-    line: String,
-    process: Child,
-    /// What it says, kept until it is done.
-    said: PathBuf,
-    picture: PathBuf,
-}
-
-impl FirstCommand {
-    fn start(promises: &readme::Promises) -> Result<Self, Failure> {
-        let picture = command::root().join(&promises.picture);
-        // One left by an earlier run would prove nothing.
-        if picture.exists() {
-            std::fs::remove_file(&picture).map_err(|error| format!("{}: {error}", picture.display()))?;
-        }
-        let said = Workspace::load()?.target.join("first-command.txt");
-        let told = |error: std::io::Error| format!("{}: {error}", said.display());
-        let output = File::create(&said).map_err(told)?;
-        let errors = output.try_clone().map_err(told)?;
-        let line = promises.first.join(" ");
-        eprintln!("+ {line} (beside what follows)");
-        let process = command_of(&promises.first)?
-            .stdout(output)
-            .stderr(errors)
-            .spawn()
-            .map_err(|error| format!("'{line}' cannot be run: {error}"))?;
-        Ok(Self { line, process, said, picture })
+/// Renders what the README's first command renders, by the program that the tests have built: a second build of everything, for
+/// release, would take a quarter of the time of all checks.
+fn first_picture(promises: &readme::Promises) -> Result<(), Failure> {
+    let picture = command::root().join(&promises.picture);
+    // One left by an earlier run would prove nothing.
+    if picture.exists() {
+        std::fs::remove_file(&picture).map_err(|error| format!("{}: {error}", picture.display()))?;
     }
-
-    /// Waits for it, shows what it said and looks for its picture.
-    fn finish(mut self) -> Result<(), Failure> {
-        let status = self.process.wait().map_err(|error| format!("'{}': {error}", self.line))?;
-        eprintln!("'{}' said:", self.line);
-        eprint!("{}", std::fs::read_to_string(&self.said).unwrap_or_default());
-        if !status.success() {
-            return Err(format!("'{}' failed: {status}", self.line));
-        }
-        match std::fs::metadata(&self.picture) {
-            Ok(file) if file.len() > 0 => Ok(()),
-            _ => Err(format!("'{}' made no picture {}", self.line, self.picture.display())),
-        }
-    }
-
-    /// Ends it: another check has failed.
-    fn give_up(&mut self) {
-        let _ = self.process.kill();
-        let _ = self.process.wait();
+    let program = Workspace::load()?.target.join("debug/gnurt");
+    let words = promises.first.iter().skip_while(|word| *word != "--").skip(1);
+    command::run(Command::new(program).args(words).current_dir(command::root()))?;
+    match std::fs::metadata(&picture) {
+        Ok(file) if file.len() > 0 => Ok(()),
+        _ => Err(format!("'{}' made no picture {}", promises.first.join(" "), picture.display())),
     }
 }
 
