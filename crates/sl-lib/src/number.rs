@@ -111,6 +111,11 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
     fn copysign(self, sign: Self) -> Self;
     /// The bits of the floats.
     fn bits(self) -> Self::Words;
+    /// The same for who looks at them: all NaNs have the bits of one, for nobody says which bits an operation gives to a NaN.
+    #[inline(always)]
+    fn known_bits(self) -> Self::Words {
+        Self::choose(self.equal(self), self, self.of(f32::NAN)).bits()
+    }
     /// The floats with these bits.
     fn from_bits(bits: Self::Words) -> Self;
     /// Signed whole numbers, rounded towards zero; out of range the nearest, 0 for NaN.

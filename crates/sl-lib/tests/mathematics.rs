@@ -112,3 +112,17 @@ fn steps_climb_from_0_to_1() {
     assert_eq!([select(1.0, 2.0, 0.0), select(1.0, 2.0, -3.0)], [1.0, 2.0]);
     assert_eq!(mix(1.0, 3.0, 0.25), 1.5);
 }
+
+#[test]
+fn nobody_looks_at_the_sign_of_what_is_no_number() {
+    // Which sign an operation gives to it differs from machine to machine, and from code to code.
+    let (plus, minus) = (f32::NAN.copysign(1.0), f32::NAN.copysign(-1.0));
+    for x in [0.0, -0.0, 1.0, -2.0] {
+        let [a, b] = [plus, minus].map(|nan| [atan2(x, nan), atan2(nan, x), log(nan), exp(nan), pow(nan, x)]);
+        for (k, (a, b)) in a.into_iter().zip(b).enumerate() {
+            assert!(a == b || a.is_nan() && b.is_nan(), "function {k} of {x}: {a} or {b}");
+        }
+        let [a, b] = [plus, minus].map(|nan| gnurt_sl_lib::noise::hash_floats([nan, x]));
+        assert_eq!(a, b, "a hash with {x}");
+    }
+}

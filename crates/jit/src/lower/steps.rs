@@ -388,7 +388,7 @@ fn hash(v: &mut Values<'_>, args: &[Slot]) {
     } else {
         let mut words: Vec<Bits> = Vec::new();
         for slot in rest {
-            words.extend((0..slot.size as usize).map(|i| v.float(slot, i).bits()));
+            words.extend((0..slot.size as usize).map(|i| v.float(slot, i).known_bits()));
         }
         functions::hash(&words)
     };

@@ -157,7 +157,7 @@ pub fn atan<N: Number>(x: N) -> N {
     x.chain(angle.copysign(value), || one / (value * value + 1.0))
 }
 
-/// The angle of the direction (x, y), in [-pi, pi]; 0 or pi where both are zero.
+/// The angle of the direction (x, y), in [-pi, pi]; 0 or pi where both are zero. What is no number counts as without a sign.
 #[inline(always)]
 pub fn atan2<N: Number>(y: N, x: N) -> N {
     let (v, u) = (y.value(), x.value());
@@ -167,7 +167,7 @@ pub fn atan2<N: Number>(y: N, x: N) -> N {
     let ratio = N::Real::choose(a.equal(b), one, ratio);
     let r = atan_up_to_one(N::Real::choose(b.equal(zero), zero, ratio));
     let r = N::Real::choose(steep, u.of(FRAC_PI_2) - r, r);
-    let leftwards = one.copysign(u).less(zero);
+    let leftwards = one.copysign(u).less(zero) & u.equal(u);
     let angle = N::Real::choose(leftwards, u.of(PI) - r, r).copysign(v);
     y.chain2(x, angle, || {
         let square = u * u + v * v;

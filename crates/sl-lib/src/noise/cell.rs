@@ -84,12 +84,12 @@ fn cells<R: Real, const N: usize>(p: [R; N]) -> [R::Words; N] {
     words
 }
 
-/// The bits of coordinates.
+/// The bits of coordinates, all NaNs alike.
 #[inline(always)]
 fn bits<R: Real, const N: usize>(p: [R; N]) -> [R::Words; N] {
     let mut words = [p[0].bits(); N];
     for (word, x) in words.iter_mut().zip(p) {
-        *word = x.bits();
+        *word = x.known_bits();
     }
     words
 }

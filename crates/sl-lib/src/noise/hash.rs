@@ -69,8 +69,8 @@ pub fn hash_int(x: i32) -> i32 {
     hash_words([Word(x as u32)]).0 as i32
 }
 
-/// `hash(float)`, `hash(float, float)`, `hash(point)` and `hash(point, float)`: of the bits, so 0 and -0 differ.
+/// `hash(float)`, `hash(float, float)`, `hash(point)` and `hash(point, float)`: of the bits, so 0 and -0 differ; NaNs do not.
 #[must_use]
 pub fn hash_floats<const N: usize>(x: [f32; N]) -> i32 {
-    hash_words(x.map(|x| Word(x.to_bits()))).0 as i32
+    hash_words(x.map(Real::known_bits)).0 as i32
 }
