@@ -148,7 +148,7 @@ fn numbers_are_written_as_by_c() {
 }
 
 fn super_general(x: f32) -> String {
-    let text = general(x);
+    let text = general(x.into(), 6);
     assert_eq!(filled("%g", &[Argument::Floats(&[x])]), text);
     text
 }

@@ -65,9 +65,9 @@ fn power(exponent: i32) -> String {
     format!("e{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs())
 }
 
-/// `%g` of a float: six digits.
+/// `%.{precision}g` of any number, 1 to 40 digits.
 #[must_use]
-pub fn general(value: f32) -> String {
+pub fn general(value: f64, precision: usize) -> String {
     let sign = if value.is_sign_negative() { "-" } else { "" };
     if value.is_nan() {
         return format!("{sign}nan");
@@ -75,5 +75,5 @@ pub fn general(value: f32) -> String {
     if value.is_infinite() {
         return format!("{sign}inf");
     }
-    format!("{sign}{}", digits(value.into(), Notation::General, 6, false))
+    format!("{sign}{}", digits(value, Notation::General, precision.clamp(1, 40), false))
 }
