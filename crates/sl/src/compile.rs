@@ -2,17 +2,43 @@
 //! Source text to a compiled shader, all steps in a row.
 //! Source: original.
 
-use crate::check::{Options as CheckOptions, check};
+use crate::check::{Known, Options as CheckOptions, check, check_library};
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::ir::{Shader, verify};
 use crate::lower::lower;
 use crate::parse::Parser;
 use crate::passes::mark_derivatives;
-use crate::preprocess::{Loader, Preprocessor};
+use crate::preprocess::{Loader, Macros, Preprocessor};
 use crate::source::{Loc, Sources};
+use std::sync::OnceLock;
 
 /// What every shader can call: declarations and functions, before the user's text.
 const STANDARD: &str = include_str!("../include/stdosl.h");
+/// The name that messages show for it.
+const STANDARD_NAME: &str = "stdosl.h";
+
+/// What it leaves to the texts after it.
+struct Library {
+    macros: Macros,
+    known: Known,
+}
+
+/// It is read and checked once in a process, and once more for those who only want what OSL has.
+fn library(strict: bool) -> &'static Library {
+    static LIBRARIES: [OnceLock<Library>; 2] = [const { OnceLock::new() }; 2];
+    LIBRARIES[usize::from(strict)].get_or_init(|| {
+        let options = Options { strict, ..Options::default() };
+        let load: &Loader<'_> = &|_| None;
+        let mut source = bare(&options, load);
+        // As in all compilations the user's file has the first number.
+        source.sources.add("", "", false);
+        source.push_text(STANDARD_NAME, STANDARD, true);
+        let parsed = Parser::new(&mut source, strict).file();
+        let options = CheckOptions { strict, ..CheckOptions::default() };
+        let known = check_library(&parsed, &source.sources, options);
+        Library { macros: source.macros, known }
+    })
+}
 
 /// How to compile.
 #[derive(Clone, Debug, Default)]
@@ -67,7 +93,8 @@ pub fn preprocess(name: &str, text: &str, options: &Options, load: &Loader<'_>) 
     (out, Compiled { shader: None, diagnostics: source.diagnostics, sources: source.sources })
 }
 
-fn start<'a>(name: &str, text: &str, options: &Options, load: &'a Loader<'a>) -> Preprocessor<'a> {
+/// Before any text.
+fn bare<'a>(options: &Options, load: &'a Loader<'a>) -> Preprocessor<'a> {
     let mut source = Preprocessor::new(load, options.includes.clone());
     let [major, minor, patch] = crate::VERSION_PARTS;
     for (word, value) in [
@@ -87,15 +114,39 @@ fn start<'a>(name: &str, text: &str, options: &Options, load: &'a Loader<'a>) ->
     for option in &options.undefines {
         source.undefine(option);
     }
-    source.push_text(name, text, false);
-    source.push_text("stdosl.h", STANDARD, true);
     source
+}
+
+/// Before the library, which comes before the text.
+fn start<'a>(name: &str, text: &str, options: &Options, load: &'a Loader<'a>) -> Preprocessor<'a> {
+    let mut source = bare(options, load);
+    source.push_text(name, text, false);
+    source.push_text(STANDARD_NAME, STANDARD, true);
+    source
+}
+
+/// Before the text, after the library. Macros that somebody defines may change what that says: then it is read with the text.
+fn start_after<'a>(
+    name: &str,
+    text: &str,
+    options: &Options,
+    load: &'a Loader<'a>,
+) -> (Preprocessor<'a>, Option<&'static Known>) {
+    if !options.defines.is_empty() || !options.undefines.is_empty() {
+        return (start(name, text, options, load), None);
+    }
+    let library = library(options.strict);
+    let mut source = Preprocessor::new(load, options.includes.clone());
+    source.macros.clone_from(&library.macros);
+    source.push_text(name, text, false);
+    source.sources.add(STANDARD_NAME, STANDARD, true);
+    (source, Some(&library.known))
 }
 
 /// Compiles a text.
 #[must_use]
 pub fn compile(name: &str, text: &str, options: &Options, load: &Loader<'_>) -> Compiled {
-    let mut source = start(name, text, options, load);
+    let (mut source, known) = start_after(name, text, options, load);
     let parser = Parser::new(&mut source, options.strict);
     let mut diagnostics = std::mem::take(&mut source.diagnostics);
     let sources = source.sources;
@@ -104,7 +155,7 @@ pub fn compile(name: &str, text: &str, options: &Options, load: &Loader<'_>) -> 
     }
     let parsed = parser.file();
     let options = CheckOptions { warnings_are_errors: options.warnings_are_errors, strict: options.strict };
-    let (program, found) = check(&parsed, &sources, options);
+    let (program, found) = check(&parsed, known, &sources, options);
     diagnostics.append(found);
     if diagnostics.errors > 0 {
         return Compiled { shader: None, diagnostics, sources };

@@ -86,14 +86,38 @@ const GLOBALS_OF_KINDS: [(&str, Type, bool, &[&str]); 9] = [
     ("weight", Type::COLOR, false, &["camera"]),
 ];
 
+/// What is declared before a text.
+#[derive(Clone, Debug, Default)]
+pub struct Known {
+    program: Program,
+    scopes: Scopes,
+    signatures: Vec<Signature>,
+    readonly: HashSet<u32>,
+}
+
+impl Checker<'_> {
+    /// What has been declared.
+    pub(super) fn known(self) -> Known {
+        let Self { program, scopes, signatures, readonly, .. } = self;
+        Known { program, scopes, signatures, readonly }
+    }
+}
+
 impl<'a> Checker<'a> {
-    pub(super) fn new(sources: &'a Sources, quiet: &'a HashSet<(u16, u32)>, options: Options) -> Self {
-        let mut this = Self {
-            program: Program::default(),
-            scopes: Scopes::default(),
-            signatures: Vec::new(),
+    /// After what is known already.
+    pub(super) fn after(
+        known: Known,
+        sources: &'a Sources,
+        quiet: &'a HashSet<(u16, u32)>,
+        options: Options,
+    ) -> Self {
+        let Known { program, scopes, signatures, readonly } = known;
+        Self {
+            program,
+            scopes,
+            signatures,
             frames: Vec::new(),
-            readonly: HashSet::new(),
+            readonly,
             sources,
             formals_of_shader: false,
             quiet,
@@ -102,7 +126,11 @@ impl<'a> Checker<'a> {
             all_early: 0,
             tries: 0,
             done: Diagnostics::default(),
-        };
+        }
+    }
+
+    pub(super) fn new(sources: &'a Sources, quiet: &'a HashSet<(u16, u32)>, options: Options) -> Self {
+        let mut this = Self::after(Known::default(), sources, quiet, options);
         this.scopes.push();
         for (name, ty, readonly) in GLOBALS {
             let id = this.declare(name.into(), ty, VarKind::Global, Loc::NONE);

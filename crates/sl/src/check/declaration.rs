@@ -2,7 +2,7 @@
 //! Declarations, and the check of a whole file.
 //! Source: original; the rules and words are OSL's.
 
-use super::checker::{Checker, Frame, Options};
+use super::checker::{Checker, Frame, Known, Options};
 use super::literal::literal;
 use super::scope::Named;
 use super::signature::{Formal, Signature};
@@ -19,10 +19,32 @@ const STRUCTS: usize = 10_000;
 /// Values in all members of a struct.
 const STRUCT_SIZE: usize = 100_000;
 
-/// Checks a file. The program is only whole if there were no errors.
+/// Checks declarations of structs and functions that come before other texts, and are right.
 #[must_use]
-pub fn check(parsed: &Parsed, sources: &Sources, options: Options) -> (Program, Diagnostics) {
+pub fn check_library(parsed: &Parsed, sources: &Sources, options: Options) -> Known {
     let mut checker = Checker::new(sources, &parsed.quiet, options);
+    for item in &parsed.items {
+        match item {
+            ast::Item::Struct(s) => checker.structure(s),
+            ast::Item::Function(f) => checker.function(f),
+            ast::Item::Shader(_) => {}
+        }
+    }
+    checker.known()
+}
+
+/// Checks a file that comes after what is known, if something is. The program is only whole if there were no errors.
+#[must_use]
+pub fn check(
+    parsed: &Parsed,
+    known: Option<&Known>,
+    sources: &Sources,
+    options: Options,
+) -> (Program, Diagnostics) {
+    let mut checker = match known {
+        Some(known) => Checker::after(known.clone(), sources, &parsed.quiet, options),
+        None => Checker::new(sources, &parsed.quiet, options),
+    };
     checker.done.append(parsed.diagnostics.clone());
     if options.warnings_are_errors {
         checker.done.errors = checker.done.list.len();

@@ -22,6 +22,6 @@ mod signature;
 mod special;
 mod statement;
 
-pub use checker::Options;
-pub use declaration::check;
+pub use checker::{Known, Options};
+pub use declaration::{check, check_library};
 pub(crate) use literal::literal;

@@ -18,7 +18,7 @@ pub(super) enum Named {
 }
 
 /// All names that hold where the checker is.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Scopes {
     open: Vec<(u32, HashMap<Arc<str>, Named>)>,
     next: u32,

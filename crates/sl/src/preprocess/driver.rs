@@ -12,11 +12,13 @@ use crate::source::{Loc, Sources};
 use crate::token::{Tok, Token};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
-use std::rc::Rc;
 use std::sync::Arc;
 
 /// Reads a file; None when there is none.
 pub type Loader<'a> = dyn Fn(&Path) -> Option<String> + 'a;
+
+/// Macros by name.
+pub type Macros = HashMap<Arc<str>, Arc<Macro>>;
 
 /// Tokens that macros may make in one compilation.
 const TOKENS: usize = 4_000_000;
@@ -49,7 +51,8 @@ pub struct Preprocessor<'a> {
     pub diagnostics: Diagnostics,
     load: &'a Loader<'a>,
     search: Vec<String>,
-    macros: HashMap<Arc<str>, Rc<Macro>>,
+    /// Macros by name.
+    pub macros: Macros,
     active: HashSet<Arc<str>>,
     pending: Vec<Item>,
     files: Vec<(Lexer, usize, u16)>,
@@ -82,7 +85,7 @@ impl<'a> Preprocessor<'a> {
     /// As `-DNAME=TEXT` does.
     pub fn define(&mut self, option: &str) {
         match Macro::from_option(option) {
-            Some((name, made)) => drop(self.macros.insert(name, Rc::new(made))),
+            Some((name, made)) => drop(self.macros.insert(name, Arc::new(made))),
             None => self.error(Loc::NONE, format!("macro name must be a name: -D{option}")),
         }
     }
@@ -422,7 +425,7 @@ impl<'a> Preprocessor<'a> {
         let name = lexer.next_token();
         let made = Macro::read(lexer);
         match (name.ident(), made) {
-            (Some(name), Ok(made)) => drop(self.macros.insert(name.clone(), Rc::new(made))),
+            (Some(name), Ok(made)) => drop(self.macros.insert(name.clone(), Arc::new(made))),
             (None, _) => self.error(name.loc, "macro name must be a name".to_owned()),
             (_, Err(message)) => self.error(name.loc, message),
         }

@@ -8,5 +8,5 @@ mod condition;
 mod driver;
 mod macros;
 
-pub use driver::{Loader, Preprocessor};
+pub use driver::{Loader, Macros, Preprocessor};
 pub use macros::Macro;
