@@ -5,8 +5,8 @@
 //! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{
-    Component, DualRow, Event, Host, Kept, Machine, Memory, Message, Point, Points, Program, Results, Row,
-    Slot, Step,
+    Cells, Component, DualRow, Event, Host, Kept, Machine, Memory, Message, Point, Points, Program, Results,
+    Row, Slot, Step,
 };
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
@@ -169,10 +169,10 @@ impl<'a> Lanes<'a> {
         slot.map_or(0, |slot| self.words(slot, lane).first().copied().unwrap_or(0))
     }
 
-    /// The components of a closure with their weights, in order.
+    /// The components of a point's closure with their weights, in order.
     #[must_use]
-    pub fn components(&self, number: u32) -> Vec<([f32; 3], &Component)> {
-        self.work.machine.components(number)
+    pub fn components(&self, number: u32, lane: usize) -> Vec<([f32; 3], Component)> {
+        self.work.machine.components_of(number, lane)
     }
 }
 
@@ -291,6 +291,31 @@ impl Calls for Work<'_> {
                     self.hear(lane);
                 }
             }
+            Call::Closure { layer, step, ins, outs } => {
+                let (layout, held) = (&code.layout, &*memory);
+                let read = |cell: u32| match layout.place(cell) {
+                    Place::One(at) => Cells::One(held[at as usize / 4]),
+                    Place::Each(at) => match held[at as usize / 4..].first_chunk() {
+                        Some(row) => Cells::Each(row),
+                        None => Cells::One(0),
+                    },
+                };
+                match self.machine.make_closures(step, running, read) {
+                    Some(made) => {
+                        for lane in lanes {
+                            set(layout, memory, step.args[0].at, lane, made[lane]);
+                        }
+                    }
+                    // It says why.
+                    None => {
+                        for lane in lanes {
+                            self.turn(lane);
+                            self.step(memory, lane, *layer, step, ins, outs);
+                            self.hear(lane);
+                        }
+                    }
+                }
+            }
             Call::Userdata { layer, param, given } => {
                 let mut found = 0;
                 let param = &code.plan.layers[*layer].params[*param];
@@ -325,7 +350,7 @@ impl Work<'_> {
             return;
         }
         let messages = std::mem::take(&mut self.messages[lane]);
-        let before = self.machine.change_point(&self.points.point(lane), messages);
+        let before = self.machine.change_point(&self.points.point(lane), lane, messages);
         if let Some(list) = self.messages.get_mut(self.lane) {
             *list = before;
         }

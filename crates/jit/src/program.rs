@@ -90,6 +90,8 @@ impl Node {
 pub(crate) enum Call {
     /// An operation that the interpreter does, lane by lane.
     Step { layer: usize, step: Arc<Step>, ins: Vec<Slot>, outs: Vec<Slot> },
+    /// An operation that makes closures, which the interpreter does for all lanes at once.
+    Closure { layer: usize, step: Arc<Step>, ins: Vec<Slot>, outs: Vec<Slot> },
     /// A value of the geometry for a parameter; lanes that got one are noted.
     Userdata { layer: usize, param: usize, given: u32 },
     /// That lanes are stopped in a loop.

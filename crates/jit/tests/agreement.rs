@@ -163,6 +163,21 @@ fn texts_and_messages() {
 fn closures() {
     let text = "surface test(float s = 7 [[int interpolated = 1]], output float f = 0) { f = s; Ci = u * diffuse(N); if (v > 0.5) Ci += diffuse(Ng) * color(u, 0, 1); }";
     compare(&alone(text), text);
+    let all = [
+        // Sums, weights that are nothing or all, in some points only, of numbers of other types.
+        "closure color c = 0; int k = int (u * 9); for (int i = 0; i < k; ++i) { c += v * diffuse(N); if (i > 3) c = c + emission(); } Ci = c * k + 0 * c + 1 * emission() + color(0) * c;",
+        // Layers of what differs from point to point, and of themselves.
+        "closure color c = u * diffuse(N); if (v > 0.3) c = layer(emission(), c); for (int i = 0; i < 4 * u; ++i) c = layer(c, v * c); Ci = c + layer(0 * c, c);",
+        // Keys, numbers for colours, texts and keys that differ.
+        "string kind = u > 0.5 ? \"ggx\" : \"beckmann\"; Ci = microfacet(kind, N, u, 1, 2) + conductor_bsdf(N, vector(u, v, 1), u, 0.5, color(v), color(u), kind, \"thinfilm_ior\", 1.5, \"thinfilm_thickness\", 100 * u);",
+        "string key = u > 0.5 ? \"thinfilm_ior\" : \"thinfilm_thickness\"; Ci = conductor_bsdf(N, vector(1), 0.5, 0.5, color(v), color(u), \"ggx\", key, 1.5 + v);",
+        // A program that does not know a closure says so for each point; texts of closures are those of the point.
+        "if (u > 0.5) Ci = u * phong(N, 3) + v * diffuse(N); printf(\"%s %s\", Ci, v * emission());",
+    ];
+    for code in all {
+        let text = format!("surface test(output closure color o = 0) {{ {code} o = Ci * 0.5; }}");
+        compare(&alone(&text), &text);
+    }
 }
 
 #[test]

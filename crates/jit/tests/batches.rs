@@ -5,7 +5,7 @@ use super::chance::{Dice, mutated};
 use super::world::{World, alone, points, rows, shader};
 use gnurt_jit::{Cache, Compiled, Lanes};
 use gnurt_simd::Level;
-use gnurt_sl::exec::{Plan, PlanOptions, Program, Results, parts};
+use gnurt_sl::exec::{Plan, PlanOptions, Program, Results};
 use gnurt_sl::group::Group;
 use gnurt_sl::ir::{read, write};
 use std::sync::Arc;
@@ -42,8 +42,18 @@ fn a_batch_by_code_is_a_batch_by_the_interpreter() {
         assert_eq!(cut(&found), cut(&wanted), "{count} points");
         assert_eq!(found.events, wanted.events, "what is said");
         for lane in 0..count {
-            let components = |r: &Results| format!("{:?}", parts(&r.closures, r.ci[lane]));
+            let components = |r: &Results| {
+                let parts = r.closures.parts(r.ci[lane], lane).into_iter();
+                let numbers =
+                    parts.map(|(w, part)| (w, part.kind, [0, 1, 2].map(|i| part.cells(i).at(lane))));
+                numbers.collect::<Vec<_>>()
+            };
             assert_eq!(components(&found), components(&wanted), "point {lane}");
+            assert_eq!(
+                components(&found).len(),
+                usize::from(lane > 0),
+                "a closure at point {lane}, where u is not 0"
+            );
         }
     }
 }

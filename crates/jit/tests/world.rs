@@ -4,7 +4,7 @@
 use gnurt_jit::{Compiled, Lanes};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{
-    ClosureDecl, ClosureParam, Event, Given, Host, Machine, Plan, PlanOptions, Point, Points,
+    ClosureDecl, ClosureParam, Component, Event, Given, Host, Machine, Plan, PlanOptions, Point, Points,
 };
 use gnurt_sl::group::Group;
 use gnurt_sl::hir::Data;
@@ -18,15 +18,28 @@ use std::sync::Arc;
 /// A world that answers a little.
 pub(crate) struct World {
     colors: ColorSystem,
-    diffuse: ClosureDecl,
+    closures: Vec<ClosureDecl>,
 }
 
 impl Default for World {
     fn default() -> Self {
-        let params = vec![ClosureParam { ty: Type::NORMAL, key: None }];
+        let param = |ty: Type| ClosureParam { ty, key: None };
+        let named = |ty: Type, key: &str| ClosureParam { ty, key: Some(key.into()) };
+        let decl = |name: &str, params: Vec<ClosureParam>| ClosureDecl { name: name.into(), params };
+        let tint = Type::COLOR;
+        let microfacet = [Type::STRING, Type::NORMAL, Type::FLOAT, Type::FLOAT, Type::INT].map(param);
+        let conductor = [Type::NORMAL, Type::VECTOR, Type::FLOAT, Type::FLOAT, tint, tint, Type::STRING];
+        let films = ["thinfilm_thickness", "thinfilm_ior"].map(|key| named(Type::FLOAT, key));
+        let conductor = conductor.map(param).into_iter().chain(films).collect();
         Self {
             colors: ColorSystem::named("Rec709").expect("it is known"),
-            diffuse: ClosureDecl { name: "diffuse".into(), params },
+            closures: vec![
+                decl("emission", Vec::new()),
+                decl("diffuse", vec![param(Type::NORMAL)]),
+                decl("microfacet", microfacet.to_vec()),
+                decl("conductor_bsdf", conductor),
+                decl("layer", vec![param(Type::CLOSURE); 2]),
+            ],
         }
     }
 }
@@ -41,8 +54,8 @@ impl Host for World {
         (name == "s" && point.index % 3 != 0).then(|| Data::Float(vec![point.index as f32]).into())
     }
 
-    fn closure(&self, name: &str) -> Option<&ClosureDecl> {
-        (name == "diffuse").then_some(&self.diffuse)
+    fn closures(&self) -> &[ClosureDecl] {
+        &self.closures
     }
 }
 
@@ -160,9 +173,9 @@ pub(crate) fn compare(group: &Group, text: &str) -> usize {
                         let data = match outputs.get(k) {
                             Some((layer, name)) => {
                                 let (ty, data) = lanes.output(lane, Some(*layer), name).expect("an output");
-                                if ty == Type::CLOSURE { closure_of_lane(&lanes, &data) } else { data }
+                                if ty == Type::CLOSURE { closure_of_lane(&lanes, lane, &data) } else { data }
                             }
-                            None => closure_of_lane(&lanes, &Data::Int(vec![lanes.ci(lane) as i32])),
+                            None => closure_of_lane(&lanes, lane, &Data::Int(vec![lanes.ci(lane) as i32])),
                         };
                         assert!(same(value, &data), "{how}: {name} is {data:?}, not {value:?}\n{text}");
                     }
@@ -178,10 +191,21 @@ pub(crate) fn compare(group: &Group, text: &str) -> usize {
 
 fn closure(machine: &Machine<'_>, data: &Data) -> Data {
     let Data::Int(list) = data else { return data.clone() };
-    Data::Str(list.iter().map(|&n| format!("{:?}", machine.components(n as u32)).into()).collect())
+    Data::Str(list.iter().map(|&n| told(&|n| machine.components(n), n as u32).into()).collect())
 }
 
-fn closure_of_lane(lanes: &Lanes<'_>, data: &Data) -> Data {
+fn closure_of_lane(lanes: &Lanes<'_>, lane: usize, data: &Data) -> Data {
     let Data::Int(list) = data else { return data.clone() };
-    Data::Str(list.iter().map(|&n| format!("{:?}", lanes.components(n as u32)).into()).collect())
+    Data::Str(list.iter().map(|&n| told(&|n| lanes.components(n, lane), n as u32).into()).collect())
+}
+
+/// A closure with all that lies in it: numbers of nodes are those of one engine only.
+fn told(components: &dyn Fn(u32) -> Vec<([f32; 3], Component)>, number: u32) -> String {
+    let mut all = components(number);
+    for (ty, data) in all.iter_mut().flat_map(|(_, part)| &mut part.params).map(|(_, ty, data)| (ty, data)) {
+        if let (Type::CLOSURE, Data::Int(list)) = (*ty, &*data) {
+            *data = Data::Str(list.iter().map(|&n| told(components, n as u32).into()).collect());
+        }
+    }
+    format!("{all:?}")
 }

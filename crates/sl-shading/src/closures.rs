@@ -8,41 +8,80 @@ use std::sync::LazyLock;
 use gnurt_sl::exec::{ClosureDecl, ClosureParam};
 use gnurt_sl::types::{Base, Type};
 
+/// What the renderer makes a closure to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Known {
+    Emission,
+    Radiance,
+    UniformEdf,
+    Transparent,
+    Layer,
+    Diffuse,
+    OrenNayar,
+    OrenNayarDiffuse,
+    Burley,
+    Subsurface,
+    SubsurfaceBssrdf,
+    Translucent,
+    TranslucentBsdf,
+    Sheen,
+    Phong,
+    Ward,
+    Microfacet,
+    Reflection,
+    Refraction,
+    Dielectric,
+    Conductor,
+    Schlick,
+    /// Hair, volumes and what shows nothing.
+    Nothing,
+}
+
 /// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure; `~` a thin film's thickness (nanometres) and
 /// index, given by name.
-const TABLE: [(&str, &str); 29] = [
-    ("emission", ""),
-    ("background", ""),
-    ("radiance", ""),
-    ("diffuse", "V"),
-    ("oren_nayar", "VF"),
-    ("translucent", "V"),
-    ("phong", "VF"),
-    ("ward", "VVFF"),
-    ("microfacet", "SVVFFFI"),
-    ("reflection", "VF"),
-    ("refraction", "VF"),
-    ("transparent", ""),
-    ("debug", "S"),
-    ("holdout", ""),
-    ("subsurface", "FFCC"),
-    ("oren_nayar_diffuse_bsdf", "VCF"),
-    ("burley_diffuse_bsdf", "VCF"),
-    ("dielectric_bsdf", "VVCCFFFS~"),
-    ("conductor_bsdf", "VVFFCCS~"),
-    ("generalized_schlick_bsdf", "VVCCFFCCFS~"),
-    ("translucent_bsdf", "VC"),
-    ("transparent_bsdf", ""),
-    ("subsurface_bssrdf", "VCCF"),
-    ("sheen_bsdf", "VCF"),
-    ("chiang_hair_bsdf", "VVCCCFFFFFFFFC"),
-    ("uniform_edf", "C"),
-    ("anisotropic_vdf", "CCF"),
-    ("medium_vdf", "CFCFFI"),
-    ("layer", "KK"),
+const TABLE: [(Known, &str, &str); 29] = [
+    (Known::Emission, "emission", ""),
+    (Known::Emission, "background", ""),
+    (Known::Radiance, "radiance", ""),
+    (Known::Diffuse, "diffuse", "V"),
+    (Known::OrenNayar, "oren_nayar", "VF"),
+    (Known::Translucent, "translucent", "V"),
+    (Known::Phong, "phong", "VF"),
+    (Known::Ward, "ward", "VVFF"),
+    (Known::Microfacet, "microfacet", "SVVFFFI"),
+    (Known::Reflection, "reflection", "VF"),
+    (Known::Refraction, "refraction", "VF"),
+    (Known::Transparent, "transparent", ""),
+    (Known::Nothing, "debug", "S"),
+    (Known::Nothing, "holdout", ""),
+    (Known::Subsurface, "subsurface", "FFCC"),
+    (Known::OrenNayarDiffuse, "oren_nayar_diffuse_bsdf", "VCF"),
+    (Known::Burley, "burley_diffuse_bsdf", "VCF"),
+    (Known::Dielectric, "dielectric_bsdf", "VVCCFFFS~"),
+    (Known::Conductor, "conductor_bsdf", "VVFFCCS~"),
+    (Known::Schlick, "generalized_schlick_bsdf", "VVCCFFCCFS~"),
+    (Known::TranslucentBsdf, "translucent_bsdf", "VC"),
+    (Known::Transparent, "transparent_bsdf", ""),
+    (Known::SubsurfaceBssrdf, "subsurface_bssrdf", "VCCF"),
+    (Known::Sheen, "sheen_bsdf", "VCF"),
+    (Known::Nothing, "chiang_hair_bsdf", "VVCCCFFFFFFFFC"),
+    (Known::UniformEdf, "uniform_edf", "C"),
+    (Known::Nothing, "anisotropic_vdf", "CCF"),
+    (Known::Nothing, "medium_vdf", "CFCFFI"),
+    (Known::Layer, "layer", "KK"),
 ];
 
-static ALL: LazyLock<Vec<ClosureDecl>> = LazyLock::new(|| {
+/// A closure, and where its parameters' numbers are.
+#[derive(Clone, Debug)]
+pub(crate) struct Shape {
+    pub(crate) known: Known,
+    /// By parameter, the first of its numbers; then how many there are.
+    pub(crate) firsts: Vec<usize>,
+    /// Parameters without those that are given by name.
+    pub(crate) plain: usize,
+}
+
+static ALL: LazyLock<(Vec<ClosureDecl>, Vec<Shape>)> = LazyLock::new(|| {
     let param = |code: char| {
         let base = match code {
             'V' => Base::Vector,
@@ -56,15 +95,21 @@ static ALL: LazyLock<Vec<ClosureDecl>> = LazyLock::new(|| {
     };
     let film = ["thinfilm_thickness", "thinfilm_ior"]
         .map(|name| ClosureParam { ty: Type::of(Base::Float), key: Some(name.into()) });
-    let decl = |(name, codes): (&str, &str)| {
+    let decl = |(known, name, codes): (Known, &str, &str)| {
         let (plain, films) = codes.split_once('~').map_or((codes, false), |(plain, _)| (plain, true));
         let named = film.iter().filter(|_| films).cloned();
-        ClosureDecl { name: name.into(), params: plain.chars().map(param).chain(named).collect() }
+        let params: Vec<ClosureParam> = plain.chars().map(param).chain(named).collect();
+        let mut firsts = vec![0];
+        for param in &params {
+            firsts.push(firsts.last().copied().unwrap_or(0) + param.ty.size());
+        }
+        let shape = Shape { known, firsts, plain: plain.len() };
+        (ClosureDecl { name: name.into(), params }, shape)
     };
-    TABLE.into_iter().map(decl).collect()
+    TABLE.into_iter().map(decl).unzip()
 });
 
-/// What a closure takes.
-pub(crate) fn find(name: &str) -> Option<&'static ClosureDecl> {
-    ALL.iter().find(|closure| &*closure.name == name)
+/// All of them, and what each is made to be.
+pub(crate) fn all() -> (&'static [ClosureDecl], &'static [Shape]) {
+    (&ALL.0, &ALL.1)
 }

@@ -10,12 +10,15 @@
 mod access;
 mod camera;
 mod closures;
+mod facts;
 mod faults;
 mod light;
 mod live;
+mod lobe;
 mod parameter;
 mod parts;
 mod pixel;
+mod place;
 mod script;
 mod sky;
 mod stored;

@@ -5,9 +5,8 @@
 //! Proof: `tests/scripts.rs`.
 
 use std::cell::RefCell;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use gnurt_jit::Cache;
 use gnurt_shading::{
@@ -25,11 +24,13 @@ use gnurt_sl_lib::color::ColorSystem;
 
 use crate::access::Access;
 use crate::camera::{CameraPlace, CameraScript};
+use crate::facts::Facts;
 use crate::faults::Faults;
 use crate::light::ScriptLight;
 use crate::live::Live;
 use crate::parameter::{self, Parameter, ParameterValue};
 use crate::pixel::{self, ScriptPixel};
+use crate::place::Needs;
 use crate::sky::ScriptSky;
 use crate::surface::ScriptSurface;
 use crate::textures::Textures;
@@ -304,14 +305,7 @@ impl Script {
     pub fn surface(&self) -> Result<Arc<dyn SurfaceShader>, String> {
         self.is(Kind::Surface)?;
         let common = self.common(&self.group, &[])?;
-        let closures = self.closures();
-        let has = |names: &[&str]| names.iter().any(|name| closures.contains(*name));
-        let is_holey = has(&["transparent", "transparent_bsdf"]);
-        let is_glass = has(&["refraction", "microfacet", "dielectric_bsdf", "generalized_schlick_bsdf"]);
-        let is_lamp = has(&["emission", "background", "uniform_edf"]);
-        let is_radiance = has(&["radiance"]) || self.uses(&["trace", "lightcount", "illuminate"]);
-        let is_see_through = is_holey || is_glass;
-        Ok(Arc::new(ScriptSurface { common, is_radiance, is_see_through, is_holey, is_lamp }))
+        Ok(Arc::new(ScriptSurface { common }))
     }
 
     /// As a light.
@@ -393,6 +387,7 @@ impl Script {
         let outputs = outputs.iter().map(ToString::to_string).collect();
         let plan = Plan::new(group, &PlanOptions { outputs, turns: TURNS, ..PlanOptions::default() });
         let plan = plan.map_err(|why| format!("{}: {why}", self.name))?;
+        let (needs, facts) = (Needs::of(&plan), Facts::of(&plan));
         let Some(colors) = ColorSystem::named("Rec709") else {
             return Err("the colour system is missing".to_owned());
         };
@@ -405,6 +400,9 @@ impl Script {
             requests: self.requests(group),
             colors,
             live: self.live.clone(),
+            needs,
+            facts,
+            scratch: Mutex::default(),
         })
     }
 
@@ -458,29 +456,6 @@ impl Script {
         }
         if spaces && self.kind == Kind::Surface {
             ask(AttributeRequest::WORLD_FROM_OBJECT, 12);
-        }
-        found
-    }
-
-    /// Names of closures that it may make.
-    fn closures(&self) -> BTreeSet<String> {
-        let mut found = BTreeSet::new();
-        for layer in &self.group.layers {
-            each_op(&layer.shader, &mut |op| {
-                if let ("closure", Some(&name)) = (&*op.name, op.args.get(1))
-                    && let Some(Data::Str(list)) = &layer.shader.symbol(name).value
-                {
-                    found.extend(list.first().map(ToString::to_string));
-                }
-            });
-        }
-        found
-    }
-
-    fn uses(&self, names: &[&str]) -> bool {
-        let mut found = false;
-        for layer in &self.group.layers {
-            each_op(&layer.shader, &mut |op| found |= names.contains(&&*op.name));
         }
         found
     }

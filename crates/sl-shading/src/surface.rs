@@ -6,15 +6,13 @@
 //! Proof: `tests/scripts.rs`.
 
 use glam::Vec3;
-use gnurt_shading::batch::uv_step;
-use gnurt_shading::bsdf::{ClosureBatch, Scattering};
+use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Lobe, Scattering};
 use gnurt_shading::materials::scattered_radiance;
-use gnurt_shading::sampling::Basis;
 use gnurt_shading::{AttributeRequest, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
-use gnurt_sl::exec::{LANES, Point, Points, Results};
-use gnurt_sl_lib::Dual;
+use gnurt_sl::exec::{LANES, Points, lanes_of};
 
-use crate::parts::{self, At, Parts};
+use crate::parts::{Lights, Looker};
+use crate::place::{Needs, points};
 use crate::world::{CAMERA, Common, SHADOW, World};
 
 /// Least share of light that a surface stops where it scatters some, so that what it scatters is not drawn too seldom.
@@ -23,60 +21,6 @@ const THERE: f32 = 1.0 / 16.0;
 /// A surface.
 pub(crate) struct ScriptSurface {
     pub(crate) common: Common,
-    /// Whether it works out radiance by rays and lights of its own.
-    pub(crate) is_radiance: bool,
-    /// Whether light may go straight through, or through glass.
-    pub(crate) is_see_through: bool,
-    /// Whether light may go straight through.
-    pub(crate) is_holey: bool,
-    /// Whether it may give off light.
-    pub(crate) is_lamp: bool,
-}
-
-/// How a place changes from pixel to pixel: across the ray, carried along it to the surface.
-fn steps(hits: &SurfaceBatch, i: usize) -> [Vec3; 2] {
-    let width = hits.footprint.get(i).copied().unwrap_or(0.0);
-    if width <= 0.0 || !width.is_finite() {
-        return [Vec3::ZERO; 2];
-    }
-    let (dir, ng) = (hits.ray_dir.get(i), hits.facing_ng(i));
-    let across = Basis::around(dir);
-    // Grazing rays would see all the way to the horizon.
-    let cos = dir.dot(ng).min(-1e-2);
-    [across.tangent, across.bitangent].map(|step| (step - dir * (step.dot(ng) / cos)) * width)
-}
-
-/// A point as shaders see it.
-fn point(hits: &SurfaceBatch, i: usize, ray_kinds: u32) -> Point {
-    let [dx, dy] = steps(hits, i);
-    let (p, n) = (hits.p.get(i), hits.facing_ns(i));
-    let own = if hits.dp_du.is_empty() { [Vec3::ZERO; 2] } else { [hits.dp_du.get(i), hits.dp_dv.get(i)] };
-    let (ux, uy) = (uv_step(own, dx), uv_step(own, dy));
-    // Where the mesh has no coordinates, any directions along the surface.
-    let [dpdu, dpdv] = if own[0] == Vec3::ZERO || own[1] == Vec3::ZERO {
-        let frame = Basis::around(n);
-        [frame.tangent, frame.bitangent]
-    } else {
-        own
-    };
-    let dir = hits.ray_dir.get(i);
-    Point {
-        p: Dual::new(p.to_array(), dx.to_array(), dy.to_array()),
-        i: Dual::from(dir.to_array()),
-        n: n.to_array(),
-        ng: hits.facing_ng(i).to_array(),
-        u: Dual::new(hits.texcoord[0][i], ux[0], uy[0]),
-        v: Dual::new(hits.texcoord[1][i], ux[1], uy[1]),
-        dpdu: dpdu.to_array(),
-        dpdv: dpdv.to_array(),
-        surface_area: 1.0,
-        backfacing: !hits.front(i),
-        // Pixels may go around the other way.
-        flipped: dx.cross(dy).dot(n) < 0.0,
-        ray_kinds,
-        index: i as i32,
-        ..Point::default()
-    }
 }
 
 fn kinds_of(hits: &SurfaceBatch) -> u32 {
@@ -84,115 +28,158 @@ fn kinds_of(hits: &SurfaceBatch) -> u32 {
 }
 
 impl ScriptSurface {
-    /// Runs it for all points; calls `with(lane, what it does)`.
-    fn each(&self, world: &World, hits: &SurfaceBatch, ray_kinds: u32, mut with: impl FnMut(usize, Parts)) {
-        let (mut points, mut results) = (Points::default(), Results::default());
-        for first in (0..hits.len()).step_by(LANES) {
-            points.count = LANES.min(hits.len() - first);
-            for lane in 0..points.count {
-                points.set(lane, &point(hits, first + lane, ray_kinds));
-            }
-            self.common.run(world, &points, &mut results);
-            for lane in 0..points.count {
-                let i = first + lane;
-                let parts = parts::of(&results.closures, results.ci[lane], At::lane(hits, i));
-                if parts.is_full {
+    /// Runs it for all points, sixteen at a time; `with(the first one, what they do to light)`. Lobes are written to `out`, to the
+    /// points from 0 on if it is for sixteen only.
+    fn each(
+        &self,
+        world: &World,
+        (hits, ray_kinds): (&SurfaceBatch, u32),
+        out: &mut ClosureBatch,
+        mut with: impl FnMut(usize, Looker),
+    ) {
+        let is_whole = out.len() == hits.len();
+        self.common.with_scratch(|scratch| {
+            for first in (0..hits.len()).step_by(LANES) {
+                points(hits, first, ray_kinds, self.common.needs, &mut scratch.points);
+                self.common.run(world, &scratch.points, &mut scratch.results);
+                let to = (&mut *out, if is_whole { first } else { 0 });
+                let looker = Looker::look(&scratch.points, &scratch.results, to, &mut scratch.open);
+                if looker.is_cut() {
                     self.common.faults.note(&format!(
                         "{}: a point has more than {} lobes; the last ones are left out",
                         self.common.name,
                         gnurt_shading::bsdf::MOST
                     ));
                 }
-                with(i, parts);
+                with(first, looker);
             }
-        }
+        });
     }
 
-    /// Writes what a point does to light.
-    fn write(hits: &SurfaceBatch, i: usize, parts: &Parts, out: &mut ClosureBatch) {
-        let through = parts.through.clamp(Vec3::ZERO, Vec3::ONE);
-        let shared = through.min_element();
-        let is_lit = !parts.lobes.as_slice().is_empty() || parts.emission != Vec3::ZERO;
-        // What all channels let through is a hole; what is left of colours goes on as through a pane.
-        let mut hole = if is_lit { shared.min(1.0 - THERE) } else { shared };
-        if hole < 1e-3 {
-            hole = 0.0;
+    /// The same, one point after the other: `with(point, what it does to light that it scatters, what goes straight through)`.
+    fn each_alone(
+        &self,
+        world: &World,
+        hits: &SurfaceBatch,
+        ray_kinds: u32,
+        mut with: impl FnMut(usize, &Bsdf, Vec3),
+    ) {
+        let mut out = ClosureBatch::default();
+        out.reset(LANES);
+        self.each(world, (hits, ray_kinds), &mut out, |first, looker| {
+            for lane in 0..LANES.min(hits.len() - first) {
+                let i = first + lane;
+                let bsdf = Bsdf::new(hits.facing_ns(i), looker.lists.lobes(lane));
+                with(i, &bsdf, looker.lights.through.get(lane));
+            }
+        });
+    }
+
+    /// Writes what sixteen points from `first` on do to light; what they do beside scattering it goes to `beside`.
+    fn write(hits: &SurfaceBatch, first: usize, looker: Looker, beside: &mut Vec<Beside>) {
+        let Looker { mut lists, lights, .. } = looker;
+        let count = LANES.min(hits.len() - first);
+        for lane in lanes_of(lights.emission.some | lights.through.some) {
+            let (i, emission) = (first + lane, lights.emission.get(lane));
+            let through = lights.through.get(lane).clamp(Vec3::ZERO, Vec3::ONE);
+            let shared = through.min_element();
+            let is_lit = lists.lit() >> lane & 1 != 0 || emission != Vec3::ZERO;
+            // What all channels let through is a hole; what is left of colours goes on as through a pane.
+            let mut hole = if is_lit { shared.min(1.0 - THERE) } else { shared };
+            if hole < 1e-3 {
+                hole = 0.0;
+            }
+            let there = 1.0 - hole;
+            let tint = through - Vec3::splat(hole);
+            if tint.max_element() > 1e-3 {
+                lists.push(1 << lane, &Lobe::glass(1.0, Vec3::ZERO, tint.max(Vec3::ZERO), true));
+            }
+            if there > 0.0 {
+                lists.times(1 << lane, &Default::default(), &[[1.0 / there; LANES]; 3]);
+            }
+            let emission = if emission.is_finite() && there > 0.0 { emission / there } else { Vec3::ZERO };
+            beside.push(Beside { i, emission, there });
         }
-        let there = 1.0 - hole;
-        if hole > 0.0 {
-            out.cover(i, there);
+        for lane in 0..count {
+            let i = first + lane;
+            let wo = -hits.ray_dir.get(i);
+            let (at, ns) = (hits.point(i), hits.facing_ns(i));
+            // The heaviest lobe's normal is the point's; mirror images stay above.
+            let is_bent = lists.bent() >> lane & 1 != 0;
+            let main = if is_bent { lists.main_normal(lane) } else { Vec3::ZERO };
+            let of = |n: Vec3| at.bent_normal(if n == Vec3::ZERO { ns } else { n }, wo);
+            lists.face(lane, of(main), |n| if n == main { Vec3::ZERO } else { of(n) });
         }
-        if there <= 0.0 {
-            return;
+    }
+}
+
+/// What a point does to light that it does not scatter.
+struct Beside {
+    i: usize,
+    emission: Vec3,
+    /// Share of light that it stops.
+    there: f32,
+}
+
+impl Beside {
+    fn write(list: &[Self], out: &mut ClosureBatch) {
+        for &Self { i, emission, there } in list {
+            if there < 1.0 {
+                out.cover(i, there);
+            }
+            if emission != Vec3::ZERO {
+                out.emit(i, emission);
+            }
         }
-        let mut lobes = parts.lobes;
-        let tint = through - Vec3::splat(hole);
-        if tint.max_element() > 1e-3 {
-            lobes = lobes.plus(gnurt_shading::bsdf::Lobe::glass(1.0, Vec3::ZERO, tint.max(Vec3::ZERO), true));
-        }
-        let lobes = lobes.times(Vec3::splat(1.0 / there));
-        if parts.emission != Vec3::ZERO && parts.emission.is_finite() {
-            out.emit(i, parts.emission / there);
-        }
-        let wo = -hits.ray_dir.get(i);
-        let (at, ns) = (hits.point(i), hits.facing_ns(i));
-        // The heaviest lobe's normal is the point's; mirror images stay above.
-        let heaviest =
-            lobes.as_slice().iter().max_by(|a, b| a.weight.element_sum().total_cmp(&b.weight.element_sum()));
-        let main = heaviest.map_or(Vec3::ZERO, |lobe| lobe.normal);
-        let of = |n: Vec3| at.bent_normal(if n == Vec3::ZERO { ns } else { n }, wo);
-        let mut own: Vec<gnurt_shading::bsdf::Lobe> = lobes.as_slice().to_vec();
-        for lobe in &mut own {
-            lobe.normal = if lobe.normal == main { Vec3::ZERO } else { of(lobe.normal) };
-        }
-        out.set(i, of(main), &own);
     }
 }
 
 impl SurfaceShader for ScriptSurface {
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
         let world = World::around(&self.common, hits, None);
-        self.each(&world, hits, kinds_of(hits), |i, parts| Self::write(hits, i, &parts, out));
+        let mut beside = Vec::new();
+        self.each(&world, (hits, kinds_of(hits)), out, |first, looker| {
+            Self::write(hits, first, looker, &mut beside);
+        });
+        Beside::write(&beside, out);
     }
 
     fn radiance(&self) -> Option<&dyn RadianceShader> {
-        self.is_radiance.then_some(self)
+        self.common.facts.is_radiance.then_some(self)
     }
 
     fn emits(&self) -> bool {
-        self.is_lamp
+        self.common.facts.is_lamp
     }
 
     fn transmit(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
-        self.each(&world, hits, SHADOW, |i, parts| {
+        self.each_alone(&world, hits, SHADOW, |i, bsdf, through| {
             // Glass counts as thin, so that windows let light in.
-            let bsdf = gnurt_shading::bsdf::Bsdf::new(hits.facing_ns(i), parts.lobes);
             let [_, straight] = bsdf.delta_branches(-hits.ray_dir.get(i));
             let glass = straight.map_or(Vec3::ZERO, |branch| branch.weight);
-            out.set(i, (parts.through + glass).clamp(Vec3::ZERO, Vec3::ONE));
+            out.set(i, (through + glass).clamp(Vec3::ZERO, Vec3::ONE));
         });
     }
 
     fn is_opaque(&self) -> bool {
-        !self.is_see_through
+        !(self.common.facts.is_holey || self.common.facts.is_glass)
     }
 
     fn gaps(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
-        self.each(&world, hits, SHADOW, |i, parts| {
-            out.set(i, Vec3::splat(parts.through.clamp(Vec3::ZERO, Vec3::ONE).min_element()));
+        self.each_alone(&world, hits, SHADOW, |i, _, through| {
+            out.set(i, Vec3::splat(through.clamp(Vec3::ZERO, Vec3::ONE).min_element()));
         });
     }
 
     fn is_solid(&self) -> bool {
-        !self.is_holey
+        !self.common.facts.is_holey
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
-        self.each(&world, hits, kinds_of(hits), |i, parts| {
-            let bsdf = gnurt_shading::bsdf::Bsdf::new(hits.facing_ns(i), parts.lobes);
+        self.each_alone(&world, hits, kinds_of(hits), |i, bsdf, _| {
             out.set(i, bsdf.albedo(-hits.ray_dir.get(i)).clamp(Vec3::ZERO, Vec3::ONE));
         });
     }
@@ -203,7 +190,9 @@ impl SurfaceShader for ScriptSurface {
 
     fn tell(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
         let world = World::around(&self.common, hits, None);
-        self.common.program.tell(&world, &point(hits, lane, kinds_of(hits)))
+        let mut all = Points::default();
+        points(hits, lane / LANES * LANES, kinds_of(hits), Needs::ALL, &mut all);
+        self.common.program.tell(&world, &all.point(lane % LANES))
     }
 }
 
@@ -213,13 +202,16 @@ impl RadianceShader for ScriptSurface {
         closures.reset(hits.len());
         {
             let world = World::around(&self.common, hits, Some(&mut *tracer));
-            self.each(&world, hits, kinds_of(hits), |i, parts| {
-                if parts.radiance.is_finite() {
-                    out.add(i, parts.radiance);
+            self.each(&world, (hits, kinds_of(hits)), &mut closures, |first, mut looker| {
+                for lane in lanes_of(looker.lights.radiance.some) {
+                    let radiance = looker.lights.radiance.get(lane);
+                    if radiance.is_finite() {
+                        out.add(first + lane, radiance);
+                    }
                 }
                 // What goes straight through is followed by who asks.
-                let parts = Parts { through: Vec3::ZERO, emission: Vec3::ZERO, ..parts };
-                Self::write(hits, i, &parts, &mut closures);
+                looker.lights = Lights::default();
+                Self::write(hits, first, looker, &mut Vec::new());
             });
         }
         let points: Vec<Scattering> = (0..hits.len()).map(|i| closures.point(i)).collect();

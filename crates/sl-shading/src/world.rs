@@ -6,7 +6,7 @@
 
 use std::cell::RefCell;
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use glam::Vec3;
 use gnurt_accel::Ray;
@@ -22,8 +22,11 @@ use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::color::ColorSystem;
 
 use crate::closures;
+use crate::facts::Facts;
 use crate::faults::Faults;
 use crate::live::Live;
+use crate::parts::Open;
+use crate::place::Needs;
 use crate::textures::Textures;
 
 /// Kinds of rays; each is a bit.
@@ -46,12 +49,35 @@ pub(crate) struct Common {
     pub(crate) colors: ColorSystem,
     /// Parameters that may change while it runs.
     pub(crate) live: Live,
+    /// What it reads of points.
+    pub(crate) needs: Needs,
+    /// What it may do.
+    pub(crate) facts: Facts,
+    pub(crate) scratch: Mutex<Vec<Scratch>>,
+}
+
+/// Memory that batches of points are shaded in.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    pub(crate) points: Points,
+    pub(crate) results: Results,
+    pub(crate) open: Vec<Open>,
 }
 
 impl Common {
     /// The first row of a value that is kept, in [`Results::rows`]; the others of a triple follow.
     pub(crate) fn row(&self, name: &str) -> Option<usize> {
         self.program.kept().iter().find(|kept| kept.name == name).map(|kept| kept.row)
+    }
+
+    /// Lends memory that nobody uses now. What it held before was of the same shader.
+    pub(crate) fn with_scratch(&self, with: impl FnOnce(&mut Scratch)) {
+        let kept = self.scratch.lock().ok().and_then(|mut list| list.pop());
+        let mut scratch = kept.unwrap_or_default();
+        with(&mut scratch);
+        if let Ok(mut list) = self.scratch.lock() {
+            list.push(scratch);
+        }
     }
 
     /// Runs the shader, and passes on what it says.
@@ -396,8 +422,8 @@ impl Host for World<'_> {
         self.common.textures.text(file)
     }
 
-    fn closure(&self, name: &str) -> Option<&ClosureDecl> {
-        closures::find(name)
+    fn closures(&self) -> &[ClosureDecl] {
+        closures::all().0
     }
 
     fn ray_kind(&self, name: &str) -> u32 {

@@ -7,6 +7,8 @@ mod closures;
 mod floor;
 #[path = "scripts/kinds.rs"]
 mod kinds;
+#[path = "scripts/lanes.rs"]
+mod lanes;
 #[path = "scripts/live.rs"]
 mod live;
 #[path = "scripts/pixels.rs"]

@@ -10,7 +10,7 @@ mod native;
 mod steps;
 mod values;
 
-use gnurt_sl::exec::{Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step};
+use gnurt_sl::exec::{Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, makes_closures};
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
 use gnurt_sl_lib::Dual;
@@ -399,7 +399,13 @@ impl Lowerer<'_> {
             let ins = step.args.iter().filter(constant).copied().collect();
             let written = |i: &usize| *i < 64 && step.writes & 1 << *i != 0;
             let outs = (0..step.args.len()).filter(written).map(|i| step.args[i]).collect();
-            let call = self.call(Call::Step { layer: self.layer, step: Arc::new(step.clone()), ins, outs });
+            let (layer, step) = (self.layer, Arc::new(step.clone()));
+            let call = if makes_closures(&step) {
+                Call::Closure { layer, step, ins, outs }
+            } else {
+                Call::Step { layer, step, ins, outs }
+            };
+            let call = self.call(call);
             self.nodes.push(Node::Call(call));
             return Ok(());
         }

@@ -22,41 +22,41 @@ use crate::real::Vector;
 /// A number of sixteen points.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-struct Row<T>([T; LANES]);
+pub(super) struct Row<T>(pub(super) [T; LANES]);
 
 /// One place of sixteen points' lists: see [`Lobe`].
 #[derive(Clone, Copy, Debug, Default)]
-struct LobeRows {
+pub(super) struct LobeRows {
     /// [`Kind`] as a number.
-    kind: Row<f32>,
+    pub(super) kind: Row<f32>,
     /// Weight, normal, a, b, c; alpha, eta, cover.
-    numbers: [Row<f32>; 18],
-    under: Row<u32>,
+    pub(super) numbers: [Row<f32>; 18],
+    pub(super) under: Row<u32>,
     /// Tangent, width across it; share, index and thickness of the film; spread of indices: meant where `rare` is not 0.
     rarities: [Row<f32>; 8],
-    rare: u32,
+    pub(super) rare: u32,
     /// Kinds that are there, and bits of all lobes that lie above some.
-    kinds: u32,
-    under_any: u32,
-    covers: bool,
+    pub(super) kinds: u32,
+    pub(super) under_any: u32,
+    pub(super) covers: bool,
 }
 
 /// Sixteen points.
 #[derive(Clone, Copy, Debug, Default)]
-struct Block {
-    normal: [Row<f32>; 3],
+pub(super) struct Block {
+    pub(super) normal: [Row<f32>; 3],
     emission: [Row<f32>; 3],
     coverage: Row<f32>,
     /// Places that are in use.
-    count: u32,
-    lobes: [LobeRows; MOST],
+    pub(super) count: u32,
+    pub(super) lobes: [LobeRows; MOST],
 }
 
 /// What many points do to light.
 #[derive(Clone, Debug, Default)]
 pub struct ClosureBatch {
     len: usize,
-    blocks: Vec<Block>,
+    pub(super) blocks: Vec<Block>,
     emits: bool,
     has_holes: bool,
     /// What lies beside the points; empty if nothing does.
@@ -65,13 +65,13 @@ pub struct ClosureBatch {
 
 /// Those of [`LobeRows`].
 #[inline(always)]
-fn numbers(lobe: &Lobe) -> [f32; 18] {
+pub(super) fn numbers(lobe: &Lobe) -> [f32; 18] {
     let Lobe { weight: w, normal: n, a, b, c, alpha, eta, cover, .. } = lobe;
     [w.x, w.y, w.z, n.x, n.y, n.z, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, *alpha, *eta, *cover]
 }
 
 impl LobeRows {
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         (self.kind, self.under) = (Row::default(), Row::default());
         (self.kinds, self.under_any, self.covers, self.rare) = (0, 0, false, 0);
     }
@@ -86,7 +86,7 @@ impl LobeRows {
     }
 
     #[inline]
-    fn set(&mut self, i: usize, lobe: &Lobe) {
+    pub(super) fn set(&mut self, i: usize, lobe: &Lobe) {
         self.kind.0[i] = lobe.kind as u32 as f32;
         self.numbers.iter_mut().zip(numbers(lobe)).for_each(|(row, x)| row.0[i] = x);
         self.under.0[i] = lobe.under;
@@ -105,7 +105,7 @@ impl LobeRows {
         }
     }
 
-    fn get(&self, i: usize) -> Lobe {
+    pub(super) fn get(&self, i: usize) -> Lobe {
         let v =
             |k: usize| Vec3::new(self.numbers[k].0[i], self.numbers[k + 1].0[i], self.numbers[k + 2].0[i]);
         let rarities = if self.rare == 0 { [0.0; 8] } else { self.rarities.each_ref().map(|row| row.0[i]) };

@@ -3,7 +3,7 @@
 //! Source: original. Values are elsewhere: the caller brings an operation's arguments into the machine's memory, and takes them
 //! from there. Whose turn it is (the point, its messages) is exchanged by the caller as well.
 
-use super::components::Closure;
+use super::components::Closures;
 use super::host::Point;
 use super::machine::{Action, Event, Machine, Message, Param, Plan, Step};
 use super::slot::Slot;
@@ -20,9 +20,10 @@ impl Machine<'_> {
         self.events.clear();
     }
 
-    /// The next point, and the messages of its layers so far; gives back those of the one before.
-    pub fn change_point(&mut self, point: &Point, messages: Vec<Message>) -> Vec<Message> {
+    /// The next point, its place in the batch, and the messages of its layers so far; gives back those of the one before.
+    pub fn change_point(&mut self, point: &Point, lane: usize, messages: Vec<Message>) -> Vec<Message> {
         self.point.clone_from(point);
+        self.lane = lane;
         std::mem::replace(&mut self.messages, messages)
     }
 
@@ -88,7 +89,7 @@ impl Machine<'_> {
     }
 
     /// Exchanges the nodes of closures for others.
-    pub fn change_closures(&mut self, list: &mut Vec<Closure>) {
+    pub fn change_closures(&mut self, list: &mut Closures) {
         std::mem::swap(&mut self.closures, list);
     }
 }

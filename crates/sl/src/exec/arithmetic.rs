@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Operators that are not the same for each component: ints, comparisons, matrices, closures.
+//! Operators that are not the same for each component: ints, comparisons, matrices.
 //! Source: original; nothing traps: a division by zero is zero.
 
-use super::components::Closure;
 use super::machine::{Action, Machine, Step};
 use crate::types::{Base, Type};
 use gnurt_sl_lib::{math, matrix as mx};
@@ -116,27 +115,4 @@ pub(super) fn matrix(m: &mut Machine<'_>, s: &Step) {
         }
     };
     m.set_matrix(out, &value);
-}
-
-pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
-    let [out, a, b, ..] = &*s.args else { return };
-    let (a, b) = if a.ty == Type::CLOSURE { (a, b) } else { (b, a) };
-    let left = m.word(a, 0);
-    let number = if b.ty == Type::CLOSURE {
-        let right = m.word(b, 0);
-        match (left, right) {
-            (0, other) | (other, 0) => other,
-            (left, right) => m.add_closure(Closure::Add(left, right)),
-        }
-    } else {
-        let weight = m.triple_value(b);
-        if left == 0 || weight == [0.0; 3] {
-            0
-        } else if weight == [1.0; 3] {
-            left
-        } else {
-            m.add_closure(Closure::Mul(weight, left))
-        }
-    };
-    m.set_word(out, 0, number);
 }

@@ -3,14 +3,12 @@
 //! Source: original. The interpreter takes the points one by one; code for lanes may take them all at once. What comes out is the
 //! same. Numbers stand in rows, one number of each point side by side. Proof: `tests/meaning/more.rs`.
 
-use super::components::Closure;
+use super::cells::LANES;
+use super::components::Closures;
 use super::host::{Host, Point};
 use super::machine::Event;
 use super::slot::Kept;
 use gnurt_sl_lib::Dual;
-
-/// Points of a batch.
-pub const LANES: usize = 16;
 
 /// One number of each point.
 pub type Row = [f32; LANES];
@@ -152,8 +150,8 @@ impl Points {
 pub struct Results {
     /// The values that are kept, by [`Kept::row`]; ints as floats.
     pub rows: Vec<Row>,
-    /// Nodes of the closures of all points; see [`parts`](super::components::parts).
-    pub closures: Vec<Closure>,
+    /// Nodes of the closures of all points.
+    pub closures: Closures,
     /// The node that is each point's `Ci`, counted from 1; 0 for none.
     pub ci: [u32; LANES],
     /// What was said, by points.

@@ -1,84 +1,197 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Closures: trees of sums, weights and components.
-//! Source: original; what is printed is OSL's.
+//! Operations that make closures, for one point or for many at once, and their texts.
+//! Source: original; what is printed is OSL's. Proof: `tests/meaning/more.rs`, crates/jit/tests/agreement.rs.
 
-use super::components::{Closure, Component, NODES, parts};
+use super::cells::{Cells, LANES};
+use super::components::{Closures, Component, Part};
+use super::host::Host;
 use super::machine::{Machine, Step};
+use super::slot::Slot;
+use super::strings::Strings;
 use crate::format::general;
 use crate::hir::Data;
 use crate::types::{Base, Type};
 
-/// Makes a component; none, and a message, if the program does not know it. What is written may be among what is read, as in
-/// `Ci = layer (coat, Ci)`.
+/// Whether an operation makes closures of others, or of numbers.
+#[must_use]
+pub fn makes_closures(step: &Step) -> bool {
+    let out = step.args.first().map_or(Type::VOID, |out| out.ty);
+    out == Type::CLOSURE && matches!(&*step.name, "closure" | "add" | "mul")
+}
+
+/// Does it for one point. A component is none, and there is a message, if the program does not know it.
 pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
-    let [out, name, rest @ ..] = &*s.args else { return };
-    let name = m.text(name);
-    let host = m.host;
-    let Some(decl) = host.closure(&name) else {
-        m.set_word(out, 0, 0);
+    let Some(out) = s.args.first() else { return };
+    let Machine { closures, host, strings, memory, .. } = m;
+    let number = made(closures, (*host, strings), s, 1, |cell| Cells::One(memory[cell as usize]));
+    m.set_word(out, 0, number.map_or(0, |row| row[0]));
+    if number.is_none() {
+        let name = s.args.get(1).map_or_else(|| "".into(), |name| m.text(name));
         let (layer, shader) = m.layer_names();
         let place = m.place(s.at);
         m.error(format!(
             "Closure '{name}' is not supported by the current renderer, called from {place} in shader \"{shader}\", layer {} \"{layer}\", group \"{}\"",
             m.layer, m.plan.name
         ));
-        return;
+    }
+}
+
+/// What it makes of each of some points; `read` knows what cells hold. None if closures of its name are not known, or if names are
+/// not the same for all of them. What is written may be among what is read, as in `Ci = layer (coat, Ci)`.
+fn made<'c>(
+    closures: &mut Closures,
+    known: (&dyn Host, &Strings),
+    s: &Step,
+    lanes: u32,
+    read: impl Fn(u32) -> Cells<'c>,
+) -> Option<[u32; LANES]> {
+    let [_, a, rest @ ..] = &*s.args else { return Some([0; LANES]) };
+    if &*s.name == "closure" {
+        return component(closures, known, (a, rest), &read).map(|number| [number; LANES]);
+    }
+    let [b, ..] = rest else { return Some([0; LANES]) };
+    let (a, b) = if a.ty == Type::CLOSURE { (a, b) } else { (b, a) };
+    let left = read(a.at);
+    Some(if b.ty == Type::CLOSURE {
+        closures.sum(lanes, left, read(b.at))
+    } else {
+        let mut rooms = [[0; LANES]; 3];
+        let mut k = 0;
+        let weight = rooms.each_mut().map(|room| {
+            k += 1;
+            number(b, k - 1, Kind::Float, &read, room)
+        });
+        closures.times(lanes, weight, left)
+    })
+}
+
+/// What a number is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Float,
+    Int,
+    Text,
+    Closure,
+}
+
+fn kind(ty: Type) -> Option<Kind> {
+    match ty.base {
+        Base::Int => Some(Kind::Int),
+        Base::String => Some(Kind::Text),
+        Base::Closure => Some(Kind::Closure),
+        base if base.is_float_based() => Some(Kind::Float),
+        _ => None,
+    }
+}
+
+/// Number `i` of a slot as one of a kind; zeros where it has none. Single numbers stand for all components of weights.
+fn number<'r, 'c: 'r>(
+    slot: &Slot,
+    i: usize,
+    wanted: Kind,
+    read: &impl Fn(u32) -> Cells<'c>,
+    room: &'r mut [u32; LANES],
+) -> Cells<'r> {
+    let i = if slot.size == 1 { 0 } else { i };
+    let Some(found) = kind(slot.ty).filter(|_| i < slot.size as usize) else { return Cells::One(0) };
+    let cells = read(slot.at + i as u32);
+    let change = |word: u32| match wanted {
+        Kind::Float => (word as i32 as f32).to_bits(),
+        _ => f32::from_bits(word) as i32 as u32,
     };
-    let plain = decl.params.iter().filter(|p| p.key.is_none()).count();
-    let mut params = Vec::with_capacity(decl.params.len());
+    match (wanted, found, cells) {
+        (wanted, found, cells) if wanted == found => cells,
+        (Kind::Float, Kind::Int, Cells::One(word)) | (Kind::Int, Kind::Float, Cells::One(word)) => {
+            Cells::One(change(word))
+        }
+        (Kind::Float, Kind::Int, Cells::Each(row)) | (Kind::Int, Kind::Float, Cells::Each(row)) => {
+            *room = row.map(change);
+            Cells::Each(room)
+        }
+        _ => Cells::One(0),
+    }
+}
+
+/// Adds a component of a name and its arguments.
+fn component<'c>(
+    closures: &mut Closures,
+    (host, strings): (&dyn Host, &Strings),
+    (name, rest): (&Slot, &[Slot]),
+    read: &impl Fn(u32) -> Cells<'c>,
+) -> Option<u32> {
+    let text = |slot: &Slot| match (slot.ty.base, slot.size) {
+        (Base::String, 1..) => match read(slot.at) {
+            Cells::One(word) => Some(&**strings.text(word)),
+            Cells::Each(_) => None,
+        },
+        _ => Some(""),
+    };
+    let name = text(name)?;
+    let (kind_of, decl) = host.closures().iter().enumerate().find(|(_, decl)| *decl.name == *name)?;
+    let plain = decl.params.iter().take_while(|param| param.key.is_none()).count();
+    let pairs = rest.get(plain..).filter(|_| plain < decl.params.len()).unwrap_or(&[]);
+    let mut keys = Vec::new();
+    for pair in pairs.chunks_exact(2) {
+        keys.push((text(&pair[0])?, &pair[1]));
+    }
+    let first = closures.next();
     for (i, param) in decl.params.iter().enumerate() {
         let slot = match &param.key {
             None => rest.get(i),
-            Some(key) => rest.get(plain..).and_then(|pairs| {
-                pairs.chunks(2).rfind(|pair| pair.len() == 2 && m.text(&pair[0]) == *key).map(|pair| &pair[1])
-            }),
+            Some(key) => keys.iter().rfind(|(name, _)| *name == &**key).map(|(_, slot)| *slot),
         };
-        let value = match slot.filter(|slot| slot.ty.base.components() > 0) {
-            Some(slot) => m.data(slot),
-            None => zero(param.ty),
-        };
-        params.push((param.key.clone(), param.ty, fit(param.ty, value)));
-    }
-    let number = m.add_closure(Closure::Component(Component { name: decl.name.clone(), params }));
-    m.set_word(out, 0, number);
-}
-
-fn zero(ty: Type) -> Data {
-    match ty.base {
-        Base::String => Data::Str(vec!["".into(); ty.elements()]),
-        Base::Int | Base::Closure => Data::Int(vec![0; ty.elements()]),
-        _ => Data::Float(vec![0.0; ty.size()]),
-    }
-}
-
-/// Ints where floats are wanted, and as many values as there should be.
-fn fit(ty: Type, data: Data) -> Data {
-    match data {
-        Data::Int(list) if ty.base.is_float_based() => {
-            fit(ty, Data::Float(list.iter().map(|&v| v as f32).collect()))
+        for k in 0..param.ty.size() {
+            let mut room = [0; LANES];
+            // One number is not meant for all of an array's.
+            let cells = match (slot.filter(|slot| k < slot.size as usize), kind(param.ty)) {
+                (Some(slot), Some(wanted)) => number(slot, k, wanted, read, &mut room),
+                _ => Cells::One(0),
+            };
+            closures.put(cells);
         }
-        Data::Float(mut list) => {
-            list.resize(ty.size(), 0.0);
-            Data::Float(list)
-        }
-        other => other,
     }
+    Some(closures.component(kind_of as u32, first))
 }
 
 impl Machine<'_> {
-    /// Adds a node; its number, 0 if there are too many.
-    pub(super) fn add_closure(&mut self, node: Closure) -> u32 {
-        if self.closures.len() >= NODES {
-            return 0;
-        }
-        self.closures.push(node);
-        self.closures.len() as u32
+    /// Does an operation that [makes closures](makes_closures) for some points at once; `read` knows what cells hold. None if it must be
+    /// done one point after the other.
+    pub fn make_closures<'c>(
+        &mut self,
+        step: &Step,
+        lanes: u32,
+        read: impl Fn(u32) -> Cells<'c>,
+    ) -> Option<[u32; LANES]> {
+        made(&mut self.closures, (self.host, &self.strings), step, lanes, read)
     }
 
-    /// The components of a closure with their weights, in order.
+    /// The components of the point's closure with their weights, in order.
     #[must_use]
-    pub fn components(&self, number: u32) -> Vec<([f32; 3], &Component)> {
-        parts(&self.closures, number)
+    pub fn components(&self, number: u32) -> Vec<([f32; 3], Component)> {
+        self.components_of(number, self.lane)
+    }
+
+    /// Those of another point of the batch.
+    #[must_use]
+    pub fn components_of(&self, number: u32, lane: usize) -> Vec<([f32; 3], Component)> {
+        let parts = self.closures.parts(number, lane).into_iter();
+        parts.filter_map(|(weight, part)| Some((weight, self.describe(&part, lane)?))).collect()
+    }
+
+    fn describe(&self, part: &Part<'_>, lane: usize) -> Option<Component> {
+        let decl = self.host.closures().get(part.kind as usize)?;
+        let mut first = 0;
+        let params = decl.params.iter().map(|param| {
+            let words: Vec<u32> = (first..first + param.ty.size()).map(|i| part.cells(i).at(lane)).collect();
+            first += words.len();
+            let data = match kind(param.ty) {
+                Some(Kind::Text) => Data::Str(words.iter().map(|&w| self.strings.text(w).clone()).collect()),
+                Some(Kind::Int | Kind::Closure) => Data::Int(words.iter().map(|&w| w as i32).collect()),
+                _ => Data::Float(words.iter().map(|&w| f32::from_bits(w)).collect()),
+            };
+            (param.key.clone(), param.ty, data)
+        });
+        Some(Component { name: decl.name.clone(), params: params.collect() })
     }
 
     /// As `printf` shows it.

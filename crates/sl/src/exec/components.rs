@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What closures are made of.
-//! Source: original.
+//! What closures are made of: nodes of sums, weights and components, each made for many points of a batch at once.
+//! Source: original. A node is known by its number, counted from 1; 0 is no closure. Its numbers lie one behind the other in one memory,
+//! each either once for all points that the node was made for, or in a row. Points for which it was not made find anything in it.
+//! Invariant: nodes only name nodes that were made before them. Proof: `tests/meaning/more.rs`.
 
+use super::cells::{Cells, LANES, lanes_of};
 use crate::hir::Data;
 use crate::types::Type;
 use std::sync::Arc;
@@ -24,7 +27,7 @@ pub struct ClosureDecl {
     pub params: Vec<ClosureParam>,
 }
 
-/// A named part.
+/// A component of one point by itself.
 #[derive(Clone, Debug)]
 pub struct Component {
     /// Its name.
@@ -33,40 +36,198 @@ pub struct Component {
     pub params: Vec<(Option<Arc<str>>, Type, Data)>,
 }
 
-/// A node of the tree; others are named by their numbers, which are lower than its own.
-#[derive(Clone, Debug)]
-pub enum Closure {
-    /// A part of weight 1.
-    Component(Component),
-    /// A part times a weight.
-    Mul([f32; 3], u32),
-    /// Two parts.
-    Add(u32, u32),
+/// A component as it was made.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a> {
+    /// Its place in the list of closures that the program knows: see [`Host::closures`](super::Host::closures).
+    pub kind: u32,
+    nodes: &'a Closures,
+    first: u32,
 }
 
-/// Nodes that a batch may have.
-pub(super) const NODES: usize = 1 << 20;
+impl<'a> Part<'a> {
+    /// Number `i` of its parameters', which follow each other: three of a colour.
+    #[inline]
+    #[must_use]
+    pub fn cells(&self, i: usize) -> Cells<'a> {
+        self.nodes.cells(self.first as usize + i)
+    }
+}
 
-/// The components of a closure with their weights, in order: of node `number`, counted from 1.
-#[must_use]
-pub fn parts(nodes: &[Closure], number: u32) -> Vec<([f32; 3], &Component)> {
-    let mut out = Vec::new();
-    let mut open = vec![(number, [1.0_f32; 3])];
-    while let Some((number, w)) = open.pop() {
-        if out.len() > NODES {
-            break;
+/// A node. Colours are floats' bits, closures are numbers of nodes.
+#[derive(Clone, Copy, Debug)]
+pub enum Closure<'a> {
+    /// A part of weight 1.
+    Component(Part<'a>),
+    /// A part times a weight.
+    Mul([Cells<'a>; 3], Cells<'a>),
+    /// Two parts.
+    Add(Cells<'a>, Cells<'a>),
+}
+
+#[derive(Clone, Copy, Debug)]
+enum What {
+    Component(u32),
+    Mul,
+    Add,
+}
+
+/// What a node is, and the first of its numbers.
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    what: What,
+    first: u32,
+}
+
+/// The nodes of a batch.
+#[derive(Clone, Debug, Default)]
+pub struct Closures {
+    nodes: Vec<Node>,
+    /// By number, where it is: twice its place among the words, and one more if there is one for each point.
+    places: Vec<u32>,
+    words: Vec<u32>,
+}
+
+/// Words of a batch's nodes; what does not fit is no closure.
+const MOST: usize = 1 << 22;
+
+impl Closures {
+    /// Forgets all nodes.
+    pub fn clear(&mut self) {
+        self.nodes.clear();
+        self.places.clear();
+        self.words.clear();
+    }
+
+    #[inline]
+    fn cells(&self, number: usize) -> Cells<'_> {
+        let place = self.places.get(number).copied().unwrap_or_default();
+        let at = (place >> 1) as usize;
+        if place & 1 != 0
+            && let Some(row) = self.words.get(at..).and_then(<[u32]>::first_chunk)
+        {
+            return Cells::Each(row);
         }
-        match (number as usize).checked_sub(1).and_then(|i| nodes.get(i)) {
-            Some(Closure::Component(component)) => out.push((w, component)),
-            Some(Closure::Mul(weight, inner)) => {
-                open.push((*inner, [weight[0] * w[0], weight[1] * w[1], weight[2] * w[2]]));
+        Cells::One(self.words.get(at).copied().unwrap_or_default())
+    }
+
+    /// Node `number`; none for 0.
+    #[inline]
+    #[must_use]
+    pub fn node(&self, number: u32) -> Option<Closure<'_>> {
+        let node = self.nodes.get((number as usize).checked_sub(1)?)?;
+        let cells = |i: usize| self.cells(node.first as usize + i);
+        Some(match node.what {
+            What::Component(kind) => Closure::Component(Part { kind, nodes: self, first: node.first }),
+            What::Mul => Closure::Mul([cells(0), cells(1), cells(2)], cells(3)),
+            What::Add => Closure::Add(cells(0), cells(1)),
+        })
+    }
+
+    /// Adds a number of the node that is made by [`component`](Self::component) next.
+    #[inline]
+    pub(super) fn put(&mut self, cells: Cells) {
+        let at = (self.words.len() as u32) << 1;
+        match cells {
+            Cells::One(word) => {
+                self.places.push(at);
+                self.words.push(word);
             }
-            Some(Closure::Add(a, b)) => {
-                open.push((*b, w));
-                open.push((*a, w));
+            Cells::Each(row) => {
+                self.places.push(at | 1);
+                self.words.extend_from_slice(row);
             }
-            None => {}
         }
     }
-    out
+
+    /// How many numbers there are: the first of the node that comes next.
+    pub(super) fn next(&self) -> u32 {
+        self.places.len() as u32
+    }
+
+    /// Makes a component of the numbers from `first` on; its number, 0 if there are too many.
+    pub(super) fn component(&mut self, kind: u32, first: u32) -> u32 {
+        self.add(What::Component(kind), first)
+    }
+
+    fn add(&mut self, what: What, first: u32) -> u32 {
+        if self.words.len() > MOST {
+            return 0;
+        }
+        self.nodes.push(Node { what, first });
+        self.nodes.len() as u32
+    }
+
+    /// The sum of two closures of each of some points.
+    pub(super) fn sum(&mut self, lanes: u32, a: Cells, b: Cells) -> [u32; LANES] {
+        let mut out = [0; LANES];
+        let mut both = 0;
+        for lane in lanes_of(lanes) {
+            let (left, right) = (a.at(lane), b.at(lane));
+            out[lane] = if left == 0 { right } else { left };
+            both |= u32::from(left != 0 && right != 0) << lane;
+        }
+        if both != 0 {
+            let first = self.next();
+            self.put(shared(a, both));
+            self.put(shared(b, both));
+            let number = self.add(What::Add, first);
+            lanes_of(both).for_each(|lane| out[lane] = number);
+        }
+        out
+    }
+
+    /// A closure times a colour (floats' bits) of each of some points.
+    pub(super) fn times(&mut self, lanes: u32, weight: [Cells; 3], inner: Cells) -> [u32; LANES] {
+        let mut out = [0; LANES];
+        let mut weighed = 0;
+        for lane in lanes_of(lanes) {
+            let weight = weight.map(|cells| f32::from_bits(cells.at(lane)));
+            let inner = inner.at(lane);
+            if inner == 0 || weight == [0.0; 3] {
+                continue;
+            }
+            out[lane] = inner;
+            weighed |= u32::from(weight != [1.0; 3]) << lane;
+        }
+        if weighed != 0 {
+            let first = self.next();
+            weight.into_iter().for_each(|cells| self.put(cells));
+            self.put(shared(inner, weighed));
+            let number = self.add(What::Mul, first);
+            lanes_of(weighed).for_each(|lane| out[lane] = number);
+        }
+        out
+    }
+
+    /// The components of a point's closure with their weights, in order: of node `number`.
+    #[must_use]
+    pub fn parts(&self, number: u32, lane: usize) -> Vec<([f32; 3], Part<'_>)> {
+        let mut out = Vec::new();
+        let mut open = vec![(number, [1.0_f32; 3])];
+        while let Some((number, w)) = open.pop() {
+            if out.len() > MOST {
+                break;
+            }
+            match self.node(number) {
+                Some(Closure::Component(part)) => out.push((w, part)),
+                Some(Closure::Mul(weight, inner)) => {
+                    let of = |k: usize| f32::from_bits(weight[k].at(lane)) * w[k];
+                    open.push((inner.at(lane), [of(0), of(1), of(2)]));
+                }
+                Some(Closure::Add(a, b)) => {
+                    open.push((b.at(lane), w));
+                    open.push((a.at(lane), w));
+                }
+                None => {}
+            }
+        }
+        out
+    }
+}
+
+/// The same numbers, as one if some points agree.
+fn shared(cells: Cells<'_>, lanes: u32) -> Cells<'_> {
+    let one = cells.at(lanes.trailing_zeros() as usize);
+    if lanes_of(lanes).all(|lane| cells.at(lane) == one) { Cells::One(one) } else { cells }
 }

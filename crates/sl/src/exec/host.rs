@@ -280,10 +280,9 @@ pub trait Host {
         (false, None)
     }
 
-    /// What a closure takes; none if the program does not know it.
-    fn closure(&self, name: &str) -> Option<&ClosureDecl> {
-        let _ = name;
-        None
+    /// The closures that the program knows, always in the same order.
+    fn closures(&self) -> &[ClosureDecl] {
+        &[]
     }
 
     /// The bit of a kind of ray; 0 if it is not known.

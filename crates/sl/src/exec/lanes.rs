@@ -2,7 +2,8 @@
 //! The interpreter as a [`Program`]: the points of a batch, one after the other.
 //! Source: original. Proof: `tests/meaning/more.rs`.
 
-use super::batch::{LANES, Points, Program, Results, Row};
+use super::batch::{Points, Program, Results, Row};
+use super::cells::LANES;
 use super::host::{Host, Point};
 use super::machine::{Machine, Memory, Plan};
 use super::slot::Kept;

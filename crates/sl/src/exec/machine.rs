@@ -2,7 +2,7 @@
 //! The machine, the plan that it runs and the steps that plans are made of.
 //! Source: original. These types name each other, so they stand together.
 
-use super::components::Closure;
+use super::components::Closures;
 use super::host::{Host, Point};
 use super::slot::{Kept, Slot};
 use super::strings::Strings;
@@ -225,9 +225,11 @@ pub struct Machine<'a> {
     pub(super) host: &'a dyn Host,
     pub(super) memory: Vec<u32>,
     pub(super) strings: Strings,
-    pub(super) closures: Vec<Closure>,
+    pub(super) closures: Closures,
     pub(super) messages: Vec<Message>,
     pub(super) point: Point,
+    /// The point's place in its batch.
+    pub(super) lane: usize,
     /// The layer that runs.
     pub(super) layer: usize,
     pub(super) done: Vec<bool>,
@@ -286,9 +288,10 @@ impl<'a> Machine<'a> {
             host,
             memory: cells,
             strings,
-            closures: Vec::new(),
+            closures: Closures::default(),
             messages: Vec::new(),
             point: Point::default(),
+            lane: 0,
             layer: 0,
             done,
             pulled,

@@ -10,6 +10,7 @@ mod alone;
 mod arithmetic;
 mod assign;
 mod batch;
+mod cells;
 mod closure;
 mod components;
 mod dictionary;
@@ -33,8 +34,10 @@ mod texts;
 mod texture;
 mod values;
 
-pub use batch::{DualRow, LANES, Points, Program, Results, Row};
-pub use components::{Closure, ClosureDecl, ClosureParam, Component, parts};
+pub use batch::{DualRow, Points, Program, Results, Row};
+pub use cells::{Cells, LANES, lanes_of};
+pub use closure::makes_closures;
+pub use components::{Closure, ClosureDecl, ClosureParam, Closures, Component, Part};
 pub use host::{Arriving, Given, Host, Point, TextureOptions, TraceOptions, longitude_latitude};
 pub use layout::PlanOptions;
 pub use machine::{

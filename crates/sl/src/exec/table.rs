@@ -21,8 +21,7 @@ pub(super) fn action(name: &str, args: &[Slot]) -> Option<Action> {
     let matrix = args.iter().any(|a| a.ty == Type::MATRIX);
     if out == Type::CLOSURE && !matches!(name, "assign" | "aref") {
         return match name {
-            "add" | "mul" => Some(Whole(arithmetic::closure)),
-            "closure" => Some(Whole(closure::closure)),
+            "add" | "mul" | "closure" => Some(Whole(closure::closure)),
             _ => None,
         };
     }

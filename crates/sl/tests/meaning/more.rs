@@ -4,7 +4,7 @@
 use crate::common::{Empty, compiled, shader};
 use gnurt_sl::exec::{
     Arriving, ClosureDecl, ClosureParam, Event, Host, LANES, Machine, Plan, PlanOptions, Point, Points,
-    Program, Results, TraceOptions, parts,
+    Program, Results, TraceOptions,
 };
 use gnurt_sl::group::Group;
 use gnurt_sl::types::Type;
@@ -29,8 +29,8 @@ impl Host for Lit {
         self.0.color_system()
     }
 
-    fn closure(&self, name: &str) -> Option<&ClosureDecl> {
-        self.1.iter().find(|closure| &*closure.name == name)
+    fn closures(&self) -> &[ClosureDecl] {
+        &self.1
     }
 
     fn light_count(&self) -> i32 {
@@ -194,8 +194,29 @@ fn batches_are_points() {
                 };
                 assert_eq!(out.rows[kept.row][lane], one, "{} at {lane}", kept.name);
             }
-            let (one, many) = (machine.components(machine.ci()), parts(&out.closures, out.ci[lane]));
-            assert_eq!(format!("{one:?}"), format!("{many:?}"), "closures at {lane}");
+            let one: Vec<_> = machine
+                .components(machine.ci())
+                .into_iter()
+                .map(|(weight, component)| {
+                    let numbers = component.params.into_iter().flat_map(|(_, _, data)| match data {
+                        gnurt_sl::hir::Data::Float(list) => list,
+                        _ => unreachable!("floats"),
+                    });
+                    (weight, component.name, numbers.collect::<Vec<_>>())
+                })
+                .collect();
+            let many: Vec<_> = out
+                .closures
+                .parts(out.ci[lane], lane)
+                .into_iter()
+                .map(|(weight, part)| {
+                    let decl = &world.closures()[part.kind as usize];
+                    let count: usize = decl.params.iter().map(|param| param.ty.size()).sum();
+                    let numbers = (0..count).map(|i| f32::from_bits(part.cells(i).at(lane)));
+                    (weight, decl.name.clone(), numbers.collect::<Vec<_>>())
+                })
+                .collect();
+            assert_eq!(one, many, "closures at {lane}");
         }
         let said: Vec<_> = out.events.iter().map(|(lane, _)| *lane).collect();
         assert_eq!(said, (0..LANES).collect::<Vec<_>>(), "each says its own");

@@ -264,8 +264,8 @@ impl Host for World<'_> {
         std::fs::read_to_string(file).ok()
     }
 
-    fn closure(&self, name: &str) -> Option<&ClosureDecl> {
-        self.closures.iter().find(|c| &*c.name == name)
+    fn closures(&self) -> &[ClosureDecl] {
+        &self.closures
     }
 
     fn ray_kind(&self, name: &str) -> u32 {

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! From one closure of a point to its lobes.
+//! Source: original; what the closures are is in the OSL specification and MaterialX, the lobes' models are in docs/materials.md.
+//! Differs from other renderers: facets are GGX whatever the distribution's name; light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered where it enters; hair and volumes are not drawn.
+//! Space: world. Proof: `tests/scripts/closures.rs`.
+
+use glam::Vec3;
+use gnurt_shading::bsdf::{Film, Lobe};
+use gnurt_sl::exec::{Cells, Part};
+
+use crate::closures::{Known, Shape};
+
+/// Widths of facets below this are mirrors.
+pub(crate) const SMOOTH: f32 = 1e-3;
+
+/// The parameters of a component at a point, by their places.
+pub(crate) struct Params<'a> {
+    shape: &'a Shape,
+    part: &'a Part<'a>,
+    lane: usize,
+}
+
+impl Shape {
+    /// The place of the normal among the parameters.
+    pub(crate) fn normal(&self) -> Option<usize> {
+        match self.known {
+            Known::Subsurface => None,
+            Known::Microfacet => Some(1),
+            _ => Some(0),
+        }
+    }
+
+    /// The place of what facets are brushed along, and those of the widths.
+    fn grain(&self) -> Option<[usize; 3]> {
+        match self.known {
+            Known::Ward | Known::Conductor => Some([1, 2, 3]),
+            Known::Microfacet => Some([2, 3, 4]),
+            Known::Dielectric | Known::Schlick => Some([1, 4, 5]),
+            _ => None,
+        }
+    }
+}
+
+impl<'a> Params<'a> {
+    pub(crate) fn new(shape: &'a Shape, part: &'a Part<'a>, lane: usize) -> Self {
+        Self { shape, part, lane }
+    }
+
+    /// Whether all that says what the lobe is, but for its normal, is the same for all points.
+    pub(crate) fn are_one(shape: &Shape, part: &Part<'_>) -> bool {
+        let one = |place: usize| {
+            let mut numbers = shape.firsts[place]..shape.firsts[place + 1];
+            numbers.all(|i| matches!(part.cells(i), Cells::One(_)))
+        };
+        // Nobody asks along what facets are as wide as across it.
+        let along = shape.grain().filter(|[_, x, y]| {
+            let [x, y] = [x, y].map(|place| part.cells(shape.firsts[*place]));
+            matches!((x, y), (Cells::One(x), Cells::One(y)) if x == y)
+        });
+        let left_out = [shape.normal(), along.map(|grain| grain[0])];
+        (0..shape.firsts.len() - 1).all(|place| left_out.contains(&Some(place)) || one(place))
+    }
+
+    fn word(&self, i: usize, k: usize) -> u32 {
+        self.part.cells(self.shape.firsts[i] + k).at(self.lane)
+    }
+
+    /// A number; 0 if it is none.
+    fn float(&self, i: usize) -> f32 {
+        Some(f32::from_bits(self.word(i, 0))).filter(|x| x.is_finite()).unwrap_or(0.0)
+    }
+
+    pub(crate) fn vec3(&self, i: usize) -> Vec3 {
+        let v = Vec3::from([0, 1, 2].map(|k: usize| f32::from_bits(self.word(i, k))));
+        if v.is_finite() { v } else { Vec3::ZERO }
+    }
+
+    /// A share of light per channel.
+    fn share(&self, i: usize) -> Vec3 {
+        self.vec3(i).clamp(Vec3::ZERO, Vec3::ONE)
+    }
+
+    fn int(&self, i: usize) -> i32 {
+        self.word(i, 0) as i32
+    }
+
+    /// Widths of facets.
+    fn slopes(&self) -> Slopes {
+        let Some([tangent, x, y]) = self.shape.grain() else { return Slopes::even(0.0) };
+        let [along, across] = [x, y].map(|i| self.float(i).clamp(0.0, 1.0));
+        Slopes { tangent: self.vec3(tangent), along, across }
+    }
+
+    /// The film of MaterialX's closures; one without a thickness is none.
+    fn film(&self) -> Film {
+        let [thickness, ior] = [0, 1].map(|k| self.float(self.shape.plain + k));
+        Film {
+            share: f32::from(u8::from(thickness > 0.0)),
+            ior: if ior > 0.0 { ior } else { 1.0 },
+            thickness,
+        }
+    }
+}
+
+/// How wide facets' slopes are.
+#[derive(Clone, Copy)]
+struct Slopes {
+    tangent: Vec3,
+    along: f32,
+    across: f32,
+}
+
+impl Slopes {
+    fn even(alpha: f32) -> Self {
+        Self { tangent: Vec3::ZERO, along: alpha, across: alpha }
+    }
+
+    fn is_smooth(self) -> bool {
+        self.along.max(self.across) < SMOOTH
+    }
+
+    /// The lobe that is made for one width, with both. Where nobody says along what, slopes are as wide on average.
+    fn of(self, make: impl FnOnce(f32) -> Lobe) -> Lobe {
+        let [along, across] = [self.along, self.across].map(|alpha| alpha.clamp(SMOOTH, 1.0));
+        match self.tangent.try_normalize() {
+            Some(tangent) if along != across => make(along).brushed(tangent, across),
+            _ => make((along * across).sqrt()),
+        }
+    }
+}
+
+fn fresnel_at_normal(eta: f32) -> f32 {
+    let r = (eta - 1.0) / (eta + 1.0);
+    r * r
+}
+
+/// Glass by the index beyond over the index on the side that the ray came from.
+fn glass(slopes: Slopes, eta: f32, reflectance: Vec3, transmittance: Vec3) -> Lobe {
+    let eta = if eta > 0.0 { 1.0 / eta } else { 1.0 };
+    if slopes.is_smooth() {
+        Lobe::glass(eta, reflectance, transmittance, false)
+    } else {
+        slopes.of(|alpha| Lobe::rough_glass(alpha, eta, reflectance, transmittance, false))
+    }
+}
+
+fn facets(slopes: Slopes, f0: Vec3, f90: Vec3) -> Lobe {
+    slopes.of(|alpha| Lobe::facets(alpha, f0, f90))
+}
+
+/// The lobes of a closure, at most two, each around the point's normal; `front` = the ray came from the side of the mesh's normal.
+pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
+    let one = match p.shape.known {
+        Known::Diffuse => Lobe::lambert(Vec3::ONE),
+        Known::OrenNayar => Lobe::oren_nayar(Vec3::ONE, p.float(1).clamp(0.0, 1.0)),
+        Known::OrenNayarDiffuse => Lobe::oren_nayar(p.share(1), p.float(2).clamp(0.0, 1.0)),
+        // Burley's surface of middle roughness is Lambert's; rougher ones send light back as Oren's and Nayar's do.
+        Known::Burley => Lobe::oren_nayar(p.share(1), (2.0 * p.float(2) - 1.0).clamp(0.0, 1.0)),
+        Known::Subsurface => Lobe::lambert(p.share(3)),
+        Known::SubsurfaceBssrdf => Lobe::lambert(p.share(1)),
+        Known::Translucent => Lobe::translucent(Vec3::ONE),
+        Known::TranslucentBsdf => Lobe::translucent(p.share(1)),
+        Known::Sheen => Lobe::sheen(p.share(1), p.float(2).clamp(0.0, 1.0)),
+        // cos^n around the mirror image is cos^4n around the half vector, near it.
+        Known::Phong => {
+            let exponent = p.float(1).max(0.0);
+            let alpha = (2.0 / (4.0 * exponent + 2.0)).sqrt();
+            facets(Slopes::even(alpha), Vec3::ONE, Vec3::ONE)
+        }
+        Known::Ward => facets(p.slopes(), Vec3::ONE, Vec3::ONE),
+        Known::Microfacet => {
+            let (slopes, eta) = (p.slopes(), p.float(5));
+            match p.int(6) {
+                0 if eta <= 0.0 => facets(slopes, Vec3::ONE, Vec3::ONE),
+                0 => facets(slopes, Vec3::splat(fresnel_at_normal(eta)), Vec3::ONE),
+                1 => glass(slopes, eta, Vec3::ZERO, Vec3::ONE),
+                _ => glass(slopes, eta, Vec3::ONE, Vec3::ONE),
+            }
+        }
+        Known::Reflection => match p.float(1) {
+            eta if eta <= 0.0 => Lobe::mirror(Vec3::ONE),
+            eta => glass(Slopes::even(0.0), eta, Vec3::ONE, Vec3::ZERO),
+        },
+        Known::Refraction => glass(Slopes::even(0.0), p.float(1), Vec3::ZERO, Vec3::ONE),
+        Known::Dielectric => {
+            let index = Some(p.float(6)).filter(|&index| index > 0.0).unwrap_or(1.0);
+            let eta = if front { index } else { 1.0 / index };
+            let (slopes, reflectance, transmittance) = (p.slopes(), p.share(2), p.share(3));
+            if transmittance == Vec3::ZERO && !slopes.is_smooth() {
+                let f0 = Vec3::splat(fresnel_at_normal(index));
+                tinted(facets(slopes, f0, Vec3::ONE).filmed(p.film()), reflectance)
+            } else {
+                glass(slopes, eta, reflectance, transmittance).filmed(p.film())
+            }
+        }
+        Known::Conductor => {
+            let (eta, k) = (p.vec3(4).max(Vec3::splat(1e-3)), p.vec3(5).max(Vec3::ZERO));
+            p.slopes().of(|alpha| Lobe::metal(alpha, eta, k)).filmed(p.film())
+        }
+        Known::Schlick => return schlick(p, front),
+        _ => return [None; 2],
+    };
+    [Some(one), None]
+}
+
+fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 2] {
+    let (slopes, f0, tint) = (p.slopes(), p.share(6), p.share(2));
+    let mirrored = tinted(facets(slopes, f0, p.share(7)).filmed(p.film()), tint);
+    let through = match p.share(3) {
+        Vec3::ZERO => None,
+        through => {
+            let root = f0.element_sum().max(0.0).mul_add(1.0 / 3.0, 0.0).min(0.99).sqrt();
+            let index = (1.0 + root) / (1.0 - root);
+            let eta = if front { index } else { 1.0 / index };
+            Some(glass(slopes, eta, Vec3::ZERO, through))
+        }
+    };
+    [Some(mirrored), through]
+}
+
+/// A lobe times a tint. Without a film that is in its reflectances, where layers find it.
+fn tinted(mut lobe: Lobe, tint: Vec3) -> Lobe {
+    if lobe.film.is_there() {
+        lobe.weight = tint;
+    } else {
+        (lobe.a, lobe.b) = (lobe.a * tint, lobe.b * tint);
+    }
+    lobe
+}

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Points of surfaces as shaders see them.
+//! Source: original; what the globals hold is OSL's. Space: world; normals face the ray.
+//! Proof: `tests/scripts/floor.rs`.
+
+use glam::Vec3;
+use gnurt_shading::SurfaceBatch;
+use gnurt_shading::batch::uv_step;
+use gnurt_shading::sampling::Basis;
+use gnurt_sl::exec::{DualRow, LANES, Plan, Points, Row};
+use gnurt_sl::ir::SymbolKind;
+
+/// What a shader reads that is not for nothing; what it does not need holds anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Needs {
+    /// How places change from pixel to pixel.
+    pub(crate) derivatives: bool,
+    /// How places change with texture coordinates.
+    pub(crate) frame: bool,
+}
+
+impl Needs {
+    pub(crate) const ALL: Self = Self { derivatives: true, frame: true };
+
+    /// Of a group.
+    pub(crate) fn of(plan: &Plan) -> Self {
+        let mut needs = Self::default();
+        for symbol in plan.layers.iter().flat_map(|layer| &layer.shader.symbols) {
+            if symbol.kind == SymbolKind::Global {
+                needs.derivatives |= symbol.derivs;
+                needs.frame |= matches!(&*symbol.name, "dPdu" | "dPdv");
+            }
+        }
+        needs
+    }
+}
+
+/// How a place changes from pixel to pixel: across the ray, carried along it to the surface.
+fn steps(hits: &SurfaceBatch, i: usize) -> [Vec3; 2] {
+    let width = hits.footprint.get(i).copied().unwrap_or(0.0);
+    if width <= 0.0 || !width.is_finite() {
+        return [Vec3::ZERO; 2];
+    }
+    let (dir, ng) = (hits.ray_dir.get(i), hits.facing_ng(i));
+    let across = Basis::around(dir);
+    // Grazing rays would see all the way to the horizon.
+    let cos = dir.dot(ng).min(-1e-2);
+    [across.tangent, across.bitangent].map(|step| (step - dir * (step.dot(ng) / cos)) * width)
+}
+
+fn put(rows: &mut [Row; 3], lane: usize, v: Vec3) {
+    let [x, y, z] = rows;
+    (x[lane], y[lane], z[lane]) = v.into();
+}
+
+fn put_dual(rows: &mut [DualRow; 3], lane: usize, [v, dx, dy]: [Vec3; 3]) {
+    for (k, row) in rows.iter_mut().enumerate() {
+        (row.value[lane], row.dx[lane], row.dy[lane]) = (v[k], dx[k], dy[k]);
+    }
+}
+
+/// The points from `first` on, sixteen or fewer.
+pub(crate) fn points(hits: &SurfaceBatch, first: usize, ray_kinds: u32, needs: Needs, out: &mut Points) {
+    out.count = LANES.min(hits.len() - first);
+    (out.ray_kinds, out.backfacing, out.flipped) = (ray_kinds, 0, 0);
+    out.surface_area = [1.0; LANES];
+    for lane in 0..out.count {
+        let i = first + lane;
+        let (p, dir, n) = (hits.p.get(i), hits.ray_dir.get(i), hits.facing_ns(i));
+        let [dx, dy] = if needs.derivatives { steps(hits, i) } else { [Vec3::ZERO; 2] };
+        put_dual(&mut out.p, lane, [p, dx, dy]);
+        put_dual(&mut out.i, lane, [dir, Vec3::ZERO, Vec3::ZERO]);
+        put(&mut out.n, lane, n);
+        put(&mut out.ng, lane, hits.facing_ng(i));
+        out.index[lane] = i as i32;
+        out.backfacing |= u16::from(!hits.front(i)) << lane;
+        let [u, v] = hits.uv(i);
+        (out.u.value[lane], out.v.value[lane]) = (u, v);
+        if needs == Needs::default() {
+            continue;
+        }
+        let own =
+            if hits.dp_du.is_empty() { [Vec3::ZERO; 2] } else { [hits.dp_du.get(i), hits.dp_dv.get(i)] };
+        let (ux, uy) = (uv_step(own, dx), uv_step(own, dy));
+        (out.u.dx[lane], out.u.dy[lane]) = (ux[0], uy[0]);
+        (out.v.dx[lane], out.v.dy[lane]) = (ux[1], uy[1]);
+        // Pixels may go around the other way.
+        out.flipped |= u16::from(dx.cross(dy).dot(n) < 0.0) << lane;
+        // Where the mesh has no coordinates, any directions along the surface.
+        let [dpdu, dpdv] = if own[0] == Vec3::ZERO || own[1] == Vec3::ZERO {
+            let frame = Basis::around(n);
+            [frame.tangent, frame.bitangent]
+        } else {
+            own
+        };
+        put(&mut out.dpdu, lane, dpdu);
+        put(&mut out.dpdv, lane, dpdv);
+    }
+}
