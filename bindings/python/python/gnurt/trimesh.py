@@ -31,9 +31,11 @@ class RayMeshIntersector:
         self._scale_to_box = scale_to_box
         self._threads = threads
         self._built = (None, None)
+        # A corner and a normal of each triangle, once they are asked for.
+        self._planes = None
 
     def __getstate__(self):
-        return {**self.__dict__, "_built": (None, None)}
+        return {**self.__dict__, "_built": (None, None), "_planes": None}
 
     def __copy__(self, *_):
         return type(self)(self.mesh, self._scale_to_box, self._threads)
@@ -49,6 +51,7 @@ class RayMeshIntersector:
             scene = RayScene()
             scene.add_triangles(self.mesh.vertices, self.mesh.faces)
             self._built = (hash(self.mesh), scene)
+            self._planes = None
         return scene
 
     def _rays(self, origins, directions):
@@ -79,28 +82,30 @@ class RayMeshIntersector:
     def _once(self, rays, faces, t):
         """False where a hit at the place of the one before is on a triangle that shares a corner with it."""
         keep = np.ones(len(rays), bool)
-        near = np.nonzero((rays[1:] == rays[:-1]) & (t[1:] == t[:-1]))[0] + 1
-        if len(near) == 0:
+        same = np.r_[False, (rays[1:] == rays[:-1]) & (t[1:] == t[:-1])]
+        if not same.any():
             return keep
         corners = self.mesh.triangles
-        for i in near:
-            j = i - 1
-            while j >= 0 and rays[j] == rays[i] and t[j] == t[i]:
-                a, b = corners[faces[i]], corners[faces[j]]
-                if keep[j] and (a[:, None] == b[None]).all(axis=2).any():
-                    keep[i] = False
-                    break
-                j -= 1
+        # How many at the same place are before each hit; those with few come first, as those after them ask which were kept.
+        at = np.arange(len(rays))
+        before = at - np.maximum.accumulate(np.where(same, 0, at))
+        for number in range(1, before.max() + 1):
+            ours = np.nonzero(before == number)[0]
+            for back in range(1, number + 1):
+                a, b = corners[faces[ours]], corners[faces[ours - back]]
+                meet = (a[:, :, None] == b[:, None]).all(axis=3).any(axis=(1, 2))
+                keep[ours[meet & keep[ours - back]]] = False
         return keep
 
     def _locations(self, origins, directions, rays, faces):
         """Where rays meet the planes of triangles, in double precision."""
-        corners = self.mesh.triangles[faces]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        if self._planes is None:
+            corners = self.mesh.triangles
+            self._planes = corners[:, 0], np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        corner, normal = (of[faces] for of in self._planes)
         o, d = origins[rays], directions[rays]
-        along = np.einsum("ij,ij->i", d, normals)
         with np.errstate(divide="ignore", invalid="ignore"):
-            t = np.einsum("ij,ij->i", corners[:, 0] - o, normals) / along
+            t = np.einsum("ij,ij->i", corner - o, normal) / np.einsum("ij,ij->i", d, normal)
         return o, d, t
 
     def intersects_location(self, ray_origins, ray_directions, multiple_hits=True, **_):
