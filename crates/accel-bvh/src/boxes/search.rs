@@ -7,7 +7,7 @@ use gnurt_accel_core::Ray;
 use gnurt_simd::{Simd, StackRoom, prelude::*};
 
 use super::BoxIndex;
-use crate::node::Child;
+use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::point::{Around, square_of, walk_near};
 use crate::tree::DEEPEST;
@@ -75,17 +75,36 @@ fn search_nodes<S: Simd, const WAIT: usize>(
         #[inline(always)]
         |range| {
             for block in range {
-                let (mut bits, _, members) = nodes.meet(simd, block, ray, reach);
+                let (mut bits, near, members) = nodes.meet(simd, block, ray, reach);
+                let near = near.as_array();
                 while bits != 0 {
-                    let member = Child::at(members, bits.trailing_zeros() as usize).index();
-                    bits &= bits - 1;
-                    reach = enter(member, reach);
+                    let lane = nearest(bits, near);
+                    if near[lane & (WIDTH - 1)] > reach {
+                        break;
+                    }
+                    bits &= !(1 << lane);
+                    reach = enter(Child::at(members, lane).index(), reach);
                 }
             }
             reach
         },
     );
     (reach, visited)
+}
+
+/// Of the lanes in `bits`, which is not 0, the one that the ray comes to first: a hit there may spare it the others.
+#[inline(always)]
+fn nearest(mut bits: u32, near: &[f32; WIDTH]) -> usize {
+    let mut nearest = bits.trailing_zeros() as usize;
+    bits &= bits - 1;
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        if near[lane & (WIDTH - 1)] < near[nearest & (WIDTH - 1)] {
+            nearest = lane;
+        }
+    }
+    nearest
 }
 
 /// The same at a moment, as a function of its own: for the treelets below the upper one.

@@ -21,9 +21,23 @@ impl Exact {
         Some(Self { rows: inverse(columns)?, columns: *columns })
     }
 
+    /// What rays need of it.
+    pub(super) fn stand(&self) -> Stand {
+        Stand { rows: self.rows, place: self.columns[3] }
+    }
+}
+
+/// What rays need of a map: rows of the linear part of its inverse, and where the object's origin is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stand {
+    pub(super) rows: [[f64; 3]; 3],
+    pub(super) place: [f64; 3],
+}
+
+impl Stand {
     /// A point of the world in the object's space.
     pub(super) fn point(&self, world: [f64; 3]) -> [f64; 3] {
-        let from = [0, 1, 2].map(|k| world[k] - self.columns[3][k]);
+        let from = [0, 1, 2].map(|k| world[k] - self.place[k]);
         self.rows.map(|row| row[0] * from[0] + row[1] * from[1] + row[2] * from[2])
     }
 

@@ -12,7 +12,7 @@ impl SceneTree {
     pub fn moves(&self) -> bool {
         (0..self.slots.len()).any(|place| {
             self.placed(place).is_some_and(|placed| {
-                placed.motion.is_some()
+                placed.motion().is_some()
                     || match &placed.shape {
                         Shape::Object(object) => object.moves(),
                         Shape::Scene(scene) => scene.moves(),
@@ -27,7 +27,7 @@ impl SceneTree {
         let nothing = Arc::new(ObjectTree::build(&[], &BuildOptions::default(), Threads::Single));
         let instance = |slot: &Slot| match slot {
             Slot::Placed(placed) => {
-                let columns = placed.motion.as_ref().map_or(placed.exact.columns, |motion| motion.at(time));
+                let columns = placed.columns(time);
                 let shape = match &placed.shape {
                     Shape::Object(object) => Shape::Object(object.at(time)),
                     Shape::Scene(scene) if scene.moves() => Shape::Scene(Arc::new(scene.at(time, threads))),

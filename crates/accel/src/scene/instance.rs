@@ -11,9 +11,9 @@ use std::sync::Arc;
 use gnurt_accel_core::affine::ObjectFromWorld;
 
 use super::box64::Box64;
-use super::exact::Exact;
-use super::path::MotionPath;
-use super::types::{Instance, Placed, SceneTree, Shape, Slot};
+use super::exact::{Exact, Stand};
+use super::path::{MotionPath, share_of};
+use super::types::{At, Instance, Placed, SceneTree, Shape, Slot};
 use crate::{Aabb, ObjectTree};
 
 impl Instance {
@@ -92,10 +92,15 @@ impl Placed {
     pub(super) fn new(instance: &Instance, origin: [f32; 3]) -> Option<(Self, Aabb)> {
         let columns = &instance.world_from_object;
         let exact = Exact::new(columns)?;
-        let object_from_world = if *columns == IDENTITY { None } else { Some(rounded(&exact)?) };
-        let shape = instance.shape.clone();
-        let motion = instance.motion.clone();
-        let placed = Self { shape, mask: instance.mask, motion, object_from_world, exact };
+        let object_from_world = if *columns == IDENTITY { None } else { Some(rounded(&exact.stand())?) };
+        let at = match &instance.motion {
+            None => At::Still { object_from_world, exact },
+            Some(path) => match path.only_piece() {
+                Some(piece) => At::Piece(piece.clone(), path.clone()),
+                None => At::Path(path.clone()),
+            },
+        };
+        let placed = Self { shape: instance.shape.clone(), mask: instance.mask, at };
         let bounds = placed.bounds_from(origin)?;
         Some((placed, bounds))
     }
@@ -103,14 +108,59 @@ impl Placed {
     /// The box in floats, relative to `origin`; `None` where they cannot hold it.
     fn bounds_from(&self, origin: [f32; 3]) -> Option<Aabb> {
         let bounds = self.shape.bounds();
-        if let Some(motion) = &self.motion {
-            return carry_along(motion, &bounds, origin.map(f64::from)).map(|carried| carried.nearest());
-        }
+        let exact = match &self.at {
+            At::Still { exact, .. } => exact,
+            At::Piece(_, path) | At::Path(path) => {
+                return carry_along(path, &bounds, origin.map(f64::from)).map(|carried| carried.nearest());
+            }
+        };
         let in_floats = matches!(self.shape, Shape::Object(_)) || bounds == Box64::from(bounds.rounded());
-        if self.object_from_world.is_none() && origin == [0.0; 3] && in_floats {
+        if self.is_in_place() && origin == [0.0; 3] && in_floats {
             return Some(bounds.rounded());
         }
-        carry_box(&self.exact.columns, &bounds, origin.map(f64::from)).map(|carried| carried.nearest())
+        carry_box(&exact.columns, &bounds, origin.map(f64::from)).map(|carried| carried.nearest())
+    }
+
+    /// How it moves, if it does.
+    pub(super) fn motion(&self) -> Option<&MotionPath> {
+        match &self.at {
+            At::Still { .. } => None,
+            At::Piece(_, path) | At::Path(path) => Some(path),
+        }
+    }
+
+    /// Whether world and object space are the same at every moment.
+    pub(super) fn is_in_place(&self) -> bool {
+        matches!(&self.at, At::Still { object_from_world: None, .. })
+    }
+
+    /// Where it is at a moment.
+    pub(super) fn columns(&self, time: f32) -> [[f64; 3]; 4] {
+        match &self.at {
+            At::Still { exact, .. } => exact.columns,
+            At::Piece(_, path) | At::Path(path) => path.at(time),
+        }
+    }
+
+    /// The same with the inverse; `None` at a moment at which the object is flat.
+    pub(super) fn exact(&self, time: f32) -> Option<Exact> {
+        match &self.at {
+            At::Still { exact, .. } => Some(*exact),
+            At::Piece(..) | At::Path(_) => Exact::new(&self.columns(time)),
+        }
+    }
+
+    /// The same for rays.
+    #[inline(always)]
+    pub(super) fn stand(&self, time: f32) -> Option<Stand> {
+        match &self.at {
+            At::Still { exact, .. } => Some(exact.stand()),
+            At::Piece(piece, path) => match share_of(time, 1).1 {
+                share if share > 0.0 && share < 1.0 => piece.stand(share),
+                _ => path.stand(time),
+            },
+            At::Path(path) => path.stand(time),
+        }
     }
 }
 
@@ -127,20 +177,20 @@ impl Slot {
     /// One more than a power of two; `None` where it stands still or cannot be seen.
     pub(super) fn boxes_at(&self, origin: [f32; 3]) -> Option<Vec<Aabb>> {
         let Self::Placed(placed) = self else { return None };
-        boxes_along(placed.motion.as_ref()?, &placed.shape.bounds(), origin.map(f64::from))
+        boxes_along(placed.motion()?, &placed.shape.bounds(), origin.map(f64::from))
     }
 }
 
 /// The map in floats; `None` where these cannot hold it.
 #[inline]
-pub(super) fn rounded(exact: &Exact) -> Option<ObjectFromWorld> {
+pub(super) fn rounded(stand: &Stand) -> Option<ObjectFromWorld> {
     // Written out: rays through what moves come here.
     let floats = |v: [f64; 3]| [v[0] as f32, v[1] as f32, v[2] as f32];
     let is_finite = |v: [f32; 3]| v[0].is_finite() & v[1].is_finite() & v[2].is_finite();
     let spans = |v: [f32; 3]| (v[0] != 0.0) | (v[1] != 0.0) | (v[2] != 0.0);
-    let [x, y, z] = exact.rows;
+    let [x, y, z] = stand.rows;
     let (x, y, z) = (floats(x), floats(y), floats(z));
-    let place = exact.columns[3];
+    let place = stand.place;
     let high = floats(place);
     let over = |k: usize| (place[k] - f64::from(high[k])) as f32;
     let low = [over(0), over(1), over(2)];
@@ -249,13 +299,13 @@ mod tests {
         // Scaled by 2 along x, turned a quarter around z, then moved far away.
         let columns = [[0.0, 2.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1e6 + 0.125, 0.3, -7.0]];
         let exact = Exact::new(&columns).expect("invertible");
-        let map = rounded(&exact).expect("in the range of floats");
+        let map = rounded(&exact.stand()).expect("in the range of floats");
         let world = Ray::new([1e6 - 1.0, 4.0, -7.0], [0.0, 2.0, 0.0]);
         let object = map.ray(&world);
         assert_eq!(object.dir, [1.0, 0.0, 0.0], "world y is object x, scaled");
         let error = (object.org[0] - 1.85).abs() + (object.org[1] - 1.125).abs() + object.org[2].abs();
         assert!(error < 1e-6, "{:?} is relative to the object's place", object.org);
-        let (precise, inside) = exact.ray(&world, &[1e6 - 1.0, 4.0 + 1e-9, -7.0]);
+        let (precise, inside) = exact.stand().ray(&world, &[1e6 - 1.0, 4.0 + 1e-9, -7.0]);
         assert_eq!(precise.dir, object.dir, "directions are those of floats here");
         assert!((inside[0] - 1.85 - 5e-10).abs() < 1e-12, "{inside:?} keeps what floats would lose");
     }

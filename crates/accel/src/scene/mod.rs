@@ -18,6 +18,7 @@ mod point;
 mod queries;
 mod region;
 mod surface_queries;
+mod turn;
 mod types;
 mod update;
 mod walk;

@@ -16,13 +16,8 @@ impl SceneTree {
         time: f32,
     ) -> Option<[f64; 3]> {
         let (place, placed) = self.placed_at(leaf)?;
-        let moved = match &placed.motion {
-            Some(motion) => Some(motion.exact(time)?),
-            None => None,
-        };
-        let stands = placed.object_from_world.is_none() && moved.is_none();
-        let exact = moved.as_ref().unwrap_or(&placed.exact);
-        let at = at.map(|at| if stands { at } else { exact.point(at) });
+        let (stands, exact) = (placed.is_in_place(), placed.exact(time)?);
+        let at = at.map(|at| if stands { at } else { exact.stand().point(at) });
         let inside = match &placed.shape {
             Shape::Object(object) => object.raw_normal(hit, at, time),
             Shape::Scene(scene) => scene.raw_normal_at(hit, leaf - self.leaves.first(place), at, time),

@@ -35,11 +35,11 @@ impl SceneTree {
             return;
         };
         let slot = slot + self.leaves.first(place);
-        let exact = &placed.exact;
+        let Some(exact) = placed.exact(0.0) else { return };
         let [axes @ .., _] = exact.columns;
-        let inside = match placed.object_from_world {
-            None => *probe,
-            Some(_) => probe.inside(exact.point(probe.point), &axes),
+        let inside = match placed.is_in_place() {
+            true => *probe,
+            false => probe.inside(exact.stand().point(probe.point), &axes),
         };
         match &placed.shape {
             Shape::Object(object) => object.nearest(engine, &inside, slot, nearest),

@@ -35,12 +35,12 @@ impl SceneTree {
             return;
         };
         let leaf = first_leaf + self.leaves.first(place);
-        let exact = &placed.exact;
+        let Some(exact) = placed.exact(0.0) else { return };
         let here = Place { columns: &exact.columns, outer };
         let map = Map { columns: &exact.columns, rows: &exact.rows };
-        let (region, place) = match placed.object_from_world {
-            None => (*region, outer),
-            Some(_) => (region.inside(&map), Some(&here)),
+        let (region, place) = match placed.is_in_place() {
+            true => (*region, outer),
+            false => (region.inside(&map), Some(&here)),
         };
         match &placed.shape {
             Shape::Object(object) => object.show_at(&region, mask, leaf, place, visit),

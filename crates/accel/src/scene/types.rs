@@ -10,7 +10,7 @@ use gnurt_accel_core::affine::ObjectFromWorld;
 
 use super::exact::Exact;
 use super::leaves::Leaves;
-use super::path::MotionPath;
+use super::path::{MotionPath, Piece};
 use crate::{ObjectTree, SharedList};
 
 /// Most scenes that may lie in one another, the outermost included.
@@ -73,10 +73,21 @@ pub(crate) enum Slot {
 pub(crate) struct Placed {
     pub(super) shape: Shape,
     pub(super) mask: u32,
-    /// Where it is at each moment, if it moves.
-    pub(super) motion: Option<Arc<MotionPath>>,
-    /// `None` where world and object space are the same.
-    pub(crate) object_from_world: Option<ObjectFromWorld>,
-    /// The map in double precision; of what moves, at moment 0.
-    pub(super) exact: Exact,
+    pub(super) at: At,
+}
+
+/// Where an instance is, side by side with what it shows: a ray that enters one of many waits for memory once.
+#[derive(Clone, Debug)]
+pub(super) enum At {
+    /// It stands still.
+    Still {
+        /// `None` where world and object space are the same.
+        object_from_world: Option<ObjectFromWorld>,
+        /// The map in double precision.
+        exact: Exact,
+    },
+    /// It moves on a path that has one piece, which is this.
+    Piece(Piece, Arc<MotionPath>),
+    /// It moves on a longer path.
+    Path(Arc<MotionPath>),
 }

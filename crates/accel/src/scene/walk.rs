@@ -9,7 +9,7 @@ use gnurt_accel_core::tile::RayTile;
 use gnurt_accel_core::trip::{RayTrip, TileTrip};
 
 use super::instance::rounded;
-use super::types::{Placed, SceneTree, Shape};
+use super::types::{At, Placed, SceneTree, Shape};
 use crate::Ray;
 use crate::engine::Engine;
 use crate::together::{WORTH_A_TILE, by_heading};
@@ -64,10 +64,10 @@ impl SceneTree {
         };
         let slot = trip.slot + self.leaves.first(place);
         let (ray, origin) = (trip.ray, trip.origin);
-        if placed.motion.is_some() {
+        let At::Still { object_from_world, exact } = &placed.at else {
             return Self::enter_moving(engine, placed, slot, trip);
-        }
-        match (&placed.object_from_world, origin) {
+        };
+        match (object_from_world, origin) {
             (None, _) => placed.shape.ray(engine, &mut trip.inside(ray, origin, slot)),
             (Some(map), None) => {
                 let inside = map.ray(ray);
@@ -76,7 +76,7 @@ impl SceneTree {
                 }
             }
             (Some(_), Some(origin)) => {
-                let (inside, precise) = placed.exact.ray(ray, origin);
+                let (inside, precise) = exact.stand().ray(ray, origin);
                 if inside.is_sound() {
                     placed.shape.ray(engine, &mut trip.inside(&inside, Some(&precise), slot));
                 }
@@ -88,17 +88,17 @@ impl SceneTree {
     #[inline(never)]
     fn enter_moving(engine: &Engine, placed: &Placed, slot: u32, trip: &mut RayTrip) {
         let (ray, origin) = (trip.ray, trip.origin);
-        let Some(exact) = placed.motion.as_ref().and_then(|motion| motion.exact(ray.time)) else { return };
+        let Some(stand) = placed.stand(ray.time) else { return };
         match origin {
             None => {
-                let Some(map) = rounded(&exact) else { return };
+                let Some(map) = rounded(&stand) else { return };
                 let inside = map.ray(ray);
                 if inside.is_sound() {
                     placed.shape.ray(engine, &mut trip.inside(&inside, None, slot));
                 }
             }
             Some(origin) => {
-                let (inside, precise) = exact.ray(ray, origin);
+                let (inside, precise) = stand.ray(ray, origin);
                 if inside.is_sound() {
                     placed.shape.ray(engine, &mut trip.inside(&inside, Some(&precise), slot));
                 }
@@ -145,13 +145,13 @@ impl SceneTree {
         }
         let slot = trip.slot + self.leaves.first(place);
         let stopped;
-        let object_from_world = match &placed.motion {
-            None => &placed.object_from_world,
+        let object_from_world = match &placed.at {
+            At::Still { object_from_world, .. } => object_from_world,
             // Where all rays are of one moment it stands still for them.
-            Some(motion) => match only_moment(trip) {
+            At::Piece(..) | At::Path(_) => match only_moment(trip) {
                 None => return trip.one_by_one(|trip| Self::enter_moving(engine, placed, slot, trip)),
                 Some(time) => {
-                    stopped = motion.exact(time).and_then(|exact| rounded(&exact));
+                    stopped = placed.stand(time).and_then(|stand| rounded(&stand));
                     if stopped.is_none() {
                         return;
                     }
