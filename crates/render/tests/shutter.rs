@@ -10,7 +10,9 @@ use gnurt_render::{
     CommitOptions, Integrator, MovingCamera, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
 };
 use gnurt_scene::animation::Exposure;
-use gnurt_scene::{Affine, Camera, InstanceId, Light, LightId, Mesh, MeshId, Scene};
+use gnurt_scene::{
+    Affine, Camera, InstanceId, Light, LightId, Member, Mesh, MeshId, Object, ObjectId, Scene,
+};
 use gnurt_shading::CameraShader;
 
 use crate::common::*;
@@ -94,6 +96,36 @@ fn room(lights_move: bool) -> Room {
 }
 
 impl Room {
+    /// The same with objects in objects: boxes in a row, of which the first spins, in what stands still; and a small lamp that swings
+    /// in what does.
+    fn with_members(mut self) -> Self {
+        let scene = &mut self.scene;
+        let [boxes, lamp] = ["box", "lamp"].map(|name| {
+            let is_it = |object: &Object| object.name == name;
+            ObjectId(scene.objects().iter().position(is_it).expect("the room has it") as u32)
+        });
+        let spun = |share: f64| {
+            let turn = Affine::rotation([0.3, 1.0, 0.0], share * 5.0);
+            Affine::translation([share - 0.5, 0.3 * share, 0.0]) * turn * Affine::scale([0.4, 0.2, 0.3])
+        };
+        let aside = Affine::translation([0.9, 0.0, 0.2]) * Affine::scale([0.2; 3]);
+        let row = vec![Member::new(boxes, spun(0.0)), Member::new(boxes, aside)];
+        let row = scene.add_object_of_members("row", row);
+        let tilted = Member::new(row, Affine::rotation([0.0, 0.0, 1.0], 0.3));
+        let rows = scene.add_object_of_members("rows", vec![tilted]);
+        scene.instantiate(rows, Affine::translation([-0.8, 1.9, 0.4]));
+        let swung =
+            |share: f64| Affine::translation([0.6 * share, 0.2 * share, 0.0]) * Affine::scale([0.5; 3]);
+        let swing = scene.add_object_of_members("swing", vec![Member::new(lamp, swung(0.0))]);
+        let above = Affine::translation([-1.4, 5.2, 0.8]) * Affine::rotation([1.0, 0.0, 0.0], 2.6);
+        scene.instantiate(swing, above);
+        let keys = |at: &dyn Fn(f64) -> Affine| -> Vec<Affine> {
+            (0..KEYS).map(|k| at(k as f64 / (KEYS - 1) as f64)).collect()
+        };
+        self.exposure.members = vec![((row, 0), keys(&spun)), ((swing, 0), keys(&swung))];
+        self
+    }
+
     fn world(&self) -> World {
         let mut world = World::new();
         self.commit(&mut world, &self.scene, &self.exposure);
@@ -119,13 +151,18 @@ impl Room {
             let mesh = scene.edit_mesh(MeshId(id.0));
             (mesh.positions, mesh.normals) = (mix(&a.positions, &b.positions), mix(&a.normals, &b.normals));
         }
-        for (id, places) in &self.exposure.instances {
+        let at = |places: &[Affine]| {
             let columns: Vec<_> = places.iter().map(|place| place.columns).collect();
             // Straight ways need two places, and are found by so many.
             let straight = places.iter().all(|place| place.columns[..3] == places[0].columns[..3]);
             let some = if straight { vec![columns[0], columns[KEYS - 1]] } else { columns };
-            let columns = MotionPath::new(&some).expect("places").at(time);
-            scene.edit_instance(InstanceId(id.0)).world_from_object = Affine { columns };
+            Affine { columns: MotionPath::new(&some).expect("places").at(time) }
+        };
+        for (id, places) in &self.exposure.instances {
+            scene.edit_instance(InstanceId(id.0)).world_from_object = at(places);
+        }
+        for ((id, member), places) in &self.exposure.members {
+            scene.edit_object(*id).members[*member as usize].object_from_member = at(places);
         }
         for (id, keys) in &self.exposure.lights {
             let (a, b) = (&keys[moment.key], &keys[moment.next]);
@@ -151,7 +188,7 @@ impl Room {
 
 #[test]
 fn each_moment_is_the_scene_at_that_moment() {
-    let room = room(true);
+    let room = room(true).with_members();
     let world = room.world();
     let moving = MovingCamera::new(&room.cameras).expect("views");
     let all = [
@@ -221,7 +258,7 @@ fn pictures_are_the_mean_of_their_moments() {
 
 #[test]
 fn commits_after_an_open_shutter_are_those_of_fresh_worlds() {
-    let room = room(true);
+    let room = room(true).with_members();
     let camera = SceneCamera::new(&room.cameras[0]).expect("a view");
     let options = Room::of_integrator(Integrator::Path, 1);
     let same = |found: &World, wanted: &World, what: &str| {
@@ -246,6 +283,7 @@ fn commits_after_an_open_shutter_are_those_of_fresh_worlds() {
         instances: vec![(InstanceId(99), vec![Affine::IDENTITY; 2])],
         meshes: vec![(MeshId(99), vec![Arc::default(); 2])],
         lights: vec![(LightId(99), Vec::new())],
+        members: vec![((ObjectId(99), 0), vec![Affine::IDENTITY; 2]), ((ObjectId(0), 7), Vec::new())],
         ..Exposure::default()
     };
     room.commit(&mut world, &scene, &beyond);

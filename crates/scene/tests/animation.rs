@@ -5,10 +5,12 @@
 use std::sync::Arc;
 
 use crate::common::{glb, load_named};
-use gnurt_scene::animation::{Channel, Clip, Interpolation, Local, Node, Place, Sampler, Target, Trs};
+use gnurt_scene::animation::{
+    Channel, Clip, Interpolation, Local, MovingMember, Node, Place, Sampler, Target, Trs,
+};
 use gnurt_scene::edit::Edit;
 use gnurt_scene::io::{Error, Loaded, Oddity};
-use gnurt_scene::{Affine, Animation, Light, MeshId, Scene, Surface};
+use gnurt_scene::{Affine, Animation, Light, Member, MeshId, Scene, Surface};
 
 /// A binary glTF file in the making.
 #[derive(Default)]
@@ -531,6 +533,26 @@ fn programs_make_animations() {
     };
     scene.animate(good.clone()).expect("it goes together");
     assert_eq!(scene.pose(0, 0.5).instances, 0, "no way from here to here");
+    let holder = scene.add_object_of_members("h", vec![Member::new(object, Affine::IDENTITY)]);
+    scene.instantiate(holder, Affine::IDENTITY);
+    let values = vec![0.0, 0.0, 0.0, 2.0, 0.0, 0.0];
+    let along = Sampler::new([0.0, 1.0].into(), values, 3, Interpolation::Linear).expect("keys");
+    let mut nested = good.clone();
+    nested.members = vec![MovingMember { object: holder, member: 0, node: 1 }];
+    nested.clips[0].channels[0].sampler = Arc::new(along);
+    let mut with_members = scene.clone();
+    with_members.animate(nested.clone()).expect("it goes together");
+    assert_eq!(with_members.pose(0, 0.5).members, 1, "the member moves");
+    let place = |scene: &Scene| scene.object(holder).members[0].object_from_member;
+    assert_eq!(place(&with_members), Affine::translation([1.0, 0.0, 0.0]), "with its node");
+    assert_eq!(with_members.pose(0, 0.5).members, 0, "nothing to do");
+    let exposure = with_members.expose(0, 0.5, 1.0);
+    let [((object, 0), places)] = &exposure.members[..] else { panic!("one member: {exposure:?}") };
+    assert_eq!((*object, places[places.len() - 1]), (holder, Affine::translation([2.0, 0.0, 0.0])));
+    assert_eq!(places[0], place(&with_members), "it shows the moment at which the shutter opens");
+    nested.members[0].member = 1;
+    let error = scene.animate(nested).expect_err("no such member").to_string();
+    assert_eq!(error, "animation member 0: member 1 does not exist");
     let mut problem = |edit: fn(&mut Animation)| {
         let mut bad = good.clone();
         edit(&mut bad);

@@ -179,7 +179,7 @@ impl World {
                 options.memory,
                 pool,
             );
-            members::update(objects, &before, &objects_due, scene, pool, &mut rebuilt);
+            members::update(objects, &before, &objects_due, (scene, exposure), pool, &mut rebuilt);
             let mut touched = [&objects_due[..], &rebuilt.ids].concat();
             touched.sort_unstable();
             touched.dedup();

@@ -89,7 +89,7 @@ impl PlacedInstance {
     pub(crate) fn leaf_at(&self, leaf: u32, time: f32) -> Place {
         let (mut object, mut leaf, mut place) = (&*self.object, leaf, self.at(time));
         while let Some((member, inner)) = object.member_at(leaf) {
-            place = place.then(&member.place, member.reach);
+            place = member.at(&place, time);
             (object, leaf) = (&member.object, inner);
         }
         place

@@ -98,7 +98,9 @@ impl Lamps {
     /// Whether some of them move while the shutter is open.
     pub(super) fn move_in(&self, instances: &SharedList<InstanceSlot>) -> bool {
         let placed = |&id: &u32| instances.get(id as usize).and_then(InstanceSlot::placed);
-        let moves = |placed: &PlacedInstance| placed.motion.is_some() || placed.object.bends;
+        let moves = |placed: &PlacedInstance| {
+            placed.motion.is_some() || placed.object.bends || placed.object.members_move
+        };
         self.triangles.is_some() && self.instances.iter().filter_map(placed).any(moves)
     }
 
@@ -138,7 +140,8 @@ impl Found {
             let mut found = Vec::new();
             let Some(instance) = shown.instances[inst_id as usize].placed() else { return found };
             let first = shown.tree.first_leaf(inst_id);
-            each_lamp(&instance.object, (0, &instance.at(time)), shown.materials, &mut |object, leaf, at| {
+            let whole = (0, &instance.at(time), time);
+            each_lamp(&instance.object, whole, shown.materials, &mut |object, leaf, at| {
                 for (geom_id, (mesh, keys)) in (0..).zip(object.meshes.iter().zip(&object.keys)) {
                     let Some(emitter) = number[mesh.material.index()] else { continue };
                     let of = (emitter, &*emitters[emitter as usize]);
@@ -170,10 +173,10 @@ fn shows_lamps(object: &WorldObject, materials: &MaterialTable) -> bool {
     object.has_material(|material| materials.shines(material))
 }
 
-/// Calls `visit` with all objects in one that have triangles that shine, where they are, and their numbers from `first` on.
+/// Calls `visit` with all objects in one that have triangles that shine, where they are at a moment, and their numbers from `first` on.
 fn each_lamp(
     object: &WorldObject,
-    (first, place): (u32, &Place),
+    (first, place, time): (u32, &Place, f32),
     materials: &MaterialTable,
     visit: &mut dyn FnMut(&WorldObject, u32, &Place),
 ) {
@@ -183,8 +186,8 @@ fn each_lamp(
     let Some(members) = &object.members else { return visit(object, first, place) };
     for (leaf, member, mask) in members.iter() {
         if mask.meets(RayMask::OTHER) {
-            let place = place.then(&member.place, member.reach);
-            each_lamp(&member.object, (first + leaf, &place), materials, visit);
+            let place = member.at(place, time);
+            each_lamp(&member.object, (first + leaf, &place, time), materials, visit);
         }
     }
     visit(object, first + members.own_leaf(), place);

@@ -7,14 +7,14 @@
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
-use glam::Vec3;
-use gnurt_accel::{Aabb, BuildOptions, Instance, SceneTree, SharedList, Threads};
+use gnurt_accel::{BuildOptions, Instance, SceneTree, SharedList, Threads};
+use gnurt_scene::animation::Exposure;
 use gnurt_scene::nesting::DEEPEST;
-use gnurt_scene::{Member, Scene};
+use gnurt_scene::{Affine, Member, Scene};
 
 use super::object::{MemberSlot, Members, ObjectSlot, PlacedMember, WorldObject};
 use super::object_build::ChangedObjects;
-use super::place::Place;
+use super::open::ways_in;
 
 /// Brings objects in use that hold others up to date: those of `due`, ascending, and those that hold what has changed. Adds them
 /// to `changed`.
@@ -22,7 +22,7 @@ pub(super) fn update(
     objects: &mut SharedList<ObjectSlot>,
     before: &SharedList<ObjectSlot>,
     due: &[u32],
-    scene: &Scene,
+    (scene, exposure): (&Scene, &Exposure),
     pool: &rayon::ThreadPool,
     changed: &mut ChangedObjects,
 ) {
@@ -43,6 +43,7 @@ pub(super) fn update(
             let known = before.get(id as usize).and_then(|slot| slot.object.as_ref());
             let known = known.and_then(|object| object.members.as_ref());
             let members = &scene.objects()[id as usize].members;
+            let members = (&members[..], &ways_in(exposure, id));
             let members = Members::after(known.map(|known| &**known), &own, members, objects, pool);
             objects.edit(id as usize).object =
                 Some(Arc::new(Arc::unwrap_or_clone(own).with_members(members)));
@@ -65,22 +66,13 @@ fn level(objects: &SharedList<ObjectSlot>, id: u32, known: &mut HashMap<u32, usi
     level
 }
 
-impl PlacedMember {
-    fn new(member: &Member, objects: &SharedList<ObjectSlot>) -> Option<Self> {
-        let object = objects.get(member.object.index()).and_then(|slot| slot.object.clone())?;
-        let place = Place::new(&member.object_from_member)?;
-        let Aabb { min, max } = object.bounds();
-        let reach = if min[0] > max[0] { Vec3::ZERO } else { place.reach(min.into(), max.into()) };
-        Some(Self { object, object_id: member.object, place, reach })
-    }
-}
-
 impl Members {
-    /// Those of `members` as objects are now, and what the object itself has; shares with those `before` what has not changed.
+    /// Those of `members` as objects are now, with the ways of some while the shutter is open, and what the object itself has;
+    /// shares with those `before` what has not changed.
     pub(super) fn after(
         before: Option<&Self>,
         own: &WorldObject,
-        members: &[Member],
+        (members, ways): (&[Member], &HashMap<u32, &[Affine]>),
         objects: &SharedList<ObjectSlot>,
         pool: &rayon::ThreadPool,
     ) -> Self {
@@ -96,18 +88,25 @@ impl Members {
                     .as_ref()
                     .is_none_or(|placed| now.is_some_and(|now| Arc::ptr_eq(now, &placed.object)))
         };
-        let is_other = |&place: &u32| !is_shown(&list[place as usize], &members[place as usize]);
+        let moves = |slot: &MemberSlot| slot.placed.as_ref().is_some_and(|placed| placed.motion.is_some());
+        let is_other = |&place: &u32| {
+            let slot = &list[place as usize];
+            !is_shown(slot, &members[place as usize]) || moves(slot) || ways.contains_key(&place)
+        };
         let changed: Vec<u32> = (0..own_place).filter(is_other).collect();
         let make = |place: usize| MemberSlot {
             from: Some(members[place]),
-            placed: PlacedMember::new(&members[place], objects),
+            placed: PlacedMember::new(&members[place], objects, ways.get(&(place as u32)).copied()),
         };
         pool.install(|| list.set_all(&changed, true, make));
         let shown = |place: u32| {
             let member = members.get(place as usize)?;
             let placed = list[place as usize].placed.as_ref()?;
-            let to = member.object_from_member.columns;
-            Some(Instance::new(placed.object.shape(), to).with_mask(member.mask.0))
+            let instance = match &placed.motion {
+                Some(motion) => Instance::moving(placed.object.shape(), motion.clone()),
+                None => Instance::new(placed.object.shape(), member.object_from_member.columns),
+            };
+            Some(instance.with_mask(member.mask.0))
         };
         let own_instance = || Instance::identity(own.tree.clone());
         let threads = Threads::Pool(pool);

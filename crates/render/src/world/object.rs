@@ -7,10 +7,11 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use glam::Vec3;
-use gnurt_accel::{Aabb, MovingTree, ObjectTree, SceneTree, Shape, SharedList};
-use gnurt_scene::{Member, Mesh, ObjectId, RayMask};
+use gnurt_accel::{Aabb, MotionPath, MovingTree, ObjectTree, SceneTree, Shape, SharedList};
+use gnurt_scene::{Affine, Member, Mesh, ObjectId, RayMask};
 
 use super::crowds::Kind;
+use super::open::path;
 use super::place::Place;
 
 /// An object's arrays and the tree over them.
@@ -32,6 +33,8 @@ pub(crate) struct WorldObject {
     pub(super) materials: Arc<[u32]>,
     /// Whether meshes of it, or in it, bend while the shutter is open.
     pub(super) bends: bool,
+    /// Whether objects in it move then.
+    pub(super) members_move: bool,
 }
 
 impl WorldObject {
@@ -78,6 +81,8 @@ impl WorldObject {
         // Of many members most are of few objects.
         let all: BTreeSet<u32> = own.chain(inner).collect();
         self.bends = bends(&self.keys) || members.iter().any(|(_, member, _)| member.object.bends);
+        let moves = |member: &PlacedMember| member.motion.is_some() || member.object.members_move;
+        self.members_move = members.iter().any(|(_, member, _)| moves(member));
         (self.materials, self.members) = (all.into_iter().collect(), Some(Arc::new(members)));
         self
     }
@@ -129,9 +134,42 @@ pub(super) struct MemberSlot {
 pub(crate) struct PlacedMember {
     pub(crate) object: Arc<WorldObject>,
     pub(crate) object_id: ObjectId,
-    pub(crate) place: Place,
+    place: Place,
     /// The greatest coordinates that its points have in the object that holds it.
-    pub(crate) reach: Vec3,
+    reach: Vec3,
+    /// Its way while the shutter is open; `place` is where it is at first.
+    pub(super) motion: Option<Arc<MotionPath>>,
+}
+
+impl PlacedMember {
+    /// A member as the scene has it, and its places while the shutter is open.
+    pub(super) fn new(
+        member: &Member,
+        objects: &SharedList<ObjectSlot>,
+        places: Option<&[Affine]>,
+    ) -> Option<Self> {
+        let object = objects.get(member.object.index()).and_then(|slot| slot.object.clone())?;
+        let place = Place::new(&member.object_from_member)?;
+        let reach = reach(&object, &place);
+        let motion = places.and_then(|places| path(places, &object.bounds()));
+        Some(Self { object, object_id: member.object, place, reach, motion })
+    }
+
+    /// Where it is at a moment, in the world where the object that holds it is at `outer`.
+    pub(super) fn at(&self, outer: &Place, time: f32) -> Place {
+        // Where it is flat then, it stays.
+        let moved = self.motion.as_ref().and_then(|motion| Place::new(&Affine { columns: motion.at(time) }));
+        match moved {
+            Some(place) => outer.then(&place, reach(&self.object, &place)),
+            None => outer.then(&self.place, self.reach),
+        }
+    }
+}
+
+/// The greatest coordinates that points of an object have where it is.
+fn reach(object: &WorldObject, place: &Place) -> Vec3 {
+    let Aabb { min, max } = object.bounds();
+    if min[0] > max[0] { Vec3::ZERO } else { place.reach(min.into(), max.into()) }
 }
 
 impl Members {

@@ -144,7 +144,11 @@ fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObjec
     let (tree, meshes, kind) = (moving.tree().clone(), meshes.clone(), kind.clone());
     let (materials, members) = (materials_of(&meshes), None);
     let (motion, keys) = (*moves, keys.clone());
-    (WorldObject { tree, moving, motion, meshes, keys, kind, members, materials, bends: false }, update)
+    let (bends, members_move) = (false, false);
+    (
+        WorldObject { tree, moving, motion, meshes, keys, kind, members, materials, bends, members_move },
+        update,
+    )
 }
 
 /// An object some of whose meshes bend while the shutter is open. Its tree is built.
@@ -169,7 +173,9 @@ fn exposed(
     let moving = MovingTree::of(tree.clone(), motion(motion_of_object));
     let (motion, materials) = (motion_of_object, materials_of(&meshes));
     let (kind, members, bends) = (None, None, true);
-    let object = WorldObject { tree, moving, motion, meshes, keys, kind, members, materials, bends };
+    let members_move = false;
+    let object =
+        WorldObject { tree, moving, motion, meshes, keys, kind, members, materials, bends, members_move };
     (object, Some(Update::Rebuilt))
 }
 

@@ -5,6 +5,7 @@
 //! virtual lights are the pass's or because lights move, the pass has it: a van der Corput sequence over the samples.
 //! Invariant: moments are in [0, 1) and do not depend on threads. Proof: crates/render/tests/shutter.rs.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use gnurt_accel::{Aabb, Moment, MotionPath};
@@ -48,7 +49,7 @@ pub(super) fn moment_of_pass(seed: u64, sample: u32) -> f32 {
 /// What moves, beside the paths of instances and the keys of objects.
 #[derive(Default)]
 pub(super) struct Open {
-    /// Objects with meshes that bend, ascending.
+    /// Objects with meshes that bend or members that move, ascending.
     pub(super) objects: Vec<u32>,
     /// Instances that move, ascending.
     pub(super) instances: Vec<u32>,
@@ -64,10 +65,13 @@ impl Open {
     pub(super) fn new(scene: &Scene, exposure: &Exposure) -> Self {
         let is_exposed = |id: &gnurt_scene::MeshId| exposure.meshes.iter().any(|(mesh, _)| mesh == id);
         let bends = |id: &u32| scene.objects()[*id as usize].meshes.iter().any(is_exposed);
-        let objects = match exposure.meshes.is_empty() {
+        let mut objects: Vec<u32> = match exposure.meshes.is_empty() {
             true => Vec::new(),
             false => (0..scene.objects().len() as u32).filter(bends).collect(),
         };
+        objects.extend(exposure.members.iter().map(|((object, _), _)| object.0));
+        objects.sort_unstable();
+        objects.dedup();
         let is_there = |id: &u32| (*id as usize) < scene.instances().len();
         let mut instances: Vec<u32> =
             exposure.instances.iter().map(|(id, _)| id.0).filter(is_there).collect();
@@ -136,6 +140,12 @@ fn mixed(from: &Light, to: &Light, moment: &Moment) -> Light {
 
 /// How far a corner of an object may be from where it is, in parts of its size.
 const OFF: f64 = 1.0 / 4096.0;
+
+/// Places of those members of an object that move, by their places in its list.
+pub(super) fn ways_in(exposure: &Exposure, object: u32) -> HashMap<u32, &[Affine]> {
+    let of = exposure.members.iter().filter(|((holder, _), _)| holder.0 == object);
+    of.map(|((_, member), places)| (*member, &places[..])).collect()
+}
 
 /// A path through as few of the places, evenly spaced, as say where an object with these bounds is at the others; `None` where a
 /// place is flat, or there is nothing to see.

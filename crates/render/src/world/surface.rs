@@ -192,7 +192,7 @@ impl<'w> Gathered<'w> {
             let Some((instance, leaf)) = self.instances[first] else { return };
             let is_same =
                 |i: &usize| self.instances[*i].is_some_and(|it| it.1 == leaf && std::ptr::eq(it.0, instance));
-            let moves = instance.motion.is_some();
+            let moves = instance.motion.is_some() || instance.object.members_move;
             let end = (first + 1..count)
                 .find(|&i| !is_same(&i) || (moves && self.times[i] != self.times[first]))
                 .unwrap_or(count);

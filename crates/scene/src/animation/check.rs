@@ -21,6 +21,13 @@ pub(super) fn check(animation: &Animation, scene: &Scene) -> Result<(), CheckErr
             .and_then(|()| exists("node", instance.node as usize, nodes))
             .map_err(at("instance", i))?;
     }
+    for (i, member) in animation.members.iter().enumerate() {
+        let members = || scene.objects()[member.object.index()].members.len();
+        exists("object", member.object.index(), scene.objects().len())
+            .and_then(|()| exists("member", member.member as usize, members()))
+            .and_then(|()| exists("node", member.node as usize, nodes))
+            .map_err(at("member", i))?;
+    }
     for (i, skin) in animation.skins.iter().enumerate() {
         let mut joints = skin.joints.iter();
         joints.try_for_each(|joint| on_node(&joint.place, nodes)).map_err(at("skin", i))?;

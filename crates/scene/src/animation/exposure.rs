@@ -7,9 +7,10 @@
 use std::sync::Arc;
 
 use super::clip::Clip;
+use super::model::MovingMember;
 use crate::affine::Affine;
 use crate::camera::Camera;
-use crate::id::{CameraId, InstanceId, LightId, MeshId};
+use crate::id::{CameraId, InstanceId, LightId, MeshId, ObjectId};
 use crate::light::Light;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
@@ -22,6 +23,8 @@ pub struct Exposure {
     pub meshes: Vec<(MeshId, Vec<Arc<Mesh>>)>,
     /// Instances that are seen and moved.
     pub instances: Vec<(InstanceId, Vec<Affine>)>,
+    /// Members of objects, by object and place among its members, that are moved.
+    pub members: Vec<((ObjectId, u32), Vec<Affine>)>,
     /// Cameras.
     pub cameras: Vec<(CameraId, Vec<Camera>)>,
     /// Lights without extent.
@@ -46,6 +49,7 @@ impl Exposure {
     pub fn is_still(&self) -> bool {
         self.meshes.is_empty()
             && self.instances.is_empty()
+            && self.members.is_empty()
             && self.cameras.is_empty()
             && self.lights.is_empty()
     }
@@ -55,6 +59,7 @@ impl Exposure {
 struct Moment {
     meshes: Vec<Arc<Mesh>>,
     instances: Vec<(Affine, bool)>,
+    members: Vec<Option<Affine>>,
     cameras: Vec<Camera>,
     lights: Vec<Light>,
 }
@@ -83,6 +88,10 @@ impl Scene {
                 materials = materials.max(posed.materials);
             }
             let place = |id: InstanceId| (self.instance(id).world_from_object, self.instance(id).visible);
+            let in_object = |moving: &MovingMember| {
+                let member = self.object(moving.object).members.get(moving.member as usize);
+                member.map(|member| member.object_from_member)
+            };
             all.push(Moment {
                 meshes: animation
                     .bodies
@@ -90,6 +99,7 @@ impl Scene {
                     .map(|body| self.meshes()[body.mesh.index()].clone())
                     .collect(),
                 instances: animation.instances.iter().map(|moving| place(moving.instance)).collect(),
+                members: animation.members.iter().map(in_object).collect(),
                 cameras: animation.cameras.iter().map(|moving| self.camera(moving.camera).clone()).collect(),
                 lights: animation.lights.iter().map(|moving| self.light(moving.light).clone()).collect(),
             });
@@ -109,6 +119,12 @@ impl Scene {
             if visible && all.iter().any(|moment| moment.instances[i].0 != first) {
                 let places = all.iter().map(|moment| moment.instances[i].0).collect();
                 exposure.instances.push((moving.instance, places));
+            }
+        }
+        for (i, moving) in animation.members.iter().enumerate() {
+            let places: Option<Vec<Affine>> = all.iter().map(|moment| moment.members[i]).collect();
+            if let Some(places) = places.filter(|places| places.iter().any(|place| *place != places[0])) {
+                exposure.members.push(((moving.object, moving.member), places));
             }
         }
         for (i, moving) in animation.cameras.iter().enumerate() {

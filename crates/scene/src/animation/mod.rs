@@ -33,7 +33,7 @@ pub use local::{Local, Trs};
 pub(crate) use model::camera_at;
 pub use model::{
     Animation, Joint, LightFactors, LightKind, MovingCamera, MovingInstance, MovingLight, MovingMaterial,
-    Node, Place, Skin,
+    MovingMember, Node, Place, Skin,
 };
 pub(crate) use playback::Playback;
 pub use pose::Posed;

@@ -6,7 +6,7 @@
 use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::factors::Factors;
-use crate::id::{CameraId, InstanceId, LightId, MaterialId};
+use crate::id::{CameraId, InstanceId, LightId, MaterialId, ObjectId};
 use crate::light::Light;
 
 use super::body::Body;
@@ -22,6 +22,8 @@ pub struct Animation {
     pub nodes: Vec<Node>,
     /// Instances on nodes.
     pub instances: Vec<MovingInstance>,
+    /// Members of objects on nodes.
+    pub members: Vec<MovingMember>,
     /// Sets of morph weights, at rest.
     pub weights: Vec<Vec<f32>>,
     /// Skins with joints that can move.
@@ -76,6 +78,20 @@ pub struct MovingInstance {
     pub node: u32,
     /// Whether its place is the node's; a skinned mesh's is the world's, and only its visibility is the node's.
     pub is_placed: bool,
+}
+
+/// A member of an object that goes with a node.
+///
+/// The place of the node is the member's place in the object that holds it. Who sees it hangs on the object's instances and on the
+/// member's mask, not on the node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MovingMember {
+    /// The object that holds it.
+    pub object: ObjectId,
+    /// Its place among the members of that.
+    pub member: u32,
+    /// Where.
+    pub node: u32,
 }
 
 /// Joints of a skin.

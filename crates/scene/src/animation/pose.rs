@@ -19,6 +19,8 @@ pub struct Posed {
     pub meshes: usize,
     /// Instances that were moved, shown or hidden.
     pub instances: usize,
+    /// Members of objects that were moved.
+    pub members: usize,
     /// Cameras.
     pub cameras: usize,
     /// Lights.
@@ -74,6 +76,7 @@ impl Scene {
         let posed = Posed {
             meshes: show_bodies(self, animation, moment, &node_poses, &mut playback),
             instances: show_instances(self, animation, &node_poses, &mut playback),
+            members: show_members(self, animation, &node_poses),
             cameras: show_cameras(self, animation, moment, &node_poses, &playback),
             lights: show_lights(self, animation, moment, &node_poses, &playback),
             materials: show_materials(self, animation, moment, &mut playback),
@@ -152,6 +155,20 @@ fn show_instances(
             *was_visible = node.visible;
         }
         count += 1;
+    }
+    count
+}
+
+fn show_members(scene: &mut Scene, animation: &Animation, node_poses: &[NodePose]) -> usize {
+    let mut count = 0;
+    for moving in &animation.members {
+        let place = node_poses[moving.node as usize].world_from_node;
+        // Somebody may have taken it out.
+        let member = scene.object(moving.object).members.get(moving.member as usize);
+        if member.is_some_and(|member| member.object_from_member != place) {
+            scene.edit_object(moving.object).members[moving.member as usize].object_from_member = place;
+            count += 1;
+        }
     }
     count
 }
