@@ -28,6 +28,7 @@ pub mod math;
 pub mod matrix;
 pub mod noise;
 mod number;
+pub mod points;
 pub mod regex;
 pub mod spline;
 pub mod text;

@@ -9,6 +9,7 @@ mod dictionary;
 mod gabor;
 mod mathematics;
 mod noise;
+mod points;
 mod regex;
 mod splines;
 mod strings;

@@ -13,6 +13,7 @@ use gnurt_shading::mipmap::{Minify, MipMap};
 use gnurt_shading::texture::{TextureSampler, Wrap};
 use gnurt_sl::exec::TextureOptions;
 use gnurt_sl_lib::Dual;
+use gnurt_sl_lib::points::{PointCloud, read_cloud};
 
 use crate::access::Access;
 
@@ -20,6 +21,7 @@ use crate::access::Access;
 const MOST: usize = 4096;
 
 type Found = Result<Arc<TextureSampler>, Arc<str>>;
+type FoundCloud = Result<Arc<PointCloud>, Arc<str>>;
 
 /// Pictures by the names that shaders call them.
 #[derive(Debug, Default)]
@@ -28,11 +30,12 @@ pub(crate) struct Textures {
     /// Where names are looked for after the current folder.
     folder: PathBuf,
     known: Mutex<HashMap<String, Found>>,
+    clouds: Mutex<HashMap<String, FoundCloud>>,
 }
 
 impl Textures {
     pub(crate) fn new(access: Access, folder: PathBuf) -> Self {
-        Self { access, folder, known: Mutex::default() }
+        Self { access, folder, known: Mutex::default(), clouds: Mutex::default() }
     }
 
     /// The picture of a name.
@@ -58,6 +61,22 @@ impl Textures {
     /// The text of a file, if it may be read.
     pub(crate) fn text(&self, name: &str) -> Option<String> {
         self.access.text(&self.path(name)).ok()
+    }
+
+    /// The point cloud of a name.
+    pub(crate) fn cloud(&self, name: &str) -> FoundCloud {
+        let Ok(mut clouds) = self.clouds.lock() else { return Err("its memory is lost".into()) };
+        if let Some(found) = clouds.get(name) {
+            return found.clone();
+        }
+        if clouds.len() >= MOST {
+            return Err(format!("more than {MOST} point clouds").into());
+        }
+        let text = self.access.text(&self.path(name));
+        let found = text.and_then(|text| read_cloud(&text));
+        let found = found.map(Arc::new).map_err(|why| format!("point cloud {name}: {why}").into());
+        clouds.insert(name.to_owned(), found.clone());
+        found
     }
 
     fn read(&self, name: &str) -> Found {

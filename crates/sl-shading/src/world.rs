@@ -20,6 +20,7 @@ use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::color::ColorSystem;
+use gnurt_sl_lib::points::PointCloud;
 
 use crate::closures;
 use crate::facts::Facts;
@@ -416,6 +417,10 @@ impl Host for World<'_> {
             "channels" => size.map(|_| Data::Int(vec![4])),
             _ => None,
         })
+    }
+
+    fn point_cloud(&self, file: &str) -> Result<Arc<PointCloud>, String> {
+        self.common.textures.cloud(file).map_err(|why| why.to_string())
     }
 
     fn dictionary(&self, file: &str) -> Option<String> {

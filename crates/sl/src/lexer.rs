@@ -163,14 +163,19 @@ impl Lexer {
     }
 
     fn string(&mut self) -> Tok {
-        let start = self.at;
+        let (start, line) = (self.at, self.line);
         let mut at = self.at + 1;
         loop {
             match self.text.as_bytes().get(at) {
                 Some(b'"') => break,
-                Some(b'\\') if self.text.as_bytes().get(at + 1).is_some_and(|&b| b != b'\n') => at += 2,
+                Some(b'\\') if self.splice(at) > 0 => {
+                    at += self.splice(at);
+                    self.line += 1;
+                }
+                Some(b'\\') if self.text.as_bytes().get(at + 1).is_some() => at += 2,
                 Some(b'\n') | None => {
                     self.at += 1;
+                    self.line = line;
                     return Tok::Other('"');
                 }
                 Some(_) => at += 1,

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Texts that mean harm: nothing panics, hangs or takes memory that a text does not account for.
 
-use crate::common::{body, compiled};
-use gnurt_sl::group::read_group;
-use gnurt_sl::ir::{read, write};
+use crate::common::{Empty, body, compiled};
+use gnurt_sl::exec::{Machine, Plan, PlanOptions, Point, unknown_operation};
+use gnurt_sl::group::{Group, read_group, write_group};
+use gnurt_sl::ir::{SymbolKind, read, write};
+use std::sync::Arc;
 
 const SHADER: &str = r#"
 #define TWICE(x) ((x) * 2)
@@ -53,37 +55,81 @@ fn mutated(text: &str, dice: &mut Dice) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-#[test]
-fn changed_texts_are_refused_or_run() {
-    let mut dice = Dice(0x1234_5678);
-    for _ in 0..150 {
-        let text = mutated(SHADER, &mut dice);
-        let compiled = compiled(&text);
-        let said = compiled
-            .diagnostics
-            .list
-            .iter()
-            .filter(|d| d.message.contains("the compiler made a mistake"))
-            .count();
-        assert_eq!(said, 0, "what is lowered is whole: {text}");
+/// What a shader gives and says at a point, stopped soon.
+fn given(shader: gnurt_sl::ir::Shader) -> String {
+    if unknown_operation(&shader).is_some() {
+        return "refused".into();
     }
+    let outputs: Vec<String> = shader
+        .params()
+        .filter(|(_, s)| s.kind == SymbolKind::OutputParam && s.ty.struct_id().is_none())
+        .map(|(_, s)| s.name.to_string())
+        .collect();
+    let mut group = Group::default();
+    group.add(Arc::new(shader), None, &[], &mut Vec::new());
+    let Ok(plan) = Plan::new(&group, &PlanOptions { turns: 200, ..PlanOptions::default() }) else {
+        return "refused".into();
+    };
+    let world = Empty::default();
+    let mut machine = Machine::new(&plan, &world);
+    machine.run(&Point { p: [0.5, 2.0, -1.0].into(), u: 0.25.into(), v: 0.75.into(), ..Point::default() });
+    let values: Vec<_> = outputs.iter().map(|name| machine.output(Some(0), name)).collect();
+    format!("{:?} {values:?}", machine.events)
 }
 
+/// Texts of all kinds changed by chance for `GNURT_MUTATE` seconds: those of the shader library, whole or two of them spliced, compiled, run, written, read and
+/// run again; files of compiled shaders; groups. Without the variable, a hundred turns.
 #[test]
-fn changed_files_are_refused_or_read() {
-    let shader = crate::common::shader(SHADER);
-    let text = write(&shader, "");
-    let back = read(&text).expect("what is written is read");
-    assert_eq!(write(&back, ""), text, "and written again the same");
-    let mut dice = Dice(99);
-    for _ in 0..300 {
-        let _ = read(&mutated(&text, &mut dice));
-        let group = mutated(
-            "param float[2] a 1 2 [[int interpolated=1]] ; shader s l ; connect l.a l.b[1][2] ;",
-            &mut dice,
-        );
-        let _ = read_group("g", &group, &mut |_| None, &mut Vec::new());
+fn changed_texts_are_refused_or_run() {
+    let seconds: Option<f64> = std::env::var("GNURT_MUTATE").ok().and_then(|text| text.parse().ok());
+    let seed = std::env::var("GNURT_SEED").ok().and_then(|text| text.parse().ok()).unwrap_or(7);
+    let mut texts = vec![SHADER.to_owned()];
+    for kind in ["surfaces", "lights", "skies", "cameras", "pixels"] {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shaders/").to_owned() + kind;
+        let files = std::fs::read_dir(folder).expect("the shader library").flatten();
+        texts.extend(files.filter_map(|file| std::fs::read_to_string(file.path()).ok()));
     }
+    texts[1..].sort();
+    let files: Vec<String> =
+        texts.iter().filter_map(|text| Some(write(&compiled(text).shader?, ""))).collect();
+    let groups = "param float[2] a 1 2 [[int interpolated=1]] ; param string s \"x\" ; shader a l ; shader a m ; connect l.a m.b[1] ; connect l.o m.Kd ;";
+    let (mut dice, start) = (Dice(seed), std::time::Instant::now());
+    let mut counts = [0_u64; 4];
+    let known: Option<Arc<gnurt_sl::ir::Shader>> = compiled(SHADER).shader.map(Arc::new);
+    while seconds.map_or(counts[0] < 100, |seconds| start.elapsed().as_secs_f64() < seconds) {
+        let of = |dice: &mut Dice, count: usize| if dice.roll(2) == 0 { 0 } else { dice.roll(count) };
+        let mut text = mutated(&texts[of(&mut dice, texts.len())], &mut dice);
+        if dice.roll(4) == 0 {
+            let other = &texts[dice.roll(texts.len())];
+            let cut = |text: &str, at: usize| String::from_utf8_lossy(&text.as_bytes()[..at]).into_owned();
+            text = cut(&text, dice.roll(text.len())) + &cut(other, dice.roll(other.len()));
+        }
+        let made = compiled(&text);
+        counts[0] += 1;
+        let wrong = made.diagnostics.list.iter().any(|d| d.message.contains("the compiler made a mistake"));
+        assert!(!wrong, "seed {seed}: what is lowered is whole: {text}");
+        if let Some(shader) = made.shader {
+            let file = write(&shader, "");
+            let back = read(&file).unwrap_or_else(|why| panic!("seed {seed}: {why}\n{text}\n{file}"));
+            assert_eq!(write(&back, ""), file, "seed {seed}: written again: {text}");
+            assert_eq!(given(back), given(shader), "seed {seed}: read back it does the same: {text}");
+            counts[1] += 1;
+        }
+        if let Ok(shader) = read(&mutated(&files[of(&mut dice, files.len())], &mut dice)) {
+            given(shader);
+            counts[2] += 1;
+        }
+        let mut find = |_: &str| known.clone();
+        if let Ok(group) = read_group("g", &mutated(groups, &mut dice), &mut find, &mut Vec::new()) {
+            let again = read_group("g", &write_group(&group), &mut find, &mut Vec::new());
+            assert!(again.is_ok(), "seed {seed}: {again:?}");
+            counts[3] += 1;
+        }
+    }
+    eprintln!(
+        "{} texts, of which {} compile; {} files and {} groups that are read",
+        counts[0], counts[1], counts[2], counts[3]
+    );
 }
 
 #[test]

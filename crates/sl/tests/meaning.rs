@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What programs mean: each prints something that the specification, or arithmetic, says.
 
+#[path = "meaning/clouds.rs"]
+mod clouds;
 #[path = "meaning/more.rs"]
 mod more;
-use crate::common::{body, output, said, shader};
+use crate::common::{body, messages, output, said, shader};
+use gnurt_sl::diagnostics::Style;
 use gnurt_sl::exec::Event;
 use gnurt_sl::group::{Group, read_group, write_group};
 use std::sync::Arc;
@@ -25,6 +28,15 @@ fn operators_bind_as_in_c() {
         r#"int a = 2; printf("%d %d %d %d", 1 + 2 * 3 - 4, 1 << 2 + 1, a == 2 && 0 || 1, a > 1 ? 10 : 20);"#,
     );
     assert_eq!(out, "3 8 1 10", "the order of C");
+}
+
+#[test]
+fn files_are_as_people_write_them() {
+    // The compiler has brought the header; two commas are one; a backslash hides a line's end, of either kind, also in a text.
+    let text = "#include \"stdosl.h\"\n#include <shaders/stdosl.h>\nshader test(float a = 1 [[ string help = \"b\\\r\n c\" ]],, string s = \"x\\\ny\",)\r\n{ printf(\"%s\\\n%g\", \\\r\n s, a); error(\"\"); }";
+    assert_eq!(output(text), "xy1ERROR Shader error [test]: \n", "{text}");
+    let line = messages("shader test(string s = \"x\\\ny\") { q = 1; }", Style::Strict);
+    assert!(line.starts_with("test.osl:2: error"), "{line}");
 }
 
 #[test]

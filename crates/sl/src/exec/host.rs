@@ -6,6 +6,7 @@ use super::components::ClosureDecl;
 use crate::hir::Data;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
+use gnurt_sl_lib::points::{Column, PointCloud};
 use std::sync::Arc;
 
 /// The point that is shaded. Space: common.
@@ -260,6 +261,23 @@ pub trait Host {
     ) -> Result<Option<Data>, String> {
         let _ = (file, at, ty);
         Ok((name == "exists").then(|| Data::Int(vec![0])))
+    }
+
+    /// A cloud of points by its file's name.
+    ///
+    /// # Errors
+    /// A line for people; an empty one if they have been told before.
+    fn point_cloud(&self, file: &str) -> Result<Arc<PointCloud>, String> {
+        Err(format!("no point cloud \"{file}\": there are none here"))
+    }
+
+    /// Adds a point to a cloud that is written when all is done; `row` has one value a column. Whether all of it fits what the cloud has.
+    ///
+    /// # Errors
+    /// A line for people: no clouds are written here.
+    fn write_point(&self, file: &str, place: [f32; 3], row: &[Column]) -> Result<bool, String> {
+        let _ = (place, row);
+        Err(format!("point cloud \"{file}\" is not written: only testshade writes point clouds"))
     }
 
     /// How it is said why there is no texture; `asked` is what was asked for, `place` a place in a shader's text.

@@ -23,6 +23,7 @@ mod machine;
 mod math;
 mod message;
 mod noise;
+mod points;
 mod print;
 mod run;
 mod slot;

@@ -6,8 +6,8 @@ use super::machine::Action::{self, Map1, Map2, Map3, Whole};
 use super::machine::D;
 use super::slot::Slot;
 use super::{
-    arithmetic, assign, closure, dictionary, element, light, math, message, noise, print, space, state,
-    texts, texture,
+    arithmetic, assign, closure, dictionary, element, light, math, message, noise, points, print, space,
+    state, texts, texture,
 };
 use crate::ir::{Op, Shader, ops};
 use crate::types::{Base, Type};
@@ -160,6 +160,9 @@ fn whole(name: &str, out: Type) -> Option<Action> {
         "dict_find" => dictionary::find,
         "dict_next" => dictionary::next,
         "dict_value" => dictionary::value,
+        "pointcloud_search" => points::search,
+        "pointcloud_get" => points::get,
+        "pointcloud_write" => points::write,
         "bump" | "displace" | "nop" | "end" | "useparam" => state::nothing,
         _ => return None,
     }))

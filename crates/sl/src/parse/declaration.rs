@@ -84,6 +84,8 @@ impl Parser {
             if !self.take(",") {
                 break;
             }
+            // OSL takes more than one.
+            while self.take(",") {}
         }
         self.expect(")")?;
         metadata.extend(self.metadata()?);

@@ -15,6 +15,9 @@ pub(crate) fn unescape(text: &str) -> String {
         }
         match rest.next() {
             Some('n') => out.push('\n'),
+            // A line's end that a backslash hides.
+            Some('\n') => {}
+            Some('\r') if rest.peek() == Some(&'\n') => drop(rest.next()),
             Some('t') => out.push('\t'),
             Some('r') => out.push('\r'),
             Some('a') => out.push('\x07'),

@@ -449,6 +449,10 @@ impl<'a> Preprocessor<'a> {
                 return;
             }
         };
+        // The compiler has brought that already, and what a folder has under this name would say it again.
+        if Path::new(&name).file_name().is_some_and(|file| file == "stdosl.h") {
+            return;
+        }
         if self.files.len() >= INCLUDES {
             self.error(word.loc, format!("#include is nested more than {INCLUDES} deep"));
             return;

@@ -6,6 +6,7 @@
 //! `report` prints what they said.
 
 mod build;
+mod clouds;
 mod options;
 mod report;
 mod shade;

@@ -156,11 +156,16 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
         }
     }
     report(&said, repeats, &mut recent, console);
+    let unwritten = world.save();
+    unwritten.iter().for_each(|why| console.complain(&format!("ERROR: {why}\n")));
     let only = if options.outputs.is_empty() { "null" } else { &options.outputs[0].1 };
     if options.outputs.len() <= 1 && only == "null" {
         console.print("\n");
     }
-    save(options, &outputs, console)
+    match save(options, &outputs, console) {
+        0 if !unwritten.is_empty() => 1,
+        status => status,
+    }
 }
 
 /// One turn over all points.

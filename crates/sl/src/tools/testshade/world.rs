@@ -2,6 +2,7 @@
 //! The artificial world: a square on which u and v vary, some spaces, attributes and closures.
 //! Source: original; the world is that of OSL's `testshade`.
 
+use super::clouds::Clouds;
 use super::options::Options;
 use crate::exec::{ClosureDecl, ClosureParam, Given, Host, Point, TextureOptions, TraceOptions};
 use crate::group::Value;
@@ -9,8 +10,10 @@ use crate::hir::Data;
 use crate::tools::textures::Textures;
 use crate::types::{Base, Type};
 use gnurt_sl_lib::color::ColorSystem;
+use gnurt_sl_lib::points::{Column, PointCloud};
 use gnurt_sl_lib::{Dual, matrix as mx};
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+use std::sync::Arc;
 
 type Matrix = [[f32; 4]; 4];
 
@@ -28,6 +31,7 @@ pub(super) struct World<'a> {
     closures: Vec<ClosureDecl>,
     colors: ColorSystem,
     textures: Option<&'a dyn Textures>,
+    clouds: Clouds,
 }
 
 /// First turned about z, then moved: rows are points.
@@ -53,7 +57,13 @@ impl<'a> World<'a> {
                 None => unreachable!("Rec709 is known"),
             },
             textures,
+            clouds: Clouds::default(),
         }
+    }
+
+    /// Writes what shaders have left for the end; why something could not be written.
+    pub(super) fn save(&self) -> Vec<String> {
+        self.clouds.save()
     }
 
     /// The point of a pixel.
@@ -258,6 +268,14 @@ impl Host for World<'_> {
 
     fn texture_fault(&self, asked: &str, why: &str, _: &str) -> String {
         format!("[RendererServices::{asked}] {why}")
+    }
+
+    fn point_cloud(&self, file: &str) -> Result<Arc<PointCloud>, String> {
+        self.clouds.find(file)
+    }
+
+    fn write_point(&self, file: &str, place: [f32; 3], row: &[Column]) -> Result<bool, String> {
+        Ok(self.clouds.push(file, place, row))
     }
 
     fn dictionary(&self, file: &str) -> Option<String> {
