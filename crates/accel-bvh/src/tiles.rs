@@ -5,7 +5,7 @@
 //! tile's common entry point is found on the way and what lies behind all hits is skipped. Where intervals leave
 //! [`MANY`] children or more, rays are tested against each child, sixteen to a step, and only those that meet it go on
 //! (masks, the paper's Figure 4); a few that are left go on alone ([BWW*12]), and a few that come to a leaf are tested there
-//! one by one.
+//! one by one. Rays that look for any hit visit children in the builder's order, which promises hits, not front to back.
 //! In: a tile whose first `count` rays have one heading. Each ray gets the hit that it would get alone.
 //! Proof: `tests/brute_force.rs` of `gnurt-accel`.
 
@@ -14,7 +14,7 @@ use gnurt_accel_core::bits::{TILE, all};
 use gnurt_accel_core::chunks::Chunks;
 use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::nearest::Kind;
-use gnurt_accel_core::tile::{LANES, RayTile};
+use gnurt_accel_core::tile::{LANES, NearestTile, RayTile};
 use gnurt_accel_core::tile_test::TileTest;
 use gnurt_accel_core::triangle::axes_from;
 use gnurt_accel_core::trip::TileTrip;
@@ -36,9 +36,10 @@ const fn few<S: Simd>() -> u32 {
 }
 
 /// So many rays of a chunk or fewer are tested one by one against the eight triangles of a block. Tests of sixteen rays, of
-/// which there is one for each triangle that may be met, take twice as long where a register holds eight.
+/// which there is one for each triangle that may be met, take twice as long where a register holds eight; with sixteen, six
+/// are up to 4 % better than four (bench/record/kernels-tried.md).
 const fn few_in_leaf<S: Simd>() -> u32 {
-    if S::LANES >= LANES { 4 } else { 7 }
+    if S::LANES >= LANES { 6 } else { 7 }
 }
 
 /// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
@@ -63,6 +64,9 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
     };
     let mut planes = TilePlanes::EMPTY;
     let mut planes_ready = false;
+    // Those that still look for something, which only any hits change.
+    let looking = |nearest: &NearestTile| if kind == Kind::Any { nearest.looking(simd) } else { u64::MAX };
+    let mut still = looking(trip.nearest);
 
     let mut room = StackRoom::<Entry, MOST_WAIT>::new();
     let mut stack = room.stack();
@@ -71,11 +75,9 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
         if steps > chunks.farthest {
             continue;
         }
-        if kind == Kind::Any {
-            bits &= trip.nearest.looking(simd);
-            if bits == 0 {
-                continue;
-            }
+        bits &= still;
+        if bits == 0 {
+            continue;
         }
         let here = bits.count_ones();
         trip.counters.nodes += u64::from(here);
@@ -88,6 +90,7 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
             let touched = alone.walk(simd, index, child, &mut trip.only(bits));
             if touched != 0 {
                 chunks.look_again(simd, trip.nearest, touched);
+                still = looking(trip.nearest);
             }
             continue;
         }
@@ -119,6 +122,7 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
                     },
                 );
             }
+            still = looking(trip.nearest);
             continue;
         }
 
@@ -171,7 +175,9 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
             stack.push(Entry { steps: near[place], child, rays: those });
             pushed += 1;
         }
-        farthest_first(stack.top(pushed), |entry: &Entry| entry.steps);
+        if kind == Kind::Closest {
+            farthest_first(stack.top(pushed), |entry: &Entry| entry.steps);
+        }
     }
 }
 
