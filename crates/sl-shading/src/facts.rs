@@ -3,9 +3,12 @@
 //! whether it shines, whether it asks for light itself.
 //! Source: original. Invariant: what is said not to happen does not. Proof: `tests/scripts/lanes.rs`.
 
-use gnurt_sl::exec::{Instruction, LayerPlan, Plan, Step};
+use std::collections::HashSet;
+
+use gnurt_sl::exec::{Host, Instruction, Machine, Plan, Step};
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
+use gnurt_sl_lib::color::ColorSystem;
 
 use crate::closures::{Known, all};
 use crate::lobe::SMOOTH;
@@ -25,54 +28,96 @@ pub(crate) struct Facts {
 
 impl Facts {
     /// Of a group.
-    pub(crate) fn of(plan: &Plan) -> Self {
-        let mut facts = Self::default();
-        for layer in &plan.layers {
-            layer.params.iter().for_each(|param| facts.block(plan, layer, &param.init));
-            facts.block(plan, layer, &layer.code);
+    pub(crate) fn of(plan: &Plan, colors: &ColorSystem) -> Self {
+        let host = Nobody(colors);
+        let mut reader = Reader {
+            facts: Self::default(),
+            plan,
+            machine: Machine::new(plan, &host),
+            known: HashSet::new(),
+        };
+        for (number, layer) in plan.layers.iter().enumerate() {
+            layer.params.iter().for_each(|param| reader.block(number, &param.init, true));
+            reader.block(number, &layer.code, false);
         }
-        facts
+        reader.facts
     }
+}
 
-    fn block(&mut self, plan: &Plan, layer: &LayerPlan, list: &[Instruction]) {
+/// A world without anything.
+struct Nobody<'a>(&'a ColorSystem);
+
+impl Host for Nobody<'_> {
+    fn color_system(&self) -> &ColorSystem {
+        self.0
+    }
+}
+
+/// Goes through a group, and works out what is made of known values alone.
+struct Reader<'a> {
+    facts: Facts,
+    plan: &'a Plan,
+    machine: Machine<'a>,
+    /// First cells of what has been worked out.
+    known: HashSet<u32>,
+}
+
+impl Reader<'_> {
+    /// `is_inner` = it may not be run.
+    fn block(&mut self, layer: usize, list: &[Instruction], is_inner: bool) {
         for instruction in list {
             match instruction {
-                Instruction::Do(step) => self.step(plan, layer, step),
+                Instruction::Do(step) => self.step(layer, step, is_inner),
                 Instruction::If { yes, no, .. } => {
-                    self.block(plan, layer, yes);
-                    self.block(plan, layer, no);
+                    self.block(layer, yes, true);
+                    self.block(layer, no, true);
                 }
                 Instruction::Loop(turns) => {
                     for part in [&turns.init, &turns.test, &turns.body, &turns.step] {
-                        self.block(plan, layer, part);
+                        self.block(layer, part, true);
                     }
                 }
-                Instruction::Call(body) => self.block(plan, layer, body),
+                Instruction::Call(body) => self.block(layer, body, true),
                 Instruction::Leave(_) => {}
             }
         }
     }
 
-    fn step(&mut self, plan: &Plan, layer: &LayerPlan, step: &Step) {
+    fn step(&mut self, number: usize, step: &Step, is_inner: bool) {
         match &*step.name {
-            "trace" | "lightcount" | "illuminate" => self.is_radiance = true,
-            "closure" => self.closure(plan, layer, step),
-            _ => {}
+            "trace" | "lightcount" | "illuminate" => self.facts.is_radiance = true,
+            "closure" => self.closure(number, step),
+            _ => {
+                let layer = &self.plan.layers[number];
+                // What is written once, in all runs before it is read: in inner blocks that is only sure of what has no name.
+                let is_plain = |id: u32| {
+                    let kind = layer.shader.symbol(id).kind;
+                    let is_constant = layer.constant.get(id as usize).is_some_and(|&known| known);
+                    is_constant && (kind == SymbolKind::Temp || kind == SymbolKind::Local && !is_inner)
+                };
+                if step.writes == 1 && step.symbols.first().is_some_and(|&id| is_plain(id)) {
+                    self.machine.perform(number, step);
+                    self.known.insert(step.args[0].at);
+                }
+            }
         }
     }
 
-    fn closure(&mut self, plan: &Plan, layer: &LayerPlan, step: &Step) {
+    fn closure(&mut self, number: usize, step: &Step) {
+        let (plan, layer) = (self.plan, &self.plan.layers[number]);
+        let cells = self.machine.cells().to_vec();
         let word = |i: usize, k: usize| {
             let (slot, id) = (step.args.get(i)?, *step.symbols.get(i)?);
             let kind = layer.shader.symbol(id).kind;
             let is_known = kind == SymbolKind::Const
-                || kind == SymbolKind::Param && layer.constant.get(id as usize).is_some_and(|&known| known);
+                || kind == SymbolKind::Param && layer.constant.get(id as usize).is_some_and(|&known| known)
+                || self.known.contains(&slot.at);
             let k = if slot.size == 1 { 0 } else { k };
-            (is_known && k < slot.size as usize).then(|| (slot.ty.base, plan.memory[slot.at as usize + k]))
+            (is_known && k < slot.size as usize).then(|| (slot.ty.base, cells[slot.at as usize + k]))
         };
         let Some((Base::String, name)) = word(1, 0) else {
             // Nobody knows.
-            *self = Self { is_holey: true, is_glass: true, is_lamp: true, is_radiance: self.is_radiance };
+            self.facts = Facts { is_holey: true, is_glass: true, is_lamp: true, ..self.facts };
             return;
         };
         let (decls, shapes) = all();
@@ -87,13 +132,14 @@ impl Facts {
         };
         let is_black = |parameter: usize| (0..3).all(|k| number(parameter, k).is_some_and(|x| x <= 0.0));
         let is_dull = |x: usize, y: usize| [x, y].iter().any(|&i| number(i, 0).is_some_and(|x| x >= SMOOTH));
+        let facts = &mut self.facts;
         match shapes[place].known {
-            Known::Transparent => self.is_holey = true,
-            Known::Emission | Known::UniformEdf => self.is_lamp = true,
-            Known::Radiance => self.is_radiance = true,
-            Known::Refraction => self.is_glass = true,
-            Known::Microfacet => self.is_glass |= !(number(6, 0) == Some(0.0) || is_dull(3, 4)),
-            Known::Dielectric | Known::Schlick => self.is_glass |= !(is_black(3) || is_dull(4, 5)),
+            Known::Transparent => facts.is_holey = true,
+            Known::Emission | Known::UniformEdf => facts.is_lamp = true,
+            Known::Radiance => facts.is_radiance = true,
+            Known::Refraction => facts.is_glass = true,
+            Known::Microfacet => facts.is_glass |= !(number(6, 0) == Some(0.0) || is_dull(3, 4)),
+            Known::Dielectric | Known::Schlick => facts.is_glass |= !(is_black(3) || is_dull(4, 5)),
             _ => {}
         }
     }

@@ -387,10 +387,11 @@ impl Script {
         let outputs = outputs.iter().map(ToString::to_string).collect();
         let plan = Plan::new(group, &PlanOptions { outputs, turns: TURNS, ..PlanOptions::default() });
         let plan = plan.map_err(|why| format!("{}: {why}", self.name))?;
-        let (needs, facts) = (Needs::of(&plan), Facts::of(&plan));
+        let needs = Needs::of(&plan);
         let Some(colors) = ColorSystem::named("Rec709") else {
             return Err("the colour system is missing".to_owned());
         };
+        let facts = Facts::of(&plan, &colors);
         Ok(Common {
             name: self.name.clone(),
             // The interpreter runs it until there is code, where there is some at all; the values are the same.

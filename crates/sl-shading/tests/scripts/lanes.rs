@@ -71,6 +71,12 @@ fn values_say_what_light_may_do() {
     assert_eq!(told(&[("glass", "1"), ("rough", "0")]), [false, true, false], "clear glass");
     assert_eq!(told(&[("rough", "0")]), [true, true, false], "a mirror");
     assert_eq!(told(&[("hole", "0.5"), ("glow", "1")]), [false, false, true], "holes, light");
+    let mut principled = script(include_str!("../../../../shaders/surfaces/principled.osl"));
+    assert!(principled.surface().expect("a surface").is_opaque(), "plastic with widths that are worked out");
+    principled.set_text("transmission", "1").expect("a parameter");
+    assert!(principled.surface().expect("a surface").is_opaque(), "dull glass");
+    principled.set_text("roughness", "0").expect("a parameter");
+    assert!(!principled.surface().expect("a surface").is_opaque(), "clear glass");
     let clear = surface("float rough = u; Ci = dielectric_bsdf (N, dPdu, 1, 1, rough, rough, 1.5, \"ggx\");");
     assert!(!clear.is_opaque(), "glass that is clear where u is 0");
     let mut through = Vec3s::splat(2, glam::Vec3::ZERO);
