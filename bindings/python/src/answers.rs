@@ -32,6 +32,11 @@ pub(crate) struct Asked {
     pub(crate) workers: Workers,
 }
 
+/// Geometry, instance and leaf as the trees name them.
+fn ids_of(hit: &Hit) -> [u32; 3] {
+    [hit.geom_id, hit.inst_id, hit.leaf_id]
+}
+
 impl Asked {
     pub(crate) fn intersect(self, py: Python<'_>, rays: &Rays) -> PyResult<Hits> {
         let n = rays.count();
@@ -66,7 +71,7 @@ impl Asked {
                     traced.expect("arrays were made for these rays");
                     for i in 0..range.len() {
                         ids.push([prim[i], geom[i], inst[i], leaf[i]]);
-                        (geom[i], inst[i]) = self.trees.ids(geom[i], inst[i]);
+                        (geom[i], inst[i]) = self.trees.ids([geom[i], inst[i], leaf[i]]);
                     }
                 });
                 py.check_signals()?;
@@ -150,7 +155,12 @@ impl Asked {
         let ids = |field: &dyn Fn(&Hit) -> u32| -> PyResult<Py<PyAny>> {
             New::of(py, &all.iter().map(field).collect::<Vec<u32>>())?.done_as("int32")
         };
-        let named = |hit: &Hit| self.trees.ids(hit.geom_id, hit.inst_id);
+        let named = |hit: &Hit| self.trees.ids(ids_of(hit));
+        let levels = self.trees.levels();
+        let mut path = New::<u32>::empty(py, all.len(), levels)?;
+        for (path, hit) in path.all().chunks_exact_mut(levels).zip(&all) {
+            self.trees.path(ids_of(hit), path);
+        }
         Ok(AllHits {
             splits: New::of(py, &splits)?.done(),
             ray_id: New::of(py, &ray_ids)?.done(),
@@ -158,6 +168,7 @@ impl Asked {
             prim_id: ids(&|hit| hit.prim_id)?,
             geom_id: ids(&|hit| named(hit).0)?,
             inst_id: ids(&|hit| named(hit).1)?,
+            path: path.rows_as("int32", levels)?,
             u: floats(|hit| hit.u)?,
             v: floats(|hit| hit.v)?,
         })
@@ -239,7 +250,8 @@ impl Asked {
                         at[3 * i..3 * i + 3].copy_from_slice(&point);
                         distance[i] = hit.map_or(f64::INFINITY, |hit| hit.distance);
                         prim[i] = hit.map_or(u32::MAX, |hit| hit.prim_id);
-                        geom[i] = hit.map_or(u32::MAX, |hit| self.trees.ids(hit.geom_id, hit.inst_id).0);
+                        let name = |hit: PointHit| self.trees.ids([hit.geom_id, hit.inst_id, hit.leaf_id]).0;
+                        geom[i] = hit.map_or(u32::MAX, name);
                         if detailed {
                             let ids = hit.map(|hit| [hit.prim_id, hit.geom_id, hit.inst_id, hit.leaf_id]);
                             uv[2 * i..2 * i + 2]

@@ -226,6 +226,12 @@ impl<'py, T: Output> New<'py, T> {
         self.array.unbind()
     }
 
+    /// The same bits as another type, in rows of `width`, also where that is 1.
+    pub(crate) fn rows_as(self, dtype: &str, width: usize) -> PyResult<Py<PyAny>> {
+        let viewed = self.array.call_method1("view", (dtype,))?;
+        Ok(viewed.call_method1("reshape", (-1, width))?.unbind())
+    }
+
     /// The same bits as another type.
     pub(crate) fn done_as(self, dtype: &str) -> PyResult<Py<PyAny>> {
         Ok(self.array.call_method1("view", (dtype,))?.unbind())

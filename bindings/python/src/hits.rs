@@ -29,7 +29,7 @@ pub(crate) struct Hits {
     /// int32 (n,): the geometry; -1 where the ray missed.
     #[pyo3(get)]
     pub(crate) geom_id: Py<PyAny>,
-    /// int32 (n,): the instance; -1 where the ray missed, or hit a geometry itself.
+    /// int32 (n,): the instance, of scenes in scenes the outermost; -1 where the ray missed, or hit a geometry itself.
     #[pyo3(get)]
     pub(crate) inst_id: Py<PyAny>,
     /// float32 (n,): weight of the triangle's second corner.
@@ -65,6 +65,22 @@ impl Hits {
         Ok(normals.done())
     }
 
+    /// int32 (n, levels): the instances on the way to what was hit, outermost first, where scenes lie in scenes; then -1.
+    #[getter]
+    fn path(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        let Found { trees, ids, .. } = &self.found;
+        let levels = trees.levels();
+        let mut paths = New::<u32>::empty(py, self.count, levels)?;
+        let all = paths.all();
+        py.detach(|| {
+            for (path, &[prim_id, geom_id, inst_id, leaf_id]) in all.chunks_exact_mut(levels).zip(ids) {
+                let inst_id = if prim_id == u32::MAX { u32::MAX } else { inst_id };
+                trees.path([geom_id, inst_id, leaf_id], path);
+            }
+        });
+        paths.rows_as("int32", levels)
+    }
+
     fn __len__(&self) -> usize {
         self.count
     }
@@ -87,6 +103,8 @@ pub(crate) struct AllHits {
     pub(crate) prim_id: Py<PyAny>,
     pub(crate) geom_id: Py<PyAny>,
     pub(crate) inst_id: Py<PyAny>,
+    /// int32 (m, levels).
+    pub(crate) path: Py<PyAny>,
     pub(crate) u: Py<PyAny>,
     pub(crate) v: Py<PyAny>,
 }

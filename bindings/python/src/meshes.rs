@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray scene holds: meshes and instances by their numbers, which stay when others are removed.
+//! Meshes of a ray scene, by their numbers, which stay when others are removed.
 //! Source: original. Invariant: corner numbers are in range. Proof: `tests/test_scene.py`.
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
@@ -20,13 +20,6 @@ pub(crate) struct Mesh {
     pub(crate) shape: u64,
     /// Which edit gave it these vertices or this place.
     pub(crate) state: u64,
-}
-
-/// A mesh shown once more.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
-    pub(crate) geom_id: u32,
-    pub(crate) place: [[f64; 3]; 4],
 }
 
 /// Rows of three numbers of an array that is kept.

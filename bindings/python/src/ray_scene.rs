@@ -4,6 +4,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use gnurt_accel::DEEPEST_SCENE;
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -12,15 +13,23 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use crate::answers::{Asked, Which};
 use crate::arrays::{Numbers, transform};
 use crate::hits::{AllHits, Hits};
-use crate::meshes::{Mesh, Placed};
+use crate::meshes::Mesh;
 use crate::pool::Workers;
 use crate::rays::Rays;
-use crate::trees::{Plan, Trees};
+use crate::trees::{Placed, Plan, Shows, Trees};
+
+/// What an instance shows.
+enum Shown {
+    Mesh(u32),
+    /// All of another scene, as it is when somebody asks.
+    Scene(Py<RayScene>),
+}
 
 #[derive(Default)]
 struct State {
     meshes: Vec<Option<Mesh>>,
-    instances: Vec<Option<Placed>>,
+    /// What is shown, and where: columns of an affine map.
+    instances: Vec<Option<(Shown, [[f64; 3]; 4])>>,
     /// How often the above were changed.
     edits: u64,
     /// The last trees that were built, and after how many edits.
@@ -28,6 +37,29 @@ struct State {
 }
 
 impl State {
+    /// Scenes that instances show, and the numbers of these.
+    fn scenes(&self, py: Python<'_>) -> Vec<(u32, Py<RayScene>)> {
+        let scene = |(id, instance): (u32, &Option<_>)| match instance {
+            Some((Shown::Scene(scene), _)) => Some((id, scene.clone_ref(py))),
+            Some((Shown::Mesh(_), _)) | None => None,
+        };
+        (0..).zip(&self.instances).filter_map(scene).collect()
+    }
+
+    /// Instances for trees, where those of scenes, ascending by number, are known.
+    fn placed(&self, scenes: &[(u32, Arc<Trees>)]) -> Vec<(u32, Placed)> {
+        let mut scenes = scenes.iter();
+        let placed = |(id, instance): (u32, &Option<(Shown, [[f64; 3]; 4])>)| {
+            let (shown, place) = instance.as_ref()?;
+            let shows = match shown {
+                Shown::Mesh(geom_id) => Shows::Mesh(*geom_id),
+                Shown::Scene(_) => Shows::Scene(scenes.next()?.1.clone()),
+            };
+            Some((id, Placed { shows, place: *place }))
+        };
+        (0..).zip(&self.instances).filter_map(placed).collect()
+    }
+
     /// The number of an edit that is being made, from 1 on.
     fn edit(&mut self) -> u64 {
         self.edits += 1;
@@ -66,29 +98,94 @@ impl RayScene {
 
     fn asked(&self, py: Python<'_>, threads: usize) -> PyResult<Asked> {
         let workers = Workers::new(threads)?;
-        let found = self.with(py, |state| match &state.trees {
-            Some((edits, trees)) if *edits == state.edits => Ok(Found::UpToDate(trees.clone())),
-            before => {
-                let before = before.as_ref().map(|(_, trees)| trees.clone());
-                let plan = Plan::new(py, &state.meshes, &state.instances, before)?;
-                PyResult::Ok(Found::Due(plan, state.edits))
-            }
-        })?;
-        let trees = match found {
-            Found::UpToDate(trees) => trees,
-            Found::Due(plan, edits) => {
-                // Two threads that come at once both build; the answers are the same.
-                let trees = Arc::new(py.detach(|| plan.build(workers.threads()))?);
-                self.with(py, |state| {
-                    // Who edits meanwhile has made these trees those of an earlier state, which others must not take for theirs.
-                    if state.edits == edits {
-                        state.trees = Some((edits, trees.clone()));
-                    }
-                });
-                trees
-            }
-        };
+        let trees = self.trees(py, &workers, &mut Vec::new())?;
         Ok(Asked { trees, workers })
+    }
+
+    /// The trees of what it holds now; `known` are those of scenes that were asked for already, by their addresses.
+    fn trees(
+        &self,
+        py: Python<'_>,
+        workers: &Workers,
+        known: &mut Vec<(*const Self, Arc<Trees>)>,
+    ) -> PyResult<Arc<Trees>> {
+        loop {
+            // Scenes in it come first, and not under its lock, so that nobody waits for one while another waits for it.
+            let (edits, scenes) = self.with(py, |state| (state.edits, state.scenes(py)));
+            let mut inner = Vec::with_capacity(scenes.len());
+            for (id, scene) in scenes {
+                let scene = scene.get();
+                let trees = match known.iter().find(|(at, _)| std::ptr::eq(*at, scene)) {
+                    Some((_, trees)) => trees.clone(),
+                    None => {
+                        let trees = scene.trees(py, workers, known)?;
+                        known.push((scene, trees.clone()));
+                        trees
+                    }
+                };
+                if trees.levels() as u32 >= DEEPEST_SCENE {
+                    return Err(Self::too_deep());
+                }
+                inner.push((id, trees));
+            }
+            let found = self.with(py, |state| match &state.trees {
+                _ if state.edits != edits => Ok(None),
+                Some((edits, trees)) if *edits == state.edits && trees.show(&inner) => {
+                    Ok(Some(Found::UpToDate(trees.clone())))
+                }
+                before => {
+                    let before = before.as_ref().map(|(_, trees)| trees.clone());
+                    let plan = Plan::new(py, &state.meshes, state.placed(&inner), before)?;
+                    PyResult::Ok(Some(Found::Due(plan, state.edits)))
+                }
+            })?;
+            match found {
+                // Somebody has edited it meanwhile.
+                None => {}
+                Some(Found::UpToDate(trees)) => return Ok(trees),
+                Some(Found::Due(plan, edits)) => {
+                    // Two threads that come at once both build; the answers are the same.
+                    let trees = Arc::new(py.detach(|| plan.build(workers.threads()))?);
+                    self.with(py, |state| {
+                        // Who edits meanwhile has made these trees those of an earlier state, which others must not take for theirs.
+                        if state.edits == edits {
+                            state.trees = Some((edits, trees.clone()));
+                        }
+                    });
+                    return Ok(trees);
+                }
+            }
+        }
+    }
+
+    /// Whether another scene is this one or lies in it, looked for so deep.
+    fn holds(&self, py: Python<'_>, other: &Self, deepest: u32) -> PyResult<bool> {
+        if std::ptr::eq(self, other) {
+            return Ok(true);
+        }
+        let scenes = self.with(py, |state| state.scenes(py));
+        if deepest == 0 && !scenes.is_empty() {
+            return Err(Self::too_deep());
+        }
+        for (_, scene) in scenes {
+            if scene.get().holds(py, other, deepest - 1)? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// What is given to be shown: a geometry's number, or a scene.
+    fn shown(given: Object) -> PyResult<Shown> {
+        if let Ok(scene) = given.cast::<Self>() {
+            return Ok(Shown::Scene(scene.clone().unbind()));
+        }
+        let id: usize = given.extract()?;
+        u32::try_from(id).map(Shown::Mesh).map_err(|_| Self::no_geometry(id))
+    }
+
+    fn too_deep() -> PyErr {
+        PyValueError::new_err(format!("more than {DEEPEST_SCENE} scenes lie in one another"))
     }
 
     fn no_geometry(id: usize) -> PyErr {
@@ -120,15 +217,24 @@ impl RayScene {
         }))
     }
 
-    #[pyo3(signature = (geom_id, transform))]
-    fn add_instance(&self, py: Python<'_>, geom_id: usize, transform: Object) -> PyResult<usize> {
+    #[pyo3(signature = (shown, transform))]
+    fn add_instance(slf: &Bound<'_, Self>, shown: Object, transform: Object) -> PyResult<usize> {
+        let (py, this) = (slf.py(), slf.get());
         let place = self::transform("transform", transform)?;
-        self.with(py, |state| {
-            if !matches!(state.meshes.get(geom_id), Some(Some(_))) {
-                return Err(Self::no_geometry(geom_id));
+        let shown = Self::shown(shown)?;
+        if let Shown::Scene(scene) = &shown
+            && scene.get().holds(py, this, DEEPEST_SCENE)?
+        {
+            return Err(PyValueError::new_err("shown: this scene lies in it; a scene cannot show itself"));
+        }
+        this.with(py, |state| {
+            if let Shown::Mesh(id) = shown
+                && !matches!(state.meshes.get(id as usize), Some(Some(_)))
+            {
+                return Err(Self::no_geometry(id as usize));
             }
             state.edit();
-            state.instances.push(Some(Placed { geom_id: geom_id as u32, place }));
+            state.instances.push(Some((shown, place)));
             Ok(state.instances.len() - 1)
         })
     }
@@ -169,7 +275,7 @@ impl RayScene {
                 let placed = state.instances.get_mut(id).and_then(Option::as_mut);
                 let placed =
                     placed.ok_or_else(|| PyIndexError::new_err(format!("there is no instance {id}")))?;
-                placed.place = place.unwrap_or(placed.place);
+                placed.1 = place.unwrap_or(placed.1);
                 state.edit();
                 Ok(())
             }
@@ -182,28 +288,33 @@ impl RayScene {
 
     #[pyo3(signature = (geom_id=None, *, inst_id=None))]
     fn remove(&self, py: Python<'_>, geom_id: Option<usize>, inst_id: Option<usize>) -> PyResult<()> {
-        self.with(py, |state| {
+        // What goes is given back to Python after the lock.
+        let (mesh, instance) = self.with(py, |state| {
             let gone = match (geom_id, inst_id) {
                 (Some(id), None) => {
-                    let is_shown = |placed: &Placed| placed.geom_id as usize == id;
+                    let is_shown =
+                        |(shown, _): &(Shown, _)| matches!(shown, Shown::Mesh(mesh) if *mesh as usize == id);
                     state
                         .instances
                         .iter_mut()
                         .filter(|at| at.as_ref().is_some_and(is_shown))
                         .for_each(|at| *at = None);
-                    state.meshes.get_mut(id).and_then(Option::take).map(drop)
+                    (state.meshes.get_mut(id).and_then(Option::take), None)
                 }
-                (None, Some(id)) => state.instances.get_mut(id).and_then(Option::take).map(drop),
+                (None, Some(id)) => (None, state.instances.get_mut(id).and_then(Option::take)),
                 _ => return Err(PyTypeError::new_err("remove() takes either geom_id or inst_id")),
             };
             state.edit();
-            gone.ok_or_else(|| match geom_id {
-                Some(id) => Self::no_geometry(id),
-                None => {
-                    PyIndexError::new_err(format!("there is no instance {}", inst_id.unwrap_or_default()))
-                }
-            })
-        })
+            Ok(gone)
+        })?;
+        match (mesh, instance, geom_id) {
+            (None, None, Some(id)) => Err(Self::no_geometry(id)),
+            (None, None, None) => {
+                let id = inst_id.unwrap_or_default();
+                Err(PyIndexError::new_err(format!("there is no instance {id}")))
+            }
+            _ => Ok(()),
+        }
     }
 
     #[pyo3(signature = (*, threads=0))]
@@ -338,7 +449,10 @@ impl RayScene {
             for placed in &state.instances {
                 match placed {
                     None => instances.append(py.None())?,
-                    Some(Placed { geom_id, place }) => instances.append((geom_id, matrix(place)))?,
+                    Some((Shown::Mesh(geom_id), place)) => instances.append((geom_id, matrix(place)))?,
+                    Some((Shown::Scene(scene), place)) => {
+                        instances.append((scene.clone_ref(py), matrix(place)))?;
+                    }
                 }
             }
             Ok(())
@@ -366,23 +480,30 @@ impl RayScene {
             );
         }
         for placed in part("instances")? {
-            instances.push(match placed.extract::<Option<(usize, Bound<PyAny>)>>()? {
+            instances.push(match placed.extract::<Option<(Bound<PyAny>, Bound<PyAny>)>>()? {
                 None => None,
-                Some((id, _)) if !matches!(meshes.get(id), Some(Some(_))) => {
-                    return Err(Self::no_geometry(id));
-                }
-                Some((id, place)) => {
-                    Some(Placed { geom_id: id as u32, place: transform("transform", &place)? })
+                Some((shown, place)) => {
+                    let (shown, place) = (Self::shown(&shown)?, transform("transform", &place)?);
+                    match &shown {
+                        Shown::Mesh(id) if !matches!(meshes.get(*id as usize), Some(Some(_))) => {
+                            return Err(Self::no_geometry(*id as usize));
+                        }
+                        Shown::Scene(scene) if scene.get().holds(py, self, DEEPEST_SCENE)? => {
+                            return Err(PyValueError::new_err("a scene cannot show itself"));
+                        }
+                        _ => Some((shown, place)),
+                    }
                 }
             });
         }
-        self.with(py, |state| {
+        let before = self.with(py, |state| {
             let edit = state.edit();
             for mesh in meshes.iter_mut().flatten() {
                 (mesh.shape, mesh.state) = (edit, edit);
             }
-            *state = State { meshes, instances, edits: edit, trees: None };
+            std::mem::replace(state, State { meshes, instances, edits: edit, trees: None })
         });
+        drop(before);
         Ok(())
     }
 

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Trees over what a ray scene holds. Source: original.
 //! Meshes lie in one object, each a geometry of it, at their places; instances need a scene: object 0 is that of all meshes,
-//! the others follow. Trees of an earlier state are the start of new ones: what has not changed is shared, what has only moved is
+//! the others follow. An instance shows a mesh, or another scene with all that is in it. Trees of an earlier state are the start of new ones: what has not changed is shared, what has only moved is
 //! refitted (`docs/moving.md`). Invariant: ids that come out are those that were given. Proof: `tests/test_scene.py`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Geometry, Hit, Instance, Motion, MovingTree, ObjectTree, SceneTree, Threads, Triangles,
+    BuildOptions, Geometry, Hit, Instance, Motion, MovingTree, ObjectTree, SceneTree, Shape, Threads,
+    Triangles,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::meshes::{Mesh, Placed, carried};
+use crate::meshes::{Mesh, carried};
 
 /// What is asked.
 #[derive(Debug)]
@@ -23,9 +24,25 @@ pub(crate) struct Trees {
     /// Of meshes that instances show, as they are.
     shown: BTreeMap<u32, Part>,
     /// `None` without instances.
-    scene: Option<SceneTree>,
+    scene: Option<Arc<SceneTree>>,
     /// Instances of the scene after the first.
     placed: Vec<(u32, Placed)>,
+}
+
+/// What an instance shows.
+#[derive(Clone, Debug)]
+pub(crate) enum Shows {
+    /// A mesh once more.
+    Mesh(u32),
+    /// Another scene.
+    Scene(Arc<Trees>),
+}
+
+/// What an instance shows, and where.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed {
+    pub(crate) shows: Shows,
+    pub(crate) place: [[f64; 3]; 4],
 }
 
 /// A tree, and which states of meshes it is over: 0 for one that was removed.
@@ -85,7 +102,7 @@ impl Plan {
     pub(crate) fn new(
         py: Python<'_>,
         meshes: &[Option<Mesh>],
-        placed: &[Option<Placed>],
+        placed: Vec<(u32, Placed)>,
         before: Option<Arc<Trees>>,
     ) -> PyResult<Self> {
         let at_place = |mesh: &Option<Mesh>| -> PyResult<Soup> {
@@ -101,10 +118,9 @@ impl Plan {
         let all = Wanted::new(states, before.as_ref().map(|trees| &trees.all), || {
             meshes.iter().map(at_place).collect()
         })?;
-        let placed: Vec<(u32, Placed)> =
-            placed.iter().enumerate().filter_map(|(i, placed)| Some((i as u32, (*placed)?))).collect();
         let mut shown = BTreeMap::new();
-        for (_, Placed { geom_id, .. }) in &placed {
+        for (_, placed) in &placed {
+            let Shows::Mesh(geom_id) = &placed.shows else { continue };
             let Some(Some(mesh)) = meshes.get(*geom_id as usize) else { continue };
             if !shown.contains_key(geom_id) {
                 let before = before.as_ref().and_then(|trees| trees.shown.get(geom_id));
@@ -126,7 +142,7 @@ impl Plan {
         let shown = shown.into_iter().map(part).collect::<PyResult<BTreeMap<u32, Part>>>()?;
         let mut trees = Trees { all, shown, scene: None, placed };
         if !trees.placed.is_empty() {
-            trees.scene = Some(trees.top(before.as_deref(), threads)?);
+            trees.scene = Some(Arc::new(trees.top(before.as_deref(), threads)?));
         }
         Ok(trees)
     }
@@ -167,9 +183,7 @@ impl Trees {
         let before = before.filter(|before| before.placed.len() == self.placed.len());
         if let Some((before, scene)) = before.and_then(|before| Some((before, before.scene.as_ref()?))) {
             let has_changed = |i: &usize| {
-                let id = self.geom_id(*i);
-                id != before.geom_id(*i)
-                    || !Arc::ptr_eq(self.object(id), before.object(id))
+                !is_same(&self.shape(*i), &before.shape(*i))
                     || i.checked_sub(1).is_some_and(|i| self.placed[i].1.place != before.placed[i].1.place)
             };
             let changed: Vec<_> = (0..=self.placed.len())
@@ -183,34 +197,89 @@ impl Trees {
             .map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
-    /// The mesh that the scene's instance `i` shows; `None` for the first, which shows all.
-    fn geom_id(&self, i: usize) -> Option<u32> {
-        i.checked_sub(1).map(|i| self.placed[i].1.geom_id)
-    }
-
-    fn object(&self, geom_id: Option<u32>) -> &Arc<ObjectTree> {
-        geom_id.and_then(|id| self.shown.get(&id)).unwrap_or(&self.all).tree.tree()
+    /// What the scene's instance `i` shows: the first shows all meshes.
+    fn shape(&self, i: usize) -> Shape {
+        let mesh = |part: &Part| part.tree.tree().clone().into();
+        match i.checked_sub(1).map(|i| &self.placed[i].1.shows) {
+            None => mesh(&self.all),
+            Some(Shows::Mesh(geom_id)) => mesh(self.shown.get(geom_id).unwrap_or(&self.all)),
+            Some(Shows::Scene(trees)) => match &trees.scene {
+                Some(scene) => scene.clone().into(),
+                None => mesh(&trees.all),
+            },
+        }
     }
 
     fn instance(&self, i: usize) -> Instance {
-        let object = self.object(self.geom_id(i)).clone();
+        let shape = self.shape(i);
         match i.checked_sub(1) {
-            None => Instance::identity(object),
-            Some(i) => Instance::new(object, self.placed[i].1.place),
+            None => Instance::identity(shape),
+            Some(i) => Instance::new(shape, self.placed[i].1.place),
         }
+    }
+
+    /// Whether instances show scenes that have these trees: some instances' numbers, ascending, and those.
+    pub(crate) fn show(&self, scenes: &[(u32, Arc<Self>)]) -> bool {
+        let of = |(id, placed): &(u32, Placed)| match &placed.shows {
+            Shows::Mesh(_) => None,
+            Shows::Scene(trees) => Some((*id, Arc::as_ptr(trees))),
+        };
+        self.placed.iter().filter_map(of).eq(scenes.iter().map(|(id, trees)| (*id, Arc::as_ptr(trees))))
     }
 
     pub(crate) fn target(&self) -> Target<'_> {
-        self.scene.as_ref().map_or_else(|| Target::Object(self.all.tree.tree()), Target::Scene)
+        match &self.scene {
+            Some(scene) => Target::Scene(scene),
+            None => Target::Object(self.all.tree.tree()),
+        }
     }
 
-    /// Geometry and instance, or -1, of an answer in which the trees gave these.
-    pub(crate) fn ids(&self, geom_id: u32, inst_id: u32) -> (u32, u32) {
-        if self.scene.is_none() || inst_id == 0 || inst_id == u32::MAX {
-            return (geom_id, u32::MAX);
+    /// The geometry, or -1, of an answer in which the trees gave these, and calls `visit` with the instances on the way to it,
+    /// outermost first.
+    fn way(&self, [geom_id, inst_id, leaf_id]: [u32; 3], mut visit: impl FnMut(u32)) -> u32 {
+        let (mut trees, mut inst_id, mut leaf) = (self, inst_id, leaf_id);
+        loop {
+            let Some(scene) = trees.scene.as_ref().filter(|_| inst_id != 0 && inst_id != u32::MAX) else {
+                return geom_id;
+            };
+            let Some((id, placed)) = trees.placed.get(inst_id as usize - 1) else { return u32::MAX };
+            visit(*id);
+            match &placed.shows {
+                Shows::Mesh(geom_id) => return *geom_id,
+                Shows::Scene(inner) => {
+                    (trees, leaf) = (inner, leaf - scene.first_leaf(inst_id));
+                    let found = inner.scene.as_ref().and_then(|scene| scene.instance_at(leaf));
+                    inst_id = found.map_or(0, |(inst_id, _)| inst_id);
+                }
+            }
         }
-        let shown = self.placed.get(inst_id as usize - 1);
-        shown.map_or((u32::MAX, u32::MAX), |(inst_id, placed)| (placed.geom_id, *inst_id))
+    }
+
+    /// Geometry and outermost instance, or -1, of an answer in which the trees gave these.
+    pub(crate) fn ids(&self, ids: [u32; 3]) -> (u32, u32) {
+        let mut outermost = u32::MAX;
+        let geom_id = self.way(ids, |id| {
+            if outermost == u32::MAX {
+                outermost = id;
+            }
+        });
+        (geom_id, outermost)
+    }
+
+    /// Instances on the way to what was hit, outermost first, then -1.
+    pub(crate) fn path(&self, ids: [u32; 3], path: &mut [u32]) {
+        path.fill(u32::MAX);
+        let mut rest = path.iter_mut();
+        self.way(ids, |id| {
+            if let Some(place) = rest.next() {
+                *place = id;
+            }
+        });
+    }
+
+    /// Instances on the longest way, one at least; 16 at most.
+    pub(crate) fn levels(&self) -> usize {
+        self.scene.as_ref().map_or(1, |scene| scene.depth() as usize)
     }
 
     /// Unit normal of a triangle that was hit; zeros where there is none.
@@ -220,5 +289,14 @@ impl Trees {
         }
         let hit = Hit { t: 0.0, u: 0.0, v: 0.0, prim_id, geom_id, inst_id, leaf_id };
         ask!(self, tree => tree.normal(&hit)).unwrap_or_default()
+    }
+}
+
+/// Whether two shapes are one.
+fn is_same(a: &Shape, b: &Shape) -> bool {
+    match (a, b) {
+        (Shape::Object(a), Shape::Object(b)) => Arc::ptr_eq(a, b),
+        (Shape::Scene(a), Shape::Scene(b)) => Arc::ptr_eq(a, b),
+        _ => false,
     }
 }

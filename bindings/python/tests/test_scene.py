@@ -61,6 +61,91 @@ def test_kept(scene, rays, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["a.rays"], "no unfinished file is left"
 
 
+@pytest.fixture
+def town(scene):
+    """Two streets of two houses each, and a tower twice; all are cubes."""
+    street = gnurt.RayScene()
+    for x in (0, 2):
+        street.add_instance(scene, at(x))
+    town = gnurt.RayScene()
+    tower = town.add_triangles(*cube(), transform=at(-3))
+    for y in (0, 5):
+        place = at(0)
+        place[1, 3] = y
+        town.add_instance(street, place)
+    town.add_instance(tower, at(9))
+    return town
+
+
+CORNERS = (0, 0), (2, 0), (0, 5), (2, 5), (-3, 0), (9, 0)
+
+
+def test_scenes_in_scenes(town, scene):
+    above = np.array([[x + 0.3, y + 0.5, 3] for x, y in [*CORNERS, (5, 2)]])
+    hits = town.intersect(above, DOWN)
+    assert hits.t.tolist() == [2] * 6 + [np.inf]
+    assert hits.inst_id.tolist() == [0, 0, 1, 1, -1, 2, -1]
+    assert hits.geom_id.tolist() == [0] * 6 + [-1]
+    assert hits.path.tolist() == [[0, 0], [0, 1], [1, 0], [1, 1], [-1, -1], [2, -1], [-1, -1]]
+    assert hits.normal[:6].tolist() == [[0, 0, 1]] * 6
+    every = town.all_hits(above, DOWN)
+    assert every.splits.tolist() == [0, 2, 4, 6, 8, 10, 12, 12]
+    assert every.path[::2].tolist() == hits.path[:6].tolist() and town.occluded(above, DOWN).sum() == 6
+    assert town.contains([[2.5, 5.5, 0.5], [1.5, 0.5, 0.5]]).tolist() == [True, False]
+    assert scene.intersect(above, DOWN).path.tolist() == [[-1]] * 7, "one level where there are none within"
+    scene.update(0, vertices=cube()[0] * [1, 1, 2])
+    assert town.intersect(above, DOWN).t.tolist() == [1] * 4 + [2, 2, np.inf], "edits of what lies within are seen"
+    town.remove(inst_id=0)
+    town.update(inst_id=1, transform=at(20))
+    assert town.intersect([[22.3, 0.5, 3]], DOWN).path.tolist() == [[1, 1]]
+
+
+def test_scenes_in_scenes_are_as_one(town):
+    random = np.random.default_rng(5)
+    origins, to = random.uniform(-4, 12, size=(2, 3000, 3)) * [1, 0.8, 0.3]
+    one = gnurt.RayScene()
+    for x, y in CORNERS:
+        one.add_triangles(cube()[0] + [x, y, 0], cube()[1])
+    found, wanted = town.intersect(origins, to - origins), one.intersect(origins, to - origins)
+    assert np.isfinite(wanted.t).sum() > 300
+    np.testing.assert_allclose(found.t, wanted.t, rtol=1e-5)
+
+
+def test_scenes_in_scenes_are_kept(town, scene, tmp_path):
+    above = [[2.3, 5.5, 3.0]]
+    town.save(tmp_path / "a.rays")
+    others = [pickle.loads(pickle.dumps(town)), copy.deepcopy(town), gnurt.RayScene.load(tmp_path / "a.rays")]
+    shallow = copy.copy(town)
+    scene.update(0, vertices=cube()[0] * [1, 1, 2])
+    for other in others:
+        hits = other.intersect(above, DOWN)
+        assert hits.t == [2] and hits.path.tolist() == [[1, 1]], "as it was, with all in it"
+    assert shallow.intersect(above, DOWN).t == [1], "a shallow copy shows the same scenes"
+    whole = (tmp_path / "a.rays").read_bytes()
+    for damaged in (whole[:200], b"GNURT ray scene 1\n" + whole[18:], whole.replace(b"0.instances", b"0.instantes")):
+        (tmp_path / "b.rays").write_bytes(damaged)
+        with pytest.raises(ValueError, match="b.rays"):
+            gnurt.RayScene.load(tmp_path / "b.rays")
+
+
+def test_no_scene_shows_itself(town, scene):
+    for shown in (scene, town):
+        with pytest.raises(ValueError, match="cannot show itself"):
+            scene.add_instance(shown, at(0))
+    with pytest.raises(TypeError):
+        town.add_instance("street", at(0))
+    deepest = scene
+    for _ in range(16):
+        outer = gnurt.RayScene()
+        outer.add_instance(deepest, at(1))
+        deepest = outer
+    assert deepest.intersect([[16.3, 0.5, 3]], DOWN).path.tolist() == [[0] * 16]
+    outer = gnurt.RayScene()
+    outer.add_instance(deepest, at(1))
+    with pytest.raises(ValueError, match="more than 16 scenes"):
+        outer.commit()
+
+
 def test_damaged_files(scene, tmp_path):
     scene.save(tmp_path / "a.rays")
     whole = (tmp_path / "a.rays").read_bytes()

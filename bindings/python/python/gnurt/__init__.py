@@ -6,8 +6,8 @@ from ._scene import Camera, Scene, load
 
 __all__ = ["AllHits", "Camera", "Hits", "Picture", "RayScene", "Scene", "__version__", "load"]
 
-#: First bytes of a saved scene.
-_MAGIC = b"GNURT ray scene 1\n"
+#: First bytes of a saved scene: of one by itself, and of one with others in it.
+_MAGIC = [b"GNURT ray scene 1\n", b"GNURT ray scene 2\n"]
 
 
 class RayScene(_RayScene):
@@ -26,31 +26,31 @@ class RayScene(_RayScene):
         return _restored(type(self), self.__getstate__())
 
     def __deepcopy__(self, memo):
-        return _restored(type(self), self.__getstate__())
+        import copy
+
+        state = self.__getstate__()
+        shown = state["instances"]
+        state["instances"] = [_showing(placed, lambda it: copy.deepcopy(it, memo)) for placed in shown]
+        return _restored(type(self), state)
 
     def save(self, path):
-        """Writes geometries and instances to a file that `load` reads; a file that is there is replaced at once."""
+        """Writes geometries and instances to a file that `load` reads, with the scenes that instances show; a file that is
+        there is replaced at once."""
         import os
         import tempfile
 
         import numpy as np
 
-        state, arrays = self.__getstate__(), {}
-        arrays["meshes"] = np.array([mesh is not None for mesh in state["meshes"]], bool)
-        for i, mesh in enumerate(state["meshes"]):
-            if mesh is not None:
-                arrays[f"vertices{i}"], arrays[f"faces{i}"] = mesh[0], mesh[1]
-                if mesh[2] is not None:
-                    arrays[f"transform{i}"] = np.array(mesh[2])
-        shown = state["instances"]
-        arrays["instances"] = np.array([-1 if placed is None else placed[0] for placed in shown], np.int64)
-        identity = np.eye(4)
-        arrays["places"] = np.array([identity if p is None else p[1] for p in shown], float).reshape(-1, 4, 4)
+        states = _states(self)
+        is_alone = len(states) == 1
+        arrays = {} if is_alone else {"scenes": np.array(len(states))}
+        for number, state in enumerate(states):
+            _pack(state, "" if is_alone else f"{number}.", arrays)
         folder = os.path.dirname(os.path.abspath(path))
         handle, unfinished = tempfile.mkstemp(dir=folder, prefix=".gnurt-")
         try:
             with os.fdopen(handle, "wb") as file:
-                file.write(_MAGIC)
+                file.write(_MAGIC[not is_alone])
                 np.savez(file, **arrays)
             os.replace(unfinished, path)
         except BaseException:
@@ -66,20 +66,72 @@ class RayScene(_RayScene):
         import numpy as np
 
         with open(path, "rb") as file:
-            if file.read(len(_MAGIC)) != _MAGIC:
+            magic = file.read(len(_MAGIC[0]))
+            if magic not in _MAGIC:
                 raise ValueError(f"{path}: is not a ray scene that save() wrote")
             rest = io.BytesIO(file.read())
         try:
             with np.load(rest, allow_pickle=False) as arrays:
-                meshes = []
-                for i, is_there in enumerate(arrays["meshes"]):
-                    place = arrays.get(f"transform{i}")
-                    meshes.append((arrays[f"vertices{i}"], arrays[f"faces{i}"], place) if is_there else None)
-                ids, places = arrays["instances"], arrays["places"]
-                instances = [None if i < 0 else (int(i), place) for i, place in zip(ids, places, strict=True)]
-            return _restored(cls, {"meshes": meshes, "instances": instances})
+                if magic == _MAGIC[0]:
+                    return _restored(cls, _unpacked(arrays, "", []))
+                scenes, count = [], int(arrays["scenes"])
+                for number in range(count):
+                    kind = cls if number == count - 1 else RayScene
+                    scenes.append(_restored(kind, _unpacked(arrays, f"{number}.", scenes)))
+                return scenes[-1]
         except (KeyError, IndexError, TypeError, ValueError, OSError, EOFError, zipfile.BadZipFile) as error:
             raise ValueError(f"{path}: is damaged ({error})") from None
+
+
+def _showing(placed, other):
+    """An instance of a scene, with another in the place of that; instances of geometries as they are."""
+    return (other(placed[0]), placed[1]) if placed and isinstance(placed[0], _RayScene) else placed
+
+
+def _states(scene):
+    """What there is of a scene and of all in it: those within others first, which know them by numbers from -2 down."""
+    states, numbers = [], {}
+
+    def number(scene):
+        if id(scene) not in numbers:
+            state = scene.__getstate__()
+            state["instances"] = [_showing(placed, number) for placed in state["instances"]]
+            states.append(state)
+            numbers[id(scene)] = -1 - len(states)
+        return numbers[id(scene)]
+
+    number(scene)
+    return states
+
+
+def _pack(state, prefix, arrays):
+    """Puts a state into arrays for a file. Instances show geometries, or by numbers from -2 down scenes; -1 is none."""
+    import numpy as np
+
+    arrays[prefix + "meshes"] = np.array([mesh is not None for mesh in state["meshes"]], bool)
+    for i, mesh in enumerate(state["meshes"]):
+        if mesh is not None:
+            arrays[f"{prefix}vertices{i}"], arrays[f"{prefix}faces{i}"] = mesh[0], mesh[1]
+            if mesh[2] is not None:
+                arrays[f"{prefix}transform{i}"] = np.array(mesh[2])
+    shown = state["instances"]
+    arrays[prefix + "instances"] = np.array([-1 if placed is None else placed[0] for placed in shown], np.int64)
+    identity = np.eye(4)
+    places = np.array([identity if placed is None else placed[1] for placed in shown], float)
+    arrays[prefix + "places"] = places.reshape(-1, 4, 4)
+
+
+def _unpacked(arrays, prefix, scenes):
+    """What `_pack` made arrays of, where `scenes` are those that instances may show."""
+    meshes, instances = [], []
+    for i, is_there in enumerate(arrays[prefix + "meshes"]):
+        place = arrays.get(f"{prefix}transform{i}")
+        meshes.append((arrays[f"{prefix}vertices{i}"], arrays[f"{prefix}faces{i}"], place) if is_there else None)
+    ids, places = arrays[prefix + "instances"], arrays[prefix + "places"]
+    for i, place in zip(ids, places, strict=True):
+        shown = int(i) if i >= 0 else None if i == -1 else scenes[-2 - i]
+        instances.append(None if shown is None else (shown, place))
+    return {"meshes": meshes, "instances": instances}
 
 
 def _restored(cls, state):
