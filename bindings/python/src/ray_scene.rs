@@ -25,11 +25,13 @@ enum Shown {
     Scene(Py<RayScene>),
 }
 
+/// What is shown, and where: columns of an affine map.
+type Instance = (Shown, [[f64; 3]; 4]);
+
 #[derive(Default)]
 struct State {
     meshes: Vec<Option<Mesh>>,
-    /// What is shown, and where: columns of an affine map.
-    instances: Vec<Option<(Shown, [[f64; 3]; 4])>>,
+    instances: Vec<Option<Instance>>,
     /// How often the above were changed.
     edits: u64,
     /// The last trees that were built, and after how many edits.
@@ -49,7 +51,7 @@ impl State {
     /// Instances for trees, where those of scenes, ascending by number, are known.
     fn placed(&self, scenes: &[(u32, Arc<Trees>)]) -> Vec<(u32, Placed)> {
         let mut scenes = scenes.iter();
-        let placed = |(id, instance): (u32, &Option<(Shown, [[f64; 3]; 4])>)| {
+        let placed = |(id, instance): (u32, &Option<Instance>)| {
             let (shown, place) = instance.as_ref()?;
             let shows = match shown {
                 Shown::Mesh(geom_id) => Shows::Mesh(*geom_id),
@@ -293,7 +295,7 @@ impl RayScene {
             let gone = match (geom_id, inst_id) {
                 (Some(id), None) => {
                     let is_shown =
-                        |(shown, _): &(Shown, _)| matches!(shown, Shown::Mesh(mesh) if *mesh as usize == id);
+                        |(shown, _): &Instance| matches!(shown, Shown::Mesh(mesh) if *mesh as usize == id);
                     state
                         .instances
                         .iter_mut()
