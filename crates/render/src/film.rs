@@ -38,12 +38,16 @@ pub(crate) struct TileFilm {
 }
 
 /// Tiles are square, so many pixels wide, and lie on a grid from the picture's upper left corner. Where pixels with the
-/// same virtual lights lie apart, there are a block of them in each tile.
+/// same virtual lights lie apart, there are a block of them in each tile; where blocks learn from those before, there are several.
 pub(crate) fn tile_size(options: &RenderOptions) -> u32 {
-    options.pattern().map_or(TILE, |n| n * BLOCK)
+    match options.pattern() {
+        Some(n) => n * BLOCK,
+        None if options.integrator.has_virtual_lights() => 2 * TILE,
+        None => TILE,
+    }
 }
 
-pub(crate) const TILE: u32 = 16;
+const TILE: u32 = 16;
 /// So are blocks within a tile: their 64 pixels follow each other, so that rays traced together are a narrow bundle.
 pub(crate) const BLOCK: u32 = 8;
 

@@ -9,7 +9,7 @@ use gnurt_image::{BACKGROUND, Channel, ChannelData, Layer, Opacity, Picture};
 
 use crate::accumulation::Accumulation;
 use crate::error::RenderError;
-use crate::film::{TILE, TileFilm};
+use crate::film::TileFilm;
 use crate::options::RenderOptions;
 
 /// The name of what lies behind in a piece: a file's reader would add it to the colour, and round.
@@ -35,7 +35,7 @@ pub fn empty_picture(options: &RenderOptions) -> Result<Picture, RenderError> {
 /// The pixels of a piece's rectangles, one beside the other in rows; `picture` is that of the whole frame.
 #[must_use]
 pub fn pack_piece(picture: &Picture, rects: &[[u32; 4]]) -> Picture {
-    let slots = Slots::of(rects.len());
+    let slots = Slots::of(rects);
     let [width, height] = slots.size();
     let mut packed = Picture { opacity: Opacity::Associated, ..Picture::new(width, height) };
     packed.metadata.clone_from(&picture.metadata);
@@ -55,7 +55,7 @@ pub fn pack_piece(picture: &Picture, rects: &[[u32; 4]]) -> Picture {
 /// is not of so many rectangles, or has not the layers of the picture.
 #[must_use]
 pub fn unpack_piece(picture: &mut Picture, packed: &Picture, rects: &[[u32; 4]]) -> bool {
-    let slots = Slots::of(rects.len());
+    let slots = Slots::of(rects);
     let corner = |rect: &[u32; 4]| [rect[0], rect[1]];
     let copied = rects.iter().enumerate().map(|(i, rect)| (slots.corner(i), corner(rect), size(rect)));
     [packed.width, packed.height] == slots.size() && copy(packed, picture, copied)
@@ -117,26 +117,28 @@ fn blank(channel: &Channel, pixels: usize) -> Channel {
     Channel { name: channel.name.clone(), data, half: channel.half }
 }
 
-/// The grid on which a piece's tiles lie in its file: near to a square, at least one place.
+/// The grid on which a piece's tiles lie in its file: near to a square, at least one place, each as large as the largest tile.
 struct Slots {
     columns: u32,
     rows: u32,
+    place: u32,
 }
 
 impl Slots {
-    fn of(count: usize) -> Self {
-        let count = u32::try_from(count).unwrap_or(u32::MAX).max(1);
+    fn of(rects: &[[u32; 4]]) -> Self {
+        let count = u32::try_from(rects.len()).unwrap_or(u32::MAX).max(1);
         let columns = f64::from(count).sqrt().ceil() as u32;
-        Self { columns, rows: count.div_ceil(columns) }
+        let place = rects.iter().flat_map(size).max().unwrap_or(1);
+        Self { columns, rows: count.div_ceil(columns), place }
     }
 
     fn size(&self) -> [u32; 2] {
-        [self.columns * TILE, self.rows * TILE]
+        [self.columns * self.place, self.rows * self.place]
     }
 
     fn corner(&self, i: usize) -> [u32; 2] {
         let i = i as u32;
-        [i % self.columns * TILE, i / self.columns * TILE]
+        [i % self.columns * self.place, i / self.columns * self.place]
     }
 }
 

@@ -75,6 +75,11 @@ impl Vec3s {
         self.z.push(value.z);
     }
 
+    /// Takes all lanes away and keeps the memory.
+    pub fn clear(&mut self) {
+        [&mut self.x, &mut self.y, &mut self.z].into_iter().for_each(Vec::clear);
+    }
+
     /// Makes it `n` lanes of any value and keeps the memory: for those who will write all of them.
     pub fn resize(&mut self, n: usize) {
         [&mut self.x, &mut self.y, &mut self.z].into_iter().for_each(|array| array.resize(n, 0.0));
@@ -183,6 +188,20 @@ pub struct SurfaceBatch {
 }
 
 impl SurfaceBatch {
+    /// Takes all lanes away and keeps the memory, for one who will append them: nothing is written twice.
+    pub fn clear(&mut self) {
+        let Self { p, ng, ns, bent, lift, ray_dir, dp_du, dp_dv, color, .. } = self;
+        [p, ng, ns, bent, lift, ray_dir, dp_du, dp_dv, color].into_iter().for_each(Vec3s::clear);
+        let Self { error, t, u, v, texcoord: [s, r], uv_per_length, alpha, .. } = self;
+        [error, t, u, v, s, r, uv_per_length, alpha].into_iter().for_each(Vec::clear);
+        let Self { footprint, cone_spread, curvature, .. } = self;
+        [footprint, cone_spread, curvature].into_iter().for_each(Vec::clear);
+        let Self { prim_id, geom_id, inst_id, leaf_id, .. } = self;
+        [prim_id, geom_id, inst_id, leaf_id].into_iter().for_each(Vec::clear);
+        self.key.clear();
+        self.attributes.clear();
+    }
+
     /// Makes it `n` lanes of any value and keeps the memory, for one who will write them. What `detail` leaves out becomes
     /// empty, as do widths and attributes.
     pub fn resize(&mut self, n: usize, detail: Detail) {

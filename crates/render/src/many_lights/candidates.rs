@@ -39,7 +39,7 @@ mod pair {
 }
 
 /// A virtual light and how much it matters.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Candidate {
     pub(super) vpl: Vpl,
     pub(super) importance: f32,
@@ -60,7 +60,7 @@ pub(super) struct EyeSide {
     pub(super) own: Option<Candidate>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct End {
     point: SurfacePoint,
     bsdf: Bsdf,
@@ -100,7 +100,7 @@ pub(super) fn light_sides(
     let (first, mut scratch) = (paths.start, Scratch::default());
     let mut sides = vec![LightSide::default(); paths.len()];
     let light = light_path::trace(tracer, paths, numbers, pilots.max_depth.saturating_sub(2));
-    let points: Vec<_> = light.iter().map(|v| (v.vpl.point, v.vpl.bsdf)).collect();
+    let points: Vec<_> = light.iter().map(|v| (v.vpl.point, &v.vpl.bsdf)).collect();
     let seen = pilots.seen_from(tracer, &points, &mut scratch);
     let both_ways = both_ways(tracer, pilots);
     for (vertex, seen) in light.into_iter().zip(seen) {
@@ -137,14 +137,14 @@ pub(super) fn eye_sides(
         return sides;
     }
     let (ends, pilot_of) = ends(tracer, pilots, paths, numbers);
-    let points: Vec<_> = ends.iter().map(|(_, vertex)| (vertex.point, vertex.scattering.bsdf)).collect();
+    let points: Vec<_> = ends.iter().map(|(_, vertex)| (vertex.point, &vertex.scattering.bsdf)).collect();
     let mut seen = pilots.seen_from(tracer, &points, &mut scratch);
     // By rounding a ray may meet what a shadow ray between the same points does not.
     seen.iter_mut().zip(&pilot_of).for_each(|(seen, &k)| seen[k / BLOCK] |= 1 << (k % BLOCK));
     let mut joins = Vec::new();
     for ((path, vertex), seen) in ends.iter().zip(seen) {
         let density = pilots.pdf(&vertex.point, &seen, &mut scratch);
-        let (point, bsdf) = (vertex.point, vertex.scattering.bsdf);
+        let (point, bsdf) = (vertex.point, vertex.scattering.bsdf.clone());
         let end = End { point, bsdf, lamp_gain: vertex.lamp_gain, seen, density };
         if density > 0.0 {
             joins.extend(to_lamp(tracer, *path, (*path - first) as usize, &end, numbers));
@@ -239,7 +239,7 @@ fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numb
     let left = left_after(sample.dist, [end.bsdf.absorption(sample.dir), Vec3::ZERO]);
     let power =
         sample.radiance * left * (end.lamp_gain * cos * over_both(end.density * sample.pdf, standard));
-    let vpl = Vpl::new(point, end.bsdf, sample.dir, power, 1);
+    let vpl = Vpl::new(point, end.bsdf.clone(), sample.dir, power, 1);
     let ray = point.spawn_to(sample.dir, sample.dist);
     Some(Join { ray, of, vpl, seen: end.seen })
 }
@@ -258,15 +258,16 @@ fn to_vertex(of: usize, z: &LightVertex, end: &End) -> Option<Join> {
         return None;
     }
     let adjoint = z.vpl.bsdf.adjoint_correction(z.vpl.from, to, z.vpl.point.ng);
-    let scattered = z.vpl.bsdf.eval(z.vpl.from, to) * adjoint;
+    let (scattered, pdf) = z.vpl.bsdf.eval_pdf(z.vpl.from, to);
+    let scattered = scattered * adjoint;
     if scattered == Vec3::ZERO {
         return None;
     }
     let per_area = point.ng.dot(to).abs() / distance2;
-    let standard = z.vpl.bsdf.pdf(z.vpl.from, to) * z.survival * per_area;
+    let standard = pdf * z.survival * per_area;
     let left = left_after(distance2.sqrt(), [z.vpl.bsdf.absorption(to), end.bsdf.absorption(-to)]);
     let power = z.vpl.power * scattered * left * (per_area * over_both(end.density, standard));
-    let vpl = Vpl::new(point, end.bsdf, -to, power, z.vpl.edges + 1);
+    let vpl = Vpl::new(point, end.bsdf.clone(), -to, power, z.vpl.edges + 1);
     let start = vpl::end(&z.vpl.point, to);
     let way = vpl::end(&point, -to) - start;
     let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);

@@ -1,124 +1,105 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which virtual lights a block of points asks, where there are many: a sample of them, in proportion to what they promise there,
-//! times how much of it came through to the blocks of its tile before.
+//! Which virtual lights a block of points asks: a sample of them, by what they would bring to its points if nothing were in between,
+//! and by how much of that came through to the blocks of its tile before.
 //! Source: [TCE05] (resampling); [GKPS12] (what is learned from neighbours, visibility included, guides the choice). Differs:
-//! what is promised is judged anew at points of the block, only visibility is taken over, and from the same pass.
-//! Space: world. Points that do not scatter alike to all sides ask by what lights send, as `cut` has it: what their lobes make of it is
-//! not known to neighbours.
+//! what is promised is judged anew at all points of the block, only visibility is taken over, and from the same pass.
+//! Space: world.
 //! Invariant: a light that may shine on the block is never impossible; what blocks before found guides the choice alone, and
 //! numbers of blocks are their own, so the mean does not change, and neighbours do not err alike.
 //! Proof: `tests`, crates/render/tests/many_lights.rs.
 
-use std::f32::consts::PI;
+use super::cut::resample;
+use super::lanes::{BLOCK, Lanes};
 
-use super::cut::{cut_of, resample};
-use super::eye::EyePoint;
-use super::lanes::Source;
-
-/// Points that stand for a block.
-const WITNESSES: usize = 8;
-/// Added to cosines: points between witnesses may see more.
-const SLACK: f32 = 0.05;
+/// Lights whose luck is thought alike, neighbours in their list.
+const CLUSTER: usize = 8;
+/// As if so many rays of a cluster had met nothing before any was asked for, and so many of a light had fared as its cluster's.
+const OF_CLUSTER: f32 = 16.0;
+const OF_LIGHT: f32 = 32.0;
 /// What a light is thought to bring through at least, as share of its promise.
-const HOPE: f32 = 0.1;
+const HOPE: f32 = 0.05;
 
 /// How much of what virtual lights promised came through, light by light, in the order of a list in which neighbours are neighbours.
 pub(super) struct Learned {
-    asked: Vec<f32>,
-    came: Vec<f32>,
+    /// Rays that were asked for, and those of them that met nothing.
+    lights: Vec<[f32; 2]>,
+    clusters: Vec<[f32; 2]>,
 }
 
 impl Learned {
     /// Nothing, of so many lights.
     pub(super) fn new(lights: usize) -> Self {
-        Self { asked: vec![0.0; lights], came: vec![0.0; lights] }
+        Self { lights: vec![[0.0; 2]; lights], clusters: vec![[0.0; 2]; lights.div_ceil(CLUSTER)] }
     }
 
     /// Of `asked` rays of a light, `came` met nothing.
     pub(super) fn note(&mut self, light: usize, asked: u32, came: u32) {
-        self.asked[light] += asked as f32;
-        self.came[light] += came as f32;
-    }
-
-    /// The share that came through, by what is known of the light and of its neighbours in the list.
-    fn share(&self, light: usize) -> f32 {
-        // As if one ray had come.
-        let (mut asked, mut came) = (1.0, 1.0);
-        for (near, weight) in [(light.wrapping_sub(1), 0.25), (light, 1.0), (light + 1, 0.25)] {
-            if let (Some(&of), Some(&some)) = (self.asked.get(near), self.came.get(near)) {
-                (asked, came) = (asked + weight * of, came + weight * some);
-            }
+        for sums in [&mut self.lights[light], &mut self.clusters[light / CLUSTER]] {
+            sums[0] += asked as f32;
+            sums[1] += came as f32;
         }
-        (came / asked).max(HOPE)
+    }
+
+    /// The share that comes through, by what is known of the light and of its cluster.
+    fn share(&self, light: usize) -> f32 {
+        let ([asked, came], [of_all, came_of_all]) = (self.lights[light], self.clusters[light / CLUSTER]);
+        let of_cluster = (came_of_all + OF_CLUSTER) / (of_all + OF_CLUSTER);
+        ((came + OF_LIGHT * of_cluster) / (asked + OF_LIGHT)).max(HOPE)
     }
 }
 
-/// The lights that a block of points asks, `most` at most: their places in the list, and what they count. `u` in [0, 1).
-pub(super) fn chosen(
-    eyes: &[EyePoint],
-    sources: &[Source],
-    learned: &Learned,
-    most: usize,
-    u: f32,
-) -> Vec<(usize, f32)> {
-    if sources.len() <= most {
-        return (0..sources.len()).map(|i| (i, 1.0)).collect();
-    }
-    if eyes.iter().any(|eye| eye.bsdf.lambertian().is_none()) {
-        return cut_of(eyes, sources, most, u);
-    }
-    let some = Witnesses::new(eyes);
-    let weight = |(i, source)| f64::from(some.promise(source) * learned.share(i));
-    resample(sources.iter().enumerate().map(weight), most, u)
+/// What lights promise to the points of a block.
+#[derive(Default)]
+pub(super) struct Rows {
+    /// Lights that promise something, by their places in the list, and how much to each point.
+    rows: Vec<(usize, Lanes)>,
 }
 
-/// Points that stand for a block.
-struct Witnesses {
-    points: Vec<EyePoint>,
-    /// About how far points lie from the nearest of them, squared.
-    near2: f32,
-}
-
-impl Witnesses {
-    fn new(eyes: &[EyePoint]) -> Self {
-        let points: Vec<EyePoint> = eyes.iter().step_by(eyes.len().div_ceil(WITNESSES)).copied().collect();
-        let far = eyes.iter().map(|eye| eye.point.p.distance_squared(points[0].point.p)).fold(0.0, f32::max);
-        Self { points, near2: (far / WITNESSES as f32).max(f32::MIN_POSITIVE) }
+impl Rows {
+    pub(super) fn clear(&mut self) {
+        self.rows.clear();
     }
 
-    /// About what a light brings them all if nothing is in between; not zero but where both ends look away.
-    fn promise(&self, source: &Source) -> f32 {
-        let vpl = &source.vpl;
-        let most = PI * source.bound;
-        let to = |eye: &EyePoint| {
-            let way = vpl.point.p - eye.point.p;
-            let distance2 = way.length_squared();
-            let to = way / distance2.sqrt().max(f32::MIN_POSITIVE);
-            let (sees, shines) = (eye.point.ns.dot(to).max(0.0), (-vpl.point.ng.dot(to)).max(0.0));
-            ((SLACK + sees) * (SLACK + shines) / (distance2 + self.near2)).min(most)
+    pub(super) fn push(&mut self, light: usize, promise: &Lanes) {
+        if promise.iter().any(|&promise| promise > 0.0) {
+            self.rows.push((light, *promise));
+        }
+    }
+
+    /// The lights that the block asks, `most` at most, in the order of the list, and what each counts: by the mean square of their shares
+    /// of what points may get. `u` in [0, 1).
+    pub(super) fn chosen(&self, learned: &Learned, most: usize, u: f32) -> Vec<(usize, f32)> {
+        if self.rows.len() <= most {
+            return self.rows.iter().map(|(light, _)| (*light, 1.0)).collect();
+        }
+        let mut total = [0.0; BLOCK];
+        for (_, row) in &self.rows {
+            (0..BLOCK).for_each(|i| total[i] += row[i]);
+        }
+        let scale = total.map(|total| if total > 0.0 && total.is_finite() { 1.0 / total } else { 0.0 });
+        let weight = |(light, row): &(usize, Lanes)| {
+            let square: f32 = (0..BLOCK).map(|i| (row[i] * scale[i]).powi(2)).sum();
+            // Light comes through or does not: the mean of the square is as the share.
+            f64::from((square * learned.share(*light)).sqrt())
         };
-        vpl.strength() * self.points.iter().map(to).sum::<f32>()
+        let chosen = resample(self.rows.iter().map(weight), most, u);
+        chosen.into_iter().map(|(row, weight)| (self.rows[row].0, weight)).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use gnurt_shading::SurfacePoint;
-    use gnurt_shading::bsdf::Bsdf;
+    use gnurt_image::srgb::luminance;
+    use gnurt_simd::Level;
 
     use super::super::bound::Bound;
-    use super::super::test_points;
+    use super::super::eye::EyePoint;
+    use super::super::lanes::{Block, Light};
+    use super::super::promise::each_promise;
+    use super::super::test_points::{random, surface};
     use super::super::vpl::Vpl;
     use super::*;
-
-    fn random(n: u32, purpose: u32) -> [f32; 2] {
-        test_points::random(11, n, purpose)
-    }
-
-    fn surface(n: u32) -> (SurfacePoint, Bsdf) {
-        test_points::surface(11, n)
-    }
 
     /// What a part of the lights brings has the mean of what all bring, whatever has been learned, with less noise where the
     /// lights that nobody sees are known.
@@ -126,46 +107,49 @@ mod tests {
     fn a_part_stands_for_all() {
         let bound = Bound::on_geometry_term(3.0);
         let light = |n: u32| {
-            let (point, bsdf) = surface(n);
+            let (point, bsdf) = surface(11, n);
             Vpl::new(point, bsdf, point.ng, Vec3::new(3.0, 2.0, 1.0), 1)
         };
         let vpls: Vec<Vpl> = (1000..2200).map(light).collect();
         let sources = super::super::gather::sources(&vpls, &bound);
         let eye = |n: u32| {
-            let (mut point, bsdf) = surface(7);
-            point.p += Vec3::new(random(n, 3)[0], random(n, 3)[1], 0.0) * 0.05;
+            let (mut point, bsdf) = surface(11, 7);
+            point.p += Vec3::new(random(11, n, 3)[0], random(11, n, 3)[1], 0.0) * 0.05;
             EyePoint { point, wo: point.ng, bsdf, throughput: Vec3::ONE, edges: 1, lane: n }
         };
         let eyes: Vec<EyePoint> = (0..64).map(eye).collect();
+        let eyes: Vec<&EyePoint> = eyes.iter().collect();
+        let (mut rows, mut room) = (Rows::default(), Box::<Light>::default());
+        let block = Block::new(&eyes, 6);
+        let asked = (&block, &eyes[..]);
+        each_promise(Level::default(), asked, &sources, (&bound, 6), &mut room, |i, row| rows.push(i, row));
         // Lights in one half of the room are hidden.
-        let is_hidden = |source: &Source| source.vpl.point.p.x > 0.5;
-        let brings = |source: &Source| -> f32 {
-            let brought = eyes.iter().filter_map(|eye| source.vpl.brings(eye, &bound, 6)).map(|c| c.x).sum();
-            if is_hidden(source) { 0.0 } else { brought }
+        let is_hidden = |i: usize| sources[i].vpl.point.p.x > 0.5;
+        let brings = |i: usize| -> f32 {
+            let brought = eyes.iter().filter_map(|eye| sources[i].vpl.brings(eye, &bound, 6));
+            if is_hidden(i) { 0.0 } else { brought.map(|color| luminance(color.into())).sum() }
         };
-        let light: Vec<f32> = sources.iter().map(brings).collect();
+        let light: Vec<f32> = (0..sources.len()).map(brings).collect();
         let wanted: f32 = light.iter().sum();
         let mut learned = Learned::new(sources.len());
-        assert_eq!(
-            chosen(&eyes, &sources, &learned, sources.len(), 0.5).len(),
-            sources.len(),
-            "so few are all asked"
-        );
-        let most = sources.len() / 4;
+        let all: f32 =
+            rows.chosen(&learned, sources.len(), 0.5).iter().map(|&(i, weight)| light[i] * weight).sum();
+        assert!((all / wanted - 1.0).abs() < 1e-4, "so few are all asked: {all} instead of {wanted}");
+        let most = sources.len() / 8;
         let mut noise = [0.0; 2];
         for noise in &mut noise {
             const TIMES: u32 = 64;
             let mut mean = 0.0;
             for n in 0..TIMES {
-                let some = chosen(&eyes, &sources, &learned, most, (n as f32 + 0.5) / TIMES as f32);
+                let some = rows.chosen(&learned, most, (n as f32 + 0.5) / TIMES as f32);
                 assert!(some.len() <= most, "a part of them: {}", some.len());
                 let sum: f32 = some.iter().map(|&(i, weight)| light[i] * weight).sum();
                 mean += sum / TIMES as f32;
                 *noise += (sum / wanted - 1.0).powi(2) / TIMES as f32;
             }
             assert!((mean / wanted - 1.0).abs() < 0.02, "{mean} instead of {wanted}");
-            for (i, source) in sources.iter().enumerate() {
-                learned.note(i, 64, if is_hidden(source) { 0 } else { 64 });
+            for i in 0..sources.len() {
+                learned.note(i, 64, if is_hidden(i) { 0 } else { 64 });
             }
         }
         assert!(noise[1] < 0.9 * noise[0], "less noise where it is known what is hidden: {noise:?}");

@@ -16,7 +16,7 @@ pub(super) const MOST: usize = 2048;
 const WITNESSES: usize = 4;
 
 /// The lights for `points`, weighted; `None` if they may ask all of them. `u` in [0, 1).
-pub(super) fn cut(points: &[EyePoint], sources: &[Source], most: usize, u: f32) -> Option<Vec<Source>> {
+pub(super) fn cut(points: &[&EyePoint], sources: &[Source], most: usize, u: f32) -> Option<Vec<Source>> {
     if sources.len() <= most || points.is_empty() {
         return None;
     }
@@ -25,7 +25,7 @@ pub(super) fn cut(points: &[EyePoint], sources: &[Source], most: usize, u: f32) 
 }
 
 /// The same as places in the list, and what each counts, of one point or more.
-pub(super) fn cut_of(points: &[EyePoint], sources: &[Source], most: usize, u: f32) -> Vec<(usize, f32)> {
+pub(super) fn cut_of(points: &[&EyePoint], sources: &[Source], most: usize, u: f32) -> Vec<(usize, f32)> {
     let step = points.len().div_ceil(WITNESSES);
     let witnesses: Vec<Vec3> = points.iter().step_by(step).map(|point| point.point.p).collect();
     let far = |p: Vec3| witnesses.iter().map(|w| w.distance_squared(p)).fold(0.0, f32::max);

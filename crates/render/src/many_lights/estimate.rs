@@ -96,6 +96,9 @@ struct Stop {
     eye: EyePoint,
     /// What light straight from lamps counts here.
     lamp_gain: f32,
+    /// How many rays may go on from here, and the chance that each of them does.
+    rays: u32,
+    chance: f32,
     /// What was met, and how far the last edge was.
     instance: u32,
     distance: f32,
@@ -116,17 +119,27 @@ impl Stop {
         1.0 - last.bound.share(pdf_eye, pdf_vpl)
     }
 
-    /// How many rays go on from here: several where the eye sees what only scatters smoothly.
-    fn rays(&self, pass: &PassLights) -> u32 {
-        let bsdf = &self.eye.bsdf;
-        let is_smooth = || bsdf.is_smooth() && bsdf.delta_branches(self.eye.wo).iter().all(Option::is_none);
-        if self.walk.is_seen && is_smooth() { pass.rays } else { 1 }
+    /// How many rays go on from here on average.
+    fn mean_rays(&self) -> f32 {
+        self.rays as f32 * self.chance
     }
 
     /// Whether virtual lights bring all that it could.
     fn is_spent(&self) -> bool {
         // Lambertian ends choose alike whatever the light's direction: one answer for all.
         self.eye.bsdf.lambertian().is_some() && self.rest(self.eye.wo) <= 0.0
+    }
+}
+
+/// How many rays may go on from a point that the eye sees, and the chance of each: several where it only scatters smoothly; and less
+/// than one where it looks the same from all sides and pictures are remembered, for there virtual lights bring nearly all.
+fn rays_from(pass: &PassLights, eye: &EyePoint) -> (u32, f32) {
+    let bsdf = &eye.bsdf;
+    let has_branches = || bsdf.has_deltas() && bsdf.delta_branches(eye.wo).iter().any(Option::is_some);
+    match bsdf.lambertian() {
+        Some(_) => (pass.rays, pass.chance_of_rays),
+        None if bsdf.is_smooth() && !has_branches() => (pass.rays, 1.0),
+        None => (1, 1.0),
     }
 }
 
@@ -216,22 +229,24 @@ fn go_on(
     (radiance, mut texels): (&mut Vec3s, Option<&mut [Texel]>),
 ) {
     for depth in depth.. {
-        let stops = arrive(tracer, &walks, &vertices, radiance);
         if let Some(texels) = &mut texels {
-            take_apart(tracer, &stops, radiance, texels);
             take_finals_apart(tracer, &walks.carried, &vertices, texels);
         }
+        let stops = arrive(tracer, pass, &walks, vertices, radiance);
+        if let Some(texels) = &mut texels {
+            take_apart(tracer, &stops, radiance, texels);
+        }
         light_samples(tracer, pass, &stops, radiance);
-        let seen: Vec<EyePoint> =
-            stops.iter().filter(|stop| stop.walk.is_seen).map(|stop| stop.eye).collect();
+        let seen: Vec<&EyePoint> =
+            stops.iter().filter(|stop| stop.walk.is_seen).map(|stop| &stop.eye).collect();
         if pass.is_few {
             // What the eye sees asks a few by chance, too.
         } else if texels.is_none() {
             gather(tracer, &seen, keys, pass.whole(), &pass.bound, radiance);
         } else if let Some(n) = tracer.options.pattern() {
-            let place = |eye: &&EyePoint| place_of(keys[eye.lane as usize].pixel, tracer.options.width, n);
+            let place = |eye: &EyePoint| place_of(keys[eye.lane as usize].pixel, tracer.options.width, n);
             for (number, share) in pass.sources.iter().enumerate() {
-                let there: Vec<EyePoint> = seen.iter().filter(|eye| place(eye) == number).copied().collect();
+                let there: Vec<&EyePoint> = seen.iter().copied().filter(|eye| place(eye) == number).collect();
                 gather(tracer, &there, keys, share, &pass.bound, radiance);
             }
         }
@@ -291,7 +306,8 @@ fn take_finals_apart(
 
 /// What walks meet: where the eye sees it by mirrors alone, shaders that only know `shade` show what they show.
 fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option<Vertex>> {
-    let mut vertices = vec![None; walks.carried.len()];
+    let mut vertices: Vec<Option<Vertex>> = Vec::new();
+    vertices.resize_with(walks.carried.len(), || None);
     for is_seen in [true, false] {
         let mut some = Walks::default();
         for (i, walk) in walks.carried.iter().enumerate().filter(|(_, walk)| walk.is_seen == is_seen) {
@@ -378,14 +394,15 @@ pub(super) fn rest_at(
 /// Adds what is met at the end of each ray, and says which walks may go on.
 fn arrive(
     tracer: &mut BatchTracer,
+    pass: &PassLights,
     walks: &Walks<Walk>,
-    vertices: &[Option<Vertex>],
+    vertices: Vec<Option<Vertex>>,
     radiance: &mut Vec3s,
 ) -> Vec<Stop> {
     let lights = tracer.world.light_set();
-    let mut stops = Vec::new();
+    let mut stops = Vec::with_capacity(vertices.len());
     let Walks { rays, carried, .. } = walks;
-    environment_of_shaders(tracer, carried, vertices, rays, radiance);
+    environment_of_shaders(tracer, carried, &vertices, rays, radiance);
     for (i, (walk, vertex)) in carried.iter().zip(vertices).enumerate() {
         let lane = walk.lane as usize;
         let walk = &walk.absorbed(vertex.as_ref());
@@ -416,9 +433,10 @@ fn arrive(
         if vertex.is_final || walk.edges >= tracer.options.max_depth {
             continue;
         }
+        let Vertex { lamp_gain, ids: [instance, ..], t: distance, cone, .. } = vertex;
         let eye = EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane);
-        let Vertex { lamp_gain, ids: [instance, ..], t: distance, cone, .. } = *vertex;
-        let stop = Stop { walk: *walk, eye, lamp_gain, instance, distance, cone };
+        let (rays, chance) = if walk.is_seen { rays_from(pass, &eye) } else { (1, 1.0) };
+        let stop = Stop { walk: *walk, eye, lamp_gain, rays, chance, instance, distance, cone };
         if !stop.is_spent() {
             stops.push(stop);
         }
@@ -442,6 +460,14 @@ impl Offers {
         }
     }
 
+    fn append(&mut self, other: &Self) {
+        other.offers.iter().enumerate().for_each(|(i, &offer)| {
+            self.request.rays.push(other.request.rays.get(i));
+            self.request.key.push(other.request.key[i]);
+            self.offers.push(offer);
+        });
+    }
+
     /// Adds what arrives.
     fn settle(self, tracer: &mut BatchTracer, radiance: &mut Vec3s) {
         let mut through = Vec3s::default();
@@ -456,30 +482,29 @@ impl Offers {
 fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], radiance: &mut Vec3s) {
     let seed = tracer.options.seed;
     let lights = tracer.world.light_set();
-    let mut offers = Offers::default();
     let most = stops.iter().map(|stop| pass.light_samples(stop.walk.is_seen)).max().unwrap_or(0);
     // Sample by sample, so that neighbouring rays are neighbours.
-    for n in 0..most {
-        for stop in stops {
-            let Stop { walk, eye, lamp_gain, .. } = stop;
-            let count = pass.light_samples(walk.is_seen);
-            if n >= count || !eye.bsdf.is_smooth() {
-                continue;
-            }
+    let mut rounds: Vec<Offers> = (0..most).map(|_| Offers::default()).collect();
+    for stop in stops.iter().filter(|stop| stop.eye.bsdf.is_smooth()) {
+        let Stop { walk, eye, lamp_gain, .. } = stop;
+        let (mut seen, side) = (None, sampling_normal(&eye.point, &eye.bsdf));
+        let count = pass.light_samples(walk.is_seen);
+        for (n, offers) in (0..count).zip(&mut rounds) {
             let key = SampleKey { sample: walk.key.sample.wrapping_mul(count).wrapping_add(n), ..walk.key };
             let [lamp, _] = sample_pair(seed, key, walk.edges, purpose::LAMP);
             let [u, v] = sample_pair(seed, key, walk.edges, purpose::PLACE);
-            let side = sampling_normal(&eye.point, &eye.bsdf);
             let Some(sample) = lights.sample(eye.point.p, side, [lamp, u, v]) else { continue };
-            let scattered = eye.bsdf.eval(eye.wo, sample.dir);
+            let seen = seen.get_or_insert_with(|| eye.bsdf.seen(eye.wo));
+            let (scattered, pdf) = seen.eval_pdf(sample.dir.into());
+            let scattered = Vec3::from(scattered);
             if scattered == Vec3::ZERO {
                 continue;
             }
-            let (count, rays) = (count as f32, stop.rays(pass) as f32);
+            let count = count as f32;
             let share = if sample.delta {
                 1.0
             } else {
-                balance_heuristic(count * sample.pdf, rays * eye.bsdf.pdf(eye.wo, sample.dir))
+                balance_heuristic(count * sample.pdf, stop.mean_rays() * pdf)
             };
             let offer = eye.throughput * scattered * sample.radiance * (share / (count * sample.pdf));
             let left = left_after(sample.dist, [eye.bsdf.absorption(sample.dir), Vec3::ZERO]);
@@ -489,6 +514,8 @@ fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], ra
             }
         }
     }
+    let mut offers = Offers::default();
+    rounds.iter().for_each(|round| offers.append(round));
     let there: Vec<&Stop> = stops.iter().filter(|stop| stop.eye.bsdf.is_smooth()).collect();
     let asking: Vec<Asking> = there
         .iter()
@@ -544,9 +571,11 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
     }
     let mut offers = Offers::default();
     let shares = pass.unseen();
-    let place = |stop: &Stop| share_of_key(tracer.sharing, stop.walk.key, shares.len());
-    for (number, share) in shares.iter().enumerate() {
-        let of_share: Vec<&Stop> = there.iter().filter(|stop| place(stop) == number).copied().collect();
+    let mut by_share: Vec<Vec<&Stop>> = vec![Vec::new(); shares.len()];
+    for stop in there {
+        by_share[share_of_key(tracer.sharing, stop.walk.key, shares.len())].push(stop);
+    }
+    for (share, of_share) in shares.iter().zip(&by_share) {
         for stops in of_share.chunks(BLOCK) {
             ask_few(tracer, pass, share, stops, &mut offers);
         }
@@ -557,7 +586,7 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
 /// The same for neighbours that ask some of the virtual lights, `BLOCK` at most.
 fn ask_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&Stop], offers: &mut Offers) {
     let (seed, level, max_edges) = (tracer.options.seed, tracer.options.level, tracer.options.max_depth);
-    let eyes: Vec<EyePoint> = stops.iter().map(|stop| stop.eye).collect();
+    let eyes: Vec<&EyePoint> = stops.iter().map(|stop| &stop.eye).collect();
     let [u, _] = sample_pair(seed, stops[0].walk.key, stops[0].walk.edges, purpose::CUT);
     let fewer = cut(&eyes, share, MOST, u);
     let bound = pass.bound_at(false);
@@ -565,8 +594,9 @@ fn ask_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&
     promises.ask(level, &eyes);
     for (lane, Stop { walk, eye, .. }) in stops.iter().enumerate() {
         let [u, _] = sample_pair(seed, walk.key, walk.edges, purpose::CHOICE);
+        let mut seen = None;
         promises.choose(lane, pass.few_at(walk.edges), u, |vpl, weight| {
-            let Some(brought) = vpl.brings(eye, &bound, max_edges) else { return };
+            let Some(brought) = vpl.brings_seen(eye, &mut seen, &bound, max_edges) else { return };
             let way = vpl.point.p - eye.point.p;
             let offer = brought * (stops[lane].rest(way.normalize()) * weight);
             let Some(start) = vpl::start(eye, way) else { return };
@@ -581,9 +611,8 @@ fn ask_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&
 fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> Walks<Walk> {
     let mut walks = Walks::default();
     for stop in stops {
-        let count = stop.rays(pass);
-        for n in 0..count {
-            if let Some((from, walk)) = scattered(tracer.options.seed, pass, stop, (n, count)) {
+        for n in 0..stop.rays {
+            if let Some((from, walk)) = scattered(tracer.options.seed, pass, stop, n) {
                 walks.push(from, walk.key, walk);
             }
         }
@@ -591,17 +620,16 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> Walks<Wal
     walks
 }
 
-/// The `n`th of `count` rays that go on from a stop.
-fn scattered(
-    seed: u64,
-    pass: &PassLights,
-    stop: &Stop,
-    (n, count): (u32, u32),
-) -> Option<((gnurt_accel::Ray, Cone), Walk)> {
-    let Stop { walk, eye, .. } = stop;
+/// The `n`th of the rays that go on from a stop.
+fn scattered(seed: u64, pass: &PassLights, stop: &Stop, n: u32) -> Option<((gnurt_accel::Ray, Cone), Walk)> {
+    let Stop { walk, eye, rays: count, chance, .. } = stop;
+    let (count, chance) = (*count, *chance);
     let key = SampleKey { sample: walk.key.sample.wrapping_mul(count).wrapping_add(n), ..walk.key };
     let [u, v] = sample_pair(seed, key, walk.edges, purpose::DIRECTION);
     let [lobe, end] = sample_pair(seed, key, walk.edges, purpose::LOBE);
+    if walk.is_seen && end >= chance {
+        return None;
+    }
     let (ray, sample) = eye.scatter([lobe, u, v])?;
     let rest = if sample.delta { 1.0 } else { stop.rest(sample.wi) };
     let mut throughput = walk.throughput * sample.weight * rest;
@@ -613,7 +641,7 @@ fn scattered(
         }
         throughput /= survival;
     }
-    throughput /= count as f32;
+    throughput /= stop.mean_rays();
     if throughput == Vec3::ZERO || !throughput.is_finite() {
         return None;
     }
@@ -621,7 +649,7 @@ fn scattered(
         point: eye.point,
         pdf: sample.pdf,
         side: sampling_normal(&eye.point, &eye.bsdf),
-        light_samples: pass.light_samples(walk.is_seen) as f32 / count as f32,
+        light_samples: pass.light_samples(walk.is_seen) as f32 / stop.mean_rays(),
         bound: pass.bound_at(walk.is_seen),
     };
     let next = Walk {

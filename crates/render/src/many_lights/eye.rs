@@ -10,7 +10,7 @@ use gnurt_shading::bsdf::{Bsdf, BsdfSample};
 use crate::transport::{Vertex, walks};
 
 /// A point that light is gathered at.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct EyePoint {
     pub(crate) point: SurfacePoint,
     /// Unit, towards the eye.
@@ -25,8 +25,8 @@ pub(crate) struct EyePoint {
 }
 
 impl EyePoint {
-    pub(crate) fn new(vertex: &Vertex, throughput: Vec3, edges: u32, lane: u32) -> Self {
-        let Vertex { point, wo, scattering, .. } = *vertex;
+    pub(crate) fn new(vertex: Vertex, throughput: Vec3, edges: u32, lane: u32) -> Self {
+        let Vertex { point, wo, scattering, .. } = vertex;
         Self { point, wo, bsdf: scattering.bsdf, throughput, edges, lane }
     }
 

@@ -16,11 +16,12 @@ use gnurt_shading::{RayRequest, SampleKey, Tracer, Vec3s};
 use gnurt_simd::{dispatch, dispatch_wide, f32x16, prelude::*};
 
 use super::bound::Bound;
-use super::chosen::{Learned, chosen};
-use super::cut::MOST;
+use super::chosen::{Learned, Rows};
+use super::cut::{MOST, cut_of};
 use super::eye::EyePoint;
 use super::lanes::{BLOCK, Block, Color, END, Light, Source};
 use super::neighbours;
+use super::promise::each_promise;
 use super::vpl::{self, Vpl};
 use crate::tracer::BatchTracer;
 
@@ -36,7 +37,7 @@ pub(super) fn sources(vpls: &[Vpl], bound: &Bound) -> Vec<Source> {
 /// Gathers; adds to `radiance` by lane.
 pub(super) fn gather(
     tracer: &mut BatchTracer,
-    points: &[EyePoint],
+    points: &[&EyePoint],
     keys: &[SampleKey],
     sources: &[Source],
     bound: &Bound,
@@ -53,7 +54,7 @@ pub(super) fn gather(
 
 fn gather_all(
     tracer: &mut BatchTracer,
-    points: &[EyePoint],
+    points: &[&EyePoint],
     keys: &[SampleKey],
     sources: &[Source],
     bound: &Bound,
@@ -61,7 +62,8 @@ fn gather_all(
 ) {
     let mut parts: Vec<Part> = blocks(points).map(|eyes| Part::new(tracer, eyes, keys)).collect();
     let mut room = Room::default();
-    if sources.len() <= MOST {
+    let most = asked_of(sources.len());
+    if sources.len() <= most {
         // Neighbours shine on one block after the other: what lies in between stays in caches.
         for near in sources.chunks(NEAR) {
             for part in &mut parts {
@@ -73,8 +75,7 @@ fn gather_all(
     } else {
         let mut learned = Learned::new(sources.len());
         for part in &mut parts {
-            let [u, _] = sample_pair(tracer.options.seed, part.keys[0], 0, CUT);
-            for (i, weight) in chosen(&part.eyes, sources, &learned, MOST, u) {
+            for (i, weight) in part.choice(tracer, (sources, &learned), most, bound, &mut room) {
                 let [asked, came] = part.gather(tracer, (&sources[i], weight), bound, &mut room);
                 learned.note(i, asked, came);
             }
@@ -91,15 +92,22 @@ fn gather_all(
 /// Virtual lights that shine on one block, then on the next.
 const NEAR: usize = 8;
 
-/// Memory for one virtual light on one block.
+/// How many of so many virtual lights a block asks, at most: a part, for that takes a ray from each of its points, and to know which promise
+/// most takes none.
+fn asked_of(lights: usize) -> usize {
+    (lights / 4).clamp(256, MOST)
+}
+
+/// Memory for one virtual light on one block, and for what all promise to it.
 #[derive(Default)]
 struct Room {
     light: Box<Light>,
+    rows: Rows,
 }
 
 /// Points that are one block, and what they get.
-struct Part {
-    eyes: Vec<EyePoint>,
+struct Part<'a> {
+    eyes: Vec<&'a EyePoint>,
     keys: Vec<SampleKey>,
     block: Block,
     sums: Color,
@@ -108,8 +116,8 @@ struct Part {
     by_pencils: bool,
 }
 
-impl Part {
-    fn new(tracer: &BatchTracer, eyes: Vec<EyePoint>, keys: &[SampleKey]) -> Self {
+impl<'a> Part<'a> {
+    fn new(tracer: &BatchTracer, eyes: Vec<&'a EyePoint>, keys: &[SampleKey]) -> Self {
         Self {
             block: Block::new(&eyes, tracer.options.max_depth),
             keys: eyes.iter().map(|eye| keys[eye.lane as usize]).collect(),
@@ -118,6 +126,31 @@ impl Part {
             by_pencils: tracer.world.materials().all_solid() && tracer.costs.is_none(),
             eyes,
         }
+    }
+
+    /// The lights that it asks: places in the list, and what each counts.
+    fn choice(
+        &self,
+        tracer: &BatchTracer,
+        (sources, learned): (&[Source], &Learned),
+        most: usize,
+        bound: &Bound,
+        room: &mut Room,
+    ) -> Vec<(usize, f32)> {
+        let [u, _] = sample_pair(tracer.options.seed, self.keys[0], 0, CUT);
+        if self.block.other.len() == self.eyes.len() {
+            // Lanes do not know them, and who asks one by one asks as many as he can.
+            return match sources.len() {
+                few if few <= MOST => (0..few).map(|i| (i, 1.0)).collect(),
+                _ => cut_of(&self.eyes, sources, MOST, u),
+            };
+        }
+        let Room { light, rows } = room;
+        let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
+        rows.clear();
+        let asked = (&self.block, &self.eyes[..]);
+        each_promise(level, asked, sources, (bound, max_edges), light, |i, promise| rows.push(i, promise));
+        rows.chosen(learned, most, u)
     }
 
     /// Adds what one virtual light brings, times a weight; says how many rays asked for it in lanes, and how many of them met
@@ -130,7 +163,7 @@ impl Part {
         room: &mut Room,
     ) -> [u32; 2] {
         let Self { eyes, keys, block, sums, single, by_pencils } = self;
-        let Room { light } = room;
+        let Room { light, .. } = room;
         let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
         let lanes = if block.other.len() == eyes.len() {
             None
@@ -170,13 +203,13 @@ impl Part {
 }
 
 /// The points of a tile such that those of a block lie near each other and do alike to light.
-fn blocks(points: &[EyePoint]) -> impl Iterator<Item = Vec<EyePoint>> {
-    let kinds = [0, 1, 2].map(|kind| points.iter().filter(|eye| kind_of(eye) == kind).copied().collect());
-    let in_order = |kind: Vec<EyePoint>| {
+fn blocks<'a>(points: &[&'a EyePoint]) -> impl Iterator<Item = Vec<&'a EyePoint>> {
+    let kinds = [0, 1, 2].map(|kind| points.iter().copied().filter(|eye| kind_of(eye) == kind).collect());
+    let in_order = |kind: Vec<&'a EyePoint>| {
         let places: Vec<Vec3> = kind.iter().map(|eye| eye.point.p).collect();
         neighbours::in_order(&places, BLOCK).into_iter().map(move |i| kind[i as usize])
     };
-    let all: Vec<EyePoint> = kinds.into_iter().flat_map(in_order).collect();
+    let all: Vec<&EyePoint> = kinds.into_iter().flat_map(in_order).collect();
     (0..all.len()).step_by(BLOCK).map(move |first| all[first..all.len().min(first + BLOCK)].to_vec())
 }
 
@@ -216,12 +249,12 @@ impl Single {
         &mut self,
         (vpl, weight): (&Vpl, f32),
         i: usize,
-        eyes: &[EyePoint],
+        eyes: &[&EyePoint],
         keys: &[SampleKey],
         bound: &Bound,
         max_edges: u32,
     ) {
-        let eye = &eyes[i];
+        let eye = eyes[i];
         let Some(color) = vpl.brings(eye, bound, max_edges).filter(|color| color.is_finite()) else { return };
         let way = vpl.point.p - eye.point.p;
         let start = vpl::start(eye, way).unwrap_or(eye.point.p);

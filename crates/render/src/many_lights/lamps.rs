@@ -38,7 +38,7 @@ pub(super) fn learned(job: &Job, stats: &mut RenderStats) -> Option<LampChoice> 
     let max_edges = job.options.max_depth.saturating_sub(2);
     let found = in_chunks(job, PARTICLES, stats, |tracer, range| {
         let vertices = light_path::trace(tracer, range, &numbers, max_edges);
-        let points: Vec<_> = vertices.iter().map(|v| (v.vpl.point, v.vpl.bsdf)).collect();
+        let points: Vec<_> = vertices.iter().map(|v| (v.vpl.point, &v.vpl.bsdf)).collect();
         let mut scratch = Scratch::default();
         let seen = pilots.seen_from(tracer, &points, &mut scratch);
         let mut importance = |v: &light_path::LightVertex, seen: &Seen| {

@@ -152,13 +152,14 @@ impl Source {
             edges: vpl.edges as f32,
             bound: bound.density(),
             sender: (!vpl.bsdf.is_translucent()).then(sender),
-            vpl: *vpl,
+            vpl: vpl.clone(),
         }
     }
 
     /// The same light, `share` times as strong.
     pub(super) fn scaled(&self, share: f32) -> Self {
-        let mut scaled = Self { vpl: self.vpl.scaled(share), ..self.clone() };
+        let mut scaled = self.clone();
+        scaled.vpl = scaled.vpl.scaled(share);
         if let Some((_, power)) = &mut scaled.sender {
             *power *= share;
         }
@@ -167,7 +168,7 @@ impl Source {
 }
 
 impl Block {
-    pub(super) fn new(points: &[EyePoint], max_edges: u32) -> Self {
+    pub(super) fn new(points: &[&EyePoint], max_edges: u32) -> Self {
         let zero = [[0.0; BLOCK]; 3];
         let mut block = Self {
             p: zero,
@@ -205,8 +206,7 @@ impl Block {
             }
         }
         for some in points.chunks(LANES) {
-            let seen: Vec<_> = some.iter().map(|eye| (eye.bsdf, eye.wo)).collect();
-            block.kept.push(Kept::new(&seen));
+            block.kept.push(Kept::new(some.iter().map(|eye| (&eye.bsdf, eye.wo))));
         }
         block
     }
@@ -411,7 +411,7 @@ mod tests {
             })
             .collect();
         let (max_edges, bound) = (6, Bound::on_geometry_term(3.0));
-        let block = Block::new(&eyes, max_edges);
+        let block = Block::new(&eyes.iter().collect::<Vec<_>>(), max_edges);
         let (mut lit, mut bounded) = (0, 0);
         for n in 1000..1100 {
             let point = point(n);
@@ -449,7 +449,7 @@ mod tests {
                     EyePoint { point, wo, bsdf, throughput: Vec3::ONE, edges: 1, lane: n }
                 })
                 .collect();
-            let block = Block::new(&eyes, 6);
+            let block = Block::new(&eyes.iter().collect::<Vec<_>>(), 6);
             let (mut densities, mut rays, mut some) = (Densities::default(), Pencil::EMPTY, 0);
             for n in 1000..1020 {
                 let point = point(n);
@@ -491,7 +491,8 @@ mod tests {
             EyePoint { point, wo: point.ns, bsdf, throughput: Vec3::ONE, edges: 1, lane: n }
         };
         let eyes: Vec<EyePoint> = (0..5).map(eye).collect();
-        let (block, bound) = (Block::new(&eyes, 6), Bound::on_geometry_term(3.0));
+        let block = Block::new(&eyes.iter().collect::<Vec<_>>(), 6);
+        let bound = Bound::on_geometry_term(3.0);
         assert_eq!(block.other, [2], "light goes through one");
         let mut light = Light::default();
         let mut some = 0;

@@ -34,7 +34,7 @@ pub(super) fn numbers(seed: u64, set: u32) -> impl Fn(u32, u32, u32) -> [f32; 2]
 }
 
 /// A vertex of a light path.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct LightVertex {
     /// Which path.
     pub(crate) path: u32,
@@ -210,7 +210,7 @@ pub(crate) fn trace(
         let mut next = Walks::default();
         for (walk, vertex) in walks.carried.iter().zip(found) {
             let Some(vertex) = vertex.filter(|vertex| !vertex.is_final) else { continue };
-            let (point, bsdf, from) = (vertex.point, vertex.scattering.bsdf, vertex.wo);
+            let (point, bsdf, from) = (vertex.point, &vertex.scattering.bsdf, vertex.wo);
             if !(is_open(&point, from) && point.ng.dot(from) > 0.0) {
                 continue;
             }
@@ -223,7 +223,7 @@ pub(crate) fn trace(
             let gain = if walk.is_lamplight { vertex.lamp_gain } else { 1.0 };
             let way = if walk.is_endless { f32::INFINITY } else { (point.p - walk.origin).length() };
             let power = walk.power * left_after(way, [walk.absorption, bsdf.medium().on(true)]) * gain;
-            let vpl = Vpl::new(point, bsdf, from, power, walk.edges);
+            let vpl = Vpl::new(point, bsdf.clone(), from, power, walk.edges);
             let [lobe, end] = numbers(walk.path, walk.edges, pair::LOBE);
             let direction = numbers(walk.path, walk.edges, pair::DIRECTION);
             let survival = survival(bsdf.albedo(from), walk.edges);
@@ -243,7 +243,7 @@ pub(crate) fn trace(
                 continue;
             }
             let u = [lobe, direction[0], direction[1]];
-            let Some((ray, sample)) = scatter_light(&point, &bsdf, (from, power), u) else { continue };
+            let Some((ray, sample)) = scatter_light(&point, bsdf, (from, power), u) else { continue };
             let power = power * sample.weight / survival;
             if power == Vec3::ZERO || !power.is_finite() {
                 continue;

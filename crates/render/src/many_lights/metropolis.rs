@@ -254,7 +254,7 @@ fn advance<F: Fn(u32, u32, u32) -> [f32; 2] + Sync>(
             .iter()
             .flat_map(|light| &light.side.own)
             .chain(eyes.iter().filter_map(|eye| eye.side.own.as_ref()));
-        let mut pool: Vec<(Candidate, f32)> = own.map(|own| (*own, SIDES as f32)).collect();
+        let mut pool: Vec<(Candidate, f32)> = own.map(|own| (own.clone(), SIDES as f32)).collect();
         let light = |pair: usize| {
             let mut sum = total(&lights[pair / SIDES].side.own) + total(&eyes[pair % SIDES].side.own);
             while let Some((_, own)) = joined.next_if(|(of, _)| *of == n * PAIRED + pair) {

@@ -28,8 +28,9 @@ pub(crate) struct PassLights {
     /// Those of each place, or all of them where there is no pattern, once somebody asks for points that the eye does not see.
     unseen: OnceLock<Vec<Vec<Source>>>,
     pub(crate) bound: Bound,
-    /// Rays that leave a point that the eye sees.
+    /// Rays that leave a point that the eye sees, and the chance of each where that scatters alike to all sides.
     pub(crate) rays: u32,
+    pub(super) chance_of_rays: f32,
     /// How many are asked where such a ray ends: those that promise most.
     few: u32,
     /// Light samples at each point that the eye sees.
@@ -53,7 +54,20 @@ impl PassLights {
         let (few, light_samples) = (per_pixel(few).div_ceil(rays.min(2)), per_pixel(few));
         let sources = shares.iter().map(|share| sources(share, &bound)).collect();
         let (whole, unseen) = (OnceLock::new(), OnceLock::new());
-        Self { vpls, shares, sources, whole, unseen, bound, rays, few, light_samples, is_few: false, stats }
+        Self {
+            vpls,
+            shares,
+            sources,
+            whole,
+            unseen,
+            bound,
+            rays,
+            chance_of_rays: 1.0,
+            few,
+            light_samples,
+            is_few: false,
+            stats,
+        }
     }
 
     /// The same for samples of which each asks few lights, those that promise most of a share of them: for pictures in motion, where
@@ -68,6 +82,7 @@ impl PassLights {
             unseen: OnceLock::new(),
             bound: bound_of(world, options),
             rays: 1,
+            chance_of_rays: FEW_RAYS,
             few: 1,
             light_samples: 1,
             is_few: true,
@@ -112,6 +127,9 @@ impl PassLights {
 /// Rays at most that leave a point that the eye sees: a ray costs little beside what virtual lights cost there, and brings
 /// most of the error where surfaces are glossy.
 const MOST_RAYS: u32 = 4;
+
+/// Rays from a matte point where pictures are remembered: they bring what the bound takes from virtual lights, which is little.
+const FEW_RAYS: f32 = 0.25;
 
 /// Lights of a share, about, of which a sample asks few; how many where the eye sees.
 const OF_SHARE: usize = 32;

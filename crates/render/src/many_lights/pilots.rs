@@ -100,8 +100,8 @@ impl Pilots {
         for edges in 1..=MOST_MIRRORS {
             let found = walks.meet(tracer, edges);
             let mut next = Walks::default();
-            for ((&key, &throughput), vertex) in walks.keys.iter().zip(&walks.carried).zip(&found) {
-                let Some(vertex) = vertex.as_ref().filter(|v| !v.is_final) else { continue };
+            for ((&key, &throughput), vertex) in walks.keys.iter().zip(&walks.carried).zip(found) {
+                let Some(vertex) = vertex.filter(|v| !v.is_final) else { continue };
                 let eye = EyePoint::new(vertex, throughput, edges, 0);
                 if eye.bsdf.is_smooth() {
                     if eye.bsdf.lambertian() != Some(Vec3::ZERO) {
@@ -121,13 +121,13 @@ impl Pilots {
         // Lanes side by side look the same way.
         let places: Vec<Vec3> = points.iter().map(|eye| eye.point.p).collect();
         let points: Vec<EyePoint> =
-            neighbours::in_order(&places, BLOCK).into_iter().map(|i| points[i as usize]).collect();
+            neighbours::in_order(&places, BLOCK).into_iter().map(|i| points[i as usize].clone()).collect();
         let across =
             job.world.bounds().map_or(1.0, |(low, high)| (Vec3::from(high) - Vec3::from(low)).length());
         let anywhere = DEFENSIVE * 2.0 / (std::f32::consts::PI * across * across).max(f32::MIN_POSITIVE);
         let max_depth = options.max_depth;
         let group = |some: &[EyePoint]| {
-            let block = Block::new(some, max_depth);
+            let block = Block::new(&some.iter().collect::<Vec<_>>(), max_depth);
             let other = block.other.iter().fold(0, |mask, &i| mask | 1 << i);
             Group { block, other }
         };
@@ -139,7 +139,7 @@ impl Pilots {
     pub(super) fn seen_from(
         &self,
         tracer: &mut BatchTracer,
-        points: &[(SurfacePoint, Bsdf)],
+        points: &[(SurfacePoint, &Bsdf)],
         scratch: &mut Scratch,
     ) -> Vec<Seen> {
         let mut seen = vec![Seen::default(); points.len()];
@@ -280,7 +280,7 @@ fn ends_of_rays(
         let share = bound.share(sample.pdf * cos / distance2, cos * FRAC_1_PI * back / distance2);
         let throughput = eye.throughput * sample.weight * (1.0 - share);
         if throughput.max_element() >= LEAST_REST {
-            out.push(EyePoint::new(&vertex, throughput, eye.edges + 1, 0));
+            out.push(EyePoint::new(vertex, throughput, eye.edges + 1, 0));
         }
     }
     out

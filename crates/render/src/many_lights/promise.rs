@@ -32,37 +32,15 @@ impl<'a> Promises<'a> {
     }
 
     /// Asks all lights what they bring to these points, `BLOCK` at most.
-    pub(super) fn ask(&mut self, level: Level, points: &[EyePoint]) {
-        let block = Block::new(points, self.max_edges);
+    pub(super) fn ask(&mut self, level: Level, points: &[&EyePoint]) {
+        let Self { sources, bound, max_edges, sums, light } = self;
+        let block = Block::new(points, *max_edges);
         let mut sum = [0.0; BLOCK];
-        self.sums.clear();
-        for source in self.sources {
-            let light = &mut *self.light;
-            let known = if block.may_get(source) {
-                let known = dispatch_wide!(
-                    level,
-                    simd => block.light(f32x16::splat(simd, 0.0), source, light),
-                    else block.light(0.0_f32, source, light)
-                );
-                if known.is_some_and(|lit| lit > 0) {
-                    dispatch!(level, _simd => add(light, &mut sum));
-                }
-                known
-            } else {
-                Some(0)
-            };
-            let mut one_by_one = |i: usize| {
-                let brought =
-                    source.vpl.brings(&points[i], &self.bound, self.max_edges).unwrap_or(Vec3::ZERO);
-                let promise = luminance(brought.into());
-                sum[i] += if promise < f32::INFINITY { promise } else { 0.0 };
-            };
-            match known {
-                Some(_) => block.other.iter().copied().for_each(one_by_one),
-                None => (0..points.len()).for_each(&mut one_by_one),
-            }
-            self.sums.push(sum);
-        }
+        sums.clear();
+        each_promise(level, (&block, points), sources, (&*bound, *max_edges), light, |_, promise| {
+            (0..BLOCK).for_each(|i| sum[i] += promise[i]);
+            sums.push(sum);
+        });
     }
 
     /// Chooses `count` lights for a point, evenly along the sum of their promises; `with` gets those that were chosen and
@@ -93,13 +71,53 @@ impl<'a> Promises<'a> {
     }
 }
 
-/// Adds what a light brings, lane by lane.
+/// Calls `with(place in the list, promise to each point)` for each light: the luminance of what it brings to the points of a block if
+/// nothing is in between.
+pub(super) fn each_promise(
+    level: Level,
+    (block, points): (&Block, &[&EyePoint]),
+    sources: &[Source],
+    (bound, max_edges): (&Bound, u32),
+    light: &mut Light,
+    mut with: impl FnMut(usize, &Lanes),
+) {
+    for (n, source) in sources.iter().enumerate() {
+        let mut promise = [0.0; BLOCK];
+        let known = if block.may_get(source) {
+            dispatch_wide!(
+                level,
+                simd => block.light(f32x16::splat(simd, 0.0), source, light),
+                else block.light(0.0_f32, source, light)
+            )
+        } else {
+            Some(0)
+        };
+        if known.is_some_and(|lit| lit > 0) {
+            dispatch!(level, _simd => luminances(light, &mut promise));
+        }
+        let mut one_by_one = |i: usize| {
+            let brought = source.vpl.brings(points[i], bound, max_edges).unwrap_or(Vec3::ZERO);
+            promise[i] = finite(luminance(brought.into()));
+        };
+        match known {
+            Some(_) => block.other.iter().copied().for_each(one_by_one),
+            None => (0..points.len()).for_each(&mut one_by_one),
+        }
+        with(n, &promise);
+    }
+}
+
 #[inline(always)]
-fn add(light: &Light, sum: &mut Lanes) {
+fn finite(promise: f32) -> f32 {
+    if promise < f32::INFINITY { promise } else { 0.0 }
+}
+
+/// How bright is what a light brings, lane by lane.
+#[inline(always)]
+fn luminances(light: &Light, out: &mut Lanes) {
     let [r, g, b] = &light.color.0;
     for i in 0..BLOCK {
-        let promise = 0.2126 * r[i] + 0.7152 * g[i] + 0.0722 * b[i];
-        sum[i] += if promise < f32::INFINITY { promise } else { 0.0 };
+        out[i] = finite(0.2126 * r[i] + 0.7152 * g[i] + 0.0722 * b[i]);
     }
 }
 
@@ -129,7 +147,7 @@ mod tests {
         };
         let eyes: Vec<EyePoint> = (0..5).map(eye).collect();
         let mut promises = Promises::new(&sources, bound, 6);
-        promises.ask(Level::default(), &eyes);
+        promises.ask(Level::default(), &eyes.iter().collect::<Vec<_>>());
         for (lane, eye) in eyes.iter().enumerate() {
             let brings = |vpl: &Vpl| vpl.brings(eye, &bound, 6).unwrap_or(Vec3::ZERO);
             let wanted: Vec3 = sources.iter().map(|source| brings(&source.vpl)).sum();

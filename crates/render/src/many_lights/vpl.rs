@@ -5,16 +5,18 @@
 //! `eye BSDF |cos| * vpl BSDF |cos| * adjoint correction * power / distance^2` where both see each other.
 //! Proof: crates/render/tests/many_lights.rs.
 
+use std::f32::consts::FRAC_1_PI;
+
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 use gnurt_shading::SurfacePoint;
-use gnurt_shading::bsdf::{Bsdf, left_after};
+use gnurt_shading::bsdf::{Bsdf, Seen, left_after};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
 
 /// A virtual point light.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Vpl {
     /// Where it is; its geometric normal is on the side that its light came from.
     pub(crate) point: SurfacePoint,
@@ -32,13 +34,13 @@ pub(crate) struct Vpl {
 impl Vpl {
     pub(crate) fn new(point: SurfacePoint, bsdf: Bsdf, from: Vec3, power: Vec3, edges: u32) -> Self {
         let tilt = bsdf.normal().dot(from).max(0.0) / point.ng.dot(from).max(f32::MIN_POSITIVE);
-        let diffuse = bsdf.lambertian().map(|albedo| albedo * power * (std::f32::consts::FRAC_1_PI * tilt));
+        let diffuse = bsdf.lambertian().map(|albedo| albedo * power * (FRAC_1_PI * tilt));
         Self { point, bsdf, from, power, edges, diffuse }
     }
 
     /// The same light, `share` times as strong.
     pub(crate) fn scaled(&self, share: f32) -> Self {
-        Self { power: self.power * share, diffuse: self.diffuse.map(|d| d * share), ..*self }
+        Self { power: self.power * share, diffuse: self.diffuse.map(|d| d * share), ..self.clone() }
     }
 
     /// About how much light it sends.
@@ -75,6 +77,17 @@ impl Vpl {
     /// What it brings to a point seen from the eye if nothing is in between, and its share that virtual lights are to
     /// bring; `None` if it brings nothing.
     pub(crate) fn brings(&self, eye: &EyePoint, bound: &Bound, max_edges: u32) -> Option<Vec3> {
+        self.brings_seen(eye, &mut None, bound, max_edges)
+    }
+
+    /// The same where the point's lobes may be ready to be asked; else they are made so if that is needed.
+    pub(crate) fn brings_seen(
+        &self,
+        eye: &EyePoint,
+        seen: &mut Option<Seen<f32>>,
+        bound: &Bound,
+        max_edges: u32,
+    ) -> Option<Vec3> {
         if self.edges + 1 + eye.edges > max_edges {
             return None;
         }
@@ -89,11 +102,13 @@ impl Vpl {
         if sent == Vec3::ZERO {
             return None;
         }
-        let got = eye.bsdf.eval(eye.wo, to);
+        let seen = seen.get_or_insert_with(|| eye.bsdf.seen(eye.wo));
+        let (got, pdf) = seen.eval_pdf(to.into());
+        let got = Vec3::from(got);
         if got == Vec3::ZERO {
             return None;
         }
-        let pdf_eye = eye.bsdf.pdf(eye.wo, to) * self.point.ng.dot(to).abs() / distance2;
+        let pdf_eye = pdf * self.point.ng.dot(to).abs() / distance2;
         let pdf_vpl = pdf_of_other_end(&self.point, &self.bsdf, self.from, -to) * eye.point.ng.dot(to).abs()
             / distance2;
         let left = left_after(distance2.sqrt(), [eye.bsdf.absorption(to), self.bsdf.absorption(-to)]);
@@ -104,7 +119,13 @@ impl Vpl {
 /// Density per solid angle with which a light path from `from` would have gone on to `to`, where both are on one side
 /// of the surface; 0 elsewhere, so that it can be asked from either side.
 pub(crate) fn pdf_of_other_end(point: &SurfacePoint, bsdf: &Bsdf, from: Vec3, to: Vec3) -> f32 {
-    if point.ng.dot(from) * point.ng.dot(to) > 0.0 { bsdf.pdf(from, to) } else { 0.0 }
+    if point.ng.dot(from) * point.ng.dot(to) <= 0.0 {
+        0.0
+    } else if bsdf.lambertian().is_some() {
+        bsdf.normal().dot(to).max(0.0) * FRAC_1_PI
+    } else {
+        bsdf.pdf(from, to)
+    }
 }
 
 /// Whether light from `dir` (any length) may count at a point that is met, whatever its BSDF: above the horizon, or through the

@@ -24,7 +24,7 @@ pub(crate) enum Known {
 }
 
 /// A point of a path on a surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Vertex {
     /// Where rays leave it.
     pub(crate) point: SurfacePoint,
@@ -54,7 +54,8 @@ impl Vertex {
 impl BatchTracer<'_> {
     /// The vertex of each ray, `None` where it hit nothing.
     pub(crate) fn vertices(&mut self, from: HitLanes) -> Vec<Option<Vertex>> {
-        let mut vertices = vec![None; from.rays.len()];
+        let mut vertices = Vec::new();
+        vertices.resize_with(from.rays.len(), || None);
         self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
             if let Some(log) = &mut tracer.log {
                 log.surface(shader, points);

@@ -81,8 +81,9 @@ struct Gathered<'w> {
     /// Linear part, matrix of normals, origin, greatest coordinate on the way.
     place: [Row; 22],
     has: Has,
-    /// Whether curvatures are wanted.
+    /// Whether curvatures are wanted, and all that `Detail::Full` has.
     curved: bool,
+    full: bool,
 }
 
 /// What some of them have.
@@ -109,6 +110,7 @@ impl<'w> Gathered<'w> {
             place: [[0.0; LANES]; 22],
             has: Has::default(),
             curved: false,
+            full: false,
         }
     }
 
@@ -211,10 +213,10 @@ impl<'w> Gathered<'w> {
     }
 }
 
-/// Writes the values of some lanes.
+/// Appends the values of some lanes.
 #[inline]
-fn pick<T: Copy>(out: &mut [T], of: &[T], lanes: &[u32]) {
-    out.iter_mut().zip(lanes).for_each(|(out, &lane)| *out = of[lane as usize]);
+fn pick<T: Copy>(out: &mut Vec<T>, of: &[T], lanes: &[u32]) {
+    out.extend(lanes.iter().map(|&lane| of[lane as usize]));
 }
 
 /// Writes lane `i` of rows `k` to `k + 2`.
@@ -239,11 +241,19 @@ fn mix<R: Real>(values: &[Vector<R>; 3], [a, b, c]: [R; 3]) -> Vector<R> {
     values[0] * a + values[1] * b + values[2] * c
 }
 
-/// Writes `count` lanes of a batch's array from place `at` on.
+/// Writes `count` lanes of a batch's array from place `at` on, which is in it or its end.
 #[inline(always)]
-fn put<R: Real>(out: &mut [f32], (at, count): (usize, usize), value: R) {
-    for (i, out) in out[at..at + count].iter_mut().enumerate() {
+fn put<R: Real>(out: &mut Vec<f32>, (at, count): (usize, usize), value: R) {
+    let mut row = [0.0; LANES];
+    for (i, out) in row.iter_mut().enumerate().take(R::LANES) {
         *out = value.lane(i);
+    }
+    if at == out.len() {
+        // All of it and back again: copying so few of a number that is known later takes longer.
+        out.extend_from_slice(&row);
+        out.truncate(at + count);
+    } else {
+        out[at..at + count].copy_from_slice(&row[..count]);
     }
 }
 
@@ -275,7 +285,7 @@ impl<'w> Places<'w> {
         attributes: &[AttributeRequest],
         points: &mut SurfaceBatch,
     ) {
-        points.resize(lanes.len(), detail);
+        points.clear();
         points.depth = from.depth;
         let (hits, [x, y, z]) = (from.hits, &from.rays.dir);
         let Vec3s { x: dir_x, y: dir_y, z: dir_z } = &mut points.ray_dir;
@@ -288,7 +298,8 @@ impl<'w> Places<'w> {
         pick(&mut points.geom_id, &hits.geom_id, lanes);
         pick(&mut points.inst_id, &hits.inst_id, lanes);
         pick(&mut points.leaf_id, &hits.leaf_id, lanes);
-        let mut gathered = Gathered { curved: self.curved, ..Gathered::new() };
+        let full = detail == Detail::Full;
+        let mut gathered = Gathered { curved: self.curved, full, ..Gathered::new() };
         for (block, some) in lanes.chunks(LANES).enumerate() {
             gathered.read(self, from, some);
             let at = block * LANES;
@@ -368,7 +379,7 @@ impl Gathered<'_> {
         let ng = R::geometric_normals(&corners, &normals);
         put3(&mut out.p, range, p);
         put3(&mut out.ng, range, ng);
-        let full = !out.error.is_empty();
+        let full = self.full;
         let (mut ns, mut lift) = (ng, Vector::grey(zero));
         if self.has.normals {
             // Normals of any length: each counts as a direction. The triangle is flat if one has none.

@@ -22,12 +22,12 @@ pub struct Kept {
 type Row = [f32; LANES];
 
 impl Kept {
-    /// Points of a batch, sixteen from `first` on or fewer, seen from `wo`.
+    /// Sixteen points or fewer, each seen from a unit direction.
     #[must_use]
-    pub fn new(points: &[(Bsdf, Vec3)]) -> Self {
+    pub fn new<'a>(points: impl Iterator<Item = (&'a Bsdf, Vec3)>) -> Self {
         let mut kept = Self::default();
-        for (i, (bsdf, wo)) in points.iter().enumerate().take(LANES) {
-            let seen = bsdf.seen(*wo);
+        for (i, (bsdf, wo)) in points.enumerate().take(LANES) {
+            let seen = bsdf.seen(wo);
             for (row, x) in kept.normal.iter_mut().zip(bsdf.normal().to_array()) {
                 row[i] = x;
             }

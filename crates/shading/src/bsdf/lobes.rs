@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A weighted sum of lobes, some of them below others: all that a surface says of how it scatters.
 //! Source: original; sums and layers as shading languages have them (MaterialX's `layer`).
-//! Invariant: lobes above others come first; no lobe lies below itself. Proof: `tests`.
+//! Invariant: lobes above others come first; no lobe lies below itself. Layout: most surfaces have one lobe or two, and points are passed
+//! on often: more lie elsewhere. Proof: `tests`.
+
+use std::sync::Arc;
 
 use glam::Vec3;
 
@@ -10,12 +13,25 @@ use super::lobe::{Kind, Lobe};
 /// Most lobes of one point. What is added beyond is left out.
 pub const MOST: usize = 8;
 
+/// Lobes that lie where the list does.
+const FEW: usize = 2;
+
 /// A weighted sum of lobes.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Lobes {
-    /// What lies behind the first `count` are left-overs.
-    lobes: [Lobe; MOST],
+    /// All of them, if they are no more; what lies behind the first `count` are left-overs.
+    few: [Lobe; FEW],
+    /// All of them, if they are more; else left-overs.
+    many: Option<Arc<[Lobe; MOST]>>,
     count: u32,
+}
+
+impl Clone for Lobes {
+    #[inline]
+    fn clone(&self) -> Self {
+        let many = if self.are_few() { None } else { self.many.clone() };
+        Self { few: self.few, many, count: self.count }
+    }
 }
 
 impl PartialEq for Lobes {
@@ -33,14 +49,27 @@ impl From<Lobe> for Lobes {
 }
 
 impl Lobes {
+    #[inline(always)]
+    fn are_few(&self) -> bool {
+        self.count as usize <= FEW
+    }
+
     /// The lobes.
+    #[inline]
     #[must_use]
     pub fn as_slice(&self) -> &[Lobe] {
-        &self.lobes[..self.count as usize]
+        match &self.many {
+            Some(many) if !self.are_few() => &many[..self.count as usize],
+            _ => &self.few[..self.count as usize],
+        }
     }
 
     pub(super) fn as_mut_slice(&mut self) -> &mut [Lobe] {
-        &mut self.lobes[..self.count as usize]
+        let (count, are_few) = (self.count as usize, self.are_few());
+        match &mut self.many {
+            Some(many) if !are_few => &mut Arc::make_mut(many)[..count],
+            _ => &mut self.few[..count],
+        }
     }
 
     /// Takes all lobes away; where they were stays as it is.
@@ -50,8 +79,16 @@ impl Lobes {
 
     #[inline]
     pub(super) fn push(&mut self, lobe: Lobe) {
-        if let Some(place) = self.lobes.get_mut(self.count as usize) {
+        let count = self.count as usize;
+        if let Some(place) = self.few.get_mut(count) {
             *place = lobe;
+            self.count += 1;
+        } else if count < MOST {
+            let many = Arc::make_mut(self.many.get_or_insert_default());
+            if count == FEW {
+                many[..FEW].copy_from_slice(&self.few);
+            }
+            many[count] = lobe;
             self.count += 1;
         }
     }
@@ -119,12 +156,14 @@ impl Lobes {
         self
     }
 
-    /// The albedo, where it is nothing but Lambert's reflector.
+    /// The albedo, where it is nothing but Lambert's reflector around the point's normal.
     #[must_use]
     pub fn lambertian(&self) -> Option<Vec3> {
         match self.as_slice() {
             [] => Some(Vec3::ZERO),
-            [lobe] if lobe.kind == Kind::Diffuse && lobe.alpha == 0.0 => Some(lobe.a * lobe.weight),
+            [lobe] if lobe.kind == Kind::Diffuse && lobe.alpha == 0.0 && lobe.normal == Vec3::ZERO => {
+                Some(lobe.a * lobe.weight)
+            }
             _ => None,
         }
     }

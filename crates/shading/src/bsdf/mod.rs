@@ -51,7 +51,7 @@ pub use sample::BsdfSample;
 pub use seen::{GRAZING, Sampled, Seen};
 
 /// The BSDF of one point. Plain data: it outlives the batch that it was made from.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Bsdf {
     normal: Vec3,
     lobes: Lobes,
@@ -193,6 +193,12 @@ impl Bsdf {
         self.any(|lobe| !lobe.kind.is_delta())
     }
 
+    /// Whether some of its light leaves by mirrors or smooth glass.
+    #[must_use]
+    pub fn has_deltas(&self) -> bool {
+        self.any(|lobe| lobe.kind.is_delta())
+    }
+
     /// Whether it scatters nothing at all.
     #[must_use]
     pub fn is_black(&self) -> bool {
@@ -204,8 +210,9 @@ impl Bsdf {
     #[must_use]
     pub fn split_at(&self, alpha: f32) -> [Self; 2] {
         [true, false].map(|narrow| Self {
-            lobes: self.lobes.filtered(|lobe| lobe.is_narrow(alpha) == narrow),
-            ..*self
+            lobes: self.lobes.clone().filtered(|lobe| lobe.is_narrow(alpha) == narrow),
+            normal: self.normal,
+            medium: self.medium,
         })
     }
 
@@ -246,7 +253,7 @@ impl Bsdf {
 }
 
 /// All that light transport needs to know of a point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Scattering {
     /// What it does to light.
     pub bsdf: Bsdf,

@@ -96,7 +96,7 @@ fn around_z(lobes: impl Into<Lobes>) -> Bsdf {
 
 /// The same surface met from the other side, in the same frame.
 fn turned_over(lobes: &Lobes) -> Lobes {
-    let mut over = *lobes;
+    let mut over = lobes.clone();
     over.as_mut_slice().iter_mut().filter(|lobe| lobe.kind == Kind::Glass).for_each(|lobe| {
         let other = Lobe::rough_glass(lobe.alpha, 1.0 / lobe.eta, lobe.a, lobe.b, false);
         let other = if lobe.across > 0.0 { other.brushed(lobe.tangent, lobe.across) } else { other };
@@ -147,7 +147,7 @@ fn samples_follow_the_density() {
     for (name, model) in models() {
         let bsdf = around_z(model);
         // Rare lobes are slow, and wide enough for half of the points.
-        let is_rare = model.as_slice().iter().any(|lobe| lobe.rare() != 0);
+        let is_rare = bsdf.lobes().as_slice().iter().any(|lobe| lobe.rare() != 0);
         let grid = if is_rare { [24, 16] } else { [48, 32] };
         for wo in views().skip(usize::from(is_rare)).step_by(1 + usize::from(is_rare)) {
             let cell = |w: Vec3| {
@@ -264,7 +264,7 @@ fn smooth_cloth_keeps_light() {
 #[test]
 fn light_may_go_both_ways() {
     for (name, model) in models() {
-        let bsdf = around_z(model);
+        let bsdf = around_z(model.clone());
         let behind = around_z(turned_over(&model));
         let etas = bsdf.etas();
         for (wo, u) in views().flat_map(|wo| randoms(64).map(move |u| (wo, u))) {
@@ -513,4 +513,104 @@ fn lobes_are_equal_whatever_was_in_their_place() {
     used.push(lobe);
     assert_eq!(used, Lobes::from(lobe), "two lay there before");
     assert_ne!(used, Lobes::default(), "one is not none");
+}
+
+#[test]
+fn lists_of_any_length_keep_their_lobes() {
+    let lobe = |k: usize| Lobe { alpha: k as f32, ..Lobe::lambert(Vec3::ONE) };
+    let mut used = Lobes::default();
+    for _ in 0..2 {
+        used.clear();
+        for k in 0..MOST + 2 {
+            used.push(lobe(k));
+            let wanted: Vec<Lobe> = (0..MOST.min(k + 1)).map(lobe).collect();
+            assert_eq!(used.as_slice(), wanted, "{} lobes", k + 1);
+            let (copy, halved) = (used.clone(), used.clone().times(Vec3::splat(0.5)));
+            assert_eq!(copy.as_slice(), wanted, "a copy of them");
+            assert!(
+                halved.as_slice().iter().all(|lobe| lobe.weight == Vec3::splat(0.5)),
+                "half of each of {}",
+                k + 1
+            );
+            assert_eq!(used.as_slice(), wanted, "whoever halves a copy");
+        }
+    }
+    assert_eq!(Lobes::from(lobe(0)).lambertian(), Some(Vec3::ONE), "around the point's normal");
+    let turned = Lobe { normal: Vec3::X, ..lobe(0) };
+    assert_eq!(Lobes::from(turned).lambertian(), None, "around another, which only it knows");
+}
+
+#[test]
+fn lists_of_many_points_are_those_of_each() {
+    let mut state = 1_u32;
+    let mut dice = |sides: u32| {
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (state >> 16) % sides
+    };
+    let slant = Vec3::new(0.8, 0.6, 0.3).normalize();
+    for turn in 0..200 {
+        let mut batch = ClosureBatch::default();
+        batch.reset(LANES);
+        let mut lists = Lists::of(&mut batch, 0);
+        let mut wanted: [Lobes; LANES] = Default::default();
+        let lobe = |dice: &mut dyn FnMut(u32) -> u32| {
+            let x = (1 + dice(9)) as f32 * 0.1;
+            match dice(7) {
+                0 => Lobe::lambert(Vec3::new(x, 0.5, 0.25)),
+                1 => Lobe::facets(x, Vec3::splat(0.04), Vec3::ONE),
+                2 => Lobe::facets(x, Vec3::splat(x), Vec3::ONE).brushed(slant, 0.05),
+                3 => Lobe::metal(x, Vec3::splat(0.2), Vec3::splat(3.0)),
+                4 => Lobe::rough_glass(x, 1.5, Vec3::ONE, Vec3::splat(x), false),
+                5 => Lobe::sheen(Vec3::splat(x), 0.5),
+                _ => Lobe::mirror(Vec3::splat(x)),
+            }
+        };
+        for _ in 0..3 {
+            let lanes = if dice(2) == 0 { 0xffff } else { dice(1 << 16) };
+            let weight = [0, 1, 2].map(|k: usize| std::array::from_fn(|i| ((i + k) % 5) as f32 * 0.3));
+            let top = lists.ends();
+            let mut parts: [[Lobes; LANES]; 2] = Default::default();
+            let mut base = top;
+            for (part, count) in [dice(3), dice(3)].into_iter().enumerate() {
+                for _ in 0..count {
+                    let some = lanes & if dice(2) == 0 { 0xffff } else { dice(1 << 16) };
+                    let all: [Lobe; LANES] = match dice(2) {
+                        0 => [lobe(&mut dice); LANES],
+                        _ => std::array::from_fn(|_| lobe(&mut dice)),
+                    };
+                    if all.iter().all(|one| *one == all[0]) {
+                        lists.push(some, &all[0]);
+                    } else {
+                        lists.push_each(some, &all);
+                    }
+                    for i in (0..LANES).filter(|i| some >> i & 1 != 0) {
+                        parts[part][i].push(all[i]);
+                    }
+                }
+                if part == 0 {
+                    base = lists.ends();
+                }
+            }
+            lists.layer(lanes, &top, &base);
+            lists.times(lanes, &top, &weight);
+            for i in (0..LANES).filter(|i| lanes >> i & 1 != 0) {
+                let weight = Vec3::new(weight[0][i], weight[1][i], weight[2][i]);
+                let [top, base] = [&parts[0][i], &parts[1][i]].map(Lobes::clone);
+                wanted[i] = wanted[i].clone().plus(top.over(base).times(weight));
+            }
+        }
+        for (i, wanted) in wanted.iter().enumerate() {
+            assert_eq!(lists.lobes(i), *wanted, "turn {turn}, point {i}");
+        }
+        (0..LANES).for_each(|i| lists.face(i, Vec3::Y, |n| n));
+        for (i, wanted) in wanted.iter().enumerate() {
+            let found = batch.point(i).bsdf;
+            assert_eq!(found.normal(), Vec3::Y, "turn {turn}, point {i}");
+            // Places that other points need stay empty.
+            let found = found.lobes().as_slice();
+            let count = wanted.as_slice().len();
+            assert_eq!(found[..count], *wanted.as_slice(), "turn {turn}, point {i}");
+            assert!(found[count..].iter().all(|lobe| lobe.kind == Kind::None), "turn {turn}, point {i}");
+        }
+    }
 }

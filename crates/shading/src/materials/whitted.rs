@@ -45,7 +45,7 @@ pub fn recursive_radiance(
         solid_radiance(tracer, hits, surface, &points, out);
     } else if !solid.is_empty() {
         let (part, mut radiance) = (hits.gather(&solid), Vec3s::splat(solid.len(), Vec3::ZERO));
-        let some: Vec<Scattering> = solid.iter().map(|&i| points[i as usize]).collect();
+        let some: Vec<Scattering> = solid.iter().map(|&i| points[i as usize].clone()).collect();
         solid_radiance(tracer, &part, surface, &some, &mut radiance);
         for (k, &i) in solid.iter().enumerate() {
             out.add(i as usize, radiance.get(k) * points[i as usize].coverage);
