@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Any bytes as a compiled shader, `.oso`.
+//! Any bytes as a compiled shader, `.oso`: what is read is run at a point, by the interpreter and by machine code.
 #![no_main]
 
+use gnurt_fuzz::shaders;
+
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    let _ = gnurt_sl::ir::read(&String::from_utf8_lossy(bytes));
+    if let Ok(shader) = gnurt_sl::ir::read(&String::from_utf8_lossy(bytes)) {
+        shaders::said(shader.clone());
+        shaders::coded(shader);
+    }
 });

@@ -2,6 +2,8 @@
 //! What the fuzz targets share: bytes become a file of some kind, and the loader is asked for it.
 //! The promise under test: a scene, or one error of one line; never a panic, a hang or a great deal of memory.
 
+pub mod shaders;
+
 use std::cell::RefCell;
 use std::sync::Once;
 

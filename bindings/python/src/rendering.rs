@@ -2,13 +2,15 @@
 //! What a picture is rendered with, and pictures that grow. Source: original; names as the program's options.
 //! Proof: `tests/test_pictures.py`.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use gnurt::denoise::Method;
 use gnurt::image;
 use gnurt::memory::check_memory;
+use gnurt::osl::{CameraScript, Script};
 use gnurt::render::{Accumulation, RenderOptions, RenderStats, render_on};
+use gnurt::shading::PixelShader;
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -18,6 +20,7 @@ use crate::describing;
 use crate::given::Given;
 use crate::picture::{Picture, take_noise_out};
 use crate::pool::Workers;
+use crate::scripts::script_named;
 use crate::stage::{Aim, Clip, Shot, View};
 use crate::watch::watched;
 
@@ -73,7 +76,9 @@ impl Wanted {
             camera: aim(&mut given)?,
             at: moment(&mut given)?,
             shutter: given.number("shutter", 0.0, 1e9)?.unwrap_or(0.0),
-            aspect: width as f32 / height as f32,
+            size: [width, height],
+            camera_shader: camera_shader(&mut given)?,
+            pixel_shader: pixel_shader(&mut given)?,
             integrator: options.integrator,
             force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
         };
@@ -148,6 +153,22 @@ fn aim(given: &mut Given) -> PyResult<Aim> {
         Ok(arguments) => describing::camera(&mut Given::new(&arguments)).map(Aim::Own),
         Err(_) => Err(PyTypeError::new_err("camera: expected a number, a name or a gnurt.Camera")),
     }
+}
+
+/// What makes rays in the camera's place.
+fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> {
+    let Some(script) = script_named(given, "camera_shader", "camera_parameters")? else { return Ok(None) };
+    let made = script.camera_anywhere();
+    made.map(|camera| Some((script, camera)))
+        .map_err(|why| PyValueError::new_err(format!("camera_shader: {why}")))
+}
+
+/// What pixels show.
+fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShader>)>> {
+    let Some(script) = script_named(given, "pixel_shader", "pixel_parameters")? else { return Ok(None) };
+    let made = script.pixel();
+    made.map(|pixel| Some((script, pixel)))
+        .map_err(|why| PyValueError::new_err(format!("pixel_shader: {why}")))
 }
 
 fn moment(given: &mut Given) -> PyResult<Option<(Clip, f64)>> {

@@ -13,11 +13,22 @@ use crate::given::Given;
 
 /// The shader that is given, if one is.
 pub(crate) fn script(given: &mut Given) -> PyResult<Option<Script>> {
-    let (shader, parameters) = (given.get("shader")?, given.get("parameters")?);
+    script_named(given, "shader", "parameters")
+}
+
+/// The same by the names of two other arguments.
+pub(crate) fn script_named(
+    given: &mut Given,
+    of_shader: &'static str,
+    of_parameters: &'static str,
+) -> PyResult<Option<Script>> {
+    let (shader, parameters) = (given.get(of_shader)?, given.get(of_parameters)?);
     let Some(shader) = shader else {
         return match parameters {
             None => Ok(None),
-            Some(_) => Err(PyValueError::new_err("parameters: are those of a shader; give shader=, too")),
+            Some(_) => Err(PyValueError::new_err(format!(
+                "{of_parameters}: are those of a shader; give {of_shader}=, too"
+            ))),
         };
     };
     let access = Access::default();
@@ -26,22 +37,24 @@ pub(crate) fn script(given: &mut Given) -> PyResult<Option<Script>> {
         Ok(text) if text.contains('{') => Script::from_text(Path::new("shader.osl"), &text, &access),
         _ => match shader.extract::<PathBuf>() {
             Ok(path) => Script::open(&path, &access),
-            Err(_) => return Err(PyTypeError::new_err("shader: expected a file, or source text")),
+            Err(_) => {
+                return Err(PyTypeError::new_err(format!("{of_shader}: expected a file, or source text")));
+            }
         },
     };
-    let mut script = made.map_err(|why| PyValueError::new_err(format!("shader: {why}")))?;
+    let mut script = made.map_err(|why| PyValueError::new_err(format!("{of_shader}: {why}")))?;
     let Some(parameters) = parameters else { return Ok(Some(script)) };
-    let parameters = parameters
-        .cast_into::<PyDict>()
-        .map_err(|_| PyTypeError::new_err("parameters: expected a dict of names and values"))?;
+    let no_dict = || PyTypeError::new_err(format!("{of_parameters}: expected a dict of names and values"));
+    let parameters = parameters.cast_into::<PyDict>().map_err(|_| no_dict())?;
     for (name, given) in parameters {
-        let name: String = name.extract().map_err(|_| PyTypeError::new_err("parameters: names are texts"))?;
+        let no_name = |_| PyTypeError::new_err(format!("{of_parameters}: names are texts"));
+        let name: String = name.extract().map_err(no_name)?;
         let value = value(&given).ok_or_else(|| {
             PyTypeError::new_err(format!(
-                "parameters: '{name}': expected a number, a text, or several of them, not {given}"
+                "{of_parameters}: '{name}': expected a number, a text, or several of them, not {given}"
             ))
         })?;
-        script.set(&name, &value).map_err(|why| PyValueError::new_err(format!("parameters: {why}")))?;
+        script.set(&name, &value).map_err(|why| PyValueError::new_err(format!("{of_parameters}: {why}")))?;
     }
     Ok(Some(script))
 }

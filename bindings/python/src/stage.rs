@@ -4,14 +4,15 @@
 //! is due; where the copy differs from the scene, it is made anew. Proof: `tests/test_pictures.py::test_edits_show`.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use gnurt::defaults::{self, Bounds};
-use gnurt::osl::Script;
-use gnurt::render::{CommitOptions, Integrator, MovingCamera, SceneCamera, ShaderTable, World};
+use gnurt::osl::{CameraScript, Script};
+use gnurt::render::{CommitOptions, Integrator, ShaderTable, World};
 use gnurt::scene::animation::Exposure;
-use gnurt::scene::{Camera, Scene};
-use gnurt::shading::CameraShader;
-use gnurt::{ThreadPool, put_named_shaders};
+use gnurt::scene::{Camera, CameraId, Scene};
+use gnurt::shading::{CameraShader, PixelShader};
+use gnurt::{ThreadPool, camera_rays_along, named_camera_shader, put_named_shaders};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 
@@ -22,7 +23,12 @@ pub(crate) struct View {
     pub(crate) at: Option<(Clip, f64)>,
     /// For how long the shutter is open from then, in seconds.
     pub(crate) shutter: f64,
-    pub(crate) aspect: f32,
+    /// Of the picture, in pixels.
+    pub(crate) size: [u32; 2],
+    /// Rays in place of the camera's, and the script that makes them.
+    pub(crate) camera_shader: Option<(Script, CameraScript)>,
+    /// What pixels show, and its script.
+    pub(crate) pixel_shader: Option<(Script, Arc<dyn PixelShader>)>,
     pub(crate) integrator: Integrator,
     pub(crate) force_diffuse: bool,
 }
@@ -44,7 +50,7 @@ pub(crate) enum Clip {
 /// A world and a camera that are ready.
 pub(crate) struct Shot {
     pub(crate) world: World,
-    pub(crate) camera: Box<dyn CameraShader>,
+    pub(crate) camera: Arc<dyn CameraShader>,
     /// Stops that suit the light, where that is known before.
     pub(crate) exposure: Option<f32>,
 }
@@ -57,6 +63,8 @@ pub(crate) struct Stage {
     /// Those that materials are.
     shaders: ShaderTable,
     scripts: Vec<Script>,
+    /// Those of the last view.
+    of_view: Vec<Script>,
     /// Lights that are the suns of others.
     pub(crate) suns: BTreeMap<u32, u32>,
     /// What is to be told, and what was.
@@ -99,7 +107,7 @@ impl Stage {
 
     /// What is to be told of shaders and has not been.
     pub(crate) fn news(&mut self) -> Vec<String> {
-        let faults = self.scripts.iter().flat_map(Script::faults);
+        let faults = self.scripts.iter().chain(&self.of_view).flat_map(Script::faults);
         let news = std::mem::take(&mut self.news).into_iter().chain(faults);
         news.filter(|line| self.told.insert(line.clone())).collect()
     }
@@ -125,6 +133,7 @@ impl Stage {
         let bounds = clip.and_then(|(clip, _)| defaults::bounds_over(&mut self.scene.clone(), clip));
         let camera = self.camera(view, bounds)?;
         let number = if matches!(view.camera, Aim::Own(_)) { None } else { self.number(view)? };
+        let camera_shader = self.camera_shader(view, number);
         let is_plain = matches!(view.integrator, Integrator::Eyelight | Integrator::Normals);
         let wanted = (camera.clone(), is_plain);
         if self.shown.as_ref().is_some_and(|shown| shown.lit_for.as_ref().is_some_and(|lit| *lit != wanted)) {
@@ -146,16 +155,35 @@ impl Stage {
         let camera = number.map_or(camera, |number| shown.scene.cameras()[number].clone());
         let options = CommitOptions { force_diffuse: view.force_diffuse, ..CommitOptions::default() };
         let error = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
-        let (scene, shaders) = (&shown.scene, &self.shaders);
-        shown.world.commit_exposed(scene, &exposure, shaders, &options, pool).map_err(|why| error(&why))?;
+        let pixel = view.pixel_shader.as_ref().map(|(_, pixel)| pixel.clone());
+        let shaders = ShaderTable { pixel, ..self.shaders.clone() };
+        let scene = &shown.scene;
+        shown.world.commit_exposed(scene, &exposure, &shaders, &options, pool).map_err(|why| error(&why))?;
         let no_view = || PyValueError::new_err("camera: has no view: a number of it is too large");
         let moves = exposure.cameras.iter().find(|(id, _)| Some(id.index()) == number);
-        let rays: Box<dyn CameraShader> = match moves {
-            Some((_, keys)) => Box::new(MovingCamera::new(keys).ok_or_else(no_view)?),
-            None => Box::new(SceneCamera::new(&camera).ok_or_else(no_view)?),
-        };
+        let keys = moves.map_or(std::slice::from_ref(&camera), |(_, keys)| keys);
+        let rays = camera_rays_along(keys, camera_shader.as_ref(), view.size).ok_or_else(no_view)?;
         let exposure = if view.integrator == Integrator::Normals { Some(0.0) } else { shown.exposure };
         Ok(Shot { world: shown.world.clone(), camera: rays, exposure })
+    }
+
+    /// What makes rays in the camera's place: what is asked for, or what the scene's file names.
+    fn camera_shader(&mut self, view: &View, number: Option<usize>) -> Option<CameraScript> {
+        let named = number.filter(|_| view.camera_shader.is_none()).and_then(|number| {
+            let made = named_camera_shader(&self.scene, CameraId(number as u32));
+            made.unwrap_or_else(|why| {
+                self.news.push(why);
+                None
+            })
+        });
+        let camera = view.camera_shader.clone().or(named);
+        self.of_view.clear();
+        self.of_view.extend(view.pixel_shader.iter().map(|(script, _)| script.clone()));
+        self.of_view.extend(camera.iter().map(|(script, _)| script.clone()));
+        for script in &self.of_view {
+            self.news.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+        }
+        camera.map(|(_, camera)| camera)
     }
 
     fn clip(&self, view: &View) -> PyResult<Option<(usize, f64)>> {
@@ -199,9 +227,10 @@ impl Stage {
         if let Aim::Own(camera) = &view.camera {
             return Ok(camera.clone());
         }
+        let aspect = view.size[0] as f32 / view.size[1] as f32;
         Ok(match self.number(view)? {
             Some(number) => self.scene.cameras()[number].clone(),
-            None => defaults::framing(bounds.or_else(|| defaults::bounds_of(&self.scene)), view.aspect),
+            None => defaults::framing(bounds.or_else(|| defaults::bounds_of(&self.scene)), aspect),
         })
     }
 }

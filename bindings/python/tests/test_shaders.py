@@ -40,6 +40,36 @@ def test_files_of_scenes(tmp_path):
         gnurt.load(tmp_path / "a.obj")
 
 
+CAMERA = """camera flat(float width = 1, float aspect = 1) {
+    P = point("camera", (u - 0.5) * width * aspect, (v - 0.5) * width, 0); I = vector("camera", 0, 0, -1); }"""
+PIXEL = "pixel twice(float k = 2, output color Cpixel = 0) { Cpixel = k * (color) trace(P, I); }"
+
+
+def test_cameras_and_pixels(tmp_path):
+    scene = gnurt.Scene()
+    scene.add_mesh(*cube(), material=scene.add_material("glow", shader=GLOW))
+    view = {"width": 16, "height": 8, "spp": 1, "camera": FRONT, "camera_shader": CAMERA}
+
+    def lit(**more):
+        return (np.asarray(scene.render(**view, **more))[..., 0] > 0.5).sum()
+
+    assert lit(camera_parameters={"width": 4}) == 4, "a cube of one on a picture of 8 by 4"
+    assert lit(camera_parameters={"width": 2, "aspect": 1}) == 32
+    file = tmp_path / "twice.osl"
+    file.write_text(PIXEL)
+    picture = scene.render(16, 12, spp=1, camera=FRONT, pixel_shader=file, pixel_parameters={"k": 3})
+    assert np.allclose(np.asarray(picture)[6, 8, :3], 3)
+    assert np.allclose(np.asarray(scene.render(16, 12, spp=1, camera=FRONT))[6, 8, :3], 1), "and not afterwards"
+    for options, message in (
+        ({"camera_shader": GLOW}, "camera_shader: .*of type surface"),
+        ({"pixel_shader": CAMERA}, "pixel_shader: .*of type camera"),
+        ({"pixel_parameters": {"k": 1}}, "pixel_parameters: .*give pixel_shader="),
+        ({"pixel_shader": PIXEL, "pixel_parameters": {"j": 1}}, "pixel_parameters: no parameter 'j'"),
+    ):
+        with pytest.raises(ValueError, match=message):
+            scene.render(16, 12, spp=1, **options)
+
+
 def test_what_is_wrong_is_said():
     for material, kind, message in (
         ({"shader": "none.osl"}, ValueError, "shader: none.osl"),

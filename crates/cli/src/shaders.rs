@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use gnurt::osl::{Access, CameraScript, Kind, Script};
 use gnurt::render::ShaderTable;
-use gnurt::scene::{CameraId, MaterialId, Scene, ShaderFile, Surface};
+use gnurt::scene::{CameraId, MaterialId, Scene, Surface};
 use gnurt_plugins::{SceneShader, is_script};
 use gnurt_view::{ScriptRole, Scripts, StageScript};
 
@@ -183,21 +183,10 @@ pub(crate) fn camera(
         let camera = script.camera_anywhere().map_err(|why| wrong("--camera", choice, &why))?;
         return Ok(Some(CameraShaderChoice { camera, script }));
     }
-    let Some(ShaderFile { file, parameters, confined_to }) = scene.camera_file(CameraId(number as u32))
-    else {
-        return Ok(None);
-    };
-    let open = || -> Result<CameraShaderChoice, String> {
-        let mut script =
-            Script::open(file, &Access { confined_to: confined_to.clone(), ..Access::default() })?;
-        parameters.iter().try_for_each(|(name, value)| script.set_text(name, value))?;
-        Ok(CameraShaderChoice { camera: script.camera_anywhere()?, script })
-    };
-    match open() {
-        Ok(choice) => Ok(Some(choice)),
+    match gnurt::named_camera_shader(scene, CameraId(number as u32)) {
+        Ok(made) => Ok(made.map(|(script, camera)| CameraShaderChoice { camera, script })),
         Err(why) => {
-            let name = &scene.cameras()[number].name;
-            messages.warning(format_args!("camera '{name}' is used without its shader: {why}"));
+            messages.warning(why);
             Ok(None)
         }
     }

@@ -1,10 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The shaders in the shading language that a scene's file names for its materials, compiled and put in their place.
+//! The shaders in the shading language that a scene's file names for its materials and cameras, compiled and put in their place.
 //! Source: original. Proof: `tests` below; bindings/python/tests/test_shaders.py.
 
 use gnurt_render::ShaderTable;
-use gnurt_scene::{MaterialId, Scene, ShaderFile, Surface};
-use gnurt_sl_shading::{Access, Script};
+use gnurt_scene::{CameraId, MaterialId, Scene, ShaderFile, Surface};
+use gnurt_sl_shading::{Access, CameraScript, Script};
+
+/// Compiles the shader that a scene's file names for a camera, and gives its parameters the values of the file; nothing if it names none.
+///
+/// # Errors
+/// Why it cannot be had, in a line that names the camera.
+pub fn named_camera_shader(
+    scene: &Scene,
+    camera: CameraId,
+) -> Result<Option<(Script, CameraScript)>, String> {
+    let Some(ShaderFile { file, parameters, confined_to }) = scene.camera_file(camera) else {
+        return Ok(None);
+    };
+    let access = Access { confined_to: confined_to.clone(), ..Access::default() };
+    let made = Script::open(file, &access).and_then(|mut script| {
+        parameters.iter().try_for_each(|(name, value)| script.set_text(name, value))?;
+        let camera = script.camera_anywhere()?;
+        Ok(Some((script, camera)))
+    });
+    made.map_err(|why| {
+        let name = scene.cameras().get(camera.index()).map_or("", |camera| &camera.name);
+        format!("camera '{name}' is used without its shader: {why}")
+    })
+}
 
 /// Compiles the shaders that a scene's file names for its materials, adds them to `table` and shows materials by them. A material whose
 /// shader cannot be had stays what it is without it, which the second list tells in a line each, as it does what the compiler warns of.

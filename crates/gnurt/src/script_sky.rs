@@ -18,9 +18,13 @@ pub(crate) fn is_script(path: &Path) -> bool {
     path.extension().is_some_and(|end| end == "osl" || end == "oso" || end == "oslgroup")
 }
 
-/// The latitude-longitude picture of a sky, by all cores.
-pub(crate) fn texels(path: &Path) -> Result<Texels, String> {
-    let sky = Script::open(path, &Access::default())?.environment()?;
+/// The latitude-longitude picture of a sky with these values of its parameters, by all cores.
+pub(crate) fn texels(path: &Path, given: &[(String, String)]) -> Result<Texels, String> {
+    let mut script = Script::open(path, &Access::default())?;
+    for (name, text) in given {
+        script.set_text(name, text).map_err(|why| format!("{}: {why}", script.name()))?;
+    }
+    let sky = script.environment()?;
     let [width, height] = SIZE;
     let mut texels = vec![[0.0_f32; 4]; (width * height) as usize];
     let rows_of_one = height.div_ceil(cores().clamp(1, 64) as u32);
@@ -67,22 +71,30 @@ mod tests {
         let path = folder.path().join("sky.osl");
         std::fs::write(&path, "environment sky () { Ci = color (max (I, 0)) * background (); }")
             .expect("a file");
-        let sky = texels(&path).expect("a sky");
-        let TexelData::Float(texels) = &sky.data else { panic!("floats") };
+        let sky = texels(&path, &[]).expect("a sky");
+        let TexelData::Float(plain) = &sky.data else { panic!("floats") };
         let near = |at: usize, wanted: [f32; 3]| {
-            let found = texels[at];
+            let found = plain[at];
             assert!((0..3).all(|k| (found[k] - wanted[k]).abs() < 0.01), "{found:?}, not {wanted:?}");
         };
         near(0, [0.0, 0.0, 1.0]);
         near(1024 * 256 + 512, [0.0, 1.0, 0.0]);
         near(1024 * 256 + 768, [1.0, 0.0, 0.0]);
         near(1024 * 511, [0.0; 3]);
+        let text = "environment sky (color tint = 0) { Ci = tint * background (); }";
+        std::fs::write(&path, text).expect("a file");
+        let given = |name: &str| [(name.to_owned(), "0.25,0.5,2".to_owned())];
+        let sky = texels(&path, &given("tint")).expect("a sky");
+        let TexelData::Float(plain) = &sky.data else { panic!("floats") };
+        assert_eq!(plain[7][..3], [0.25, 0.5, 2.0], "the value that was given");
+        let why = texels(&path, &given("tnt")).expect_err("there is none of that name");
+        assert!(why.contains("sky.osl: no parameter 'tnt'"), "{why}");
         std::fs::write(&path, "surface sky () { }").expect("a file");
         let why = texels_error(&path);
         assert!(why.contains("of type surface"), "{why}");
     }
 
     fn texels_error(path: &Path) -> String {
-        texels(path).expect_err("it is wrong")
+        texels(path, &[]).expect_err("it is wrong")
     }
 }

@@ -24,6 +24,8 @@ pub enum Surroundings {
     /// A latitude-longitude picture: radiance, its upper edge above, its middle along -z; or a sky in the shading language
     /// (`.osl`), whose z is above.
     Picture(PathBuf),
+    /// A sky in the shading language, with values of its parameters as people write them: numbers between commas, or a text.
+    Shader(PathBuf, Vec<(String, String)>),
 }
 
 impl Surroundings {
@@ -38,7 +40,7 @@ impl Surroundings {
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
         match self {
-            Self::Picture(path) => Some(path),
+            Self::Picture(path) | Self::Shader(path, _) => Some(path),
             Self::Uniform(_) | Self::Sky(_) => None,
         }
     }
@@ -50,8 +52,9 @@ impl Surroundings {
     /// [`Error::Image`] if the picture cannot be read, [`Error::Surroundings`] if the shader does not compile; the scene stays as
     /// it was.
     pub fn put_around(&self, scene: &mut Scene, up: [f32; 3], turn: f64) -> Result<(), Error> {
-        let read = |path: &Path| match script_sky::is_script(path) {
-            true => script_sky::texels(path).map_err(Error::Surroundings),
+        let given = if let Self::Shader(_, given) = self { &given[..] } else { &[] };
+        let read = |path: &Path| match script_sky::is_script(path) || !given.is_empty() {
+            true => script_sky::texels(path, given).map_err(Error::Surroundings),
             false => image::read_texture(path).map_err(Error::from),
         };
         let texels = self.file().map(read).transpose()?;
@@ -62,7 +65,7 @@ impl Surroundings {
                 return Ok(());
             }
             (Self::Uniform(radiance), _) => (*radiance, None),
-            (Self::Picture(path), texels) => {
+            (Self::Picture(path) | Self::Shader(path, _), texels) => {
                 let texture = texels.map(|texels| Texture {
                     name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
                     texels: Arc::new(texels),

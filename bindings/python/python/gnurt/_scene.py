@@ -118,6 +118,8 @@ class Scene(_Scene):
     def render(self, width=640, height=480, *, progress=None, **options):
         """A picture. Options are those of the program: spp, integrator, camera, at, animation, seed, max_depth, vpls, clamp, noise,
         crop, filter, time, denoise, layers, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
+        camera_shader=FILE or source text in the shading language, with camera_parameters={name: value}, makes the rays where the
+        camera stands; pixel_shader and pixel_parameters say what pixels show.
         `progress` is True, or called with the share that is done."""
         with _told(progress) as tell:
             picture = self._render({"width": width, "height": height, **options}, tell)

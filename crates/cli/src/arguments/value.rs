@@ -290,7 +290,7 @@ pub(crate) fn turn(text: &str) -> Result<f64, String> {
     if degrees.abs() <= 1e6 { Ok(degrees) } else { Err("give degrees from -1000000 to 1000000".into()) }
 }
 
-/// A radiance, a sky of the program, or a file.
+/// A radiance, a sky of the program, or a file; `FILE.osl[:NAME=VALUE...]` if that is a shader.
 pub(crate) fn surroundings(text: &str) -> Result<Surroundings, String> {
     if let Some(name) = text.strip_prefix(BUILTIN) {
         let names: Vec<&str> = SKIES.iter().map(|sky| sky.name).collect();
@@ -299,11 +299,19 @@ pub(crate) fn surroundings(text: &str) -> Result<Surroundings, String> {
     if text.is_empty() {
         return Err("give a picture, a radiance like 1,1,1 or builtin:day".into());
     }
+    let first = pieces(text, ':')[0];
+    let is_script = split_plain(first, '=').is_none() && gnurt_plugins::is_script(first);
     match point(text) {
         Ok(radiance) if radiance.iter().any(|&x| x < 0.0) => {
             Err("light is not negative; give R,G,B of 0 or more".into())
         }
         Ok(radiance) => Ok(Surroundings::Uniform(radiance)),
+        Err(_) if is_script => match shader(text)? {
+            ShaderChoice { class, file: None, parameters, .. } => {
+                Ok(Surroundings::Shader(class.into(), parameters))
+            }
+            _ => Ok(Surroundings::Picture(text.into())),
+        },
         Err(_) => Ok(Surroundings::Picture(text.into())),
     }
 }

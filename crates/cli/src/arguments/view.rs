@@ -144,7 +144,8 @@ pub(crate) struct ViewArguments {
 #[command(next_help_heading = "Light")]
 pub(crate) struct SurroundingsArguments {
     /// What rays see that leave the scene, and light from there: a latitude-longitude picture (.hdr, .exr, .pfm, .png, .jpg), a
-    /// radiance R,G,B, or builtin:day, builtin:evening, builtin:overcast; its up is --up, or else +y
+    /// radiance R,G,B, builtin:day, builtin:evening, builtin:overcast, or a sky in the shading language, FILE.osl[:NAME=VALUE...]; its up
+    /// is --up, or else +y
     #[arg(long, value_name = "FILE|R,G,B|SKY", value_parser = value::surroundings, allow_hyphen_values = true)]
     pub(crate) environment: Option<Surroundings>,
     /// Degrees that it is turned by around what is up
