@@ -14,6 +14,7 @@ pub mod srgb;
 mod ssim;
 mod stored;
 mod texels;
+mod tile_file;
 mod tiles;
 mod tone;
 

@@ -6,7 +6,8 @@
 //! Copies of a picture in tiles are in tiles of the same cache.
 //! Invariant: every level has the mean of the picture. Proof: `tests`.
 
-use crate::{TexelData, Texels};
+use crate::texels::{TakeRow, to_floats, to_numbers};
+use crate::{Error, TexelData, Texels};
 
 /// What the texels of an area count for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -38,31 +39,43 @@ impl Texels {
     }
 
     fn smaller(&self, by_opacity: bool, of: impl Fn([f32; 4]) -> [f32; 4]) -> Self {
-        let [width, height] = [self.width, self.height].map(|n| (n / 2).max(1));
+        let size @ [width, height] = self.half_size();
         let is_even = self.width.is_multiple_of(2) && self.height.is_multiple_of(2);
-        let texels = if is_even && !by_opacity { self.means_of_four(of) } else { self.means(by_opacity, of) };
-        let data = if self.is_float() {
-            TexelData::Float(texels.iter().map(|t| t.map(|x| x as f32)).collect())
-        } else {
-            TexelData::Linear16(texels.iter().map(|t| t.map(|x| (x * 65535.0 + 0.5) as u16)).collect())
+        let each_row = |take: TakeRow| {
+            if is_even && !by_opacity {
+                self.means_of_four(&of, take)
+            } else {
+                self.means(by_opacity, &of, take)
+            }
         };
-        let smaller = Self { width, height, data };
-        // Where the disk is full, it stays in memory.
-        match &self.data {
-            TexelData::Tiled(tiled) => tiled.cache().keep(smaller.clone()).unwrap_or(smaller),
-            _ => smaller,
+        if let TexelData::Tiled(tiled) = &self.data
+            && let Ok(smaller) = tiled.cache().keep_rows(size, self.is_float(), each_row)
+        {
+            return smaller;
         }
+        // Also where the disk is full.
+        let count = width as usize * height as usize;
+        let data = if self.is_float() {
+            TexelData::Float(collect(count, to_floats, each_row))
+        } else {
+            TexelData::Linear16(collect(count, to_numbers, each_row))
+        };
+        Self { width, height, data }
     }
 
-    /// The texels of the picture half as large.
-    fn means(&self, by_opacity: bool, of: impl Fn([f32; 4]) -> [f32; 4]) -> Vec<[f64; 4]> {
-        let [width, height] = [self.width, self.height].map(|n| (n / 2).max(1));
+    fn half_size(&self) -> [u32; 2] {
+        [self.width, self.height].map(|n| (n / 2).max(1))
+    }
+
+    /// Makes the rows of the picture half as large, the upper one first.
+    fn means(&self, by_opacity: bool, of: impl Fn([f32; 4]) -> [f32; 4], take: TakeRow) -> Result<(), Error> {
+        let [width, height] = self.half_size();
         let columns = overlaps(self.width as usize, width as usize);
-        let rows = overlaps(self.height as usize, height as usize);
-        let mut texels = Vec::with_capacity(columns.len() * rows.len());
         let mut line = vec![[0.0; 4]; self.width as usize];
-        for row in rows {
-            let mut sums = vec![[0.0_f64; 5]; columns.len()];
+        let mut sums = vec![[0.0_f64; 5]; columns.len()];
+        let mut texels = Vec::with_capacity(columns.len());
+        for row in overlaps(self.height as usize, height as usize) {
+            sums.fill([0.0; 5]);
             for &(y, share) in row.iter().filter(|(_, share)| *share > 0.0) {
                 self.read_row(y, &mut line);
                 line.iter_mut().for_each(|texel| *texel = of(*texel));
@@ -76,29 +89,31 @@ impl Texels {
                     }
                 }
             }
+            texels.clear();
             texels.extend(sums.iter().map(|[r, g, b, a, weight]| [r / weight, g / weight, b / weight, *a]));
+            take(&texels)?;
         }
-        texels
+        Ok(())
     }
 
     /// The same, with the same bits, where both sizes are even and texels count alike: most pictures.
-    fn means_of_four(&self, of: impl Fn([f32; 4]) -> [f32; 4]) -> Vec<[f64; 4]> {
+    fn means_of_four(&self, of: impl Fn([f32; 4]) -> [f32; 4], take: TakeRow) -> Result<(), Error> {
         let (width, height) = (self.width as usize, self.height as usize);
-        let mut texels = Vec::with_capacity(width / 2 * (height / 2));
         let (mut upper, mut lower) = (vec![[0.0; 4]; width], vec![[0.0; 4]; width]);
+        let mut texels = vec![[0.0; 4]; width / 2];
         for y in (0..height).step_by(2) {
             self.read_row(y, &mut upper);
             self.read_row(y + 1, &mut lower);
-            for (up, low) in upper.chunks_exact(2).zip(lower.chunks_exact(2)) {
+            let fours = upper.chunks_exact(2).zip(lower.chunks_exact(2));
+            for (mean, (up, low)) in texels.iter_mut().zip(fours) {
                 let [a, b, c, d] = [of(up[0]), of(up[1]), of(low[0]), of(low[1])];
-                let mut mean = [0.0; 4];
                 for k in 0..4 {
                     mean[k] = (f64::from(a[k]) + f64::from(b[k]) + f64::from(c[k]) + f64::from(d[k])) * 0.25;
                 }
-                texels.push(mean);
             }
+            take(&texels)?;
         }
-        texels
+        Ok(())
     }
 
     /// The smaller copies, from half the size down to one texel.
@@ -110,6 +125,21 @@ impl Texels {
         let then = if weigh == Weigh::Directions { Weigh::Alike } else { weigh };
         std::iter::successors(smaller(self, weigh), |texels| smaller(texels, then)).collect()
     }
+}
+
+/// All `count` texels of the rows that `each_row` makes.
+fn collect<T>(
+    count: usize,
+    texel: impl Fn([f64; 4]) -> T,
+    each_row: impl FnOnce(TakeRow) -> Result<(), Error>,
+) -> Vec<T> {
+    let mut texels = Vec::with_capacity(count);
+    let done = each_row(&mut |row| {
+        texels.extend(row.iter().map(|&mean| texel(mean)));
+        Ok(())
+    });
+    debug_assert!(done.is_ok(), "memory takes all rows");
+    texels
 }
 
 /// A direction of any length, as a unit one.
@@ -183,7 +213,9 @@ mod tests {
                 _ => TexelData::Float(all.map(|i| bytes(i).map(|x| 1.1 * f32::from(x))).collect()),
             };
             let texels = Texels { width, height, data };
-            assert_eq!(texels.means_of_four(unit), texels.means(false, unit), "form {form}");
+            let four = collect(6, |mean| mean, |take| texels.means_of_four(unit, take));
+            let all = collect(6, |mean| mean, |take| texels.means(false, unit, take));
+            assert_eq!(four, all, "form {form}");
         }
     }
 

@@ -60,7 +60,11 @@ impl Tiled {
 
     #[inline]
     fn texel(&self, column: usize, row: usize) -> [f32; 4] {
-        let raw = self.tiles.texel(column, row);
+        self.linear(self.tiles.texel(column, row))
+    }
+
+    #[inline]
+    fn linear(&self, raw: [u64; 2]) -> [f32; 4] {
         match self.form {
             Form::Srgb8 => from_srgb(bytes(raw)),
             Form::Linear8 => bytes(raw).map(unit),
@@ -103,32 +107,79 @@ impl TileCache {
     /// # Errors
     /// [`Error::File`] if the temporary file cannot grow.
     pub fn keep(&self, texels: Texels) -> Result<Texels, Error> {
-        let size = [texels.width, texels.height].map(|n| n as usize);
-        let row = |y: usize, columns: std::ops::Range<usize>| {
-            y * size[0] + columns.start..y * size[0] + columns.end
+        let size @ [width, _] = [texels.width, texels.height].map(|n| n as usize);
+        let bytes = |all: &[[u8; 4]]| {
+            let push = |band: &mut Vec<u8>, row: &[[u8; 4]]| band.extend_from_slice(row.as_flattened());
+            self.store(size, 4, |to| {
+                all.chunks_exact(width).try_for_each(|row| to.row(|band| push(band, row)))
+            })
         };
         let (form, tiles) = match &texels.data {
-            TexelData::Srgb8(all) | TexelData::Linear8(all) => {
-                let form =
-                    if matches!(texels.data, TexelData::Srgb8(_)) { Form::Srgb8 } else { Form::Linear8 };
-                (form, self.store(size, 4, |y, columns, to| to.extend(all[row(y, columns)].as_flattened()))?)
-            }
+            TexelData::Srgb8(all) => (Form::Srgb8, bytes(all)?),
+            TexelData::Linear8(all) => (Form::Linear8, bytes(all)?),
             TexelData::Linear16(all) => {
-                let push = |y, columns, to: &mut Vec<u8>| {
-                    to.extend(all[row(y, columns)].as_flattened().iter().flat_map(|x| x.to_le_bytes()));
-                };
-                (Form::Linear16, self.store(size, 8, push)?)
+                let push = |band: &mut Vec<u8>, row: &[_]| push_numbers(band, row.iter().copied());
+                let mut rows = all.chunks_exact(width);
+                (
+                    Form::Linear16,
+                    self.store(size, 8, |to| rows.try_for_each(|row| to.row(|band| push(band, row))))?,
+                )
             }
             TexelData::Float(all) => {
-                let push = |y, columns, to: &mut Vec<u8>| {
-                    to.extend(all[row(y, columns)].as_flattened().iter().flat_map(|x| x.to_le_bytes()));
-                };
-                (Form::Float, self.store(size, 16, push)?)
+                let push = |band: &mut Vec<u8>, row: &[_]| push_floats(band, row.iter().copied());
+                let mut rows = all.chunks_exact(width);
+                (
+                    Form::Float,
+                    self.store(size, 16, |to| rows.try_for_each(|row| to.row(|band| push(band, row))))?,
+                )
             }
             TexelData::Tiled(_) => return Ok(texels),
         };
         Ok(Texels { data: TexelData::Tiled(Tiled { form, tiles }), ..texels })
     }
+
+    /// A picture of floats or of numbers of 16 bits in tiles, whose rows `each_row` makes one by one.
+    pub(crate) fn keep_rows(
+        &self,
+        [width, height]: [u32; 2],
+        is_float: bool,
+        each_row: impl FnOnce(TakeRow) -> Result<(), Error>,
+    ) -> Result<Texels, Error> {
+        let size = [width as usize, height as usize];
+        let (form, tiles) = if is_float {
+            let push = |band: &mut Vec<u8>, row: &[[f64; 4]]| {
+                push_floats(band, row.iter().map(|&mean| to_floats(mean)));
+            };
+            (Form::Float, self.store(size, 16, |to| each_row(&mut |row| to.row(|band| push(band, row))))?)
+        } else {
+            let push = |band: &mut Vec<u8>, row: &[[f64; 4]]| {
+                push_numbers(band, row.iter().map(|&mean| to_numbers(mean)));
+            };
+            (Form::Linear16, self.store(size, 8, |to| each_row(&mut |row| to.row(|band| push(band, row))))?)
+        };
+        Ok(Texels { width, height, data: TexelData::Tiled(Tiled { form, tiles }) })
+    }
+}
+
+/// Takes a row of a smaller copy.
+pub(crate) type TakeRow<'a> = &'a mut dyn FnMut(&[[f64; 4]]) -> Result<(), Error>;
+
+fn push_numbers(band: &mut Vec<u8>, row: impl Iterator<Item = [u16; 4]>) {
+    row.for_each(|texel| band.extend_from_slice(texel.map(u16::to_le_bytes).as_flattened()));
+}
+
+fn push_floats(band: &mut Vec<u8>, row: impl Iterator<Item = [f32; 4]>) {
+    row.for_each(|texel| band.extend_from_slice(texel.map(f32::to_le_bytes).as_flattened()));
+}
+
+/// A mean as texels of floats have it.
+pub(crate) fn to_floats(texel: [f64; 4]) -> [f32; 4] {
+    texel.map(|x| x as f32)
+}
+
+/// A mean from 0 to 1 as numbers of 16 bits.
+pub(crate) fn to_numbers(texel: [f64; 4]) -> [u16; 4] {
+    texel.map(|x| (x * 65535.0 + 0.5) as u16)
 }
 
 impl Texels {
@@ -211,7 +262,7 @@ impl Texels {
         let from = row * width..(row + 1) * width;
         match &self.data {
             TexelData::Tiled(tiled) => {
-                out.iter_mut().enumerate().for_each(|(column, to)| *to = tiled.texel(column, row));
+                tiled.tiles.row(row, width, |column, raw| out[column] = tiled.linear(raw));
             }
             TexelData::Srgb8(p) => {
                 let table = srgb::decoded_bytes();

@@ -2,7 +2,7 @@
 //! Textures that are larger than memory: cut into tiles on the disk, of which a fixed number is in memory at a time.
 //! Source: \[PKGH97\] (textures by tiles on demand), \[Boe12\] (reading under a version number); original. A texel is what it was, bit for
 //! bit: pictures do not change.
-//! * The tiles lie in a temporary file that has no name any more: nobody can change it, and it goes with the program.
+//! * All tiles lie in a file, `tile_file.rs`.
 //! * Each tile has a place in its picture's list: the number of its slot in memory, or none. A reader looks up the slot, reads, and
 //!   looks whether the slot's version is still the same: no lock. Who does not find a tile reads it from the file into memory of its own,
 //!   and then waits for the one lock, to put it into the slot that was not read from for longest, about \[Cor68\].
@@ -11,17 +11,12 @@
 //! Proof: `tests`; crates/render/tests/filtering.rs with many readers at once; crates/cli/tests/program/textures.rs for a scene's picture.
 
 use std::fmt;
-use std::fs::File;
-use std::io::{self, Write};
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering, fence};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::Error;
+use crate::tile_file::{Cutter, TILE_BYTES, TileFile, WORDS, tile_size};
 
-/// Words of 64 bits that a tile has: 16 KiB.
-const WORDS: usize = 2048;
-const TILE_BYTES: usize = WORDS * 8;
 /// Tiles in memory at least, so that threads do not take them from each other while they are read.
 const LEAST_TILES: usize = 64;
 
@@ -30,9 +25,7 @@ const LEAST_TILES: usize = 64;
 pub struct TileCache(Arc<Shared>);
 
 struct Shared {
-    file: File,
-    /// Where the next picture begins.
-    end: Mutex<u64>,
+    file: TileFile,
     slots: Box<[Slot]>,
     clock: Mutex<Clock>,
     read: AtomicU64,
@@ -86,23 +79,12 @@ pub struct TileCounts {
     pub failed: u64,
 }
 
-/// Columns and rows of a tile of texels of so many bytes.
-#[inline]
-fn tile_size(bytes: usize) -> [usize; 2] {
-    match bytes {
-        4 => [64, 64],
-        8 => [64, 32],
-        _ => [32, 32],
-    }
-}
-
 impl TileCache {
     /// A cache whose tiles take so many bytes of memory, about; a megabyte at least.
     ///
     /// # Errors
     /// [`Error::File`] if the temporary folder takes no file.
     pub fn new(memory_bytes: u64) -> Result<Self, Error> {
-        let file = tempfile::tempfile().map_err(|error| failure(&error))?;
         let count = usize::try_from(memory_bytes / TILE_BYTES as u64).unwrap_or(usize::MAX);
         let count = count.clamp(LEAST_TILES, u32::MAX as usize - 1);
         let slot = || Slot {
@@ -111,8 +93,7 @@ impl TileCache {
             words: (0..WORDS).map(|_| AtomicU64::new(0)).collect(),
         };
         Ok(Self(Arc::new(Shared {
-            file,
-            end: Mutex::new(0),
+            file: TileFile::new()?,
             slots: (0..count).map(|_| slot()).collect(),
             clock: Mutex::new(Clock { hand: 0, owners: vec![None; count] }),
             read: AtomicU64::new(0),
@@ -125,102 +106,31 @@ impl TileCache {
     pub fn counts(&self) -> TileCounts {
         TileCounts {
             memory_bytes: (self.0.slots.len() * TILE_BYTES) as u64,
-            file_bytes: *self.0.end.lock().unwrap_or_else(PoisonError::into_inner),
+            file_bytes: self.0.file.len(),
             read: self.0.read.load(Ordering::Relaxed),
             failed: self.0.failed.load(Ordering::Relaxed),
         }
     }
 
-    /// Stores a picture whose texels have 4, 8 or 16 bytes; `push(y, columns, to)` appends those of some columns of row y.
+    /// Stores a picture whose texels have 4, 8 or 16 bytes: `push_rows` gives all its rows.
     pub(crate) fn store(
         &self,
-        [width, height]: [usize; 2],
+        size: [usize; 2],
         bytes: usize,
-        push: impl Fn(usize, Range<usize>, &mut Vec<u8>),
+        push_rows: impl FnOnce(&mut Cutter) -> Result<(), Error>,
     ) -> Result<Tiles, Error> {
-        let [columns, rows] = tile_size(bytes);
-        let (across, down) = (width.div_ceil(columns), height.div_ceil(rows));
-        // Where a thread died while it wrote, its bytes are no picture's.
-        let mut end = self.0.end.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut file = Appending { file: &self.0.file, at: *end };
-        let mut tile = Vec::with_capacity(TILE_BYTES);
-        for (ty, tx) in (0..down).flat_map(|ty| (0..across).map(move |tx| (ty, tx))) {
-            tile.clear();
-            for (k, y) in (ty * rows..height.min((ty + 1) * rows)).enumerate() {
-                push(y, tx * columns..width.min((tx + 1) * columns), &mut tile);
-                tile.resize((k + 1) * columns * bytes, 0);
-            }
-            tile.resize(TILE_BYTES, 0);
-            file.write_all(&tile).map_err(|error| failure(&error))?;
-        }
+        let mut cutter = self.0.file.cutter(size, bytes);
+        push_rows(&mut cutter)?;
+        let Cutter { across, down, offset, .. } = cutter.finish()?;
         let slots = (0..across * down).map(|_| AtomicU32::new(0)).collect();
-        let places = Arc::new(Places { offset: *end, slots });
-        *end = file.at;
-        Ok(Tiles { cache: self.clone(), places, bytes, across })
+        Ok(Tiles { cache: self.clone(), places: Arc::new(Places { offset, slots }), bytes, across })
     }
-}
-
-fn failure(error: &io::Error) -> Error {
-    Error::file(&std::env::temp_dir(), "no temporary file for textures", error)
-}
-
-/// Writes at a place of a file that others read.
-struct Appending<'a> {
-    #[cfg_attr(not(any(unix, windows)), expect(dead_code, reason = "files have no places there"))]
-    file: &'a File,
-    at: u64,
-}
-
-impl Write for Appending<'_> {
-    #[cfg(unix)]
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = std::os::unix::fs::FileExt::write_at(self.file, bytes, self.at)?;
-        self.at += written as u64;
-        Ok(written)
-    }
-
-    #[cfg(windows)]
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = std::os::windows::fs::FileExt::seek_write(self.file, bytes, self.at)?;
-        self.at += written as u64;
-        Ok(written)
-    }
-
-    #[cfg(not(any(unix, windows)))]
-    fn write(&mut self, _: &[u8]) -> io::Result<usize> {
-        Err(io::ErrorKind::Unsupported.into())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-/// Reads a tile at a place of a file that others read.
-fn read_tile(file: &File, at: u64, bytes: &mut [u8]) -> io::Result<()> {
-    let mut done = 0;
-    while done < bytes.len() {
-        let (rest, at) = (&mut bytes[done..], at + done as u64);
-        #[cfg(unix)]
-        let read = std::os::unix::fs::FileExt::read_at(file, rest, at)?;
-        #[cfg(windows)]
-        let read = std::os::windows::fs::FileExt::seek_read(file, rest, at)?;
-        #[cfg(not(any(unix, windows)))]
-        let read = {
-            let _ = (file, rest, at);
-            0
-        };
-        if read == 0 {
-            return Err(io::ErrorKind::UnexpectedEof.into());
-        }
-        done += read;
-    }
-    Ok(())
 }
 
 impl Shared {
-    /// Words `first` and the one behind it, where two are wanted, of a tile.
-    fn words(&self, places: &Arc<Places>, tile: usize, first: usize, two: bool) -> [u64; 2] {
+    /// Reads words `first` and those behind it of a tile; all ones if they are lost.
+    #[inline(always)]
+    fn words(&self, places: &Arc<Places>, tile: usize, first: usize, to: &mut [u64]) {
         let place = &places.slots[tile];
         let entry = place.load(Ordering::Acquire);
         if entry != 0 {
@@ -228,33 +138,31 @@ impl Shared {
             let version = slot.version.load(Ordering::Acquire);
             // If the slot is the tile's still, this version is of the tile.
             if version.is_multiple_of(2) && place.load(Ordering::Acquire) == entry {
-                let word = |i: usize| slot.words[i].load(Ordering::Relaxed);
-                let found = [word(first), if two { word(first + 1) } else { 0 }];
+                let words = &slot.words[first..first + to.len()];
+                to.iter_mut().zip(words).for_each(|(to, word)| *to = word.load(Ordering::Relaxed));
                 fence(Ordering::Acquire);
                 if slot.version.load(Ordering::Relaxed) == version {
                     if !slot.was_read.load(Ordering::Relaxed) {
                         slot.was_read.store(true, Ordering::Relaxed);
                     }
-                    return found;
+                    return;
                 }
             }
         }
-        self.fetch(places, tile, first)
+        self.fetch(places, tile, first, to);
     }
 
     /// The same for a tile that is not in memory: reads it, and finds it a slot.
     #[cold]
-    fn fetch(&self, places: &Arc<Places>, tile: usize, first: usize) -> [u64; 2] {
+    fn fetch(&self, places: &Arc<Places>, tile: usize, first: usize, to: &mut [u64]) {
         let mut bytes = vec![0; TILE_BYTES];
         self.read.fetch_add(1, Ordering::Relaxed);
-        if read_tile(&self.file, places.offset + (tile * TILE_BYTES) as u64, &mut bytes).is_err() {
+        if self.file.read(places.offset + (tile * TILE_BYTES) as u64, &mut bytes).is_err() {
             self.failed.fetch_add(1, Ordering::Relaxed);
-            return [u64::MAX; 2];
+            return to.fill(u64::MAX);
         }
-        let word = |i: usize| {
-            let bytes = bytes.get(i * 8..i * 8 + 8).and_then(|bytes| bytes.try_into().ok());
-            bytes.map_or(0, u64::from_le_bytes)
-        };
+        let words = || bytes.as_chunks().0.iter().map(|&bytes| u64::from_le_bytes(bytes));
+        to.iter_mut().zip(words().skip(first)).for_each(|(to, word)| *to = word);
         // A thread that died here has left a slot with an odd version, which nobody reads and the next one writes.
         let mut clock = self.clock.lock().unwrap_or_else(PoisonError::into_inner);
         if places.slots[tile].load(Ordering::Acquire) == 0 {
@@ -266,13 +174,12 @@ impl Shared {
             let version = slot.version.load(Ordering::Relaxed) | 1;
             slot.version.store(version, Ordering::Relaxed);
             fence(Ordering::Release);
-            slot.words.iter().enumerate().for_each(|(i, to)| to.store(word(i), Ordering::Relaxed));
+            slot.words.iter().zip(words()).for_each(|(to, word)| to.store(word, Ordering::Relaxed));
             slot.version.store(version.wrapping_add(1), Ordering::Release);
             slot.was_read.store(true, Ordering::Relaxed);
             clock.owners[number] = Some((places.clone(), tile));
             places.slots[tile].store(number as u32 + 1, Ordering::Release);
         }
-        [word(first), word(first + 1)]
     }
 
     /// The next slot that was not read from since the hand passed it.
@@ -300,8 +207,30 @@ impl Tiles {
         let [columns, rows] = tile_size(self.bytes);
         let tile = row / rows * self.across + column / columns;
         let at = (row % rows * columns + column % columns) * self.bytes;
-        let found = self.cache.0.words(&self.places, tile, at / 8, self.bytes == 16);
+        let mut found = [0; 2];
+        let count = if self.bytes == 16 { 2 } else { 1 };
+        self.cache.0.words(&self.places, tile, at / 8, &mut found[..count]);
         if at % 8 == 4 { [found[0] >> 32, 0] } else { found }
+    }
+
+    /// What [`texel`](Self::texel) says of each column of a row, tile by tile.
+    pub(crate) fn row(&self, row: usize, width: usize, mut take: impl FnMut(usize, [u64; 2])) {
+        let [columns, rows] = tile_size(self.bytes);
+        let mut words = [0; 64];
+        let words = &mut words[..columns * self.bytes / 8];
+        for (tile, first) in (0..width).step_by(columns).enumerate() {
+            let tile = row / rows * self.across + tile;
+            self.cache.0.words(&self.places, tile, row % rows * words.len(), words);
+            for column in first..width.min(first + columns) {
+                let at = (column - first) * self.bytes / 8;
+                let raw = match self.bytes {
+                    4 => [if column % 2 == 1 { words[at] >> 32 } else { words[at] }, 0],
+                    8 => [words[at], 0],
+                    _ => [words[at], words[at + 1]],
+                };
+                take(column, raw);
+            }
+        }
     }
 
     /// Bytes that they take beside their share of the cache.
@@ -385,7 +314,7 @@ mod tests {
         for form in 0..4 {
             let cache = TileCache::new(0).expect("a file");
             let tiled = cache.keep(picture(form, 100, 100)).expect("room on the disk");
-            cache.0.file.set_len(0).expect("a shorter file");
+            cache.0.file.lose();
             assert_eq!(tiled.texel(70, 70), [1.0; 4], "form {form}");
             assert_eq!(cache.counts().failed, 1, "counted");
         }

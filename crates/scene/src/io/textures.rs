@@ -65,7 +65,12 @@ impl<'a> Pictures<'a> {
             Meaning::Color => gnurt_image::decode_texture_within(bytes, name, most),
             Meaning::Data => gnurt_image::decode_data_texture_within(bytes, name, most),
         };
-        let texels = texels.map_err(|e| format!("{name}: {e}"))?;
+        let texels = texels.map_err(|e| match e {
+            gnurt_image::Error::TooMuchMemory { .. } if self.access.tiles.is_none() => {
+                format!("{name}: {e}; or keep textures on the disk, `--texture-memory`")
+            }
+            _ => format!("{name}: {e}"),
+        })?;
         let texels = match &self.access.tiles {
             Some(tiles) => tiles.keep(texels).map_err(|e| format!("{name}: {e}"))?,
             None => texels,
@@ -97,6 +102,7 @@ mod tests {
         });
         let why = refused.expect("100 times 16 MiB are too much");
         assert!(why.contains("flat.png: ") && why.contains("2048 x 2048"), "which one, and why: {why}");
+        assert!(why.contains("--texture-memory"), "what helps: {why}");
         assert!(held <= 480 << 20, "{held} bytes are held");
     }
 }
