@@ -69,7 +69,7 @@ fn obj_cases() -> Vec<(&'static str, Vec<u8>, Outcome)> {
         (
             "bad vt",
             after_v("vt x 0\nf 1/1 2/1 3/1\n"),
-            Triangles(1, "t.obj:4: texture coordinate, normal or colour"),
+            Triangles(1, "t.obj:4: texture coordinate, normal, colour or weight"),
         ),
         (
             "missing library",

@@ -251,6 +251,19 @@ fn skins_follow_their_joints() {
 }
 
 #[test]
+fn weights_that_are_no_numbers_are_told() {
+    // The 1 of all accessors is NaN.
+    let data = DATA.replace("AACAPw", "AADAfw");
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},{data},"meshes":[{{"primitives":[{{"attributes":{{"POSITION":4,"JOINTS_0":2,"WEIGHTS_0":3}}}}]}}],
+        "skins":[{{"joints":[1]}}],"nodes":[{{"mesh":0,"skin":0}},{{"translation":[0,0,5]}}]}}"#
+    );
+    let loaded = load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
+    let told = loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+    assert!(told.contains("vertex 0 hangs on a joint by no finite weight"), "{told}");
+}
+
+#[test]
 fn deep_and_cyclic_trees() {
     let load =
         |body: &str| load_named("t.gltf", format!(r#"{{"asset":{{"version":"2.0"}},{body}}}"#).as_bytes());

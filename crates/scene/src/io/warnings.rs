@@ -66,7 +66,9 @@ impl Oddity {
                 "face with a texture coordinate index out of range, shown without texture coordinates"
             }
             Self::NormalOutOfRange => "face with a normal index out of range, shown without normals",
-            Self::BadAttribute => "texture coordinate, normal or colour that is no finite number, ignored",
+            Self::BadAttribute => {
+                "texture coordinate, normal, colour or weight that is no finite number, ignored"
+            }
             Self::BadTexture => "texture cannot be read, the base colour is used",
             Self::BadMaterialLibrary => "material library cannot be read, default materials are used",
             Self::BadMaterialLine => "material line cannot be understood, ignored",

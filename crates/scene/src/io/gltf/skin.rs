@@ -175,6 +175,10 @@ impl PrimitiveReader<'_> {
                 warnings.note(Oddity::BadAttribute, &document.path, None, detail);
                 continue;
             }
+            if let Some(i) = weights.iter().position(|of| of.iter().any(|w| !w.is_finite())) {
+                let detail = format!("{}: vertex {i} hangs on a joint by no finite weight", self.place);
+                warnings.note(Oddity::BadAttribute, &document.path, None, detail);
+            }
             sets.push((joints, weights));
         }
         if sets.is_empty() {
