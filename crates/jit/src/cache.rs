@@ -35,6 +35,12 @@ impl std::fmt::Debug for Cache {
 }
 
 impl Cache {
+    /// How many groups it has code of, or has it made now.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.slots.lock().map_or(0, |slots| slots.len())
+    }
+
     /// The code of a group: found, or made by a thread of its own from now on.
     #[must_use]
     pub fn start(&self, plan: Arc<Plan>, level: Level) -> Job {
@@ -84,7 +90,8 @@ impl Job {
 impl Program for Job {
     fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
         match self.slot.get() {
-            Some(Ok(code)) => code.run(host, points, out),
+            // Points that were stopped are counted by who runs it.
+            Some(Ok(code)) => code.run_for(&self.plan, host, points, out),
             _ => self.plan.run(host, points, out),
         }
     }

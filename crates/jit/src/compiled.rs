@@ -4,7 +4,7 @@
 //! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_simd::Level;
-use gnurt_sl::exec::{Kept, Memory, Plan, Program as _, Slot};
+use gnurt_sl::exec::{Kept, Plan, Program as _, Slot};
 use std::sync::{Arc, Mutex};
 
 use crate::ffi_call::{Line, words};
@@ -30,8 +30,6 @@ pub struct Compiled {
     pub(crate) globals: Vec<(Arc<str>, Slot)>,
     /// Memories that no batch uses now.
     pub(crate) memories: Mutex<Vec<Vec<Line>>>,
-    /// The same for the interpreter's part.
-    pub(crate) works: Mutex<Vec<Memory>>,
     /// What is kept of each point, and where it is.
     pub(crate) kept: Vec<(Kept, Slot)>,
     size: usize,
@@ -83,7 +81,6 @@ impl Compiled {
             resets: Vec::new(),
             globals: Vec::new(),
             memories: Mutex::default(),
-            works: Mutex::default(),
             kept: Vec::new(),
             size: made.bytes.len(),
             plan,

@@ -5,8 +5,8 @@
 //! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{
-    Cells, Component, DualRow, Event, Host, Kept, Machine, Memory, Message, Point, Points, Program, Results,
-    Row, Slot, Step,
+    Cells, Component, DualRow, Event, Host, Kept, LANES, Machine, Message, Plan, Point, Points, Program,
+    Results, Row, Slot, Step,
 };
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
@@ -14,20 +14,21 @@ use gnurt_sl::types::{Base, Type};
 use crate::compiled::Compiled;
 use crate::ffi_call::{Calls, Line, enter, words};
 use crate::layout::{Layout, Place};
-use crate::program::Call;
+use crate::program::{Call, Making};
 
 /// Runs a group for batches of points. One for each thread.
 pub struct Lanes<'a> {
     code: &'a Compiled,
     memory: Vec<Line>,
+    /// Those that it was readied for, if layers are run one by one.
+    held: Option<Box<Points>>,
     work: Work<'a>,
 }
 
 struct Work<'a> {
     code: &'a Compiled,
     machine: Machine<'a>,
-    points: Points,
-    messages: Vec<Vec<Message>>,
+    messages: [Vec<Message>; LANES],
     events: Vec<(usize, Event)>,
     /// The lane whose point and messages the machine has.
     lane: usize,
@@ -39,34 +40,30 @@ impl<'a> Lanes<'a> {
     /// For a group and the world around it.
     #[must_use]
     pub fn new(code: &'a Compiled, host: &'a dyn Host) -> Self {
+        Self::of(code, &code.plan, host)
+    }
+
+    /// The same for a plan that means what the code's means.
+    fn of(code: &'a Compiled, plan: &'a Plan, host: &'a dyn Host) -> Self {
         let kept = code.memories.lock().ok().and_then(|mut list| list.pop());
         let memory = kept.unwrap_or_else(|| code.template.clone());
-        let works = code.works.lock().ok().and_then(|mut list| list.pop());
-        let machine = Machine::within(&code.plan, host, works.unwrap_or_else(|| Memory::new(&code.plan)));
-        let messages = vec![Vec::new(); code.lanes()];
-        let work = Work {
-            code,
-            machine,
-            points: Points::default(),
-            messages,
-            events: Vec::new(),
-            lane: usize::MAX,
-            stopped: 0,
-        };
-        Self { code, memory, work }
+        let machine = Machine::within(plan, host, plan.lend());
+        let messages = [const { Vec::new() }; LANES];
+        let work = Work { code, machine, messages, events: Vec::new(), lane: usize::MAX, stopped: 0 };
+        Self { code, memory, held: None, work }
     }
 
     /// Runs the group for some points, at most as many as there are lanes; outputs are then read with
     /// [`output`](Self::output). What was said before is forgotten.
     pub fn run(&mut self, points: &Points) {
-        self.begin(points);
+        self.ready(points);
         let Some(last) = self.code.layers.len().checked_sub(1) else { return };
         for layer in 0..last {
             if !self.code.plan.layers[layer].lazy {
-                self.layer(layer);
+                self.enter(layer, points);
             }
         }
-        self.layer(last);
+        self.enter(last, points);
     }
 
     /// Points at once, at most.
@@ -80,6 +77,11 @@ impl<'a> Lanes<'a> {
     /// # Panics
     /// If there are more points than lanes.
     pub fn begin(&mut self, points: &Points) {
+        self.held.get_or_insert_default().as_mut().clone_from(points);
+        self.ready(points);
+    }
+
+    fn ready(&mut self, points: &Points) {
         let code = self.code;
         assert!(points.count <= code.lanes(), "{} points for {} lanes", points.count, code.lanes());
         for &(start, count) in &code.resets {
@@ -91,7 +93,6 @@ impl<'a> Lanes<'a> {
             memory[Layout::slot(flag) as usize / 4] = 0;
         }
         let work = &mut self.work;
-        work.points.clone_from(points);
         if !code.program.calls.is_empty() {
             work.machine.start();
             work.events.clear();
@@ -115,12 +116,20 @@ impl<'a> Lanes<'a> {
 
     /// Runs a layer for all points that have not run it.
     pub fn layer(&mut self, layer: usize) {
-        let all = (1 << self.work.points.count) - 1;
+        if let Some(points) = self.held.take() {
+            self.enter(layer, &points);
+            self.held = Some(points);
+        }
+    }
+
+    fn enter(&mut self, layer: usize, points: &Points) {
+        let all = (1 << points.count) - 1;
         if all == 0 {
             return;
         }
         words(&mut self.memory)[Layout::EXEC as usize / 4] = all;
-        enter(&self.code.code, self.code.layers[layer], &mut self.memory, &mut self.work);
+        let mut batch = Batch { work: &mut self.work, points };
+        enter(&self.code.code, self.code.layers[layer], &mut self.memory, &mut batch);
     }
 
     /// What was said, by lanes in order.
@@ -229,8 +238,9 @@ fn global(name: &str, slot: &Slot, points: &Points, mut put: impl FnMut(u32, &Ro
     }
 }
 
-impl Program for Compiled {
-    fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
+impl Compiled {
+    /// Runs it for a plan that means the same, which counts the points that were stopped.
+    pub(crate) fn run_for(&self, plan: &Plan, host: &dyn Host, points: &Points, out: &mut Results) {
         out.events.clear();
         out.closures.clear();
         out.ci = [0; 16];
@@ -239,15 +249,17 @@ impl Program for Compiled {
             self.kept.iter().map(|(kept, _)| kept.row + kept.ty.size()).max().unwrap_or(0),
             [0.0; 16],
         );
-        if self.plan.is_left_out() {
+        if plan.is_left_out() {
             return;
         }
-        let mut lanes = Lanes::new(self, host);
+        let mut lanes = Lanes::of(self, plan, host);
         lanes.work.machine.change_closures(&mut out.closures);
         lanes.run(points);
         out.events.append(&mut lanes.take_events());
-        for lane in 0..points.count {
-            out.ci[lane] = lanes.ci(lane);
+        if let Some(slot) = plan.globals.get("Ci") {
+            for (lane, ci) in out.ci.iter_mut().enumerate().take(points.count) {
+                *ci = get(&self.layout, words(&mut lanes.memory), slot.at, lane);
+            }
         }
         for (kept, slot) in &self.kept {
             for k in 0..kept.ty.size() {
@@ -259,14 +271,20 @@ impl Program for Compiled {
             }
         }
         for _ in 0..lanes.work.stopped {
-            out.events.extend(self.plan.strike().map(|event| (0, event)));
+            out.events.extend(plan.strike().map(|event| (0, event)));
         }
         lanes.work.machine.change_closures(&mut out.closures);
         let Lanes { memory, work, .. } = lanes;
-        if let (Ok(mut memories), Ok(mut works)) = (self.memories.lock(), self.works.lock()) {
+        if let Ok(mut memories) = self.memories.lock() {
             memories.push(memory);
-            works.push(work.machine.into_memory());
         }
+        plan.take_back(work.machine.into_memory());
+    }
+}
+
+impl Program for Compiled {
+    fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
+        self.run_for(&self.plan, host, points, out);
     }
 
     fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String> {
@@ -278,20 +296,28 @@ impl Program for Compiled {
     }
 }
 
-impl Calls for Work<'_> {
+/// The points that are run, while code runs.
+struct Batch<'w, 'a> {
+    work: &'w mut Work<'a>,
+    points: &'w Points,
+}
+
+impl Calls for Batch<'_, '_> {
     fn call(&mut self, memory: &mut [u32], number: u32) {
-        let code = self.code;
+        let (work, points) = (&mut *self.work, self.points);
+        let code = work.code;
         let running = memory[Layout::EXEC as usize / 4];
         let lanes = (0..code.lanes()).filter(|lane| running >> lane & 1 != 0);
         match &code.program.calls[number as usize] {
             Call::Step { layer, step, ins, outs } => {
                 for lane in lanes {
-                    self.turn(lane);
-                    self.step(memory, lane, *layer, step, ins, outs);
-                    self.hear(lane);
+                    work.turn(points, lane);
+                    work.step(memory, lane, *layer, step, ins, outs);
+                    work.hear(lane);
                 }
             }
-            Call::Closure { layer, step, ins, outs } => {
+            Call::Closure(making) => {
+                let Making { layer, step, ins, outs, is_named, bound } = &**making;
                 let (layout, held) = (&code.layout, &*memory);
                 let read = |cell: u32| match layout.place(cell) {
                     Place::One(at) => Cells::One(held[at as usize / 4]),
@@ -300,7 +326,12 @@ impl Calls for Work<'_> {
                         None => Cells::One(0),
                     },
                 };
-                match self.machine.make_closures(step, running, read) {
+                let machine = &mut work.machine;
+                let bound =
+                    bound.get_or_init(|| is_named.then(|| machine.bind_component(step, read)).flatten());
+                let made = bound.as_ref().and_then(|bound| machine.make_component(bound, read));
+                let made = made.map(|number| [number; LANES]);
+                match made.or_else(|| machine.make_closures(step, running, read)) {
                     Some(made) => {
                         for lane in lanes {
                             set(layout, memory, step.args[0].at, lane, made[lane]);
@@ -309,9 +340,9 @@ impl Calls for Work<'_> {
                     // It says why.
                     None => {
                         for lane in lanes {
-                            self.turn(lane);
-                            self.step(memory, lane, *layer, step, ins, outs);
-                            self.hear(lane);
+                            work.turn(points, lane);
+                            work.step(memory, lane, *layer, step, ins, outs);
+                            work.hear(lane);
                         }
                     }
                 }
@@ -321,22 +352,22 @@ impl Calls for Work<'_> {
                 let param = &code.plan.layers[*layer].params[*param];
                 let slot = code.plan.layers[*layer].slots[param.symbol as usize];
                 for lane in lanes {
-                    self.turn(lane);
-                    self.bring(memory, lane, &slot);
-                    if self.machine.fetch_userdata(*layer, param) {
+                    work.turn(points, lane);
+                    work.bring(memory, lane, &slot);
+                    if work.machine.fetch_userdata(*layer, param) {
                         found |= 1 << lane;
-                        self.fetch(memory, lane, &slot);
+                        work.fetch(memory, lane, &slot);
                     }
-                    self.hear(lane);
+                    work.hear(lane);
                 }
                 memory[Layout::slot(*given) as usize / 4] = found;
             }
             Call::Stopped { layer, at } => {
                 for lane in lanes {
-                    self.turn(lane);
-                    self.machine.say_stopped(*layer, *at, code.fuel().into());
-                    self.stopped += 1;
-                    self.hear(lane);
+                    work.turn(points, lane);
+                    work.machine.say_stopped(*layer, *at, code.fuel().into());
+                    work.stopped += 1;
+                    work.hear(lane);
                 }
             }
         }
@@ -345,12 +376,12 @@ impl Calls for Work<'_> {
 
 impl Work<'_> {
     /// Gives the machine a lane's point and messages.
-    fn turn(&mut self, lane: usize) {
+    fn turn(&mut self, points: &Points, lane: usize) {
         if self.lane == lane {
             return;
         }
         let messages = std::mem::take(&mut self.messages[lane]);
-        let before = self.machine.change_point(&self.points.point(lane), lane, messages);
+        let before = self.machine.change_point(&points.point(lane), lane, messages);
         if let Some(list) = self.messages.get_mut(self.lane) {
             *list = before;
         }

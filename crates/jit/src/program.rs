@@ -3,9 +3,9 @@
 //! Source: original.
 //! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
-use gnurt_sl::exec::{Slot, Step};
+use gnurt_sl::exec::{Bound, Slot, Step};
 use gnurt_sl::ir::Place as Line;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::op::Region;
 use crate::term::QuickMap;
@@ -91,11 +91,24 @@ pub(crate) enum Call {
     /// An operation that the interpreter does, lane by lane.
     Step { layer: usize, step: Arc<Step>, ins: Vec<Slot>, outs: Vec<Slot> },
     /// An operation that makes closures, which the interpreter does for all lanes at once.
-    Closure { layer: usize, step: Arc<Step>, ins: Vec<Slot>, outs: Vec<Slot> },
+    Closure(Box<Making>),
     /// A value of the geometry for a parameter; lanes that got one are noted.
     Userdata { layer: usize, param: usize, given: u32 },
     /// That lanes are stopped in a loop.
     Stopped { layer: usize, at: Line },
+}
+
+/// An operation that makes closures.
+#[derive(Clone)]
+pub(crate) struct Making {
+    pub(crate) layer: usize,
+    pub(crate) step: Arc<Step>,
+    pub(crate) ins: Vec<Slot>,
+    pub(crate) outs: Vec<Slot>,
+    /// Whether texts that it takes never change.
+    pub(crate) is_named: bool,
+    /// What it makes, looked up when it is first done.
+    pub(crate) bound: OnceLock<Option<Bound>>,
 }
 
 /// A group.

@@ -187,6 +187,17 @@ pub struct SurfaceBatch {
     pub attributes: Vec<Vec<f32>>,
 }
 
+/// Normals of sixteen lanes by component, on the sides that their rays came from.
+#[derive(Clone, Copy, Debug)]
+pub struct FacingRows {
+    /// Of what scatters light.
+    pub ns: [[f32; LANES]; 3],
+    /// Of the meshes.
+    pub ng: [[f32; LANES]; 3],
+    /// Bits of the lanes that are seen from behind.
+    pub back: u32,
+}
+
 impl SurfaceBatch {
     /// Takes all lanes away and keeps the memory, for one who will append them: nothing is written twice.
     pub fn clear(&mut self) {
@@ -258,9 +269,11 @@ impl SurfaceBatch {
         if self.ns.get(i).dot(self.facing_ng(i)) < 0.0 { -ns } else { ns }
     }
 
-    /// [`facing_ns`](Self::facing_ns) of sixteen lanes from `first` on, by component; lanes beyond the last one hold anything.
+    /// [`facing_ns`](Self::facing_ns) and [`facing_ng`](Self::facing_ng) of sixteen lanes from `first` on; lanes beyond the last one hold
+    /// anything.
     #[inline]
-    pub(crate) fn facing_ns_rows(&self, first: usize) -> [[f32; LANES]; 3] {
+    #[must_use]
+    pub fn facing_rows(&self, first: usize) -> FacingRows {
         let count = LANES.min(self.len() - first);
         // Arrays, so that loops over them need no checks.
         let row = |of: &[f32]| {
@@ -269,8 +282,9 @@ impl SurfaceBatch {
             row
         };
         let rows = |v: &Vec3s| [row(&v.x), row(&v.y), row(&v.z)];
-        let (ng, ray, ns) = (rows(&self.ng), rows(&self.ray_dir), rows(&self.ns));
+        let (mut ng, ray, ns) = (rows(&self.ng), rows(&self.ray_dir), rows(&self.ns));
         let mut facing = if self.bent.is_empty() { ns } else { rows(&self.bent) };
+        let mut sides = [0.0_f32; LANES];
         for i in 0..LANES {
             let dot = |a: &[[f32; LANES]; 3], b: &[[f32; LANES]; 3]| {
                 (a[0][i] * b[0][i]) + (a[1][i] * b[1][i]) + (a[2][i] * b[2][i])
@@ -278,8 +292,11 @@ impl SurfaceBatch {
             let side = if dot(&ng, &ray) <= 0.0 { 1.0 } else { -1.0 };
             let turned = if dot(&ns, &ng) * side < 0.0 { -1.0 } else { 1.0 };
             facing.iter_mut().for_each(|row| row[i] *= turned);
+            sides[i] = side;
         }
-        facing
+        ng.iter_mut().for_each(|row| row.iter_mut().zip(&sides).for_each(|(x, side)| *x *= side));
+        let back = sides.iter().enumerate().fold(0, |bits, (i, side)| bits | u32::from(*side < 0.0) << i);
+        FacingRows { ns: facing, ng, back }
     }
 
     /// Texture coordinates of lane `i`.

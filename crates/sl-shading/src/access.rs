@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which files shaders may name: those that they include and the pictures that they read.
+//! Which files shaders may name: those that they include and the pictures that they read; and where their code is kept.
 //! Source: original. Proof: `tests/scripts.rs`.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
+
+use crate::codes::Codes;
 
 /// Bytes of a source file.
 const LONGEST: u64 = 16 << 20;
@@ -15,6 +17,8 @@ pub struct Access {
     pub confined_to: Option<PathBuf>,
     /// Folders that `#include` looks through after the shader's own.
     pub includes: Vec<String>,
+    /// Where code is kept that was made of them.
+    pub codes: Codes,
 }
 
 impl Access {

@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 
-use gnurt_sl::exec::{Host, Instruction, Machine, Plan, Step};
+use gnurt_sl::exec::{ClosureDecl, Host, Instruction, Machine, Plan, Step};
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
 use gnurt_sl_lib::color::ColorSystem;
@@ -44,10 +44,14 @@ impl Facts {
     }
 }
 
-/// A world without anything.
-struct Nobody<'a>(&'a ColorSystem);
+/// A world without anything but closures.
+pub(crate) struct Nobody<'a>(pub(crate) &'a ColorSystem);
 
 impl Host for Nobody<'_> {
+    fn closures(&self) -> &[ClosureDecl] {
+        all().0
+    }
+
     fn color_system(&self) -> &ColorSystem {
         self.0
     }
@@ -104,20 +108,20 @@ impl Reader<'_> {
     }
 
     fn closure(&mut self, number: usize, step: &Step) {
-        let (plan, layer) = (self.plan, &self.plan.layers[number]);
-        let cells = self.machine.cells().to_vec();
+        let Self { plan, machine, known, facts } = self;
+        let (layer, cells) = (&plan.layers[number], &*machine.cells());
         let word = |i: usize, k: usize| {
             let (slot, id) = (step.args.get(i)?, *step.symbols.get(i)?);
             let kind = layer.shader.symbol(id).kind;
             let is_known = kind == SymbolKind::Const
                 || kind == SymbolKind::Param && layer.constant.get(id as usize).is_some_and(|&known| known)
-                || self.known.contains(&slot.at);
+                || known.contains(&slot.at);
             let k = if slot.size == 1 { 0 } else { k };
             (is_known && k < slot.size as usize).then(|| (slot.ty.base, cells[slot.at as usize + k]))
         };
         let Some((Base::String, name)) = word(1, 0) else {
             // Nobody knows.
-            self.facts = Facts { is_holey: true, is_glass: true, is_lamp: true, ..self.facts };
+            *facts = Facts { is_holey: true, is_glass: true, is_lamp: true, ..*facts };
             return;
         };
         let (decls, shapes) = all();
@@ -132,7 +136,6 @@ impl Reader<'_> {
         };
         let is_black = |parameter: usize| (0..3).all(|k| number(parameter, k).is_some_and(|x| x <= 0.0));
         let is_dull = |x: usize, y: usize| [x, y].iter().any(|&i| number(i, 0).is_some_and(|x| x >= SMOOTH));
-        let facts = &mut self.facts;
         match shapes[place].known {
             Known::Transparent => facts.is_holey = true,
             Known::Emission | Known::UniformEdf => facts.is_lamp = true,

@@ -10,8 +10,10 @@
 mod access;
 mod camera;
 mod closures;
+mod codes;
 mod facts;
 mod faults;
+mod fixed;
 mod light;
 mod live;
 mod lobe;
@@ -28,6 +30,7 @@ mod world;
 
 pub use access::Access;
 pub use camera::{CameraPlace, CameraScript};
+pub use codes::Codes;
 pub use parameter::{Parameter, ParameterValue};
 pub use script::{Kind, Script};
 pub use stored::StoredTextures;

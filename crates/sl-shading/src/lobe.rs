@@ -31,7 +31,7 @@ impl Shape {
     }
 
     /// The place of what facets are brushed along, and those of the widths.
-    fn grain(&self) -> Option<[usize; 3]> {
+    pub(crate) fn grain(&self) -> Option<[usize; 3]> {
         match self.known {
             Known::Ward | Known::Conductor => Some([1, 2, 3]),
             Known::Microfacet => Some([2, 3, 4]),

@@ -7,7 +7,7 @@ use glam::Vec3;
 use gnurt_shading::SurfaceBatch;
 use gnurt_shading::batch::uv_step;
 use gnurt_shading::sampling::Basis;
-use gnurt_sl::exec::{DualRow, LANES, Plan, Points, Row};
+use gnurt_sl::exec::{LANES, Plan, Points, Row};
 use gnurt_sl::ir::SymbolKind;
 
 /// What a shader reads that is not for nothing; what it does not need holds anything.
@@ -53,47 +53,55 @@ fn put(rows: &mut [Row; 3], lane: usize, v: Vec3) {
     (x[lane], y[lane], z[lane]) = v.into();
 }
 
-fn put_dual(rows: &mut [DualRow; 3], lane: usize, [v, dx, dy]: [Vec3; 3]) {
-    for (k, row) in rows.iter_mut().enumerate() {
-        (row.value[lane], row.dx[lane], row.dy[lane]) = (v[k], dx[k], dy[k]);
+/// The points from `first` on, sixteen or fewer. `out` is new, or was written for the same needs.
+pub(crate) fn points(hits: &SurfaceBatch, first: usize, ray_kinds: u32, needs: Needs, out: &mut Points) {
+    let count = LANES.min(hits.len() - first);
+    let facing = hits.facing_rows(first);
+    let all = (1_u32 << count) - 1;
+    out.count = count;
+    (out.n, out.ng) = (facing.ns, facing.ng);
+    (out.ray_kinds, out.backfacing, out.flipped) = (ray_kinds, (facing.back & all) as u16, 0);
+    out.surface_area = [1.0; LANES];
+    let copy = |row: &mut Row, from: &[f32]| row[..count].copy_from_slice(&from[first..first + count]);
+    for (rows, from) in [(&mut out.p, &hits.p), (&mut out.i, &hits.ray_dir)] {
+        let [x, y, z] = rows;
+        [(x, &from.x), (y, &from.y), (z, &from.z)]
+            .into_iter()
+            .for_each(|(to, from)| copy(&mut to.value, from));
+    }
+    copy(&mut out.u.value, &hits.texcoord[0]);
+    copy(&mut out.v.value, &hits.texcoord[1]);
+    for lane in 0..count {
+        out.index[lane] = (first + lane) as i32;
+    }
+    if needs != Needs::default() {
+        (0..count).for_each(|lane| changes(hits, first, lane, needs, out));
     }
 }
 
-/// The points from `first` on, sixteen or fewer.
-pub(crate) fn points(hits: &SurfaceBatch, first: usize, ray_kinds: u32, needs: Needs, out: &mut Points) {
-    out.count = LANES.min(hits.len() - first);
-    (out.ray_kinds, out.backfacing, out.flipped) = (ray_kinds, 0, 0);
-    out.surface_area = [1.0; LANES];
-    for lane in 0..out.count {
-        let i = first + lane;
-        let (p, dir, n) = (hits.p.get(i), hits.ray_dir.get(i), hits.facing_ns(i));
-        let [dx, dy] = if needs.derivatives { steps(hits, i) } else { [Vec3::ZERO; 2] };
-        put_dual(&mut out.p, lane, [p, dx, dy]);
-        put_dual(&mut out.i, lane, [dir, Vec3::ZERO, Vec3::ZERO]);
-        put(&mut out.n, lane, n);
-        put(&mut out.ng, lane, hits.facing_ng(i));
-        out.index[lane] = i as i32;
-        out.backfacing |= u16::from(!hits.front(i)) << lane;
-        let [u, v] = hits.uv(i);
-        (out.u.value[lane], out.v.value[lane]) = (u, v);
-        if needs == Needs::default() {
-            continue;
+/// How the place of a point changes, from pixel to pixel and with texture coordinates.
+fn changes(hits: &SurfaceBatch, first: usize, lane: usize, needs: Needs, out: &mut Points) {
+    let i = first + lane;
+    let n = hits.facing_ns(i);
+    let own = if hits.dp_du.is_empty() { [Vec3::ZERO; 2] } else { [hits.dp_du.get(i), hits.dp_dv.get(i)] };
+    if needs.derivatives {
+        let [dx, dy] = steps(hits, i);
+        for (k, row) in out.p.iter_mut().enumerate() {
+            (row.dx[lane], row.dy[lane]) = (dx[k], dy[k]);
         }
-        let own =
-            if hits.dp_du.is_empty() { [Vec3::ZERO; 2] } else { [hits.dp_du.get(i), hits.dp_dv.get(i)] };
         let (ux, uy) = (uv_step(own, dx), uv_step(own, dy));
         (out.u.dx[lane], out.u.dy[lane]) = (ux[0], uy[0]);
         (out.v.dx[lane], out.v.dy[lane]) = (ux[1], uy[1]);
         // Pixels may go around the other way.
         out.flipped |= u16::from(dx.cross(dy).dot(n) < 0.0) << lane;
-        // Where the mesh has no coordinates, any directions along the surface.
-        let [dpdu, dpdv] = if own[0] == Vec3::ZERO || own[1] == Vec3::ZERO {
-            let frame = Basis::around(n);
-            [frame.tangent, frame.bitangent]
-        } else {
-            own
-        };
-        put(&mut out.dpdu, lane, dpdu);
-        put(&mut out.dpdv, lane, dpdv);
     }
+    // Where the mesh has no coordinates, any directions along the surface.
+    let [dpdu, dpdv] = if own[0] == Vec3::ZERO || own[1] == Vec3::ZERO {
+        let frame = Basis::around(n);
+        [frame.tangent, frame.bitangent]
+    } else {
+        own
+    };
+    put(&mut out.dpdu, lane, dpdu);
+    put(&mut out.dpdv, lane, dpdv);
 }

@@ -8,13 +8,12 @@ use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
-use gnurt_jit::Cache;
 use gnurt_shading::{
     AttributeRequest, CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader,
 };
 use gnurt_simd::Level;
 use gnurt_sl::diagnostics::{Severity, Style};
-use gnurt_sl::exec::{Plan, PlanOptions, unknown_operation};
+use gnurt_sl::exec::{Plan, PlanOptions, Program, unknown_operation};
 use gnurt_sl::group::{Group, Hint, read_group};
 use gnurt_sl::hir::Data;
 use gnurt_sl::ir::{Op, Shader, SymbolKind, ops, read as read_oso};
@@ -26,6 +25,7 @@ use crate::access::Access;
 use crate::camera::{CameraPlace, CameraScript};
 use crate::facts::Facts;
 use crate::faults::Faults;
+use crate::fixed::Fixed;
 use crate::light::ScriptLight;
 use crate::live::Live;
 use crate::parameter::{self, Parameter, ParameterValue};
@@ -78,7 +78,6 @@ pub struct Script {
     warnings: Vec<String>,
     textures: Arc<Textures>,
     faults: Arc<Faults>,
-    code: Arc<Cache>,
     access: Access,
     /// Values that were given, the last one of each parameter.
     given: Vec<(String, ParameterValue)>,
@@ -130,7 +129,6 @@ impl Script {
             warnings: reader.warnings.into_inner(),
             textures: Arc::new(Textures::new(access.clone(), folder)),
             faults: Arc::default(),
-            code: Arc::default(),
             access: access.clone(),
             given: Vec::new(),
             live: Live::default(),
@@ -304,8 +302,14 @@ impl Script {
     /// It is none, or too large.
     pub fn surface(&self) -> Result<Arc<dyn SurfaceShader>, String> {
         self.is(Kind::Surface)?;
-        let common = self.common(&self.group, &[])?;
-        Ok(Arc::new(ScriptSurface { common }))
+        let plan = self.plan(&self.group, &[])?;
+        let fixed = Fixed::of(&plan, &colors()?);
+        let common = match &fixed {
+            // Nobody runs it but who asks for its variables.
+            Some(_) => self.common_of(&self.group, &plan, plan.clone())?,
+            None => self.compiled(&self.group, &plan)?,
+        };
+        Ok(Arc::new(ScriptSurface { common, fixed }))
     }
 
     /// As a light.
@@ -383,26 +387,35 @@ impl Script {
         Err(format!("{}: its shader is of type {is}; one of type {wanted} is wanted here", self.name))
     }
 
+    /// As it is run, with values that are kept of each point.
     fn common(&self, group: &Group, outputs: &[&str]) -> Result<Common, String> {
+        self.compiled(group, &self.plan(group, outputs)?)
+    }
+
+    fn plan(&self, group: &Group, outputs: &[&str]) -> Result<Arc<Plan>, String> {
         let outputs = outputs.iter().map(ToString::to_string).collect();
         let plan = Plan::new(group, &PlanOptions { outputs, turns: TURNS, ..PlanOptions::default() });
-        let plan = plan.map_err(|why| format!("{}: {why}", self.name))?;
-        let needs = Needs::of(&plan);
-        let Some(colors) = ColorSystem::named("Rec709") else {
-            return Err("the colour system is missing".to_owned());
-        };
-        let facts = Facts::of(&plan, &colors);
+        plan.map(Arc::new).map_err(|why| format!("{}: {why}", self.name))
+    }
+
+    /// The interpreter runs it until there is code, where there is some at all; the values are the same.
+    fn compiled(&self, group: &Group, plan: &Arc<Plan>) -> Result<Common, String> {
+        let job = self.access.codes.cache().start(plan.clone(), Level::best());
+        self.common_of(group, plan, Arc::new(job))
+    }
+
+    fn common_of(&self, group: &Group, plan: &Plan, program: Arc<dyn Program>) -> Result<Common, String> {
+        let colors = colors()?;
         Ok(Common {
             name: self.name.clone(),
-            // The interpreter runs it until there is code, where there is some at all; the values are the same.
-            program: Arc::new(self.code.start(Arc::new(plan), Level::best())),
+            program,
             textures: self.textures.clone(),
             faults: self.faults.clone(),
             requests: self.requests(group),
+            facts: Facts::of(plan, &colors),
             colors,
             live: self.live.clone(),
-            needs,
-            facts,
+            needs: Needs::of(plan),
             scratch: Mutex::default(),
         })
     }
@@ -460,6 +473,10 @@ impl Script {
         }
         found
     }
+}
+
+fn colors() -> Result<ColorSystem, String> {
+    ColorSystem::named("Rec709").ok_or_else(|| "the colour system is missing".to_owned())
 }
 
 fn each_op(shader: &Shader, with: &mut dyn FnMut(&Op)) {

@@ -11,6 +11,7 @@ use gnurt_shading::materials::scattered_radiance;
 use gnurt_shading::{AttributeRequest, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 use gnurt_sl::exec::{LANES, Points, lanes_of};
 
+use crate::fixed::Fixed;
 use crate::parts::{Lights, Looker};
 use crate::place::{Needs, points};
 use crate::world::{CAMERA, Common, SHADOW, World};
@@ -21,6 +22,8 @@ const THERE: f32 = 1.0 / 16.0;
 /// A surface.
 pub(crate) struct ScriptSurface {
     pub(crate) common: Common,
+    /// Its lobes, where they are the same at all points: it need not be run then.
+    pub(crate) fixed: Option<Fixed>,
 }
 
 fn kinds_of(hits: &SurfaceBatch) -> u32 {
@@ -64,6 +67,12 @@ impl ScriptSurface {
         ray_kinds: u32,
         mut with: impl FnMut(usize, &Bsdf, Vec3),
     ) {
+        if let Some(fixed) = &self.fixed {
+            for i in 0..hits.len() {
+                with(i, &Bsdf::new(Fixed::normal(hits, i), fixed.lobes(hits, i).clone()), Vec3::ZERO);
+            }
+            return;
+        }
         let mut out = ClosureBatch::default();
         out.reset(LANES);
         self.each(world, (hits, ray_kinds), &mut out, |first, looker| {
@@ -136,6 +145,10 @@ impl Beside {
 
 impl SurfaceShader for ScriptSurface {
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        if let Some(fixed) = &self.fixed {
+            fixed.write(hits, out);
+            return;
+        }
         let world = World::around(&self.common, hits, None);
         let mut beside = Vec::new();
         self.each(&world, (hits, kinds_of(hits)), out, |first, looker| {

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, RwLock};
 
 use gnurt_image::read_texture;
 use gnurt_shading::mipmap::{Minify, MipMap};
@@ -29,18 +29,22 @@ pub(crate) struct Textures {
     access: Access,
     /// Where names are looked for after the current folder.
     folder: PathBuf,
-    known: Mutex<HashMap<String, Found>>,
+    known: RwLock<HashMap<String, Found>>,
     clouds: Mutex<HashMap<String, FoundCloud>>,
 }
 
 impl Textures {
     pub(crate) fn new(access: Access, folder: PathBuf) -> Self {
-        Self { access, folder, known: Mutex::default(), clouds: Mutex::default() }
+        Self { access, folder, known: RwLock::default(), clouds: Mutex::default() }
     }
 
     /// The picture of a name.
     pub(crate) fn find(&self, name: &str) -> Found {
-        let Ok(mut known) = self.known.lock() else { return Err("its memory is lost".into()) };
+        let lost = || Arc::from("its memory is lost");
+        if let Some(found) = self.known.read().map_err(|_| lost())?.get(name) {
+            return found.clone();
+        }
+        let mut known = self.known.write().map_err(|_| lost())?;
         if let Some(found) = known.get(name) {
             return found.clone();
         }
@@ -90,7 +94,10 @@ impl Textures {
                 let texels = Arc::new(texels);
                 let mips = Arc::new(MipMap::new(texels.clone()));
                 let minify = Minify::Ellipse;
-                Ok(Arc::new(TextureSampler { minify: Some((minify, mips)), ..TextureSampler::new(texels) }))
+                // As pictures are read that nobody says more of.
+                let wrap = [Wrap::Clamp; 2];
+                let minify = Some((minify, mips));
+                Ok(Arc::new(TextureSampler { wrap, minify, ..TextureSampler::new(texels) }))
             }
             Err(error) => Err(format!("texture {error}").into()),
         }
@@ -111,17 +118,18 @@ impl Textures {
         if outside(0) || outside(1) {
             return Ok([0.0; 4]);
         }
-        let wrap = [0, 1].map(|k: usize| match &*options.wrap[k] {
+        let wrap = |word: &str| match word {
             "periodic" => Wrap::Repeat,
             "mirror" => Wrap::Mirror,
             _ => Wrap::Clamp,
-        });
+        };
+        let wrap = [wrap(&options.wrap[0]), wrap(&options.wrap[1])];
         let [s, t] = at;
         let linear = &*options.interpolation != "closest";
         let uv = [s.value, 1.0 - t.value];
-        let [x, y] =
-            [[s.dx, -t.dx], [s.dy, -t.dy]].map(|[s, t]| [s * options.width[0], t * options.width[1]]);
-        let axes = blurred([x, y], options.blur);
+        let [across, along] = options.width;
+        let axes = [[s.dx * across, -t.dx * along], [s.dy * across, -t.dy * along]];
+        let axes = blurred(axes, options.blur);
         let as_it_is = sampler.wrap == wrap && linear;
         let texel = if as_it_is {
             sampler.sample_over(uv, axes)

@@ -54,7 +54,8 @@ pub(crate) struct Common {
     pub(crate) needs: Needs,
     /// What it may do.
     pub(crate) facts: Facts,
-    pub(crate) scratch: Mutex<Vec<Scratch>>,
+    #[expect(clippy::vec_box, reason = "four kilobytes would be moved in and out for each batch")]
+    pub(crate) scratch: Mutex<Vec<Box<Scratch>>>,
 }
 
 /// Memory that batches of points are shaded in.

@@ -180,6 +180,12 @@ fn huge_arrays_and_texts_are_refused() {
         compiled("shader test() { float a[2000000000]; }").shader.is_none(),
         "an array of two thousand million"
     );
+    let many = "shader test() { float a[9000000]; float b[9000000]; a[1] = u; b[1] = u; printf(\"%g\", a[2] + b[2]); }";
+    let many = compiled(many).shader.expect("a shader");
+    let mut group = Group::default();
+    group.add(Arc::new(many), None, &[], &mut Vec::new());
+    let why = Plan::new(&group, &PlanOptions::default()).err().expect("too much together");
+    assert!(why.contains("shader test: 'b' (float[9000000]): with it the group has more than"), "{why}");
     let out = body(
         "string s = \"abcdefgh\"; for (int i = 0; i < 60; ++i) s = concat(s, s); printf(\"%d\", strlen(s) < 2000000);",
     );

@@ -14,9 +14,9 @@ use gnurt_sl::exec::{Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, ma
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
 use gnurt_sl_lib::Dual;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use crate::program::{Call, Layer, Loop as Turns, Node, Program, Test};
+use crate::program::{Call, Layer, Loop as Turns, Making, Node, Program, Test};
 use crate::term::{Term, constant, take};
 use native::{Known, Touch, is_honest, is_native, touches};
 use values::{Held, Values};
@@ -396,12 +396,13 @@ impl Lowerer<'_> {
         if !native {
             self.flush();
             let constant = |slot: &&Slot| slot.size > 0 && !self.known.cells[slot.at as usize];
-            let ins = step.args.iter().filter(constant).copied().collect();
+            let ins: Vec<Slot> = step.args.iter().filter(constant).copied().collect();
             let written = |i: &usize| *i < 64 && step.writes & 1 << *i != 0;
             let outs = (0..step.args.len()).filter(written).map(|i| step.args[i]).collect();
             let (layer, step) = (self.layer, Arc::new(step.clone()));
             let call = if makes_closures(&step) {
-                Call::Closure { layer, step, ins, outs }
+                let is_named = ins.iter().all(|slot| slot.ty.base != Base::String);
+                Call::Closure(Box::new(Making { layer, step, ins, outs, is_named, bound: OnceLock::new() }))
             } else {
                 Call::Step { layer, step, ins, outs }
             };

@@ -229,7 +229,7 @@ impl ClosureBatch {
         let black = Lobe::lambert(Vec3::ZERO);
         for (block, first) in self.blocks.iter_mut().zip((0..self.len).step_by(LANES)) {
             let count = LANES.min(self.len - first);
-            for (row, from) in block.normal.iter_mut().zip(hits.facing_ns_rows(first)) {
+            for (row, from) in block.normal.iter_mut().zip(hits.facing_rows(first).ns) {
                 row.0[..count].copy_from_slice(&from[..count]);
             }
             block.count = 1;

@@ -105,7 +105,7 @@ impl<'a> Lists<'a> {
         }
     }
 
-    /// Appends the same lobe to the lists of some points.
+    /// Appends the same lobe to the lists of some points. One that lies below others must be where it was among them.
     pub fn push(&mut self, lanes: u32, lobe: &Lobe) {
         let numbers = numbers(lobe);
         self.each_end(lanes, |rows, same, free| {
@@ -121,6 +121,10 @@ impl<'a> Lists<'a> {
                 } else {
                     blend(&mut row.0, &mask, &[x; LANES]);
                 }
+            }
+            if lobe.under != 0 {
+                LanesOf(u64::from(same)).for_each(|i| rows.under.0[i] = lobe.under);
+                rows.under_any |= lobe.under;
             }
             rows.kinds |= lobe.kind.bit();
             rows.covers |= lobe.cover > 0.0;

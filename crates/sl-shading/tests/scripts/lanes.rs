@@ -1,16 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Points of a batch beside each other, and alone; what a surface may do once its values are known.
 
-use gnurt_shading::Vec3s;
+use std::path::Path;
+
+use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Kind, Scattering};
+use gnurt_shading::{SurfaceBatch, Vec3s};
+use gnurt_sl_shading::{Access, Codes, Script};
 
 use super::floor::{Probe, floor, script, surface};
 
-fn points(body: &str) -> [Vec<Scattering>; 2] {
-    let (surface, mut hits) = (surface(body), floor(21));
-    // Some are seen from behind.
+const PRINCIPLED: &str = include_str!("../../../../shaders/surfaces/principled.osl");
+
+/// Points of which some are seen from behind.
+fn both_sides() -> SurfaceBatch {
+    let mut hits = floor(21);
     (0..21).step_by(5).for_each(|i| hits.ng.set(i, -hits.ng.get(i)));
     (0..21).for_each(|i| hits.texcoord[0][i] /= 21.0);
+    hits
+}
+
+fn points(body: &str) -> [Vec<Scattering>; 2] {
+    let (surface, hits) = (surface(body), both_sides());
     let mut out = ClosureBatch::default();
     out.reset(21);
     surface.evaluate(&hits, &mut out);
@@ -21,6 +32,13 @@ fn points(body: &str) -> [Vec<Scattering>; 2] {
         out.point(0)
     });
     [all, alone.collect()]
+}
+
+/// All that a point does to light; places that only other points need are empty.
+fn told(point: &Scattering) -> String {
+    let all = point.bsdf.lobes().as_slice().iter().filter(|lobe| lobe.kind != Kind::None);
+    let lobes: Vec<_> = all.collect();
+    format!("{:?} {} {} {lobes:?}", point.bsdf.normal(), point.emission, point.coverage)
 }
 
 #[test]
@@ -37,17 +55,7 @@ fn points_beside_others_are_as_they_are_alone() {
     ] {
         let [all, alone] = points(body);
         for (i, (beside, alone)) in all.iter().zip(&alone).enumerate() {
-            let lobes = |point: &Scattering| {
-                let all = point.bsdf.lobes().as_slice().iter().filter(|lobe| lobe.kind != Kind::None);
-                format!(
-                    "{:?} {} {} {:?}",
-                    point.bsdf.normal(),
-                    point.emission,
-                    point.coverage,
-                    all.collect::<Vec<_>>()
-                )
-            };
-            assert_eq!(lobes(beside), lobes(alone), "{body}: point {i}");
+            assert_eq!(told(beside), told(alone), "{body}: point {i}");
         }
     }
 }
@@ -71,7 +79,7 @@ fn values_say_what_light_may_do() {
     assert_eq!(told(&[("glass", "1"), ("rough", "0")]), [false, true, false], "clear glass");
     assert_eq!(told(&[("rough", "0")]), [true, true, false], "a mirror");
     assert_eq!(told(&[("hole", "0.5"), ("glow", "1")]), [false, false, true], "holes, light");
-    let mut principled = script(include_str!("../../../../shaders/surfaces/principled.osl"));
+    let mut principled = script(PRINCIPLED);
     assert!(principled.surface().expect("a surface").is_opaque(), "plastic with widths that are worked out");
     principled.set_text("transmission", "1").expect("a parameter");
     assert!(principled.surface().expect("a surface").is_opaque(), "dull glass");
@@ -82,4 +90,114 @@ fn values_say_what_light_may_do() {
     let mut through = Vec3s::splat(2, glam::Vec3::ZERO);
     clear.transmit(&mut Probe(1.0), &floor(2), &mut through);
     assert!(through.get(0).x > 0.5 && through.get(1).x == 0.0, "there alone: {through:?}");
+}
+
+/// A script that keeps its code for itself.
+fn apart(text: &str) -> (Script, Codes) {
+    let codes = Codes::apart();
+    let access = Access { codes: codes.clone(), ..Access::default() };
+    (Script::from_text(Path::new("apart.osl"), text, &access).unwrap_or_else(|why| panic!("{why}")), codes)
+}
+
+#[test]
+fn lobes_that_are_the_same_everywhere_are_those_of_each_point() {
+    let mut hits = both_sides();
+    // A bump that leans over, one that does not, and a ray that grazes.
+    hits.bent = hits.ns.clone();
+    hits.bent.set(3, Vec3::new(0.9, -0.1, 0.0).normalize());
+    hits.bent.set(7, Vec3::new(0.5, 1.0, 0.2).normalize());
+    hits.ray_dir.set(9, Vec3::new(1.0, -1e-3, 0.0).normalize());
+    let coat = "base=.6,.1,.08:roughness=.4:coat=1:coat_roughness=.1:sheen=.1,.1,.2:sheen_roughness=.5";
+    let glass = "base=.7,.9,.8:roughness=.2:transmission=.7:metallic=.2:coat=.5";
+    for values in [coat, glass, "base=.5,.5,.5:roughness=.6", "metallic=1", "roughness=0:transmission=1"] {
+        let (mut fixed, codes) = apart(PRINCIPLED);
+        for (name, value) in values.split(':').filter_map(|value| value.split_once('=')) {
+            fixed.set_text(name, value).unwrap_or_else(|why| panic!("{why}"));
+        }
+        // The same of numbers that may change: it is run at the points.
+        let mut run = fixed.clone();
+        run.make_tunable();
+        let all = |script: &Script| {
+            let surface = script.surface().expect("a surface");
+            let mut out = ClosureBatch::default();
+            out.reset(21);
+            surface.evaluate(&hits, &mut out);
+            let mut more = [(); 3].map(|()| Vec3s::splat(21, Vec3::ZERO));
+            surface.transmit(&mut Probe(1.0), &hits, &mut more[0]);
+            surface.gaps(&mut Probe(1.0), &hits, &mut more[1]);
+            surface.albedo(&hits, &mut more[2]);
+            let lights = |i: usize| more.each_ref().map(|list| list.get(i));
+            (0..21).map(|i| (told(&out.point(i)), lights(i))).collect::<Vec<_>>()
+        };
+        let found = all(&fixed);
+        assert_eq!(codes.count(), 0, "{values}: nobody runs it");
+        for (i, (found, wanted)) in found.iter().zip(&all(&run)).enumerate() {
+            assert_eq!(found, wanted, "{values}: point {i}");
+        }
+        assert_eq!(codes.count(), 1, "{values}: numbers that change are run");
+    }
+}
+
+#[test]
+fn what_differs_from_point_to_point_is_run() {
+    let is_run = |body: &str| {
+        let (script, codes) = apart(&format!("surface test () {{ {body} }}"));
+        script.surface().expect("a surface");
+        codes.count() == 1
+    };
+    for body in [
+        "Ci = diffuse (N);",
+        "float sum = 0; for (int i = 0; i < 3; ++i) sum += noise (i * 0.3); Ci = sum * oren_nayar (N, sum);",
+        "float a[3] = {0.1, 0.2, 0.3}; if (a[1] < 0.5) Ci = layer (sheen_bsdf (N, color (a[2]), 0.5), diffuse (N));",
+        "float w = 0.2; Ci = dielectric_bsdf (N, dPdu, 1, 1, w, w, 1.5, \"ggx\"); float unused = u * 2;",
+    ] {
+        assert!(!is_run(body), "the same everywhere: {body}");
+    }
+    for body in [
+        "Ci = u * diffuse (N);",
+        "if (u > 0.5) Ci = diffuse (N);",
+        "float k = 1; for (int i = 0; i < u * 3; ++i) k *= 0.5; Ci = k * diffuse (N);",
+        "Ci = diffuse (normalize (N + vector (u, 0, 0)));",
+        "Ci = diffuse (normal (0, 1, 0));",
+        "N = normalize (N + vector (u, 0, 0)); Ci = diffuse (N);",
+        "Ci = dielectric_bsdf (N, dPdu, 1, 1, 0.2, 0.3, 1.5, \"ggx\");",
+        "Ci = oren_nayar (N, P[1]);",
+        "float a[3] = {0.1, 0.2, 0.3}; Ci = a[(int) u] * diffuse (N);",
+        "Ci = (raytype (\"camera\") + backfacing ()) * diffuse (N);",
+        "point p = point (\"object\", 0, 0, 0); Ci = p[0] * diffuse (N);",
+        "color c = 0; getattribute (\"Cd\", c); Ci = c * diffuse (N);",
+        "printf (\"%g\", 1.0); Ci = diffuse (N);",
+        "Ci = diffuse (N) + emission ();",
+        "Ci = 0.5 * transparent () + diffuse (N);",
+        "Ci = trace (P, N) * diffuse (N);",
+        "Ci = subsurface (1, 0, 1, 1);",
+    ] {
+        assert!(is_run(body), "not the same everywhere: {body}");
+    }
+}
+
+#[test]
+fn what_means_the_same_is_compiled_once() {
+    let codes = Codes::apart();
+    let access = Access { codes: codes.clone(), ..Access::default() };
+    let text = "surface s (float scale = 2) { Ci = scale * u * diffuse (N); }";
+    let made = |text: &str, scale: &str| {
+        let mut script = Script::from_text(Path::new("s.osl"), text, &access).expect("it compiles");
+        if !scale.is_empty() {
+            script.set_text("scale", scale).expect("a parameter");
+        }
+        script.surface().expect("a surface");
+        codes.count()
+    };
+    assert_eq!(made(text, ""), 1, "the first one");
+    assert_eq!(made(text, ""), 1, "another material of the same text");
+    assert_eq!(made(text, "2"), 1, "the same value, given");
+    assert_eq!(made(text, "3"), 2, "another value");
+    assert_eq!(made(&text.replace("u *", "v *"), "3"), 3, "another text");
+    let light = "light l () { L = Ps - P; Cl = xi[0]; }";
+    for _ in 0..2 {
+        let light = Script::from_text(Path::new("l.osl"), light, &access).expect("it compiles");
+        light.light().expect("a light");
+        assert_eq!(codes.count(), 4, "lights, too");
+    }
 }

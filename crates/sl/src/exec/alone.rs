@@ -5,7 +5,7 @@
 
 use super::components::Closures;
 use super::host::Point;
-use super::machine::{Action, Event, Machine, Message, Param, Plan, Step};
+use super::machine::{Action, Event, Machine, Memory, Message, Param, Plan, Step};
 use super::slot::Slot;
 use super::strings::Strings;
 use crate::ir::Place;
@@ -98,6 +98,21 @@ impl Machine<'_> {
 const STRIKES: u32 = 32;
 
 impl Plan {
+    /// Memory for a [`Machine`] of this plan, of those that were [taken back](Self::take_back) if there is one. It may know answers of the
+    /// host that the plan is run for: programs that mean the same do not share it.
+    #[must_use]
+    pub fn lend(&self) -> Memory {
+        let kept = self.memories.lock().ok().and_then(|mut list| list.pop());
+        kept.unwrap_or_else(|| Memory::new(self))
+    }
+
+    /// Keeps memory for later.
+    pub fn take_back(&self, memory: Memory) {
+        if let Ok(mut list) = self.memories.lock() {
+            list.push(memory);
+        }
+    }
+
     /// Whether so many points of the group were stopped that it is not run any more.
     #[must_use]
     pub fn is_left_out(&self) -> bool {

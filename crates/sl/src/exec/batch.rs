@@ -86,6 +86,7 @@ fn set_dual3(rows: &mut [DualRow; 3], lane: usize, v: Dual<[f32; 3]>) {
     }
 }
 
+#[inline(always)]
 fn dual(row: &DualRow, lane: usize) -> Dual<f32> {
     Dual::new(row.value[lane], row.dx[lane], row.dy[lane])
 }
@@ -118,9 +119,11 @@ impl Points {
     /// One of them.
     #[must_use]
     pub fn point(&self, lane: usize) -> Point {
-        let triple = |rows: &[Row; 3]| [rows[0][lane], rows[1][lane], rows[2][lane]];
+        let lane = lane % LANES;
+        // Written out: mapping arrays becomes calls.
+        let triple = |[x, y, z]: &[Row; 3]| [x[lane], y[lane], z[lane]];
         let duals =
-            |rows: &[DualRow; 3]| Dual::from_components([0, 1, 2].map(|k: usize| dual(&rows[k], lane)));
+            |[x, y, z]: &[DualRow; 3]| Dual::from_components([dual(x, lane), dual(y, lane), dual(z, lane)]);
         Point {
             p: duals(&self.p),
             i: duals(&self.i),
@@ -139,8 +142,8 @@ impl Points {
             flipped: self.flipped >> lane & 1 != 0,
             ray_kinds: self.ray_kinds,
             index: self.index[lane],
-            xi: self.xi.map(|row| row[lane]),
-            raster: self.raster.map(|row| row[lane]),
+            xi: [self.xi[0][lane], self.xi[1][lane]],
+            raster: [self.raster[0][lane], self.raster[1][lane]],
         }
     }
 }

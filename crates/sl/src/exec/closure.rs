@@ -11,6 +11,7 @@ use super::strings::Strings;
 use crate::format::general;
 use crate::hir::Data;
 use crate::types::{Base, Type};
+use std::sync::Arc;
 
 /// Whether an operation makes closures of others, or of numbers.
 #[must_use]
@@ -47,7 +48,7 @@ fn made<'c>(
 ) -> Option<[u32; LANES]> {
     let [_, a, rest @ ..] = &*s.args else { return Some([0; LANES]) };
     if &*s.name == "closure" {
-        return component(closures, known, (a, rest), &read).map(|number| [number; LANES]);
+        return Bound::of(known, (a, rest), &read).map(|bound| [bound.make(closures, &read); LANES]);
     }
     let [b, ..] = rest else { return Some([0; LANES]) };
     let (a, b) = if a.ty == Type::CLOSURE { (a, b) } else { (b, a) };
@@ -84,7 +85,44 @@ fn kind(ty: Type) -> Option<Kind> {
     }
 }
 
-/// Number `i` of a slot as one of a kind; zeros where it has none. Single numbers stand for all components of weights.
+/// How a word becomes a number of another kind.
+#[derive(Clone, Copy, Debug)]
+enum Change {
+    Nothing,
+    FromInt,
+    ToInt,
+}
+
+/// Where number `i` of a slot is, and how it becomes one of a kind; none if it has none. Single numbers stand for all components.
+fn source(slot: &Slot, i: usize, wanted: Kind) -> Option<(u32, Change)> {
+    let i = if slot.size == 1 { 0 } else { i };
+    let found = kind(slot.ty).filter(|_| i < slot.size as usize)?;
+    let change = match (wanted, found) {
+        (wanted, found) if wanted == found => Change::Nothing,
+        (Kind::Float, Kind::Int) => Change::FromInt,
+        (Kind::Int, Kind::Float) => Change::ToInt,
+        _ => return None,
+    };
+    Some((slot.at + i as u32, change))
+}
+
+fn changed<'r, 'c: 'r>(cells: Cells<'c>, change: Change, room: &'r mut [u32; LANES]) -> Cells<'r> {
+    let of = |word: u32| match change {
+        Change::Nothing => word,
+        Change::FromInt => (word as i32 as f32).to_bits(),
+        Change::ToInt => f32::from_bits(word) as i32 as u32,
+    };
+    match (change, cells) {
+        (Change::Nothing, cells) => cells,
+        (_, Cells::One(word)) => Cells::One(of(word)),
+        (_, Cells::Each(row)) => {
+            *room = row.map(of);
+            Cells::Each(room)
+        }
+    }
+}
+
+/// Number `i` of a slot as one of a kind; zeros where it has none.
 fn number<'r, 'c: 'r>(
     slot: &Slot,
     i: usize,
@@ -92,65 +130,65 @@ fn number<'r, 'c: 'r>(
     read: &impl Fn(u32) -> Cells<'c>,
     room: &'r mut [u32; LANES],
 ) -> Cells<'r> {
-    let i = if slot.size == 1 { 0 } else { i };
-    let Some(found) = kind(slot.ty).filter(|_| i < slot.size as usize) else { return Cells::One(0) };
-    let cells = read(slot.at + i as u32);
-    let change = |word: u32| match wanted {
-        Kind::Float => (word as i32 as f32).to_bits(),
-        _ => f32::from_bits(word) as i32 as u32,
-    };
-    match (wanted, found, cells) {
-        (wanted, found, cells) if wanted == found => cells,
-        (Kind::Float, Kind::Int, Cells::One(word)) | (Kind::Int, Kind::Float, Cells::One(word)) => {
-            Cells::One(change(word))
-        }
-        (Kind::Float, Kind::Int, Cells::Each(row)) | (Kind::Int, Kind::Float, Cells::Each(row)) => {
-            *room = row.map(change);
-            Cells::Each(room)
-        }
-        _ => Cells::One(0),
-    }
+    source(slot, i, wanted).map_or(Cells::One(0), |(cell, change)| changed(read(cell), change, room))
 }
 
-/// Adds a component of a name and its arguments.
-fn component<'c>(
-    closures: &mut Closures,
-    (host, strings): (&dyn Host, &Strings),
-    (name, rest): (&Slot, &[Slot]),
-    read: &impl Fn(u32) -> Cells<'c>,
-) -> Option<u32> {
-    let text = |slot: &Slot| match (slot.ty.base, slot.size) {
-        (Base::String, 1..) => match read(slot.at) {
-            Cells::One(word) => Some(&**strings.text(word)),
-            Cells::Each(_) => None,
-        },
-        _ => Some(""),
-    };
-    let name = text(name)?;
-    let (kind_of, decl) = host.closures().iter().enumerate().find(|(_, decl)| *decl.name == *name)?;
-    let plain = decl.params.iter().take_while(|param| param.key.is_none()).count();
-    let pairs = rest.get(plain..).filter(|_| plain < decl.params.len()).unwrap_or(&[]);
-    let mut keys = Vec::new();
-    for pair in pairs.chunks_exact(2) {
-        keys.push((text(&pair[0])?, &pair[1]));
-    }
-    let first = closures.next();
-    for (i, param) in decl.params.iter().enumerate() {
-        let slot = match &param.key {
-            None => rest.get(i),
-            Some(key) => keys.iter().rfind(|(name, _)| *name == &**key).map(|(_, slot)| *slot),
+/// A component that an operation makes: which one, and where its numbers are.
+#[derive(Clone, Debug)]
+pub struct Bound {
+    kind: u32,
+    /// Of the closure, as the program has it: by where it lies it is known again.
+    name: Arc<str>,
+    numbers: Box<[Option<(u32, Change)>]>,
+}
+
+impl Bound {
+    /// Of a name and its arguments; none if the program does not know it, or if names are not the same for all points.
+    fn of<'c>(
+        (host, strings): (&dyn Host, &Strings),
+        (name, rest): (&Slot, &[Slot]),
+        read: &impl Fn(u32) -> Cells<'c>,
+    ) -> Option<Self> {
+        let text = |slot: &Slot| match (slot.ty.base, slot.size) {
+            (Base::String, 1..) => match read(slot.at) {
+                Cells::One(word) => Some(&**strings.text(word)),
+                Cells::Each(_) => None,
+            },
+            _ => Some(""),
         };
-        for k in 0..param.ty.size() {
-            let mut room = [0; LANES];
-            // One number is not meant for all of an array's.
-            let cells = match (slot.filter(|slot| k < slot.size as usize), kind(param.ty)) {
-                (Some(slot), Some(wanted)) => number(slot, k, wanted, read, &mut room),
-                _ => Cells::One(0),
-            };
-            closures.put(cells);
+        let name = text(name)?;
+        let (kind_of, decl) = host.closures().iter().enumerate().find(|(_, decl)| *decl.name == *name)?;
+        let plain = decl.params.iter().take_while(|param| param.key.is_none()).count();
+        let pairs = rest.get(plain..).filter(|_| plain < decl.params.len()).unwrap_or(&[]);
+        let mut keys = Vec::new();
+        for pair in pairs.chunks_exact(2) {
+            keys.push((text(&pair[0])?, &pair[1]));
         }
+        let mut numbers = Vec::new();
+        for (i, param) in decl.params.iter().enumerate() {
+            let slot = match &param.key {
+                None => rest.get(i),
+                Some(key) => keys.iter().rfind(|(name, _)| *name == &**key).map(|(_, slot)| *slot),
+            };
+            for k in 0..param.ty.size() {
+                // One number is not meant for all of an array's.
+                let slot = slot.filter(|slot| k < slot.size as usize);
+                numbers.push(slot.zip(kind(param.ty)).and_then(|(slot, wanted)| source(slot, k, wanted)));
+            }
+        }
+        Some(Self { kind: kind_of as u32, name: decl.name.clone(), numbers: numbers.into() })
     }
-    Some(closures.component(kind_of as u32, first))
+
+    /// Makes it; its number.
+    fn make<'c>(&self, closures: &mut Closures, read: &impl Fn(u32) -> Cells<'c>) -> u32 {
+        let first = closures.next();
+        let mut room = [0; LANES];
+        for number in &self.numbers {
+            closures
+                .put(number.map_or(Cells::One(0), |(cell, change)| changed(read(cell), change, &mut room)));
+        }
+        closures.component(self.kind, first)
+    }
 }
 
 impl Machine<'_> {
@@ -163,6 +201,20 @@ impl Machine<'_> {
         read: impl Fn(u32) -> Cells<'c>,
     ) -> Option<[u32; LANES]> {
         made(&mut self.closures, (self.host, &self.strings), step, lanes, read)
+    }
+
+    /// Looks up what component an operation makes, where its names do not change; `read` knows what cells hold. None if the program does not
+    /// know it, or if it makes none.
+    pub fn bind_component<'c>(&self, step: &Step, read: impl Fn(u32) -> Cells<'c>) -> Option<Bound> {
+        let [_, name, rest @ ..] = &*step.args else { return None };
+        let known = (self.host, &self.strings);
+        (&*step.name == "closure").then(|| Bound::of(known, (name, rest), &read)).flatten()
+    }
+
+    /// Makes a component that was looked up, for all points; none if that was for another program.
+    pub fn make_component<'c>(&mut self, bound: &Bound, read: impl Fn(u32) -> Cells<'c>) -> Option<u32> {
+        let decl = self.host.closures().get(bound.kind as usize)?;
+        Arc::ptr_eq(&decl.name, &bound.name).then(|| bound.make(&mut self.closures, &read))
     }
 
     /// The components of the point's closure with their weights, in order.

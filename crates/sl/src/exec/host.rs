@@ -7,7 +7,7 @@ use crate::hir::Data;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::points::{Column, PointCloud};
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// The point that is shaded. Space: common.
 #[derive(Clone, Debug, Default)]
@@ -104,17 +104,21 @@ pub struct TextureOptions {
     pub interpolation: Arc<str>,
 }
 
+/// The usual wrapping and interpolation: made once, for options are made for each point.
+static USUAL: LazyLock<[Arc<str>; 2]> = LazyLock::new(|| ["default".into(), "".into()]);
+
 impl Default for TextureOptions {
     fn default() -> Self {
+        let [wrap, interpolation] = &*USUAL;
         Self {
             channels: 4,
             first_channel: 0,
             fill: 0.0,
             missing: None,
-            wrap: ["default".into(), "default".into()],
+            wrap: [wrap.clone(), wrap.clone()],
             width: [1.0; 2],
             blur: [0.0; 2],
-            interpolation: "".into(),
+            interpolation: interpolation.clone(),
         }
     }
 }

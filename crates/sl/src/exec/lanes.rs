@@ -5,7 +5,7 @@
 use super::batch::{Points, Program, Results, Row};
 use super::cells::LANES;
 use super::host::{Host, Point};
-use super::machine::{Machine, Memory, Plan};
+use super::machine::{Machine, Plan};
 use super::slot::Kept;
 use crate::format::general;
 use crate::hir::Data;
@@ -23,8 +23,7 @@ impl Program for Plan {
         if self.is_left_out() {
             return;
         }
-        let memory = self.memories.lock().ok().and_then(|mut list| list.pop());
-        let mut machine = Machine::within(self, host, memory.unwrap_or_else(|| Memory::new(self)));
+        let mut machine = Machine::within(self, host, self.lend());
         machine.closures = std::mem::take(&mut out.closures);
         for lane in 0..points.count.min(LANES) {
             machine.run_beside(&points.point(lane));
@@ -40,10 +39,7 @@ impl Program for Plan {
             out.events.extend(machine.events.drain(..).map(|event| (lane, event)));
         }
         out.closures = std::mem::take(&mut machine.closures);
-        let memory = machine.into_memory();
-        if let Ok(mut list) = self.memories.lock() {
-            list.push(memory);
-        }
+        self.take_back(machine.into_memory());
     }
 
     fn kept(&self) -> &[Kept] {

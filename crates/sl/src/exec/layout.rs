@@ -57,8 +57,8 @@ impl Default for PlanOptions {
     }
 }
 
-/// Cells of a group.
-const CELLS: usize = 1 << 28;
+/// Cells of a group: each thread that runs it has as many. Networks of a thousand layers have a few millions.
+const CELLS: usize = 1 << 24;
 
 const GLOBALS: [(&str, Type); 13] = [
     ("P", Type::POINT),
@@ -153,7 +153,7 @@ impl Plan {
         let slot = Slot::new(self.memory.len(), ty, derivs);
         let end = self.memory.len() + slot.cells();
         if end > CELLS {
-            return Err(format!("the group needs more than {CELLS} values"));
+            return Err(format!("with it the group has more than {CELLS} numbers; make arrays shorter"));
         }
         self.memory.resize(end, 0);
         Ok(slot)
@@ -218,10 +218,12 @@ impl Plan {
             let mut ty = symbol.ty;
             let given = layer.values.get(&(id as SymId)).or(symbol.value.as_ref());
             if ty.array < 0 {
-                let count = given.map_or(0, length) / ty.base.components().max(1);
+                let count = given.map_or(0, Data::count) / ty.base.components().max(1);
                 ty = ty.array_of(i32::try_from(count.max(1)).unwrap_or(1));
             }
-            let slot = self.place(ty, symbol.derivs)?;
+            let slot = self.place(ty, symbol.derivs);
+            let slot =
+                slot.map_err(|why| format!("shader {}: '{}' ({ty}): {why}", shader.name, symbol.name))?;
             if let Some(data) = given {
                 self.fill(&slot, data);
             }
@@ -305,14 +307,6 @@ impl Plan {
 
     fn part(&self, layer: usize, part: &Part) -> (Slot, u32) {
         cut(self.layers[layer].slots[part.symbol as usize], part)
-    }
-}
-
-fn length(data: &Data) -> usize {
-    match data {
-        Data::Int(list) => list.len(),
-        Data::Float(list) => list.len(),
-        Data::Str(list) => list.len(),
     }
 }
 

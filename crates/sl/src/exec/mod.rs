@@ -37,7 +37,7 @@ mod values;
 
 pub use batch::{DualRow, Points, Program, Results, Row};
 pub use cells::{Cells, LANES, lanes_of};
-pub use closure::makes_closures;
+pub use closure::{Bound, makes_closures};
 pub use components::{Closure, ClosureDecl, ClosureParam, Closures, Component, Part};
 pub use host::{Arriving, Given, Host, Point, TextureOptions, TraceOptions, longitude_latitude};
 pub use layout::PlanOptions;

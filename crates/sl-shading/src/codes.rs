@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Machine code of shaders, kept for all that mean the same: of materials, lights, cameras, skies and pixels.
+//! Source: original; what counts as the same is in `gnurt_jit`'s `fingerprint`. The process has one for all who ask for no other: it is
+//! known by what the code is made of, so nobody can see from a picture whether somebody was there before.
+//! Proof: `tests/scripts/lanes.rs`.
+
+use std::sync::{Arc, LazyLock};
+
+use gnurt_jit::Cache;
+
+static ALL: LazyLock<Codes> = LazyLock::new(Codes::apart);
+
+/// Code that was made. Clones are the same one.
+#[derive(Clone, Debug)]
+pub struct Codes(Arc<Cache>);
+
+impl Default for Codes {
+    /// The process's.
+    fn default() -> Self {
+        ALL.clone()
+    }
+}
+
+impl Codes {
+    /// One by itself.
+    #[must_use]
+    pub fn apart() -> Self {
+        Self(Arc::default())
+    }
+
+    /// How many groups of shaders, with values, it has code of, or has it made now.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.0.count()
+    }
+
+    pub(crate) fn cache(&self) -> &Cache {
+        &self.0
+    }
+}

@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Surfaces whose lobes are the same at all points: worked out once, from the front and from behind.
+//! Source: original; a forward data-flow over cells, once all values that are known are put in. Lobes may lie around the points' own
+//! normals; along what equally wide facets are brushed does not count. Everything else that a closure takes must be known, every choice
+//! on the way, too; and nothing may be asked or said.
+//! Invariant: lobes and normals are those that running the group at the points would give. Proof: `tests/scripts/lanes.rs`.
+
+use std::collections::HashMap;
+
+use glam::Vec3;
+use gnurt_shading::SurfaceBatch;
+use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobes};
+use gnurt_sl::exec::{Action, Instruction, LANES, Plan, Points, Program as _, Results, Slot, Source, Step};
+use gnurt_sl::ir::SymbolKind;
+use gnurt_sl::types::{Base, Type};
+use gnurt_sl_lib::color::ColorSystem;
+
+use crate::closures::{Known, Shape, all};
+use crate::facts::Nobody;
+use crate::parts::Looker;
+
+/// The lobes of all points.
+#[derive(Debug)]
+pub(crate) struct Fixed {
+    front: Lobes,
+    back: Lobes,
+}
+
+impl Fixed {
+    /// Of a group, if they are the same.
+    pub(crate) fn of(plan: &Plan, colors: &ColorSystem) -> Option<Self> {
+        if !Walk::is_fixed(plan) {
+            return None;
+        }
+        let mut points = Points { count: 1, ..Points::default() };
+        for rows in [&mut points.n, &mut points.ng] {
+            rows[2][0] = 1.0;
+        }
+        let mut results = Results::default();
+        plan.run(&Nobody(colors), &points, &mut results);
+        if !results.events.is_empty() {
+            return None;
+        }
+        let mut look = |backfacing| {
+            points.backfacing = backfacing;
+            let mut out = ClosureBatch::default();
+            out.reset(LANES);
+            let mut open = Vec::new();
+            let looker = Looker::look(&points, &results, (&mut out, 0), &mut open);
+            let lights = &looker.lights;
+            let is_plain = !looker.is_cut()
+                && looker.lists.bent() == 0
+                && (lights.emission.some | lights.through.some | lights.radiance.some) == 0;
+            is_plain.then(|| looker.lists.lobes(0))
+        };
+        Some(Self { front: look(0)?, back: look(1)? })
+    }
+
+    /// What a point scatters by, from the side that its ray came from.
+    pub(crate) fn lobes(&self, hits: &SurfaceBatch, i: usize) -> &Lobes {
+        if hits.front(i) { &self.front } else { &self.back }
+    }
+
+    /// The unit normal that the lobes of a point lie around, on the side that its ray came from.
+    pub(crate) fn normal(hits: &SurfaceBatch, i: usize) -> Vec3 {
+        let ns = hits.facing_ns(i);
+        if ns.dot(hits.facing_ng(i)) < 0.0 { -ns } else { ns }
+    }
+
+    /// Writes all points.
+    pub(crate) fn write(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        for first in (0..hits.len()).step_by(LANES) {
+            let count = LANES.min(hits.len() - first);
+            let mut back = 0;
+            let mut lists = Lists::of(out, first);
+            for lane in 0..count {
+                let i = first + lane;
+                back |= u32::from(!hits.front(i)) << lane;
+                let ns = hits.point(i).bent_normal(Self::normal(hits, i), -hits.ray_dir.get(i));
+                lists.face(lane, ns, |n| n);
+            }
+            let all = (1_u32 << count) - 1;
+            for (some, lobes) in [(all & !back, &self.front), (back, &self.back)] {
+                if some != 0 {
+                    lobes.as_slice().iter().for_each(|lobe| lists.push(some, lobe));
+                }
+            }
+        }
+    }
+}
+
+/// Operations that make a result of what they read, and ask nobody; those on components by themselves are of this kind, too.
+const PURE: [&str; 60] = [
+    "add",
+    "sub",
+    "mul",
+    "div",
+    "mod",
+    "fmod",
+    "neg",
+    "compl",
+    "abs",
+    "fabs",
+    "min",
+    "max",
+    "and",
+    "or",
+    "xor",
+    "bitand",
+    "bitor",
+    "shl",
+    "shr",
+    "eq",
+    "neq",
+    "lt",
+    "gt",
+    "le",
+    "ge",
+    "isnan",
+    "isinf",
+    "isfinite",
+    "assign",
+    "arraycopy",
+    "int",
+    "float",
+    "color",
+    "point",
+    "vector",
+    "normal",
+    "matrix",
+    "transformc",
+    "luminance",
+    "blackbody",
+    "wavelength_color",
+    "determinant",
+    "transpose",
+    "dot",
+    "cross",
+    "length",
+    "distance",
+    "normalize",
+    "sincos",
+    "Dx",
+    "Dy",
+    "Dz",
+    "filterwidth",
+    "noise",
+    "snoise",
+    "cellnoise",
+    "hashnoise",
+    "hash",
+    "spline",
+    "arraylength",
+];
+/// The same, but they say so where an index is wrong: it must be known.
+const INDEXED: [&str; 6] = ["aref", "aassign", "compref", "compassign", "mxcompref", "mxcompassign"];
+
+/// Goes through a group until nothing is added.
+struct Walk<'p> {
+    plan: &'p Plan,
+    /// By cell, whether it may differ from point to point.
+    varies: Vec<bool>,
+    changed: bool,
+    fits: bool,
+    /// By first cell, of what globals but `Ci` hold.
+    globals: HashMap<u32, &'p str>,
+    shapes: &'static [Shape],
+}
+
+fn bit(bits: u64, i: usize) -> bool {
+    i >= 64 || bits & 1 << i != 0
+}
+
+impl<'p> Walk<'p> {
+    fn is_fixed(plan: &'p Plan) -> bool {
+        let mut this = Self {
+            plan,
+            varies: vec![false; plan.memory.len()],
+            changed: false,
+            fits: true,
+            globals: HashMap::new(),
+            shapes: all().1,
+        };
+        for (name, slot) in plan.globals.iter().filter(|(_, slot)| slot.ty != Type::CLOSURE) {
+            this.globals.insert(slot.at, name);
+            this.mark(slot);
+        }
+        for layer in &plan.layers {
+            for param in layer.params.iter().filter(|param| param.source == Source::Geometry) {
+                this.mark(&layer.slots[param.symbol as usize]);
+            }
+        }
+        this.changed = true;
+        while std::mem::take(&mut this.changed) && this.fits {
+            for (number, layer) in plan.layers.iter().enumerate() {
+                for copy in &layer.copies {
+                    // Derivatives go with the value, wherever they lie.
+                    if this.reads(&copy.from) {
+                        this.mark(&layer.slots[copy.to_symbol as usize]);
+                    }
+                }
+                layer.params.iter().for_each(|param| this.block(number, &param.init));
+                this.block(number, &layer.code);
+            }
+        }
+        this.fits
+    }
+
+    fn reads(&self, slot: &Slot) -> bool {
+        slot.size > 0 && self.varies[slot.at as usize..][..slot.cells()].contains(&true)
+    }
+
+    fn mark(&mut self, slot: &Slot) {
+        let cells = &mut self.varies[slot.at as usize..][..slot.cells()];
+        self.changed |= cells.contains(&false);
+        cells.fill(true);
+    }
+
+    fn block(&mut self, layer: usize, list: &[Instruction]) {
+        for instruction in list {
+            match instruction {
+                Instruction::Do(step) => self.step(layer, step),
+                Instruction::If { condition, yes, no, .. } => {
+                    self.fits &= !self.reads(condition);
+                    self.block(layer, yes);
+                    self.block(layer, no);
+                }
+                Instruction::Loop(turns) => {
+                    self.fits &= !self.reads(&turns.condition);
+                    for part in [&turns.init, &turns.test, &turns.body, &turns.step] {
+                        self.block(layer, part);
+                    }
+                }
+                Instruction::Call(body) => self.block(layer, body),
+                Instruction::Leave(_) => {}
+            }
+            if !self.fits {
+                return;
+            }
+        }
+    }
+
+    fn step(&mut self, layer: usize, step: &Step) {
+        let args = &step.args;
+        let written = || args.iter().enumerate().filter(|(i, _)| *i < 64 && bit(step.writes, *i));
+        if written().any(|(_, slot)| self.globals.contains_key(&slot.at)) {
+            self.fits = false;
+            return;
+        }
+        let name = &*step.name;
+        let varies = args.iter().enumerate().any(|(i, slot)| bit(step.reads, i) && self.reads(slot));
+        let is_closure = args.first().is_some_and(|out| out.ty == Type::CLOSURE);
+        match name {
+            "useparam" | "nop" | "end" => {}
+            "closure" => self.closure(layer, step),
+            "add" | "mul" if is_closure => self.fits &= !varies,
+            _ if INDEXED.contains(&name) => self.fits &= !varies,
+            _ => {
+                // Named spaces are the renderer's.
+                let has_text = args.iter().any(|slot| slot.ty.base == Base::String);
+                let is_placed = has_text && matches!(name, "point" | "vector" | "normal" | "matrix");
+                let is_pure = !matches!(step.action, Action::Whole(_)) || PURE.contains(&name);
+                self.fits &= is_pure && !is_placed;
+                if varies {
+                    written().for_each(|(_, slot)| self.mark(slot));
+                }
+            }
+        }
+    }
+
+    /// A component: all that it takes must be known but the points' normals, and the direction of grain that there is none of.
+    fn closure(&mut self, layer: usize, step: &Step) {
+        self.fits &= self.is_known_component(layer, step);
+    }
+
+    fn is_known_component(&self, layer: usize, step: &Step) -> bool {
+        let plan = self.plan;
+        let ([_, name, rest @ ..], [_, symbol, ..]) = (&*step.args, &*step.symbols) else { return false };
+        if plan.layers[layer].shader.symbol(*symbol).kind != SymbolKind::Const || name.ty != Type::STRING {
+            return false;
+        }
+        let name = &**plan.strings.text(plan.memory[name.at as usize]);
+        let Some(place) = all().0.iter().position(|decl| *decl.name == *name) else { return false };
+        let shape = &self.shapes[place];
+        let normal = match shape.known {
+            Known::Layer | Known::Nothing => None,
+            // What is not scattered is not for here.
+            Known::Emission | Known::Radiance | Known::UniformEdf | Known::Transparent => return false,
+            _ => match shape.normal() {
+                Some(place) => Some(place),
+                None => return false,
+            },
+        };
+        let is_own = |slot: &Slot| self.globals.get(&slot.at) == Some(&"N");
+        if normal.is_some_and(|place| !rest.get(place).is_some_and(is_own)) {
+            return false;
+        }
+        let alike = shape.grain().filter(|[_, x, y]| match (rest.get(*x), rest.get(*y)) {
+            (Some(x), Some(y)) => x.at == y.at,
+            _ => false,
+        });
+        let free = [normal, alike.map(|[along, ..]| along)];
+        rest.iter().enumerate().all(|(i, slot)| free.contains(&Some(i)) || !self.reads(slot))
+    }
+}
