@@ -24,8 +24,8 @@ import equal_error
 import interiors
 
 
-def load_scene(parts, camera, light_tree, max_depth=9):
-    """Makes Blender's scene of the parts: one mesh of flat triangles, a material for each part."""
+def load_scene(parts, camera, light_tree, max_depth=9, scatter=None):
+    """Makes Blender's scene of the parts: one mesh of flat triangles, a material for each part; `scatter` as in `make_material`."""
     eye, target, up, fov, width, height = camera
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
@@ -46,7 +46,7 @@ def load_scene(parts, camera, light_tree, max_depth=9):
         layer = mesh.uv_layers.new(name="texcoords")
         layer.data.foreach_set("uv", np.concatenate(texcoords).astype(np.float32).ravel())
     for part in parts:
-        mesh.materials.append(make_material(part))
+        mesh.materials.append(make_material(part, scatter or matte))
     owners = np.repeat(np.arange(len(parts), dtype=np.int32), [len(part.corners) for part in parts])
     mesh.polygons.foreach_set("material_index", owners)
     mesh.update(calc_edges=True)
@@ -78,6 +78,7 @@ def load_scene(parts, camera, light_tree, max_depth=9):
     cycles.pixel_filter_type = "BOX"
     # Cycles counts bounces before the last vertex that is lit: none of them is direct light, which is 2 edges.
     cycles.max_bounces = cycles.diffuse_bounces = max_depth - 2
+    cycles.glossy_bounces = cycles.transmission_bounces = cycles.transparent_max_bounces = max_depth - 2
     return scene
 
 
@@ -126,22 +127,35 @@ def overlap(triangle, others, least=1e-4):
     return result
 
 
-def make_material(part):
+def matte(part, nodes, links):
+    """A node that scatters as `--force-diffuse` does; none where nothing is reflected."""
+    if not any(part.reflectance):
+        return None
+    diffuse = nodes.new("ShaderNodeBsdfDiffuse")
+    diffuse.inputs["Roughness"].default_value = 0
+    colour(part, diffuse.inputs["Color"], nodes, links)
+    return diffuse
+
+
+def colour(part, socket, nodes, links):
+    """Kd times map_Kd."""
+    socket.default_value = (*part.reflectance, 1)
+    if part.texture:
+        texture = nodes.new("ShaderNodeTexImage")
+        texture.image = make_texture(part)
+        texture.interpolation, texture.extension = "Linear", "REPEAT"
+        links.new(texture.outputs["Color"], socket)
+
+
+def make_material(part, scatter):
+    """`scatter(part, nodes, links)` makes the node that says how it scatters, or gives None."""
     material = bpy.data.materials.new(part.name)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
     output = nodes.new("ShaderNodeOutputMaterial").inputs["Surface"]
-    diffuse = None
-    if any(part.reflectance):
-        diffuse = nodes.new("ShaderNodeBsdfDiffuse")
-        diffuse.inputs["Roughness"].default_value = 0
-        diffuse.inputs["Color"].default_value = (*part.reflectance, 1)
-        if part.texture:
-            texture = nodes.new("ShaderNodeTexImage")
-            texture.image = make_texture(part)
-            texture.interpolation, texture.extension = "Linear", "REPEAT"
-            links.new(texture.outputs["Color"], diffuse.inputs["Color"])
-        links.new(diffuse.outputs[0], output)
+    made = scatter(part, nodes, links)
+    if made:
+        links.new(made.outputs[0], output)
     if any(part.emission):
         # Light leaves the front alone: times one less Backfacing.
         emission, geometry, front = (nodes.new(f"ShaderNode{kind}") for kind in ("Emission", "NewGeometry", "Math"))
@@ -151,9 +165,9 @@ def make_material(part):
         links.new(front.outputs[0], emission.inputs["Strength"])
         emission.inputs["Color"].default_value = (*part.emission, 1)
         material.cycles.emission_sampling = "FRONT"
-        if diffuse:
+        if made:
             both = nodes.new("ShaderNodeAddShader")
-            links.new(diffuse.outputs[0], both.inputs[0])
+            links.new(made.outputs[0], both.inputs[0])
             links.new(emission.outputs[0], both.inputs[1])
             links.new(both.outputs[0], output)
         else:

@@ -1,87 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Times path tracing by Mitsuba 3 and by gnurt on interiors with their own glass, metal, plastic and textures, at equal error.
+"""Times path tracing by another renderer and by gnurt on interiors with their own glass, metal, plastic and textures, at equal error.
 
-    python3 own_materials.py SCENES CAMERAS GNURT [--variant llvm_ad_rgb] [--spp 16] [--pictures 6] [--json FILE] [SCENE ...]
+    python3 own_materials.py SCENES CAMERAS GNURT [--against mitsuba] [--variant llvm_ad_rgb] [--spp 16] [--pictures 6] [--json FILE] [SCENE ...]
 
-SCENES is the folder of unpacked scenes, CAMERAS their cameras.json (the first view is taken), GNURT the program. Each program renders
-independent pictures; the error is their variance over pixels, so that no reference is needed and each is measured against its own
-mean: plastics and rough metal are Mitsuba's own models, which differ a little from ours (docs/materials.md), matte, mirrors and smooth
-glass are the same. relMSE = variance over (smoothed mean squared + a hundredth of the picture's squared mean), as in `bench light`.
-One thread, one process each, in turns; CPU seconds without reading, trees and kernels. Needs `pip install mitsuba numpy` and, for llvm
-variants, a libLLVM (DRJIT_LIBLLVM_PATH). Source: original.
+SCENES is the folder of unpacked scenes, CAMERAS their cameras.json (the first view is taken), GNURT the program, the other one Mitsuba 3 or
+Blender's Cycles (own_mitsuba.py, own_cycles.py). Each program renders independent pictures; the error is their variance over pixels, so that
+no reference is needed and each is measured against its own mean: plastics and rough metal are the other's own models, which differ a little
+from ours (docs/materials.md), matte, mirrors and smooth glass are the same. relMSE = variance over (smoothed mean squared + a hundredth of
+the picture's squared mean), as in `bench light`. One thread, one process each, in turns; CPU seconds without reading, trees and kernels.
+Needs `pip install numpy`. Source: original.
 """
 import argparse
+import importlib
 import json
 import math
 import os
 import resource
 import subprocess
 import tempfile
-import time
 
-import mitsuba as mi
 import numpy as np
 
 import equal_error
 import interiors
-import mitsuba_path
+import own_models
 
 DEPTH = 9
-MIRROR_EXPONENT = 1000.0
-
-
-def read_phong(path):
-    """The statements of each material of an MTL file that say how it scatters."""
-    materials, current = {}, None
-    for line in open(path, errors="replace"):
-        words = line.split()
-        if words[:1] == ["newmtl"]:
-            current = materials.setdefault(words[1], {})
-        elif words and words[0] in ("Kd", "Ks", "Tf", "Ns", "Ni", "d", "illum", "map_d"):
-            current[words[0]] = words[1:]
-    return materials
-
-
-def bsdf(phong, part, reflectance):
-    """Mitsuba's model that is nearest to what gnurt makes of an MTL material (crates/scene/src/io/obj/material.rs)."""
-    number = lambda key, default: float(phong[key][0]) if key in phong else default
-    colour = lambda key, default: [float(x) for x in phong[key][:3]] if key in phong else default
-    rgb = lambda value: {"type": "rgb", "value": list(value)}
-    kd, ks = colour("Kd", [0.0] * 3), colour("Ks", [0.0] * 3)
-    mean = lambda c: sum(c) / 3
-    exponent, opacity = number("Ns", None), number("d", 1.0)
-    alpha = math.sqrt(2 / (exponent + 2)) if exponent is not None else None
-    twosided = lambda nested: {"type": "twosided", "nested": nested}
-    illum, black = int(number("illum", 2)), mean(kd) == 0 and not part.texture
-    if illum in (4, 6, 7, 9) or (opacity < 1 and black and ("Tf" in phong or number("Ni", 1.0) > 1)):
-        return {"type": "dielectric", "int_ior": number("Ni", 1.5), "ext_ior": 1.0, "specular_transmittance": rgb(colour("Tf", [1.0] * 3))}
-    if (illum in (3, 5) and mean(ks) > mean(kd)) or (black and mean(ks) >= 0.2):
-        metal = {"material": "none", "specular_reflectance": rgb(ks)}
-        if exponent is None or exponent >= MIRROR_EXPONENT:
-            made = twosided({"type": "conductor", **metal})
-        else:
-            made = twosided({"type": "roughconductor", "distribution": "ggx", "alpha": alpha, **metal})
-    elif exponent is not None and mean(ks) > 0 and not black:
-        root = math.sqrt(min(mean(ks), 0.95))
-        ior = (1 + root) / (1 - root)
-        plastic = {"diffuse_reflectance": reflectance, "int_ior": ior, "ext_ior": 1.0, "nonlinear": False}
-        # Mitsuba has no rough plastic that is nearly smooth.
-        if alpha < 0.02:
-            made = twosided({"type": "plastic", **plastic})
-        else:
-            made = twosided({"type": "roughplastic", "distribution": "ggx", "alpha": alpha, **plastic})
-    else:
-        made = twosided({"type": "diffuse", "reflectance": reflectance})
-    return {"type": "mask", "opacity": opacity, "nested": made} if opacity < 1 else made
-
-
-def reflectance(part):
-    """Kd times map_Kd."""
-    if not part.texture:
-        return {"type": "rgb", "value": list(part.reflectance)}
-    bitmap = mi.Bitmap(part.texture).convert(mi.Bitmap.PixelFormat.RGB, mi.Struct.Type.Float32, False)
-    data = (np.array(bitmap) * np.array(part.reflectance, np.float32)).astype(np.float32)
-    return {"type": "bitmap", "data": mi.TensorXf(data), "raw": True, "filter_type": "bilinear", "wrap_mode": "repeat"}
+RIVALS = {"mitsuba": ("own_mitsuba", "Mitsuba"), "cycles": ("own_cycles", "Cycles")}
 
 
 def camera_of(views, scene, size):
@@ -113,20 +58,6 @@ class Gnurt:
         return equal_error.read_pfm(self.output), seconds, spp + 1
 
 
-class Mitsuba:
-    def __init__(self, arguments, scene, camera, folder):
-        parts = interiors.read(arguments.scenes, scene)
-        phong = read_phong(os.path.join(arguments.scenes, scene, scene + ".mtl"))
-        bsdfs = {part.name: bsdf(phong[part.name], part, reflectance(part)) for part in parts}
-        self.scene = mitsuba_path.load_scene(parts, camera, folder, bsdfs, DEPTH)
-        mi.render(self.scene, spp=arguments.spp, seed=99).numpy()  # compiles
-
-    def render(self, spp, seed):
-        start = time.process_time()
-        picture = mi.render(self.scene, spp=spp, seed=seed).numpy().astype(np.float64)
-        return picture, time.process_time() - start, spp
-
-
 def smoothed(picture):
     """Means of 5 x 5 pixels and all channels."""
     grey = np.pad(picture.mean(axis=-1), 2, mode="edge")
@@ -147,27 +78,29 @@ def main():
     for name in ("scenes", "cameras", "gnurt"):
         parser.add_argument(name)
     parser.add_argument("only", nargs="*", default=["conference", "veach-ajar", "white-room", "modern-hall", "breakfast-room"])
+    parser.add_argument("--against", choices=RIVALS, default="mitsuba")
     parser.add_argument("--variant", default="llvm_ad_rgb")
     parser.add_argument("--spp", type=int, default=16)
     parser.add_argument("--pictures", type=int, default=6)
     parser.add_argument("--size", type=int, nargs=2, default=(256, 192))
     parser.add_argument("--json")
     arguments = parser.parse_intermixed_args()
-    mi.set_variant(arguments.variant)
-    import drjit as dr
-
-    dr.set_thread_count(1)
+    file, rival = RIVALS[arguments.against]
+    rival = getattr(importlib.import_module(file), rival)
     views, found, shares = json.load(open(arguments.cameras)), [], []
     print("| scene | renderer | spp | CPU s | relMSE | trimmed | mean | relMSE x s | trimmed x s |\n|---|---|---|---|---|---|---|---|---|")
     for scene in arguments.only:
         camera, worth = camera_of(views, scene, arguments.size), []
+        textured = {part.name: bool(part.texture) for part in interiors.read(arguments.scenes, scene)}
+        phong = own_models.read_phong(os.path.join(arguments.scenes, scene, scene + ".mtl"))
+        models = {name: own_models.model(phong[name], textured[name]) for name in textured}
         with tempfile.TemporaryDirectory() as folder:
-            programs = [Gnurt(arguments, scene, camera, folder), Mitsuba(arguments, scene, camera, folder)]
+            programs = [Gnurt(arguments, scene, camera, folder), rival(arguments, scene, models, camera, DEPTH, folder)]
             taken = [[], []]
             for seed in range(arguments.pictures):
                 for program, into in zip(programs, taken):
                     into.append(program.render(arguments.spp, seed))
-        for name, rendered in zip(("gnurt", f"Mitsuba {mi.__version__}"), taken):
+        for name, rendered in zip(("gnurt", rival.name), taken):
             error, trimmed, mean = rel_mse([picture for picture, _, _ in rendered])
             seconds, spp = float(np.median([s for _, s, _ in rendered])), rendered[0][2]
             worth.append((error * seconds, trimmed * seconds))
