@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Values of time: limits, moments and frames of an animation.
+//! Source: original; the ranges are the contract of the command line. Proof: `tests`.
+
+use std::time::Duration;
+
+/// Frames of an animation, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct FrameRange {
+    pub(crate) first: u32,
+    pub(crate) last: u32,
+}
+
+/// `90`, `90s`, `1.5m`, `2h`, `500ms`.
+pub(crate) fn time(text: &str) -> Result<Duration, String> {
+    let form = || "give a time above 0 like 90, 90s, 1.5m or 2h".to_owned();
+    let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0), ("", 1.0)];
+    let (digits, unit) =
+        units.iter().find_map(|(name, unit)| Some((text.strip_suffix(name)?, unit))).ok_or_else(form)?;
+    let seconds = digits.trim_end().parse::<f64>().map_err(|_| form())? * unit;
+    let time = Duration::try_from_secs_f64(seconds).map_err(|_| form())?;
+    if time.is_zero() { Err(form()) } else { Ok(time) }
+}
+
+/// A moment of an animation.
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    value.ok_or_else(|| "give a time in seconds like 1.5".into())
+}
+
+/// Frames per second.
+pub(crate) fn frames_per_second(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|value| (1e-6..=1e6).contains(value));
+    value.ok_or_else(|| "give frames per second above 0, like 24 or 29.97".into())
+}
+
+/// For how many frames a shutter is open.
+pub(crate) fn shutter(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|value| (0.0..=1e6).contains(value));
+    value.ok_or_else(|| "give how many frames the shutter is open, 0 or more, like 0.5".into())
+}
+
+/// `0..47`, or one number.
+pub(crate) fn frames(text: &str) -> Result<FrameRange, String> {
+    const MOST: u32 = i32::MAX as u32;
+    let number = |text: &str| text.trim().parse::<u32>().ok().filter(|&number| number <= MOST);
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    let form = || format!("give the first and the last frame like 0..47, whole numbers up to {MOST}");
+    let (first, last) = number(first).zip(number(last)).ok_or_else(form)?;
+    if last < first {
+        return Err(format!("the last frame is before the first; did you mean {last}..{first}?"));
+    }
+    Ok(FrameRange { first, last })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times() {
+        for (text, seconds) in [("90", 90.0), ("90s", 90.0), ("1.5m", 90.0), ("2h", 7200.0), ("500ms", 0.5)] {
+            assert_eq!(time(text), Ok(Duration::from_secs_f64(seconds)), "'{text}'");
+        }
+        for bad in ["", "0", "-1", "s", "nan", "inf", "1e300", "5 minutes", "1d"] {
+            assert!(time(bad).is_err(), "'{bad}' is no time");
+        }
+    }
+
+    #[test]
+    fn frames_have_both_ends() {
+        let range = |first, last| Ok(FrameRange { first, last });
+        assert_eq!(
+            (frames("0..47"), frames("7"), frames("5..5")),
+            (range(0, 47), range(7, 7), range(5, 5)),
+            "ends"
+        );
+        assert!(frames("5..2").expect_err("turned round").contains("did you mean 2..5?"), "turned round");
+        for bad in ["", "..", "1..", "..2", "-1..2", "1...2", "1..2147483648", "1.5..2", "a"] {
+            assert!(frames(bad).is_err(), "'{bad}' is no range");
+        }
+        assert_eq!((seconds("-0.5"), seconds("1e1")), (Ok(-0.5), Ok(10.0)), "moments");
+        assert!(seconds("nan").is_err() && seconds("inf").is_err() && seconds("1s").is_err(), "no moments");
+        assert!(frames_per_second("0").is_err() && frames_per_second("29.97").is_ok(), "rates");
+    }
+}
