@@ -5,6 +5,8 @@
 
 use std::fs::File;
 use std::io;
+#[cfg(unix)]
+use std::os::unix::fs::FileExt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::Error;
@@ -143,9 +145,6 @@ impl Cutter<'_> {
 fn failure(error: &io::Error) -> Error {
     Error::file(&std::env::temp_dir(), "no temporary file for textures", error)
 }
-
-#[cfg(unix)]
-use std::os::unix::fs::FileExt;
 
 #[cfg(unix)]
 fn read_some(file: &File, to: &mut [u8], at: u64) -> io::Result<usize> {

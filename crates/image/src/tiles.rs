@@ -12,13 +12,15 @@
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering, fence};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::Error;
 use crate::tile_file::{Cutter, TILE_BYTES, TileFile, WORDS, tile_size};
 
 /// Tiles in memory at least, so that threads do not take them from each other while they are read.
 const LEAST_TILES: usize = 64;
+/// Tiles that take their memory together, when the first of them is wanted: 16 MiB.
+const TOGETHER: usize = 1024;
 
 /// Tiles of textures: a part of them in memory, all of them in a temporary file. Clones share it.
 #[derive(Clone)]
@@ -26,7 +28,10 @@ pub struct TileCache(Arc<Shared>);
 
 struct Shared {
     file: TileFile,
-    slots: Box<[Slot]>,
+    /// So many tiles may be in memory.
+    most: usize,
+    /// [`TOGETHER`] each, the last of fewer.
+    slots: Box<[OnceLock<Box<[Slot]>>]>,
     clock: Mutex<Clock>,
     read: AtomicU64,
     failed: AtomicU64,
@@ -41,7 +46,7 @@ struct Slot {
     words: Box<[AtomicU64]>,
 }
 
-/// Which slot is next, and whose tiles they hold.
+/// Which slot is next, and whose tiles they hold: as many as were wanted so far.
 struct Clock {
     hand: usize,
     owners: Vec<Option<(Arc<Places>, usize)>>,
@@ -87,15 +92,11 @@ impl TileCache {
     pub fn new(memory_bytes: u64) -> Result<Self, Error> {
         let count = usize::try_from(memory_bytes / TILE_BYTES as u64).unwrap_or(usize::MAX);
         let count = count.clamp(LEAST_TILES, u32::MAX as usize - 1);
-        let slot = || Slot {
-            version: AtomicU32::new(0),
-            was_read: AtomicBool::new(false),
-            words: (0..WORDS).map(|_| AtomicU64::new(0)).collect(),
-        };
         Ok(Self(Arc::new(Shared {
             file: TileFile::new()?,
-            slots: (0..count).map(|_| slot()).collect(),
-            clock: Mutex::new(Clock { hand: 0, owners: vec![None; count] }),
+            most: count,
+            slots: (0..count.div_ceil(TOGETHER)).map(|_| OnceLock::new()).collect(),
+            clock: Mutex::new(Clock { hand: 0, owners: Vec::new() }),
             read: AtomicU64::new(0),
             failed: AtomicU64::new(0),
         })))
@@ -105,7 +106,7 @@ impl TileCache {
     #[must_use]
     pub fn counts(&self) -> TileCounts {
         TileCounts {
-            memory_bytes: (self.0.slots.len() * TILE_BYTES) as u64,
+            memory_bytes: (self.0.most * TILE_BYTES) as u64,
             file_bytes: self.0.file.len(),
             read: self.0.read.load(Ordering::Relaxed),
             failed: self.0.failed.load(Ordering::Relaxed),
@@ -134,7 +135,7 @@ impl Shared {
         let place = &places.slots[tile];
         let entry = place.load(Ordering::Acquire);
         if entry != 0 {
-            let slot = &self.slots[entry as usize - 1];
+            let slot = self.slot(entry as usize - 1);
             let version = slot.version.load(Ordering::Acquire);
             // If the slot is the tile's still, this version is of the tile.
             if version.is_multiple_of(2) && place.load(Ordering::Acquire) == entry {
@@ -167,7 +168,7 @@ impl Shared {
         let mut clock = self.clock.lock().unwrap_or_else(PoisonError::into_inner);
         if places.slots[tile].load(Ordering::Acquire) == 0 {
             let number = self.victim(&mut clock);
-            let slot = &self.slots[number];
+            let slot = self.slot(number);
             if let Some((before, tile)) = clock.owners[number].take() {
                 before.slots[tile].store(0, Ordering::Release);
             }
@@ -182,12 +183,28 @@ impl Shared {
         }
     }
 
-    /// The next slot that was not read from since the hand passed it.
+    #[inline]
+    fn slot(&self, number: usize) -> &Slot {
+        let slot = |_| Slot {
+            version: AtomicU32::new(0),
+            was_read: AtomicBool::new(false),
+            words: (0..WORDS).map(|_| AtomicU64::new(0)).collect(),
+        };
+        let first = number - number % TOGETHER;
+        let slots = || (first..self.most.min(first + TOGETHER)).map(slot).collect();
+        &self.slots[number / TOGETHER].get_or_init(slots)[number % TOGETHER]
+    }
+
+    /// A slot that was never wanted, or the next one that was not read from since the hand passed it.
     fn victim(&self, clock: &mut Clock) -> usize {
-        for _ in 0..2 * self.slots.len() {
+        if clock.owners.len() < self.most {
+            clock.owners.push(None);
+            return clock.owners.len() - 1;
+        }
+        for _ in 0..2 * self.most {
             let number = clock.hand;
-            clock.hand = (number + 1) % self.slots.len();
-            if !self.slots[number].was_read.swap(false, Ordering::Relaxed) {
+            clock.hand = (number + 1) % self.most;
+            if !self.slot(number).was_read.swap(false, Ordering::Relaxed) {
                 return number;
             }
         }
@@ -307,6 +324,15 @@ mod tests {
             }
         }
         assert_eq!(cache.counts().failed, 0);
+    }
+
+    #[test]
+    fn memory_is_taken_when_it_is_wanted() {
+        let cache = TileCache::new(1 << 44).expect("a file");
+        assert_eq!(cache.counts().memory_bytes, 1 << 44, "sixteen tebibytes may be taken");
+        let tiled = cache.keep(picture(0, 100, 100)).expect("room on the disk");
+        assert_eq!(tiled.texel(99, 99), picture(0, 100, 100).texel(99, 99));
+        assert_eq!(cache.0.slots.iter().filter(|slots| slots.get().is_some()).count(), 1, "and are not");
     }
 
     #[test]

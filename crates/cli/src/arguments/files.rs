@@ -8,6 +8,7 @@ use clap::Args;
 use gnurt::LoadOptions;
 use gnurt::image::TileCache;
 
+use super::value;
 use crate::failure::Failure;
 
 /// `--confine` and `--texture-memory`.
@@ -29,7 +30,8 @@ pub(crate) struct FileArguments {
         help_heading = "Time and machine",
         hide_short_help = true,
         value_name = "MIB",
-        value_parser = clap::value_parser!(u64).range(1..=1 << 24)
+        value_parser = value::mebibytes,
+        allow_hyphen_values = true
     )]
     texture_memory: Option<u64>,
 }

@@ -49,6 +49,11 @@ pub(crate) fn noise(text: &str) -> Result<f32, String> {
     value.ok_or_else(|| "give a share above 0, like 0.02 for two per cent".into())
 }
 
+/// 1 to 2^24.
+pub(crate) fn mebibytes(text: &str) -> Result<u64, String> {
+    whole(text, 1, 1 << 24)
+}
+
 /// 0 to 1024.
 pub(crate) fn threads(text: &str) -> Result<usize, String> {
     whole(text, 0, MOST_THREADS)

@@ -14,7 +14,7 @@ mod shader;
 
 pub(crate) use bench::{batch, characters, columns, engine, instances, motion_case, ray_class, rounds};
 pub(crate) use effort::{
-    clamp, depth, integrator, interleave, isa, memory, noise, samples, seed, threads, tolerance,
+    clamp, depth, integrator, interleave, isa, mebibytes, memory, noise, samples, seed, threads, tolerance,
     virtual_lights,
 };
 pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
@@ -45,6 +45,7 @@ mod tests {
         );
         assert_eq!(seed("18446744073709551615"), Ok(u64::MAX), "the largest seed");
         assert!(seed("18446744073709551616").is_err(), "beyond it");
+        assert!(mebibytes("-3").expect_err("no memory").contains("from 1 to 16777216"), "memory");
         assert_eq!(threads("1024"), Ok(1024), "the most threads");
         assert!(threads("1025").is_err(), "more than that");
         assert!(
