@@ -327,6 +327,8 @@ fn literal(ty: Type, words: &[&Word]) -> Result<Data, String> {
         base if base.is_float_based() => {
             Data::Float(words.iter().map(number).collect::<Result<_, String>>()?)
         }
+        // The black closure, which is a 0.
+        Base::Closure => Data::Int(vec![0; words.len()]),
         _ => Data::Int(Vec::new()),
     })
 }

@@ -6,6 +6,7 @@ use super::console::Console;
 use crate::compile::{Compiled, Options, compile, preprocess};
 use crate::diagnostics::Style;
 use crate::ir::write;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 const USAGE: &str = "\
@@ -103,6 +104,8 @@ fn parse(args: &[String], link: bool) -> Result<Call, Option<String>> {
                     call.dependencies_to = Some(name.to_owned());
                 } else if let Some(name) = arg.strip_prefix("-MT") {
                     call.target = Some(name.to_owned());
+                } else if matches!(arg.as_str(), "-D" | "-U" | "-I") {
+                    return Err(Some(format!("{arg} needs a value, without a space: {arg}VALUE")));
                 } else if let Some(macro_text) = arg.strip_prefix("-D") {
                     call.options.defines.push(macro_text.to_owned());
                 } else if let Some(name) = arg.strip_prefix("-U") {
@@ -112,7 +115,10 @@ fn parse(args: &[String], link: bool) -> Result<Call, Option<String>> {
                 } else if arg.len() > 1 && arg.starts_with('-') && !Path::new(arg).exists() {
                     return Err(Some(format!("unknown option {arg}; oslc --help lists all")));
                 } else {
-                    call.input = Some(arg.clone());
+                    // OSL's compiler takes the last one.
+                    if let Some(first) = call.input.replace(arg.clone()).filter(|_| !link) {
+                        return Err(Some(format!("{first} and {arg}: one file at a time")));
+                    }
                     shown = false;
                 }
             }
@@ -167,8 +173,12 @@ pub fn oslc(args: &[String], console: &mut Console<'_>) -> i32 {
 fn run(call: &Call, input: &str, console: &mut Console<'_>) -> Option<String> {
     let bytes = match std::fs::read(input) {
         Ok(bytes) => bytes,
-        Err(_) => {
+        Err(why) if console.link || why.kind() == ErrorKind::NotFound => {
             console.complain(&format!("error: Input file \"{input}\" not found\n"));
+            return None;
+        }
+        Err(why) => {
+            console.complain(&format!("error: Input file \"{input}\" cannot be read: {why}\n"));
             return None;
         }
     };
@@ -196,8 +206,9 @@ fn run(call: &Call, input: &str, console: &mut Console<'_>) -> Option<String> {
     if call.embed {
         oso.push_str(&format!("%preprocessed_source\n{expanded}\n"));
     }
-    if std::fs::write(&output, oso).is_err() {
-        console.complain(&format!("error: Could not open \"{output}\"\n"));
+    if let Err(why) = std::fs::write(&output, oso) {
+        let why = if console.link { String::new() } else { format!(": {why}") };
+        console.complain(&format!("error: Could not open \"{output}\"{why}\n"));
         return None;
     }
     Some(output)

@@ -48,6 +48,7 @@ pub fn oslinfo(args: &[String], console: &mut Console<'_>) -> i32 {
     if files.is_empty() {
         console.print(USAGE);
     }
+    let mut status = 0;
     for file in files {
         let start = std::time::Instant::now();
         match load(&file, &path) {
@@ -55,10 +56,17 @@ pub fn oslinfo(args: &[String], console: &mut Console<'_>) -> i32 {
                 console.print(&format!("{} sec for {file}\n", general(start.elapsed().as_secs_f64(), 6)))
             }
             Ok(shader) => console.print(&describe(&shader, verbose, only.as_deref())),
-            Err(message) => console.print(&format!("ERROR opening shader \"{file}\" ({message})\n")),
+            Err(message) => {
+                console.print(&format!("ERROR opening shader \"{file}\" ({message})\n"));
+                // OSL's tool goes on as if nothing were wrong.
+                status = i32::from(!console.link);
+                if !console.link && file.ends_with(".osl") {
+                    console.complain(&format!("{file} is source text: `oslc {file}` compiles it\n"));
+                }
+            }
         }
     }
-    0
+    status
 }
 
 fn load(name: &str, path: &str) -> Result<Shader, String> {

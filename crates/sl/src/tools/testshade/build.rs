@@ -117,6 +117,10 @@ pub(super) fn group(options: &Options, console: &mut Console<'_>) -> Option<Grou
                 match shader {
                     Some(shader) => group.add(shader, given.as_deref(), &pending, &mut said),
                     None => {
+                        if !console.link && std::path::Path::new(name).extension().is_some_and(|e| e == "osl")
+                        {
+                            console.complain(&format!("{name} is source text: `oslc {name}` compiles it\n"));
+                        }
                         let message = format!(
                             "ERROR: Could not find shader \"{name}\"\n        group: {}\n",
                             group.name

@@ -17,7 +17,7 @@ testshade [options] shader...
     --runstats                   Print what runs and how long it takes
     --res XRES YRES, -g          Set resolution
     --options LIST               Set extra OSL options
-    --colorspace NAME            Set ShadingSysem colorspace
+    --colorspace NAME            Set the shading system's colorspace
     -o VARIABLE FILENAME         Specify an output (filename='null' means don't save)
     -d NAME, -od                 Set the output data format to one of: uint8, half, float
     --print                      Print values of all -o outputs to console instead of saving images
@@ -151,6 +151,20 @@ const IGNORED: [(&str, usize); 24] = [
     ("jbufferMB", 1),
 ];
 
+/// Pixels along a side.
+const MOST_PIXELS: usize = 1 << 14;
+
+/// What `--engine` names.
+const ENGINES: [&str; 6] = ["interpreter", "machine", "avx2", "avx512", "avx2-scalar", "avx512-scalar"];
+
+/// One of these words.
+fn known(option: &str, word: String, list: &[&str]) -> Result<String, Option<String>> {
+    if list.contains(&word.as_str()) {
+        return Ok(word);
+    }
+    Err(Some(format!("{option}: '{word}' is none of {}", list.join(", "))))
+}
+
 /// The types that `type=` names.
 fn type_named(text: &str) -> Option<Type> {
     let (name, array) = match text.split_once('[') {
@@ -201,12 +215,18 @@ pub(super) fn read(args: &[String]) -> Result<Options, Option<String>> {
             "help" | "h" => return Err(None),
             "v" => o.verbose = true,
             "debug" | "debug2" => o.debug = true,
-            "res" | "g" => o.size = [count(value()?)?.clamp(1, 1 << 14), count(value()?)?.clamp(1, 1 << 14)],
+            "res" | "g" => {
+                let mut side = || match count(value()?)? {
+                    n @ 1..=MOST_PIXELS => Ok(n),
+                    n => Err(Some(format!("{arg}: {n} is not from 1 to {MOST_PIXELS}"))),
+                };
+                o.size = [side()?, side()?];
+            }
             "options" => o.extra = value()?,
             "colorspace" => o.colorspace = value()?,
             "o" => o.outputs.push((value()?, value()?)),
-            "d" | "od" => o.format = value()?,
-            "engine" => o.engine = value()?,
+            "d" | "od" => o.format = known(arg, value()?, &["uint8", "half", "float"])?,
+            "engine" => o.engine = known(arg, value()?, &ENGINES)?,
             "runstats" => o.times = true,
             "debugnan" => o.debug_nan = true,
             "print" => o.print = true,

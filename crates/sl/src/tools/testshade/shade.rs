@@ -95,6 +95,17 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
         console.print("\n");
     }
     let mut outputs = find_outputs(options, &group);
+    // OSL's tool says nothing of either, and succeeds.
+    let mut missing = Vec::new();
+    if !console.link {
+        let is_there = |(name, file): &&(String, String)| {
+            let var = name.split_once('.').map_or(name.as_str(), |(_, var)| var);
+            outputs.iter().any(|o| (o.name.as_str(), &o.file) == (var, file))
+        };
+        missing.extend(options.outputs.iter().filter(|o| !is_there(o)).map(|(name, _)| name.clone()));
+        missing.iter().for_each(|name| console.complain(&format!("ERROR: no shader has an output {name}\n")));
+    }
+    let is_whole = console.link || (missing.is_empty() && !group.layers.is_empty());
     for (output, asked) in outputs.iter().map(|o| (o, &o.file)) {
         if asked != "null" {
             let name = options.outputs.iter().find(|o| o.1 == *asked).map_or(&output.name, |o| &o.0);
@@ -163,7 +174,7 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
         console.print("\n");
     }
     match save(options, &outputs, console) {
-        0 if !unwritten.is_empty() => 1,
+        0 if !unwritten.is_empty() || !is_whole => 1,
         status => status,
     }
 }
