@@ -67,7 +67,7 @@ fn made(stage: &mut Stage, light: NewLight) -> PyResult<Vec<Light>> {
     }
     let mut lights = other.lights().to_vec();
     for light in &mut lights {
-        if let Light::Environment { texture: Some(texture), .. } = light {
+        if let Some(texture) = light.texture_mut() {
             texture.0 += textures;
         }
     }

@@ -235,6 +235,7 @@ pub(crate) fn print(frame: &FrameArguments, view: &ViewArguments) -> u64 {
 pub(crate) fn check(frame: &FrameArguments, view: &ViewArguments) -> Result<(), Failure> {
     choices(frame, view).try_for_each(|(option, choice)| {
         files_of(choice).try_for_each(|file| match std::fs::metadata(&file) {
+            _ if gnurt::osl::is_carried(&file) => Ok(()),
             Ok(data) if data.is_file() => Ok(()),
             Ok(_) => Err(no_file(option, &file, "not a file")),
             Err(error) => Err(no_file(option, &file, gnurt::image::system_reason(&error))),

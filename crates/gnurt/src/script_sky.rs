@@ -7,58 +7,101 @@ use std::path::Path;
 use gnurt_sl_shading::{Access, Script};
 
 use crate::image::{TexelData, Texels};
-use crate::shading::Vec3s;
+use crate::shading::{EnvironmentShader, Vec3s};
 use crate::threads::cores;
 
 /// Columns and rows: a texel is a third of a degree wide.
 const SIZE: [u32; 2] = [1024, 512];
+/// Neighbours that differ less than this, of what they are, have no edge between them.
+const EVEN: f32 = 0.05;
+/// Parts along each side of a texel that has an edge.
+const PARTS: usize = 4;
+/// Texels that are asked for at once.
+const AT_ONCE: usize = 256;
 
 /// Whether surroundings are a file in the shading language.
 pub(crate) fn is_script(path: &Path) -> bool {
     path.extension().is_some_and(|end| end == "osl" || end == "oso" || end == "oslgroup")
 }
 
-/// The latitude-longitude picture of a sky with these values of its parameters, by all cores.
-pub(crate) fn texels(path: &Path, given: &[(String, String)]) -> Result<Texels, String> {
+/// The latitude-longitude picture of a sky with these values of its parameters, by all cores; and the one that rays of the camera see
+/// where it is another.
+pub(crate) fn texels(path: &Path, given: &[(String, String)]) -> Result<(Texels, Option<Texels>), String> {
     let mut script = Script::open(path, &Access::default())?;
     for (name, text) in given {
         script.set_text(name, text).map_err(|why| format!("{}: {why}", script.name()))?;
     }
-    let sky = script.environment()?;
-    let [width, height] = SIZE;
-    let mut texels = vec![[0.0_f32; 4]; (width * height) as usize];
-    let rows_of_one = height.div_ceil(cores().clamp(1, 64) as u32);
+    let sky = picture(&*script.environment()?);
+    let backdrop = script.backdrop()?.map(|sky| picture(&*sky));
+    Ok((sky, backdrop))
+}
+
+/// A sky as a picture: a texel where little changes is what is seen in its middle, any other the mean of what is seen in parts of it, so
+/// that a small sun sends as much light as it should.
+fn picture(sky: &dyn EnvironmentShader) -> Texels {
+    let [width, height] = SIZE.map(|n| n as usize);
+    let mut texels = vec![[0.0_f32; 4]; width * height];
+    let middles = [[0.5; 2]];
+    let all: Vec<usize> = (0..texels.len()).collect();
+    for (place, seen) in all.iter().zip(means(sky, &all, &middles)) {
+        texels[*place] = seen;
+    }
+    let differs = |a: [f32; 4], b: [f32; 4]| (0..3).any(|k| (a[k] - b[k]).abs() > EVEN * a[k].max(b[k]));
+    let is_edge = |&place: &usize| {
+        let (row, column) = (place / width, place % width);
+        let beside = [row * width + (column + 1) % width, row * width + (column + width - 1) % width];
+        let over = [row.saturating_sub(1), (row + 1).min(height - 1)].map(|row| row * width + column);
+        beside.into_iter().chain(over).any(|other| differs(texels[place], texels[other]))
+    };
+    let edges: Vec<usize> = all.into_iter().filter(is_edge).collect();
+    let parts: Vec<[f32; 2]> =
+        (0..PARTS * PARTS).map(|k| [k % PARTS, k / PARTS].map(|n| (n as f32 + 0.5) / PARTS as f32)).collect();
+    for (place, seen) in edges.iter().zip(means(sky, &edges, &parts)) {
+        texels[*place] = seen;
+    }
+    Texels { width: SIZE[0], height: SIZE[1], data: TexelData::Float(texels) }
+}
+
+/// What is seen in texels, the mean of these parts of each, by all cores.
+fn means(sky: &dyn EnvironmentShader, places: &[usize], parts: &[[f32; 2]]) -> Vec<[f32; 4]> {
+    let of_one = places.len().div_ceil(cores().clamp(1, 64)).max(1);
+    let mut found = vec![[0.0, 0.0, 0.0, 1.0]; places.len()];
     std::thread::scope(|scope| {
-        for (part, texels) in texels.chunks_mut((rows_of_one * width) as usize).enumerate() {
-            let sky = &*sky;
+        for (places, found) in places.chunks(of_one).zip(found.chunks_mut(of_one)) {
             scope.spawn(move || {
-                for (row, texels) in texels.chunks_mut(width as usize).enumerate() {
-                    let row = part as u32 * rows_of_one + row as u32;
-                    let (dirs, mut seen) = (directions(row), Vec3s::default());
+                for (places, found) in places.chunks(AT_ONCE).zip(found.chunks_mut(AT_ONCE)) {
+                    let (mut dirs, mut seen) = (Vec3s::default(), Vec3s::default());
+                    places
+                        .iter()
+                        .flat_map(|&place| parts.iter().map(move |&part| direction(place, part)))
+                        .for_each(|[x, y, z]| {
+                            dirs.x.push(x);
+                            dirs.y.push(y);
+                            dirs.z.push(z);
+                        });
                     seen.resize(dirs.len());
                     sky.miss(&dirs, &mut seen);
-                    for (i, texel) in texels.iter_mut().enumerate() {
-                        let [r, g, b] = seen.get(i).to_array().map(|x| x.max(0.0));
-                        *texel = [r, g, b, 1.0];
+                    for (i, texel) in found.iter_mut().enumerate() {
+                        for k in 0..parts.len() {
+                            let light = seen.get(i * parts.len() + k).to_array();
+                            texel.iter_mut().zip(light).for_each(|(sum, x)| *sum += x.max(0.0));
+                        }
+                        texel[..3].iter_mut().for_each(|sum| *sum /= parts.len() as f32);
                     }
                 }
             });
         }
     });
-    Ok(Texels { width, height, data: TexelData::Float(texels) })
+    found
 }
 
-/// Where the middles of a row's texels lie, as the shader sees them.
-fn directions(row: u32) -> Vec3s {
+/// Where a part of a texel lies, as the shader sees it: both in [0, 1] from its left upper corner.
+fn direction(place: usize, [x, y]: [f32; 2]) -> [f32; 3] {
     let [width, height] = SIZE;
-    let (sin, up) = (std::f32::consts::PI * (row as f32 + 0.5) / height as f32).sin_cos();
-    let mut dirs = Vec3s::default();
-    dirs.resize(width as usize);
-    for column in 0..width as usize {
-        let turn = std::f32::consts::TAU * ((column as f32 + 0.5) / width as f32 - 0.5);
-        (dirs.x[column], dirs.y[column], dirs.z[column]) = (sin * turn.sin(), sin * turn.cos(), up);
-    }
-    dirs
+    let (row, column) = (place / width as usize, place % width as usize);
+    let (sin, up) = (std::f32::consts::PI * (row as f32 + y) / height as f32).sin_cos();
+    let turn = std::f32::consts::TAU * ((column as f32 + x) / width as f32 - 0.5);
+    [sin * turn.sin(), sin * turn.cos(), up]
 }
 
 #[cfg(test)]
@@ -71,7 +114,8 @@ mod tests {
         let path = folder.path().join("sky.osl");
         std::fs::write(&path, "environment sky () { Ci = color (max (I, 0)) * background (); }")
             .expect("a file");
-        let sky = texels(&path, &[]).expect("a sky");
+        let (sky, backdrop) = texels(&path, &[]).expect("a sky");
+        assert!(backdrop.is_none(), "all rays see the same");
         let TexelData::Float(plain) = &sky.data else { panic!("floats") };
         let near = |at: usize, wanted: [f32; 3]| {
             let found = plain[at];
@@ -84,14 +128,41 @@ mod tests {
         let text = "environment sky (color tint = 0) { Ci = tint * background (); }";
         std::fs::write(&path, text).expect("a file");
         let given = |name: &str| [(name.to_owned(), "0.25,0.5,2".to_owned())];
-        let sky = texels(&path, &given("tint")).expect("a sky");
+        let (sky, _) = texels(&path, &given("tint")).expect("a sky");
         let TexelData::Float(plain) = &sky.data else { panic!("floats") };
         assert_eq!(plain[7][..3], [0.25, 0.5, 2.0], "the value that was given");
         let why = texels(&path, &given("tnt")).expect_err("there is none of that name");
         assert!(why.contains("sky.osl: no parameter 'tnt'"), "{why}");
+        let text = "environment sky () { Ci = raytype (\"camera\") * background (); }";
+        std::fs::write(&path, text).expect("a file");
+        let (sky, backdrop) = texels(&path, &[]).expect("a sky");
+        let first = |texels: &Texels| match &texels.data {
+            TexelData::Float(plain) => plain[0][0],
+            _ => f32::NAN,
+        };
+        assert_eq!([first(&sky), first(&backdrop.expect("another one"))], [0.0, 1.0], "what the camera sees");
         std::fs::write(&path, "surface sky () { }").expect("a file");
         let why = texels_error(&path);
         assert!(why.contains("of type surface"), "{why}");
+    }
+
+    #[test]
+    fn a_small_sun_is_as_bright_as_it_should_be() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("sky.osl");
+        let text = "environment sky () { float c = cos (radians (2.5));
+            Ci = (dot (normalize (I), normalize (vector (1, -1, 1))) > c ? 1 / (1 - c) : 0) * background (); }";
+        std::fs::write(&path, text).expect("a file");
+        let (sky, _) = texels(&path, &[]).expect("a sky");
+        let TexelData::Float(plain) = &sky.data else { panic!("floats") };
+        let edge = |row: usize| (std::f64::consts::PI * row as f64 / 512.0).cos();
+        let share = |row: usize| (edge(row) - edge(row + 1)) * std::f64::consts::TAU / 1024.0;
+        let sum: f64 = plain.iter().enumerate().map(|(i, texel)| f64::from(texel[0]) * share(i / 1024)).sum();
+        assert!(
+            (sum / std::f64::consts::TAU - 1.0).abs() < 4e-3,
+            "{} of its light",
+            sum / std::f64::consts::TAU
+        );
     }
 
     fn texels_error(path: &Path) -> String {

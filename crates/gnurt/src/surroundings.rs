@@ -55,7 +55,7 @@ impl Surroundings {
         let given = if let Self::Shader(_, given) = self { &given[..] } else { &[] };
         let read = |path: &Path| match script_sky::is_script(path) || !given.is_empty() {
             true => script_sky::texels(path, given).map_err(Error::Surroundings),
-            false => image::read_texture(path).map_err(Error::from),
+            false => Ok((image::read_texture(path)?, None)),
         };
         let texels = self.file().map(read).transpose()?;
         let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], turn.to_radians());
@@ -66,13 +66,19 @@ impl Surroundings {
             }
             (Self::Uniform(radiance), _) => (*radiance, None),
             (Self::Picture(path) | Self::Shader(path, _), texels) => {
-                let texture = texels.map(|texels| Texture {
+                let texture = |texels| Texture {
                     name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
                     texels: Arc::new(texels),
                     wrap: [Wrap::Repeat, Wrap::ClampToEdge],
                     filter: Filter::Linear,
-                });
-                ([1.0; 3], texture.map(|texture| scene.add_texture(texture)))
+                };
+                let (sky, shown) = texels.unzip();
+                let sky = sky.map(|texels| scene.add_texture(texture(texels)));
+                if let Some(texels) = shown.flatten() {
+                    let texture = scene.add_texture(texture(texels));
+                    scene.add_light(Light::Backdrop { texture, world_from_light });
+                }
+                ([1.0; 3], sky)
             }
         };
         scene.add_light(Light::Environment { radiance, texture, world_from_light });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray stands for, as a cone around it: how wide it is where it begins and how fast it widens. From the camera it is the
+//! What a ray stands for, as a cone around it: how wide it is where it begins and how fast it widens, and what sent it. From the camera it is the
 //! pixel's; where rays are scattered it goes on as wide as it came, and widens by the surface's curvature and by the lobe's width.
 //! Source: [AM21] (ray cones), [Ige99] (what they stand for: differentials). Differs: the lobe's width is read from the density of the
 //! direction that was chosen, which all lobes have: a sample stands for one over its density of solid angle. Cones are round.
@@ -11,7 +11,7 @@
 use gnurt_accel::RayBatch;
 use gnurt_shading::bsdf::BsdfSample;
 use gnurt_shading::real::Real;
-use gnurt_shading::{CameraSamples, CameraShader, SampleKey, SurfaceBatch};
+use gnurt_shading::{CameraSamples, CameraShader, RayKind, SampleKey, SurfaceBatch};
 
 use crate::options::RenderOptions;
 
@@ -22,6 +22,8 @@ pub(crate) struct Cone {
     width: f32,
     /// How fast it widens; below zero it narrows until it has no width, then widens again.
     spread: f32,
+    /// What sent the ray.
+    kind: RayKind,
 }
 
 /// The cones of many rays.
@@ -29,6 +31,7 @@ pub(crate) struct Cone {
 pub(crate) struct Cones {
     pub(crate) width: Vec<f32>,
     pub(crate) spread: Vec<f32>,
+    pub(crate) kind: Vec<RayKind>,
 }
 
 /// Least share of their full width that cones keep, squared.
@@ -58,6 +61,8 @@ pub(crate) struct Meeting<R> {
     pub(crate) curvature: R,
     /// Of the ray to the surface's normal.
     pub(crate) cos: R,
+    /// What sent the ray; of one point only.
+    pub(crate) kind: RayKind,
 }
 
 impl<R: Real> Meeting<R> {
@@ -81,18 +86,18 @@ impl Meeting<f32> {
         let cos = points.ng.get(i).dot(points.ray_dir.get(i));
         let bulge = if cos > 0.0 { -known(&points.curvature) } else { known(&points.curvature) };
         let (width, spread) = (known(&points.footprint), known(&points.cone_spread));
-        Self { width, spread, curvature: bulge, cos: cos.abs() }
+        Self { width, spread, curvature: bulge, cos: cos.abs(), kind: points.ray_kind(i) }
     }
 
     /// The cone of the ray that goes on.
     pub(crate) fn after(&self, sample: &BsdfSample, fineness: f32) -> Cone {
         let spread = self.spread_after(sample.pdf, sample.delta, sample.transmitted, fineness);
-        Cone { width: self.width, spread }
+        Cone { width: self.width, spread, kind: sample.ray_kind() }
     }
 
     /// The cone of the ray that goes straight on.
     pub(crate) fn straight(&self) -> Cone {
-        Cone { width: self.width, spread: self.spread }
+        Cone { width: self.width, spread: self.spread, kind: self.kind }
     }
 }
 
@@ -112,18 +117,29 @@ impl Cone {
         Self {
             width: larger(distance(middle.org, right.org), distance(middle.org, up.org)),
             spread: larger(distance(middle.dir, right.dir), distance(middle.dir, up.dir)),
+            kind: RayKind::Camera,
         }
     }
 
     /// The cone of a ray that begins without width in a direction of this density, as fine as cones get.
     pub(crate) fn from_point(pdf: f32) -> Self {
         let spread = Meeting::default().spread_after(pdf, false, false, FINEST);
-        Self { width: 0.0, spread: if spread.is_finite() { spread } else { 0.0 } }
+        Self { spread: if spread.is_finite() { spread } else { 0.0 }, ..Self::default() }
     }
 
     /// That of a ray that begins as wide as something else and spreads as this.
     pub(crate) fn beginning(self, width: f32) -> Self {
         Self { width, ..self }
+    }
+
+    /// That of a ray that something else sends.
+    pub(crate) fn sent_by(self, kind: RayKind) -> Self {
+        Self { kind, ..self }
+    }
+
+    /// Whether the camera sent its ray.
+    pub(crate) fn is_of_camera(self) -> bool {
+        self.kind == RayKind::Camera
     }
 
     /// How wide it is `distance` away from a camera.
@@ -134,25 +150,27 @@ impl Cone {
     /// As fine as a sample's.
     pub(crate) fn of_sample(self, key: SampleKey) -> Self {
         let share = fineness(key).sqrt();
-        Self { width: self.width * share, spread: self.spread * share }
+        Self { width: self.width * share, spread: self.spread * share, ..self }
     }
 
-    /// Writes the widths and spreads at points that the rays of `lanes` met. `cones` are those of all rays, if anybody knows
+    /// Writes the widths, spreads and kinds at points that the rays of `lanes` met. `cones` are those of all rays, if anybody knows
     /// them; rays of depth 0 have the camera's, which is this.
     pub(crate) fn widen(self, points: &mut SurfaceBatch, lanes: &[u32], cones: Option<&Cones>) {
-        let SurfaceBatch { footprint, cone_spread, t, key, depth, .. } = points;
+        let SurfaceBatch { footprint, cone_spread, kinds, t, key, depth, .. } = points;
         [&mut *footprint, &mut *cone_spread].into_iter().for_each(|array| array.resize(lanes.len(), 0.0));
+        kinds.clear();
         let places = footprint.iter_mut().zip(cone_spread).zip(lanes.iter().zip(&*t).zip(key));
         for ((footprint, cone_spread), ((&lane, &t), &mut key)) in places {
             let cone = match cones {
                 Some(cones) => cones.get(lane as usize),
-                None if *depth == 0 => self.of_sample(key),
+                None if *depth == 0 => self.of_sample(key).sent_by(RayKind::Camera),
                 None => Self::default(),
             };
             let width = cone.width_at(t);
             *footprint = width.abs();
             // Beyond its narrowest place it widens again.
             *cone_spread = if width < 0.0 { -cone.spread } else { cone.spread };
+            kinds.push(cone.kind);
         }
     }
 }
@@ -161,22 +179,25 @@ impl Cones {
     pub(crate) fn push(&mut self, cone: Cone) {
         self.width.push(cone.width);
         self.spread.push(cone.spread);
+        self.kind.push(cone.kind);
     }
 
     /// That of ray `i`; without width where there are fewer.
     pub(crate) fn get(&self, i: usize) -> Cone {
         let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
-        Cone { width: known(&self.width), spread: known(&self.spread) }
+        let kind = self.kind.get(i).copied().unwrap_or_default();
+        Cone { width: known(&self.width), spread: known(&self.spread), kind }
     }
 
     /// Writes that of ray `i`, which is there.
     pub(crate) fn set(&mut self, i: usize, cone: Cone) {
-        (self.width[i], self.spread[i]) = (cone.width, cone.spread);
+        (self.width[i], self.spread[i], self.kind[i]) = (cone.width, cone.spread, cone.kind);
     }
 
     pub(crate) fn resize(&mut self, n: usize) {
         self.width.resize(n, 0.0);
         self.spread.resize(n, 0.0);
+        self.kind.resize(n, RayKind::default());
     }
 }
 
@@ -211,17 +232,19 @@ mod tests {
         assert!((points.footprint[0] - 0.2).abs() < 1e-3, "at distance 10: {:?}", points.footprint);
         assert!((points.footprint[1] - 0.05).abs() < 1e-3, "the fourth sample: half of 0.1");
         points.depth = 1;
-        let cones = Cones { width: vec![1.0, 2.0], spread: vec![-0.4, 0.02] };
+        let kind = vec![RayKind::Glossy, RayKind::Reflection];
+        let cones = Cones { width: vec![1.0, 2.0], spread: vec![-0.4, 0.02], kind };
         cone.widen(&mut points, &[1, 0], Some(&cones));
         assert!((points.footprint[0] - 2.2).abs() < 1e-3, "after a mirror: {:?}", points.footprint);
         assert_eq!([points.footprint[1], points.cone_spread[1]], [1.0, 0.4], "beyond a focus");
+        assert_eq!(points.kinds, [RayKind::Reflection, RayKind::Glossy], "in the order of lanes");
         cone.widen(&mut points, &[1, 0], None);
         assert_eq!(points.footprint, [0.0; 2], "nobody knows");
     }
 
     #[test]
     fn surfaces_widen_cones() {
-        let flat = Meeting { width: 0.1_f32, spread: 0.01, curvature: 0.0, cos: 1.0 };
+        let flat = Meeting { width: 0.1_f32, spread: 0.01, cos: 1.0, ..Meeting::default() };
         let after = |at: &Meeting<f32>, pdf: f32, delta| at.spread_after(pdf, delta, false, 1.0);
         assert_eq!(after(&flat, f32::INFINITY, true), 0.01, "a plane mirror");
         // A ball of radius 2 turns its normal by 0.05 over 0.1, and its image by twice that.

@@ -14,7 +14,8 @@ use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::materials::recursive_radiance;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{
-    Detail, LightBatch, Meeting, RayRequest, SampleKey, SurfaceBatch, SurfaceShader, Tracer, Vec3s,
+    Detail, EnvironmentShader, LightBatch, Meeting, RayKind, RayRequest, SampleKey, SurfaceBatch,
+    SurfaceShader, Tracer, Vec3s,
 };
 
 use crate::camera_batch::CameraBatch;
@@ -252,23 +253,36 @@ impl<'w> BatchTracer<'w> {
 
     fn shade_misses(&mut self, from: HitLanes, radiance: &mut Vec3s) {
         let missed: Vec<usize> = (0..from.rays.len()).filter(|&i| from.hits.get(i).is_none()).collect();
-        let seen = self.environment(from.rays, &missed);
+        let seen = self.environment(from.rays, &missed, |lane| from.is_of_camera(lane));
         for (k, &lane) in missed.iter().enumerate() {
             radiance.set(lane, seen.get(k));
         }
     }
 
-    /// What some of the rays would see if nothing were in their way.
-    pub(crate) fn environment(&mut self, rays: &RayBatch, lanes: &[usize]) -> Vec3s {
+    /// What some of the rays would see if nothing were in their way; `is_of_camera` says of a lane whether the camera sends its ray.
+    pub(crate) fn environment(
+        &mut self,
+        rays: &RayBatch,
+        lanes: &[usize],
+        is_of_camera: impl Fn(usize) -> bool,
+    ) -> Vec3s {
         let mut seen = Vec3s::splat(lanes.len(), Vec3::ZERO);
-        if let Some(environment) = self.world.lights().environment.as_ref().filter(|_| !lanes.is_empty()) {
-            let mut dirs = Vec3s::default();
-            lanes.iter().for_each(|&lane| dirs.push(Vec3::from(rays.get(lane).dir)));
-            environment.miss(&dirs, &mut seen);
-            // Places of a picture where a camera sees nothing have rays without direction.
-            let nowhere = (0..dirs.len()).filter(|&i| dirs.get(i) == Vec3::ZERO);
-            nowhere.for_each(|i| seen.set(i, Vec3::ZERO));
+        let lights = self.world.lights();
+        let Some(environment) = lights.environment.as_ref().filter(|_| !lanes.is_empty()) else {
+            return seen;
+        };
+        let mut dirs = Vec3s::default();
+        lanes.iter().for_each(|&lane| dirs.push(Vec3::from(rays.get(lane).dir)));
+        environment.miss(&dirs, &mut seen);
+        if let Some(backdrop) = &lights.backdrop {
+            let mut shown = seen.clone();
+            backdrop.miss(&dirs, &mut shown);
+            let of_camera = lanes.iter().enumerate().filter(|(_, lane)| is_of_camera(**lane));
+            of_camera.for_each(|(k, _)| seen.set(k, shown.get(k)));
         }
+        // Places of a picture where a camera sees nothing have rays without direction.
+        let nowhere = (0..dirs.len()).filter(|&i| dirs.get(i) == Vec3::ZERO);
+        nowhere.for_each(|i| seen.set(i, Vec3::ZERO));
         seen
     }
 
@@ -285,7 +299,8 @@ impl<'w> BatchTracer<'w> {
         let mut cones = Cones::default();
         for (i, &key) in request.key.iter().enumerate() {
             let width = request.width.get(i).copied().unwrap_or(0.0);
-            cones.push(self.cone.of_sample(key).beginning(width));
+            let kind = request.kinds.get(i).copied().unwrap_or(RayKind::Reflection);
+            cones.push(self.cone.of_sample(key).beginning(width).sent_by(kind));
         }
         cones
     }
@@ -490,7 +505,7 @@ impl Tracer for BatchTracer<'_> {
         let depth = depth + 1;
         if depth > self.options.max_depth {
             let all: Vec<usize> = (0..request.rays.len()).collect();
-            *radiance = self.environment(&request.rays, &all);
+            *radiance = self.environment(&request.rays, &all, |_| false);
             return;
         }
         self.stats.secondary_rays += request.rays.len() as u64;

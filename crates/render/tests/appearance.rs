@@ -7,13 +7,13 @@ use std::sync::Arc;
 
 use crate::common::*;
 use glam::Vec3;
-use gnurt_render::{CommitOptions, ShaderTable, Silent, World, render};
+use gnurt_render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent, World, render};
 use gnurt_scene::material::{Color, NormalMap, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{
-    Affine, Attribute, InstanceId, Light, MaterialId, MeshId, Rate, Scene, Surface, TextureId,
+    Affine, Attribute, InstanceId, Light, Material, MaterialId, MeshId, Rate, Scene, Surface, TextureId,
 };
-use gnurt_shading::{AttributeRequest, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_shading::{AttributeRequest, RadianceShader, RayKind, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 
 fn texture(scene: &mut Scene, width: u32, texels: Vec<[f32; 4]>) -> TextureId {
     let height = texels.len() as u32 / width;
@@ -224,5 +224,122 @@ fn attributes_change_per_triangle_and_per_vertex() {
         assert_eq!(shown, cell, "per triangle at {x}, {y}");
         assert_close(f64::from(place), f64::from(x), 1e-2, "per vertex, interpolated");
         assert_eq!(default, 7.0, "the default where the mesh has none");
+    }
+}
+
+/// Shows what sent the rays; nobody else looks at it.
+struct ByKind;
+
+impl RadianceShader for ByKind {
+    fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        (0..hits.len()).for_each(|i| out.set(i, Vec3::splat(1.0 + hits.ray_kind(i) as u8 as f32)));
+    }
+}
+
+impl SurfaceShader for ByKind {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
+    }
+}
+
+#[test]
+fn points_know_what_sent_the_rays() {
+    // A small sample in the middle of a shell.
+    let facets = |roughness| Surface::MetallicRoughness {
+        base_color: Color::constant([1.0; 3]),
+        metallic: 1.0,
+        roughness,
+        metallic_roughness_texture: None,
+        ior: 1.5,
+        normal_texture: None,
+    };
+    let glass = Surface::Dielectric {
+        ior: 1.0,
+        reflectance: [1.0; 3],
+        transmittance: [1.0; 3],
+        interior: Default::default(),
+    };
+    let matte = Surface::Matte { base_color: Color::constant([1.0; 3]) };
+    for (surface, kind) in [
+        (matte, RayKind::Diffuse),
+        (facets(0.5), RayKind::Glossy),
+        (Surface::Mirror { reflectance: Color::constant([1.0; 3]) }, RayKind::Reflection),
+        (glass, RayKind::Refraction),
+    ] {
+        let mut scene = Scene::new();
+        let shell = scene.add_material(Material::of("shell", Surface::Shader(0)));
+        let probe = scene.add_material(Material::of("probe", surface));
+        place(&mut scene, sphere([0.0; 3], 10.0, 8, shell));
+        place(&mut scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], probe));
+        let table = ShaderTable { surfaces: vec![Arc::new(ByKind)], ..ShaderTable::default() };
+        let mut world = World::new();
+        world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+        let shown = |target: [f32; 3]| {
+            let camera = camera([0.0, 0.0, 3.0], target, 10.0);
+            let options = RenderOptions { integrator: Integrator::Path, ..options(4, 4, 16) };
+            let frame = render(&world, &camera, &options, &pool(1), &Silent).expect("sound options");
+            mean(&frame.picture)[0]
+        };
+        let number = |kind: RayKind| 1.0 + f64::from(kind as u8);
+        assert_close(shown([0.0, 0.0, 9.0]), number(RayKind::Camera), 1e-6, "camera rays");
+        let found = shown([0.0; 3]);
+        // Facets send a little light to all sides between them, and back less than all of it.
+        assert_close(found, number(kind), 0.1, &format!("rays of the surface: {kind:?}"));
+    }
+}
+
+#[test]
+fn meshes_tell_their_area_where_they_stand() {
+    let mut scene = floor(0.5, 1.0);
+    scene.edit_material(MaterialId(0)).surface = Surface::Shader(0);
+    let want = |name: &str, components| AttributeRequest {
+        name: name.into(),
+        components,
+        default: vec![0.0; components as usize],
+    };
+    let requests = vec![want(AttributeRequest::SURFACE_AREA, 1), want("none", 2), want("none", 1)];
+    let table = ShaderTable { surfaces: vec![Arc::new(Show(requests))], ..ShaderTable::default() };
+    let mut world = World::new();
+    let turn = |angle| Affine::rotation([0.0, 0.0, 1.0], angle);
+    for (place, area) in [
+        (Affine::IDENTITY, 4.0),
+        (turn(0.3), 4.0),
+        (turn(0.7) * Affine::scale([3.0, 3.0, 3.0]), 36.0),
+        (Affine::scale([2.0, 0.5, 7.0]) * turn(0.4), 4.0),
+        (Affine::scale([2.0, 3.0, 1.0]), 24.0),
+    ] {
+        scene.edit_instance(InstanceId(0)).world_from_object = place;
+        world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+        let camera = camera([0.1, 0.05, 3.0], [0.1, 0.05, 0.0], 0.01);
+        let frame = render(&world, &camera, &options(1, 1, 1), &pool(1), &Silent).expect("sound options");
+        assert_close(f64::from(frame.picture.color[0][0]), area, 1e-4 * area, "area in the world");
+    }
+}
+
+#[test]
+fn the_camera_sees_a_backdrop() {
+    let mut scene = floor(0.5, 5.0);
+    scene.add_light(environment([1.0; 3]));
+    let picture = texture(&mut scene, 1, vec![[0.25, 0.5, 2.0, 1.0]]);
+    scene.add_light(Light::Backdrop { texture: picture, world_from_light: Affine::IDENTITY });
+    for integrator in [
+        Integrator::Path,
+        Integrator::Whitted,
+        Integrator::InstantRadiosity,
+        Integrator::BidirectionalInstantRadiosity,
+    ] {
+        let shown = |target: [f32; 3]| {
+            let camera = camera([0.0, 0.0, 3.0], target, 1.0);
+            let options = RenderOptions { integrator, ..options(2, 2, 64) };
+            let frame = render(&world_of(&scene, false), &camera, &options, &pool(1), &Silent);
+            mean(&frame.expect("sound options").picture)
+        };
+        let above = shown([0.1, 0.0, 9.0]);
+        let wanted = [0.25, 0.5, 2.0];
+        above.into_iter().zip(wanted).for_each(|(x, wanted)| assert_close(x, wanted, 1e-5, "above"));
+        let floor = shown([0.1, 0.0, 0.0]);
+        floor
+            .into_iter()
+            .for_each(|x| assert_close(x, 0.5, 0.02, &format!("{integrator:?}: lit by another")));
     }
 }

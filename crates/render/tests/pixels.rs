@@ -22,7 +22,7 @@ impl PixelShader for Shows {
             rays: samples.rays.clone(),
             parent: (0..samples.rays.len() as u32).collect(),
             key: samples.keys.iter().map(|key| key.fork(7)).collect(),
-            width: Vec::new(),
+            ..RayRequest::default()
         };
         (self.0)(tracer, samples, &request, out);
     }

@@ -3,7 +3,6 @@
 //! Source: original. Files are checked by their readers; this is for scenes made by code and by API calls.
 //! Cost: one pass over the indices. Proof: `tests::finds_each_mistake`.
 
-use crate::light::Light;
 use crate::material::{Alpha, Material, Surface, TextureRef};
 use crate::mesh::{Mesh, Rate};
 use crate::scene::Scene;
@@ -88,7 +87,7 @@ impl Scene {
             checked.map_err(result(at("material", i, &material.name)))?;
         }
         for (i, light) in self.lights().iter().enumerate() {
-            if let Light::Environment { texture: Some(texture), .. } = light {
+            if let Some(texture) = light.texture() {
                 let checked = exists(texture.index(), self.textures().len(), "texture");
                 checked.map_err(result(at("light", i, "environment")))?;
             }

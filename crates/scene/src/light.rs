@@ -46,4 +46,33 @@ pub enum Light {
         /// A rotation.
         world_from_light: Affine,
     },
+    /// What rays of the camera see that hit nothing, in place of the environment: it lights nothing. The last one counts, and none where
+    /// there is no environment.
+    Backdrop {
+        /// Radiance, a latitude-longitude picture like that of an environment.
+        texture: TextureId,
+        /// A rotation.
+        world_from_light: Affine,
+    },
+}
+
+impl Light {
+    /// The picture that it shows.
+    #[must_use]
+    pub fn texture(&self) -> Option<TextureId> {
+        match self {
+            Self::Environment { texture, .. } => *texture,
+            Self::Backdrop { texture, .. } => Some(*texture),
+            _ => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub fn texture_mut(&mut self) -> Option<&mut TextureId> {
+        match self {
+            Self::Environment { texture, .. } => texture.as_mut(),
+            Self::Backdrop { texture, .. } => Some(texture),
+            _ => None,
+        }
+    }
 }

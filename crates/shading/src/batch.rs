@@ -114,6 +114,37 @@ impl SampleKey {
     }
 }
 
+/// What sent a ray on its way.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u8)]
+pub enum RayKind {
+    /// The camera.
+    Camera,
+    /// A surface that scatters to all sides, here or beyond; or nobody knows.
+    #[default]
+    Diffuse,
+    /// Facets that mirror, or fibres.
+    Glossy,
+    /// A mirror.
+    Reflection,
+    /// Glass, smooth or not: it goes through the surface.
+    Refraction,
+}
+
+impl RayKind {
+    /// Of a ray that was scattered: by what can choose one direction only, through the surface, by a lobe that sends light to all sides.
+    #[inline]
+    #[must_use]
+    pub fn of(delta: bool, transmitted: bool, wide: bool) -> Self {
+        match (wide, transmitted, delta) {
+            (true, ..) => Self::Diffuse,
+            (_, true, _) => Self::Refraction,
+            (.., true) => Self::Reflection,
+            _ => Self::Glossy,
+        }
+    }
+}
+
 /// Cones that widen faster than this are of broad lobes: about a fifteenth of a right angle.
 const VAGUE: f32 = 0.1;
 
@@ -179,6 +210,8 @@ pub struct SurfaceBatch {
     pub inst_id: Vec<u32>,
     /// Which of all objects that instances show, those of objects in objects too.
     pub leaf_id: Vec<u32>,
+    /// What sent the rays; empty where nobody asks.
+    pub kinds: Vec<RayKind>,
     /// How many bounces the rays had behind them: 0 for camera rays.
     pub depth: u32,
     /// Keys of the lanes' random numbers.
@@ -207,6 +240,7 @@ impl SurfaceBatch {
         [error, t, u, v, s, r, uv_per_length, alpha].into_iter().for_each(Vec::clear);
         let Self { footprint, cone_spread, curvature, .. } = self;
         [footprint, cone_spread, curvature].into_iter().for_each(Vec::clear);
+        self.kinds.clear();
         let Self { prim_id, geom_id, inst_id, leaf_id, .. } = self;
         [prim_id, geom_id, inst_id, leaf_id].into_iter().for_each(Vec::clear);
         self.key.clear();
@@ -230,6 +264,7 @@ impl SurfaceBatch {
         self.bent.resize(0);
         [&mut self.dp_du, &mut self.dp_dv].into_iter().for_each(|array| array.resize(n));
         [&mut self.footprint, &mut self.cone_spread, &mut self.curvature].into_iter().for_each(Vec::clear);
+        self.kinds.clear();
         self.attributes.clear();
     }
 
@@ -350,6 +385,14 @@ impl SurfaceBatch {
         self.depth > 0 && self.cone_spread.get(i).is_some_and(|spread| spread.abs() > VAGUE)
     }
 
+    /// What sent the ray of lane `i`.
+    #[inline]
+    #[must_use]
+    pub fn ray_kind(&self, i: usize) -> RayKind {
+        let unknown = if self.depth == 0 { RayKind::Camera } else { RayKind::Diffuse };
+        self.kinds.get(i).copied().unwrap_or(unknown)
+    }
+
     /// Whether the ray of lane `i` came from the side that the geometric normal points to.
     #[inline(always)]
     #[must_use]
@@ -423,6 +466,7 @@ impl SurfaceBatch {
             geom_id: pick(&self.geom_id, lanes),
             inst_id: pick(&self.inst_id, lanes),
             leaf_id: pick(&self.leaf_id, lanes),
+            kinds: if self.kinds.is_empty() { Vec::new() } else { pick(&self.kinds, lanes) },
             depth: self.depth,
             key: pick(&self.key, lanes),
             attributes: self.attributes.iter().map(components).collect(),

@@ -18,7 +18,7 @@ pub mod shader;
 mod texels;
 pub mod texture;
 
-pub use batch::{Detail, FacingRows, SampleKey, SurfaceBatch, Vec3s};
+pub use batch::{Detail, FacingRows, RayKind, SampleKey, SurfaceBatch, Vec3s};
 pub use look_camera::{Look, LookCamera};
 pub use point::{Leaving, Rays, SurfacePoint};
 pub use shader::{

@@ -6,7 +6,7 @@
 use glam::Vec3;
 use gnurt_accel::RayBatch;
 
-use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
+use crate::batch::{RayKind, SampleKey, SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;
 
 /// A value that a shader wants for each hit from its mesh.
@@ -24,6 +24,9 @@ impl AttributeRequest {
     /// The name under which instances have what puts the object into the world: 12 floats, the images of the x, y and z axes,
     /// then of the origin.
     pub const WORLD_FROM_OBJECT: &'static str = "gnurt:world_from_object";
+
+    /// The name under which meshes have their area where they stand, world units squared: one float. As they are when the shutter opens.
+    pub const SURFACE_AREA: &'static str = "gnurt:surface_area";
 }
 
 /// A surface: what its points do to light.
@@ -245,6 +248,8 @@ pub struct RayRequest {
     /// Widths of the rays' cones where they begin, world units; empty = all 0. Mirrored and straight rays begin as wide
     /// as the point that sends them.
     pub width: Vec<f32>,
+    /// What sends them; empty = all are mirrored, or sent by a shader that follows them itself.
+    pub kinds: Vec<RayKind>,
 }
 
 /// What a ray met first.

@@ -116,7 +116,7 @@ proptest! {
     #[test]
     fn samples_say_what_values_and_densities_say(model in model(), wo in direction(), u in numbers()) {
         let bsdf = Bsdf::new(Vec3::Z, model);
-        let Some(BsdfSample { wi, weight, pdf, delta, transmitted }) = bsdf.sample(wo, u) else { return Ok(()) };
+        let Some(BsdfSample { wi, weight, pdf, delta, transmitted, .. }) = bsdf.sample(wo, u) else { return Ok(()) };
         prop_assert!((wi.length() - 1.0).abs() < 1e-4, "unit: {wi}");
         prop_assert!(is_light(weight), "weight {weight}");
         prop_assert!(transmitted == (wi.z < 0.0) || wi.z.abs() < 1e-5, "which side: {wi}");

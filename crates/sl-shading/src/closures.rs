@@ -37,8 +37,8 @@ pub(crate) enum Known {
     Nothing,
 }
 
-/// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure; `~` a thin film's thickness (nanometres) and
-/// index, given by name.
+/// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure; given by name: `~` a thin film's thickness (nanometres)
+/// and index, `+` whether light is kept that goes between facets more than once.
 const TABLE: [(Known, &str, &str); 29] = [
     (Known::Emission, "emission", ""),
     (Known::Emission, "background", ""),
@@ -55,7 +55,7 @@ const TABLE: [(Known, &str, &str); 29] = [
     (Known::Nothing, "debug", "S"),
     (Known::Nothing, "holdout", ""),
     (Known::Subsurface, "subsurface", "FFCC"),
-    (Known::OrenNayarDiffuse, "oren_nayar_diffuse_bsdf", "VCF"),
+    (Known::OrenNayarDiffuse, "oren_nayar_diffuse_bsdf", "VCF+"),
     (Known::Burley, "burley_diffuse_bsdf", "VCF"),
     (Known::Dielectric, "dielectric_bsdf", "VVCCFFFS~"),
     (Known::Conductor, "conductor_bsdf", "VVFFCCS~"),
@@ -93,11 +93,14 @@ static ALL: LazyLock<(Vec<ClosureDecl>, Vec<Shape>)> = LazyLock::new(|| {
         };
         ClosureParam { ty: Type::of(base), key: None }
     };
-    let film = ["thinfilm_thickness", "thinfilm_ior"]
-        .map(|name| ClosureParam { ty: Type::of(Base::Float), key: Some(name.into()) });
+    let key = |name: &str, base| ClosureParam { ty: Type::of(base), key: Some(name.into()) };
     let decl = |(known, name, codes): (Known, &str, &str)| {
-        let (plain, films) = codes.split_once('~').map_or((codes, false), |(plain, _)| (plain, true));
-        let named = film.iter().filter(|_| films).cloned();
+        let plain = codes.trim_end_matches(['~', '+']);
+        let named = match &codes[plain.len()..] {
+            "~" => vec![key("thinfilm_thickness", Base::Float), key("thinfilm_ior", Base::Float)],
+            "+" => vec![key("energy_compensation", Base::Int)],
+            _ => Vec::new(),
+        };
         let params: Vec<ClosureParam> = plain.chars().map(param).chain(named).collect();
         let mut firsts = vec![0];
         for param in &params {

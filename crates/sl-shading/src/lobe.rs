@@ -152,10 +152,10 @@ fn facets(slopes: Slopes, f0: Vec3, f90: Vec3) -> Lobe {
 pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
     let one = match p.shape.known {
         Known::Diffuse => Lobe::lambert(Vec3::ONE),
-        Known::OrenNayar => Lobe::oren_nayar(Vec3::ONE, p.float(1).clamp(0.0, 1.0)),
-        Known::OrenNayarDiffuse => Lobe::oren_nayar(p.share(1), p.float(2).clamp(0.0, 1.0)),
-        // Burley's surface of middle roughness is Lambert's; rougher ones send light back as Oren's and Nayar's do.
-        Known::Burley => Lobe::oren_nayar(p.share(1), (2.0 * p.float(2) - 1.0).clamp(0.0, 1.0)),
+        Known::OrenNayar => Lobe::oren_nayar_once(Vec3::ONE, p.float(1).clamp(0.0, 1.0)),
+        Known::OrenNayarDiffuse if p.int(3) != 0 => Lobe::oren_nayar(p.share(1), p.float(2).clamp(0.0, 1.0)),
+        Known::OrenNayarDiffuse => Lobe::oren_nayar_once(p.share(1), p.float(2).clamp(0.0, 1.0)),
+        Known::Burley => Lobe::burley(p.share(1), p.float(2).clamp(0.0, 1.0)),
         Known::Subsurface => Lobe::lambert(p.share(3)),
         Known::SubsurfaceBssrdf => Lobe::lambert(p.share(1)),
         Known::Translucent => Lobe::translucent(Vec3::ONE),
@@ -205,7 +205,8 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
 
 fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 2] {
     let (slopes, f0, tint) = (p.slopes(), p.share(6), p.share(2));
-    let mirrored = tinted(facets(slopes, f0, p.share(7)).filmed(p.film()), tint);
+    let facets = facets(slopes, f0, p.share(7)).risen(p.float(8));
+    let mirrored = tinted(facets.filmed(p.film()), tint);
     let through = match p.share(3) {
         Vec3::ZERO => None,
         through => {

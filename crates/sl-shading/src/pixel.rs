@@ -10,7 +10,8 @@ use gnurt_shading::{PixelSamples, PixelShader, Tracer, Vec3s};
 use gnurt_sl::exec::{LANES, Point, Points, Results};
 use gnurt_sl_lib::Dual;
 
-use crate::world::{CAMERA, Common, World, vector};
+use crate::place::CAMERA;
+use crate::world::{Common, World, vector};
 
 /// The parameter that pixels show.
 pub(crate) const SHOWN: &str = "Cpixel";

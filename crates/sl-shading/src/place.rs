@@ -4,9 +4,9 @@
 //! Proof: `tests/scripts/floor.rs`.
 
 use glam::Vec3;
-use gnurt_shading::SurfaceBatch;
 use gnurt_shading::batch::uv_step;
 use gnurt_shading::sampling::Basis;
+use gnurt_shading::{RayKind, SurfaceBatch};
 use gnurt_sl::exec::{LANES, Plan, Points, Row};
 use gnurt_sl::ir::SymbolKind;
 
@@ -17,10 +17,15 @@ pub(crate) struct Needs {
     pub(crate) derivatives: bool,
     /// How places change with texture coordinates.
     pub(crate) frame: bool,
+    /// Areas of meshes, which are this attribute.
+    pub(crate) area: Option<usize>,
 }
 
 impl Needs {
-    pub(crate) const ALL: Self = Self { derivatives: true, frame: true };
+    /// The same and all that points have.
+    pub(crate) fn with_all(self) -> Self {
+        Self { derivatives: true, frame: true, ..self }
+    }
 
     /// Of a group.
     pub(crate) fn of(plan: &Plan) -> Self {
@@ -32,6 +37,35 @@ impl Needs {
             }
         }
         needs
+    }
+}
+
+/// Who asks what a point does to light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum AskedBy {
+    /// The rays that met it.
+    Rays,
+    /// Rays that ask for shadow.
+    Shadow,
+}
+
+/// Kinds of rays by their names; each is a bit.
+pub(crate) const RAYS: [&str; 8] =
+    ["camera", "shadow", "reflection", "refraction", "diffuse", "glossy", "subsurface", "displacement"];
+/// Rays of cameras.
+pub(crate) const CAMERA: u32 = 1;
+const SHADOW: u32 = 2;
+/// Rays of surfaces that scatter to all sides.
+pub(crate) const DIFFUSE: u32 = 16;
+
+/// Bits of a ray's kind.
+fn kinds(kind: RayKind) -> u32 {
+    match kind {
+        RayKind::Camera => CAMERA,
+        RayKind::Reflection => 4,
+        RayKind::Refraction => 8,
+        RayKind::Diffuse => DIFFUSE,
+        RayKind::Glossy => 32,
     }
 }
 
@@ -54,14 +88,17 @@ fn put(rows: &mut [Row; 3], lane: usize, v: Vec3) {
 }
 
 /// The points from `first` on, sixteen or fewer. `out` is new, or was written for the same needs.
-pub(crate) fn points(hits: &SurfaceBatch, first: usize, ray_kinds: u32, needs: Needs, out: &mut Points) {
+pub(crate) fn points(hits: &SurfaceBatch, first: usize, asked_by: AskedBy, needs: Needs, out: &mut Points) {
     let count = LANES.min(hits.len() - first);
     let facing = hits.facing_rows(first);
     let all = (1_u32 << count) - 1;
     out.count = count;
     (out.n, out.ng) = (facing.ns, facing.ng);
-    (out.ray_kinds, out.backfacing, out.flipped) = (ray_kinds, (facing.back & all) as u16, 0);
+    (out.backfacing, out.flipped) = ((facing.back & all) as u16, 0);
     out.surface_area = [1.0; LANES];
+    if let Some(areas) = needs.area.and_then(|number| hits.attributes.get(number)) {
+        out.surface_area.iter_mut().zip(&areas[first..]).for_each(|(to, &area)| *to = area);
+    }
     let copy = |row: &mut Row, from: &[f32]| row[..count].copy_from_slice(&from[first..first + count]);
     for (rows, from) in [(&mut out.p, &hits.p), (&mut out.i, &hits.ray_dir)] {
         let [x, y, z] = rows;
@@ -73,8 +110,12 @@ pub(crate) fn points(hits: &SurfaceBatch, first: usize, ray_kinds: u32, needs: N
     copy(&mut out.v.value, &hits.texcoord[1]);
     for lane in 0..count {
         out.index[lane] = (first + lane) as i32;
+        out.ray_kinds[lane] = match asked_by {
+            AskedBy::Shadow => SHADOW,
+            AskedBy::Rays => kinds(hits.ray_kind(first + lane)),
+        };
     }
-    if needs != Needs::default() {
+    if needs.derivatives || needs.frame {
         (0..count).for_each(|lane| changes(hits, first, lane, needs, out));
     }
 }

@@ -26,11 +26,12 @@ use crate::camera::{CameraPlace, CameraScript};
 use crate::facts::Facts;
 use crate::faults::Faults;
 use crate::fixed::Fixed;
+use crate::library;
 use crate::light::ScriptLight;
 use crate::live::Live;
 use crate::parameter::{self, Parameter, ParameterValue};
 use crate::pixel::{self, ScriptPixel};
-use crate::place::Needs;
+use crate::place::{CAMERA, DIFFUSE, Needs};
 use crate::sky::ScriptSky;
 use crate::surface::ScriptSurface;
 use crate::textures::Textures;
@@ -85,12 +86,18 @@ pub struct Script {
 }
 
 impl Script {
-    /// Reads and compiles a file.
+    /// Reads and compiles a file; `builtin/wood.osl` is one that the program carries, unless there is a file of that name.
     ///
     /// # Errors
     /// The file cannot be read, or what the compiler says: file, line, column and the source line of each error.
     pub fn open(path: &Path, access: &Access) -> Result<Self, String> {
-        let text = access.text(path).map_err(|why| format!("{}: {why}", path.display()))?;
+        if let Some(text) = library::text(path) {
+            return Self::made(path, text, access, Vec::new());
+        }
+        let text = access.text(path).map_err(|why| {
+            let why = library::unknown(path).unwrap_or(why);
+            format!("{}: {why}", path.display())
+        })?;
         Self::from_text(path, &text, access)
     }
 
@@ -99,8 +106,11 @@ impl Script {
     /// # Errors
     /// As [`open`](Self::open).
     pub fn from_text(path: &Path, text: &str, access: &Access) -> Result<Self, String> {
-        let reader =
-            Reader { access, files: RefCell::new(vec![path.to_owned()]), warnings: RefCell::default() };
+        Self::made(path, text, access, vec![path.to_owned()])
+    }
+
+    fn made(path: &Path, text: &str, access: &Access, files: Vec<PathBuf>) -> Result<Self, String> {
+        let reader = Reader { access, files: RefCell::new(files), warnings: RefCell::default() };
         let folder = path.parent().map(Path::to_owned).unwrap_or_default();
         let is_group = path.extension().is_some_and(|end| end == "oslgroup");
         let mut group = Group::default();
@@ -121,6 +131,17 @@ impl Script {
             other => return Err(format!("{}: shaders of type {other} are not drawn", path.display())),
         };
         let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        if kind == Kind::Surface && last.shader.find("Ci").is_none() {
+            let closures = last.shader.params().filter(|(_, symbol)| symbol.kind == SymbolKind::OutputParam);
+            let mut closures = closures.filter(|(_, symbol)| symbol.ty == Type::CLOSURE);
+            let hint = closures.next().map_or_else(String::new, |(_, symbol)| {
+                format!("; in a group, connect its output {} to a layer that does", symbol.name)
+            });
+            reader
+                .warnings
+                .borrow_mut()
+                .push(format!("{name}: it does not write Ci, and shows nothing{hint}"));
+        }
         Ok(Self {
             name,
             kind,
@@ -356,7 +377,31 @@ impl Script {
     /// It is none, or too large.
     pub fn environment(&self) -> Result<Arc<dyn EnvironmentShader>, String> {
         self.is(Kind::Environment)?;
-        Ok(Arc::new(ScriptSky { common: self.common(&self.group, &[])? }))
+        // Who asks for kinds of rays is asked for those that light things, too.
+        let ray_kinds = if self.asks_ray_kind() { DIFFUSE } else { CAMERA };
+        Ok(Arc::new(ScriptSky { common: self.common(&self.group, &[])?, ray_kinds }))
+    }
+
+    /// The same as rays of the camera see it, if it asks for kinds of rays.
+    ///
+    /// # Errors
+    /// As [`environment`](Self::environment).
+    pub fn backdrop(&self) -> Result<Option<Arc<dyn EnvironmentShader>>, String> {
+        self.is(Kind::Environment)?;
+        if !self.asks_ray_kind() {
+            return Ok(None);
+        }
+        Ok(Some(Arc::new(ScriptSky { common: self.common(&self.group, &[])?, ray_kinds: CAMERA })))
+    }
+
+    /// Whether some layer calls `raytype`.
+    fn asks_ray_kind(&self) -> bool {
+        let mut asks = false;
+        self.group
+            .layers
+            .iter()
+            .for_each(|layer| each_op(&layer.shader, &mut |op| asks |= &*op.name == "raytype"));
+        asks
     }
 
     /// As what pixels show.
@@ -406,16 +451,18 @@ impl Script {
 
     fn common_of(&self, group: &Group, plan: &Plan, program: Arc<dyn Program>) -> Result<Common, String> {
         let colors = colors()?;
+        let requests = self.requests(group);
+        let area = requests.iter().position(|request| request.name == AttributeRequest::SURFACE_AREA);
         Ok(Common {
             name: self.name.clone(),
             program,
             textures: self.textures.clone(),
             faults: self.faults.clone(),
-            requests: self.requests(group),
+            requests,
             facts: Facts::of(plan, &colors),
             colors,
             live: self.live.clone(),
-            needs: Needs::of(plan),
+            needs: Needs { area, ..Needs::of(plan) },
             scratch: Mutex::default(),
         })
     }
@@ -434,7 +481,7 @@ impl Script {
                 });
             }
         };
-        let mut spaces = false;
+        let (mut spaces, mut area) = (false, false);
         for layer in &group.layers {
             let shader = &layer.shader;
             for (_, symbol) in shader.params().filter(|(id, _)| layer.interpolated(*id)) {
@@ -464,9 +511,13 @@ impl Script {
                             spaces |= !matches!(text(id), Some("common" | "world" | "camera"));
                         }
                     }
+                    "surfacearea" => area = true,
                     _ => {}
                 }
             });
+        }
+        if area && self.kind == Kind::Surface {
+            ask(AttributeRequest::SURFACE_AREA, 1);
         }
         if spaces && self.kind == Kind::Surface {
             ask(AttributeRequest::WORLD_FROM_OBJECT, 12);
@@ -510,6 +561,9 @@ impl Reader<'_> {
 
     fn compiled(&self, path: &Path, text: &str) -> Result<Shader, String> {
         let load = |path: &Path| {
+            if let Some(text) = library::text(path) {
+                return Some(text.to_owned());
+            }
             let text = self.access.text(path).ok()?;
             self.files.borrow_mut().push(path.to_owned());
             Some(text)

@@ -10,11 +10,13 @@ use gnurt_sl::exec::{LANES, Point};
 use gnurt_sl_lib::Dual;
 
 use crate::parts::Looker;
-use crate::world::{CAMERA, Common, World};
+use crate::world::{Common, World};
 
 /// A sky.
 pub(crate) struct ScriptSky {
     pub(crate) common: Common,
+    /// Bits of the kinds of the rays that see it.
+    pub(crate) ray_kinds: u32,
 }
 
 impl EnvironmentShader for ScriptSky {
@@ -34,7 +36,7 @@ impl EnvironmentShader for ScriptSky {
                         i: Dual::from(d.to_array()),
                         n: back,
                         ng: back,
-                        ray_kinds: CAMERA,
+                        ray_kinds: self.ray_kinds,
                         index: (first + lane) as i32,
                         ..Point::default()
                     };

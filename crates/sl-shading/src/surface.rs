@@ -13,8 +13,8 @@ use gnurt_sl::exec::{LANES, Points, lanes_of};
 
 use crate::fixed::Fixed;
 use crate::parts::{Lights, Looker};
-use crate::place::{Needs, points};
-use crate::world::{CAMERA, Common, SHADOW, World};
+use crate::place::{AskedBy, points};
+use crate::world::{Common, World};
 
 /// Least share of light that a surface stops where it scatters some, so that what it scatters is not drawn too seldom.
 const THERE: f32 = 1.0 / 16.0;
@@ -26,24 +26,20 @@ pub(crate) struct ScriptSurface {
     pub(crate) fixed: Option<Fixed>,
 }
 
-fn kinds_of(hits: &SurfaceBatch) -> u32 {
-    if hits.depth == 0 { CAMERA } else { 0 }
-}
-
 impl ScriptSurface {
     /// Runs it for all points, sixteen at a time; `with(the first one, what they do to light)`. Lobes are written to `out`, to the
     /// points from 0 on if it is for sixteen only.
     fn each(
         &self,
         world: &World,
-        (hits, ray_kinds): (&SurfaceBatch, u32),
+        (hits, asked_by): (&SurfaceBatch, AskedBy),
         out: &mut ClosureBatch,
         mut with: impl FnMut(usize, Looker),
     ) {
         let is_whole = out.len() == hits.len();
         self.common.with_scratch(|scratch| {
             for first in (0..hits.len()).step_by(LANES) {
-                points(hits, first, ray_kinds, self.common.needs, &mut scratch.points);
+                points(hits, first, asked_by, self.common.needs, &mut scratch.points);
                 self.common.run(world, &scratch.points, &mut scratch.results);
                 let to = (&mut *out, if is_whole { first } else { 0 });
                 let looker = Looker::look(&scratch.points, &scratch.results, to, &mut scratch.open);
@@ -64,7 +60,7 @@ impl ScriptSurface {
         &self,
         world: &World,
         hits: &SurfaceBatch,
-        ray_kinds: u32,
+        asked_by: AskedBy,
         mut with: impl FnMut(usize, &Bsdf, Vec3),
     ) {
         if let Some(fixed) = &self.fixed {
@@ -75,7 +71,7 @@ impl ScriptSurface {
         }
         let mut out = ClosureBatch::default();
         out.reset(LANES);
-        self.each(world, (hits, ray_kinds), &mut out, |first, looker| {
+        self.each(world, (hits, asked_by), &mut out, |first, looker| {
             for lane in 0..LANES.min(hits.len() - first) {
                 let i = first + lane;
                 let bsdf = Bsdf::new(hits.facing_ns(i), looker.lists.lobes(lane));
@@ -151,7 +147,7 @@ impl SurfaceShader for ScriptSurface {
         }
         let world = World::around(&self.common, hits, None);
         let mut beside = Vec::new();
-        self.each(&world, (hits, kinds_of(hits)), out, |first, looker| {
+        self.each(&world, (hits, AskedBy::Rays), out, |first, looker| {
             Self::write(hits, first, looker, &mut beside);
         });
         Beside::write(&beside, out);
@@ -167,7 +163,7 @@ impl SurfaceShader for ScriptSurface {
 
     fn transmit(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
-        self.each_alone(&world, hits, SHADOW, |i, bsdf, through| {
+        self.each_alone(&world, hits, AskedBy::Shadow, |i, bsdf, through| {
             // Glass counts as thin, so that windows let light in.
             let [_, straight] = bsdf.delta_branches(-hits.ray_dir.get(i));
             let glass = straight.map_or(Vec3::ZERO, |branch| branch.weight);
@@ -181,7 +177,7 @@ impl SurfaceShader for ScriptSurface {
 
     fn gaps(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
-        self.each_alone(&world, hits, SHADOW, |i, _, through| {
+        self.each_alone(&world, hits, AskedBy::Shadow, |i, _, through| {
             out.set(i, Vec3::splat(through.clamp(Vec3::ZERO, Vec3::ONE).min_element()));
         });
     }
@@ -192,7 +188,7 @@ impl SurfaceShader for ScriptSurface {
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
-        self.each_alone(&world, hits, kinds_of(hits), |i, bsdf, _| {
+        self.each_alone(&world, hits, AskedBy::Rays, |i, bsdf, _| {
             out.set(i, bsdf.albedo(-hits.ray_dir.get(i)).clamp(Vec3::ZERO, Vec3::ONE));
         });
     }
@@ -204,7 +200,7 @@ impl SurfaceShader for ScriptSurface {
     fn tell(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
         let world = World::around(&self.common, hits, None);
         let mut all = Points::default();
-        points(hits, lane / LANES * LANES, kinds_of(hits), Needs::ALL, &mut all);
+        points(hits, lane / LANES * LANES, AskedBy::Rays, self.common.needs.with_all(), &mut all);
         self.common.program.tell(&world, &all.point(lane % LANES))
     }
 }
@@ -215,7 +211,7 @@ impl RadianceShader for ScriptSurface {
         closures.reset(hits.len());
         {
             let world = World::around(&self.common, hits, Some(&mut *tracer));
-            self.each(&world, (hits, kinds_of(hits)), &mut closures, |first, mut looker| {
+            self.each(&world, (hits, AskedBy::Rays), &mut closures, |first, mut looker| {
                 for lane in lanes_of(looker.lights.radiance.some) {
                     let radiance = looker.lights.radiance.get(lane);
                     if radiance.is_finite() {

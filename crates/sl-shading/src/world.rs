@@ -27,15 +27,9 @@ use crate::facts::Facts;
 use crate::faults::Faults;
 use crate::live::Live;
 use crate::parts::Open;
-use crate::place::Needs;
+use crate::place::{Needs, RAYS};
 use crate::textures::Textures;
 
-/// Kinds of rays; each is a bit.
-const RAYS: [&str; 8] =
-    ["camera", "shadow", "reflection", "refraction", "diffuse", "glossy", "subsurface", "displacement"];
-/// Bits of rays from the camera and of those that ask for shadow.
-pub(crate) const CAMERA: u32 = 1;
-pub(crate) const SHADOW: u32 = 2;
 /// Branches of a point's key from here on are rays that a shader asks for.
 const BRANCH: u32 = 64;
 
@@ -400,7 +394,12 @@ impl Host for World<'_> {
         options: &TextureOptions,
         _: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
-        self.common.textures.sample(file, at, options).map(|texel| texel.map(Dual::from))
+        let found = self.common.textures.sample(file, at, options);
+        if let (Err(why), true) = (&found, options.missing.is_some()) {
+            // Nobody else tells: the shader has said what to take.
+            self.common.faults.note(&format!("{}: {why}", self.common.name));
+        }
+        found.map(|texel| texel.map(Dual::from))
     }
 
     fn texture_info(

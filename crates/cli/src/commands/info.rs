@@ -194,8 +194,9 @@ fn lights(lights: &[Light]) -> String {
         Light::Spot { .. } => "spot",
         Light::Directional { .. } => "directional",
         Light::Environment { .. } => "environment",
+        Light::Backdrop { .. } => "backdrop",
     };
-    let counts = ["point", "spot", "directional", "environment"]
+    let counts = ["point", "spot", "directional", "environment", "backdrop"]
         .map(|name| (lights.iter().filter(|light| kind(light) == name).count(), name));
     let named: Vec<String> = counts
         .iter()

@@ -74,7 +74,7 @@ impl Added {
         self.textures.iter().for_each(|texture| _ = scene.add_texture(texture.clone()));
         for light in &self.lights {
             let mut light = light.clone();
-            if let Light::Environment { texture: Some(TextureId(id)), .. } = &mut light {
+            if let Some(TextureId(id)) = light.texture_mut() {
                 *id = moved(*id, before.textures, now.textures);
             }
             scene.add_light(light);

@@ -155,7 +155,7 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &Wavefront, 
     if missed.is_empty() || tracer.world.lights().environment.is_none() {
         return;
     }
-    let seen = tracer.environment(from.rays, &missed);
+    let seen = tracer.environment(from.rays, &missed, |lane| from.is_of_camera(lane));
     let lights = tracer.world.light_set();
     for (k, &i) in missed.iter().enumerate().filter(|&(k, _)| seen.get(k) != Vec3::ZERO) {
         let path = wavefront.paths.get(i, from.keys[i]);

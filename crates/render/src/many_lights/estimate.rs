@@ -354,7 +354,8 @@ pub(super) fn rest_at(
         let Some(ray) = point.scatter_ray(dir, false, f32::INFINITY).filter(|_| cos > 0.0) else { continue };
         let pdf = cos * FRAC_1_PI;
         let last = Last { point, pdf, side: point.ns, light_samples: 1.0, bound: pass.bound };
-        let sample = BsdfSample { wi: dir, weight: Vec3::ONE, pdf, delta: false, transmitted: false };
+        let sample =
+            BsdfSample { wi: dir, weight: Vec3::ONE, pdf, delta: false, transmitted: false, wide: true };
         let cone = Meeting::of(points, i).after(&sample, fineness(key));
         walks.push(
             (ray, cone),
@@ -411,7 +412,11 @@ fn arrive(
         };
         let Some(vertex) = vertex else {
             let dir = Vec3::from(rays.get(i).dir);
-            let seen = lights.environment(dir);
+            let is_backdrop = walk.edges == 1 && tracer.world.lights().backdrop.is_some();
+            let seen = match is_backdrop {
+                true => tracer.environment(rays, &[i], |_| true).get(0),
+                false => lights.environment(dir),
+            };
             if seen != Vec3::ZERO {
                 let pdf = walk.last.map_or(0.0, |last| lights.pdf_environment(last.point.p, last.side, dir));
                 radiance.add(lane, walk.throughput * seen * (walk.lamp_gain * share(pdf)));
@@ -549,7 +554,7 @@ fn environment_of_shaders(
         return;
     }
     let missed: Vec<usize> = (0..walks.len()).filter(|&i| vertices[i].is_none()).collect();
-    let seen = tracer.environment(rays, &missed);
+    let seen = tracer.environment(rays, &missed, |lane| walks[lane].edges == 1);
     for (k, &i) in missed.iter().enumerate() {
         let walk = walks[i].absorbed(None);
         radiance.add(walk.lane as usize, walk.throughput * seen.get(k));

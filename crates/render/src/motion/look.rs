@@ -136,7 +136,7 @@ pub(super) const ROWS: u32 = BLOCK;
 fn see(tracer: &mut BatchTracer, camera: HitLanes, sights: &mut [Sight]) {
     let missed: Vec<usize> =
         (0..sights.len()).filter(|&lane| camera.hits.prim_id[lane] == INVALID_ID).collect();
-    let seen = tracer.environment(camera.rays, &missed);
+    let seen = tracer.environment(camera.rays, &missed, |_| true);
     for (k, &lane) in missed.iter().enumerate() {
         let dir = Vec3::from(camera.rays.get(lane).dir);
         let tint = Tint { plain: seen.get(k), ..Tint::default() };
@@ -247,7 +247,7 @@ fn see_beyond(
     for (i, (&Beyond { lane, throughput, way }, vertex)) in walks.carried.iter().zip(&found).enumerate() {
         let sight = &mut sights[lane];
         let Some(vertex) = vertex else {
-            let seen = tracer.environment(&walks.rays, &[i]).get(0);
+            let seen = tracer.environment(&walks.rays, &[i], |_| false).get(0);
             let plain = sight.tint.plain + throughput * seen;
             // What else it shows is light on the mirror.
             sight.tint = Tint { plain, ..sight.tint };

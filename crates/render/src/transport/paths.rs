@@ -10,7 +10,7 @@ use gnurt_accel::{HitBatch, Ray, RayBatch};
 use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
-use gnurt_shading::{RayRequest, Rays, SampleKey, Vec3s};
+use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
 use crate::cone::{Cone, Cones};
 
@@ -79,6 +79,8 @@ pub(crate) struct Scattered<R> {
     pub(crate) absorption: Vector<R>,
     /// The rays' cones: how wide they begin, how fast they widen; `None` if nobody asks.
     pub(crate) cone: Option<[R; 2]>,
+    /// What sends the rays, as bits: one direction only, through the surface, to all sides.
+    pub(crate) how: [u64; 3],
 }
 
 /// Which paths some points belong to.
@@ -224,6 +226,8 @@ impl Paths {
             self.lane[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
             self.layers[self.count] = 0;
+            let [delta, transmitted, wide] = next.how.map(|bits| bits >> i & 1 != 0);
+            self.cones.kind[self.count] = RayKind::of(delta, transmitted, wide);
             self.keys.push(of.keys[number]);
             self.count += 1;
         }

@@ -11,7 +11,7 @@ use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::sampling::purpose;
-use gnurt_shading::{Leaving, SurfaceBatch, Vec3s};
+use gnurt_shading::{Leaving, RayKind, SurfaceBatch, Vec3s};
 
 use super::mis::{power_heuristic, weigh};
 use super::paths::{NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
@@ -278,7 +278,8 @@ fn go_on<R: Real>(
     let pdf = R::pick(chosen.delta, one.all(NOWHERE), pdf);
     let ns = Vector::pick(seen.is_translucent(), Vector::grey(zero), at.ns);
     let absorption = met.absorption(first, alive, chosen.transmitted, zero);
-    let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone };
+    let how = [chosen.delta, chosen.transmitted, chosen.wide].map(R::bits);
+    let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how };
     onward.next.push_all(alive & sends, of, &next);
 }
 
@@ -304,6 +305,8 @@ fn meeting<R: Real>(like: R, points: &SurfaceBatch, first: usize, wo: Vector<R>)
         spread: known(&points.cone_spread),
         curvature: R::pick(zero.above(cos), -curvature, curvature),
         cos: cos.size(),
+        // Each ray's own.
+        kind: RayKind::default(),
     }
 }
 

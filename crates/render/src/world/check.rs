@@ -3,7 +3,7 @@
 //! What a scene has it never loses, so what was sound at the last commit still is; only shader tables get shorter.
 //! Proof: crates/render/tests/commit.rs.
 
-use gnurt_scene::{Light, Scene, Surface};
+use gnurt_scene::{Scene, Surface};
 
 use super::due::Due;
 use super::materials;
@@ -48,7 +48,7 @@ pub(super) fn check(scene: &Scene, shaders: &ShaderTable, due: &Due) -> Result<(
         }
     }
     for &index in &due.lights {
-        if let Light::Environment { texture: Some(texture), .. } = scene.lights()[index as usize]
+        if let Some(texture) = scene.lights()[index as usize].texture()
             && texture.index() >= scene.textures().len()
         {
             return Err(dangling("light", index, "texture", texture.0));

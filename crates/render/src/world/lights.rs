@@ -10,7 +10,7 @@ use std::sync::{Arc, OnceLock};
 use glam::{Mat3, Vec3};
 use gnurt_accel::Threads;
 use gnurt_scene::material::TextureRef;
-use gnurt_scene::{Light, Scene};
+use gnurt_scene::{Affine, Light, Scene};
 use gnurt_shading::lights as shading;
 use gnurt_shading::lights::{EnvironmentLight, LightSet};
 use gnurt_shading::{EnvironmentShader, LightShader};
@@ -39,6 +39,8 @@ pub(crate) struct Lights {
     pub(crate) plugins: Range<usize>,
     /// What misses see.
     pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
+    /// What misses of camera rays see in place of that.
+    pub(crate) backdrop: Option<Arc<shading::PictureEnvironment>>,
     pub(super) lamps: Arc<Lamps>,
     /// The same for lights that differ in nothing but what they light.
     pub(super) content: LightsContent,
@@ -106,18 +108,30 @@ impl Lights {
         } else {
             self.own_environment.clone()
         };
+        let backdrop = match table_changed || changed.edited {
+            _ if own_environment.is_none() => None,
+            true => backdrop(scene, self.backdrop.as_ref(), Threads::Pool(pool)),
+            false => self.backdrop.clone(),
+        };
+        let same_backdrop = match (&backdrop, &self.backdrop) {
+            (Some(now), Some(before)) => Arc::ptr_eq(now, before),
+            (None, None) => true,
+            _ => false,
+        };
         let same_environment = match (&own_environment, &self.own_environment) {
             (Some(now), Some(before)) => now.is(before),
             (None, None) => true,
             _ => false,
         };
         let same_bounds = changed.bounds == self.parts.bounds;
+        let same_environment = same_environment && same_backdrop;
         let same_lights = !changed.edited && changed.lamps.is_none() && !table_changed && same_environment;
         if same_lights && same_bounds {
             return None;
         }
         let lamps = changed.lamps.map_or_else(|| self.lamps.clone(), Arc::new);
         let mut lights = Self::of(scene, shaders, lamps, own_environment, changed.bounds);
+        lights.backdrop = backdrop;
         if same_lights || (same_environment && !table_changed && lights.is_like(self)) {
             // An edit of a light that nobody sees, or of a texture that is not the environment's, is none.
             if same_bounds {
@@ -150,7 +164,8 @@ impl Lights {
         let lamps = lamps.map_or_else(|| self.lamps.clone(), Arc::new);
         let from_table = self.environment.clone().filter(|_| self.own_environment.is_none());
         let others = (&self.shaders[self.plugins.clone()], &from_table);
-        Self::made(&lights, others, lamps, self.own_environment.clone(), self.parts.bounds)
+        let made = Self::made(&lights, others, lamps, self.own_environment.clone(), self.parts.bounds);
+        Self { backdrop: self.backdrop.clone(), ..made }
     }
 
     fn made(
@@ -167,7 +182,8 @@ impl Lights {
             bounds,
             ..Default::default()
         };
-        let is_punctual = |light: &&Light| !matches!(light, Light::Environment { .. });
+        let is_punctual =
+            |light: &&Light| !matches!(light, Light::Environment { .. } | Light::Backdrop { .. });
         let punctual: Vec<Light> = lights.iter().filter(is_punctual).cloned().collect();
         let mut shaders: Vec<Arc<dyn LightShader>> = Vec::new();
         if let Some(triangles) = &parts.triangles {
@@ -191,6 +207,7 @@ impl Lights {
             shaders,
             plugins,
             environment,
+            backdrop: None,
             lamps,
             own_environment,
             punctual,
@@ -245,7 +262,30 @@ fn without_extent(light: &Light, parts: &mut shading::LightParts) -> Option<Arc<
             parts.directionals.push(directional);
             Some(Arc::new(directional))
         }
-        Light::Environment { .. } => None,
+        Light::Environment { .. } | Light::Backdrop { .. } => None,
+    }
+}
+
+fn rotation_of(world_from_light: &Affine) -> Mat3 {
+    let [x, y, z, _] = world_from_light.to_f32();
+    let unit = |v: [f32; 3]| Vec3::from(v).normalize_or_zero();
+    Mat3::from_cols(unit(x), unit(y), unit(z))
+}
+
+/// The last backdrop of the scene, the one before where it is that.
+fn backdrop(
+    scene: &Scene,
+    before: Option<&Arc<shading::PictureEnvironment>>,
+    threads: Threads,
+) -> Option<Arc<shading::PictureEnvironment>> {
+    let (texture, rotation) = scene.lights().iter().rev().find_map(|light| match light {
+        Light::Backdrop { texture, world_from_light } => Some((*texture, rotation_of(world_from_light))),
+        _ => None,
+    })?;
+    let sampler = sharp(scene, &TextureRef::new(texture));
+    match before {
+        Some(same) if same.shows(&sampler) && same.shines_as(Vec3::ONE, rotation) => Some(same.clone()),
+        _ => shading::PictureEnvironment::new(sampler, Vec3::ONE, rotation, threads).map(Arc::new),
     }
 }
 
@@ -267,9 +307,7 @@ fn environment(
         let new = || EnvironmentLight::Constant(Arc::new(shading::ConstantEnvironment { radiance }));
         return Some(before.filter(same).cloned().unwrap_or_else(new));
     };
-    let [x, y, z, _] = world_from_light.to_f32();
-    let unit = |v: [f32; 3]| Vec3::from(v).normalize_or_zero();
-    let rotation = Mat3::from_cols(unit(x), unit(y), unit(z));
+    let rotation = rotation_of(world_from_light);
     let sampler = sharp(scene, &TextureRef::new(texture));
     let picture = match before {
         Some(same @ EnvironmentLight::Picture(picture)) if picture.shows(&sampler) => {

@@ -5,6 +5,7 @@
 //! Its parts are kept apart by what edits them, immutable and shared: whoever has a clone has the world as it was.
 //! Proof: crates/render/tests/{commit,edits}.rs.
 
+mod areas;
 mod check;
 mod commit;
 mod crowds;

@@ -10,6 +10,7 @@ use glam::Vec3;
 use gnurt_accel::{Aabb, MotionPath, MovingTree, ObjectTree, SceneTree, Shape, SharedList};
 use gnurt_scene::{Affine, Member, Mesh, ObjectId, RayMask};
 
+use super::areas::Areas;
 use super::crowds::Kind;
 use super::open::path;
 use super::place::Place;
@@ -35,6 +36,8 @@ pub(crate) struct WorldObject {
     pub(super) bends: bool,
     /// Whether objects in it move then.
     pub(super) members_move: bool,
+    /// Of its meshes, as far as somebody has asked.
+    pub(super) areas: Areas,
 }
 
 impl WorldObject {

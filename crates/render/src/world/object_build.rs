@@ -13,6 +13,7 @@ use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Mesh, MeshId, Scene};
 use rayon::prelude::*;
 
+use super::areas::Areas;
 use super::crowds::{Crowds, Kind};
 use super::object::{ObjectSlot, WorldObject, bends, materials_of};
 
@@ -144,9 +145,21 @@ fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObjec
     let (tree, meshes, kind) = (moving.tree().clone(), meshes.clone(), kind.clone());
     let (materials, members) = (materials_of(&meshes), None);
     let (motion, keys) = (*moves, keys.clone());
-    let (bends, members_move) = (false, false);
+    let (bends, members_move, areas) = (false, false, Areas::default());
     (
-        WorldObject { tree, moving, motion, meshes, keys, kind, members, materials, bends, members_move },
+        WorldObject {
+            tree,
+            moving,
+            motion,
+            meshes,
+            keys,
+            kind,
+            members,
+            materials,
+            bends,
+            members_move,
+            areas,
+        },
         update,
     )
 }
@@ -173,9 +186,20 @@ fn exposed(
     let moving = MovingTree::of(tree.clone(), motion(motion_of_object));
     let (motion, materials) = (motion_of_object, materials_of(&meshes));
     let (kind, members, bends) = (None, None, true);
-    let members_move = false;
-    let object =
-        WorldObject { tree, moving, motion, meshes, keys, kind, members, materials, bends, members_move };
+    let (members_move, areas) = (false, Areas::default());
+    let object = WorldObject {
+        tree,
+        moving,
+        motion,
+        meshes,
+        keys,
+        kind,
+        members,
+        materials,
+        bends,
+        members_move,
+        areas,
+    };
     (object, Some(Update::Rebuilt))
 }
 

@@ -40,6 +40,13 @@ pub(crate) struct HitLanes<'a> {
     pub(crate) epsilon: f32,
 }
 
+impl HitLanes<'_> {
+    /// Whether the camera sent the ray of a lane.
+    pub(crate) fn is_of_camera(&self, lane: usize) -> bool {
+        self.cones.map_or(self.depth == 0, |cones| cones.get(lane).is_of_camera())
+    }
+}
+
 type Row = [f32; LANES];
 
 /// Whose a leaf is that a hit names.
@@ -330,6 +337,20 @@ impl<'w> Places<'w> {
                 let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
                 let numbers = columns.into_iter().chain([origin]).flat_map(|v| v.to_array());
                 numbers.take(components).enumerate().for_each(|(k, x)| values[k * lanes + i] = x);
+            }
+            return values;
+        }
+        if request.name == AttributeRequest::SURFACE_AREA {
+            let mut last = ([u32::MAX; 2], 0.0);
+            for (i, value) in values.iter_mut().enumerate().take(lanes) {
+                let ids = [points.leaf_id[i], points.geom_id[i]];
+                if ids != last.0 {
+                    let (instance, leaf) = self.instance(ids[0]);
+                    let object = instance.leaf(leaf).0;
+                    let place = instance.leaf_at(leaf, 0.0);
+                    last = (ids, object.areas.of(&object.meshes, ids[1], &place.linear));
+                }
+                *value = last.1;
             }
             return values;
         }

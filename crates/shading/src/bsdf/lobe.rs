@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 
+use super::diffuse_once::Model;
 use super::film::{self, Base, Film};
 use super::{conductor, fresnel, rough_dielectric};
 
@@ -81,7 +82,12 @@ pub(super) mod rare {
     pub(crate) const FILM: u32 = 2;
     /// Indices that differ by colour.
     pub(crate) const SPREAD: u32 = 4;
+    /// Reflectances that rise by another power than Schlick's.
+    pub(crate) const POWER: u32 = 8;
 }
+
+/// The power by which Schlick's reflectances rise.
+pub(super) const SCHLICK: f32 = 5.0;
 
 /// How far the index of red, green and blue is from that of yellow light (587.6 nm), as multiples of the difference between
 /// blue-green (486.1 nm) and red light (656.3 nm): by Cauchy's law, at 611, 549 and 464 nm, where sRGB's primaries are.
@@ -105,7 +111,8 @@ pub struct Lobe {
     pub c: Vec3,
     /// Width of facets' slopes, the square of glTF's roughness; the roughness of diffuse and sheen lobes.
     pub alpha: f32,
-    /// Index of refraction on the side that rays come from over the index beyond, > 0.
+    /// Index of refraction on the side that rays come from over the index beyond, > 0. Of diffuse lobes which model they are, 1 unless it
+    /// loses light; of facets less than 0 the power by which reflectances rise towards grazing angles, in place of Schlick's fifth.
     pub eta: f32,
     /// About where along the surface `alpha` is meant, where slopes have another width across that; unit.
     pub tangent: Vec3,
@@ -139,6 +146,21 @@ impl Lobe {
     #[must_use]
     pub fn oren_nayar(albedo: Vec3, roughness: f32) -> Self {
         Self { a: albedo, alpha: roughness, ..Self::of(Kind::Diffuse) }
+    }
+
+    /// A rough diffuse surface as Oren and Nayar have it, with one bounce between the facets: what goes on is lost. `albedo` and `roughness`
+    /// as for [`oren_nayar`](Self::oren_nayar); 0 is Lambert's reflector.
+    #[must_use]
+    pub fn oren_nayar_once(albedo: Vec3, roughness: f32) -> Self {
+        let eta = if roughness > 0.0 { Model::OrenNayar.number() } else { 1.0 };
+        Self { eta, ..Self::oren_nayar(albedo, roughness) }
+    }
+
+    /// Burley's diffuse surface: darker than Lambert's at grazing angles where it is smooth, brighter where it is rough; `roughness` is in
+    /// [0, 1].
+    #[must_use]
+    pub fn burley(albedo: Vec3, roughness: f32) -> Self {
+        Self { eta: Model::Burley.number(), ..Self::oren_nayar(albedo, roughness) }
     }
 
     /// Scatters to all sides beyond the surface, as thin paper does; `albedo` is the share of light that goes there.
@@ -207,6 +229,14 @@ impl Lobe {
         }
     }
 
+    /// The same with reflectances that rise from normal to grazing incidence by this power of one less the cosine, > 0, in place of
+    /// Schlick's fifth; what is no facets under those stays as it is.
+    #[must_use]
+    pub fn risen(self, power: f32) -> Self {
+        let is_other = power != SCHLICK && power > 0.0 && power.is_finite();
+        if self.kind == Kind::Facets && is_other { Self { eta: -power, ..self } } else { self }
+    }
+
     /// The same under a film. What is no facets, and no glass, stays as it is.
     #[must_use]
     pub fn filmed(self, film: Film) -> Self {
@@ -252,7 +282,8 @@ impl Lobe {
     pub(super) fn rare(&self) -> u32 {
         let bit = |has: bool, bit: u32| if has { bit } else { 0 };
         let brushed = bit(self.across > 0.0, rare::GRAIN);
-        brushed | bit(self.film.share > 0.0, rare::FILM) | bit(self.spread > 0.0, rare::SPREAD)
+        let risen = bit(self.kind == Kind::Facets && self.eta < 0.0, rare::POWER);
+        brushed | risen | bit(self.film.share > 0.0, rare::FILM) | bit(self.spread > 0.0, rare::SPREAD)
     }
 
     /// Whether it sends colours into different directions.

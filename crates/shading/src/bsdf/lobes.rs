@@ -161,7 +161,11 @@ impl Lobes {
     pub fn lambertian(&self) -> Option<Vec3> {
         match self.as_slice() {
             [] => Some(Vec3::ZERO),
-            [lobe] if lobe.kind == Kind::Diffuse && lobe.alpha == 0.0 && lobe.normal == Vec3::ZERO => {
+            [lobe]
+                if lobe.kind == Kind::Diffuse
+                    && (lobe.alpha, lobe.eta) == (0.0, 1.0)
+                    && lobe.normal == Vec3::ZERO =>
+            {
                 Some(lobe.a * lobe.weight)
             }
             _ => None,

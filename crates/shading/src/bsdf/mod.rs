@@ -16,6 +16,7 @@
 mod batch;
 mod conductor;
 mod dielectric;
+mod diffuse_once;
 mod dispersed;
 mod energy;
 mod film;
@@ -156,8 +157,8 @@ impl Bsdf {
     /// The same where the light that it scatters will count `light` by colour; see [`seen_by`](Self::seen_by).
     #[must_use]
     pub fn sample_by(&self, wo: Vec3, light: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
-        let Sampled { wi, weight, pdf, delta, transmitted, found } = self.seen_by(wo, light).sample(u);
-        found.then(|| BsdfSample { wi: wi.into(), weight: weight.into(), pdf, delta, transmitted })
+        let Sampled { wi, weight, pdf, delta, transmitted, wide, found } = self.seen_by(wo, light).sample(u);
+        found.then(|| BsdfSample { wi: wi.into(), weight: weight.into(), pdf, delta, transmitted, wide })
     }
 
     /// What leaves by delta lobes, mirrored and through the surface, each with its share of the light.
@@ -166,7 +167,7 @@ impl Bsdf {
         let [mirrored, through] = self.seen(wo).delta_branches();
         let branch = |branch: Option<(Vec3, Vec3)>, transmitted| {
             let (wi, weight) = branch?;
-            Some(BsdfSample { wi, weight, pdf: f32::INFINITY, delta: true, transmitted })
+            Some(BsdfSample { wi, weight, pdf: f32::INFINITY, delta: true, transmitted, wide: false })
         };
         [branch(mirrored, false), branch(through, true)]
     }

@@ -3,6 +3,8 @@
 
 use glam::Vec3;
 
+use crate::batch::RayKind;
+
 /// A direction that a BSDF chose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfSample {
@@ -16,4 +18,14 @@ pub struct BsdfSample {
     pub delta: bool,
     /// Whether it goes through the surface.
     pub transmitted: bool,
+    /// Whether a lobe chose it that sends light to all sides: neither facets nor mirrors nor glass.
+    pub wide: bool,
+}
+
+impl BsdfSample {
+    /// What kind of ray takes the direction.
+    #[must_use]
+    pub fn ray_kind(&self) -> RayKind {
+        RayKind::of(self.delta, self.transmitted, self.wide)
+    }
 }

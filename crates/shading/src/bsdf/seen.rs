@@ -33,6 +33,8 @@ pub struct Sampled<R: Real> {
     pub delta: R::Mask,
     /// Points at which it leads through the surface.
     pub transmitted: R::Mask,
+    /// Points at which a lobe chose it that sends light to all sides.
+    pub wide: R::Mask,
     /// Points that chose one; others hold anything.
     pub found: R::Mask,
 }
@@ -141,7 +143,15 @@ impl<R: Real> Seen<R> {
         let (zero, one) = (u[0].all(0.0), u[0].all(1.0));
         let Some(only) = &self.lobes[0] else {
             let (wi, weight, none) = (self.normal, Vector::grey(zero), zero.above(zero));
-            return Sampled { wi, weight, pdf: zero, delta: none, transmitted: none, found: none };
+            return Sampled {
+                wi,
+                weight,
+                pdf: zero,
+                delta: none,
+                transmitted: none,
+                wide: none,
+                found: none,
+            };
         };
         // The lobe, and the number as a new one.
         let mut before = zero;
@@ -221,7 +231,8 @@ impl<R: Real> Seen<R> {
         }
         let transmitted = zero.above(self.normal.dot(wi));
         found = found & pdf.above(zero) & weight.is_finite() & wi.is_finite();
-        Sampled { wi, weight, pdf, delta, transmitted, found }
+        let wide = lobe.is(Kind::Diffuse) | lobe.is(Kind::Translucent) | lobe.is(Kind::Sheen);
+        Sampled { wi, weight, pdf, delta, transmitted, wide, found }
     }
 
     /// Points of which some lobe has kinds for which `what` says so.

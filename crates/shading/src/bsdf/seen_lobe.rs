@@ -8,12 +8,13 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
+use super::diffuse_once::Model;
 use super::dispersed::Colours;
 use super::energy::lost;
 use super::film::{self, Base, Film};
 use super::ggx::Ggx;
 use super::grain::{Grain, Slopes};
-use super::lobe::{Kind, Lobe, rare};
+use super::lobe::{Kind, Lobe, SCHLICK, rare};
 use super::lobes::MOST;
 use super::rough_dielectric::{self, Glass, SeenGlass};
 use super::{dielectric, dispersed, fresnel, oren_nayar, sheen};
@@ -217,10 +218,53 @@ impl<R: Real> SeenLobe<R> {
         )
     }
 
-    /// About what facets send back at the cosine `cos` after one bounce that loses `lost` of white light; exact without a film.
+    /// How far reflectances have risen where Schlick's have by `five`.
+    #[inline(always)]
+    fn risen(&self, five: R) -> R {
+        five.each(
+            #[inline(always)]
+            |i| {
+                let (five, eta) = (five.lane(i), self.eta.lane(i));
+                if eta < 0.0 { five.max(0.0).powf(-eta / SCHLICK) } else { five }
+            },
+        )
+    }
+
+    /// What facets mirror, averaged over a cosine-weighted hemisphere, without a film.
+    #[inline(always)]
+    fn mirrored_on_average(&self) -> Vector<R> {
+        let schlick = fresnel::schlick_average(self.a, self.b);
+        if self.rare & rare::POWER == 0 {
+            return schlick;
+        }
+        let rise = self.eta.each(
+            #[inline(always)]
+            |i| {
+                let eta = self.eta.lane(i);
+                let power = if eta < 0.0 { -eta } else { SCHLICK };
+                2.0 / ((power + 1.0) * (power + 2.0))
+            },
+        );
+        Vector::pick(self.is_risen(), self.a * rise.rest() + self.b * rise, schlick)
+    }
+
+    /// Facets whose reflectances rise by another power than Schlick's.
+    #[inline(always)]
+    fn is_risen(&self) -> R::Mask {
+        self.eta.all(0.0).above(self.eta) & self.is(Kind::Facets)
+    }
+
+    /// About what facets send back at the cosine `cos` after one bounce that loses `lost` of white light; exact without a film, and where
+    /// reflectances rise as Schlick's.
     #[inline(always)]
     fn once(&self, cos: R, split: [R; 2]) -> Vector<R> {
-        let schlick = self.a * split[0] + self.b * split[1];
+        let mut schlick = self.a * split[0] + self.b * split[1];
+        if self.rare & rare::POWER != 0 {
+            let white = split[0] + split[1];
+            let rise = self.risen(split[1] / white.or_more(cos.all(1e-6)));
+            let other = (self.a * rise.rest() + self.b * rise) * white;
+            schlick = Vector::pick(self.is_risen(), other, schlick);
+        }
         if self.rare & rare::FILM == 0 {
             return schlick;
         }
@@ -259,6 +303,10 @@ impl<R: Real> SeenLobe<R> {
             // What is kept of one bounce stands in the place of what facets lose.
             self.lost = R::pick(is, white, self.lost);
             albedo = Vector::pick(is, Vector::pick(smooth, self.a, rough), albedo);
+            let once = is & self.loses_light();
+            if R::bits(once) != 0 {
+                albedo = Vector::pick(once, self.a * self.white_once(None, self.cos), albedo);
+            }
         }
         if self.has(Kind::Facets) || self.has(Kind::Metal) {
             let metal = self.is(Kind::Metal);
@@ -267,7 +315,7 @@ impl<R: Real> SeenLobe<R> {
             let energy = slopes.energy();
             let split = slopes.split(Some(self.wo), self.cos);
             let lost_here = lost(split);
-            let mut average = Vector::pick(metal, self.c, fresnel::schlick_average(self.a, self.b));
+            let mut average = Vector::pick(metal, self.c, self.mirrored_on_average());
             if self.rare & rare::FILM != 0 {
                 average = Vector::pick(self.rarities.film[0].above_all(0.0), self.c, average);
             }
@@ -307,6 +355,37 @@ impl<R: Real> SeenLobe<R> {
             albedo = Vector::pick(is, self.a * mirrored + self.b * mirrored.rest(), albedo);
         }
         albedo
+    }
+
+    /// Diffuse lobes of models that lose light.
+    #[inline(always)]
+    fn loses_light(&self) -> R::Mask {
+        self.eta.above_all(1.5)
+    }
+
+    /// Of those, the value times pi over the colour for a direction with this dot product to the view and this cosine; the share of light
+    /// that is sent back over the colour, seen at that cosine, without one.
+    #[inline(always)]
+    fn white_once(&self, dot: Option<R>, cos: R) -> R {
+        cos.apart(
+            #[inline(always)]
+            || {
+                cos.each(
+                    #[inline(always)]
+                    |i| {
+                        let here = cos.lane(i);
+                        let how = [self.alpha.lane(i), self.a.get(i).max_element()];
+                        match (Model::of(self.eta.lane(i)), dot) {
+                            (None, _) => 0.0,
+                            (Some(model), None) => model.albedo(how, here),
+                            (Some(model), Some(dot)) => {
+                                model.value(how, dot.lane(i), [self.cos.lane(i), here])
+                            }
+                        }
+                    },
+                )
+            },
+        )
     }
 
     /// What follows from the view of rough glass, and the share of light that it mirrors.
@@ -403,6 +482,11 @@ impl<R: Real> SeenLobe<R> {
                     oren_nayar::eval(self.a, self.alpha, self.lost, self.wo.dot(wi), [self.cos, i_front]);
                 diffuse = Vector::pick(smooth, diffuse, rough);
             }
+            let once = is & self.loses_light();
+            if R::bits(once) != 0 {
+                let white = self.white_once(Some(self.wo.dot(wi)), i_front);
+                diffuse = Vector::pick(once, self.a * (white * by_cosine), diffuse);
+            }
             (value, pdf) = (Vector::pick(is, diffuse, value), R::pick(is, by_cosine, pdf));
         }
         let facets = Kind::Facets.bit() | Kind::Metal.bit() | Kind::Sheen.bit();
@@ -414,7 +498,13 @@ impl<R: Real> SeenLobe<R> {
                 let density = slopes.density(self.normal, h) / (self.cos * 4.0);
                 let (one, cos_h) = (i.all(1.0), self.wo.dot(h));
                 let lobe = density / (self.hidden + slopes.lambda(wi, i_front) + one);
-                let rise = fresnel::schlick_rise(cos_h);
+                let mut rise = fresnel::schlick_rise(cos_h);
+                if self.rare & rare::POWER != 0 {
+                    rise = cos_h.apart(
+                        #[inline(always)]
+                        || self.risen(rise),
+                    );
+                }
                 let mut reflectance = self.a + (self.b - self.a) * rise;
                 if self.has(Kind::Metal) {
                     let metal = self.a.with(

@@ -26,6 +26,8 @@ fn models() -> Vec<(String, Lobes)> {
     for roughness in [0.3, 1.0] {
         add(format!("oren-nayar {roughness}"), Lobe::oren_nayar(white, roughness).into());
     }
+    add("dim oren-nayar".into(), Lobe::oren_nayar_once(white, 0.7).into());
+    add("dim burley".into(), Lobe::burley(white, 0.8).into());
     for (alpha, eta, thin) in [(0.15, 0.66, false), (0.5, 1.5, false), (1.0, 0.75, false), (0.3, 0.66, true)]
     {
         add(format!("glass {alpha} {eta} {thin}"), Lobe::rough_glass(alpha, eta, white, white, thin).into());
@@ -61,6 +63,7 @@ fn rare_models() -> Vec<(&'static str, Lobes)> {
         ("brushed glass in", rough_glass(0.6, 0.66).brushed(slant, 0.2).into()),
         ("brushed glass out", rough_glass(0.15, 1.5).brushed(slant, 0.5).into()),
         ("brushed pane", Lobe::rough_glass(0.5, 0.66, white, white, true).brushed(slant, 0.2).into()),
+        ("risen facets", Lobe::facets(0.4, white, white).risen(2.0).into()),
         ("filmed conductor", Lobe::facets(0.4, white, white).filmed(film).into()),
         ("filmed plastic", Principled { film, ..plain }.into()),
         ("filmed glass in", rough_glass(0.3, 0.66).filmed(film).into()),
@@ -232,14 +235,19 @@ fn densities_and_values_integrate() {
             assert!(density < 1.01 && density > 0.3, "{name} from {wo}: density {density}");
             let said = f64::from(bsdf.albedo(wo).x);
             // Coat and sheen take a little more of gloss below them than they send back, where two directions differ.
-            let lost = match name.split(' ').next() {
+            let lost: f64 = match name.split(' ').next() {
                 Some("coated") => 0.03,
                 Some("cloth") => 0.14,
                 // A film's share is that of the mean facet, not the mean of all facets' shares.
                 Some("filmed") => 0.03,
+                // Models that lose light.
+                Some("dim") => 0.35,
                 _ => 0.015,
             };
-            assert!((value - said).abs() < lost + 0.015, "{name} from {wo}: albedo {value}, said {said}");
+            assert!(
+                (value - said).abs() < lost.min(0.14) + 0.015,
+                "{name} from {wo}: albedo {value}, said {said}"
+            );
             assert!(value < 1.01, "{name} from {wo}: makes energy: {value}");
             assert!(value > 1.0 - lost, "{name} from {wo}: white surfaces keep light: {value}");
         }
@@ -259,6 +267,23 @@ fn smooth_cloth_keeps_light() {
             assert!((value - 1.0).abs() < 0.008, "{sheen_roughness} from {cos}: {value} of 1 comes back");
         }
     }
+}
+
+#[test]
+fn reflectances_rise_by_their_power() {
+    let of = |power: f32| {
+        around_z(Lobe::facets(0.05, Vec3::new(0.1, 0.5, 1.0), Vec3::new(1.0, 0.2, 1.0)).risen(power))
+    };
+    for (power, angle) in [(1.0_f32, 0.3_f32), (2.0, 1.2), (5.0, 1.0), (9.0, 1.4)] {
+        let wo = Vec3::new(angle.sin(), 0.0, angle.cos());
+        let found = of(power).eval(wo, wo * Vec3::new(-1.0, 1.0, 1.0));
+        let rise = (1.0 - angle.cos()).powf(power);
+        for (channel, [f0, f90]) in [[0.1, 1.0], [0.5, 0.2]].into_iter().enumerate() {
+            let (found, wanted) = (found[channel] / found.z, f0 + (f90 - f0) * rise);
+            assert!((found - wanted).abs() < 0.01, "power {power} at {angle}: {found}, not {wanted}");
+        }
+    }
+    assert_eq!(Lobe::facets(0.3, Vec3::ZERO, Vec3::ONE).risen(5.0), Lobe::facets(0.3, Vec3::ZERO, Vec3::ONE));
 }
 
 #[test]
@@ -348,7 +373,8 @@ fn silhouettes_are_not_black() {
     for (name, model) in models() {
         let bsdf = around_z(model);
         let light: Vec3 = randoms(256).filter_map(|u| bsdf.sample(wo, u)).map(|s| s.weight / 256.0).sum();
-        assert!(light.x > 0.9 && light.x < 1.04, "{name}: {light}");
+        let least = if name.starts_with("dim") { 0.7 } else { 0.9 };
+        assert!(light.x > least && light.x < 1.04, "{name}: {light}");
     }
 }
 
@@ -369,6 +395,7 @@ fn in_lanes<S: Simd>(
     let (value, pdf) = seen.eval_pdf(Vec3x16::splat(simd, wi));
     let s = seen.sample([0, 1, 2].map(|k| f32x16::from_fn(simd, |i| u[i][k])));
     let (found, delta, through) = (s.found.to_bitmask(), s.delta.to_bitmask(), s.transmitted.to_bitmask());
+    let wide = s.wide.to_bitmask();
     std::array::from_fn(|i| {
         let has = |bits: u64| bits >> i & 1 != 0;
         let sample = BsdfSample {
@@ -377,6 +404,7 @@ fn in_lanes<S: Simd>(
             pdf: s.pdf[i],
             delta: has(delta),
             transmitted: has(through),
+            wide: has(wide),
         };
         (value.get(i), pdf[i], has(found).then_some(sample), seen.albedo().get(i))
     })

@@ -11,7 +11,7 @@
 use glam::Vec3;
 use gnurt_accel::Ray;
 
-use crate::batch::{SurfaceBatch, Vec3s};
+use crate::batch::{RayKind, SurfaceBatch, Vec3s};
 use crate::bsdf::{Bsdf, BsdfSample, ClosureBatch, Scattering, left_after};
 use crate::materials::SMOOTH;
 use crate::materials::direct::direct_light;
@@ -55,7 +55,13 @@ pub fn recursive_radiance(
     for &i in &open {
         let i = i as usize;
         let straight = hits.spawn(i, hits.ray_dir.get(i), f32::INFINITY);
-        behind.push(hits, i, straight, (branch::STRAIGHT, Vec3::splat(1.0 - points[i].coverage)));
+        behind.push(
+            hits,
+            i,
+            straight,
+            (branch::STRAIGHT, Vec3::splat(1.0 - points[i].coverage)),
+            hits.ray_kind(i),
+        );
     }
     behind.trace(tracer, hits, out);
     if closures.has_media() {
@@ -130,15 +136,23 @@ impl Branches {
         let number = if sample.transmitted { branch::REFRACTED } else { branch::REFLECTED };
         let ray = hits.point(i).scatter_ray(sample.wi, sample.transmitted, f32::INFINITY);
         if let Some(ray) = ray.filter(|_| sample.weight != Vec3::ZERO) {
-            self.push(hits, i, ray, (number, sample.weight));
+            self.push(hits, i, ray, (number, sample.weight), sample.ray_kind());
         }
     }
 
-    fn push(&mut self, hits: &SurfaceBatch, i: usize, ray: Ray, (number, weight): (u32, Vec3)) {
+    fn push(
+        &mut self,
+        hits: &SurfaceBatch,
+        i: usize,
+        ray: Ray,
+        (number, weight): (u32, Vec3),
+        kind: RayKind,
+    ) {
         self.request.rays.push(ray);
         self.request.parent.push(i as u32);
         self.request.key.push(hits.key[i].fork(number));
         self.request.width.push(hits.footprint.get(i).copied().unwrap_or(0.0));
+        self.request.kinds.push(kind);
         self.weight.push(weight);
     }
 

@@ -179,3 +179,26 @@ fn closures_may_be_made_of_themselves() {
         point("Ci = 0.5 * diffuse (N); Ci = layer (sheen_bsdf (N, 0, 0.5), Ci);").bsdf.albedo(toward());
     assert!((there - Vec3::splat(0.5)).length() < 1e-3, "what was in Ci lies below: {there}");
 }
+
+#[test]
+fn models_are_those_that_were_asked_for() {
+    use gnurt_shading::bsdf::Lobe;
+    let one = |body: &str| {
+        let mut found = point(&format!("Ci = {body};")).bsdf.lobes().as_slice()[0];
+        found.normal = Vec3::ZERO;
+        found
+    };
+    let grey = Vec3::splat(0.5);
+    assert_eq!(one("oren_nayar (N, 0.5)"), Lobe::oren_nayar_once(Vec3::ONE, 0.5));
+    let dust = "oren_nayar_diffuse_bsdf (N, color (0.5), 0.3";
+    assert_eq!(one(&format!("{dust})")), Lobe::oren_nayar_once(grey, 0.3), "light is lost");
+    assert_eq!(one(&format!("{dust}, \"energy_compensation\", 1)")), Lobe::oren_nayar(grey, 0.3), "or kept");
+    assert_eq!(one("burley_diffuse_bsdf (N, color (0.5), 0.8)"), Lobe::burley(grey, 0.8));
+    let schlick = |power| {
+        one(&format!(
+            "generalized_schlick_bsdf (N, vector (0), color (1), color (0), 0.2, 0.2, color (0.5), color (1), {power}, \"ggx\")"
+        ))
+    };
+    assert_eq!(schlick(5), Lobe::facets(0.2, grey, Vec3::ONE));
+    assert_eq!(schlick(3), Lobe::facets(0.2, grey, Vec3::ONE).risen(3.0));
+}

@@ -4,7 +4,9 @@
 use glam::Vec3;
 use gnurt_accel::RayBatch;
 use gnurt_shading::bsdf::ClosureBatch;
-use gnurt_shading::{AttributeRequest, CameraSamples, LightBatch, SurfaceBatch, SurfaceShader, Vec3s};
+use gnurt_shading::{
+    AttributeRequest, CameraSamples, LightBatch, RayKind, SurfaceBatch, SurfaceShader, Vec3s,
+};
 use gnurt_sl_shading::{CameraPlace, Kind, ParameterValue};
 
 use super::floor::{Probe, floor, script, surface};
@@ -28,6 +30,42 @@ fn globals_are_those_of_the_points() {
         let wanted = Vec3::new(i as f32, i as f32, 0.5) + Vec3::splat(add);
         assert!((light - wanted).length() < 1e-4, "point {i}: {light}, {wanted}");
     }
+}
+
+#[test]
+fn rays_have_kinds() {
+    let names = ["camera", "diffuse", "glossy", "reflection", "refraction"];
+    let kinds =
+        [RayKind::Camera, RayKind::Diffuse, RayKind::Glossy, RayKind::Reflection, RayKind::Refraction];
+    let sum = names.iter().enumerate().map(|(i, name)| format!("{} * raytype (\"{name}\")", i + 1));
+    let sum = sum.collect::<Vec<_>>().join(" + ");
+    let shader = surface(&format!("Ci = color ({sum}, raytype (\"shadow\"), 0) * emission ();"));
+    let mut hits = floor(40);
+    for depth in 0..2 {
+        (hits.depth, hits.kinds) = (depth, Vec::new());
+        let light = emitted(&*shader, &hits)[17];
+        assert_eq!(light, Vec3::new(1.0 + depth as f32, 0.0, 0.0), "{depth} bounces, and nobody asked");
+    }
+    hits.kinds = kinds.into_iter().cycle().take(40).collect();
+    for (i, light) in emitted(&*shader, &hits).into_iter().enumerate() {
+        assert_eq!(light, Vec3::new((i % 5 + 1) as f32, 0.0, 0.0), "point {i}");
+    }
+    let shade = surface("Ci = (raytype (\"shadow\") ? color (0.25) : color (0.5)) * transparent ();");
+    let mut through = Vec3s::splat(40, Vec3::ZERO);
+    assert!(!shade.is_opaque());
+    shade.transmit(&mut Probe(1.0), &hits, &mut through);
+    assert_eq!(through.get(33), Vec3::splat(0.25), "rays that ask for shadow");
+}
+
+#[test]
+fn lamps_know_their_area() {
+    let shader = surface("Ci = color (6 / surfacearea ()) * emission ();");
+    let names: Vec<&str> = shader.attributes().iter().map(|request| &request.name[..]).collect();
+    assert_eq!(names, [AttributeRequest::SURFACE_AREA]);
+    let mut hits = floor(20);
+    assert_eq!(emitted(&*shader, &hits)[19].x, 6.0, "1 where nobody knows");
+    hits.attributes = vec![(1..=20).map(|i| i as f32).collect()];
+    assert_eq!(emitted(&*shader, &hits)[19].x, 6.0 / 20.0);
 }
 
 #[test]

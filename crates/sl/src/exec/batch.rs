@@ -60,8 +60,8 @@ pub struct Points {
     pub backfacing: u16,
     /// Bits of the points on mirrored surfaces.
     pub flipped: u16,
-    /// Bits of the kinds of the rays.
-    pub ray_kinds: u32,
+    /// Bits of the kinds of each ray.
+    pub ray_kinds: [u32; LANES],
     /// Numbers of the points: what a [`Host`] knows them by.
     pub index: [i32; LANES],
     /// Pairs of random numbers, in lights and cameras.
@@ -109,7 +109,7 @@ impl Points {
         let bit = 1 << lane;
         self.backfacing = self.backfacing & !bit | if point.backfacing { bit } else { 0 };
         self.flipped = self.flipped & !bit | if point.flipped { bit } else { 0 };
-        self.ray_kinds = point.ray_kinds;
+        self.ray_kinds[lane] = point.ray_kinds;
         self.index[lane] = point.index;
         for k in 0..2 {
             (self.xi[k][lane], self.raster[k][lane]) = (point.xi[k], point.raster[k]);
@@ -140,7 +140,7 @@ impl Points {
             surface_area: self.surface_area[lane],
             backfacing: self.backfacing >> lane & 1 != 0,
             flipped: self.flipped >> lane & 1 != 0,
-            ray_kinds: self.ray_kinds,
+            ray_kinds: self.ray_kinds[lane],
             index: self.index[lane],
             xi: [self.xi[0][lane], self.xi[1][lane]],
             raster: [self.raster[0][lane], self.raster[1][lane]],

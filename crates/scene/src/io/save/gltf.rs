@@ -238,7 +238,7 @@ fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<Nodes, E
                 spot["spot"] = json!({ "innerConeAngle": inner_angle, "outerConeAngle": outer_angle });
                 (spot, at(*position, *direction))
             }
-            Light::Environment { .. } => {
+            Light::Environment { .. } | Light::Backdrop { .. } => {
                 leave_out(1, "environment light", path, warnings);
                 continue;
             }
