@@ -6,8 +6,8 @@
 
 SUITE is a checkout of OpenShadingLanguage (its files stay where they are), GNURT the program. A scene's XML becomes an OBJ whose
 materials are the scene's groups, in OSL's text form; `gnurt render` does the rest: path tracing, a tent filter, as many bounces.
-Three things are put into copies of shaders: the mesh's area where they say `surfacearea ()`, which here is 1, the type
-`environment` in the background's, and its direction, since skies have z up. Printed, by colours: the mean of the picture over that of the reference, the best of ref/*.exr, whose own
+Three things are put into copies of shaders: the type `environment` in the background's, its direction, since skies have z up, and the
+light of its sun, which the suite's own table has too bright. Printed, by colours: the mean of the picture over that of the reference, the best of ref/*.exr, whose own
 noise is a tenth of a percent to one percent; and the mean difference of the pictures at a quarter of their size.
 
 Means of each picture, of its quarters and differences are found by `oiiotool` (Debian: openimageio-tools).
@@ -33,15 +33,6 @@ class Mesh:
 
     def __init__(self, group):
         self.group, self.places, self.coordinates, self.normals, self.faces = group, [], [], [], []
-
-    def area(self):
-        total = 0.0
-        for face in self.faces:
-            a, b, c = (self.places[corner[0]] for corner in face)
-            u, v = add(b, a, -1), add(c, a, -1)
-            cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
-            total += 0.5 * math.sqrt(sum(x * x for x in cross))
-        return total
 
 
 def quad(group, p, ex, ey, n):
@@ -164,16 +155,17 @@ class Scene:
             elif node.tag == "ShaderGroup":
                 self.groups.append(group_text(node).replace("../common", common))
 
-    def write_shader(self, name, as_name, area=None, values=None):
+    def write_shader(self, name, as_name, values=None):
         text = self.files[name]
-        if area is not None:
-            text = re.sub(r"surfacearea\s*\(\s*\)", repr(area), text)
         if values is not None:
             text = re.sub(rf"\b(surface|shader)(\s+{name}\b)", r"environment\2", text, count=1)
             for param, value in values:
                 numbers = value.split()
                 given = value if value.startswith('"') or len(numbers) == 1 else "color (" + ", ".join(numbers) + ")"
                 text = re.sub(rf"\b({param}\s*=)[^,)]+", lambda found: f"{found[1]} {given}", text, count=1)
+            # The suite's renderer sees a table of 1024 by 1024 cells in the sky's place, in which the sun of its scenes, 5 degrees
+            # wide, is larger by this much (the share of cells whose middles lie in it).
+            text = text.replace("sun / (1 - cos_ang)", "1.01402 * sun / (1 - cos_ang)")
             # Skies have z up, scenes of the suite y.
             text = "#define I vector (I[0], I[2], -I[1])\n" + text
         open(os.path.join(self.work, as_name + ".osl"), "w").write(text)
@@ -201,7 +193,7 @@ class Scene:
             text = self.groups[mesh.group]
             names = re.findall(r"\bshader\s+(\w+)", text)
             for name in set(names):
-                self.write_shader(name, f"{material}_{name}", area=mesh.area())
+                self.write_shader(name, f"{material}_{name}")
             text = re.sub(r"\bshader\s+(\w+)", rf"shader {material}_\1", text).strip()
             text = text if text.endswith(";") else text + ";"
             # A value for a parameter that is not there is none, and the word `param` may be left out.
