@@ -117,7 +117,10 @@ impl Truth {
                 time_limit: None,
                 ..options.clone()
             };
-            Ok(gnurt::render::render(world, camera, &options, pool, &Silent)?.picture)
+            let mut picture = gnurt::render::render(world, camera, &options, pool, &Silent)?.picture;
+            // What lies behind all counts as the rest does, also once the picture has been in a file.
+            picture.make_opaque(None);
+            Ok(picture)
         };
         let pictures = [picture(SEED)?, picture(SEED + 1)?];
         Ok(Self::new(pictures).expect("of one size"))

@@ -20,7 +20,7 @@ use crate::frame::Frame;
 use crate::job::Job;
 use crate::layers;
 use crate::many_lights::interleave::Seen;
-use crate::many_lights::{self, KeptLights};
+use crate::many_lights::{self, Common, KeptLights};
 use crate::motion::KeptPicture;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
@@ -95,6 +95,8 @@ pub struct Accumulation {
     pub(crate) region: [u32; 4],
     pub(crate) tiles: Vec<TileFilm>,
     pub(crate) stats: RenderStats,
+    /// What virtual lights of all its passes have in common.
+    common: Arc<Common>,
 }
 
 impl Accumulation {
@@ -105,7 +107,7 @@ impl Accumulation {
     pub fn new(options: RenderOptions) -> Result<Self, RenderError> {
         let region = options.region()?;
         let tiles = TileFilm::cover(region, &options);
-        Ok(Self { options, region, tiles, stats: RenderStats::default() })
+        Ok(Self { options, region, tiles, stats: RenderStats::default(), common: Arc::default() })
     }
 
     /// Forgets all samples: for another world, another camera or other options. Memory is used again where the size
@@ -125,6 +127,7 @@ impl Accumulation {
             self.tiles = TileFilm::cover(region, &options);
         }
         (self.options, self.region, self.stats) = (options, region, RenderStats::default());
+        self.common = Arc::default();
         Ok(())
     }
 
@@ -222,7 +225,8 @@ impl Accumulation {
         let world = opened.as_ref().unwrap_or(world);
         let all_samples = pixels * u64::from(self.options.spp);
         let way = Way { camera, options: &options, watch: &watched, deadline, all_samples };
-        let shared = way.job(world, self.stats.samples);
+        let mut shared = way.job(world, self.stats.samples);
+        shared.common = self.common.clone();
         // Virtual lights are one sample's.
         let at_once = if has_virtual_lights || is_of_pass { 1 } else { u32::MAX };
         let mut done = self.samples();

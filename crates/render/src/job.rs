@@ -3,8 +3,8 @@
 //! Source: original; samples placed by the filter [EST06].
 
 use std::ops::Range;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
 use glam::Vec3;
@@ -16,7 +16,7 @@ use gnurt_simd::dispatch_wide;
 
 use crate::camera_batch::CameraBatch;
 use crate::cone::Cone;
-use crate::many_lights::LampChoice;
+use crate::many_lights::Common;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
 use crate::world::World;
@@ -42,8 +42,8 @@ pub(crate) struct Job<'a> {
     pub(crate) cone: Cone,
     /// Centres of columns and rows, once somebody has asked.
     centres: OnceLock<[Vec<f32>; 2]>,
-    /// Lamps that matter, likewise.
-    pub(crate) lamps: OnceLock<Option<LampChoice>>,
+    /// What virtual lights of all passes have in common.
+    pub(crate) common: Arc<Common>,
 }
 
 impl<'a> Job<'a> {
@@ -69,7 +69,7 @@ impl<'a> Job<'a> {
             eye,
             cone: Cone::of(camera, options),
             centres: OnceLock::new(),
-            lamps: OnceLock::new(),
+            common: Arc::default(),
         }
     }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::common::*;
 use gnurt_image::Picture;
-use gnurt_render::{Accumulation, Progress, RenderOptions, SceneCamera, Silent, World, render};
+use gnurt_render::{Accumulation, Integrator, Progress, RenderOptions, SceneCamera, Silent, World, render};
 use gnurt_scene::material::Color;
 use gnurt_scene::{Light, Material, Surface};
 
@@ -77,6 +77,33 @@ fn each_pass_shows_the_picture_of_its_samples() {
         let frame = render(&world, &camera, &options(40, 30, spp), &pool, &Silent).expect("sound options");
         assert!(bits(&grown.picture()) == bits(&frame.picture), "after {spp} samples");
     }
+}
+
+/// What virtual lights of all passes have in common is learned once, for one camera.
+#[test]
+fn passes_share_what_they_learn() {
+    let (_, camera) = corner();
+    let mut scene = floor(0.6, 5.0);
+    for i in 0..6 {
+        let position = [i as f32 - 2.5, 0.3 * i as f32, 0.2 + 0.1 * i as f32];
+        scene.add_light(Light::Point { position, intensity: [1.0 + i as f32; 3] });
+    }
+    let (world, pool) = (world_of(&scene, false), pool(2));
+    let options = RenderOptions { integrator: Integrator::InstantRadiosity, vpls: 64, ..options(12, 9, 3) };
+    let other = crate::common::camera([3.0, -5.0, 4.0], [2.0, 0.0, 0.6], 20.0);
+    let mut grown = Accumulation::new(options.clone()).expect("sound options");
+    grown.pass(&world, &other, 1, &pool, &Silent);
+    grown.restart(options.clone()).expect("sound options");
+    let rays: Vec<u64> = (0..3)
+        .map(|_| {
+            let before = grown.stats().secondary_rays;
+            grown.pass(&world, &camera, 1, &pool, &Silent);
+            grown.stats().secondary_rays - before
+        })
+        .collect();
+    assert!(rays[1] < rays[0] / 2, "the first learns, others do not: {rays:?}");
+    let frame = render(&world, &camera, &options, &pool, &Silent).expect("sound options");
+    assert!(bits(&grown.picture()) == bits(&frame.picture), "another picture");
 }
 
 #[test]

@@ -66,11 +66,14 @@ fn threads_do_not_matter() {
 
 #[test]
 fn levels_do_not_matter() {
-    let options = options(48, 32, 2);
-    let best = picture(&options, 2);
-    for level in Level::available() {
-        let other = picture(&RenderOptions { level, ..options.clone() }, 2);
-        assert!(bits(&best) == bits(&other), "{level} gives other bits");
+    let integrator = Integrator::InstantRadiosity;
+    let virtual_lights = RenderOptions { integrator, vpls: 512, ..options(16, 12, 1) };
+    for options in [options(48, 32, 2), virtual_lights] {
+        let best = picture(&options, 2);
+        for level in Level::available() {
+            let other = picture(&RenderOptions { level, ..options.clone() }, 2);
+            assert!(bits(&best) == bits(&other), "{level} gives other bits by {}", options.integrator);
+        }
     }
 }
 

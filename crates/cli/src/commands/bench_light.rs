@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use gnurt::image::{self, WriteOptions};
+use gnurt::image::{self, ExrPixels, WriteOptions};
 use gnurt::render::{CommitOptions, RenderOptions, ShaderTable, World};
 use gnurt::shading::CameraShader;
 use gnurt_bench::light::{self, Truth};
@@ -93,8 +93,10 @@ fn truth(
     }
     messages.detail(format_args!("two pictures by paths, {} samples per pixel each", arguments.truth_spp));
     let truth = Truth::by_paths(world, camera, options, arguments.truth_spp, pool).map_err(Failure::usage)?;
+    // What is read again is what was rendered, bit for bit.
+    let how = WriteOptions { exr_pixels: ExrPixels::Float, ..WriteOptions::default() };
     for (file, picture) in files.iter().flatten().zip(truth.pictures()) {
-        image::write(picture, file, &WriteOptions::default()).map_err(Failure::data)?;
+        image::write(picture, file, &how).map_err(Failure::data)?;
     }
     Ok(truth)
 }

@@ -12,124 +12,30 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 use gnurt_accel::{INVALID_ID, RayBatch};
-use gnurt_shading::bsdf::{BsdfSample, left_after};
+use gnurt_shading::bsdf::BsdfSample;
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
-use gnurt_shading::{RayRequest, SampleKey, SurfaceBatch, SurfacePoint, Tracer, Vec3s};
+use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
 
-use super::bound::Bound;
 use super::cut::{MOST, cut};
+use super::direct::light_samples;
 use super::eye::EyePoint;
 use super::gather::gather;
 use super::interleave::{Texel, key_of_place, place_of, share_of_key};
 use super::lanes::{BLOCK, END, Source};
+use super::offers::Offers;
 use super::pass::PassLights;
 use super::promise::Promises;
-use super::vpl::{self, pdf_of_other_end};
+use super::vpl;
+use super::walk::{Last, Stop, Walk, purpose};
 use crate::cone::{Cone, Meeting, fineness};
 use crate::tracer::{BatchTracer, Sharing};
 use crate::transport::mis::balance_heuristic;
 use crate::transport::walks::Walks;
-use crate::transport::{Asking, Offer, Vertex, ask_plugin_lights, roulette, sampling_normal, shadow_ray};
+use crate::transport::{Vertex, roulette, sampling_normal};
 use crate::world::HitLanes;
-
-/// Purposes of random numbers; those of light samples follow the last one.
-mod purpose {
-    pub(super) const DIRECTION: u32 = 0x5000;
-    pub(super) const LOBE: u32 = 0x5001;
-    pub(super) const LAMP: u32 = 0x5002;
-    pub(super) const PLACE: u32 = 0x5003;
-    pub(super) const CHOICE: u32 = 0x5004;
-    pub(super) const CUT: u32 = 0x5005;
-}
 
 /// Share of light that a surface must scatter to be averaged.
 const LEAST_SHARE: f32 = 1e-3;
-
-/// The last smooth scattering of a path from the eye.
-#[derive(Clone, Copy)]
-struct Last {
-    point: SurfacePoint,
-    /// Density per solid angle of the ray that left it.
-    pdf: f32,
-    /// The normal that light samples were taken for.
-    side: Vec3,
-    /// How many light samples were taken there for each ray that left it.
-    light_samples: f32,
-    /// What virtual lights brought there.
-    bound: Bound,
-}
-
-/// A path from the eye that is under way.
-#[derive(Clone, Copy)]
-struct Walk {
-    lane: u32,
-    key: SampleKey,
-    throughput: Vec3,
-    /// Where the edge under way begins, and how much is absorbed along it there.
-    start: Vec3,
-    absorption: Vec3,
-    /// Edges, that under way included.
-    edges: u32,
-    /// `None` if the edge under way comes from the eye, a mirror or smooth glass.
-    last: Option<Last>,
-    /// Whether all edges so far do.
-    is_seen: bool,
-    /// What light straight from lamps counts where it left.
-    lamp_gain: f32,
-    /// How many walks share the light of its lane.
-    siblings: f32,
-}
-
-impl Walk {
-    /// It at the end of the edge under way: without what is absorbed along that. `None` = it leaves the scene.
-    fn absorbed(&self, vertex: Option<&Vertex>) -> Self {
-        let (way, there) = vertex.map_or((f32::INFINITY, Vec3::ZERO), |vertex| {
-            ((vertex.point.p - self.start).length(), vertex.scattering.bsdf.medium().on(true))
-        });
-        Self { throughput: self.throughput * left_after(way, [self.absorption, there]), ..*self }
-    }
-}
-
-/// Where a walk arrived and goes on from.
-struct Stop {
-    walk: Walk,
-    eye: EyePoint,
-    /// What light straight from lamps counts here.
-    lamp_gain: f32,
-    /// How many rays may go on from here, and the chance that each of them does.
-    rays: u32,
-    chance: f32,
-    /// What was met, and how far the last edge was.
-    instance: u32,
-    distance: f32,
-    /// How the ray's cone met it.
-    cone: Meeting<f32>,
-}
-
-impl Stop {
-    /// Share of light from `to` that is left for rays that come this way; 1 where virtual lights bring none of it.
-    fn rest(&self, to: Vec3) -> f32 {
-        let Some(last) = &self.walk.last else { return 1.0 };
-        let point = &self.eye.point;
-        let distance2 = (point.p - last.point.p).length_squared();
-        let pdf_eye = last.pdf * point.ng.dot(self.eye.wo).abs() / distance2;
-        let pdf_vpl = pdf_of_other_end(point, &self.eye.bsdf, to, self.eye.wo)
-            * last.point.ng.dot(self.eye.wo).abs()
-            / distance2;
-        1.0 - last.bound.share(pdf_eye, pdf_vpl)
-    }
-
-    /// How many rays go on from here on average.
-    fn mean_rays(&self) -> f32 {
-        self.rays as f32 * self.chance
-    }
-
-    /// Whether virtual lights bring all that it could.
-    fn is_spent(&self) -> bool {
-        // Lambertian ends choose alike whatever the light's direction: one answer for all.
-        self.eye.bsdf.lambertian().is_some() && self.rest(self.eye.wo) <= 0.0
-    }
-}
 
 /// How many rays may go on from a point that the eye sees, and the chance of each: several where it only scatters smoothly; and less
 /// than one where it looks the same from all sides and pictures are remembered, for there virtual lights bring nearly all.
@@ -449,99 +355,6 @@ fn arrive(
     stops
 }
 
-/// Rays towards light and what they bring if nothing is in between.
-#[derive(Default)]
-struct Offers {
-    request: RayRequest,
-    offers: Vec<(u32, Vec3)>,
-}
-
-impl Offers {
-    fn push(&mut self, ray: gnurt_accel::Ray, walk: &Walk, offer: Vec3) {
-        if offer.is_finite() && offer != Vec3::ZERO {
-            self.request.rays.push(ray);
-            self.request.key.push(walk.key);
-            self.offers.push((walk.lane, offer));
-        }
-    }
-
-    fn append(&mut self, other: &Self) {
-        other.offers.iter().enumerate().for_each(|(i, &offer)| {
-            self.request.rays.push(other.request.rays.get(i));
-            self.request.key.push(other.request.key[i]);
-            self.offers.push(offer);
-        });
-    }
-
-    /// Adds what arrives.
-    fn settle(self, tracer: &mut BatchTracer, radiance: &mut Vec3s) {
-        let mut through = Vec3s::default();
-        tracer.occluded(&self.request, &mut through);
-        for (i, (lane, offer)) in self.offers.into_iter().enumerate() {
-            radiance.add(lane as usize, offer * through.get(i));
-        }
-    }
-}
-
-/// Light that comes straight from lamps.
-fn light_samples(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], radiance: &mut Vec3s) {
-    let seed = tracer.options.seed;
-    let lights = tracer.world.light_set();
-    let most = stops.iter().map(|stop| pass.light_samples(stop.walk.is_seen)).max().unwrap_or(0);
-    // Sample by sample, so that neighbouring rays are neighbours.
-    let mut rounds: Vec<Offers> = (0..most).map(|_| Offers::default()).collect();
-    for stop in stops.iter().filter(|stop| stop.eye.bsdf.is_smooth()) {
-        let Stop { walk, eye, lamp_gain, .. } = stop;
-        let (mut seen, side) = (None, sampling_normal(&eye.point, &eye.bsdf));
-        let count = pass.light_samples(walk.is_seen);
-        for (n, offers) in (0..count).zip(&mut rounds) {
-            let key = SampleKey { sample: walk.key.sample.wrapping_mul(count).wrapping_add(n), ..walk.key };
-            let [lamp, _] = sample_pair(seed, key, walk.edges, purpose::LAMP);
-            let [u, v] = sample_pair(seed, key, walk.edges, purpose::PLACE);
-            let Some(sample) = lights.sample(eye.point.p, side, [lamp, u, v]) else { continue };
-            let seen = seen.get_or_insert_with(|| eye.bsdf.seen(eye.wo));
-            let (scattered, pdf) = seen.eval_pdf(sample.dir.into());
-            let scattered = Vec3::from(scattered);
-            if scattered == Vec3::ZERO {
-                continue;
-            }
-            let count = count as f32;
-            let share = if sample.delta {
-                1.0
-            } else {
-                balance_heuristic(count * sample.pdf, stop.mean_rays() * pdf)
-            };
-            let offer = eye.throughput * scattered * sample.radiance * (share / (count * sample.pdf));
-            let left = left_after(sample.dist, [eye.bsdf.absorption(sample.dir), Vec3::ZERO]);
-            let offer = offer * left * (lamp_gain * stop.rest(sample.dir));
-            if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, sample.dir, sample.dist) {
-                offers.push(ray, walk, offer);
-            }
-        }
-    }
-    let mut offers = Offers::default();
-    rounds.iter().for_each(|round| offers.append(round));
-    let there: Vec<&Stop> = stops.iter().filter(|stop| stop.eye.bsdf.is_smooth()).collect();
-    let asking: Vec<Asking> = there
-        .iter()
-        .map(|stop| Asking {
-            point: &stop.eye.point,
-            bsdf: &stop.eye.bsdf,
-            key: stop.walk.key,
-            edges: stop.walk.edges,
-        })
-        .collect();
-    ask_plugin_lights(tracer.world, seed, &asking, |i, Offer { dir, dist, arriving }| {
-        let Stop { walk, eye, lamp_gain, .. } = there[i];
-        let left = left_after(dist, [eye.bsdf.absorption(dir), Vec3::ZERO]);
-        let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving * left;
-        if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
-            offers.push(ray, walk, scattered * (lamp_gain * there[i].rest(dir)));
-        }
-    });
-    offers.settle(tracer, radiance);
-}
-
 /// What walks see that left the scene, where a shader alone knows it.
 fn environment_of_shaders(
     tracer: &mut BatchTracer,
@@ -567,7 +380,7 @@ fn asks_few(pass: &PassLights, stop: &Stop) -> bool {
 }
 
 /// Light from a few virtual lights on what scattered rays met: chosen by what they bring if nothing is in between [TCE05],
-/// which lanes find out, from all, or from those that the pixel gathers itself.
+/// which lanes find out, from a share of all, another for each block, or from those that the pixel gathers itself.
 fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], radiance: &mut Vec3s) {
     let there: Vec<&Stop> =
         stops.iter().filter(|stop| asks_few(pass, stop) && stop.eye.bsdf.is_smooth()).collect();
@@ -576,13 +389,23 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
     }
     let mut offers = Offers::default();
     let shares = pass.unseen();
-    let mut by_share: Vec<Vec<&Stop>> = vec![Vec::new(); shares.len()];
-    for stop in there {
-        by_share[share_of_key(tracer.sharing, stop.walk.key, shares.len())].push(stop);
-    }
-    for (share, of_share) in shares.iter().zip(&by_share) {
-        for stops in of_share.chunks(BLOCK) {
-            ask_few(tracer, pass, share, stops, &mut offers);
+    if tracer.sharing == Sharing::All {
+        // Blocks take turns, and chance says who begins.
+        let Walk { key, edges, .. } = there[0].walk;
+        let [u, _] = sample_pair(tracer.options.seed, key, edges, purpose::SHARE);
+        let first = (u * shares.len() as f32) as usize;
+        for (n, stops) in there.chunks(BLOCK).enumerate() {
+            ask_few(tracer, pass, &shares[(first + n) % shares.len()], stops, &mut offers);
+        }
+    } else {
+        let mut by_share: Vec<Vec<&Stop>> = vec![Vec::new(); shares.len()];
+        for stop in there {
+            by_share[share_of_key(tracer.sharing, stop.walk.key, shares.len())].push(stop);
+        }
+        for (share, of_share) in shares.iter().zip(&by_share) {
+            for stops in of_share.chunks(BLOCK) {
+                ask_few(tracer, pass, share, stops, &mut offers);
+            }
         }
     }
     offers.settle(tracer, radiance);

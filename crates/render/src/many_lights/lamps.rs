@@ -23,7 +23,7 @@ const FEW: usize = 4;
 
 /// Which lamps light paths are to start at, if that is worth asking; learned once for a job.
 pub(super) fn lamp_choice<'j>(job: &'j Job, stats: &mut RenderStats) -> Option<&'j LampChoice> {
-    job.lamps.get_or_init(|| learned(job, stats)).as_ref()
+    job.common.lamps.get_or_init(|| learned(job, stats)).as_ref()
 }
 
 /// Learned by particles; `None` where all paths may start by power.

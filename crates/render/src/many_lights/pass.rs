@@ -25,7 +25,7 @@ pub(crate) struct PassLights {
     pub(super) sources: Vec<Vec<Source>>,
     /// All of them, once somebody gathers all.
     whole: OnceLock<Vec<Source>>,
-    /// Those of each place, or all of them where there is no pattern, once somebody asks for points that the eye does not see.
+    /// Those of each place, or shares of all of them where there is no pattern, once somebody asks for points that the eye does not see.
     unseen: OnceLock<Vec<Vec<Source>>>,
     pub(crate) bound: Bound,
     /// Rays that leave a point that the eye sees, and the chance of each where that scatters alike to all sides.
@@ -95,12 +95,18 @@ impl PassLights {
         self.whole.get_or_init(|| sources(&self.vpls, &self.bound))
     }
 
-    /// The same for points that the eye does not see, where pixels share lights out by the place of their pixel.
+    /// The same in shares, each as strong as all of them, for points that the eye does not see.
     pub(super) fn unseen(&self) -> &[Vec<Source>] {
         self.unseen.get_or_init(|| {
-            let whole = std::slice::from_ref(&self.vpls);
-            let shares = if self.shares.is_empty() { whole } else { &self.shares };
-            shares.iter().map(|share| sources(share, &self.bound_at(false))).collect()
+            let ready = |share: &Vec<Vpl>| sources(share, &self.bound_at(false));
+            if !self.shares.is_empty() {
+                return self.shares.iter().map(ready).collect();
+            }
+            let whole = ready(&self.vpls);
+            // Each has some of every part of the scene, since neighbours follow each other.
+            let count = (whole.len() / OF_UNSEEN).max(1);
+            let scaled = |source: &Source| source.scaled(count as f32);
+            (0..count).map(|first| whole.iter().skip(first).step_by(count).map(scaled).collect()).collect()
         })
     }
 
@@ -134,6 +140,9 @@ const FEW_RAYS: f32 = 0.25;
 /// Lights of a share, about, of which a sample asks few; how many where the eye sees.
 const OF_SHARE: usize = 32;
 const SEEN_FEW: u32 = 2;
+
+/// Lights of a share, about, that points ask which the eye does not see, where all pixels ask all lights.
+const OF_UNSEEN: usize = 128;
 
 /// How much more virtual lights bring where the eye does not see: spots blur there, and rays that go on are noisier.
 const UNSEEN: f32 = 4.0;

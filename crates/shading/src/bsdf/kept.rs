@@ -6,8 +6,10 @@
 use glam::Vec3;
 
 use super::Bsdf;
+use super::lobe::Kind;
+use super::lobes::MOST;
 use super::seen::Seen;
-use super::seen_lobe::{Rarities, SeenLobe, eval_pdf};
+use super::seen_lobe::{PlainLobe, Rarities, SeenLobe, Sum};
 use crate::lanes::LANES;
 use crate::real::{Real, Vector};
 
@@ -16,6 +18,8 @@ use crate::real::{Real, Vector};
 pub struct Kept {
     normal: [Row; 3],
     lobes: Vec<SeenLobe<Row>>,
+    /// Whether they need more than [`Sum::add_plain`].
+    is_rich: bool,
 }
 
 /// A number of sixteen points.
@@ -36,6 +40,7 @@ impl Kept {
                     kept.lobes.push(SeenLobe::none(0.0).map(|_| [0.0; LANES], 0));
                 }
                 kept.lobes[k].put(i, lobe);
+                kept.is_rich |= !lobe.is_plain();
             }
         }
         kept
@@ -45,17 +50,24 @@ impl Kept {
     #[inline(always)]
     pub fn eval_pdf<R: Real>(&self, first: usize, wi: Vector<R>) -> (Vector<R>, R) {
         let [x, y, z] = &self.normal;
-        let lobes = self.lobes.iter().map(
-            #[inline(always)]
-            |lobe| {
-                lobe.map(
+        let mut sum = Sum::new(Vector::load(wi.x, [x, y, z], first), wi);
+        for (k, lobe) in self.lobes.iter().take(MOST).enumerate() {
+            if self.is_rich {
+                let lobe = lobe.map(
                     #[inline(always)]
                     |row| wi.x.load(row, first),
                     first,
-                )
-            },
-        );
-        eval_pdf(lobes, Vector::load(wi.x, [x, y, z], first), wi)
+                );
+                sum.add(k, &lobe, wi);
+            } else {
+                let lobe = lobe.plain(
+                    #[inline(always)]
+                    |row| wi.x.load(row, first),
+                );
+                sum.add_plain(&lobe, wi);
+            }
+        }
+        (sum.value, sum.pdf)
     }
 }
 
@@ -63,25 +75,52 @@ impl Seen<f32> {
     /// [`Seen::eval_pdf`] of one point for many directions.
     #[inline(always)]
     pub fn eval_pdf_all<R: Real>(&self, wi: Vector<R>) -> (Vector<R>, R) {
-        let lobes = self.lobes().map(
-            #[inline(always)]
-            |lobe| {
-                let all = lobe.map(
+        let mut sum = Sum::new(Vector::all(wi.x, self.normal.into()), wi);
+        for (k, lobe) in self.lobes.iter().enumerate() {
+            let Some(lobe) = lobe else { break };
+            if lobe.is_plain() {
+                let all = lobe.plain(
                     #[inline(always)]
                     |&x| wi.x.all(x),
-                    0,
                 );
-                // All points are as the one.
-                let under = std::array::from_fn(|j| if lobe.under[j] & 1 != 0 { u32::MAX } else { 0 });
-                SeenLobe { under, ..all }
-            },
-        );
-        let normal = Vector::new(wi.x.all(self.normal.x), wi.x.all(self.normal.y), wi.x.all(self.normal.z));
-        eval_pdf(lobes, normal, wi)
+                sum.add_plain(&all, wi);
+                continue;
+            }
+            let mut all = lobe.map(
+                #[inline(always)]
+                |&x| wi.x.all(x),
+                0,
+            );
+            // All points are as the one.
+            all.under = std::array::from_fn(|j| if lobe.under[j] & 1 != 0 { u32::MAX } else { 0 });
+            sum.add(k, &all, wi);
+        }
+        (sum.value, sum.pdf)
+    }
+}
+
+impl SeenLobe<f32> {
+    /// Whether [`Sum::add_plain`] knows it: nothing, or Lambert's reflector, neither above nor below another lobe.
+    fn is_plain(&self) -> bool {
+        let diffuse = Kind::None.bit() | Kind::Diffuse.bit();
+        let is_lambert = self.alpha == 0.0 && !self.loses_light();
+        self.kinds & !diffuse == 0 && is_lambert && !self.covers && self.under_any == 0
     }
 }
 
 impl<Q> SeenLobe<Q> {
+    /// What [`Sum::add_plain`] asks for, as other numbers.
+    #[inline(always)]
+    fn plain<R: Copy>(&self, f: impl Fn(&Q) -> R + Copy) -> PlainLobe<R> {
+        PlainLobe {
+            kind: f(&self.kind),
+            normal: self.normal.each(f),
+            weight: self.weight.each(f),
+            a: self.a.each(f),
+            chance: f(&self.chance),
+        }
+    }
+
     /// The same with other numbers, of the points from `first` on.
     #[inline(always)]
     fn map<R: Copy>(&self, f: impl Fn(&Q) -> R + Copy, first: usize) -> SeenLobe<R> {

@@ -13,7 +13,7 @@ use super::dispersed::Colours;
 use super::energy::RULE;
 use super::lobe::{Kind, Lobe, rare};
 use super::lobes::MOST;
-use super::seen_lobe::{LobesAt, SeenLobe, eval_pdf};
+use super::seen_lobe::{LobesAt, SeenLobe, Sum};
 use crate::real::{Real, Vector};
 use crate::sampling::{cosine_hemisphere_of, frame_around};
 
@@ -44,7 +44,7 @@ pub struct Sampled<R: Real> {
 pub struct Seen<R> {
     pub(super) normal: Vector<R>,
     /// One after the other; the rest of the places, which is most of them, is not even cleared.
-    lobes: [Option<SeenLobe<R>>; MOST],
+    pub(super) lobes: [Option<SeenLobe<R>>; MOST],
     /// Share of light that is scattered.
     pub(super) albedo: Vector<R>,
 }
@@ -134,7 +134,12 @@ impl<R: Real> Seen<R> {
     /// delta lobes count nothing.
     #[inline(always)]
     pub fn eval_pdf(&self, wi: Vector<R>) -> (Vector<R>, R) {
-        eval_pdf(self.lobes(), self.normal, wi)
+        let mut sum = Sum::new(self.normal, wi);
+        for (k, lobe) in self.lobes.iter().enumerate() {
+            let Some(lobe) = lobe else { break };
+            sum.add(k, lobe, wi);
+        }
+        (sum.value, sum.pdf)
     }
 
     /// Chooses where paths go on; `u` holds numbers in [0, 1), the first of which chooses between lobes.

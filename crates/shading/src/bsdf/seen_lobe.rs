@@ -3,7 +3,6 @@
 //! Source: \[WMLT07\], \[Hei14\] (facets); \[KC17\] (further bounces); \[PJH23\] chapter 9. Space: world, unit directions away from the
 //! surface. Invariant: one point and sixteen give the same bits at every CPU level. Proof: `tests` of `bsdf`.
 
-use std::borrow::Borrow;
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
@@ -359,7 +358,7 @@ impl<R: Real> SeenLobe<R> {
 
     /// Diffuse lobes of models that lose light.
     #[inline(always)]
-    fn loses_light(&self) -> R::Mask {
+    pub(super) fn loses_light(&self) -> R::Mask {
         self.eta.above_all(1.5)
     }
 
@@ -662,40 +661,69 @@ impl<R: Real> SeenLobe<R> {
     }
 }
 
-/// Value and density of lobes, no more than [`MOST`], at points with these normals.
-#[inline(always)]
-pub(super) fn eval_pdf<R: Real, L: Borrow<SeenLobe<R>>>(
-    lobes: impl Iterator<Item = L>,
-    normal: Vector<R>,
-    wi: Vector<R>,
-) -> (Vector<R>, R) {
-    let zero = wi.x.all(0.0);
-    let above = normal.dot(wi).above(zero);
-    let (mut value, mut pdf) = (Vector::grey(zero), zero);
-    // What those above others leave.
-    let mut left: [Option<Vector<R>>; MOST] = [const { None }; MOST];
-    for (k, lobe) in lobes.take(MOST).enumerate() {
-        let lobe: &SeenLobe<R> = lobe.borrow();
+/// What counts of a [`SeenLobe`] that is nothing or Lambert's reflector, and neither above nor below another one.
+#[derive(Clone, Copy)]
+pub(super) struct PlainLobe<R> {
+    pub(super) kind: R,
+    pub(super) normal: Vector<R>,
+    pub(super) weight: Vector<R>,
+    pub(super) a: Vector<R>,
+    pub(super) chance: R,
+}
+
+/// Value and density of the lobes of points, one lobe after the other, no more than [`MOST`]. Who loops hands over references: lobes that
+/// are moved, as iterators do, go through memory.
+pub(super) struct Sum<R: Real> {
+    pub(super) value: Vector<R>,
+    pub(super) pdf: R,
+    /// Points whose front is lit.
+    above: R::Mask,
+    /// What those above others leave.
+    left: [Option<Vector<R>>; MOST],
+}
+
+impl<R: Real> Sum<R> {
+    /// Of no lobe, at points with these normals, for the unit `wi`.
+    #[inline(always)]
+    pub(super) fn new(normal: Vector<R>, wi: Vector<R>) -> Self {
+        let zero = wi.x.all(0.0);
+        let above = normal.dot(wi).above(zero);
+        Self { value: Vector::grey(zero), pdf: zero, above, left: [const { None }; MOST] }
+    }
+
+    /// Adds lobe `k`; those before were added before.
+    #[inline(always)]
+    pub(super) fn add(&mut self, k: usize, lobe: &SeenLobe<R>, wi: Vector<R>) {
         let i = lobe.normal.dot(wi);
         let split = lobe.split(Some(wi), i.size());
         if lobe.covers {
-            left[k] = Some(lobe.sent_back(i.size(), split).rest());
+            self.left[k] = Some(lobe.sent_back(i.size(), split).rest());
         }
-        let (light, density) = lobe.eval_pdf(wi, i, above, split);
+        let (light, density) = lobe.eval_pdf(wi, i, self.above, split);
         let mut weight = lobe.weight;
         if lobe.under_any != 0 {
-            let mut rest = Vector::grey(zero.all(1.0));
-            for (j, left) in left.iter().enumerate() {
+            let mut rest = Vector::grey(i.all(1.0));
+            for (j, left) in self.left.iter().enumerate() {
                 if let Some(left) = left.filter(|_| lobe.under_any >> j & 1 != 0) {
                     rest = Vector::pick(lobe.below(j), rest * left, rest);
                 }
             }
             weight = weight * rest.min(lobe.left);
         }
-        value = value + light * weight;
-        pdf = pdf + density * lobe.chance;
+        self.value = self.value + light * weight;
+        self.pdf = self.pdf + density * lobe.chance;
     }
-    (value, pdf)
+
+    /// The same with the same bits, faster: most surfaces are plain.
+    #[inline(always)]
+    pub(super) fn add_plain(&mut self, lobe: &PlainLobe<R>, wi: Vector<R>) {
+        let i = lobe.normal.dot(wi);
+        let zero = i.all(0.0);
+        let is = self.above & i.above(zero) & lobe.kind.is(zero.all(Kind::Diffuse as u32 as f32));
+        let by_cosine = R::pick(is, i.or_more(i.all(1e-20)) * FRAC_1_PI, zero);
+        self.value = self.value + lobe.a * by_cosine * lobe.weight;
+        self.pdf = self.pdf + by_cosine * lobe.chance;
+    }
 }
 
 impl<'a> LobesAt<'a, f32> {

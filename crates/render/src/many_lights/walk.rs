@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Paths from the eye through virtual lights' share of the work: what they carry, where they stop.
+//! Source: [KK06] (what rays bring is what the bound takes from virtual lights), [VG95]. Space: world.
+//! Proof: crates/render/tests/many_lights.rs.
+
+use glam::Vec3;
+use gnurt_shading::bsdf::left_after;
+use gnurt_shading::{SampleKey, SurfacePoint};
+
+use super::bound::Bound;
+use super::eye::EyePoint;
+use super::vpl::pdf_of_other_end;
+use crate::cone::Meeting;
+use crate::transport::Vertex;
+
+/// Purposes of random numbers; those of light samples follow the last one.
+pub(super) mod purpose {
+    pub(crate) const DIRECTION: u32 = 0x5000;
+    pub(crate) const LOBE: u32 = 0x5001;
+    pub(crate) const LAMP: u32 = 0x5002;
+    pub(crate) const PLACE: u32 = 0x5003;
+    pub(crate) const CHOICE: u32 = 0x5004;
+    pub(crate) const CUT: u32 = 0x5005;
+    pub(crate) const SHARE: u32 = 0x5006;
+}
+
+/// The last smooth scattering of a path from the eye.
+#[derive(Clone, Copy)]
+pub(super) struct Last {
+    pub(super) point: SurfacePoint,
+    /// Density per solid angle of the ray that left it.
+    pub(super) pdf: f32,
+    /// The normal that light samples were taken for.
+    pub(super) side: Vec3,
+    /// How many light samples were taken there for each ray that left it.
+    pub(super) light_samples: f32,
+    /// What virtual lights brought there.
+    pub(super) bound: Bound,
+}
+
+/// A path from the eye that is under way.
+#[derive(Clone, Copy)]
+pub(super) struct Walk {
+    pub(super) lane: u32,
+    pub(super) key: SampleKey,
+    pub(super) throughput: Vec3,
+    /// Where the edge under way begins, and how much is absorbed along it there.
+    pub(super) start: Vec3,
+    pub(super) absorption: Vec3,
+    /// Edges, that under way included.
+    pub(super) edges: u32,
+    /// `None` if the edge under way comes from the eye, a mirror or smooth glass.
+    pub(super) last: Option<Last>,
+    /// Whether all edges so far do.
+    pub(super) is_seen: bool,
+    /// What light straight from lamps counts where it left.
+    pub(super) lamp_gain: f32,
+    /// How many walks share the light of its lane.
+    pub(super) siblings: f32,
+}
+
+impl Walk {
+    /// It at the end of the edge under way: without what is absorbed along that. `None` = it leaves the scene.
+    pub(super) fn absorbed(&self, vertex: Option<&Vertex>) -> Self {
+        let (way, there) = vertex.map_or((f32::INFINITY, Vec3::ZERO), |vertex| {
+            ((vertex.point.p - self.start).length(), vertex.scattering.bsdf.medium().on(true))
+        });
+        Self { throughput: self.throughput * left_after(way, [self.absorption, there]), ..*self }
+    }
+}
+
+/// Where a walk arrived and goes on from.
+pub(super) struct Stop {
+    pub(super) walk: Walk,
+    pub(super) eye: EyePoint,
+    /// What light straight from lamps counts here.
+    pub(super) lamp_gain: f32,
+    /// How many rays may go on from here, and the chance that each of them does.
+    pub(super) rays: u32,
+    pub(super) chance: f32,
+    /// What was met, and how far the last edge was.
+    pub(super) instance: u32,
+    pub(super) distance: f32,
+    /// How the ray's cone met it.
+    pub(super) cone: Meeting<f32>,
+}
+
+impl Stop {
+    /// Share of light from `to` that is left for rays that come this way; 1 where virtual lights bring none of it.
+    pub(super) fn rest(&self, to: Vec3) -> f32 {
+        let Some(last) = &self.walk.last else { return 1.0 };
+        let point = &self.eye.point;
+        let distance2 = (point.p - last.point.p).length_squared();
+        let pdf_eye = last.pdf * point.ng.dot(self.eye.wo).abs() / distance2;
+        let pdf_vpl = pdf_of_other_end(point, &self.eye.bsdf, to, self.eye.wo)
+            * last.point.ng.dot(self.eye.wo).abs()
+            / distance2;
+        1.0 - last.bound.share(pdf_eye, pdf_vpl)
+    }
+
+    /// How many rays go on from here on average.
+    pub(super) fn mean_rays(&self) -> f32 {
+        self.rays as f32 * self.chance
+    }
+
+    /// Whether virtual lights bring all that it could.
+    pub(super) fn is_spent(&self) -> bool {
+        // Lambertian ends choose alike whatever the light's direction: one answer for all.
+        self.eye.bsdf.lambertian().is_some() && self.rest(self.eye.wo) <= 0.0
+    }
+}
