@@ -191,3 +191,13 @@ fn huge_arrays_and_texts_are_refused() {
     );
     assert_eq!(out, "1", "texts stop growing");
 }
+
+/// A constant where a function writes: the fuzzer's.
+#[test]
+fn constants_are_not_written() {
+    let text = "float f(output int k) { k += 1; return k; } shader test(output float a = 0) { a = f(5) + 10 * f(5); }";
+    let made = compiled(text);
+    let wrong: Vec<_> = made.diagnostics.list.iter().map(|d| d.message.clone()).collect();
+    let shader = made.shader.unwrap_or_else(|| panic!("{wrong:?}"));
+    assert!(write(&shader, "").contains("shader test"), "it is written");
+}

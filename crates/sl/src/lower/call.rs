@@ -5,7 +5,7 @@
 use super::lowerer::{Inline, Lowerer, Value};
 use super::place::Target;
 use crate::hir::{Builtin, Expr, ExprKind, FuncId};
-use crate::ir::{Node, SymId};
+use crate::ir::{Node, SymId, SymbolKind};
 use crate::source::Loc;
 use crate::types::Type;
 use std::collections::HashSet;
@@ -35,7 +35,7 @@ impl Lowerer<'_> {
             let value = if *output {
                 let target = self.target(arg);
                 let value = match Self::whole(&target) {
-                    Some(whole) => whole,
+                    Some(whole) => self.writable(whole, loc),
                     None => {
                         let value = self.load(&target, loc);
                         stores.push((target, value.clone()));
@@ -79,6 +79,16 @@ impl Lowerer<'_> {
         result.unwrap_or_else(|| Value { ty, leaves: [].into() })
     }
 
+    /// What may be written in place of a value: constants stay what they are.
+    fn writable(&mut self, value: Value, loc: Loc) -> Value {
+        if value.leaves.iter().all(|&s| self.shader.symbols[s as usize].kind != SymbolKind::Const) {
+            return value;
+        }
+        let out = self.temp(value.ty);
+        self.copy(&out, &value, loc);
+        out
+    }
+
     /// A value that the function's body cannot change from outside.
     fn by_value(&mut self, value: Value, written: &HashSet<SymId>, loc: Loc) -> Value {
         if value.leaves.iter().all(|s| !written.contains(s)) {
@@ -98,7 +108,7 @@ impl Lowerer<'_> {
             let value = if writes && !matches!(arg.kind, ExprKind::Error) {
                 let target = self.target(arg);
                 match Self::whole(&target) {
-                    Some(whole) => whole,
+                    Some(whole) => self.writable(whole, loc),
                     None => {
                         let value = self.load(&target, loc);
                         stores.push((target, value.clone()));
