@@ -362,7 +362,10 @@ mod tests {
 
     fn lambert(n: u32, ns: Vec3) -> Bsdf {
         let [r, g] = random(n, 3);
-        Bsdf::new(ns, Lobe::lambert(Vec3::new(r, g, 0.5)))
+        let albedo = Vec3::new(r, g, 0.5);
+        // Smooth, and yet not alike to all sides.
+        let lobe = if n % 5 == 3 { Lobe::burley(albedo, 0.0) } else { Lobe::lambert(albedo) };
+        Bsdf::new(ns, lobe)
     }
 
     /// Plastic, metal, something between, or Lambert's reflector.
