@@ -54,8 +54,7 @@ impl<'a> Params<'a> {
         };
         // Nobody asks along what facets are as wide as across it.
         let along = shape.grain().filter(|[_, x, y]| {
-            let [x, y] = [x, y].map(|place| part.cells(shape.firsts[*place]));
-            matches!((x, y), (Cells::One(x), Cells::One(y)) if x == y)
+            matches!((part.cells(shape.firsts[*x]), part.cells(shape.firsts[*y])), (Cells::One(x), Cells::One(y)) if x == y)
         });
         let left_out = [shape.normal(), along.map(|grain| grain[0])];
         (0..shape.firsts.len() - 1).all(|place| left_out.contains(&Some(place)) || one(place))
@@ -71,7 +70,8 @@ impl<'a> Params<'a> {
     }
 
     pub(crate) fn vec3(&self, i: usize) -> Vec3 {
-        let v = Vec3::from([0, 1, 2].map(|k: usize| f32::from_bits(self.word(i, k))));
+        let of = |k: usize| f32::from_bits(self.word(i, k));
+        let v = Vec3::new(of(0), of(1), of(2));
         if v.is_finite() { v } else { Vec3::ZERO }
     }
 
@@ -87,13 +87,13 @@ impl<'a> Params<'a> {
     /// Widths of facets.
     fn slopes(&self) -> Slopes {
         let Some([tangent, x, y]) = self.shape.grain() else { return Slopes::even(0.0) };
-        let [along, across] = [x, y].map(|i| self.float(i).clamp(0.0, 1.0));
+        let (along, across) = (self.float(x).clamp(0.0, 1.0), self.float(y).clamp(0.0, 1.0));
         Slopes { tangent: self.vec3(tangent), along, across }
     }
 
     /// The film of MaterialX's closures; one without a thickness is none.
     fn film(&self) -> Film {
-        let [thickness, ior] = [0, 1].map(|k| self.float(self.shape.plain + k));
+        let (thickness, ior) = (self.float(self.shape.plain), self.float(self.shape.plain + 1));
         Film {
             share: f32::from(u8::from(thickness > 0.0)),
             ior: if ior > 0.0 { ior } else { 1.0 },
@@ -121,7 +121,7 @@ impl Slopes {
 
     /// The lobe that is made for one width, with both. Where nobody says along what, slopes are as wide on average.
     fn of(self, make: impl FnOnce(f32) -> Lobe) -> Lobe {
-        let [along, across] = [self.along, self.across].map(|alpha| alpha.clamp(SMOOTH, 1.0));
+        let (along, across) = (self.along.clamp(SMOOTH, 1.0), self.across.clamp(SMOOTH, 1.0));
         match self.tangent.try_normalize() {
             Some(tangent) if along != across => make(along).brushed(tangent, across),
             _ => make((along * across).sqrt()),

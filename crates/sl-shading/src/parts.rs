@@ -5,7 +5,7 @@
 //! Proof: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobe};
+use gnurt_shading::bsdf::{ClosureBatch, Ends, Lists, Lobe};
 use gnurt_sl::exec::{Cells, Closure, Closures, LANES, Part, Points, Results, lanes_of};
 
 use crate::closures::{Known, Shape, all};
@@ -79,7 +79,7 @@ pub(crate) struct Open {
 /// Looks at the closures of a batch.
 pub(crate) struct Looker<'a> {
     nodes: &'a Closures,
-    points: &'a Points,
+    pub(crate) points: &'a Points,
     /// Lobes.
     pub(crate) lists: Lists<'a>,
     /// Everything else.
@@ -87,8 +87,8 @@ pub(crate) struct Looker<'a> {
     shapes: &'static [Shape],
     open: &'a mut Vec<Open>,
     left: u32,
-    /// What becomes of the points' shading normals as normals of lobes; once somebody has asked.
-    own: Option<Rows>,
+    /// What becomes of the points' shading normals as normals of lobes, if not all are zero; once somebody has asked.
+    own: Option<Option<Rows>>,
 }
 
 impl<'a> Looker<'a> {
@@ -177,16 +177,18 @@ impl<'a> Looker<'a> {
 
     fn component(&mut self, part: &Part<'a>, lanes: u32, weight: &Rows, depth: u32) {
         let Some(shape) = self.shapes.get(part.kind as usize) else { return };
-        let mut kept = *weight;
-        let mut some = 0;
-        for i in 0..LANES {
-            // What is no number is none.
-            let [x, y, z] = [0, 1, 2].map(|k: usize| weight[k][i].max(0.0));
-            // Nor is light without end.
-            let counts = x.max(y).max(z) > 0.0 && x.max(y).max(z) < f32::INFINITY;
-            some |= u32::from(counts) << i;
-            (kept[0][i], kept[1][i], kept[2][i]) = (x, y, z);
+        let mut kept = Rows::default();
+        let mut heaviest = Row::default();
+        for (kept, weight) in kept.iter_mut().zip(weight) {
+            for ((kept, weight), heaviest) in kept.iter_mut().zip(weight).zip(&mut heaviest) {
+                // What is no number is none.
+                *kept = weight.max(0.0);
+                *heaviest = heaviest.max(*kept);
+            }
         }
+        // Nor is light without end.
+        let counts = |x: f32| x > 0.0 && x < f32::INFINITY;
+        let some = heaviest.iter().enumerate().fold(0, |bits, (i, &x)| bits | u32::from(counts(x)) << i);
         let (lanes, weight) = (lanes & some, &kept);
         if lanes == 0 {
             return;
@@ -215,11 +217,18 @@ impl<'a> Looker<'a> {
         self.lights.through = Light::default();
         self.tree(part.cells(1), lanes, depth + 1);
         self.lists.layer(lanes, &top, &base);
-        self.lists.times(lanes, &top, weight);
+        self.times(lanes, &top, weight);
         let inner = std::mem::replace(&mut self.lights, before);
         self.lights.emission.add_times(lanes, &inner.emission, weight);
         self.lights.through.add_times(lanes, &inner.through, weight);
         self.lights.radiance.add_times(lanes, &inner.radiance, weight);
+    }
+
+    /// Multiplies lobes by weights, if some are not 1.
+    fn times(&mut self, lanes: u32, from: &Ends, weight: &Rows) {
+        if *weight != ONES {
+            self.lists.times(lanes, from, weight);
+        }
     }
 
     /// A closure that is a lobe, or two.
@@ -249,7 +258,7 @@ impl<'a> Looker<'a> {
                 self.lists.push_each(some, all);
             }
         }
-        self.lists.times(lanes, &from, weight);
+        self.times(lanes, &from, weight);
         if let Some(place) = shape.normal()
             && let Some(normals) = self.normals(shape, part, place, lanes)
         {
@@ -259,30 +268,48 @@ impl<'a> Looker<'a> {
 
     /// The normals that a lobe lies around; zero where they are those of the points, none if they all are.
     fn normals(&mut self, shape: &Shape, part: &Part<'a>, place: usize, lanes: u32) -> Option<Rows> {
-        let cells = [0, 1, 2].map(|k: usize| part.cells(shape.firsts[place] + k));
+        let first = shape.firsts[place];
+        let cells = [part.cells(first), part.cells(first + 1), part.cells(first + 2)];
         let points = self.points;
-        let is_own = (0..3).all(|k| match cells[k] {
-            Cells::Each(row) => row.iter().zip(&points.n[k]).all(|(&word, n)| word == n.to_bits()),
-            Cells::One(word) => lanes_of(lanes).all(|i| word == points.n[k][i].to_bits()),
-        });
-        let own = |i: usize| normal(column(&points.n, i), column(&points.ng, i), column(&points.n, i));
-        let rows = |of: &dyn Fn(usize) -> Vec3, lanes: u32| {
-            let mut rows = Rows::default();
-            for i in lanes_of(lanes) {
-                let [x, y, z] = of(i).to_array();
-                (rows[0][i], rows[1][i], rows[2][i]) = (x, y, z);
+        let is_own = cells.iter().zip(&points.n).all(|(cells, n)| match cells {
+            Cells::Each(row) => {
+                row.iter().zip(n).fold(0, |differs, (&word, n)| differs | (word ^ n.to_bits())) == 0
             }
-            rows
-        };
-        let found = if is_own {
+            Cells::One(word) => lanes_of(lanes).all(|i| *word == n[i].to_bits()),
+        });
+        if is_own {
             let all = (1_u32 << points.count.min(LANES)) - 1;
-            *self.own.get_or_insert_with(|| rows(&own, all))
-        } else {
-            let said = |i: usize| Vec3::from([0, 1, 2].map(|k: usize| f32::from_bits(cells[k].at(i))));
-            rows(&|i| normal(said(i), column(&points.ng, i), column(&points.n, i)), lanes)
+            return *self.own.get_or_insert_with(|| {
+                let own =
+                    |i: usize| normal(column(&points.n, i), column(&points.ng, i), column(&points.n, i));
+                if are_plain(points) { None } else { turned(&own, all) }
+            });
+        }
+        let [x, y, z] = cells;
+        let said = |i: usize| {
+            let said = Vec3::new(f32::from_bits(x.at(i)), f32::from_bits(y.at(i)), f32::from_bits(z.at(i)));
+            normal(said, column(&points.ng, i), column(&points.n, i))
         };
-        found.iter().any(|row| *row != [0.0; LANES]).then_some(found)
+        turned(&said, lanes)
     }
+}
+
+/// The normals of some points, none if they are all zero.
+fn turned(of: &dyn Fn(usize) -> Vec3, lanes: u32) -> Option<Rows> {
+    let mut rows = Rows::default();
+    for i in lanes_of(lanes) {
+        (rows[0][i], rows[1][i], rows[2][i]) = of(i).into();
+    }
+    rows.iter().any(|row| *row != [0.0; LANES]).then_some(rows)
+}
+
+/// Whether it is plain to see that [`normal`] makes zero of all points' own normals: they are unit, on the side of the meshes'.
+fn are_plain(points: &Points) -> bool {
+    let ([x, y, z], [a, b, c]) = (&points.n, &points.ng);
+    (0..points.count.min(LANES)).fold(true, |plain, i| {
+        let length = x[i] * x[i] + y[i] * y[i] + z[i] * z[i];
+        plain & ((length - 1.0).abs() < 5e-7) & (x[i] * a[i] + y[i] * b[i] + z[i] * c[i] >= 0.0)
+    })
 }
 
 /// The normal that a lobe lies around at a point of these unit normals, both towards where the ray came from; zero where it is that of

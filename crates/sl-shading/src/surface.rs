@@ -12,7 +12,7 @@ use gnurt_shading::{AttributeRequest, RadianceShader, SurfaceBatch, SurfaceShade
 use gnurt_sl::exec::{LANES, Points, lanes_of};
 
 use crate::fixed::Fixed;
-use crate::parts::{Lights, Looker};
+use crate::parts::{Lights, Looker, column};
 use crate::place::{AskedBy, points};
 use crate::world::{Common, World};
 
@@ -82,7 +82,7 @@ impl ScriptSurface {
 
     /// Writes what sixteen points from `first` on do to light; what they do beside scattering it goes to `beside`.
     fn write(hits: &SurfaceBatch, first: usize, looker: Looker, beside: &mut Vec<Beside>) {
-        let Looker { mut lists, lights, .. } = looker;
+        let Looker { mut lists, lights, points, .. } = looker;
         let count = LANES.min(hits.len() - first);
         for lane in lanes_of(lights.emission.some | lights.through.some) {
             let (i, emission) = (first + lane, lights.emission.get(lane));
@@ -108,7 +108,7 @@ impl ScriptSurface {
         for lane in 0..count {
             let i = first + lane;
             let wo = -hits.ray_dir.get(i);
-            let (at, ns) = (hits.point(i), hits.facing_ns(i));
+            let (at, ns) = (hits.point(i), column(&points.n, lane));
             // The heaviest lobe's normal is the point's; mirror images stay above.
             let is_bent = lists.bent() >> lane & 1 != 0;
             let main = if is_bent { lists.main_normal(lane) } else { Vec3::ZERO };

@@ -181,14 +181,28 @@ impl Closures {
     pub(super) fn times(&mut self, lanes: u32, weight: [Cells; 3], inner: Cells) -> [u32; LANES] {
         let mut out = [0; LANES];
         let mut weighed = 0;
-        for lane in lanes_of(lanes) {
-            let weight = weight.map(|cells| f32::from_bits(cells.at(lane)));
-            let inner = inner.at(lane);
-            if inner == 0 || weight == [0.0; 3] {
-                continue;
+        let [x, y, z] = weight;
+        if let (Cells::One(x), Cells::One(y), Cells::One(z)) = (x, y, z) {
+            let [x, y, z] = [f32::from_bits(x), f32::from_bits(y), f32::from_bits(z)];
+            if x == 0.0 && y == 0.0 && z == 0.0 {
+                return out;
             }
-            out[lane] = inner;
-            weighed |= u32::from(weight != [1.0; 3]) << lane;
+            let is_one = x == 1.0 && y == 1.0 && z == 1.0;
+            for lane in lanes_of(lanes) {
+                out[lane] = inner.at(lane);
+                weighed |= u32::from(!is_one && out[lane] != 0) << lane;
+            }
+        } else {
+            for lane in lanes_of(lanes) {
+                let of = |cells: Cells| f32::from_bits(cells.at(lane));
+                let (x, y, z) = (of(x), of(y), of(z));
+                let inner = inner.at(lane);
+                if inner == 0 || x == 0.0 && y == 0.0 && z == 0.0 {
+                    continue;
+                }
+                out[lane] = inner;
+                weighed |= u32::from(x != 1.0 || y != 1.0 || z != 1.0) << lane;
+            }
         }
         if weighed != 0 {
             let first = self.next();
