@@ -132,6 +132,51 @@ fn changed_texts_are_refused_or_run() {
     );
 }
 
+/// One of each operation that takes a fixed number of operands.
+const OPERATIONS: &str = r#"
+shader test (output color o = 0, output string s = "a", output matrix m = 1)
+{
+    int k = getchar("abc", u > 0) + strlen(s) + startswith(s, "a") + endswith(s, "b") + stoi(s) + raytype("camera");
+    k += hash(P, u) + backfacing() + isconnected(o) + isconstant(s) + lightcount() + regex_search(s, "b") + (k % 3);
+    float x = stof(s) + dot(N, P) + length(P) + distance(P, N) + area(P) + determinant(m) + luminance(o) + surfacearea();
+    float knots[4] = { 0, 1, 2, 3 };
+    x += spline("linear", u, knots) + splineinverse("linear", u, knots) + transformu("mm", "m", u);
+    x += mix(u, v, x) + step(u, v) + clamp(x, u, v) + atan2(u, v) + sin(u) + smoothstep(u, v, x) + filterwidth(u) + Dx(u);
+    float y[2] = { sin(x), cos(x) };
+    float si, co; sincos(u, si, co);
+    x += noise(P) + noise("perlin", u, v) + cellnoise(P) + snoise(u) + pnoise(u, 2) + random() + y[k] + o[k] + m[k][1];
+    s = concat(substr(s, 1, 2), format("%g", x), "z");
+    string parts[2]; split(s, parts, "b");
+    vector n = cross(N, P) + normalize(P) + calculatenormal(P) + transform("world", P) + vector("world", u, v, x);
+    m = transpose(m) * matrix("common", "world") * matrix(u);
+    getattribute("a", x); setmessage("b", x); getmessage("b", x);
+    float d; dict_value(dict_find(s, "q"), "a", d); trace(P, N); printf("%g", x);
+    color t = texture("x", u, v) + environment("x", N) + blackbody(x) + wavelength_color(x) + transformc("hsv", "rgb", o);
+    int size[2]; gettextureinfo("x", "resolution", size);
+    o = n + x + k + co + d + t + color("hsv", u, v, x);
+    Ci = u * diffuse(N) + emission();
+}
+"#;
+
+#[test]
+fn operations_may_lack_operands() {
+    let file = write(&compiled(OPERATIONS).shader.expect("it compiles"), "");
+    let lines: Vec<&str> = file.lines().collect();
+    let code = lines.iter().position(|line| line.starts_with("code")).expect("it has code");
+    let mut refused = 0;
+    for (i, line) in lines.iter().enumerate().skip(code + 1) {
+        let mut words: Vec<&str> = line.split(' ').collect();
+        while let Some(last) = words.iter().rposition(|word| !word.contains(['%', '\t'])) {
+            words.remove(last);
+            let shorter = words.join(" ");
+            let text = [&lines[..i], &[&*shorter], &lines[i + 1..]].concat().join("\n");
+            refused +=
+                u32::from(read(&text).is_err() || given(read(&text).expect("it was read")) == "refused");
+        }
+    }
+    assert!(refused > 100, "{refused} are refused");
+}
+
 #[test]
 fn nesting_has_an_end() {
     for open in ["(", "-", "!", "{", "f(", "a[", "if (1) ", "for (;;) ", "1 + (", "a = ", "1 ? ", "(float)"] {

@@ -8,6 +8,7 @@
 //! operations as the text does.
 
 mod flat;
+mod operands;
 mod read;
 mod shader;
 mod tokens;

@@ -4,6 +4,7 @@
 //! Invariant: no text makes it panic or take memory that the text does not account for; what it returns passes [`verify`].
 
 use super::flat::Flat;
+use super::operands::least_operands;
 use super::shader::{Op, Place, Shader, SymId, Symbol, SymbolKind};
 use super::tokens::{Word, parts, words};
 use super::verify::verify;
@@ -230,6 +231,10 @@ impl Reader {
                     Err(_) => return Err(format!("{name}: no symbol '{word}'")),
                 },
             }
+        }
+        let (count, least) = (args.len(), least_operands(&name));
+        if count < least {
+            return Err(format!("{name} has {count} operands, expected {least} or more"));
         }
         let mut op = Op { name, args, reads: !1, writes: 1, derivs: 0, at: self.place };
         for word in list {
