@@ -5,6 +5,8 @@
 //! enough stay as they are, so that light gets sharper the longer it is seen.
 //! Invariant: no light comes from another surface; the mean over a surface stays. Proof: `tests`.
 
+use std::ops::Range;
+
 use glam::Vec3;
 use gnurt_simd::{Level, dispatch_two};
 use rayon::prelude::*;
@@ -29,6 +31,9 @@ const AROUND: [(i32, i32, f32); 8] = [
     (0, 1, 0.75),
     (1, 1, 0.5),
 ];
+
+/// Pixels of a row that are passed over together where all of them stay.
+const TOGETHER: usize = 64;
 
 /// A picture as planes of numbers, so that pixels beside each other are lanes.
 #[derive(Default)]
@@ -129,22 +134,43 @@ impl From<'_> {
     fn row(&self, y: usize, step: i32, enough: Option<&[f32]>, out: [&mut [f32]; 4]) {
         let (width, begin) = (self.width, y * self.width);
         let [r, g, b, n] = out;
-        let [own_r, own_g, own_b, own_n] = self.light.each_ref().map(|plane| &plane[begin..begin + width]);
-        for i in 0..width {
+        for first in (0..width).step_by(TOGETHER) {
+            let part = first..width.min(first + TOGETHER);
+            let out =
+                [&mut r[part.clone()], &mut g[part.clone()], &mut b[part.clone()], &mut n[part.clone()]];
+            self.part(y, part.clone(), step, enough.map(|enough| &enough[part]), out);
+        }
+    }
+
+    /// Some of its columns.
+    #[inline(always)]
+    fn part(&self, y: usize, columns: Range<usize>, step: i32, enough: Option<&[f32]>, out: [&mut [f32]; 4]) {
+        let (width, begin) = (self.width, y * self.width + columns.start);
+        let [r, g, b, n] = out;
+        let count = columns.len();
+        let [own_r, own_g, own_b, own_n] = self.light.each_ref().map(|plane| &plane[begin..begin + count]);
+        if enough.is_some_and(|enough| own_n.iter().zip(enough).all(|(n, enough)| n >= enough)) {
+            r.copy_from_slice(own_r);
+            g.copy_from_slice(own_g);
+            b.copy_from_slice(own_b);
+            return n.copy_from_slice(own_n);
+        }
+        for i in 0..count {
             (r[i], g[i], b[i], n[i]) =
                 (own_r[i] * own_n[i], own_g[i] * own_n[i], own_b[i] * own_n[i], own_n[i]);
         }
         for (dx, dy, weight) in AROUND {
             let (dx, row) = (dx * step, y as i32 + dy * step);
-            let (low, high) = ((-dx).max(0), (width as i32 - dx.max(0)).max(0));
+            let low = (-dx).max(columns.start as i32);
+            let high = (width as i32 - dx.max(0)).min(columns.end as i32);
             if row >= 0 && row < self.height as i32 && low < high {
-                let (low, high) = (low as usize, high as usize);
-                let other = (row * width as i32 + dx) as isize + low as isize;
+                let other = (row * width as i32 + low + dx) as usize;
+                let (low, high) = (low as usize - columns.start, high as usize - columns.start);
                 let out = [&mut r[low..high], &mut g[low..high], &mut b[low..high], &mut n[low..high]];
-                self.tap(begin + low, other as usize, high - low, (step as f32, weight), out);
+                self.tap(begin + low, other, high - low, (step as f32, weight), out);
             }
         }
-        for i in 0..width {
+        for i in 0..count {
             let stays = enough.is_some_and(|enough| own_n[i] >= enough[i]) | (n[i] <= 0.0);
             let scale = 1.0 / n[i];
             let mean = |own: f32, sum: f32| if stays { own } else { sum * scale };
