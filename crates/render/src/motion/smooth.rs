@@ -132,7 +132,7 @@ impl From<'_> {
     /// A row after a step; pixels stay as they are that have `enough`.
     #[inline(always)]
     fn row(&self, y: usize, step: i32, enough: Option<&[f32]>, out: [&mut [f32]; 4]) {
-        let (width, begin) = (self.width, y * self.width);
+        let width = self.width;
         let [r, g, b, n] = out;
         for first in (0..width).step_by(TOGETHER) {
             let part = first..width.min(first + TOGETHER);
