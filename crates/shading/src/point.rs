@@ -159,7 +159,10 @@ impl SurfacePoint {
     pub fn bent_normal(&self, ns: Vec3, wo: Vec3) -> Vec3 {
         // Mirror images must clear both normals where both count.
         let horizons = [Some(self.ns), (self.lift == Vec3::ZERO).then_some(self.ng)];
-        let mut bent = ns;
+        // One that looks away leans towards the ray until it is seen edge-on.
+        let away = ns.dot(wo).min(0.0);
+        let mut bent =
+            if away < 0.0 { (ns - wo * (away - LOWEST_MIRROR_IMAGE)).normalize_or(self.ng) } else { ns };
         for up in horizons.into_iter().flatten() {
             let mirrored = (-wo).reflect(bent);
             if bent.dot(wo) > 0.0 && mirrored.dot(up) >= LOWEST_MIRROR_IMAGE {
@@ -258,5 +261,14 @@ mod tests {
                 assert_eq!(bent, mapped, "nothing is bent without need");
             }
         }
+    }
+
+    #[test]
+    fn normals_that_look_away_do_not_turn_over() {
+        // The far side of a ridge, whose triangles are still seen.
+        let ns = Vec3::new(0.24, 0.89, -0.38).normalize();
+        let wo = Vec3::new(0.45, -0.19, 0.87).normalize();
+        let bent = point(ns, Vec3::Z * 0.1).bent_normal(ns, wo);
+        assert!(bent.dot(wo) > 0.0 && bent.dot(ns) > 0.9, "{bent}");
     }
 }
