@@ -142,26 +142,31 @@ fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObjec
             }
         }
     };
-    let (tree, meshes, kind) = (moving.tree().clone(), meshes.clone(), kind.clone());
-    let (materials, members) = (materials_of(&meshes), None);
-    let (motion, keys) = (*moves, keys.clone());
-    let (bends, members_move, areas) = (false, false, Areas::default());
-    (
-        WorldObject {
-            tree,
-            moving,
-            motion,
-            meshes,
-            keys,
-            kind,
-            members,
-            materials,
-            bends,
-            members_move,
-            areas,
-        },
-        update,
-    )
+    (object(moving, *moves, meshes.clone(), keys.clone(), kind.clone(), false), update)
+}
+
+/// An object of meshes, with its tree.
+fn object(
+    moving: MovingTree,
+    motion: gnurt_scene::Motion,
+    meshes: Vec<Arc<Mesh>>,
+    keys: Vec<Vec<Arc<Mesh>>>,
+    kind: Option<Arc<Kind>>,
+    bends: bool,
+) -> WorldObject {
+    WorldObject {
+        tree: moving.tree().clone(),
+        materials: materials_of(&meshes),
+        moving,
+        motion,
+        meshes,
+        keys,
+        kind,
+        members: None,
+        bends,
+        members_move: false,
+        areas: Areas::default(),
+    }
 }
 
 /// An object some of whose meshes bend while the shutter is open. Its tree is built.
@@ -183,24 +188,8 @@ fn exposed(
     }
     let options = BuildOptions { memory, ..BuildOptions::default() };
     let tree = Arc::new(ObjectTree::build_from(&geometries, &options, Threads::Pool(pool)));
-    let moving = MovingTree::of(tree.clone(), motion(motion_of_object));
-    let (motion, materials) = (motion_of_object, materials_of(&meshes));
-    let (kind, members, bends) = (None, None, true);
-    let (members_move, areas) = (false, Areas::default());
-    let object = WorldObject {
-        tree,
-        moving,
-        motion,
-        meshes,
-        keys,
-        kind,
-        members,
-        materials,
-        bends,
-        members_move,
-        areas,
-    };
-    (object, Some(Update::Rebuilt))
+    let moving = MovingTree::of(tree, motion(motion_of_object));
+    (object(moving, motion_of_object, meshes, keys, None, true), Some(Update::Rebuilt))
 }
 
 fn motion(motion: gnurt_scene::Motion) -> Motion {

@@ -156,19 +156,16 @@ pub(super) fn units(m: &mut Machine<'_>, s: &Step) {
 }
 
 pub(super) fn blackbody(m: &mut Machine<'_>, s: &Step) {
-    let [out, from, ..] = &*s.args else { return };
-    let value = m.host.color_system().blackbody(m.float(from, 0));
-    m.set_triple(out, Dual::from(value).components());
+    let value = m.host.color_system().blackbody(m.float(&s.args[1], 0));
+    m.set_triple(&s.args[0], Dual::from(value).components());
 }
 
 pub(super) fn wavelength(m: &mut Machine<'_>, s: &Step) {
-    let [out, from, ..] = &*s.args else { return };
-    let value = m.host.color_system().wavelength_color(m.float(from, 0));
-    m.set_triple(out, Dual::from(value).components());
+    let value = m.host.color_system().wavelength_color(m.float(&s.args[1], 0));
+    m.set_triple(&s.args[0], Dual::from(value).components());
 }
 
 pub(super) fn luminance(m: &mut Machine<'_>, s: &Step) {
-    let [out, from, ..] = &*s.args else { return };
-    let value = m.host.color_system().luminance(m.triple(from));
-    m.set(out, 0, value);
+    let value = m.host.color_system().luminance(m.triple(&s.args[1]));
+    m.set(&s.args[0], 0, value);
 }
