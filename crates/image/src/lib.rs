@@ -17,6 +17,7 @@ mod texels;
 mod tile_file;
 mod tiles;
 mod tone;
+mod volume;
 
 pub use compare::{Comparison, compare};
 pub use error::{Error, system_reason};
@@ -34,6 +35,7 @@ pub use stored::{Stored, StoredLevel, StoredValues};
 pub use texels::{TexelData, Texels, Tiled};
 pub use tiles::{TileCache, TileCounts};
 pub use tone::{ToneCurve, screen_bytes};
+pub use volume::{Grid, Volume};
 
 /// The name and version that files say they were made by.
 pub const SOFTWARE: &str = concat!("GNU RT ", env!("CARGO_PKG_VERSION"));

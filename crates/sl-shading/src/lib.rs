@@ -27,7 +27,9 @@ mod sky;
 mod stored;
 mod surface;
 mod textures;
+mod volumes;
 mod world;
+mod wrap;
 
 pub use access::Access;
 pub use camera::{CameraPlace, CameraScript};

@@ -5,7 +5,7 @@
 //! Proof: `tests/scripts/kinds.rs`.
 
 use std::collections::HashMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, RwLock};
 
 use gnurt_image::read_texture;
@@ -16,6 +16,7 @@ use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::points::{PointCloud, read_cloud};
 
 use crate::access::Access;
+use crate::volumes::{Volumes, color_at_place};
 
 /// Different names that are kept, those that are no pictures among them.
 const MOST: usize = 4096;
@@ -31,11 +32,18 @@ pub(crate) struct Textures {
     folder: PathBuf,
     known: RwLock<HashMap<String, Found>>,
     clouds: Mutex<HashMap<String, FoundCloud>>,
+    volumes: Volumes,
 }
 
 impl Textures {
     pub(crate) fn new(access: Access, folder: PathBuf) -> Self {
-        Self { access, folder, known: RwLock::default(), clouds: Mutex::default() }
+        Self {
+            access,
+            folder,
+            known: RwLock::default(),
+            clouds: Mutex::default(),
+            volumes: Volumes::default(),
+        }
     }
 
     /// The picture of a name.
@@ -83,12 +91,18 @@ impl Textures {
         found
     }
 
-    fn read(&self, name: &str) -> Found {
+    /// Where a file is that a shader names, if it may be read.
+    fn allowed(&self, name: &str) -> Result<Arc<Path>, String> {
         let path = self.path(name);
-        if !self.access.allows(&path) {
-            let why = "not there, or outside of the folder that files may come from";
-            return Err(format!("texture {}: {why}", path.display()).into());
+        if self.access.allows(&path) {
+            return Ok(path.into());
         }
+        let why = "not there, or outside of the folder that files may come from";
+        Err(format!("texture {}: {why}", path.display()))
+    }
+
+    fn read(&self, name: &str) -> Found {
+        let path = self.allowed(name)?;
         match read_texture(&path) {
             Ok(texels) => {
                 let texels = Arc::new(texels);
@@ -101,6 +115,17 @@ impl Textures {
             }
             Err(error) => Err(format!("texture {error}").into()),
         }
+    }
+
+    /// Four channels of a volume at a place.
+    pub(crate) fn sample3d(
+        &self,
+        file: &str,
+        at: [Dual<f32>; 3],
+        options: &TextureOptions,
+    ) -> Result<[Dual<f32>; 4], String> {
+        let volume = self.volumes.find(file, || self.allowed(file)).map_err(|why| why.to_string())?;
+        color_at_place(&volume, file, at, options)
     }
 
     /// Four channels at `s` and `t`, t downwards.

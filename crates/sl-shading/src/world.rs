@@ -225,6 +225,14 @@ impl<'a> World<'a> {
         let is_own = lane < pixels.rays.len() && pixels.rays.get(lane) == *ray;
         is_own.then(|| (pixels.radiance.get(lane), pixels.distances[lane]))
     }
+
+    /// What was read of a texture; nobody else tells why nothing was where the shader has said what to take then.
+    fn told<T>(&self, found: Result<T, String>, options: &TextureOptions) -> Result<T, String> {
+        if let (Err(why), true) = (&found, options.missing.is_some()) {
+            self.common.faults.note(&format!("{}: {why}", self.common.name));
+        }
+        found
+    }
 }
 
 fn some(list: Vec<f32>) -> Option<Given> {
@@ -395,11 +403,17 @@ impl Host for World<'_> {
         _: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
         let found = self.common.textures.sample(file, at, options);
-        if let (Err(why), true) = (&found, options.missing.is_some()) {
-            // Nobody else tells: the shader has said what to take.
-            self.common.faults.note(&format!("{}: {why}", self.common.name));
-        }
-        found.map(|texel| texel.map(Dual::from))
+        self.told(found, options).map(|texel| texel.map(Dual::from))
+    }
+
+    fn texture3d(
+        &self,
+        file: &str,
+        at: [Dual<f32>; 3],
+        options: &TextureOptions,
+        _: &Point,
+    ) -> Result<[Dual<f32>; 4], String> {
+        self.told(self.common.textures.sample3d(file, at, options), options)
     }
 
     fn texture_info(

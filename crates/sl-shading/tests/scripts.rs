@@ -15,5 +15,7 @@ mod live;
 mod pixels;
 #[path = "scripts/stored.rs"]
 mod stored;
+#[path = "scripts/volumes.rs"]
+mod volumes;
 #[path = "scripts/wrong.rs"]
 mod wrong;

@@ -11,7 +11,8 @@ use gnurt_image::Stored;
 use gnurt_sl::exec::{TextureOptions, longitude_latitude};
 use gnurt_sl_lib::Dual;
 
-use super::sample::{Between, Read, Way, Wrap, read};
+use super::sample::{Between, Read, Way, read};
+use crate::wrap::Wrap;
 
 /// Probes along the longer axis, over the length of the shorter one.
 const MOST_ANISOTROPIC: f32 = 32.0;

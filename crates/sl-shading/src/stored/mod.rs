@@ -20,7 +20,9 @@ use gnurt_sl::tools::Textures;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl_lib::Dual;
 
-use sample::{Read, Wrap};
+use crate::volumes::{Volumes, at_place};
+use crate::wrap::Wrap;
+use sample::Read;
 
 /// Different names that are kept.
 const MOST: usize = 4096;
@@ -34,6 +36,7 @@ type Found = Result<Arc<Stored>, Arc<str>>;
 #[derive(Debug, Default)]
 pub struct StoredTextures {
     known: Mutex<HashMap<String, Found>>,
+    volumes: Volumes,
     /// Files about which was complained.
     told: Mutex<HashSet<String>>,
 }
@@ -76,14 +79,18 @@ impl StoredTextures {
     }
 }
 
-fn read(name: &str) -> Found {
+/// Where a file is, if it is there.
+fn place(name: &str) -> Result<&Path, String> {
     if name.is_empty() {
         return Err("ImageInput::create() called with no filename".into());
     }
-    if !Path::new(name).exists() {
-        return Err(format!("Could not open file: {name}: No such file or directory").into());
-    }
-    let file = read_stored(Path::new(name)).map_err(|error| error.to_string())?;
+    let path = Path::new(name);
+    let is_there = path.exists().then_some(path);
+    is_there.ok_or_else(|| format!("Could not open file: {name}: No such file or directory"))
+}
+
+fn read(name: &str) -> Found {
+    let file = read_stored(place(name)?).map_err(|error| error.to_string())?;
     Ok(Arc::new(copies::with_copies(file)))
 }
 
@@ -126,6 +133,17 @@ impl Textures for StoredTextures {
         let (file, _, first) = self.open(name, options)?;
         let texel = filter::around(&file, way, options, first);
         Ok(completed(texel, &file, options, first).map(|[value, ..]| value.into()))
+    }
+
+    fn texture3d(
+        &self,
+        name: &str,
+        at: [Dual<f32>; 3],
+        options: &TextureOptions,
+    ) -> Result<[Dual<f32>; 4], String> {
+        let volume = self.volumes.find(name, || place(name).map(Arc::from));
+        let volume = volume.map_err(|why| self.once(name, &why))?;
+        at_place(&volume, name, at, options).map(|(texel, _)| texel)
     }
 
     fn info(&self, name: &str, at: Option<[f32; 2]>, what: &str, ty: Type) -> Result<Option<Data>, String> {

@@ -6,52 +6,10 @@
 
 use gnurt_image::{Stored, StoredLevel};
 
+use crate::wrap::Wrap;
+
 /// Of four channels: the value, and its changes with s and t.
 pub(super) type Read = [[f32; 3]; 4];
-
-/// How a picture goes on beyond its border.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wrap {
-    Black,
-    Clamp,
-    Periodic,
-    Mirror,
-}
-
-impl Wrap {
-    /// None for the file's own.
-    pub(super) fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "black" => Self::Black,
-            "clamp" => Self::Clamp,
-            "periodic" => Self::Periodic,
-            "mirror" => Self::Mirror,
-            _ => return None,
-        })
-    }
-
-    /// What a file says of both directions: `black,clamp`, or one word for both.
-    pub(super) fn of_file(text: &str) -> [Self; 2] {
-        let (s, t) = text.split_once(',').unwrap_or((text, text));
-        [s, t].map(|word| Self::named(word.trim()).unwrap_or(Self::Black))
-    }
-
-    /// The texel that stands at place `i` of `n`, if there is one.
-    fn texel(self, i: i32, n: usize) -> Option<usize> {
-        let n = n as i32;
-        let inside = match self {
-            Self::Black if !(0..n).contains(&i) => return None,
-            Self::Black => i,
-            Self::Clamp => i.clamp(0, n - 1),
-            Self::Periodic => i.rem_euclid(n),
-            Self::Mirror => {
-                let i = i.rem_euclid(2 * n);
-                if i < n { i } else { 2 * n - 1 - i }
-            }
-        };
-        Some(inside as usize)
-    }
-}
 
 /// How a level is read between its texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,13 +79,13 @@ pub(super) fn read(
     };
     if between == Between::Closest {
         let ((i, _), (j, _)) = (split(s * w as f32), split(t * h as f32));
-        add(way.wrap[0].texel(i, w), way.wrap[1].texel(j, h), [1.0, 0.0, 0.0]);
+        add(way.wrap[0].texel(i.into(), w), way.wrap[1].texel(j.into(), h), [1.0, 0.0, 0.0]);
     } else {
         let ((i, fs), (j, ft)) = (split(s * w as f32 - 0.5), split(t * h as f32 - 0.5));
         let ((ws, ds), (wt, dt)) = (weights(between, fs), weights(between, ft));
-        let columns: [_; 4] = std::array::from_fn(|k| way.wrap[0].texel(i + k as i32 - 1, w));
+        let columns: [_; 4] = std::array::from_fn(|k| way.wrap[0].texel(i64::from(i) + k as i64 - 1, w));
         for l in 0..4 {
-            let row = way.wrap[1].texel(j + l as i32 - 1, h);
+            let row = way.wrap[1].texel(i64::from(j) + l as i64 - 1, h);
             for k in 0..4 {
                 if ws[k] != 0.0 || ds[k] != 0.0 {
                     let weight = [ws[k] * wt[l], ds[k] * wt[l] * w as f32, ws[k] * dt[l] * h as f32];

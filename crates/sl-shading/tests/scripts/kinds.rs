@@ -12,7 +12,7 @@ use gnurt_sl_shading::{CameraPlace, Kind, ParameterValue};
 use super::floor::{Probe, floor, script, surface};
 
 /// Emission of each point.
-fn emitted(shader: &dyn SurfaceShader, hits: &SurfaceBatch) -> Vec<Vec3> {
+pub(crate) fn emitted(shader: &dyn SurfaceShader, hits: &SurfaceBatch) -> Vec<Vec3> {
     let mut out = ClosureBatch::default();
     out.reset(hits.len());
     shader.evaluate(hits, &mut out);

@@ -31,7 +31,7 @@ fn options(interpolation: &str, wrap: &str) -> TextureOptions {
     let wrap: std::sync::Arc<str> = wrap.into();
     TextureOptions {
         interpolation: interpolation.into(),
-        wrap: [wrap.clone(), wrap],
+        wrap: std::array::from_fn(|_| wrap.clone()),
         ..TextureOptions::default()
     }
 }

@@ -94,14 +94,25 @@ pub struct TextureOptions {
     pub fill: f32,
     /// What is read in place of a file that is missing, if something is.
     pub missing: Option<[f32; 3]>,
-    /// How coordinates go on beyond 0 and 1, in s and t: `black`, `clamp`, `periodic`, `mirror` or `default`.
-    pub wrap: [Arc<str>; 2],
+    /// How coordinates go on beyond the picture, in s, t and r: `black`, `clamp`, `periodic`, `mirror` or `default`.
+    pub wrap: [Arc<str>; 3],
     /// How much wider than the pixel it is read.
     pub width: [f32; 2],
     /// And by how much.
     pub blur: [f32; 2],
     /// `closest`, `linear`, `cubic` or `smartcubic`; empty for the usual.
     pub interpolation: Arc<str>,
+    /// Which grid of a volume.
+    pub subimage: Subimage,
+}
+
+/// One of the pictures or grids of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Subimage {
+    /// Counted from 0.
+    Number(i32),
+    /// By its name.
+    Name(Arc<str>),
 }
 
 /// The usual wrapping and interpolation: made once, for options are made for each point.
@@ -115,10 +126,11 @@ impl Default for TextureOptions {
             first_channel: 0,
             fill: 0.0,
             missing: None,
-            wrap: [wrap.clone(), wrap.clone()],
+            wrap: std::array::from_fn(|_| wrap.clone()),
             width: [1.0; 2],
             blur: [0.0; 2],
             interpolation: interpolation.clone(),
+            subimage: Subimage::Number(0),
         }
     }
 }
@@ -250,6 +262,21 @@ pub trait Host {
         point: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
         self.texture(file, longitude_latitude(way), options, point)
+    }
+
+    /// Four channels of a volume at a place, and how they change from pixel to pixel.
+    ///
+    /// # Errors
+    /// A line for people; an empty one if they have been told before.
+    fn texture3d(
+        &self,
+        file: &str,
+        at: [Dual<f32>; 3],
+        options: &TextureOptions,
+        point: &Point,
+    ) -> Result<[Dual<f32>; 4], String> {
+        let _ = (at, options, point);
+        Err(format!("no volume \"{file}\": there are none here"))
     }
 
     /// What is known of a picture: `exists`, `resolution`, `channels` and others; of the tile at `at` where a name stands for many files.

@@ -39,7 +39,7 @@ pub use batch::{DualRow, Points, Program, Results, Row};
 pub use cells::{Cells, LANES, lanes_of};
 pub use closure::{Bound, makes_closures};
 pub use components::{Closure, ClosureDecl, ClosureParam, Closures, Component, Part};
-pub use host::{Arriving, Given, Host, Point, TextureOptions, TraceOptions, longitude_latitude};
+pub use host::{Arriving, Given, Host, Point, Subimage, TextureOptions, TraceOptions, longitude_latitude};
 pub use layout::PlanOptions;
 pub use machine::{
     Action, Copy, Event, Flow, Instruction, LayerPlan, Loop, Machine, Memory, Message, Param, Plan, Source,

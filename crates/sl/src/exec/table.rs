@@ -156,6 +156,7 @@ fn whole(name: &str, out: Type) -> Option<Action> {
         "illuminate" => light::illuminate,
         "texture" => texture::texture,
         "environment" => texture::environment,
+        "texture3d" => texture::texture3d,
         "gettextureinfo" => texture::info,
         "dict_find" => dictionary::find,
         "dict_next" => dictionary::next,

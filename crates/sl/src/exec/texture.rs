@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures that a shader reads: by two coordinates, or by a direction.
+//! Pictures that a shader reads: by two coordinates, or by a direction; volumes, by a place.
 //! Source: original; the options are OSL's. Directions are those of pictures over longitude and latitude with y up.
 
-use super::host::{Given, TextureOptions};
+use super::host::{Given, Subimage, TextureOptions};
 use super::light::pairs;
 use super::machine::{D, Machine, Step};
 use super::slot::Slot;
@@ -41,6 +41,23 @@ pub(super) fn environment(m: &mut Machine<'_>, s: &Step) {
     read(m, s, out, rest, |m, options| m.host.environment(&m.text(file), way, options, &m.point));
 }
 
+/// `texture3d (file, P [, dPdx, dPdy, dPdz], options)`
+pub(super) fn texture3d(m: &mut Machine<'_>, s: &Step) {
+    let [out, file, p, rest @ ..] = &*s.args else { return };
+    let mut place = m.triple(p);
+    let rest = match rest {
+        [x, y, _, rest @ ..] if x.ty != Type::STRING => {
+            let (x, y) = (m.triple_value(x), m.triple_value(y));
+            for (k, place) in place.iter_mut().enumerate() {
+                *place = Dual::new(place.value, x[k], y[k]);
+            }
+            rest
+        }
+        rest => rest,
+    };
+    read(m, s, out, rest, |m, options| m.host.texture3d(&m.text(file), place, options, &m.point));
+}
+
 fn read(
     m: &mut Machine<'_>,
     s: &Step,
@@ -58,9 +75,12 @@ fn read(
         "fill" => options.fill = m.float(value, 0),
         "missingcolor" => options.missing = Some(m.triple_value(value)),
         "missingalpha" => missing_alpha = Some(m.float(value, 0)),
-        "wrap" => options.wrap = [m.text(value), m.text(value)],
+        "wrap" => options.wrap = std::array::from_fn(|_| m.text(value)),
         "swrap" => options.wrap[0] = m.text(value),
         "twrap" => options.wrap[1] = m.text(value),
+        "rwrap" => options.wrap[2] = m.text(value),
+        "subimage" if value.ty == Type::STRING => options.subimage = Subimage::Name(m.text(value)),
+        "subimage" => options.subimage = Subimage::Number(m.int(value)),
         "width" => options.width = [m.float(value, 0); 2],
         "swidth" => options.width[0] = m.float(value, 0),
         "twidth" => options.width[1] = m.float(value, 0),

@@ -31,6 +31,17 @@ pub trait Textures {
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String>;
 
+    /// The same of a volume, at a place.
+    ///
+    /// # Errors
+    /// Why there are none, in OSL's words.
+    fn texture3d(
+        &self,
+        file: &str,
+        at: [Dual<f32>; 3],
+        options: &TextureOptions,
+    ) -> Result<[Dual<f32>; 4], String>;
+
     /// What `gettextureinfo` asks for, of the tile at `at` where a name stands for many files.
     ///
     /// # Errors

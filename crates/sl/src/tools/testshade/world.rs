@@ -256,6 +256,16 @@ impl Host for World<'_> {
         self.textures.ok_or_else(no_pictures)?.environment(file, way, options)
     }
 
+    fn texture3d(
+        &self,
+        file: &str,
+        at: [Dual<f32>; 3],
+        options: &TextureOptions,
+        _: &Point,
+    ) -> Result<[Dual<f32>; 4], String> {
+        self.textures.ok_or_else(no_pictures)?.texture3d(file, at, options)
+    }
+
     fn texture_info(
         &self,
         file: &str,

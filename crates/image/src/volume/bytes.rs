@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Numbers and texts of a file, one after another, little-endian; and how much memory may still be taken for them.
+//! Source: original. Proof: `tests/volumes.rs`.
+
+use crate::Error;
+
+/// An error that says what is wrong with a file.
+pub(super) fn corrupt(what: impl Into<String>) -> Error {
+    Error::corrupt("OpenVDB", what)
+}
+
+/// What is left of a file.
+pub(super) struct Bytes<'a> {
+    all: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Bytes<'a> {
+    pub(super) fn new(all: &'a [u8]) -> Self {
+        Self { all, at: 0 }
+    }
+
+    /// Goes on at another place.
+    pub(super) fn seek(&mut self, at: i64) -> Result<(), Error> {
+        let inside = usize::try_from(at).ok().filter(|&at| at <= self.all.len());
+        self.at = inside.ok_or_else(|| corrupt(format!("a part lies at byte {at}, behind the end")))?;
+        Ok(())
+    }
+
+    pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8], Error> {
+        let end = self.at.checked_add(count).filter(|&end| end <= self.all.len());
+        let end = end.ok_or_else(|| corrupt("the file ends too early"))?;
+        let taken = &self.all[self.at..end];
+        self.at = end;
+        Ok(taken)
+    }
+
+    pub(super) fn array<const N: usize>(&mut self) -> Result<[u8; N], Error> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N)?);
+        Ok(array)
+    }
+
+    pub(super) fn u8(&mut self) -> Result<u8, Error> {
+        Ok(self.array::<1>()?[0])
+    }
+
+    pub(super) fn u32(&mut self) -> Result<u32, Error> {
+        Ok(u32::from_le_bytes(self.array()?))
+    }
+
+    pub(super) fn i32(&mut self) -> Result<i32, Error> {
+        Ok(i32::from_le_bytes(self.array()?))
+    }
+
+    pub(super) fn i64(&mut self) -> Result<i64, Error> {
+        Ok(i64::from_le_bytes(self.array()?))
+    }
+
+    pub(super) fn f64(&mut self) -> Result<f64, Error> {
+        Ok(f64::from_le_bytes(self.array()?))
+    }
+
+    /// A text after its length.
+    pub(super) fn text(&mut self) -> Result<String, Error> {
+        let length = self.u32()? as usize;
+        Ok(String::from_utf8_lossy(self.take(length)?).into_owned())
+    }
+}
+
+/// Memory that may still be taken.
+pub(super) struct Room {
+    left: usize,
+    all: usize,
+}
+
+impl Room {
+    pub(super) fn new(bytes: usize) -> Self {
+        Self { left: bytes, all: bytes }
+    }
+
+    /// Takes so many bytes of it.
+    pub(super) fn take(&mut self, bytes: usize) -> Result<(), Error> {
+        let left = self.left.checked_sub(bytes);
+        self.left =
+            left.ok_or_else(|| corrupt(format!("it takes more than the {} MiB allowed", self.all >> 20)))?;
+        Ok(())
+    }
+}

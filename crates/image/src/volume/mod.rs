@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Volumes: numbers at points of space, in sparse grids, as OpenVDB's files hold them.
+//! Source: Museth, VDB: High-Resolution Sparse Volumes with Dynamic Topology (2013) [Mus13]; original code. Files of versions 222 (2013)
+//! to 224 are read: grids of floats, doubles and integers, one or three, packed in any way that OpenVDB packs them.
+//! Space: a grid has whole coordinates of voxels (index), which an affine map takes to the space of its file (world).
+//! Invariant: reading takes no more memory than is allowed, whatever the file says.
+//! Proof: `tests/volumes.rs`, whose files were written by OpenVDB.
+
+mod blosc;
+mod bytes;
+mod tree;
+mod values;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::Error;
+use bytes::{Bytes, Room, corrupt};
+use tree::{LEAF_SIZE, Reader, Tree};
+use values::{Format, Number};
+
+/// The grids of a file.
+#[derive(Debug)]
+pub struct Volume {
+    grids: Vec<Grid>,
+}
+
+/// Numbers at points of space: one or three at each.
+#[derive(Clone)]
+pub struct Grid {
+    name: String,
+    channels: usize,
+    index_from_world: DAffine3,
+    tree: Arc<Tree>,
+}
+
+impl std::fmt::Debug for Grid {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Grid")
+            .field("name", &self.name)
+            .field("channels", &self.channels)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Volume {
+    /// Reads a file; at most `limit` bytes of memory are taken for what it holds, beside the file itself.
+    ///
+    /// # Errors
+    /// If it cannot be read, is none of OpenVDB's, is broken, holds no numbers, or takes too much memory.
+    pub fn read(path: &Path, limit: usize) -> Result<Self, Error> {
+        let bytes = std::fs::read(path).map_err(|error| Error::file(path, "cannot be read", &error))?;
+        Self::decode(&bytes, limit).map_err(|error| error.in_file(path))
+    }
+
+    /// The same from a file's bytes.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read); the file is not named.
+    pub fn decode(bytes: &[u8], limit: usize) -> Result<Self, Error> {
+        let bytes = &mut Bytes::new(bytes);
+        let room = &mut Room::new(limit);
+        let has_offsets = head(bytes)?;
+        texts(bytes)?;
+        let mut volume = Self { grids: Vec::new() };
+        let mut others = Vec::new();
+        for _ in 0..bytes.u32()? {
+            let [name, kind, parent] = [bytes.text()?, bytes.text()?, bytes.text()?];
+            if !has_offsets {
+                return Err(corrupt("it does not say where its grids are"));
+            }
+            let [start, _, end] = [bytes.i64()?, bytes.i64()?, bytes.i64()?];
+            if let Some(format) = format_of(&kind) {
+                bytes.seek(start)?;
+                let grid = volume.grid_of(bytes, room, (name, &parent), format)?;
+                volume.grids.push(grid);
+            } else {
+                others.push(kind);
+            }
+            bytes.seek(end)?;
+        }
+        match (&*volume.grids, &*others) {
+            ([], []) => Err(corrupt("no grids")),
+            ([], [kind, ..]) => Err(corrupt(format!(
+                "no grid of numbers (the first is a {kind}); grids of floats, doubles and integers, one or three, are read"
+            ))),
+            _ => Ok(volume),
+        }
+    }
+
+    /// Reads one of the grids, which may show what the grid named `parent` holds.
+    fn grid_of(
+        &self,
+        bytes: &mut Bytes<'_>,
+        room: &mut Room,
+        (name, parent): (String, &str),
+        mut format: Format,
+    ) -> Result<Grid, Error> {
+        format.packing = bytes.u32()?;
+        texts(bytes)?;
+        let world_from_index = map(bytes)?;
+        let index_from_world = world_from_index.inverse();
+        if !index_from_world.is_finite() {
+            return Err(corrupt(format!("the map of the grid \"{name}\" cannot be turned around")));
+        }
+        let tree = if parent.is_empty() {
+            Arc::new(Tree::read(&mut Reader { bytes, room, format })?)
+        } else {
+            let known = self.grids.iter().find(|grid| grid.name == parent);
+            let known =
+                known.ok_or_else(|| corrupt(format!("no grid \"{parent}\" for \"{name}\" to show")))?;
+            known.tree.clone()
+        };
+        Ok(Grid { name, channels: format.channels, index_from_world, tree })
+    }
+
+    /// The grids, at least one, in the file's order.
+    #[must_use]
+    pub fn grids(&self) -> &[Grid] {
+        &self.grids
+    }
+
+    /// The first grid of a name.
+    #[must_use]
+    pub fn grid(&self, name: &str) -> Option<&Grid> {
+        self.grids.iter().find(|grid| grid.name() == name)
+    }
+}
+
+impl Grid {
+    /// Its name, which others of the file may have as well.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        // A sign that is none of a text parts a name from a number where there are several of the name.
+        self.name.split('\u{1e}').next().unwrap_or_default()
+    }
+
+    /// Numbers of a voxel: 1 or 3.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// From the file's world to coordinates in which voxels lie at whole numbers.
+    #[must_use]
+    pub fn index_from_world(&self) -> DAffine3 {
+        self.index_from_world
+    }
+
+    /// The numbers of a voxel; those beyond [`channels`](Self::channels) are 0. What no voxel was stored for has the background.
+    #[must_use]
+    #[inline]
+    pub fn voxel(&self, at: [i32; 3]) -> [f32; 3] {
+        self.tree.get(at)
+    }
+
+    /// The first and the last active voxel along each axis; none where no voxel is active.
+    #[must_use]
+    pub fn active(&self) -> Option<[[i32; 3]; 2]> {
+        self.tree.active
+    }
+
+    /// The same, rounded to whole leaves of the tree: what other programs take for the picture's size.
+    #[must_use]
+    pub fn window(&self) -> Option<[[i32; 3]; 2]> {
+        let mask = LEAF_SIZE - 1;
+        self.active().map(|[first, last]| [first.map(|x| x & !mask), last.map(|x| x | mask)])
+    }
+}
+
+/// Reads the head up to the file's texts: whether the file says where its grids are.
+fn head(bytes: &mut Bytes<'_>) -> Result<bool, Error> {
+    const MAGIC: i64 = 0x5644_4220;
+    if !bytes.i64().is_ok_and(|magic| magic == MAGIC) {
+        return Err(corrupt("it does not begin as files of OpenVDB do"));
+    }
+    let version = bytes.u32()?;
+    if !(222..=224).contains(&version) {
+        return Err(corrupt(format!("version {version}; 222 to 224 are read")));
+    }
+    // The library's own version.
+    bytes.take(8)?;
+    let has_offsets = bytes.u8()? != 0;
+    // A number that is the file's alone.
+    bytes.take(36)?;
+    Ok(has_offsets)
+}
+
+/// Passes over named values: nothing of them is needed.
+fn texts(bytes: &mut Bytes<'_>) -> Result<(), Error> {
+    for _ in 0..bytes.u32()? {
+        bytes.text()?;
+        bytes.text()?;
+        let length = bytes.u32()? as usize;
+        bytes.take(length)?;
+    }
+    Ok(())
+}
+
+/// How the values of a tree of such a type are stored, if they are numbers.
+fn format_of(kind: &str) -> Option<Format> {
+    let (kind, half) = match kind.strip_suffix("_HalfFloat") {
+        Some(kind) => (kind, true),
+        None => (kind, false),
+    };
+    let (number, channels) = match kind.strip_prefix("Tree_")?.strip_suffix("_5_4_3")? {
+        "float" => (Number::F32, 1),
+        "double" => (Number::F64, 1),
+        "int32" => (Number::I32, 1),
+        "int64" => (Number::I64, 1),
+        "vec3s" => (Number::F32, 3),
+        "vec3d" => (Number::F64, 3),
+        "vec3i" => (Number::I32, 3),
+        _ => return None,
+    };
+    let listed = if half && matches!(number, Number::F32 | Number::F64) { Number::F16 } else { number };
+    Some(Format { number, listed, channels, packing: 0 })
+}
+
+/// Reads how voxels lie in the world.
+fn map(bytes: &mut Bytes<'_>) -> Result<DAffine3, Error> {
+    let kind = bytes.text()?;
+    let mut vector = || Ok::<_, Error>(DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?));
+    Ok(match &*kind {
+        // What can be worked out of the scale follows it.
+        "UniformScaleMap" | "ScaleMap" => {
+            let scale = vector()?;
+            (0..4).try_for_each(|_| vector().map(drop))?;
+            DAffine3::from_scale(scale)
+        }
+        "UniformScaleTranslateMap" | "ScaleTranslateMap" => {
+            let (way, scale) = (vector()?, vector()?);
+            (0..4).try_for_each(|_| vector().map(drop))?;
+            DAffine3 { matrix3: DMat3::from_diagonal(scale), translation: way }
+        }
+        "TranslationMap" => DAffine3::from_translation(vector()?),
+        // Rows of four; points are rows, too.
+        "AffineMap" | "UnitaryMap" => {
+            let mut row =
+                || Ok::<_, Error>((DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?), bytes.f64()?).0);
+            let [x, y, z, way] = [row()?, row()?, row()?, row()?];
+            DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: way }
+        }
+        _ => return Err(corrupt(format!("a map of the kind {kind}; scales, ways and affine ones are read"))),
+    })
+}

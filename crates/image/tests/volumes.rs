@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Volumes against what OpenVDB 12 says of its own files, small files written here, and broken ones.
+//! `data/grids.txt` has, for each grid, its name and active voxels, then voxels and their values.
+
+use std::io::{Read, Write};
+
+use gnurt_image::Volume;
+
+const ENOUGH: usize = 1 << 26;
+
+fn unpacked(packed: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    flate2::read::GzDecoder::new(packed).read_to_end(&mut bytes).unwrap();
+    bytes
+}
+
+fn grids() -> Vec<u8> {
+    unpacked(include_bytes!("data/grids.vdb.gz"))
+}
+
+/// What is wrong with a file.
+fn fault(bytes: &[u8], limit: usize) -> String {
+    Volume::decode(bytes, limit).unwrap_err().to_string()
+}
+
+#[test]
+fn voxels_are_those_of_openvdb() {
+    let volume = Volume::decode(&grids(), ENOUGH).unwrap();
+    let names: Vec<_> = volume.grids().iter().map(gnurt_image::Grid::name).collect();
+    assert_eq!(names, ["ball", "Cd", "count", "density", "density", "far"]);
+    let mut grids = volume.grids().iter();
+    let mut grid = None;
+    let mut compared = 0;
+    for line in include_str!("data/grids.txt").lines() {
+        let words: Vec<_> = line.split(' ').collect();
+        let whole = |word: &str| word.parse::<i32>().unwrap();
+        if words[0] == "grid" {
+            let next = grids.next().unwrap();
+            assert_eq!(next.name(), words[1]);
+            let active = std::array::from_fn(|k| std::array::from_fn(|i| whole(words[2 + 3 * k + i])));
+            assert_eq!(next.active(), Some(active), "{}", words[1]);
+            grid = Some(next);
+            continue;
+        }
+        let (grid, at) = (grid.unwrap(), std::array::from_fn(|i| whole(words[i])));
+        let found = grid.voxel(at);
+        let expected: Vec<f32> = words[3..].iter().map(|word| word.parse::<f64>().unwrap() as f32).collect();
+        assert_eq!(found[..grid.channels()], expected, "{} {at:?}", grid.name());
+        compared += 1;
+    }
+    assert!(compared > 450, "{compared}");
+}
+
+#[test]
+fn maps_take_the_world_to_voxels() {
+    let volume = Volume::decode(&grids(), ENOUGH).unwrap();
+    let near = |name: &str, world: [f64; 3], index: [f64; 3]| {
+        let found = volume.grid(name).unwrap().index_from_world().transform_point3(world.into());
+        assert!(found.distance(index.into()) < 1e-9, "{name} {found}");
+    };
+    // Rows of the map that the file was written with, times (2, -3, 4), and its way.
+    near(
+        "ball",
+        [2.0 * 0.5 + 3.0 * 0.1 + 3.0, 2.0 * 0.1 - 3.0 * 0.25 + 0.2 - 4.0, 8.0 + 5.0],
+        [2.0, -3.0, 4.0],
+    );
+    near("Cd", [0.5, -0.75, 1.0], [2.0, -3.0, 4.0]);
+    near("count", [2.0, -3.0, 4.0], [2.0, -3.0, 4.0]);
+    let window = volume.grid("ball").unwrap().window();
+    assert_eq!(window, Some([[-8, -8, -8], [7, 7, 7]]));
+}
+
+/// A file with one leaf, whose active values are 1, 2, 3, in a background of -1; `list` packs the values.
+fn small(packing: u32, all: bool, list: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
+    let mut file = Vec::new();
+    let text = |file: &mut Vec<u8>, text: &str| {
+        file.extend((text.len() as u32).to_le_bytes());
+        file.extend(text.as_bytes());
+    };
+    file.extend(0x5644_4220_i64.to_le_bytes());
+    [224_u32, 8, 0].iter().for_each(|n| file.extend(n.to_le_bytes()));
+    file.push(1);
+    file.extend([b'-'; 36]);
+    file.extend([0; 4]);
+    file.extend(1_u32.to_le_bytes());
+    text(&mut file, "density");
+    text(&mut file, "Tree_float_5_4_3");
+    text(&mut file, "");
+    let start = file.len() as i64 + 24;
+    let offsets = file.len();
+    file.extend([start, start, start].iter().flat_map(|n| n.to_le_bytes()));
+    file.extend(packing.to_le_bytes());
+    file.extend([0; 4]);
+    text(&mut file, "TranslationMap");
+    [1.0_f64, 0.0, 0.0].iter().for_each(|n| file.extend(n.to_le_bytes()));
+    file.extend(1_u32.to_le_bytes());
+    file.extend((-1.0_f32).to_le_bytes());
+    file.extend([0_u32, 1].iter().flat_map(|n| n.to_le_bytes()));
+    file.extend([0; 12]);
+    for places in [32_usize.pow(3), 16_usize.pow(3)] {
+        // The first place has a child; no value is active; what is not is the background.
+        let mut mask = vec![0; places / 8];
+        mask[0] = 1;
+        file.extend(&mask);
+        mask[0] = 0;
+        file.extend(&mask);
+        let values: Vec<u8> = (0..places).flat_map(|_| (-1.0_f32).to_le_bytes()).collect();
+        file.push(if all { 6 } else { 0 });
+        file.extend(list(if all { &values } else { &[] }));
+    }
+    let mut mask = [0; 64];
+    mask[0] = 0b111;
+    file.extend(mask);
+    file.extend(mask);
+    let mut values: Vec<u8> = [1.0_f32, 2.0, 3.0].iter().flat_map(|n| n.to_le_bytes()).collect();
+    if all {
+        values.extend((3..512).flat_map(|_| (-1.0_f32).to_le_bytes()));
+    }
+    file.push(if all { 6 } else { 0 });
+    file.extend(list(&values));
+    let end = (file.len() as i64).to_le_bytes();
+    file[offsets + 16..offsets + 24].copy_from_slice(&end);
+    file
+}
+
+fn zlib(values: &[u8]) -> Vec<u8> {
+    let mut packer = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+    packer.write_all(values).unwrap();
+    let packed = packer.finish().unwrap();
+    [&(packed.len() as i64).to_le_bytes()[..], &packed].concat()
+}
+
+/// What did not shrink.
+fn as_it_is(values: &[u8]) -> Vec<u8> {
+    [&(-(values.len() as i64)).to_le_bytes()[..], values].concat()
+}
+
+#[test]
+fn every_packing_gives_the_same() {
+    let plain = |values: &[u8]| values.to_vec();
+    let files = [
+        small(0, true, plain),
+        small(2, false, plain),
+        small(1, true, zlib),
+        small(3, false, zlib),
+        small(3, false, as_it_is),
+        small(6, false, as_it_is),
+        small(6, true, as_it_is),
+    ];
+    for (i, file) in files.iter().enumerate() {
+        let volume = Volume::decode(file, ENOUGH).unwrap_or_else(|error| panic!("{i}: {error}"));
+        let grid = volume.grid("density").unwrap();
+        let found = [0, 1, 2, 3].map(|z| grid.voxel([0, 0, z])[0]);
+        assert_eq!(found, [1.0, 2.0, 3.0, -1.0], "{i}");
+        assert_eq!(grid.voxel([-5, 900, 7])[0], -1.0);
+        assert_eq!(grid.active(), Some([[0, 0, 0], [0, 0, 2]]));
+    }
+}
+
+#[test]
+fn bad_files_are_told() {
+    let file = small(0, true, <[u8]>::to_vec);
+    assert!(fault(b"P6 1 1 255", ENOUGH).contains("does not begin"));
+    assert!(fault(&file[..200], ENOUGH).contains("ends too early"));
+    assert!(fault(&file, 20_000).contains("more than the 0 MiB allowed"));
+    let mut old = file.clone();
+    old[8] = 215;
+    assert!(fault(&old, ENOUGH).contains("version 215; 222 to 224 are read"));
+    let why = fault(&unpacked(include_bytes!("data/mask.vdb.gz")), ENOUGH);
+    assert!(why.contains("no grid of numbers (the first is a Tree_bool_5_4_3)"), "{why}");
+    let broken = small(1, true, |_| as_it_is(&[1, 2, 3]));
+    assert!(fault(&broken, ENOUGH).contains("3 bytes of values in place of"));
+    let error = Volume::read(std::path::Path::new("no/such.vdb"), ENOUGH).unwrap_err().to_string();
+    assert!(error.contains("no/such.vdb"), "{error}");
+}
+
+/// Bytes of packed files changed once, and ends cut: errors or grids, nothing else.
+#[test]
+fn changed_files_never_panic() {
+    let changed = |file: &[u8], at: usize| {
+        let mut changed = file.to_vec();
+        changed[at] ^= 1 << (at % 8) | 0x80;
+        drop(Volume::decode(&changed, 1 << 24));
+    };
+    let file = small(3, false, zlib);
+    (0..file.len()).step_by(29).chain(0..300).for_each(|at| changed(&file, at));
+    let file = grids();
+    (0..800).step_by(67).chain((8000..file.len()).step_by(17_011)).for_each(|at| changed(&file, at));
+    for end in (0..file.len()).step_by(40_009) {
+        assert!(Volume::decode(&file[..end], ENOUGH).is_err());
+    }
+}
