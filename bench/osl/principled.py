@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A principled material in the shading language against the built-in one: the same picture, user seconds by turns.
 
-    bench/osl/principled.py target/release/gnurt [--turns 5] [--spp 16] [--shader FILE.osl]
+    bench/osl/principled.py target/release/gnurt [--turns 5] [--spp 16] [--texture | --varying] [--shader FILE.osl]
 
 Three balls and a floor: coat over sheen over plastic, half metal, 0.7 solid glass, plastic. Another shader must take the parameters of
-shaders/surfaces/principled.osl; its picture may be another one.
+shaders/surfaces/principled.osl; its picture may be another one. With --texture the base colour is a picture in both, times the
+material's; with --varying the shader's base colour is `base + 0 * P[0]`, so that nobody can know that it is the same everywhere.
 """
 
 import argparse
@@ -13,11 +14,13 @@ import base64
 import json
 import math
 import pathlib
+import re
 import resource
 import statistics
 import struct
 import subprocess
 import tempfile
+import zlib
 
 OWN = pathlib.Path(__file__).resolve().parents[2] / "shaders/surfaces/principled.osl"
 
@@ -65,7 +68,30 @@ def ball(x, columns=48, rows=24, radius=0.5):
     return positions, normals, uv, indices
 
 
-def scene():
+def picture(side=256):
+    """A colourful PNG, sRGB-encoded."""
+    rows = bytearray()
+    for y in range(side):
+        rows.append(0)
+        for x in range(side):
+            check = 40 if (x // 16 + y // 16) % 2 else 0
+            rows += bytes((255 - check - x // 4, 255 - check - y // 4, 160 + (x ^ y) % 96))
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    head = struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
+    parts = [chunk(b"IHDR", head), chunk(b"IDAT", zlib.compress(bytes(rows))), chunk(b"IEND", b"")]
+    return b"\x89PNG\r\n\x1a\n" + b"".join(parts)
+
+
+def with_base(text, value):
+    """The shader's text with another value in place of its parameter `base`."""
+    head, body = text.split("\n{\n", 1)
+    return head + "\n{\n    color body = " + value + ";\n" + re.sub(r"\bbase\b", "body", body)
+
+
+def scene(is_textured):
     """The scene as glTF."""
     corners = [(-6, 0, -6), (-6, 0, 6), (6, 0, 6), (6, 0, -6)]
     floor = (corners, [(0, 1, 0)] * 4, [(0, 0), (0, 1), (1, 1), (1, 0)], [0, 1, 2, 0, 2, 3])
@@ -93,8 +119,15 @@ def scene():
     materials = [
         dict(name=f"m{i}", pbrMetallicRoughness=plain, extensions=more) for i, (plain, more, _) in enumerate(MATERIALS)
     ]
+    more = {}
+    if is_textured:
+        # What lies beyond the border is not the same in both.
+        more = dict(images=[dict(uri="base.png")], samplers=[dict(wrapS=33071, wrapT=33071)], textures=[dict(source=0, sampler=0)])
+        for material in materials:
+            material["pbrMetallicRoughness"] = dict(material["pbrMetallicRoughness"], baseColorTexture=dict(index=0))
     uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
     return dict(
+        **more,
         asset=dict(version="2.0"),
         extensionsUsed=sorted({name for _, more, _ in MATERIALS for name in more}),
         scene=0,
@@ -114,19 +147,30 @@ def main():
     parser.add_argument("--turns", type=int, default=5)
     parser.add_argument("--spp", type=int, default=16)
     parser.add_argument("--shader", default=str(OWN))
+    parser.add_argument("--keep", help="folder that the scene and the last pictures are kept in")
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument("--texture", action="store_true")
+    kind.add_argument("--varying", action="store_true")
     given = parser.parse_args()
     view = "--eye 0,1.6,4 --target 0,0.45,0 --fov 34 --environment builtin:day -r 240x135 --denoise=none --max-depth 8 -t 1"
     with tempfile.TemporaryDirectory() as folder:
-        folder = pathlib.Path(folder)
-        (folder / "balls.gltf").write_text(json.dumps(scene()))
+        folder = pathlib.Path(given.keep or folder)
+        folder.mkdir(exist_ok=True)
+        (folder / "balls.gltf").write_text(json.dumps(scene(given.texture)))
+        shader = given.shader
+        if given.texture or given.varying:
+            value = 'base * texture ("base.png", u, 1 - v)' if given.texture else "base + 0 * P[0]"
+            shader = folder / "principled.osl"
+            shader.write_text(with_base(pathlib.Path(given.shader).read_text(), value))
+            (folder / "base.png").write_bytes(picture())
         kinds = {"built in": [], "the language": []}
         for i, (_, _, values) in enumerate(MATERIALS):
-            kinds["the language"] += ["--shader", f"m{i}={given.shader}:{values}"]
+            kinds["the language"] += ["--shader", f"m{i}={shader}:{values}"]
         times, pictures = {kind: [] for kind in kinds}, {}
         for _ in range(given.turns):
             for kind, shaders in kinds.items():
                 before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-                out = folder / "out.png"
+                out = folder / f"{kind.replace(' ', '-')}.png"
                 command = [given.gnurt, "render", folder / "balls.gltf", *view.split(), "--spp", str(given.spp), "-o", out]
                 subprocess.run(command + shaders, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
                 times[kind].append(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before)
