@@ -5,8 +5,8 @@
 //! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{
-    Cells, Component, DualRow, Event, Host, Kept, LANES, Machine, Message, Plan, Point, Points, Program,
-    Results, Row, Slot, Step,
+    Batch as RunningBatch, Cells, Component, DualRow, Event, Host, Kept, LANES, Machine, Message, Plan,
+    Point, Points, Program, Results, Row, Slot, Step, lanes_of,
 };
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
@@ -105,8 +105,10 @@ impl<'a> Lanes<'a> {
         for (name, slot) in &code.globals {
             global(name, slot, points, |cell, row| match code.layout.place(cell) {
                 Place::Each(at) => {
-                    for (word, x) in memory[at as usize / 4..].iter_mut().zip(row) {
-                        *word = x.to_bits();
+                    if let Some(words) = memory[at as usize / 4..].first_chunk_mut::<LANES>() {
+                        for i in 0..LANES {
+                            words[i] = row[i].to_bits();
+                        }
                     }
                 }
                 Place::One(at) => memory[at as usize / 4] = row[0].to_bits(),
@@ -196,6 +198,40 @@ fn set(layout: &Layout, memory: &mut [u32], cell: u32, lane: usize, word: u32) {
     match layout.place(cell) {
         Place::Each(at) => memory[at as usize / 4 + lane] = word,
         Place::One(at) => memory[at as usize / 4] = word,
+    }
+}
+
+fn cells<'m>(layout: &Layout, memory: &'m [u32], cell: u32) -> Cells<'m> {
+    match layout.place(cell) {
+        Place::One(at) => Cells::One(memory[at as usize / 4]),
+        Place::Each(at) => match memory[at as usize / 4..].first_chunk() {
+            Some(row) => Cells::Each(row),
+            None => Cells::One(0),
+        },
+    }
+}
+
+/// The values of a batch that is run.
+struct Held<'m> {
+    layout: &'m Layout,
+    memory: &'m mut [u32],
+}
+
+impl RunningBatch for Held<'_> {
+    fn get(&self, cell: u32) -> Cells<'_> {
+        cells(self.layout, self.memory, cell)
+    }
+
+    fn put(&mut self, cell: u32, lanes: u32, words: &[u32; LANES]) {
+        match self.layout.place(cell) {
+            Place::One(at) => self.memory[at as usize / 4] = words[lanes.trailing_zeros() as usize % LANES],
+            Place::Each(at) => {
+                let row = &mut self.memory[at as usize / 4..][..LANES];
+                for (lane, (to, &word)) in row.iter_mut().zip(words).enumerate() {
+                    *to = if lanes >> lane & 1 != 0 { word } else { *to };
+                }
+            }
+        }
     }
 }
 
@@ -310,41 +346,27 @@ impl Calls for Batch<'_, '_> {
         let lanes = (0..code.lanes()).filter(|lane| running >> lane & 1 != 0);
         match &code.program.calls[number as usize] {
             Call::Step { layer, step, ins, outs } => {
-                for lane in lanes {
-                    work.turn(points, lane);
-                    work.step(memory, lane, *layer, step, ins, outs);
-                    work.hear(lane);
+                work.one_by_one(memory, (points, running), *layer, step, (ins, outs));
+            }
+            Call::Together { layer, step, ins, outs } => {
+                let mut held = Held { layout: &code.layout, memory: &mut *memory };
+                if !work.machine.together(step, running, points, &mut held) {
+                    work.one_by_one(memory, (points, running), *layer, step, (ins, outs));
                 }
             }
             Call::Closure(making) => {
                 let Making { layer, step, ins, outs, is_named, bound } = &**making;
                 let (layout, held) = (&code.layout, &*memory);
-                let read = |cell: u32| match layout.place(cell) {
-                    Place::One(at) => Cells::One(held[at as usize / 4]),
-                    Place::Each(at) => match held[at as usize / 4..].first_chunk() {
-                        Some(row) => Cells::Each(row),
-                        None => Cells::One(0),
-                    },
-                };
+                let read = |cell: u32| cells(layout, held, cell);
                 let machine = &mut work.machine;
                 let bound =
                     bound.get_or_init(|| is_named.then(|| machine.bind_component(step, read)).flatten());
                 let made = bound.as_ref().and_then(|bound| machine.make_component(bound, read));
                 let made = made.map(|number| [number; LANES]);
                 match made.or_else(|| machine.make_closures(step, running, read)) {
-                    Some(made) => {
-                        for lane in lanes {
-                            set(layout, memory, step.args[0].at, lane, made[lane]);
-                        }
-                    }
+                    Some(made) => Held { layout, memory }.put(step.args[0].at, running, &made),
                     // It says why.
-                    None => {
-                        for lane in lanes {
-                            work.turn(points, lane);
-                            work.step(memory, lane, *layer, step, ins, outs);
-                            work.hear(lane);
-                        }
-                    }
+                    None => work.one_by_one(memory, (points, running), *layer, step, (ins, outs)),
                 }
             }
             Call::Userdata { layer, param, given } => {
@@ -386,6 +408,22 @@ impl Work<'_> {
             *list = before;
         }
         self.lane = lane;
+    }
+
+    /// Does an operation for each lane of a set of bits by itself.
+    fn one_by_one(
+        &mut self,
+        memory: &mut [u32],
+        (points, lanes): (&Points, u32),
+        layer: usize,
+        step: &Step,
+        (ins, outs): (&[Slot], &[Slot]),
+    ) {
+        for lane in lanes_of(lanes) {
+            self.turn(points, lane);
+            self.step(memory, lane, layer, step, ins, outs);
+            self.hear(lane);
+        }
     }
 
     fn hear(&mut self, lane: usize) {

@@ -90,6 +90,8 @@ impl Node {
 pub(crate) enum Call {
     /// An operation that the interpreter does, lane by lane.
     Step { layer: usize, step: Arc<Step>, ins: Vec<Slot>, outs: Vec<Slot> },
+    /// An operation that the interpreter's machine does for all lanes at once where it can, and else lane by lane.
+    Together { layer: usize, step: Arc<Step>, ins: Vec<Slot>, outs: Vec<Slot> },
     /// An operation that makes closures, which the interpreter does for all lanes at once.
     Closure(Box<Making>),
     /// A value of the geometry for a parameter; lanes that got one are noted.

@@ -156,7 +156,7 @@ fn texts_and_messages() {
         "string s = format(\"%d\", (int) (u * 10)); k = strlen(s) + (s == \"3\"); if (k > 1) s = concat(s, \"x\"); f = k;",
     );
     body(2, "if (u > 0.3) setmessage(\"m\", u); float x = 9; k = getmessage(\"m\", x); f = x;");
-    body(2, "error(\"bad %g\", v); k = backfacing();");
+    body(1, "error(\"bad %g\", v); k = backfacing();");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 //! Code as a program for batches, kept and made by a thread of its own; files that mean harm.
 
 use super::chance::{Dice, mutated};
-use super::world::{World, alone, points, rows, shader};
+use super::world::{World, alone, compare, points, rows, shader};
 use gnurt_jit::{Cache, Compiled, Lanes};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Plan, PlanOptions, Program, Results};
@@ -77,4 +77,34 @@ fn files_that_mean_harm_do_none() {
         }
     }
     assert!(ran > 20 || !Compiled::can(level), "some of them run: {ran}");
+}
+
+#[test]
+fn what_a_host_answers_for_all_points_is_what_it_answers_for_each() {
+    let outputs =
+        "output color c = 0, output float a = 0, output color d = 0, output float f = 0, output int k = 0";
+    for (body, left) in [
+        ("k = raytype (\"shadow\") + 2 * raytype (\"glossy\") + 4 * backfacing (); f = surfacearea ();", 0),
+        ("f = raytype (\"camera\"); if (u > 0.4) f = backfacing (); k = surfacearea () > 3;", 0),
+        ("c = texture (\"t.png\", u, v); d = Dx (c); f = texture (\"t.png\", 1, v, \"fill\", 3.0);", 0),
+        (
+            "c = texture (\"tt.png\", u, v, \"alpha\", a, \"width\", 2, \"twrap\", \"mirror\", \"firstchannel\", 1); d = Dy (a);",
+            0,
+        ),
+        ("if (u > 0.3) c = texture (\"t.png\", u, v, Dx (u), 0.1, v, Dy (u), \"blur\", 0.5); d = Dx (c);", 0),
+        // These are asked one by one.
+        (
+            "c = texture (u > 0.5 ? \"t.png\" : \"tt.png\", u, v); d = texture (\"t.png\", u, v, \"blur\", u);",
+            0,
+        ),
+        ("k = raytype (u > 0.5 ? \"camera\" : \"shadow\"); c = texture (\"alone.png\", u, v);", 0),
+        ("string why = \"\"; c = texture (\"t.png\", u, v, \"errormessage\", why); printf (\"%s\", why);", 1),
+        ("c = texture (\"missing.png\", u, v, \"alpha\", a); d = Dx (c);", 0),
+        ("c = texture (\"missing.png\", u, v, \"missingcolor\", color (1, 2, 3), \"missingalpha\", 0.5);", 0),
+        ("c = environment (\"t.png\", P);", 1),
+    ] {
+        let text = format!("surface test ({outputs}) {{ {body} }}");
+        let found = compare(&alone(&text), &text);
+        assert!(found == left || !Compiled::can(Level::best()), "{found} operations are left: {body}");
+    }
 }

@@ -4,7 +4,8 @@
 use gnurt_jit::{Compiled, Lanes};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{
-    ClosureDecl, ClosureParam, Component, Event, Given, Host, Machine, Plan, PlanOptions, Point, Points,
+    ClosureDecl, ClosureParam, Component, DualRow, Event, Given, Host, Machine, Plan, PlanOptions, Point,
+    Points, TextureOptions, lanes_of,
 };
 use gnurt_sl::group::Group;
 use gnurt_sl::hir::Data;
@@ -57,6 +58,46 @@ impl Host for World {
     fn closures(&self) -> &[ClosureDecl] {
         &self.closures
     }
+
+    fn ray_kind(&self, name: &str) -> u32 {
+        ["camera", "shadow", "glossy"].iter().position(|kind| *kind == name).map_or(0, |i| 1 << i)
+    }
+
+    fn texture(
+        &self,
+        file: &str,
+        [s, t]: [Dual<f32>; 2],
+        o: &TextureOptions,
+        _: &Point,
+    ) -> Result<[Dual<f32>; 4], String> {
+        if file == "missing.png" {
+            return Err("there is none".into());
+        }
+        let own = file.len() as f32 + o.width[0] + 2.0 * o.blur[1] + o.fill + o.first_channel as f32;
+        let wrapped = if &*o.wrap[1] == "mirror" { -own } else { own };
+        Ok([s * t, s + t, Dual::new(wrapped, s.dy, t.dx), (o.channels as f32).into()])
+    }
+
+    fn textures(
+        &self,
+        file: &str,
+        lanes: u32,
+        [s, t]: &[DualRow; 2],
+        options: &TextureOptions,
+        out: &mut [DualRow; 4],
+    ) -> bool {
+        let dual = |row: &DualRow, i: usize| Dual::new(row.value[i], row.dx[i], row.dy[i]);
+        if file.starts_with("alone") || file.starts_with("missing") {
+            return false;
+        }
+        for i in lanes_of(lanes) {
+            let texel = self.texture(file, [dual(s, i), dual(t, i)], options, &Point::default());
+            for (row, x) in out.iter_mut().zip(texel.expect("it is there")) {
+                (row.value[i], row.dx[i], row.dy[i]) = (x.value, x.dx, x.dy);
+            }
+        }
+        true
+    }
 }
 
 /// The shader of a text.
@@ -92,6 +133,8 @@ pub(crate) fn points(count: usize) -> Vec<Point> {
             time: 0.25,
             index: k as i32,
             backfacing: k % 2 == 1,
+            ray_kinds: 1 << (k % 4),
+            surface_area: 0.5 * k as f32,
             ..Point::default()
         })
         .collect()

@@ -4,6 +4,7 @@
 //! point stands for more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as materials of files do.
 //! Proof: `tests/scripts/kinds.rs`.
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, RwLock};
@@ -11,7 +12,7 @@ use std::sync::{Arc, Mutex, RwLock};
 use gnurt_image::read_texture;
 use gnurt_shading::mipmap::{Minify, MipMap};
 use gnurt_shading::texture::{TextureSampler, Wrap};
-use gnurt_sl::exec::TextureOptions;
+use gnurt_sl::exec::{DualRow, TextureOptions, lanes_of};
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::points::{PointCloud, read_cloud};
 
@@ -136,36 +137,76 @@ impl Textures {
         options: &TextureOptions,
     ) -> Result<[f32; 4], String> {
         let sampler = self.find(file).map_err(|why| why.to_string())?;
-        let outside = |k: usize| {
-            let black = matches!(&*options.wrap[k], "black" | "default" | "");
-            black && !(0.0..=1.0).contains(&at[k].value)
-        };
-        if outside(0) || outside(1) {
-            return Ok([0.0; 4]);
+        Ok(Way::of(&sampler, options).read(at))
+    }
+
+    /// The same for many points, to the values of `out`; false if there is no such picture.
+    pub(crate) fn sample_each(
+        &self,
+        file: &str,
+        lanes: u32,
+        [s, t]: &[DualRow; 2],
+        options: &TextureOptions,
+        out: &mut [DualRow; 4],
+    ) -> bool {
+        let Ok(sampler) = self.find(file) else { return false };
+        let way = Way::of(&sampler, options);
+        for i in lanes_of(lanes) {
+            // Written out: mapping arrays becomes calls.
+            let at = |row: &DualRow| Dual::new(row.value[i], row.dx[i], row.dy[i]);
+            let texel = way.read([at(s), at(t)]);
+            for (row, x) in out.iter_mut().zip(texel) {
+                row.value[i] = x;
+            }
         }
-        let wrap = |word: &str| match word {
+        true
+    }
+}
+
+/// How a picture is read.
+struct Way<'a> {
+    sampler: Cow<'a, TextureSampler>,
+    options: &'a TextureOptions,
+    /// Whether it is black beyond its borders, along s and t.
+    is_bordered: [bool; 2],
+}
+
+impl<'a> Way<'a> {
+    fn of(sampler: &'a TextureSampler, options: &'a TextureOptions) -> Self {
+        let wrap = |k: usize| match &*options.wrap[k] {
             "periodic" => Wrap::Repeat,
             "mirror" => Wrap::Mirror,
             _ => Wrap::Clamp,
         };
-        let wrap = [wrap(&options.wrap[0]), wrap(&options.wrap[1])];
-        let [s, t] = at;
+        let wrap = [wrap(0), wrap(1)];
         let linear = &*options.interpolation != "closest";
+        let sampler = if sampler.wrap == wrap && linear {
+            Cow::Borrowed(sampler)
+        } else {
+            Cow::Owned(TextureSampler { wrap, linear, ..sampler.clone() })
+        };
+        let is_black = |k: usize| matches!(&*options.wrap[k], "black" | "default" | "");
+        Self { sampler, options, is_bordered: [is_black(0), is_black(1)] }
+    }
+
+    fn read(&self, [s, t]: [Dual<f32>; 2]) -> [f32; 4] {
+        let Self { sampler, options, is_bordered } = self;
+        let outside = |k: usize, x: f32| is_bordered[k] && !(0.0..=1.0).contains(&x);
+        if outside(0, s.value) || outside(1, t.value) {
+            return [0.0; 4];
+        }
         let uv = [s.value, 1.0 - t.value];
         let [across, along] = options.width;
         let axes = [[s.dx * across, -t.dx * along], [s.dy * across, -t.dy * along]];
-        let axes = blurred(axes, options.blur);
-        let as_it_is = sampler.wrap == wrap && linear;
-        let texel = if as_it_is {
-            sampler.sample_over(uv, axes)
-        } else {
-            TextureSampler { wrap, linear, ..(*sampler).clone() }.sample_over(uv, axes)
-        };
+        let texel = sampler.sample_over(uv, blurred(axes, options.blur));
         let first = options.first_channel;
-        Ok(std::array::from_fn(|k| {
+        if first == 0 {
+            return texel;
+        }
+        std::array::from_fn(|k| {
             let k = first.saturating_add(k as i32);
             usize::try_from(k).ok().and_then(|k| texel.get(k).copied()).unwrap_or(options.fill)
-        }))
+        })
     }
 }
 

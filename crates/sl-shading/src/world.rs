@@ -14,7 +14,8 @@ use gnurt_shading::{
     AttributeRequest, LightBatch, Meeting, PixelSamples, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s,
 };
 use gnurt_sl::exec::{
-    Arriving, ClosureDecl, Given, Host, Point, Points, Program, Results, TextureOptions, TraceOptions,
+    Arriving, ClosureDecl, DualRow, Given, Host, Point, Points, Program, Results, TextureOptions,
+    TraceOptions,
 };
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
@@ -414,6 +415,17 @@ impl Host for World<'_> {
         _: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
         self.told(self.common.textures.sample3d(file, at, options), options)
+    }
+
+    fn textures(
+        &self,
+        file: &str,
+        lanes: u32,
+        at: &[DualRow; 2],
+        options: &TextureOptions,
+        out: &mut [DualRow; 4],
+    ) -> bool {
+        self.common.textures.sample_each(file, lanes, at, options, out)
     }
 
     fn texture_info(

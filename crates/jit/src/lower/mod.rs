@@ -10,7 +10,9 @@ mod native;
 mod steps;
 mod values;
 
-use gnurt_sl::exec::{Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, makes_closures};
+use gnurt_sl::exec::{
+    Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, asks_together, makes_closures,
+};
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
 use gnurt_sl_lib::Dual;
@@ -403,6 +405,8 @@ impl Lowerer<'_> {
             let call = if makes_closures(&step) {
                 let is_named = ins.iter().all(|slot| slot.ty.base != Base::String);
                 Call::Closure(Box::new(Making { layer, step, ins, outs, is_named, bound: OnceLock::new() }))
+            } else if asks_together(&step) {
+                Call::Together { layer, step, ins, outs }
             } else {
                 Call::Step { layer, step, ins, outs }
             };

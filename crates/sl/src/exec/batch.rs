@@ -3,27 +3,12 @@
 //! Source: original. The interpreter takes the points one by one; code for lanes may take them all at once. What comes out is the
 //! same. Numbers stand in rows, one number of each point side by side. Proof: `tests/meaning/more.rs`.
 
-use super::cells::LANES;
+use super::cells::{DualRow, LANES, Row};
 use super::components::Closures;
 use super::host::{Host, Point};
 use super::machine::Event;
 use super::slot::Kept;
 use gnurt_sl_lib::Dual;
-
-/// One number of each point.
-pub type Row = [f32; LANES];
-
-/// A number and its changes from pixel to pixel, of each point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(C, align(64))]
-pub struct DualRow {
-    /// The number.
-    pub value: Row,
-    /// Its change to the right.
-    pub dx: Row,
-    /// Its change downwards.
-    pub dy: Row,
-}
 
 /// The points that are shaded: [`Point`] in rows. Space: common.
 #[derive(Clone, Debug, Default)]

@@ -1,9 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A number of each point of a batch, as it lies in memory: one for all of them, or one for each.
+//! Numbers of the points of a batch, as they lie in memory: one for all of them, or one for each.
 //! Source: original. Proof: `tests/meaning/more.rs`.
 
 /// Points of a batch.
 pub const LANES: usize = 16;
+
+/// One number of each point.
+pub type Row = [f32; LANES];
+
+/// A number and its changes from pixel to pixel, of each point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(64))]
+pub struct DualRow {
+    /// The number.
+    pub value: Row,
+    /// Its change to the right.
+    pub dx: Row,
+    /// Its change downwards.
+    pub dy: Row,
+}
 
 /// A number of each point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +39,14 @@ impl Cells<'_> {
             Self::Each(row) => row[lane % LANES],
         }
     }
+}
+
+/// Where the values of a batch are.
+pub trait Batch {
+    /// What a cell holds.
+    fn get(&self, cell: u32) -> Cells<'_>;
+    /// Writes it for the points that `lanes` names.
+    fn put(&mut self, cell: u32, lanes: u32, words: &[u32; LANES]);
 }
 
 /// The points of a set of bits, lowest first.

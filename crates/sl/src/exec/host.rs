@@ -2,6 +2,7 @@
 //! What a shader asks of the program that runs it.
 //! Source: original; the questions are those of OSL's renderer services.
 
+use super::cells::DualRow;
 use super::components::ClosureDecl;
 use crate::hir::Data;
 use crate::types::Type;
@@ -248,6 +249,20 @@ pub trait Host {
     ) -> Result<[Dual<f32>; 4], String> {
         let _ = (at, options, point);
         Err(format!("no texture \"{file}\": there are none here"))
+    }
+
+    /// The same for the points of a batch that `lanes` names, as bits: writes to their columns of `out` what
+    /// [`texture`](Self::texture) would give each. False, and nothing is said, if they must be asked one by one.
+    fn textures(
+        &self,
+        file: &str,
+        lanes: u32,
+        at: &[DualRow; 2],
+        options: &TextureOptions,
+        out: &mut [DualRow; 4],
+    ) -> bool {
+        let _ = (file, lanes, at, options, out);
+        false
     }
 
     /// The same of a picture of all around, in a direction of any length.

@@ -2,8 +2,8 @@
 //! The interpreter as a [`Program`]: the points of a batch, one after the other.
 //! Source: original. Proof: `tests/meaning/more.rs`.
 
-use super::batch::{Points, Program, Results, Row};
-use super::cells::LANES;
+use super::batch::{Points, Program, Results};
+use super::cells::{LANES, Row};
 use super::host::{Host, Point};
 use super::machine::{Machine, Plan};
 use super::slot::Kept;

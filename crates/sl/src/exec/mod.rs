@@ -33,10 +33,11 @@ mod strings;
 mod table;
 mod texts;
 mod texture;
+mod together;
 mod values;
 
-pub use batch::{DualRow, Points, Program, Results, Row};
-pub use cells::{Cells, LANES, lanes_of};
+pub use batch::{Points, Program, Results};
+pub use cells::{Batch, Cells, DualRow, LANES, Row, lanes_of};
 pub use closure::{Bound, makes_closures};
 pub use components::{Closure, ClosureDecl, ClosureParam, Closures, Component, Part};
 pub use host::{Arriving, Given, Host, Point, Subimage, TextureOptions, TraceOptions, longitude_latitude};
@@ -48,3 +49,4 @@ pub use machine::{
 pub use slot::{Kept, Slot};
 pub use strings::Strings;
 pub use table::unknown_operation;
+pub use together::asks_together;

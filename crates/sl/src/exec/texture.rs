@@ -2,10 +2,11 @@
 //! Pictures that a shader reads: by two coordinates, or by a direction; volumes, by a place.
 //! Source: original; the options are OSL's. Directions are those of pictures over longitude and latitude with y up.
 
+use super::cells::{Batch, Cells, DualRow, LANES, Row};
 use super::host::{Given, Subimage, TextureOptions};
-use super::light::pairs;
 use super::machine::{D, Machine, Step};
 use super::slot::Slot;
+use super::strings::Strings;
 use crate::types::{Base, Type};
 use gnurt_sl_lib::Dual;
 
@@ -58,6 +59,143 @@ pub(super) fn texture3d(m: &mut Machine<'_>, s: &Step) {
     read(m, s, out, rest, |m, options| m.host.texture3d(&m.text(file), place, options, &m.point));
 }
 
+/// What an operation says of how it reads.
+struct Said {
+    options: TextureOptions,
+    /// Where opacity goes, and why there is no picture.
+    alpha: Option<Slot>,
+    message: Option<Slot>,
+    missing_alpha: Option<f32>,
+    /// How many channels go to the result.
+    channels: usize,
+}
+
+impl Said {
+    /// Of the pairs of names and values after the place; `word` knows what cells hold. None if it does not know all that is asked.
+    fn of(strings: &Strings, out: &Slot, rest: &[Slot], word: &dyn Fn(u32) -> Option<u32>) -> Option<Self> {
+        let text = |slot: &Slot| match slot.ty.base {
+            Base::String => word(slot.at).map(|number| strings.text(number)),
+            _ => Some(strings.text(0)),
+        };
+        let number = |slot: &Slot, i: u32| {
+            let word = word(slot.at + if slot.size == 1 { 0 } else { i })?;
+            Some(if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) })
+        };
+        let int = |slot: &Slot| match slot.ty.base {
+            Base::Int => word(slot.at).map(|word| word as i32),
+            _ => number(slot, 0).map(|x| x as i32),
+        };
+        let mut options = TextureOptions::default();
+        let (mut alpha, mut message, mut missing_alpha) = (None, None, None);
+        for pair in rest.chunks_exact(2) {
+            let [name, value] = pair else { continue };
+            match &**text(name)? {
+                "alpha" => alpha = Some(*value),
+                "errormessage" => message = Some(*value),
+                "firstchannel" => options.first_channel = int(value)?,
+                "fill" => options.fill = number(value, 0)?,
+                "missingcolor" => {
+                    options.missing = Some([number(value, 0)?, number(value, 1)?, number(value, 2)?]);
+                }
+                "missingalpha" => missing_alpha = Some(number(value, 0)?),
+                "wrap" => options.wrap.fill(text(value)?.clone()),
+                "swrap" => options.wrap[0] = text(value)?.clone(),
+                "twrap" => options.wrap[1] = text(value)?.clone(),
+                "rwrap" => options.wrap[2] = text(value)?.clone(),
+                "subimage" => {
+                    options.subimage = match value.ty {
+                        Type::STRING => Subimage::Name(text(value)?.clone()),
+                        _ => Subimage::Number(int(value)?),
+                    }
+                }
+                "width" => options.width = [number(value, 0)?; 2],
+                "swidth" => options.width[0] = number(value, 0)?,
+                "twidth" => options.width[1] = number(value, 0)?,
+                "blur" => options.blur = [number(value, 0)?; 2],
+                "sblur" => options.blur[0] = number(value, 0)?,
+                "tblur" => options.blur[1] = number(value, 0)?,
+                "interp" => options.interpolation = text(value)?.clone(),
+                _ => {}
+            }
+        }
+        let channels = if out.ty.base == Base::Float { 1 } else { 3 };
+        options.channels = channels + usize::from(alpha.is_some());
+        Some(Self { options, alpha, message, missing_alpha, channels })
+    }
+}
+
+/// `texture` for many points at once. None if they must be asked one by one.
+pub(super) fn textures(m: &Machine<'_>, step: &Step, lanes: u32, batch: &mut dyn Batch) -> Option<()> {
+    let [out, file, at_s, at_t, rest @ ..] = &*step.args else { return None };
+    let one = |cell: u32| match batch.get(cell) {
+        Cells::One(word) => Some(word),
+        Cells::Each(_) => None,
+    };
+    let (changes, rest) = match rest {
+        [sx, tx, sy, ty, rest @ ..] if sx.ty != Type::STRING => (Some([[sx, sy], [tx, ty]]), rest),
+        rest => (None, rest),
+    };
+    let Said { options, alpha, message, channels, .. } = Said::of(&m.strings, out, rest, &one)?;
+    let is_written = |slot: Slot| {
+        let mut args = step.args.iter().enumerate();
+        slot.ty.base.is_float_based()
+            && args.any(|(i, arg)| i < 64 && step.writes >> i & 1 != 0 && arg.at == slot.at)
+    };
+    if file.ty != Type::STRING || message.is_some() || !alpha.is_none_or(is_written) {
+        return None;
+    }
+    let file = m.strings.text(one(file.at)?);
+    let mut places = [DualRow::default(); 2];
+    for (k, (place, slot)) in places.iter_mut().zip([at_s, at_t]).enumerate() {
+        fill(&mut place.value, batch, slot, 0);
+        match changes {
+            Some(changes) => {
+                fill(&mut place.dx, batch, changes[k][0], 0);
+                fill(&mut place.dy, batch, changes[k][1], 0);
+            }
+            None if slot.derivs => {
+                fill(&mut place.dx, batch, slot, slot.size);
+                fill(&mut place.dy, batch, slot, 2 * slot.size);
+            }
+            None => {}
+        }
+    }
+    let mut texels = [DualRow::default(); 4];
+    if !m.host.textures(file, lanes, &places, &options, &mut texels) {
+        return None;
+    }
+    let mut put = |slot: &Slot, i: u32, texel: &DualRow| {
+        for (k, row) in [&texel.value, &texel.dx, &texel.dy].into_iter().enumerate() {
+            if k == 0 || slot.derivs {
+                let mut words = [0; LANES];
+                words.iter_mut().zip(row).for_each(|(word, x)| *word = x.to_bits());
+                batch.put(slot.at + k as u32 * slot.size + i, lanes, &words);
+            }
+        }
+    };
+    for (i, texel) in texels[..channels].iter().enumerate() {
+        put(out, i as u32, texel);
+    }
+    if let Some(alpha) = alpha {
+        put(&alpha, 0, &texels[channels]);
+    }
+    Some(())
+}
+
+/// The numbers of all points in the cell that lies so far behind the first of a slot.
+fn fill(row: &mut Row, batch: &dyn Batch, slot: &Slot, offset: u32) {
+    let number =
+        |word: u32| if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) };
+    match batch.get(slot.at + offset) {
+        Cells::One(word) => *row = [number(word); LANES],
+        Cells::Each(words) => {
+            for (x, &word) in row.iter_mut().zip(words) {
+                *x = number(word);
+            }
+        }
+    }
+}
+
 fn read(
     m: &mut Machine<'_>,
     s: &Step,
@@ -65,33 +203,12 @@ fn read(
     rest: &[Slot],
     ask: impl FnOnce(&Machine<'_>, &TextureOptions) -> Result<[D; 4], String>,
 ) {
-    let mut options = TextureOptions::default();
-    let (mut alpha, mut message) = (None, None);
-    let mut missing_alpha = None;
-    pairs(m, rest, |m, name, value| match name {
-        "alpha" => alpha = Some(*value),
-        "errormessage" => message = Some(*value),
-        "firstchannel" => options.first_channel = m.int(value),
-        "fill" => options.fill = m.float(value, 0),
-        "missingcolor" => options.missing = Some(m.triple_value(value)),
-        "missingalpha" => missing_alpha = Some(m.float(value, 0)),
-        "wrap" => options.wrap = std::array::from_fn(|_| m.text(value)),
-        "swrap" => options.wrap[0] = m.text(value),
-        "twrap" => options.wrap[1] = m.text(value),
-        "rwrap" => options.wrap[2] = m.text(value),
-        "subimage" if value.ty == Type::STRING => options.subimage = Subimage::Name(m.text(value)),
-        "subimage" => options.subimage = Subimage::Number(m.int(value)),
-        "width" => options.width = [m.float(value, 0); 2],
-        "swidth" => options.width[0] = m.float(value, 0),
-        "twidth" => options.width[1] = m.float(value, 0),
-        "blur" => options.blur = [m.float(value, 0); 2],
-        "sblur" => options.blur[0] = m.float(value, 0),
-        "tblur" => options.blur[1] = m.float(value, 0),
-        "interp" => options.interpolation = m.text(value),
-        _ => {}
-    });
-    let channels = if out.ty.base == Base::Float { 1 } else { 3 };
-    options.channels = channels + usize::from(alpha.is_some());
+    let known = |cell: u32| m.memory.get(cell as usize).copied();
+    let Some(Said { options, alpha, message, missing_alpha, channels }) =
+        Said::of(&m.strings, out, rest, &known)
+    else {
+        return;
+    };
     let (texel, why) = match ask(m, &options) {
         Ok(texel) => (texel, String::new()),
         Err(why) => {
