@@ -5,7 +5,7 @@
 //! Proof: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{ClosureBatch, Ends, Lists, Lobe};
+use gnurt_shading::bsdf::{ClosureBatch, Ends, Lists};
 use gnurt_sl::exec::{Cells, Closure, Closures, LANES, Part, Points, Results, lanes_of};
 
 use crate::closures::{Known, Shape, all};
@@ -62,6 +62,13 @@ pub(crate) struct Lights {
     pub(crate) through: Light,
     /// What the shader has worked out itself.
     pub(crate) radiance: Light,
+}
+
+impl Lights {
+    /// Whether there are none.
+    fn are_out(&self) -> bool {
+        (self.emission.some | self.through.some | self.radiance.some) == 0
+    }
 }
 
 pub(crate) fn column(rows: &Rows, i: usize) -> Vec3 {
@@ -209,16 +216,22 @@ impl<'a> Looker<'a> {
 
     /// A layer, and what lies below it.
     fn layer(&mut self, part: &Part<'a>, lanes: u32, weight: &Rows, depth: u32) {
-        let before = std::mem::take(&mut self.lights);
+        // They are large: not moved about for nothing.
+        let before = (!self.lights.are_out()).then(|| std::mem::take(&mut self.lights));
         let top = self.lists.ends();
         self.tree(part.cells(0), lanes, depth + 1);
         let base = self.lists.ends();
         // What the layer lets through arrives at what lies below.
-        self.lights.through = Light::default();
+        if self.lights.through.some != 0 {
+            self.lights.through = Light::default();
+        }
         self.tree(part.cells(1), lanes, depth + 1);
         self.lists.layer(lanes, &top, &base);
         self.times(lanes, &top, weight);
-        let inner = std::mem::replace(&mut self.lights, before);
+        if before.is_none() && self.lights.are_out() {
+            return;
+        }
+        let inner = std::mem::replace(&mut self.lights, before.unwrap_or_default());
         self.lights.emission.add_times(lanes, &inner.emission, weight);
         self.lights.through.add_times(lanes, &inner.through, weight);
         self.lights.radiance.add_times(lanes, &inner.radiance, weight);
@@ -244,18 +257,9 @@ impl<'a> Looker<'a> {
                 }
             }
         } else {
-            let mut all = [[Lobe::default(); LANES]; 2];
-            let mut some = [0; 2];
             for i in lanes_of(lanes) {
                 let made = lobes(&Params::new(shape, part, i), back >> i & 1 == 0);
-                for (k, lobe) in made.into_iter().enumerate() {
-                    if let Some(lobe) = lobe {
-                        (all[k][i], some[k]) = (lobe, some[k] | 1 << i);
-                    }
-                }
-            }
-            for (some, all) in some.into_iter().zip(&all).filter(|(some, _)| *some != 0) {
-                self.lists.push_each(some, all);
+                made.iter().flatten().for_each(|lobe| self.lists.push_to(i, lobe));
             }
         }
         self.times(lanes, &from, weight);

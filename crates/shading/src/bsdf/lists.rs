@@ -131,11 +131,20 @@ impl<'a> Lists<'a> {
         });
     }
 
-    /// Appends a lobe of its own to the list of each of some points.
-    pub fn push_each(&mut self, lanes: u32, lobes: &[Lobe; LANES]) {
-        self.each_end(lanes, |rows, same, _| {
-            LanesOf(u64::from(same)).for_each(|i| rows.set(i, &lobes[i]));
-        });
+    /// Appends a lobe to the list of one point.
+    pub fn push_to(&mut self, i: usize, lobe: &Lobe) {
+        let place = usize::from(self.ends[i]);
+        let Some(rows) = self.block.lobes.get_mut(place) else {
+            self.full |= 1 << i;
+            return;
+        };
+        if place as u32 == self.block.count {
+            self.block.count += 1;
+            rows.clear();
+        }
+        rows.set(i, lobe);
+        self.taken[place] |= 1 << i;
+        self.ends[i] += 1;
     }
 
     /// Gives what lies in the lists of some points from `from` on unit normals of their own; zero = the point's.

@@ -609,7 +609,7 @@ fn lists_of_many_points_are_those_of_each() {
                     if all.iter().all(|one| *one == all[0]) {
                         lists.push(some, &all[0]);
                     } else {
-                        lists.push_each(some, &all);
+                        (0..LANES).filter(|i| some >> i & 1 != 0).for_each(|i| lists.push_to(i, &all[i]));
                     }
                     for i in (0..LANES).filter(|i| some >> i & 1 != 0) {
                         parts[part][i].push(all[i]);
