@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What objects and scenes answer alike: the bodies of their methods (`object/queries.rs`, `scene/queries.rs`).
+//! What objects and scenes answer alike: the bodies of their methods (`queries/`).
 //! Source: original. Proof: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/filters.rs`, `tests/masks.rs`.
 
 use gnurt_accel_bvh::BvhIndex;

@@ -202,6 +202,7 @@ mod object;
 mod overlaps;
 mod packet;
 mod pencil;
+mod queries;
 mod scene;
 mod shown;
 mod slices;

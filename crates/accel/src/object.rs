@@ -7,17 +7,13 @@
 
 mod build;
 mod corners;
-mod faces;
 mod frozen;
 mod kind;
-mod many;
 mod places;
 mod posed;
-mod queries;
 mod refit;
 mod region;
 mod store;
-mod surface_queries;
 
 use std::sync::OnceLock;
 

@@ -18,6 +18,18 @@ pub(crate) enum Target<'a> {
     Scene(&'a SceneTree),
 }
 
+impl ObjectTree {
+    pub(crate) fn target(&self) -> Target<'_> {
+        Target::Object(self)
+    }
+}
+
+impl SceneTree {
+    pub(crate) fn target(&self) -> Target<'_> {
+        Target::Scene(self)
+    }
+}
+
 impl Target<'_> {
     /// Sends a ray, which is sound.
     #[inline(always)]
