@@ -4,17 +4,18 @@
 //! Proof: `tests/batches.rs`.
 
 use gnurt_simd::Level;
-use gnurt_sl::exec::{Host, Kept, Plan, Point, Points, Program, Results};
+use gnurt_sl::exec::{Event, Host, Kept, Plan, Point, Points, Program, Results};
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
-use crate::compiled::Compiled;
+use crate::compiled::{Compiled, NoCode};
 use crate::fingerprint::fingerprint;
 
 /// Groups whose code is kept though nobody uses it.
 const KEPT: usize = 256;
 
-type Slot = Arc<OnceLock<Result<Compiled, String>>>;
+type Slot = Arc<OnceLock<Result<Compiled, NoCode>>>;
 
 /// Code by group (instance values are part of it) and level.
 #[derive(Default)]
@@ -26,6 +27,8 @@ pub struct Cache {
 pub struct Job {
     plan: Arc<Plan>,
     slot: Slot,
+    /// Whether it has been told why there is no code.
+    is_told: AtomicBool,
 }
 
 impl std::fmt::Debug for Cache {
@@ -64,10 +67,10 @@ impl Cache {
             let (plan, failed) = (plan.clone(), slot.clone());
             let work = move || drop(slot.set(Compiled::new(plan, level)));
             if let Err(why) = std::thread::Builder::new().name("shader code".into()).spawn(work) {
-                let _ = failed.set(Err(format!("no thread to compile in: {why}")));
+                let _ = failed.set(Err(NoCode::Here(format!("no thread to compile in: {why}"))));
             }
         }
-        Job { plan, slot }
+        Job { plan, slot, is_told: AtomicBool::new(false) }
     }
 }
 
@@ -82,7 +85,7 @@ impl Job {
     ///
     /// # Errors
     /// Why there is none and the interpreter goes on.
-    pub fn wait(&self) -> Result<&Compiled, String> {
+    pub fn wait(&self) -> Result<&Compiled, NoCode> {
         self.slot.wait().as_ref().map_err(Clone::clone)
     }
 }
@@ -92,7 +95,15 @@ impl Program for Job {
         match self.slot.get() {
             // Points that were stopped are counted by who runs it.
             Some(Ok(code)) => code.run_for(&self.plan, host, points, out),
-            _ => self.plan.run(host, points, out),
+            code => {
+                self.plan.run(host, points, out);
+                if let Some(Err(NoCode::OfGroup(why))) = code
+                    && !self.is_told.swap(true, Ordering::Relaxed)
+                {
+                    let text = format!("it is interpreted, which is slow, for it has no machine code: {why}");
+                    out.events.push((0, Event::Warning(text)));
+                }
+            }
         }
     }
 

@@ -5,6 +5,7 @@
 
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Kept, Plan, Program as _, Slot};
+use std::fmt;
 use std::sync::{Arc, Mutex};
 
 use crate::ffi_call::{Line, words};
@@ -12,6 +13,22 @@ use crate::ffi_memory::Executable;
 use crate::layout::{Layout, Place};
 use crate::program::Program;
 use crate::{lower, x86};
+
+/// Why there is no machine code, and the interpreter runs a group.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoCode {
+    /// There is none of any group: the CPU or the system has no means for it.
+    Here(String),
+    /// The group is beyond a limit, or of a kind that only the interpreter runs.
+    OfGroup(String),
+}
+
+impl fmt::Display for NoCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Self::Here(why) | Self::OfGroup(why)) = self;
+        f.write_str(why)
+    }
+}
 
 /// A group as machine code for a level, for sixteen points at once or for one.
 pub struct Compiled {
@@ -39,8 +56,8 @@ impl Compiled {
     /// Compiles a group for the sixteen points of a batch.
     ///
     /// # Errors
-    /// Why there is no code: the CPU or the system has no means for it, or the group is of a kind that the interpreter runs.
-    pub fn new(plan: Arc<Plan>, level: Level) -> Result<Self, String> {
+    /// Why there is no code.
+    pub fn new(plan: Arc<Plan>, level: Level) -> Result<Self, NoCode> {
         Self::with_lanes(plan, level, 16)
     }
 
@@ -48,7 +65,7 @@ impl Compiled {
     ///
     /// # Errors
     /// As [`new`](Self::new).
-    pub fn scalar(plan: Arc<Plan>, level: Level) -> Result<Self, String> {
+    pub fn scalar(plan: Arc<Plan>, level: Level) -> Result<Self, NoCode> {
         Self::with_lanes(plan, level, 1)
     }
 
@@ -60,14 +77,16 @@ impl Compiled {
             && level.is_available()
     }
 
-    fn with_lanes(plan: Arc<Plan>, level: Level, lanes: usize) -> Result<Self, String> {
+    fn with_lanes(plan: Arc<Plan>, level: Level, lanes: usize) -> Result<Self, NoCode> {
         if !Self::can(level) {
-            return Err(format!("there is no machine code for {level} here; avx2 and avx512 have it"));
+            let why = format!("there is no machine code for {level} here; avx2 and avx512 have it");
+            return Err(NoCode::Here(why));
         }
-        let program = lower::program(&plan, lanes)?;
-        let mut layout = Layout::new(lanes, program.slots, &program.varying, x86::copies(level))?;
-        let made = x86::code(&program, &mut layout, level)?;
-        let code = Executable::new(&made.bytes)?;
+        let program = lower::program(&plan, lanes).map_err(NoCode::OfGroup)?;
+        let layout = Layout::new(lanes, program.slots, &program.varying, x86::copies(level));
+        let mut layout = layout.map_err(NoCode::OfGroup)?;
+        let made = x86::code(&program, &mut layout, level).map_err(NoCode::OfGroup)?;
+        let code = Executable::new(&made.bytes).map_err(NoCode::Here)?;
         let flat = layout.template(&plan.memory);
         let mut template = vec![Line([0; 16]); flat.len().div_ceil(16)];
         words(&mut template)[..flat.len()].copy_from_slice(&flat);

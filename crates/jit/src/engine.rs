@@ -54,7 +54,8 @@ pub fn engine(
         word => word.parse().map_err(|wrong| format!("no engine '{name}': {wrong}"))?,
     };
     let code =
-        if scalar { Compiled::scalar(plan.clone(), level) } else { Compiled::new(plan.clone(), level) }?;
+        if scalar { Compiled::scalar(plan.clone(), level) } else { Compiled::new(plan.clone(), level) };
+    let code = code.map_err(|why| why.to_string())?;
     with(&mut Lanes::new(&code, host));
     Ok(())
 }

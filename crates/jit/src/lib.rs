@@ -31,6 +31,6 @@ mod term;
 mod x86;
 
 pub use cache::{Cache, Job};
-pub use compiled::Compiled;
+pub use compiled::{Compiled, NoCode};
 pub use engine::engine;
 pub use lanes::Lanes;

@@ -3,9 +3,9 @@
 
 use super::chance::{Dice, mutated};
 use super::world::{World, alone, compare, points, rows, shader};
-use gnurt_jit::{Cache, Compiled, Lanes};
+use gnurt_jit::{Cache, Compiled, Lanes, NoCode};
 use gnurt_simd::Level;
-use gnurt_sl::exec::{Plan, PlanOptions, Program, Results};
+use gnurt_sl::exec::{Event, Plan, PlanOptions, Program, Results};
 use gnurt_sl::group::Group;
 use gnurt_sl::ir::{read, write};
 use std::sync::Arc;
@@ -106,5 +106,38 @@ fn what_a_host_answers_for_all_points_is_what_it_answers_for_each() {
         let text = format!("surface test ({outputs}) {{ {body} }}");
         let found = compare(&alone(&text), &text);
         assert!(found == left || !Compiled::can(Level::best()), "{found} operations are left: {body}");
+    }
+}
+
+#[test]
+fn groups_beyond_a_limit_say_once_that_they_are_interpreted() {
+    let level = Level::best();
+    if !Compiled::can(level) {
+        eprintln!("SKIPPED: there is no machine code for {level}");
+        return;
+    }
+    let layer = shader("surface test(float x = 0) { Ci = x * diffuse (N); }");
+    let mut layers = Group::default();
+    for i in 0..1001 {
+        layers.add(layer.clone(), Some(&format!("l{i}")), &[], &mut Vec::new());
+    }
+    let large = alone("surface test(int k = 0) { float a[20000]; a[k] = u; Ci = a[k + 1] * diffuse (N); }");
+    let (cache, world) = (Cache::default(), World::default());
+    for (group, limit) in [(layers, "more than 1000 layers"), (large, "more than 16384 numbers")] {
+        let plan = Plan::new(&group, &PlanOptions::default()).expect("a plan");
+        let job = cache.start(Arc::new(plan), level);
+        let why = job.wait().err();
+        assert!(matches!(&why, Some(NoCode::OfGroup(why)) if why.contains(limit)), "{limit}: {why:?}");
+        let mut results = Results::default();
+        let mut said = |job: &dyn Program| {
+            job.run(&world, &rows(&points(3)), &mut results);
+            std::mem::take(&mut results.events)
+        };
+        let first = said(&job);
+        assert!(
+            matches!(&first[..], [(0, Event::Warning(text))] if text.contains(limit)),
+            "{limit}: {first:?}"
+        );
+        assert_eq!(said(&job), [], "{limit}: once");
     }
 }
