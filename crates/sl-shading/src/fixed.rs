@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Surfaces whose lobes are the same at all points: worked out once, from the front and from behind.
+//! Surfaces that do the same to light at all points: lobes, light that they give off and let through are worked out once, from the front
+//! and from behind.
 //! Source: original; a forward data-flow over cells, once all values that are known are put in. Lobes may lie around the points' own
 //! normals; along what equally wide facets are brushed does not count. Everything else that a closure takes must be known, every choice
 //! on the way, too; and nothing may be asked or said.
@@ -10,24 +11,39 @@ use std::collections::HashMap;
 use glam::Vec3;
 use gnurt_shading::SurfaceBatch;
 use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobes};
-use gnurt_sl::exec::{Action, Instruction, LANES, Plan, Points, Program as _, Results, Slot, Source, Step};
+use gnurt_sl::exec::{
+    Action, Instruction, LANES, Plan, Points, Program as _, Results, Slot, Source, Step, lanes_of,
+};
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl_lib::color::ColorSystem;
 
+use crate::beside::Beside;
 use crate::closures::{Known, Shape, all};
 use crate::facts::Nobody;
 use crate::parts::Looker;
 
-/// The lobes of all points.
+/// What all points do to light.
 #[derive(Debug)]
 pub(crate) struct Fixed {
-    front: Lobes,
-    back: Lobes,
+    front: Side,
+    back: Side,
+}
+
+/// Seen from one side.
+#[derive(Debug)]
+struct Side {
+    /// As closures say it.
+    lobes: Lobes,
+    /// Light that goes straight through.
+    through: Vec3,
+    /// Lobes of the share of light that is stopped.
+    stopped: Lobes,
+    beside: Beside,
 }
 
 impl Fixed {
-    /// Of a group, if they are the same.
+    /// Of a group, if they do.
     pub(crate) fn of(plan: &Plan, colors: &ColorSystem) -> Option<Self> {
         if !Walk::is_fixed(plan) {
             return None;
@@ -47,18 +63,26 @@ impl Fixed {
             out.reset(LANES);
             let mut open = Vec::new();
             let looker = Looker::look(&points, &results, (&mut out, 0), &mut open);
-            let lights = &looker.lights;
-            let is_plain = !looker.is_cut()
-                && looker.lists.bent() == 0
-                && (lights.emission.some | lights.through.some | lights.radiance.some) == 0;
-            is_plain.then(|| looker.lists.lobes(0))
+            let is_plain = !looker.is_cut() && looker.lists.bent() == 0 && looker.lights.radiance.some == 0;
+            let Looker { mut lists, lights, .. } = looker;
+            let (lobes, through) = (lists.lobes(0), lights.through.get(0));
+            let is_beside = (lights.emission.some | lights.through.some) != 0;
+            let beside = match is_beside {
+                true => Beside::of(&mut lists, &lights, 0),
+                false => Beside { emission: Vec3::ZERO, there: 1.0 },
+            };
+            let stopped = lists.lobes(0);
+            // A pane that colours what goes straight through lies around the points' normals even where lobes of closures do not.
+            let is_pane = stopped.as_slice().len() > lobes.as_slice().len();
+            (is_plain && !is_pane).then_some(Side { lobes, through, stopped, beside })
         };
         Some(Self { front: look(0)?, back: look(1)? })
     }
 
-    /// What a point scatters by, from the side that its ray came from.
-    pub(crate) fn lobes(&self, hits: &SurfaceBatch, i: usize) -> &Lobes {
-        if hits.front(i) { &self.front } else { &self.back }
+    /// What a point scatters by, and what goes straight through, as closures say it, from the side that its ray came from.
+    pub(crate) fn at(&self, hits: &SurfaceBatch, i: usize) -> (&Lobes, Vec3) {
+        let side = if hits.front(i) { &self.front } else { &self.back };
+        (&side.lobes, side.through)
     }
 
     /// The unit normal that the lobes of a point lie around, on the side that its ray came from.
@@ -76,14 +100,18 @@ impl Fixed {
             for lane in 0..count {
                 let i = first + lane;
                 back |= u32::from(!hits.front(i)) << lane;
-                let ns = hits.point(i).bent_normal(Self::normal(hits, i), -hits.ray_dir.get(i));
+                let is_dark = self.at(hits, i).0.as_slice().is_empty();
+                let ns = if is_dark { hits.facing_ns(i) } else { Self::normal(hits, i) };
+                let ns = hits.point(i).bent_normal(ns, -hits.ray_dir.get(i));
                 lists.face(lane, ns, |n| n);
             }
             let all = (1_u32 << count) - 1;
-            for (some, lobes) in [(all & !back, &self.front), (back, &self.back)] {
-                if some != 0 {
-                    lobes.as_slice().iter().for_each(|lobe| lists.push(some, lobe));
-                }
+            let sides = [(all & !back, &self.front), (back, &self.back)].into_iter();
+            for (some, side) in sides.clone().filter(|(some, _)| *some != 0) {
+                side.stopped.as_slice().iter().for_each(|lobe| lists.push(some, lobe));
+            }
+            for (some, side) in sides {
+                lanes_of(some).for_each(|lane| side.beside.write(first + lane, out));
             }
         }
     }
@@ -284,8 +312,8 @@ impl<'p> Walk<'p> {
         let shape = &self.shapes[place];
         let normal = match shape.known {
             Known::Layer | Known::Nothing => None,
-            // What is not scattered is not for here.
-            Known::Emission | Known::Radiance | Known::UniformEdf | Known::Transparent => return false,
+            Known::Emission | Known::UniformEdf | Known::Transparent => None,
+            Known::Radiance => return false,
             _ => match shape.normal() {
                 Some(place) => Some(place),
                 None => return false,

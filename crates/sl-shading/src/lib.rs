@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 mod access;
+mod beside;
 mod camera;
 mod closures;
 mod codes;

@@ -6,23 +6,21 @@
 //! Proof: `tests/scripts.rs`.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Lobe, Scattering};
+use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Scattering};
 use gnurt_shading::materials::scattered_radiance;
 use gnurt_shading::{AttributeRequest, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
 use gnurt_sl::exec::{LANES, Points, lanes_of};
 
+use crate::beside::Beside;
 use crate::fixed::Fixed;
 use crate::parts::{Lights, Looker, column};
 use crate::place::{AskedBy, points};
 use crate::world::{Common, World};
 
-/// Least share of light that a surface stops where it scatters some, so that what it scatters is not drawn too seldom.
-const THERE: f32 = 1.0 / 16.0;
-
 /// A surface.
 pub(crate) struct ScriptSurface {
     pub(crate) common: Common,
-    /// Its lobes, where they are the same at all points: it need not be run then.
+    /// What it does to light, where that is the same at all points: it need not be run then.
     pub(crate) fixed: Option<Fixed>,
 }
 
@@ -65,7 +63,8 @@ impl ScriptSurface {
     ) {
         if let Some(fixed) = &self.fixed {
             for i in 0..hits.len() {
-                with(i, &Bsdf::new(Fixed::normal(hits, i), fixed.lobes(hits, i).clone()), Vec3::ZERO);
+                let (lobes, through) = fixed.at(hits, i);
+                with(i, &Bsdf::new(Fixed::normal(hits, i), lobes.clone()), through);
             }
             return;
         }
@@ -81,29 +80,11 @@ impl ScriptSurface {
     }
 
     /// Writes what sixteen points from `first` on do to light; what they do beside scattering it goes to `beside`.
-    fn write(hits: &SurfaceBatch, first: usize, looker: Looker, beside: &mut Vec<Beside>) {
+    fn write(hits: &SurfaceBatch, first: usize, looker: Looker, beside: &mut Vec<(usize, Beside)>) {
         let Looker { mut lists, lights, points, .. } = looker;
         let count = LANES.min(hits.len() - first);
         for lane in lanes_of(lights.emission.some | lights.through.some) {
-            let (i, emission) = (first + lane, lights.emission.get(lane));
-            let through = lights.through.get(lane).clamp(Vec3::ZERO, Vec3::ONE);
-            let shared = through.min_element();
-            let is_lit = lists.lit() >> lane & 1 != 0 || emission != Vec3::ZERO;
-            // What all channels let through is a hole; what is left of colours goes on as through a pane.
-            let mut hole = if is_lit { shared.min(1.0 - THERE) } else { shared };
-            if hole < 1e-3 {
-                hole = 0.0;
-            }
-            let there = 1.0 - hole;
-            let tint = through - Vec3::splat(hole);
-            if tint.max_element() > 1e-3 {
-                lists.push(1 << lane, &Lobe::glass(1.0, Vec3::ZERO, tint.max(Vec3::ZERO), true));
-            }
-            if there > 0.0 {
-                lists.times(1 << lane, &Default::default(), &[[1.0 / there; LANES]; 3]);
-            }
-            let emission = if emission.is_finite() && there > 0.0 { emission / there } else { Vec3::ZERO };
-            beside.push(Beside { i, emission, there });
+            beside.push((first + lane, Beside::of(&mut lists, &lights, lane)));
         }
         for lane in 0..count {
             let i = first + lane;
@@ -114,27 +95,6 @@ impl ScriptSurface {
             let main = if is_bent { lists.main_normal(lane) } else { Vec3::ZERO };
             let of = |n: Vec3| at.bent_normal(if n == Vec3::ZERO { ns } else { n }, wo);
             lists.face(lane, of(main), |n| if n == main { Vec3::ZERO } else { of(n) });
-        }
-    }
-}
-
-/// What a point does to light that it does not scatter.
-struct Beside {
-    i: usize,
-    emission: Vec3,
-    /// Share of light that it stops.
-    there: f32,
-}
-
-impl Beside {
-    fn write(list: &[Self], out: &mut ClosureBatch) {
-        for &Self { i, emission, there } in list {
-            if there < 1.0 {
-                out.cover(i, there);
-            }
-            if emission != Vec3::ZERO {
-                out.emit(i, emission);
-            }
         }
     }
 }
@@ -150,7 +110,7 @@ impl SurfaceShader for ScriptSurface {
         self.each(&world, (hits, AskedBy::Rays), out, |first, looker| {
             Self::write(hits, first, looker, &mut beside);
         });
-        Beside::write(&beside, out);
+        beside.into_iter().for_each(|(i, beside)| beside.write(i, out));
     }
 
     fn radiance(&self) -> Option<&dyn RadianceShader> {

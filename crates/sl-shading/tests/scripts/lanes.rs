@@ -109,8 +109,22 @@ fn lobes_that_are_the_same_everywhere_are_those_of_each_point() {
     hits.ray_dir.set(9, Vec3::new(1.0, -1e-3, 0.0).normalize());
     let coat = "base=.6,.1,.08:roughness=.4:coat=1:coat_roughness=.1:sheen=.1,.1,.2:sheen_roughness=.5";
     let glass = "base=.7,.9,.8:roughness=.2:transmission=.7:metallic=.2:coat=.5";
-    for values in [coat, glass, "base=.5,.5,.5:roughness=.6", "metallic=1", "roughness=0:transmission=1"] {
-        let (mut fixed, codes) = apart(PRINCIPLED);
+    const LAMP: &str = "surface lamp (float glow = 5, color c = color (1, 0.5, 0.2), float hole = 0.3, float tint = 0.2) {
+        Ci = glow * c * emission () + hole * transparent () + tint * transparent ();
+        if (hole < 0.4) Ci = layer (sheen_bsdf (N, color (0.5), 0.4), Ci + glow * uniform_edf (c)) + (1 - hole) * diffuse (N); }";
+    for (text, values) in [
+        (PRINCIPLED, coat),
+        (PRINCIPLED, glass),
+        (PRINCIPLED, "base=.5,.5,.5:roughness=.6"),
+        (PRINCIPLED, "metallic=1"),
+        (PRINCIPLED, "roughness=0:transmission=1"),
+        (LAMP, ""),
+        (LAMP, "hole=0"),
+        (LAMP, "hole=0.6"),
+        (LAMP, "glow=0:tint=0"),
+        (LAMP, "hole=1:glow=0:tint=0"),
+    ] {
+        let (mut fixed, codes) = apart(text);
         for (name, value) in values.split(':').filter_map(|value| value.split_once('=')) {
             fixed.set_text(name, value).unwrap_or_else(|why| panic!("{why}"));
         }
@@ -150,6 +164,8 @@ fn what_differs_from_point_to_point_is_run() {
         "float sum = 0; for (int i = 0; i < 3; ++i) sum += noise (i * 0.3); Ci = sum * oren_nayar (N, sum);",
         "float a[3] = {0.1, 0.2, 0.3}; if (a[1] < 0.5) Ci = layer (sheen_bsdf (N, color (a[2]), 0.5), diffuse (N));",
         "float w = 0.2; Ci = dielectric_bsdf (N, dPdu, 1, 1, w, w, 1.5, \"ggx\"); float unused = u * 2;",
+        "Ci = diffuse (N) + emission ();",
+        "Ci = 0.5 * transparent () + 0.5 * uniform_edf (color (0, 1, 2));",
     ] {
         assert!(!is_run(body), "the same everywhere: {body}");
     }
@@ -167,8 +183,10 @@ fn what_differs_from_point_to_point_is_run() {
         "point p = point (\"object\", 0, 0, 0); Ci = p[0] * diffuse (N);",
         "color c = 0; getattribute (\"Cd\", c); Ci = c * diffuse (N);",
         "printf (\"%g\", 1.0); Ci = diffuse (N);",
-        "Ci = diffuse (N) + emission ();",
-        "Ci = 0.5 * transparent () + diffuse (N);",
+        "Ci = diffuse (N) + u * emission ();",
+        "if (backfacing ()) Ci = emission ();",
+        "Ci = color (0.5, 0.6, 0.7) * transparent () + diffuse (N);",
+        "Ci = uniform_edf (color (u)) + transparent ();",
         "Ci = trace (P, N) * diffuse (N);",
         "Ci = subsurface (1, 0, 1, 1);",
     ] {
