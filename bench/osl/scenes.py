@@ -215,7 +215,7 @@ class Scene:
         options += ["--environment", sky]
         for name, value in [("eye", self.eye), ("target", self.target), ("up", self.up)]:
             options += [f"--{name}={','.join(map(str, value))}"]
-        return options + ["--fov", repr(self.fov), "--max-depth", str(64 if self.bounces is None else self.bounces + 1)]
+        return options + ["--fov", repr(self.fov), "--max-depth", str(1000 if self.bounces is None else self.bounces + 1)]
 
 
 def means(*arguments):

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From one closure of a point to its lobes.
 //! Source: original; what the closures are is in the OSL specification and MaterialX, the lobes' models are in docs/materials.md.
-//! Differs from other renderers: facets are GGX whatever the distribution's name; light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered where it enters; hair and volumes are not drawn.
+//! Differs from other renderers: facets of MaterialX's closures are GGX whatever the distribution's name; light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered where it enters; hair and volumes are not drawn.
 //! Space: world. Proof: `tests/scripts/closures.rs`.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{Film, Lobe};
-use gnurt_sl::exec::{Cells, Part};
+use gnurt_sl::exec::{Cells, Part, WELL_KNOWN};
 
 use crate::closures::{Known, Shape};
 
@@ -82,6 +82,12 @@ impl<'a> Params<'a> {
 
     fn int(&self, i: usize) -> i32 {
         self.word(i, 0) as i32
+    }
+
+    /// Whether a distribution of facets is Beckmann's, which is that of `default`, too.
+    fn is_beckmann(&self, i: usize) -> bool {
+        let number = self.word(i, 0) as usize;
+        number.checked_sub(1).is_some_and(|place| place < WELL_KNOWN.len())
     }
 
     /// Widths of facets.
@@ -160,23 +166,11 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
         Known::SubsurfaceBssrdf => Lobe::lambert(p.share(1)),
         Known::Translucent => Lobe::translucent(Vec3::ONE),
         Known::TranslucentBsdf => Lobe::translucent(p.share(1)),
-        Known::Sheen => Lobe::sheen(p.share(1), p.float(2).clamp(0.0, 1.0)),
-        // cos^n around the mirror image is cos^4n around the half vector, near it.
-        Known::Phong => {
-            let exponent = p.float(1).max(0.0);
-            let alpha = (2.0 / (4.0 * exponent + 2.0)).sqrt();
-            facets(Slopes::even(alpha), Vec3::ONE, Vec3::ONE)
-        }
-        Known::Ward => facets(p.slopes(), Vec3::ONE, Vec3::ONE),
-        Known::Microfacet => {
-            let (slopes, eta) = (p.slopes(), p.float(5));
-            match p.int(6) {
-                0 if eta <= 0.0 => facets(slopes, Vec3::ONE, Vec3::ONE),
-                0 => facets(slopes, Vec3::splat(fresnel_at_normal(eta)), Vec3::ONE),
-                1 => glass(slopes, eta, Vec3::ZERO, Vec3::ONE),
-                _ => glass(slopes, eta, Vec3::ONE, Vec3::ONE),
-            }
-        }
+        // Its roughness is what glTF's is squared to be.
+        Known::Sheen => Lobe::sheen(p.share(1), p.float(2).clamp(0.0, 1.0).sqrt()),
+        Known::Phong => Lobe::phong(p.float(1)),
+        Known::Ward => p.slopes().of(Lobe::ward),
+        Known::Microfacet => microfacet(p),
         Known::Reflection => match p.float(1) {
             eta if eta <= 0.0 => Lobe::mirror(Vec3::ONE),
             eta => glass(Slopes::even(0.0), eta, Vec3::ONE, Vec3::ZERO),
@@ -203,20 +197,46 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
     [Some(one), None]
 }
 
+/// Facets that mirror, refract or both, by the number of the last parameter.
+fn microfacet(p: &Params) -> Lobe {
+    let (slopes, eta) = (p.slopes(), p.float(5));
+    let [mirrored, through] = match p.int(6) {
+        0 => [1.0, 0.0],
+        1 => [0.0, 1.0],
+        _ => [1.0, 1.0],
+    }
+    .map(Vec3::splat);
+    if eta <= 0.0 && p.int(6) == 0 {
+        // What has no index mirrors all.
+        return if p.is_beckmann(0) {
+            slopes.of(|alpha| Lobe::beckmann(alpha, 0.0, mirrored, through))
+        } else {
+            facets(slopes, Vec3::ONE, Vec3::ONE)
+        };
+    }
+    if p.is_beckmann(0) && !slopes.is_smooth() {
+        let eta = if eta > 0.0 { 1.0 / eta } else { 1.0 };
+        return slopes.of(|alpha| Lobe::beckmann(alpha, eta, mirrored, through));
+    }
+    glass(slopes, eta, mirrored, through)
+}
+
+/// Facets under Schlick's reflectances; where light goes through, too, a lobe for what is mirrored and one for what is not.
 fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 2] {
-    let (slopes, f0, tint) = (p.slopes(), p.share(6), p.share(2));
-    let facets = facets(slopes, f0, p.share(7)).risen(p.float(8));
-    let mirrored = tinted(facets.filmed(p.film()), tint);
-    let through = match p.share(3) {
-        Vec3::ZERO => None,
-        through => {
-            let root = f0.element_sum().max(0.0).mul_add(1.0 / 3.0, 0.0).min(0.99).sqrt();
-            let index = (1.0 + root) / (1.0 - root);
-            let eta = if front { index } else { 1.0 / index };
-            Some(glass(slopes, eta, Vec3::ZERO, through))
-        }
+    let (slopes, [f0, f90], power, tint) = (p.slopes(), [p.share(6), p.share(7)], p.float(8), p.share(2));
+    let through = p.share(3);
+    if through == Vec3::ZERO {
+        return [Some(tinted(facets(slopes, f0, f90).risen(power).filmed(p.film()), tint)), None];
+    }
+    let root = (f0.element_sum() / 3.0).min(0.99).sqrt();
+    let index = (1.0 + root) / (1.0 - root);
+    let eta = if front { 1.0 / index } else { index };
+    let part = |weight: Vec3, through: bool| {
+        let mut lobe = slopes.of(|alpha| Lobe::schlick_glass(alpha, eta, [f0, f90], power, through));
+        lobe.weight = weight;
+        lobe.filmed(p.film())
     };
-    [Some(mirrored), through]
+    [Some(part(tint, false)), Some(part(through, true))]
 }
 
 /// A lobe times a tint. Without a film that is in its reflectances, where layers find it.

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::diffuse_once::Model;
 use super::film::{self, Base, Film};
-use super::{conductor, fresnel, rough_dielectric};
+use super::{conductor, fresnel, phong, rough_dielectric};
 
 /// What a lobe does to light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,11 +36,19 @@ pub enum Kind {
     SmoothPane,
     /// Scatters to all sides beyond the surface.
     Translucent,
+    /// Phong's lobe around the mirror image.
+    Phong,
+    /// Ward's lobe of brushed surfaces.
+    Ward,
+    /// Beckmann's facets that mirror and refract, without what goes on between them.
+    Beckmann,
+    /// GGX facets that mirror and refract under Schlick's reflectances.
+    SchlickGlass,
 }
 
 impl Kind {
     /// In the order of their numbers.
-    pub(super) const ALL: [Self; 11] = [
+    pub(super) const ALL: [Self; 15] = [
         Self::None,
         Self::Diffuse,
         Self::Facets,
@@ -52,6 +60,10 @@ impl Kind {
         Self::SmoothGlass,
         Self::SmoothPane,
         Self::Translucent,
+        Self::Phong,
+        Self::Ward,
+        Self::Beckmann,
+        Self::SchlickGlass,
     ];
 
     /// Its place in a set of kinds.
@@ -67,10 +79,17 @@ impl Kind {
         matches!(self, Self::Mirror | Self::SmoothGlass | Self::SmoothPane)
     }
 
+    /// Whether it has facets, or is as wide as slopes are.
+    fn has_slopes(self) -> bool {
+        let is_common = matches!(self, Self::Facets | Self::Metal | Self::Glass | Self::Pane);
+        is_common || matches!(self, Self::Ward | Self::Beckmann | Self::SchlickGlass)
+    }
+
     /// Whether some of its light goes through the surface.
     #[must_use]
     pub fn goes_through(self) -> bool {
-        matches!(self, Self::Glass | Self::Pane | Self::SmoothGlass | Self::SmoothPane | Self::Translucent)
+        let is_glass = matches!(self, Self::Glass | Self::Pane | Self::SmoothGlass | Self::SmoothPane);
+        is_glass || matches!(self, Self::Translucent | Self::Beckmann | Self::SchlickGlass)
     }
 }
 
@@ -112,7 +131,8 @@ pub struct Lobe {
     /// Width of facets' slopes, the square of glTF's roughness; the roughness of diffuse and sheen lobes.
     pub alpha: f32,
     /// Index of refraction on the side that rays come from over the index beyond, > 0. Of diffuse lobes which model they are, 1 unless it
-    /// loses light; of facets less than 0 the power by which reflectances rise towards grazing angles, in place of Schlick's fifth.
+    /// loses light; of facets less than 0 the power by which reflectances rise towards grazing angles, in place of Schlick's fifth; of
+    /// Beckmann's facets 0 if they mirror all; Phong's exponent.
     pub eta: f32,
     /// About where along the surface `alpha` is meant, where slopes have another width across that; unit.
     pub tangent: Vec3,
@@ -120,7 +140,8 @@ pub struct Lobe {
     pub across: f32,
     /// A film that lies on the facets.
     pub film: Film,
-    /// Of glass, how much greater its index is for blue-green light (486.1 nm) than for red (656.3 nm); 0 = it bends all light alike.
+    /// Of glass, how much greater its index is for blue-green light (486.1 nm) than for red (656.3 nm); 0 = it bends all light alike. Of glass
+    /// under Schlick's reflectances the power by which they rise, for what is mirrored; less than 0 for what goes through.
     pub spread: f32,
     /// How much of what it sends back is missing below it.
     pub(super) cover: f32,
@@ -204,6 +225,35 @@ impl Lobe {
         Self { a: reflectance, b: transmittance, c, alpha, eta, ..Self::of(kind) }
     }
 
+    /// Phong's lobe, cos^`exponent` around the mirror image, white; `exponent` >= 0.
+    #[must_use]
+    pub fn phong(exponent: f32) -> Self {
+        Self { eta: phong::exponent(exponent), alpha: phong::alpha(exponent), ..Self::of(Kind::Phong) }
+    }
+
+    /// Ward's lobe, white, of slopes of width `alpha`, in (0, 1].
+    #[must_use]
+    pub fn ward(alpha: f32) -> Self {
+        Self { alpha, ..Self::of(Kind::Ward) }
+    }
+
+    /// Beckmann's facets of width `alpha`, in (0, 1]; `eta` is the index on the side that rays come from over the index beyond, or 0 if
+    /// they mirror all. What goes on between facets is lost.
+    #[must_use]
+    pub fn beckmann(alpha: f32, eta: f32, reflectance: Vec3, transmittance: Vec3) -> Self {
+        Self { a: reflectance, b: transmittance, alpha, eta, ..Self::of(Kind::Beckmann) }
+    }
+
+    /// What facets of width `alpha`, in (0, 1], of rough glass mirror or, if `through`, let through, where they mirror `f0` head on and `f90` at
+    /// grazing incidence, rising by `power` (> 0) of one less the cosine on the rarer side. `eta` as for [`glass`](Self::glass).
+    #[must_use]
+    pub fn schlick_glass(alpha: f32, eta: f32, [f0, f90]: [Vec3; 2], power: f32, through: bool) -> Self {
+        let (eta, c) = rough_dielectric::losses([alpha; 2], eta, false);
+        let power = if power > 0.0 && power.is_finite() { power } else { SCHLICK };
+        let spread = if through { -power } else { power };
+        Self { a: f0, b: f90, c, alpha, eta, spread, ..Self::of(Kind::SchlickGlass) }
+    }
+
     /// Fibres of a colour that stand up; `roughness` is glTF's, in [0, 1].
     #[must_use]
     pub fn sheen(color: Vec3, roughness: f32) -> Self {
@@ -214,13 +264,12 @@ impl Lobe {
     /// surfaces. What is no facets stays as it is.
     #[must_use]
     pub fn brushed(self, tangent: Vec3, across: f32) -> Self {
-        let has_facets = matches!(self.kind, Kind::Facets | Kind::Metal | Kind::Glass | Kind::Pane);
-        if !has_facets || across == self.alpha || !tangent.is_finite() || tangent == Vec3::ZERO {
+        if !self.kind.has_slopes() || across == self.alpha || !tangent.is_finite() || tangent == Vec3::ZERO {
             return self;
         }
         let brushed = Self { tangent, across: across.max(f32::MIN_POSITIVE), ..self };
         match self.kind {
-            Kind::Glass | Kind::Pane => {
+            Kind::Glass | Kind::Pane | Kind::SchlickGlass => {
                 let thin = self.kind == Kind::Pane;
                 let (eta, c) = rough_dielectric::losses([self.alpha, across], self.eta, thin);
                 Self { eta, c, ..brushed }
@@ -242,7 +291,13 @@ impl Lobe {
     pub fn filmed(self, film: Film) -> Self {
         let carries = matches!(
             self.kind,
-            Kind::Facets | Kind::Metal | Kind::Glass | Kind::Pane | Kind::SmoothGlass | Kind::SmoothPane
+            Kind::Facets
+                | Kind::Metal
+                | Kind::Glass
+                | Kind::Pane
+                | Kind::SmoothGlass
+                | Kind::SmoothPane
+                | Kind::SchlickGlass
         );
         if !carries || !film.is_there() {
             return self;
@@ -282,14 +337,15 @@ impl Lobe {
     pub(super) fn rare(&self) -> u32 {
         let bit = |has: bool, bit: u32| if has { bit } else { 0 };
         let brushed = bit(self.across > 0.0, rare::GRAIN);
-        let risen = bit(self.kind == Kind::Facets && self.eta < 0.0, rare::POWER);
-        brushed | risen | bit(self.film.share > 0.0, rare::FILM) | bit(self.spread > 0.0, rare::SPREAD)
+        let risen = self.kind == Kind::Facets && self.eta < 0.0 || self.kind == Kind::SchlickGlass;
+        let film = bit(self.film.share > 0.0, rare::FILM);
+        brushed | bit(risen, rare::POWER) | film | bit(self.is_dispersed(), rare::SPREAD)
     }
 
     /// Whether it sends colours into different directions.
     #[must_use]
     pub fn is_dispersed(&self) -> bool {
-        self.spread > 0.0
+        self.spread > 0.0 && self.kind != Kind::SchlickGlass
     }
 
     /// A clear coat: facets of an index of 1.5.
@@ -302,7 +358,8 @@ impl Lobe {
     #[must_use]
     pub fn is_narrow(&self, alpha: f32) -> bool {
         match self.kind {
-            Kind::Facets | Kind::Metal | Kind::Glass | Kind::Pane => self.alpha.max(self.across) < alpha,
+            Kind::Phong => self.alpha < alpha,
+            kind if kind.has_slopes() => self.alpha.max(self.across) < alpha,
             kind => kind.is_delta(),
         }
     }
@@ -315,8 +372,10 @@ impl Lobe {
 
     /// Index of refraction for light that goes through, by colour; 1 where it is not bent.
     pub(super) fn bending(&self) -> Vec3 {
-        if !matches!(self.kind, Kind::Glass | Kind::SmoothGlass) {
-            return Vec3::ONE;
+        match self.kind {
+            Kind::Glass | Kind::SmoothGlass => {}
+            Kind::Beckmann | Kind::SchlickGlass if self.eta > 0.0 => return Vec3::splat(self.eta),
+            _ => return Vec3::ONE,
         }
         Vec3::from([0, 1, 2].map(|channel| eta_of(self.eta, self.spread, channel)))
     }

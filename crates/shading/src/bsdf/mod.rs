@@ -13,7 +13,9 @@
 //! [`SurfacePoint::scatter_ray`](crate::SurfacePoint::scatter_ray), with the same horizon as for light samples.
 //! Proof: `tests`.
 
+mod alone;
 mod batch;
+mod beckmann;
 mod conductor;
 mod dielectric;
 mod diffuse_once;
@@ -29,6 +31,7 @@ mod lobe;
 mod lobes;
 mod medium;
 mod oren_nayar;
+mod phong;
 mod principled;
 mod rough_dielectric;
 mod sample;
@@ -37,6 +40,7 @@ mod seen_lobe;
 mod sheen;
 #[cfg(test)]
 mod tests;
+mod ward;
 
 use glam::Vec3;
 

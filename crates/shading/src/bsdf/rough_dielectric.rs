@@ -49,13 +49,80 @@ pub(super) fn losses(widths: [f32; 2], eta: f32, thin: bool) -> (f32, Vec3) {
     (eta, Vec3::new(lost[0], lost[1], through.min(1.0)))
 }
 
+/// Facets that mirror and refract.
+pub(super) trait Facets<R: Real>: Copy {
+    /// Facets facing the unit `h` per solid angle and ground area, around the normal `n`.
+    fn density(&self, n: Vector<R>, h: Vector<R>) -> R;
+    /// Smith's auxiliary function of `w` at the cosine `cos`, of either sign.
+    fn lambda(&self, w: Vector<R>, cos: R) -> R;
+    /// A facet that the viewer sees, in a frame with z = the normal and x along the slopes.
+    fn sample_visible(&self, wo: Vector<R>, u: [R; 2]) -> Vector<R>;
+    /// Share of light from `w` at the cosine `cos` > 0 that one bounce loses; `eta` is the index there over that beyond.
+    fn lost(&self, w: Vector<R>, cos: R, eta: R, thin: bool) -> R;
+}
+
+impl<R: Real> Facets<R> for Slopes<R> {
+    #[inline(always)]
+    fn density(&self, n: Vector<R>, h: Vector<R>) -> R {
+        Slopes::density(self, n, h)
+    }
+
+    #[inline(always)]
+    fn lambda(&self, w: Vector<R>, cos: R) -> R {
+        Slopes::lambda(self, w, cos)
+    }
+
+    #[inline(always)]
+    fn sample_visible(&self, wo: Vector<R>, u: [R; 2]) -> Vector<R> {
+        Slopes::sample_visible(self, wo, u)
+    }
+
+    #[inline(always)]
+    fn lost(&self, w: Vector<R>, cos: R, eta: R, thin: bool) -> R {
+        if thin {
+            return lost(self.split(Some(w), cos));
+        }
+        let alpha = self.ggx.alpha();
+        let plain = cos.each(
+            #[inline(always)]
+            |i| Albedos::of(alpha.lane(i), eta.lane(i)).albedo(cos.lane(i)),
+        );
+        self.kept_by_glass(w, cos, eta, plain).rest()
+    }
+}
+
+/// What facets mirror where there is no film.
+pub(super) trait Mirrored<R: Real>: Copy {
+    /// Whether all colours alike.
+    const IS_GREY: bool;
+
+    /// The share, by colour, of light at the cosine `cos`; of a pane if `thin`.
+    fn share(&self, cos: R, eta: R, thin: bool) -> Vector<R>;
+}
+
+/// What Fresnel's equations say.
+#[derive(Clone, Copy)]
+pub(super) struct Plain;
+
+impl<R: Real> Mirrored<R> for Plain {
+    const IS_GREY: bool = true;
+
+    #[inline(always)]
+    fn share(&self, cos: R, eta: R, thin: bool) -> Vector<R> {
+        let once = fresnel::dielectric(cos, eta);
+        Vector::grey(if thin { pane(once) } else { once })
+    }
+}
+
 /// Rough glass as one side of it is met, or a pane.
 #[derive(Clone, Copy)]
-pub(super) struct Glass<R: Real> {
-    pub(super) slopes: Slopes<R>,
+pub(super) struct Glass<R: Real, S = Slopes<R>, M = Plain> {
+    pub(super) slopes: S,
     pub(super) eta: R,
     /// Share, index and thickness, where some point has one.
     pub(super) film: Option<[R; 3]>,
+    /// What is mirrored without.
+    pub(super) rise: M,
     /// Tints of what is mirrored and of what goes through.
     pub(super) tints: [Vector<R>; 2],
     /// See [`losses`].
@@ -79,9 +146,8 @@ pub(super) fn filmed<R: Real>(
     cos: R,
     eta: R,
     thin: R::Mask,
-    bare: R,
+    bare: Vector<R>,
 ) -> Vector<R> {
-    let bare = Vector::grey(bare);
     let thin = R::bits(thin);
     bare.each_colour(
         share.above_all(0.0),
@@ -102,25 +168,22 @@ impl<R: Real> Glass<R> {
             slopes: self.slopes.point(i),
             eta: self.eta.lane(i),
             film: self.film.map(|film| film.map(|x| x.lane(i))),
+            rise: Plain,
             tints: self.tints.map(|tint| tint.get(i).into()),
             losses: self.losses.get(i).into(),
             thin: self.thin,
         }
     }
+}
 
-    /// Share of light that a facet mirrors where there is no film.
-    #[inline(always)]
-    fn bare(&self, cos: R) -> R {
-        let once = fresnel::dielectric(cos, self.eta);
-        if self.thin { pane(once) } else { once }
-    }
-
+impl<R: Real, S: Facets<R>, M: Mirrored<R>> Glass<R, S, M> {
     /// Share of light that a facet mirrors, by colour.
     #[inline(always)]
     pub(super) fn mirrored(&self, cos: R) -> Vector<R> {
-        let bare = self.bare(cos);
-        let Some(film) = self.film else { return Vector::grey(bare) };
-        let thin = if self.thin { bare.is(bare) } else { !bare.is(bare) };
+        let bare = self.rise.share(cos, self.eta, self.thin);
+        let Some(film) = self.film else { return bare };
+        let all = cos.is(cos);
+        let thin = if self.thin { all } else { !all };
         filmed(film, cos, self.eta, thin, bare)
     }
 
@@ -128,6 +191,7 @@ impl<R: Real> Glass<R> {
     #[inline(always)]
     pub(super) fn chance(&self, mirrored: Vector<R>) -> R {
         let mean = match self.film {
+            _ if !M::IS_GREY => mirrored.sum() * (1.0 / 3.0),
             Some([share, ..]) => R::pick(share.above_all(0.0), mirrored.sum() * (1.0 / 3.0), mirrored.x),
             None => mirrored.x,
         };
@@ -139,16 +203,8 @@ impl<R: Real> Glass<R> {
     /// Share of light from the direction `w` at the cosine `cos` > 0 that one bounce loses, on this side or beyond.
     #[inline(always)]
     pub(super) fn lost(&self, w: Vector<R>, cos: R, beyond: bool) -> R {
-        if self.thin {
-            return lost(self.slopes.split(Some(w), cos));
-        }
-        let (alpha, one) = (self.slopes.ggx.alpha(), cos.all(1.0));
-        let eta = if beyond { one / self.eta } else { self.eta };
-        let plain = cos.each(
-            #[inline(always)]
-            |i| Albedos::of(alpha.lane(i), eta.lane(i)).albedo(cos.lane(i)),
-        );
-        self.slopes.kept_by_glass(w, cos, eta, plain).rest()
+        let eta = if beyond { cos.all(1.0) / self.eta } else { self.eta };
+        self.slopes.lost(w, cos, eta, self.thin)
     }
 
     /// What all directions share: `wo` lies at the cosine `cos_o` > 0.
@@ -379,7 +435,8 @@ mod tests {
             // Nothing lost: one bounce alone.
             let tints = [Vector::grey(1.0); 2];
             let slopes = Slopes { ggx, grain: None };
-            let glass = Glass { slopes, eta, film: None, tints, losses: Vector::grey(0.0), thin: false };
+            let losses = Vector::grey(0.0);
+            let glass = Glass { slopes, eta, film: None, rise: Plain, tints, losses, thin: false };
             let wo = Vec3::new((1.0_f32 - cos * cos).sqrt(), 0.0, cos);
             let seen = glass.seen(wo.into(), cos);
             let (rings, sectors) = (1600, 200);

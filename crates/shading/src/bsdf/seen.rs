@@ -9,6 +9,7 @@
 
 use glam::Vec3;
 
+use super::alone;
 use super::dispersed::Colours;
 use super::energy::RULE;
 use super::lobe::{Kind, Lobe, rare};
@@ -203,6 +204,13 @@ impl<R: Real> Seen<R> {
                 found = found & (some | !is);
                 through_is_fine = through_is_fine | is;
             }
+        }
+        if lobe.kinds & alone::KINDS != 0 {
+            let is = lobe.is_alone();
+            let chosen = lobe.sample_alone(is, wo, [first, u[1], u[2]], cosine);
+            wi = Vector::pick(is, chosen, wi);
+            found = found & !(is & chosen.is_zero());
+            through_is_fine = through_is_fine | is;
         }
         let mut delta = one.above(one);
         let mut weight = Vector::grey(zero);

@@ -7,6 +7,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
+use super::alone::{self, Alone, View};
 use super::diffuse_once::Model;
 use super::dispersed::Colours;
 use super::energy::lost;
@@ -15,9 +16,10 @@ use super::ggx::Ggx;
 use super::grain::{Grain, Slopes};
 use super::lobe::{Kind, Lobe, SCHLICK, rare};
 use super::lobes::MOST;
-use super::rough_dielectric::{self, Glass, SeenGlass};
+use super::rough_dielectric::{self, Glass, Plain, SeenGlass};
 use super::{dielectric, dispersed, fresnel, oren_nayar, sheen};
 use crate::real::{Real, Vector};
+use crate::sampling::frame_around;
 
 /// The lobes in one place of many points' lists, as numbers.
 #[derive(Clone, Copy)]
@@ -175,6 +177,7 @@ impl<R: Real> SeenLobe<R> {
             slopes: self.slopes(),
             eta: self.eta,
             film: (self.rare & rare::FILM != 0).then_some(self.rarities.film),
+            rise: Plain,
             tints: [self.a, self.b],
             losses: self.c,
             thin,
@@ -353,7 +356,114 @@ impl<R: Real> SeenLobe<R> {
             let mirrored = self.mirrored_by_plane();
             albedo = Vector::pick(is, self.a * mirrored + self.b * mirrored.rest(), albedo);
         }
+        if self.kinds & alone::KINDS != 0 {
+            let is = self.is_alone();
+            let (seen, hidden, lost) = self.look_alone(is);
+            self.hidden = R::pick(is, hidden, self.hidden);
+            self.lost = R::pick(is, lost, self.lost);
+            albedo = Vector::pick(is, seen, albedo);
+        }
         albedo
+    }
+
+    /// Points whose lobe is looked at by itself.
+    #[inline(always)]
+    pub(super) fn is_alone(&self) -> R::Mask {
+        let is = self.is(Kind::Phong) | self.is(Kind::Ward);
+        is | self.is(Kind::Beckmann) | self.is(Kind::SchlickGlass)
+    }
+
+    /// That of point `i`, seen from `wo` in the frame of its slopes.
+    fn alone(&self, i: usize, wo: Vec3) -> Alone {
+        let (along, across) = (self.alpha.lane(i), self.rarities.across.lane(i));
+        let [share, ior, thickness] = self.rarities.film;
+        Alone {
+            kind: Kind::ALL.get(self.kind.lane(i) as usize).copied().unwrap_or_default(),
+            wo,
+            a: self.a.get(i),
+            b: self.b.get(i),
+            c: self.c.get(i),
+            widths: [along, if across > 0.0 { across } else { along }],
+            eta: self.eta.lane(i),
+            spread: self.rarities.spread.lane(i),
+            film: [share.lane(i), ior.lane(i), thickness.lane(i)],
+        }
+    }
+
+    /// The axes of the slopes.
+    fn axes(&self) -> [Vector<R>; 2] {
+        let [x, y] = frame_around(self.normal);
+        let is = self.rarities.across.above_all(0.0);
+        let along = Vector::pick(is, self.rarities.tangent, x);
+        [along, Vector::pick(is, self.normal.cross(along), y)]
+    }
+
+    /// Albedos, [`hidden`](Self::hidden) and [`lost`](Self::lost) of points in a mask.
+    #[inline(always)]
+    fn look_alone(&self, is: R::Mask) -> (Vector<R>, R, R) {
+        let ([x, y], mut views, bits) = (self.axes(), [View::default(); 16], R::bits(is));
+        let wo = Vector::new(x.dot(self.wo), y.dot(self.wo), self.cos);
+        for (i, view) in views.iter_mut().enumerate().take(R::LANES).filter(|(i, _)| bits >> i & 1 != 0) {
+            *view = self.alone(i, wo.get(i)).look();
+        }
+        let of = |what: fn(&View) -> f32| {
+            self.cos.each(
+                #[inline(always)]
+                |i| what(&views[i]),
+            )
+        };
+        let albedo =
+            Vector::new(of(|view| view.albedo.x), of(|view| view.albedo.y), of(|view| view.albedo.z));
+        (albedo, of(|view| view.hidden), of(|view| view.lost))
+    }
+
+    /// Values times the cosine and densities of points in a mask for `wi` at the cosine `cos`.
+    #[inline(always)]
+    fn eval_pdf_alone(&self, is: R::Mask, wi: Vector<R>, cos: R) -> (Vector<R>, R) {
+        cos.apart(
+            #[inline(always)]
+            || {
+                let ([x, y], mut found, bits) = (self.axes(), [(Vec3::ZERO, 0.0); 16], R::bits(is));
+                let wo = Vector::new(x.dot(self.wo), y.dot(self.wo), self.cos);
+                let wi = Vector::new(x.dot(wi), y.dot(wi), cos);
+                for (i, found) in found.iter_mut().enumerate().take(R::LANES) {
+                    if bits >> i & 1 != 0 {
+                        let (hidden, lost) = (self.hidden.lane(i), self.lost.lane(i));
+                        *found = self.alone(i, wo.get(i)).eval_pdf(hidden, lost, wi.get(i));
+                    }
+                }
+                let by = |k: usize| {
+                    cos.each(
+                        #[inline(always)]
+                        |i| found[i].0[k],
+                    )
+                };
+                let density = cos.each(
+                    #[inline(always)]
+                    |i| found[i].1,
+                );
+                (Vector::new(by(0), by(1), by(2)), density)
+            },
+        )
+    }
+
+    /// Where lobes of points in a mask send light that comes from `wo`, in the frame of that; zero where they send none.
+    #[inline(always)]
+    pub(super) fn sample_alone(&self, is: R::Mask, wo: Vector<R>, u: [R; 3], cosine: Vector<R>) -> Vector<R> {
+        wo.x.apart(
+            #[inline(always)]
+            || {
+                Vector::grey(wo.x.all(0.0)).each_colour(
+                    is,
+                    #[inline(always)]
+                    |i, _| {
+                        let (hidden, lost) = (self.hidden.lane(i), self.lost.lane(i));
+                        let u = [u[0].lane(i), u[1].lane(i), u[2].lane(i)];
+                        self.alone(i, wo.get(i)).sample(hidden, lost, u, cosine.get(i))
+                    },
+                )
+            },
+        )
     }
 
     /// Diffuse lobes of models that lose light.
@@ -405,9 +515,9 @@ impl<R: Real> SeenLobe<R> {
     #[inline(always)]
     pub(super) fn mirrored_by_plane(&self) -> Vector<R> {
         let (once, pane) = (fresnel::dielectric(self.cos, self.eta), self.is(Kind::SmoothPane));
-        let bare = R::pick(pane, dielectric::pane(once), once);
+        let bare = Vector::grey(R::pick(pane, dielectric::pane(once), once));
         if self.rare & rare::FILM == 0 {
-            return Vector::grey(bare);
+            return bare;
         }
         rough_dielectric::filmed(self.rarities.film, self.cos, self.eta, pane, bare)
     }
@@ -537,6 +647,11 @@ impl<R: Real> SeenLobe<R> {
                 let is = self.is(kind) & (front | (!above & zero.above(i)));
                 (value, pdf) = (Vector::pick(is, light, value), R::pick(is, density, pdf));
             }
+        }
+        if self.kinds & alone::KINDS != 0 {
+            let is = self.is_alone() & (front | (!above & zero.above(i)));
+            let (light, density) = self.eval_pdf_alone(is, wi, i);
+            (value, pdf) = (Vector::pick(is, light, value), R::pick(is, density, pdf));
         }
         (value, pdf)
     }

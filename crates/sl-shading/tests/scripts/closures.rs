@@ -28,10 +28,13 @@ fn each_closure_has_its_lobe() {
         ("burley_diffuse_bsdf (N, color (0.5), 0.8)", Kind::Diffuse),
         ("subsurface (1.3, 0, color (1), color (0.5))", Kind::Diffuse),
         ("subsurface_bssrdf (N, color (0.5), color (1), 0)", Kind::Diffuse),
-        ("phong (N, 100)", Kind::Facets),
-        ("ward (N, dPdu, 0.2, 0.3)", Kind::Facets),
-        ("microfacet (\"ggx\", N, 0.3, 1.5, 0)", Kind::Facets),
-        ("microfacet (\"beckmann\", N, dPdu, 0.3, 0.2, 0, 0)", Kind::Facets),
+        ("phong (N, 100)", Kind::Phong),
+        ("ward (N, dPdu, 0.2, 0.3)", Kind::Ward),
+        ("microfacet (\"ggx\", N, 0.3, 1.5, 0)", Kind::Glass),
+        ("microfacet (\"ggx\", N, 0.3, 0, 0)", Kind::Facets),
+        ("microfacet (\"beckmann\", N, dPdu, 0.3, 0.2, 0, 0)", Kind::Beckmann),
+        ("microfacet (concat (\"default\", \"\"), N, 0.3, 1.5, 2)", Kind::Beckmann),
+        ("microfacet (\"beckmann\", N, 0, 1.5, 2)", Kind::SmoothGlass),
         ("microfacet (\"ggx\", N, 0.3, 1.5, 2)", Kind::Glass),
         ("reflection (N)", Kind::Mirror),
         ("reflection (N, 1.5)", Kind::SmoothGlass),
@@ -200,5 +203,15 @@ fn models_are_those_that_were_asked_for() {
         ))
     };
     assert_eq!(schlick(5), Lobe::facets(0.2, grey, Vec3::ONE));
+    let glass = point(
+        "Ci = generalized_schlick_bsdf (N, vector (0), color (1, 0.5, 1), color (0.2), 0.2, 0.2, color (0.25), color (1), 4, \"ggx\");",
+    );
+    let wanted = [(false, Vec3::new(1.0, 0.5, 1.0)), (true, Vec3::splat(0.2))].map(|(through, weight)| {
+        let reflectances = [Vec3::splat(0.25), Vec3::ONE];
+        let mut lobe = Lobe::schlick_glass(0.2, 1.0 / 3.0, reflectances, 4.0, through);
+        lobe.weight = weight;
+        lobe
+    });
+    assert_eq!(glass.bsdf.lobes().as_slice(), wanted, "glass: what is mirrored, and what goes through");
     assert_eq!(schlick(3), Lobe::facets(0.2, grey, Vec3::ONE).risen(3.0));
 }

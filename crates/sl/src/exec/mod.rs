@@ -47,6 +47,6 @@ pub use machine::{
     Step,
 };
 pub use slot::{Kept, Slot};
-pub use strings::Strings;
+pub use strings::{Strings, WELL_KNOWN};
 pub use table::unknown_operation;
 pub use together::asks_together;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Texts by number, so that a cell can hold one.
-//! Source: original. Invariant: number 0 is the empty text.
+//! Source: original. Invariant: number 0 is the empty text; those of [`WELL_KNOWN`] follow.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -20,9 +20,13 @@ impl Default for Strings {
     fn default() -> Self {
         let mut this = Self { list: Vec::new(), numbers: HashMap::new(), bytes: 0 };
         this.number("");
+        WELL_KNOWN.iter().for_each(|text| _ = this.number(text));
         this
     }
 }
+
+/// Texts that have the same number everywhere, by which a host knows them in what closures take: this list's first has 1.
+pub const WELL_KNOWN: [&str; 2] = ["beckmann", "default"];
 
 impl Strings {
     /// The number of a text. Past 64 MiB of texts it is that of the empty one.
@@ -55,7 +59,7 @@ impl Strings {
 
     /// Forgets all but the first `count`.
     pub fn truncate(&mut self, count: usize) {
-        while self.list.len() > count.max(1) {
+        while self.list.len() > count.max(1 + WELL_KNOWN.len()) {
             if let Some(text) = self.list.pop() {
                 self.bytes -= text.len() + 16;
                 self.numbers.remove(&text);
