@@ -28,7 +28,8 @@ pub struct Lanes<'a> {
 struct Work<'a> {
     code: &'a Compiled,
     machine: Machine<'a>,
-    messages: [Vec<Message>; LANES],
+    /// Of each lane; none as long as nothing is done lane by lane.
+    messages: Vec<Vec<Message>>,
     events: Vec<(usize, Event)>,
     /// The lane whose point and messages the machine has.
     lane: usize,
@@ -48,8 +49,8 @@ impl<'a> Lanes<'a> {
         let kept = code.memories.lock().ok().and_then(|mut list| list.pop());
         let memory = kept.unwrap_or_else(|| code.template.clone());
         let machine = Machine::within(plan, host, plan.lend());
-        let messages = [const { Vec::new() }; LANES];
-        let work = Work { code, machine, messages, events: Vec::new(), lane: usize::MAX, stopped: 0 };
+        let work =
+            Work { code, machine, messages: Vec::new(), events: Vec::new(), lane: usize::MAX, stopped: 0 };
         Self { code, memory, held: None, work }
     }
 
@@ -402,6 +403,7 @@ impl Work<'_> {
         if self.lane == lane {
             return;
         }
+        self.messages.resize_with(LANES, Vec::new);
         let messages = std::mem::take(&mut self.messages[lane]);
         let before = self.machine.change_point(&points.point(lane), lane, messages);
         if let Some(list) = self.messages.get_mut(self.lane) {

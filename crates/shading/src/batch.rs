@@ -5,9 +5,11 @@
 
 use glam::Vec3;
 use gnurt_accel::Ray;
+use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 
 use crate::lanes::LANES;
-use crate::point::SurfacePoint;
+use crate::point::{SurfacePoint, is_unbent};
+use crate::real::{Real, Vector};
 use crate::sampling::hash_combine;
 
 /// Three floats per lane: points, directions or colours.
@@ -312,6 +314,9 @@ impl SurfaceBatch {
         let count = LANES.min(self.len() - first);
         // Arrays, so that loops over them need no checks.
         let row = |of: &[f32]| {
+            if let Some(row) = of[first..].first_chunk() {
+                return *row;
+            }
             let mut row = [0.0; LANES];
             row[..count].copy_from_slice(&of[first..first + count]);
             row
@@ -332,6 +337,31 @@ impl SurfaceBatch {
         ng.iter_mut().for_each(|row| row.iter_mut().zip(&sides).for_each(|(x, side)| *x *= side));
         let back = sides.iter().enumerate().fold(0, |bits, (i, side)| bits | u32::from(*side < 0.0) << i);
         FacingRows { ns: facing, ng, back }
+    }
+
+    /// Bits of those of sixteen lanes from `first` on whose unit normals, on the sides that their rays came from,
+    /// [`SurfacePoint::bent_normal`] leaves as they are. Bits beyond the last lane mean nothing.
+    #[must_use]
+    pub fn unbent(&self, level: Level, first: usize, normals: &[[f32; LANES]; 3]) -> u32 {
+        let count = LANES.min(self.len() - first);
+        dispatch_wide!(
+            level,
+            simd => self.unbent_of(f32x16::splat(simd, 0.0), (first, 0), normals),
+            else (0..count).fold(0, |bits, lane| bits | self.unbent_of(0.0_f32, (first, lane), normals))
+        )
+    }
+
+    #[inline(always)]
+    fn unbent_of<R: Real>(&self, like: R, (first, lane): (usize, usize), normals: &[[f32; LANES]; 3]) -> u32 {
+        let load = |v: &Vec3s| Vector::load(like, [&v.x, &v.y, &v.z], first + lane);
+        let [x, y, z] = normals;
+        let n = Vector::load(like, [x, y, z], lane);
+        let (ng, ns, wo) = (load(&self.ng), load(&self.ns), -load(&self.ray_dir));
+        let zero = like.all(0.0);
+        let ng = Vector::pick(zero.above(ng.dot(wo)), -ng, ng);
+        let ns = Vector::pick(zero.above(ns.dot(ng)), -ns, ns);
+        let is_flat = load(&self.lift).is_zero();
+        (R::bits(is_unbent(n, wo, ns, ng, is_flat)) << lane) as u32
     }
 
     /// Texture coordinates of lane `i`.

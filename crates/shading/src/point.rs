@@ -176,6 +176,24 @@ impl SurfacePoint {
     }
 }
 
+/// Points whose unit normals [`SurfacePoint::bent_normal`] leaves as they are; those of the mesh that count are `ns`, and `ng` where it is
+/// flat.
+#[inline(always)]
+pub(crate) fn is_unbent<R: Real>(
+    n: Vector<R>,
+    wo: Vector<R>,
+    ns: Vector<R>,
+    ng: Vector<R>,
+    is_flat: R::Mask,
+) -> R::Mask {
+    let least = n.x.all(LOWEST_MIRROR_IMAGE);
+    let ray = -wo;
+    let mirrored = ray - n * (ray.dot(n) * 2.0);
+    let (over_ns, over_ng) = (mirrored.dot(ns), mirrored.dot(ng));
+    let clears_ng = over_ng.above(least) | over_ng.is(least) | !is_flat;
+    n.dot(wo).above_all(0.0) & (over_ns.above(least) | over_ns.is(least)) & clears_ng
+}
+
 /// Cosine to the horizon's normal below which mirror images are raised.
 const LOWEST_MIRROR_IMAGE: f32 = 1e-3;
 
@@ -270,5 +288,40 @@ mod tests {
         let wo = Vec3::new(0.45, -0.19, 0.87).normalize();
         let bent = point(ns, Vec3::Z * 0.1).bent_normal(ns, wo);
         assert!(bent.dot(wo) > 0.0 && bent.dot(ns) > 0.9, "{bent}");
+    }
+
+    #[test]
+    fn lanes_know_which_normals_stay_as_they_are() {
+        use crate::batch::{Detail, SurfaceBatch};
+        use gnurt_simd::Level;
+        let mut hits = SurfaceBatch::default();
+        hits.resize(45, Detail::Full);
+        let unit = |k: usize, by: f32| {
+            let turn = |n: usize| ((k * n + n) as f32 * by).fract() - 0.5;
+            Vec3::new(turn(3), turn(5), turn(7)).normalize()
+        };
+        for k in 0..45 {
+            hits.ng.set(k, unit(k, 0.618_034));
+            hits.ns.set(k, (hits.ng.get(k) + 0.3 * unit(k, 0.754_877_7)).normalize());
+            hits.ray_dir.set(k, if k % 3 == 0 { unit(k, 0.37) } else { -hits.ns.get(k) });
+            hits.lift.set(k, if k % 4 == 0 { Vec3::ZERO } else { Vec3::Y });
+            hits.error[k] = 0.0;
+        }
+        let mut counts = [0; 2];
+        for level in Level::available() {
+            for first in [0, 16, 32] {
+                let facing = hits.facing_rows(first);
+                let mut normals = facing.ns;
+                normals.iter_mut().for_each(|row| row[5] = 0.577_350_26);
+                let found = hits.unbent(level, first, &normals);
+                for (lane, i) in (first..45.min(first + 16)).enumerate() {
+                    let n = Vec3::new(normals[0][lane], normals[1][lane], normals[2][lane]);
+                    let stays = hits.point(i).bent_normal(n, -hits.ray_dir.get(i)) == n;
+                    assert_eq!(found >> lane & 1 != 0, stays, "{level}, point {i}");
+                    counts[usize::from(stays)] += 1;
+                }
+            }
+        }
+        assert!(counts.iter().all(|&count| count > 5), "both are there: {counts:?}");
     }
 }

@@ -10,7 +10,9 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 use gnurt_shading::SurfaceBatch;
+use gnurt_shading::batch::FacingRows;
 use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobes};
+use gnurt_simd::Level;
 use gnurt_sl::exec::{
     Action, Instruction, LANES, Plan, Points, Program as _, Results, Slot, Source, Step, lanes_of,
 };
@@ -21,7 +23,7 @@ use gnurt_sl_lib::color::ColorSystem;
 use crate::beside::Beside;
 use crate::closures::{Known, Shape, all};
 use crate::facts::Nobody;
-use crate::parts::Looker;
+use crate::parts::{Looker, column};
 
 /// What all points do to light.
 #[derive(Debug)]
@@ -95,17 +97,26 @@ impl Fixed {
     pub(crate) fn write(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
         for first in (0..hits.len()).step_by(LANES) {
             let count = LANES.min(hits.len() - first);
-            let mut back = 0;
+            let all = (1_u32 << count) - 1;
+            let FacingRows { ns: mut normals, ng, back } = hits.facing_rows(first);
+            let back = back & all;
+            let is_dark = [&self.front, &self.back].map(|side| side.lobes.as_slice().is_empty());
+            for i in 0..LANES {
+                let [x, y, z] = &mut normals;
+                let side = x[i] * ng[0][i] + y[i] * ng[1][i] + z[i] * ng[2][i];
+                // As `normal`; where there are no lobes nobody asks.
+                let turned = side < 0.0 && !is_dark[(back >> i & 1) as usize];
+                let sign = if turned { -1.0 } else { 1.0 };
+                (x[i], y[i], z[i]) = (x[i] * sign, y[i] * sign, z[i] * sign);
+            }
+            let plain = hits.unbent(Level::best(), first, &normals);
             let mut lists = Lists::of(out, first);
-            for lane in 0..count {
+            lists.face_all(&normals);
+            for lane in lanes_of(all & !plain) {
                 let i = first + lane;
-                back |= u32::from(!hits.front(i)) << lane;
-                let is_dark = self.at(hits, i).0.as_slice().is_empty();
-                let ns = if is_dark { hits.facing_ns(i) } else { Self::normal(hits, i) };
-                let ns = hits.point(i).bent_normal(ns, -hits.ray_dir.get(i));
+                let ns = hits.point(i).bent_normal(column(&normals, lane), -hits.ray_dir.get(i));
                 lists.face(lane, ns, |n| n);
             }
-            let all = (1_u32 << count) - 1;
             let sides = [(all & !back, &self.front), (back, &self.back)].into_iter();
             for (some, side) in sides.clone().filter(|(some, _)| *some != 0) {
                 side.stopped.as_slice().iter().for_each(|lobe| lists.push(some, lobe));

@@ -91,7 +91,10 @@ fn points_at(
     if let Some(areas) = needs.area.and_then(|number| hits.attributes.get(number)) {
         out.surface_area.iter_mut().zip(&areas[first..]).for_each(|(to, &area)| *to = area);
     }
-    let copy = |row: &mut Row, from: &[f32]| row[..count].copy_from_slice(&from[first..first + count]);
+    let copy = |row: &mut Row, from: &[f32]| match from[first..].first_chunk() {
+        Some(all) => *row = *all,
+        None => row[..count].copy_from_slice(&from[first..first + count]),
+    };
     for (rows, from) in [(&mut out.p, &hits.p), (&mut out.i, &hits.ray_dir)] {
         let [x, y, z] = rows;
         [(x, &from.x), (y, &from.y), (z, &from.z)]

@@ -9,6 +9,7 @@ use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Scattering};
 use gnurt_shading::materials::scattered_radiance;
 use gnurt_shading::{AttributeRequest, RadianceShader, SurfaceBatch, SurfaceShader, Tracer, Vec3s};
+use gnurt_simd::Level;
 use gnurt_sl::exec::{LANES, Points, lanes_of};
 
 use crate::beside::Beside;
@@ -86,7 +87,10 @@ impl ScriptSurface {
         for lane in lanes_of(lights.emission.some | lights.through.some) {
             beside.push((first + lane, Beside::of(&mut lists, &lights, lane)));
         }
-        for lane in 0..count {
+        lists.face_all(&points.n);
+        let plain = hits.unbent(Level::best(), first, &points.n) & !lists.bent();
+        let all = (1_u32 << count) - 1;
+        for lane in lanes_of(all & !plain) {
             let i = first + lane;
             let wo = -hits.ray_dir.get(i);
             let (at, ns) = (hits.point(i), column(&points.n, lane));

@@ -229,6 +229,13 @@ impl<'a> Lists<'a> {
         heaviest.map_or(Vec3::ZERO, |lobe| lobe.normal)
     }
 
+    /// Says which unit shading normals the points have, as [`face`](Self::face) does; normals that lobes have of their own stay.
+    pub fn face_all(&mut self, normals: &[Row; 3]) {
+        for (row, x) in self.block.normal.iter_mut().zip(normals) {
+            row.0 = *x;
+        }
+    }
+
     /// Says which unit shading normal a point has, on the side that the first ray came from, and replaces those of its lobes, if some are its
     /// own.
     pub fn face(&mut self, i: usize, ns: Vec3, of: impl Fn(Vec3) -> Vec3) {

@@ -184,8 +184,11 @@ impl Bound {
         let first = closures.next();
         let mut room = [0; LANES];
         for number in &self.numbers {
-            closures
-                .put(number.map_or(Cells::One(0), |(cell, change)| changed(read(cell), change, &mut room)));
+            match *number {
+                None => closures.put(Cells::One(0)),
+                Some((cell, Change::Nothing)) => closures.put(read(cell)),
+                Some((cell, change)) => closures.put(changed(read(cell), change, &mut room)),
+            }
         }
         closures.component(self.kind, first)
     }
