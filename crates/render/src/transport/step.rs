@@ -267,7 +267,7 @@ fn go_on<R: Real>(
     }
     if long != 0 {
         let long = zero.points(long);
-        let keep = roulette::survival(throughput.max_element());
+        let keep = roulette::survival_from_eye(throughput.max_element());
         alive = alive & (keep.above(survival) | !long);
         throughput = Vector::pick(long, throughput.over(keep), throughput);
     }
