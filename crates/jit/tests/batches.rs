@@ -81,8 +81,7 @@ fn files_that_mean_harm_do_none() {
 
 #[test]
 fn what_a_host_answers_for_all_points_is_what_it_answers_for_each() {
-    let outputs =
-        "output color c = 0, output float a = 0, output color d = 0, output float f = 0, output int k = 0";
+    let outputs = "output color c = 0, output float a = 0, output color d = 0, output float f = 0, output int k = 0, output vector w = 0, output vector r = 0";
     for (body, left) in [
         ("k = raytype (\"shadow\") + 2 * raytype (\"glossy\") + 4 * backfacing (); f = surfacearea ();", 0),
         ("f = raytype (\"camera\"); if (u > 0.4) f = backfacing (); k = surfacearea () > 3;", 0),
@@ -92,7 +91,12 @@ fn what_a_host_answers_for_all_points_is_what_it_answers_for_each() {
             0,
         ),
         ("if (u > 0.3) c = texture (\"t.png\", u, v, Dx (u), 0.1, v, Dy (u), \"blur\", 0.5); d = Dx (c);", 0),
+        ("w = calculatenormal (P * u); r = transform (\"object\", P); vector by = Dx (r); f = by[1];", 0),
+        ("r = transform (\"object\", \"common\", vector (P)) + transform (\"common\", normal (u, v, 1));", 0),
+        ("if (u > 0.3) r = transform (\"object\", normal (P)); w = Dy (r);", 0),
         // These are asked one by one.
+        ("w = transform (\"own\", P); r = transform (u > 0.5 ? \"own\" : \"object\", \"object\", P);", 0),
+        ("w = transform (\"nowhere\", P);", 0),
         (
             "c = texture (u > 0.5 ? \"t.png\" : \"tt.png\", u, v); d = texture (\"t.png\", u, v, \"blur\", u);",
             0,

@@ -59,6 +59,20 @@ impl Host for World {
         &self.closures
     }
 
+    fn common_from(&self, space: &str, point: &Point) -> Option<[[f32; 4]; 4]> {
+        let x = match space {
+            "object" => 0.5,
+            "own" => point.index as f32,
+            _ => return None,
+        };
+        Some([[2.0, 0.0, 1.0, 0.0], [0.0, 1.0, x, 0.0], [0.0, 0.0, 4.0, 0.0], [x, 2.0, 3.0, 1.0]])
+    }
+
+    fn is_same_space(&self, space: &str, lanes: u32, index: &[i32; 16]) -> bool {
+        let first = index[lanes.trailing_zeros() as usize];
+        space == "object" || lanes_of(lanes).all(|lane| index[lane] == first)
+    }
+
     fn ray_kind(&self, name: &str) -> u32 {
         ["camera", "shadow", "glossy"].iter().position(|kind| *kind == name).map_or(0, |i| 1 << i)
     }

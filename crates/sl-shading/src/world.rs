@@ -14,8 +14,8 @@ use gnurt_shading::{
     AttributeRequest, LightBatch, Meeting, PixelSamples, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s,
 };
 use gnurt_sl::exec::{
-    Arriving, ClosureDecl, DualRow, Given, Host, Point, Points, Program, Results, TextureOptions,
-    TraceOptions,
+    Arriving, ClosureDecl, DualRow, Given, Host, LANES, Point, Points, Program, Results, TextureOptions,
+    TraceOptions, lanes_of,
 };
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
@@ -268,6 +268,16 @@ impl Host for World<'_> {
             }
             _ => None,
         }
+    }
+
+    fn is_same_space(&self, space: &str, lanes: u32, index: &[i32; LANES]) -> bool {
+        let of_object = matches!(space, "object" | "shader");
+        let Some(hits) = self.hits.filter(|_| of_object) else { return space == "world" || of_object };
+        // An instance has one matrix.
+        let leaf = |lane: usize| usize::try_from(index[lane]).ok().and_then(|i| hits.leaf_id.get(i));
+        let mut leaves = lanes_of(lanes).map(leaf);
+        let first = leaves.next().flatten();
+        first.is_some() && leaves.all(|leaf| leaf == first)
     }
 
     fn userdata(&self, name: &str, ty: Type, point: &Point) -> Option<Given> {

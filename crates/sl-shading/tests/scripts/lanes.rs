@@ -219,3 +219,28 @@ fn what_means_the_same_is_compiled_once() {
         assert_eq!(codes.count(), 4, "lights, too");
     }
 }
+
+#[test]
+fn points_are_in_the_space_of_their_own_instance() {
+    let surface = surface("point q = transform (\"object\", P); Ci = (0.1 + abs (q[0])) * diffuse (N);");
+    let mut hits = both_sides();
+    // A matrix's columns, then where it puts the origin: 10 further along x for each instance.
+    let matrix = |leaf: u32| [1, 0, 0, 0, 1, 0, 0, 0, 1, 10 * leaf, 0, 0].map(|x| x as f32);
+    for leaf_of in [|i: u32| i / 8, |_| 3] {
+        hits.leaf_id = (0..21).map(leaf_of).collect();
+        let values = (0..12 * 21).map(|n| matrix(hits.leaf_id[n % 21])[n / 21]);
+        hits.attributes = vec![values.collect()];
+        // At first by the interpreter, then by code.
+        for _ in 0..12 {
+            let mut out = ClosureBatch::default();
+            out.reset(21);
+            surface.evaluate(&hits, &mut out);
+            for i in 0..21 {
+                let x = hits.p.get(i).x - 10.0 * hits.leaf_id[i] as f32;
+                let weight = out.point(i).bsdf.lobes().as_slice()[0].weight.x;
+                assert!((weight - 0.1 - x.abs()).abs() < 1e-4, "point {i}: {weight}, {x}");
+            }
+            std::thread::sleep(std::time::Duration::from_millis(3));
+        }
+    }
+}

@@ -2,7 +2,7 @@
 //! What a shader asks of the program that runs it.
 //! Source: original; the questions are those of OSL's renderer services.
 
-use super::cells::DualRow;
+use super::cells::{DualRow, LANES};
 use super::components::ClosureDecl;
 use crate::hir::Data;
 use crate::types::Type;
@@ -179,6 +179,12 @@ pub trait Host {
     /// The matrix from common space to a named one, where it is known without inverting the other.
     fn to_common_inverse(&self, space: &str, point: &Point) -> Option<[[f32; 4]; 4]> {
         self.common_from(space, point).map(|m| gnurt_sl_lib::matrix::inverse(&m))
+    }
+
+    /// Whether a named space is the same for some points of a batch: those of these numbers that `lanes` names, as bits.
+    fn is_same_space(&self, space: &str, lanes: u32, index: &[i32; LANES]) -> bool {
+        let _ = (space, lanes, index);
+        false
     }
 
     /// A value that the geometry carries.

@@ -25,6 +25,7 @@ mod message;
 mod noise;
 mod points;
 mod print;
+mod rows;
 mod run;
 mod slot;
 mod space;

@@ -2,6 +2,7 @@
 //! Spaces by name, and colours.
 //! Source: original; the words are OSL's.
 
+use super::host::Point;
 use super::machine::{Machine, Step};
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
@@ -32,6 +33,16 @@ impl Machine<'_> {
             }
         }
         None
+    }
+}
+
+impl Machine<'_> {
+    /// The matrix between two spaces at a point, if both are known; nothing is said.
+    pub(super) fn spaces_at(&mut self, point: Point, from: &str, to: &str) -> Option<Matrix> {
+        let own = std::mem::replace(&mut self.point, point);
+        let found = mx::between(&Of(self), from, to).ok();
+        self.point = own;
+        found
     }
 }
 

@@ -2,9 +2,10 @@
 //! Pictures that a shader reads: by two coordinates, or by a direction; volumes, by a place.
 //! Source: original; the options are OSL's. Directions are those of pictures over longitude and latitude with y up.
 
-use super::cells::{Batch, Cells, DualRow, LANES, Row};
+use super::cells::{Batch, Cells, DualRow};
 use super::host::{Given, Subimage, TextureOptions};
 use super::machine::{D, Machine, Step};
+use super::rows;
 use super::slot::Slot;
 use super::strings::Strings;
 use crate::types::{Base, Type};
@@ -147,53 +148,23 @@ pub(super) fn textures(m: &Machine<'_>, step: &Step, lanes: u32, batch: &mut dyn
     let file = m.strings.text(one(file.at)?);
     let mut places = [DualRow::default(); 2];
     for (k, (place, slot)) in places.iter_mut().zip([at_s, at_t]).enumerate() {
-        fill(&mut place.value, batch, slot, 0);
-        match changes {
-            Some(changes) => {
-                fill(&mut place.dx, batch, changes[k][0], 0);
-                fill(&mut place.dy, batch, changes[k][1], 0);
-            }
-            None if slot.derivs => {
-                fill(&mut place.dx, batch, slot, slot.size);
-                fill(&mut place.dy, batch, slot, 2 * slot.size);
-            }
-            None => {}
+        *place = rows::dual(batch, slot, 0);
+        if let Some(changes) = changes {
+            place.dx = rows::dual(batch, changes[k][0], 0).value;
+            place.dy = rows::dual(batch, changes[k][1], 0).value;
         }
     }
     let mut texels = [DualRow::default(); 4];
     if !m.host.textures(file, lanes, &places, &options, &mut texels) {
         return None;
     }
-    let mut put = |slot: &Slot, i: u32, texel: &DualRow| {
-        for (k, row) in [&texel.value, &texel.dx, &texel.dy].into_iter().enumerate() {
-            if k == 0 || slot.derivs {
-                let mut words = [0; LANES];
-                words.iter_mut().zip(row).for_each(|(word, x)| *word = x.to_bits());
-                batch.put(slot.at + k as u32 * slot.size + i, lanes, &words);
-            }
-        }
-    };
     for (i, texel) in texels[..channels].iter().enumerate() {
-        put(out, i as u32, texel);
+        rows::put(batch, lanes, (out, i as u32), texel);
     }
     if let Some(alpha) = alpha {
-        put(&alpha, 0, &texels[channels]);
+        rows::put(batch, lanes, (&alpha, 0), &texels[channels]);
     }
     Some(())
-}
-
-/// The numbers of all points in the cell that lies so far behind the first of a slot.
-fn fill(row: &mut Row, batch: &dyn Batch, slot: &Slot, offset: u32) {
-    let number =
-        |word: u32| if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) };
-    match batch.get(slot.at + offset) {
-        Cells::One(word) => *row = [number(word); LANES],
-        Cells::Each(words) => {
-            for (x, &word) in row.iter_mut().zip(words) {
-                *x = number(word);
-            }
-        }
-    }
 }
 
 fn read(

@@ -5,11 +5,15 @@
 //! something that is to be said) nothing is done, and the caller goes point by point. Proof: crates/jit/tests/batches.rs.
 
 use super::batch::Points;
-use super::cells::{Batch, Cells, LANES};
+use super::cells::{Batch, Cells, DualRow, LANES, lanes_of};
 use super::machine::{Machine, Step};
+use super::rows;
 use super::slot::Slot;
 use super::texture;
 use crate::types::{Base, Type};
+use gnurt_sl_lib::Dual;
+use gnurt_sl_lib::math::vectors;
+use gnurt_sl_lib::matrix as mx;
 
 /// Whether [`Machine::together`] may do an operation.
 #[must_use]
@@ -18,6 +22,13 @@ pub fn asks_together(step: &Step) -> bool {
     match (&*step.name, step.args.len()) {
         ("raytype", 2) | ("backfacing" | "surfacearea", 1) => {
             matches!(out, Type::INT | Type::FLOAT) && step.writes == 1
+        }
+        ("calculatenormal", 2) | ("transform" | "transformv" | "transformn", 3 | 4) => {
+            let (middle, value) = (&step.args[1..step.args.len() - 1], step.args[step.args.len() - 1]);
+            let has_three =
+                |slot: &Slot| slot.ty.base.is_float_based() && !slot.ty.is_array() && slot.size == 3;
+            let are_names = middle.iter().all(|name| name.ty == Type::STRING);
+            has_three(&step.args[0]) && has_three(&value) && are_names && step.writes == 1
         }
         ("texture", 4..) => out.base.is_float_based() && !out.is_array(),
         _ => false,
@@ -43,10 +54,72 @@ impl Machine<'_> {
                 let is_int = out.ty.base == Base::Int;
                 put(batch, out, lanes, &area.map(|x| if is_int { x as i32 as u32 } else { x.to_bits() }));
             }
+            ("calculatenormal", [out, value]) => {
+                each_triple(batch, lanes, (out, value), |lane, v| {
+                    let [dx, dy] = [v.each_ref().map(|x| x.dx), v.each_ref().map(|x| x.dy)];
+                    let normal = vectors::calculatenormal(dx, dy, points.flipped >> lane & 1 != 0);
+                    Dual::from(normal).components()
+                });
+            }
+            (name, [out, spaces @ .., value]) if name.starts_with("transform") => {
+                let Some(matrix) = self.same_matrix(spaces, lanes, points, batch) else { return false };
+                each_triple(batch, lanes, (out, value), |_, v| match name {
+                    "transformv" => mx::transform_vector(&matrix, v),
+                    "transformn" => mx::transform_normal(&matrix, v),
+                    _ => mx::transform_point(&matrix, v),
+                });
+            }
             ("texture", _) => return texture::textures(self, step, lanes, batch).is_some(),
             _ => return false,
         }
         true
+    }
+}
+
+impl Machine<'_> {
+    /// The matrix between the spaces that an operation names, if it is the same for some points.
+    fn same_matrix(
+        &mut self,
+        names: &[Slot],
+        lanes: u32,
+        points: &Points,
+        batch: &dyn Batch,
+    ) -> Option<[[f32; 4]; 4]> {
+        let text = |name: &Slot| match batch.get(name.at) {
+            Cells::One(word) => Some(self.strings.text(word).clone()),
+            Cells::Each(_) => None,
+        };
+        let (from, to) = match names {
+            [to] => ("common".into(), text(to)?),
+            [from, to] => (text(from)?, text(to)?),
+            _ => return None,
+        };
+        let is_same = |name: &str| name == "common" || self.host.is_same_space(name, lanes, &points.index);
+        if !(is_same(&from) && is_same(&to)) {
+            return None;
+        }
+        self.spaces_at(points.point(lanes.trailing_zeros() as usize), &from, &to)
+    }
+}
+
+/// Makes three numbers of three numbers of each of some points; `f(point, numbers)`.
+fn each_triple(
+    batch: &mut dyn Batch,
+    lanes: u32,
+    (out, value): (&Slot, &Slot),
+    f: impl Fn(usize, [Dual<f32>; 3]) -> [Dual<f32>; 3],
+) {
+    let mut all = [0, 1, 2].map(|i| rows::dual(batch, value, i));
+    for lane in lanes_of(lanes) {
+        let [x, y, z] = &all;
+        let at = |row: &DualRow| Dual::new(row.value[lane], row.dx[lane], row.dy[lane]);
+        let found = f(lane, [at(x), at(y), at(z)]);
+        for (row, x) in all.iter_mut().zip(found) {
+            (row.value[lane], row.dx[lane], row.dy[lane]) = (x.value, x.dx, x.dy);
+        }
+    }
+    for (i, row) in all.iter().enumerate() {
+        rows::put(batch, lanes, (out, i as u32), row);
     }
 }
 
