@@ -122,7 +122,9 @@ mod tests {
         let (mut rows, mut room) = (Rows::default(), Box::<Light>::default());
         let block = Block::new(&eyes, 6);
         let asked = (&block, &eyes[..]);
-        each_promise(Level::default(), asked, &sources, (&bound, 6), &mut room, |i, row| rows.push(i, row));
+        each_promise(Level::default(), asked, &sources, (&bound, 6), &mut room, |i, row, _| {
+            rows.push(i, row)
+        });
         // Lights in one half of the room are hidden.
         let is_hidden = |i: usize| sources[i].vpl.point.p.x > 0.5;
         let brings = |i: usize| -> f32 {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light that comes straight from lamps: light samples where walks stop, those of one point side by side, and lights that only know
+//! Light that comes straight from lamps: light samples where walks stop, side by side those of one point or of many, and lights that only know
 //! `illuminate`.
 //! Source: [VG95] (weighed against the rays that leave the point). Space: world.
 //! Invariant: the light samples of a point are the same however many are looked at at once.
 //! Proof: crates/render/tests/{determinism,many_lights,agreement}.rs.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::left_after;
+use gnurt_shading::bsdf::{Kept, left_after};
 use gnurt_shading::lanes::{LANES, LanesOf};
-use gnurt_shading::lights::LightSet;
+use gnurt_shading::lights::{LightSamples, LightSet};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::{SampleKey, Vec3s};
 use gnurt_simd::dispatch_wide;
@@ -37,9 +37,12 @@ pub(super) fn light_samples(
     let most = there.iter().map(|stop| pass.light_samples(stop.walk.is_seen)).max().unwrap_or(0);
     // Sample by sample, so that neighbouring rays are neighbours.
     let mut rounds: Vec<Offers> = (0..most).map(|_| Offers::default()).collect();
-    for stop in &there {
+    let mut one_each: Vec<&Stop> = Vec::new();
+    for &stop in &there {
         let count = pass.light_samples(stop.walk.is_seen);
-        if count < MANY {
+        if count == 1 && !stop.eye.bsdf.is_translucent() {
+            one_each.push(stop);
+        } else if count < MANY {
             sample(One, lights, seed, (stop, count), &mut rounds);
         } else {
             dispatch_wide!(
@@ -49,8 +52,18 @@ pub(super) fn light_samples(
             );
         }
     }
-    let mut offers = Offers::default();
-    rounds.iter().for_each(|round| offers.append(round));
+    let mut rounds = rounds.into_iter();
+    let mut offers = rounds.next().unwrap_or_default();
+    for stops in one_each.chunks(LANES) {
+        dispatch_wide!(
+            tracer.options.level,
+            simd => sample_each(Sixteen(simd), lights, seed, stops, &mut offers),
+            else for &stop in stops {
+                sample(One, lights, seed, (stop, 1), std::slice::from_mut(&mut offers));
+            }
+        );
+    }
+    rounds.for_each(|round| offers.append(&round));
     let asking: Vec<Asking> = there
         .iter()
         .map(|stop| Asking {
@@ -80,7 +93,7 @@ fn sample<W: Width>(
     (stop, count): (&Stop, u32),
     rounds: &mut [Offers],
 ) {
-    let Stop { walk, eye, lamp_gain, .. } = stop;
+    let Stop { walk, eye, .. } = stop;
     let zero = width.zero();
     let side = sampling_normal(&eye.point, &eye.bsdf);
     let is_two_sided = side == Vec3::ZERO;
@@ -104,20 +117,62 @@ fn sample<W: Width>(
         let (scattered, pdf) = seen.eval_pdf_all(light.dir);
         let lit = light.found & asks & !scattered.is_zero();
         for i in LanesOf(W::R::bits(lit)) {
-            let (dir, dist, chosen) = (light.dir.get(i), light.dist.lane(i), light.pdf.lane(i));
-            let count = count as f32;
-            let share = if W::R::bits(light.delta) >> i & 1 != 0 {
-                1.0
-            } else {
-                balance_heuristic(count * chosen, stop.mean_rays() * pdf.lane(i))
-            };
-            let offer =
-                eye.throughput * scattered.get(i) * light.radiance.get(i) * (share / (count * chosen));
-            let left = left_after(dist, [eye.bsdf.absorption(dir), Vec3::ZERO]);
-            let offer = offer * left * (lamp_gain * stop.rest(dir));
-            if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
-                rounds[first as usize + i].push(ray, walk, offer);
-            }
+            offer(stop, count, (&light, i), (scattered.get(i), pdf.lane(i)), &mut rounds[first as usize + i]);
         }
+    }
+}
+
+/// A light sample of each of sixteen points or fewer that no light goes through.
+#[inline(always)]
+fn sample_each<W: Width>(width: W, lights: &LightSet, seed: u64, stops: &[&Stop], offers: &mut Offers) {
+    let zero = width.zero();
+    let (mut keys, mut edges) = ([SampleKey::default(); LANES], [0; LANES]);
+    let (mut p, mut ns, mut all_sides) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3], 0);
+    for (i, Stop { walk, eye, .. }) in stops.iter().enumerate() {
+        (keys[i], edges[i]) = (walk.key, walk.edges);
+        for k in 0..3 {
+            (p[k][i], ns[k][i]) = (eye.point.p[k], eye.point.ns[k]);
+        }
+        all_sides |= u64::from(sampling_normal(&eye.point, &eye.bsdf) == Vec3::ZERO) << i;
+    }
+    let draws = width.draws(seed, &keys, &edges);
+    let [lamp, _] = W::pair(draws, purpose::LAMP);
+    let [u, v] = W::pair(draws, purpose::PLACE);
+    let asks = zero.points((1 << stops.len()) - 1);
+    let [p, ns] = [&p, &ns].map(|[x, y, z]| Vector::load(zero, [x, y, z], 0));
+    let light = width.lights(lights, [asks, zero.points(all_sides)], [p, ns], [lamp, u, v]);
+    if !W::R::any(light.found & asks) {
+        return;
+    }
+    let kept = Kept::new(stops.iter().map(|stop| (&stop.eye.bsdf, stop.eye.wo)));
+    let (scattered, pdf) = kept.eval_pdf(0, light.dir);
+    let lit = light.found & asks & !scattered.is_zero();
+    for i in LanesOf(W::R::bits(lit)) {
+        offer(stops[i], 1, (&light, i), (scattered.get(i), pdf.lane(i)), offers);
+    }
+}
+
+/// What one of `count` light samples of a point offers.
+#[inline(always)]
+fn offer<R: Real>(
+    stop: &Stop,
+    count: u32,
+    (light, i): (&LightSamples<R>, usize),
+    (scattered, pdf): (Vec3, f32),
+    offers: &mut Offers,
+) {
+    let Stop { walk, eye, lamp_gain, .. } = stop;
+    let (dir, dist, chosen) = (light.dir.get(i), light.dist.lane(i), light.pdf.lane(i));
+    let count = count as f32;
+    let share = if R::bits(light.delta) >> i & 1 != 0 {
+        1.0
+    } else {
+        balance_heuristic(count * chosen, stop.mean_rays() * pdf)
+    };
+    let offer = eye.throughput * scattered * light.radiance.get(i) * (share / (count * chosen));
+    let left = left_after(dist, [eye.bsdf.absorption(dir), Vec3::ZERO]);
+    let offer = offer * left * (lamp_gain * stop.rest(dir));
+    if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
+        offers.push(ray, walk, offer);
     }
 }

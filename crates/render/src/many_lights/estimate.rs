@@ -22,6 +22,7 @@ use super::eye::EyePoint;
 use super::gather::gather;
 use super::interleave::{Texel, key_of_place, place_of, share_of_key};
 use super::lanes::{BLOCK, END, Source};
+use super::mixing::mix;
 use super::offers::Offers;
 use super::pass::PassLights;
 use super::promise::Promises;
@@ -212,6 +213,10 @@ fn take_finals_apart(
 
 /// What walks meet: where the eye sees it by mirrors alone, shaders that only know `shade` show what they show.
 fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option<Vertex>> {
+    let first_is_seen = walks.carried.first().is_some_and(|walk| walk.is_seen);
+    if walks.carried.iter().all(|walk| walk.is_seen == first_is_seen) {
+        return meet(tracer, walks, first_is_seen, depth);
+    }
     let mut vertices: Vec<Option<Vertex>> = Vec::new();
     vertices.resize_with(walks.carried.len(), || None);
     for is_seen in [true, false] {
@@ -220,12 +225,18 @@ fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option
             let cone = walks.cones.as_ref().map_or_else(Cone::default, |cones| cones.get(i));
             some.push((walks.rays.get(i), cone), walk.key, i);
         }
-        let probes = std::mem::replace(&mut tracer.probes, !is_seen);
-        let found = some.meet(tracer, depth);
-        tracer.probes = probes;
+        let found = meet(tracer, &some, is_seen, depth);
         some.carried.into_iter().zip(found).for_each(|(i, vertex)| vertices[i] = vertex);
     }
     vertices
+}
+
+/// What walks meet that are all seen by the eye, or none.
+fn meet<W>(tracer: &mut BatchTracer, walks: &Walks<W>, is_seen: bool, depth: u32) -> Vec<Option<Vertex>> {
+    let probes = std::mem::replace(&mut tracer.probes, !is_seen);
+    let found = walks.meet(tracer, depth);
+    tracer.probes = probes;
+    found
 }
 
 /// What virtual lights leave to rays, found by one ray.
@@ -389,17 +400,26 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
     }
     let mut offers = Offers::default();
     let shares = pass.unseen();
-    if tracer.sharing == Sharing::All {
+    // What the eye sees asks the share of its pixel, others what their block asks: so that blocks are full.
+    let is_own = |stop: &Stop| match tracer.sharing {
+        Sharing::All => false,
+        Sharing::Chance => stop.walk.is_seen,
+        Sharing::Pattern => true,
+    };
+    let (own, mut others): (Vec<&Stop>, Vec<&Stop>) = there.into_iter().partition(|stop| is_own(stop));
+    if let Some(first) = others.first() {
         // Blocks take turns, and chance says who begins.
-        let Walk { key, edges, .. } = there[0].walk;
-        let [u, _] = sample_pair(tracer.options.seed, key, edges, purpose::SHARE);
-        let first = (u * shares.len() as f32) as usize;
-        for (n, stops) in there.chunks(BLOCK).enumerate() {
-            ask_few(tracer, pass, &shares[(first + n) % shares.len()], stops, &mut offers);
+        let Walk { key, edges, .. } = first.walk;
+        let [u, v] = sample_pair(tracer.options.seed, key, edges, purpose::SHARE);
+        let begin = (u * shares.len() as f32) as usize;
+        mix(&mut others, v.to_bits());
+        for (n, stops) in others.chunks(BLOCK).enumerate() {
+            ask_few(tracer, pass, &shares[(begin + n) % shares.len()], stops, &mut offers);
         }
-    } else {
+    }
+    if !own.is_empty() {
         let mut by_share: Vec<Vec<&Stop>> = vec![Vec::new(); shares.len()];
-        for stop in there {
+        for stop in own {
             by_share[share_of_key(tracer.sharing, stop.walk.key, shares.len())].push(stop);
         }
         for (share, of_share) in shares.iter().zip(&by_share) {
@@ -422,11 +442,9 @@ fn ask_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&
     promises.ask(level, &eyes);
     for (lane, Stop { walk, eye, .. }) in stops.iter().enumerate() {
         let [u, _] = sample_pair(seed, walk.key, walk.edges, purpose::CHOICE);
-        let mut seen = None;
-        promises.choose(lane, pass.few_at(walk.edges), u, |vpl, weight| {
-            let Some(brought) = vpl.brings_seen(eye, &mut seen, &bound, max_edges) else { return };
+        promises.choose(lane, pass.few_at(walk.edges), u, |vpl, brought| {
             let way = vpl.point.p - eye.point.p;
-            let offer = brought * (stops[lane].rest(way.normalize()) * weight);
+            let offer = brought * stops[lane].rest(way.normalize());
             let Some(start) = vpl::start(eye, way) else { return };
             let way = vpl::end(&vpl.point, -way) - start;
             let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);

@@ -11,7 +11,7 @@
 use std::time::Instant;
 
 use glam::Vec3;
-use gnurt_shading::sampling::sample_pair;
+use gnurt_shading::sampling::{hash_combine, sample_pair};
 use gnurt_shading::{RayRequest, SampleKey, Tracer, Vec3s};
 use gnurt_simd::{dispatch, dispatch_wide, f32x16, prelude::*};
 
@@ -20,6 +20,7 @@ use super::chosen::{Learned, Rows};
 use super::cut::{MOST, cut_of};
 use super::eye::EyePoint;
 use super::lanes::{BLOCK, Block, Color, END, Light, Source};
+use super::mixing::mix;
 use super::neighbours;
 use super::promise::each_promise;
 use super::vpl::{self, Vpl};
@@ -60,9 +61,11 @@ fn gather_all(
     bound: &Bound,
     radiance: &mut Vec3s,
 ) {
-    let mut parts: Vec<Part> = blocks(points).map(|eyes| Part::new(tracer, eyes, keys)).collect();
     let mut room = Room::default();
     let most = asked_of(sources.len());
+    let SampleKey { pixel, sample, .. } = keys[points[0].lane as usize];
+    let mixed = (sources.len() > most).then(|| hash_combine(pixel, sample));
+    let mut parts: Vec<Part> = blocks(points, mixed).map(|eyes| Part::new(tracer, eyes, keys)).collect();
     if sources.len() <= most {
         // Neighbours shine on one block after the other: what lies in between stays in caches.
         for near in sources.chunks(NEAR) {
@@ -149,7 +152,7 @@ impl<'a> Part<'a> {
         let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
         rows.clear();
         let asked = (&self.block, &self.eyes[..]);
-        each_promise(level, asked, sources, (bound, max_edges), light, |i, promise| rows.push(i, promise));
+        each_promise(level, asked, sources, (bound, max_edges), light, |i, promise, _| rows.push(i, promise));
         rows.chosen(learned, most, u)
     }
 
@@ -202,16 +205,28 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The points of a tile such that those of a block lie near each other and do alike to light.
-fn blocks<'a>(points: &[&'a EyePoint]) -> impl Iterator<Item = Vec<&'a EyePoint>> {
+/// The points of a tile such that those of a block lie near each other and do alike to light; where there is a seed blocks mix.
+fn blocks<'a>(points: &[&'a EyePoint], seed: Option<u32>) -> impl Iterator<Item = Vec<&'a EyePoint>> {
     let kinds = [0, 1, 2].map(|kind| points.iter().copied().filter(|eye| kind_of(eye) == kind).collect());
     let in_order = |kind: Vec<&'a EyePoint>| {
         let places: Vec<Vec3> = kind.iter().map(|eye| eye.point.p).collect();
-        neighbours::in_order(&places, BLOCK).into_iter().map(move |i| kind[i as usize])
+        let order = neighbours::in_order(&places, BLOCK);
+        let mut turns: Vec<usize> = (0..order.len()).collect();
+        if let Some(seed) = seed {
+            for near in turns.chunks_mut(MIXED * BLOCK) {
+                mix(near, hash_combine(seed, near[0] as u32));
+                // Lanes side by side stay near each other.
+                near.chunks_mut(BLOCK).for_each(<[_]>::sort_unstable);
+            }
+        }
+        turns.into_iter().map(move |turn| kind[order[turn] as usize])
     };
     let all: Vec<&EyePoint> = kinds.into_iter().flat_map(in_order).collect();
     (0..all.len()).step_by(BLOCK).map(move |first| all[first..all.len().min(first + BLOCK)].to_vec())
 }
+
+/// Blocks that follow each other and exchange points by chance where each asks lights of its own: what these err then is no block.
+const MIXED: usize = 4;
 
 /// Lambertian, another, or one that light goes through, which lanes do not know.
 fn kind_of(eye: &EyePoint) -> usize {

@@ -86,6 +86,7 @@ impl Default for Densities {
 }
 
 /// Colours of lanes.
+#[derive(Clone, Copy)]
 pub(super) struct Color(pub(super) [Lanes; 3]);
 
 impl Default for Color {

@@ -22,6 +22,7 @@ mod lanes;
 mod light_path;
 mod make;
 mod metropolis;
+mod mixing;
 mod neighbours;
 mod offers;
 mod pass;

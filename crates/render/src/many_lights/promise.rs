@@ -11,7 +11,7 @@ use gnurt_simd::{Level, dispatch, dispatch_wide, f32x16, prelude::*};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
-use super::lanes::{BLOCK, Block, Lanes, Light, Source};
+use super::lanes::{BLOCK, Block, Color, Lanes, Light, Source};
 use super::vpl::Vpl;
 
 /// What virtual lights promise to a block of points.
@@ -19,33 +19,36 @@ pub(super) struct Promises<'a> {
     sources: &'a [Source],
     bound: Bound,
     max_edges: u32,
-    /// Sums over the lights up to each.
+    /// Sums over the lights up to each, and what each brings if nothing is in between.
     sums: Vec<Lanes>,
+    brought: Vec<Color>,
     light: Box<Light>,
 }
 
 impl<'a> Promises<'a> {
     /// `sources` are made for this bound.
     pub(super) fn new(sources: &'a [Source], bound: Bound, max_edges: u32) -> Self {
-        let sums = Vec::with_capacity(sources.len());
-        Self { sources, bound, max_edges, sums, light: Box::default() }
+        let (sums, brought) = (Vec::with_capacity(sources.len()), Vec::with_capacity(sources.len()));
+        Self { sources, bound, max_edges, sums, brought, light: Box::default() }
     }
 
     /// Asks all lights what they bring to these points, `BLOCK` at most.
     pub(super) fn ask(&mut self, level: Level, points: &[&EyePoint]) {
-        let Self { sources, bound, max_edges, sums, light } = self;
+        let Self { sources, bound, max_edges, sums, brought, light } = self;
         let block = Block::new(points, *max_edges);
         let mut sum = [0.0; BLOCK];
         sums.clear();
-        each_promise(level, (&block, points), sources, (&*bound, *max_edges), light, |_, promise| {
+        brought.clear();
+        each_promise(level, (&block, points), sources, (&*bound, *max_edges), light, |_, promise, color| {
             (0..BLOCK).for_each(|i| sum[i] += promise[i]);
             sums.push(sum);
+            brought.push(*color);
         });
     }
 
     /// Chooses `count` lights for a point, evenly along the sum of their promises; `with` gets those that were chosen and
-    /// what they count.
-    pub(super) fn choose(&self, lane: usize, count: u32, u: f32, mut with: impl FnMut(&Vpl, f32)) {
+    /// what they bring if nothing is in between, times what they count.
+    pub(super) fn choose(&self, lane: usize, count: u32, u: f32, mut with: impl FnMut(&Vpl, Vec3)) {
         let total = self.sums.last().map_or(0.0, |sum| sum[lane]);
         if !(total > 0.0 && total < f32::INFINITY) {
             return;
@@ -62,24 +65,22 @@ impl<'a> Promises<'a> {
             }
             if let Some(source) = self.sources.get(i) {
                 let before = if i > 0 { self.sums[i - 1][lane] } else { 0.0 };
-                with(
-                    &source.vpl,
-                    (n - first) as f32 * total / (count as f32 * (self.sums[i][lane] - before)),
-                );
+                let times = (n - first) as f32 * total / (count as f32 * (self.sums[i][lane] - before));
+                with(&source.vpl, self.brought[i].get(lane) * times);
             }
         }
     }
 }
 
-/// Calls `with(place in the list, promise to each point)` for each light: the luminance of what it brings to the points of a block if
-/// nothing is in between.
+/// Calls `with(place in the list, promise to each point, the same in colour)` for each light: what it brings to the points of a block if
+/// nothing is in between, and the luminance of that. Colours where there is no promise are any.
 pub(super) fn each_promise(
     level: Level,
     (block, points): (&Block, &[&EyePoint]),
     sources: &[Source],
     (bound, max_edges): (&Bound, u32),
     light: &mut Light,
-    mut with: impl FnMut(usize, &Lanes),
+    mut with: impl FnMut(usize, &Lanes, &Color),
 ) {
     for (n, source) in sources.iter().enumerate() {
         let mut promise = [0.0; BLOCK];
@@ -98,12 +99,13 @@ pub(super) fn each_promise(
         let mut one_by_one = |i: usize| {
             let brought = source.vpl.brings(points[i], bound, max_edges).unwrap_or(Vec3::ZERO);
             promise[i] = finite(luminance(brought.into()));
+            light.color.set(i, brought);
         };
         match known {
             Some(_) => block.other.iter().copied().for_each(one_by_one),
             None => (0..points.len()).for_each(&mut one_by_one),
         }
-        with(n, &promise);
+        with(n, &promise, &light.color);
     }
 }
 
@@ -154,8 +156,8 @@ mod tests {
             let (mut mean, mut chosen) = (Vec3::ZERO, 0);
             const TIMES: u32 = 200;
             for n in 0..TIMES {
-                promises.choose(lane, 4, (n as f32 + 0.5) / TIMES as f32, |vpl, weight| {
-                    mean += brings(vpl) * weight / TIMES as f32;
+                promises.choose(lane, 4, (n as f32 + 0.5) / TIMES as f32, |_, brought| {
+                    mean += brought / TIMES as f32;
                     chosen += 1;
                 });
             }

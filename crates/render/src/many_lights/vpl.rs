@@ -10,7 +10,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 use gnurt_shading::SurfacePoint;
-use gnurt_shading::bsdf::{Bsdf, Seen, left_after};
+use gnurt_shading::bsdf::{Bsdf, left_after};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
@@ -77,17 +77,6 @@ impl Vpl {
     /// What it brings to a point seen from the eye if nothing is in between, and its share that virtual lights are to
     /// bring; `None` if it brings nothing.
     pub(crate) fn brings(&self, eye: &EyePoint, bound: &Bound, max_edges: u32) -> Option<Vec3> {
-        self.brings_seen(eye, &mut None, bound, max_edges)
-    }
-
-    /// The same where the point's lobes may be ready to be asked; else they are made so if that is needed.
-    pub(crate) fn brings_seen(
-        &self,
-        eye: &EyePoint,
-        seen: &mut Option<Seen<f32>>,
-        bound: &Bound,
-        max_edges: u32,
-    ) -> Option<Vec3> {
         if self.edges + 1 + eye.edges > max_edges {
             return None;
         }
@@ -102,9 +91,7 @@ impl Vpl {
         if sent == Vec3::ZERO {
             return None;
         }
-        let seen = seen.get_or_insert_with(|| eye.bsdf.seen(eye.wo));
-        let (got, pdf) = seen.eval_pdf(to.into());
-        let got = Vec3::from(got);
+        let (got, pdf) = eye.bsdf.eval_pdf(eye.wo, to);
         if got == Vec3::ZERO {
             return None;
         }

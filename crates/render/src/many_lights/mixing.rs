@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! An order by chance: points that share a choice of virtual lights err alike, and where they lie beside each other that shows as a block.
+//! Source: original; the shuffle is Fisher's and Yates's. Invariant: a function of the number of items and of the seed. Proof: `tests`.
+
+use gnurt_shading::sampling::hash_combine;
+
+/// Puts items into an order by chance.
+pub(super) fn mix<T>(items: &mut [T], seed: u32) {
+    for i in (1..items.len()).rev() {
+        items.swap(i, hash_combine(seed, i as u32) as usize % (i + 1));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each item comes to each place as often as to others.
+    #[test]
+    fn all_places_are_alike() {
+        const N: usize = 8;
+        const TIMES: u32 = 8000;
+        let mut counts = [[0_u32; N]; N];
+        for seed in 0..TIMES {
+            let mut items: [usize; N] = std::array::from_fn(|i| i);
+            mix(&mut items, seed);
+            items.iter().enumerate().for_each(|(place, &item)| counts[item][place] += 1);
+        }
+        // 1000 each, six deviations at most.
+        assert!(counts.iter().flatten().all(|count| count.abs_diff(1000) < 190), "{counts:?}");
+        assert!(counts.iter().all(|row| row.iter().sum::<u32>() == TIMES), "none is lost");
+    }
+}
