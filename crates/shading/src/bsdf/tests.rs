@@ -45,6 +45,14 @@ fn models() -> Vec<(String, Lobes)> {
         let glass = Principled { transmission: 0.7, ..plain };
         add(format!("glassy {metallic} {roughness}"), glass.into());
     }
+    let white_metal = |alpha| Lobe::metal(alpha, Vec3::splat(0.1), Vec3::splat(20.0));
+    add("metal 0.3".into(), white_metal(0.3).into());
+    add("sheen".into(), Lobe::sheen(white, 0.5).into());
+    for (roughness, alpha) in [(0.3, 0.2), (0.8, 0.8)] {
+        let cloth = Lobes::from(Lobe::sheen(white, roughness)).over(white_metal(alpha));
+        add(format!("cloth metal {roughness} {alpha}"), cloth);
+    }
+    add("coated metal".into(), Lobes::from(Lobe::coat(0.2)).over(white_metal(0.6)));
     let rare = rare_models();
     models.extend(rare.into_iter().map(|(name, lobes)| (name.to_owned(), lobes)));
     models
@@ -261,6 +269,8 @@ fn densities_and_values_integrate() {
                 Some("dim") => 0.35,
                 // The same, nearly all of it at grazing views.
                 Some("dark") => 1.0,
+                // All of it, seen head on.
+                Some("sheen") => 1.0,
                 _ => 0.015,
             };
             assert!(
@@ -273,6 +283,37 @@ fn densities_and_values_integrate() {
             assert!(value > 1.0 - lost, "{name} from {wo}: white surfaces keep light: {value}");
         }
     }
+}
+
+/// A layer over white facets: they give what the layer leaves of the direction of which it leaves less, and no light is made.
+#[test]
+fn facets_lose_the_larger_share_below_layers() {
+    let white = Vec3::ONE;
+    let sheens = [0.1, 0.4, 1.0].map(|roughness| Lobe::sheen(white, roughness));
+    let tops = sheens.into_iter().chain([0.15, 0.6].map(Lobe::coat));
+    let bases = [0.15, 0.5, 1.0].map(|alpha| Lobe::facets(alpha, white, white));
+    let mut least = 1.0_f64;
+    for (top, base) in tops.flat_map(|top| bases.map(|base| (top, base))) {
+        let [above, below] = [top, base].map(around_z);
+        let both = around_z(Lobes::from(top).over(base));
+        for wo in views() {
+            let [both, below, alone] = [&both, &below, &above].map(|bsdf| bsdf.seen(wo));
+            let back = above.albedo(wo).x;
+            let (mut found, mut wanted) = (0.0, 0.0);
+            fine([12, 12], |wi, area| {
+                let value = |seen: &Seen<f32>| seen.eval_pdf(wi.into()).0.x;
+                let value_below = value(&below);
+                found += f64::from(value(&both)) * area;
+                let lost = if value_below > 0.0 { back.max(above.albedo(wi).x) } else { 0.0 };
+                wanted += f64::from(value(&alone) + value_below * (1.0 - lost)) * area;
+            });
+            let of = format!("{:?} {} over facets {} from {wo}", top.kind, top.alpha, base.alpha);
+            assert!((found - wanted).abs() < 0.01, "{of}: {found}, not {wanted}");
+            assert!(found < 1.01, "{of} makes energy: {found}");
+            least = least.min(found);
+        }
+    }
+    assert!(least > 0.8, "no more than that is lost: {least} comes back");
 }
 
 /// Fibres that nearly stand send back all light of grazing views and next to none of others: what they leave is the body's.
