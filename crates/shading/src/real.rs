@@ -63,6 +63,8 @@ pub trait Real:
     fn next_down(self) -> Self;
     /// As many numbers as there are points, from place `at` on; zeros beyond the end.
     fn load(self, from: &[f32], at: usize) -> Self;
+    /// Writes as many numbers as there are points, from place `at` on.
+    fn store(self, to: &mut [f32], at: usize);
     /// Writes the numbers of the points in a mask side by side, from place `at` on, and anything up to as many places beyond as
     /// there are points.
     fn squeeze(self, mask: Self::Mask, to: &mut [f32], at: usize);
@@ -192,6 +194,11 @@ impl Real for f32 {
     }
 
     #[inline(always)]
+    fn store(self, to: &mut [f32], at: usize) {
+        to[at] = self;
+    }
+
+    #[inline(always)]
     fn squeeze(self, mask: bool, to: &mut [f32], at: usize) {
         if mask {
             to[at] = self;
@@ -314,6 +321,11 @@ impl<S: Simd> Real for f32x16<S> {
                 f32x16::from_slice(self.token(), &lanes)
             }
         }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32], at: usize) {
+        self.store_slice(&mut to[at..at + 16]);
     }
 
     #[inline(always)]

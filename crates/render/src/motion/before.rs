@@ -41,13 +41,14 @@ impl Before {
         let Some([across, up]) = self.camera.place(sight.image, width as f32 / height as f32) else {
             return Light::default();
         };
-        let x = across * width as f32 - 0.5;
-        let y = (1.0 - up) * height as f32 - 0.5;
-        if !(x > -1.0 && y > -1.0 && x < width as f32 && y < height as f32) {
+        // From the middle of a pixel that would be left of and above all.
+        let x = across * width as f32 + 0.5;
+        let y = (1.0 - up) * height as f32 + 0.5;
+        if !(x > 0.0 && y > 0.0 && x < width as f32 + 1.0 && y < height as f32 + 1.0) {
             return Light::default();
         }
-        let (left, top) = (x.floor(), y.floor());
-        let (right, below) = (x - left, y - top);
+        let (left, top) = (x as i32, y as i32);
+        let (right, below) = (x - left as f32, y - top as f32);
         let (mut sum, mut weights) = (Light::default(), 0.0);
         for (dx, dy, weight) in [
             (0, 0, (1.0 - right) * (1.0 - below)),
@@ -55,7 +56,7 @@ impl Before {
             (0, 1, (1.0 - right) * below),
             (1, 1, right * below),
         ] {
-            let (column, row) = (left as i32 + dx, top as i32 + dy);
+            let (column, row) = (left + dx - 1, top + dy - 1);
             if column < 0 || row < 0 || column >= width as i32 || row >= height as i32 {
                 continue;
             }

@@ -38,6 +38,8 @@ const CHANGING: f32 = 0.7;
 const UNREST: u32 = 8;
 /// Samples count no more than so many times the light that is known there, or that of the mean pixel.
 const SPARK: f32 = 16.0;
+/// How many more fresh samples a first picture has than those that remember one.
+const FIRST: f32 = 4.0;
 /// Fresh samples that go together.
 const TOGETHER: usize = 2048;
 
@@ -67,9 +69,9 @@ pub struct KeptPicture {
 pub struct MotionCost {
     /// Fresh samples of light.
     pub samples: u64,
-    /// Seconds that these took, virtual lights included.
+    /// Seconds that these took.
     pub sampling_seconds: f64,
-    /// Seconds of all the rest.
+    /// Seconds of all the rest, virtual lights included.
     pub other_seconds: f64,
 }
 
@@ -107,12 +109,17 @@ impl KeptPicture {
         let mut frame =
             Frame::new(size, std::mem::take(&mut self.spare_spots), std::mem::take(&mut self.spare));
         let fading = self.fading();
-        let counts = pool.install(|| frame.look(job, self.before.as_ref(), &mut self.tints, fading, stats));
+        let Self { lights, before, tints, .. } = self;
+        // Few paths bring virtual lights: they would not be work for all threads.
+        let (counts, pass) = pool.install(|| {
+            rayon::join(|| frame.look(job, before.as_ref(), tints, fading, stats), || lights.next_few(job))
+        });
         let looked = Instant::now();
-        let pass = pool.install(|| self.lights.next_few(job));
         if let Some(pass) = &pass {
             stats.add(&pass.stats);
         }
+        // The first one has nothing to remember.
+        let fresh = if self.before.is_some() { fresh } else { FIRST * fresh };
         let wanted = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(size[0]) * f64::from(size[1]);
         let scale = scale(counts, wanted);
         let chosen = pool.install(|| frame.choose(scale, self.frame));
@@ -128,7 +135,7 @@ impl KeptPicture {
         pool.install(|| {
             let level = job.options.level;
             self.shown.smooth(size[0] as usize, &frame.spots, &self.tints, &frame.lights, level);
-            self.mean = mean_of(&frame.spots, &self.shown);
+            self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
             self.write(tiles, size[0] as usize);
         });
         let next =
@@ -168,7 +175,7 @@ impl KeptPicture {
         tiles.par_iter_mut().for_each(|tile| {
             tile.show(|[x, y]| {
                 let i = y as usize * width + x as usize;
-                let (tint, light) = (&self.tints[i], self.shown.light(i));
+                let (tint, light) = (&self.tints[i], self.shown.light(x as usize, y as usize));
                 let mean = if light.count > 0.0 { light.mean } else { unknown };
                 let [r, g, b] = (tint.plain + tint.share * mean).to_array();
                 [r, g, b, tint.opacity]
@@ -178,12 +185,15 @@ impl KeptPicture {
 }
 
 /// Luminance of light on the mean pixel that shows a surface.
-fn mean_of(spots: &[Spot], shown: &Planes) -> f32 {
-    let lights = (0..spots.len()).filter(|&i| spots[i].is_surface()).map(|i| shown.light(i));
-    let (sum, count) = lights
-        .filter(|light| light.count > 0.0)
-        .fold((0.0, 0.0), |(sum, count), light| (sum + f64::from(luminance(light.mean.into())), count + 1.0));
-    (sum / f64::max(count, 1.0)) as f32
+fn mean_of(spots: &[Spot], shown: &Planes, width: usize) -> f32 {
+    let of_row = |(y, spots): (usize, &[Spot])| {
+        let surfaces = (0..width).filter(|&x| spots[x].is_surface()).map(|x| shown.light(x, y));
+        let known = surfaces.filter(|light| light.count > 0.0);
+        known.fold((0.0, 0.0), |(sum, count), light| (sum + luminance(light.mean.into()), count + 1.0))
+    };
+    let rows: Vec<(f32, f32)> = spots.par_chunks(width).enumerate().map(of_row).collect();
+    let total = |k: fn(&(f32, f32)) -> f32| rows.iter().map(|row| f64::from(k(row))).sum::<f64>();
+    (total(|row| row.0) / f64::max(total(|row| row.1), 1.0)) as f32
 }
 
 /// Some rows, by their number from the top.

@@ -4,6 +4,7 @@
 //! Layout: what pixels are compared by is apart from what their colour is made of: filters read the one many times.
 
 use glam::Vec3;
+use gnurt_shading::real::Real;
 
 /// Cosine between normals of one surface, at least.
 const SAME_NORMAL: f32 = 0.9;
@@ -36,18 +37,35 @@ impl Spot {
     pub(super) fn agrees(&self, other: &Self, pixels: f32) -> bool {
         let way = other.p - self.p;
         let cos = self.ns.dot(other.ns);
-        (self.id == other.id)
-            & is_one_surface(way.length_squared(), way.dot(self.ns), cos, self.width, pixels)
+        let same = Same::new(self.width, pixels);
+        (self.id == other.id) & same.holds(way.length_squared(), way.dot(self.ns), cos)
     }
 }
 
-/// Whether points may lie on one surface: by the square of their distance, how far the one lies off the other's plane, the cosine between
-/// normals, the width of a pixel there, and how many pixels away they show.
-#[inline(always)]
-pub(super) fn is_one_surface(far2: f32, off: f32, cos: f32, width: f32, pixels: f32) -> bool {
-    let near = NEAR * pixels * width;
-    let off = (off.abs() - TOUCHING * width).max(0.0);
-    (cos >= SAME_NORMAL) & (far2 <= near * near) & (off * off <= SAME_PLANE * SAME_PLANE * far2)
+/// What pixels so wide, and so many pixels away, have to agree in.
+#[derive(Clone, Copy)]
+pub(super) struct Same<R> {
+    /// Square of the greatest distance.
+    far2: R,
+    /// Off a plane by no more than this is on it.
+    touching: R,
+}
+
+impl<R: Real> Same<R> {
+    #[inline(always)]
+    pub(super) fn new(width: R, pixels: f32) -> Self {
+        let near = width * (NEAR * pixels);
+        Self { far2: near * near, touching: width * TOUCHING }
+    }
+
+    /// Whether points may lie on one surface: by the square of their distance, how far the one lies off the other's plane, and the cosine
+    /// between normals.
+    #[inline(always)]
+    pub(super) fn holds(&self, far2: R, off: R, cos: R) -> R::Mask {
+        let off = (off.size() - self.touching).or_more(off.all(0.0));
+        let is_off = (off * off).above(far2 * (SAME_PLANE * SAME_PLANE));
+        cos.above_all(SAME_NORMAL) & self.far2.above(far2) & !is_off
+    }
 }
 
 /// What its colour is made of.

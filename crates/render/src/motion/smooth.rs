@@ -5,48 +5,58 @@
 //! enough stay as they are, so that light gets sharper the longer it is seen.
 //! Invariant: no light comes from another surface; the mean over a surface stays. Proof: `tests`.
 
-use std::ops::Range;
-
 use glam::Vec3;
-use gnurt_simd::{Level, dispatch_two};
+use gnurt_shading::real::{Real, Vector};
+use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 use rayon::prelude::*;
 
-use super::sight::{Light, Spot, Tint, is_one_surface};
+use super::sight::{Light, Same, Spot, Tint};
 
 /// Samples that make a pixel good enough.
-const ENOUGH: f32 = 160.0;
-/// Steps in pixels, and those for pixels alone that know nothing then.
-const STEPS: [i32; 3] = [1, 2, 4];
-const FAR: [i32; 2] = [8, 16];
-/// Lobes narrower than this are averaged over next neighbours only.
+const ENOUGH: f32 = 100.0;
+/// A step in pixels, and the weights of neighbours beside a pixel and of those at its corners.
+type Step = (usize, [f32; 2]);
+/// Weights of a half and a quarter in all but the last step: so they fall evenly from pixel to pixel, and no pattern shows.
+const STEPS: [Step; 3] = [(1, [0.5, 0.25]), (2, [0.5, 0.25]), (4, [0.75, 0.4])];
+/// Steps for pixels alone that know nothing then.
+const FAR: [Step; 2] = [(8, [0.75, 0.4]), (16, [0.75, 0.4])];
+/// Where lobes are narrower than this so few samples are good enough: what they show is blurred first, and sharp the longer it is seen.
 const SHINY: f32 = 0.25;
-/// Neighbours and their weights.
-const AROUND: [(i32, i32, f32); 8] = [
-    (-1, -1, 0.5),
-    (0, -1, 0.75),
-    (1, -1, 0.5),
-    (-1, 0, 0.75),
-    (1, 0, 0.75),
-    (-1, 1, 0.5),
-    (0, 1, 0.75),
-    (1, 1, 0.5),
-];
+const ENOUGH_OF_SHINY: f32 = 4.0;
+/// Neighbours by row and column, of three each.
+const AROUND: [[usize; 2]; 8] = [[0, 0], [0, 1], [0, 2], [1, 0], [1, 2], [2, 0], [2, 1], [2, 2]];
 
-/// Pixels of a row that are passed over together where all of them stay.
-const TOGETHER: usize = 64;
+/// Columns on each side of a row that show nothing, so that all neighbours of a pixel are there.
+const MARGIN: usize = 16;
+/// Rows are as long as so many lanes, or as a multiple.
+const LANES: usize = 16;
 
-/// A picture as planes of numbers, so that pixels beside each other are lanes.
+/// Numbers of a row of pixels that are beside each other, one after the other.
+mod shape {
+    pub(super) const P: usize = 0;
+    pub(super) const NS: usize = 3;
+    pub(super) const WIDTH: usize = 6;
+    pub(super) const ID: usize = 7;
+    /// Samples from which on a pixel stays as it is, after the first step.
+    pub(super) const ENOUGH: usize = 8;
+    pub(super) const COUNT: usize = 9;
+}
+mod light {
+    pub(super) const MEAN: usize = 0;
+    pub(super) const SAMPLES: usize = 3;
+    pub(super) const COUNT: usize = 4;
+}
+
+/// A picture as rows of numbers of each kind, so that pixels beside each other are lanes.
 #[derive(Default)]
 pub(super) struct Planes {
     width: usize,
-    /// Place, normal, width of a pixel.
-    shape: [Vec<f32>; 7],
-    id: Vec<u32>,
-    /// Light and samples; the same after a step.
-    light: [Vec<f32>; 4],
-    next: [Vec<f32>; 4],
-    /// Samples from which on a pixel stays as it is, after the first step.
-    enough: Vec<f32>,
+    /// Numbers of one kind in a row.
+    stride: usize,
+    shape: Vec<f32>,
+    light: Vec<f32>,
+    /// Light after a step.
+    next: Vec<f32>,
 }
 
 impl Planes {
@@ -63,150 +73,169 @@ impl Planes {
         for (k, step) in STEPS.into_iter().enumerate() {
             self.step(step, k == 0, level);
         }
-        if self.light[3].iter().zip(&self.id).any(|(&count, &id)| count == 0.0 && id != 0) {
-            self.enough.fill(f32::MIN_POSITIVE);
+        if self.has_unknown() {
+            let Self { stride, shape, .. } = self;
+            let all = *stride * shape::COUNT;
+            let enough = |row: &mut [f32]| row[shape::ENOUGH * *stride..].fill(f32::MIN_POSITIVE);
+            shape.par_chunks_mut(all).for_each(enough);
             FAR.into_iter().for_each(|step| self.step(step, false, level));
         }
     }
 
     /// Light on a pixel, of so many samples.
-    pub(super) fn light(&self, i: usize) -> Light {
-        let [r, g, b, count] = &self.light;
-        Light { mean: Vec3::new(r[i], g[i], b[i]), count: count[i] }
+    #[inline(always)]
+    pub(super) fn light(&self, x: usize, y: usize) -> Light {
+        let at = |k: usize| self.light[(y * light::COUNT + k) * self.stride + MARGIN + x];
+        let mean = Vec3::new(at(light::MEAN), at(light::MEAN + 1), at(light::MEAN + 2));
+        Light { mean, count: at(light::SAMPLES) }
     }
 
     fn fill(&mut self, width: usize, spots: &[Spot], tints: &[Tint], lights: &[Light]) {
-        self.width = width;
-        let Self { shape, id, light, next, enough, .. } = self;
-        shape
-            .iter_mut()
-            .chain(light.iter_mut())
-            .chain(next.iter_mut())
-            .for_each(|plane| plane.resize(spots.len(), 0.0));
-        shape.par_iter_mut().enumerate().for_each(|(k, plane)| {
-            let number = |spot: &Spot| match k {
-                0..3 => spot.p[k],
-                3..6 => spot.ns[k - 3],
-                _ => spot.width,
-            };
-            plane.iter_mut().zip(spots).for_each(|(out, spot)| *out = number(spot));
+        let stride = width.next_multiple_of(LANES) + 2 * MARGIN;
+        let height = spots.len() / width.max(1);
+        let Self { shape, light, next, .. } = self;
+        for (plane, count) in [(&mut *shape, shape::COUNT), (&mut *light, light::COUNT), (next, light::COUNT)]
+        {
+            if self.stride != stride {
+                plane.clear();
+            }
+            plane.resize(height * stride * count, 0.0);
+        }
+        (self.width, self.stride) = (width, stride);
+        let rows =
+            shape.par_chunks_mut(stride * shape::COUNT).zip(light.par_chunks_mut(stride * light::COUNT));
+        let seen = spots.par_chunks(width).zip(tints.par_chunks(width)).zip(lights.par_chunks(width));
+        rows.zip(seen).for_each(|((shape, light), ((spots, tints), lights))| {
+            let [x, y, z, u, v, w, wide, id, enough] = planes_of(shape, stride, width);
+            for (i, (spot, tint)) in spots.iter().zip(tints).enumerate() {
+                [x[i], y[i], z[i]] = spot.p.to_array();
+                [u[i], v[i], w[i]] = spot.ns.to_array();
+                (wide[i], id[i]) = (spot.width, number_of(spot.id));
+                enough[i] = if tint.grain < SHINY { ENOUGH_OF_SHINY } else { ENOUGH };
+            }
+            let [r, g, b, n] = planes_of(light, stride, width);
+            for (i, light) in lights.iter().enumerate() {
+                [r[i], g[i], b[i]] = light.mean.to_array();
+                n[i] = light.count;
+            }
         });
-        light.par_iter_mut().enumerate().for_each(|(k, plane)| {
-            let number = |light: &Light| if k < 3 { light.mean[k] } else { light.count };
-            plane.iter_mut().zip(lights).for_each(|(out, light)| *out = number(light));
-        });
-        id.clear();
-        id.extend(spots.iter().map(|spot| spot.id));
-        let stays = |tint: &Tint| if tint.grain < SHINY { f32::MIN_POSITIVE } else { ENOUGH };
-        enough.clear();
-        enough.extend(tints.iter().map(stays));
     }
 
-    /// Averages each pixel with neighbours so many pixels away.
-    fn step(&mut self, step: i32, is_first: bool, level: Level) {
-        let Self { width, shape, id, light, next, enough } = self;
-        let width = *width;
-        let from = From { width, height: id.len() / width.max(1), shape, id, light };
-        let [r, g, b, n] = next;
-        let rows = r.par_chunks_mut(width).zip(g.par_chunks_mut(width));
-        let rows = rows.zip(b.par_chunks_mut(width).zip(n.par_chunks_mut(width))).enumerate();
-        rows.for_each(|(y, ((r, g), (b, n)))| {
-            let enough = if is_first { None } else { Some(&enough[y * width..(y + 1) * width]) };
-            let out = [r, g, b, n];
-            dispatch_two!(level, _simd => from.row(y, step, enough, out));
+    /// Whether nobody knows anything of some surface.
+    fn has_unknown(&self) -> bool {
+        let Self { width, stride, .. } = *self;
+        let shapes = self.shape.par_chunks(stride * shape::COUNT);
+        shapes.zip(self.light.par_chunks(stride * light::COUNT)).any(|(shape, light)| {
+            let ids = &shape[shape::ID * stride + MARGIN..][..width];
+            let counts = &light[light::SAMPLES * stride + MARGIN..][..width];
+            ids.iter().zip(counts).any(|(&id, &count)| count == 0.0 && id != 0.0)
+        })
+    }
+
+    /// Averages each pixel with neighbours so many pixels away, which count so much.
+    fn step(&mut self, step: Step, is_first: bool, level: Level) {
+        let Self { width, stride, shape, light, next } = self;
+        let from = From { width: *width, stride: *stride, shape, light };
+        next.par_chunks_mut(*stride * light::COUNT).enumerate().for_each(|(y, out)| {
+            dispatch_wide!(
+                level,
+                simd => from.row(f32x16::splat(simd, 0.0), y, (step, is_first), out),
+                else from.row(0.0_f32, y, (step, is_first), out)
+            );
         });
         std::mem::swap(light, next);
     }
 }
 
+/// A number for a thing, for comparing: never NaN, and that of nothing is nothing's alone.
+fn number_of(id: u32) -> f32 {
+    let fraction = (id ^ id >> 9) & 0x7f_ffff;
+    if id == 0 { 0.0 } else { f32::from_bits(fraction | 1.0_f32.to_bits()) }
+}
+
+/// The numbers of each kind in a row, without margins.
+fn planes_of<const N: usize>(row: &mut [f32], stride: usize, width: usize) -> [&mut [f32]; N] {
+    let mut planes = row.chunks_exact_mut(stride);
+    std::array::from_fn(|_| &mut planes.next().expect("as many as there are")[MARGIN..MARGIN + width])
+}
+
 /// What is averaged.
 struct From<'a> {
     width: usize,
-    height: usize,
-    shape: &'a [Vec<f32>; 7],
-    id: &'a [u32],
-    light: &'a [Vec<f32>; 4],
+    stride: usize,
+    shape: &'a [f32],
+    light: &'a [f32],
 }
 
 impl From<'_> {
-    /// A row after a step; pixels stay as they are that have `enough`.
+    /// A row after a step; after the first one pixels stay as they are that have enough. `like` only tells how many go at a time.
     #[inline(always)]
-    fn row(&self, y: usize, step: i32, enough: Option<&[f32]>, out: [&mut [f32]; 4]) {
-        let width = self.width;
-        let [r, g, b, n] = out;
-        for first in (0..width).step_by(TOGETHER) {
-            let part = first..width.min(first + TOGETHER);
-            let out =
-                [&mut r[part.clone()], &mut g[part.clone()], &mut b[part.clone()], &mut n[part.clone()]];
-            self.part(y, part.clone(), step, enough.map(|enough| &enough[part]), out);
-        }
-    }
-
-    /// Some of its columns.
-    #[inline(always)]
-    fn part(&self, y: usize, columns: Range<usize>, step: i32, enough: Option<&[f32]>, out: [&mut [f32]; 4]) {
-        let (width, begin) = (self.width, y * self.width + columns.start);
-        let [r, g, b, n] = out;
-        let count = columns.len();
-        let [own_r, own_g, own_b, own_n] = self.light.each_ref().map(|plane| &plane[begin..begin + count]);
-        if enough.is_some_and(|enough| own_n.iter().zip(enough).all(|(n, enough)| n >= enough)) {
-            r.copy_from_slice(own_r);
-            g.copy_from_slice(own_g);
-            b.copy_from_slice(own_b);
-            return n.copy_from_slice(own_n);
-        }
-        for i in 0..count {
-            (r[i], g[i], b[i], n[i]) =
-                (own_r[i] * own_n[i], own_g[i] * own_n[i], own_b[i] * own_n[i], own_n[i]);
-        }
-        for (dx, dy, weight) in AROUND {
-            let (dx, row) = (dx * step, y as i32 + dy * step);
-            let low = (-dx).max(columns.start as i32);
-            let high = (width as i32 - dx.max(0)).min(columns.end as i32);
-            if row >= 0 && row < self.height as i32 && low < high {
-                let other = (row * width as i32 + low + dx) as usize;
-                let (low, high) = (low as usize - columns.start, high as usize - columns.start);
-                let out = [&mut r[low..high], &mut g[low..high], &mut b[low..high], &mut n[low..high]];
-                self.tap(begin + low, other, high - low, (step as f32, weight), out);
-            }
-        }
-        for i in 0..count {
-            let stays = enough.is_some_and(|enough| own_n[i] >= enough[i]) | (n[i] <= 0.0);
-            let scale = 1.0 / n[i];
-            let mean = |own: f32, sum: f32| if stays { own } else { sum * scale };
-            (r[i], g[i], b[i]) = (mean(own_r[i], r[i]), mean(own_g[i], g[i]), mean(own_b[i], b[i]));
-            n[i] = if stays { own_n[i] } else { n[i] };
-        }
-    }
-
-    /// Adds `count` neighbours from place `other` on to the pixels from `own` on, as far as they show one surface.
-    #[inline(always)]
-    fn tap(
+    fn row<R: Real>(
         &self,
-        own: usize,
-        other: usize,
-        count: usize,
-        (pixels, weight): (f32, f32),
-        out: [&mut [f32]; 4],
+        like: R,
+        y: usize,
+        ((step, [beside, corner]), is_first): (Step, bool),
+        out: &mut [f32],
     ) {
-        let [x, y, z, u, v, w, width] = self.shape.each_ref().map(|plane| &plane[own..own + count]);
-        let [ox, oy, oz, ou, ov, ow, _] = self.shape.each_ref().map(|plane| &plane[other..other + count]);
-        let (id, other_id) = (&self.id[own..own + count], &self.id[other..other + count]);
-        let [or, og, ob, on] = self.light.each_ref().map(|plane| &plane[other..other + count]);
-        let [r, g, b, n] = out.map(|plane| &mut plane[..count]);
-        for i in 0..count {
-            let (dx, dy, dz) = (ox[i] - x[i], oy[i] - y[i], oz[i] - z[i]);
-            let off = dx * u[i] + dy * v[i] + dz * w[i];
-            let cos = ou[i] * u[i] + ov[i] * v[i] + ow[i] * w[i];
-            let is_same = is_one_surface(dx * dx + dy * dy + dz * dz, off, cos, width[i], pixels)
-                & (id[i] == other_id[i]);
-            let samples = if is_same { weight * on[i] } else { 0.0 };
-            r[i] += or[i] * samples;
-            g[i] += og[i] * samples;
-            b[i] += ob[i] * samples;
-            n[i] += samples;
+        let stride = self.stride;
+        let height = self.light.len() / (stride * light::COUNT);
+        let zero = like.all(0.0);
+        let shape_of = |y: usize| &self.shape[y * stride * shape::COUNT..][..stride * shape::COUNT];
+        let light_of = |y: usize| &self.light[y * stride * light::COUNT..][..stride * light::COUNT];
+        let (own_shape, own_light) = (shape_of(y), light_of(y));
+        let above = y.checked_sub(step);
+        let below = Some(y + step).filter(|&y| y < height);
+        let near = [above, Some(y), below].map(|y| y.map(|y| (shape_of(y), light_of(y))));
+        for first in (MARGIN..MARGIN + self.width).step_by(R::LANES) {
+            let (mean, own) = light_at(zero, own_light, stride, first);
+            let enough = zero.load(own_shape, shape::ENOUGH * stride + first);
+            let has_enough = if is_first { zero.above(zero) } else { !enough.above(own) };
+            let mut keep = |mean: Vector<R>, n: R| {
+                for (k, plane) in [mean.x, mean.y, mean.z, n].into_iter().enumerate() {
+                    plane.store(out, k * stride + first);
+                }
+            };
+            if !R::any(!has_enough) {
+                keep(mean, own);
+                continue;
+            }
+            let (p, ns) = (
+                vector_at(zero, own_shape, shape::P, stride, first),
+                vector_at(zero, own_shape, shape::NS, stride, first),
+            );
+            let wide = zero.load(own_shape, shape::WIDTH * stride + first);
+            let id = zero.load(own_shape, shape::ID * stride + first);
+            let same = Same::new(wide, step as f32);
+            let (mut sum, mut n) = (mean * own, own);
+            for [row, column] in AROUND {
+                let weight = if row == 1 || column == 1 { beside } else { corner };
+                let Some((shape, light)) = near[row] else { continue };
+                let other = first + column * step - step;
+                let way = vector_at(zero, shape, shape::P, stride, other) - p;
+                let cos = vector_at(zero, shape, shape::NS, stride, other).dot(ns);
+                let is_same = same.holds(way.length_squared(), way.dot(ns), cos)
+                    & id.is(zero.load(shape, shape::ID * stride + other));
+                let (mean, count) = light_at(zero, light, stride, other);
+                let count = R::pick(is_same, count * weight, zero);
+                (sum, n) = (sum + mean * count, n + count);
+            }
+            let stays = has_enough | !n.above(zero);
+            let scale = zero.all(1.0) / n;
+            keep(Vector::pick(stays, mean, sum * scale), R::pick(stays, own, n));
         }
     }
+}
+
+/// Three kinds of numbers.
+#[inline(always)]
+fn vector_at<R: Real>(like: R, row: &[f32], kind: usize, stride: usize, at: usize) -> Vector<R> {
+    let number = |k: usize| like.load(row, (kind + k) * stride + at);
+    Vector { x: number(0), y: number(1), z: number(2) }
+}
+
+#[inline(always)]
+fn light_at<R: Real>(like: R, row: &[f32], stride: usize, at: usize) -> (Vector<R>, R) {
+    (vector_at(like, row, light::MEAN, stride, at), like.load(row, light::SAMPLES * stride + at))
 }
 
 #[cfg(test)]
@@ -233,7 +262,7 @@ mod tests {
         let all = Level::available().into_iter().map(|level| {
             let mut planes = Planes::default();
             planes.smooth(width, &spots, &tints, &lights, level);
-            (0..spots.len()).map(|i| planes.light(i)).collect::<Vec<Light>>()
+            (0..spots.len()).map(|i| planes.light(i % width, i / width)).collect::<Vec<Light>>()
         });
         let all: Vec<Vec<Light>> = all.collect();
         let bits = |lights: &[Light]| -> Vec<[u32; 3]> {
