@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures at rest that do not flicker: what is shown goes to what is known by steps too small to be seen, block by block.
 //! Source: original. A block is 8 x 8 pixels. Its mean brightness changes by no more than `STEP` of itself from picture to picture, or of
-//! `DARK` of the whole picture's where it is darker; where that is enough, which is most blocks of most pictures, the colours that are known
-//! are shown, bit for bit. At the end all are. Linear light. Proof: `tests`.
+//! `DARK` of the whole picture's where it is darker, and its pixels by no more than `GRAIN` times the root of the samples: noise of few
+//! samples comes in little by little. Where that is enough the colours that are known are shown, bit for bit. At the end all are. Linear
+//! light. Proof: `tests`.
 
 use gnurt::image::srgb::luminance;
 
@@ -10,6 +11,8 @@ use gnurt::image::srgb::luminance;
 const BLOCK: usize = 8;
 /// Most that a block's mean changes.
 const STEP: f32 = 0.018;
+/// Most that its pixels change, root of the mean square, where one sample of each is known.
+const GRAIN: f32 = 0.06;
 /// Share of the whole picture's brightness, below which blocks count as so bright.
 const DARK: f32 = 0.05;
 
@@ -35,8 +38,8 @@ impl Calm {
         self.shown.extend_from_slice(colors);
     }
 
-    /// Goes on towards what is known.
-    pub(crate) fn follow(&mut self, width: usize, known: &[[f32; 4]]) {
+    /// Goes on towards what is known, by so many samples of each pixel.
+    pub(crate) fn follow(&mut self, width: usize, known: &[[f32; 4]], samples: u32) {
         if self.width != width || self.shown.len() != known.len() {
             self.begin(width, known);
             self.is_there = true;
@@ -44,17 +47,19 @@ impl Calm {
         }
         self.is_there = true;
         let dark = DARK * mean(known.iter());
+        let grain = GRAIN * (samples.max(1) as f32).sqrt();
         for top in (0..known.len() / width.max(1)).step_by(BLOCK) {
             for left in (0..width).step_by(BLOCK) {
                 let change = Change::of(width, &self.shown, known, [left, top]);
-                let most = STEP * change.before.max(dark);
-                if change.size <= most || !change.size.is_finite() {
+                let bright = change.before.max(dark);
+                let share = (STEP * bright / change.size).min(grain * bright / change.grain);
+                // No number where nothing changes, or where something is none.
+                if share >= 1.0 || share.is_nan() {
                     rows(width, known.len(), [left, top])
                         .for_each(|row| self.shown[row.clone()].copy_from_slice(&known[row]));
                     continue;
                 }
                 self.is_there = false;
-                let share = most / change.size;
                 for i in rows(width, known.len(), [left, top]).flatten() {
                     let (shown, known) = (&mut self.shown[i], &known[i]);
                     (0..4).for_each(|k| shown[k] += (known[k] - shown[k]) * share);
@@ -80,13 +85,19 @@ struct Change {
     before: f32,
     /// How much that changes, either way.
     size: f32,
+    /// How much the brightness of its pixels does: root of the mean square.
+    grain: f32,
 }
 
 impl Change {
     fn of(width: usize, from: &[[f32; 4]], to: &[[f32; 4]], corner: [usize; 2]) -> Self {
         let [before, after] =
             [from, to].map(|colors| mean(rows(width, colors.len(), corner).flat_map(|row| &colors[row])));
-        Self { before, size: (after - before).abs() }
+        let pixels = || rows(width, from.len(), corner).flatten();
+        let light = |[r, g, b, _]: [f32; 4]| luminance([r, g, b]);
+        let squares: f32 = pixels().map(|i| (light(to[i]) - light(from[i])).powi(2)).sum();
+        let grain = (squares / pixels().count().max(1) as f32).sqrt();
+        Self { before, size: (after - before).abs(), grain }
     }
 }
 
@@ -135,11 +146,11 @@ mod tests {
         let from = picture(|x, y| 1.0 + 0.1 * ((x * 7 + y * 13) % 5) as f32);
         let to = picture(|x, y| if x < 9 { 3.0 } else { 1.0 + 0.1 * ((x * 3 + y * 11) % 5) as f32 });
         let mut calm = Calm::default();
-        calm.follow(21, &from);
+        calm.follow(21, &from, 1);
         assert!(calm.is_there() && calm.shown() == from, "the first one is shown as it is");
         let (mut before, mut steps) = (from, 0);
         while steps == 0 || !calm.is_there() {
-            calm.follow(21, &to);
+            calm.follow(21, &to, 1);
             let [most, _] = flicker(21, &before, calm.shown());
             assert!(most < 0.02, "step {steps}: {most}");
             before = calm.shown().to_vec();
@@ -148,8 +159,28 @@ mod tests {
         }
         assert!(calm.shown() == to && steps > 20, "at last all of it, bit for bit: {steps} steps");
         calm.forget();
-        calm.follow(21, &picture(|_, _| 9.0));
+        calm.follow(21, &picture(|_, _| 9.0), 1);
         assert!(calm.is_there(), "another picture is shown at once");
+    }
+
+    /// Pixels that change while the mean of their block stays.
+    #[test]
+    fn noise_comes_in_little_by_little() {
+        let blocks = |value: fn(usize) -> f32| (0..256).map(|i| [value(i); 4]).collect::<Vec<_>>();
+        let (smooth, noisy) = (blocks(|_| 1.0), blocks(|i| 2.0 * (i % 2) as f32));
+        let grain = |shown: &[[f32; 4]]| {
+            let squares: f32 = shown[..8].iter().map(|pixel| (pixel[0] - 1.0).powi(2)).sum();
+            (squares / 8.0).sqrt()
+        };
+        for samples in [1, 16, 1024] {
+            let mut calm = Calm::default();
+            calm.begin(16, &smooth);
+            calm.follow(16, &noisy, samples);
+            let wanted = (GRAIN * (samples as f32).sqrt()).min(1.0);
+            let found = grain(calm.shown());
+            assert!((found - wanted).abs() < 1e-3, "{samples} samples: {found}, not {wanted}");
+            assert_eq!(calm.is_there(), samples == 1024, "{samples} samples");
+        }
     }
 
     #[test]

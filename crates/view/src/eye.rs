@@ -248,9 +248,9 @@ impl Eye {
         let Making { accumulation, shown, reach, fleeting, .. } = making;
         let RenderOptions { width, height, .. } = *accumulation.options();
         self.colors.resize(width as usize * height as usize, [0.0; 4]);
-        let parts = if let Some((_, clean)) = making.clean.as_ref().filter(|_| clean) {
+        let parts = if let Some((samples, clean)) = making.clean.as_ref().filter(|_| clean) {
             self.colors.clone_from(clean);
-            self.calm.follow(width as usize, &self.colors);
+            self.calm.follow(width as usize, &self.colors, *samples);
             Part::all_of(self.calm.shown(), [width, height])
         } else if shown.needs_layers() {
             shown.colors(&accumulation.picture(), *reach, &mut self.colors);
@@ -259,7 +259,7 @@ impl Eye {
             accumulation.film_bands().into_iter().map(Part::Passing).collect()
         } else {
             accumulation.write_colors(&mut self.colors, pool);
-            self.calm.follow(width as usize, &self.colors);
+            self.calm.follow(width as usize, &self.colors, accumulation.samples());
             Part::all_of(self.calm.shown(), [width, height])
         };
         screen::develop(exposure, parts, [width, height], size, screen, Some(pool));

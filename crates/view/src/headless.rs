@@ -95,13 +95,17 @@ pub struct SeenFrame<'a> {
     eye: &'a mut Eye,
     picture: &'a mut Picture,
     pool: &'a ThreadPool,
+    /// Whether nothing moves any more.
+    rests: bool,
 }
 
 impl SeenFrame<'_> {
-    /// The frame in linear light.
+    /// The frame in linear light: what its samples say, or what a window shows of them if it rests.
     pub fn picture(&mut self) -> &Picture {
         self.eye.catch_up(self.pool);
-        self.picture.color.clone_from(&self.eye.colors);
+        let colors = if self.rests { self.eye.shown(self.pool) } else { &self.eye.colors };
+        self.picture.color.clear();
+        self.picture.color.extend_from_slice(colors);
         self.picture
     }
 }
@@ -137,7 +141,7 @@ pub fn run_headless(
             finished = eye.pass(&stage.world, eye.samples().clamp(1, MOST_SAMPLES), pool, progress);
             eye.develop(options.exposure, size, &mut screen, false, pool);
             seconds += begin.elapsed().as_secs_f64();
-            seen(frame, &mut SeenFrame { eye: &mut eye, picture: &mut picture, pool })?;
+            seen(frame, &mut SeenFrame { eye: &mut eye, picture: &mut picture, pool, rests: false })?;
             begin = Instant::now();
         }
         times.rays += eye.rays();
@@ -187,7 +191,8 @@ fn rest(
         before.extend_from_slice(eye.shown(pool));
         (rest.most, rest.mean) = (rest.most.max(most), rest.mean + mean);
         (rest.pictures, rest.samples) = (rest.pictures + 1, eye.samples());
-        seen(options.frames + rest.pictures - 1, &mut SeenFrame { eye, picture: &mut picture, pool })?;
+        let mut shown = SeenFrame { eye, picture: &mut picture, pool, rests: true };
+        seen(options.frames + rest.pictures - 1, &mut shown)?;
     }
     rest.mean /= rest.pictures.max(1) as f32;
     Ok(rest)
