@@ -6,7 +6,7 @@
 
 SUITE is a checkout of OpenShadingLanguage (its files stay where they are), GNURT the program. A scene's XML becomes an OBJ whose
 materials are the scene's groups, in OSL's text form; `gnurt render` does the rest: path tracing, a tent filter, as many bounces.
-Three things are put into copies of shaders: the type `environment` in the background's, its direction, since skies have z up, and the
+Four things are put into copies of shaders: that values of pictures are as they are stored, the type `environment` in the background's, its direction, since skies have z up, and the
 light of its sun, which the suite's own table has too bright. Printed, by colours: the mean of the picture over that of the reference, the best of ref/*.exr, whose own
 noise is a tenth of a percent to one percent; and the mean difference of the pictures at a quarter of their size.
 
@@ -127,6 +127,8 @@ class Scene:
         self.files = {}
         for path in glob.glob(os.path.join(work, "*.osl")):
             text = open(path).read().replace("../common", common)
+            # The suite's renderer takes pictures' values as they are.
+            text = re.sub(r"(\btexture\s*\(\s*filename,[^;]*?)\)\s*;", r'\1, "colorspace", "raw");', text)
             for name in re.findall(r"^\s*(?:surface|shader|displacement)\s+(\w+)", re.sub(r"//.*|/\*.*?\*/", "", text), re.M):
                 self.files[name] = text
         xml = [p for p in glob.glob(os.path.join(folder, "*.xml"))]

@@ -38,7 +38,7 @@ pub(crate) enum Known {
 }
 
 /// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure; given by name: `~` a thin film's thickness (nanometres)
-/// and index, `+` whether light is kept that goes between facets more than once.
+/// and index, `+` whether light is kept that goes between facets more than once, `?` which model it is.
 const TABLE: [(Known, &str, &str); 29] = [
     (Known::Emission, "emission", ""),
     (Known::Emission, "background", ""),
@@ -63,7 +63,7 @@ const TABLE: [(Known, &str, &str); 29] = [
     (Known::TranslucentBsdf, "translucent_bsdf", "VC"),
     (Known::Transparent, "transparent_bsdf", ""),
     (Known::SubsurfaceBssrdf, "subsurface_bssrdf", "VCCF"),
-    (Known::Sheen, "sheen_bsdf", "VCF"),
+    (Known::Sheen, "sheen_bsdf", "VCF?"),
     (Known::Nothing, "chiang_hair_bsdf", "VVCCCFFFFFFFFC"),
     (Known::UniformEdf, "uniform_edf", "C"),
     (Known::Nothing, "anisotropic_vdf", "CCF"),
@@ -95,10 +95,11 @@ static ALL: LazyLock<(Vec<ClosureDecl>, Vec<Shape>)> = LazyLock::new(|| {
     };
     let key = |name: &str, base| ClosureParam { ty: Type::of(base), key: Some(name.into()) };
     let decl = |(known, name, codes): (Known, &str, &str)| {
-        let plain = codes.trim_end_matches(['~', '+']);
+        let plain = codes.trim_end_matches(['~', '+', '?']);
         let named = match &codes[plain.len()..] {
             "~" => vec![key("thinfilm_thickness", Base::Float), key("thinfilm_ior", Base::Float)],
             "+" => vec![key("energy_compensation", Base::Int)],
+            "?" => vec![key("mode", Base::Int)],
             _ => Vec::new(),
         };
         let params: Vec<ClosureParam> = plain.chars().map(param).chain(named).collect();

@@ -166,6 +166,7 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
         Known::SubsurfaceBssrdf => Lobe::lambert(p.share(1)),
         Known::Translucent => Lobe::translucent(Vec3::ONE),
         Known::TranslucentBsdf => Lobe::translucent(p.share(1)),
+        Known::Sheen if p.int(3) == 1 => Lobe::fibres(p.share(1), p.float(2).clamp(0.0, 1.0).sqrt()),
         // Its roughness is what glTF's is squared to be.
         Known::Sheen => Lobe::sheen(p.share(1), p.float(2).clamp(0.0, 1.0).sqrt()),
         Known::Phong => Lobe::phong(p.float(1)),

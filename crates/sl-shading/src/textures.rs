@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures that shaders read, each file once.
-//! Source: original; wrap modes are OSL's. Colours of 8-bit pictures are decoded to linear light, as everywhere in GNU RT. Where a
+//! Source: original; wrap modes and options are OSL's. Colours of pictures of whole numbers are decoded to linear light, as everywhere in
+//! GNU RT, but where a shader says that they are linear, or no colours (`"colorspace"`). Where a
 //! point stands for more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as materials of files do.
 //! Proof: `tests/scripts/kinds.rs`.
 
@@ -9,7 +10,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, RwLock};
 
-use gnurt_image::read_texture;
+use gnurt_image::{read_data_texture, read_texture};
 use gnurt_shading::mipmap::{Minify, MipMap};
 use gnurt_shading::texture::{TextureSampler, Wrap};
 use gnurt_sl::exec::{DualRow, TextureOptions, lanes_of};
@@ -31,7 +32,8 @@ pub(crate) struct Textures {
     access: Access,
     /// Where names are looked for after the current folder.
     folder: PathBuf,
-    known: RwLock<HashMap<String, Found>>,
+    /// Those whose values are decoded; those whose values are as they are stored.
+    known: [RwLock<HashMap<String, Found>>; 2],
     clouds: Mutex<HashMap<String, FoundCloud>>,
     volumes: Volumes,
 }
@@ -41,26 +43,28 @@ impl Textures {
         Self {
             access,
             folder,
-            known: RwLock::default(),
+            known: Default::default(),
             clouds: Mutex::default(),
             volumes: Volumes::default(),
         }
     }
 
-    /// The picture of a name.
-    pub(crate) fn find(&self, name: &str) -> Found {
+    /// The picture of a name, of a colour space.
+    pub(crate) fn find(&self, name: &str, color_space: &str) -> Found {
         let lost = || Arc::from("its memory is lost");
-        if let Some(found) = self.known.read().map_err(|_| lost())?.get(name) {
+        let is_raw = is_raw(color_space)?;
+        let known = &self.known[usize::from(is_raw)];
+        if let Some(found) = known.read().map_err(|_| lost())?.get(name) {
             return found.clone();
         }
-        let mut known = self.known.write().map_err(|_| lost())?;
+        let mut known = known.write().map_err(|_| lost())?;
         if let Some(found) = known.get(name) {
             return found.clone();
         }
         if known.len() >= MOST {
             return Err(format!("more than {MOST} pictures").into());
         }
-        let found = self.read(name);
+        let found = self.read(name, is_raw);
         known.insert(name.to_owned(), found.clone());
         found
     }
@@ -102,9 +106,9 @@ impl Textures {
         Err(format!("texture {}: {why}", path.display()))
     }
 
-    fn read(&self, name: &str) -> Found {
+    fn read(&self, name: &str, is_raw: bool) -> Found {
         let path = self.allowed(name)?;
-        match read_texture(&path) {
+        match if is_raw { read_data_texture(&path) } else { read_texture(&path) } {
             Ok(texels) => {
                 let texels = Arc::new(texels);
                 let mips = Arc::new(MipMap::new(texels.clone()));
@@ -136,7 +140,7 @@ impl Textures {
         at: [Dual<f32>; 2],
         options: &TextureOptions,
     ) -> Result<[f32; 4], String> {
-        let sampler = self.find(file).map_err(|why| why.to_string())?;
+        let sampler = self.find(file, &options.color_space).map_err(|why| why.to_string())?;
         Ok(Way::of(&sampler, options).read(at))
     }
 
@@ -149,7 +153,7 @@ impl Textures {
         options: &TextureOptions,
         out: &mut [DualRow; 4],
     ) -> bool {
-        let Ok(sampler) = self.find(file) else { return false };
+        let Ok(sampler) = self.find(file, &options.color_space) else { return false };
         let way = Way::of(&sampler, options);
         for i in lanes_of(lanes) {
             // Written out: mapping arrays becomes calls.
@@ -160,6 +164,18 @@ impl Textures {
             }
         }
         true
+    }
+}
+
+/// Whether values of this colour space are as they are stored.
+fn is_raw(color_space: &str) -> Result<bool, Arc<str>> {
+    match color_space.to_ascii_lowercase().as_str() {
+        "" | "auto" | "srgb" | "srgb_texture" | "srgb_rec709_scene" => Ok(false),
+        "raw" | "data" | "linear" | "scene_linear" | "lin_rec709" | "lin_srgb" | "lin_rec709_scene" => Ok(true),
+        _ => Err(format!(
+            "texture: the colour space \"{color_space}\" is not known: \"srgb\" (what is usual), \"linear\" and \"raw\" are"
+        )
+        .into()),
     }
 }
 

@@ -445,7 +445,7 @@ impl Host for World<'_> {
         name: &str,
         _: Type,
     ) -> Result<Option<Data>, String> {
-        let found = self.common.textures.find(file).ok();
+        let found = self.common.textures.find(file, "").ok();
         let size = found.as_ref().map(|found| [found.texels.width as i32, found.texels.height as i32]);
         Ok(match name {
             "exists" => Some(Data::Int(vec![i32::from(size.is_some())])),

@@ -32,7 +32,8 @@ const MOST_MIRRORS: u32 = 8;
 /// Columns that are looked at together.
 const COLUMNS: u32 = 64;
 /// Kinds that look alike from all sides.
-const WIDE: u32 = Kind::None.bit() | Kind::Diffuse.bit() | Kind::Sheen.bit() | Kind::Translucent.bit();
+const WIDE: u32 =
+    Kind::None.bit() | Kind::Diffuse.bit() | Kind::Sheen.bit() | Kind::Fibres.bit() | Kind::Translucent.bit();
 const DELTAS: u32 = Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit();
 
 /// What a pixel sees.

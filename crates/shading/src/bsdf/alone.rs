@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lobes that few surfaces have, one point at a time: by Phong, by Ward, Beckmann's facets, glass under Schlick's reflectances. What sixteen
+//! Lobes that few surfaces have, one point at a time: by Phong, by Ward, Beckmann's facets, glass under Schlick's reflectances, layers of fibres. What sixteen
 //! points have of them is looked at point by point, so that other lobes' code stays as it is.
 //! Source: see the file of each. Space: a frame with z = the shading normal and x along the slopes.
 //! Invariant: the same code for one point and for each of sixteen, so the same bits. Proof: `tests` of `bsdf`.
@@ -11,12 +11,15 @@ use super::ggx::Ggx;
 use super::grain::{Grain, Slopes};
 use super::lobe::Kind;
 use super::rough_dielectric::{Facets, Glass, Mirrored, SeenGlass};
-use super::{fresnel, phong, ward};
+use super::{fibres, fresnel, phong, ward};
 use crate::real::Vector;
 
 /// Their bits.
-pub(super) const KINDS: u32 =
-    Kind::Phong.bit() | Kind::Ward.bit() | Kind::Beckmann.bit() | Kind::SchlickGlass.bit();
+pub(super) const KINDS: u32 = Kind::Phong.bit()
+    | Kind::Ward.bit()
+    | Kind::Beckmann.bit()
+    | Kind::SchlickGlass.bit()
+    | Kind::Fibres.bit();
 
 /// A lobe at a point, with the numbers of [`Lobe`](super::Lobe).
 #[derive(Clone, Copy, Debug)]
@@ -131,6 +134,7 @@ impl Alone {
         let blurred = wo.z + (0.7 - wo.z) * (self.widths[0] * 0.5);
         match self.kind {
             Kind::Phong => dim(phong::albedo(self.eta, wo.z)),
+            Kind::Fibres => dim(fibres::albedo(self.widths[0], wo.z)),
             Kind::Ward => {
                 let sent = ward::sent_back(self.widths, wo);
                 View { hidden: sent, ..dim(sent.min(1.0)) }
@@ -154,6 +158,16 @@ impl Alone {
         }
     }
 
+    /// About the share of light that does not go through, without what comes back of further bounces.
+    #[inline(never)]
+    pub(super) fn sent_back(&self) -> Vec3 {
+        match self.kind {
+            Kind::Beckmann => Self { b: Vec3::ZERO, ..*self }.look().albedo,
+            Kind::SchlickGlass if self.spread < 0.0 => Vec3::ZERO,
+            _ => self.look().albedo,
+        }
+    }
+
     /// Value times the cosine and density of the unit `wi`.
     #[inline(never)]
     pub(super) fn eval_pdf(&self, hidden: f32, lost: f32, wi: Vec3) -> (Vec3, f32) {
@@ -165,6 +179,7 @@ impl Alone {
             glass => of(glass.eval_pdf(SeenGlass { hidden, lost }, Vec3::Z.into(), ways, [self.wo.z, wi.z])),
             match self.kind {
                 Kind::Phong => dim(phong::eval_pdf(self.eta, self.wo, wi)),
+                Kind::Fibres => dim(fibres::eval_pdf(self.widths[0], self.wo, wi)),
                 Kind::Ward => dim(ward::eval_pdf(self.widths, hidden, self.wo, wi)),
                 _ => dim((0.0, 0.0)),
             }
@@ -181,6 +196,7 @@ impl Alone {
             glass => of(glass.sample(SeenGlass { hidden, lost }, self.wo.into(), u, cosine.into())),
             match self.kind {
                 Kind::Phong => above(phong::sample(self.eta, self.wo, [u[1], u[2]])),
+                Kind::Fibres => fibres::sample(self.widths[0], self.wo, cosine),
                 Kind::Ward => above(ward::sample(self.widths, self.wo, [u[1], u[2]])),
                 _ => Vec3::ZERO,
             }

@@ -8,8 +8,9 @@ use glam::Vec3;
 use super::Bsdf;
 use super::lobe::Kind;
 use super::lobes::MOST;
+use super::lobes_at::Rarities;
 use super::seen::Seen;
-use super::seen_lobe::{PlainLobe, Rarities, SeenLobe, Sum};
+use super::seen_lobe::{PlainLobe, SeenLobe, Sum};
 use crate::lanes::LANES;
 use crate::real::{Real, Vector};
 

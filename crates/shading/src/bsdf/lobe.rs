@@ -44,11 +44,13 @@ pub enum Kind {
     Beckmann,
     /// GGX facets that mirror and refract under Schlick's reflectances.
     SchlickGlass,
+    /// A layer of fibres that scatter light among them.
+    Fibres,
 }
 
 impl Kind {
     /// In the order of their numbers.
-    pub(super) const ALL: [Self; 15] = [
+    pub(super) const ALL: [Self; 16] = [
         Self::None,
         Self::Diffuse,
         Self::Facets,
@@ -64,6 +66,7 @@ impl Kind {
         Self::Ward,
         Self::Beckmann,
         Self::SchlickGlass,
+        Self::Fibres,
     ];
 
     /// Its place in a set of kinds.
@@ -252,6 +255,12 @@ impl Lobe {
         let power = if power > 0.0 && power.is_finite() { power } else { SCHLICK };
         let spread = if through { -power } else { power };
         Self { a: f0, b: f90, c, alpha, eta, spread, ..Self::of(Kind::SchlickGlass) }
+    }
+
+    /// A layer of fibres of a colour that scatter light among them; `roughness` is in [0, 1].
+    #[must_use]
+    pub fn fibres(color: Vec3, roughness: f32) -> Self {
+        Self { weight: color, alpha: roughness, ..Self::of(Kind::Fibres) }
     }
 
     /// Fibres of a colour that stand up; `roughness` is glTF's, in [0, 1].

@@ -21,6 +21,7 @@ mod dielectric;
 mod diffuse_once;
 mod dispersed;
 mod energy;
+mod fibres;
 mod film;
 pub(crate) mod fresnel;
 mod ggx;
@@ -29,6 +30,7 @@ mod kept;
 mod lists;
 mod lobe;
 mod lobes;
+mod lobes_at;
 mod medium;
 mod oren_nayar;
 mod phong;
@@ -53,7 +55,8 @@ pub use lobes::{Lobes, MOST};
 pub use medium::{Medium, left_after};
 pub use principled::Principled;
 pub use sample::BsdfSample;
-pub use seen::{GRAZING, Sampled, Seen};
+pub use seen::{Sampled, Seen};
+pub use seen_lobe::GRAZING;
 
 /// The BSDF of one point. Plain data: it outlives the batch that it was made from.
 #[derive(Clone, Debug)]

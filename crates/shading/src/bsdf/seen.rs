@@ -14,12 +14,10 @@ use super::dispersed::Colours;
 use super::energy::RULE;
 use super::lobe::{Kind, Lobe, rare};
 use super::lobes::MOST;
-use super::seen_lobe::{LobesAt, SeenLobe, Sum};
+use super::lobes_at::LobesAt;
+use super::seen_lobe::{GRAZING, SeenLobe, Sum};
 use crate::real::{Real, Vector};
 use crate::sampling::{cosine_hemisphere_of, frame_around};
-
-/// Cosine: a `wo` nearer to the shading normal's horizon than this, or below it, counts as that near.
-pub const GRAZING: f32 = 1e-3;
 
 /// A direction that was chosen for each point.
 #[derive(Clone, Copy)]
@@ -244,7 +242,8 @@ impl<R: Real> Seen<R> {
         }
         let transmitted = zero.above(self.normal.dot(wi));
         found = found & pdf.above(zero) & weight.is_finite() & wi.is_finite();
-        let wide = lobe.is(Kind::Diffuse) | lobe.is(Kind::Translucent) | lobe.is(Kind::Sheen);
+        let fibres = lobe.is(Kind::Sheen) | lobe.is(Kind::Fibres);
+        let wide = lobe.is(Kind::Diffuse) | lobe.is(Kind::Translucent) | fibres;
         Sampled { wi, weight, pdf, delta, transmitted, wide, found }
     }
 

@@ -14,73 +14,19 @@ use super::energy::lost;
 use super::film::{self, Base, Film};
 use super::ggx::Ggx;
 use super::grain::{Grain, Slopes};
-use super::lobe::{Kind, Lobe, SCHLICK, rare};
+use super::lobe::{Kind, SCHLICK, rare};
 use super::lobes::MOST;
+use super::lobes_at::Rarities;
 use super::rough_dielectric::{self, Glass, Plain, SeenGlass};
 use super::{dielectric, dispersed, fresnel, oren_nayar, sheen};
 use crate::real::{Real, Vector};
 use crate::sampling::frame_around;
 
-/// The lobes in one place of many points' lists, as numbers.
-#[derive(Clone, Copy)]
-pub(crate) struct LobesAt<'a, R> {
-    /// [`Kind`] by point, and the set of those that are there.
-    pub(super) kind: R,
-    pub(super) kinds: u32,
-    pub(super) weight: Vector<R>,
-    pub(super) normal: Vector<R>,
-    pub(super) a: Vector<R>,
-    pub(super) b: Vector<R>,
-    pub(super) c: Vector<R>,
-    pub(super) alpha: R,
-    pub(super) eta: R,
-    pub(super) cover: R,
-    /// Which lobes lie above, by point; a bit set for all of them.
-    pub(super) under: &'a [u32],
-    pub(super) under_any: u32,
-    pub(super) covers: bool,
-    /// Which rare things some have: bits of [`rare`].
-    pub(super) rare: u32,
-    pub(super) rarities: Rarities<R>,
-}
+/// Kinds of glass.
+const GLASS: u32 = Kind::Glass.bit() | Kind::Pane.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit();
 
-/// What few lobes have, as numbers; zero where a point has none.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Rarities<R> {
-    /// See [`Lobe::tangent`]; once seen, unit and along the surface.
-    pub(super) tangent: Vector<R>,
-    pub(super) across: R,
-    /// Share, index, thickness of the film.
-    pub(super) film: [R; 3],
-    pub(super) spread: R,
-    /// Chances of the three colours where they are bent into different directions.
-    pub(super) channels: Vector<R>,
-}
-
-impl<R: Copy> Rarities<R> {
-    #[inline(always)]
-    pub(super) fn all(x: R) -> Self {
-        let v = Vector { x, y: x, z: x };
-        Self { tangent: v, across: x, film: [x; 3], spread: x, channels: v }
-    }
-}
-
-impl<R: Real> Rarities<R> {
-    #[inline(always)]
-    fn pick(mask: R::Mask, a: &Self, b: &Self) -> Self {
-        let film = [0, 1, 2].map(
-            #[inline(always)]
-            |k: usize| R::pick(mask, a.film[k], b.film[k]),
-        );
-        Self {
-            tangent: Vector::pick(mask, a.tangent, b.tangent),
-            across: R::pick(mask, a.across, b.across),
-            film,
-            spread: R::pick(mask, a.spread, b.spread),
-            channels: Vector::pick(mask, a.channels, b.channels),
-        }
-    }
-}
+/// Cosine: a `wo` nearer to the shading normal's horizon than this, or below it, counts as that near.
+pub const GRAZING: f32 = 1e-3;
 
 /// Points' lobes in one place of their lists, seen from one direction each.
 #[derive(Clone, Copy, Debug)]
@@ -370,7 +316,7 @@ impl<R: Real> SeenLobe<R> {
     #[inline(always)]
     pub(super) fn is_alone(&self) -> R::Mask {
         let is = self.is(Kind::Phong) | self.is(Kind::Ward);
-        is | self.is(Kind::Beckmann) | self.is(Kind::SchlickGlass)
+        is | self.is(Kind::Beckmann) | self.is(Kind::SchlickGlass) | self.is(Kind::Fibres)
     }
 
     /// That of point `i`, seen from `wo` in the frame of its slopes.
@@ -514,12 +460,18 @@ impl<R: Real> SeenLobe<R> {
     /// Share of light that smooth glass mirrors, by colour.
     #[inline(always)]
     pub(super) fn mirrored_by_plane(&self) -> Vector<R> {
-        let (once, pane) = (fresnel::dielectric(self.cos, self.eta), self.is(Kind::SmoothPane));
+        self.mirrored_at(self.cos, self.is(Kind::SmoothPane))
+    }
+
+    /// The same at the cosine `cos`, by panes or not.
+    #[inline(always)]
+    fn mirrored_at(&self, cos: R, pane: R::Mask) -> Vector<R> {
+        let once = fresnel::dielectric(cos, self.eta);
         let bare = Vector::grey(R::pick(pane, dielectric::pane(once), once));
         if self.rare & rare::FILM == 0 {
             return bare;
         }
-        rough_dielectric::filmed(self.rarities.film, self.cos, self.eta, pane, bare)
+        rough_dielectric::filmed(self.rarities.film, cos, self.eta, pane, bare)
     }
 
     /// Share of light that a lobe which covers others sends back, towards the cosine `cos`; `split` is that of its facets there.
@@ -534,7 +486,38 @@ impl<R: Real> SeenLobe<R> {
         let flat = self.is(Kind::Diffuse) | self.is(Kind::Mirror);
         back = Vector::pick(flat, self.a, back);
         let clear = !(is_facets | self.is(Kind::Sheen) | self.is(Kind::Metal) | flat);
-        Vector::pick(clear, Vector::grey(cos.all(0.0)), back) * self.cover
+        back = Vector::pick(clear, Vector::grey(cos.all(0.0)), back);
+        if self.kinds & (GLASS | alone::KINDS) != 0 {
+            let (is, glass) = cos.apart(
+                #[inline(always)]
+                || self.sent_back_by_glass(cos),
+            );
+            back = Vector::pick(is, glass, back);
+        }
+        back * self.cover
+    }
+
+    /// The same of glass of all kinds, and of what is looked at by itself: what is mirrored, about; and the points that have such.
+    #[inline(always)]
+    fn sent_back_by_glass(&self, cos: R) -> (R::Mask, Vector<R>) {
+        let smooth = self.is(Kind::SmoothGlass) | self.is(Kind::SmoothPane);
+        let pane = self.is(Kind::Pane) | self.is(Kind::SmoothPane);
+        // Facets mirror as the plane does, blurred.
+        let blurred = R::pick(smooth, cos, cos + (cos.all(0.7) - cos) * (self.alpha * 0.5));
+        let glass = smooth | pane | self.is(Kind::Glass);
+        let mut back = self.a * self.mirrored_at(blurred, pane);
+        let is = self.is_alone();
+        if self.kinds & alone::KINDS != 0 {
+            back = back.each_colour(
+                is,
+                #[inline(always)]
+                |i, _| {
+                    let cos = cos.lane(i).clamp(GRAZING, 1.0);
+                    self.alone(i, Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)).sent_back()
+                },
+            );
+        }
+        (glass | is, back)
     }
 
     /// What facets send back of white light at the cosine `cos` > 0, from the direction `w` or from all around.
@@ -838,34 +821,5 @@ impl<R: Real> Sum<R> {
         let by_cosine = R::pick(is, i.or_more(i.all(1e-20)) * FRAC_1_PI, zero);
         self.value = self.value + lobe.a * by_cosine * lobe.weight;
         self.pdf = self.pdf + by_cosine * lobe.chance;
-    }
-}
-
-impl<'a> LobesAt<'a, f32> {
-    /// That of one point.
-    pub(super) fn of_point(lobe: &'a Lobe) -> Self {
-        Self {
-            kind: lobe.kind as u32 as f32,
-            kinds: lobe.kind.bit(),
-            weight: lobe.weight.into(),
-            normal: lobe.normal.into(),
-            a: lobe.a.into(),
-            b: lobe.b.into(),
-            c: lobe.c.into(),
-            alpha: lobe.alpha,
-            eta: lobe.eta,
-            cover: lobe.cover,
-            under: std::slice::from_ref(&lobe.under),
-            under_any: lobe.under,
-            covers: lobe.cover > 0.0,
-            rare: lobe.rare(),
-            rarities: Rarities {
-                tangent: lobe.tangent.into(),
-                across: lobe.across,
-                film: [lobe.film.share, lobe.film.ior, lobe.film.thickness],
-                spread: lobe.spread,
-                channels: Vector::grey(0.0),
-            },
-        }
     }
 }

@@ -53,6 +53,8 @@ fn each_closure_has_its_lobe() {
             Kind::Facets,
         ),
         ("sheen_bsdf (N, color (0.5), 0.4)", Kind::Sheen),
+        ("sheen_bsdf (N, color (0.5), 0.4, \"mode\", 0)", Kind::Sheen),
+        ("sheen_bsdf (N, color (0.5), 0.4, \"mode\", 1)", Kind::Fibres),
     ] {
         let found = point(&format!("Ci = {closure};"));
         let kinds: Vec<Kind> = found.bsdf.lobes().as_slice().iter().map(|lobe| lobe.kind).collect();

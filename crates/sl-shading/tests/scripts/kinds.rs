@@ -132,6 +132,33 @@ fn pictures_are_read() {
     );
 }
 
+/// Bytes are sRGB's, if a shader does not say what they are.
+#[test]
+fn pictures_are_of_the_colour_space_that_shaders_say() {
+    use gnurt_image::{Picture, WriteOptions};
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut picture = Picture::new(1, 1);
+    picture.color[0] = [0.5, 0.5, 0.5, 1.0];
+    gnurt_image::write(&picture, &folder.path().join("grey.png"), &WriteOptions::default())
+        .expect("a picture");
+    let of = |space: &str| {
+        let at = folder.path().join("s.osl");
+        let text = format!(
+            "surface s () {{ Ci = (color) texture (\"grey.png\", 0.5, 0.5, \"missingcolor\", color (2){space}) * emission (); }}"
+        );
+        std::fs::write(&at, text).expect("a shader");
+        let made = gnurt_sl_shading::Script::open(&at, &gnurt_sl_shading::Access::default());
+        emitted(&*made.expect("it compiles").surface().expect("a surface"), &floor(1))[0].x
+    };
+    let near = |x: f32, wanted: f32| (x - wanted).abs() < 0.005;
+    assert!(near(of(""), 0.5) && near(of(", \"colorspace\", \"sRGB\""), 0.5), "decoded: {}", of(""));
+    for space in ["raw", "linear", "lin_rec709"] {
+        let found = of(&format!(", \"colorspace\", \"{space}\""));
+        assert!(near(found, 0.735), "as they are: {found}");
+    }
+    assert_eq!(of(", \"colorspace\", \"mine\""), 2.0, "what is not known is missing");
+}
+
 /// A picture of one column: white over black.
 fn png() -> Vec<u8> {
     use gnurt_image::{Picture, WriteOptions};

@@ -103,6 +103,8 @@ pub struct TextureOptions {
     pub blur: [f32; 2],
     /// `closest`, `linear`, `cubic` or `smartcubic`; empty for the usual.
     pub interpolation: Arc<str>,
+    /// What the values of the file are, as the shader says; empty if it says nothing.
+    pub color_space: Arc<str>,
     /// Which grid of a volume.
     pub subimage: Subimage,
 }
@@ -131,6 +133,7 @@ impl Default for TextureOptions {
             width: [1.0; 2],
             blur: [0.0; 2],
             interpolation: interpolation.clone(),
+            color_space: interpolation.clone(),
             subimage: Subimage::Number(0),
         }
     }

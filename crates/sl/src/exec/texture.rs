@@ -115,6 +115,7 @@ impl Said {
                 "blur" => options.blur = [number(value, 0)?; 2],
                 "sblur" => options.blur[0] = number(value, 0)?,
                 "tblur" => options.blur[1] = number(value, 0)?,
+                "colorspace" => options.color_space = text(value)?.clone(),
                 "interp" => options.interpolation = text(value)?.clone(),
                 _ => {}
             }

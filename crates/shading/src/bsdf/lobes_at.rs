@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Lobes of many points as numbers, before they are seen from anywhere.
+//! Source: original. Space: world. Invariant: the numbers of [`Lobe`]. Proof: `tests` of `bsdf`.
+
+use super::lobe::Lobe;
+use crate::real::{Real, Vector};
+
+/// The lobes in one place of many points' lists, as numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct LobesAt<'a, R> {
+    /// `Kind` by point, and the set of those that are there.
+    pub(super) kind: R,
+    pub(super) kinds: u32,
+    pub(super) weight: Vector<R>,
+    pub(super) normal: Vector<R>,
+    pub(super) a: Vector<R>,
+    pub(super) b: Vector<R>,
+    pub(super) c: Vector<R>,
+    pub(super) alpha: R,
+    pub(super) eta: R,
+    pub(super) cover: R,
+    /// Which lobes lie above, by point; a bit set for all of them.
+    pub(super) under: &'a [u32],
+    pub(super) under_any: u32,
+    pub(super) covers: bool,
+    /// Which rare things some have: bits of `rare`.
+    pub(super) rare: u32,
+    pub(super) rarities: Rarities<R>,
+}
+
+/// What few lobes have, as numbers; zero where a point has none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rarities<R> {
+    /// See [`Lobe::tangent`]; once seen, unit and along the surface.
+    pub(super) tangent: Vector<R>,
+    pub(super) across: R,
+    /// Share, index, thickness of the film.
+    pub(super) film: [R; 3],
+    pub(super) spread: R,
+    /// Chances of the three colours where they are bent into different directions.
+    pub(super) channels: Vector<R>,
+}
+
+impl<R: Copy> Rarities<R> {
+    #[inline(always)]
+    pub(super) fn all(x: R) -> Self {
+        let v = Vector { x, y: x, z: x };
+        Self { tangent: v, across: x, film: [x; 3], spread: x, channels: v }
+    }
+}
+
+impl<R: Real> Rarities<R> {
+    #[inline(always)]
+    pub(super) fn pick(mask: R::Mask, a: &Self, b: &Self) -> Self {
+        let film = [0, 1, 2].map(
+            #[inline(always)]
+            |k: usize| R::pick(mask, a.film[k], b.film[k]),
+        );
+        Self {
+            tangent: Vector::pick(mask, a.tangent, b.tangent),
+            across: R::pick(mask, a.across, b.across),
+            film,
+            spread: R::pick(mask, a.spread, b.spread),
+            channels: Vector::pick(mask, a.channels, b.channels),
+        }
+    }
+}
+
+impl<'a> LobesAt<'a, f32> {
+    /// That of one point.
+    pub(super) fn of_point(lobe: &'a Lobe) -> Self {
+        Self {
+            kind: lobe.kind as u32 as f32,
+            kinds: lobe.kind.bit(),
+            weight: lobe.weight.into(),
+            normal: lobe.normal.into(),
+            a: lobe.a.into(),
+            b: lobe.b.into(),
+            c: lobe.c.into(),
+            alpha: lobe.alpha,
+            eta: lobe.eta,
+            cover: lobe.cover,
+            under: std::slice::from_ref(&lobe.under),
+            under_any: lobe.under,
+            covers: lobe.cover > 0.0,
+            rare: lobe.rare(),
+            rarities: Rarities {
+                tangent: lobe.tangent.into(),
+                across: lobe.across,
+                film: [lobe.film.share, lobe.film.ior, lobe.film.thickness],
+                spread: lobe.spread,
+                channels: Vector::grey(0.0),
+            },
+        }
+    }
+}
