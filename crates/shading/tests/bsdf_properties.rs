@@ -35,7 +35,12 @@ fn film() -> impl Strategy<Value = Film> {
 }
 
 fn lobe() -> impl Strategy<Value = Lobe> {
-    let rough = (color(), 0.0_f32..=1.0).prop_map(|(albedo, roughness)| Lobe::oren_nayar(albedo, roughness));
+    let diffuse = (color(), 0.0_f32..=1.0, 0..3).prop_map(|(albedo, roughness, which)| match which {
+        0 => Lobe::oren_nayar(albedo, roughness),
+        1 => Lobe::oren_nayar_once(albedo, roughness),
+        _ => Lobe::burley(albedo, roughness),
+    });
+    let sheen = (color(), 0.0_f32..=1.0).prop_map(|(color, roughness)| Lobe::sheen(color, roughness));
     let glass = (0.001_f32..=1.0, 0.3_f32..3.0, color(), color(), any::<bool>())
         .prop_map(|(alpha, eta, r, t, thin)| Lobe::rough_glass(alpha, eta, r, t, thin));
     let smooth = (0.3_f32..3.0, color(), color(), any::<bool>())
@@ -49,7 +54,8 @@ fn lobe() -> impl Strategy<Value = Lobe> {
         color().prop_map(Lobe::lambert),
         color().prop_map(Lobe::mirror),
         color().prop_map(Lobe::translucent),
-        rough,
+        diffuse,
+        sheen,
         metal(),
         glass,
         smooth
@@ -81,7 +87,8 @@ fn layered() -> impl Strategy<Value = Lobes> {
 
 fn model() -> impl Strategy<Value = Lobes> {
     let mix = (lobe(), lobe(), 0.0_f32..=1.0).prop_map(|(a, b, share)| Lobes::from(a).mixed(b, share));
-    prop_oneof![lobe().prop_map(Lobes::from), mix, layered()]
+    let layers = (lobe(), lobe()).prop_map(|(top, base)| Lobes::from(top).over(base));
+    prop_oneof![lobe().prop_map(Lobes::from), mix, layers, layered()]
 }
 
 /// A unit vector; for views only the upper half is meant.

@@ -6,7 +6,7 @@
 use glam::Vec3;
 
 use super::batch::{Block, ClosureBatch, LobeRows, numbers};
-use super::lobe::{Kind, Lobe};
+use super::lobe::Lobe;
 use super::lobes::{Lobes, MOST};
 use crate::lanes::{LANES, LanesOf};
 
@@ -192,12 +192,8 @@ impl<'a> Lists<'a> {
                 if !(usize::from(top[i])..usize::from(base[i])).contains(&place) {
                     continue;
                 }
-                let [x, y, z, ..] = &rows.numbers;
-                let mut cover = Vec3::new(x.0[i], y.0[i], z.0[i]).max_element();
-                let kind = rows.kind.0[i];
-                if kind == Kind::Diffuse as u32 as f32 || kind == Kind::Metal as u32 as f32 {
-                    hidden[i] += std::mem::take(&mut cover);
-                }
+                let [cover, hides] = rows.get(i).above();
+                hidden[i] += hides;
                 rows.numbers[COVER].0[i] = cover;
                 rows.covers |= cover > 0.0;
                 above[i] |= 1 << place;

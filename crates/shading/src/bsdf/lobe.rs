@@ -351,6 +351,20 @@ impl Lobe {
         brushed | bit(risen, rare::POWER) | film | bit(self.is_dispersed(), rare::SPREAD)
     }
 
+    /// Where it lies above others: by how much of what it sends back it dims them, and how much it hides of them whatever it sends back.
+    pub(super) fn above(&self) -> [f32; 2] {
+        let weight = self.weight.max_element();
+        let through = match self.kind {
+            Kind::Diffuse | Kind::Metal | Kind::Translucent => return [0.0, weight],
+            Kind::Glass | Kind::Pane | Kind::SmoothGlass | Kind::SmoothPane | Kind::Beckmann => {
+                self.b.max_element().clamp(0.0, 1.0)
+            }
+            Kind::SchlickGlass if self.spread < 0.0 => 1.0,
+            _ => 0.0,
+        };
+        [weight, weight * through]
+    }
+
     /// Whether it sends colours into different directions.
     #[must_use]
     pub fn is_dispersed(&self) -> bool {

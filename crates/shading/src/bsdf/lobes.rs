@@ -125,17 +125,17 @@ impl Lobes {
     }
 
     /// It above `base`, which gets what it does not send back: with the loss of the larger of both directions where `base`
-    /// has facets, with that of both where it is diffuse, so that a white body sends back all that it gets. What lets no light through,
-    /// a diffuse reflector or a metal, hides `base` by its weight, whatever its colour: it keeps what it does not send back.
+    /// has facets, with that of both where it is diffuse, so that a white body sends back all that it gets. What scatters to all sides
+    /// or is a metal hides `base` by its weight, whatever its colour: it keeps what it does not send on. Light that glass lets through does
+    /// not come to `base` either.
     #[must_use]
     pub fn over(mut self, base: impl Into<Self>) -> Self {
         let above = (1_u32 << self.count) - 1;
         let mut hidden = 0.0;
         for lobe in self.as_mut_slice() {
-            lobe.cover = lobe.weight.max_element();
-            if matches!(lobe.kind, Kind::Diffuse | Kind::Metal) {
-                hidden += std::mem::take(&mut lobe.cover);
-            }
+            let [cover, hides] = lobe.above();
+            lobe.cover = cover;
+            hidden += hides;
         }
         let base = base.into().times(Vec3::splat((1.0 - hidden).max(0.0)));
         let first = self.count;

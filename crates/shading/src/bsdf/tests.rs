@@ -396,6 +396,30 @@ fn what_is_mirrored_above_does_not_reach_below() {
     }
 }
 
+/// What goes through on top does not reach below either: no light is made.
+#[test]
+fn what_goes_through_above_does_not_reach_below() {
+    let body = Lobe::lambert(Vec3::ONE);
+    let tint = Vec3::new(1.0, 0.5, 0.25);
+    let schlick = |through| Lobe::schlick_glass(0.3, 1.0 / 1.5, [Vec3::splat(0.04), Vec3::ONE], 5.0, through);
+    for (top, least) in [
+        (Lobes::from(Lobe::glass(1.0 / 1.5, Vec3::ONE, tint, false)), 0.99),
+        (Lobes::from(Lobe::rough_glass(0.3, 1.0 / 1.5, Vec3::ONE, tint, true)), 0.9),
+        (Lobes::from(Lobe::beckmann(0.2, 1.0 / 1.5, Vec3::ONE, tint)), 0.5),
+        (Lobes::from(schlick(false)).plus(schlick(true)), 0.9),
+        (Lobes::from(Lobe::translucent(tint)), 0.99),
+        (Lobes::from(Lobe::translucent(tint)).times(Vec3::splat(0.5)), 0.99),
+    ] {
+        let bsdf = around_z(top.clone().over(body));
+        for wo in views() {
+            let n = 2048;
+            let back: f32 =
+                randoms(n).filter_map(|u| bsdf.sample(wo, u)).map(|s| s.weight.x / n as f32).sum();
+            assert!(back > least && back < 1.03, "{top:?} from {wo}: {back} of 1 goes on");
+        }
+    }
+}
+
 #[test]
 fn delta_lobes_keep_all_light() {
     let glass = |thin, eta| Lobe::glass(eta, Vec3::ONE, Vec3::ONE, thin);
