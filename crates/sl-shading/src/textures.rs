@@ -157,8 +157,7 @@ impl Textures {
         let way = Way::of(&sampler, options);
         for i in lanes_of(lanes) {
             // Written out: mapping arrays becomes calls.
-            let at = |row: &DualRow| Dual::new(row.value[i], row.dx[i], row.dy[i]);
-            let texel = way.read([at(s), at(t)]);
+            let texel = way.read([s.get(i), t.get(i)]);
             for (row, x) in out.iter_mut().zip(texel) {
                 row.value[i] = x;
             }

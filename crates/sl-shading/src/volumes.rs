@@ -73,11 +73,11 @@ pub(crate) fn at_place(
     let channel = |k: usize| {
         let first = usize::try_from(options.first_channel).ok();
         let k = first.and_then(|first| first.checked_add(k)).filter(|&k| k < grid.channels());
-        let (value, slope) = match k {
-            Some(k) => (read.values[k], read.slopes.row(k)),
-            None => (read.inside * f64::from(options.fill), read.inside_slope * f64::from(options.fill)),
+        let (value, gradient) = match k {
+            Some(k) => (read.values[k], read.gradients.row(k)),
+            None => (read.inside * f64::from(options.fill), read.inside_gradient * f64::from(options.fill)),
         };
-        let [dx, dy] = changes.map(|change| slope.dot(change) as f32);
+        let [dx, dy] = changes.map(|change| gradient.dot(change) as f32);
         Dual::new(value as f32, dx, dy)
     };
     Ok((std::array::from_fn(channel), grid.channels()))
@@ -102,16 +102,16 @@ pub(crate) fn color_at_place(
 struct Read {
     values: DVec3,
     /// How they change with the coordinates of voxels: a row for each value.
-    slopes: DMat3,
+    gradients: DMat3,
     /// How much of the place lies within the grid, and how that changes.
     inside: f64,
-    inside_slope: DVec3,
+    inside_gradient: DVec3,
 }
 
 impl Read {
     fn of(grid: &Grid, index: DVec3, wrap: [Wrap; 3], closest: bool) -> Self {
         let mut read =
-            Self { values: DVec3::ZERO, slopes: DMat3::ZERO, inside: 0.0, inside_slope: DVec3::ZERO };
+            Self { values: DVec3::ZERO, gradients: DMat3::ZERO, inside: 0.0, inside_gradient: DVec3::ZERO };
         let Some([first, last]) = grid.window().filter(|_| index.is_finite()) else { return read };
         let low = if closest { (index + 0.5).floor() } else { index.floor() };
         let share = index - low;
@@ -129,12 +129,12 @@ impl Read {
                 if closest { [1.0, 0.0] } else { [[1.0 - share[k], -1.0], [share[k], 1.0]][up[k]] }
             };
             let [[a, da], [b, db], [c, dc]] = [part(0), part(1), part(2)];
-            let (weight, slope) = (a * b * c, DVec3::new(da * b * c, a * db * c, a * b * dc));
+            let (weight, gradient) = (a * b * c, DVec3::new(da * b * c, a * db * c, a * b * dc));
             let value = DVec3::from(grid.voxel([x, y, z]).map(f64::from));
             read.values += weight * value;
-            read.slopes += DMat3::from_cols(value * slope.x, value * slope.y, value * slope.z);
+            read.gradients += DMat3::from_cols(value * gradient.x, value * gradient.y, value * gradient.z);
             read.inside += weight;
-            read.inside_slope += slope;
+            read.inside_gradient += gradient;
         }
         read
     }

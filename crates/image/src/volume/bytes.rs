@@ -69,12 +69,12 @@ impl<'a> Bytes<'a> {
 }
 
 /// Memory that may still be taken.
-pub(super) struct Room {
+pub(super) struct Budget {
     left: usize,
     all: usize,
 }
 
-impl Room {
+impl Budget {
     pub(super) fn new(bytes: usize) -> Self {
         Self { left: bytes, all: bytes }
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Volumes: numbers at points of space, in sparse grids, as OpenVDB's files hold them.
 //! Source: Museth, VDB: High-Resolution Sparse Volumes with Dynamic Topology (2013) [Mus13]; original code. Files of versions 222 (2013)
-//! to 224 are read: grids of floats, doubles and integers, one or three, packed in any way that OpenVDB packs them.
+//! to 224 are read: grids of floats, doubles and integers, one or three, with any compression that OpenVDB writes.
 //! Space: a grid has whole coordinates of voxels (index), which an affine map takes to the space of its file (world).
 //! Invariant: reading takes no more memory than is allowed, whatever the file says.
 //! Proof: `tests/volumes.rs`, whose files were written by OpenVDB.
@@ -17,7 +17,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::Error;
-use bytes::{Bytes, Room, corrupt};
+use bytes::{Budget, Bytes, corrupt};
 use tree::{LEAF_SIZE, Reader, Tree};
 use values::{Format, Number};
 
@@ -61,9 +61,9 @@ impl Volume {
     /// As [`read`](Self::read); the file is not named.
     pub fn decode(bytes: &[u8], limit: usize) -> Result<Self, Error> {
         let bytes = &mut Bytes::new(bytes);
-        let room = &mut Room::new(limit);
-        let has_offsets = head(bytes)?;
-        texts(bytes)?;
+        let budget = &mut Budget::new(limit);
+        let has_offsets = header(bytes)?;
+        skip_metadata(bytes)?;
         let mut volume = Self { grids: Vec::new() };
         let mut others = Vec::new();
         for _ in 0..bytes.u32()? {
@@ -74,7 +74,7 @@ impl Volume {
             let [start, _, end] = [bytes.i64()?, bytes.i64()?, bytes.i64()?];
             if let Some(format) = format_of(&kind) {
                 bytes.seek(start)?;
-                let grid = volume.grid_of(bytes, room, (name, &parent), format)?;
+                let grid = volume.grid_of(bytes, budget, (name, &parent), format)?;
                 volume.grids.push(grid);
             } else {
                 others.push(kind);
@@ -94,19 +94,19 @@ impl Volume {
     fn grid_of(
         &self,
         bytes: &mut Bytes<'_>,
-        room: &mut Room,
+        budget: &mut Budget,
         (name, parent): (String, &str),
         mut format: Format,
     ) -> Result<Grid, Error> {
-        format.packing = bytes.u32()?;
-        texts(bytes)?;
+        format.compression = bytes.u32()?;
+        skip_metadata(bytes)?;
         let world_from_index = map(bytes)?;
         let index_from_world = world_from_index.inverse();
         if !index_from_world.is_finite() {
             return Err(corrupt(format!("the map of the grid \"{name}\" cannot be turned around")));
         }
         let tree = if parent.is_empty() {
-            Arc::new(Tree::read(&mut Reader { bytes, room, format })?)
+            Arc::new(Tree::read(&mut Reader { bytes, budget, format })?)
         } else {
             let known = self.grids.iter().find(|grid| grid.name == parent);
             let known =
@@ -170,8 +170,8 @@ impl Grid {
     }
 }
 
-/// Reads the head up to the file's texts: whether the file says where its grids are.
-fn head(bytes: &mut Bytes<'_>) -> Result<bool, Error> {
+/// Reads the header up to the metadata: whether the file says where its grids are.
+fn header(bytes: &mut Bytes<'_>) -> Result<bool, Error> {
     const MAGIC: i64 = 0x5644_4220;
     if !bytes.i64().is_ok_and(|magic| magic == MAGIC) {
         return Err(corrupt("it does not begin as files of OpenVDB do"));
@@ -188,8 +188,8 @@ fn head(bytes: &mut Bytes<'_>) -> Result<bool, Error> {
     Ok(has_offsets)
 }
 
-/// Passes over named values: nothing of them is needed.
-fn texts(bytes: &mut Bytes<'_>) -> Result<(), Error> {
+/// Passes over metadata: nothing of it is needed.
+fn skip_metadata(bytes: &mut Bytes<'_>) -> Result<(), Error> {
     for _ in 0..bytes.u32()? {
         bytes.text()?;
         bytes.text()?;
@@ -216,7 +216,7 @@ fn format_of(kind: &str) -> Option<Format> {
         _ => return None,
     };
     let listed = if half && matches!(number, Number::F32 | Number::F64) { Number::F16 } else { number };
-    Some(Format { number, listed, channels, packing: 0 })
+    Some(Format { number, listed, channels, compression: 0 })
 }
 
 /// Reads how voxels lie in the world.

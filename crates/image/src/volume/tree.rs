@@ -7,7 +7,7 @@
 
 use std::collections::HashMap;
 
-use super::bytes::{Bytes, Room, corrupt};
+use super::bytes::{Budget, Bytes, corrupt};
 use super::values::{Format, Mask, Value, Values};
 use crate::Error;
 
@@ -62,7 +62,7 @@ fn corner(first: [i32; 3], place: usize, outer: u32, inner: u32) -> [i32; 3] {
 /// What a tree is read from.
 pub(super) struct Reader<'a, 'b> {
     pub(super) bytes: &'b mut Bytes<'a>,
-    pub(super) room: &'b mut Room,
+    pub(super) budget: &'b mut Budget,
     pub(super) format: Format,
 }
 
@@ -70,7 +70,7 @@ impl Reader<'_, '_> {
     /// Where something in the table lies.
     fn key(&mut self) -> Result<[i32; 3], Error> {
         // A table is at most half empty.
-        self.room.take(2 * size_of::<([i32; 3], Top)>())?;
+        self.budget.take(2 * size_of::<([i32; 3], Top)>())?;
         let [x, y, z] = [self.bytes.i32()?, self.bytes.i32()?, self.bytes.i32()?];
         Ok(aligned([x, y, z], UPPER))
     }
@@ -86,8 +86,8 @@ impl Reader<'_, '_> {
         let children = Mask::read(self.bytes, places)?;
         let values = Mask::read(self.bytes, places)?;
         values.places().filter(|&place| !children.has(place)).for_each(&mut active);
-        let values = Values::read(self.bytes, self.room, (&self.format, background), (places, &values))?;
-        self.room.take(places * size_of::<u32>())?;
+        let values = Values::read(self.bytes, self.budget, (&self.format, background), (places, &values))?;
+        self.budget.take(places * size_of::<u32>())?;
         Ok((children, Node { children: vec![NO_CHILD; places].into(), values }))
     }
 }
@@ -132,8 +132,8 @@ impl Tree {
         for _ in 0..leaves {
             let mask = Mask::read(reader.bytes, 512)?;
             let kind = (&reader.format, background);
-            reader.room.take(size_of::<Values>())?;
-            tree.leaves.push(Values::read(reader.bytes, reader.room, kind, (512, &mask))?);
+            reader.budget.take(size_of::<Values>())?;
+            tree.leaves.push(Values::read(reader.bytes, reader.budget, kind, (512, &mask))?);
         }
         Ok(tree)
     }

@@ -7,7 +7,7 @@
 use half::f16;
 
 use super::blosc;
-use super::bytes::{Bytes, Room, corrupt};
+use super::bytes::{Budget, Bytes, corrupt};
 use crate::Error;
 
 /// Numbers as they are stored.
@@ -30,7 +30,7 @@ pub(super) struct Format {
     /// Numbers of a value: 1 or 3.
     pub(super) channels: usize,
     /// The file's flags: 1 for zlib, 2 for active values only, 4 for Blosc.
-    pub(super) packing: u32,
+    pub(super) compression: u32,
 }
 
 impl Number {
@@ -80,7 +80,7 @@ impl Format {
             return Ok(Vec::new());
         }
         let packed;
-        let stored = if self.packing & 5 == 0 {
+        let stored = if self.compression & 5 == 0 {
             bytes.take(length)?
         } else {
             // What did not shrink is stored as it is, with a negative length.
@@ -89,7 +89,7 @@ impl Format {
             let part = bytes.take(part)?;
             if stored <= 0 {
                 part
-            } else if self.packing & 4 != 0 {
+            } else if self.compression & 4 != 0 {
                 packed = blosc::unpack(part, length)?;
                 &packed
             } else {
@@ -150,7 +150,7 @@ impl Values {
     /// Reads those of a node with so many places, whose active ones are in `mask`.
     pub(super) fn read(
         bytes: &mut Bytes<'_>,
-        room: &mut Room,
+        budget: &mut Budget,
         (format, background): (&Format, Value),
         (places, mask): (usize, &Mask),
     ) -> Result<Self, Error> {
@@ -166,7 +166,7 @@ impl Values {
             _ => return Err(corrupt(format!("values are stored in a way numbered {how}; 0 to 6 are known"))),
         }
         let second = if matches!(how, 3..=5) { Some(Mask::read(bytes, places)?) } else { None };
-        let sparse = format.packing & 2 != 0 && how != ALL;
+        let sparse = format.compression & 2 != 0 && how != ALL;
         let stored = if sparse { mask.count() } else { places };
         let mut list = format.list(bytes, stored)?;
         if sparse {
@@ -185,7 +185,7 @@ impl Values {
         if list.chunks_exact(channels).all(|value| value == &list[..channels]) {
             list.truncate(channels);
         }
-        room.take(size_of_val(&*list))?;
+        budget.take(size_of_val(&*list))?;
         Ok(Self(list.into()))
     }
 

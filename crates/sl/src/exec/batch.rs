@@ -61,19 +61,10 @@ fn set3(rows: &mut [Row; 3], lane: usize, v: [f32; 3]) {
     }
 }
 
-fn set_dual(row: &mut DualRow, lane: usize, v: Dual<f32>) {
-    (row.value[lane], row.dx[lane], row.dy[lane]) = (v.value, v.dx, v.dy);
-}
-
 fn set_dual3(rows: &mut [DualRow; 3], lane: usize, v: Dual<[f32; 3]>) {
     for (row, x) in rows.iter_mut().zip(v.components()) {
-        set_dual(row, lane, x);
+        row.set(lane, x);
     }
-}
-
-#[inline(always)]
-fn dual(row: &DualRow, lane: usize) -> Dual<f32> {
-    Dual::new(row.value[lane], row.dx[lane], row.dy[lane])
 }
 
 impl Points {
@@ -82,8 +73,8 @@ impl Points {
         set_dual3(&mut self.p, lane, point.p);
         set_dual3(&mut self.i, lane, point.i);
         set_dual3(&mut self.ps, lane, point.ps);
-        set_dual(&mut self.u, lane, point.u);
-        set_dual(&mut self.v, lane, point.v);
+        self.u.set(lane, point.u);
+        self.v.set(lane, point.v);
         set3(&mut self.n, lane, point.n);
         set3(&mut self.ng, lane, point.ng);
         set3(&mut self.dpdu, lane, point.dpdu);
@@ -107,15 +98,14 @@ impl Points {
         let lane = lane % LANES;
         // Written out: mapping arrays becomes calls.
         let triple = |[x, y, z]: &[Row; 3]| [x[lane], y[lane], z[lane]];
-        let duals =
-            |[x, y, z]: &[DualRow; 3]| Dual::from_components([dual(x, lane), dual(y, lane), dual(z, lane)]);
+        let duals = |[x, y, z]: &[DualRow; 3]| Dual::from_components([x.get(lane), y.get(lane), z.get(lane)]);
         Point {
             p: duals(&self.p),
             i: duals(&self.i),
             n: triple(&self.n),
             ng: triple(&self.ng),
-            u: dual(&self.u, lane),
-            v: dual(&self.v, lane),
+            u: self.u.get(lane),
+            v: self.v.get(lane),
             dpdu: triple(&self.dpdu),
             dpdv: triple(&self.dpdv),
             ps: duals(&self.ps),

@@ -2,6 +2,8 @@
 //! Numbers of the points of a batch, as they lie in memory: one for all of them, or one for each.
 //! Source: original. Proof: `tests/meaning/more.rs`.
 
+use gnurt_sl_lib::Dual;
+
 /// Points of a batch.
 pub const LANES: usize = 16;
 
@@ -18,6 +20,21 @@ pub struct DualRow {
     pub dx: Row,
     /// Its change downwards.
     pub dy: Row,
+}
+
+impl DualRow {
+    /// That of one point.
+    #[must_use]
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Dual<f32> {
+        Dual::new(self.value[lane], self.dx[lane], self.dy[lane])
+    }
+
+    /// Writes that of one point.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, x: Dual<f32>) {
+        (self.value[lane], self.dx[lane], self.dy[lane]) = (x.value, x.dx, x.dy);
+    }
 }
 
 /// A number of each point.

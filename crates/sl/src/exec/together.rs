@@ -5,7 +5,7 @@
 //! something that is to be said) nothing is done, and the caller goes point by point. Proof: crates/jit/tests/batches.rs.
 
 use super::batch::Points;
-use super::cells::{Batch, Cells, DualRow, LANES, lanes_of};
+use super::cells::{Batch, Cells, LANES, lanes_of};
 use super::machine::{Machine, Step};
 use super::rows;
 use super::slot::Slot;
@@ -112,10 +112,9 @@ fn each_triple(
     let mut all = [0, 1, 2].map(|i| rows::dual(batch, value, i));
     for lane in lanes_of(lanes) {
         let [x, y, z] = &all;
-        let at = |row: &DualRow| Dual::new(row.value[lane], row.dx[lane], row.dy[lane]);
-        let found = f(lane, [at(x), at(y), at(z)]);
+        let found = f(lane, [x.get(lane), y.get(lane), z.get(lane)]);
         for (row, x) in all.iter_mut().zip(found) {
-            (row.value[lane], row.dx[lane], row.dy[lane]) = (x.value, x.dx, x.dy);
+            row.set(lane, x);
         }
     }
     for (i, row) in all.iter().enumerate() {
