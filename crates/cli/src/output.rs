@@ -25,10 +25,17 @@ impl Output {
     /// A file of this name; its extension must say a format that can be written.
     pub(crate) fn named(path: &Path) -> Result<Self, Failure> {
         let format = OutputFormat::from_path(path).map_err(|_| {
-            let extension = path.extension().unwrap_or_default().to_string_lossy();
             let valid = OutputFormat::ALL.map(|format| format!(".{}", format.extension()));
             let valid: Vec<&str> = valid.iter().map(String::as_str).collect();
-            let reason = unknown("picture format", &format!(".{extension}"), &valid);
+            let reason = match path.extension() {
+                Some(extension) => {
+                    unknown("picture format", &format!(".{}", extension.to_string_lossy()), &valid)
+                }
+                // Also `-` and `/dev/stdout`: a picture is put in place whole, as a file.
+                None => {
+                    format!("unknown picture format: the name has no ending; valid are: {}", valid.join(", "))
+                }
+            };
             Failure::usage(format_args!("{}: {reason}", path.display()))
         })?;
         Ok(Self { path: path.to_owned(), format })
@@ -37,6 +44,17 @@ impl Output {
     /// Whether it can be written, as far as that can be known before.
     pub(crate) fn check(&self) -> Outcome {
         image::check_writable(&self.path).map_err(Failure::data)
+    }
+
+    /// Refuses to take the place of a file that was read to make it: a texture called as the scene is, an environment.
+    pub(crate) fn spare(&self, read: &[PathBuf]) -> Outcome {
+        match read.iter().any(|file| is_same_file(file, &self.path)) {
+            true => Err(Failure::usage(format_args!(
+                "{}: the picture is made from this file, which would be lost; give another name to write to",
+                self.path.display()
+            ))),
+            false => Ok(()),
+        }
     }
 
     /// Whether its format keeps layers beside the colours.

@@ -2,6 +2,7 @@
 //! Ctrl-C and SIGTERM: the first one ends a rendering and saves, the second one leaves at once and saves nothing.
 //! Source: original; the contract of the command line. State is global because signals are.
 //!
+//! * Signals that come within [`ONE_WISH`] are one: `timeout` sends two, to the program and to its group, and so do some job managers.
 //! * While a picture grows, the first signal is a wish that the renderer asks about between tiles.
 //! * Before that, while a scene is read or trees are built, there is no picture to save: the work goes on for
 //!   [`PATIENCE`]; if the picture was begun by then, what [`FIRST_LOOK`] brings is saved, else the program leaves.
@@ -10,12 +11,14 @@
 //! Leaving = nothing that is being written becomes a file, status 130. Proof: `tests/program/interrupts.rs`.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
 
+/// How soon after the first signal another one is still the same wish: sooner than somebody who waited means a second one.
+const ONE_WISH: Duration = Duration::from_millis(200);
 /// How long reading and building may go on after the first signal.
 const PATIENCE: Duration = Duration::from_millis(1500);
 /// How long a picture may grow that was begun after the first signal.
@@ -24,6 +27,7 @@ const FIRST_LOOK: Duration = Duration::from_millis(400);
 const STOPPED: i32 = 130;
 
 static SIGNALS: AtomicU32 = AtomicU32::new(0);
+static FIRST: OnceLock<Instant> = OnceLock::new();
 static RENDERING: AtomicBool = AtomicBool::new(false);
 static LEAVING: AtomicBool = AtomicBool::new(false);
 static WRITING: Mutex<()> = Mutex::new(());
@@ -42,9 +46,13 @@ pub(crate) enum FirstSignal {
 /// From now on signals are listened to.
 pub(crate) fn listen(first: FirstSignal, messages: Messages) -> Outcome {
     let handler = move || {
+        let since_first = FIRST.get_or_init(Instant::now).elapsed();
         let earlier = SIGNALS.fetch_add(1, Ordering::SeqCst);
-        if earlier > 0 || first == FirstSignal::Leaves {
+        if first == FirstSignal::Leaves || (earlier > 0 && since_first > ONE_WISH) {
             leave();
+        }
+        if earlier > 0 {
+            return;
         }
         messages.note(match first {
             FirstSignal::Stops => {

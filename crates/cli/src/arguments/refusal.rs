@@ -63,11 +63,12 @@ fn unknown_argument(argument: &str) -> String {
     let options: Vec<String> = used_command(&root)
         .get_arguments()
         .flat_map(|option| option.get_long_and_visible_aliases().unwrap_or_default())
-        .chain(["help"])
         .map(|long| format!("--{long}"))
         .collect();
     let mut options: Vec<&str> = options.iter().map(String::as_str).collect();
-    options.dedup();
+    if !options.contains(&"--help") {
+        options.push("--help");
+    }
     // `--sppp=4` means the option before the sign.
     let written = argument.split('=').next().unwrap_or(argument);
     let short = written.strip_prefix('-').and_then(|letters| letters.chars().next());

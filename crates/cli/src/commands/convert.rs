@@ -3,7 +3,7 @@
 //! Source: original. What is written is checked before what is read is read. Proof: `tests/program/conversion.rs`.
 
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use gnurt::denoise::denoise;
 use gnurt::image;
@@ -93,11 +93,23 @@ fn convert_picture(arguments: &ConvertArguments, environment: &Environment, mess
 fn convert_scene(arguments: &ConvertArguments, environment: &Environment, messages: Messages) -> Outcome {
     let source = Source::find(&arguments.input, &arguments.files, environment)?;
     image::check_writable(&arguments.output).map_err(Failure::data)?;
-    let scene = source.load(messages)?;
+    let (scene, read) = source.load_with_files(messages)?;
+    spare(&io::saved_files(&scene, &arguments.output).map_err(Failure::data)?, &read)?;
     let saved = while_writing(|| io::save(&scene, &arguments.output)).map_err(Failure::data)?;
     for warning in saved.iter() {
         messages.warning(warning);
     }
     messages.detail(format_args!("wrote {}", arguments.output.display()));
     Ok(())
+}
+
+/// Refuses to write over libraries, textures and buffers of the scene that is read.
+fn spare(written: &[PathBuf], read: &[PathBuf]) -> Outcome {
+    let lost = written.iter().find(|file| read.iter().any(|read| is_same_file(read, file)));
+    lost.map_or(Ok(()), |file| {
+        Err(Failure::usage(format_args!(
+            "{}: the scene is read from this file, which would be lost; give another name to write to",
+            file.display()
+        )))
+    })
 }

@@ -3,7 +3,9 @@
 //! Source: original; the order of checks is the contract of the command line: arguments, the scene's path, the output's
 //! folder and the memory that the picture takes come before any work. Proof: `tests/`.
 
+use std::cell::Cell;
 use std::fmt::Debug;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use gnurt::ThreadPool;
@@ -54,10 +56,22 @@ pub(super) struct Targets {
     pub(super) heatmap: Option<Output>,
 }
 
+impl Targets {
+    /// Refuses to write over what was read: files of the scene, and those that arguments name.
+    pub(super) fn spare(&self, mut read: Vec<PathBuf>, arguments: &RenderArguments) -> Outcome {
+        read.extend(arguments.view.surroundings.file().map(PathBuf::from));
+        read.extend(shaders::other_files(&arguments.frame, &arguments.view));
+        let mut all = std::iter::once(&self.picture).chain(&self.heatmap);
+        all.try_for_each(|output| output.spare(&read))
+    }
+}
+
 struct Filter {
     options: denoise::Options,
     /// Whether nobody has asked for it: many samples need none then.
     is_default: bool,
+    /// Whether it was said: once is enough for all frames of a film.
+    is_told: Cell<bool>,
 }
 
 /// A scene that is ready for rays.
@@ -145,7 +159,9 @@ fn take_noise_out(frame: &mut Frame, plan: &Plan, pool: &ThreadPool, messages: M
     let is_needed = |filter: &&Filter| !filter.is_default || is_welcome;
     let Some(filter) = plan.filter.as_ref().filter(is_needed) else { return Ok(()) };
     let used = denoise(&mut frame.picture, &filter.options, pool).map_err(Failure::data)?;
-    if filter.is_default {
+    if filter.is_told.replace(true) {
+        messages.detail(&used);
+    } else if filter.is_default {
         messages.note(format_args!(
             "{used}, for there are fewer than {FEW_SAMPLES} samples; --denoise=none leaves it"
         ));
@@ -273,7 +289,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
 fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
     let crop = arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution));
     if let Some(options) = arguments.denoiser.options(crop) {
-        return Some(Filter { options, is_default: false });
+        return Some(Filter { options, is_default: false, is_told: Cell::default() });
     }
     let FrameArguments { integrator, spp, .. } = arguments.frame;
     // A rendering that ends early has fewer samples; one that is gone on with must look the same all the time.
@@ -283,7 +299,7 @@ fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
         && is_noisy(integrator, 1)
         && may_be_few;
     let options = arguments.denoiser.options_or_built_in(crop);
-    options.filter(|_| is_default).map(|options| Filter { options, is_default })
+    options.filter(|_| is_default).map(|options| Filter { options, is_default, is_told: Cell::default() })
 }
 
 /// How the scene is to be made ready for rays.
@@ -435,7 +451,12 @@ fn save(
         Some(piece) => pieces::save(frame, piece, ready.print, light, options, &targets.picture)?,
         None => targets.picture.write_with(&frame.picture, light, messages)?,
     }
-    messages.detail(format_args!("wrote {}", targets.picture.path().display()));
+    let wrote = format!("wrote {}", targets.picture.path().display());
+    match &arguments.output {
+        Some(_) => messages.detail(wrote),
+        // A name that nobody gave.
+        None => messages.note(wrote),
+    }
     if let (Some(target), Some(heatmap)) = (&targets.heatmap, &frame.heatmap) {
         // Its colours are no light.
         target.write(heatmap, Look::default())?;

@@ -97,7 +97,7 @@ impl Studio<'_> {
     /// Moments of a clip of one scene, which is read once.
     fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>) -> Outcome {
         let begin = Instant::now();
-        let mut scene = plan.source.load(self.messages)?;
+        let (mut scene, files) = plan.source.load_with_files(self.messages)?;
         let clip = clip(&scene, self.arguments.moments.animation.as_deref())?;
         let Some(clip) = clip else {
             return Err(Failure::usage(format_args!(
@@ -113,6 +113,7 @@ impl Studio<'_> {
         let mut ready = self.ready(world, chosen, shaders, light, begin.elapsed());
         let mut is_told = false;
         for frame in frames {
+            frame.targets.spare(files.clone(), self.arguments)?;
             let begin = Instant::now();
             let closes = self.arguments.moments.closes(frame.seconds);
             let exposure = scene.expose(clip, frame.seconds, closes);
@@ -133,7 +134,8 @@ impl Studio<'_> {
         let mut light = None;
         for frame in frames {
             let begin = Instant::now();
-            let mut next = all.at(frame.number).load(self.messages)?;
+            let (mut next, files) = all.at(frame.number).load_with_files(self.messages)?;
+            frame.targets.spare(files, self.arguments)?;
             if let Some(clip) = clip(&next, self.arguments.moments.animation.as_deref())? {
                 next.pose(clip, frame.seconds);
             }

@@ -47,7 +47,8 @@ fn prepare(
     messages: Messages,
 ) -> Result<Ready, Failure> {
     let begin = Instant::now();
-    let mut scene = plan.source.load(messages)?;
+    let (mut scene, files) = plan.source.load_with_files(messages)?;
+    plan.targets.spare(files, arguments)?;
     let (frame, stage) = (&arguments.frame, Stage::of(options.integrator));
     let chosen = view::choose(&mut scene, &arguments.view, frame.resolution, stage, messages)?;
     let load_time = begin.elapsed();

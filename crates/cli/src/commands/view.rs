@@ -135,6 +135,7 @@ fn run_windowless(
 ) -> Outcome {
     signals::listen(FirstSignal::Saves, messages)?;
     let (stage, chosen) = prepare(source, arguments, level, pool, messages)?;
+    output.iter().try_for_each(|output| output.spare(&stage.files))?;
     let resolution = arguments.frame.resolution;
     let size = [resolution.width, resolution.height];
     let address = arguments.display.as_ref();

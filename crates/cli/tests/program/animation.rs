@@ -48,7 +48,8 @@ const SMALL: &str = "-r 24x16 --spp 2 -t 2";
 fn a_sequence_has_the_pictures_of_its_moments() {
     let folder = Folder::new();
     animated(&folder);
-    folder.gnurt(&format!("render a.gltf --frames 0..4 --fps 3 -o f.###.png {SMALL}")).success();
+    let run = folder.gnurt(&format!("render a.gltf --frames 0..4 --fps 3 -o f.###.png {SMALL}")).success();
+    assert_eq!(run.stderr.matches("denoised").count(), 1, "said once: {}", run.stderr);
     let mut before = Vec::new();
     for frame in 0..=4_u32 {
         let seconds = f64::from(frame) / 3.0;

@@ -13,9 +13,10 @@ fn signal(name: &str, child: &Child) {
 }
 
 /// A rendering that would take hours.
-fn long_rendering(folder: &Folder, output: &str) -> Child {
+fn long_rendering(folder: &Folder, output: &str, more: &[&str]) -> Child {
     let words = ["render", "builtin:cornell", "-r", "400x300", "--spp", "10000000", "-o", output];
     let mut command = folder.command(&words);
+    command.args(more);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command.spawn().expect("the program starts")
 }
@@ -24,8 +25,10 @@ fn long_rendering(folder: &Folder, output: &str) -> Child {
 fn one_signal_saves() {
     for name in ["-INT", "-TERM"] {
         let folder = Folder::new();
-        let child = long_rendering(&folder, "p.png");
+        let child = long_rendering(&folder, "p.png", &[]);
         std::thread::sleep(Duration::from_millis(1500));
+        signal(name, &child);
+        // `timeout` sends each twice: to the program, and to all of its group.
         signal(name, &child);
         let begin = Instant::now();
         let run = collect(child).success();
@@ -40,12 +43,13 @@ fn one_signal_saves() {
 fn two_signals_leave() {
     let folder = Folder::new();
     folder.write("p.png", "old");
-    let child = long_rendering(&folder, "p.png");
+    // So that there is still something to do when the second one comes.
+    let child = long_rendering(&folder, "p.png", &["-r", "1600x1200", "--denoise=built-in"]);
     std::thread::sleep(Duration::from_millis(1500));
     signal("-INT", &child);
+    std::thread::sleep(Duration::from_millis(250));
     signal("-TERM", &child);
     let run = collect(child);
-    // The two may reach the program as far apart as the machine is busy: then the first one has done its work.
     assert_eq!(run.status, Some(130), "stopped: {}", run.stderr);
     assert_eq!(folder.read("p.png"), b"old", "nothing was saved");
     assert_eq!(folder.contents().len(), 1, "nothing else is left");
@@ -54,7 +58,7 @@ fn two_signals_leave() {
 #[test]
 fn an_early_signal_ends_cleanly() {
     let folder = Folder::new();
-    let child = long_rendering(&folder, "p.png");
+    let child = long_rendering(&folder, "p.png", &[]);
     std::thread::sleep(Duration::from_millis(30));
     signal("-INT", &child);
     let run = collect(child);

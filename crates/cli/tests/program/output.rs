@@ -89,3 +89,53 @@ fn an_exr_tells_how_it_was_made() {
     }
     assert!(!holds(&folder.path().to_string_lossy()), "but not where its maker works");
 }
+
+#[test]
+fn what_a_picture_is_made_from_is_not_lost() {
+    let folder = Folder::new();
+    folder.gnurt(&format!("{SMALL} -o quad.png")).success();
+    let obj = "mtllib quad.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+    folder.write("quad.obj", obj);
+    folder.write("quad.mtl", "newmtl a\nmap_Kd quad.png\n");
+    folder.write("sky.pfm", super::samples::pfm());
+    let before = folder.contents();
+    for line in [
+        "render quad.obj -r 4x4 --spp 1",
+        "render quad.obj -r 4x4 --spp 1 -o ./quad.png",
+        "render quad.obj -r 4x4 --spp 1 -o p.png --heatmap quad.png",
+        "render quad.obj -r 4x4 --spp 1 --environment sky.pfm -o sky.pfm",
+    ] {
+        folder.gnurt(line).fails(2, "would be lost; give another name");
+        assert_eq!(folder.contents(), before, "{line}: all is as it was");
+    }
+    let run = folder.gnurt("view quad.obj --headless -r 4x4 --spp 1 -o quad.png");
+    assert!(run.status == Some(2) && run.stderr.contains("would be lost"), "{}", run.stderr);
+    assert_eq!(folder.contents(), before, "all is as it was");
+    let run = folder.gnurt("render quad.obj -r 4x4 --spp 1 -o p.png").success();
+    assert!(!run.stderr.contains("wrote"), "who gave a name knows it: {}", run.stderr);
+    let run = folder.gnurt(SMALL).success();
+    assert!(
+        run.stderr.contains("note: wrote cornell.png"),
+        "a name that nobody gave is said: {}",
+        run.stderr
+    );
+}
+
+#[test]
+fn what_a_scene_is_read_from_is_not_lost() {
+    let folder = Folder::new();
+    folder.write("ok.obj", super::samples::OBJ);
+    for (first, other, beside) in [("a.obj", "b.obj", "a.mtl"), ("c.gltf", "d.gltf", "c.bin")] {
+        folder.gnurt(&format!("convert ok.obj {first}")).success();
+        std::fs::rename(folder.at(first), folder.at(other)).expect("it is renamed");
+        let before = folder.contents();
+        let run = folder.gnurt(&format!("convert {other} {first}"));
+        assert_eq!(run.status, Some(2), "{}", run.stderr);
+        assert!(
+            run.stderr.contains(&format!("{beside}: the scene is read from this file")),
+            "{}",
+            run.stderr
+        );
+        assert_eq!(folder.contents(), before, "all is as it was");
+    }
+}

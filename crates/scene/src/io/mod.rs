@@ -27,7 +27,7 @@ pub use error::{Error, ErrorKind};
 pub use format::Format;
 pub use loaded::Loaded;
 pub use options::LoadOptions;
-pub use save::save;
+pub use save::{save, saved_files};
 pub use warnings::{Oddity, Warning, Warnings};
 
 use source::Access;

@@ -242,6 +242,8 @@ pub(super) struct Texture {
 pub(super) struct TextureExtensions {
     #[serde(rename = "EXT_texture_webp")]
     pub(super) webp: Option<TextureSource>,
+    #[serde(rename = "KHR_texture_basisu")]
+    pub(super) basisu: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize, Default)]

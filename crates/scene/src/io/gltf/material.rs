@@ -286,7 +286,8 @@ impl<'a> Textures<'a> {
         // A WebP that stands beside another picture of the same is as good as that.
         let source = texture.source.or(texture.extensions.webp.and_then(|webp| webp.source));
         let missing = "its image does not exist or needs an unknown extension";
-        let source = source.ok_or(missing)?;
+        let compressed = "its picture is KTX2 (KHR_texture_basisu), which is not read; write the file with PNG, JPEG or WebP";
+        let source = source.ok_or(if texture.extensions.basisu.is_some() { compressed } else { missing })?;
         let piece = root.images.get(source.value()).ok_or(missing)?;
         let image: json::Image<'_> = document.read(piece, "image").map_err(|e| e.problem)?;
         let texels = self.picture(source, &image, meaning)?;

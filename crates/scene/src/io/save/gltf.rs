@@ -8,7 +8,7 @@ mod camera;
 mod material;
 mod opacity;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
 
@@ -108,6 +108,11 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
     write_files(root, &buffer.bytes, path, format)
 }
 
+/// The buffer of a text file, which lies beside it.
+pub(super) fn buffer_file(path: &Path) -> PathBuf {
+    path.with_extension("bin")
+}
+
 fn write_files(mut root: Map<String, Value>, bytes: &[u8], path: &Path, format: Format) -> Result<(), Error> {
     if format == Format::Glb {
         if !bytes.is_empty() {
@@ -116,7 +121,7 @@ fn write_files(mut root: Map<String, Value>, bytes: &[u8], path: &Path, format: 
         return write(path, &binary_file(Value::Object(root).to_string().into_bytes(), bytes, path)?);
     }
     if !bytes.is_empty() {
-        let file = path.with_extension("bin");
+        let file = buffer_file(path);
         let name = file.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         root.insert("buffers".into(), json!([{ "byteLength": bytes.len(), "uri": percent_encode(&name) }]));
         check_writable(&[file.clone(), path.to_owned()])?;

@@ -12,7 +12,7 @@ mod ply;
 mod png;
 mod world;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::{Error, Format, Oddity, Warnings};
 use crate::scene::Scene;
@@ -33,4 +33,17 @@ pub fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<Warnings, Error> {
         Format::Gltf | Format::Glb => gltf::save(scene, path, format, &mut warnings)?,
     }
     Ok(warnings)
+}
+
+/// The files that [`save`] writes for this scene and path: the one named, and those beside it that it refers to. Whoever must not lose
+/// what is there looks at them first.
+pub fn saved_files(scene: &Scene, path: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+    let path = path.as_ref();
+    let mut files = vec![path.to_owned()];
+    match Format::of(path)? {
+        Format::Obj => files.extend(obj::beside(scene, path)),
+        Format::Gltf => files.push(gltf::buffer_file(path)),
+        Format::Ply | Format::Glb => {}
+    }
+    Ok(files)
 }

@@ -17,10 +17,9 @@ use crate::mesh::Mesh;
 use crate::scene::Scene;
 
 pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
-    let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    let beside = |name: String| -> PathBuf { path.with_file_name(name) };
-    let library_file = beside(format!("{stem}.mtl"));
-    let textures: Vec<_> = (0..scene.textures().len()).map(|k| beside(texture_name(&stem, k))).collect();
+    let stem = stem(path);
+    let library_file = library_file(path);
+    let textures: Vec<_> = texture_files(scene, path).collect();
     check_writable(&textures)?;
     check_writable(&[library_file.clone(), path.to_owned()])?;
     let measures = png::measures(scene);
@@ -34,6 +33,24 @@ pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Resul
     leave_out(scene.cameras().len(), "camera", path, warnings);
     leave_out(scene.lights().len(), "light", path, warnings);
     write(path, geometry(scene, &names, &stem).as_bytes())
+}
+
+/// The files beside the one of geometry: the library and the textures.
+pub(super) fn beside(scene: &Scene, path: &Path) -> impl Iterator<Item = PathBuf> {
+    std::iter::once(library_file(path)).chain(texture_files(scene, path))
+}
+
+fn library_file(path: &Path) -> PathBuf {
+    path.with_file_name(format!("{}.mtl", stem(path)))
+}
+
+fn texture_files(scene: &Scene, path: &Path) -> impl Iterator<Item = PathBuf> {
+    let stem = stem(path);
+    (0..scene.textures().len()).map(move |k| path.with_file_name(texture_name(&stem, k)))
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// MTL has no maps of normals and roughness that all agree on, and opacity only in a picture of its own.
