@@ -31,10 +31,8 @@ pub trait Real:
     fn all(self, x: f32) -> Self;
     /// The number of point `i`.
     fn lane(self, i: usize) -> f32;
-    /// The number of each point, that of point `i` being `f(i)`.
-    fn each(self, f: impl FnMut(usize) -> f32) -> Self;
-    /// Two numbers for each point.
-    fn each_pair(self, f: impl FnMut(usize) -> [f32; 2]) -> [Self; 2];
+    /// As many numbers for each point as the array has, those of point `i` being `f(i)`.
+    fn each_of<const N: usize>(self, f: impl FnMut(usize) -> [f32; N]) -> [Self; N];
     /// Square root.
     fn root(self) -> Self;
     /// Without sign.
@@ -72,6 +70,26 @@ pub trait Real:
     /// What `f` makes, by a function of its own: for what few points need, so that it is compiled once and not into every loop
     /// over points. `f` must be `#[inline(always)]`.
     fn apart<T>(self, f: impl FnOnce() -> T) -> T;
+
+    /// The number of each point, that of point `i` being `f(i)`.
+    #[inline(always)]
+    fn each(self, mut f: impl FnMut(usize) -> f32) -> Self {
+        let [each] = self.each_of(
+            #[inline(always)]
+            |i| [f(i)],
+        );
+        each
+    }
+
+    /// [`each_of`](Self::each_of) the points in a mask; zeros for the others, of which `f` is not asked.
+    #[inline(always)]
+    fn each_where<const N: usize>(self, mask: Self::Mask, mut f: impl FnMut(usize) -> [f32; N]) -> [Self; N] {
+        let bits = Self::bits(mask);
+        self.each_of(
+            #[inline(always)]
+            |i| if bits >> i & 1 != 0 { f(i) } else { [0.0; N] },
+        )
+    }
 
     /// Whether the mask holds any point.
     #[inline(always)]
@@ -114,12 +132,7 @@ impl Real for f32 {
     }
 
     #[inline(always)]
-    fn each(self, mut f: impl FnMut(usize) -> f32) -> Self {
-        f(0)
-    }
-
-    #[inline(always)]
-    fn each_pair(self, mut f: impl FnMut(usize) -> [f32; 2]) -> [Self; 2] {
+    fn each_of<const N: usize>(self, mut f: impl FnMut(usize) -> [f32; N]) -> [Self; N] {
         f(0)
     }
 
@@ -227,21 +240,17 @@ impl<S: Simd> Real for f32x16<S> {
     }
 
     #[inline(always)]
-    fn each(self, mut f: impl FnMut(usize) -> f32) -> Self {
-        let mut lanes = [0.0; 16];
-        for (i, lane) in lanes.iter_mut().enumerate() {
-            *lane = f(i);
+    fn each_of<const N: usize>(self, mut f: impl FnMut(usize) -> [f32; N]) -> [Self; N] {
+        let (mut rows, mut each) = ([[0.0; 16]; N], [self; N]);
+        for i in 0..16 {
+            for (row, x) in rows.iter_mut().zip(f(i)) {
+                row[i] = x;
+            }
         }
-        f32x16::from_slice(self.token(), &lanes)
-    }
-
-    #[inline(always)]
-    fn each_pair(self, mut f: impl FnMut(usize) -> [f32; 2]) -> [Self; 2] {
-        let (mut first, mut second) = ([0.0; 16], [0.0; 16]);
-        for (i, (a, b)) in first.iter_mut().zip(&mut second).enumerate() {
-            [*a, *b] = f(i);
+        for (each, row) in each.iter_mut().zip(&rows) {
+            *each = f32x16::from_slice(self.token(), row);
         }
-        [f32x16::from_slice(self.token(), &first), f32x16::from_slice(self.token(), &second)]
+        each
     }
 
     #[inline(always)]
@@ -374,10 +383,12 @@ pub struct Vector<R> {
 }
 
 impl<Q> Vector<Q> {
-    /// Other numbers in the place of its own.
+    /// Changes each component by that of another.
     #[inline(always)]
-    pub fn each<R>(&self, f: impl Fn(&Q) -> R) -> Vector<R> {
-        Vector { x: f(&self.x), y: f(&self.y), z: f(&self.z) }
+    pub(crate) fn each_with<P>(&mut self, other: &Vector<P>, mut f: impl FnMut(&mut Q, &P)) {
+        f(&mut self.x, &other.x);
+        f(&mut self.y, &other.y);
+        f(&mut self.z, &other.z);
     }
 }
 
@@ -435,30 +446,19 @@ impl<R: Real> Vector<R> {
     /// Without signs.
     #[inline(always)]
     pub fn abs(self) -> Self {
-        self.map(
-            #[inline(always)]
-            |x| x.size(),
-        )
+        self.map(R::size)
     }
 
     /// The larger of each pair of components.
     #[inline(always)]
     pub fn max(self, other: Self) -> Self {
-        self.with(
-            other,
-            #[inline(always)]
-            |a, b| a.or_more(b),
-        )
+        self.with(other, R::or_more)
     }
 
     /// The smaller of each pair of components.
     #[inline(always)]
     pub fn min(self, other: Self) -> Self {
-        self.with(
-            other,
-            #[inline(always)]
-            |a, b| a.or_less(b),
-        )
+        self.with(other, R::or_less)
     }
 
     /// Dot product.
@@ -486,19 +486,12 @@ impl<R: Real> Vector<R> {
     /// Other colours in the place of those of the points in the mask, by the number of the point.
     #[inline(always)]
     pub fn each_colour(self, mask: R::Mask, f: impl Fn(usize, Vec3) -> Vec3) -> Self {
-        let (mut found, bits) = ([Vec3::ZERO; 16], R::bits(mask));
-        for (i, found) in found.iter_mut().enumerate().take(R::LANES) {
-            if bits >> i & 1 != 0 {
-                *found = f(i, self.get(i));
-            }
-        }
-        let by = |k: usize| {
-            self.x.each(
-                #[inline(always)]
-                |i| found[i][k],
-            )
-        };
-        Self::pick(mask, Self::new(by(0), by(1), by(2)), self)
+        let [x, y, z] = self.x.each_where(
+            mask,
+            #[inline(always)]
+            |i| f(i, self.get(i)).into(),
+        );
+        Self::pick(mask, Self::new(x, y, z), self)
     }
 
     /// Divided by its length, as `Vec3::normalize` does it.
@@ -536,10 +529,7 @@ impl<R: Real> Vector<R> {
     /// Ones less it.
     #[inline(always)]
     pub fn rest(self) -> Self {
-        self.map(
-            #[inline(always)]
-            |x| x.rest(),
-        )
+        self.map(R::rest)
     }
 
     /// Points at which all components are finite.

@@ -188,19 +188,11 @@ fn scatter<W: Width>(
     let there = zero.points(there);
     let wo = -vectors(zero, &points.ray_dir, first);
     let at = leaving(zero, points, first, wo);
-    let mut throughput = Vector::grey(zero);
-    throughput.x = zero.each(
+    let [r, g, b] = zero.each_of(
         #[inline(always)]
-        |i| number_of(of, i).map_or(0.0, |number| met.paths.throughput.x[number]),
+        |i| number_of(of, i).map_or([0.0; 3], |number| met.paths.throughput.get(number).into()),
     );
-    throughput.y = zero.each(
-        #[inline(always)]
-        |i| number_of(of, i).map_or(0.0, |number| met.paths.throughput.y[number]),
-    );
-    throughput.z = zero.each(
-        #[inline(always)]
-        |i| number_of(of, i).map_or(0.0, |number| met.paths.throughput.z[number]),
-    );
+    let throughput = Vector::new(r, g, b);
     let mut seen = Seen::none(zero);
     width.look(met.closures, first, (wo, throughput), &mut seen);
     let draws = width.draws(options.seed, &points.key[first..], edges);

@@ -57,26 +57,15 @@ pub(super) fn eval_pdf<R: Real>(
     (value, pdf): (Vector<R>, R),
 ) -> (Vector<R>, R) {
     let is = colours.spread.above_all(0.0);
-    let mut densities = [0.0; 16];
-    let bits = R::bits(is);
-    for (k, density) in densities.iter_mut().enumerate().take(R::LANES) {
-        if bits >> k & 1 != 0 {
-            let ways = [wo.get(k), wi.get(k)];
-            *density = one(&glass.point(k), colours.point(k), n.get(k), ways, [o.lane(k), i.lane(k)]).1;
-        }
-    }
-    let value = value.each_colour(
+    let [r, g, b, density] = pdf.each_where(
         is,
         #[inline(always)]
-        |k, _| {
-            one(&glass.point(k), colours.point(k), n.get(k), [wo.get(k), wi.get(k)], [o.lane(k), i.lane(k)]).0
+        |k| {
+            let ways = [wo.get(k), wi.get(k)];
+            one(&glass.point(k), colours.point(k), n.get(k), ways, [o.lane(k), i.lane(k)])
         },
     );
-    let density = pdf.each(
-        #[inline(always)]
-        |k| densities[k],
-    );
-    (value, R::pick(is, density, pdf))
+    (Vector::pick(is, Vector::new(r, g, b), value), R::pick(is, density, pdf))
 }
 
 #[inline(never)]
@@ -86,7 +75,7 @@ fn one(
     n: Vec3,
     [wo, wi]: [Vec3; 2],
     [o, i]: [f32; 2],
-) -> (Vec3, f32) {
+) -> [f32; 4] {
     let (mut value, mut pdf) = (Vec3::ZERO, 0.0);
     for channel in 0..3 {
         let glass = of_colour(glass, spread, channel);
@@ -95,7 +84,7 @@ fn one(
         value[channel] = Vec3::from(light)[channel];
         pdf += chances[channel] * density;
     }
-    (value, pdf)
+    value.extend(pdf).into()
 }
 
 /// Which colour a number in [0, 1) chooses, and a new number.

@@ -48,7 +48,7 @@ impl<R: Real> Energy<R> {
     #[inline(always)]
     pub(super) fn of(ggx: Ggx<R>) -> Self {
         let roughness = ggx.alpha().root();
-        let average = roughness.each_pair(
+        let average = roughness.each_of(
             #[inline(always)]
             |i| {
                 let (row, beyond) = place(roughness.lane(i), ROUGHNESSES);
@@ -62,7 +62,7 @@ impl<R: Real> Energy<R> {
     #[inline(always)]
     pub(super) fn split(self, cos: R) -> [R; 2] {
         let table = table();
-        cos.each_pair(
+        cos.each_of(
             #[inline(always)]
             |i| {
                 let (row, beyond) = place(self.roughness.lane(i), ROUGHNESSES);

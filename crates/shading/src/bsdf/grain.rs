@@ -96,7 +96,7 @@ impl<R: Real> Slopes<R> {
         let [a, b] = along.apart(
             #[inline(always)]
             || {
-                along.each_pair(
+                along.each_of(
                     #[inline(always)]
                     |i| mean_of_facets(along.lane(i), grain.across.lane(i)),
                 )
@@ -115,7 +115,7 @@ impl<R: Real> Slopes<R> {
         let [a, b] = cos.apart(
             #[inline(always)]
             || {
-                cos.each_pair(
+                cos.each_of(
                     #[inline(always)]
                     |i| split_of_facets([along.lane(i), grain.across.lane(i)], cos.lane(i), azimuth.lane(i)),
                 )

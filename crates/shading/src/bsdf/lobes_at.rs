@@ -3,7 +3,7 @@
 //! Source: original. Space: world. Invariant: the numbers of [`Lobe`]. Proof: `tests` of `bsdf`.
 
 use super::lobe::Lobe;
-use crate::real::{Real, Vector};
+use crate::real::Vector;
 
 /// The lobes in one place of many points' lists, as numbers.
 #[derive(Clone, Copy)]
@@ -49,20 +49,17 @@ impl<R: Copy> Rarities<R> {
     }
 }
 
-impl<R: Real> Rarities<R> {
+impl<Q> Rarities<Q> {
+    /// Changes each number by that of another.
     #[inline(always)]
-    pub(super) fn pick(mask: R::Mask, a: &Self, b: &Self) -> Self {
-        let film = [0, 1, 2].map(
-            #[inline(always)]
-            |k: usize| R::pick(mask, a.film[k], b.film[k]),
-        );
-        Self {
-            tangent: Vector::pick(mask, a.tangent, b.tangent),
-            across: R::pick(mask, a.across, b.across),
-            film,
-            spread: R::pick(mask, a.spread, b.spread),
-            channels: Vector::pick(mask, a.channels, b.channels),
+    pub(super) fn each_with<P>(&mut self, other: &Rarities<P>, f: &mut impl FnMut(&mut Q, &P)) {
+        self.tangent.each_with(&other.tangent, &mut *f);
+        f(&mut self.across, &other.across);
+        for (own, other) in self.film.iter_mut().zip(&other.film) {
+            f(own, other);
         }
+        f(&mut self.spread, &other.spread);
+        self.channels.each_with(&other.channels, f);
     }
 }
 

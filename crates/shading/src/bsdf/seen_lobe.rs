@@ -62,10 +62,11 @@ pub(super) struct SeenLobe<R> {
     pub(super) rarities: Rarities<R>,
 }
 
-impl<R: Real> SeenLobe<R> {
+impl<Q: Copy> SeenLobe<Q> {
+    /// No lobe: all its numbers are `zero`.
     #[inline(always)]
-    pub(super) fn none(like: R) -> Self {
-        let (zero, black) = (like.all(0.0), Vector::grey(like.all(0.0)));
+    pub(super) fn none(zero: Q) -> Self {
+        let black = Vector { x: zero, y: zero, z: zero };
         Self {
             kind: zero,
             kinds: 0,
@@ -93,6 +94,33 @@ impl<R: Real> SeenLobe<R> {
         }
     }
 
+    /// Changes each number by that of another; rare ones only where either has some.
+    #[inline(always)]
+    pub(super) fn each_with<P>(&mut self, other: &SeenLobe<P>, mut f: impl FnMut(&mut Q, &P)) {
+        f(&mut self.kind, &other.kind);
+        self.normal.each_with(&other.normal, &mut f);
+        self.wo.each_with(&other.wo, &mut f);
+        f(&mut self.cos, &other.cos);
+        self.weight.each_with(&other.weight, &mut f);
+        self.left.each_with(&other.left, &mut f);
+        self.a.each_with(&other.a, &mut f);
+        self.b.each_with(&other.b, &mut f);
+        self.c.each_with(&other.c, &mut f);
+        self.more.each_with(&other.more, &mut f);
+        f(&mut self.alpha, &other.alpha);
+        f(&mut self.eta, &other.eta);
+        f(&mut self.hidden, &other.hidden);
+        f(&mut self.lost, &other.lost);
+        f(&mut self.chance, &other.chance);
+        f(&mut self.share_of_more, &other.share_of_more);
+        f(&mut self.cover, &other.cover);
+        if self.rare | other.rare != 0 {
+            self.rarities.each_with(&other.rarities, &mut f);
+        }
+    }
+}
+
+impl<R: Real> SeenLobe<R> {
     #[inline(always)]
     pub(super) fn has(&self, kind: Kind) -> bool {
         self.kinds & kind.bit() != 0
@@ -347,20 +375,17 @@ impl<R: Real> SeenLobe<R> {
     /// Albedos, [`hidden`](Self::hidden) and [`lost`](Self::lost) of points in a mask.
     #[inline(always)]
     fn look_alone(&self, is: R::Mask) -> (Vector<R>, R, R) {
-        let ([x, y], mut views, bits) = (self.axes(), [View::default(); 16], R::bits(is));
+        let [x, y] = self.axes();
         let wo = Vector::new(x.dot(self.wo), y.dot(self.wo), self.cos);
-        for (i, view) in views.iter_mut().enumerate().take(R::LANES).filter(|(i, _)| bits >> i & 1 != 0) {
-            *view = self.alone(i, wo.get(i)).look();
-        }
-        let of = |what: fn(&View) -> f32| {
-            self.cos.each(
-                #[inline(always)]
-                |i| what(&views[i]),
-            )
-        };
-        let albedo =
-            Vector::new(of(|view| view.albedo.x), of(|view| view.albedo.y), of(|view| view.albedo.z));
-        (albedo, of(|view| view.hidden), of(|view| view.lost))
+        let [r, g, b, hidden, lost] = self.cos.each_where(
+            is,
+            #[inline(always)]
+            |i| {
+                let View { albedo, hidden, lost } = self.alone(i, wo.get(i)).look();
+                [albedo.x, albedo.y, albedo.z, hidden, lost]
+            },
+        );
+        (Vector::new(r, g, b), hidden, lost)
     }
 
     /// Values times the cosine and densities of points in a mask for `wi` at the cosine `cos`.
@@ -369,26 +394,19 @@ impl<R: Real> SeenLobe<R> {
         cos.apart(
             #[inline(always)]
             || {
-                let ([x, y], mut found, bits) = (self.axes(), [(Vec3::ZERO, 0.0); 16], R::bits(is));
+                let [x, y] = self.axes();
                 let wo = Vector::new(x.dot(self.wo), y.dot(self.wo), self.cos);
                 let wi = Vector::new(x.dot(wi), y.dot(wi), cos);
-                for (i, found) in found.iter_mut().enumerate().take(R::LANES) {
-                    if bits >> i & 1 != 0 {
-                        let (hidden, lost) = (self.hidden.lane(i), self.lost.lane(i));
-                        *found = self.alone(i, wo.get(i)).eval_pdf(hidden, lost, wi.get(i));
-                    }
-                }
-                let by = |k: usize| {
-                    cos.each(
-                        #[inline(always)]
-                        |i| found[i].0[k],
-                    )
-                };
-                let density = cos.each(
+                let [r, g, b, density] = cos.each_where(
+                    is,
                     #[inline(always)]
-                    |i| found[i].1,
+                    |i| {
+                        let (hidden, lost) = (self.hidden.lane(i), self.lost.lane(i));
+                        let (light, density) = self.alone(i, wo.get(i)).eval_pdf(hidden, lost, wi.get(i));
+                        light.extend(density).into()
+                    },
                 );
-                (Vector::new(by(0), by(1), by(2)), density)
+                (Vector::new(r, g, b), density)
             },
         )
     }
@@ -689,25 +707,12 @@ impl<R: Real> SeenLobe<R> {
     #[inline(always)]
     pub(super) fn mix(&mut self, mask: R::Mask, next: &Self) {
         self.kinds |= next.kinds;
-        self.kind = R::pick(mask, next.kind, self.kind);
-        self.cos = R::pick(mask, next.cos, self.cos);
-        self.alpha = R::pick(mask, next.alpha, self.alpha);
-        self.eta = R::pick(mask, next.eta, self.eta);
-        self.hidden = R::pick(mask, next.hidden, self.hidden);
-        self.lost = R::pick(mask, next.lost, self.lost);
-        self.chance = R::pick(mask, next.chance, self.chance);
-        self.share_of_more = R::pick(mask, next.share_of_more, self.share_of_more);
-        self.normal = Vector::pick(mask, next.normal, self.normal);
-        self.wo = Vector::pick(mask, next.wo, self.wo);
-        self.weight = Vector::pick(mask, next.weight, self.weight);
-        self.left = Vector::pick(mask, next.left, self.left);
-        self.a = Vector::pick(mask, next.a, self.a);
-        self.b = Vector::pick(mask, next.b, self.b);
-        self.c = Vector::pick(mask, next.c, self.c);
         self.rare |= next.rare;
-        if self.rare != 0 {
-            self.rarities = Rarities::pick(mask, &next.rarities, &self.rarities);
-        }
+        self.each_with(
+            next,
+            #[inline(always)]
+            |own, &next| *own = R::pick(mask, next, *own),
+        );
     }
 
     /// Where delta lobes send light, mirrored and through, in the frame of `wo`, with its share of the light; and the
@@ -723,10 +728,7 @@ impl<R: Real> SeenLobe<R> {
         let (through, some) = (Vector::pick(pane, -wo, bent), some | pane);
         let lights = [self.a * share, self.b * share.rest()];
         let lights = [lights[0], Vector::pick(some & !is_mirror, lights[1], Vector::grey(zero))];
-        let [a, b] = lights.map(
-            #[inline(always)]
-            |light| light.sum(),
-        );
+        let [a, b] = lights.map(Vector::sum);
         let chance = R::pick((a + b).above(zero), a / (a + b), one);
         ([(mirrored, lights[0]), (through, lights[1])], chance)
     }
@@ -737,36 +739,21 @@ impl<R: Real> SeenLobe<R> {
     /// frame of `wo`, and its light over the probability of that.
     #[inline(always)]
     pub(super) fn branch_by_colour(&self, mask: R::Mask, wo: Vector<R>, u: R) -> (Vector<R>, Vector<R>) {
-        let black = Vector::grey(u.all(0.0));
         let [share, ior, thickness] = self.rarities.film;
-        let one = |i: usize| {
-            let colours = (self.rarities.spread.lane(i), self.rarities.channels.get(i));
-            let film = Film { share: share.lane(i), ior: ior.lane(i), thickness: thickness.lane(i) };
-            let tints = [self.a.get(i), self.b.get(i)];
-            dispersed::branch(self.eta.lane(i), colours, film, tints, wo.get(i), u.lane(i))
-        };
-        let ways = black.each_colour(
+        let [x, y, z, r, g, b] = u.each_where(
             mask,
             #[inline(always)]
-            |i, _| one(i).0,
+            |i| {
+                let colours = (self.rarities.spread.lane(i), self.rarities.channels.get(i));
+                let film = Film { share: share.lane(i), ior: ior.lane(i), thickness: thickness.lane(i) };
+                let tints = [self.a.get(i), self.b.get(i)];
+                let (way, light) =
+                    dispersed::branch(self.eta.lane(i), colours, film, tints, wo.get(i), u.lane(i));
+                [way.x, way.y, way.z, light.x, light.y, light.z]
+            },
         );
-        let lights = black.each_colour(
-            mask,
-            #[inline(always)]
-            |i, _| one(i).1,
-        );
-        (ways, lights)
+        (Vector::new(x, y, z), Vector::new(r, g, b))
     }
-}
-
-/// What counts of a [`SeenLobe`] that is nothing or Lambert's reflector, and neither above nor below another one.
-#[derive(Clone, Copy)]
-pub(super) struct PlainLobe<R> {
-    pub(super) kind: R,
-    pub(super) normal: Vector<R>,
-    pub(super) weight: Vector<R>,
-    pub(super) a: Vector<R>,
-    pub(super) chance: R,
 }
 
 /// Value and density of the lobes of points, one lobe after the other, no more than [`MOST`]. Who loops hands over references: lobes that
@@ -812,12 +799,13 @@ impl<R: Real> Sum<R> {
         self.pdf = self.pdf + density * lobe.chance;
     }
 
-    /// The same with the same bits, faster: most surfaces are plain.
+    /// The same with the same bits, faster, for a lobe that is nothing or Lambert's reflector, neither above nor below another one: most
+    /// surfaces are so.
     #[inline(always)]
-    pub(super) fn add_plain(&mut self, lobe: &PlainLobe<R>, wi: Vector<R>) {
+    pub(super) fn add_plain(&mut self, lobe: &SeenLobe<R>, wi: Vector<R>) {
         let i = lobe.normal.dot(wi);
         let zero = i.all(0.0);
-        let is = self.above & i.above(zero) & lobe.kind.is(zero.all(Kind::Diffuse as u32 as f32));
+        let is = self.above & i.above(zero) & lobe.is(Kind::Diffuse);
         let by_cosine = R::pick(is, i.or_more(i.all(1e-20)) * FRAC_1_PI, zero);
         self.value = self.value + lobe.a * by_cosine * lobe.weight;
         self.pdf = self.pdf + by_cosine * lobe.chance;
