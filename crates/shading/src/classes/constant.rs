@@ -7,19 +7,18 @@
 //!
 //! Source: original, name and parameter as OpenRT programs know them. Proof: `tests::shows_its_value`.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
-use super::class::{Kind, Parameter, Shader, ShaderClass};
+use super::class::{Kind, Parameter, ShaderClass};
+use super::shown::shown;
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{RadianceShader, SurfaceShader, Tracer};
+use crate::shader::{RadianceShader, Tracer};
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "ConstantShader",
     kind: Kind::Surface,
     parameters: &[Parameter::floats("value", &[1.0; 3])],
-    make: |values| Shader::Surface(Arc::new(Constant { value: values.vec3(0) })),
+    make: |values| shown(Constant { value: values.vec3(0) }, Vec::new()),
 };
 
 struct Constant {
@@ -32,20 +31,15 @@ impl RadianceShader for Constant {
     }
 }
 
-impl SurfaceShader for Constant {
-    fn radiance(&self) -> Option<&dyn RadianceShader> {
-        Some(self)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::probe::{Probe, floor, shade};
+    use super::super::shown::Shown;
     use super::*;
 
     #[test]
     fn shows_its_value() {
-        let shader = Constant { value: Vec3::new(0.1, 2.0, 0.3) };
+        let shader = Shown { shader: Constant { value: Vec3::new(0.1, 2.0, 0.3) }, attributes: Vec::new() };
         assert_eq!(
             shade(&shader, &mut Probe::dark(), &floor()),
             Vec3::new(0.1, 2.0, 0.3),

@@ -8,27 +8,23 @@
 //! Shows the sum over lights of `E color max(0, n·l)`.
 //! Source: original, name and parameter as OpenRT programs know them. Proof: `tests`.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
-use super::class::{Kind, Parameter, Shader, ShaderClass};
+use super::class::{Kind, Parameter, ShaderClass};
 use super::lambert::{Shadows, direct_light, normals_given, shading_normals};
+use super::shown::shown;
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
+use crate::shader::{RadianceShader, Tracer};
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "DiffuseShader",
     kind: Kind::Surface,
     parameters: &[Parameter::floats("color", &[1.0; 3])],
-    make: |values| {
-        Shader::Surface(Arc::new(Diffuse { color: values.vec3(0), attributes: [normals_given()] }))
-    },
+    make: |values| shown(Diffuse { color: values.vec3(0) }, vec![normals_given()]),
 };
 
 struct Diffuse {
     color: Vec3,
-    attributes: [AttributeRequest; 1],
 }
 
 impl RadianceShader for Diffuse {
@@ -39,23 +35,14 @@ impl RadianceShader for Diffuse {
     }
 }
 
-impl SurfaceShader for Diffuse {
-    fn radiance(&self) -> Option<&dyn RadianceShader> {
-        Some(self)
-    }
-
-    fn attributes(&self) -> &[AttributeRequest] {
-        &self.attributes
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::probe::{Probe, floor, shade};
+    use super::super::shown::Shown;
     use super::*;
 
-    fn diffuse() -> Diffuse {
-        Diffuse { color: Vec3::new(0.5, 1.0, 0.0), attributes: [normals_given()] }
+    fn diffuse() -> Shown<Diffuse> {
+        Shown { shader: Diffuse { color: Vec3::new(0.5, 1.0, 0.0) }, attributes: vec![normals_given()] }
     }
 
     #[test]

@@ -7,27 +7,23 @@
 //!
 //! Source: [Whi80]; name and parameter as OpenRT programs know them. Proof: `tests::reflects`.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
-use super::class::{Kind, Parameter, Shader, ShaderClass};
+use super::class::{Kind, Parameter, ShaderClass};
 use super::lambert::{normals_given, shading_normals};
+use super::shown::shown;
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{AttributeRequest, RadianceShader, RayRequest, SurfaceShader, Tracer};
+use crate::shader::{RadianceShader, RayRequest, Tracer};
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "MirrorShader",
     kind: Kind::Surface,
     parameters: &[Parameter::floats("attenuation", &[1.0])],
-    make: |values| {
-        Shader::Surface(Arc::new(Mirror { attenuation: values.float(0), attributes: [normals_given()] }))
-    },
+    make: |values| shown(Mirror { attenuation: values.float(0) }, vec![normals_given()]),
 };
 
 struct Mirror {
     attenuation: f32,
-    attributes: [AttributeRequest; 1],
 }
 
 impl RadianceShader for Mirror {
@@ -45,16 +41,6 @@ impl RadianceShader for Mirror {
     }
 }
 
-impl SurfaceShader for Mirror {
-    fn radiance(&self) -> Option<&dyn RadianceShader> {
-        Some(self)
-    }
-
-    fn attributes(&self) -> &[AttributeRequest] {
-        &self.attributes
-    }
-}
-
 /// Direction of the mirrored ray of lane `i`. Where an interpolated normal would send it through the surface,
 /// the geometric one is used.
 pub(super) fn reflection(hits: &SurfaceBatch, i: usize, normal: Vec3) -> Vec3 {
@@ -67,6 +53,7 @@ pub(super) fn reflection(hits: &SurfaceBatch, i: usize, normal: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::super::probe::{Probe, floor, shade};
+    use super::super::shown::Shown;
     use super::*;
 
     #[test]
@@ -75,7 +62,7 @@ mod tests {
         hits.ray_dir.set(0, Vec3::new(0.6, -0.8, 0.0));
         let mut probe = Probe::dark();
         probe.seen = Vec3::new(1.0, 2.0, 4.0);
-        let shader = Mirror { attenuation: 0.5, attributes: [normals_given()] };
+        let shader = Shown { shader: Mirror { attenuation: 0.5 }, attributes: vec![normals_given()] };
         assert_eq!(shade(&shader, &mut probe, &hits), Vec3::new(0.5, 1.0, 2.0), "half of what the ray sees");
         let [ray] = probe.traced[..] else { panic!("one ray per point: {:?}", probe.traced) };
         let off = Vec3::from(ray.dir) - Vec3::new(0.6, 0.8, 0.0);

@@ -20,6 +20,7 @@ mod phong;
 mod pinhole_camera;
 mod projection_camera;
 mod sample;
+mod shown;
 mod spot_light;
 mod texture;
 mod textured_diffuse;

@@ -11,14 +11,13 @@
 //! `DiffuseShader`; in a scene without lights by one in the eye, `color |n·d|`, since Figure 1 has no light.
 //! Source: the paper's Figure 1; the look is original. Proof: `tests`.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
-use super::class::{Kind, Parameter, ParameterRate, Shader, ShaderClass};
+use super::class::{Kind, Parameter, ParameterRate, ShaderClass};
 use super::lambert::{Shadows, direct_light, normals_given, shading_normals};
+use super::shown::shown;
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
+use crate::shader::{AttributeRequest, RadianceShader, Tracer};
 
 const PARAMETERS: [Parameter; 3] = [
     Parameter::floats("shader_color", &[1.0; 3]),
@@ -30,21 +29,19 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "sample",
     kind: Kind::Surface,
     parameters: &PARAMETERS,
-    make: |values| Shader::Surface(Arc::new(Sample::new(values.vec3(0)))),
+    make: |values| shown(Sample { shader_color: values.vec3(0) }, attributes()),
 };
 
 struct Sample {
     shader_color: Vec3,
-    attributes: [AttributeRequest; 3],
+}
+
+fn attributes() -> Vec<AttributeRequest> {
+    let [_, triangle_color, vertex_color] = PARAMETERS;
+    vec![triangle_color.request(), vertex_color.request(), normals_given()]
 }
 
 impl Sample {
-    fn new(shader_color: Vec3) -> Self {
-        let [_, triangle_color, vertex_color] = PARAMETERS;
-        let attributes = [triangle_color.request(), vertex_color.request(), normals_given()];
-        Self { shader_color, attributes }
-    }
-
     fn color(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
         let value = |attribute: usize| {
             let (data, n) = (&hits.attributes[attribute], hits.len());
@@ -69,19 +66,10 @@ impl RadianceShader for Sample {
     }
 }
 
-impl SurfaceShader for Sample {
-    fn radiance(&self) -> Option<&dyn RadianceShader> {
-        Some(self)
-    }
-
-    fn attributes(&self) -> &[AttributeRequest] {
-        &self.attributes
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::probe::{Probe, floor, shade};
+    use super::super::shown::Shown;
     use super::*;
 
     #[test]
@@ -89,7 +77,8 @@ mod tests {
         let mut hits = floor();
         hits.ray_dir.set(0, Vec3::NEG_Y);
         hits.attributes = vec![vec![0.0, 0.9, 0.0], vec![0.0, 0.0, 0.9], vec![0.0]];
-        let shader = Sample::new(Vec3::new(0.9, 0.0, 0.0));
+        let shader = Sample { shader_color: Vec3::new(0.9, 0.0, 0.0) };
+        let shader = Shown { shader, attributes: attributes() };
         let seen = shade(&shader, &mut Probe::dark(), &hits);
         assert!((seen - Vec3::splat(0.3)).length() < 1e-6, "the mean, seen head-on: {seen}");
         let mut lamp = Probe::lit(Vec3::Y, Vec3::splat(2.0));

@@ -11,16 +11,17 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::class::{Kind, Parameter, Shader, ShaderClass};
+use super::class::{Kind, Parameter, ShaderClass};
+use super::shown::shown;
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{RadianceShader, SurfaceShader, Tracer};
+use crate::shader::{RadianceShader, Tracer};
 use crate::texture::TextureSampler;
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "TextureShader",
     kind: Kind::Surface,
     parameters: &[Parameter::texture("texture")],
-    make: |values| Shader::Surface(Arc::new(Texture { texture: values.texture(0) })),
+    make: |values| shown(Texture { texture: values.texture(0) }, Vec::new()),
 };
 
 struct Texture {
@@ -30,12 +31,6 @@ struct Texture {
 impl RadianceShader for Texture {
     fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         texel_colors(self.texture.as_deref(), hits, out);
-    }
-}
-
-impl SurfaceShader for Texture {
-    fn radiance(&self) -> Option<&dyn RadianceShader> {
-        Some(self)
     }
 }
 
@@ -55,15 +50,16 @@ mod tests {
     use gnurt_image::{TexelData, Texels};
 
     use super::super::probe::{Probe, floor, shade};
+    use super::super::shown::Shown;
     use super::*;
 
     #[test]
     fn shows_texels() {
         let texels = Texels { width: 1, height: 1, data: TexelData::Linear8(vec![[255, 0, 51, 255]]) };
-        let shader = Texture { texture: Some(Arc::new(TextureSampler::new(Arc::new(texels)))) };
-        let seen = shade(&shader, &mut Probe::dark(), &floor());
+        let of = |texture| Shown { shader: Texture { texture }, attributes: Vec::new() };
+        let texture = Arc::new(TextureSampler::new(Arc::new(texels)));
+        let seen = shade(&of(Some(texture)), &mut Probe::dark(), &floor());
         assert!((seen - Vec3::new(1.0, 0.0, 0.2)).length() < 1e-6, "bytes are linear: {seen}");
-        let white = Texture { texture: None };
-        assert_eq!(shade(&white, &mut Probe::dark(), &floor()), Vec3::ONE, "no texture is white");
+        assert_eq!(shade(&of(None), &mut Probe::dark(), &floor()), Vec3::ONE, "no texture is white");
     }
 }

@@ -13,11 +13,12 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::class::{Kind, Parameter, Shader, ShaderClass};
+use super::class::{Kind, Parameter, ShaderClass};
 use super::lambert::{Shadows, direct_light, normals_given, shading_normals};
+use super::shown::shown;
 use super::texture::texel_colors;
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
+use crate::shader::{RadianceShader, Tracer};
 use crate::texture::TextureSampler;
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
@@ -26,14 +27,13 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
     parameters: &[Parameter::texture("texture"), Parameter::floats("radiance", &[1.0; 3])],
     make: |values| {
         let (texture, ambient) = (values.texture(0), values.vec3(1));
-        Shader::Surface(Arc::new(TexturedDiffuse { texture, ambient, attributes: [normals_given()] }))
+        shown(TexturedDiffuse { texture, ambient }, vec![normals_given()])
     },
 };
 
 struct TexturedDiffuse {
     texture: Option<Arc<TextureSampler>>,
     ambient: Vec3,
-    attributes: [AttributeRequest; 1],
 }
 
 impl RadianceShader for TexturedDiffuse {
@@ -45,25 +45,16 @@ impl RadianceShader for TexturedDiffuse {
     }
 }
 
-impl SurfaceShader for TexturedDiffuse {
-    fn radiance(&self) -> Option<&dyn RadianceShader> {
-        Some(self)
-    }
-
-    fn attributes(&self) -> &[AttributeRequest] {
-        &self.attributes
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::probe::{Probe, floor, shade};
+    use super::super::shown::Shown;
     use super::*;
 
     #[test]
     fn adds_ambient_light_and_asks_for_shadows() {
-        let shader =
-            TexturedDiffuse { texture: None, ambient: Vec3::splat(0.25), attributes: [normals_given()] };
+        let shader = TexturedDiffuse { texture: None, ambient: Vec3::splat(0.25) };
+        let shader = Shown { shader, attributes: vec![normals_given()] };
         let mut probe = Probe::lit(Vec3::Y, Vec3::ONE);
         assert_eq!(shade(&shader, &mut probe, &floor()), Vec3::splat(1.25), "ambient and direct");
         probe.transmittance = Vec3::new(0.0, 0.0, 1.0);

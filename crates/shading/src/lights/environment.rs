@@ -27,7 +27,7 @@ pub struct ConstantEnvironment {
 
 impl EnvironmentShader for ConstantEnvironment {
     fn miss(&self, dir: &Vec3s, out: &mut Vec3s) {
-        (0..dir.len()).for_each(|i| out.set(i, self.radiance));
+        out.reset(dir.len(), self.radiance);
     }
 }
 
@@ -219,6 +219,13 @@ mod tests {
         let texture = TextureSampler::new(Arc::new(Texels { width, height, data }));
         let turn = Mat3::from_rotation_x(0.4) * Mat3::from_rotation_y(1.1);
         PictureEnvironment::new(texture, Vec3::splat(2.0), turn, Threads::Single).expect("it shines")
+    }
+
+    #[test]
+    fn a_constant_is_the_same_on_all_sides() {
+        let mut out = Vec3s::default();
+        ConstantEnvironment { radiance: Vec3::Z }.miss(&Vec3s::splat(2, Vec3::X), &mut out);
+        assert_eq!(out, Vec3s::splat(2, Vec3::Z), "two lanes of the value");
     }
 
     fn irradiance(light: &dyn LightShader, normal: Vec3) -> Vec3 {

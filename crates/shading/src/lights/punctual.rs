@@ -73,7 +73,8 @@ fn from_point(position: Vec3, intensity: impl Fn(Vec3) -> Vec3, p: &Vec3s, out: 
     for i in 0..p.len() {
         let way = position - p.get(i);
         let dist = way.length();
-        if dist > 0.0 {
+        // A point at the light's place is not lit: it has no direction.
+        if dist > 0.0 && dist.is_finite() {
             let dir = way / dist;
             out.dir.set(i, dir);
             out.dist[i] = dist;

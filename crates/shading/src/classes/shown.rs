@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Surfaces of classes that only say what they look like: no integrator knows what they do with light.
+//! Source: original. Proof: `tests` of the classes.
+
+use std::sync::Arc;
+
+use super::class::Shader;
+use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader};
+
+/// A surface that only says what it looks like.
+pub(super) struct Shown<S> {
+    pub(super) shader: S,
+    /// What it asks of meshes, in the order in which it finds it.
+    pub(super) attributes: Vec<AttributeRequest>,
+}
+
+impl<S: RadianceShader> SurfaceShader for Shown<S> {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(&self.shader)
+    }
+
+    fn attributes(&self) -> &[AttributeRequest] {
+        &self.attributes
+    }
+}
+
+/// The shader of a class whose surfaces are [`Shown`].
+pub(super) fn shown(shader: impl RadianceShader + 'static, attributes: Vec<AttributeRequest>) -> Shader {
+    Shader::Surface(Arc::new(Shown { shader, attributes }))
+}
