@@ -11,6 +11,7 @@ use gnurt_render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent
 use gnurt_scene::material::{Color, TextureRef};
 use gnurt_scene::texture::{Filter, Texture, Wrap};
 use gnurt_scene::{Light, Material, MaterialId, Scene, Surface};
+use gnurt_shading::bsdf::Principled;
 use gnurt_shading::materials as shading;
 use gnurt_shading::mipmap::{Minify, MipMap};
 use gnurt_shading::texture::TextureSampler;
@@ -150,7 +151,9 @@ fn bumps_too_fine_to_be_seen_make_metal_rougher() {
         metallic_roughness_texture: None,
         ior: 1.5,
         normal_map: Some(shading::NormalMap { texture: reader(&bumps, 40.0, weigh), scale: 1.0 }),
-        layers: shading::Layers::default(),
+        model: Principled::new(Vec3::ONE, 1.0, 0.25, 1.5),
+        anisotropy: shading::Anisotropy::default(),
+        absorption: Vec3::ZERO,
     };
     let of = |weigh, spp| {
         let options = RenderOptions { max_depth: 2, ..options(8, 8, spp) };

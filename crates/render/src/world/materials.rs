@@ -10,7 +10,7 @@ use gnurt_image::Weigh;
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled};
 use gnurt_scene::{Material, Surface, TextureId};
 use gnurt_shading::SurfaceShader;
-use gnurt_shading::bsdf::Film;
+use gnurt_shading::bsdf::{Film, Principled as Bsdf};
 use gnurt_shading::materials as shading;
 
 use super::table::ShaderTable;
@@ -51,21 +51,19 @@ fn surface(from: Reading, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
             metallic_roughness_texture,
             ior,
             normal_texture,
-        } => Arc::new(shading::MetallicRoughness {
-            base_color: color(from, base_color),
-            metallic: *metallic,
-            roughness: *roughness,
-            metallic_roughness_texture: metallic_roughness_texture
-                .as_ref()
-                .map(|t| from.sampler(t, Weigh::Alike)),
-            ior: *ior,
-            normal_map: normal_texture.as_ref().map(|map| shading::NormalMap {
-                texture: from.sampler(&map.texture, Weigh::Directions),
-                scale: map.scale,
-            }),
-            layers: shading::Layers::default(),
-        }),
-        Surface::Principled(principled) => Arc::new(self::principled(from, principled)),
+        } => Arc::new(principled(
+            from,
+            &Principled {
+                base_color: *base_color,
+                metallic: *metallic,
+                roughness: *roughness,
+                metallic_roughness_texture: *metallic_roughness_texture,
+                normal_texture: *normal_texture,
+                ..Principled::default()
+            },
+            *ior,
+        )),
+        Surface::Principled(model) => Arc::new(principled(from, model, index(model.ior))),
         Surface::RoughMatte { base_color, roughness } => {
             Arc::new(shading::rough_matte(color(from, base_color), roughness.clamp(0.0, 1.0)))
         }
@@ -100,7 +98,8 @@ fn index(ior: f32) -> f32 {
     if ior > 0.0 && ior.is_finite() { ior } else { 1.0 }
 }
 
-fn principled(reading: Reading, from: &Principled) -> shading::MetallicRoughness {
+fn principled(reading: Reading, from: &Principled, ior: f32) -> shading::MetallicRoughness {
+    let plain = Bsdf::new(Vec3::ONE, from.metallic, from.roughness, ior);
     shading::MetallicRoughness {
         base_color: color(reading, &from.base_color),
         metallic: from.metallic,
@@ -109,33 +108,36 @@ fn principled(reading: Reading, from: &Principled) -> shading::MetallicRoughness
             .metallic_roughness_texture
             .as_ref()
             .map(|t| reading.sampler(t, Weigh::Alike)),
-        ior: index(from.ior),
+        ior,
         normal_map: from.normal_texture.as_ref().map(|map| shading::NormalMap {
             texture: reading.sampler(&map.texture, Weigh::Directions),
             scale: map.scale,
         }),
-        layers: shading::Layers {
-            specular: from.specular,
-            specular_color: Vec3::from(from.specular_color),
-            coat: from.clearcoat,
-            coat_roughness: from.clearcoat_roughness,
-            sheen: Vec3::from(from.sheen_color),
-            sheen_roughness: from.sheen_roughness,
-            transmission: from.transmission,
+        model: Bsdf {
+            f0: (plain.f0 * Vec3::from(from.specular_color) * from.specular).clamp(Vec3::ZERO, Vec3::ONE),
+            f90: from.specular.clamp(0.0, 1.0),
+            coat: from.clearcoat.clamp(0.0, 1.0),
+            coat_alpha: from.clearcoat_roughness * from.clearcoat_roughness,
+            sheen: Vec3::from(from.sheen_color).clamp(Vec3::ZERO, Vec3::ONE),
+            sheen_roughness: from.sheen_roughness.clamp(0.0, 1.0),
+            transmission: from.transmission.clamp(0.0, 1.0),
             thin: from.thin,
-            absorption: Vec3::from(from.interior.absorption()),
-            spread: from.interior.spread(index(from.ior)),
-            anisotropy: from.anisotropy.strength,
-            anisotropy_rotation: from.anisotropy.rotation,
-            anisotropy_texture: from.anisotropy.texture.as_ref().map(|t| reading.sampler(t, Weigh::Alike)),
             film: Film {
                 share: from.iridescence.factor.clamp(0.0, 1.0),
                 ior: from.iridescence.ior,
                 thickness: from.iridescence.thickness,
             },
-            translucence: from.diffuse_transmission.factor,
-            beyond: Vec3::from(from.diffuse_transmission.color),
+            spread: from.interior.spread(ior),
+            translucence: from.diffuse_transmission.factor.clamp(0.0, 1.0),
+            beyond: Vec3::from(from.diffuse_transmission.color).clamp(Vec3::ZERO, Vec3::ONE),
+            ..plain
         },
+        anisotropy: shading::Anisotropy {
+            strength: from.anisotropy.strength,
+            rotation: from.anisotropy.rotation,
+            texture: from.anisotropy.texture.as_ref().map(|t| reading.sampler(t, Weigh::Alike)),
+        },
+        absorption: Vec3::from(from.interior.absorption()),
     }
 }
 

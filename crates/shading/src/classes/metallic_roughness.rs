@@ -32,8 +32,10 @@ use std::sync::Arc;
 use super::class::{Kind, Parameter, Shader, ShaderClass};
 use super::glass::inside;
 use super::matte::textured;
-use crate::bsdf::Film;
-use crate::materials::{Layers, MetallicRoughness, NormalMap};
+use glam::Vec3;
+
+use crate::bsdf::{Film, Principled};
+use crate::materials::{Anisotropy, MetallicRoughness, NormalMap};
 
 pub(super) static CLASS: ShaderClass = ShaderClass {
     name: "MetallicRoughnessShader",
@@ -72,23 +74,25 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
             ior,
             metallic_roughness_texture: values.texture(5).as_deref().cloned(),
             normal_map: values.texture(6).map(|texture| NormalMap { texture: (*texture).clone(), scale }),
-            layers: Layers {
+            model: Principled {
                 transmission: share(8),
                 thin: values.float(9) <= 0.0,
-                absorption,
                 spread,
-                anisotropy: share(13),
-                anisotropy_rotation: values.float(14),
-                anisotropy_texture: values.texture(15).as_deref().cloned(),
                 film: Film {
                     share: share(16),
                     ior: values.float(17).max(1.0),
                     thickness: values.float(18).max(0.0),
                 },
                 translucence: share(19),
-                beyond: values.vec3(20),
-                ..Layers::default()
+                beyond: values.vec3(20).clamp(Vec3::ZERO, Vec3::ONE),
+                ..Principled::new(Vec3::ONE, 0.0, 1.0, ior)
             },
+            anisotropy: Anisotropy {
+                strength: share(13),
+                rotation: values.float(14),
+                texture: values.texture(15).as_deref().cloned(),
+            },
+            absorption,
         }))
     },
 };

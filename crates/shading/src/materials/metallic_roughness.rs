@@ -7,7 +7,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::batch::{SurfaceBatch, Vec3s};
-use crate::bsdf::{ClosureBatch, Film, Lobes, Medium, Principled, fresnel};
+use crate::bsdf::{ClosureBatch, Lobes, Medium, Principled, fresnel};
 use crate::materials::SMOOTH;
 use crate::materials::color::TexturedColor;
 use crate::materials::dielectric::inside;
@@ -26,73 +26,27 @@ pub struct MetallicRoughness {
     pub roughness: f32,
     /// Green times roughness, blue times metallic.
     pub metallic_roughness_texture: Option<TextureSampler>,
-    /// Index of refraction of the coat.
+    /// Index of refraction of the plastic and of the glass.
     pub ior: f32,
     /// Normals.
     pub normal_map: Option<NormalMap>,
-    /// What lies above the body or instead of it.
-    pub layers: Layers,
-}
-
-/// What glTF's extensions add to metal and plastic.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Layers {
-    /// Multiplied to the plastic's reflectance, in [0, 1].
-    pub specular: f32,
-    /// Colour of the plastic's reflectance at normal incidence.
-    pub specular_color: Vec3,
-    /// How much of a clear coat there is, in [0, 1].
-    pub coat: f32,
-    /// Perceptual roughness of the coat.
-    pub coat_roughness: f32,
-    /// Colour of the sheen; black = none.
-    pub sheen: Vec3,
-    /// Perceptual roughness of the sheen.
-    pub sheen_roughness: f32,
-    /// Share of the plastic's body that is glass, in [0, 1].
-    pub transmission: f32,
-    /// Whether that glass is a pane that does not bend light.
-    pub thin: bool,
+    /// What else it is made of; what is named above stands in the place of its base, metal, roughness and index.
+    pub model: Principled,
+    /// Along what it is brushed.
+    pub anisotropy: Anisotropy,
     /// Share of light that the inside of glass which is no pane absorbs per way, 1 over world units, >= 0.
     pub absorption: Vec3,
-    /// How much greater the glass's index is for blue-green light than for red, >= 0.
-    pub spread: f32,
-    /// How much rougher facets are along one direction, in [0, 1]; 0 = not at all.
-    pub anisotropy: f32,
-    /// That direction, from where the texture's u grows, counter-clockwise, radians.
-    pub anisotropy_rotation: f32,
-    /// Red and green: the direction before it is turned; blue: multiplied to how much rougher they are.
-    pub anisotropy_texture: Option<TextureSampler>,
-    /// A film on plastic, metal and glass.
-    pub film: Film,
-    /// Share of the plastic's body that scatters light through, in [0, 1].
-    pub translucence: f32,
-    /// Albedo of that.
-    pub beyond: Vec3,
 }
 
-impl Default for Layers {
-    /// Nothing added.
-    fn default() -> Self {
-        Self {
-            specular: 1.0,
-            specular_color: Vec3::ONE,
-            coat: 0.0,
-            coat_roughness: 0.0,
-            sheen: Vec3::ZERO,
-            sheen_roughness: 0.0,
-            transmission: 0.0,
-            thin: true,
-            absorption: Vec3::ZERO,
-            spread: 0.0,
-            anisotropy: 0.0,
-            anisotropy_rotation: 0.0,
-            anisotropy_texture: None,
-            film: Film::default(),
-            translucence: 0.0,
-            beyond: Vec3::ONE,
-        }
-    }
+/// How facets are rougher along one direction than across it.
+#[derive(Clone, Debug, Default)]
+pub struct Anisotropy {
+    /// How much rougher, in [0, 1]; 0 = not at all.
+    pub strength: f32,
+    /// That direction, from where the texture's u grows, counter-clockwise, radians.
+    pub rotation: f32,
+    /// Red and green: the direction before it is turned; blue: multiplied to how much rougher they are.
+    pub texture: Option<TextureSampler>,
 }
 
 /// Where a texture's own coordinates grow, from where the mesh's do: its transform undone. `None` where they grow nowhere.
@@ -165,10 +119,10 @@ impl MetallicRoughness {
 impl MetallicRoughness {
     /// Makes facets rougher along the direction in which they are brushed: glTF's alpha along it goes to 1 with the square of the strength.
     fn brush(&self, hits: &SurfaceBatch, i: usize, ns: Vec3, model: &mut Principled) {
-        let layers = &self.layers;
-        let (mut strength, mut way) = (layers.anisotropy, Vec2::X);
+        let Anisotropy { strength, rotation, texture } = &self.anisotropy;
+        let (mut strength, mut way) = (*strength, Vec2::X);
         let [mut u, mut v] = [hits.dp_du.get(i), hits.dp_dv.get(i)];
-        if let Some(texture) = &layers.anisotropy_texture {
+        if let Some(texture) = texture {
             let [r, g, b, _] = texture.at_hit(hits, i);
             strength *= b;
             way = Vec2::new(2.0 * r - 1.0, 2.0 * g - 1.0).try_normalize().unwrap_or(Vec2::X);
@@ -176,7 +130,7 @@ impl MetallicRoughness {
                 [u, v] = axes;
             }
         }
-        let way = Vec2::from_angle(layers.anisotropy_rotation).rotate(way);
+        let way = Vec2::from_angle(*rotation).rotate(way);
         let frame = Basis::along(ns, u);
         let bitangent = if frame.bitangent.dot(v) < 0.0 { -frame.bitangent } else { frame.bitangent };
         model.tangent = frame.tangent * way.x + bitangent * way.y;
@@ -186,31 +140,20 @@ impl MetallicRoughness {
 
     /// What it is where its textures hold these numbers, seen from its front or its back, not brushed.
     fn model(&self, base: Vec3, metallic: f32, roughness: f32, front: bool) -> Principled {
-        let mut model = Principled::new(base, metallic, roughness, self.ior);
-        let layers = &self.layers;
-        model.f0 = (model.f0 * layers.specular_color * layers.specular).clamp(Vec3::ZERO, Vec3::ONE);
-        model.f90 = layers.specular.clamp(0.0, 1.0);
-        model.coat = layers.coat.clamp(0.0, 1.0);
-        model.coat_alpha = layers.coat_roughness * layers.coat_roughness;
-        model.sheen = layers.sheen.clamp(Vec3::ZERO, Vec3::ONE);
-        model.sheen_roughness = layers.sheen_roughness.clamp(0.0, 1.0);
-        model.transmission = layers.transmission.clamp(0.0, 1.0);
-        model.eta = if front { 1.0 / self.ior } else { self.ior };
-        model.thin = layers.thin;
-        model.film = layers.film;
-        model.spread = layers.spread;
-        model.translucence = layers.translucence.clamp(0.0, 1.0);
-        model.beyond = layers.beyond.clamp(Vec3::ZERO, Vec3::ONE);
-        model
+        let eta = if front { 1.0 / self.ior } else { self.ior };
+        Principled {
+            base: base.clamp(Vec3::ZERO, Vec3::ONE),
+            metallic,
+            alpha: roughness * roughness,
+            eta,
+            ..self.model
+        }
     }
 
     /// Whether light is absorbed in it.
     fn has_inside(&self) -> bool {
-        let layers = &self.layers;
-        layers.absorption != Vec3::ZERO
-            && layers.transmission > 0.0
-            && !layers.thin
-            && layers.translucence == 0.0
+        let Principled { transmission, thin, translucence, .. } = self.model;
+        self.absorption != Vec3::ZERO && transmission > 0.0 && !thin && translucence == 0.0
     }
 }
 
@@ -227,7 +170,7 @@ impl SurfaceShader for MetallicRoughness {
             let base = self.base_color.at_hit(hits, i);
             let ns = hits.point(i).bent_normal(normal, -hits.ray_dir.get(i));
             let front = hits.front(i);
-            let is_brushed = self.layers.anisotropy > 0.0;
+            let is_brushed = self.anisotropy.strength > 0.0;
             if is_brushed || made != Some((base, metallic, roughness, front)) {
                 let mut model = self.model(base, metallic, roughness, front);
                 if is_brushed {
@@ -238,7 +181,7 @@ impl SurfaceShader for MetallicRoughness {
             }
             out.set(i, ns, lobes.as_slice());
             if self.has_inside() {
-                out.fill(i, Medium::behind(self.layers.absorption, front));
+                out.fill(i, Medium::behind(self.absorption, front));
             }
         }
     }
@@ -255,14 +198,14 @@ impl SurfaceShader for MetallicRoughness {
             // Straight on, as if the glass were thin: see `dielectric.rs`.
             let cos = hits.ray_dir.get(i).dot(hits.facing_ng(i)).abs();
             let share = fresnel::dielectric(cos, (1.0 / self.ior).min(self.ior));
-            let glass = self.layers.transmission * (1.0 - self.metallic);
-            let left = inside(hits, i, if self.has_inside() { self.layers.absorption } else { Vec3::ZERO });
+            let glass = self.model.transmission * (1.0 - self.metallic);
+            let left = inside(hits, i, if self.has_inside() { self.absorption } else { Vec3::ZERO });
             out.set(i, self.base_color.at_hit(hits, i) * left * (glass * (1.0 - share)));
         }
     }
 
     fn is_opaque(&self) -> bool {
-        self.layers.transmission == 0.0 || self.roughness >= SMOOTH
+        self.model.transmission == 0.0 || self.roughness >= SMOOTH
     }
 
     fn is_solid(&self) -> bool {

@@ -21,7 +21,7 @@ pub use dielectric::Dielectric;
 pub use direct::direct_light;
 pub use material::Material;
 pub use matte::Matte;
-pub use metallic_roughness::{Layers, MetallicRoughness, NormalMap};
+pub use metallic_roughness::{Anisotropy, MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
 pub use points::{FromPoints, RoughGlass, metal, rough_matte};
 pub use shadow_catcher::ShadowCatcher;
