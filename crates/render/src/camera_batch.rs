@@ -4,6 +4,8 @@
 use gnurt_accel::{HitBatch, RayBatch};
 use gnurt_shading::{SampleKey, Vec3s};
 
+use crate::world::HitLanes;
+
 /// Camera rays of some samples, and memory for what becomes of them.
 #[derive(Default)]
 pub(crate) struct CameraBatch {
@@ -19,4 +21,11 @@ pub(crate) struct CameraBatch {
     pub(crate) times: Vec<f32>,
     pub(crate) hits: HitBatch,
     pub(crate) radiance: Vec3s,
+}
+
+impl CameraBatch {
+    /// What the rays hit.
+    pub(crate) fn met(&self) -> HitLanes<'_> {
+        HitLanes { rays: &self.rays, keys: &self.keys, hits: &self.hits, cones: None, depth: 0 }
+    }
 }

@@ -18,7 +18,7 @@ use crate::options::RenderOptions;
 use crate::pixels;
 use crate::progress::Unwatched;
 use crate::tracer::BatchTracer;
-use crate::world::{HitLanes, World};
+use crate::world::World;
 
 /// All that happened for one sample of a pixel, in order. Printed by `Display`, one line per value.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,11 +67,10 @@ pub fn trace_pixel(
     let mut batch = CameraBatch::default();
     job.camera_rays(std::iter::once([x, y]), 0..1, &mut batch);
     batch.hits = tracer.intersect(RayMask::CAMERA, &batch.rays, &batch.keys, Coherence::Coherent);
-    let CameraBatch { rays, keys, hits, .. } = &batch;
+    let camera = batch.met();
     if let Some(log) = &mut tracer.log {
-        log.rays(0, rays, hits);
+        log.rays(0, camera.rays, camera.hits);
     }
-    let camera = HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon: options.ray_epsilon };
     let mut radiance = Vec3s::default();
     integrators::radiance(options.integrator, &mut tracer, pass.as_ref(), camera, &mut radiance);
     pixels::show(&job, pass.as_ref(), &mut tracer, &batch, &mut radiance);

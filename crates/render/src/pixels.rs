@@ -84,8 +84,7 @@ impl Tracer for Looking<'_, '_> {
         if let Some(log) = &mut tracer.log {
             log.rays(0, rays, hits);
         }
-        let epsilon = tracer.options.ray_epsilon;
-        let camera = HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon };
+        let camera = HitLanes { rays, keys, hits, cones: None, depth: 0 };
         integrators::radiance(tracer.options.integrator, tracer, self.pass, camera, radiance);
     }
 

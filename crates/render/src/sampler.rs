@@ -21,7 +21,6 @@ use crate::options::Integrator;
 use crate::pixels;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
-use crate::world::HitLanes;
 
 /// Paths that go together, about: enough to fill lanes when most have ended, few enough for caches.
 const WAVEFRONT: usize = 4096;
@@ -65,9 +64,7 @@ impl<'a> Sampler<'a> {
         let CameraBatch { rays, keys, hits, .. } = &mut batch;
         tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
         let mut radiance = std::mem::take(&mut batch.radiance);
-        let CameraBatch { rays, keys, hits, .. } = &batch;
-        let camera =
-            HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon: self.job.options.ray_epsilon };
+        let camera = batch.met();
         integrators::radiance(self.job.options.integrator, tracer, self.pass, camera, &mut radiance);
         pixels::show(self.job, self.pass, tracer, &batch, &mut radiance);
         for (sample, first) in samples.zip((0..).step_by(pixels.max(1))) {
@@ -75,10 +72,10 @@ impl<'a> Sampler<'a> {
             if let Some(aovs) = &mut tile.aovs {
                 aovs.add(tracer, camera, lanes.clone(), sample, self.job.forward, &radiance);
             }
-            tracer.stats.bad_samples += tile.add_sample(&radiance, hits, lanes);
+            tracer.stats.bad_samples += tile.add_sample(&radiance, camera.hits, lanes);
         }
-        tracer.stats.camera_rays += rays.len() as u64;
-        tracer.stats.samples += rays.len() as u64;
+        tracer.stats.camera_rays += camera.rays.len() as u64;
+        tracer.stats.samples += camera.rays.len() as u64;
         batch.radiance = radiance;
         tracer.camera = batch;
     }
@@ -88,16 +85,17 @@ impl<'a> Sampler<'a> {
         let mut batch = CameraBatch::default();
         self.job.camera_rays(tile.pixels(), sample..sample + 1, &mut batch);
         tracer.costs = self.job.options.heatmap.then(|| TileCosts::new(tile.rect, self.job.options.width));
-        let CameraBatch { rays, keys, hits, radiance, .. } = &mut batch;
+        let CameraBatch { rays, keys, hits, .. } = &mut batch;
         tracer.intersect_into(RayMask::CAMERA, rays, keys, Coherence::Coherent, hits);
-        let camera =
-            HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon: self.job.options.ray_epsilon };
-        let mut lanes = vec![Texel::default(); keys.len()];
+        let mut radiance = std::mem::take(&mut batch.radiance);
+        let camera = batch.met();
+        let mut lanes = vec![Texel::default(); camera.keys.len()];
         if let Some(pass) = self.pass {
-            many_lights::radiance_apart(tracer, pass, camera, radiance, &mut lanes);
+            many_lights::radiance_apart(tracer, pass, camera, &mut radiance, &mut lanes);
         }
-        tracer.stats.camera_rays += keys.len() as u64;
-        tracer.stats.samples += keys.len() as u64;
+        tracer.stats.camera_rays += camera.keys.len() as u64;
+        tracer.stats.samples += camera.keys.len() as u64;
+        batch.radiance = radiance;
         let [x0, y0, x1, _] = tile.rect;
         let mut texels = lanes.clone();
         for ([x, y], texel) in tile.pixels().zip(lanes) {
@@ -119,15 +117,13 @@ impl<'a> Sampler<'a> {
         let mut radiance = Vec3s::default();
         seen.filtered(tile, &mut radiance);
         pixels::show(self.job, self.pass, tracer, &apart.batch, &mut radiance);
-        let CameraBatch { rays, keys, hits, .. } = &apart.batch;
-        let camera =
-            HitLanes { rays, keys, hits, cones: None, depth: 0, epsilon: self.job.options.ray_epsilon };
+        let camera = apart.batch.met();
         if let Some(aovs) = &mut tile.aovs {
-            aovs.add(tracer, camera, 0..keys.len(), sample, self.job.forward, &radiance);
+            aovs.add(tracer, camera, 0..camera.keys.len(), sample, self.job.forward, &radiance);
         }
         tile.costs.resize(apart.costs.len(), 0);
         tile.costs.iter_mut().zip(&apart.costs).for_each(|(sum, cost)| *sum += cost);
-        let bad_samples = tile.add_sample(&radiance, hits, 0..keys.len());
+        let bad_samples = tile.add_sample(&radiance, camera.hits, 0..camera.keys.len());
         let mut stats = tracer.take_stats();
         stats.add(&apart.stats);
         stats.bad_samples += bad_samples;

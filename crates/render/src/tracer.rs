@@ -218,7 +218,8 @@ impl<'w> BatchTracer<'w> {
             lanes.extend(same.iter().map(|&lane| lane as u32));
             let detail = if wanted == Wanted::Light { Detail::Full } else { Detail::Sides };
             world.places().surface_points(
-                (self.options.level, from),
+                (self.options.level, self.options.ray_epsilon),
+                from,
                 lanes,
                 detail,
                 shader.attributes(),
@@ -317,8 +318,8 @@ impl<'w> BatchTracer<'w> {
         let hits = &self.intersect(kind, rays, keys, Coherence::Incoherent);
         out.clear();
         out.resize(rays.len(), None);
-        let (cones, epsilon) = (&self.cones_of(request), self.options.ray_epsilon);
-        let from = HitLanes { rays, keys, hits, cones: Some(cones), depth: 1, epsilon };
+        let cones = Some(&self.cones_of(request));
+        let from = HitLanes { rays, keys, hits, cones, depth: 1 };
         self.for_each_surface(from, Wanted::Sides, |tracer, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
             shader.albedo(points, &mut albedo);
@@ -375,15 +376,9 @@ impl<'w> BatchTracer<'w> {
         let mut serves: Vec<u32> = (0..rays.len() as u32).collect();
         for layer in 0.. {
             let hits = self.intersect(RayMask::SHADOW, &rays, &keys, Coherence::Coherent);
-            let from = HitLanes {
-                rays: &rays,
-                keys: &keys,
-                hits: &hits,
-                // Holes are read as they are.
-                cones: Some(&no_width),
-                depth: 0,
-                epsilon: self.options.ray_epsilon,
-            };
+            // Holes are read as they are.
+            let cones = Some(&no_width);
+            let from = HitLanes { rays: &rays, keys: &keys, hits: &hits, cones, depth: 0 };
             let (mut next_rays, mut next_keys, mut next_serves) =
                 (RayBatch::default(), Vec::new(), Vec::new());
             self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
@@ -508,21 +503,14 @@ impl Tracer for BatchTracer<'_> {
             *radiance = self.environment(&request.rays, &all, |_| false);
             return;
         }
-        self.stats.secondary_rays += request.rays.len() as u64;
-        let hits = self.intersect(RayMask::OTHER, &request.rays, &request.key, Coherence::Incoherent);
+        let RayRequest { rays, key: keys, .. } = request;
+        self.stats.secondary_rays += rays.len() as u64;
+        let hits = &self.intersect(RayMask::OTHER, rays, keys, Coherence::Incoherent);
         if let Some(log) = &mut self.log {
-            log.rays(depth, &request.rays, &hits);
+            log.rays(depth, rays, hits);
         }
-        let cones = self.cones_of(request);
-        let from = HitLanes {
-            rays: &request.rays,
-            keys: &request.key,
-            hits: &hits,
-            cones: Some(&cones),
-            depth,
-            epsilon: self.options.ray_epsilon,
-        };
-        self.shade(from, radiance);
+        let cones = Some(&self.cones_of(request));
+        self.shade(HitLanes { rays, keys, hits, cones, depth }, radiance);
     }
 
     fn random(&self, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2] {

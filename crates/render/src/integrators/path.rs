@@ -47,14 +47,7 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         if let Some(log) = &mut tracer.log {
             log.rays(round, &rays, &hits);
         }
-        let from = HitLanes {
-            rays: &rays,
-            keys: &keys,
-            hits: &hits,
-            cones: Some(&cones),
-            depth: round,
-            epsilon: camera.epsilon,
-        };
+        let from = HitLanes { rays: &rays, keys: &keys, hits: &hits, cones: Some(&cones), depth: round };
         step(tracer, from, &mut wavefront, radiance);
         wavefront.paths.take_back((rays, keys, cones));
     }

@@ -113,16 +113,7 @@ pub(super) fn look(
         tracer.stats.camera_rays += batch.rays.len() as u64;
         sights.clear();
         sights.resize(batch.rays.len(), Sight::default());
-        let epsilon = job.options.ray_epsilon;
-        let camera = HitLanes {
-            rays: &batch.rays,
-            keys: &batch.keys,
-            hits: &batch.hits,
-            cones: None,
-            depth: 0,
-            epsilon,
-        };
-        see(tracer, camera, &mut sights);
+        see(tracer, batch.met(), &mut sights);
         for (&[x, y], sight) in batch.pixels.iter().zip(&sights) {
             with(x, y, sight);
         }

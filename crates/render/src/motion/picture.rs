@@ -29,7 +29,7 @@ use crate::options::{Integrator, RenderOptions};
 use crate::sampler::Sampler;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
-use crate::world::{HitLanes, World, WorldMark};
+use crate::world::{World, WorldMark};
 
 /// Samples of a pixel that are remembered at most.
 const MOST: f32 = 64.0;
@@ -333,10 +333,7 @@ fn radiance(
     }
     tracer.intersect_into(RayMask::CAMERA, &batch.rays, &batch.keys, Coherence::Coherent, &mut batch.hits);
     let mut radiance = std::mem::take(&mut batch.radiance);
-    let (options, epsilon) = (job.options, job.options.ray_epsilon);
-    let camera =
-        HitLanes { rays: &batch.rays, keys: &batch.keys, hits: &batch.hits, cones: None, depth: 0, epsilon };
-    integrators::radiance(options.integrator, tracer, pass, camera, &mut radiance);
+    integrators::radiance(job.options.integrator, tracer, pass, batch.met(), &mut radiance);
     tracer.stats.camera_rays += pixels.len() as u64;
     tracer.stats.samples += pixels.len() as u64;
     let seen = (0..pixels.len()).map(|i| radiance.get(i)).collect();

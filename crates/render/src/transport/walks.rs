@@ -60,9 +60,8 @@ impl<W> Walks<W> {
         }
         tracer.stats.secondary_rays += self.rays.len() as u64;
         let hits = tracer.intersect(RayMask::OTHER, &self.rays, &self.keys, Coherence::Incoherent);
-        let epsilon = tracer.options.ray_epsilon;
         let (rays, keys, cones) = (&self.rays, &self.keys, self.cones.as_ref());
-        let from = HitLanes { rays, keys, hits: &hits, cones, depth, epsilon };
+        let from = HitLanes { rays, keys, hits: &hits, cones, depth };
         tracer.stopped(from)
     }
 }
@@ -94,8 +93,7 @@ impl BatchTracer<'_> {
             let Walks { rays, keys, cones, carried } = &beyond;
             self.stats.secondary_rays += rays.len() as u64;
             let hits = self.intersect(RayMask::OTHER, rays, keys, Coherence::Incoherent);
-            let (cones, epsilon) = (cones.as_ref(), from.epsilon);
-            let found = self.vertices(HitLanes { rays, keys, hits: &hits, cones, depth, epsilon });
+            let found = self.vertices(HitLanes { rays, keys, hits: &hits, cones: cones.as_ref(), depth });
             carried.iter().zip(found).for_each(|(&lane, found)| vertices[lane] = found);
             asked = beyond.carried.into_iter().zip(beyond.keys).collect();
         }

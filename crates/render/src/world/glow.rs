@@ -105,13 +105,13 @@ impl Glow {
                 keys.push(SampleKey::default());
             }
             // As rays do that some surface has scattered.
-            let from = HitLanes { rays, keys, hits, cones: None, depth: 1, epsilon: 0.0 };
+            let from = HitLanes { rays, keys, hits, cones: None, depth: 1 };
             let lanes: [u32; LANES] = std::array::from_fn(|i| i as u32);
             let shutter = self.time.map(Shutter::All);
             let (instances, leaves) = (&self.instances, Leaves::Listed(&leaves));
             let world = Places { instances, leaves, shutter, face_normals: self.face_normals, curved: false };
-            let of = (Level::default(), from);
-            world.surface_points(of, &lanes[..some.len()], Detail::Full, shader.attributes(), points);
+            let how = (Level::default(), 0.0);
+            world.surface_points(how, from, &lanes[..some.len()], Detail::Full, shader.attributes(), points);
             closures.reset(some.len());
             shader.evaluate(points, closures);
             for i in 0..some.len() {

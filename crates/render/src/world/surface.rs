@@ -36,8 +36,6 @@ pub(crate) struct HitLanes<'a> {
     pub(crate) cones: Option<&'a Cones>,
     /// Bounces that the rays had behind them.
     pub(crate) depth: u32,
-    /// World units added to each point's error.
-    pub(crate) epsilon: f32,
 }
 
 impl HitLanes<'_> {
@@ -283,10 +281,11 @@ impl<'w> Places<'w> {
         (self.instances[place as usize].placed().expect("hits name instances that are there"), leaf)
     }
 
-    /// Writes the points of some lanes, all of which hit something: others panic.
+    /// Writes the points of some lanes, all of which hit something: others panic. `epsilon`: world units added to each point's error.
     pub(crate) fn surface_points(
         &self,
-        (level, from): (Level, HitLanes),
+        (level, epsilon): (Level, f32),
+        from: HitLanes,
         lanes: &[u32],
         detail: Detail,
         attributes: &[AttributeRequest],
@@ -312,8 +311,8 @@ impl<'w> Places<'w> {
             let at = block * LANES;
             dispatch_wide!(
                 level,
-                simd => gathered.points(f32x16::splat(simd, 0.0), (0, some.len()), at, from.epsilon, points),
-                else (0..some.len()).for_each(|i| gathered.points(0.0_f32, (i, 1), at + i, from.epsilon, points))
+                simd => gathered.points(f32x16::splat(simd, 0.0), (0, some.len()), at, epsilon, points),
+                else (0..some.len()).for_each(|i| gathered.points(0.0_f32, (i, 1), at + i, epsilon, points))
             );
             gathered.rare(some.len(), at, points);
         }
