@@ -21,12 +21,6 @@ pub type Words<S> = u32x16<S>;
 /// Which lanes.
 pub type Mask<S> = mask32x16<S>;
 
-/// `x` in all lanes.
-#[inline(always)]
-pub fn floats<S: Simd>(simd: S, x: f32) -> Floats<S> {
-    f32x16::splat(simd, x)
-}
-
 /// Three floats in each lane.
 pub type Vec3x16<S> = Vector<f32x16<S>>;
 
@@ -42,12 +36,6 @@ impl<S: Simd> Vec3x16<S> {
     pub fn spread(self, i: usize) -> Self {
         Self::splat(self.x.token(), self.get(i))
     }
-}
-
-/// `a` where `mask` says so, else `b`.
-#[inline(always)]
-pub fn select3<S: Simd>(mask: Mask<S>, a: Vec3x16<S>, b: Vec3x16<S>) -> Vec3x16<S> {
-    Vec3x16::pick(mask, a, b)
 }
 
 /// Rows to columns: lane `i` of result `k` is lane `k` of row `i`.

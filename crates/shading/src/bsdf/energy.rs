@@ -7,6 +7,8 @@
 //! Proof: `tests::{tables_hold_the_lobe, white_keeps_all_light}`.
 
 use std::f32::consts::FRAC_1_PI;
+use std::iter::Sum;
+use std::ops::{Add, Mul};
 use std::sync::OnceLock;
 
 use glam::{Vec2, Vec3};
@@ -142,13 +144,16 @@ fn albedo(ggx: Ggx<f32>, cos: f32) -> Split {
 }
 
 /// The integral of `2 cos f(cos)` over [0, 1] for `f` linear between its entries.
-pub(super) fn average<const N: usize>(entries: &[Split; N]) -> Split {
+pub(super) fn average<T, const N: usize>(entries: &[T; N]) -> T
+where
+    T: Copy + Add<Output = T> + Mul<f32, Output = T> + Sum,
+{
     let step = 1.0 / (N - 1) as f32;
     let segment = |k: usize| {
         let (a, b, x) = (entries[k], entries[k + 1], k as f32 * step);
         // Of 2 (x + s t) (a + (b - a) t) over t in [0, 1], times the step s.
         let linear = (a + b) * x;
-        let rest = (a + 2.0 * b) * (step / 3.0);
+        let rest = (a + b * 2.0) * (step / 3.0);
         (linear + rest) * step
     };
     (0..N - 1).map(segment).sum()

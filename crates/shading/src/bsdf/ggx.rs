@@ -54,13 +54,7 @@ impl<R: Real> Ggx<R> {
         ((cos.all(1.0) + self.alpha * self.alpha * tan2).root() - cos.all(1.0)) * 0.5
     }
 
-    /// A facet that the viewer sees, in proportion to its share of the view.
-    #[inline(always)]
-    pub(crate) fn sample_visible(self, wo: Vector<R>, u: [R; 2]) -> Vector<R> {
-        self.sample_visible_across(self.alpha, wo, u)
-    }
-
-    /// The same of facets that have the width `across` along the second axis.
+    /// A facet that the viewer sees, in proportion to its share of the view; along the second axis facets have the width `across`.
     #[inline(always)]
     pub(crate) fn sample_visible_across(self, across: R, wo: Vector<R>, u: [R; 2]) -> Vector<R> {
         let stretched = Vector::new(wo.x * self.alpha, wo.y * across, wo.z).normalize();
@@ -91,15 +85,27 @@ impl Ggx<f32> {
     where
         T: Sum + Mul<f32, Output = T> + Div<f32, Output = T>,
     {
-        const AZIMUTHS: usize = 16;
-        const STEPS: usize = 32;
-        let strata = (0..AZIMUTHS).flat_map(|i| (0..STEPS).map(move |j| (i, j)));
+        self.mean_visible_across(self.alpha, (0.5, [16, 32]), wo, f)
+    }
+
+    /// The same of facets of another width across, over part of a turn around and in so many strata around and away.
+    pub(super) fn mean_visible_across<T>(
+        self,
+        across: f32,
+        (turn, [around, steps]): (f32, [usize; 2]),
+        wo: Vec3,
+        f: impl Fn(Vec3) -> T,
+    ) -> T
+    where
+        T: Sum + Mul<f32, Output = T> + Div<f32, Output = T>,
+    {
+        let strata = (0..around).flat_map(|i| (0..steps).map(move |j| (i, j)));
         let values = strata.map(|(i, j)| {
-            let left = 1.0 - (j as f32 + 0.5) / STEPS as f32;
-            let u = [0.5 * (i as f32 + 0.5) / AZIMUTHS as f32, 1.0 - left * left];
-            f(self.sample_visible(wo.into(), u).into()) * (2.0 * left)
+            let left = 1.0 - (j as f32 + 0.5) / steps as f32;
+            let u = [turn * (i as f32 + 0.5) / around as f32, 1.0 - left * left];
+            f(self.sample_visible_across(across, wo.into(), u).into()) * (2.0 * left)
         });
-        values.sum::<T>() / (AZIMUTHS * STEPS) as f32
+        values.sum::<T>() / (around * steps) as f32
     }
 }
 
@@ -150,7 +156,7 @@ mod tests {
             let mut sampled = [0.0_f64; 3];
             for sample in 0..N {
                 let u = sample_pair(0, SampleKey { pixel: 1, sample, branch: 0 }, 0, 0);
-                let wi = (-wo).reflect(ggx.sample_visible(wo.into(), u).into());
+                let wi = (-wo).reflect(ggx.sample_visible_across(ggx.alpha(), wo.into(), u).into());
                 let weight = if wi.z > 0.0 { f64::from(ggx.sample_weight(wo.z, wi.z)) } else { 0.0 };
                 let weight = weight / f64::from(N);
                 for (sum, moment) in sampled.iter_mut().zip([1.0, wi.x, wi.z]) {

@@ -209,18 +209,9 @@ fn mix(widths: [f32; 2], of: impl Fn([usize; 2], bool) -> Vec2) -> Vec2 {
     a + (b - a) * s
 }
 
-/// Mean of `f` over the facets that a viewer sees, by strata as `Ggx::mean_visible`'s, but all around.
-fn mean_visible(widths: [f32; 2], wo: Vec3, f: impl Fn(Vec3) -> Vec2) -> Vec2 {
-    const AROUND: usize = 24;
-    const STEPS: usize = 24;
-    let ggx = Ggx::from_alpha(widths[0]);
-    let strata = (0..AROUND).flat_map(|i| (0..STEPS).map(move |j| (i, j)));
-    let values = strata.map(|(i, j)| {
-        let left = 1.0 - (j as f32 + 0.5) / STEPS as f32;
-        let u = [(i as f32 + 0.5) / AROUND as f32, 1.0 - left * left];
-        f(ggx.sample_visible_across(widths[1], wo.into(), u).into()) * (2.0 * left)
-    });
-    values.sum::<Vec2>() / (AROUND * STEPS) as f32
+/// Mean of `f` over the facets that a viewer sees, all around.
+fn mean_visible([along, across]: [f32; 2], wo: Vec3, f: impl Fn(Vec3) -> Vec2) -> Vec2 {
+    Ggx::from_alpha(along).mean_visible_across(across, (1.0, [24, 24]), wo, f)
 }
 
 /// Widths of a node.

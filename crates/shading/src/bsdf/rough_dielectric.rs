@@ -12,7 +12,7 @@ use std::sync::OnceLock;
 use glam::{FloatExt, Vec3};
 
 use super::dielectric::{pane, refract};
-use super::energy::{Energy, lost, place};
+use super::energy::{Energy, average, lost, place};
 use super::film::{self, Base, Film};
 use super::fresnel;
 use super::ggx::Ggx;
@@ -366,16 +366,6 @@ impl Albedos {
     fn average(&self) -> f32 {
         self.mix(|row| row.average)
     }
-}
-
-/// The integral of `2 cos f(cos)` over [0, 1] for `f` linear between its entries.
-fn average(entries: &[f32; COSINES]) -> f32 {
-    const STEP: f32 = 1.0 / (COSINES - 1) as f32;
-    let segment = |k: usize| {
-        let (a, b, x) = (entries[k], entries[k + 1], k as f32 * STEP);
-        ((a + b) * x + (a + 2.0 * b) * (STEP / 3.0)) * STEP
-    };
-    (0..COSINES - 1).map(segment).sum()
 }
 
 /// A row of the table, made when it is first asked for: a scene has few kinds of glass.

@@ -12,10 +12,10 @@ use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 use super::area::{LampPlace, Shape};
 use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
-use crate::lanes::{Floats, LANES, LanesOf, Mask, Vec3x16, Words, floats, select3, transpose};
+use crate::lanes::{Floats, LANES, LanesOf, Mask, Vec3x16, Words, transpose};
 use crate::real::{Real, Vector};
 use crate::sampling::distribution::ALMOST_ONE;
-use crate::sampling::triangle_x16;
+use crate::sampling::triangle;
 
 /// Directions to lights from many points: see [`LightSample`].
 #[derive(Clone, Copy)]
@@ -158,7 +158,7 @@ impl LightLanes {
         let row = columns(simd, &self.triangles, &light);
         let corners = [vector(&row, 0), vector(&row, 3), vector(&row, 6)];
         let towards = vector(&row, 9);
-        let (area, place) = (row[12], triangle_x16([x, y]));
+        let (area, place) = (row[12], triangle([x, y]));
         let [b1, b2] = place;
         let point = corners[0] + (corners[1] - corners[0]) * b1 + (corners[2] - corners[0]) * b2;
         let reach = corners[0].abs().max(corners[1].abs()).max(corners[2].abs()).max(p.abs()).max_element();
@@ -185,7 +185,7 @@ impl LightLanes {
         }
         let pdf = probability * density;
         let sound = dist.simd_gt(zero) & pdf.simd_gt(zero) & pdf.is_finite() & radiance.is_finite();
-        let none = mask_none(simd);
+        let none = Mask::from_bitmask(simd, 0);
         LightSampleX16 { dir, dist, radiance, pdf, delta: none, found: found & sound }
     }
 
@@ -387,16 +387,11 @@ fn descend<S: Simd>(u: Floats<S>, share: Floats<S>) -> (Floats<S>, Mask<S>) {
     (rest, to_first)
 }
 
-#[inline(always)]
-fn mask_none<S: Simd>(simd: S) -> Mask<S> {
-    Mask::from_bitmask(simd, 0)
-}
-
 /// `LightBounds::importance` of a node's row.
 #[inline(always)]
 fn importance<S: Simd>(row: &[Floats<S>; LANES], p: Vec3x16<S>, normal: Vec3x16<S>) -> Floats<S> {
     let simd = p.x.token();
-    let (zero, one) = (floats(simd, 0.0), floats(simd, 1.0));
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let (way, half, radius2, axis) = (vector(row, 0) - p, vector(row, 3), row[6], vector(row, 7));
     let (cos_normals, cos_emission, power) = (row[10], row[11], row[12]);
     let distance2 = way.length_squared();
@@ -408,13 +403,13 @@ fn importance<S: Simd>(row: &[Floats<S>; LANES], p: Vec3x16<S>, normal: Vec3x16<
     let from_normal = angle_less(-axis.dot(towards), cos_normals);
     let cos_light = angle_less(from_normal, cos_size);
     let cos_surface = angle_less(normal.dot(towards), cos_size);
-    let dark =
-        cos_light.simd_lt(cos_emission - floats(simd, 1e-4)) | cos_surface.simd_lt(floats(simd, -1e-4));
-    let least = floats(simd, 1e-4);
+    let dark = cos_light.simd_lt(cos_emission - f32x16::splat(simd, 1e-4))
+        | cos_surface.simd_lt(f32x16::splat(simd, -1e-4));
+    let least = f32x16::splat(simd, 1e-4);
     let seen = power * cos_light.max(least) * cos_surface.max(least) / distance2.max(radius2);
-    let seen = seen.is_finite().select(seen, floats(simd, f32::MAX.sqrt()));
+    let seen = seen.is_finite().select(seen, f32x16::splat(simd, f32::MAX.sqrt()));
     let lit = (below | dark).select(zero, seen);
-    at_centre.select(power / radius2.max(floats(simd, f32::MIN_POSITIVE)), lit)
+    at_centre.select(power / radius2.max(f32x16::splat(simd, f32::MIN_POSITIVE)), lit)
 }
 
 /// As the function of that name in `light_tree`.
@@ -431,26 +426,26 @@ fn angle_less<S: Simd>(cos_a: Floats<S>, cos_b: Floats<S>) -> Floats<S> {
 #[inline(always)]
 fn promise_of<S: Simd>(shape: &[Floats<S>; 14], p: Vec3x16<S>, normal: Vec3x16<S>) -> Floats<S> {
     let simd = p.x.token();
-    let zero = floats(simd, 0.0);
+    let zero = f32x16::splat(simd, 0.0);
     let [a, b, c] = [vector(shape, 0) - p, vector(shape, 3) - p, vector(shape, 6) - p];
     let before = -vector(shape, 9).dot(a);
     let above = normal.dot(a).max(zero) + normal.dot(b).max(zero) + normal.dot(c).max(zero);
     let above = above / 3.0;
-    let centre = (a + b + c).over(floats(simd, 3.0));
+    let centre = (a + b + c).over(f32x16::splat(simd, 3.0));
     let nearest = centre.length_squared().min(a.length_squared());
     let nearest = nearest.min(b.length_squared()).min(c.length_squared());
     let distance2 = nearest.max(shape[12] * 0.25);
     let promise = (before / distance2) * (above / distance2) * shape[13];
     let promise = promise
         .is_finite()
-        .select(promise.max(floats(simd, f32::MIN_POSITIVE)), floats(simd, f32::MAX.sqrt()));
+        .select(promise.max(f32x16::splat(simd, f32::MIN_POSITIVE)), f32x16::splat(simd, f32::MAX.sqrt()));
     (before.simd_gt(zero) & above.simd_gt(zero)).select(promise, zero)
 }
 
 impl<S: Simd> LightSampleX16<S> {
     #[inline(always)]
     pub(super) fn none(simd: S) -> Self {
-        let (none, zero) = (mask_none(simd), Vec3x16::splat(simd, Vec3::ZERO));
+        let (none, zero) = (Mask::from_bitmask(simd, 0), Vec3x16::splat(simd, Vec3::ZERO));
         Self { dir: zero, dist: zero.x, radiance: zero, pdf: zero.x, delta: none, found: none }
     }
 
@@ -468,9 +463,9 @@ impl<S: Simd> LightSampleX16<S> {
     #[inline(always)]
     pub(super) fn or(self, mask: Mask<S>, other: Self) -> Self {
         Self {
-            dir: select3(mask, self.dir, other.dir),
+            dir: Vec3x16::pick(mask, self.dir, other.dir),
             dist: mask.select(self.dist, other.dist),
-            radiance: select3(mask, self.radiance, other.radiance),
+            radiance: Vec3x16::pick(mask, self.radiance, other.radiance),
             pdf: mask.select(self.pdf, other.pdf),
             delta: mask.select(self.delta, other.delta),
             found: mask.select(self.found, other.found),

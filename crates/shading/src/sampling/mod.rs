@@ -15,6 +15,6 @@ pub use grid::{GridDistribution, GridPoint};
 pub use hash::hash_combine;
 pub use sobol::{Draws, purpose, sample_pair};
 pub use sobol_lanes::{DrawsX16, key_words, sample_pairs};
-pub use warp::{Basis, concentric_disk, cosine_hemisphere, triangle, uniform_sphere};
-pub use warp_lanes::{cosine_hemisphere_of, triangle_x16};
+pub use warp::{Basis, concentric_disk, cosine_hemisphere, uniform_sphere};
+pub use warp_lanes::{cosine_hemisphere_of, triangle};
 pub(crate) use warp_lanes::{frame_around, sin_cos_of_turn};

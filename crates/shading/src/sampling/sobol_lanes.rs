@@ -36,31 +36,10 @@ impl<S: Simd> DrawsX16<S> {
     #[inline(always)]
     #[must_use]
     pub fn pair(self, purpose: u32) -> [Floats<S>; 2] {
-        let (set, index) = self.index(purpose);
-        [scrambled(index, set, 1), scrambled(second_dimension(index), set, 2)]
-    }
-
-    /// The first number of the pair.
-    #[inline(always)]
-    #[must_use]
-    pub fn first(self, purpose: u32) -> Floats<S> {
-        let (set, index) = self.index(purpose);
-        scrambled(index, set, 1)
-    }
-
-    /// The second number of the pair.
-    #[inline(always)]
-    #[must_use]
-    pub fn second(self, purpose: u32) -> Floats<S> {
-        let (set, index) = self.index(purpose);
-        scrambled(second_dimension(index), set, 2)
-    }
-
-    /// The set's hash and the shuffled number of the sample.
-    #[inline(always)]
-    fn index(self, purpose: u32) -> (Words<S>, Words<S>) {
         let set = combine_known(self.set, purpose);
-        (set, reverse(owen(self.sample + set)))
+        // The shuffled number of the sample.
+        let index = reverse(owen(self.sample + set));
+        [scrambled(index, set, 1), scrambled(second_dimension(index), set, 2)]
     }
 }
 
@@ -165,8 +144,8 @@ mod tests {
     fn in_lanes<S: Simd>(simd: S, seed: u64, keys: &[SampleKey; LANES], depth: u32) -> [Pairs; LANES] {
         let draws = DrawsX16::new(simd, seed, key_words(simd, keys), u32x16::splat(simd, depth));
         let (light, direction) = (draws.pair(purpose::LIGHT_PLACE), draws.pair(purpose::DIRECTION));
-        let alone = [draws.first(purpose::CHOICE), draws.second(purpose::CHOICE)];
-        std::array::from_fn(|i| [light, direction, alone].map(|pair| pair.map(|numbers| numbers[i])))
+        let choice = draws.pair(purpose::CHOICE);
+        std::array::from_fn(|i| [light, direction, choice].map(|pair| pair.map(|numbers| numbers[i])))
     }
 
     #[test]

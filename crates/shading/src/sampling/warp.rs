@@ -80,22 +80,9 @@ pub fn concentric_disk(u: [f32; 2]) -> Vec2 {
     radius * Vec2::from_angle(angle)
 }
 
-/// Barycentric weights of a triangle's second and third vertex, uniform by area.
-#[must_use]
-pub fn triangle([mut a, mut b]: [f32; 2]) -> [f32; 2] {
-    // Fold the square along its diagonal; halving first keeps neighbours together.
-    if b > a {
-        a *= 0.5;
-        b -= a;
-    } else {
-        b *= 0.5;
-        a -= b;
-    }
-    [a, b]
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::triangle;
     use super::*;
     use crate::batch::SampleKey;
     use crate::sampling::sample_pair;

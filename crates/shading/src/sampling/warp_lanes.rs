@@ -6,9 +6,6 @@
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-use gnurt_simd::{Simd, prelude::*};
-
-use crate::lanes::Floats;
 use crate::real::{Real, Vector};
 
 /// See [`cosine_hemisphere`](super::cosine_hemisphere).
@@ -48,12 +45,12 @@ pub(crate) fn sin_cos_of_turn<R: Real>(turns: R) -> (R, R) {
     (R::pick(is(2.0) | is(3.0), -s, s), R::pick(is(1.0) | is(2.0), -c, c))
 }
 
-/// See [`triangle`](super::triangle).
+/// Barycentric weights of a triangle's second and third vertex, uniform by area.
 #[inline(always)]
-pub fn triangle_x16<S: Simd>([a, b]: [Floats<S>; 2]) -> [Floats<S>; 2] {
-    let above = b.simd_gt(a);
-    let (half_a, half_b) = (a * 0.5, b * 0.5);
-    [above.select(half_a, a - half_b), above.select(b - half_a, half_b)]
+pub fn triangle<R: Real>([a, b]: [R; 2]) -> [R; 2] {
+    // Fold the square along its diagonal; halving first keeps neighbours together.
+    let (above, half_a, half_b) = (b.above(a), a * 0.5, b * 0.5);
+    [R::pick(above, half_a, a - half_b), R::pick(above, b - half_a, half_b)]
 }
 
 /// The frame that [`Basis::around`](super::Basis::around) makes: tangent and bitangent.
@@ -71,13 +68,13 @@ pub(crate) fn frame_around<R: Real>(n: Vector<R>) -> [Vector<R>; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Basis, triangle};
+    use super::super::Basis;
     use super::*;
     use crate::batch::SampleKey;
     use crate::lanes::{LANES, Vec3x16};
     use crate::sampling::sample_pair;
     use glam::Vec3;
-    use gnurt_simd::{Level, dispatch, f32x16};
+    use gnurt_simd::{Level, Simd, dispatch, f32x16, prelude::*};
 
     type Found = (Vec3, [f32; 2], Vec3, [f32; 2]);
 
@@ -89,8 +86,7 @@ mod tests {
     #[inline(always)]
     fn in_lanes<S: Simd>(simd: S, u: &[[f32; 2]; LANES], n: Vec3) -> [Found; LANES] {
         let numbers = [0, 1].map(|k| f32x16::from_fn(simd, |i| u[i][k]));
-        let ((dir, world, (sin, cos)), weights) =
-            (maps(numbers, Vec3x16::splat(simd, n)), triangle_x16(numbers));
+        let ((dir, world, (sin, cos)), weights) = (maps(numbers, Vec3x16::splat(simd, n)), triangle(numbers));
         std::array::from_fn(|i| (dir.get(i), weights.map(|w| w[i]), world.get(i), [sin[i], cos[i]]))
     }
 
