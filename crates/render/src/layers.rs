@@ -8,29 +8,31 @@ use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
 use crate::aov::{FirstHit, TileAovs};
 use crate::film::TileFilm;
 
+/// One plane of a picture so wide, of so many pixels, gathered from the tiles.
+fn gathered<T: Copy>(
+    tiles: &[TileFilm],
+    (width, pixels): (usize, usize),
+    background: T,
+    value: impl Fn(&TileFilm, &TileAovs, usize) -> T,
+) -> Vec<T> {
+    let mut plane = vec![background; pixels];
+    for (tile, aovs) in tiles.iter().filter_map(|tile| Some((tile, tile.aovs.as_ref()?))) {
+        for (i, [x, y]) in tile.pixels().enumerate() {
+            plane[y as usize * width + x as usize] = value(tile, aovs, i);
+        }
+    }
+    plane
+}
+
 /// Adds the layers of all tiles to the picture. What shows of the background is not opaque.
 pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
     let width = picture.width as usize;
     let pixels = picture.pixel_count();
-    let with_layers = || tiles.iter().filter_map(|tile| Some((tile, tile.aovs.as_ref()?)));
-    // One plane of the picture, gathered from the tiles.
     let plane = |value: &dyn Fn(&TileFilm, &TileAovs, usize) -> f32, background: f32| {
-        let mut plane = vec![background; pixels];
-        for (tile, aovs) in with_layers() {
-            for (i, [x, y]) in tile.pixels().enumerate() {
-                plane[y as usize * width + x as usize] = value(tile, aovs, i);
-            }
-        }
-        plane
+        gathered(tiles, (width, pixels), background, value)
     };
     let ids = |value: &dyn Fn(&FirstHit) -> u32| {
-        let mut plane = vec![INVALID_ID; pixels];
-        for (tile, aovs) in with_layers() {
-            for (i, [x, y]) in tile.pixels().enumerate() {
-                plane[y as usize * width + x as usize] = value(&aovs.first[i]);
-            }
-        }
-        plane
+        gathered(tiles, (width, pixels), INVALID_ID, |_, aovs, i| value(&aovs.first[i]))
     };
     let mean = |sum: f64, tile: &TileFilm| (sum / f64::from(tile.samples.max(1))) as f32;
     let albedo = |c: usize| plane(&|tile, aovs, i| mean(aovs.albedo[i][c], tile), 0.0);

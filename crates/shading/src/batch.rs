@@ -236,17 +236,27 @@ pub struct FacingRows {
 impl SurfaceBatch {
     /// Takes all lanes away and keeps the memory, for one who will append them: nothing is written twice.
     pub fn clear(&mut self) {
-        let Self { p, ng, ns, bent, lift, ray_dir, dp_du, dp_dv, color, .. } = self;
-        [p, ng, ns, bent, lift, ray_dir, dp_du, dp_dv, color].into_iter().for_each(Vec3s::clear);
-        let Self { error, t, u, v, texcoord: [s, r], uv_per_length, alpha, .. } = self;
-        [error, t, u, v, s, r, uv_per_length, alpha].into_iter().for_each(Vec::clear);
-        let Self { footprint, cone_spread, curvature, .. } = self;
-        [footprint, cone_spread, curvature].into_iter().for_each(Vec::clear);
+        self.each_row(Vec3s::clear, Vec::clear, Vec::clear);
         self.kinds.clear();
-        let Self { prim_id, geom_id, inst_id, leaf_id, .. } = self;
-        [prim_id, geom_id, inst_id, leaf_id].into_iter().for_each(Vec::clear);
         self.key.clear();
         self.attributes.clear();
+    }
+
+    /// Goes over all rows of vectors, numbers and ids; a row is empty where nobody knows it.
+    fn each_row(
+        &mut self,
+        vectors: impl FnMut(&mut Vec3s),
+        mut numbers: impl FnMut(&mut Vec<f32>),
+        ids: impl FnMut(&mut Vec<u32>),
+    ) {
+        let Self { p, ng, ns, bent, lift, ray_dir, dp_du, dp_dv, color, .. } = self;
+        [p, ng, ns, bent, lift, ray_dir, dp_du, dp_dv, color].into_iter().for_each(vectors);
+        let Self { error, t, u, v, texcoord: [s, r], uv_per_length, alpha, .. } = self;
+        [error, t, u, v, s, r, uv_per_length, alpha].into_iter().for_each(&mut numbers);
+        let Self { footprint, cone_spread, curvature, .. } = self;
+        [footprint, cone_spread, curvature].into_iter().for_each(numbers);
+        let Self { prim_id, geom_id, inst_id, leaf_id, .. } = self;
+        [prim_id, geom_id, inst_id, leaf_id].into_iter().for_each(ids);
     }
 
     /// Makes it `n` lanes of any value and keeps the memory, for one who will write them. What `detail` leaves out becomes
@@ -459,48 +469,25 @@ impl SurfaceBatch {
     /// See [`SurfacePoint::shadow_ray`].
     #[must_use]
     pub fn shadow_ray(&self, i: usize, dir: Vec3, dist: f32) -> Option<Ray> {
-        self.point(i).shadow_ray(dir, dist)
+        self.point(i).shadow_ray(dir, dist, false)
     }
 
     /// A batch of some of the lanes, in the order given.
     #[must_use]
     pub fn gather(&self, lanes: &[u32]) -> Self {
         fn pick<T: Copy>(values: &[T], lanes: &[u32]) -> Vec<T> {
-            lanes.iter().map(|&i| values[i as usize]).collect()
+            if values.is_empty() { Vec::new() } else { lanes.iter().map(|&i| values[i as usize]).collect() }
         }
-        let vectors = |v: &Vec3s| Vec3s { x: pick(&v.x, lanes), y: pick(&v.y, lanes), z: pick(&v.z, lanes) };
-        // Lanes that nobody knew stay unknown.
-        let known = |values: &Vec<f32>| if values.is_empty() { Vec::new() } else { pick(values, lanes) };
         let components = |values: &Vec<f32>| values.chunks(self.len()).flat_map(|c| pick(c, lanes)).collect();
-        Self {
-            p: vectors(&self.p),
-            error: pick(&self.error, lanes),
-            ng: vectors(&self.ng),
-            ns: vectors(&self.ns),
-            bent: if self.bent.is_empty() { Vec3s::default() } else { vectors(&self.bent) },
-            lift: vectors(&self.lift),
-            ray_dir: vectors(&self.ray_dir),
-            t: pick(&self.t, lanes),
-            u: pick(&self.u, lanes),
-            v: pick(&self.v, lanes),
-            texcoord: [pick(&self.texcoord[0], lanes), pick(&self.texcoord[1], lanes)],
-            dp_du: vectors(&self.dp_du),
-            dp_dv: vectors(&self.dp_dv),
-            footprint: known(&self.footprint),
-            cone_spread: known(&self.cone_spread),
-            curvature: known(&self.curvature),
-            uv_per_length: known(&self.uv_per_length),
-            color: vectors(&self.color),
-            alpha: pick(&self.alpha, lanes),
-            prim_id: pick(&self.prim_id, lanes),
-            geom_id: pick(&self.geom_id, lanes),
-            inst_id: pick(&self.inst_id, lanes),
-            leaf_id: pick(&self.leaf_id, lanes),
-            kinds: if self.kinds.is_empty() { Vec::new() } else { pick(&self.kinds, lanes) },
-            depth: self.depth,
-            key: pick(&self.key, lanes),
-            attributes: self.attributes.iter().map(components).collect(),
-        }
+        let mut some = self.clone();
+        some.each_row(
+            |v| *v = Vec3s { x: pick(&v.x, lanes), y: pick(&v.y, lanes), z: pick(&v.z, lanes) },
+            |row| *row = pick(row, lanes),
+            |row| *row = pick(row, lanes),
+        );
+        (some.kinds, some.key) = (pick(&self.kinds, lanes), pick(&self.key, lanes));
+        some.attributes = self.attributes.iter().map(components).collect();
+        some
     }
 }
 

@@ -125,17 +125,11 @@ impl SurfacePoint {
 
     /// The ray that decides whether light from the unit direction `dir`, `dist` away, reaches the point; `None` where
     /// `dir` lies below the horizon. Where the mesh stands for a curved surface, the horizon is that of the shading normal
-    /// and the ray starts there \[Hanika2021\]; elsewhere both normals must see the light.
+    /// and the ray starts there \[Hanika2021\]; elsewhere both normals must see the light. Light that is `transmitted` arrives through
+    /// the surface, from the side that the path did not come from.
     #[must_use]
-    pub fn shadow_ray(&self, dir: Vec3, dist: f32) -> Option<Ray> {
-        let (ray, some) = self.leaving().shadow_rays(dir.into(), dist, false);
-        some.then(|| ray.ray())
-    }
-
-    /// The same for light that arrives through the surface, from the side that the path did not come from.
-    #[must_use]
-    pub fn shadow_ray_through(&self, dir: Vec3, dist: f32) -> Option<Ray> {
-        let (ray, some) = self.leaving().shadow_rays(dir.into(), dist, true);
+    pub fn shadow_ray(&self, dir: Vec3, dist: f32, transmitted: bool) -> Option<Ray> {
+        let (ray, some) = self.leaving().shadow_rays(dir.into(), dist, transmitted);
         some.then(|| ray.ray())
     }
 
@@ -245,10 +239,10 @@ mod tests {
                 let r = (1.0 - z * z).sqrt();
                 let dir = Vec3::new(r * azimuth.cos(), r * azimuth.sin(), z);
                 let (ray, shadow) =
-                    (point.scatter_ray(dir, false, 1.0), point.shadow_ray(dir, f32::INFINITY));
+                    (point.scatter_ray(dir, false, 1.0), point.shadow_ray(dir, f32::INFINITY, false));
                 assert_eq!(ray.map(|r| r.org), shadow.map(|r| r.org), "mirrored to {dir}");
                 let (ray, shadow) =
-                    (point.scatter_ray(dir, true, 1.0), point.shadow_ray_through(dir, f32::INFINITY));
+                    (point.scatter_ray(dir, true, 1.0), point.shadow_ray(dir, f32::INFINITY, true));
                 assert_eq!(ray.map(|r| r.org), shadow.map(|r| r.org), "through to {dir}");
                 assert!(ray.is_none() || dir.z < 0.0, "through means below: {dir}");
             }

@@ -4,7 +4,7 @@
 //! All calls take whole batches; implementations hold no mutable state and are called from many threads at once.
 
 use glam::Vec3;
-use gnurt_accel::RayBatch;
+use gnurt_accel::{Ray, RayBatch};
 
 use crate::batch::{RayKind, SampleKey, SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;
@@ -250,6 +250,25 @@ pub struct RayRequest {
     pub width: Vec<f32>,
     /// What sends them; empty = all are mirrored, or sent by a shader that follows them itself.
     pub kinds: Vec<RayKind>,
+}
+
+impl RayRequest {
+    /// Asks for one ray more, for a lane of the shader's batch.
+    pub fn push(&mut self, ray: Ray, parent: usize, key: SampleKey) {
+        self.rays.push(ray);
+        self.parent.push(parent as u32);
+        self.key.push(key);
+    }
+
+    /// Asks for no ray.
+    pub fn clear(&mut self) {
+        let Self { rays, parent, key, width, kinds } = self;
+        rays.clear();
+        parent.clear();
+        key.clear();
+        width.clear();
+        kinds.clear();
+    }
 }
 
 /// What a ray met first.

@@ -207,14 +207,12 @@ impl<'a> World<'a> {
         let (lane, key, width) = self.asker(point)?;
         let mut asks = self.asks.as_ref()?.borrow_mut();
         let mut request = RayRequest::default();
-        request.rays.push(ray);
-        request.parent.push(lane as u32);
         // The camera's own ray is not another one.
         if self.own(&ray, lane).is_some() {
-            request.key.push(key);
+            request.push(ray, lane, key);
         } else {
             asks.rays[lane] += 1;
-            request.key.push(key.fork(BRANCH + asks.rays[lane]));
+            request.push(ray, lane, key.fork(BRANCH + asks.rays[lane]));
         }
         request.width.push(width);
         Some((request, asks))
@@ -518,9 +516,7 @@ fn arriving(
                 continue;
             }
             if let Some(ray) = hits.shadow_ray(i, all.dir.get(i), all.dist[i]) {
-                request.rays.push(ray);
-                request.parent.push(i as u32);
-                request.key.push(hits.key[i]);
+                request.push(ray, i, hits.key[i]);
             }
         }
         let mut passed = Vec3s::default();

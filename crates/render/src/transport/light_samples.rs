@@ -21,7 +21,7 @@ pub(crate) fn sampling_normal(point: &SurfacePoint, bsdf: &Bsdf) -> Vec3 {
 /// The ray that decides whether light from the unit direction `dir`, `dist` away, reaches the point; `None` where it does not
 /// count.
 pub(crate) fn shadow_ray(point: &SurfacePoint, bsdf: &Bsdf, dir: Vec3, dist: f32) -> Option<Ray> {
-    if bsdf.is_transmitted(dir) { point.shadow_ray_through(dir, dist) } else { point.shadow_ray(dir, dist) }
+    point.shadow_ray(dir, dist, bsdf.is_transmitted(dir))
 }
 
 /// A vertex that asks lights of shader plugins.

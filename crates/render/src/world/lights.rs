@@ -113,18 +113,9 @@ impl Lights {
             true => backdrop(scene, self.backdrop.as_ref(), Threads::Pool(pool)),
             false => self.backdrop.clone(),
         };
-        let same_backdrop = match (&backdrop, &self.backdrop) {
-            (Some(now), Some(before)) => Arc::ptr_eq(now, before),
-            (None, None) => true,
-            _ => false,
-        };
-        let same_environment = match (&own_environment, &self.own_environment) {
-            (Some(now), Some(before)) => now.is(before),
-            (None, None) => true,
-            _ => false,
-        };
+        let same_environment = same(backdrop.as_ref(), self.backdrop.as_ref(), Arc::ptr_eq)
+            && same(own_environment.as_ref(), self.own_environment.as_ref(), EnvironmentLight::is);
         let same_bounds = changed.bounds == self.parts.bounds;
-        let same_environment = same_environment && same_backdrop;
         let same_lights = !changed.edited && changed.lamps.is_none() && !table_changed && same_environment;
         if same_lights && same_bounds {
             return None;
@@ -220,14 +211,11 @@ impl Lights {
     /// Whether lights and environment of the shader table are those that it has.
     fn shows(&self, table: &ShaderTable) -> bool {
         let before = &self.shaders[self.plugins.clone()];
-        let same = |(a, b): (&Arc<dyn LightShader>, &Arc<dyn LightShader>)| Arc::ptr_eq(a, b);
+        let is_same = |(a, b): (&Arc<dyn LightShader>, &Arc<dyn LightShader>)| Arc::ptr_eq(a, b);
         let from_table = self.environment.as_ref().filter(|_| self.own_environment.is_none());
-        let same_environment = match (&table.environment, from_table) {
-            (Some(now), Some(before)) => Arc::ptr_eq(now, before),
-            (None, None) => true,
-            _ => false,
-        };
-        before.len() == table.lights.len() && before.iter().zip(&table.lights).all(same) && same_environment
+        before.len() == table.lights.len()
+            && before.iter().zip(&table.lights).all(is_same)
+            && same(table.environment.as_ref(), from_table, Arc::ptr_eq)
     }
 
     /// Whether the parts that edits of lights reach are equal.
@@ -239,6 +227,15 @@ impl Lights {
     #[cfg(test)]
     pub(super) fn own_environment(&self) -> Option<&EnvironmentLight> {
         self.own_environment.as_ref()
+    }
+}
+
+/// Whether both are the same, or neither is there.
+fn same<T>(now: Option<&T>, before: Option<&T>, is: impl Fn(&T, &T) -> bool) -> bool {
+    match (now, before) {
+        (Some(now), Some(before)) => is(now, before),
+        (None, None) => true,
+        _ => false,
     }
 }
 

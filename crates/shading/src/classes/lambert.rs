@@ -53,13 +53,9 @@ pub(super) fn direct_light(
         match shadows {
             Shadows::Ignored => lit.for_each(|i| sum.add(i, arriving(i))),
             Shadows::Traced => {
-                request.rays.clear();
-                request.parent.clear();
-                request.key.clear();
+                request.clear();
                 for i in lit {
-                    request.rays.push(hits.spawn_to(i, light.dir.get(i), light.dist[i]));
-                    request.parent.push(i as u32);
-                    request.key.push(hits.key[i]);
+                    request.push(hits.spawn_to(i, light.dir.get(i), light.dist[i]), i, hits.key[i]);
                 }
                 tracer.occluded(&request, &mut transmittance);
                 for (lane, &parent) in request.parent.iter().enumerate() {

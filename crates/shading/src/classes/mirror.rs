@@ -31,9 +31,7 @@ impl RadianceShader for Mirror {
         let mut request = RayRequest::default();
         for (i, normal) in shading_normals(hits, 0).into_iter().enumerate() {
             let dir = reflection(hits, i, normal);
-            request.rays.push(hits.spawn(i, dir, f32::INFINITY));
-            request.parent.push(i as u32);
-            request.key.push(hits.key[i].fork(0));
+            request.push(hits.spawn(i, dir, f32::INFINITY), i, hits.key[i].fork(0));
             request.width.push(hits.footprint.get(i).copied().unwrap_or(0.0));
         }
         tracer.trace(hits.depth, &request, out);

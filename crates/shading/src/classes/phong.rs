@@ -118,9 +118,7 @@ impl Phong {
                 let half = (dir - hits.ray_dir.get(i)).normalize_or_zero();
                 let highlight = self.specular * normal.dot(half).max(0.0).powf(self.exponent);
                 scattered.push(light.radiance.get(i) * (colors.get(i) * cos + highlight));
-                request.rays.push(hits.spawn_to(i, dir, light.dist[i]));
-                request.parent.push(i as u32);
-                request.key.push(hits.key[i]);
+                request.push(hits.spawn_to(i, dir, light.dist[i]), i, hits.key[i]);
             }
             tracer.occluded(&request, &mut through);
             for (k, &i) in request.parent.iter().enumerate() {
@@ -139,9 +137,7 @@ impl Phong {
     ) {
         let (mut request, mut seen) = (RayRequest::default(), Vec3s::default());
         for (i, dir) in dirs.enumerate() {
-            request.rays.push(hits.spawn(i, dir, f32::INFINITY));
-            request.parent.push(i as u32);
-            request.key.push(hits.key[i].fork(branch));
+            request.push(hits.spawn(i, dir, f32::INFINITY), i, hits.key[i].fork(branch));
             request.width.push(hits.footprint.get(i).copied().unwrap_or(0.0));
         }
         tracer.trace(hits.depth, &request, &mut seen);

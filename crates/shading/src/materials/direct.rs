@@ -23,9 +23,7 @@ pub fn direct_light(
     for light in 0..tracer.light_count() {
         tracer.illuminate(light, hits, &mut arriving);
         let visible = tracer.light_is_visible(light);
-        shadows.rays.clear();
-        shadows.parent.clear();
-        shadows.key.clear();
+        shadows.clear();
         scattered.clear();
         for i in 0..hits.len() {
             let (dir, radiance) = (arriving.dir.get(i), arriving.radiance.get(i));
@@ -36,9 +34,7 @@ pub fn direct_light(
             let value = bsdf_cos(i, dir, visible) * radiance;
             if value != Vec3::ZERO {
                 scattered.push(value);
-                shadows.rays.push(shadow);
-                shadows.parent.push(i as u32);
-                shadows.key.push(hits.key[i]);
+                shadows.push(shadow, i, hits.key[i]);
             }
         }
         tracer.occluded(&shadows, &mut through);

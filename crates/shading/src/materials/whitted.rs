@@ -148,9 +148,7 @@ impl Branches {
         (number, weight): (u32, Vec3),
         kind: RayKind,
     ) {
-        self.request.rays.push(ray);
-        self.request.parent.push(i as u32);
-        self.request.key.push(hits.key[i].fork(number));
+        self.request.push(ray, i, hits.key[i].fork(number));
         self.request.width.push(hits.footprint.get(i).copied().unwrap_or(0.0));
         self.request.kinds.push(kind);
         self.weight.push(weight);
