@@ -403,19 +403,24 @@ impl SurfaceBatch {
     #[inline]
     #[must_use]
     pub fn texture_width(&self, i: usize) -> f32 {
+        let (width, cos) = self.across(i);
+        width / cos
+    }
+
+    /// Width of what lane `i` stands for where its ray meets the surface upright, in texture coordinates, and the cosine at which it does.
+    #[inline]
+    fn across(&self, i: usize) -> (f32, f32) {
         let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
         let cos = self.ng.get(i).dot(self.ray_dir.get(i)).abs();
-        known(&self.footprint) * known(&self.uv_per_length) / cos.max(1e-4)
+        (known(&self.footprint) * known(&self.uv_per_length), cos.max(1e-4))
     }
 
     /// Area of what lane `i` stands for, in texture coordinates; 0 where nobody knows.
     #[inline]
     #[must_use]
     pub fn texture_area(&self, i: usize) -> f32 {
-        let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
-        let cos = self.ng.get(i).dot(self.ray_dir.get(i)).abs();
-        let width = known(&self.footprint) * known(&self.uv_per_length);
-        width * width / cos.max(1e-4)
+        let (width, cos) = self.across(i);
+        width * width / cos
     }
 
     /// Whether a broad lobe sent the ray of lane `i`, so that its cone tells how much it stands for, and of what form hardly.

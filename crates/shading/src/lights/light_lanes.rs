@@ -37,17 +37,18 @@ pub struct LightSamples<R: Real> {
 /// The same of sixteen.
 pub type LightSampleX16<S> = LightSamples<f32x16<S>>;
 
+impl<R: Real> LightSamples<R> {
+    /// Points that find no light, as many as `zero` has.
+    #[inline(always)]
+    pub(super) fn none(zero: R) -> Self {
+        let (none, black) = (zero.points(0), Vector::grey(zero));
+        Self { dir: black, dist: zero, radiance: black, pdf: zero, delta: none, found: none }
+    }
+}
+
 impl From<Option<LightSample>> for LightSamples<f32> {
     fn from(sample: Option<LightSample>) -> Self {
-        let none = Self {
-            dir: Vector::grey(0.0),
-            dist: 0.0,
-            radiance: Vector::grey(0.0),
-            pdf: 0.0,
-            delta: false,
-            found: false,
-        };
-        sample.map_or(none, |LightSample { dir, dist, radiance, pdf, delta, .. }| Self {
+        sample.map_or(Self::none(0.0), |LightSample { dir, dist, radiance, pdf, delta, .. }| Self {
             dir: dir.into(),
             dist,
             radiance: radiance.into(),
@@ -443,12 +444,6 @@ fn promise_of<S: Simd>(shape: &[Floats<S>; 14], p: Vec3x16<S>, normal: Vec3x16<S
 }
 
 impl<S: Simd> LightSampleX16<S> {
-    #[inline(always)]
-    pub(super) fn none(simd: S) -> Self {
-        let (none, zero) = (Mask::from_bitmask(simd, 0), Vec3x16::splat(simd, Vec3::ZERO));
-        Self { dir: zero, dist: zero.x, radiance: zero, pdf: zero.x, delta: none, found: none }
-    }
-
     #[inline(always)]
     pub(super) fn put(&mut self, i: usize, sample: Option<LightSample>) {
         let Some(sample) = sample else { return };

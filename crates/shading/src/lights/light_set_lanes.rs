@@ -45,7 +45,8 @@ impl LightSet {
                 lanes.sample(&self.parts, active, [p, ns], u, f32x16::splat(simd, 1.0))
             }
             (Some(lanes), Some(choice)) => {
-                let (mut rest, mut chance, mut near, mut far) = (u[0], u[0], 0, LightSampleX16::none(simd));
+                let (mut rest, mut chance, mut near, mut far) =
+                    (u[0], u[0], 0, LightSampleX16::none(f32x16::splat(simd, 0.0)));
                 for i in LanesOf(active.to_bitmask()) {
                     let group = choice.sample(u[0][i]);
                     if group.index == 0 {
@@ -61,7 +62,7 @@ impl LightSet {
                 lanes.sample(&self.parts, near, [p, ns], [rest, u[1], u[2]], chance).or(near, far)
             }
             _ => {
-                let mut out = LightSampleX16::none(simd);
+                let mut out = LightSampleX16::none(f32x16::splat(simd, 0.0));
                 for i in LanesOf(active.to_bitmask()) {
                     out.put(i, self.sample(p.get(i), ns.get(i), [u[0][i], u[1][i], u[2][i]]));
                 }

@@ -25,15 +25,6 @@ impl TexturedColor {
         Self { factor, texture: None }
     }
 
-    /// At texture coordinates of the mesh.
-    #[must_use]
-    pub fn at(&self, uv: [f32; 2]) -> Vec3 {
-        self.texture.as_ref().map_or(self.factor, |texture| {
-            let [r, g, b, _] = texture.sample(uv);
-            self.factor * Vec3::new(r, g, b)
-        })
-    }
-
     /// At lane `i` of a batch, times the mesh's own colour there.
     #[must_use]
     pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> Vec3 {
