@@ -9,7 +9,8 @@ use super::Bsdf;
 use super::lobe::Kind;
 use super::lobes::MOST;
 use super::seen::Seen;
-use super::seen_lobe::{SeenLobe, Sum};
+use super::seen_lobe::SeenLobe;
+use super::seen_sum::Sum;
 use crate::lanes::LANES;
 use crate::real::{Real, Vector};
 

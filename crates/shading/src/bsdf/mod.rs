@@ -38,7 +38,11 @@ mod principled;
 mod rough_dielectric;
 mod sample;
 mod seen;
+mod seen_alone;
+mod seen_glass;
 mod seen_lobe;
+mod seen_sum;
+mod seen_values;
 mod sheen;
 #[cfg(test)]
 mod tests;
@@ -56,7 +60,7 @@ pub use medium::{Medium, left_after};
 pub use principled::Principled;
 pub use sample::BsdfSample;
 pub use seen::{Sampled, Seen};
-pub use seen_lobe::GRAZING;
+pub use seen_values::GRAZING;
 
 /// The BSDF of one point. Plain data: it outlives the batch that it was made from.
 #[derive(Clone, Debug)]

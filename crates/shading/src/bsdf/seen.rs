@@ -15,7 +15,9 @@ use super::energy::RULE;
 use super::lobe::{Kind, Lobe, rare};
 use super::lobes::MOST;
 use super::lobes_at::LobesAt;
-use super::seen_lobe::{GRAZING, SeenLobe, Sum};
+use super::seen_lobe::SeenLobe;
+use super::seen_sum::Sum;
+use super::seen_values::GRAZING;
 use crate::real::{Real, Vector};
 use crate::sampling::{cosine_hemisphere_of, frame_around};
 
