@@ -400,13 +400,11 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
     }
     let mut offers = Offers::default();
     let shares = pass.unseen();
-    // What the eye sees asks the share of its pixel, others what their block asks: so that blocks are full.
-    let is_own = |stop: &Stop| match tracer.sharing {
-        Sharing::All => false,
-        Sharing::Chance => stop.walk.is_seen,
-        Sharing::Pattern => true,
+    // In patterns each asks the share of its pixel, else what its block asks: so that blocks are full.
+    let (own, mut others) = match tracer.sharing {
+        Sharing::Pattern => (there, Vec::new()),
+        Sharing::All | Sharing::Chance => (Vec::new(), there),
     };
-    let (own, mut others): (Vec<&Stop>, Vec<&Stop>) = there.into_iter().partition(|stop| is_own(stop));
     if let Some(first) = others.first() {
         // Blocks take turns, and chance says who begins.
         let Walk { key, edges, .. } = first.walk;

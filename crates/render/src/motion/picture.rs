@@ -20,7 +20,7 @@ use super::before::Before;
 use super::choose::{need, scale, turn};
 use super::look::{ROWS, look};
 use super::sight::{Light, Spot, Tint};
-use super::smooth::Planes;
+use super::smooth::{Given, Smooth};
 use crate::film::{self, TileFilm};
 use crate::integrators;
 use crate::job::Job;
@@ -58,7 +58,7 @@ pub struct KeptPicture {
     mean: f32,
     tints: Vec<Tint>,
     /// Light as it is shown.
-    shown: Planes,
+    shown: Smooth,
     spare: Vec<Light>,
     spare_spots: Vec<Spot>,
     cost: MotionCost,
@@ -134,7 +134,9 @@ impl KeptPicture {
         let sampled = Instant::now();
         pool.install(|| {
             let level = job.options.level;
-            self.shown.smooth(size[0] as usize, &frame.spots, &self.tints, &frame.lights, level);
+            let Frame { spots, lights, .. } = &frame;
+            let given = Given { width: size[0] as usize, spots, tints: &self.tints, lights };
+            self.shown.smooth(&given, level);
             self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
             self.write(tiles, size[0] as usize);
         });
@@ -185,7 +187,7 @@ impl KeptPicture {
 }
 
 /// Luminance of light on the mean pixel that shows a surface.
-fn mean_of(spots: &[Spot], shown: &Planes, width: usize) -> f32 {
+fn mean_of(spots: &[Spot], shown: &Smooth, width: usize) -> f32 {
     let of_row = |(y, spots): (usize, &[Spot])| {
         let surfaces = (0..width).filter(|&x| spots[x].is_surface()).map(|x| shown.light(x, y));
         let known = surfaces.filter(|light| light.count > 0.0);

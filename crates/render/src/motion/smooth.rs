@@ -30,6 +30,10 @@ const AROUND: [[usize; 2]; 8] = [[0, 0], [0, 1], [0, 2], [1, 0], [1, 2], [2, 0],
 const MARGIN: usize = 16;
 /// Rows are as long as so many lanes, or as a multiple.
 const LANES: usize = 16;
+/// Rows before and behind a band that its steps ask.
+const AHEAD: usize = STEPS[0].0 + STEPS[1].0 + STEPS[2].0;
+/// Rows of a band, at least: those around it are averaged by its neighbours as well.
+const LEAST_ROWS: usize = 32;
 
 /// Numbers of a row of pixels that are beside each other, one after the other.
 mod shape {
@@ -47,39 +51,37 @@ mod light {
     pub(super) const COUNT: usize = 4;
 }
 
-/// A picture as rows of numbers of each kind, so that pixels beside each other are lanes.
-#[derive(Default)]
-pub(super) struct Planes {
-    width: usize,
-    /// Numbers of one kind in a row.
-    stride: usize,
-    shape: Vec<f32>,
-    light: Vec<f32>,
-    /// Light after a step.
-    next: Vec<f32>,
+/// What is averaged, row by row.
+#[derive(Clone, Copy)]
+pub(super) struct Given<'a> {
+    pub(super) width: usize,
+    pub(super) spots: &'a [Spot],
+    pub(super) tints: &'a [Tint],
+    pub(super) lights: &'a [Light],
 }
 
-impl Planes {
-    /// Averages light over surfaces; pixels have no samples where nobody knows anything.
-    pub(super) fn smooth(
-        &mut self,
-        width: usize,
-        spots: &[Spot],
-        tints: &[Tint],
-        lights: &[Light],
-        level: Level,
-    ) {
-        self.fill(width, spots, tints, lights);
-        for (k, step) in STEPS.into_iter().enumerate() {
-            self.step(step, k == 0, level);
-        }
-        if self.has_unknown() {
-            let Self { stride, shape, .. } = self;
-            let all = *stride * shape::COUNT;
-            let enough = |row: &mut [f32]| row[shape::ENOUGH * *stride..].fill(f32::MIN_POSITIVE);
-            shape.par_chunks_mut(all).for_each(enough);
-            FAR.into_iter().for_each(|step| self.step(step, false, level));
-        }
+/// Averaged light as rows of numbers of each kind, so that pixels beside each other are lanes.
+#[derive(Default)]
+pub(super) struct Smooth {
+    /// Numbers of one kind in a row.
+    stride: usize,
+    light: Vec<f32>,
+}
+
+impl Smooth {
+    /// Averages light over surfaces; pixels have no samples where nobody knows anything. Call within a pool of threads.
+    pub(super) fn smooth(&mut self, given: &Given, level: Level) {
+        let stride = given.width.next_multiple_of(LANES) + 2 * MARGIN;
+        let height = given.spots.len() / given.width.max(1);
+        self.stride = stride;
+        self.light.resize(height * stride * light::COUNT, 0.0);
+        let rows = height.div_ceil(2 * rayon::current_num_threads()).max(LEAST_ROWS);
+        let bands = self.light.par_chunks_mut(rows * stride * light::COUNT).enumerate();
+        bands.for_each_init(
+            || Near::new(stride, height),
+            |near, (n, out)| near.band(given, n * rows, out, level),
+        );
+        FAR.into_iter().for_each(|step| self.ask_far(given, step));
     }
 
     /// Light on a pixel, of so many samples.
@@ -90,60 +92,125 @@ impl Planes {
         Light { mean, count: at(light::SAMPLES) }
     }
 
-    fn fill(&mut self, width: usize, spots: &[Spot], tints: &[Tint], lights: &[Light]) {
-        let stride = width.next_multiple_of(LANES) + 2 * MARGIN;
-        let height = spots.len() / width.max(1);
-        let Self { shape, light, next, .. } = self;
-        for (plane, count) in [(&mut *shape, shape::COUNT), (&mut *light, light::COUNT), (next, light::COUNT)]
-        {
-            if self.stride != stride {
-                plane.clear();
+    /// Averages what neighbours so many pixels away know, for pixels of surfaces that know nothing.
+    fn ask_far(&mut self, given: &Given, (step, [beside, corner]): Step) {
+        let Given { width, spots, .. } = *given;
+        let of_row = |(y, spots_of_row): (usize, &[Spot])| -> Vec<(usize, Light)> {
+            let first = (y * light::COUNT + light::SAMPLES) * self.stride + MARGIN;
+            let counts = &self.light[first..first + width];
+            let unknown = |x: &usize| spots_of_row[*x].is_surface() && !(counts[*x] > 0.0);
+            let ask = |x: usize| {
+                let mut sum = Light::default();
+                for [row, column] in AROUND {
+                    // Beyond all where it would be left of or above all.
+                    let (left, above) =
+                        ((x + column * step).wrapping_sub(step), (y + row * step).wrapping_sub(step));
+                    if left >= width || above >= spots.len() / width {
+                        continue;
+                    }
+                    if spots_of_row[x].agrees(&spots[above * width + left], step as f32) {
+                        let weight = if row == 1 || column == 1 { beside } else { corner };
+                        sum.add(&self.light(left, above), weight);
+                    }
+                }
+                sum.averaged()
+            };
+            (0..width).filter(unknown).map(|x| (x, ask(x))).filter(|(_, light)| light.count > 0.0).collect()
+        };
+        let found: Vec<Vec<(usize, Light)>> = spots.par_chunks(width).enumerate().map(of_row).collect();
+        for (y, found) in found.iter().enumerate() {
+            for (x, light) in found {
+                for (k, number) in light.mean.to_array().into_iter().chain([light.count]).enumerate() {
+                    self.light[(y * light::COUNT + k) * self.stride + MARGIN + x] = number;
+                }
             }
-            plane.resize(height * stride * count, 0.0);
         }
-        (self.width, self.stride) = (width, stride);
-        let rows =
-            shape.par_chunks_mut(stride * shape::COUNT).zip(light.par_chunks_mut(stride * light::COUNT));
-        let seen = spots.par_chunks(width).zip(tints.par_chunks(width)).zip(lights.par_chunks(width));
-        rows.zip(seen).for_each(|((shape, light), ((spots, tints), lights))| {
-            let [x, y, z, u, v, w, wide, id, enough] = planes_of(shape, stride, width);
-            for (i, (spot, tint)) in spots.iter().zip(tints).enumerate() {
-                [x[i], y[i], z[i]] = spot.p.to_array();
-                [u[i], v[i], w[i]] = spot.ns.to_array();
-                (wide[i], id[i]) = (spot.width, number_of(spot.id));
-                enough[i] = if tint.grain < SHINY { ENOUGH_OF_SHINY } else { ENOUGH };
-            }
-            let [r, g, b, n] = planes_of(light, stride, width);
-            for (i, light) in lights.iter().enumerate() {
-                [r[i], g[i], b[i]] = light.mean.to_array();
-                n[i] = light.count;
-            }
-        });
+    }
+}
+
+/// Rows that steps ask of each other, so few that they stay in a cache: each goes where the one was that nobody asks any more.
+struct Near {
+    stride: usize,
+    height: usize,
+    shape: Vec<f32>,
+    /// Light before each step.
+    light: [Vec<f32>; STEPS.len()],
+}
+
+impl Near {
+    /// Rows of `shape`, and of light before each step: from the first that is asked to the last that was made.
+    const SHAPES: usize = AHEAD + STEPS[2].0 + 1;
+    const LIGHTS: [usize; STEPS.len()] = [2 * STEPS[0].0 + 1, 2 * STEPS[1].0 + 1, 2 * STEPS[2].0 + 1];
+
+    fn new(stride: usize, height: usize) -> Self {
+        let rows = |count: usize, numbers: usize| vec![0.0; count * numbers * stride];
+        Self {
+            stride,
+            height,
+            shape: rows(Self::SHAPES, shape::COUNT),
+            light: Self::LIGHTS.map(|count| rows(count, light::COUNT)),
+        }
     }
 
-    /// Whether nobody knows anything of some surface.
-    fn has_unknown(&self) -> bool {
-        let Self { width, stride, .. } = *self;
-        let shapes = self.shape.par_chunks(stride * shape::COUNT);
-        shapes.zip(self.light.par_chunks(stride * light::COUNT)).any(|(shape, light)| {
-            let ids = &shape[shape::ID * stride + MARGIN..][..width];
-            let counts = &light[light::SAMPLES * stride + MARGIN..][..width];
-            ids.iter().zip(counts).any(|(&id, &count)| count == 0.0 && id != 0.0)
-        })
+    /// Averages the rows of `out`, the first of which is row `top` of all: one row after the other goes through all steps, each as soon
+    /// as the rows are there that it asks.
+    fn band(&mut self, given: &Given, top: usize, out: &mut [f32], level: Level) {
+        let bottom = top + out.len() / (self.stride * light::COUNT);
+        for last in top.saturating_sub(AHEAD)..bottom + AHEAD {
+            if last < self.height {
+                self.fill(given, last);
+            }
+            let mut ahead = 0;
+            for (k, (step, _)) in STEPS.into_iter().enumerate() {
+                ahead += step;
+                // Rows around the band that later steps ask for.
+                let around = AHEAD - ahead;
+                let Some(y) = last.checked_sub(ahead) else { break };
+                if y + around >= top && y < (bottom + around).min(self.height) {
+                    self.step(k, y, (top, &mut *out), level);
+                }
+            }
+        }
     }
 
-    /// Averages each pixel with neighbours so many pixels away, which count so much.
-    fn step(&mut self, step: Step, is_first: bool, level: Level) {
-        let Self { width, stride, shape, light, next } = self;
-        let from = From { width: *width, stride: *stride, shape, light };
-        next.par_chunks_mut(*stride * light::COUNT).enumerate().for_each(|(y, out)| {
-            dispatch_wide!(
-                level,
-                simd => from.row(f32x16::splat(simd, 0.0), y, (step, is_first), out),
-                else from.row(0.0_f32, y, (step, is_first), out)
-            );
-        });
-        std::mem::swap(light, next);
+    /// Takes over a row.
+    fn fill(&mut self, given: &Given, y: usize) {
+        let Self { stride, shape, light, .. } = self;
+        let (stride, width) = (*stride, given.width);
+        let row = y * width..(y + 1) * width;
+        let place = y % Self::SHAPES * stride * shape::COUNT;
+        let [x, y_, z, u, v, w, wide, id, enough] =
+            planes_of(&mut shape[place..][..stride * shape::COUNT], stride, width);
+        for (i, (spot, tint)) in given.spots[row.clone()].iter().zip(&given.tints[row.clone()]).enumerate() {
+            [x[i], y_[i], z[i]] = spot.p.to_array();
+            [u[i], v[i], w[i]] = spot.ns.to_array();
+            (wide[i], id[i]) = (spot.width, number_of(spot.id));
+            enough[i] = if tint.grain < SHINY { ENOUGH_OF_SHINY } else { ENOUGH };
+        }
+        let place = y % Self::LIGHTS[0] * stride * light::COUNT;
+        let [r, g, b, n] = planes_of(&mut light[0][place..][..stride * light::COUNT], stride, width);
+        for (i, light) in given.lights[row].iter().enumerate() {
+            [r[i], g[i], b[i]] = light.mean.to_array();
+            n[i] = light.count;
+        }
+    }
+
+    /// A row after the step of this number.
+    fn step(&mut self, k: usize, y: usize, (top, out): (usize, &mut [f32]), level: Level) {
+        let Self { stride, height, shape, light } = self;
+        let (before, after) = light.split_at_mut(k + 1);
+        let numbers = *stride * light::COUNT;
+        let out = match after.first_mut() {
+            Some(next) => &mut next[y % Self::LIGHTS[k + 1] * numbers..][..numbers],
+            None => &mut out[(y - top) * numbers..][..numbers],
+        };
+        let from = From { stride: *stride, height: *height, shape, light: &before[k], rows: Self::LIGHTS[k] };
+        let step = (STEPS[k], k == 0);
+        dispatch_wide!(
+            level,
+            simd => from.row(f32x16::splat(simd, 0.0), y, step, out),
+            else from.row(0.0_f32, y, step, out)
+        );
     }
 }
 
@@ -159,12 +226,15 @@ fn planes_of<const N: usize>(row: &mut [f32], stride: usize, width: usize) -> [&
     std::array::from_fn(|_| &mut planes.next().expect("as many as there are")[MARGIN..MARGIN + width])
 }
 
-/// What is averaged.
+/// Rows that a step asks: row `y` of all is row `y % rows` of those here.
 struct From<'a> {
-    width: usize,
     stride: usize,
+    /// Of all rows.
+    height: usize,
     shape: &'a [f32],
     light: &'a [f32],
+    /// Rows of light that are here.
+    rows: usize,
 }
 
 impl From<'_> {
@@ -178,15 +248,16 @@ impl From<'_> {
         out: &mut [f32],
     ) {
         let stride = self.stride;
-        let height = self.light.len() / (stride * light::COUNT);
         let zero = like.all(0.0);
-        let shape_of = |y: usize| &self.shape[y * stride * shape::COUNT..][..stride * shape::COUNT];
-        let light_of = |y: usize| &self.light[y * stride * light::COUNT..][..stride * light::COUNT];
+        let shape_of =
+            |y: usize| &self.shape[y % Near::SHAPES * stride * shape::COUNT..][..stride * shape::COUNT];
+        let light_of =
+            |y: usize| &self.light[y % self.rows * stride * light::COUNT..][..stride * light::COUNT];
         let (own_shape, own_light) = (shape_of(y), light_of(y));
         let above = y.checked_sub(step);
-        let below = Some(y + step).filter(|&y| y < height);
+        let below = Some(y + step).filter(|&y| y < self.height);
         let near = [above, Some(y), below].map(|y| y.map(|y| (shape_of(y), light_of(y))));
-        for first in (MARGIN..MARGIN + self.width).step_by(R::LANES) {
+        for first in (MARGIN..stride - MARGIN).step_by(R::LANES) {
             let (mean, own) = light_at(zero, own_light, stride, first);
             let enough = zero.load(own_shape, shape::ENOUGH * stride + first);
             let has_enough = if is_first { zero.above(zero) } else { !enough.above(own) };
@@ -260,9 +331,9 @@ mod tests {
         };
         let lights: Vec<Light> = (0..spots.len()).map(light).collect();
         let all = Level::available().into_iter().map(|level| {
-            let mut planes = Planes::default();
-            planes.smooth(width, &spots, &tints, &lights, level);
-            (0..spots.len()).map(|i| planes.light(i % width, i / width)).collect::<Vec<Light>>()
+            let mut smooth = Smooth::default();
+            smooth.smooth(&Given { width, spots: &spots, tints: &tints, lights: &lights }, level);
+            (0..spots.len()).map(|i| smooth.light(i % width, i / width)).collect::<Vec<Light>>()
         });
         let all: Vec<Vec<Light>> = all.collect();
         let bits = |lights: &[Light]| -> Vec<[u32; 3]> {
