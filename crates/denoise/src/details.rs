@@ -1,12 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a filter took away that was no noise: lines too thin to have neighbours that look alike.
 //! Source: original; shrinkage by the ratio of signal to noise, as Wiener's filter. A pixel that stands out alone is noise
-//! whose variance was found too small: it needs company. Proof: `tests`.
+//! whose variance was found too small: it needs company. So is one that is darker than it should be where light is in rare samples: those
+//! that found none of them know nothing of their noise, which is then what it is all around, as a share of the light.
+//! Proof: `tests`.
 
+use crate::light::mean;
 use crate::noisy::Triple;
 
 /// What differs from the noisy picture by fewer standard deviations is noise.
 const STANDS_OUT: f32 = 1.5;
+/// Where pixels' variance is more than this share of their light's square, light is in rare samples; and what that of darker pixels is
+/// then, for each share more: so much that none comes back where most have found nothing.
+const RARE: f32 = 0.4;
+const HARDLY_KNOWN: f32 = 4.0;
+/// Columns and rows of the cells whose noise is compared with their light.
+const CELL: usize = 8;
 
 /// Brings details back to `clean` from the noisy `color`, whose variance and smoothed variance these are.
 pub(crate) fn bring_back(
@@ -17,11 +26,17 @@ pub(crate) fn bring_back(
     clean: &mut [Triple],
 ) {
     let height = color.len() / width;
+    let around = Around::new(width, variance, clean);
     // How much of the difference is signal; its sign says whether the noisy pixel is brighter.
     let share = |p: usize, clean: &Triple| {
         [0, 1, 2].map(|k| {
             let apart = color[p][k] - clean[k];
-            let noise = STANDS_OUT * STANDS_OUT * smooth[p][k].max(variance[p][k]);
+            let mut noise = smooth[p][k].max(variance[p][k]);
+            if apart < 0.0 {
+                let rare = (around.noise(p) - RARE).max(0.0);
+                noise = noise.max(HARDLY_KNOWN * rare * clean[k] * clean[k]);
+            }
+            let noise = STANDS_OUT * STANDS_OUT * noise;
             (1.0 - noise / (apart * apart).max(f32::MIN_POSITIVE)).max(0.0).copysign(apart)
         })
     };
@@ -48,6 +63,40 @@ pub(crate) fn bring_back(
     }
 }
 
+/// How noisy light is around.
+struct Around {
+    width: usize,
+    columns: usize,
+    /// Sums of variances over sums of squares of light, of each cell and those beside it.
+    cells: Vec<f32>,
+}
+
+impl Around {
+    fn new(width: usize, variance: &[Triple], light: &[Triple]) -> Self {
+        let (columns, rows) = (width.div_ceil(CELL), (light.len() / width).div_ceil(CELL));
+        let mut sums = vec![[0.0_f32; 2]; columns * rows];
+        for (p, (variance, light)) in variance.iter().zip(light).enumerate() {
+            let [noise, square] = &mut sums[p / width / CELL * columns + p % width / CELL];
+            *noise += mean(variance);
+            *square += mean(&light.map(|x| x * x));
+        }
+        let noise = |at: usize| {
+            let (x, y) = (at % columns, at / columns);
+            let beside = (y.saturating_sub(1)..(y + 2).min(rows)).flat_map(|row| {
+                (x.saturating_sub(1)..(x + 2).min(columns)).map(move |column| row * columns + column)
+            });
+            let [noise, square] = beside.fold([0.0; 2], |[a, b], at| [a + sums[at][0], b + sums[at][1]]);
+            if square > 0.0 { noise / square } else { 0.0 }
+        };
+        Self { width, columns, cells: (0..sums.len()).map(noise).collect() }
+    }
+
+    /// The variance of light that is 1 there.
+    fn noise(&self, p: usize) -> f32 {
+        self.cells[p / self.width / CELL * self.columns + p % self.width / CELL]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,5 +116,25 @@ mod tests {
         let mut clean = vec![[1.0; 3]; width * height];
         bring_back(width, &color, &noise, &noise, &mut clean);
         assert!(clean.iter().all(|c| *c == [1.0; 3]), "within the noise nothing is");
+    }
+
+    /// Two neighbours of many found no light, and no noise: they are as noisy as those all around.
+    #[test]
+    fn what_found_no_light_is_noise() {
+        let (width, height) = (24, 24);
+        let dark = [10 * width + 9, 10 * width + 10];
+        let clean = |noise: f32| {
+            let mut color = vec![[1.0; 3]; width * height];
+            let mut variance = vec![[noise; 3]; width * height];
+            for p in dark {
+                (color[p], variance[p]) = ([0.0; 3], [0.0; 3]);
+            }
+            let mut clean = vec![[1.0; 3]; width * height];
+            let smooth = vec![[0.0; 3]; width * height];
+            bring_back(width, &color, &variance, &smooth, &mut clean);
+            clean
+        };
+        assert!(dark.iter().all(|&p| clean(1.0)[p][0] > 0.99), "they stay as the filter has them");
+        assert!(dark.iter().all(|&p| clean(1e-3)[p][0] < 0.01), "where light has no noise they are dark");
     }
 }
