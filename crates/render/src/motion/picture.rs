@@ -20,7 +20,7 @@ use super::before::Before;
 use super::choose::{need, scale, turn};
 use super::look::{ROWS, look};
 use super::sight::{Light, Spot, Tint};
-use super::smooth::{Given, Smooth};
+use super::smooth::{Given, Smooth, Strength, is_shiny};
 use crate::film::{self, TileFilm};
 use crate::integrators;
 use crate::job::Job;
@@ -38,6 +38,10 @@ const CHANGING: f32 = 0.7;
 const UNREST: u32 = 8;
 /// Samples count no more than so many times the light that is known there, or that of the mean pixel.
 const SPARK: f32 = 16.0;
+/// Share of the mean light below which samples err as if there were so much.
+const DIM: f32 = 0.25;
+/// Share that a picture has in what is known of the noise.
+const NEW_NOISE: f32 = 0.2;
 /// How many more fresh samples a first picture has than those that remember one.
 const FIRST: f32 = 4.0;
 /// Fresh samples that go together.
@@ -56,6 +60,9 @@ pub struct KeptPicture {
     unrest: u32,
     /// Light on the mean pixel; 0 = nobody knows.
     mean: f32,
+    /// How much samples err on surfaces that scatter widely and on shiny ones: mean squares, as shares of what they should tell; unknown
+    /// at first.
+    noise: Option<[f32; 2]>,
     tints: Vec<Tint>,
     /// Light as it is shown.
     shown: Smooth,
@@ -123,21 +130,30 @@ impl KeptPicture {
         let wanted = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(size[0]) * f64::from(size[1]);
         let scale = scale(counts, wanted);
         let chosen = pool.install(|| frame.choose(scale, self.frame));
-        let whole = pool.install(|| {
+        let sampled = pool.install(|| {
             frame.sample(job, pass.as_ref(), (&chosen, self.frame), &self.tints, self.mean, stats)
         });
-        if !whole {
+        let Some(brightness) = sampled else {
             // The picture before stays the one before.
             (self.spare_spots, self.spare) = (frame.spots, frame.lights);
             return false;
-        }
+        };
         let sampled = Instant::now();
         pool.install(|| {
             let level = job.options.level;
             let Frame { spots, lights, .. } = &frame;
             let given = Given { width: size[0] as usize, spots, tints: &self.tints, lights };
-            self.shown.smooth(&given, level);
+            let strength = Strength::of(self.noise.unwrap_or_default());
+            self.shown.smooth(&given, strength, level);
             self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
+            let noise = noise_of((&chosen, &brightness), &given, &self.shown, self.mean);
+            if self.noise.is_none() && Strength::of(noise) != strength {
+                // Nobody knew how noisy the first one is.
+                self.shown.smooth(&given, Strength::of(noise), level);
+                self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
+            }
+            let before = self.noise.unwrap_or(noise);
+            self.noise = Some([0, 1].map(|k| before[k] + (noise[k] - before[k]) * NEW_NOISE));
             self.write(tiles, size[0] as usize);
         });
         let next =
@@ -196,6 +212,27 @@ fn mean_of(spots: &[Spot], shown: &Smooth, width: usize) -> f32 {
     let rows: Vec<(f32, f32)> = spots.par_chunks(width).enumerate().map(of_row).collect();
     let total = |k: fn(&(f32, f32)) -> f32| rows.iter().map(|row| f64::from(k(row))).sum::<f64>();
     (total(|row| row.0) / f64::max(total(|row| row.1), 1.0)) as f32
+}
+
+/// The mean square of what samples are off by what is shown, as shares of that, or of `DIM` of the mean where that is darker; on surfaces
+/// that scatter widely and on shiny ones.
+fn noise_of(
+    (chosen, brightness): (&[[u32; 2]], &[f32]),
+    given: &Given,
+    shown: &Smooth,
+    mean: f32,
+) -> [f32; 2] {
+    let mut sums = [[0.0_f64; 2]; 2];
+    for (&[x, y], &sample) in chosen.iter().zip(brightness) {
+        let (x, y) = (x as usize, y as usize);
+        let known = luminance(shown.light(x, y).mean.into());
+        let off = f64::from((sample - known) / known.max(DIM * mean));
+        if off.is_finite() {
+            let [sum, count] = &mut sums[usize::from(is_shiny(&given.tints[y * given.width + x]))];
+            (*sum, *count) = (*sum + off * off, *count + 1.0);
+        }
+    }
+    sums.map(|[sum, count]| (sum / f64::max(count, 1.0)) as f32)
 }
 
 /// Some rows, by their number from the top.
@@ -275,7 +312,7 @@ impl Frame {
         bands.par_iter().flat_map(of_band).collect()
     }
 
-    /// Adds a fresh sample to some pixels; says whether nobody stopped it.
+    /// Adds a fresh sample to some pixels; how bright each of them counts, unless somebody stopped it.
     fn sample(
         &mut self,
         job: &Job,
@@ -284,7 +321,7 @@ impl Frame {
         tints: &[Tint],
         mean: f32,
         stats: &mut RenderStats,
-    ) -> bool {
+    ) -> Option<Vec<f32>> {
         let sampler = Sampler { job, pass };
         let take = |tracer: &mut BatchTracer, pixels: &[[u32; 2]]| {
             let is_wanted = !job.should_stop();
@@ -295,29 +332,44 @@ impl Frame {
             chosen.par_chunks(TOGETHER).map_init(|| sampler.tracer(), take).collect();
         found.iter().for_each(|(_, of_chunk)| stats.add(of_chunk));
         if job.should_stop() {
-            return false;
+            return None;
         }
+        let light_of = |(&[x, y], &seen): (&[u32; 2], &Vec3)| {
+            let tint = &tints[(y * self.size[0] + x) as usize];
+            let is_number = seen.is_finite();
+            if is_number { (seen - tint.plain).max(Vec3::ZERO) / tint.share } else { Vec3::NAN }
+        };
         let seen = found.iter().flat_map(|(seen, _)| seen);
-        for (&[x, y], &seen) in chosen.iter().zip(seen) {
-            let i = (y * self.size[0] + x) as usize;
-            if !seen.is_finite() {
+        let mut samples: Vec<Vec3> = chosen.iter().zip(seen).map(light_of).collect();
+        // Nobody knew how bright the first picture is.
+        let mean = if mean > 0.0 { mean } else { mean_brightness(&samples) };
+        let mut count_in = |(&[x, y], sample): (&[u32; 2], &mut Vec3)| {
+            if !sample.is_finite() {
                 stats.bad_samples += 1;
-                continue;
+                return f32::NAN;
             }
-            let (tint, light) = (&tints[i], &mut self.lights[i]);
-            let mut sample = (seen - tint.plain).max(Vec3::ZERO) / tint.share;
+            let light = &mut self.lights[(y * self.size[0] + x) as usize];
             let known = if light.count >= 2.0 { luminance(light.mean.into()) } else { 0.0 };
             let most = SPARK * known.max(mean);
-            let brightness = luminance(sample.into());
+            let brightness = luminance((*sample).into());
             if most > 0.0 && brightness > most {
-                sample *= most / brightness;
+                *sample *= most / brightness;
             }
             let count = light.count + 1.0;
-            light.mean += (sample - light.mean) / count;
+            light.mean += (*sample - light.mean) / count;
             light.count = count.min(MOST);
-        }
-        true
+            if most > 0.0 { brightness.min(most) } else { brightness }
+        };
+        Some(chosen.iter().zip(&mut samples).map(&mut count_in).collect())
     }
+}
+
+/// The mean luminance of those that are numbers.
+fn mean_brightness(samples: &[Vec3]) -> f32 {
+    let finite = samples.iter().filter(|sample| sample.is_finite());
+    let (sum, count) = finite
+        .fold((0.0, 0.0), |(sum, count), sample| (sum + f64::from(luminance((*sample).into())), count + 1.0));
+    (sum / f64::max(count, 1.0)) as f32
 }
 
 /// A sample of each of some pixels.

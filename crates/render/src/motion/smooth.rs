@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Light of neighbours on one surface is averaged until enough samples have come together: in steps that double, so that few
 //! neighbours are asked for a wide circle.
-//! Source: [DSHL10] (steps that double, edges kept). Differs: samples are counted, in place of guesses at the noise; pixels that have
-//! enough stay as they are, so that light gets sharper the longer it is seen.
-//! Invariant: no light comes from another surface; the mean over a surface stays. Proof: `tests`.
+//! Source: [DSHL10] (steps that double, edges kept). Differs: samples are counted, and noise is known of the whole picture only; pixels
+//! that have enough stay as they are, so that light gets sharper the longer it is seen. Rows go through all steps one after the other, in
+//! bands, so that what steps ask stays in a cache.
+//! Invariant: no light comes from another surface; the mean over a surface stays; bands do not show. Proof: `tests`, and
+//! crates/render/tests/motion.rs (any number of threads).
 
 use glam::Vec3;
 use gnurt_shading::real::{Real, Vector};
@@ -12,14 +14,22 @@ use rayon::prelude::*;
 
 use super::sight::{Light, Same, Spot, Tint};
 
-/// Samples that make a pixel good enough.
+/// Samples that make a pixel good enough where they err as much as what they tell, in the mean of squares, or less.
 const ENOUGH: f32 = 100.0;
+/// So many times as many are wanted at most where they err more.
+const MOST_TIMES: f32 = 64.0;
 /// A step in pixels, and the weights of neighbours beside a pixel and of those at its corners.
 type Step = (usize, [f32; 2]);
+/// Steps of pictures by how many times as many samples they want: the more, the farther they ask.
+const STEPS: [(f32, &[usize]); 3] =
+    [(1.5, &[1, 2, 4]), (4.0, &[1, 2, 4, 8]), (f32::INFINITY, &[1, 2, 4, 8, 16])];
 /// Weights of a half and a quarter in all but the last step: so they fall evenly from pixel to pixel, and no pattern shows.
-const STEPS: [Step; 3] = [(1, [0.5, 0.25]), (2, [0.5, 0.25]), (4, [0.75, 0.4])];
+const EVEN: [f32; 2] = [0.5, 0.25];
+const LAST: [f32; 2] = [0.75, 0.4];
 /// Steps for pixels alone that know nothing then.
-const FAR: [Step; 2] = [(8, [0.75, 0.4]), (16, [0.75, 0.4])];
+const FAR: [Step; 2] = [(8, LAST), (16, LAST)];
+/// What squares of errors are of little noise.
+const LITTLE: f32 = 1.0;
 /// Where lobes are narrower than this so few samples are good enough: what they show is blurred first, and sharp the longer it is seen.
 const SHINY: f32 = 0.25;
 const ENOUGH_OF_SHINY: f32 = 4.0;
@@ -30,8 +40,6 @@ const AROUND: [[usize; 2]; 8] = [[0, 0], [0, 1], [0, 2], [1, 0], [1, 2], [2, 0],
 const MARGIN: usize = 16;
 /// Rows are as long as so many lanes, or as a multiple.
 const LANES: usize = 16;
-/// Rows before and behind a band that its steps ask.
-const AHEAD: usize = STEPS[0].0 + STEPS[1].0 + STEPS[2].0;
 /// Rows of a band, at least: those around it are averaged by its neighbours as well.
 const LEAST_ROWS: usize = 32;
 
@@ -49,6 +57,37 @@ mod light {
     pub(super) const MEAN: usize = 0;
     pub(super) const SAMPLES: usize = 3;
     pub(super) const COUNT: usize = 4;
+}
+
+/// Whether what a pixel shows is blurred first, and sharp the longer it is seen.
+pub(super) fn is_shiny(tint: &Tint) -> bool {
+    tint.grain < SHINY
+}
+
+/// How much is averaged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Strength {
+    /// Samples that are enough, on surfaces that scatter widely and on shiny ones.
+    enough: [f32; 2],
+    steps: &'static [usize],
+}
+
+impl Strength {
+    /// For samples that err so much on surfaces of both kinds: the mean square of errors as shares of what they should tell.
+    pub(super) fn of(noise: [f32; 2]) -> Self {
+        let times = noise.map(|noise| (noise / LITTLE).clamp(1.0, MOST_TIMES));
+        // Where they err much, little is seen of what narrow lobes show.
+        let enough = [times[0] * ENOUGH, (times[1] * times[1] * ENOUGH_OF_SHINY).min(MOST_TIMES * ENOUGH)];
+        let most_times = enough[0].max(enough[1]) / ENOUGH;
+        let (_, steps) = STEPS.into_iter().find(|&(most, _)| most_times <= most).unwrap_or(STEPS[0]);
+        Self { enough, steps }
+    }
+
+    /// Its steps with their weights.
+    fn steps(self) -> impl Iterator<Item = Step> {
+        let last = self.steps.len() - 1;
+        self.steps.iter().enumerate().map(move |(k, &step)| (step, if k == last { LAST } else { EVEN }))
+    }
 }
 
 /// What is averaged, row by row.
@@ -70,7 +109,7 @@ pub(super) struct Smooth {
 
 impl Smooth {
     /// Averages light over surfaces; pixels have no samples where nobody knows anything. Call within a pool of threads.
-    pub(super) fn smooth(&mut self, given: &Given, level: Level) {
+    pub(super) fn smooth(&mut self, given: &Given, strength: Strength, level: Level) {
         let stride = given.width.next_multiple_of(LANES) + 2 * MARGIN;
         let height = given.spots.len() / given.width.max(1);
         self.stride = stride;
@@ -78,7 +117,7 @@ impl Smooth {
         let rows = height.div_ceil(2 * rayon::current_num_threads()).max(LEAST_ROWS);
         let bands = self.light.par_chunks_mut(rows * stride * light::COUNT).enumerate();
         bands.for_each_init(
-            || Near::new(stride, height),
+            || Near::new(stride, height, strength),
             |near, (n, out)| near.band(given, n * rows, out, level),
         );
         FAR.into_iter().for_each(|step| self.ask_far(given, step));
@@ -98,7 +137,7 @@ impl Smooth {
         let of_row = |(y, spots_of_row): (usize, &[Spot])| -> Vec<(usize, Light)> {
             let first = (y * light::COUNT + light::SAMPLES) * self.stride + MARGIN;
             let counts = &self.light[first..first + width];
-            let unknown = |x: &usize| spots_of_row[*x].is_surface() && !(counts[*x] > 0.0);
+            let unknown = |x: &usize| spots_of_row[*x].is_surface() && counts[*x] <= 0.0;
             let ask = |x: usize| {
                 let mut sum = Light::default();
                 for [row, column] in AROUND {
@@ -130,25 +169,28 @@ impl Smooth {
 
 /// Rows that steps ask of each other, so few that they stay in a cache: each goes where the one was that nobody asks any more.
 struct Near {
+    strength: Strength,
     stride: usize,
     height: usize,
+    /// Rows before and behind a band that its steps ask.
+    ahead: usize,
+    /// From the first row that is asked to the last that was made.
     shape: Vec<f32>,
     /// Light before each step.
-    light: [Vec<f32>; STEPS.len()],
+    light: Vec<Vec<f32>>,
 }
 
 impl Near {
-    /// Rows of `shape`, and of light before each step: from the first that is asked to the last that was made.
-    const SHAPES: usize = AHEAD + STEPS[2].0 + 1;
-    const LIGHTS: [usize; STEPS.len()] = [2 * STEPS[0].0 + 1, 2 * STEPS[1].0 + 1, 2 * STEPS[2].0 + 1];
-
-    fn new(stride: usize, height: usize) -> Self {
+    fn new(stride: usize, height: usize, strength: Strength) -> Self {
         let rows = |count: usize, numbers: usize| vec![0.0; count * numbers * stride];
+        let (ahead, last) = (strength.steps.iter().sum(), strength.steps[strength.steps.len() - 1]);
         Self {
+            strength,
             stride,
             height,
-            shape: rows(Self::SHAPES, shape::COUNT),
-            light: Self::LIGHTS.map(|count| rows(count, light::COUNT)),
+            ahead,
+            shape: rows(ahead + last + 1, shape::COUNT),
+            light: strength.steps.iter().map(|step| rows(2 * step + 1, light::COUNT)).collect(),
         }
     }
 
@@ -156,18 +198,19 @@ impl Near {
     /// as the rows are there that it asks.
     fn band(&mut self, given: &Given, top: usize, out: &mut [f32], level: Level) {
         let bottom = top + out.len() / (self.stride * light::COUNT);
-        for last in top.saturating_sub(AHEAD)..bottom + AHEAD {
+        let all = self.ahead;
+        for last in top.saturating_sub(all)..bottom + all {
             if last < self.height {
                 self.fill(given, last);
             }
             let mut ahead = 0;
-            for (k, (step, _)) in STEPS.into_iter().enumerate() {
-                ahead += step;
+            for (k, step) in self.strength.steps().enumerate() {
+                ahead += step.0;
                 // Rows around the band that later steps ask for.
-                let around = AHEAD - ahead;
+                let around = all - ahead;
                 let Some(y) = last.checked_sub(ahead) else { break };
                 if y + around >= top && y < (bottom + around).min(self.height) {
-                    self.step(k, y, (top, &mut *out), level);
+                    self.step((k, step), y, (top, &mut *out), level);
                 }
             }
         }
@@ -175,43 +218,51 @@ impl Near {
 
     /// Takes over a row.
     fn fill(&mut self, given: &Given, y: usize) {
-        let Self { stride, shape, light, .. } = self;
+        let Self { strength, stride, shape, light, .. } = self;
         let (stride, width) = (*stride, given.width);
         let row = y * width..(y + 1) * width;
-        let place = y % Self::SHAPES * stride * shape::COUNT;
         let [x, y_, z, u, v, w, wide, id, enough] =
-            planes_of(&mut shape[place..][..stride * shape::COUNT], stride, width);
+            planes_of(row_mut(shape, y, stride * shape::COUNT), stride, width);
         for (i, (spot, tint)) in given.spots[row.clone()].iter().zip(&given.tints[row.clone()]).enumerate() {
             [x[i], y_[i], z[i]] = spot.p.to_array();
             [u[i], v[i], w[i]] = spot.ns.to_array();
             (wide[i], id[i]) = (spot.width, number_of(spot.id));
-            enough[i] = if tint.grain < SHINY { ENOUGH_OF_SHINY } else { ENOUGH };
+            enough[i] = strength.enough[usize::from(is_shiny(tint))];
         }
-        let place = y % Self::LIGHTS[0] * stride * light::COUNT;
-        let [r, g, b, n] = planes_of(&mut light[0][place..][..stride * light::COUNT], stride, width);
+        let [r, g, b, n] = planes_of(row_mut(&mut light[0], y, stride * light::COUNT), stride, width);
         for (i, light) in given.lights[row].iter().enumerate() {
             [r[i], g[i], b[i]] = light.mean.to_array();
             n[i] = light.count;
         }
     }
 
-    /// A row after the step of this number.
-    fn step(&mut self, k: usize, y: usize, (top, out): (usize, &mut [f32]), level: Level) {
-        let Self { stride, height, shape, light } = self;
+    /// A row after a step, and the number of that.
+    fn step(&mut self, (k, step): (usize, Step), y: usize, (top, out): (usize, &mut [f32]), level: Level) {
+        let Self { stride, height, shape, light, .. } = self;
         let (before, after) = light.split_at_mut(k + 1);
         let numbers = *stride * light::COUNT;
         let out = match after.first_mut() {
-            Some(next) => &mut next[y % Self::LIGHTS[k + 1] * numbers..][..numbers],
+            Some(next) => row_mut(next, y, numbers),
             None => &mut out[(y - top) * numbers..][..numbers],
         };
-        let from = From { stride: *stride, height: *height, shape, light: &before[k], rows: Self::LIGHTS[k] };
-        let step = (STEPS[k], k == 0);
+        let from = From { stride: *stride, height: *height, shape, light: &before[k] };
+        let step = (step, k == 0);
         dispatch_wide!(
             level,
             simd => from.row(f32x16::splat(simd, 0.0), y, step, out),
             else from.row(0.0_f32, y, step, out)
         );
     }
+}
+
+/// Row `y` of all, where some of so many numbers each are kept in turn.
+fn row_of(some: &[f32], y: usize, numbers: usize) -> &[f32] {
+    &some[y % (some.len() / numbers) * numbers..][..numbers]
+}
+
+fn row_mut(some: &mut [f32], y: usize, numbers: usize) -> &mut [f32] {
+    let first = y % (some.len() / numbers) * numbers;
+    &mut some[first..][..numbers]
 }
 
 /// A number for a thing, for comparing: never NaN, and that of nothing is nothing's alone.
@@ -226,15 +277,13 @@ fn planes_of<const N: usize>(row: &mut [f32], stride: usize, width: usize) -> [&
     std::array::from_fn(|_| &mut planes.next().expect("as many as there are")[MARGIN..MARGIN + width])
 }
 
-/// Rows that a step asks: row `y` of all is row `y % rows` of those here.
+/// Rows that a step asks.
 struct From<'a> {
     stride: usize,
     /// Of all rows.
     height: usize,
     shape: &'a [f32],
     light: &'a [f32],
-    /// Rows of light that are here.
-    rows: usize,
 }
 
 impl From<'_> {
@@ -249,10 +298,8 @@ impl From<'_> {
     ) {
         let stride = self.stride;
         let zero = like.all(0.0);
-        let shape_of =
-            |y: usize| &self.shape[y % Near::SHAPES * stride * shape::COUNT..][..stride * shape::COUNT];
-        let light_of =
-            |y: usize| &self.light[y % self.rows * stride * light::COUNT..][..stride * light::COUNT];
+        let shape_of = |y: usize| row_of(self.shape, y, stride * shape::COUNT);
+        let light_of = |y: usize| row_of(self.light, y, stride * light::COUNT);
         let (own_shape, own_light) = (shape_of(y), light_of(y));
         let above = y.checked_sub(step);
         let below = Some(y + step).filter(|&y| y < self.height);
@@ -314,7 +361,7 @@ mod tests {
     use super::*;
 
     /// A floor, and from column 20 on another thing; each sixteenth pixel has a sample.
-    fn smoothed(noise: impl Fn(usize) -> f32) -> Vec<Light> {
+    fn smoothed(strength: Strength, noise: impl Fn(usize) -> f32) -> Vec<Light> {
         let width = 40;
         let at = |i: usize| ((i % width) as f32, (i / width) as f32);
         let spot = |i: usize| {
@@ -332,7 +379,8 @@ mod tests {
         let lights: Vec<Light> = (0..spots.len()).map(light).collect();
         let all = Level::available().into_iter().map(|level| {
             let mut smooth = Smooth::default();
-            smooth.smooth(&Given { width, spots: &spots, tints: &tints, lights: &lights }, level);
+            let given = Given { width, spots: &spots, tints: &tints, lights: &lights };
+            smooth.smooth(&given, strength, level);
             (0..spots.len()).map(|i| smooth.light(i % width, i / width)).collect::<Vec<Light>>()
         });
         let all: Vec<Vec<Light>> = all.collect();
@@ -345,7 +393,7 @@ mod tests {
 
     #[test]
     fn few_samples_light_whole_surfaces() {
-        for (i, light) in smoothed(|_| 2.0).into_iter().enumerate() {
+        for (i, light) in smoothed(Strength::of([0.0; 2]), |_| 2.0).into_iter().enumerate() {
             let wanted = if i % 40 < 20 { 2.0 } else { 100.0 };
             assert!(light.count > 0.0 && (light.mean.x - wanted).abs() < 1e-3, "pixel {i}: {light:?}");
         }
@@ -353,11 +401,30 @@ mod tests {
 
     #[test]
     fn noise_becomes_less_and_means_stay() {
-        let noise = |i: usize| if (i / 40 + i % 40).is_multiple_of(2) { 0.0 } else { 4.0 };
-        let lights = smoothed(noise);
-        let near: Vec<f32> = (0..lights.len()).filter(|i| i % 40 < 20).map(|i| lights[i].mean.x).collect();
-        let mean = near.iter().sum::<f32>() / near.len() as f32;
-        let spread = near.iter().map(|x| (x - mean).powi(2)).sum::<f32>() / near.len() as f32;
-        assert!((mean - 2.0).abs() < 0.4 && spread < 1.0, "mean {mean}, variance {spread} instead of 4");
+        // One of three samples is bright.
+        let noise = |i: usize| if (i / 160 + i % 40 / 4).is_multiple_of(3) { 6.0 } else { 0.0 };
+        let [little, much] = [0.0, 1000.0].map(|noise_known| {
+            let lights = smoothed(Strength::of([noise_known; 2]), noise);
+            let near: Vec<f32> =
+                (0..lights.len()).filter(|i| i % 40 < 20).map(|i| lights[i].mean.x).collect();
+            let mean = near.iter().sum::<f32>() / near.len() as f32;
+            let spread = near.iter().map(|x| (x - mean).powi(2)).sum::<f32>() / near.len() as f32;
+            assert!((mean - 2.0).abs() < 0.5, "mean {mean}");
+            spread
+        });
+        assert!(little < 2.0 && much < 0.1 * little, "variances {little} and {much} instead of 8");
+    }
+
+    #[test]
+    fn more_noise_is_averaged_more() {
+        let of = |wide: f32, shiny: f32| {
+            let Strength { enough: [wide, shiny], steps } = Strength::of([wide * LITTLE, shiny * LITTLE]);
+            (wide, shiny, steps.len())
+        };
+        let most = MOST_TIMES * ENOUGH;
+        assert_eq!(of(0.0, 1.0), (ENOUGH, ENOUGH_OF_SHINY, 3), "no less");
+        assert_eq!(of(3.0, 5.0), (3.0 * ENOUGH, 25.0 * ENOUGH_OF_SHINY, 4));
+        assert_eq!(of(0.5, 1e9), (ENOUGH, most, 5), "as far as shiny ones want");
+        assert_eq!(of(1e9, 0.0), (most, ENOUGH_OF_SHINY, 5), "no more");
     }
 }
