@@ -46,7 +46,8 @@ impl Calm {
             return;
         }
         self.is_there = true;
-        let dark = DARK * mean(known.iter());
+        // What is shown may be darker all over than what is known.
+        let dark = DARK * mean(known.iter()).min(mean(self.shown.iter()));
         let grain = GRAIN * (samples.max(1) as f32).sqrt();
         for top in (0..known.len() / width.max(1)).step_by(BLOCK) {
             for left in (0..width).step_by(BLOCK) {

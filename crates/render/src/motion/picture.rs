@@ -36,8 +36,6 @@ const MOST: f32 = 64.0;
 /// Share of them that is left with each frame while the world changes, and frames that this goes on after a change.
 const CHANGING: f32 = 0.7;
 const UNREST: u32 = 8;
-/// Samples count no more than so many times the light that is known there, or that of the mean pixel.
-const SPARK: f32 = 16.0;
 /// Share of the mean light below which samples err as if there were so much.
 const DIM: f32 = 0.25;
 /// Share that a picture has in what is known of the noise.
@@ -45,7 +43,7 @@ const NEW_NOISE: f32 = 0.2;
 /// How many more fresh samples a first picture has than those that remember one.
 const FIRST: f32 = 4.0;
 /// Fresh samples that go together.
-const TOGETHER: usize = 2048;
+const TOGETHER: usize = 1024;
 
 /// What pictures of a camera in motion leave to the next one: light on what they showed, and virtual lights; see
 /// [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
@@ -131,7 +129,8 @@ impl KeptPicture {
         let scale = scale(counts, wanted);
         let chosen = pool.install(|| frame.choose(scale, self.frame));
         let sampled = pool.install(|| {
-            frame.sample(job, pass.as_ref(), (&chosen, self.frame), &self.tints, self.mean, stats)
+            let cut = [self.mean, Strength::of(self.noise.unwrap_or_default()).most_of_one()];
+            frame.sample(job, pass.as_ref(), (&chosen, self.frame), &self.tints, cut, stats)
         });
         let Some(brightness) = sampled else {
             // The picture before stays the one before.
@@ -312,14 +311,15 @@ impl Frame {
         bands.par_iter().flat_map(of_band).collect()
     }
 
-    /// Adds a fresh sample to some pixels; how bright each of them counts, unless somebody stopped it.
+    /// Adds a fresh sample to some pixels; how bright each of them counts, unless somebody stopped it. None counts more than `most` times
+    /// the light that is known there, or that of the mean pixel.
     fn sample(
         &mut self,
         job: &Job,
         pass: Option<&PassLights>,
         (chosen, frame): (&[[u32; 2]], u32),
         tints: &[Tint],
-        mean: f32,
+        [mean, most]: [f32; 2],
         stats: &mut RenderStats,
     ) -> Option<Vec<f32>> {
         let sampler = Sampler { job, pass };
@@ -350,7 +350,7 @@ impl Frame {
             }
             let light = &mut self.lights[(y * self.size[0] + x) as usize];
             let known = if light.count >= 2.0 { luminance(light.mean.into()) } else { 0.0 };
-            let most = SPARK * known.max(mean);
+            let most = most * known.max(mean);
             let brightness = luminance((*sample).into());
             if most > 0.0 && brightness > most {
                 *sample *= most / brightness;

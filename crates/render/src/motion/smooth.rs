@@ -18,6 +18,10 @@ use super::sight::{Light, Same, Spot, Tint};
 const ENOUGH: f32 = 100.0;
 /// So many times as many are wanted at most where they err more.
 const MOST_TIMES: f32 = 64.0;
+/// Samples count no more than so many times the light that is known where 100 are enough; where more are wanted as many times more, up
+/// to this factor: farther than steps go they do not come together.
+const SPARK: f32 = 16.0;
+const MOST_SPARKS: f32 = 8.0;
 /// A step in pixels, and the weights of neighbours beside a pixel and of those at its corners.
 type Step = (usize, [f32; 2]);
 /// Steps of pictures by how many times as many samples they want: the more, the farther they ask.
@@ -81,6 +85,11 @@ impl Strength {
         let most_times = enough[0].max(enough[1]) / ENOUGH;
         let (_, steps) = STEPS.into_iter().find(|&(most, _)| most_times <= most).unwrap_or(STEPS[0]);
         Self { enough, steps }
+    }
+
+    /// How many times as bright as the light that is known a sample may be: the more are averaged, the less one shows.
+    pub(super) fn most_of_one(self) -> f32 {
+        SPARK * (self.enough[0] / ENOUGH).min(MOST_SPARKS)
     }
 
     /// Its steps with their weights.
