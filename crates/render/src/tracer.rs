@@ -395,8 +395,8 @@ impl<'w> BatchTracer<'w> {
                     let ray = serves[lane as usize] as usize;
                     transmittance.set(ray, transmittance.get(ray) * through.get(k));
                     if transmittance.get(ray) != Vec3::ZERO {
-                        let rest = rays.get(lane as usize).t_far - points.t[k];
-                        next_rays.push(points.spawn(k, points.ray_dir.get(k), rest));
+                        let onward = points.spawn(k, points.ray_dir.get(k), f32::INFINITY);
+                        next_rays.push(holes::rest(&rays.get(lane as usize), onward));
                         next_keys.push(keys[lane as usize]);
                         next_serves.push(ray as u32);
                     }

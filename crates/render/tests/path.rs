@@ -166,29 +166,38 @@ fn a_lamp_in_a_hollow_sphere() {
 #[test]
 fn holes_let_light_through() {
     let opacity = Opacity { factor: 0.25, texture: None, channel: OpacityChannel::Alpha };
-    let veil = |scene: &mut Scene, emission: f32| {
+    let veil = |scene: &mut Scene, emission: f32, height: f32| {
         let material = scene.add_material(Material {
             alpha: Alpha::Blend { opacity },
             emission: [emission; 3],
             ..Material::matte("veil", [0.0; 3])
         });
-        place(scene, quad([-9.0, -9.0, 1.0], [0.0, 18.0, 0.0], [18.0, 0.0, 0.0], material));
+        place(scene, quad([-9.0, -9.0, height], [0.0, 18.0, 0.0], [18.0, 0.0, 0.0], material));
     };
     // A light behind a veil, by light samples.
     let mut scene = floor(ALBEDO, 10.0);
-    veil(&mut scene, 0.0);
+    veil(&mut scene, 0.0, 1.0);
     scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
     let found = seen(&scene, [0.5, 0.0, 0.9], [0.0; 3], 16, 2)[0];
     assert_close(found, f64::from(ALBEDO) / PI * 0.75, 1e-3, "three quarters of it");
+    // A lamp behind three: shadow rays end before it though they leave each veil a little ahead of that.
+    let lit = |veils: i32| {
+        let mut scene = floor(ALBEDO, 10.0);
+        (0..veils).for_each(|k| veil(&mut scene, 0.0, 1.0 + 0.25 * k as f32));
+        let lamp = emitter(&mut scene, [5.0; 3]);
+        place(&mut scene, quad([-0.1, -0.1, 2.0], [0.0, 0.2, 0.0], [0.2, 0.0, 0.0], lamp));
+        seen(&scene, [0.5, 0.0, 0.9], [0.0; 3], 64, 2)[0]
+    };
+    assert_close(lit(3), lit(0) * 0.75_f64.powi(3), 0.02, "three times three quarters");
     // The sky behind it, by both kinds of sample; two veils in a row.
     let mut scene = floor(ALBEDO, 10.0);
-    veil(&mut scene, 0.0);
+    veil(&mut scene, 0.0, 1.0);
     scene.add_light(environment([1.0; 3]));
     let found = seen(&scene, [0.1, 0.0, 0.05], [0.0; 3], 1024, 2)[0];
     assert_close(found, f64::from(ALBEDO) * 0.75, 0.02, "three quarters of the sky");
     // A veil that shines itself.
     let mut scene = floor(ALBEDO, 1000.0);
-    veil(&mut scene, 2.0);
+    veil(&mut scene, 2.0, 1.0);
     let found = seen(&scene, [0.01, 0.0, 0.05], [0.0; 3], 1024, 2)[0];
     let (a, x) = (9.0_f64, (1.0 + 81.0_f64).sqrt());
     let form = 4.0 * (2.0 * a / x * (a / x).atan()) / (2.0 * PI);

@@ -4,6 +4,8 @@
 //! Source: original. Invariant: a layer's chance is of the path's key as it was sent through the layers before.
 //! Proof: crates/render/tests/{path,many_lights}.rs.
 
+use glam::Vec3;
+use gnurt_accel::Ray;
 use gnurt_shading::SampleKey;
 use gnurt_shading::sampling::{purpose, sample_pair};
 
@@ -15,6 +17,17 @@ const STRAIGHT: u32 = 2;
 /// Whether a path of so many edges meets a surface that covers so much; else it goes through a hole.
 pub(crate) fn is_met(seed: u64, key: SampleKey, edges: u32, coverage: f32) -> bool {
     coverage >= 1.0 || sample_pair(seed, key, edges, purpose::COVERAGE)[0] < coverage
+}
+
+/// The rest of a ray that goes on from a surface as `onward`. It ends where the ray would have: rays leave surfaces a little ahead of them,
+/// and what is behind the end, a lamp itself, must stay behind it.
+pub(crate) fn rest(ray: &Ray, onward: Ray) -> Ray {
+    if !ray.t_far.is_finite() {
+        return onward;
+    }
+    let dir = Vec3::from(ray.dir);
+    let way = Vec3::from(ray.org) + dir * ray.t_far - Vec3::from(onward.org);
+    onward.within(0.0, (way.dot(dir) * (1.0 - 4.0 * f32::EPSILON)).max(0.0))
 }
 
 /// The key of a path that went through a hole.
