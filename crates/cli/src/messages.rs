@@ -113,8 +113,10 @@ pub(crate) fn print(text: impl fmt::Display) -> Outcome {
     })
 }
 
-/// Line breaks become blanks, other control characters the replacement character.
+/// Line breaks become blanks, other control characters the replacement character. What stands behind a blank line is for those who have
+/// room for it: the source line that a shader's compiler draws.
 fn one_line(text: &str) -> String {
+    let text = text.split("\n\n").next().unwrap_or_default();
     let printable = |c: char| match c {
         '\n' | '\r' | '\t' => ' ',
         c if c.is_control() => '\u{fffd}',
@@ -130,6 +132,7 @@ mod tests {
     #[test]
     fn one_line_without_control_characters() {
         assert_eq!(one_line("a\nb\x1b[31m\tc\n"), "a b\u{fffd}[31m c", "a name in a message moves no cursor");
+        assert_eq!(one_line("a.osl:1:2: what\n\n1 | drawn"), "a.osl:1:2: what", "no drawings");
     }
 
     #[test]

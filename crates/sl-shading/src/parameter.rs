@@ -151,7 +151,12 @@ pub(crate) fn value(ty: Type, given: &ParameterValue) -> Result<Value, String> {
 pub(crate) fn read(ty: Type, text: &str) -> Result<ParameterValue, String> {
     let wrong = |what: &str| {
         let size = ty.size();
-        let shape = if ty.array < 0 { "between commas".to_owned() } else { format!("{size} of them, or 1") };
+        let shape = match size {
+            _ if ty.array < 0 => "between commas".to_owned(),
+            1 => "one".to_owned(),
+            _ if ty.is_array() => format!("{size} between commas"),
+            _ => format!("{size} between commas, or one"),
+        };
         format!("'{text}' is not {what} ({ty}: {shape})")
     };
     match ty.base {

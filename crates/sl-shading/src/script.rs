@@ -12,11 +12,12 @@ use gnurt_shading::{
     AttributeRequest, CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader,
 };
 use gnurt_simd::Level;
-use gnurt_sl::diagnostics::{Severity, Style};
+use gnurt_sl::diagnostics::{Diagnostic, Severity, Style};
 use gnurt_sl::exec::{Plan, PlanOptions, Program, unknown_operation};
 use gnurt_sl::group::{Group, Hint, read_group};
 use gnurt_sl::hir::Data;
 use gnurt_sl::ir::{Op, Shader, SymbolKind, ops, read as read_oso};
+use gnurt_sl::source::Sources;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl::{Options, compile};
 use gnurt_sl_lib::color::ColorSystem;
@@ -545,6 +546,19 @@ struct Reader<'a> {
     warnings: RefCell<Vec<String>>,
 }
 
+/// What the compiler says, and what would be right, in one line: `wood.osl:3:7: ...`.
+fn headline(said: &Diagnostic, sources: &Sources) -> String {
+    let words: Vec<&str> = said.message.split_whitespace().collect();
+    let help = said.help.as_ref().map_or_else(String::new, |help| format!("; {help}"));
+    let (name, line) = (sources.name(said.loc), said.loc.line);
+    let column = sources.line_text(said.loc).map_or(1, |(text, first)| {
+        let before = text.get(..(said.loc.start as usize).saturating_sub(first));
+        before.map_or(1, |before| before.chars().count() + 1)
+    });
+    let place = if name.is_empty() { String::new() } else { format!("{name}:{line}:{column}: ") };
+    format!("{place}{}{help}", words.join(" "))
+}
+
 impl Reader<'_> {
     fn shader(&self, path: &Path, text: &str) -> Result<Shader, String> {
         let shown = path.display();
@@ -570,15 +584,17 @@ impl Reader<'_> {
         };
         let options = Options { includes: self.access.includes.clone(), ..Options::default() };
         let compiled = compile(&path.to_string_lossy(), text, &options, &load);
-        let of = |severity: Severity| {
-            let list = compiled.diagnostics.list.iter().filter(move |d| d.severity == severity);
-            list.map(|d| d.render(&compiled.sources, Style::Drawn)).collect::<Vec<_>>()
-        };
-        self.warnings.borrow_mut().extend(of(Severity::Warning));
+        let sources = &compiled.sources;
+        let of =
+            |severity: Severity| compiled.diagnostics.list.iter().filter(move |d| d.severity == severity);
+        self.warnings.borrow_mut().extend(of(Severity::Warning).map(|d| headline(d, sources)));
         compiled.shader.ok_or_else(|| {
-            let mut errors = of(Severity::Error);
-            errors.truncate(5);
-            format!("{} does not compile\n{}", path.display(), errors.concat().trim_end())
+            let first = of(Severity::Error).next().map(|d| headline(d, sources));
+            let drawn: String =
+                of(Severity::Error).take(5).map(|d| d.render(sources, Style::Drawn)).collect();
+            let first = first.unwrap_or_else(|| format!("{} does not compile", path.display()));
+            // Whoever has one line shows what stands before the blank one.
+            format!("{first}\n\n{}", drawn.trim_end())
         })
     }
 

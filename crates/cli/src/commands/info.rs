@@ -34,6 +34,10 @@ pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages
     }
 }
 
+/// So many names of materials are told; a large scene has thousands.
+const MOST_NAMES: usize = 48;
+const NAMES_OF_A_LINE: usize = 6;
+
 /// What the trees of a scene take.
 struct Tree {
     stats: WorldStats,
@@ -107,6 +111,7 @@ impl Inventory {
             "skins": scene.animation().map_or(0, |animation| animation.skins.len()),
             "joints": joints(scene),
             "morph_targets": morph_targets(scene),
+            "material_names": scene.materials().iter().map(|material| &material.name[..]).collect::<Vec<_>>(),
             "camera_names": scene.cameras().iter().map(|camera| &camera.name[..]).collect::<Vec<_>>(),
         });
         if let (Some(tree), Value::Object(report)) = (tree, &mut report) {
@@ -131,6 +136,15 @@ impl Inventory {
         row("objects", scene.objects().len().to_string());
         row("instances", scene.instances().len().to_string());
         row("materials", scene.materials().len().to_string());
+        // The names that --shader takes.
+        for names in scene.materials().iter().take(MOST_NAMES).collect::<Vec<_>>().chunks(NAMES_OF_A_LINE) {
+            let names: Vec<String> = names.iter().map(|material| format!("'{}'", material.name)).collect();
+            row("", names.join(", "));
+        }
+        match scene.materials().len().saturating_sub(MOST_NAMES) {
+            0 => {}
+            more => row("", format!("and {more} more, which --json lists")),
+        }
         row("textures", scene.textures().len().to_string());
         row("lights", format!("{}, {} emissive triangles", lights(scene.lights()), self.emitting));
         row("cameras", scene.cameras().len().to_string());

@@ -16,8 +16,10 @@ fn counts() {
     }
     assert_eq!(info["bounds"]["max"], serde_json::json!([1.0, 2.0, 0.0]), "the upper corner");
     assert!(info["memory"]["total"].as_u64().is_some_and(|bytes| bytes > 0), "memory: {info}");
+    assert_eq!(info["material_names"][1], "red", "what --shader takes: {info}");
     assert!(info["tree"]["nodes"].is_u64(), "trees: {info}");
     let text = folder.gnurt("info a.obj").success().stdout;
+    assert!(text.contains("'default', 'red'\n"), "names of materials: {text}");
     for word in [
         "triangles",
         "vertices",
