@@ -66,3 +66,12 @@ def test_wrong_arguments(scene, call, error, words):
     with pytest.raises(error, match=words):
         call(scene)
     assert repr(scene) == before
+
+
+def test_missing_files_are_named(tmp_path):
+    scene = gnurt.RayScene()
+    with pytest.raises(FileNotFoundError, match="none/a.rays"):
+        scene.save(tmp_path / "none" / "a.rays")
+    for load in (gnurt.load, gnurt.RayScene.load):
+        with pytest.raises(FileNotFoundError, match="none.obj"):
+            load(tmp_path / "none.obj")

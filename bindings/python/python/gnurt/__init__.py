@@ -47,7 +47,10 @@ class RayScene(_RayScene):
         for number, state in enumerate(states):
             _pack(state, "" if is_alone else f"{number}.", arrays)
         folder = os.path.dirname(os.path.abspath(path))
-        handle, unfinished = tempfile.mkstemp(dir=folder, prefix=".gnurt-")
+        try:
+            handle, unfinished = tempfile.mkstemp(dir=folder, prefix=".gnurt-")
+        except OSError as error:
+            raise OSError(error.errno, error.strerror, os.fspath(path)) from None
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(_MAGIC[not is_alone])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes and their pictures."""
 
+import errno
 import os
 import sys
 import warnings
@@ -142,7 +143,12 @@ class Scene(_Scene):
 
 def load(source):
     """A scene of a file (.glb, .gltf, .obj, .ply) or "builtin:NAME". What is odd about the file is warned of."""
-    found, told = _Scene._load(os.fspath(source))
+    try:
+        found, told = _Scene._load(os.fspath(source))
+    except OSError:
+        if not os.path.exists(source):
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), os.fspath(source)) from None
+        raise
     for warning in told:
         warnings.warn(warning, stacklevel=2)
     scene = Scene()
