@@ -23,6 +23,7 @@ mod mirrors;
 mod motion;
 mod nested;
 mod offsets;
+mod panes;
 mod path;
 mod pixels;
 mod ray_masks;

@@ -77,6 +77,11 @@ pub trait SurfaceShader: Send + Sync {
         false
     }
 
+    /// Whether smooth glass or a tinted hole may be at some point: light samples look for lamps through such surfaces, and through no others.
+    fn is_clear(&self) -> bool {
+        !self.is_opaque() && self.radiance().is_none()
+    }
+
     /// Writes the share of light that the surface scatters, for previews and denoisers; `out` has `hits.len()` lanes of
     /// mid-grey.
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {

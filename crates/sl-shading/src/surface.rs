@@ -150,6 +150,11 @@ impl SurfaceShader for ScriptSurface {
         !self.common.facts.is_holey
     }
 
+    fn is_clear(&self) -> bool {
+        let facts = &self.common.facts;
+        (facts.is_glass || facts.is_holey) && !facts.is_radiance
+    }
+
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
         self.each_alone(&world, hits, AskedBy::Rays, |i, bsdf, _| {

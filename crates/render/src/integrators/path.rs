@@ -22,7 +22,7 @@ use crate::transport::absorption::absorb;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
-    Asking, Known, Offer, Wavefront, add, ask_plugin_lights, power_heuristic, shadow_ray,
+    Asking, Known, Offer, Wavefront, add, ask_plugin_lights, panes, power_heuristic, shadow_ray,
 };
 use crate::world::HitLanes;
 
@@ -72,6 +72,7 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     }
     let Wavefront { unshadowed, through, .. } = wavefront;
     tracer.occluded(&unshadowed.request, through);
+    panes::look_through(tracer, &unshadowed.request, unshadowed.sought(), through);
     for k in 0..through.len() {
         let share = through.get(k);
         if share != Vec3::ZERO {
@@ -124,13 +125,14 @@ fn ask_plugins(met: &Met, onward: &mut Onward) {
     ask_plugin_lights(met.world, met.options.seed, &asking, |i, Offer { dir, dist, arriving }| {
         let (k, point, bsdf) = &vertices[i];
         let wo = -met.points.ray_dir.get(*k);
-        let left = left_after(dist, [bsdf.absorption(dir), Vec3::ZERO]);
+        let absorption = bsdf.absorption(dir);
+        let left = left_after(dist, [absorption, Vec3::ZERO]);
         let value = paths[*k].throughput * bsdf.eval(wo, dir) * arriving * left;
         if value != Vec3::ZERO
             && let Some(ray) = shadow_ray(point, bsdf, dir, dist)
         {
             onward.unshadowed.reserve(1);
-            onward.unshadowed.push(&paths[*k], ray, value);
+            onward.unshadowed.push(&paths[*k], ray, value, absorption == Vec3::ZERO);
         }
     });
 }

@@ -75,10 +75,12 @@ pub(super) fn light_samples(
         .collect();
     ask_plugin_lights(tracer.world, seed, &asking, |i, Offer { dir, dist, arriving }| {
         let Stop { walk, eye, lamp_gain, .. } = there[i];
-        let left = left_after(dist, [eye.bsdf.absorption(dir), Vec3::ZERO]);
+        let absorption = eye.bsdf.absorption(dir);
+        let left = left_after(dist, [absorption, Vec3::ZERO]);
         let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving * left;
         if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
-            offers.push(ray, walk, scattered * (lamp_gain * there[i].rest(dir)));
+            let offer = scattered * (lamp_gain * there[i].rest(dir));
+            offers.push_of_lamp(ray, walk, offer, absorption == Vec3::ZERO);
         }
     });
     offers.settle(tracer, radiance);
@@ -164,15 +166,13 @@ fn offer<R: Real>(
     let Stop { walk, eye, lamp_gain, .. } = stop;
     let (dir, dist, chosen) = (light.dir.get(i), light.dist.lane(i), light.pdf.lane(i));
     let count = count as f32;
-    let share = if R::bits(light.delta) >> i & 1 != 0 {
-        1.0
-    } else {
-        balance_heuristic(count * chosen, stop.mean_rays() * pdf)
-    };
+    let is_delta = R::bits(light.delta) >> i & 1 != 0;
+    let share = if is_delta { 1.0 } else { balance_heuristic(count * chosen, stop.mean_rays() * pdf) };
     let offer = eye.throughput * scattered * light.radiance.get(i) * (share / (count * chosen));
-    let left = left_after(dist, [eye.bsdf.absorption(dir), Vec3::ZERO]);
+    let absorption = eye.bsdf.absorption(dir);
+    let left = left_after(dist, [absorption, Vec3::ZERO]);
     let offer = offer * left * (lamp_gain * stop.rest(dir));
     if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
-        offers.push(ray, walk, offer);
+        offers.push_of_lamp(ray, walk, offer, is_delta && absorption == Vec3::ZERO);
     }
 }

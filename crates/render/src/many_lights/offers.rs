@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays towards light, and what each brings unless something is in between. Source: original. Space: world.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Proof: crates/render/tests/{many_lights,panes}.rs.
 
 use glam::Vec3;
 use gnurt_accel::Ray;
@@ -8,15 +8,27 @@ use gnurt_shading::{RayRequest, Tracer, Vec3s};
 
 use super::walk::Walk;
 use crate::tracer::BatchTracer;
+use crate::transport::panes;
 
 /// Rays towards light and what they bring if nothing is in between.
 #[derive(Default)]
 pub(super) struct Offers {
     request: RayRequest,
     offers: Vec<(u32, Vec3)>,
+    /// Rays whose lamps no scattered ray meets, and which begin where nothing is absorbed; and edges up to these lamps.
+    sought: Vec<(usize, u32)>,
 }
 
 impl Offers {
+    /// Light of a lamp, which is sought through glass if it says so.
+    pub(super) fn push_of_lamp(&mut self, ray: Ray, walk: &Walk, offer: Vec3, is_sought: bool) {
+        let before = self.offers.len();
+        self.push(ray, walk, offer);
+        if is_sought && self.offers.len() > before {
+            self.sought.push((before, walk.edges + 1));
+        }
+    }
+
     pub(super) fn push(&mut self, ray: Ray, walk: &Walk, offer: Vec3) {
         if offer.is_finite() && offer != Vec3::ZERO {
             self.request.rays.push(ray);
@@ -26,6 +38,8 @@ impl Offers {
     }
 
     pub(super) fn append(&mut self, other: &Self) {
+        let before = self.offers.len();
+        self.sought.extend(other.sought.iter().map(|&(i, edges)| (before + i, edges)));
         other.offers.iter().enumerate().for_each(|(i, &offer)| {
             self.request.rays.push(other.request.rays.get(i));
             self.request.key.push(other.request.key[i]);
@@ -37,6 +51,7 @@ impl Offers {
     pub(super) fn settle(self, tracer: &mut BatchTracer, radiance: &mut Vec3s) {
         let mut through = Vec3s::default();
         tracer.occluded(&self.request, &mut through);
+        panes::look_through(tracer, &self.request, self.sought.into_iter(), &mut through);
         for (i, (lane, offer)) in self.offers.into_iter().enumerate() {
             radiance.add(lane as usize, offer * through.get(i));
         }

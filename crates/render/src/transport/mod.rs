@@ -8,6 +8,7 @@ mod finals;
 pub(crate) mod holes;
 mod light_samples;
 pub(crate) mod mis;
+pub(crate) mod panes;
 mod paths;
 pub(crate) mod roulette;
 pub(crate) mod step;

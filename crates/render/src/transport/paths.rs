@@ -263,6 +263,8 @@ pub(crate) struct Unshadowed {
     radiance: Vec3s,
     /// Edges up to the lamp.
     edges: Vec<u32>,
+    /// Whether no scattered ray meets the lamp, and nothing is absorbed where the ray begins: such lamps are sought through glass.
+    is_sought: Vec<bool>,
     count: usize,
 }
 
@@ -288,16 +290,23 @@ impl Unshadowed {
     }
 
     fn resize(&mut self, n: usize) {
-        let Self { request: RayRequest { rays, parent, .. }, radiance, edges, .. } = self;
+        let Self { request: RayRequest { rays, parent, .. }, radiance, edges, is_sought, .. } = self;
         [parent, edges].into_iter().for_each(|array| array.resize(n, 0));
+        is_sought.resize(n, false);
         radiance.resize(n);
         let floats = rays.org.iter_mut().chain(&mut rays.dir).chain([&mut rays.t_far]);
         floats.for_each(|array| array.resize(n, 0.0));
     }
 
-    /// As [`Paths::push_all`]: light at the eye.
+    /// As [`Paths::push_all`]: light at the eye; `sought` are those whose lamps are sought through glass.
     #[inline(always)]
-    pub(crate) fn push_all<R: Real>(&mut self, lit: R::Mask, of: Of, ray: &Rays<R>, light: Vector<R>) {
+    pub(crate) fn push_all<R: Real>(
+        &mut self,
+        [lit, sought]: [R::Mask; 2],
+        of: Of,
+        ray: &Rays<R>,
+        light: Vector<R>,
+    ) {
         let at = self.count;
         let RayRequest { rays, parent, key, .. } = &mut self.request;
         let Vec3s { x, y, z } = &mut self.radiance;
@@ -311,13 +320,14 @@ impl Unshadowed {
             let number = of.numbers[i] as usize;
             parent[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
+            self.is_sought[self.count] = R::bits(sought) >> i & 1 != 0;
             key.push(of.keys[number]);
             self.count += 1;
         }
     }
 
-    /// Appends light to the vertex at the end of a path; there must be room.
-    pub(crate) fn push(&mut self, path: &Path, ray: Ray, radiance: Vec3) {
+    /// Appends light to the vertex at the end of a path; there must be room. `is_sought`: whether its lamp is sought through glass.
+    pub(crate) fn push(&mut self, path: &Path, ray: Ray, radiance: Vec3, is_sought: bool) {
         let at = self.count;
         self.count += 1;
         let RayRequest { rays, parent, key, .. } = &mut self.request;
@@ -327,6 +337,12 @@ impl Unshadowed {
         (rays.t_far[at], parent[at], self.edges[at]) = (ray.t_far, path.lane, path.edges + 1);
         key.push(path.key);
         self.radiance.set(at, radiance);
+        self.is_sought[at] = is_sought;
+    }
+
+    /// Those whose lamps are sought through glass, and edges up to there.
+    pub(crate) fn sought(&self) -> impl Iterator<Item = (usize, u32)> {
+        (0..self.count).filter(|&k| self.is_sought[k]).map(|k| (k, self.edges[k]))
     }
 
     /// Light `k`: whose radiance it is, how much and over how many edges.

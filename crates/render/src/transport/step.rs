@@ -221,7 +221,9 @@ fn scatter<W: Width>(
                     add(onward.radiance, path.lane, -here.get(i), path.edges + 1, options.clamp);
                 }
             }
-            onward.unshadowed.push_all(lit, of, &ray, here);
+            let begins = met.absorption(first, lit, transmitted, zero);
+            let sought = lit & light.delta & begins.is_zero();
+            onward.unshadowed.push_all([lit, sought], of, &ray, here);
         }
     }
     let [x, y] = W::pair(draws, purpose::DIRECTION);

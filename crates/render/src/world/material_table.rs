@@ -21,8 +21,9 @@ pub(crate) struct MaterialEntry {
     /// What it gives off, if anything.
     pub(super) emitter: Option<Arc<Emitter>>,
     is_opaque: bool,
-    is_solid: bool,
+    pub(crate) is_solid: bool,
     has_medium: bool,
+    pub(crate) is_clear: bool,
     reads_widths: bool,
     /// The shader of the table that it shows.
     from_table: Option<Arc<dyn SurfaceShader>>,
@@ -41,6 +42,8 @@ pub(crate) struct MaterialTable {
     holey: usize,
     /// How many absorb light on one of their sides.
     filled: usize,
+    /// How many may be smooth glass.
+    clear: usize,
     /// How many look at what rays stand for.
     reading: usize,
     textures: Textures,
@@ -75,6 +78,11 @@ impl MaterialTable {
     /// Whether light is absorbed beside some surface.
     pub(crate) fn has_media(&self) -> bool {
         self.filled > 0
+    }
+
+    /// Whether some surface may be smooth glass, through which light samples look for lamps.
+    pub(crate) fn has_panes(&self) -> bool {
+        self.clear > 0
     }
 
     /// Whether some surface looks at what rays stand for: at how wide their cones are. Where none does, nobody need know.
@@ -124,6 +132,7 @@ impl MaterialTable {
             self.see_through = count(|entry| entry.is_opaque, self.see_through);
             self.holey = count(|entry| entry.is_solid, self.holey);
             self.filled = count(|entry| !entry.has_medium, self.filled);
+            self.clear = count(|entry| !entry.is_clear, self.clear);
             self.reading = count(|entry| !entry.reads_widths, self.reading);
             let listed = self.from_table.binary_search_by_key(&id, |&(material, _)| material);
             let number = now.from_table.as_ref().and(number_of(scene, id));
@@ -177,6 +186,7 @@ fn entry(
         is_opaque: shader.is_opaque(),
         is_solid: shader.is_solid(),
         has_medium: shader.has_medium(),
+        is_clear: shader.is_clear(),
         reads_widths: is_shader || materials::textures_of(material).next().is_some(),
         emitter,
         from_table,

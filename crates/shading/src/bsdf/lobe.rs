@@ -371,6 +371,11 @@ impl Lobe {
         self.spread > 0.0 && self.kind != Kind::SchlickGlass
     }
 
+    /// Whether it is smooth glass, which lets some light through.
+    pub(super) fn is_clear(&self) -> bool {
+        matches!(self.kind, Kind::SmoothGlass | Kind::SmoothPane) && !self.is_black()
+    }
+
     /// A clear coat: facets of an index of 1.5.
     #[must_use]
     pub fn coat(alpha: f32) -> Self {

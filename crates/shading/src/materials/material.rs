@@ -72,6 +72,10 @@ impl SurfaceShader for Material {
         self.surface.has_medium()
     }
 
+    fn is_clear(&self) -> bool {
+        self.surface.is_clear()
+    }
+
     fn is_solid(&self) -> bool {
         self.coverage.is_none() && self.surface.is_solid()
     }

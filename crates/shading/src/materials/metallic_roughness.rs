@@ -212,6 +212,11 @@ impl SurfaceShader for MetallicRoughness {
         true
     }
 
+    /// Its glass is rough, if ever so little.
+    fn is_clear(&self) -> bool {
+        false
+    }
+
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, self.base_color.at_hit(hits, i)));
     }

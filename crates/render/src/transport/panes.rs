@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Lamps that no scattered ray meets, seen through smooth glass: where the shadow ray of a light sample is blocked, the one way is
+//! followed that light takes straight through, bent in and bent out. Light from one direction counts where it leaves all glass as it came,
+//! which panes with two faces do; points and spots through what does not bend at all.
+//! Source: original. A way is a function of the sample's point and direction, and nothing else finds that light, so it counts in full
+//! times what the glass lets through. Lamps that scattered rays can meet are left to these: to seek them here, too, costs more than it
+//! brings (bench/record/light-2026-11-24.md). So is glass that bends colours apart or in several ways, and what is mirrored.
+//! Space: world. Invariant: what is found depends on the sample and its key only.
+//! Proof: crates/render/tests/panes.rs.
+
+use glam::Vec3;
+use gnurt_accel::{Coherence, INVALID_ID, Ray, RayBatch};
+use gnurt_scene::RayMask;
+use gnurt_shading::bsdf::{ClosureBatch, left_after};
+use gnurt_shading::{RayRequest, SampleKey, SurfaceBatch, Vec3s};
+
+use super::{Known, holes};
+use crate::cone::Cones;
+use crate::tracer::{BatchTracer, Wanted};
+use crate::world::HitLanes;
+
+/// Square of how far a unit direction may be off that still counts as unbent.
+const UNBENT: f32 = 1e-10;
+/// The same of light from one direction after all glass: a sixteenth of a degree.
+const SAME: f32 = 1e-6;
+
+/// A way that is being followed.
+#[derive(Clone, Copy)]
+struct Way {
+    /// Which ray of the request it is of.
+    ray: usize,
+    /// Edges up to the lamp so far.
+    edges: u32,
+    /// Where the light comes from, if that is a direction.
+    towards: Option<Vec3>,
+    /// What is left of light that comes along it.
+    left: Vec3,
+    /// Where its last part begins, and what is absorbed there.
+    start: Vec3,
+    absorption: Vec3,
+    /// Whether it went through glass yet; and how many holes.
+    is_through: bool,
+    layers: u32,
+}
+
+/// Ways that take a step together.
+#[derive(Default)]
+struct Ways {
+    rays: RayBatch,
+    keys: Vec<SampleKey>,
+    ways: Vec<Way>,
+}
+
+impl Ways {
+    fn push(&mut self, ray: Ray, key: SampleKey, way: Way) {
+        self.rays.push(ray);
+        self.keys.push(key);
+        self.ways.push(way);
+    }
+}
+
+/// Adds to what reaches the lamps, by ray of the request, what does so through glass. `lamps` are the rays whose lamps no scattered ray
+/// meets, and which begin where nothing is absorbed, with the edges up to these lamps.
+pub(crate) fn look_through(
+    tracer: &mut BatchTracer,
+    request: &RayRequest,
+    lamps: impl Iterator<Item = (usize, u32)>,
+    through: &mut Vec3s,
+) {
+    let world = tracer.world;
+    if !world.materials().has_panes() {
+        return;
+    }
+    let mut these = Ways::default();
+    for (ray, edges) in lamps.filter(|&(ray, _)| through.get(ray) != Vec3::ONE) {
+        let shadow = request.rays.get(ray);
+        let towards = (!shadow.t_far.is_finite()).then_some(Vec3::from(shadow.dir));
+        let (left, start, absorption) = (Vec3::ONE, shadow.org.into(), Vec3::ZERO);
+        let way = Way { ray, edges, towards, left, start, absorption, is_through: false, layers: 0 };
+        these.push(shadow, request.key[ray], way);
+    }
+    let (mut hits, mut order, no_width) = Default::default();
+    let mut closures = std::mem::take(&mut tracer.closures);
+    while !these.ways.is_empty() {
+        let Ways { rays, keys, ways } = &these;
+        tracer.stats.shadow_rays += rays.len() as u64;
+        tracer.intersect_into(RayMask::SHADOW, rays, keys, Coherence::Incoherent, &mut hits);
+        for (i, way) in ways.iter().enumerate().filter(|&(i, way)| is_free(hits.prim_id[i], way)) {
+            through.set(way.ray, through.get(way.ray) + beyond(way, &rays.get(i)));
+        }
+        world.sort_by_material(&hits, 0..rays.len(), &mut order);
+        order.retain(|&entry| {
+            let material = world.materials().get((entry >> 32) as usize);
+            material.is_clear || !material.is_solid
+        });
+        let cones: &Cones = &no_width;
+        let from = HitLanes { rays, keys, hits: &hits, cones: Some(cones), depth: 1 };
+        let mut next = Ways::default();
+        tracer.for_each_surface_of(&order, from, Wanted::Light, |tracer, shader, lanes, points| {
+            if tracer.closures_of(shader, points, &mut closures) != Known::Told {
+                return;
+            }
+            for (k, &lane) in lanes.iter().enumerate() {
+                let (way, lane) = (&ways[lane as usize], lane as usize);
+                let (ray, key) = (rays.get(lane), keys[lane]);
+                if let Some((ray, key, way)) = ahead(tracer, (way, &ray, key), (points, &closures, k)) {
+                    next.push(ray, key, way);
+                }
+            }
+        });
+        these = next;
+    }
+    tracer.closures = closures;
+}
+
+/// Whether a way through glass meets nothing more; one through none is known to the shadow ray.
+fn is_free(prim_id: u32, way: &Way) -> bool {
+    prim_id == INVALID_ID && way.is_through
+}
+
+/// What is left of light that comes along a way that met nothing more.
+fn beyond(way: &Way, ray: &Ray) -> Vec3 {
+    if way.towards.is_some_and(|towards| towards.distance_squared(ray.dir.into()) > SAME) {
+        return Vec3::ZERO;
+    }
+    way.left * left_after(ray.t_far, [way.absorption, Vec3::ZERO])
+}
+
+/// Where a way leads from point `k`, if anywhere.
+fn ahead(
+    tracer: &BatchTracer,
+    (way, ray, key): (&Way, &Ray, SampleKey),
+    (points, closures, k): (&SurfaceBatch, &ClosureBatch, usize),
+) -> Option<(Ray, SampleKey, Way)> {
+    let (p, dir) = (points.p.get(k), Vec3::from(ray.dir));
+    if closures.has_holes() && !holes::is_met(tracer.options.seed, key, way.edges, closures.coverage(k)) {
+        let onward = holes::rest(ray, points.spawn(k, dir, f32::INFINITY));
+        let next = Way { layers: way.layers + 1, ..*way };
+        return (way.layers < holes::MOST_LAYERS).then_some((onward, holes::key_beyond(key), next));
+    }
+    if way.edges >= tracer.options.max_depth {
+        return None;
+    }
+    let bsdf = closures.point(k).bsdf;
+    let (wi, share) = bsdf.straight(-dir)?;
+    if way.towards.is_none() && wi.distance_squared(dir) > UNBENT {
+        return None;
+    }
+    let onward = points.point(k).scatter_ray(wi, true, f32::INFINITY)?;
+    let onward = if way.towards.is_none() { holes::rest(ray, onward) } else { onward };
+    let gone = left_after((p - way.start).length(), [way.absorption, closures.medium(k).on(true)]);
+    let (left, absorption) = (way.left * gone * share, bsdf.absorption(wi));
+    Some((onward, key, Way { edges: way.edges + 1, left, start: p, absorption, is_through: true, ..*way }))
+}
