@@ -15,7 +15,7 @@ use crate::real::{Real, Vector};
 use crate::sampling::sin_cos_of_turn;
 
 /// Below this the lobe is a mirror's for a float, and its peak would overflow.
-const SMALLEST_ALPHA: f32 = 1e-3;
+pub(crate) const SMALLEST_ALPHA: f32 = 1e-3;
 
 /// Facets of one roughness.
 #[derive(Clone, Copy, Debug, PartialEq)]

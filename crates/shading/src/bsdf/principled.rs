@@ -11,6 +11,7 @@ use glam::Vec3;
 
 use super::film::Film;
 use super::fresnel;
+use super::ggx::SMALLEST_ALPHA;
 use super::lobe::Lobe;
 use super::lobes::Lobes;
 
@@ -92,6 +93,12 @@ impl From<Principled> for Lobes {
 }
 
 impl Principled {
+    /// Whether its glass, if any, is too smooth for facets: light goes one way through it, so that rays and lamps' light go straight on.
+    #[must_use]
+    pub fn has_smooth_glass(&self) -> bool {
+        self.alpha.max(self.across) <= SMALLEST_ALPHA
+    }
+
     /// Writes its lobes in place of others: `coat over (sheen over (plastic over body, metal and glass by their shares))`, without the
     /// sums on the way, and into memory that is there, for it is made for every point.
     pub fn write(&self, lobes: &mut Lobes) {
@@ -133,7 +140,11 @@ impl Principled {
         if glass > 0.0 {
             let weight = Vec3::splat(glass);
             let thin = p.thin || translucence > 0.0;
-            let glass = facets(Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, p.base, thin));
+            let glass = if p.has_smooth_glass() {
+                Lobe::glass(p.eta, Vec3::ONE, p.base, thin).filmed(p.film)
+            } else {
+                facets(Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, p.base, thin))
+            };
             lobes.put(Lobe { weight, ..glass.dispersed(p.spread) }, above);
         }
     }

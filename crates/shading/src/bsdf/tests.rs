@@ -445,6 +445,48 @@ fn delta_lobes_keep_all_light() {
     }
 }
 
+/// glTF's glass of no roughness mirrors and lets through what facets as small as they come do.
+#[test]
+fn smooth_principled_glass_is_as_its_smallest_facets() {
+    let base = Vec3::new(0.9, 0.7, 0.4);
+    let film = Film { share: 0.8, thickness: 400.0, ior: 1.4 };
+    for (thin, eta, film) in [
+        (true, 1.0 / 1.5, Film::default()),
+        (false, 1.0 / 1.5, Film::default()),
+        (false, 1.5, Film::default()),
+        (true, 1.0 / 1.5, film),
+        (false, 1.0 / 1.5, film),
+    ] {
+        let glass = |alpha| Principled {
+            transmission: 1.0,
+            alpha,
+            thin,
+            eta,
+            film,
+            ..Principled::new(base, 0.0, 0.0, 1.5)
+        };
+        let (smooth, rough) = (around_z(glass(1e-3)), around_z(glass(1.01e-3)));
+        assert!(!smooth.is_smooth() && rough.is_smooth(), "deltas, and facets");
+        for cos in [1.0_f32, 0.85, 0.5] {
+            let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+            let wanted = smooth.delta_branches(wo).map(|to| to.map_or(Vec3::ZERO, |to| to.weight));
+            let n = 4096;
+            let mut found = [Vec3::ZERO; 2];
+            for u in randoms(n) {
+                if let Some(sample) = rough.sample(wo, u) {
+                    found[usize::from(sample.transmitted)] += sample.weight / n as f32;
+                }
+            }
+            for (found, wanted) in found.into_iter().zip(wanted) {
+                assert!(
+                    (found - wanted).abs().max_element() < 0.03,
+                    "{thin} {eta} {cos}: {found}, not {wanted}"
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn narrow_and_wide_lobes_make_the_whole() {
     for (name, model) in models() {

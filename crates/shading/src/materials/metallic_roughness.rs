@@ -212,9 +212,10 @@ impl SurfaceShader for MetallicRoughness {
         true
     }
 
-    /// Its glass is rough, if ever so little.
     fn is_clear(&self) -> bool {
-        false
+        let smoothest = if self.metallic_roughness_texture.is_some() { 0.0 } else { self.roughness };
+        let model = self.model(Vec3::ONE, self.metallic, smoothest, true);
+        model.transmission > 0.0 && model.has_smooth_glass()
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
