@@ -98,8 +98,11 @@ impl RayScene {
         job(&mut self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner))
     }
 
-    fn asked(&self, py: Python<'_>, threads: usize) -> PyResult<Asked> {
-        let workers = Workers::new(threads)?;
+    fn asked(&self, py: Python<'_>, threads: i64) -> PyResult<Asked> {
+        let count = usize::try_from(threads);
+        let workers = Workers::new(
+            count.map_err(|_| PyValueError::new_err(format!("threads: 0 or more, not {threads}")))?,
+        )?;
         let trees = self.trees(py, &workers, &mut Vec::new())?;
         Ok(Asked { trees, workers })
     }
@@ -202,6 +205,8 @@ impl RayScene {
         Self::default()
     }
 
+    /// Adds a mesh and returns its number, geom_id. `vertices`: (n, 3) floats; `faces`: (m, 3) whole numbers, rows of `vertices`;
+    /// `transform`: (4, 4) or (3, 4), applied to columns. Arrays are copied; `copy=False` keeps float32 and uint32 arrays, which then must not change.
     #[pyo3(signature = (vertices, faces, transform=None, *, copy=true))]
     fn add_triangles(
         &self,
@@ -219,6 +224,8 @@ impl RayScene {
         }))
     }
 
+    /// Shows a geometry, by its number, or all of another RayScene once more, carried to its place by `transform`, and returns its
+    /// number, inst_id.
     #[pyo3(signature = (shown, transform))]
     fn add_instance(slf: &Bound<'_, Self>, shown: Object, transform: Object) -> PyResult<usize> {
         let (py, this) = (slf.py(), slf.get());
@@ -241,6 +248,7 @@ impl RayScene {
         })
     }
 
+    /// Gives a geometry other vertices (as many as before) or another place, or an instance another place. The next query follows.
     #[pyo3(signature = (geom_id=None, *, inst_id=None, vertices=None, transform=None, copy=true))]
     fn update(
         &self,
@@ -288,6 +296,7 @@ impl RayScene {
         })
     }
 
+    /// Takes a geometry away, with the instances of it, or an instance. Numbers of others stay.
     #[pyo3(signature = (geom_id=None, *, inst_id=None))]
     fn remove(&self, py: Python<'_>, geom_id: Option<usize>, inst_id: Option<usize>) -> PyResult<()> {
         // What goes is given back to Python after the lock.
@@ -319,11 +328,14 @@ impl RayScene {
         }
     }
 
+    /// Builds the trees that are due now, not at the next query.
     #[pyo3(signature = (*, threads=0))]
-    fn commit(&self, py: Python<'_>, threads: usize) -> PyResult<()> {
+    fn commit(&self, py: Python<'_>, threads: i64) -> PyResult<()> {
         self.asked(py, threads).map(drop)
     }
 
+    /// Where each ray hits first: `Hits`. `origins` and `directions`: (n, 3), or (1, 3) for all rays; `t_near` and `t_far`: numbers, or
+    /// (n,); `t` counts lengths of the direction. `threads`: 0 = one for each core, 1 = the calling thread.
     #[pyo3(signature = (origins, directions, t_near=None, t_far=None, *, threads=0))]
     fn intersect(
         &self,
@@ -332,12 +344,13 @@ impl RayScene {
         directions: Object,
         t_near: Option<Object>,
         t_far: Option<Object>,
-        threads: usize,
+        threads: i64,
     ) -> PyResult<Hits> {
         let rays = Rays::new(origins, directions, t_near, t_far)?;
         self.asked(py, threads)?.intersect(py, &rays)
     }
 
+    /// bool (n,): whether anything lies between `t_near` and `t_far`. Arguments as of `intersect`; faster.
     #[pyo3(signature = (origins, directions, t_near=None, t_far=None, *, threads=0))]
     fn occluded(
         &self,
@@ -346,12 +359,13 @@ impl RayScene {
         directions: Object,
         t_near: Option<Object>,
         t_far: Option<Object>,
-        threads: usize,
+        threads: i64,
     ) -> PyResult<Py<PyAny>> {
         let rays = Rays::new(origins, directions, t_near, t_far)?;
         self.asked(py, threads)?.occluded(py, &rays)
     }
 
+    /// Everything that each ray hits, nearest first: `AllHits`. `max_hits` keeps the nearest of each ray. Arguments as of `intersect`.
     #[pyo3(signature = (origins, directions, t_near=None, t_far=None, *, max_hits=None, threads=0))]
     fn all_hits(
         &self,
@@ -359,14 +373,19 @@ impl RayScene {
         directions: Object,
         t_near: Option<Object>,
         t_far: Option<Object>,
-        max_hits: Option<usize>,
-        threads: usize,
+        max_hits: Option<i64>,
+        threads: i64,
     ) -> PyResult<AllHits> {
         let py = origins.py();
         let rays = Rays::new(origins, directions, t_near, t_far)?;
-        self.asked(py, threads)?.all_hits(py, &rays, Which::First(max_hits.unwrap_or(usize::MAX)))
+        let most = max_hits.map_or(Ok(usize::MAX), |most| {
+            usize::try_from(most)
+                .map_err(|_| PyValueError::new_err(format!("max_hits: 0 or more, not {most}")))
+        })?;
+        self.asked(py, threads)?.all_hits(py, &rays, Which::First(most))
     }
 
+    /// The crossings that `crossings` counts, one hit each: `AllHits`.
     #[pyo3(signature = (origins, directions, t_near=None, t_far=None, *, threads=0))]
     fn crossing_hits(
         &self,
@@ -375,12 +394,14 @@ impl RayScene {
         directions: Object,
         t_near: Option<Object>,
         t_far: Option<Object>,
-        threads: usize,
+        threads: i64,
     ) -> PyResult<AllHits> {
         let rays = Rays::new(origins, directions, t_near, t_far)?;
         self.asked(py, threads)?.all_hits(py, &rays, Which::Crossed)
     }
 
+    /// int32 (n,): how often each ray goes through a surface. A hit of an edge or a corner that triangles share counts once, so that
+    /// a closed mesh is crossed an even number of times from outside. Arguments as of `intersect`.
     #[pyo3(signature = (origins, directions, t_near=None, t_far=None, *, threads=0))]
     fn crossings(
         &self,
@@ -389,24 +410,26 @@ impl RayScene {
         directions: Object,
         t_near: Option<Object>,
         t_far: Option<Object>,
-        threads: usize,
+        threads: i64,
     ) -> PyResult<Py<PyAny>> {
         let rays = Rays::new(origins, directions, t_near, t_far)?;
         self.asked(py, threads)?.crossings(py, &rays)
     }
 
+    /// bool (n,): whether `points`, (n, 3), lie inside of closed meshes, their surface included.
     #[pyo3(signature = (points, *, threads=0))]
-    fn contains(&self, py: Python<'_>, points: Object, threads: usize) -> PyResult<Py<PyAny>> {
+    fn contains(&self, py: Python<'_>, points: Object, threads: i64) -> PyResult<Py<PyAny>> {
         let points = Numbers::new("points", points, Some(3))?.points();
         self.asked(py, threads)?.contains(py, &points)
     }
 
+    /// The nearest point of all surfaces for each of `points`, (n, 3): points (n, 3), distances (n,), prim_id (n,), geom_id (n,).
     #[pyo3(signature = (points, *, threads=0))]
     fn closest_point<'py>(
         &self,
         py: Python<'py>,
         points: Object,
-        threads: usize,
+        threads: i64,
     ) -> PyResult<Bound<'py, PyTuple>> {
         let points = Numbers::new("points", points, Some(3))?.points();
         PyTuple::new(py, self.asked(py, threads)?.closest_point(py, &points, false)?)
@@ -414,24 +437,21 @@ impl RayScene {
 
     /// For the packages whose names we have: as `closest_point`, then `(n, 2)` weights and `(n, 3)` normals.
     #[pyo3(signature = (points, *, threads=0))]
-    fn _nearest<'py>(
-        &self,
-        py: Python<'py>,
-        points: Object,
-        threads: usize,
-    ) -> PyResult<Bound<'py, PyTuple>> {
+    fn _nearest<'py>(&self, py: Python<'py>, points: Object, threads: i64) -> PyResult<Bound<'py, PyTuple>> {
         let points = Numbers::new("points", points, Some(3))?.points();
         PyTuple::new(py, self.asked(py, threads)?.closest_point(py, &points, true)?)
     }
 
+    /// float64 (n,): the distance of `points`, (n, 3), from the nearest surface; inf where there is none.
     #[pyo3(signature = (points, *, threads=0))]
-    fn distance(&self, py: Python<'_>, points: Object, threads: usize) -> PyResult<Py<PyAny>> {
+    fn distance(&self, py: Python<'_>, points: Object, threads: i64) -> PyResult<Py<PyAny>> {
         let points = Numbers::new("points", points, Some(3))?.points();
         self.asked(py, threads)?.distance(py, &points, false)
     }
 
+    /// float64 (n,): as `distance`, negative inside of closed meshes.
     #[pyo3(signature = (points, *, threads=0))]
-    fn signed_distance(&self, py: Python<'_>, points: Object, threads: usize) -> PyResult<Py<PyAny>> {
+    fn signed_distance(&self, py: Python<'_>, points: Object, threads: i64) -> PyResult<Py<PyAny>> {
         let points = Numbers::new("points", points, Some(3))?.points();
         self.asked(py, threads)?.distance(py, &points, true)
     }

@@ -198,7 +198,8 @@ impl Stage {
             (Some(found), _) => Ok(Some((found, *seconds))),
             (None, Clip::First) => Err(PyValueError::new_err("at: the scene has no animation")),
             (None, Clip::Named(name)) => Err(PyValueError::new_err(format!(
-                "animation: there is no '{name}'; the scene has {names:?}"
+                "animation: there is no '{name}'; the scene has {}",
+                listed(&names)
             ))),
         }
     }
@@ -216,7 +217,10 @@ impl Stage {
                 let found = cameras.iter().position(|camera| camera.name == *name);
                 found.map(Some).ok_or_else(|| {
                     let names: Vec<&str> = cameras.iter().map(|camera| &camera.name[..]).collect();
-                    PyValueError::new_err(format!("camera: there is no '{name}'; the scene has {names:?}"))
+                    PyValueError::new_err(format!(
+                        "camera: there is no '{name}'; the scene has {}",
+                        listed(&names)
+                    ))
                 })
             }
             Aim::First | Aim::Own(_) => Ok((!cameras.is_empty()).then_some(0)),
@@ -251,5 +255,13 @@ impl Shown {
             lit_for: note.map(|_| (camera, is_plain)),
             exposure: note.and_then(defaults::Note::exposure),
         }
+    }
+}
+
+/// Names as messages give them.
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => "none".into(),
+        _ => format!("'{}'", names.join("', '")),
     }
 }

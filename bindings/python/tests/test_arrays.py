@@ -46,7 +46,7 @@ def test_other_arrays(scene):
         (lambda s: s.intersect(np.zeros((5, 3)), np.ones((5, 3)), t_far=np.zeros(4)), ValueError, "t_far: .*5.*4"),
         (lambda s: s.intersect(np.zeros((5, 3)), np.ones((5, 3)), t_near="a"), TypeError, "t_near"),
         (lambda s: s.contains(np.zeros((5, 4))), ValueError, "points"),
-        (lambda s: s.contains(np.zeros((5, 3)), threads=-1), OverflowError, "negative"),
+        (lambda s: s.contains(np.zeros((5, 3)), threads=-1), ValueError, "threads: 0 or more, not -1"),
         (lambda s: s.contains(np.zeros((5, 3)), threads=10**6), ValueError, "threads"),
         (lambda s: s.add_triangles(np.zeros((5, 3)), [[0, 1, 5]]), ValueError, "faces: row 0 names vertex 5.*5"),
         (lambda s: s.add_triangles(np.zeros((5, 3)), [[0, 1, -1]]), ValueError, "faces: .*-1"),
@@ -75,3 +75,9 @@ def test_missing_files_are_named(tmp_path):
     for load in (gnurt.load, gnurt.RayScene.load):
         with pytest.raises(FileNotFoundError, match="none.obj"):
             load(tmp_path / "none.obj")
+
+
+def test_help_says_what_each_call_takes():
+    for name, member in vars(gnurt.RayScene.__base__).items():
+        if not name.startswith("_"):
+            assert member.__doc__, name
