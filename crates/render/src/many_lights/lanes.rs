@@ -212,9 +212,12 @@ impl Block {
         block
     }
 
-    /// Whether `source`, which lanes know, may bring anything to lanes that they know: one test for all of them. Rounding
-    /// may lose what is all but below a horizon.
+    /// Whether `source` may bring anything to lanes that they know: one test for all of them. Rounding may lose what is all but below a
+    /// horizon; one that light goes through may shine to either side.
     pub(super) fn may_get(&self, source: &Source) -> bool {
+        if source.sender.is_none() {
+            return true;
+        }
         let way = Extent { low: source.p - self.places.high, high: source.p - self.places.low };
         let back = Extent { low: -source.ng, high: -source.ng };
         way.most_dot(&back) > 0.0 && way.most_dot(&self.normals) > 0.0
@@ -510,6 +513,10 @@ mod tests {
             let other = Vpl::new(point, rough(1, point.ns), point.ns, Vec3::ONE, 1);
             let none = by_lanes(&block, &Source::new(&other, &bound), &mut light);
             assert!(none.is_none(), "lanes cannot know");
+            // It shines through, too: on points behind it.
+            let brings =
+                |eye: &EyePoint| other.brings(eye, &bound, 6).is_some_and(|light| light != Vec3::ZERO);
+            assert!(block.may_get(&Source::new(&other, &bound)) || !eyes.iter().any(brings), "light {n}");
         }
         assert!(some > 10, "others are lit");
     }
