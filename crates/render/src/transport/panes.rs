@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lamps that no scattered ray meets, seen through smooth glass: where the shadow ray of a light sample is blocked, the one way is
+//! Lamps that no scattered ray meets (delta lights), seen through smooth glass: where the shadow ray of a light sample is blocked, the one way is
 //! followed that light takes straight through, bent in and bent out. Light from one direction counts where it leaves all glass as it came,
 //! which panes with two faces do; points and spots through what does not bend at all.
 //! Source: original. A way is a function of the sample's point and direction, and nothing else finds that light, so it counts in full

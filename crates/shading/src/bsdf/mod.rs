@@ -187,14 +187,10 @@ impl Bsdf {
     /// where it comes from several directions: by colour, or by lobes that bend it differently.
     #[must_use]
     pub fn straight(&self, wo: Vec3) -> Option<(Vec3, Vec3)> {
-        self.is_clear().then(|| self.delta_branches(wo)[1].map(|sample| (sample.wi, sample.weight)))?
-    }
-
-    /// Whether [`straight`](Self::straight) may say something: just one lobe lets light through smoothly, and all colours alike.
-    #[must_use]
-    pub fn is_clear(&self) -> bool {
         let mut glass = self.lobes.as_slice().iter().filter(|lobe| lobe.is_clear());
-        glass.next().is_some_and(|lobe| !lobe.is_dispersed()) && glass.next().is_none()
+        let bends_one_way = glass.next().is_some_and(|lobe| !lobe.is_dispersed()) && glass.next().is_none();
+        let [_, through] = bends_one_way.then(|| self.delta_branches(wo))?;
+        through.map(|sample| (sample.wi, sample.weight))
     }
 
     /// Share of light from `wo` that is scattered to all sides, in [0, 1] per channel; about, where no closed form is known.
