@@ -1,25 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From the draft of a scene to what can be asked: trees over all enabled geometries. Source: original; Embree's manual.
 //! Space: that of the scene. Invariant: ids are those under which geometries were attached; bad primitives are left out, as
-//! by Embree. Where a scene is dynamic, or all that it holds is to be refitted, trees follow their geometry.
+//! by Embree. Where a scene is dynamic, or all that was edited is to be refitted, trees follow their geometry.
 //! Proof: `tests/c/embree.c`.
 
 use std::borrow::Cow;
+use std::cell::RefCell;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicI64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 
 use gnurt_accel::{
     BuildControl, BuildError, BuildOptions, GeometryKind, Instance, Memory, Motion, MovingTree, ObjectTree,
     Quads, Quality, Query, SceneError, SceneTree, Shape, Spheres, Triangles,
 };
 
-use crate::device::{Device, Problem};
+use crate::device::Problem;
 use crate::ffi_abi::{Code, buffer, quality, scene_flag};
 use crate::ffi_callbacks::{Callback, ProgressFunction};
+use crate::ffi_catch::Thrown;
 use crate::ffi_memory::View;
 use crate::ffi_user::UserPrimitives;
 use crate::lines::Lines;
-use crate::objects::{Committed, Draft, Geometry, Kind, Place, Scene, Settings, Surface, Tree};
+use crate::objects::{
+    Committed, Geometry, Kind, Moving, Place, Plan, Scene, SceneSettings, Settings, Shown, Surface, Tree,
+};
 use crate::transform::{self, Columns, IDENTITY};
 
 /// What a surface is built from, and its mask.
@@ -62,31 +66,80 @@ impl Prepared<'_> {
     }
 }
 
-/// Builds what the draft says, and lets the scene be asked for it.
+thread_local! {
+    /// Scenes whose commits have called a function of the program on this thread: their addresses.
+    static COMMITTING: RefCell<Vec<usize>> = const { RefCell::new(Vec::new()) };
+}
+
+/// This thread is in a commit of a scene, or in a function of the program that one has called.
+struct Inside;
+
+impl Inside {
+    fn enter(scene: &Scene) -> Self {
+        COMMITTING.with_borrow_mut(|scenes| scenes.push(std::ptr::from_ref(scene).addr()));
+        Self
+    }
+
+    fn is(scene: &Scene) -> bool {
+        COMMITTING.with_borrow(|scenes| scenes.contains(&std::ptr::from_ref(scene).addr()))
+    }
+}
+
+impl Drop for Inside {
+    fn drop(&mut self) {
+        COMMITTING.with_borrow_mut(|scenes| scenes.pop());
+    }
+}
+
+/// Builds what the draft says, and lets the scene be asked for it; nothing where that is what the last commit has built. Of several
+/// threads one builds, and the others return when it is done.
 ///
 /// # Errors
 /// A geometry that was not committed or lacks an array, and what stopped the build.
 pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
-    let mut draft = scene.draft();
+    if Inside::is(scene) {
+        return Err(Problem::operation("the scene is being committed: its commit has called this function"));
+    }
+    let _inside = Inside::enter(scene);
+    let mut building = scene.build();
+    let plan = scene.plan();
+    if !plan.is_modified() {
+        return Ok(());
+    }
+    // What a build that panics leaves is not used again.
+    let mut moving = building.take();
+    let committed = build(scene, plan, &mut moving);
+    *building = moving;
+    let gone = scene.publish(committed?);
+    // Its end is told to the memory monitor, which may commit.
+    drop((building, _inside));
+    drop(gone);
+    Ok(())
+}
+
+fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Committed, Problem> {
     let (mut surfaces, mut masks, mut users) = (Vec::new(), Vec::new(), Vec::new());
     let mut places = vec![Place { geom_id: 0, prim_id: None, shown: None, world_from_instance: IDENTITY }];
     let mut instances: Vec<Instance> = Vec::new();
-    let mut all_refit = true;
-    for (&geom_id, geometry) in &draft.geometries {
+    // Geometries of the quality REFIT, and whether others were edited since the last commit.
+    let (mut refits, mut others_differ) = (0, false);
+    for &(geom_id, ref geometry) in &plan.geometries {
         let settings = geometry.settings();
+        if !settings.is_enabled {
+            continue;
+        }
         if !settings.is_committed {
             return Err(Problem::operation(format!(
                 "geometry {geom_id} is not committed: call rtcCommitGeometry"
             )));
         }
-        if !settings.is_enabled {
-            continue;
-        }
         if matches!(geometry.kind, Kind::Instance | Kind::Instances) {
             add_instances(geom_id, geometry, &settings, scene, &mut places, &mut instances)?;
             continue;
         }
-        all_refit &= settings.quality == quality::REFIT;
+        let follows = settings.quality == quality::REFIT;
+        refits += u32::from(follows);
+        others_differ |= !follows && settings.changed_at > plan.last;
         users.push((geometry.kind == Kind::User).then(|| {
             let Settings { user, filters, user_count, .. } = *settings;
             (user, filters, user_count)
@@ -94,13 +147,13 @@ pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
         surfaces.push(surface(geom_id, geometry, &settings)?);
         masks.push(settings.mask);
     }
-    // From here on callbacks of the program's may ask for settings: no geometry is locked.
+    // From here on functions of the program may ask for settings, and edit them: nothing is locked but commits of this scene.
     let mut prepared = Vec::new();
     for ((surface, &mask), user) in surfaces.iter().zip(&masks).zip(users) {
         let arrays = match (surface.kind, user) {
             (_, Some((functions, filters, count))) => {
                 let geometry = Arc::clone(&surface.geometry);
-                let user = UserPrimitives::new(geometry, surface.geom_id, functions, filters, count);
+                let user = UserPrimitives::new(geometry, surface.geom_id, functions, filters, count)?;
                 Arrays::User(Arc::new(user))
             }
             (Kind::Quads, None) => Arrays::Quads(surface.vertices.rows(), surface.indices.rows()),
@@ -118,16 +171,19 @@ pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
         };
         prepared.push(Prepared { surface, arrays, mask });
     }
-    let object = build_object(&scene.device, &mut draft, &prepared, all_refit)?;
-    drop(prepared);
-    let options = options_of(&draft);
+    let is_dynamic = plan.settings.flags & scene_flag::DYNAMIC != 0;
+    let follow = Follow { moves: is_dynamic || refits > 0, may_refit: is_dynamic || !others_differ };
+    let control = Control::new(scene, plan.settings.progress);
+    let object = build_object(&plan.settings, &control, moving, &prepared, follow)?;
+    drop((prepared, control));
+    let options = options_of(&plan.settings);
     let tree = if instances.is_empty() {
         Tree::Object(object)
     } else {
         instances.insert(0, Instance::identity(object));
-        let threads = scene.device.threads(instances.len());
-        let control = Control::new(&scene.device, draft.progress);
-        let built = SceneTree::try_build(&instances, &options, threads, &control);
+        let workers = scene.device.workers(instances.len());
+        let control = Control::new(scene, plan.settings.progress);
+        let built = SceneTree::try_build(&instances, &options, workers.threads(), &control);
         let built = match built {
             // What cannot be placed is not seen, as by Embree.
             Err(SceneError::Build(error)) => return Err(control.problem(&error)),
@@ -138,7 +194,7 @@ pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
                     gnurt_accel::DEEPEST_SCENE
                 )));
             }
-            Err(_) => SceneTree::build(&instances, &options, threads),
+            Err(_) => SceneTree::build(&instances, &options, workers.threads()),
             Ok(built) => built,
         };
         Tree::Scene(Arc::new(built))
@@ -148,12 +204,21 @@ pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
         Tree::Scene(tree) => held(tree.stats()) + places.len() as i64 * size_of::<Place>() as i64,
     };
     let is_plain = surfaces.iter().all(|surface| !surface.filters.any() && surface.kind != Kind::User)
-        && places.iter().filter_map(|place| place.shown.as_ref()).all(|shown| shown.is_plain);
+        && places.iter().filter_map(|place| place.shown.as_ref()).all(|shown| shown.committed.is_plain);
     let device = Arc::clone(&scene.device);
     let query = Query { level: device.level, ..Query::default() };
-    device.hold(bytes);
-    scene.publish(&mut draft, Committed { device, tree, surfaces, places, query, is_plain, bytes });
-    Ok(())
+    let allowed = device.hold(bytes);
+    let Plan { moment, geometries, .. } = plan;
+    // Gives the bytes back where it is dropped.
+    let committed = Committed { device, moment, geometries, tree, surfaces, places, query, is_plain, bytes };
+    match allowed {
+        Ok(true) => Ok(committed),
+        Ok(false) => {
+            let message = format!("the memory monitor has refused {bytes} bytes");
+            Err(Problem { code: Code::OutOfMemory, message })
+        }
+        Err(thrown) => Err(thrown.into()),
+    }
 }
 
 fn held(stats: gnurt_accel::TreeStats) -> i64 {
@@ -200,17 +265,18 @@ fn add_instances(
         if std::ptr::eq(Arc::as_ptr(child), scene) {
             return Err(Problem::operation(format!("geometry {geom_id} shows the scene that it is in")));
         }
-        let shown = child.committed().ok_or_else(|| {
+        let committed = child.committed().ok_or_else(|| {
             Problem::operation(format!(
                 "geometry {geom_id} shows a scene that is not committed: call rtcCommitScene"
             ))
         })?;
-        let shape: Shape = match &shown.tree {
+        let shape: Shape = match &committed.tree {
             Tree::Object(tree) => Arc::clone(tree).into(),
             Tree::Scene(tree) => Arc::clone(tree).into(),
         };
         instances.push(Instance::new(shape, place).with_mask(settings.mask));
-        places.push(Place { geom_id, prim_id, shown: Some(shown), world_from_instance: place });
+        let shown = Some(Shown { committed, scene: Arc::clone(child) });
+        places.push(Place { geom_id, prim_id, shown, world_from_instance: place });
         Ok(())
     };
     if geometry.kind == Kind::Instance {
@@ -233,62 +299,86 @@ fn add_instances(
     Ok(())
 }
 
-fn options_of(draft: &Draft) -> BuildOptions {
-    let quality = match draft.quality {
+fn options_of(settings: &SceneSettings) -> BuildOptions {
+    let quality = match settings.quality {
         quality::LOW => Quality::Fast,
         quality::HIGH => Quality::High,
         _ => Quality::Medium,
     };
-    let is_compact = draft.flags & scene_flag::COMPACT != 0;
+    let is_compact = settings.flags & scene_flag::COMPACT != 0;
     let memory = if is_compact { Memory::Compact } else { Memory::Fast };
     BuildOptions { quality, memory, ..BuildOptions::default() }
 }
 
+/// How a tree follows its geometry.
+#[derive(Clone, Copy)]
+struct Follow {
+    /// Whether it is kept, to be refitted by later commits.
+    moves: bool,
+    /// Whether all that was edited since the last commit may be refitted.
+    may_refit: bool,
+}
+
 /// The tree over the scene's own surfaces.
 fn build_object(
-    device: &Device,
-    draft: &mut Draft,
+    settings: &SceneSettings,
+    control: &Control,
+    moving: &mut Option<Moving>,
     prepared: &[Prepared],
-    all_refit: bool,
+    follow: Follow,
 ) -> Result<Arc<ObjectTree>, Problem> {
     let geometries: Vec<gnurt_accel::Geometry> = prepared.iter().map(Prepared::geometry).collect();
     let primitives: usize = prepared.iter().map(Prepared::count).sum();
     let shape =
         prepared.iter().map(|one| (one.surface.geom_id, one.surface.kind, one.count() as u32)).collect();
-    let (options, threads) = (options_of(draft), device.threads(primitives));
-    let moves = draft.flags & scene_flag::DYNAMIC != 0 || all_refit;
-    if moves
-        && let Some((moving, before)) = &mut draft.moving
+    let (options, workers) = (options_of(settings), control.scene.device.workers(primitives));
+    if follow.moves
+        && follow.may_refit
+        && let Some((tree, before)) = moving
         && *before == shape
     {
-        moving.update(&geometries, &options, threads);
-        return Ok(Arc::clone(moving.tree()));
+        // A refit takes no memory that was not told of, and is over before it could be stopped halfway.
+        control.progress(0.0);
+        if !control.keep_going() {
+            return Err(control.problem(&BuildError::Cancelled));
+        }
+        tree.update(&geometries, &options, workers.threads());
+        control.progress(1.0);
+        return Ok(Arc::clone(tree.tree()));
     }
-    let control = Control::new(device, draft.progress);
-    let built = ObjectTree::try_build_from(&geometries, &options, threads, &control);
+    let built = ObjectTree::try_build_from(&geometries, &options, workers.threads(), control);
     let tree = Arc::new(built.map_err(|error| control.problem(&error))?);
-    draft.moving = moves.then(|| (MovingTree::of(Arc::clone(&tree), Motion::Auto), shape));
+    // A function that has thrown at the end of the build has not stopped it.
+    if !control.keep_going() {
+        return Err(control.problem(&BuildError::Cancelled));
+    }
+    *moving = follow.moves.then(|| (MovingTree::of(Arc::clone(&tree), Motion::Auto), shape));
     Ok(tree)
 }
 
 /// What the program says while a tree is built.
 struct Control<'a> {
-    device: &'a Device,
+    scene: &'a Scene,
     progress: Option<Callback<ProgressFunction>>,
     /// Bytes that the memory monitor was told of.
     told: AtomicI64,
     /// Whether the memory monitor has said no.
-    refused: std::sync::atomic::AtomicBool,
-    cancelled: std::sync::atomic::AtomicBool,
+    refused: AtomicBool,
+    cancelled: AtomicBool,
+    thrown: AtomicBool,
 }
 
 impl<'a> Control<'a> {
-    fn new(device: &'a Device, progress: Option<Callback<ProgressFunction>>) -> Self {
-        let no = || std::sync::atomic::AtomicBool::new(false);
-        Self { device, progress, told: AtomicI64::new(0), refused: no(), cancelled: no() }
+    fn new(scene: &'a Scene, progress: Option<Callback<ProgressFunction>>) -> Self {
+        let no = || AtomicBool::new(false);
+        let told = AtomicI64::new(0);
+        Self { scene, progress, told, refused: no(), cancelled: no(), thrown: no() }
     }
 
     fn problem(&self, error: &BuildError) -> Problem {
+        if self.thrown.load(Ordering::Relaxed) {
+            return Thrown.into();
+        }
         let code = match error {
             _ if self.refused.load(Ordering::Relaxed) => Code::OutOfMemory,
             BuildError::Cancelled => Code::Cancelled,
@@ -301,27 +391,34 @@ impl<'a> Control<'a> {
 
 impl Drop for Control<'_> {
     fn drop(&mut self) {
-        self.device.hold(-self.told.load(Ordering::Relaxed));
+        // What the program's function answers, or throws, changes nothing any longer.
+        let _ = self.scene.device.hold(-self.told.load(Ordering::Relaxed));
     }
 }
 
 impl BuildControl for Control<'_> {
     fn keep_going(&self) -> bool {
-        !self.refused.load(Ordering::Relaxed) && !self.cancelled.load(Ordering::Relaxed)
+        ![&self.refused, &self.cancelled, &self.thrown].iter().any(|no| no.load(Ordering::Relaxed))
     }
 
     fn progress(&self, done: f32) {
-        if let Some(progress) = &self.progress
-            && !progress.call(f64::from(done))
-        {
-            self.cancelled.store(true, Ordering::Relaxed);
+        let Some(progress) = &self.progress else { return };
+        // The build's threads are in the commit as well.
+        let _inside = Inside::enter(self.scene);
+        match progress.call(f64::from(done)) {
+            Ok(true) => {}
+            Ok(false) => self.cancelled.store(true, Ordering::Relaxed),
+            Err(Thrown) => self.thrown.store(true, Ordering::Relaxed),
         }
     }
 
     fn memory(&self, bytes: u64) {
         let more = bytes as i64 - self.told.swap(bytes as i64, Ordering::Relaxed);
-        if !self.device.hold(more) {
-            self.refused.store(true, Ordering::Relaxed);
+        let _inside = Inside::enter(self.scene);
+        match self.scene.device.hold(more) {
+            Ok(true) => {}
+            Ok(false) => self.refused.store(true, Ordering::Relaxed),
+            Err(Thrown) => self.thrown.store(true, Ordering::Relaxed),
         }
     }
 }

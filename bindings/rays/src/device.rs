@@ -6,13 +6,16 @@
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::ffi::{CStr, CString};
-use std::sync::atomic::{AtomicI64, AtomicU64, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
-use gnurt_accel::{Level, Threads};
+use gnurt_accel::Level;
 
 use crate::ffi_abi::Code;
 use crate::ffi_callbacks::{Callback, ErrorFunction, MemoryFunction};
+use crate::ffi_catch::Thrown;
+use crate::pools::Workers;
 
 /// What went wrong, and a line that says so.
 #[derive(Clone, Debug)]
@@ -31,6 +34,12 @@ impl Problem {
     }
 }
 
+impl From<Thrown> for Problem {
+    fn from(thrown: Thrown) -> Self {
+        Self { code: Code::Unknown, message: thrown.to_string() }
+    }
+}
+
 /// What `RTCDevice` points to.
 #[derive(Debug)]
 pub(crate) struct Device {
@@ -39,7 +48,8 @@ pub(crate) struct Device {
     threads: usize,
     pub(crate) level: Level,
     pub(crate) is_verbose: bool,
-    pool: OnceLock<Option<rayon::ThreadPool>>,
+    /// Whether the program knows arrays of instances, and so has room for the numbers of instances in hits and contexts.
+    pub(crate) has_arrays: AtomicBool,
     pub(crate) on_error: Mutex<Option<Callback<ErrorFunction>>>,
     pub(crate) monitor: Mutex<Option<Callback<MemoryFunction>>>,
     held: AtomicI64,
@@ -88,14 +98,22 @@ impl Device {
             threads: 0,
             level: Level::default(),
             is_verbose: false,
-            pool: OnceLock::new(),
+            has_arrays: AtomicBool::new(false),
             on_error: Mutex::default(),
             monitor: Mutex::default(),
             held: AtomicI64::new(0),
         };
-        for setting in settings.split([',', ' ', '\n']) {
-            let Some((name, value)) = setting.split_once('=') else { continue };
-            match (name.trim(), value.trim()) {
+        // Blanks may stand around names and values, and separate settings where there is no comma.
+        let words = settings.replace('=', " = ");
+        let mut words = words.split([',', ' ', '\t', '\n', '\r']).filter(|word| !word.is_empty()).peekable();
+        let mut pairs = Vec::new();
+        while let Some(name) = words.next() {
+            if words.next_if_eq(&"=").is_some() {
+                pairs.push((name, words.next().unwrap_or_default()));
+            }
+        }
+        for setting in pairs {
+            match setting {
                 ("threads", count) => {
                     device.threads = count.parse().map_err(|_| {
                         Problem::argument(format!("threads={count}: a number is expected, 0 for all"))
@@ -116,29 +134,28 @@ impl Device {
         let on_error = *self.on_error.lock().unwrap_or_else(PoisonError::into_inner);
         match on_error {
             Some(on_error) => on_error.call(problem.code as u32, &message),
-            None if self.is_verbose => eprintln!("gnurt: {}", problem.message),
+            // Who cannot be told is not told.
+            None if self.is_verbose => {
+                let _ = writeln!(std::io::stderr(), "gnurt: {}", problem.message);
+            }
             None => {}
         }
     }
 
     /// For a build over so many primitives.
-    pub(crate) fn threads(&self, primitives: usize) -> Threads<'_> {
+    pub(crate) fn workers(&self, primitives: usize) -> Workers {
         // Starting threads takes as long as building over some thousand triangles.
-        if primitives < 4096 || self.threads == 1 {
-            return Threads::Single;
-        }
-        let pool = self.pool.get_or_init(|| {
-            let name = |i| format!("gnurt-build-{i}");
-            rayon::ThreadPoolBuilder::new().num_threads(self.threads).thread_name(name).build().ok()
-        });
-        pool.as_ref().map_or(Threads::Single, Threads::Pool)
+        if primitives < 4096 { Workers::single() } else { Workers::new(self.threads) }
     }
 
     /// Tells the memory monitor of so many bytes more, or less; whether that may be.
-    pub(crate) fn hold(&self, bytes: i64) -> bool {
+    pub(crate) fn hold(&self, bytes: i64) -> Result<bool, Thrown> {
         self.held.fetch_add(bytes, Ordering::Relaxed);
         let monitor = *self.monitor.lock().unwrap_or_else(PoisonError::into_inner);
-        bytes == 0 || monitor.is_none_or(|monitor| monitor.call(bytes, bytes < 0) || bytes < 0)
+        match monitor {
+            Some(monitor) if bytes != 0 => Ok(monitor.call(bytes, bytes < 0)? || bytes < 0),
+            _ => Ok(true),
+        }
     }
 }
 

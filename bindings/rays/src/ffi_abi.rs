@@ -54,6 +54,33 @@ impl Hit {
     };
 }
 
+/// `RTCHit` as callbacks get it: as large and as aligned as the header says.
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HitFrame(pub(crate) Hit);
+
+/// `RTCHit4`, `RTCHit8` or `RTCHit16`: nine rows of as many values as the packet has lanes.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HitPacketFrame(pub(crate) [f32; 9 * 16]);
+
+/// `RTCRayHit4`, `RTCRayHit8` or `RTCRayHit16`.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RayHitPacketFrame(pub(crate) [f32; 21 * 16]);
+
+/// Which lanes of a packet count: those that are not 0.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Valid(pub(crate) [c_int; 16]);
+
+impl Valid {
+    /// One lane.
+    pub(crate) fn only(lane: usize) -> Self {
+        Self(std::array::from_fn(|i| if i == lane { -1 } else { 0 }))
+    }
+}
+
 /// `RTCRay`.
 #[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +136,7 @@ pub(crate) struct FilterArguments {
     pub(crate) user_data: *mut c_void,
     pub(crate) context: *mut Context,
     pub(crate) ray: *mut f32,
-    pub(crate) hit: *mut Hit,
+    pub(crate) hit: *mut f32,
     pub(crate) n: c_uint,
 }
 
@@ -195,13 +222,13 @@ pub(crate) struct InterpolateArguments {
 }
 
 /// `RTCFilterFunctionN`.
-pub(crate) type FilterFunction = Option<unsafe extern "C" fn(*const FilterArguments)>;
+pub(crate) type FilterFunction = Option<unsafe extern "C-unwind" fn(*const FilterArguments)>;
 /// `RTCIntersectFunctionN`, `RTCOccludedFunctionN`.
-pub(crate) type UserFunction = Option<unsafe extern "C" fn(*const UserArguments)>;
+pub(crate) type UserFunction = Option<unsafe extern "C-unwind" fn(*const UserArguments)>;
 /// `RTCBoundsFunction`.
-pub(crate) type BoundsFunction = Option<unsafe extern "C" fn(*const BoundsArguments)>;
+pub(crate) type BoundsFunction = Option<unsafe extern "C-unwind" fn(*const BoundsArguments)>;
 /// `RTCPointQueryFunction`.
-pub(crate) type PointFunction = Option<unsafe extern "C" fn(*mut PointArguments) -> bool>;
+pub(crate) type PointFunction = Option<unsafe extern "C-unwind" fn(*mut PointArguments) -> bool>;
 
 /// `RTCError`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -266,7 +293,34 @@ pub(crate) mod scene_flag {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::mem::{offset_of, size_of};
+    use std::mem::{align_of, offset_of, size_of};
+
+    /// As `layouts` of `tests/c/layouts.c` has them.
+    #[test]
+    fn sizes_and_alignments_are_those_of_the_headers() {
+        macro_rules! same {
+            ($($ty:ty, $size:literal, $align:literal;)*) => { $(
+                assert_eq!((size_of::<$ty>(), align_of::<$ty>()), ($size, $align), stringify!($ty));
+            )* };
+        }
+        same! {
+            Ray, 48, 16;
+            HitFrame, 48, 16;
+            RayHit, 96, 16;
+            HitPacketFrame, 576, 64;
+            RayHitPacketFrame, 1344, 64;
+            Context, 8, 4;
+            Arguments, 32, 8;
+            FilterArguments, 48, 8;
+            UserArguments, 48, 8;
+            Bounds, 32, 16;
+            BoundsArguments, 24, 8;
+            PointQuery, 32, 16;
+            PointContext, 144, 16;
+            PointArguments, 48, 16;
+            InterpolateArguments, 88, 8;
+        }
+    }
 
     #[test]
     fn layouts_are_those_of_the_headers() {

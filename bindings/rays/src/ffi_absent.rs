@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Calls of Embree's for what is not here: subdivision surfaces, its builder of BVHs, collisions, packets of rays that user geometry
-//! sends on (its tests get single rays). They exist, so that programs can be linked and loaded; each says so and does nothing.
+//! Calls of Embree's for what is not here: subdivision surfaces, its builder of BVHs, collisions. They exist, so that programs can be linked and loaded; each says so and does nothing.
 //! Source: the names of Embree 4.4's headers. Proof: `tests/c/embree.c`.
 
 use crate::device::{Device, Problem};
@@ -12,7 +11,7 @@ macro_rules! of_nothing {
     ($($name:ident)*) => { $(
         /// Not here.
         #[unsafe(no_mangle)]
-        pub(crate) extern "C" fn $name() -> usize {
+        pub(crate) extern "C-unwind" fn $name() -> usize {
             absent(stringify!($name), None);
             0
         }
@@ -21,14 +20,6 @@ macro_rules! of_nothing {
 
 of_nothing! {
     rtcBuildBVH rtcReleaseBVH rtcRetainBVH rtcThreadLocalAlloc rtcInterpolateN
-    rtcForwardIntersect4 rtcForwardIntersect8 rtcForwardIntersect16
-    rtcForwardIntersect4Ex rtcForwardIntersect8Ex rtcForwardIntersect16Ex
-    rtcForwardOccluded4 rtcForwardOccluded8 rtcForwardOccluded16
-    rtcForwardOccluded4Ex rtcForwardOccluded8Ex rtcForwardOccluded16Ex
-    rtcTraversableForwardIntersect4 rtcTraversableForwardIntersect8 rtcTraversableForwardIntersect16
-    rtcTraversableForwardIntersect4Ex rtcTraversableForwardIntersect8Ex rtcTraversableForwardIntersect16Ex
-    rtcTraversableForwardOccluded4 rtcTraversableForwardOccluded8 rtcTraversableForwardOccluded16
-    rtcTraversableForwardOccluded4Ex rtcTraversableForwardOccluded8Ex rtcTraversableForwardOccluded16Ex
 }
 
 macro_rules! of_geometry {
@@ -38,7 +29,7 @@ macro_rules! of_geometry {
         /// # Safety
         /// A geometry.
         #[unsafe(no_mangle)]
-        pub(crate) unsafe extern "C" fn $name(geometry: Handle) -> usize {
+        pub(crate) unsafe extern "C-unwind" fn $name(geometry: Handle) -> usize {
             let refuse = |geometry: &std::sync::Arc<Geometry>| {
                 absent(stringify!($name), Some(&geometry.device));
                 Ok::<usize, Problem>(0)
@@ -61,7 +52,7 @@ of_geometry! {
 /// # Safety
 /// A device.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcNewBVH(device: Handle) -> Handle {
+pub(crate) unsafe extern "C-unwind" fn rtcNewBVH(device: Handle) -> Handle {
     // SAFETY: passed on.
     absent("rtcNewBVH", unsafe { shared::<Device>(device) }.as_deref());
     std::ptr::null_mut()
@@ -72,7 +63,7 @@ pub(crate) unsafe extern "C" fn rtcNewBVH(device: Handle) -> Handle {
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcCollide(scene: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcCollide(scene: Handle) {
     // SAFETY: passed on.
     absent("rtcCollide", unsafe { shared::<Scene>(scene) }.as_ref().map(|scene| &*scene.device));
 }

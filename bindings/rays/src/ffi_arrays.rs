@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcNewBuffer`, `rtcSetSharedGeometryBuffer` and their kin: arrays of geometries, and values between vertices.
-//! Source: original; Embree's manual. Proof: `tests/c/embree.c`, `tests/c/embree.c`.
+//! `rtcNewBuffer`, `rtcSetSharedGeometryBuffer` and their kin: arrays of geometries.
+//! Source: original; Embree's manual. Proof: `tests/c/embree.c`.
 
 use std::ffi::{c_uint, c_void};
 use std::ptr::null_mut;
 use std::sync::Arc;
 
 use crate::device::{Device, Problem};
-use crate::ffi_abi::{Code, InterpolateArguments, buffer, format};
+use crate::ffi_abi::{Code, buffer, format};
 use crate::ffi_handle::{Handle, lend, release, retain, shared, with, with_device};
 use crate::ffi_memory::{Block, Pointer, View};
 use crate::objects::{Array, Buffer, Geometry, Kind};
 use crate::transform;
+
+pub(crate) fn no_array(of: u32, slot: u32) -> Problem {
+    Problem::argument(format!("there is no buffer of type {of} in slot {slot}"))
+}
 
 fn no_room(bytes: usize) -> Problem {
     Problem { code: Code::OutOfMemory, message: format!("there is no room for {bytes} bytes") }
@@ -22,7 +26,7 @@ fn no_room(bytes: usize) -> Problem {
 /// # Safety
 /// A device.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcNewBuffer(device: Handle, bytes: usize) -> Handle {
+pub(crate) unsafe extern "C-unwind" fn rtcNewBuffer(device: Handle, bytes: usize) -> Handle {
     let new = |device: &Arc<Device>| {
         let block = Arc::new(Block::new(bytes).ok_or_else(|| no_room(bytes))?);
         let start = Pointer(block.start());
@@ -37,7 +41,7 @@ pub(crate) unsafe extern "C" fn rtcNewBuffer(device: Handle, bytes: usize) -> Ha
 /// # Safety
 /// A device, and so many bytes that stay where they are as long as the buffer is used.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcNewSharedBuffer(
+pub(crate) unsafe extern "C-unwind" fn rtcNewSharedBuffer(
     device: Handle,
     start: *mut c_void,
     bytes: usize,
@@ -55,7 +59,7 @@ pub(crate) unsafe extern "C" fn rtcNewSharedBuffer(
 /// # Safety
 /// As [`rtcNewBuffer`].
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcNewBufferHostDevice(device: Handle, bytes: usize) -> Handle {
+pub(crate) unsafe extern "C-unwind" fn rtcNewBufferHostDevice(device: Handle, bytes: usize) -> Handle {
     // SAFETY: passed on.
     unsafe { rtcNewBuffer(device, bytes) }
 }
@@ -65,7 +69,7 @@ pub(crate) unsafe extern "C" fn rtcNewBufferHostDevice(device: Handle, bytes: us
 /// # Safety
 /// As [`rtcNewSharedBuffer`].
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcNewSharedBufferHostDevice(
+pub(crate) unsafe extern "C-unwind" fn rtcNewSharedBufferHostDevice(
     device: Handle,
     start: *mut c_void,
     bytes: usize,
@@ -79,7 +83,7 @@ pub(crate) unsafe extern "C" fn rtcNewSharedBufferHostDevice(
 /// # Safety
 /// A buffer.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcCommitBuffer(buffer: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcCommitBuffer(buffer: Handle) {
     // SAFETY: passed on.
     unsafe { with::<Buffer, ()>(buffer, |_| Ok(())) }
 }
@@ -89,7 +93,7 @@ pub(crate) unsafe extern "C" fn rtcCommitBuffer(buffer: Handle) {
 /// # Safety
 /// A buffer.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetBufferData(buffer: Handle) -> *mut c_void {
+pub(crate) unsafe extern "C-unwind" fn rtcGetBufferData(buffer: Handle) -> *mut c_void {
     // SAFETY: passed on.
     let start = unsafe { with::<Buffer, _>(buffer, |buffer| Ok(buffer.start)) };
     start.0
@@ -100,7 +104,7 @@ pub(crate) unsafe extern "C" fn rtcGetBufferData(buffer: Handle) -> *mut c_void 
 /// # Safety
 /// A buffer.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetBufferDataDevice(buffer: Handle) -> *mut c_void {
+pub(crate) unsafe extern "C-unwind" fn rtcGetBufferDataDevice(buffer: Handle) -> *mut c_void {
     // SAFETY: passed on.
     unsafe { rtcGetBufferData(buffer) }
 }
@@ -110,7 +114,7 @@ pub(crate) unsafe extern "C" fn rtcGetBufferDataDevice(buffer: Handle) -> *mut c
 /// # Safety
 /// A buffer or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcRetainBuffer(buffer: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcRetainBuffer(buffer: Handle) {
     // SAFETY: passed on.
     unsafe { retain::<Buffer>(buffer) }
 }
@@ -120,7 +124,7 @@ pub(crate) unsafe extern "C" fn rtcRetainBuffer(buffer: Handle) {
 /// # Safety
 /// A buffer or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcReleaseBuffer(buffer: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcReleaseBuffer(buffer: Handle) {
     // SAFETY: passed on.
     unsafe { release::<Buffer>(buffer) }
 }
@@ -198,9 +202,9 @@ impl Given {
         // SAFETY: passed on.
         let view = unsafe { View::new(start, self.stride, self.count, width, keep) };
         let array = Array { view, format: self.format };
-        let mut settings = geometry.settings();
-        settings.is_committed = false;
+        let mut settings = geometry.edit();
         settings.arrays.insert((self.of, self.slot), array);
+        settings.modified();
         Ok(())
     }
 }
@@ -210,7 +214,7 @@ impl Given {
 /// # Safety
 /// A geometry, and so many rows that stay where they are as long as the geometry is used.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetSharedGeometryBuffer(
+pub(crate) unsafe extern "C-unwind" fn rtcSetSharedGeometryBuffer(
     geometry: Handle,
     of: c_uint,
     slot: c_uint,
@@ -237,7 +241,7 @@ pub(crate) unsafe extern "C" fn rtcSetSharedGeometryBuffer(
 /// # Safety
 /// As [`rtcSetSharedGeometryBuffer`].
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetSharedGeometryBufferHostDevice(
+pub(crate) unsafe extern "C-unwind" fn rtcSetSharedGeometryBufferHostDevice(
     geometry: Handle,
     of: c_uint,
     slot: c_uint,
@@ -257,7 +261,7 @@ pub(crate) unsafe extern "C" fn rtcSetSharedGeometryBufferHostDevice(
 /// # Safety
 /// A geometry and a buffer.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryBuffer(
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryBuffer(
     geometry: Handle,
     of: c_uint,
     slot: c_uint,
@@ -294,7 +298,7 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryBuffer(
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetNewGeometryBuffer(
+pub(crate) unsafe extern "C-unwind" fn rtcSetNewGeometryBuffer(
     geometry: Handle,
     of: c_uint,
     slot: c_uint,
@@ -323,7 +327,7 @@ pub(crate) unsafe extern "C" fn rtcSetNewGeometryBuffer(
 /// # Safety
 /// A geometry, and room for two pointers, or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetNewGeometryBufferHostDevice(
+pub(crate) unsafe extern "C-unwind" fn rtcSetNewGeometryBufferHostDevice(
     geometry: Handle,
     of: c_uint,
     slot: c_uint,
@@ -347,7 +351,7 @@ pub(crate) unsafe extern "C" fn rtcSetNewGeometryBufferHostDevice(
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryBufferData(
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryBufferData(
     geometry: Handle,
     of: c_uint,
     slot: c_uint,
@@ -355,8 +359,7 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryBufferData(
     let get = |geometry: &Arc<Geometry>| {
         let settings = geometry.settings();
         let array = settings.arrays.get(&(of, slot));
-        let array = array
-            .ok_or_else(|| Problem::argument(format!("there is no buffer of type {of} in slot {slot}")))?;
+        let array = array.ok_or_else(|| no_array(of, slot))?;
         Ok(Pointer(array.view.start()))
     };
     // SAFETY: passed on.
@@ -368,7 +371,7 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryBufferData(
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryBufferDataDevice(
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryBufferDataDevice(
     geometry: Handle,
     of: c_uint,
     slot: c_uint,
@@ -377,84 +380,20 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryBufferDataDevice(
     unsafe { rtcGetGeometryBufferData(geometry, of, slot) }
 }
 
-/// An array was written. All arrays are read by each commit.
+/// An array was written: the geometry is to be committed.
 ///
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcUpdateGeometryBuffer(geometry: Handle, of: c_uint, slot: c_uint) {
+pub(crate) unsafe extern "C-unwind" fn rtcUpdateGeometryBuffer(geometry: Handle, of: c_uint, slot: c_uint) {
     let check = |geometry: &Arc<Geometry>| {
-        let known = geometry.settings().arrays.contains_key(&(of, slot));
-        known
-            .then_some(())
-            .ok_or_else(|| Problem::argument(format!("there is no buffer of type {of} in slot {slot}")))
+        let mut settings = geometry.edit();
+        if !settings.arrays.contains_key(&(of, slot)) {
+            return Err(no_array(of, slot));
+        }
+        settings.modified();
+        Ok(())
     };
     // SAFETY: passed on.
     unsafe { with::<Geometry, _>(geometry, check) }
-}
-
-/// Values between the corners of a primitive, and how they change.
-struct Between {
-    values: Vec<f32>,
-    first: [Vec<f32>; 2],
-}
-
-fn between(geometry: &Geometry, arguments: &InterpolateArguments) -> Result<Between, Problem> {
-    let &InterpolateArguments { prim_id, u, v, buffer_type, slot, count, .. } = arguments;
-    let settings = geometry.settings();
-    let array = |of, slot| {
-        let array = settings.arrays.get(&(of, slot));
-        array.ok_or_else(|| Problem::argument(format!("there is no buffer of type {of} in slot {slot}")))
-    };
-    let (rows, indices) = (&array(buffer_type, slot)?.view, &array(buffer::INDEX, 0)?.view);
-    let none = || Problem::argument(format!("there is no primitive {prim_id}"));
-    let prim_id = prim_id as usize;
-    // The corner that weighs what the others leave, those that u and v weigh, and which way they grow.
-    let (corners, u, v, sign) = match geometry.kind {
-        Kind::Triangles => (indices.get::<u32, 3>(prim_id).ok_or_else(none)?, u, v, 1.0),
-        Kind::Quads => {
-            let [a, b, c, d] = indices.get::<u32, 4>(prim_id).ok_or_else(none)?;
-            if u + v <= 1.0 { ([a, b, d], u, v, 1.0) } else { ([c, d, b], 1.0 - u, 1.0 - v, -1.0) }
-        }
-        kind => return Err(Problem::operation(format!("{kind:?} have nothing between vertices"))),
-    };
-    let mut between = Between { values: Vec::new(), first: [Vec::new(), Vec::new()] };
-    for k in 0..count as usize {
-        let at = |corner: u32| {
-            rows.number::<f32>(corner as usize, k).ok_or_else(|| {
-                Problem::argument(format!("value {k} of vertex {corner} is not in the buffer"))
-            })
-        };
-        let [a, b, c] = [at(corners[0])?, at(corners[1])?, at(corners[2])?];
-        between.values.push((1.0 - u - v) * a + u * b + v * c);
-        between.first[0].push(sign * (b - a));
-        between.first[1].push(sign * (c - a));
-    }
-    Ok(between)
-}
-
-/// Values between the corners of a triangle or a quad.
-///
-/// # Safety
-/// As Embree's headers say: a geometry, and room for so many values wherever a pointer is not null.
-#[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcInterpolate(arguments: *const InterpolateArguments) {
-    if arguments.is_null() {
-        return;
-    }
-    // SAFETY: passed on.
-    let arguments = unsafe { &*arguments };
-    let find = |geometry: &Arc<Geometry>| between(geometry, arguments).map(Some);
-    // SAFETY: passed on.
-    let Some(found) = (unsafe { with::<Geometry, _>(arguments.geometry, find) }) else { return };
-    let zeros = vec![0.0; found.values.len()];
-    let InterpolateArguments { values, first, second, .. } = arguments;
-    let flat = second.iter().map(|&to| (to, &zeros));
-    let sloped = first.iter().copied().zip(&found.first);
-    for (to, values) in std::iter::once((*values, &found.values)).chain(sloped).chain(flat) {
-        if !to.is_null() {
-            // SAFETY: the caller vouches for the room.
-            unsafe { values.as_ptr().copy_to_nonoverlapping(to, values.len()) }
-        }
-    }
 }

@@ -2,10 +2,13 @@
 //! The queries of `gnurt/rays.h`. Source: original; include/gnurt/rays.h. Rays are gathered some thousand at a time; answers are
 //! those of single rays, whatever threads there are. Proof: `tests/c/rays.c`.
 
+use std::cell::Cell;
 use std::ffi::{c_int, c_uint, c_void};
 
 use gnurt_accel::{Coherence, Hit, HitBatch, PointHit, Query, Ray, Ray64, Threads};
+use rayon::prelude::*;
 
+use crate::ffi_catch::{self, Thrown};
 use crate::ffi_columns::{Array, Places, Rows, Want, Written};
 use crate::ffi_rays::{built, called, with_threads};
 use crate::ray_scene::{Built, RayScene, ask_tree};
@@ -37,7 +40,7 @@ pub(crate) struct Candidate {
     inst_id: u32,
 }
 
-type Filter = unsafe extern "C" fn(*mut c_void, usize, *const Candidate, *mut c_int);
+type Filter = unsafe extern "C-unwind" fn(*mut c_void, usize, *const Candidate, *mut c_int);
 
 /// `gnurt_query`.
 #[repr(C)]
@@ -116,6 +119,8 @@ struct Asked {
     query: Query,
     threads: usize,
     filter: Option<(Filter, *mut c_void)>,
+    /// Whether the filter has thrown an exception: it is not called any more.
+    thrown: Cell<bool>,
 }
 
 impl Asked {
@@ -124,16 +129,47 @@ impl Asked {
     unsafe fn new(query: *const QueryIn) -> Self {
         // SAFETY: passed on.
         let Some(&QueryIn { threads, coherent, filter, user }) = (unsafe { query.as_ref() }) else {
-            return Self { query: Query::default(), threads: 0, filter: None };
+            return Self { query: Query::default(), threads: 0, filter: None, thrown: Cell::new(false) };
         };
         let coherence = if coherent != 0 { Coherence::Coherent } else { Coherence::default() };
         let query = Query { coherence, ..Query::default() };
-        Self { query, threads: threads as usize, filter: filter.map(|filter| (filter, user)) }
+        let filter = filter.map(|filter| (filter, user));
+        Self { query, threads: threads as usize, filter, thrown: Cell::new(false) }
     }
 }
 
-/// Asks a filter about hits of rays.
-fn accepted(built: &Built, (filter, user): (Filter, *mut c_void), hits: &[(usize, Hit)]) -> Vec<bool> {
+/// Asks a scene. An exception that a function of the program throws meanwhile is an error.
+///
+/// # Safety
+/// A scene, and a query or null.
+unsafe fn asking(
+    scene: *const RayScene,
+    query: *const QueryIn,
+    job: impl FnOnce(&Built, &Asked) -> Result<(), String>,
+) -> c_int {
+    called(|| {
+        // SAFETY: passed on.
+        let (built, asked) = unsafe { (built(scene)?, Asked::new(query)) };
+        let before = built.thrown();
+        job(&built, &asked)?;
+        if asked.thrown.get() {
+            return Err(format!("filter: {Thrown}"));
+        }
+        // One of another thread's query of the same geometry counts for both.
+        if built.thrown() != before { Err(format!("user: intersect: {Thrown}")) } else { Ok(()) }
+    })
+}
+
+/// Asks a filter about hits of rays; none passes once it has thrown.
+fn accepted(
+    built: &Built,
+    asked: &Asked,
+    (filter, user): (Filter, *mut c_void),
+    hits: &[(usize, Hit)],
+) -> Vec<bool> {
+    if asked.thrown.get() {
+        return vec![false; hits.len()];
+    }
     let candidates: Vec<Candidate> = hits
         .iter()
         .map(|&(ray, Hit { t, u, v, prim_id, geom_id, inst_id, leaf_id })| {
@@ -144,19 +180,35 @@ fn accepted(built: &Built, (filter, user): (Filter, *mut c_void), hits: &[(usize
     let mut accept: Vec<c_int> = vec![1; hits.len()];
     if !hits.is_empty() {
         // SAFETY: the program gave the filter to be called like this; both arrays are of this length.
-        unsafe { filter(user, hits.len(), candidates.as_ptr(), accept.as_mut_ptr()) };
+        let call = || unsafe { filter(user, hits.len(), candidates.as_ptr(), accept.as_mut_ptr()) };
+        if ffi_catch::call(call).is_err() {
+            asked.thrown.set(true);
+            return vec![false; hits.len()];
+        }
     }
     accept.into_iter().map(|accept| accept != 0).collect()
 }
 
 /// All hits of some rays, in order, each with its ray.
-fn lists(built: &Built, rays: &Rays, range: std::ops::Range<usize>, asked: &Asked) -> Vec<Vec<Hit>> {
-    let mut hits = Vec::new();
-    let all = |i: usize| {
-        ask_tree!(built, tree => tree.all_hits(&asked.query, &rays.get(i), &mut hits));
+fn lists(
+    built: &Built,
+    rays: &Rays,
+    range: std::ops::Range<usize>,
+    query: &Query,
+    threads: Threads,
+) -> Vec<Vec<Hit>> {
+    let all = |hits: &mut Vec<Hit>, i: usize| {
+        ask_tree!(built, tree => tree.all_hits(query, &rays.get(i), hits));
         hits.clone()
     };
-    range.map(all).collect()
+    threads.run(|parallel| {
+        if parallel {
+            range.into_par_iter().with_min_len(32).map_init(Vec::new, all).collect()
+        } else {
+            let mut hits = Vec::new();
+            range.map(|i| all(&mut hits, i)).collect()
+        }
+    })
 }
 
 /// First hits that the filter lets pass: rays that are undecided go round by round.
@@ -166,8 +218,9 @@ fn filtered(
     range: std::ops::Range<usize>,
     asked: &Asked,
     filter: (Filter, *mut c_void),
+    threads: Threads,
 ) -> Vec<Option<Hit>> {
-    let lists = lists(built, rays, range.clone(), asked);
+    let lists = lists(built, rays, range.clone(), &asked.query, threads);
     let mut first = vec![None; range.len()];
     let mut open: Vec<usize> = (0..range.len()).collect();
     for round in 0.. {
@@ -176,7 +229,7 @@ fn filtered(
             break;
         }
         let hits: Vec<(usize, Hit)> = open.iter().map(|&i| (range.start + i, lists[i][round])).collect();
-        let accept = accepted(built, filter, &hits);
+        let accept = accepted(built, asked, filter, &hits);
         let mut decided = accept.into_iter();
         open.retain(|&i| {
             let accept = decided.next() == Some(true);
@@ -212,7 +265,7 @@ fn trace(
     let mut hits = HitBatch::default();
     for range in rays.parts(if asked.filter.is_some() { 4096 } else { SHARE }) {
         if let Some(filter) = asked.filter {
-            let first = filtered(built, rays, range.clone(), asked, filter);
+            let first = filtered(built, rays, range.clone(), asked, filter, threads);
             range.zip(first).for_each(|(i, hit)| take(i, hit));
             continue;
         }
@@ -232,7 +285,7 @@ fn trace(
 /// # Safety
 /// As include/gnurt/rays.h says: a scene, rays, a query or null, places.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_intersect(
+pub(crate) unsafe extern "C-unwind" fn gnurt_intersect(
     scene: *const RayScene,
     rays: *const RaysIn,
     query: *const QueryIn,
@@ -247,7 +300,7 @@ pub(crate) unsafe extern "C" fn gnurt_intersect(
 /// # Safety
 /// As [`gnurt_intersect`], with room for `levels` ids for each ray.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_intersect_paths(
+pub(crate) unsafe extern "C-unwind" fn gnurt_intersect_paths(
     scene: *const RayScene,
     rays: *const RaysIn,
     query: *const QueryIn,
@@ -255,18 +308,18 @@ pub(crate) unsafe extern "C" fn gnurt_intersect_paths(
     levels: usize,
     paths: *mut u32,
 ) -> c_int {
-    called(|| {
+    let job = |built: &Built, asked: &Asked| {
         // SAFETY: passed on.
-        let (built, rays, asked) = unsafe { (built(scene)?, Rays::new(rays)?, Asked::new(query)) };
+        let rays = unsafe { Rays::new(rays)? };
         // SAFETY: passed on.
         let places = *unsafe { hits.as_ref() }.ok_or("hits: a null pointer")?;
         if levels > 0 && paths.is_null() {
             return Err(format!("paths: a null pointer where there is said to be room for {levels} levels"));
         }
-        with_threads(asked.threads, |threads| {
-            trace(&built, &rays, &asked, threads, |i, hit| {
+        with_threads(asked.threads, rays.count, |threads| {
+            trace(built, &rays, asked, threads, |i, hit| {
                 let found = hit.map_or(Written::MISS, |hit| {
-                    written(&built, &places, &hit, || {
+                    written(built, &places, &hit, || {
                         let ray = rays.get(i);
                         ray.at(hit.t)
                     })
@@ -282,7 +335,9 @@ pub(crate) unsafe extern "C" fn gnurt_intersect_paths(
             });
         });
         Ok(())
-    })
+    };
+    // SAFETY: passed on.
+    unsafe { asking(scene, query, job) }
 }
 
 /// Whether anything is hit.
@@ -290,23 +345,23 @@ pub(crate) unsafe extern "C" fn gnurt_intersect_paths(
 /// # Safety
 /// As [`gnurt_intersect`], with room for a byte for each ray.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_occluded(
+pub(crate) unsafe extern "C-unwind" fn gnurt_occluded(
     scene: *const RayScene,
     rays: *const RaysIn,
     query: *const QueryIn,
     occluded: *mut u8,
 ) -> c_int {
-    called(|| {
+    let job = |built: &Built, asked: &Asked| {
         // SAFETY: passed on.
-        let (built, rays, asked) = unsafe { (built(scene)?, Rays::new(rays)?, Asked::new(query)) };
+        let rays = unsafe { Rays::new(rays)? };
         if occluded.is_null() {
             return Err("occluded: a null pointer".into());
         }
         // SAFETY: passed on.
         let set = |i: usize, is_hit: bool| unsafe { occluded.add(i).write(u8::from(is_hit)) };
-        with_threads(asked.threads, |threads| {
+        with_threads(asked.threads, rays.count, |threads| {
             if asked.filter.is_some() {
-                return trace(&built, &rays, &asked, threads, |i, hit| set(i, hit.is_some()));
+                return trace(built, &rays, asked, threads, |i, hit| set(i, hit.is_some()));
             }
             let mut answers = Vec::new();
             for range in rays.parts(SHARE) {
@@ -316,7 +371,9 @@ pub(crate) unsafe extern "C" fn gnurt_occluded(
             }
         });
         Ok(())
-    })
+    };
+    // SAFETY: passed on.
+    unsafe { asking(scene, query, job) }
 }
 
 /// All hits.
@@ -324,7 +381,7 @@ pub(crate) unsafe extern "C" fn gnurt_occluded(
 /// # Safety
 /// As [`gnurt_intersect`], with room for an end for each ray, and for `room` hits.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_all_hits(
+pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
     scene: *const RayScene,
     rays: *const RaysIn,
     query: *const QueryIn,
@@ -333,9 +390,9 @@ pub(crate) unsafe extern "C" fn gnurt_all_hits(
     room: usize,
     hits: *const Places,
 ) -> c_int {
-    called(|| {
+    let job = |built: &Built, asked: &Asked| {
         // SAFETY: passed on.
-        let (built, rays, asked) = unsafe { (built(scene)?, Rays::new(rays)?, Asked::new(query)) };
+        let rays = unsafe { Rays::new(rays)? };
         if ends.is_null() {
             return Err("ends: a null pointer".into());
         }
@@ -346,34 +403,38 @@ pub(crate) unsafe extern "C" fn gnurt_all_hits(
         }
         let most = if most == 0 { usize::MAX } else { most };
         let mut end = 0;
-        for range in rays.parts(4096) {
-            let lists = lists(&built, &rays, range.clone(), &asked);
-            let flat: Vec<(usize, Hit)> = range
-                .clone()
-                .zip(&lists)
-                .flat_map(|(i, hits)| hits.iter().map(move |&hit| (i, hit)))
-                .collect();
-            let accept = match asked.filter {
-                Some(filter) => accepted(&built, filter, &flat),
-                None => vec![true; flat.len()],
-            };
-            let mut accept = accept.into_iter();
-            for (i, list) in range.zip(&lists) {
-                let passed: Vec<&Hit> = list.iter().filter(|_| accept.next() == Some(true)).collect();
-                for hit in passed.into_iter().take(most) {
-                    if let Some(places) = places.filter(|_| end < room) {
-                        let found = written(&built, places, hit, || rays.get(i).at(hit.t));
-                        // SAFETY: there is room for so many.
-                        unsafe { places.set(end, &found) };
+        with_threads(asked.threads, rays.count, |threads| {
+            for range in rays.parts(4096) {
+                let lists = lists(built, &rays, range.clone(), &asked.query, threads);
+                let flat: Vec<(usize, Hit)> = range
+                    .clone()
+                    .zip(&lists)
+                    .flat_map(|(i, hits)| hits.iter().map(move |&hit| (i, hit)))
+                    .collect();
+                let accept = match asked.filter {
+                    Some(filter) => accepted(built, asked, filter, &flat),
+                    None => vec![true; flat.len()],
+                };
+                let mut accept = accept.into_iter();
+                for (i, list) in range.zip(&lists) {
+                    let passed: Vec<&Hit> = list.iter().filter(|_| accept.next() == Some(true)).collect();
+                    for hit in passed.into_iter().take(most) {
+                        if let Some(places) = places.filter(|_| end < room) {
+                            let found = written(built, places, hit, || rays.get(i).at(hit.t));
+                            // SAFETY: there is room for so many.
+                            unsafe { places.set(end, &found) };
+                        }
+                        end += 1;
                     }
-                    end += 1;
+                    // SAFETY: passed on.
+                    unsafe { ends.add(i).write(end) };
                 }
-                // SAFETY: passed on.
-                unsafe { ends.add(i).write(end) };
             }
-        }
+        });
         Ok(())
-    })
+    };
+    // SAFETY: passed on.
+    unsafe { asking(scene, query, job) }
 }
 
 /// Crossings.
@@ -381,19 +442,19 @@ pub(crate) unsafe extern "C" fn gnurt_all_hits(
 /// # Safety
 /// As [`gnurt_intersect`], with room for a number for each ray.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_crossings(
+pub(crate) unsafe extern "C-unwind" fn gnurt_crossings(
     scene: *const RayScene,
     rays: *const RaysIn,
     query: *const QueryIn,
     counts: *mut u32,
 ) -> c_int {
-    called(|| {
+    let job = |built: &Built, asked: &Asked| {
         // SAFETY: passed on.
-        let (built, rays, asked) = unsafe { (built(scene)?, Rays::new(rays)?, Asked::new(query)) };
+        let rays = unsafe { Rays::new(rays)? };
         if counts.is_null() {
             return Err("counts: a null pointer".into());
         }
-        with_threads(asked.threads, |threads| {
+        with_threads(asked.threads, rays.count, |threads| {
             let mut answers = Vec::new();
             for range in rays.parts(SHARE) {
                 let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
@@ -403,7 +464,9 @@ pub(crate) unsafe extern "C" fn gnurt_crossings(
             }
         });
         Ok(())
-    })
+    };
+    // SAFETY: passed on.
+    unsafe { asking(scene, query, job) }
 }
 
 /// Points to be read, in parts.
@@ -426,20 +489,18 @@ unsafe fn each_part(points: &Array, mut job: impl FnMut(usize, &[[f64; 3]])) -> 
 /// # Safety
 /// As include/gnurt/rays.h says.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_contains(
+pub(crate) unsafe extern "C-unwind" fn gnurt_contains(
     scene: *const RayScene,
     points: Array,
     query: *const QueryIn,
     contained: *mut u8,
 ) -> c_int {
-    called(|| {
-        // SAFETY: passed on.
-        let (built, asked) = unsafe { (built(scene)?, Asked::new(query)) };
+    let job = |built: &Built, asked: &Asked| {
         if contained.is_null() {
             return Err("contained: a null pointer".into());
         }
         let mut answers = Vec::new();
-        with_threads(asked.threads, |threads| {
+        with_threads(asked.threads, points.count, |threads| {
             let job = |first: usize, part: &[[f64; 3]]| {
                 ask_tree!(built, tree => tree.contains_batch(&asked.query, part, threads, &mut answers));
                 for (i, &is_in) in answers.iter().enumerate() {
@@ -450,7 +511,9 @@ pub(crate) unsafe extern "C" fn gnurt_contains(
             // SAFETY: passed on.
             unsafe { each_part(&points, job) }
         })
-    })
+    };
+    // SAFETY: passed on.
+    unsafe { asking(scene, query, job) }
 }
 
 /// Signed distances.
@@ -458,20 +521,18 @@ pub(crate) unsafe extern "C" fn gnurt_contains(
 /// # Safety
 /// As include/gnurt/rays.h says.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_signed_distances(
+pub(crate) unsafe extern "C-unwind" fn gnurt_signed_distances(
     scene: *const RayScene,
     points: Array,
     query: *const QueryIn,
     distances: *mut f64,
 ) -> c_int {
-    called(|| {
-        // SAFETY: passed on.
-        let (built, asked) = unsafe { (built(scene)?, Asked::new(query)) };
+    let job = |built: &Built, asked: &Asked| {
         if distances.is_null() {
             return Err("distances: a null pointer".into());
         }
         let mut answers = Vec::new();
-        with_threads(asked.threads, |threads| {
+        with_threads(asked.threads, points.count, |threads| {
             let job = |first: usize, part: &[[f64; 3]]| {
                 ask_tree!(built, tree => tree.signed_distance_batch(&asked.query, part, threads, &mut answers));
                 for (i, &distance) in answers.iter().enumerate() {
@@ -482,7 +543,9 @@ pub(crate) unsafe extern "C" fn gnurt_signed_distances(
             // SAFETY: passed on.
             unsafe { each_part(&points, job) }
         })
-    })
+    };
+    // SAFETY: passed on.
+    unsafe { asking(scene, query, job) }
 }
 
 /// Nearest points.
@@ -490,7 +553,7 @@ pub(crate) unsafe extern "C" fn gnurt_signed_distances(
 /// # Safety
 /// As include/gnurt/rays.h says.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_closest_points(
+pub(crate) unsafe extern "C-unwind" fn gnurt_closest_points(
     scene: *const RayScene,
     points: Array,
     radius: f64,
@@ -498,11 +561,11 @@ pub(crate) unsafe extern "C" fn gnurt_closest_points(
     nearest: *mut [f64; 3],
     hits: *const Places,
 ) -> c_int {
-    called(|| {
+    let job = |built: &Built, asked: &Asked| {
         // SAFETY: passed on.
-        let (built, asked, places) = unsafe { (built(scene)?, Asked::new(query), hits.as_ref()) };
+        let places = unsafe { hits.as_ref() };
         let mut answers: Vec<Option<PointHit>> = Vec::new();
-        with_threads(asked.threads, |threads| {
+        with_threads(asked.threads, points.count, |threads| {
             let job = |first: usize, part: &[[f64; 3]]| {
                 ask_tree!(built, tree => tree.closest_points(&asked.query, part, radius, threads, &mut answers));
                 for (i, found) in answers.iter().enumerate() {
@@ -515,7 +578,7 @@ pub(crate) unsafe extern "C" fn gnurt_closest_points(
                     let shown = found.map_or(Written::MISS, |found| {
                         let PointHit { distance, u, v, prim_id, geom_id, inst_id, leaf_id, .. } = found;
                         let hit = Hit { t: distance as f32, u, v, prim_id, geom_id, inst_id, leaf_id };
-                        written(&built, places, &hit, || found.point)
+                        written(built, places, &hit, || found.point)
                     });
                     // SAFETY: there is a place for each point.
                     unsafe { places.set(first + i, &shown) };
@@ -524,5 +587,7 @@ pub(crate) unsafe extern "C" fn gnurt_closest_points(
             // SAFETY: passed on.
             unsafe { each_part(&points, job) }
         })
-    })
+    };
+    // SAFETY: passed on.
+    unsafe { asking(scene, query, job) }
 }

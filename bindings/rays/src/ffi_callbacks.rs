@@ -1,17 +1,38 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Functions of the program's that are told what happens, made safe to call. Source: original.
+//! Functions of the program that are told what happens, made safe to call; and exceptions of those that are asked during a query.
+//! Source: original. What they throw ends here, but for that of error functions, which goes on to the program: decision 0032.
 //! Invariant: who makes one vouches that it may be called, with its pointer, until it is replaced.
 
+use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_uint, c_void};
 
+use crate::ffi_catch::{self, Thrown};
 use crate::ffi_memory::Pointer;
 
 /// `RTCErrorFunction`.
-pub(crate) type ErrorFunction = unsafe extern "C" fn(*mut c_void, c_uint, *const c_char);
+pub(crate) type ErrorFunction = unsafe extern "C-unwind" fn(*mut c_void, c_uint, *const c_char);
 /// `RTCMemoryMonitorFunction`.
-pub(crate) type MemoryFunction = unsafe extern "C" fn(*mut c_void, isize, bool) -> bool;
+pub(crate) type MemoryFunction = unsafe extern "C-unwind" fn(*mut c_void, isize, bool) -> bool;
 /// `RTCProgressMonitorFunction`.
-pub(crate) type ProgressFunction = unsafe extern "C" fn(*mut c_void, f64) -> bool;
+pub(crate) type ProgressFunction = unsafe extern "C-unwind" fn(*mut c_void, f64) -> bool;
+
+thread_local! {
+    /// Whether a function of the program has thrown an exception in this thread's query.
+    static THROWN: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Asks the program during a query. `None` where an exception came, now or earlier in the same query: nothing is called then.
+pub(crate) fn ask_program<R>(call: impl FnOnce() -> R) -> Option<R> {
+    if THROWN.get() {
+        return None;
+    }
+    ffi_catch::call(call).inspect_err(|Thrown| THROWN.set(true)).ok()
+}
+
+/// Whether exceptions came since this was last asked for.
+pub(crate) fn take_thrown() -> Result<(), Thrown> {
+    if THROWN.take() { Err(Thrown) } else { Ok(()) }
+}
 
 /// A function and the pointer that it is called with.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +50,7 @@ impl<F> Callback<F> {
 }
 
 impl Callback<ErrorFunction> {
+    /// What it throws goes on to the program's handler.
     pub(crate) fn call(&self, code: u32, message: &CStr) {
         // SAFETY: vouched for by who made this; the text lives during the call.
         unsafe { (self.function)(self.user.0, code, message.as_ptr()) }
@@ -37,16 +59,16 @@ impl Callback<ErrorFunction> {
 
 impl Callback<MemoryFunction> {
     /// Whether so many bytes more may be held.
-    pub(crate) fn call(&self, bytes: i64, after: bool) -> bool {
+    pub(crate) fn call(&self, bytes: i64, after: bool) -> Result<bool, Thrown> {
         // SAFETY: vouched for by who made this.
-        unsafe { (self.function)(self.user.0, bytes as isize, after) }
+        ffi_catch::call(|| unsafe { (self.function)(self.user.0, bytes as isize, after) })
     }
 }
 
 impl Callback<ProgressFunction> {
     /// Whether to go on.
-    pub(crate) fn call(&self, done: f64) -> bool {
+    pub(crate) fn call(&self, done: f64) -> Result<bool, Thrown> {
         // SAFETY: vouched for by who made this.
-        unsafe { (self.function)(self.user.0, done) }
+        ffi_catch::call(|| unsafe { (self.function)(self.user.0, done) })
     }
 }

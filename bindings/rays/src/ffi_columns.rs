@@ -111,14 +111,45 @@ impl Rows {
     }
 
     /// All rows of indices; those beyond 32 bits are of no vertex.
-    pub(crate) fn words<const N: usize>(&self) -> Result<Vec<[u32; N]>, String> {
-        Ok(match self.of {
+    pub(crate) fn words<const N: usize>(&self) -> Vec<[u32; N]> {
+        match self.of {
             Type::U32 => self.view.rows::<u32, N>().into_owned(),
             _ => {
                 let word = |i: u64| u32::try_from(i).unwrap_or(u32::MAX);
                 (0..self.len()).map_while(|i| self.view.get::<u64, N>(i)).map(|row| row.map(word)).collect()
             }
-        })
+        }
+    }
+}
+
+/// Rows of a geometry: the program's until the first commit, then a copy, for the program need not keep them any longer.
+#[derive(Clone, Debug)]
+pub(crate) enum Column<T> {
+    Given(Rows),
+    Kept(Vec<T>),
+}
+
+impl<T> Column<T> {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Given(rows) => rows.len(),
+            Self::Kept(rows) => rows.len(),
+        }
+    }
+
+    /// The copy; nothing before [`keep`](Self::keep).
+    pub(crate) fn kept(&self) -> &[T] {
+        match self {
+            Self::Given(_) => &[],
+            Self::Kept(rows) => rows,
+        }
+    }
+
+    /// Copies the program's rows, if that was not done.
+    pub(crate) fn keep(&mut self, copy: impl FnOnce(&Rows) -> Vec<T>) {
+        if let Self::Given(rows) = self {
+            *self = Self::Kept(copy(rows));
+        }
     }
 }
 

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `rtcNewDevice` and its kin: devices, their properties, errors and monitors. Source: original; Embree's manual.
-//! Proof: `tests/c/embree.c`, `tests/c/embree.c`.
+//! Proof: `tests/c/embree.c`.
 
 use std::ffi::{CStr, c_char, c_uint, c_void};
 use std::ptr::null_mut;
 use std::sync::{Arc, PoisonError};
-
-use gnurt_accel::Level;
 
 use crate::device::{Device, Problem, report_without_device, take_error, with_last_message};
 use crate::ffi_abi::Code;
@@ -21,7 +19,7 @@ const VERSION: [isize; 3] = [4, 4, 0];
 /// # Safety
 /// `settings` is null or a text that ends with a zero.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcNewDevice(settings: *const c_char) -> Handle {
+pub(crate) unsafe extern "C-unwind" fn rtcNewDevice(settings: *const c_char) -> Handle {
     // SAFETY: passed on.
     let settings = (!settings.is_null()).then(|| unsafe { CStr::from_ptr(settings) });
     let settings = settings.map(CStr::to_string_lossy).unwrap_or_default();
@@ -34,7 +32,7 @@ pub(crate) unsafe extern "C" fn rtcNewDevice(settings: *const c_char) -> Handle 
 /// # Safety
 /// A device or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcRetainDevice(device: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcRetainDevice(device: Handle) {
     // SAFETY: passed on.
     unsafe { retain::<Device>(device) }
 }
@@ -44,7 +42,7 @@ pub(crate) unsafe extern "C" fn rtcRetainDevice(device: Handle) {
 /// # Safety
 /// A device or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcReleaseDevice(device: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcReleaseDevice(device: Handle) {
     // SAFETY: passed on.
     unsafe { release::<Device>(device) }
 }
@@ -54,18 +52,15 @@ pub(crate) unsafe extern "C" fn rtcReleaseDevice(device: Handle) {
 /// # Safety
 /// A device.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetDeviceProperty(device: Handle, property: c_uint) -> isize {
-    let property_of = |device: &Arc<Device>| {
-        let has = |yes: bool| isize::from(yes);
+pub(crate) unsafe extern "C-unwind" fn rtcGetDeviceProperty(device: Handle, property: c_uint) -> isize {
+    let property_of = |_: &Arc<Device>| {
         Ok(match property {
             0 => 10_000 * VERSION[0] + 100 * VERSION[1] + VERSION[2],
             1 => VERSION[0],
             2 => VERSION[1],
             3 => VERSION[2],
-            // Packets of 4, 8 and 16, where lanes are as wide.
-            32 => has(device.level >= Level::Sse42),
-            33 => has(device.level >= Level::Avx2 && device.level.is_available()),
-            34 => has(device.level == Level::Avx512 && device.level.is_available()),
+            // Packets of 4, 8 and 16 keep their size and order in callbacks, on all machines.
+            32..=34 => 1,
             // Masks, filters, rays that are unsound, triangles, quads, user geometry, points.
             64 | 66 | 67 | 96 | 97 | 100 | 101 => 1,
             // Back faces, compact polygons, subdivision surfaces, curves.
@@ -88,7 +83,7 @@ pub(crate) unsafe extern "C" fn rtcGetDeviceProperty(device: Handle, property: c
 /// # Safety
 /// A device.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetDeviceProperty(device: Handle, property: c_uint, _value: isize) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceProperty(device: Handle, property: c_uint, _value: isize) {
     // Numbers from a million on are Embree's own, of its tests.
     let refused = |_: &Arc<Device>| match property {
         1_000_000.. => Ok(()),
@@ -103,7 +98,7 @@ pub(crate) unsafe extern "C" fn rtcSetDeviceProperty(device: Handle, property: c
 /// # Safety
 /// A device or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetDeviceError(device: Handle) -> c_uint {
+pub(crate) unsafe extern "C-unwind" fn rtcGetDeviceError(device: Handle) -> c_uint {
     // SAFETY: passed on.
     let device = unsafe { shared::<Device>(device) };
     guarded(|| take_error(device.as_deref()) as c_uint)
@@ -114,15 +109,19 @@ pub(crate) unsafe extern "C" fn rtcGetDeviceError(device: Handle) -> c_uint {
 /// # Safety
 /// A device or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetDeviceLastErrorMessage(device: Handle) -> *const c_char {
+pub(crate) unsafe extern "C-unwind" fn rtcGetDeviceLastErrorMessage(device: Handle) -> *const c_char {
     // SAFETY: passed on.
     let device = unsafe { shared::<Device>(device) };
-    with_last_message(device.as_deref(), |message| message.map_or(c"".as_ptr(), CStr::as_ptr))
+    let message = guarded(|| {
+        let start = |message: Option<&CStr>| message.map_or(c"".as_ptr(), CStr::as_ptr);
+        Some(with_last_message(device.as_deref(), start))
+    });
+    message.unwrap_or(c"".as_ptr())
 }
 
 /// The name of an error.
 #[unsafe(no_mangle)]
-pub(crate) extern "C" fn rtcGetErrorString(code: c_uint) -> *const c_char {
+pub(crate) extern "C-unwind" fn rtcGetErrorString(code: c_uint) -> *const c_char {
     let name = match code {
         0 => c"RTC_ERROR_NONE",
         1 => c"RTC_ERROR_UNKNOWN",
@@ -142,7 +141,7 @@ pub(crate) extern "C" fn rtcGetErrorString(code: c_uint) -> *const c_char {
 /// # Safety
 /// A device, and a function that may be called with the pointer.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetDeviceErrorFunction(
+pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceErrorFunction(
     device: Handle,
     function: Option<ErrorFunction>,
     user: *mut c_void,
@@ -163,7 +162,7 @@ pub(crate) unsafe extern "C" fn rtcSetDeviceErrorFunction(
 /// # Safety
 /// A device, and a function that may be called with the pointer.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetDeviceMemoryMonitorFunction(
+pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceMemoryMonitorFunction(
     device: Handle,
     function: Option<MemoryFunction>,
     user: *mut c_void,

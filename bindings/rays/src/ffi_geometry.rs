@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `rtcNewGeometry` and its kin: settings, callbacks and places of geometries. Source: original; Embree's manual.
-//! Arrays are in `ffi_arrays.rs`. Proof: `tests/c/embree.c`, `tests/c/embree.c`.
+//! Arrays are in `ffi_arrays.rs`. Proof: `tests/c/embree.c`.
 
 use std::ffi::{c_uint, c_void};
 use std::ptr::null_mut;
@@ -19,7 +19,7 @@ use crate::transform;
 /// # Safety
 /// A device.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcNewGeometry(device: Handle, of: c_uint) -> Handle {
+pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint) -> Handle {
     let new = |device: &Arc<Device>| {
         let kind = match of {
             kind::TRIANGLE => Kind::Triangles,
@@ -36,6 +36,9 @@ pub(crate) unsafe extern "C" fn rtcNewGeometry(device: Handle, of: c_uint) -> Ha
                 )));
             }
         };
+        if kind == Kind::Instances {
+            device.has_arrays.store(true, Ordering::Relaxed);
+        }
         Ok(Some(Arc::new(Geometry::new(Arc::clone(device), kind))))
     };
     // SAFETY: passed on.
@@ -47,7 +50,7 @@ pub(crate) unsafe extern "C" fn rtcNewGeometry(device: Handle, of: c_uint) -> Ha
 /// # Safety
 /// A geometry or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcRetainGeometry(geometry: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcRetainGeometry(geometry: Handle) {
     // SAFETY: passed on.
     unsafe { retain::<Geometry>(geometry) }
 }
@@ -57,7 +60,7 @@ pub(crate) unsafe extern "C" fn rtcRetainGeometry(geometry: Handle) {
 /// # Safety
 /// A geometry or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcReleaseGeometry(geometry: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcReleaseGeometry(geometry: Handle) {
     // SAFETY: passed on.
     unsafe { release::<Geometry>(geometry) }
 }
@@ -68,7 +71,15 @@ pub(crate) unsafe extern "C" fn rtcReleaseGeometry(geometry: Handle) {
 /// A geometry.
 unsafe fn edit(geometry: Handle, change: impl FnOnce(&mut Settings) -> Result<(), Problem>) {
     // SAFETY: passed on.
-    unsafe { with::<Geometry, _>(geometry, |geometry| change(&mut geometry.settings())) }
+    unsafe { with::<Geometry, _>(geometry, |geometry| change(&mut geometry.edit())) }
+}
+
+/// Whether it is seen. Needs no commit of its own.
+fn enable(settings: &mut Settings, is_enabled: bool) {
+    if settings.is_enabled != is_enabled {
+        settings.is_enabled = is_enabled;
+        settings.touched();
+    }
 }
 
 /// Edits settings that only some kinds have.
@@ -85,7 +96,7 @@ unsafe fn edit_only(
         if !kinds.contains(&geometry.kind) {
             return Err(Problem::operation(format!("{call}: not for {:?}, but {kinds:?}", geometry.kind)));
         }
-        change(&mut geometry.settings())
+        change(&mut geometry.edit())
     };
     // SAFETY: passed on.
     unsafe { with::<Geometry, _>(geometry, checked) }
@@ -98,7 +109,7 @@ macro_rules! setters {
         /// # Safety
         /// A geometry; callbacks may be called as Embree's manual says.
         #[unsafe(no_mangle)]
-        pub(crate) unsafe extern "C" fn $name(geometry: Handle $(, $value: $type)*) {
+        pub(crate) unsafe extern "C-unwind" fn $name(geometry: Handle $(, $value: $type)*) {
             let change: fn(&mut Settings $(, $type)*) = $change;
             // SAFETY: passed on.
             unsafe {
@@ -113,23 +124,44 @@ macro_rules! setters {
 
 setters! {
     /// All changes are made.
-    rtcCommitGeometry() => |settings| settings.is_committed = true;
+    rtcCommitGeometry() => |settings| {
+        settings.is_committed = true;
+        settings.touched();
+    };
     /// It is seen.
-    rtcEnableGeometry() => |settings| settings.is_enabled = true;
+    rtcEnableGeometry() => |settings| enable(settings, true);
     /// It is not seen.
-    rtcDisableGeometry() => |settings| settings.is_enabled = false;
+    rtcDisableGeometry() => |settings| enable(settings, false);
     /// Which rays see it.
-    rtcSetGeometryMask(mask: c_uint) => |settings, mask| settings.mask = mask;
+    rtcSetGeometryMask(mask: c_uint) => |settings, mask| {
+        settings.mask = mask;
+        settings.modified();
+    };
     /// How many further arrays of vertex data there are.
-    rtcSetGeometryVertexAttributeCount(count: c_uint) => |settings, count| settings.attributes = count;
+    rtcSetGeometryVertexAttributeCount(count: c_uint) => |settings, count| {
+        settings.attributes = count;
+        settings.modified();
+    };
     /// Decides on hits.
-    rtcSetGeometryIntersectFilterFunction(filter: FilterFunction) => |settings, filter| settings.filters.intersect = filter;
+    rtcSetGeometryIntersectFilterFunction(filter: FilterFunction) => |settings, filter| {
+        settings.filters.intersect = filter;
+        settings.touched();
+    };
     /// Decides on occlusion.
-    rtcSetGeometryOccludedFilterFunction(filter: FilterFunction) => |settings, filter| settings.filters.occluded = filter;
+    rtcSetGeometryOccludedFilterFunction(filter: FilterFunction) => |settings, filter| {
+        settings.filters.occluded = filter;
+        settings.touched();
+    };
     /// Whether filters of queries' arguments are asked.
-    rtcSetGeometryEnableFilterFunctionFromArguments(enable: bool) => |settings, enable| settings.filters.from_arguments = enable;
+    rtcSetGeometryEnableFilterFunctionFromArguments(enable: bool) => |settings, enable| {
+        settings.filters.from_arguments = enable;
+        settings.touched();
+    };
     /// Asked about near points.
-    rtcSetGeometryPointQueryFunction(function: PointFunction) => |settings, function| settings.point = function;
+    rtcSetGeometryPointQueryFunction(function: PointFunction) => |settings, function| {
+        settings.point = function;
+        settings.touched();
+    };
 }
 
 /// Sets how a geometry's trees are built; `REFIT` lets them follow.
@@ -137,12 +169,13 @@ setters! {
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryBuildQuality(geometry: Handle, quality: c_uint) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryBuildQuality(geometry: Handle, quality: c_uint) {
     let change = |settings: &mut Settings| {
         if quality > 3 {
             return Err(Problem::operation(format!("{quality} is no quality: 0 to 3 are")));
         }
         settings.quality = quality;
+        settings.touched();
         Ok(())
     };
     // SAFETY: passed on.
@@ -154,7 +187,7 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryBuildQuality(geometry: Handle, qua
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryTimeStepCount(geometry: Handle, count: c_uint) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeStepCount(geometry: Handle, count: c_uint) {
     let change = |_: &mut Settings| match count {
         1 => Ok(()),
         _ => Err(Problem::operation(format!("{count} time steps: motion blur is not supported, only 1 is"))),
@@ -168,7 +201,7 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryTimeStepCount(geometry: Handle, co
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryTimeRange(geometry: Handle, _start: f32, _end: f32) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeRange(geometry: Handle, _start: f32, _end: f32) {
     // SAFETY: passed on.
     unsafe { edit(geometry, |_| Ok(())) }
 }
@@ -178,7 +211,7 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryTimeRange(geometry: Handle, _start
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryMaxRadiusScale(geometry: Handle, _scale: f32) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryMaxRadiusScale(geometry: Handle, _scale: f32) {
     // SAFETY: passed on.
     unsafe { edit(geometry, |_| Ok(())) }
 }
@@ -188,7 +221,7 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryMaxRadiusScale(geometry: Handle, _
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryUserData(geometry: Handle, pointer: *mut c_void) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryUserData(geometry: Handle, pointer: *mut c_void) {
     let set = |geometry: &Arc<Geometry>| {
         geometry.user_data.store(pointer, Ordering::Relaxed);
         Ok(())
@@ -202,7 +235,7 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryUserData(geometry: Handle, pointer
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryUserData(geometry: Handle) -> *mut c_void {
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryUserData(geometry: Handle) -> *mut c_void {
     // SAFETY: passed on.
     let geometry = unsafe { shared::<Geometry>(geometry) };
     geometry.map_or(null_mut(), |geometry| geometry.user_data())
@@ -213,13 +246,16 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryUserData(geometry: Handle) -> *mut
 /// # Safety
 /// A geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryUserPrimitiveCount(geometry: Handle, count: c_uint) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryUserPrimitiveCount(geometry: Handle, count: c_uint) {
     let change = |settings: &mut Settings| {
         if count as usize > gnurt_accel::MOST_TRIANGLES {
             let most = gnurt_accel::MOST_TRIANGLES;
             return Err(Problem::argument(format!("{count} primitives: a geometry has at most {most}")));
         }
-        settings.user_count = count;
+        if settings.user_count != count {
+            settings.user_count = count;
+            settings.modified();
+        }
         Ok(())
     };
     // SAFETY: passed on.
@@ -231,13 +267,14 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryUserPrimitiveCount(geometry: Handl
 /// # Safety
 /// A geometry; the function may be called as Embree's manual says.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryBoundsFunction(
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryBoundsFunction(
     geometry: Handle,
     function: BoundsFunction,
     _user: *mut c_void,
 ) {
     let change = |settings: &mut Settings| {
         settings.user.bounds = function;
+        settings.touched();
         Ok(())
     };
     // SAFETY: passed on.
@@ -249,9 +286,13 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryBoundsFunction(
 /// # Safety
 /// A geometry; the function may be called as Embree's manual says.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryIntersectFunction(geometry: Handle, function: UserFunction) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryIntersectFunction(
+    geometry: Handle,
+    function: UserFunction,
+) {
     let change = |settings: &mut Settings| {
         settings.user.intersect = function;
+        settings.touched();
         Ok(())
     };
     // SAFETY: passed on.
@@ -263,9 +304,13 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryIntersectFunction(geometry: Handle
 /// # Safety
 /// A geometry; the function may be called as Embree's manual says.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryOccludedFunction(geometry: Handle, function: UserFunction) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryOccludedFunction(
+    geometry: Handle,
+    function: UserFunction,
+) {
     let change = |settings: &mut Settings| {
         settings.user.occluded = function;
+        settings.touched();
         Ok(())
     };
     // SAFETY: passed on.
@@ -279,15 +324,19 @@ const INSTANCES: [Kind; 2] = [Kind::Instance, Kind::Instances];
 /// # Safety
 /// A geometry, and a scene or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryInstancedScene(geometry: Handle, scene: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryInstancedScene(geometry: Handle, scene: Handle) {
     // SAFETY: passed on.
     let scene = unsafe { shared::<Scene>(scene) };
+    // Dropped where nothing is locked: the end of a scene is told to the memory monitor.
+    let mut before = Vec::new();
     let change = |settings: &mut Settings| {
-        settings.scenes = scene.into_iter().collect();
+        before = std::mem::replace(&mut settings.scenes, scene.into_iter().collect());
+        settings.modified();
         Ok(())
     };
     // SAFETY: passed on.
     unsafe { edit_only(geometry, &INSTANCES, "rtcSetGeometryInstancedScene", change) }
+    drop(before);
 }
 
 /// Sets the scenes that an array of instances shows.
@@ -295,7 +344,7 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryInstancedScene(geometry: Handle, s
 /// # Safety
 /// A geometry, and so many scenes.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryInstancedScenes(
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryInstancedScenes(
     geometry: Handle,
     scenes: *const Handle,
     count: usize,
@@ -303,12 +352,16 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryInstancedScenes(
     // SAFETY: passed on.
     let scenes: Option<Vec<Arc<Scene>>> =
         (0..count).map(|i| unsafe { shared::<Scene>(*scenes.add(i)) }).collect();
+    let mut before = Vec::new();
     let change = |settings: &mut Settings| {
-        settings.scenes = scenes.ok_or_else(|| Problem::argument("one of the scenes is a null pointer"))?;
+        let scenes = scenes.ok_or_else(|| Problem::argument("one of the scenes is a null pointer"))?;
+        before = std::mem::replace(&mut settings.scenes, scenes);
+        settings.modified();
         Ok(())
     };
     // SAFETY: passed on.
     unsafe { edit_only(geometry, &[Kind::Instances], "rtcSetGeometryInstancedScenes", change) }
+    drop(before);
 }
 
 /// Reads and sets where an instance is.
@@ -331,6 +384,7 @@ unsafe fn set_place(geometry: Handle, time_step: c_uint, of: c_uint, matrix: *co
         // SAFETY: the caller vouches for as many numbers as the format has.
         let values: Vec<f32> = (0..size).map(|i| unsafe { matrix.add(i).read_unaligned() }).collect();
         settings.place = transform::columns(of, &values);
+        settings.modified();
         Ok(())
     };
     // SAFETY: passed on.
@@ -342,7 +396,7 @@ unsafe fn set_place(geometry: Handle, time_step: c_uint, of: c_uint, matrix: *co
 /// # Safety
 /// A geometry, and a matrix of the format.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryTransform(
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTransform(
     geometry: Handle,
     time_step: c_uint,
     of: c_uint,
@@ -357,7 +411,7 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryTransform(
 /// # Safety
 /// A geometry, and a decomposition.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetGeometryTransformQuaternion(
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTransformQuaternion(
     geometry: Handle,
     time_step: c_uint,
     decomposition: *const f32,
@@ -374,7 +428,7 @@ pub(crate) unsafe extern "C" fn rtcSetGeometryTransformQuaternion(
 /// # Safety
 /// A geometry, and room for a matrix of the format.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryTransform(
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransform(
     geometry: Handle,
     time: f32,
     of: c_uint,
@@ -389,14 +443,14 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryTransform(
 /// # Safety
 /// As above.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryTransformEx(
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformEx(
     geometry: Handle,
     prim_id: c_uint,
     _time: f32,
     of: c_uint,
     matrix: *mut f32,
 ) {
-    let get = |geometry: &Arc<Geometry>| place_of(geometry, prim_id, of).map(Some);
+    let get = |geometry: &Arc<Geometry>| place_of(geometry, prim_id, of, matrix.is_null()).map(Some);
     // SAFETY: passed on.
     if let Some(values) = unsafe { with::<Geometry, _>(geometry, get) } {
         // SAFETY: passed on; there are as many values as the format has.

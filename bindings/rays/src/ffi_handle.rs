@@ -128,6 +128,10 @@ fn report<R: Default>(device: &Device, call: impl FnOnce() -> Result<R, Problem>
     })
 }
 
+pub(crate) fn not_committed() -> Problem {
+    Problem::operation("the scene is not committed: call rtcCommitScene first")
+}
+
 fn unforeseen() -> Problem {
     Problem { code: Code::Unknown, message: "an error in libgnurt; the call had no effect".into() }
 }

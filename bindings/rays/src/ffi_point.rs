@@ -9,8 +9,8 @@
 use std::ffi::{c_int, c_void};
 
 use crate::ffi_abi::{INVALID, PointArguments, PointContext, PointFunction, PointQuery};
-use crate::ffi_handle::{Handle, with};
-use crate::ffi_trace::not_committed;
+use crate::ffi_callbacks::{ask_program, take_thrown};
+use crate::ffi_handle::{Handle, not_committed, with};
 use crate::located::Located;
 use crate::objects::{Committed, Kind, Scene, ask};
 use crate::transform::{self, Columns, IDENTITY};
@@ -57,9 +57,7 @@ impl Visit {
                 (*context).world_from_instance = matrix(&outward);
                 (*context).instance_from_world = matrix(&transform::inverse(&outward));
                 (*context).inst_id = place.geom_id;
-                if let Some(prim_id) = place.prim_id {
-                    (*context).inst_prim_id = prim_id;
-                }
+                (*context).inst_prim_id = place.prim_id.unwrap_or(INVALID);
                 (*context).depth = 1;
             }
             let inward = if before > 0 { self.own } else { columns_of(context) };
@@ -72,11 +70,12 @@ impl Visit {
                 similarity_scale: transform::similarity(&inward).unwrap_or(0.0) as f32,
             };
             for function in [located.surface.point, self.function].into_iter().flatten() {
-                self.changed |= function(&raw mut arguments);
+                self.changed |= ask_program(|| function(&raw mut arguments)).unwrap_or(false);
             }
             if (*context).depth != before {
                 (*context).depth = before;
                 (*context).inst_id = INVALID;
+                (*context).inst_prim_id = INVALID;
             }
             f64::from((*query).radius)
         }
@@ -120,7 +119,7 @@ unsafe fn visit(committed: &Committed, visit: &mut Visit) {
 /// # Safety
 /// As Embree's headers say: a scene, a query, a context, a function or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcPointQuery(
+pub(crate) unsafe extern "C-unwind" fn rtcPointQuery(
     scene: Handle,
     query: *mut PointQuery,
     context: *mut PointContext,
@@ -137,6 +136,7 @@ pub(crate) unsafe extern "C" fn rtcPointQuery(
             let own = columns_of(context);
             let mut all = Visit { query, context, function, user, own, changed: false };
             visit(&committed, &mut all);
+            take_thrown()?;
             Ok(all.changed)
         }
     };
@@ -180,7 +180,7 @@ macro_rules! packets {
         /// # Safety
         /// As Embree's headers say.
         #[unsafe(no_mangle)]
-        pub(crate) unsafe extern "C" fn $name(
+        pub(crate) unsafe extern "C-unwind" fn $name(
             valid: *const c_int,
             scene: Handle,
             queries: *mut f32,
@@ -197,7 +197,7 @@ macro_rules! packets {
         /// # Safety
         /// As above.
         #[unsafe(no_mangle)]
-        pub(crate) unsafe extern "C" fn $traversable(
+        pub(crate) unsafe extern "C-unwind" fn $traversable(
             valid: *const c_int,
             scene: Handle,
             queries: *mut f32,
@@ -222,7 +222,7 @@ packets! {
 /// # Safety
 /// As [`rtcPointQuery`].
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcTraversablePointQuery(
+pub(crate) unsafe extern "C-unwind" fn rtcTraversablePointQuery(
     scene: Handle,
     query: *mut PointQuery,
     context: *mut PointContext,

@@ -3,16 +3,18 @@
 //! No panic gets past [`called`]. Proof: `tests/c/rays.c`.
 
 use std::cell::RefCell;
-use std::collections::HashMap;
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use gnurt_accel::{Aabb, BuildOptions, Memory, Quality, Ray, Structure, Threads, UserGeometry, UserHit};
 
-use crate::ffi_columns::{Array, Rows, Want, aabb};
+use crate::ffi_catch;
+use crate::ffi_columns::{Array, Column, Rows, Want, aabb};
 use crate::ffi_memory::Pointer;
-use crate::ray_scene::{Built, Part, RayScene, What, ask_tree};
+use crate::pools::Workers;
+use crate::ray_scene::{Built, Part, Primitives, RayScene, What, ask_tree};
 use crate::transform::Columns;
 
 thread_local! {
@@ -31,32 +33,18 @@ pub(crate) fn called(call: impl FnOnce() -> Result<(), String>) -> c_int {
     }
 }
 
-/// Runs a job with so many threads: 0 for all processors. Pools stay.
-pub(crate) fn with_threads<R>(threads: usize, job: impl FnOnce(Threads) -> R) -> R {
-    static POOLS: Mutex<Option<HashMap<usize, Arc<rayon::ThreadPool>>>> = Mutex::new(None);
-    if threads == 1 {
-        return job(Threads::Single);
-    }
-    let pool = {
-        let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-        let pools = pools.get_or_insert_default();
-        match pools.get(&threads) {
-            Some(pool) => Some(Arc::clone(pool)),
-            None => {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok().map(Arc::new);
-                pool.inspect(|pool| drop(pools.insert(threads, Arc::clone(pool))))
-            }
-        }
-    };
-    match pool {
-        Some(pool) => job(Threads::Pool(&pool)),
-        None => job(Threads::Single),
-    }
+/// Fewer rays than that are answered by the calling thread: waking others takes as long.
+const WORTH_THREADS: usize = 64;
+
+/// Runs a job over so many rays or points with so many threads: 0 for all processors.
+pub(crate) fn with_threads<R>(threads: usize, count: usize, job: impl FnOnce(Threads) -> R) -> R {
+    let workers = if count < WORTH_THREADS { Workers::single() } else { Workers::new(threads) };
+    job(workers.threads())
 }
 
 /// The version of the library.
 #[unsafe(no_mangle)]
-pub(crate) extern "C" fn gnurt_rays_version() -> c_int {
+pub(crate) extern "C-unwind" fn gnurt_rays_version() -> c_int {
     let number = |text: &str| text.parse::<c_int>().unwrap_or(0);
     let [major, minor, patch] =
         [env!("CARGO_PKG_VERSION_MAJOR"), env!("CARGO_PKG_VERSION_MINOR"), env!("CARGO_PKG_VERSION_PATCH")];
@@ -65,13 +53,13 @@ pub(crate) extern "C" fn gnurt_rays_version() -> c_int {
 
 /// What went wrong last in this thread.
 #[unsafe(no_mangle)]
-pub(crate) extern "C" fn gnurt_last_error() -> *const c_char {
+pub(crate) extern "C-unwind" fn gnurt_last_error() -> *const c_char {
     LAST.with_borrow(|last| last.as_ptr())
 }
 
 /// A new scene. See include/gnurt/rays.h, here and below.
 #[unsafe(no_mangle)]
-pub(crate) extern "C" fn gnurt_scene_new() -> *mut RayScene {
+pub(crate) extern "C-unwind" fn gnurt_scene_new() -> *mut RayScene {
     Box::into_raw(Box::default())
 }
 
@@ -80,7 +68,7 @@ pub(crate) extern "C" fn gnurt_scene_new() -> *mut RayScene {
 /// # Safety
 /// A scene that nobody uses, or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_scene_free(scene: *mut RayScene) {
+pub(crate) unsafe extern "C-unwind" fn gnurt_scene_free(scene: *mut RayScene) {
     if !scene.is_null() {
         called(|| {
             // SAFETY: made by `gnurt_scene_new`, and not used by anybody else.
@@ -126,7 +114,10 @@ pub(crate) struct Build {
 /// # Safety
 /// A scene and options.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_scene_options(scene: *mut RayScene, build: *const Build) -> c_int {
+pub(crate) unsafe extern "C-unwind" fn gnurt_scene_options(
+    scene: *mut RayScene,
+    build: *const Build,
+) -> c_int {
     let change = |scene: &mut RayScene| {
         // SAFETY: passed on.
         let build = unsafe { build.as_ref() }.ok_or("options: a null pointer")?;
@@ -138,8 +129,11 @@ pub(crate) unsafe extern "C" fn gnurt_scene_options(scene: *mut RayScene, build:
         };
         let memory = if build.compact != 0 { Memory::Compact } else { Memory::Fast };
         let structure = if build.kd != 0 { Structure::Kd } else { Structure::Bvh };
-        scene.options = BuildOptions { quality, memory, structure, ..BuildOptions::default() };
-        (scene.moves, scene.threads) = (build.moves != 0, build.threads as usize);
+        scene.set_options(
+            BuildOptions { quality, memory, structure, ..BuildOptions::default() },
+            build.moves != 0,
+        );
+        scene.threads = build.threads as usize;
         Ok(())
     };
     // SAFETY: passed on.
@@ -175,7 +169,7 @@ unsafe fn add(
 /// # Safety
 /// A scene, arrays that are readable until the next commit, room for an id or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_add_triangles(
+pub(crate) unsafe extern "C-unwind" fn gnurt_add_triangles(
     scene: *mut RayScene,
     positions: Array,
     indices: Array,
@@ -185,8 +179,9 @@ pub(crate) unsafe extern "C" fn gnurt_add_triangles(
     // SAFETY: passed on.
     unsafe {
         add(scene, id, mask, || {
-            let positions = Rows::new(&positions, 3, Want::Floats, "positions")?;
-            Ok(What::Triangles { positions, indices: Rows::new(&indices, 3, Want::Indices, "indices")? })
+            let positions = Column::Given(Rows::new(&positions, 3, Want::Floats, "positions")?);
+            let indices = Column::Given(Rows::new(&indices, 3, Want::Indices, "indices")?);
+            Ok(What::Triangles { positions, indices })
         })
     }
 }
@@ -196,7 +191,7 @@ pub(crate) unsafe extern "C" fn gnurt_add_triangles(
 /// # Safety
 /// As [`gnurt_add_triangles`].
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_add_quads(
+pub(crate) unsafe extern "C-unwind" fn gnurt_add_quads(
     scene: *mut RayScene,
     positions: Array,
     indices: Array,
@@ -206,8 +201,9 @@ pub(crate) unsafe extern "C" fn gnurt_add_quads(
     // SAFETY: passed on.
     unsafe {
         add(scene, id, mask, || {
-            let positions = Rows::new(&positions, 3, Want::Floats, "positions")?;
-            Ok(What::Quads { positions, indices: Rows::new(&indices, 4, Want::Indices, "indices")? })
+            let positions = Column::Given(Rows::new(&positions, 3, Want::Floats, "positions")?);
+            let indices = Column::Given(Rows::new(&indices, 4, Want::Indices, "indices")?);
+            Ok(What::Quads { positions, indices })
         })
     }
 }
@@ -217,7 +213,7 @@ pub(crate) unsafe extern "C" fn gnurt_add_quads(
 /// # Safety
 /// As [`gnurt_add_triangles`].
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_add_spheres(
+pub(crate) unsafe extern "C-unwind" fn gnurt_add_spheres(
     scene: *mut RayScene,
     centers: Array,
     radii: Array,
@@ -230,8 +226,9 @@ pub(crate) unsafe extern "C" fn gnurt_add_spheres(
             if centers.count != radii.count {
                 return Err(format!("radii: {} for {} centres", radii.count, centers.count));
             }
-            let centers = Rows::new(&centers, 3, Want::Floats, "centers")?;
-            Ok(What::Spheres { centers, radii: Rows::new(&radii, 1, Want::Floats, "radii")? })
+            let centers = Column::Given(Rows::new(&centers, 3, Want::Floats, "centers")?);
+            let radii = Column::Given(Rows::new(&radii, 1, Want::Floats, "radii")?);
+            Ok(What::Spheres { centers, radii })
         })
     }
 }
@@ -260,16 +257,17 @@ pub(crate) struct UserAnswer {
 pub(crate) struct User {
     user: *mut c_void,
     count: u32,
-    bounds: Option<unsafe extern "C" fn(*mut c_void, u32, u32, *mut [f32; 6])>,
-    intersect: Option<unsafe extern "C" fn(*mut c_void, usize, *const UserRay, *mut UserAnswer)>,
+    bounds: Option<unsafe extern "C-unwind" fn(*mut c_void, u32, u32, *mut [f32; 6])>,
+    intersect: Option<unsafe extern "C-unwind" fn(*mut c_void, usize, *const UserRay, *mut UserAnswer)>,
 }
 
 /// A user geometry as trees see it.
 #[derive(Debug)]
 struct Callbacks {
     user: Pointer,
-    intersect: unsafe extern "C" fn(*mut c_void, usize, *const UserRay, *mut UserAnswer),
+    intersect: unsafe extern "C-unwind" fn(*mut c_void, usize, *const UserRay, *mut UserAnswer),
     boxes: Vec<Aabb>,
+    thrown: Arc<AtomicU64>,
 }
 
 impl UserGeometry for Callbacks {
@@ -286,7 +284,12 @@ impl UserGeometry for Callbacks {
         let asked = UserRay { prim_id, org, dir, t_near, t_far };
         let mut answer = UserAnswer { t: f32::NAN, u: 0.0, v: 0.0 };
         // SAFETY: the program gave the function to be called like this, from any thread.
-        unsafe { (self.intersect)(self.user.0, 1, &raw const asked, &raw mut answer) };
+        let call = || unsafe { (self.intersect)(self.user.0, 1, &raw const asked, &raw mut answer) };
+        if ffi_catch::call(call).is_err() {
+            // The query, maybe that of another thread, reports it.
+            self.thrown.fetch_add(1, Ordering::Relaxed);
+            return;
+        }
         // SAFETY: it is our own value, which the program wrote through a pointer.
         let UserAnswer { t, u, v } = unsafe { (&raw const answer).read_volatile() };
         if !t.is_nan() {
@@ -295,37 +298,72 @@ impl UserGeometry for Callbacks {
     }
 }
 
+/// Primitives of the program, whose boxes are asked for.
+///
+/// # Safety
+/// Functions that may be called from any thread as long as the scene is used, or null.
+unsafe fn primitives(user: *const User) -> Result<Primitives, String> {
+    // SAFETY: passed on.
+    let User { user, count, bounds, intersect } = *unsafe { user.as_ref() }.ok_or("user: a null pointer")?;
+    let (Some(bounds), Some(intersect)) = (bounds, intersect) else {
+        return Err("user: bounds or intersect is a null pointer".to_owned());
+    };
+    if count as usize > gnurt_accel::MOST_TRIANGLES {
+        return Err(format!("user: {count} primitives; there can be {}", gnurt_accel::MOST_TRIANGLES));
+    }
+    let mut boxes = vec![[f32::NAN; 6]; count as usize];
+    if count > 0 {
+        // SAFETY: passed on; there is room for so many boxes.
+        let call = || unsafe { bounds(user, 0, count, boxes.as_mut_ptr()) };
+        ffi_catch::call(call).map_err(|thrown| format!("user: bounds: {thrown}"))?;
+    }
+    let (boxes, thrown) = (boxes.into_iter().map(aabb).collect(), Arc::new(AtomicU64::new(0)));
+    let callbacks = Callbacks { user: Pointer(user), intersect, boxes, thrown: Arc::clone(&thrown) };
+    Ok(Primitives { geometry: Arc::new(callbacks), thrown })
+}
+
 /// Adds primitives of the program's.
 ///
 /// # Safety
 /// A scene, functions that may be called from any thread as long as the scene is used, room for an id or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_add_user(
+pub(crate) unsafe extern "C-unwind" fn gnurt_add_user(
     scene: *mut RayScene,
     user: *const User,
     mask: u32,
     id: *mut u32,
 ) -> c_int {
-    let what = || {
+    // SAFETY: passed on.
+    unsafe { add(scene, id, mask, || Ok(What::User(primitives(user)?))) }
+}
+
+/// Other primitives of the program's, or the same in other boxes.
+///
+/// # Safety
+/// As [`gnurt_add_user`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn gnurt_set_user(
+    scene: *mut RayScene,
+    id: u32,
+    user: *const User,
+) -> c_int {
+    // Before the scene is lent for the change: the program's function may ask it.
+    let mut new = None;
+    let found = called(|| {
         // SAFETY: passed on.
-        let User { user, count, bounds, intersect } =
-            *unsafe { user.as_ref() }.ok_or("user: a null pointer")?;
-        let (Some(bounds), Some(intersect)) = (bounds, intersect) else {
-            return Err("user: bounds or intersect is a null pointer".to_owned());
-        };
-        if count as usize > gnurt_accel::MOST_TRIANGLES {
-            return Err(format!("user: {count} primitives; there can be {}", gnurt_accel::MOST_TRIANGLES));
+        new = Some(unsafe { primitives(user)? });
+        Ok(())
+    });
+    let Some(new) = new else { return found };
+    let change = |scene: &mut RayScene| {
+        match &mut scene.part(id)?.what {
+            What::User(user) => *user = new,
+            _ => return Err(format!("id: {id} has no primitives of the program")),
         }
-        let mut boxes = vec![[f32::NAN; 6]; count as usize];
-        if count > 0 {
-            // SAFETY: passed on; there is room for so many boxes.
-            unsafe { bounds(user, 0, count, boxes.as_mut_ptr()) };
-        }
-        let boxes = boxes.into_iter().map(aabb).collect();
-        Ok(What::User(Arc::new(Callbacks { user: Pointer(user), intersect, boxes })))
+        Ok(())
     };
     // SAFETY: passed on.
-    unsafe { add(scene, id, mask, what) }
+    unsafe { edit(scene, change) }
 }
 
 /// Twelve numbers.
@@ -349,7 +387,7 @@ unsafe fn place_at(place: *const f64) -> Result<Columns, String> {
 /// # Safety
 /// Two scenes, twelve numbers, room for an id or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_add_instance(
+pub(crate) unsafe extern "C-unwind" fn gnurt_add_instance(
     scene: *mut RayScene,
     shown: *const RayScene,
     place: *const f64,
@@ -370,10 +408,14 @@ pub(crate) unsafe extern "C" fn gnurt_add_instance(
 /// # Safety
 /// A scene, and an array that is readable until the next commit.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_set_positions(scene: *mut RayScene, id: u32, array: Array) -> c_int {
+pub(crate) unsafe extern "C-unwind" fn gnurt_set_positions(
+    scene: *mut RayScene,
+    id: u32,
+    array: Array,
+) -> c_int {
     let change = |scene: &mut RayScene| {
         // SAFETY: passed on.
-        let new = unsafe { Rows::new(&array, 3, Want::Floats, "positions")? };
+        let new = Column::Given(unsafe { Rows::new(&array, 3, Want::Floats, "positions")? });
         match &mut scene.part(id)?.what {
             What::Triangles { positions, .. } | What::Quads { positions, .. } => *positions = new,
             What::Spheres { centers, radii } if radii.len() == new.len() => *centers = new,
@@ -393,7 +435,11 @@ pub(crate) unsafe extern "C" fn gnurt_set_positions(scene: *mut RayScene, id: u3
 /// # Safety
 /// A scene, and twelve numbers.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_set_place(scene: *mut RayScene, id: u32, to: *const f64) -> c_int {
+pub(crate) unsafe extern "C-unwind" fn gnurt_set_place(
+    scene: *mut RayScene,
+    id: u32,
+    to: *const f64,
+) -> c_int {
     let change = |scene: &mut RayScene| {
         // SAFETY: passed on.
         let to = unsafe { place_at(to)? };
@@ -412,7 +458,7 @@ pub(crate) unsafe extern "C" fn gnurt_set_place(scene: *mut RayScene, id: u32, t
 /// # Safety
 /// Two scenes.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_set_shown(
+pub(crate) unsafe extern "C-unwind" fn gnurt_set_shown(
     scene: *mut RayScene,
     id: u32,
     new: *const RayScene,
@@ -437,7 +483,7 @@ pub(crate) unsafe extern "C" fn gnurt_set_shown(
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_set_mask(scene: *mut RayScene, id: u32, mask: u32) -> c_int {
+pub(crate) unsafe extern "C-unwind" fn gnurt_set_mask(scene: *mut RayScene, id: u32, mask: u32) -> c_int {
     let change = |scene: &mut RayScene| {
         scene.part(id)?.mask = mask;
         Ok(())
@@ -451,12 +497,8 @@ pub(crate) unsafe extern "C" fn gnurt_set_mask(scene: *mut RayScene, id: u32, ma
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_remove(scene: *mut RayScene, id: u32) -> c_int {
-    let change = |scene: &mut RayScene| {
-        scene.part(id)?;
-        scene.parts[id as usize] = None;
-        Ok(())
-    };
+pub(crate) unsafe extern "C-unwind" fn gnurt_remove(scene: *mut RayScene, id: u32) -> c_int {
+    let change = |scene: &mut RayScene| scene.remove(id);
     // SAFETY: passed on.
     unsafe { edit(scene, change) }
 }
@@ -466,8 +508,9 @@ pub(crate) unsafe extern "C" fn gnurt_remove(scene: *mut RayScene, id: u32) -> c
 /// # Safety
 /// A scene that nobody asks now, whose arrays are readable.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_commit(scene: *mut RayScene) -> c_int {
-    let change = |scene: &mut RayScene| with_threads(scene.threads, |threads| scene.commit(threads));
+pub(crate) unsafe extern "C-unwind" fn gnurt_commit(scene: *mut RayScene) -> c_int {
+    let change =
+        |scene: &mut RayScene| with_threads(scene.threads, usize::MAX, |threads| scene.commit(threads));
     // SAFETY: passed on.
     unsafe { edit(scene, change) }
 }
@@ -487,7 +530,7 @@ pub(crate) struct Facts {
 /// # Safety
 /// A scene, and room for facts.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn gnurt_scene_facts(scene: *const RayScene, facts: *mut Facts) -> c_int {
+pub(crate) unsafe extern "C-unwind" fn gnurt_scene_facts(scene: *const RayScene, facts: *mut Facts) -> c_int {
     called(|| {
         // SAFETY: passed on.
         let built = unsafe { built(scene)? };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcNewScene` and its kin. Source: original; Embree's manual. Proof: `tests/c/embree.c`, `tests/c/embree.c`.
+//! `rtcNewScene` and its kin. Source: original; Embree's manual. Proof: `tests/c/embree.c`, `tests/c/joined.c`.
 
 use std::ffi::{c_uint, c_void};
 use std::ptr::null_mut;
@@ -9,8 +9,9 @@ use crate::commit::commit;
 use crate::device::Problem;
 use crate::ffi_abi::{Bounds, format};
 use crate::ffi_callbacks::{Callback, ProgressFunction};
-use crate::ffi_handle::{Handle, lend, release, retain, shared, with, with_device};
-use crate::ffi_trace::not_committed;
+use crate::ffi_handle::{Handle, lend, not_committed, release, retain, shared, with, with_device};
+use crate::ffi_memory::Pointer;
+use crate::ffi_present::present;
 use crate::objects::{Geometry, Scene, ask};
 use crate::transform;
 
@@ -19,7 +20,7 @@ use crate::transform;
 /// # Safety
 /// A device.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcNewScene(device: Handle) -> Handle {
+pub(crate) unsafe extern "C-unwind" fn rtcNewScene(device: Handle) -> Handle {
     // SAFETY: passed on.
     let scene = unsafe { with_device(device, |device| Ok(Some(Arc::new(Scene::new(Arc::clone(device)))))) };
     scene.map_or(null_mut(), lend)
@@ -30,7 +31,7 @@ pub(crate) unsafe extern "C" fn rtcNewScene(device: Handle) -> Handle {
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetSceneDevice(scene: Handle) -> Handle {
+pub(crate) unsafe extern "C-unwind" fn rtcGetSceneDevice(scene: Handle) -> Handle {
     // SAFETY: passed on.
     let device = unsafe { with::<Scene, _>(scene, |scene| Ok(Some(Arc::clone(&scene.device)))) };
     device.map_or(null_mut(), lend)
@@ -41,7 +42,7 @@ pub(crate) unsafe extern "C" fn rtcGetSceneDevice(scene: Handle) -> Handle {
 /// # Safety
 /// A scene or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcRetainScene(scene: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcRetainScene(scene: Handle) {
     // SAFETY: passed on.
     unsafe { retain::<Scene>(scene) }
 }
@@ -51,7 +52,7 @@ pub(crate) unsafe extern "C" fn rtcRetainScene(scene: Handle) {
 /// # Safety
 /// A scene or null.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcReleaseScene(scene: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcReleaseScene(scene: Handle) {
     // SAFETY: passed on.
     unsafe { release::<Scene>(scene) }
 }
@@ -61,7 +62,7 @@ pub(crate) unsafe extern "C" fn rtcReleaseScene(scene: Handle) {
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetSceneTraversable(scene: Handle) -> Handle {
+pub(crate) unsafe extern "C-unwind" fn rtcGetSceneTraversable(scene: Handle) -> Handle {
     scene
 }
 
@@ -70,16 +71,13 @@ pub(crate) unsafe extern "C" fn rtcGetSceneTraversable(scene: Handle) -> Handle 
 /// # Safety
 /// A scene and a geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcAttachGeometry(scene: Handle, geometry: Handle) -> c_uint {
+pub(crate) unsafe extern "C-unwind" fn rtcAttachGeometry(scene: Handle, geometry: Handle) -> c_uint {
     // SAFETY: passed on.
     let geometry = unsafe { shared::<Geometry>(geometry) };
     let attach = |scene: &Arc<Scene>| {
         let geometry = geometry.ok_or_else(|| Problem::argument("the geometry is a null pointer"))?;
-        let mut draft = scene.draft();
-        let ids = draft.geometries.keys().zip(0..);
-        let id = ids.filter(|(id, place)| *id == place).count() as c_uint;
-        draft.geometries.insert(id, geometry);
-        Ok(Some(id))
+        let id = scene.attach(None, geometry);
+        id.map(Some).ok_or_else(|| Problem::operation("no id is free"))
     };
     // SAFETY: passed on.
     unsafe { with::<Scene, _>(scene, attach) }.unwrap_or(c_uint::MAX)
@@ -90,7 +88,7 @@ pub(crate) unsafe extern "C" fn rtcAttachGeometry(scene: Handle, geometry: Handl
 /// # Safety
 /// A scene and a geometry.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcAttachGeometryByID(scene: Handle, geometry: Handle, id: c_uint) {
+pub(crate) unsafe extern "C-unwind" fn rtcAttachGeometryByID(scene: Handle, geometry: Handle, id: c_uint) {
     // SAFETY: passed on.
     let geometry = unsafe { shared::<Geometry>(geometry) };
     let attach = |scene: &Arc<Scene>| {
@@ -98,12 +96,10 @@ pub(crate) unsafe extern "C" fn rtcAttachGeometryByID(scene: Handle, geometry: H
         if id == c_uint::MAX {
             return Err(Problem::argument("RTC_INVALID_GEOMETRY_ID is no id for a geometry"));
         }
-        let mut draft = scene.draft();
-        if draft.geometries.contains_key(&id) {
-            return Err(Problem::operation(format!("geometry {id} is there already: detach it first")));
-        }
-        draft.geometries.insert(id, geometry);
-        Ok(())
+        let attached = scene.attach(Some(id), geometry);
+        attached
+            .map(drop)
+            .ok_or_else(|| Problem::operation(format!("geometry {id} is there already: detach it first")))
     };
     // SAFETY: passed on.
     unsafe { with::<Scene, _>(scene, attach) }
@@ -118,56 +114,70 @@ fn no_geometry(id: c_uint) -> Problem {
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcDetachGeometry(scene: Handle, id: c_uint) {
-    let detach = |scene: &Arc<Scene>| {
-        let gone = scene.draft().geometries.remove(&id);
-        gone.map(drop).ok_or_else(|| no_geometry(id))
-    };
+pub(crate) unsafe extern "C-unwind" fn rtcDetachGeometry(scene: Handle, id: c_uint) {
+    let detach = |scene: &Arc<Scene>| scene.detach(id).map(drop).ok_or_else(|| no_geometry(id));
     // SAFETY: passed on.
     unsafe { with::<Scene, _>(scene, detach) }
 }
 
-/// A geometry of a scene, which does not count it for the program.
+/// A geometry of a scene, found without a lock and without counts; null where it has to be looked for by [`rtcGetGeometry`].
+///
+/// # Safety
+/// A scene or null, to which nothing is attached meanwhile.
+unsafe fn found_at_once<'a>(scene: Handle, id: c_uint) -> Option<&'a Geometry> {
+    if scene.is_null() {
+        return None;
+    }
+    // SAFETY: passed on; the program holds the scene during the call.
+    let scene = unsafe { &*scene.cast::<Scene>() };
+    // SAFETY: it lives as long as the scene is not committed, which is not done meanwhile.
+    let committed = if scene.has_all() { present(scene) } else { None };
+    committed?.geometry(id).map(|geometry| &**geometry)
+}
+
+/// A geometry of a scene, which does not count it for the program. Takes no lock for what is committed: programs call it for each hit.
 ///
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometry(scene: Handle, id: c_uint) -> Handle {
-    let get = |scene: &Arc<Scene>| {
-        let geometry = scene.draft().geometries.get(&id).cloned();
-        geometry.map(Some).ok_or_else(|| no_geometry(id))
-    };
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometry(scene: Handle, id: c_uint) -> Handle {
+    // SAFETY: passed on.
+    unsafe {
+        match found_at_once(scene, id) {
+            Some(geometry) => std::ptr::from_ref(geometry).cast_mut().cast(),
+            None => rtcGetGeometryThreadSafe(scene, id),
+        }
+    }
+}
+
+/// The same; it may be called from several threads, also while others attach geometries.
+///
+/// # Safety
+/// A scene.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryThreadSafe(scene: Handle, id: c_uint) -> Handle {
+    let get = |scene: &Arc<Scene>| scene.geometry(id).map(Some).ok_or_else(|| no_geometry(id));
     // SAFETY: passed on.
     let geometry = unsafe { with::<Scene, _>(scene, get) };
     geometry.map_or(null_mut(), |geometry| Arc::as_ptr(&geometry).cast_mut().cast())
 }
 
-/// The same; it may be called from several threads.
+/// Builds what rays are sent into; nothing where nothing was edited since it was built.
 ///
 /// # Safety
-/// A scene.
+/// A scene that nobody asks meanwhile if it was edited; arrays and callbacks of its geometries are in order.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryThreadSafe(scene: Handle, id: c_uint) -> Handle {
-    // SAFETY: passed on.
-    unsafe { rtcGetGeometry(scene, id) }
-}
-
-/// Builds what rays are sent into.
-///
-/// # Safety
-/// A scene that nobody asks meanwhile; arrays and callbacks of its geometries are in order.
-#[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcCommitScene(scene: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcCommitScene(scene: Handle) {
     // SAFETY: passed on.
     unsafe { with::<Scene, _>(scene, |scene| commit(scene)) }
 }
 
-/// The same, called from several threads: the first one builds, the others wait and then build nothing.
+/// Like [`rtcCommitScene`], callable from several threads: one builds, the others return when it is done.
 ///
 /// # Safety
 /// As [`rtcCommitScene`].
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcJoinCommitScene(scene: Handle) {
+pub(crate) unsafe extern "C-unwind" fn rtcJoinCommitScene(scene: Handle) {
     // SAFETY: passed on.
     unsafe { rtcCommitScene(scene) }
 }
@@ -177,7 +187,7 @@ pub(crate) unsafe extern "C" fn rtcJoinCommitScene(scene: Handle) {
 /// # Safety
 /// A scene, and a function that may be called with the pointer.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetSceneProgressMonitorFunction(
+pub(crate) unsafe extern "C-unwind" fn rtcSetSceneProgressMonitorFunction(
     scene: Handle,
     function: Option<ProgressFunction>,
     user: *mut c_void,
@@ -187,7 +197,7 @@ pub(crate) unsafe extern "C" fn rtcSetSceneProgressMonitorFunction(
     // SAFETY: passed on.
     unsafe {
         with::<Scene, _>(scene, |scene| {
-            scene.draft().progress = callback;
+            scene.edit(|settings| settings.progress = callback);
             Ok(())
         });
     }
@@ -198,14 +208,14 @@ pub(crate) unsafe extern "C" fn rtcSetSceneProgressMonitorFunction(
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetSceneBuildQuality(scene: Handle, quality: c_uint) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetSceneBuildQuality(scene: Handle, quality: c_uint) {
     let set = |scene: &Arc<Scene>| {
         if quality > 2 {
             return Err(Problem::operation(format!(
                 "{quality} is no quality of a scene: low, medium and high are 0, 1 and 2"
             )));
         }
-        scene.draft().quality = quality;
+        scene.edit(|settings| settings.quality = quality);
         Ok(())
     };
     // SAFETY: passed on.
@@ -217,9 +227,9 @@ pub(crate) unsafe extern "C" fn rtcSetSceneBuildQuality(scene: Handle, quality: 
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcSetSceneFlags(scene: Handle, flags: c_uint) {
+pub(crate) unsafe extern "C-unwind" fn rtcSetSceneFlags(scene: Handle, flags: c_uint) {
     let set = |scene: &Arc<Scene>| {
-        scene.draft().flags = flags;
+        scene.edit(|settings| settings.flags = flags);
         Ok(())
     };
     // SAFETY: passed on.
@@ -231,13 +241,16 @@ pub(crate) unsafe extern "C" fn rtcSetSceneFlags(scene: Handle, flags: c_uint) {
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetSceneFlags(scene: Handle) -> c_uint {
+pub(crate) unsafe extern "C-unwind" fn rtcGetSceneFlags(scene: Handle) -> c_uint {
     // SAFETY: passed on.
-    unsafe { with::<Scene, _>(scene, |scene| Ok(scene.draft().flags)) }
+    unsafe { with::<Scene, _>(scene, |scene| Ok(scene.settings().flags)) }
 }
 
-fn bounds_of(scene: &Scene) -> Result<Option<Bounds>, Problem> {
-    let committed = scene.committed().ok_or_else(not_committed)?;
+fn bounds_of(scene: &Scene, is_null: bool) -> Result<Option<Bounds>, Problem> {
+    if is_null {
+        return Err(Problem::argument("bounds: a null pointer"));
+    }
+    let committed = scene.unmodified().ok_or_else(not_committed)?;
     let bounds = ask!(committed, tree => tree.bounds());
     Ok(Some(Bounds { lower: bounds.min, align0: 0.0, upper: bounds.max, align1: 0.0 }))
 }
@@ -247,9 +260,9 @@ fn bounds_of(scene: &Scene) -> Result<Option<Bounds>, Problem> {
 /// # Safety
 /// A scene, and room for a box.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetSceneBounds(scene: Handle, bounds: *mut Bounds) {
+pub(crate) unsafe extern "C-unwind" fn rtcGetSceneBounds(scene: Handle, bounds: *mut Bounds) {
     // SAFETY: passed on.
-    if let Some(found) = unsafe { with::<Scene, _>(scene, |scene| bounds_of(scene)) } {
+    if let Some(found) = unsafe { with::<Scene, _>(scene, |scene| bounds_of(scene, bounds.is_null())) } {
         // SAFETY: passed on; programs need not align it.
         unsafe { bounds.write_unaligned(found) }
     }
@@ -260,9 +273,9 @@ pub(crate) unsafe extern "C" fn rtcGetSceneBounds(scene: Handle, bounds: *mut Bo
 /// # Safety
 /// A scene, and room for two boxes.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetSceneLinearBounds(scene: Handle, bounds: *mut [Bounds; 2]) {
+pub(crate) unsafe extern "C-unwind" fn rtcGetSceneLinearBounds(scene: Handle, bounds: *mut [Bounds; 2]) {
     // SAFETY: passed on.
-    if let Some(found) = unsafe { with::<Scene, _>(scene, |scene| bounds_of(scene)) } {
+    if let Some(found) = unsafe { with::<Scene, _>(scene, |scene| bounds_of(scene, bounds.is_null())) } {
         // SAFETY: passed on.
         unsafe { bounds.write_unaligned([found; 2]) }
     }
@@ -273,10 +286,20 @@ pub(crate) unsafe extern "C" fn rtcGetSceneLinearBounds(scene: Handle, bounds: *
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryUserDataFromScene(scene: Handle, id: c_uint) -> *mut c_void {
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryUserDataFromScene(
+    scene: Handle,
+    id: c_uint,
+) -> *mut c_void {
     // SAFETY: passed on.
-    let geometry = unsafe { shared::<Geometry>(rtcGetGeometry(scene, id)) };
-    geometry.map_or(null_mut(), |geometry| geometry.user_data())
+    if let Some(geometry) = unsafe { found_at_once(scene, id) } {
+        return geometry.user_data();
+    }
+    let get = |scene: &Arc<Scene>| {
+        let geometry = scene.geometry(id).ok_or_else(|| no_geometry(id))?;
+        Ok(Pointer(geometry.user_data()))
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Scene, _>(scene, get) }.0
 }
 
 /// The same.
@@ -284,7 +307,7 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryUserDataFromScene(scene: Handle, i
 /// # Safety
 /// A scene.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryUserDataFromTraversable(
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryUserDataFromTraversable(
     scene: Handle,
     id: c_uint,
 ) -> *mut c_void {
@@ -297,7 +320,7 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryUserDataFromTraversable(
 /// # Safety
 /// A scene, and room for a matrix of the format.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryTransformFromScene(
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformFromScene(
     scene: Handle,
     id: c_uint,
     _time: f32,
@@ -305,8 +328,8 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryTransformFromScene(
     matrix: *mut f32,
 ) {
     let get = |scene: &Arc<Scene>| {
-        let geometry = scene.draft().geometries.get(&id).cloned().ok_or_else(|| no_geometry(id))?;
-        place_of(&geometry, 0, of).map(Some)
+        let geometry = scene.geometry(id).ok_or_else(|| no_geometry(id))?;
+        place_of(&geometry, 0, of, matrix.is_null()).map(Some)
     };
     // SAFETY: passed on.
     if let Some(values) = unsafe { with::<Scene, _>(scene, get) } {
@@ -320,7 +343,7 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryTransformFromScene(
 /// # Safety
 /// As above.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C" fn rtcGetGeometryTransformFromTraversable(
+pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformFromTraversable(
     scene: Handle,
     id: c_uint,
     time: f32,
@@ -331,8 +354,16 @@ pub(crate) unsafe extern "C" fn rtcGetGeometryTransformFromTraversable(
     unsafe { rtcGetGeometryTransformFromScene(scene, id, time, of, matrix) }
 }
 
-/// Where an instance is, in this format.
-pub(crate) fn place_of(geometry: &Geometry, prim_id: u32, of: u32) -> Result<Vec<f32>, Problem> {
+/// Where an instance is, in this format; an error where there is no room for it.
+pub(crate) fn place_of(
+    geometry: &Geometry,
+    prim_id: u32,
+    of: u32,
+    is_null: bool,
+) -> Result<Vec<f32>, Problem> {
+    if is_null {
+        return Err(Problem::argument("transform: a null pointer"));
+    }
     let settings = geometry.settings();
     let place = match settings.arrays.get(&(crate::ffi_abi::buffer::TRANSFORM, 0)) {
         Some(maps) => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! User geometry of Embree's kind: bounds and tests of the program's, called ray by ray. Source: original; Embree's manual.
+//! User geometry of Embree's kind: bounds and tests of the program's, called ray by ray, each in a packet as wide as the call's. Source: original; Embree's manual.
 //!
 //! A program's test writes into the ray and its hit whatever it likes: other ids, a normal, what another scene answered. A tree
 //! keeps of that `t`, `u` and `v`; the rest waits in the [`Frame`] of the query, from where the answer is completed.
@@ -12,7 +12,13 @@ use std::sync::Arc;
 
 use gnurt_accel::{Aabb, Ray, UserGeometry, UserHit};
 
-use crate::ffi_abi::{self as abi, Arguments, Context, Hit, RayHit, UserArguments};
+use crate::device::Problem;
+use crate::ffi_abi::{
+    self as abi, Arguments, Context, Hit, RayHit, RayHitPacketFrame, UserArguments, UserFunction, Valid, row,
+};
+use crate::ffi_callbacks::ask_program;
+use crate::ffi_catch;
+use crate::ffi_lane::Lane;
 use crate::objects::{Filters, Geometry, UserFunctions};
 
 /// What the program's test of a hit left, and which hit it was.
@@ -25,18 +31,15 @@ struct Kept {
 }
 
 /// A query that is under way.
-#[derive(Debug)]
 pub(crate) struct Frame {
     pub(crate) is_occlusion: bool,
     pub(crate) arguments: Arguments,
     pub(crate) context: *mut Context,
-    /// Of the ray as it was asked: what does not depend on the space.
-    pub(crate) time: f32,
-    pub(crate) mask: u32,
-    pub(crate) id: u32,
-    pub(crate) flags: u32,
+    /// The ray that is asked for, where it lies.
+    pub(crate) lane: Lane,
+    /// The ray as it was asked: what does not depend on the space is of use.
+    asked: abi::Ray,
     kept: RefCell<Vec<Kept>>,
-    outer: Cell<*const Frame>,
 }
 
 thread_local! {
@@ -53,22 +56,13 @@ impl Drop for Restore {
 }
 
 impl Frame {
-    pub(crate) fn new(
-        is_occlusion: bool,
-        arguments: Arguments,
-        context: *mut Context,
-        ray: &abi::Ray,
-    ) -> Self {
-        let abi::Ray { time, mask, id, flags, .. } = *ray;
-        let (kept, outer) = (RefCell::default(), Cell::new(null()));
-        Self { is_occlusion, arguments, context, time, mask, id, flags, kept, outer }
+    pub(crate) fn new(is_occlusion: bool, arguments: Arguments, context: *mut Context, lane: Lane) -> Self {
+        Self { is_occlusion, arguments, context, lane, asked: lane.whole(), kept: RefCell::default() }
     }
 
     /// Runs a query in this frame.
     pub(crate) fn run<R>(&self, query: impl FnOnce() -> R) -> R {
-        let outer = FRAME.replace(self);
-        let _restore = Restore(outer);
-        self.outer.set(outer);
+        let _restore = Restore(FRAME.replace(self));
         query()
     }
 
@@ -111,27 +105,68 @@ pub(crate) struct UserPrimitives {
 
 impl UserPrimitives {
     /// Asks for all boxes.
+    ///
+    /// # Errors
+    /// The program's function has thrown an exception.
     pub(crate) fn new(
         geometry: Arc<Geometry>,
         geom_id: u32,
         functions: UserFunctions,
         filters: Filters,
         count: u32,
-    ) -> Self {
-        let bounds = (0..count).map(|prim_id| bounds_of(&geometry, &functions, prim_id)).collect();
-        Self { geometry, geom_id, functions, filters, bounds }
+    ) -> Result<Self, Problem> {
+        let bounds = (0..count).map(|prim_id| bounds_of(&geometry, &functions, prim_id));
+        let bounds = bounds.collect::<Result<_, _>>()?;
+        Ok(Self { geometry, geom_id, functions, filters, bounds })
+    }
+
+    /// Asks the program's test; what it left of the ray and its hit. `None` where it has thrown an exception.
+    fn test(&self, function: UserFunction, prim_id: u32, frame: &Frame, ray: &Ray) -> Option<(f32, Hit)> {
+        let function = function?;
+        let Ray { org, t_near, dir, t_far, .. } = *ray;
+        let asked = abi::Ray { org, t_near, dir, t_far, ..frame.asked };
+        let (n, at) = (frame.lane.n(), frame.lane.at());
+        let ask = |valid: *mut c_int, rays: *mut f32| {
+            // SAFETY: the packet is one of ours, below.
+            let lane = unsafe { Lane::new(rays, n, at) };
+            lane.put_ray(&asked);
+            lane.put_hit(&Hit::NONE, true);
+            let call = Call {
+                arguments: UserArguments {
+                    valid,
+                    user_data: self.geometry.user_data(),
+                    prim_id,
+                    context: frame.context,
+                    rays,
+                    n: n as u32,
+                    geom_id: self.geom_id,
+                },
+                frame,
+                filters: self.filters,
+            };
+            // SAFETY: the program gave the function to be called like this; rays and hits live during the call.
+            ask_program(|| unsafe { function((&raw const call).cast()) })?;
+            Some((lane.get(row::T_FAR), lane.hit()))
+        };
+        if n == 1 {
+            let (mut valid, mut rays) = (-1, RayHit { ray: asked, hit: Hit::NONE });
+            ask(&raw mut valid, (&raw mut rays).cast())
+        } else {
+            let (mut valid, mut rays) = (Valid::only(at), RayHitPacketFrame([0.0; 21 * 16]));
+            ask((&raw mut valid).cast(), (&raw mut rays).cast())
+        }
     }
 }
 
-fn bounds_of(geometry: &Geometry, functions: &UserFunctions, prim_id: u32) -> Aabb {
-    let Some(function) = functions.bounds else { return Aabb::EMPTY };
+fn bounds_of(geometry: &Geometry, functions: &UserFunctions, prim_id: u32) -> Result<Aabb, Problem> {
+    let Some(function) = functions.bounds else { return Ok(Aabb::EMPTY) };
     let Aabb { min: lower, max: upper } = Aabb::EMPTY;
     let mut bounds = abi::Bounds { lower, align0: 0.0, upper, align1: 0.0 };
     let user_data = geometry.user_data();
     let arguments = abi::BoundsArguments { user_data, prim_id, time_step: 0, bounds: &raw mut bounds };
     // SAFETY: the program gave the function to be called like this; the arguments live during the call.
-    unsafe { function(&raw const arguments) };
-    Aabb { min: bounds.lower, max: bounds.upper }
+    ffi_catch::call(|| unsafe { function(&raw const arguments) })?;
+    Ok(Aabb { min: bounds.lower, max: bounds.upper })
 }
 
 impl UserGeometry for UserPrimitives {
@@ -151,40 +186,18 @@ impl UserGeometry for UserPrimitives {
         // SAFETY: the frame of this thread's query, which is on its stack until the query is over.
         let frame = unsafe { &*frame };
         let own = if frame.is_occlusion { self.functions.occluded } else { self.functions.intersect };
-        let Some(function) = frame.arguments.callback.or(own) else { return };
-        let mut valid: c_int = -1;
-        let Frame { time, mask, id, flags, .. } = *frame;
-        let Ray { org, t_near, dir, t_far, .. } = *ray;
-        let asked = abi::Ray { org, t_near, dir, time, t_far, mask, id, flags };
-        let mut rays = RayHit { ray: asked, hit: Hit::NONE };
-        let call = Call {
-            arguments: UserArguments {
-                valid: &raw mut valid,
-                user_data: self.geometry.user_data(),
-                prim_id,
-                context: frame.context,
-                rays: (&raw mut rays).cast(),
-                n: 1,
-                geom_id: self.geom_id,
-            },
-            frame,
-            filters: self.filters,
-        };
-        // SAFETY: the program gave the function to be called like this; ray and hit are of one lane and live during the call.
-        unsafe { function((&raw const call).cast()) };
-        // Read anew: the program wrote through pointers.
-        // SAFETY: it is our own value.
-        let rays = unsafe { (&raw const rays).read_volatile() };
+        let function = frame.arguments.callback.or(own);
+        let Some((t, found)) = self.test(function, prim_id, frame, ray) else { return };
+        let Ray { t_near, t_far, .. } = *ray;
         if frame.is_occlusion {
-            if rays.ray.t_far < 0.0 && t_far >= 0.0 {
+            if t < 0.0 && t_far >= 0.0 {
                 hit(UserHit { t: t_near, u: 0.0, v: 0.0 });
             }
             return;
         }
-        let t = rays.ray.t_far;
-        if (t < t_far || rays.hit.geom_id != abi::INVALID) && t >= t_near && t <= t_far {
-            frame.keep(&self.geometry, prim_id, t, rays.hit);
-            hit(UserHit { t, u: rays.hit.u, v: rays.hit.v });
+        if (t < t_far || found.geom_id != abi::INVALID) && t >= t_near && t <= t_far {
+            frame.keep(&self.geometry, prim_id, t, found);
+            hit(UserHit { t, u: found.u, v: found.v });
         }
     }
 

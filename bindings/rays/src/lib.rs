@@ -3,7 +3,7 @@
 //!
 //! `ffi*.rs` hold the exported functions and all of the `unsafe` code. Embree's calls: `ffi_device.rs`, `ffi_scene.rs`,
 //! `ffi_geometry.rs`, `ffi_arrays.rs` edit what `objects.rs` describes, `commit.rs` builds from it, `ffi_trace.rs` and
-//! `ffi_point.rs` ask, `ffi_user.rs` lets trees ask the program. Those of `gnurt/rays.h`: `ffi_rays.rs` edits what `ray_scene.rs`
+//! `ffi_point.rs` ask, `ffi_filter.rs` and `ffi_user.rs` let trees ask the program, `ffi_forward.rs` sends on what it sends on. Those of `gnurt/rays.h`: `ffi_rays.rs` edits what `ray_scene.rs`
 //! describes and builds, `ffi_ask.rs` asks. No panic crosses to C. docs/c-rays.md is the manual.
 #![deny(unsafe_code)]
 #![allow(non_snake_case, reason = "C calls have C names")]
@@ -19,18 +19,30 @@ mod ffi_arrays;
 mod ffi_ask;
 #[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_callbacks;
+#[expect(unsafe_code, reason = "a frame that catches, and what it catches")]
+mod ffi_catch;
 #[expect(unsafe_code, reason = "memory of C programs")]
 mod ffi_columns;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_device;
+#[expect(unsafe_code, reason = "functions of C programs")]
+mod ffi_filter;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_forward;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_geometry;
 #[expect(unsafe_code, reason = "values behind pointers")]
 mod ffi_handle;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_interpolate;
+#[expect(unsafe_code, reason = "memory of C programs")]
+mod ffi_lane;
 #[expect(unsafe_code, reason = "memory of C programs")]
 mod ffi_memory;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_point;
+#[expect(unsafe_code, reason = "a pointer to what never changes")]
+mod ffi_present;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_rays;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
@@ -39,8 +51,10 @@ mod ffi_scene;
 mod ffi_trace;
 #[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_user;
+mod free_ids;
 mod lines;
 mod located;
 mod objects;
+mod pools;
 mod ray_scene;
 mod transform;

@@ -5,13 +5,16 @@
 
 use gnurt_accel::Hit;
 
-use crate::objects::{Committed, Kind, Place, Surface, Tree};
+use crate::ffi_present::present;
+use crate::objects::{Committed, Kind, Place, Shown, Surface, Tree};
 use crate::transform::{self, Columns, IDENTITY};
 
 /// A primitive of the program's.
 #[derive(Debug)]
 pub(crate) struct Located<'a> {
     pub(crate) surface: &'a Surface,
+    /// The same as its scene was last committed, for arrays of before may be gone; `None` where it is no longer there.
+    arrays: Option<&'a Surface>,
     /// Where the outermost instance is; `None` where there is none.
     pub(crate) place: Option<&'a Place>,
     /// Places of instances in it, if any.
@@ -22,18 +25,21 @@ impl Committed {
     /// What was hit; ids as the tree of this scene gives them.
     #[inline]
     pub(crate) fn locate(&self, geom_id: u32, inst_id: u32, leaf_id: u32) -> Located<'_> {
-        let own = |place| Located { surface: &self.surfaces[geom_id as usize], place, inner: Vec::new() };
+        let own = |place| {
+            let surface = &self.surfaces[geom_id as usize];
+            Located { surface, arrays: Some(surface), place, inner: Vec::new() }
+        };
         match &self.tree {
             Tree::Object(_) => own(None),
             Tree::Scene(tree) => {
                 let place = &self.places[inst_id as usize];
                 match &place.shown {
                     None => own(None),
-                    Some(shown) if matches!(shown.tree, Tree::Object(_)) => Located {
-                        surface: &shown.surfaces[geom_id as usize],
-                        place: Some(place),
-                        inner: Vec::new(),
-                    },
+                    Some(shown) if matches!(shown.committed.tree, Tree::Object(_)) => {
+                        let surface = &shown.committed.surfaces[geom_id as usize];
+                        let arrays = as_it_is_now(shown, surface);
+                        Located { surface, arrays, place: Some(place), inner: Vec::new() }
+                    }
                     Some(_) => self.locate_inside(tree.instance_path(leaf_id).unwrap_or_default(), geom_id),
                 }
             }
@@ -43,17 +49,28 @@ impl Committed {
     /// Along the instances of instances.
     #[cold]
     fn locate_inside(&self, path: Vec<u32>, geom_id: u32) -> Located<'_> {
-        let (mut scene, mut places) = (self, Vec::new());
+        let (mut scene, mut last, mut places) = (self, None, Vec::new());
         for inst_id in path {
             let place = &scene.places[inst_id as usize];
             let Some(shown) = &place.shown else { break };
             places.push(place);
-            scene = shown;
+            (scene, last) = (&shown.committed, Some(shown));
         }
         let surface = &scene.surfaces[geom_id as usize];
+        let arrays = last.map_or(Some(surface), |shown| as_it_is_now(shown, surface));
         let mut places = places.into_iter();
-        Located { surface, place: places.next(), inner: places.collect() }
+        Located { surface, arrays, place: places.next(), inner: places.collect() }
     }
+}
+
+/// A surface of a scene that is shown, as that was last committed.
+#[inline]
+fn as_it_is_now<'a>(shown: &'a Shown, surface: &'a Surface) -> Option<&'a Surface> {
+    let now = present(&shown.scene)?;
+    if std::ptr::eq(now, &raw const *shown.committed) {
+        return Some(surface);
+    }
+    now.surfaces.iter().find(|other| other.geom_id == surface.geom_id && other.kind == surface.kind)
 }
 
 impl Located<'_> {
@@ -63,10 +80,11 @@ impl Located<'_> {
         self.inner.iter().fold(outer, |all, place| transform::after(&all, &place.world_from_instance))
     }
 
-    /// The normal where a ray has hit, in the geometry's space; zeros of user geometry, which gives its own.
+    /// The normal where a ray has hit, in the geometry's space; zeros of user geometry, which gives its own, and of what is no longer
+    /// there.
     #[inline]
     pub(crate) fn normal(&self, hit: &Hit, org: [f32; 3], dir: [f32; 3]) -> [f32; 3] {
-        let Surface { kind, vertices, indices, .. } = self.surface;
+        let Some(Surface { kind, vertices, indices, .. }) = self.arrays else { return [0.0; 3] };
         let prim_id = hit.prim_id as usize;
         let corner = |i: u32| vertices.get::<f32, 3>(i as usize).unwrap_or_default();
         match kind {

@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 use std::ffi::c_void;
-use std::sync::atomic::{AtomicPtr, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
 use gnurt_accel::{MovingTree, ObjectTree, Query, SceneTree};
 
@@ -14,6 +14,7 @@ use crate::device::Device;
 use crate::ffi_abi::{BoundsFunction, FilterFunction, PointFunction, UserFunction};
 use crate::ffi_callbacks::{Callback, ProgressFunction};
 use crate::ffi_memory::{Block, Pointer, View};
+use crate::free_ids::FreeIds;
 use crate::transform::{Columns, IDENTITY};
 
 /// What a geometry consists of.
@@ -77,6 +78,8 @@ pub(crate) struct Settings {
     pub(crate) quality: u32,
     pub(crate) is_enabled: bool,
     pub(crate) is_committed: bool,
+    /// The moment of the last edit.
+    pub(crate) changed_at: u64,
     pub(crate) filters: Filters,
     pub(crate) user: UserFunctions,
     pub(crate) user_count: u32,
@@ -86,13 +89,32 @@ pub(crate) struct Settings {
     pub(crate) attributes: u32,
 }
 
+impl Settings {
+    /// Something was changed that the program has to commit.
+    pub(crate) fn modified(&mut self) {
+        self.is_committed = false;
+        self.touched();
+    }
+
+    /// Something was changed that scenes see when they are committed.
+    pub(crate) fn touched(&mut self) {
+        self.changed_at = next_moment();
+    }
+}
+
+/// The next of the moments by which it is known what was edited after what; never 0.
+pub(crate) fn next_moment() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
+
 /// What `RTCGeometry` points to.
 #[derive(Debug)]
 pub(crate) struct Geometry {
     pub(crate) device: Arc<Device>,
     pub(crate) kind: Kind,
     pub(crate) user_data: AtomicPtr<c_void>,
-    settings: Mutex<Settings>,
+    settings: RwLock<Settings>,
 }
 
 impl Geometry {
@@ -103,6 +125,7 @@ impl Geometry {
             quality: 1,
             is_enabled: true,
             is_committed: false,
+            changed_at: next_moment(),
             filters: Filters::default(),
             user: UserFunctions::default(),
             user_count: 0,
@@ -112,11 +135,15 @@ impl Geometry {
             attributes: 0,
         };
         let user_data = AtomicPtr::new(std::ptr::null_mut());
-        Self { device, kind, user_data, settings: Mutex::new(settings) }
+        Self { device, kind, user_data, settings: RwLock::new(settings) }
     }
 
-    pub(crate) fn settings(&self) -> MutexGuard<'_, Settings> {
-        self.settings.lock().unwrap_or_else(PoisonError::into_inner)
+    pub(crate) fn settings(&self) -> RwLockReadGuard<'_, Settings> {
+        self.settings.read().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    pub(crate) fn edit(&self) -> RwLockWriteGuard<'_, Settings> {
+        self.settings.write().unwrap_or_else(PoisonError::into_inner)
     }
 
     pub(crate) fn user_data(&self) -> *mut c_void {
@@ -125,45 +152,168 @@ impl Geometry {
 }
 
 /// What `RTCScene` points to.
+///
+/// Locks are taken in this order: `building`, a geometry's settings, a draft. Only the first is held while functions of the program run.
 #[derive(Debug)]
 pub(crate) struct Scene {
     pub(crate) device: Arc<Device>,
     draft: Mutex<Draft>,
+    building: Mutex<Option<Moving>>,
     /// Held by the draft; null before the first commit.
     current: AtomicPtr<Committed>,
+    /// Whether geometries came or went since `current` was made.
+    list_differs: AtomicBool,
+    /// The moment when `current` was made.
+    published_at: AtomicU64,
 }
 
 /// A surface of a tree: its id, its kind, and how many primitives it has.
 pub(crate) type Listed = (u32, Kind, u32);
 
+/// A tree that follows its geometry, and what it is over.
+pub(crate) type Moving = (MovingTree, Vec<Listed>);
+
 /// What calls edit, and what the last commit left.
-#[derive(Debug, Default)]
-pub(crate) struct Draft {
-    pub(crate) geometries: BTreeMap<u32, Arc<Geometry>>,
-    pub(crate) quality: u32,
-    pub(crate) flags: u32,
-    pub(crate) progress: Option<Callback<ProgressFunction>>,
-    pub(crate) moving: Option<(MovingTree, Vec<Listed>)>,
+#[derive(Debug)]
+struct Draft {
+    geometries: BTreeMap<u32, Arc<Geometry>>,
+    free: FreeIds,
+    settings: SceneSettings,
+    /// The moment of the last edit of the list or of the settings.
+    changed_at: u64,
     committed: Option<Arc<Committed>>,
     /// Queries that were under way when the scene was committed anew, against all rules, still read it.
     before: Option<Arc<Committed>>,
 }
 
+/// How a scene is built.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SceneSettings {
+    pub(crate) quality: u32,
+    pub(crate) flags: u32,
+    pub(crate) progress: Option<Callback<ProgressFunction>>,
+}
+
+/// What a commit builds from: the draft as it was at a moment.
+#[derive(Debug)]
+pub(crate) struct Plan {
+    pub(crate) geometries: Vec<(u32, Arc<Geometry>)>,
+    pub(crate) settings: SceneSettings,
+    /// Edits up to here are in it.
+    pub(crate) moment: u64,
+    /// The moment of the commit before; 0 where there was none.
+    pub(crate) last: u64,
+    /// Whether the list or the settings were edited since then.
+    is_edited: bool,
+}
+
+impl Plan {
+    /// Whether the last commit has made something else.
+    pub(crate) fn is_modified(&self) -> bool {
+        self.is_edited
+            || self.geometries.iter().any(|(_, geometry)| {
+                let settings = geometry.settings();
+                settings.changed_at > self.last
+                    || settings
+                        .scenes
+                        .iter()
+                        .any(|shown| shown.published_at.load(Ordering::Acquire) > self.last)
+            })
+    }
+}
+
 impl Scene {
     pub(crate) fn new(device: Arc<Device>) -> Self {
-        let draft = Mutex::new(Draft { quality: 1, ..Draft::default() });
-        Self { device, draft, current: AtomicPtr::default() }
+        let draft = Draft {
+            geometries: BTreeMap::new(),
+            free: FreeIds::default(),
+            settings: SceneSettings { quality: 1, flags: 0, progress: None },
+            changed_at: next_moment(),
+            committed: None,
+            before: None,
+        };
+        Self {
+            device,
+            draft: Mutex::new(draft),
+            building: Mutex::default(),
+            current: AtomicPtr::default(),
+            list_differs: AtomicBool::new(false),
+            published_at: AtomicU64::new(0),
+        }
     }
 
-    pub(crate) fn draft(&self) -> MutexGuard<'_, Draft> {
+    fn draft(&self) -> MutexGuard<'_, Draft> {
         self.draft.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is asked from now on.
-    pub(crate) fn publish(&self, draft: &mut Draft, committed: Committed) {
+    /// Attaches a geometry under an id, or the lowest one that is free; `None` where that is taken, or none is free.
+    pub(crate) fn attach(&self, id: Option<u32>, geometry: Arc<Geometry>) -> Option<u32> {
+        let mut draft = self.draft();
+        let id = id.or_else(|| draft.free.lowest())?;
+        if draft.geometries.contains_key(&id) {
+            return None;
+        }
+        draft.free.take(id);
+        draft.geometries.insert(id, geometry);
+        draft.changed_at = next_moment();
+        self.list_differs.store(true, Ordering::Release);
+        Some(id)
+    }
+
+    /// Takes a geometry out.
+    pub(crate) fn detach(&self, id: u32) -> Option<Arc<Geometry>> {
+        let mut draft = self.draft();
+        let gone = draft.geometries.remove(&id)?;
+        draft.free.give(id);
+        draft.changed_at = next_moment();
+        self.list_differs.store(true, Ordering::Release);
+        Some(gone)
+    }
+
+    /// A geometry of the draft.
+    pub(crate) fn geometry(&self, id: u32) -> Option<Arc<Geometry>> {
+        self.draft().geometries.get(&id).cloned()
+    }
+
+    pub(crate) fn settings(&self) -> SceneSettings {
+        self.draft().settings
+    }
+
+    /// Edits settings.
+    pub(crate) fn edit(&self, change: impl FnOnce(&mut SceneSettings)) {
+        let mut draft = self.draft();
+        let before = draft.settings;
+        change(&mut draft.settings);
+        if (before.quality, before.flags) != (draft.settings.quality, draft.settings.flags) {
+            draft.changed_at = next_moment();
+        }
+    }
+
+    /// Lets one commit build at a time.
+    pub(crate) fn build(&self) -> MutexGuard<'_, Option<Moving>> {
+        self.building.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What is to be built.
+    pub(crate) fn plan(&self) -> Plan {
+        let draft = self.draft();
+        // First: what is edited while the plan is made counts as edited after it.
+        let moment = next_moment();
+        let last = draft.committed.as_ref().map_or(0, |committed| committed.moment);
+        let geometries = draft.geometries.iter().map(|(&id, geometry)| (id, Arc::clone(geometry))).collect();
+        let is_edited = draft.changed_at > last;
+        Plan { geometries, settings: draft.settings, moment, last, is_edited }
+    }
+
+    /// What is asked from now on. What nobody needs any longer is given back, to be dropped where no lock is held.
+    pub(crate) fn publish(&self, committed: Committed) -> Option<Arc<Committed>> {
         let committed = Arc::new(committed);
+        let mut draft = self.draft();
         self.current.store(Arc::as_ptr(&committed).cast_mut(), Ordering::Release);
-        draft.before = draft.committed.replace(committed);
+        self.list_differs.store(draft.changed_at > committed.moment, Ordering::Release);
+        self.published_at.store(next_moment(), Ordering::Release);
+        let before = draft.committed.replace(committed);
+        std::mem::replace(&mut draft.before, before)
     }
 
     /// What the last commit made, to be kept.
@@ -171,10 +321,21 @@ impl Scene {
         self.draft().committed.clone()
     }
 
+    /// The same, if the list of geometries and the settings were not edited since.
+    pub(crate) fn unmodified(&self) -> Option<Arc<Committed>> {
+        let draft = self.draft();
+        draft.committed.clone().filter(|committed| draft.changed_at < committed.moment)
+    }
+
     /// The same to be read at once: null before the first commit, else it lives as long as the scene is not committed twice.
     #[inline]
     pub(crate) fn current(&self) -> *const Committed {
         self.current.load(Ordering::Acquire)
+    }
+
+    /// Whether what was committed has the geometries of the draft.
+    pub(crate) fn has_all(&self) -> bool {
+        !self.list_differs.load(Ordering::Acquire)
     }
 }
 
@@ -182,6 +343,10 @@ impl Scene {
 #[derive(Debug)]
 pub(crate) struct Committed {
     pub(crate) device: Arc<Device>,
+    /// Edits up to here are in it.
+    pub(crate) moment: u64,
+    /// All of the scene, in the order of their ids.
+    pub(crate) geometries: Vec<(u32, Arc<Geometry>)>,
     pub(crate) tree: Tree,
     /// By the numbers that the tree has for them.
     pub(crate) surfaces: Vec<Surface>,
@@ -194,9 +359,23 @@ pub(crate) struct Committed {
     pub(crate) bytes: i64,
 }
 
+impl Committed {
+    /// A geometry by its id.
+    pub(crate) fn geometry(&self, id: u32) -> Option<&Arc<Geometry>> {
+        let all = &self.geometries;
+        // Ids without gaps are places.
+        let place = match all.get(id as usize) {
+            Some((first, _)) if *first == id => id as usize,
+            _ => all.binary_search_by_key(&id, |(id, _)| *id).ok()?,
+        };
+        Some(&all[place].1)
+    }
+}
+
 impl Drop for Committed {
     fn drop(&mut self) {
-        self.device.hold(-self.bytes);
+        // What the program's function answers, or throws, changes nothing here.
+        let _ = self.device.hold(-self.bytes);
     }
 }
 
@@ -231,6 +410,15 @@ pub(crate) struct Surface {
     pub(crate) point: PointFunction,
 }
 
+/// A scene that is shown in another.
+#[derive(Debug)]
+pub(crate) struct Shown {
+    /// As it was when the other one was committed.
+    pub(crate) committed: Arc<Committed>,
+    /// As it is now: its program may have committed it since, and freed the arrays of before.
+    pub(crate) scene: Arc<Scene>,
+}
+
 /// Where a scene is shown in another.
 #[derive(Debug)]
 pub(crate) struct Place {
@@ -238,6 +426,6 @@ pub(crate) struct Place {
     /// In an array of instances.
     pub(crate) prim_id: Option<u32>,
     /// `None` for the scene's own surfaces.
-    pub(crate) shown: Option<Arc<Committed>>,
+    pub(crate) shown: Option<Shown>,
     pub(crate) world_from_instance: Columns,
 }

@@ -1,25 +1,79 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The scene of `gnurt/rays.h`: what was added, and trees over it. Source: original; include/gnurt/rays.h.
-//! Invariant: ids are places in the list of parts, and stay. Proof: `tests/c/rays.c`.
+//! Invariant: ids are places in the list of parts, and stay. What was committed needs no array of the program: parts keep copies, from
+//! which later commits build. Proof: `tests/c/rays.c`, `tests/c/edits.c`.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use gnurt_accel::{
     BuildOptions, Geometry, GeometryKind, Instance, Motion, MovingTree, ObjectTree, Quads, SceneTree, Shape,
     Spheres, Threads, Triangles, UserGeometry,
 };
 
-use crate::ffi_columns::Rows;
+use crate::ffi_columns::{Column, Rows};
 use crate::transform::{Columns, IDENTITY};
 
 /// What was added.
 #[derive(Clone, Debug)]
 pub(crate) enum What {
-    Triangles { positions: Rows, indices: Rows },
-    Quads { positions: Rows, indices: Rows },
-    Spheres { centers: Rows, radii: Rows },
-    User(Arc<dyn UserGeometry>),
+    Triangles { positions: Column<[f32; 3]>, indices: Column<[u32; 3]> },
+    Quads { positions: Column<[f32; 3]>, indices: Column<[u32; 4]> },
+    Spheres { centers: Column<[f32; 3]>, radii: Column<f32> },
+    User(Primitives),
     Instance { shown: Arc<Built>, place: Columns },
+}
+
+impl What {
+    /// Copies arrays of the program that were not copied yet.
+    fn keep(&mut self) {
+        match self {
+            Self::Triangles { positions, indices } => {
+                positions.keep(Rows::floats);
+                indices.keep(Rows::words);
+            }
+            Self::Quads { positions, indices } => {
+                positions.keep(Rows::floats);
+                indices.keep(Rows::words);
+            }
+            Self::Spheres { centers, radii } => {
+                centers.keep(Rows::floats);
+                radii.keep(|rows| rows.floats::<1>().into_iter().map(|[r]| r).collect());
+            }
+            Self::User(_) | Self::Instance { .. } => {}
+        }
+    }
+
+    /// As trees are built from it, and how many primitives there are; nothing of an instance.
+    fn geometry(&self) -> Option<(GeometryKind<'_>, usize)> {
+        Some(match self {
+            Self::Triangles { positions, indices } => {
+                let (positions, indices) = (positions.kept(), indices.kept());
+                (GeometryKind::Triangles(Triangles { positions, indices }), indices.len())
+            }
+            Self::Quads { positions, indices } => {
+                let (positions, indices) = (positions.kept(), indices.kept());
+                (GeometryKind::Quads(Quads { positions, indices }), indices.len())
+            }
+            Self::Spheres { centers, radii } => {
+                let (centers, radii) = (centers.kept(), radii.kept());
+                (GeometryKind::Spheres(Spheres { centers, radii }), radii.len())
+            }
+            Self::User(user) => {
+                let geometry = Arc::clone(&user.geometry);
+                let count = geometry.count() as usize;
+                (GeometryKind::User(geometry), count)
+            }
+            Self::Instance { .. } => return None,
+        })
+    }
+}
+
+/// Primitives of the program, and how often its test has thrown an exception.
+#[derive(Clone, Debug)]
+pub(crate) struct Primitives {
+    pub(crate) geometry: Arc<dyn UserGeometry>,
+    pub(crate) thrown: Arc<AtomicU64>,
 }
 
 /// With its mask.
@@ -56,9 +110,16 @@ pub(crate) struct Built {
     geometries: Vec<u32>,
     /// Ids of parts by the tree's numbers of instances, and what they show; the first are the scene's own surfaces.
     instances: Vec<(u32, Option<Arc<Built>>)>,
+    /// Of all user geometry that rays may meet.
+    thrown: Vec<Arc<AtomicU64>>,
 }
 
 impl Built {
+    /// How many exceptions tests of the program have thrown, in all queries of all times.
+    pub(crate) fn thrown(&self) -> u64 {
+        self.thrown.iter().map(|thrown| thrown.load(Ordering::Relaxed)).sum()
+    }
+
     /// The ids of a geometry, in the scene that has it, and of the outermost instance.
     pub(crate) fn ids(&self, geom_id: u32, inst_id: u32, leaf_id: u32) -> (u32, u32) {
         let Tree::Scene(tree) = &self.tree else { return (self.geometries[geom_id as usize], u32::MAX) };
@@ -89,66 +150,75 @@ impl Built {
 /// What `gnurt_scene` points to.
 #[derive(Debug, Default)]
 pub(crate) struct RayScene {
-    pub(crate) parts: Vec<Option<Part>>,
-    pub(crate) options: BuildOptions,
-    pub(crate) moves: bool,
+    parts: Vec<Option<Part>>,
+    options: BuildOptions,
+    moves: bool,
     /// 0 for all processors.
     pub(crate) threads: usize,
     pub(crate) built: Option<Arc<Built>>,
+    /// Whether the scene's own surfaces, or how trees are built, were edited since.
+    is_edited: bool,
     /// And what it was over: ids, and how many primitives they have.
     moving: Option<(MovingTree, Vec<(u32, usize)>)>,
 }
 
-/// Arrays in the form that trees are built from.
-enum Arrays {
-    Triangles(Vec<[f32; 3]>, Vec<[u32; 3]>),
-    Quads(Vec<[f32; 3]>, Vec<[u32; 4]>),
-    Spheres(Vec<[f32; 3]>, Vec<f32>),
-    User(Arc<dyn UserGeometry>),
-}
-
 impl RayScene {
     pub(crate) fn add(&mut self, part: Part) -> u32 {
+        self.is_edited |= !matches!(part.what, What::Instance { .. });
         self.parts.push(Some(part));
         self.parts.len() as u32 - 1
     }
 
-    /// A part that is there.
+    /// A part that is there, to be edited.
     pub(crate) fn part(&mut self, id: u32) -> Result<&mut Part, String> {
         let part = self.parts.get_mut(id as usize).and_then(Option::as_mut);
-        part.ok_or_else(|| format!("id: there is no geometry or instance {id}"))
+        let part = part.ok_or_else(|| format!("id: there is no geometry or instance {id}"))?;
+        self.is_edited |= !matches!(part.what, What::Instance { .. });
+        Ok(part)
     }
 
-    /// Builds.
+    /// Takes a part out.
+    pub(crate) fn remove(&mut self, id: u32) -> Result<(), String> {
+        self.part(id)?;
+        self.parts[id as usize] = None;
+        Ok(())
+    }
+
+    /// How trees are built, and whether they are to follow.
+    pub(crate) fn set_options(&mut self, options: BuildOptions, moves: bool) {
+        (self.options, self.moves, self.is_edited) = (options, moves, true);
+    }
+
+    /// Builds. Arrays of the program are not read again afterwards.
     pub(crate) fn commit(&mut self, threads: Threads) -> Result<(), String> {
-        let (mut arrays, mut geometries) = (Vec::new(), Vec::new());
+        self.parts.iter_mut().flatten().for_each(|part| part.what.keep());
+        let (mut geometries, mut thrown) = (Vec::new(), Vec::new());
         let mut instances = vec![(u32::MAX, None)];
         let mut placed = Vec::new();
         for (id, part) in self.parts.iter().enumerate() {
             let Some(Part { what, mask }) = part else { continue };
-            let array = match what {
-                What::Triangles { positions, indices } => {
-                    Arrays::Triangles(positions.floats(), indices.words()?)
-                }
-                What::Quads { positions, indices } => Arrays::Quads(positions.floats(), indices.words()?),
-                What::Spheres { centers, radii } => {
-                    Arrays::Spheres(centers.floats(), radii.floats::<1>().into_iter().map(|[r]| r).collect())
-                }
-                What::User(user) => Arrays::User(Arc::clone(user)),
+            match what {
                 What::Instance { shown, place } => {
                     let shape: Shape = match &shown.tree {
                         Tree::Object(tree) => Arc::clone(tree).into(),
                         Tree::Scene(tree) => Arc::clone(tree).into(),
                     };
                     placed.push(Instance::new(shape, *place).with_mask(*mask));
+                    thrown.extend(shown.thrown.iter().cloned());
                     instances.push((id as u32, Some(Arc::clone(shown))));
                     continue;
                 }
-            };
-            arrays.push((array, *mask));
+                What::User(user) => thrown.push(Arc::clone(&user.thrown)),
+                _ => {}
+            }
             geometries.push(id as u32);
         }
-        let object = self.object(&arrays, &geometries, threads)?;
+        thrown.sort_unstable_by_key(|thrown| Arc::as_ptr(thrown).addr());
+        thrown.dedup_by(|a, b| Arc::ptr_eq(a, b));
+        let object = match &self.built {
+            Some(built) if !self.is_edited => Arc::clone(&built.object),
+            _ => self.object(threads)?,
+        };
         let tree = if placed.is_empty() {
             Tree::Object(Arc::clone(&object))
         } else {
@@ -156,34 +226,20 @@ impl RayScene {
             let built = SceneTree::try_build(&placed, &self.options, threads, &());
             Tree::Scene(Arc::new(built.map_err(|error| error.to_string())?))
         };
-        self.built = Some(Arc::new(Built { tree, object, geometries, instances }));
+        self.built = Some(Arc::new(Built { tree, object, geometries, instances, thrown }));
+        self.is_edited = false;
         Ok(())
     }
 
     /// The tree over the scene's own surfaces.
-    fn object(
-        &mut self,
-        arrays: &[(Arrays, u32)],
-        ids: &[u32],
-        threads: Threads,
-    ) -> Result<Arc<ObjectTree>, String> {
+    fn object(&mut self, threads: Threads) -> Result<Arc<ObjectTree>, String> {
         let mut counts = Vec::new();
         let mut geometries = Vec::new();
-        for ((array, mask), &id) in arrays.iter().zip(ids) {
-            let (kind, count) = match array {
-                Arrays::Triangles(positions, indices) => {
-                    (GeometryKind::Triangles(Triangles { positions, indices }), indices.len())
-                }
-                Arrays::Quads(positions, indices) => {
-                    (GeometryKind::Quads(Quads { positions, indices }), indices.len())
-                }
-                Arrays::Spheres(centers, radii) => {
-                    (GeometryKind::Spheres(Spheres { centers, radii }), radii.len())
-                }
-                Arrays::User(user) => (GeometryKind::User(Arc::clone(user)), user.count() as usize),
-            };
+        for (id, part) in self.parts.iter().enumerate() {
+            let Some(Part { what, mask }) = part else { continue };
+            let Some((kind, count)) = what.geometry() else { continue };
             geometries.push(Geometry::new(kind).with_mask(*mask));
-            counts.push((id, count));
+            counts.push((id as u32, count));
         }
         if self.moves
             && let Some((moving, before)) = &mut self.moving

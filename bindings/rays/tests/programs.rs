@@ -99,6 +99,43 @@ fn calls_of_our_own() {
     workshop.run(&binary, &[]);
 }
 
+#[test]
+fn arrays_threads_and_processes() {
+    let workshop = Workshop::new();
+    workshop.run(&workshop.build("cc", "c11", "tests/c/edits.c"), &[]);
+}
+
+#[test]
+fn commits() {
+    let workshop = Workshop::new();
+    let binary = workshop.build("cc", "c11", "tests/c/joined.c");
+    workshop.run(&binary, &[]);
+    // A standard error that cannot be written ends no program.
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("a device that is full");
+    let mut command = Command::new(&binary);
+    let status = command.arg("verbose").env("LD_LIBRARY_PATH", workshop.0.path()).stderr(full).status();
+    let status = status.expect("it runs");
+    assert!(status.success(), "a mistake is told nobody: {status}");
+}
+
+#[test]
+fn callbacks_get_whole_packets() {
+    let workshop = Workshop::new();
+    workshop.run(&workshop.build("cc", "c11", "tests/c/frames.c"), &[]);
+}
+
+#[test]
+fn arrays_of_a_scene_that_is_shown() {
+    let workshop = Workshop::new();
+    workshop.run(&workshop.build("cc", "c11", "tests/c/stale.c"), &[]);
+}
+
+#[test]
+fn exceptions() {
+    let workshop = Workshop::new();
+    workshop.run(&workshop.build("c++", "c++17", "tests/c/throws.cpp"), &[]);
+}
+
 /// Examples run, and show what they promise.
 #[test]
 fn examples() {

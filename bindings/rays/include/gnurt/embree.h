@@ -2,6 +2,10 @@
 /* The calls of Embree 4 that libgnurt answers, restated from its documented interface: names, numbers and layouts are those of
  * Embree 4.4 as it is built by default (one level of instances in a hit, arrays of instances). Programs that have Embree's own
  * headers need not have this one: the library takes the place of libembree4.so.4 as it is. docs/c-rays.md says what differs.
+ *
+ * Additional permission under section 7 of the GNU General Public License, version 3: including this header, unmodified, in the
+ * source of any work, and compiling the types, constants, macros and inline functions that it defines into that work, does not by
+ * itself cause the work to be covered by the GNU General Public License. The library libgnurt itself remains covered by it.
  */
 #ifndef GNURT_EMBREE_H
 #define GNURT_EMBREE_H
@@ -139,7 +143,7 @@ GNURT_PACKET(16, 4, GNURT_FOUR, GNURT_FOUR_IDS)
 GNURT_PACKET(32, 8, GNURT_EIGHT, GNURT_EIGHT_IDS)
 GNURT_PACKET(64, 16, GNURT_SIXTEEN, GNURT_SIXTEEN_IDS)
 
-/* Callbacks get packets of one ray: RTCRay, RTCHit, RTCRayHit. */
+/* What callbacks get: packets as large as the call's, RTCRay, RTCHit, RTCRayHit of 1, 4, 8 or 16 lanes, of which one counts. */
 struct RTCRayN;
 struct RTCHitN;
 struct RTCRayHitN;
@@ -155,12 +159,12 @@ static inline void rtcInitRayQueryContext(struct RTCRayQueryContext *context)
 }
 
 struct RTCFilterFunctionNArguments {
-    int *valid; /* -1; 0 rejects the hit */
+    int *valid; /* of each lane: -1 where it counts; 0 rejects the hit */
     void *geometryUserPtr;
     struct RTCRayQueryContext *context;
     struct RTCRayN *ray;
     struct RTCHitN *hit;
-    unsigned int N; /* 1 */
+    unsigned int N; /* lanes */
 };
 
 struct RTCIntersectFunctionNArguments {
@@ -169,7 +173,7 @@ struct RTCIntersectFunctionNArguments {
     unsigned int primID;
     struct RTCRayQueryContext *context;
     struct RTCRayHitN *rayhit;
-    unsigned int N; /* 1 */
+    unsigned int N; /* lanes */
     unsigned int geomID;
 };
 
@@ -179,7 +183,7 @@ struct RTCOccludedFunctionNArguments {
     unsigned int primID;
     struct RTCRayQueryContext *context;
     struct RTCRayN *ray;
-    unsigned int N; /* 1 */
+    unsigned int N; /* lanes */
     unsigned int geomID;
 };
 
@@ -353,8 +357,8 @@ void rtcAttachGeometryByID(RTCScene, RTCGeometry, unsigned int id);
 void rtcDetachGeometry(RTCScene, unsigned int id);
 RTCGeometry rtcGetGeometry(RTCScene, unsigned int id);
 RTCGeometry rtcGetGeometryThreadSafe(RTCScene, unsigned int id);
-void rtcCommitScene(RTCScene);
-void rtcJoinCommitScene(RTCScene);
+void rtcCommitScene(RTCScene);     /* nothing happens where nothing was edited */
+void rtcJoinCommitScene(RTCScene); /* of several threads: one builds, the others return when it is done */
 void rtcSetSceneProgressMonitorFunction(RTCScene, RTCProgressMonitorFunction, void *user);
 void rtcSetSceneBuildQuality(RTCScene, enum RTCBuildQuality);
 void rtcSetSceneFlags(RTCScene, enum RTCSceneFlags);
@@ -379,6 +383,31 @@ void rtcForwardIntersect1Ex(const struct RTCIntersectFunctionNArguments *, RTCSc
 void rtcForwardOccluded1(const struct RTCOccludedFunctionNArguments *, RTCScene, struct RTCRay *, unsigned int instID);
 void rtcForwardOccluded1Ex(const struct RTCOccludedFunctionNArguments *, RTCScene, struct RTCRay *, unsigned int instID,
                            unsigned int instPrimID);
+/* From the test of a user geometry; of packets, N of the test's arguments says which */
+void rtcForwardIntersect4(const int *valid, const struct RTCIntersectFunctionNArguments *, RTCScene, struct RTCRay4 *,
+                       unsigned int instID);
+void rtcForwardIntersect4Ex(const int *valid, const struct RTCIntersectFunctionNArguments *, RTCScene, struct RTCRay4 *,
+                         unsigned int instID, unsigned int instPrimID);
+void rtcForwardIntersect8(const int *valid, const struct RTCIntersectFunctionNArguments *, RTCScene, struct RTCRay8 *,
+                       unsigned int instID);
+void rtcForwardIntersect8Ex(const int *valid, const struct RTCIntersectFunctionNArguments *, RTCScene, struct RTCRay8 *,
+                         unsigned int instID, unsigned int instPrimID);
+void rtcForwardIntersect16(const int *valid, const struct RTCIntersectFunctionNArguments *, RTCScene, struct RTCRay16 *,
+                       unsigned int instID);
+void rtcForwardIntersect16Ex(const int *valid, const struct RTCIntersectFunctionNArguments *, RTCScene, struct RTCRay16 *,
+                         unsigned int instID, unsigned int instPrimID);
+void rtcForwardOccluded4(const int *valid, const struct RTCOccludedFunctionNArguments *, RTCScene, struct RTCRay4 *,
+                       unsigned int instID);
+void rtcForwardOccluded4Ex(const int *valid, const struct RTCOccludedFunctionNArguments *, RTCScene, struct RTCRay4 *,
+                         unsigned int instID, unsigned int instPrimID);
+void rtcForwardOccluded8(const int *valid, const struct RTCOccludedFunctionNArguments *, RTCScene, struct RTCRay8 *,
+                       unsigned int instID);
+void rtcForwardOccluded8Ex(const int *valid, const struct RTCOccludedFunctionNArguments *, RTCScene, struct RTCRay8 *,
+                         unsigned int instID, unsigned int instPrimID);
+void rtcForwardOccluded16(const int *valid, const struct RTCOccludedFunctionNArguments *, RTCScene, struct RTCRay16 *,
+                       unsigned int instID);
+void rtcForwardOccluded16Ex(const int *valid, const struct RTCOccludedFunctionNArguments *, RTCScene, struct RTCRay16 *,
+                         unsigned int instID, unsigned int instPrimID);
 bool rtcPointQuery(RTCScene, struct RTCPointQuery *, struct RTCPointQueryContext *, RTCPointQueryFunction, void *user);
 void rtcTraversableIntersect1(RTCTraversable, struct RTCRayHit *, struct RTCIntersectArguments * GNURT_OPTIONAL);
 void rtcTraversableOccluded1(RTCTraversable, struct RTCRay *, struct RTCOccludedArguments * GNURT_OPTIONAL);

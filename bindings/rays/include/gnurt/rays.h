@@ -3,7 +3,12 @@
  * that of scenes. Arrays are the program's own, with any gaps. docs/c-rays.md has a tour.
  *
  * Every call that returns int answers 0, or -1 where something is wrong: gnurt_last_error() then says what, in this thread, and
- * nothing has been done. Scenes may be asked by many threads at once, but not while they are edited or committed.
+ * nothing has been done, but that arrays for answers may be half written. Scenes may be asked by many threads at once, but not while
+ * they are edited or committed. An exception that a function of the program throws ends in the library: the call answers -1.
+ *
+ * Additional permission under section 7 of the GNU General Public License, version 3: including this header, unmodified, in the
+ * source of any work, and compiling the types, constants, macros and inline functions that it defines into that work, does not by
+ * itself cause the work to be covered by the GNU General Public License. The library libgnurt itself remains covered by it.
  */
 #ifndef GNURT_RAYS_H
 #define GNURT_RAYS_H
@@ -50,13 +55,15 @@ typedef struct gnurt_build {
 int gnurt_scene_options(gnurt_scene *, const gnurt_build *);
 
 /* Geometries. Positions are rows of three F32 or F64 (rounded to floats), indices rows of three or four U32 or U64, radii single numbers.
- * Arrays are read by the next commit, and not needed after that. Rays see what has a bit of `mask` in common with them.
+ * Arrays are read by the next commit, and not needed after that: scenes keep copies. What is written into them later is seen after
+ * gnurt_set_positions and another commit. Rays see what has a bit of `mask` in common with them.
  * `id` may be null. */
 int gnurt_add_triangles(gnurt_scene *, gnurt_array positions, gnurt_array indices, uint32_t mask, uint32_t *id);
 int gnurt_add_quads(gnurt_scene *, gnurt_array positions, gnurt_array indices, uint32_t mask, uint32_t *id);
 int gnurt_add_spheres(gnurt_scene *, gnurt_array centers, gnurt_array radii, uint32_t mask, uint32_t *id);
 
-/* Primitives of the program's own. Functions are called from all threads that commit or ask. */
+/* Primitives of the program's own. Boxes are asked for by gnurt_add_user and gnurt_set_user; `intersect` is called from all threads that
+ * ask, those of the library among them. */
 typedef struct gnurt_user_ray {
     uint32_t prim_id;
     float org[3], dir[3], t_near, t_far; /* dir of any length: t is in multiples of it */
@@ -69,7 +76,7 @@ typedef struct gnurt_user {
     uint32_t count;
     /* Boxes of primitives first to first + count - 1: least and greatest coordinates of each. */
     void (*bounds)(void *user, uint32_t first, uint32_t count, float (*boxes)[6]);
-    /* Nearest hits of `count` rays, each with a primitive. */
+    /* Nearest hits of `count` rays, each with a primitive. As yet, `count` is 1. */
     void (*intersect)(void *user, size_t count, const gnurt_user_ray *rays, gnurt_user_hit *hits);
 } gnurt_user;
 int gnurt_add_user(gnurt_scene *, const gnurt_user *, uint32_t mask, uint32_t *id);
@@ -79,6 +86,7 @@ int gnurt_add_instance(gnurt_scene *, const gnurt_scene *shown, const double pla
 
 /* Edits, for the next commit. Removed ids are not given again. */
 int gnurt_set_positions(gnurt_scene *, uint32_t id, gnurt_array positions);
+int gnurt_set_user(gnurt_scene *, uint32_t id, const gnurt_user *); /* other primitives, or the same where they are now */
 int gnurt_set_place(gnurt_scene *, uint32_t id, const double place[12]);
 int gnurt_set_shown(gnurt_scene *, uint32_t id, const gnurt_scene *shown);
 int gnurt_set_mask(gnurt_scene *, uint32_t id, uint32_t mask);
@@ -120,7 +128,8 @@ typedef struct gnurt_candidate {
 typedef struct gnurt_query {
     unsigned threads; /* 0 for all processors, 1 for the calling thread; answers are the same */
     int coherent;     /* not 0: neighbours go much the same way */
-    /* Decides on hits of several rays at a time: writes 0 into `accept`, which is 1, to look behind them. */
+    /* Decides on hits of several rays at a time: writes 0 into `accept`, which is 1, to look behind them. Called by the calling
+     * thread alone. */
     void (*filter)(void *user, size_t count, const gnurt_candidate *, int *accept);
     void *user;
 } gnurt_query;

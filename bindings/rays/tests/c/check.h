@@ -7,6 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Not all programs need all of these. */
+#define MAYBE_UNUSED __attribute__((unused))
+
 static int failures;
 
 #define CHECK(condition, ...)                                                                                         \
@@ -18,7 +21,7 @@ static int failures;
         }                                                                                                             \
     } while (0)
 
-static int finish(void)
+MAYBE_UNUSED static int finish(void)
 {
     if (failures)
         fprintf(stderr, "%d checks failed\n", failures);
@@ -27,26 +30,26 @@ static int finish(void)
 
 /* Numbers from 0 to 1, the same everywhere. */
 static unsigned long long random_state = 1;
-static float number(void)
+MAYBE_UNUSED static float number(void)
 {
     random_state = random_state * 6364136223846793005ull + 1442695040888963407ull;
     return (float)(random_state >> 40) / 16777216.0f;
 }
 
-static void cross(const double a[3], const double b[3], double out[3])
+MAYBE_UNUSED static void cross(const double a[3], const double b[3], double out[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
     out[1] = a[2] * b[0] - a[0] * b[2];
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static double dot(const double a[3], const double b[3])
+MAYBE_UNUSED static double dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* Where a ray meets a triangle, by the definition; INFINITY where it does not. */
-static double meets(const float *p0, const float *p1, const float *p2, const float *org, const float *dir)
+MAYBE_UNUSED static double meets(const float *p0, const float *p1, const float *p2, const float *org, const float *dir)
 {
     double e1[3], e2[3], o[3], d[3], p[3], q[3];
     for (int k = 0; k < 3; k++) {

@@ -289,6 +289,8 @@ static void solids(void)
     for (int step = 0; step < 3; step++) {
         for (int i = 0; i < 8; i++)
             corners[i][0] = (i & 1) + (float)step;
+        if (step)
+            OK(gnurt_set_positions(cube, 0, rows(corners, 8, 0, GNURT_F32)));
         OK(gnurt_commit(cube));
         enum { POINTS = 300 };
         static double points[POINTS][3], distances[POINTS], nearest[POINTS][3];

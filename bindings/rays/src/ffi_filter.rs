@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Queries during which functions of the program are asked: filters of hits, and tests of user geometry. Source: original; Embree's manual.
+//!
+//! Callbacks get a packet as wide as the call's (`N`) with one ray that counts, in its lane: programs that work on all lanes at
+//! once, whatever `valid` says, find memory there. Filters see the ray as it was asked, in the program's memory, also inside of instances.
+//! An exception ends at the callback that it leaves: no other is called in this query, which has no hit. Proof: `tests/c/embree.c`,
+//! `tests/c/frames.c`, `tests/c/throws.cpp`.
+
+use std::collections::HashSet;
+use std::ffi::c_int;
+use std::ptr::null_mut;
+
+use gnurt_accel::{Hit, PrimitiveId, Ray};
+
+use crate::ffi_abi::{
+    self as abi, Arguments, Context, FilterArguments, FilterFunction, HitFrame, HitPacketFrame, INVALID,
+    INVOKE_ARGUMENT_FILTER, Valid, row,
+};
+use crate::ffi_callbacks::ask_program;
+use crate::ffi_lane::{Asked, Lane, has_arrays, hit_for_program};
+use crate::ffi_user::Frame;
+use crate::objects::{Committed, Kind, ask};
+
+/// A query during which the program is asked.
+struct FilteredQuery<'a> {
+    committed: &'a Committed,
+    frame: &'a Frame,
+    lane: Lane,
+    ray: Ray,
+    /// The hit that was let pass last, what the filter made of it, and how far it is then.
+    passed: Option<(Hit, abi::Hit, f32)>,
+    /// How far the ray reaches: filters may shorten it.
+    reach: f32,
+    /// Hits that were rejected: leaves list some primitives twice, and filters are asked once.
+    rejected: Rejected,
+}
+
+/// A few are looked through, many looked up.
+#[derive(Default)]
+struct Rejected {
+    few: Vec<Key>,
+    many: HashSet<Key>,
+}
+
+/// A primitive and where it is hit.
+type Key = (PrimitiveId, u32);
+
+impl Rejected {
+    fn contains(&self, key: &Key) -> bool {
+        self.few.contains(key) || (!self.many.is_empty() && self.many.contains(key))
+    }
+
+    fn insert(&mut self, key: Key) {
+        if self.few.len() < 16 {
+            self.few.push(key);
+        } else {
+            self.many.insert(key);
+        }
+    }
+}
+
+/// The filter of a geometry, and that of the query's arguments.
+type Filters = [FilterFunction; 2];
+
+impl FilteredQuery<'_> {
+    /// Whether filters let a hit pass.
+    fn accept(&mut self, hit: &Hit) -> bool {
+        if hit.t > self.reach {
+            return false;
+        }
+        let located = self.committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
+        // User geometry asks its filters itself.
+        if located.surface.kind == Kind::User {
+            return true;
+        }
+        let (frame, filters) = (self.frame, located.surface.filters);
+        let own = if frame.is_occlusion { filters.occluded } else { filters.intersect };
+        let for_all = frame.arguments.flags & INVOKE_ARGUMENT_FILTER != 0 || filters.from_arguments;
+        let both = [own, frame.arguments.filter.filter(|_| for_all)];
+        if both.iter().all(Option::is_none) {
+            return true;
+        }
+        let key = (hit.primitive(), hit.t.to_bits());
+        if self.rejected.contains(&key) {
+            return false;
+        }
+        let seen = hit_for_program(&located, hit, &self.ray, frame.context, has_arrays(self.committed));
+        let user_data = located.surface.geometry.user_data();
+        let (n, at) = (self.lane.n(), self.lane.at());
+        let answer = if n == 1 {
+            let (mut valid, mut rows) = (-1, HitFrame(seen));
+            // SAFETY: a lane of one, and rows of one hit.
+            unsafe { self.ask(&both, hit.t, user_data, &raw mut valid, (&raw mut rows).cast()) }
+        } else {
+            let (mut valid, mut rows) = (Valid::only(at), HitPacketFrame([0.0; 9 * 16]));
+            let (valid, rows): (*mut c_int, *mut f32) = ((&raw mut valid).cast(), (&raw mut rows).cast());
+            // SAFETY: there is room for nine rows of sixteen, and no packet is wider.
+            unsafe {
+                HitLane::new(rows, n, at).put(&seen);
+                self.ask(&both, hit.t, user_data, valid, rows)
+            }
+        };
+        let Some((seen, t)) = answer else {
+            self.rejected.insert(key);
+            return false;
+        };
+        self.reach = self.reach.min(t);
+        self.passed = Some((*hit, seen, t));
+        true
+    }
+
+    /// Asks filters; what they made of the hit, and how far it is now. `None` where one rejects it, or throws.
+    ///
+    /// # Safety
+    /// `valid` are as many numbers as the packet has lanes, `rows` as many hits.
+    unsafe fn ask(
+        &self,
+        filters: &Filters,
+        t: f32,
+        user_data: *mut std::ffi::c_void,
+        valid: *mut c_int,
+        rows: *mut f32,
+    ) -> Option<(abi::Hit, f32)> {
+        let (lane, context) = (self.lane, self.frame.context);
+        let has_arrays = has_arrays(self.committed);
+        let (packet, n) = (lane.packet(), lane.n() as u32);
+        let arguments = FilterArguments { valid, user_data, context, ray: packet, hit: rows, n };
+        // SAFETY: the caller vouches for hits and `valid`; the ray is in the program's memory, and the context, which is never null here,
+        // has a second number where arrays are known. The program gave the filters to be called like this.
+        unsafe {
+            let hit = HitLane::new(rows, lane.n(), lane.at());
+            let (before, of_context) = (lane.get(row::T_FAR), inst_ids(context, has_arrays));
+            lane.set(row::T_FAR, t);
+            let seen = hit.get();
+            set_inst_ids(context, has_arrays, [seen.inst_id, seen.inst_prim_id]);
+            let mut is_valid = true;
+            for filter in filters.iter().flatten() {
+                is_valid = ask_program(|| filter(&raw const arguments)).is_some()
+                    && valid.add(lane.at()).read_volatile() != 0;
+                if !is_valid {
+                    break;
+                }
+            }
+            let shortened = lane.get(row::T_FAR);
+            lane.set(row::T_FAR, before);
+            set_inst_ids(context, has_arrays, of_context);
+            // Not so of NaN.
+            is_valid.then(|| (hit.get(), if shortened < t { shortened } else { t }))
+        }
+    }
+}
+
+/// A hit of a packet of hits.
+struct HitLane(Lane);
+
+impl HitLane {
+    /// # Safety
+    /// `rows` are hits of `n` lanes.
+    unsafe fn new(rows: *mut f32, n: usize, at: usize) -> Self {
+        // SAFETY: passed on. Only rows of hits are read and written below.
+        Self(unsafe { Lane::of_hits(rows, n, at) })
+    }
+
+    fn put(&self, hit: &abi::Hit) {
+        self.0.put_hit(hit, true);
+    }
+
+    fn get(&self) -> abi::Hit {
+        self.0.hit()
+    }
+}
+
+/// The numbers of instances in a context.
+///
+/// # Safety
+/// A context, with two numbers where arrays are known.
+pub(crate) unsafe fn inst_ids(context: *const Context, has_arrays: bool) -> [u32; 2] {
+    // SAFETY: passed on.
+    unsafe { [(*context).inst_id, if has_arrays { (*context).inst_prim_id } else { INVALID }] }
+}
+
+/// Sets them.
+///
+/// # Safety
+/// As [`inst_ids`].
+pub(crate) unsafe fn set_inst_ids(context: *mut Context, has_arrays: bool, ids: [u32; 2]) {
+    // SAFETY: passed on.
+    unsafe {
+        (*context).inst_id = ids[0];
+        if has_arrays {
+            (*context).inst_prim_id = ids[1];
+        }
+    }
+}
+
+/// Prepares frame and context, and asks.
+fn with_frame<R>(
+    committed: &Committed,
+    lane: Lane,
+    asked: Asked,
+    is_occlusion: bool,
+    query: impl FnOnce(&mut FilteredQuery) -> R,
+) -> R {
+    let none = Arguments { flags: 0, features: u32::MAX, context: null_mut(), filter: None, callback: None };
+    let mut arguments = asked.get().unwrap_or(none);
+    let mut context = Context { inst_id: INVALID, inst_prim_id: INVALID };
+    if arguments.context.is_null() {
+        arguments.context = &raw mut context;
+    }
+    let frame = Frame::new(is_occlusion, arguments, arguments.context, lane);
+    let rejected = Rejected::default();
+    let (ray, reach) = (lane.ray(), f32::INFINITY);
+    let mut filtered = FilteredQuery { committed, frame: &frame, lane, ray, passed: None, reach, rejected };
+    frame.run(|| query(&mut filtered))
+}
+
+#[cold]
+pub(crate) fn intersect_filtered(committed: &Committed, lane: Lane, asked: Asked) {
+    with_frame(committed, lane, asked, false, |filtered| {
+        let (ray, query) = (filtered.ray, &committed.query);
+        let hit =
+            ask!(committed, tree => tree.intersect_filtered(query, &ray, |_, hit| filtered.accept(hit)));
+        let Some(hit) = hit else { return };
+        let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
+        let (context, has_arrays) = (filtered.frame.context, has_arrays(committed));
+        let as_found = hit_for_program(&located, &hit, &ray, context, has_arrays);
+        let (seen, t) = match (&filtered.passed, located.surface.kind) {
+            (_, Kind::User) => {
+                let kept = filtered.frame.kept(&located.surface.geometry, hit.prim_id, hit.t);
+                (kept.map_or(as_found, |kept| completed(kept, &as_found)), hit.t)
+            }
+            (Some((passed, seen, t)), _) if *passed == hit => (*seen, *t),
+            _ => (as_found, hit.t),
+        };
+        lane.write(t, &seen, has_arrays);
+    });
+}
+
+/// What the program's test has left, and what only we know.
+fn completed(kept: abi::Hit, found: &abi::Hit) -> abi::Hit {
+    let or = |kept: u32, found: u32| if kept == INVALID { found } else { kept };
+    abi::Hit {
+        prim_id: or(kept.prim_id, found.prim_id),
+        geom_id: or(kept.geom_id, found.geom_id),
+        inst_id: or(kept.inst_id, found.inst_id),
+        inst_prim_id: or(kept.inst_prim_id, found.inst_prim_id),
+        ..kept
+    }
+}
+
+#[cold]
+pub(crate) fn occluded_filtered(committed: &Committed, lane: Lane, asked: Asked) -> bool {
+    with_frame(committed, lane, asked, true, |filtered| {
+        let (ray, query) = (filtered.ray, &committed.query);
+        ask!(committed, tree => tree.occluded_filtered(query, &ray, |_, hit| filtered.accept(hit)))
+    })
+}

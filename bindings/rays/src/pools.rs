@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Threads by their number, for both doors. Source: original.
+//! Invariant: after a fork the child makes pools of its own, for threads of its parent are not in it; not even a lock that a thread
+//! of its parent held is waited for. A process keeps the pools that it used last. Proof: `tests/c/edits.c`.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use gnurt_accel::Threads;
+use rayon::ThreadPool;
+
+/// More threads than that are never asked for.
+const MOST: usize = 1024;
+
+/// Pools that are kept. Each is some sleeping threads.
+const KEPT: usize = 4;
+
+/// What a process has. Children of a fork find their parents' in front of theirs, and leave them alone.
+struct Process {
+    id: u32,
+    /// With their numbers of threads, the one that was used last in front.
+    pools: Mutex<Vec<(usize, Arc<ThreadPool>)>>,
+    child: OnceLock<Box<Self>>,
+}
+
+static FIRST: OnceLock<Process> = OnceLock::new();
+
+impl Process {
+    fn new() -> Self {
+        Self { id: std::process::id(), pools: Mutex::default(), child: OnceLock::new() }
+    }
+
+    /// The calling one.
+    fn this() -> &'static Self {
+        let id = std::process::id();
+        let mut process = FIRST.get_or_init(Self::new);
+        while process.id != id {
+            process = process.child.get_or_init(|| Box::new(Self::new()));
+        }
+        process
+    }
+}
+
+/// Who works: the calling thread, or a pool.
+pub(crate) struct Workers(Option<Arc<ThreadPool>>);
+
+impl Workers {
+    /// So many threads; 0 is one for each processor. The calling thread alone where no more can be started.
+    pub(crate) fn new(threads: usize) -> Self {
+        let count = match threads {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            count => count.min(MOST),
+        };
+        Self(if count == 1 { None } else { pool(count) })
+    }
+
+    /// The calling thread.
+    pub(crate) fn single() -> Self {
+        Self(None)
+    }
+
+    pub(crate) fn threads(&self) -> Threads<'_> {
+        self.0.as_deref().map_or(Threads::Single, Threads::Pool)
+    }
+}
+
+/// The process's pool of so many threads.
+fn pool(count: usize) -> Option<Arc<ThreadPool>> {
+    let mut pools = Process::this().pools.lock().unwrap_or_else(PoisonError::into_inner);
+    let found = match pools.iter().position(|(threads, _)| *threads == count) {
+        Some(place) => pools.remove(place).1,
+        None => {
+            let name = |i| format!("gnurt-{i}");
+            Arc::new(rayon::ThreadPoolBuilder::new().num_threads(count).thread_name(name).build().ok()?)
+        }
+    };
+    pools.insert(0, (count, Arc::clone(&found)));
+    // Its threads end when the last query of another thread has left it.
+    let last = (pools.len() > KEPT).then(|| pools.pop());
+    drop(pools);
+    drop(last);
+    Some(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_pools_are_kept() {
+        for threads in 2..20 {
+            let workers = Workers::new(threads);
+            let got = workers.threads().run(|_| rayon::current_num_threads());
+            assert_eq!(got, threads, "as many as were asked for");
+        }
+        let pools = Process::this().pools.lock().unwrap_or_else(PoisonError::into_inner);
+        let kept: Vec<usize> = pools.iter().map(|(threads, _)| *threads).collect();
+        assert_eq!(kept, [19, 18, 17, 16], "those that were used last");
+    }
+}
