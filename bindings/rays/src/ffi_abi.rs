@@ -224,7 +224,9 @@ pub(crate) struct InterpolateArguments {
 /// `RTCFilterFunctionN`.
 pub(crate) type FilterFunction = Option<unsafe extern "C-unwind" fn(*const FilterArguments)>;
 /// `RTCIntersectFunctionN`, `RTCOccludedFunctionN`.
-pub(crate) type UserFunction = Option<unsafe extern "C-unwind" fn(*const UserArguments)>;
+pub(crate) type UserTest = unsafe extern "C-unwind" fn(*const UserArguments);
+/// The same, or null.
+pub(crate) type UserFunction = Option<UserTest>;
 /// `RTCBoundsFunction`.
 pub(crate) type BoundsFunction = Option<unsafe extern "C-unwind" fn(*const BoundsArguments)>;
 /// `RTCPointQueryFunction`.

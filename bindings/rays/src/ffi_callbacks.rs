@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Functions of the program that are told what happens, made safe to call; and exceptions of those that are asked during a query.
-//! Source: original. What they throw ends here, but for that of error functions, which goes on to the program: decision 0032.
+//! Source: original. What they throw ends here, but for that of error functions, which goes on to the program: decision 0017.
 //! Invariant: who makes one vouches that it may be called, with its pointer, until it is replaced.
 
 use std::cell::Cell;
@@ -21,12 +21,22 @@ thread_local! {
     static THROWN: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Asks the program during a query. `None` where an exception came, now or earlier in the same query: nothing is called then.
-pub(crate) fn ask_program<R>(call: impl FnOnce() -> R) -> Option<R> {
-    if THROWN.get() {
+/// Asks the program during a query, which has `stopped` after an exception: nothing is called then, and the answer is `None`.
+#[inline]
+pub(crate) fn ask_program<R>(stopped: &Cell<bool>, call: impl FnOnce() -> R) -> Option<R> {
+    if stopped.get() {
         return None;
     }
-    ffi_catch::call(call).inspect_err(|Thrown| THROWN.set(true)).ok()
+    let stop = |Thrown| {
+        stopped.set(true);
+        THROWN.set(true);
+    };
+    ffi_catch::call(call).map_err(stop).ok()
+}
+
+/// Whether an exception came that was not taken yet.
+pub(crate) fn has_thrown() -> bool {
+    THROWN.get()
 }
 
 /// Whether exceptions came since this was last asked for.

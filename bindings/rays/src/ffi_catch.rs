@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Calls of the program's functions that exceptions may leave: they end here and become a value.
 //! Source: the Itanium C++ ABI, "Exception Handling"; the same frame as in `crates/plugins/src/ffi_catch.rs`, where the way it works
-//! is told (decisions 0017 and 0032): neither crate may use the other. The C++ runtime is found among the libraries of the process.
+//! is told (decision 0017): neither crate may use the other. The C++ runtime is found among the libraries of the process.
 //! Invariant: nothing unwinds out of [`call`] but forced unwinding. Where: Linux on x86-64 and aarch64; elsewhere an exception
 //! ends the process at the next `catch_unwind`. Proof: `tests/c/throws.cpp`.
 
@@ -70,19 +70,16 @@ fn cpp() -> Option<(BeginCatch, EndCatch)> {
     unsafe extern "C" {
         fn dlsym(library: *mut c_void, name: *const c_char) -> *mut c_void;
     }
-    let find = |name: &CStr| {
+    /// # Safety
+    /// `F` is the type of the function of this name.
+    unsafe fn find<F: Copy>(name: &CStr) -> Option<F> {
         // SAFETY: a null pointer is for all libraries that are seen by all, and the name ends with a zero.
         let found = unsafe { dlsym(std::ptr::null_mut(), name.as_ptr()) };
-        (!found.is_null()).then_some(found)
-    };
-    let (begin, end) = (find(c"__cxa_begin_catch")?, find(c"__cxa_end_catch")?);
+        // SAFETY: pointers to functions are as large as others on every system that has `dlsym`.
+        (!found.is_null()).then(|| unsafe { (&raw const found).cast::<F>().read() })
+    }
     // SAFETY: the C++ ABI says which types the functions of these names have. They stay as long as the library.
-    Some(unsafe {
-        (
-            std::mem::transmute::<*mut c_void, BeginCatch>(begin),
-            std::mem::transmute::<*mut c_void, EndCatch>(end),
-        )
-    })
+    unsafe { find::<BeginCatch>(c"__cxa_begin_catch").zip(find::<EndCatch>(c"__cxa_end_catch")) }
 }
 
 #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]

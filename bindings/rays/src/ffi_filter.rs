@@ -7,7 +7,7 @@
 //! `tests/c/frames.c`, `tests/c/throws.cpp`.
 
 use std::collections::HashSet;
-use std::ffi::c_int;
+use std::ffi::{c_int, c_void};
 use std::ptr::null_mut;
 
 use gnurt_accel::{Hit, PrimitiveId, Ray};
@@ -87,17 +87,22 @@ impl FilteredQuery<'_> {
         let seen = hit_for_program(&located, hit, &self.ray, frame.context, has_arrays(self.committed));
         let user_data = located.surface.geometry.user_data();
         let (n, at) = (self.lane.n(), self.lane.at());
+        let ids = [seen.inst_id, seen.inst_prim_id];
         let answer = if n == 1 {
             let (mut valid, mut rows) = (-1, HitFrame(seen));
-            // SAFETY: a lane of one, and rows of one hit.
-            unsafe { self.ask(&both, hit.t, user_data, &raw mut valid, (&raw mut rows).cast()) }
+            // SAFETY: a lane of one, and rows of one hit, which the program may have written.
+            unsafe {
+                let t = self.ask(&both, hit.t, ids, user_data, &raw mut valid, (&raw mut rows).cast());
+                t.map(|t| ((&raw const rows).read_volatile().0, t))
+            }
         } else {
             let (mut valid, mut rows) = (Valid::only(at), HitPacketFrame([0.0; 9 * 16]));
             let (valid, rows): (*mut c_int, *mut f32) = ((&raw mut valid).cast(), (&raw mut rows).cast());
-            // SAFETY: there is room for nine rows of sixteen, and no packet is wider.
+            // SAFETY: there is room for nine rows of sixteen, and no packet is wider. Of the lane only rows of the hit are touched.
             unsafe {
-                HitLane::new(rows, n, at).put(&seen);
-                self.ask(&both, hit.t, user_data, valid, rows)
+                let hit_lane = Lane::of_hits(rows, n, at);
+                hit_lane.put_hit(&seen, true);
+                self.ask(&both, hit.t, ids, user_data, valid, rows).map(|t| (hit_lane.hit(), t))
             }
         };
         let Some((seen, t)) = answer else {
@@ -109,7 +114,7 @@ impl FilteredQuery<'_> {
         true
     }
 
-    /// Asks filters; what they made of the hit, and how far it is now. `None` where one rejects it, or throws.
+    /// Asks filters; how far the hit is then. `None` where one rejects it, or throws.
     ///
     /// # Safety
     /// `valid` are as many numbers as the packet has lanes, `rows` as many hits.
@@ -117,10 +122,11 @@ impl FilteredQuery<'_> {
         &self,
         filters: &Filters,
         t: f32,
-        user_data: *mut std::ffi::c_void,
+        ids: [u32; 2],
+        user_data: *mut c_void,
         valid: *mut c_int,
         rows: *mut f32,
-    ) -> Option<(abi::Hit, f32)> {
+    ) -> Option<f32> {
         let (lane, context) = (self.lane, self.frame.context);
         let has_arrays = has_arrays(self.committed);
         let (packet, n) = (lane.packet(), lane.n() as u32);
@@ -128,14 +134,12 @@ impl FilteredQuery<'_> {
         // SAFETY: the caller vouches for hits and `valid`; the ray is in the program's memory, and the context, which is never null here,
         // has a second number where arrays are known. The program gave the filters to be called like this.
         unsafe {
-            let hit = HitLane::new(rows, lane.n(), lane.at());
             let (before, of_context) = (lane.get(row::T_FAR), inst_ids(context, has_arrays));
             lane.set(row::T_FAR, t);
-            let seen = hit.get();
-            set_inst_ids(context, has_arrays, [seen.inst_id, seen.inst_prim_id]);
+            set_inst_ids(context, has_arrays, ids);
             let mut is_valid = true;
             for filter in filters.iter().flatten() {
-                is_valid = ask_program(|| filter(&raw const arguments)).is_some()
+                is_valid = ask_program(&self.frame.stopped, || filter(&raw const arguments)).is_some()
                     && valid.add(lane.at()).read_volatile() != 0;
                 if !is_valid {
                     break;
@@ -145,28 +149,8 @@ impl FilteredQuery<'_> {
             lane.set(row::T_FAR, before);
             set_inst_ids(context, has_arrays, of_context);
             // Not so of NaN.
-            is_valid.then(|| (hit.get(), if shortened < t { shortened } else { t }))
+            is_valid.then_some(if shortened < t { shortened } else { t })
         }
-    }
-}
-
-/// A hit of a packet of hits.
-struct HitLane(Lane);
-
-impl HitLane {
-    /// # Safety
-    /// `rows` are hits of `n` lanes.
-    unsafe fn new(rows: *mut f32, n: usize, at: usize) -> Self {
-        // SAFETY: passed on. Only rows of hits are read and written below.
-        Self(unsafe { Lane::of_hits(rows, n, at) })
-    }
-
-    fn put(&self, hit: &abi::Hit) {
-        self.0.put_hit(hit, true);
-    }
-
-    fn get(&self) -> abi::Hit {
-        self.0.hit()
     }
 }
 
@@ -249,9 +233,12 @@ fn completed(kept: abi::Hit, found: &abi::Hit) -> abi::Hit {
 }
 
 #[cold]
-pub(crate) fn occluded_filtered(committed: &Committed, lane: Lane, asked: Asked) -> bool {
-    with_frame(committed, lane, asked, true, |filtered| {
+pub(crate) fn occluded_filtered(committed: &Committed, lane: Lane, asked: Asked) {
+    let is_hit = with_frame(committed, lane, asked, true, |filtered| {
         let (ray, query) = (filtered.ray, &committed.query);
         ask!(committed, tree => tree.occluded_filtered(query, &ray, |_, hit| filtered.accept(hit)))
-    })
+    });
+    if is_hit {
+        lane.set(row::T_FAR, f32::NEG_INFINITY);
+    }
 }

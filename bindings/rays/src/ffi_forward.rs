@@ -8,6 +8,7 @@ use std::sync::atomic::Ordering;
 
 use crate::device::Problem;
 use crate::ffi_abi::{self as abi, FilterArguments, FilterFunction, UserArguments, row};
+use crate::ffi_callbacks::has_thrown;
 use crate::ffi_filter::{inst_ids, set_inst_ids};
 use crate::ffi_handle::{Handle, guarded, with};
 use crate::ffi_lane::{Asked, Lane, has_arrays};
@@ -64,6 +65,7 @@ unsafe fn forward<const N: usize>(
         set_inst_ids(frame.context, has_arrays, [inst_id, inst_prim_id.unwrap_or(abi::INVALID)]);
         guarded(|| trace(committed, lane, Asked { arguments: &raw const frame.arguments }));
         set_inst_ids(frame.context, has_arrays, outer);
+        frame.stopped.set(has_thrown());
         lane.put_ray(&abi::Ray { t_far: lane.get(row::T_FAR), ..before });
     }
 }

@@ -202,8 +202,12 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeStepCount(geometry: Han
 /// A geometry.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeRange(geometry: Handle, _start: f32, _end: f32) {
+    let change = |settings: &mut Settings| {
+        settings.modified();
+        Ok(())
+    };
     // SAFETY: passed on.
-    unsafe { edit(geometry, |_| Ok(())) }
+    unsafe { edit(geometry, change) }
 }
 
 /// There are no curves whose radius could be scaled; spheres keep theirs, as they do in Embree unless a query says otherwise.

@@ -6,6 +6,7 @@
 //! the stack, are made in the innermost place's space, by the longest that lengths may become there.
 //! Proof: `tests/c/embree.c`.
 
+use std::cell::Cell;
 use std::ffi::{c_int, c_void};
 
 use crate::ffi_abi::{INVALID, PointArguments, PointContext, PointFunction, PointQuery};
@@ -38,6 +39,8 @@ struct Visit {
     /// The way into the innermost of the program's own places.
     own: Columns,
     changed: bool,
+    /// After an exception.
+    stopped: Cell<bool>,
 }
 
 impl Visit {
@@ -70,7 +73,7 @@ impl Visit {
                 similarity_scale: transform::similarity(&inward).unwrap_or(0.0) as f32,
             };
             for function in [located.surface.point, self.function].into_iter().flatten() {
-                self.changed |= ask_program(|| function(&raw mut arguments)).unwrap_or(false);
+                self.changed |= ask_program(&self.stopped, || function(&raw mut arguments)).unwrap_or(false);
             }
             if (*context).depth != before {
                 (*context).depth = before;
@@ -134,7 +137,8 @@ pub(crate) unsafe extern "C-unwind" fn rtcPointQuery(
         // SAFETY: passed on.
         unsafe {
             let own = columns_of(context);
-            let mut all = Visit { query, context, function, user, own, changed: false };
+            let mut all =
+                Visit { query, context, function, user, own, changed: false, stopped: Cell::new(false) };
             visit(&committed, &mut all);
             take_thrown()?;
             Ok(all.changed)

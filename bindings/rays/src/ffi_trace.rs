@@ -10,6 +10,7 @@ use gnurt_accel::{Coherence, Packet, Query};
 
 use crate::ffi_abi::{Arguments, row};
 use crate::ffi_callbacks::take_thrown;
+use crate::ffi_catch::Thrown;
 use crate::ffi_filter::{intersect_filtered, occluded_filtered};
 use crate::ffi_handle::{Handle, guarded, not_committed, with};
 use crate::ffi_lane::{Asked, Lane, has_arrays, hit_for_program};
@@ -26,8 +27,15 @@ fn asks_program(committed: &Committed, asked: Asked) -> bool {
 #[inline(always)]
 pub(crate) fn intersect(committed: &Committed, lane: Lane, asked: Asked) {
     if asks_program(committed, asked) {
-        return intersect_filtered(committed, lane, asked);
+        intersect_filtered(committed, lane, asked);
+    } else {
+        intersect_plain(committed, lane, asked);
     }
+}
+
+/// The same where nobody is asked.
+#[inline(always)]
+fn intersect_plain(committed: &Committed, lane: Lane, asked: Asked) {
     let ray = lane.ray();
     if let Some(hit) = ask!(committed, tree => tree.intersect_with(&committed.query, &ray)) {
         let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
@@ -39,12 +47,17 @@ pub(crate) fn intersect(committed: &Committed, lane: Lane, asked: Asked) {
 /// Whether there is a hit.
 #[inline(always)]
 pub(crate) fn occluded(committed: &Committed, lane: Lane, asked: Asked) {
-    let is_hit = if asks_program(committed, asked) {
-        occluded_filtered(committed, lane, asked)
+    if asks_program(committed, asked) {
+        occluded_filtered(committed, lane, asked);
     } else {
-        ask!(committed, tree => tree.occluded_with(&committed.query, &lane.ray()))
-    };
-    if is_hit {
+        occluded_plain(committed, lane);
+    }
+}
+
+/// The same where nobody is asked.
+#[inline(always)]
+fn occluded_plain(committed: &Committed, lane: Lane) {
+    if ask!(committed, tree => tree.occluded_with(&committed.query, &lane.ray())) {
         lane.set(row::T_FAR, f32::NEG_INFINITY);
     }
 }
@@ -96,6 +109,8 @@ trait Trace {
     /// Coherent packets of so many rays go together: fewer are faster one by one (bench/record/embree-calls-2026-11-23.md).
     const WORTH_IT: usize;
     fn one(committed: &Committed, lane: Lane, asked: Asked);
+    /// Where functions of the program are asked.
+    fn asking(committed: &Committed, lane: Lane, asked: Asked);
     fn together(rays: Together, asked: Asked);
 }
 
@@ -107,7 +122,11 @@ impl Trace for Intersect {
 
     #[inline(always)]
     fn one(committed: &Committed, lane: Lane, asked: Asked) {
-        intersect(committed, lane, asked);
+        intersect_plain(committed, lane, asked);
+    }
+
+    fn asking(committed: &Committed, lane: Lane, asked: Asked) {
+        intersect_filtered(committed, lane, asked);
     }
 
     fn together(rays: Together, asked: Asked) {
@@ -119,8 +138,12 @@ impl Trace for Occluded {
     const WORTH_IT: usize = 16;
 
     #[inline(always)]
-    fn one(committed: &Committed, lane: Lane, asked: Asked) {
-        occluded(committed, lane, asked);
+    fn one(committed: &Committed, lane: Lane, _: Asked) {
+        occluded_plain(committed, lane);
+    }
+
+    fn asking(committed: &Committed, lane: Lane, asked: Asked) {
+        occluded_filtered(committed, lane, asked);
     }
 
     fn together(rays: Together, _: Asked) {
@@ -153,9 +176,9 @@ pub(crate) unsafe fn committed<'a>(scene: Handle) -> Option<&'a Committed> {
 /// # Safety
 /// The handle is a scene's.
 #[cold]
-pub(crate) unsafe fn report_thrown(scene: Handle) {
+unsafe fn report_thrown(scene: Handle, thrown: Thrown) {
     // SAFETY: passed on.
-    unsafe { with::<Scene, ()>(scene, |_| Ok(take_thrown()?)) }
+    unsafe { with::<Scene, ()>(scene, |_| Err(thrown.into())) }
 }
 
 /// Traces the lanes of a packet that are asked for.
@@ -179,15 +202,17 @@ unsafe fn each<const N: usize, T: Trace>(
             .filter(|&i| N == 1 || unsafe { *valid.add(i) } != 0)
             // SAFETY: passed on.
             .map(|i| unsafe { Lane::new(rays, N, i) });
-        if N >= T::WORTH_IT && !asks && asked.is_coherent() {
+        if asks {
+            lanes.for_each(|lane| T::asking(committed, lane, asked));
+        } else if N >= T::WORTH_IT && asked.is_coherent() {
             T::together(Together::new(committed, lanes), asked);
         } else {
             lanes.for_each(|lane| T::one(committed, lane, asked));
         }
     });
-    if asks {
+    if asks && let Err(thrown) = take_thrown() {
         // SAFETY: passed on.
-        unsafe { report_thrown(scene) }
+        unsafe { report_thrown(scene, thrown) }
     }
 }
 

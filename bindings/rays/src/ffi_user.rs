@@ -14,7 +14,7 @@ use gnurt_accel::{Aabb, Ray, UserGeometry, UserHit};
 
 use crate::device::Problem;
 use crate::ffi_abi::{
-    self as abi, Arguments, Context, Hit, RayHit, RayHitPacketFrame, UserArguments, UserFunction, Valid, row,
+    self as abi, Arguments, Context, Hit, RayHit, RayHitPacketFrame, UserArguments, UserTest, Valid, row,
 };
 use crate::ffi_callbacks::ask_program;
 use crate::ffi_catch;
@@ -37,9 +37,14 @@ pub(crate) struct Frame {
     pub(crate) context: *mut Context,
     /// The ray that is asked for, where it lies.
     pub(crate) lane: Lane,
-    /// The ray as it was asked: what does not depend on the space is of use.
-    asked: abi::Ray,
+    /// Of the ray as it was asked: what does not depend on the space.
+    time: f32,
+    mask: u32,
+    id: u32,
+    flags: u32,
     kept: RefCell<Vec<Kept>>,
+    /// After an exception: no function of the program is called any more.
+    pub(crate) stopped: Cell<bool>,
 }
 
 thread_local! {
@@ -56,11 +61,17 @@ impl Drop for Restore {
 }
 
 impl Frame {
+    #[inline(always)]
     pub(crate) fn new(is_occlusion: bool, arguments: Arguments, context: *mut Context, lane: Lane) -> Self {
-        Self { is_occlusion, arguments, context, lane, asked: lane.whole(), kept: RefCell::default() }
+        let (kept, stopped) = (RefCell::default(), Cell::new(false));
+        let word = |row: usize| lane.get(row).to_bits();
+        let (time, mask) = (lane.get(row::TIME), word(row::MASK));
+        let (id, flags) = (word(row::ID), word(row::FLAGS));
+        Self { is_occlusion, arguments, context, lane, time, mask, id, flags, kept, stopped }
     }
 
     /// Runs a query in this frame.
+    #[inline]
     pub(crate) fn run<R>(&self, query: impl FnOnce() -> R) -> R {
         let _restore = Restore(FRAME.replace(self));
         query()
@@ -120,40 +131,69 @@ impl UserPrimitives {
         Ok(Self { geometry, geom_id, functions, filters, bounds })
     }
 
-    /// Asks the program's test; what it left of the ray and its hit. `None` where it has thrown an exception.
-    fn test(&self, function: UserFunction, prim_id: u32, frame: &Frame, ray: &Ray) -> Option<(f32, Hit)> {
-        let function = function?;
+    /// The ray as the program's test gets it.
+    #[inline(always)]
+    fn seen(frame: &Frame, ray: &Ray) -> abi::Ray {
         let Ray { org, t_near, dir, t_far, .. } = *ray;
-        let asked = abi::Ray { org, t_near, dir, t_far, ..frame.asked };
-        let (n, at) = (frame.lane.n(), frame.lane.at());
-        let ask = |valid: *mut c_int, rays: *mut f32| {
-            // SAFETY: the packet is one of ours, below.
-            let lane = unsafe { Lane::new(rays, n, at) };
-            lane.put_ray(&asked);
-            lane.put_hit(&Hit::NONE, true);
-            let call = Call {
-                arguments: UserArguments {
-                    valid,
-                    user_data: self.geometry.user_data(),
-                    prim_id,
-                    context: frame.context,
-                    rays,
-                    n: n as u32,
-                    geom_id: self.geom_id,
-                },
-                frame,
-                filters: self.filters,
-            };
-            // SAFETY: the program gave the function to be called like this; rays and hits live during the call.
-            ask_program(|| unsafe { function((&raw const call).cast()) })?;
-            Some((lane.get(row::T_FAR), lane.hit()))
+        let Frame { time, mask, id, flags, .. } = *frame;
+        abi::Ray { org, t_near, dir, time, t_far, mask, id, flags }
+    }
+
+    /// Asks the program's test about a packet. `None` where it has thrown an exception.
+    ///
+    /// # Safety
+    /// `valid` are as many numbers as the packet of the query has lanes, `rays` as many rays and hits.
+    #[inline(always)]
+    unsafe fn ask(
+        &self,
+        function: UserTest,
+        prim_id: u32,
+        frame: &Frame,
+        valid: *mut c_int,
+        rays: *mut f32,
+    ) -> Option<()> {
+        let call = Call {
+            arguments: UserArguments {
+                valid,
+                user_data: self.geometry.user_data(),
+                prim_id,
+                context: frame.context,
+                rays,
+                n: frame.lane.n() as u32,
+                geom_id: self.geom_id,
+            },
+            frame,
+            filters: self.filters,
         };
-        if n == 1 {
-            let (mut valid, mut rays) = (-1, RayHit { ray: asked, hit: Hit::NONE });
-            ask(&raw mut valid, (&raw mut rays).cast())
-        } else {
-            let (mut valid, mut rays) = (Valid::only(at), RayHitPacketFrame([0.0; 21 * 16]));
-            ask((&raw mut valid).cast(), (&raw mut rays).cast())
+        // SAFETY: the program gave the function to be called like this; the caller vouches for the packet.
+        ask_program(&frame.stopped, || unsafe { function((&raw const call).cast()) })
+    }
+
+    /// Asks the program's test about one ray; what it left of its `t_far`, and its hit.
+    #[inline(always)]
+    fn test_one(&self, function: UserTest, prim_id: u32, frame: &Frame, ray: &Ray) -> Option<(f32, Hit)> {
+        let (mut valid, mut rays) = (-1, RayHit { ray: Self::seen(frame, ray), hit: Hit::NONE });
+        // SAFETY: one ray with a hit, which are read anew, for the program wrote through pointers.
+        unsafe {
+            self.ask(function, prim_id, frame, &raw mut valid, (&raw mut rays).cast())?;
+            let rays = &raw const rays;
+            Some(((&raw const (*rays).ray.t_far).read_volatile(), (&raw const (*rays).hit).read_volatile()))
+        }
+    }
+
+    /// The same in the lane of a packet.
+    #[inline(never)]
+    fn test_packet(&self, function: UserTest, prim_id: u32, frame: &Frame, ray: &Ray) -> Option<(f32, Hit)> {
+        let (n, at) = (frame.lane.n(), frame.lane.at());
+        let (mut valid, mut rays) = (Valid::only(at), RayHitPacketFrame([0.0; 21 * 16]));
+        let rays: *mut f32 = (&raw mut rays).cast();
+        // SAFETY: there is room for rows of sixteen, and no packet is wider.
+        unsafe {
+            let lane = Lane::new(rays, n, at);
+            lane.put_ray(&Self::seen(frame, ray));
+            lane.put_hit(&Hit::NONE, true);
+            self.ask(function, prim_id, frame, (&raw mut valid).cast(), rays)?;
+            Some((lane.get(row::T_FAR), lane.hit()))
         }
     }
 }
@@ -186,8 +226,12 @@ impl UserGeometry for UserPrimitives {
         // SAFETY: the frame of this thread's query, which is on its stack until the query is over.
         let frame = unsafe { &*frame };
         let own = if frame.is_occlusion { self.functions.occluded } else { self.functions.intersect };
-        let function = frame.arguments.callback.or(own);
-        let Some((t, found)) = self.test(function, prim_id, frame, ray) else { return };
+        let Some(function) = frame.arguments.callback.or(own) else { return };
+        let answer = match frame.lane.n() {
+            1 => self.test_one(function, prim_id, frame, ray),
+            _ => self.test_packet(function, prim_id, frame, ray),
+        };
+        let Some((t, found)) = answer else { return };
         let Ray { t_near, t_far, .. } = *ray;
         if frame.is_occlusion {
             if t < 0.0 && t_far >= 0.0 {

@@ -289,16 +289,42 @@ static bool stop(void *user, double done)
     return false;
 }
 
-/* A mesh that moves beside one that rests: the tree follows, and says how far it is. */
-static void refits(void)
+/* A floor of many quads: builds over it take several steps, and several threads. */
+enum { SIDE = 110 };
+static RTCGeometry grid(RTCDevice of)
+{
+    static float p[SIDE][SIDE][3];
+    static unsigned quads[SIDE - 1][SIDE - 1][4];
+    for (int i = 0; i < SIDE; i++)
+        for (int j = 0; j < SIDE; j++)
+            p[i][j][0] = i - SIDE / 2.25f, p[i][j][1] = j - SIDE / 2.25f, p[i][j][2] = 8;
+    for (int i = 0; i + 1 < SIDE; i++)
+        for (int j = 0; j + 1 < SIDE; j++) {
+            unsigned a = i * SIDE + j, quad[4] = { a, a + 1, a + SIDE + 1, a + SIDE };
+            memcpy(quads[i][j], quad, sizeof quad);
+        }
+    RTCGeometry mesh = rtcNewGeometry(of, RTC_GEOMETRY_TYPE_QUAD);
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, p, 0, 12, SIDE * SIDE);
+    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, quads, 0, 16, (SIDE - 1) * (SIDE - 1));
+    rtcCommitGeometry(mesh);
+    return mesh;
+}
+
+/* A mesh that moves beside one that rests: the tree follows, without a build, and says how far it is. */
+static void refits(enum RTCBuildQuality of_what_rests)
 {
     RTCScene scene = rtcNewScene(device);
-    RTCGeometry moves = square(3), rests = square(8);
+    RTCGeometry moves = square(3), rests = grid(device);
     rtcSetGeometryBuildQuality(moves, RTC_BUILD_QUALITY_REFIT);
+    rtcSetGeometryBuildQuality(rests, of_what_rests);
     rtcCommitGeometry(moves);
+    rtcCommitGeometry(rests);
     rtcAttachGeometry(scene, moves);
     rtcAttachGeometry(scene, rests);
+    steps = 0;
+    rtcSetSceneProgressMonitorFunction(scene, count_steps, NULL);
     rtcCommitScene(scene);
+    CHECK(steps > 3, "a build takes more steps than a refit: %d", steps);
     for (int step = 1; step < 4; step++) {
         float(*p)[3] = rtcGetGeometryBufferData(moves, RTC_BUFFER_TYPE_VERTEX, 0);
         for (int i = 0; i < 4; i++)
@@ -314,7 +340,7 @@ static void refits(void)
     }
     /* What rests is moved all the same. */
     float(*p)[3] = rtcGetGeometryBufferData(rests, RTC_BUFFER_TYPE_VERTEX, 0);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < SIDE * SIDE; i++)
         p[i][2] = 1;
     rtcCommitGeometry(rests);
     rtcCommitScene(scene);
@@ -327,34 +353,19 @@ static void refits(void)
 /* Enough triangles for several threads, in a child as in its parent. */
 static void a_child_commits(void)
 {
-    enum { SIDE = 60 };
-    static float p[SIDE][SIDE][3];
-    static unsigned quads[SIDE - 1][SIDE - 1][4];
-    for (int i = 0; i < SIDE; i++)
-        for (int j = 0; j < SIDE; j++)
-            p[i][j][0] = i - SIDE / 2.f, p[i][j][1] = j - SIDE / 2.f, p[i][j][2] = 3;
-    for (int i = 0; i + 1 < SIDE; i++)
-        for (int j = 0; j + 1 < SIDE; j++) {
-            unsigned a = i * SIDE + j, quad[4] = { a, a + 1, a + SIDE + 1, a + SIDE };
-            memcpy(quads[i][j], quad, sizeof quad);
-        }
     RTCDevice own = rtcNewDevice("threads = 2");
     RTCScene scene = rtcNewScene(own);
-    RTCGeometry mesh = rtcNewGeometry(own, RTC_GEOMETRY_TYPE_QUAD);
-    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, p, 0, 12, SIDE * SIDE);
-    rtcSetSharedGeometryBuffer(mesh, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4, quads, 0, 16, (SIDE - 1) * (SIDE - 1));
-    for (int i = 0; i < 2; i++)
-        rtcAttachGeometry(scene, mesh);
-    rtcCommitGeometry(mesh);
+    RTCGeometry mesh = grid(own);
+    rtcAttachGeometry(scene, mesh);
     rtcCommitScene(scene);
-    CHECK(distance(scene) == 3, "the parent's: %g", distance(scene));
+    CHECK(distance(scene) == 8, "the parent's: %g", distance(scene));
     fflush(NULL);
     pid_t child = fork();
     if (child == 0) {
         alarm(20);
         rtcCommitGeometry(mesh);
         rtcCommitScene(scene);
-        _exit(distance(scene) == 3 && rtcGetDeviceError(own) == RTC_ERROR_NONE ? 0 : 1);
+        _exit(distance(scene) == 8 && rtcGetDeviceError(own) == RTC_ERROR_NONE ? 0 : 1);
     }
     int status = 0;
     CHECK(waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0, "the child: status %d", status);
@@ -389,7 +400,8 @@ int main(int count, char **arguments)
     what_is_an_edit();
     ids();
     monitors();
-    refits();
+    refits(RTC_BUILD_QUALITY_MEDIUM);
+    refits(RTC_BUILD_QUALITY_REFIT);
     a_child_commits();
     settings();
     expect(RTC_ERROR_NONE, "all that went before");
