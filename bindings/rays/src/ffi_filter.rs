@@ -2,7 +2,7 @@
 //! Queries during which functions of the program are asked: filters of hits, and tests of user geometry. Source: original; Embree's manual.
 //!
 //! Callbacks get a packet as wide as the call's (`N`) with one ray that counts, in its lane: programs that work on all lanes at
-//! once, whatever `valid` says, find memory there. Filters see the ray as it was asked, in the program's memory, also inside of instances.
+//! once, whatever `valid` says, find memory there. Filters see the ray in the program's memory and in the space of the geometry, which is another one inside of instances.
 //! An exception ends at the callback that it leaves: no other is called in this query, which has no hit. Proof: `tests/c/embree.c`,
 //! `tests/c/frames.c`, `tests/c/throws.cpp`.
 
@@ -20,6 +20,7 @@ use crate::ffi_callbacks::ask_program;
 use crate::ffi_lane::{Asked, Lane, has_arrays, hit_for_program};
 use crate::ffi_user::Frame;
 use crate::objects::{Committed, Kind, ask};
+use crate::transform::{self, Columns};
 
 /// A query during which the program is asked.
 struct FilteredQuery<'a> {
@@ -59,6 +60,16 @@ impl Rejected {
     }
 }
 
+/// A hit that filters are asked about.
+struct Candidate {
+    t: f32,
+    /// Of instances.
+    ids: [u32; 2],
+    /// The way into the instance, if it is in one.
+    inward: Option<Columns>,
+    user_data: *mut c_void,
+}
+
 /// The filter of a geometry, and that of the query's arguments.
 type Filters = [FilterFunction; 2];
 
@@ -85,14 +96,16 @@ impl FilteredQuery<'_> {
             return false;
         }
         let seen = hit_for_program(&located, hit, &self.ray, frame.context, has_arrays(self.committed));
-        let user_data = located.surface.geometry.user_data();
-        let (n, at) = (self.lane.n(), self.lane.at());
         let ids = [seen.inst_id, seen.inst_prim_id];
+        let inward = located.place.map(|_| transform::inverse(&located.world_from_object()));
+        let user_data = located.surface.geometry.user_data();
+        let shown = Candidate { t: hit.t, ids, inward, user_data };
+        let (n, at) = (self.lane.n(), self.lane.at());
         let answer = if n == 1 {
             let (mut valid, mut rows) = (-1, HitFrame(seen));
             // SAFETY: a lane of one, and rows of one hit, which the program may have written.
             unsafe {
-                let t = self.ask(&both, hit.t, ids, user_data, &raw mut valid, (&raw mut rows).cast());
+                let t = self.ask(&both, &shown, &raw mut valid, (&raw mut rows).cast());
                 t.map(|t| ((&raw const rows).read_volatile().0, t))
             }
         } else {
@@ -102,7 +115,7 @@ impl FilteredQuery<'_> {
             unsafe {
                 let hit_lane = Lane::of_hits(rows, n, at);
                 hit_lane.put_hit(&seen, true);
-                self.ask(&both, hit.t, ids, user_data, valid, rows).map(|t| (hit_lane.hit(), t))
+                self.ask(&both, &shown, valid, rows).map(|t| (hit_lane.hit(), t))
             }
         };
         let Some((seen, t)) = answer else {
@@ -121,12 +134,11 @@ impl FilteredQuery<'_> {
     unsafe fn ask(
         &self,
         filters: &Filters,
-        t: f32,
-        ids: [u32; 2],
-        user_data: *mut c_void,
+        candidate: &Candidate,
         valid: *mut c_int,
         rows: *mut f32,
     ) -> Option<f32> {
+        let &Candidate { t, ids, ref inward, user_data } = candidate;
         let (lane, context) = (self.lane, self.frame.context);
         let has_arrays = has_arrays(self.committed);
         let (packet, n) = (lane.packet(), lane.n() as u32);
@@ -136,6 +148,11 @@ impl FilteredQuery<'_> {
         unsafe {
             let (before, of_context) = (lane.get(row::T_FAR), inst_ids(context, has_arrays));
             lane.set(row::T_FAR, t);
+            if let Some(inward) = inward {
+                let (org, dir) = (self.ray.org.map(f64::from), self.ray.dir.map(f64::from));
+                let inside = [transform::point(inward, org), transform::linear(inward, dir)];
+                lane.put_line(inside.map(|v| v.map(|x| x as f32)));
+            }
             set_inst_ids(context, has_arrays, ids);
             let mut is_valid = true;
             for filter in filters.iter().flatten() {
@@ -147,6 +164,9 @@ impl FilteredQuery<'_> {
             }
             let shortened = lane.get(row::T_FAR);
             lane.set(row::T_FAR, before);
+            if inward.is_some() {
+                lane.put_line([self.ray.org, self.ray.dir]);
+            }
             set_inst_ids(context, has_arrays, of_context);
             // Not so of NaN.
             is_valid.then_some(if shortened < t { shortened } else { t })

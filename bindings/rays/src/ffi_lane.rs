@@ -107,6 +107,12 @@ impl Lane {
         self.set_id(row::FLAGS, ray.flags);
     }
 
+    /// Writes where the ray begins, and where to it goes.
+    pub(crate) fn put_line(self, [org, dir]: [[f32; 3]; 2]) {
+        (0..3).for_each(|k| self.set(row::ORG + k, org[k]));
+        (0..3).for_each(|k| self.set(row::DIR + k, dir[k]));
+    }
+
     /// The hit of the ray.
     pub(crate) fn hit(self) -> abi::Hit {
         let id = |row: usize| self.get(row).to_bits();

@@ -71,7 +71,7 @@ pub(crate) fn after(outer: &Columns, inner: &Columns) -> Columns {
     all
 }
 
-fn linear(map: &Columns, v: [f64; 3]) -> [f64; 3] {
+pub(crate) fn linear(map: &Columns, v: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|row| (0..3).map(|column| map[column][row] * v[column]).sum())
 }
 

@@ -342,6 +342,39 @@ static void shorter_rays(void)
     rtcReleaseScene(scene);
 }
 
+/* Inside of instances filters see the ray in the space of the geometry. */
+static int inside;
+static void looks_around(const struct RTCFilterFunctionNArguments *args)
+{
+    struct RTCRay *r = (struct RTCRay *)args->ray;
+    struct RTCHit *hit = (struct RTCHit *)args->hit;
+    CHECK(r->org_x == 1 && r->org_y == 2 && r->org_z == -4 && r->dir_x == 0 && r->dir_z == 0.5f, "the ray begins at %g %g %g, goes %g %g",
+          r->org_x, r->org_y, r->org_z, r->dir_x, r->dir_z);
+    CHECK(r->tfar == 10 && hit->instID[0] == 7 && args->context->instID[0] == 7, "t %g, instance %u, %u", r->tfar, hit->instID[0],
+          args->context->instID[0]);
+    inside++;
+}
+
+static void filters_inside_of_instances(void)
+{
+    RTCGeometry mesh = floors(1), instance = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+    rtcSetGeometryIntersectFilterFunction(mesh, looks_around);
+    RTCScene floor = committed(mesh), scene = rtcNewScene(device);
+    float place[12] = { 2, 0, 0, 0, 2, 0, 0, 0, 2, 100, 0, 0 };
+    rtcSetGeometryInstancedScene(instance, floor);
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, place);
+    rtcCommitGeometry(instance);
+    rtcAttachGeometryByID(scene, instance, 7);
+    rtcReleaseGeometry(instance);
+    rtcCommitScene(scene);
+    struct RTCRayHit r = ray(102, 4, -8);
+    rtcIntersect1(scene, &r, NULL);
+    CHECK(inside > 0 && r.ray.tfar == 10 && r.hit.instID[0] == 7, "%d calls, t %g", inside, r.ray.tfar);
+    CHECK(r.ray.org_x == 102 && r.ray.org_z == -8 && r.ray.dir_z == 1, "the ray is as it was");
+    rtcReleaseScene(scene);
+    rtcReleaseScene(floor);
+}
+
 int main(void)
 {
     device = rtcNewDevice("threads=1");
@@ -349,6 +382,7 @@ int main(void)
     packets();
     numbers_of_instances();
     shorter_rays();
+    filters_inside_of_instances();
     rtcReleaseDevice(device);
     return finish();
 }
