@@ -207,7 +207,7 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
         && places.iter().filter_map(|place| place.shown.as_ref()).all(|shown| shown.committed.is_plain);
     let device = Arc::clone(&scene.device);
     let query = Query { level: device.level, ..Query::default() };
-    let allowed = device.hold(bytes);
+    let allowed = device.report_memory(bytes);
     let Plan { moment, geometries, .. } = plan;
     // Gives the bytes back where it is dropped.
     let committed = Committed { device, moment, geometries, tree, surfaces, places, query, is_plain, bytes };
@@ -392,7 +392,7 @@ impl<'a> Control<'a> {
 impl Drop for Control<'_> {
     fn drop(&mut self) {
         // What the program's function answers, or throws, changes nothing any longer.
-        let _ = self.scene.device.hold(-self.told.load(Ordering::Relaxed));
+        let _ = self.scene.device.report_memory(-self.told.load(Ordering::Relaxed));
     }
 }
 
@@ -415,7 +415,7 @@ impl BuildControl for Control<'_> {
     fn memory(&self, bytes: u64) {
         let more = bytes as i64 - self.told.swap(bytes as i64, Ordering::Relaxed);
         let _inside = Inside::enter(self.scene);
-        match self.scene.device.hold(more) {
+        match self.scene.device.report_memory(more) {
             Ok(true) => {}
             Ok(false) => self.refused.store(true, Ordering::Relaxed),
             Err(Thrown) => self.thrown.store(true, Ordering::Relaxed),

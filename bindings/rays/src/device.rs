@@ -148,8 +148,8 @@ impl Device {
         if primitives < 4096 { Workers::single() } else { Workers::new(self.threads) }
     }
 
-    /// Tells the memory monitor of so many bytes more, or less; whether that may be.
-    pub(crate) fn hold(&self, bytes: i64) -> Result<bool, Thrown> {
+    /// Reports a change of memory in bytes to the monitor. The answer is false if the monitor refuses it.
+    pub(crate) fn report_memory(&self, bytes: i64) -> Result<bool, Thrown> {
         self.held.fetch_add(bytes, Ordering::Relaxed);
         let monitor = *self.monitor.lock().unwrap_or_else(PoisonError::into_inner);
         match monitor {

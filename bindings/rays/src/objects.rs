@@ -375,7 +375,7 @@ impl Committed {
 impl Drop for Committed {
     fn drop(&mut self) {
         // What the program's function answers, or throws, changes nothing here.
-        let _ = self.device.hold(-self.bytes);
+        let _ = self.device.report_memory(-self.bytes);
     }
 }
 
