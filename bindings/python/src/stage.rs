@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use gnurt::defaults::{self, Bounds};
+use gnurt::defaults::{self, Bounds, Purpose};
 use gnurt::osl::{CameraScript, Script};
 use gnurt::render::{CommitOptions, Integrator, ShaderTable, World};
 use gnurt::scene::animation::Exposure;
@@ -245,8 +245,8 @@ impl Shown {
         let up = [0.0, 1.0, 0.0];
         let note = match bounds {
             _ if is_plain => defaults::complete_plain_lights(&mut scene, &camera),
-            Some(_) => defaults::complete_lights_around(&mut scene, bounds, &camera, up),
-            None => defaults::complete_lights(&mut scene, &camera, up),
+            Some(_) => defaults::complete_lights_around(&mut scene, bounds, &camera, up, Purpose::Screen),
+            None => defaults::complete_lights(&mut scene, &camera, up, Purpose::Screen),
         };
         Self {
             scene,

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use gnurt::defaults::{self, Bounds};
+use gnurt::defaults::{self, Bounds, Purpose};
 use gnurt::image::system_reason;
 use gnurt::render::Integrator;
 use gnurt::scene::animation::Exposure;
@@ -72,18 +72,18 @@ impl Chosen {
 /// Where a scene without light stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
-    /// Where people look at it.
-    Studio,
+    /// Lit for this use of the picture.
+    Studio(Purpose),
     /// Under lights and nothing else: where it is measured, or only its shapes are shown.
     Plain,
 }
 
 impl Stage {
-    /// The one for pictures of this integrator.
-    pub(crate) fn of(integrator: Integrator) -> Self {
+    /// The one for pictures of this integrator, for screens or as files of floats.
+    pub(crate) fn of(integrator: Integrator, is_for_screens: bool) -> Self {
         match integrator {
             Integrator::Eyelight | Integrator::Normals => Self::Plain,
-            _ => Self::Studio,
+            _ => Self::Studio(if is_for_screens { Purpose::Screen } else { Purpose::Numbers }),
         }
     }
 }
@@ -132,11 +132,11 @@ pub(crate) fn choose_around(
         environment.put_around(scene, up, view.surroundings.environment_turn).map_err(Failure::data)?;
     }
     let added = match stage {
-        Stage::Studio => {
+        Stage::Studio(purpose) => {
             let up = view.up.unwrap_or([0.0, 1.0, 0.0]);
             match bounds {
-                Some(_) => defaults::complete_lights_around(scene, bounds, &camera, up),
-                None => defaults::complete_lights(scene, &camera, up),
+                Some(_) => defaults::complete_lights_around(scene, bounds, &camera, up, purpose),
+                None => defaults::complete_lights(scene, &camera, up, purpose),
             }
         }
         Stage::Plain => defaults::complete_plain_lights(scene, &camera),

@@ -173,7 +173,7 @@ impl Studio<'_> {
     }
 
     fn choose(&self, scene: &mut Scene, bounds: Option<Bounds>) -> Result<Chosen, Failure> {
-        let stage = Stage::of(self.options.integrator);
+        let stage = Stage::of(self.options.integrator, self.is_for_screens);
         let resolution = self.arguments.frame.resolution;
         view::choose_around(scene, bounds, &self.arguments.view, resolution, stage, self.messages)
     }

@@ -49,7 +49,9 @@ fn prepare(
     let begin = Instant::now();
     let (mut scene, files) = plan.source.load_with_files(messages)?;
     plan.targets.spare(files, arguments)?;
-    let (frame, stage) = (&arguments.frame, Stage::of(options.integrator));
+    // What pieces are joined to may be for screens.
+    let is_for_screens = plan.targets.picture.is_for_screens() || arguments.piece.is_some();
+    let (frame, stage) = (&arguments.frame, Stage::of(options.integrator, is_for_screens));
     let chosen = view::choose(&mut scene, &arguments.view, frame.resolution, stage, messages)?;
     let load_time = begin.elapsed();
     let shaders = Shaders::put_into(&mut scene, frame, messages)?;

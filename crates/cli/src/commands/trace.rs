@@ -35,7 +35,7 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
         &mut scene,
         &arguments.view,
         resolution,
-        Stage::of(arguments.frame.integrator),
+        Stage::of(arguments.frame.integrator, true),
         messages,
     )?;
     let shaders = Shaders::put_into(&mut scene, &arguments.frame, messages)?;

@@ -113,7 +113,7 @@ fn prepare(
         &mut scene,
         &arguments.view,
         arguments.frame.resolution,
-        view::Stage::of(arguments.frame.integrator),
+        view::Stage::of(arguments.frame.integrator, true),
         messages,
     )?;
     files.extend(shaders::other_files(&arguments.frame, &arguments.view));
