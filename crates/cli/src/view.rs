@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use gnurt::defaults::{self, Bounds, Purpose};
 use gnurt::image::system_reason;
-use gnurt::render::Integrator;
+use gnurt::render::{Integrator, ShaderTable};
 use gnurt::scene::animation::Exposure;
 use gnurt::scene::{Camera, Lens, Projection, Scene};
 use gnurt::shading::CameraShader;
@@ -88,20 +88,23 @@ impl Stage {
     }
 }
 
-/// The camera, and its rays; puts the scene into its surroundings, adds cameras and lights if it has none, and says so.
+/// The camera, and its rays; puts the scene into its surroundings, adds cameras and lights if it and `table` have none, and says
+/// so. The scene's shaders are in their places by then: what is added keeps its own surfaces.
 pub(crate) fn choose(
     scene: &mut Scene,
+    table: &ShaderTable,
     view: &ViewArguments,
     resolution: Resolution,
     stage: Stage,
     messages: Messages,
 ) -> Result<Chosen, Failure> {
-    choose_around(scene, None, view, resolution, stage, messages)
+    choose_around(scene, table, None, view, resolution, stage, messages)
 }
 
 /// The same for a scene that moves within `bounds`; `None` = that stays where it is.
 pub(crate) fn choose_around(
     scene: &mut Scene,
+    table: &ShaderTable,
     bounds: Option<Bounds>,
     view: &ViewArguments,
     resolution: Resolution,
@@ -135,11 +138,11 @@ pub(crate) fn choose_around(
         Stage::Studio(purpose) => {
             let up = view.up.unwrap_or([0.0, 1.0, 0.0]);
             match bounds {
-                Some(_) => defaults::complete_lights_around(scene, bounds, &camera, up, purpose),
-                None => defaults::complete_lights(scene, &camera, up, purpose),
+                Some(_) => defaults::complete_lights_around(scene, table, bounds, &camera, up, purpose),
+                None => defaults::complete_lights(scene, table, &camera, up, purpose),
             }
         }
-        Stage::Plain => defaults::complete_plain_lights(scene, &camera),
+        Stage::Plain => defaults::complete_plain_lights(scene, table, &camera),
     };
     if let Some(note) = added {
         messages.note(note);

@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use gnurt::defaults::{OwnLight, Purpose, complete_lights, framing, own_light};
+use gnurt::render::ShaderTable;
 
 /// The scenes, and whether a material of theirs emits.
 const SCENES: [(&str, bool); 12] = [
@@ -29,6 +30,7 @@ fn scenes_keep_their_own_light_alone() {
         eprintln!("SKIPPED: the benchmark scenes (../shared/scenes) are not here");
         return;
     }
+    let shaders = ShaderTable::default();
     for (name, is_lit) in SCENES {
         let folder = tempfile::tempdir().expect("a folder");
         let materials =
@@ -45,11 +47,11 @@ fn scenes_keep_their_own_light_alone() {
         std::fs::write(&file, text).expect("written");
         let scene = gnurt::load_scene(&file.display().to_string()).expect("a scene").scene;
         let wanted = if is_lit { OwnLight::Lights } else { OwnLight::Nothing };
-        assert_eq!(own_light(&scene), wanted, "{name}");
+        assert_eq!(own_light(&scene, &shaders), wanted, "{name}");
         let camera = framing(gnurt::defaults::bounds_of(&scene), 1.0);
         for purpose in [Purpose::Screen, Purpose::Numbers] {
             let mut lit = scene.clone();
-            let note = complete_lights(&mut lit, &camera, [0.0, 1.0, 0.0], purpose);
+            let note = complete_lights(&mut lit, &shaders, &camera, [0.0, 1.0, 0.0], purpose);
             assert_eq!(note.is_none(), is_lit, "{name}: {note:?}");
             assert_eq!(lit.lights().is_empty(), is_lit, "{name}: {:?}", lit.lights());
         }

@@ -142,6 +142,26 @@ fn displays_are_lit_on_screens_and_left_alone_in_floats() {
 }
 
 #[test]
+fn shaders_neither_lose_nor_become_the_studio() {
+    let folder = folder();
+    folder.write("red.osl", "surface red () { Ci = color (1, 0, 0) * diffuse (N); }");
+    let line = "render a.obj -r 24x18 --spp 4 --denoise=none";
+    for name in ["plain", "shaded"] {
+        let shader = if name == "shaded" { "--shader *=red.osl" } else { "" };
+        folder.gnurt(&format!("{line} {shader} -o {name}.exr")).success();
+    }
+    let [plain, shaded] = ["plain.exr", "shaded.exr"].map(|name| picture(&folder, name));
+    assert_eq!(
+        plain.color[0], shaded.color[0],
+        "the floor catches shadow, whatever the scene's surfaces are"
+    );
+    let text = "vector way = point (0, 3, 3) - Ps; lightdist = length (way); L = normalize (way); Cl = color (9, 9, 9);";
+    folder.write("lamp.osl", format!("light lamp () {{ {text} }}"));
+    let run = folder.gnurt(&format!("{line} --shader lamp.osl -o lit.exr")).success();
+    assert!(!run.stderr.contains("no light"), "{}", run.stderr);
+}
+
+#[test]
 fn an_exr_is_over_nothing() {
     let folder = folder();
     let line = "render a.obj -r 24x18 --spp 4 --eye 0,1,5 --target 0,1,0 --environment 0.25,0.5,2";

@@ -21,6 +21,7 @@ pub use own_light::{OwnLight, Purpose, own_light};
 
 use lights::is_open;
 
+use crate::render::ShaderTable;
 use crate::scene::{Camera, Scene};
 
 /// The exposure that suits the studio, in stops: its light is known, so that black things stay black and white ones white.
@@ -85,7 +86,9 @@ impl fmt::Display for Note {
 pub fn complete(scene: &mut Scene, aspect: f32) -> Vec<Note> {
     let camera = complete_camera(scene, aspect);
     let first = scene.cameras().first().cloned();
-    let lights = first.and_then(|camera| complete_lights(scene, &camera, [0.0, 1.0, 0.0], Purpose::Screen));
+    let lights = first.and_then(|camera| {
+        complete_lights(scene, &ShaderTable::default(), &camera, [0.0, 1.0, 0.0], Purpose::Screen)
+    });
     camera.into_iter().chain(lights).collect()
 }
 
@@ -109,21 +112,28 @@ pub fn complete_camera_around(scene: &mut Scene, bounds: Option<Bounds>, aspect:
 
 /// Puts a scene that needs light (`own_light`) into a studio, seen by `camera`; `up` is what is up there, +y unless it is clearly
 /// another axis. A camera that stands in a room gets a lamp instead.
-pub fn complete_lights(scene: &mut Scene, camera: &Camera, up: [f32; 3], purpose: Purpose) -> Option<Note> {
+pub fn complete_lights(
+    scene: &mut Scene,
+    shaders: &ShaderTable,
+    camera: &Camera,
+    up: [f32; 3],
+    purpose: Purpose,
+) -> Option<Note> {
     // Bounds cost a look at every vertex: not where they are not needed.
-    let bounds = purpose.needs_light(own_light(scene)).then(|| bounds_of(scene)).flatten();
-    complete_lights_around(scene, bounds, camera, up, purpose)
+    let bounds = purpose.needs_light(own_light(scene, shaders)).then(|| bounds_of(scene)).flatten();
+    complete_lights_around(scene, shaders, bounds, camera, up, purpose)
 }
 
 /// The same for a scene that moves within `bounds`.
 pub fn complete_lights_around(
     scene: &mut Scene,
+    shaders: &ShaderTable,
     bounds: Option<Bounds>,
     camera: &Camera,
     up: [f32; 3],
     purpose: Purpose,
 ) -> Option<Note> {
-    let own = own_light(scene);
+    let own = own_light(scene, shaders);
     let displays = own == OwnLight::Displays;
     if !purpose.needs_light(own) {
         return displays.then_some(Note::DisplaysOnly);
@@ -141,8 +151,8 @@ pub fn complete_lights_around(
 }
 
 /// Adds lights without extent, and nothing else, to a scene in which nothing emits: for those who measure.
-pub fn complete_plain_lights(scene: &mut Scene, camera: &Camera) -> Option<Note> {
-    if !Purpose::Numbers.needs_light(own_light(scene)) {
+pub fn complete_plain_lights(scene: &mut Scene, shaders: &ShaderTable, camera: &Camera) -> Option<Note> {
+    if !Purpose::Numbers.needs_light(own_light(scene, shaders)) {
         return None;
     }
     let (lights, note) = match lit_within(scene, camera) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The light that a scene has of its own, which decides whether it is given any. The rule is meant to be foreseen:
-//! 1. A light or an environment of the scene is light, however dim.
+//! 1. A light or an environment of the scene is light, however dim; so is a shader of lights or skies.
 //! 2. A visible surface that emits by a constant is a light, however dim.
 //! 3. A visible surface whose emission is a texture is a light if its radiance is above 1 anywhere. Up to 1 it may be a display or a
 //!    label, which is modelled to be seen in other light: pictures for screens get that light, files of floats do not.
@@ -8,6 +8,7 @@
 //! Source: original. Space: linear radiance, any channel. Invariant: the answer does not depend on areas, on distances or on other
 //! surfaces. Proof: `tests`; crates/cli/tests/program/look.rs.
 
+use crate::render::ShaderTable;
 use crate::scene::{Material, Mesh, ObjectId, RayMask, Scene};
 
 /// The radiance up to which an emissive texture may be a display: white.
@@ -42,10 +43,10 @@ impl Purpose {
 }
 
 /// The light that `scene` has of its own. Emissive meshes count if a visible instance shows them to rays of light; in a scene
-/// without visible instances, as while it is made, all meshes count. Shaders of a shader table are not asked.
+/// without visible instances, as while it is made, all meshes count. Shaders of surfaces do not: most of those that could emit do not.
 #[must_use]
-pub fn own_light(scene: &Scene) -> OwnLight {
-    if !scene.lights().is_empty() {
+pub fn own_light(scene: &Scene, shaders: &ShaderTable) -> OwnLight {
+    if !scene.lights().is_empty() || !shaders.lights.is_empty() || shaders.environment.is_some() {
         return OwnLight::Lights;
     }
     let emits: Vec<OwnLight> = scene.materials().iter().map(|material| emission(scene, material)).collect();
@@ -134,6 +135,10 @@ mod tests {
     use crate::image::{TexelData, Texels};
     use crate::scene::texture::{Filter, Wrap};
     use crate::scene::{Affine, Instance, Light, Member, Object, Texture, texture::TextureRef};
+
+    fn own_light(scene: &Scene) -> OwnLight {
+        super::own_light(scene, &ShaderTable::default())
+    }
 
     /// A thing with a surface of area 1/2 of the emission, by a texture of these texels if there are some, and one of `other` that is dark.
     fn thing(emission: [f32; 3], texels: Option<TexelData>, other: f32) -> Scene {
