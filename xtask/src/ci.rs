@@ -15,6 +15,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     command::run(command::cargo().args(["fmt", "--all", "--check"]))?;
     tidy::run(&[])?;
     notices::check()?;
+    python::lint_licences()?;
     command::run(command::cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     let doc = ["doc", "--workspace", "--no-deps"];
     command::run(command::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))?;
