@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::failure::Failure;
 use crate::workspace::Workspace;
-use crate::{command, installed, python, readme, tidy};
+use crate::{command, installed, notices, python, readme, tidy};
 
 /// Runs all checks, the quick ones first; stops at the first that fails.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
@@ -14,6 +14,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     }
     command::run(command::cargo().args(["fmt", "--all", "--check"]))?;
     tidy::run(&[])?;
+    notices::check()?;
+    python::lint_licences()?;
     command::run(command::cargo().args(["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     let doc = ["doc", "--workspace", "--no-deps"];
     command::run(command::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))?;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | dist`. Source: original.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | notices | dist`. Source: original.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
@@ -9,6 +9,7 @@ mod dist;
 mod failure;
 mod install;
 mod installed;
+mod notices;
 mod python;
 mod readme;
 mod tidy;
@@ -24,7 +25,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 6] = [
+const CHORES: [Chore; 7] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -49,6 +50,11 @@ const CHORES: [Chore; 6] = [
         name: "installed",
         about: "install what the tests have built, and use it",
         run: installed::check,
+    },
+    Chore {
+        name: "notices",
+        about: "write the notices of all parts by others that are given away: [--check]",
+        run: notices::run,
     },
     Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },
 ];

@@ -3,7 +3,7 @@
 //! The wheel itself is maturin's business (`pip install ./bindings/python`).
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use crate::command;
 use crate::failure::Failure;
@@ -13,6 +13,10 @@ use crate::workspace::Workspace;
 const PACKAGES: [&str; 2] = ["numpy", "pytest"];
 /// What the notebooks need; without them they are not run.
 const NOTEBOOKS: [&str; 3] = ["matplotlib", "nbclient", "ipykernel"];
+
+/// What checks the licences of files; versions before 4 do not know REUSE.toml.
+const REUSE: &str = "reuse>=5";
+const INSTALL: [&str; 5] = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
 
 /// Builds and tests. Without a Python that the package is for, or without its packages, that is told and skipped.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
@@ -41,6 +45,22 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     )
 }
 
+/// Checks the copyright and licence of every file by the tool `reuse`, by REUSE.toml. Where pip cannot bring it, that is told and
+/// skipped.
+pub(crate) fn lint_licences() -> Result<(), Failure> {
+    let folder = Workspace::load()?.target.join("python");
+    let python = folder.join("bin/python");
+    let has_reuse = || succeeds(Command::new(&python).args(["-c", "import reuse"]).stderr(Stdio::null()));
+    if !has_reuse() {
+        let made = python.exists() || succeeds(Command::new("python3").args(["-m", "venv"]).arg(&folder));
+        if !made || !succeeds(Command::new(&python).args(INSTALL).arg(REUSE)) {
+            eprintln!("SKIPPED: licences of files; pip could not install {REUSE}");
+            return Ok(());
+        }
+    }
+    command::run(Command::new(&python).args(["-m", "reuse", "lint", "--lines"]).current_dir(command::root()))
+}
+
 /// The interpreter of an environment that has what the tests need.
 fn environment_with_packages(folder: &Path) -> Option<std::path::PathBuf> {
     let is_new = "import sys, ensurepip; sys.exit(sys.version_info < (3, 11))";
@@ -51,17 +71,16 @@ fn environment_with_packages(folder: &Path) -> Option<std::path::PathBuf> {
     let python = folder.join("bin/python");
     let imports = PACKAGES.map(|package| format!("import {package}")).join("; ");
     let has_packages = || succeeds(Command::new(&python).args(["-c", &imports]));
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
     if !has_packages() {
         let made = succeeds(Command::new("python3").args(["-m", "venv"]).arg(folder));
-        if !made || !succeeds(Command::new(&python).args(install).args(PACKAGES)) {
+        if !made || !succeeds(Command::new(&python).args(INSTALL).args(PACKAGES)) {
             eprintln!(
                 "SKIPPED: tests of the Python package; pip could not install {}",
                 PACKAGES.join(" and ")
             );
             return None;
         }
-        if !succeeds(Command::new(&python).args(install).args(NOTEBOOKS)) {
+        if !succeeds(Command::new(&python).args(INSTALL).args(NOTEBOOKS)) {
             eprintln!("SKIPPED: the notebooks; pip could not install {}", NOTEBOOKS.join(" and "));
         }
     }

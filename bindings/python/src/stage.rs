@@ -6,7 +6,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use gnurt::defaults::{self, Bounds};
+use gnurt::defaults::{self, Bounds, Purpose};
 use gnurt::osl::{CameraScript, Script};
 use gnurt::render::{CommitOptions, Integrator, ShaderTable, World};
 use gnurt::scene::animation::Exposure;
@@ -139,7 +139,7 @@ impl Stage {
         if self.shown.as_ref().is_some_and(|shown| shown.lit_for.as_ref().is_some_and(|lit| *lit != wanted)) {
             self.shown = None;
         }
-        let shown = self.shown.get_or_insert_with(|| Shown::new(&self.scene, bounds, wanted));
+        let shown = self.shown.get_or_insert_with(|| Shown::new(&self.scene, &self.shaders, bounds, wanted));
         let mut exposure = Exposure::default();
         match clip {
             Some((clip, opens)) => {
@@ -240,13 +240,20 @@ impl Stage {
 }
 
 impl Shown {
-    fn new(scene: &Scene, bounds: Option<Bounds>, (camera, is_plain): (Camera, bool)) -> Self {
+    fn new(
+        scene: &Scene,
+        shaders: &ShaderTable,
+        bounds: Option<Bounds>,
+        (camera, is_plain): (Camera, bool),
+    ) -> Self {
         let mut scene = scene.clone();
         let up = [0.0, 1.0, 0.0];
         let note = match bounds {
-            _ if is_plain => defaults::complete_plain_lights(&mut scene, &camera),
-            Some(_) => defaults::complete_lights_around(&mut scene, bounds, &camera, up),
-            None => defaults::complete_lights(&mut scene, &camera, up),
+            _ if is_plain => defaults::complete_plain_lights(&mut scene, shaders, &camera),
+            Some(_) => {
+                defaults::complete_lights_around(&mut scene, shaders, bounds, &camera, up, Purpose::Screen)
+            }
+            None => defaults::complete_lights(&mut scene, shaders, &camera, up, Purpose::Screen),
         };
         Self {
             scene,

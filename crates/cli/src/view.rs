@@ -4,9 +4,9 @@
 
 use std::sync::Arc;
 
-use gnurt::defaults::{self, Bounds};
+use gnurt::defaults::{self, Bounds, Purpose};
 use gnurt::image::system_reason;
-use gnurt::render::Integrator;
+use gnurt::render::{Integrator, ShaderTable};
 use gnurt::scene::animation::Exposure;
 use gnurt::scene::{Camera, Lens, Projection, Scene};
 use gnurt::shading::CameraShader;
@@ -72,36 +72,39 @@ impl Chosen {
 /// Where a scene without light stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
-    /// Where people look at it.
-    Studio,
+    /// Lit for this use of the picture.
+    Studio(Purpose),
     /// Under lights and nothing else: where it is measured, or only its shapes are shown.
     Plain,
 }
 
 impl Stage {
-    /// The one for pictures of this integrator.
-    pub(crate) fn of(integrator: Integrator) -> Self {
+    /// The one for pictures of this integrator, for screens or as files of floats.
+    pub(crate) fn of(integrator: Integrator, is_for_screens: bool) -> Self {
         match integrator {
             Integrator::Eyelight | Integrator::Normals => Self::Plain,
-            _ => Self::Studio,
+            _ => Self::Studio(if is_for_screens { Purpose::Screen } else { Purpose::Numbers }),
         }
     }
 }
 
-/// The camera, and its rays; puts the scene into its surroundings, adds cameras and lights if it has none, and says so.
+/// The camera, and its rays; puts the scene into its surroundings, adds cameras and lights if it and `table` have none, and says
+/// so. The scene's shaders are in their places by then: what is added keeps its own surfaces.
 pub(crate) fn choose(
     scene: &mut Scene,
+    table: &ShaderTable,
     view: &ViewArguments,
     resolution: Resolution,
     stage: Stage,
     messages: Messages,
 ) -> Result<Chosen, Failure> {
-    choose_around(scene, None, view, resolution, stage, messages)
+    choose_around(scene, table, None, view, resolution, stage, messages)
 }
 
 /// The same for a scene that moves within `bounds`; `None` = that stays where it is.
 pub(crate) fn choose_around(
     scene: &mut Scene,
+    table: &ShaderTable,
     bounds: Option<Bounds>,
     view: &ViewArguments,
     resolution: Resolution,
@@ -132,14 +135,14 @@ pub(crate) fn choose_around(
         environment.put_around(scene, up, view.surroundings.environment_turn).map_err(Failure::data)?;
     }
     let added = match stage {
-        Stage::Studio => {
+        Stage::Studio(purpose) => {
             let up = view.up.unwrap_or([0.0, 1.0, 0.0]);
             match bounds {
-                Some(_) => defaults::complete_lights_around(scene, bounds, &camera, up),
-                None => defaults::complete_lights(scene, &camera, up),
+                Some(_) => defaults::complete_lights_around(scene, table, bounds, &camera, up, purpose),
+                None => defaults::complete_lights(scene, table, &camera, up, purpose),
             }
         }
-        Stage::Plain => defaults::complete_plain_lights(scene, &camera),
+        Stage::Plain => defaults::complete_plain_lights(scene, table, &camera),
     };
     if let Some(note) = added {
         messages.note(note);

@@ -9,6 +9,7 @@ use std::process::Command;
 use crate::command::{self, said};
 use crate::failure::Failure;
 use crate::install::files::{copy, link, tree, write};
+use crate::notices;
 
 /// A Debian package, and how to know its files.
 struct Package {
@@ -123,10 +124,12 @@ fn fill<'a>(
     Ok(binaries)
 }
 
-/// The two documents that every package has, in its folder of documents.
+/// The two documents that every package has, in its folder of documents. Its copyright file holds the notices of all parts, which
+/// the policy (12.5) wants in full; as free text, since the parts' own texts fit no other form.
 fn documents(folder: &Path, version: &str) -> Result<(), Failure> {
     let year = said("git", &["log", "-1", "--format=%cd", "--date=format:%Y"])?;
-    write(&folder.join("copyright"), &COPYRIGHT.replace("@year@", &year))?;
+    let notices = notices::kept(&command::root())?;
+    write(&folder.join("copyright"), &(COPYRIGHT.replace("@year@", &year) + &notices))?;
     let date = said("git", &["log", "-1", "--format=%cD"])?;
     let changelog = folder.join("changelog");
     let text =
@@ -176,20 +179,19 @@ fn control(package: &Package, version: &str, machine: &str, kilobytes: u64, need
     )
 }
 
-const COPYRIGHT: &str = "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/
-Upstream-Name: GNU RT
+const COPYRIGHT: &str = "GNU RT
 
-Files: *
 Copyright: @year@ The GNU RT authors
-License: GPL-3+
- GNU RT is free software: you can redistribute it and/or modify it under the
- terms of the GNU General Public License as published by the Free Software
- Foundation, either version 3 of the License, or (at your option) any later
- version. It is distributed in the hope that it will be useful, but WITHOUT
- ANY WARRANTY; without even the implied warranty of MERCHANTABILITY or FITNESS
- FOR A PARTICULAR PURPOSE.
- .
- On Debian systems the whole license is in /usr/share/common-licenses/GPL-3.
+
+GNU RT is free software: you can redistribute it and/or modify it under the
+terms of the GNU General Public License as published by the Free Software
+Foundation, either version 3 of the License, or (at your option) any later
+version. It is distributed in the hope that it will be useful, but WITHOUT
+ANY WARRANTY; without even the implied warranty of MERCHANTABILITY or FITNESS
+FOR A PARTICULAR PURPOSE.
+
+On Debian systems the whole license is in /usr/share/common-licenses/GPL-3.
+
 ";
 
 /// What changed: the project keeps its own list.

@@ -11,6 +11,7 @@ use std::process::Command;
 use crate::command::{self, said};
 use crate::failure::Failure;
 use crate::install::{Places, install_at, parse};
+use crate::notices;
 use crate::workspace::Workspace;
 
 const USAGE: &str = "usage: cargo xtask dist [--built DIR] [--no-strip]";
@@ -23,6 +24,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     }
     // Wrong ones are told before anything is made.
     check(arguments)?;
+    notices::check()?;
     let workspace = Workspace::load()?;
     let version = &workspace.version;
     let dist = workspace.target.join("dist");

@@ -14,6 +14,7 @@ use std::process::Command;
 
 use crate::command;
 use crate::failure::Failure;
+use crate::notices;
 use crate::workspace::Workspace;
 use files::{copy, files_in, link, read, write};
 use places::{PROGRAM, USAGE};
@@ -143,7 +144,7 @@ fn install(built: &Path, source: &Path, version: &str, places: &Places) -> Resul
         let to = places.share("doc/gnurt").join(document.file_name().unwrap_or_default());
         copy(&document, &places.put(&to))?;
     }
-    Ok(())
+    write(&places.put(&places.share("doc/gnurt/LICENSE-THIRD-PARTY.txt")), &notices::kept(source)?)
 }
 
 /// Man pages and completions, by their endings.
@@ -193,6 +194,7 @@ mod tests {
     #[test]
     fn files_find_their_places() {
         let root = std::env::temp_dir().join(format!("gnurt-install-test-{}", std::process::id()));
+        let notices_of_all = "Copyright A\n".repeat(2000);
         let [built, source] = ["built", "source"].map(|name| root.join(name));
         for (path, text) in [
             (built.join("gnurt"), "program"),
@@ -201,6 +203,7 @@ mod tests {
             (built.join("libgnurt_rays.so"), "rays"),
             (built.join(archive::NAME), "archive"),
             (source.join("COPYING"), "licence"),
+            (source.join(notices::FILE), &notices_of_all[..]),
             (source.join(LIBRARIES[0].template), "prefix=@prefix@\nlibdir=@libdir@\nVersion: @version@\n"),
             (source.join(LIBRARIES[1].template), "prefix=@prefix@\nRequires: openrt\n"),
             (source.join(LIBRARIES[2].template), "Libs: -lgnurt\n"),
@@ -247,6 +250,7 @@ mod tests {
             ("include/openrt/rt.h", "header"),
             ("include/openrt/rtut.h", "shapes' header"),
             ("share/doc/gnurt/COPYING", "licence"),
+            ("share/doc/gnurt/LICENSE-THIRD-PARTY.txt", &notices_of_all[..]),
             ("share/man/man1/gnurt-render.1", "page"),
             ("share/bash-completion/completions/gnurt", "bash"),
             ("share/fish/vendor_completions.d/gnurt.fish", "fish"),
@@ -260,6 +264,9 @@ mod tests {
         );
         let missing = install(&root.join("none"), &source, "1.2.3", &places).expect_err("nothing was built");
         assert!(missing.contains("none/gnurt"), "the missing file is named: {missing}");
+        write(&source.join(notices::FILE), "").expect("it can be written again");
+        let empty = install(&built, &source, "1.2.3", &places).expect_err("no notices");
+        assert!(empty.contains(notices::FILE), "{empty}");
         std::fs::remove_dir_all(&root).expect("the test's folder can be removed");
     }
 }

@@ -145,7 +145,7 @@ pub(crate) struct ViewArguments {
 pub(crate) struct SurroundingsArguments {
     /// What rays see that leave the scene, and light from there: a latitude-longitude picture (.hdr, .exr, .pfm, .png, .jpg), a
     /// radiance R,G,B, builtin:day, builtin:evening, builtin:overcast, or a sky in the shading language, FILE.osl[:NAME=VALUE...]; its up
-    /// is --up, or else +y
+    /// is --up, or else +y. Without it a default light is added, but only to a scene without any light of its own
     #[arg(long, value_name = "FILE|R,G,B|SKY", value_parser = value::surroundings, allow_hyphen_values = true)]
     pub(crate) environment: Option<Surroundings>,
     /// Degrees that it is turned by around what is up

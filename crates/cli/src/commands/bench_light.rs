@@ -27,8 +27,14 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
     let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
-    let view::Chosen { rays: camera, .. } =
-        view::choose(&mut scene, &arguments.view, arguments.resolution, Stage::Plain, messages)?;
+    let view::Chosen { rays: camera, .. } = view::choose(
+        &mut scene,
+        &ShaderTable::default(),
+        &arguments.view,
+        arguments.resolution,
+        Stage::Plain,
+        messages,
+    )?;
     let how = CommitOptions { force_diffuse: arguments.force_diffuse, level, ..CommitOptions::default() };
     let (world, _) = commit(&scene, &ShaderTable::default(), how, &pool, messages)?;
     let picture = RenderOptions {

@@ -31,6 +31,14 @@ struct Frame {
     targets: Targets,
 }
 
+/// The first scene of a sequence, how it is seen, and what it lacked.
+struct First {
+    scene: Scene,
+    shaders: Shaders,
+    chosen: Chosen,
+    added: Added,
+}
+
 /// Everything that frames share.
 struct Studio<'a> {
     arguments: &'a RenderArguments,
@@ -106,8 +114,8 @@ impl Studio<'_> {
             )));
         };
         let bounds = bounds_over(&mut scene, clip);
-        let chosen = self.choose(&mut scene, bounds)?;
         let shaders = Shaders::put_into(&mut scene, &self.arguments.frame, self.messages)?;
+        let chosen = self.choose(&mut scene, &shaders, bounds)?;
         let mut world = World::new();
         let light = self.light(&scene, &chosen, &shaders, &mut world)?;
         let mut ready = self.ready(world, chosen, shaders, light, begin.elapsed());
@@ -130,7 +138,7 @@ impl Studio<'_> {
     fn files(&self, plan: &mut Plan, first: u32, frames: impl Iterator<Item = Frame>) -> Outcome {
         let begin = Instant::now();
         let all = plan.source.clone();
-        let (scene, chosen, added) = self.first(&all.at(first))?;
+        let First { scene, shaders: of_first, chosen, added } = self.first(&all.at(first))?;
         let mut light = None;
         for frame in frames {
             let begin = Instant::now();
@@ -139,15 +147,11 @@ impl Studio<'_> {
             if let Some(clip) = clip(&next, self.arguments.moments.animation.as_deref())? {
                 next.pose(clip, frame.seconds);
             }
-            added.add_to(&mut next);
             let shaders = Shaders::put_into(&mut next, &self.arguments.frame, self.messages)?;
+            added.add_to(&mut next);
             let light = match light {
                 Some(light) => light,
-                None => {
-                    let mut scene = scene.clone();
-                    let shaders = Shaders::put_into(&mut scene, &self.arguments.frame, self.messages)?;
-                    *light.insert(self.light(&scene, &chosen, &shaders, &mut World::new())?)
-                }
+                None => *light.insert(self.light(&scene, &chosen, &of_first, &mut World::new())?),
             };
             let mut ready = self.ready(World::new(), chosen.clone(), shaders, light, begin.elapsed());
             plan.source = all.at(frame.number);
@@ -160,22 +164,36 @@ impl Studio<'_> {
         Ok(())
     }
 
-    /// The first scene of a sequence, how it is seen, and what it lacked.
-    fn first(&self, source: &Source) -> Result<(Scene, Chosen, Added), Failure> {
+    /// Reads the first scene of a sequence.
+    fn first(&self, source: &Source) -> Result<First, Failure> {
         // Its oddities are told when it is rendered.
         let mut scene = source.load(self.messages.silent())?;
         let bounds = clip(&scene, self.arguments.moments.animation.as_deref())?
             .and_then(|clip| bounds_over(&mut scene, clip));
         let stock = Stock::of(&scene);
-        let chosen = self.choose(&mut scene, bounds)?;
+        let shaders = Shaders::put_into(&mut scene, &self.arguments.frame, self.messages.silent())?;
+        let chosen = self.choose(&mut scene, &shaders, bounds)?;
         let added = stock.added_to(&scene);
-        Ok((scene, chosen, added))
+        Ok(First { scene, shaders, chosen, added })
     }
 
-    fn choose(&self, scene: &mut Scene, bounds: Option<Bounds>) -> Result<Chosen, Failure> {
-        let stage = Stage::of(self.options.integrator);
+    fn choose(
+        &self,
+        scene: &mut Scene,
+        shaders: &Shaders,
+        bounds: Option<Bounds>,
+    ) -> Result<Chosen, Failure> {
+        let stage = Stage::of(self.options.integrator, self.is_for_screens);
         let resolution = self.arguments.frame.resolution;
-        view::choose_around(scene, bounds, &self.arguments.view, resolution, stage, self.messages)
+        view::choose_around(
+            scene,
+            &shaders.table,
+            bounds,
+            &self.arguments.view,
+            resolution,
+            stage,
+            self.messages,
+        )
     }
 
     /// Curve and exposure of all frames: the exposure is measured at the first moment, if it is left open and shows.

@@ -49,10 +49,13 @@ fn prepare(
     let begin = Instant::now();
     let (mut scene, files) = plan.source.load_with_files(messages)?;
     plan.targets.spare(files, arguments)?;
-    let (frame, stage) = (&arguments.frame, Stage::of(options.integrator));
-    let chosen = view::choose(&mut scene, &arguments.view, frame.resolution, stage, messages)?;
-    let load_time = begin.elapsed();
+    // What pieces are joined to may be for screens.
+    let is_for_screens = plan.targets.picture.is_for_screens() || arguments.piece.is_some();
+    let (frame, stage) = (&arguments.frame, Stage::of(options.integrator, is_for_screens));
     let shaders = Shaders::put_into(&mut scene, frame, messages)?;
+    let chosen =
+        view::choose(&mut scene, &shaders.table, &arguments.view, frame.resolution, stage, messages)?;
+    let load_time = begin.elapsed();
     let how = commit_options(frame, &arguments.trees, options.level);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
     let (print, checkpoint) = identify(arguments, &scene, &chosen, &(), options);

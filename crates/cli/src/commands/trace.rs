@@ -31,14 +31,15 @@ pub(crate) fn run(arguments: &TraceArguments, environment: &Environment, message
     let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let mut scene = source.load(messages)?;
+    let shaders = Shaders::put_into(&mut scene, &arguments.frame, messages)?;
     let view::Chosen { rays, .. } = view::choose(
         &mut scene,
+        &shaders.table,
         &arguments.view,
         resolution,
-        Stage::of(arguments.frame.integrator),
+        Stage::of(arguments.frame.integrator, true),
         messages,
     )?;
-    let shaders = Shaders::put_into(&mut scene, &arguments.frame, messages)?;
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, &pool, messages)?;
     let options = frame_options(&arguments.frame, level);

@@ -109,15 +109,16 @@ fn prepare(
     let (mut scene, mut files) = source.load_with_files(messages)?;
     let clip = clip(&scene, arguments.animation.as_deref())?;
     files.extend(arguments.view.surroundings.file().map(PathBuf::from));
+    let shaders = Shaders::put_into(&mut scene, &arguments.frame, messages)?;
     let chosen = view::choose(
         &mut scene,
+        &shaders.table,
         &arguments.view,
         arguments.frame.resolution,
-        view::Stage::of(arguments.frame.integrator),
+        view::Stage::of(arguments.frame.integrator, true),
         messages,
     )?;
     files.extend(shaders::other_files(&arguments.frame, &arguments.view));
-    let shaders = Shaders::put_into(&mut scene, &arguments.frame, messages)?;
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, pool, messages)?;
     let (scripts, others) = shaders.into_viewed(chosen.shader.as_ref());

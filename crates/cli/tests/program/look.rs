@@ -106,6 +106,62 @@ fn things_without_light_stand_in_a_studio() {
 }
 
 #[test]
+fn lamps_of_a_scene_are_its_only_light() {
+    let folder = folder();
+    // A dim lamp, and surfaces far larger than it.
+    folder.write("lamp.mtl", "newmtl red\nKd 0.8 0.2 0.1\nnewmtl lamp\nKe 0.02 0.02 0.01\n");
+    let lamp = "usemtl lamp\nv -0.01 1 1\nv 0.01 1 1\nv 0 1.01 1\nf -3 -2 -1\n";
+    folder.write("lamp.obj", samples::OBJ.replace("scene.mtl", "lamp.mtl") + lamp);
+    for name in ["lamp.exr", "lamp.png"] {
+        let run = folder.gnurt(&format!("render lamp.obj -r 24x18 --spp 4 -o {name}")).success();
+        assert!(!run.stderr.contains("no light"), "{name}: {}", run.stderr);
+    }
+    assert_eq!(picture(&folder, "lamp.exr").color[0], [0.0; 4], "no backdrop and no floor");
+}
+
+#[test]
+fn displays_are_lit_on_screens_and_left_alone_in_floats() {
+    let folder = folder();
+    folder.gnurt("render builtin:cornell -r 4x4 --spp 1 -o display.png").success();
+    folder.write("display.mtl", "newmtl red\nKd 0.8 0.2 0.1\nKe 1 1 1\nmap_Ke display.png\n");
+    folder.write("display.obj", samples::OBJ.replace("scene.mtl", "display.mtl"));
+    let line = "render display.obj -r 24x18 --spp 4";
+    let run = folder.gnurt(&format!("{line} -o a.png")).success();
+    assert!(run.stderr.contains("no light but displays") && run.stderr.contains("studio"), "{}", run.stderr);
+    for format in ["exr", "hdr", "pfm"] {
+        let run = folder.gnurt(&format!("{line} -o a.{format}")).success();
+        assert!(run.stderr.contains("a file of floats gets no other"), "{format}: {}", run.stderr);
+        assert_eq!(picture(&folder, &format!("a.{format}")).color[0][..3], [0.0; 3], "{format}: no backdrop");
+    }
+    // Brighter than white it is a lamp.
+    folder.write("display.mtl", "newmtl red\nKd 0.8 0.2 0.1\nKe 9 9 9\nmap_Ke display.png\n");
+    for name in ["b.png", "b.exr"] {
+        let run = folder.gnurt(&format!("{line} -o {name}")).success();
+        assert!(!run.stderr.contains("no light"), "{name}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn shaders_neither_lose_nor_become_the_studio() {
+    let folder = folder();
+    folder.write("red.osl", "surface red () { Ci = color (1, 0, 0) * diffuse (N); }");
+    let line = "render a.obj -r 24x18 --spp 4 --denoise=none";
+    for name in ["plain", "shaded"] {
+        let shader = if name == "shaded" { "--shader *=red.osl" } else { "" };
+        folder.gnurt(&format!("{line} {shader} -o {name}.exr")).success();
+    }
+    let [plain, shaded] = ["plain.exr", "shaded.exr"].map(|name| picture(&folder, name));
+    assert_eq!(
+        plain.color[0], shaded.color[0],
+        "the floor catches shadow, whatever the scene's surfaces are"
+    );
+    let text = "vector way = point (0, 3, 3) - Ps; lightdist = length (way); L = normalize (way); Cl = color (9, 9, 9);";
+    folder.write("lamp.osl", format!("light lamp () {{ {text} }}"));
+    let run = folder.gnurt(&format!("{line} --shader lamp.osl -o lit.exr")).success();
+    assert!(!run.stderr.contains("no light"), "{}", run.stderr);
+}
+
+#[test]
 fn an_exr_is_over_nothing() {
     let folder = folder();
     let line = "render a.obj -r 24x18 --spp 4 --eye 0,1,5 --target 0,1,0 --environment 0.25,0.5,2";

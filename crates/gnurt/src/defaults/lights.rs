@@ -1,99 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light for scenes that have none, and what counts as having some. A camera that stands within the scene gets a lamp there,
+//! Light for scenes that have none (`own_light`). A camera that stands within the scene gets a lamp there,
 //! because walls and roof would stop light from far away; all others stand in a studio (`studio`), or, where only rays are
 //! counted, under a key light from over the camera's left shoulder and a grey background.
 //! Source: original. Space: world; linear light. A white matte surface that faces the key light shows about 1.
 //! Proof: `tests`.
 
-use super::sight::MOST_LOOKED_AT;
 use super::{bounds_of, sight};
-use crate::image::srgb;
-use crate::scene::{Affine, Camera, Light, Material, Mesh, Projection, Scene};
+use crate::scene::{Affine, Camera, Light, Projection, Scene};
 
 /// Irradiance of the key light.
 const KEY: f32 = 2.4;
 /// Radiance of the background, from all sides.
 const GREY: f32 = 0.25;
-
-/// What glows no brighter than this, white or less, may be a display or a decal, meant to be seen in other light ...
-const DECAL: f32 = 1.0;
-/// ... and is one if it gives off no more than this in the mean over all surfaces ...
-const DIM: f64 = 0.05;
-/// ... or if more than this share of all surfaces glow: there is not much to be lit by them.
-const MOSTLY: f64 = 0.5;
-
-/// Whether anything gives light: a light, an environment, or surfaces that emit and are used. Surfaces that merely glow, as the
-/// displays and labels of things that were modelled to stand in other light, and things that glow all over do not count: radiance
-/// of 1 at most, and by a texture, or by a twentieth of that in the mean over the area of everything, or from most of it.
-#[must_use]
-pub fn shines(scene: &Scene) -> bool {
-    !scene.lights().is_empty() || emission(scene).is_some_and(|emission| emission.is_light())
-}
-
-/// Whether something glows that is no light.
-pub(super) fn glows(scene: &Scene) -> bool {
-    emission(scene).is_some()
-}
-
-/// What surfaces give off.
-struct Emitted {
-    /// The most of any material, any channel.
-    brightest: f32,
-    /// Over the area of everything.
-    mean: f64,
-    /// Share of that area that glows at all.
-    share: f64,
-}
-
-impl Emitted {
-    fn is_light(&self) -> bool {
-        self.brightest > DECAL || (self.mean > DIM && self.share <= MOSTLY)
-    }
-}
-
-/// `None` if no surface that is used emits.
-fn emission(scene: &Scene) -> Option<Emitted> {
-    let emits = |mesh: &Mesh| scene.materials().get(mesh.material.index()).filter(|m| m.emits());
-    let shining =
-        || scene.meshes().iter().filter(|mesh| !mesh.indices.is_empty()).filter_map(|mesh| emits(mesh));
-    let brightest = shining().flat_map(|material| material.emission).fold(0.0, f32::max);
-    if brightest <= 0.0 {
-        return None;
-    }
-    if brightest > DECAL {
-        return Some(Emitted { brightest, mean: f64::INFINITY, share: 0.0 });
-    }
-    let (mut all, mut light, mut glowing) = (0.0, 0.0, 0.0);
-    for found in scene.occurrences().take(MOST_LOOKED_AT) {
-        for mesh in found.object.meshes.iter().filter_map(|id| scene.meshes().get(id.index())) {
-            let area = area(mesh, &found.world_from_object);
-            all += area;
-            let material = scene.materials().get(mesh.material.index()).filter(|material| material.emits());
-            light += area * material.map_or(0.0, lamp_luminance);
-            glowing += if material.is_some() { area } else { 0.0 };
-        }
-    }
-    // Meshes that no instance shows, as in scenes in the making, count for themselves.
-    let is_shown = all > 0.0;
-    let (mean, share) = if is_shown { (light / all, glowing / all) } else { (f64::INFINITY, 0.0) };
-    Some(Emitted { brightest, mean, share })
-}
-
-/// Luminance that a material gives off as a lamp: textures of light no brighter than white are displays and labels.
-fn lamp_luminance(material: &Material) -> f64 {
-    if material.emission_texture.is_some() { 0.0 } else { f64::from(srgb::luminance(material.emission)) }
-}
-
-fn area(mesh: &Mesh, to: &Affine) -> f64 {
-    let corner = |i: u32| mesh.positions.get(i as usize).map(|p| to.point(p.map(f64::from)));
-    let areas = mesh.indices.iter().filter_map(|&[a, b, c]| {
-        let (a, b, c) = (corner(a)?, corner(b)?, corner(c)?);
-        let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
-        let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-        Some(0.5 * n.iter().map(|x| x * x).sum::<f64>().sqrt()).filter(|area| area.is_finite())
-    });
-    areas.sum()
-}
 
 /// From the eye to the lamp, in units of the camera's frame: right, up, forward.
 const TOWARDS_LAMP: [f64; 3] = [-0.6, 0.7, -0.4];
@@ -173,7 +91,7 @@ pub fn lit_from(camera: &Camera) -> [Light; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Material, Mesh};
+    use crate::scene::Mesh;
 
     #[test]
     fn light_comes_over_the_left_shoulder() {
@@ -244,54 +162,5 @@ mod tests {
             assert!(!is_open(&room, [0.0; 3], up), "under a roof");
             assert!(is_open(&room, [0.0, 2.0, 9.0], up), "beside it");
         }
-    }
-
-    /// A thing of which a surface of area 1 glows, and one of `other` does not.
-    fn thing(glow: [f32; 3], other: f32) -> Scene {
-        let mut scene = Scene::new();
-        let mut add = |area: f32, emission: [f32; 3]| {
-            let size = area.sqrt();
-            let mut material = Material::matte("", [0.5; 3]);
-            material.emission = emission;
-            let material = scene.add_material(material);
-            let positions = vec![[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]];
-            let mesh =
-                scene.add_mesh(Mesh { positions, indices: vec![[0, 1, 2]], material, ..Mesh::default() });
-            let object = scene.add_object_of("", vec![mesh]);
-            scene.instantiate(object, Affine::IDENTITY);
-        };
-        add(1.0, glow);
-        add(other, [0.0; 3]);
-        scene
-    }
-
-    #[test]
-    fn what_merely_glows_is_no_light() {
-        assert!(!shines(&thing([1.0; 3], 100.0)), "a white display on a thing");
-        assert!(glows(&thing([1.0; 3], 100.0)), "but it glows");
-        assert!(shines(&thing([1.0; 3], 5.0)), "a large white lamp");
-        assert!(!shines(&thing([1.0; 3], 0.2)), "a thing that glows nearly everywhere");
-        assert!(shines(&thing([40.0; 3], 1000.0)) && shines(&thing([40.0; 3], 0.1)), "a lamp of any size");
-        assert!(!glows(&thing([0.0; 3], 1.0)), "nothing");
-    }
-
-    #[test]
-    fn emitting_surfaces_are_light() {
-        let mut scene = Scene::new();
-        let dark = scene.add_material(Material::matte("dark", [0.5; 3]));
-        let mut lamp = Material::matte("lamp", [0.5; 3]);
-        lamp.emission = [0.0, 1.0, 0.0];
-        let lamp = scene.add_material(lamp);
-        assert!(!shines(&scene), "a material that nothing is made of gives no light");
-        let mesh = Mesh {
-            positions: vec![[0.0; 3]; 3],
-            indices: vec![[0, 1, 2]],
-            material: dark,
-            ..Mesh::default()
-        };
-        let mesh = scene.add_mesh(mesh);
-        assert!(!shines(&scene), "a dark surface");
-        scene.edit_mesh(mesh).material = lamp;
-        assert!(shines(&scene), "a shining one");
     }
 }

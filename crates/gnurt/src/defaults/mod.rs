@@ -7,6 +7,7 @@ mod added;
 mod bounds;
 mod camera;
 mod lights;
+mod own_light;
 mod sight;
 mod studio;
 
@@ -15,10 +16,12 @@ use std::fmt;
 pub use added::{Added, Stock};
 pub use bounds::{Bounds, bounds_of, bounds_over};
 pub use camera::framing;
-pub use lights::{lit_from, lit_within, shines};
+pub use lights::{lit_from, lit_within};
+pub use own_light::{OwnLight, Purpose, own_light};
 
-use lights::{glows, is_open};
+use lights::is_open;
 
+use crate::render::ShaderTable;
 use crate::scene::{Camera, Scene};
 
 /// The exposure that suits the studio, in stops: its light is known, so that black things stay black and white ones white.
@@ -31,13 +34,18 @@ pub enum Note {
     Camera,
     /// The studio: a plain sky with soft light and a floor that only catches shadow.
     Studio {
-        /// Whether something in the scene glows, but not enough to light it.
-        glows: bool,
+        /// Whether the scene has emissive textures, taken for displays.
+        displays: bool,
     },
     /// A key light and a grey background.
     Lights,
     /// A lamp beside the camera, which stands within the scene, and a grey background.
-    Lamp,
+    Lamp {
+        /// Whether the scene has emissive textures, taken for displays.
+        displays: bool,
+    },
+    /// Nothing, though the scene's only light is displays: the picture is a file of floats.
+    DisplaysOnly,
 }
 
 impl Note {
@@ -50,29 +58,37 @@ impl Note {
 
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Camera => "the scene has no camera; one that shows all of it is used",
-            Self::Studio { glows: false } => {
-                "the scene has no light; it stands in a studio: soft light from a plain sky, a floor that only catches shadow"
+        let own = match self {
+            Self::Studio { displays: true } | Self::Lamp { displays: true } => {
+                "the scene has no light but displays (emissive textures of radiance up to 1)"
             }
-            Self::Studio { glows: true } => {
-                "the scene has no light but what glows on it; it stands in a studio: soft light from a plain sky, a floor that only catches shadow"
+            _ => "the scene has no light",
+        };
+        match self {
+            Self::Camera => f.write_str("the scene has no camera; one that shows all of it is used"),
+            Self::Studio { .. } => {
+                write!(f, "{own}; it stands in a studio: soft light from a plain sky, a floor that only catches shadow")
             }
             Self::Lights => {
-                "the scene has no light; a light over the camera's left shoulder and a grey background are used"
+                write!(f, "{own}; a light over the camera's left shoulder and a grey background are used")
             }
-            Self::Lamp => {
-                "the scene has no light; a lamp beside the camera, which is inside, and a grey background are used"
+            Self::Lamp { .. } => {
+                write!(f, "{own}; a lamp beside the camera, which is inside, and a grey background are used")
             }
-        })
+            Self::DisplaysOnly => f.write_str(
+                "the scene has no light but displays (emissive textures of radiance up to 1), and a file of floats gets no other; --environment builtin:day adds a sky",
+            ),
+        }
     }
 }
 
-/// Adds a camera and lights where there are none; `aspect` = width / height of the picture to come.
+/// Adds a camera and lights where there are none, for a picture on a screen; `aspect` = width / height of the picture to come.
 pub fn complete(scene: &mut Scene, aspect: f32) -> Vec<Note> {
     let camera = complete_camera(scene, aspect);
     let first = scene.cameras().first().cloned();
-    let lights = first.and_then(|camera| complete_lights(scene, &camera, [0.0, 1.0, 0.0]));
+    let lights = first.and_then(|camera| {
+        complete_lights(scene, &ShaderTable::default(), &camera, [0.0, 1.0, 0.0], Purpose::Screen)
+    });
     camera.into_iter().chain(lights).collect()
 }
 
@@ -94,24 +110,33 @@ pub fn complete_camera_around(scene: &mut Scene, bounds: Option<Bounds>, aspect:
     Some(Note::Camera)
 }
 
-/// Puts a scene in which nothing gives light into a studio, seen by `camera`; `up` is what is up there, +y unless it is clearly
+/// Puts a scene that needs light (`own_light`) into a studio, seen by `camera`; `up` is what is up there, +y unless it is clearly
 /// another axis. A camera that stands in a room gets a lamp instead.
-pub fn complete_lights(scene: &mut Scene, camera: &Camera, up: [f32; 3]) -> Option<Note> {
-    if shines(scene) {
-        return None;
-    }
-    complete_lights_around(scene, bounds_of(scene), camera, up)
+pub fn complete_lights(
+    scene: &mut Scene,
+    shaders: &ShaderTable,
+    camera: &Camera,
+    up: [f32; 3],
+    purpose: Purpose,
+) -> Option<Note> {
+    // Bounds cost a look at every vertex: not where they are not needed.
+    let bounds = purpose.needs_light(own_light(scene, shaders)).then(|| bounds_of(scene)).flatten();
+    complete_lights_around(scene, shaders, bounds, camera, up, purpose)
 }
 
 /// The same for a scene that moves within `bounds`.
 pub fn complete_lights_around(
     scene: &mut Scene,
+    shaders: &ShaderTable,
     bounds: Option<Bounds>,
     camera: &Camera,
     up: [f32; 3],
+    purpose: Purpose,
 ) -> Option<Note> {
-    if shines(scene) {
-        return None;
+    let own = own_light(scene, shaders);
+    let displays = own == OwnLight::Displays;
+    if !purpose.needs_light(own) {
+        return displays.then_some(Note::DisplaysOnly);
     }
     let (axis, eye) = (studio::axis_of(up), camera.eye.map(f64::from));
     let is_within = bounds.is_some_and(|bounds| bounds.contains(eye)) && !is_open(scene, eye, axis);
@@ -119,20 +144,19 @@ pub fn complete_lights_around(
         for light in lights {
             scene.add_light(light);
         }
-        return Some(Note::Lamp);
+        return Some(Note::Lamp { displays });
     }
-    let glows = glows(scene);
     studio::add(scene, camera, bounds, axis);
-    Some(Note::Studio { glows })
+    Some(Note::Studio { displays })
 }
 
-/// Adds lights without extent, and nothing else, to a scene in which nothing gives light: for those who measure.
-pub fn complete_plain_lights(scene: &mut Scene, camera: &Camera) -> Option<Note> {
-    if shines(scene) {
+/// Adds lights without extent, and nothing else, to a scene in which nothing emits: for those who measure.
+pub fn complete_plain_lights(scene: &mut Scene, shaders: &ShaderTable, camera: &Camera) -> Option<Note> {
+    if !Purpose::Numbers.needs_light(own_light(scene, shaders)) {
         return None;
     }
     let (lights, note) = match lit_within(scene, camera) {
-        Some(lights) => (lights, Note::Lamp),
+        Some(lights) => (lights, Note::Lamp { displays: false }),
         None => (lit_from(camera), Note::Lights),
     };
     for light in lights {
@@ -150,7 +174,7 @@ mod tests {
         let mut scene = Scene::new();
         assert_eq!(
             complete(&mut scene, 1.0),
-            [Note::Camera, Note::Studio { glows: false }],
+            [Note::Camera, Note::Studio { displays: false }],
             "an empty scene has neither"
         );
         assert_eq!(scene.cameras().len(), 1, "one camera");

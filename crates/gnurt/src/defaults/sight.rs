@@ -8,7 +8,7 @@ use crate::scene::{Affine, Mesh, Scene};
 type Point = [f64; 3];
 
 /// Objects that are looked at, where very many are unfolded.
-pub(super) const MOST_LOOKED_AT: usize = 1 << 20;
+const MOST_LOOKED_AT: usize = 1 << 20;
 
 /// Distance to what is nearest in each direction (unit), infinite where nothing is.
 pub(super) fn distances(scene: &Scene, eye: Point, directions: &[Point]) -> Vec<f64> {
