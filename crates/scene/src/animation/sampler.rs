@@ -2,7 +2,7 @@
 //! Values over time: keys, and what lies between them.
 //! Source: glTF 2.0 section 3.11 and appendix C (step, linear, spherical linear, cubic spline). Double precision.
 //! Times outside of the keys are clamped. Of keys of equal times the last one counts from that time on.
-//! Invariant: times ascend or are equal, are finite, and there is at least one; each has its values.
+//! Invariant: times ascend or are equal and there is at least one; each has its values; all numbers are finite.
 //! Proof: `tests`, `tests/animation.rs`.
 
 use std::sync::Arc;
@@ -37,6 +37,9 @@ pub enum SamplerError {
     /// A time is NaN or infinite.
     #[error("the time of key {0} is no finite number")]
     NotFinite(usize),
+    /// A value, or a tangent, of a key is NaN or infinite.
+    #[error("a value of key {0} is no finite number")]
+    NotFiniteValue(usize),
     /// A time is below the one before it.
     #[error("the time of key {0} is before that of the key before it")]
     Unordered(usize),
@@ -66,7 +69,7 @@ impl Sampler {
     /// value, the tangent that goes out.
     ///
     /// # Errors
-    /// [`SamplerError`] if the times do not ascend (equal ones may follow each other) or the counts do not fit.
+    /// [`SamplerError`] if the times do not ascend (equal ones may follow each other), a number is not finite or the counts do not fit.
     pub fn new(
         times: Arc<[f32]>,
         values: Vec<f32>,
@@ -86,6 +89,10 @@ impl Sampler {
         let expected = keys.saturating_mul(width).saturating_mul(interpolation.sets());
         if values.len() != expected {
             return Err(SamplerError::Count { values: values.len(), keys, expected });
+        }
+        let of_key = width.saturating_mul(interpolation.sets()).max(1);
+        if let Some(k) = values.iter().position(|value| !value.is_finite()) {
+            return Err(SamplerError::NotFiniteValue(k / of_key));
         }
         Ok(Self { times, values, width, interpolation })
     }
