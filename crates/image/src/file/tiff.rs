@@ -187,7 +187,7 @@ fn straighten(values: &mut StoredValues, channels: usize) {
         StoredValues::U16(list) => {
             divide(list, channels, |x, a| {
                 let (x, a) = (u64::from(x), u64::from(a));
-                if a == 0 { x as u16 } else { ((x * 65535 + a / 2) / a).min(65535) as u16 }
+                (x * 65535 + a / 2).checked_div(a).map_or(x as u16, |x| x.min(65535) as u16)
             });
         }
         StoredValues::F32(list) => divide(list, channels, |x, a| if a > 0.0 { x / a } else { x }),
