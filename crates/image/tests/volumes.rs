@@ -170,6 +170,11 @@ fn bad_files_are_told() {
     assert!(why.contains("no grid of numbers (the first is a Tree_bool_5_4_3)"), "{why}");
     let broken = small(1, true, |_| as_it_is(&[1, 2, 3]));
     assert!(fault(&broken, ENOUGH).contains("3 bytes of values in place of"));
+    let mut lines = file.clone();
+    let kind = lines.windows(14).position(|word| word == b"TranslationMap").unwrap();
+    lines[kind + 3..kind + 5].copy_from_slice(b"\n\x1b");
+    let why = fault(&lines, ENOUGH);
+    assert!(why.contains("a map of the kind") && !why.contains(char::is_control), "{why:?}");
     let error = Volume::read(std::path::Path::new("no/such.vdb"), ENOUGH).unwrap_err().to_string();
     assert!(error.contains("no/such.vdb"), "{error}");
 }

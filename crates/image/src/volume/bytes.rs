@@ -4,8 +4,13 @@
 
 use crate::Error;
 
-/// An error that says what is wrong with a file.
+/// Characters of a message: names that a file holds may be as long as it.
+const LONGEST: usize = 300;
+
+/// An error that says what is wrong with a file, on one line.
 pub(super) fn corrupt(what: impl Into<String>) -> Error {
+    let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let what: String = what.into().chars().take(LONGEST).map(printable).collect();
     Error::corrupt("OpenVDB", what)
 }
 
