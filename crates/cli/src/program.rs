@@ -6,10 +6,10 @@
 use std::panic::{PanicHookInfo, catch_unwind};
 use std::sync::{Mutex, Once, PoisonError};
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches};
 use gnurt::image::expects_panics;
 
-use crate::arguments::{Arguments, Command, Refusal, explain, talk_behind_command};
+use crate::arguments::{Arguments, Command, Refusal, explain, talk_behind_command, without_effect};
 use crate::commands;
 use crate::environment::{Environment, Overridden};
 use crate::failure::{Failure, Outcome};
@@ -41,20 +41,21 @@ fn parse_and_run() -> u8 {
     if let Some(status) = osl::run() {
         return status;
     }
-    let arguments =
-        match Arguments::try_parse_from(talk_behind_command(words().to_vec(), &Arguments::command())) {
-            Ok(arguments) => arguments,
-            Err(error) => {
-                return match explain(&error) {
-                    Refusal::Answer(text) => {
-                        conclude(print(text.trim_end()), Messages::new(Verbosity::Normal))
-                    }
-                    Refusal::Mistake(text) => {
-                        conclude(Err(Failure::Usage(text)), Messages::new(Verbosity::Normal))
-                    }
-                };
-            }
-        };
+    let words = talk_behind_command(words().to_vec(), &Arguments::command());
+    let parsed = Arguments::command().try_get_matches_from(words);
+    let (arguments, matches) = match parsed
+        .and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)))
+    {
+        Ok(both) => both,
+        Err(error) => {
+            return match explain(&error) {
+                Refusal::Answer(text) => conclude(print(text.trim_end()), Messages::new(Verbosity::Normal)),
+                Refusal::Mistake(text) => {
+                    conclude(Err(Failure::Usage(text)), Messages::new(Verbosity::Normal))
+                }
+            };
+        }
+    };
     let asked = arguments.command.talk().verbosity();
     let machine = arguments.command.machine();
     let overridden = Overridden {
@@ -77,6 +78,7 @@ fn parse_and_run() -> u8 {
         ));
         return conclude(Err(failure), messages);
     }
+    without_effect(&arguments.command, &matches).iter().for_each(|line| messages.warning(line));
     conclude(run_command(arguments.command, &environment, messages), messages)
 }
 

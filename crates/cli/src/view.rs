@@ -163,7 +163,10 @@ pub(crate) fn aim(
         return Err(same_place());
     }
     if let Some(fault) = camera.fault() {
-        return Err(Failure::usage(format_args!("the camera shows nothing: {fault}")));
+        let is_by_angle = Camera { fov_y: 45.0, ..camera.clone() }.fault().is_none();
+        let option = view.fov.filter(|_| is_by_angle).map(|fov| format!("--fov '{fov}': "));
+        let option = option.unwrap_or_default();
+        return Err(Failure::usage(format_args!("{option}the camera shows nothing: {fault}")));
     }
     let size = [resolution.width, resolution.height];
     let rays = camera_rays(&camera, shader.map(|shader| &shader.camera), size).ok_or_else(no_view)?;

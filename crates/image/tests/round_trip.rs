@@ -116,6 +116,33 @@ fn exr_in_half_precision_stays_close_and_finite() {
     }
 }
 
+/// Without a wish, colours are half where that holds them, and float where it does not.
+#[test]
+fn exr_does_not_cut_light_off() {
+    let size = |value: f32, behind: f32| {
+        let mut picture = Picture::new(4, 4);
+        picture.color.fill([behind, behind, behind, 1.0]);
+        picture.color[5][0] += value;
+        let channel = |name: &str| gnurt_image::Channel {
+            name: name.into(),
+            data: gnurt_image::ChannelData::F32(vec![behind; 16]),
+            half: true,
+        };
+        if behind > 0.0 {
+            let channels = ["R", "G", "B", "A"].map(channel).into();
+            picture.layers.push(Layer { name: BACKGROUND.into(), channels });
+        }
+        picture.opacity = Opacity::Associated;
+        let bytes = encode(&picture, OutputFormat::Exr, &WriteOptions::default()).expect("it is consistent");
+        (bytes.len(), decode(&bytes, "").expect("our own file").color[5][0])
+    };
+    let (half, sun) = (size(1000.0, 0.0), size(1e6, 0.0));
+    assert_eq!((half.1, sun.1), (1000.0, 1e6), "both are kept");
+    assert_eq!(size(65504.0, 0.0).1, 65504.0, "the largest half");
+    assert_eq!(size(f32::INFINITY, 0.0).1, f32::INFINITY, "which infinity is no reason for");
+    assert_eq!(size(1.0, 1e6).1, 1e6 + 1.0, "what lies behind");
+}
+
 #[test]
 fn double_channels_are_refused() {
     let mut picture = picture(2, 2);
@@ -151,11 +178,7 @@ fn pngs_of_sixteen_bits_become_floats() {
     let expected = [1.0, 0.0, srgb::decode_u16(32768), 0.2];
     assert_eq!(color.data, TexelData::Float(vec![expected]), "colours are sRGB, opacity is linear");
     let measure = decode_data_texture(file.get_ref(), "").expect("a PNG of 16 bits");
-    assert_eq!(
-        measure.data,
-        TexelData::Float(vec![[1.0, 0.0, 32768.0 / 65535.0, 0.2]]),
-        "measures are linear"
-    );
+    assert_eq!(measure.data, TexelData::Linear16(vec![[65535, 0, 32768, 13107]]), "measures are linear");
 }
 
 #[test]
@@ -249,6 +272,22 @@ fn tiffs_are_textures() {
     assert_eq!(texels(&tiff::<Gray16>(&[([1, 1], &[65535])])), grey, "grey is all colours at once");
     let bright = TexelData::Float(vec![[0.5, 7.0, -1.0, 1.0]]);
     assert_eq!(texels(&tiff::<RGB32Float>(&[([1, 1], &[0.5, 7.0, -1.0])])), bright, "floats are linear");
+}
+
+/// Textures have colours that are not multiplied with opacity; of those that are, it is divided.
+#[test]
+fn associated_opacity_of_tiffs_is_divided() {
+    use ::tiff::{encoder::colortype::RGBA8, tags::Tag};
+    let of = |kind: u16| {
+        let mut file = std::io::Cursor::new(Vec::new());
+        let mut encoder = ::tiff::encoder::TiffEncoder::new(&mut file).expect("memory can be written");
+        let mut image = encoder.new_image::<RGBA8>(2, 1).expect("a size");
+        image.encoder().write_tag(Tag::ExtraSamples, &[kind][..]).expect("a tag");
+        image.write_data(&[50, 100, 20, 100, 7, 8, 9, 0]).expect("sizes fit");
+        decode_texture(&file.into_inner(), "x.tif").expect("a TIFF").data
+    };
+    assert_eq!(of(2), TexelData::Srgb8(vec![[50, 100, 20, 100], [7, 8, 9, 0]]), "straight");
+    assert_eq!(of(1), TexelData::Srgb8(vec![[128, 255, 51, 100], [7, 8, 9, 0]]), "associated");
 }
 
 #[test]

@@ -170,8 +170,58 @@ fn bad_files_are_told() {
     assert!(why.contains("no grid of numbers (the first is a Tree_bool_5_4_3)"), "{why}");
     let broken = small(1, true, |_| as_it_is(&[1, 2, 3]));
     assert!(fault(&broken, ENOUGH).contains("3 bytes of values in place of"));
+    let mut lines = file.clone();
+    let kind = lines.windows(14).position(|word| word == b"TranslationMap").unwrap();
+    lines[kind + 3..kind + 5].copy_from_slice(b"\n\x1b");
+    let why = fault(&lines, ENOUGH);
+    assert!(why.contains("a map of the kind") && !why.contains(char::is_control), "{why:?}");
     let error = Volume::read(std::path::Path::new("no/such.vdb"), ENOUGH).unwrap_err().to_string();
     assert!(error.contains("no/such.vdb"), "{error}");
+}
+
+/// Where the descriptor of the only grid of `small` has the places of its parts.
+const PLACES: usize = 8 + 12 + 1 + 36 + 4 + 4 + (4 + 7) + (4 + 16) + 4;
+
+#[test]
+fn only_regular_files_are_read() {
+    let folder = std::env::temp_dir().to_string_lossy().into_owned();
+    let why = |path: &str| Volume::read(std::path::Path::new(path), ENOUGH).unwrap_err().to_string();
+    assert!(why(&folder).contains("is a folder; a file of OpenVDB is needed"), "{}", why(&folder));
+    if cfg!(unix) {
+        // It has no end, and its first bytes are none of OpenVDB's.
+        assert!(why("/dev/zero").contains("is a device or pipe"), "{}", why("/dev/zero"));
+    }
+    let path = std::env::temp_dir().join(format!("gnurt-volume-{}.vdb", std::process::id()));
+    std::fs::write(&path, small(3, false, zlib)).unwrap();
+    let (all, few) = (Volume::read(&path, ENOUGH), Volume::read(&path, 999));
+    std::fs::remove_file(&path).unwrap();
+    assert!(all.is_ok(), "a file is read");
+    assert!(
+        few.unwrap_err().to_string().contains("MiB allowed"),
+        "a file that is larger than what may be taken"
+    );
+}
+
+/// A grid that ends where it is described would be read for ever.
+#[test]
+fn grids_lie_one_behind_the_other() {
+    let good = small(3, false, zlib);
+    let number =
+        |file: &mut Vec<u8>, at: usize, value: i64| file[at..at + 8].copy_from_slice(&value.to_le_bytes());
+    let mut back = good.clone();
+    back[61..65].copy_from_slice(&u32::MAX.to_le_bytes());
+    number(&mut back, PLACES + 16, 65);
+    let begin = std::time::Instant::now();
+    assert!(fault(&back, ENOUGH).contains("a part lies from byte"), "{}", fault(&back, ENOUGH));
+    assert!(begin.elapsed().as_secs() < 5, "at once");
+    let mut short = good.clone();
+    let start = i64::from_le_bytes(good[PLACES..PLACES + 8].try_into().unwrap());
+    number(&mut short, PLACES + 16, start + 100);
+    assert!(
+        fault(&short, ENOUGH).contains("ends too early"),
+        "a grid is read up to its end: {}",
+        fault(&short, ENOUGH)
+    );
 }
 
 /// Bytes of packed files changed once, and ends cut: errors or grids, nothing else.
@@ -188,5 +238,57 @@ fn changed_files_never_panic() {
     (0..800).step_by(67).chain((8000..file.len()).step_by(17_011)).for_each(|at| changed(&file, at));
     for end in (0..file.len()).step_by(40_009) {
         assert!(Volume::decode(&file[..end], ENOUGH).is_err());
+    }
+}
+
+/// Files changed in several places, cut, grown and spliced by a fixed sequence of numbers: half a second of them, or
+/// `GNURT_MUTATE=SECONDS`. An error is one line, and grids can be asked everywhere.
+#[test]
+fn files_changed_at_many_places() {
+    let seconds = std::env::var("GNURT_MUTATE").ok().and_then(|text| text.parse().ok()).unwrap_or(0.5);
+    let seeds = [
+        small(0, true, <[u8]>::to_vec),
+        small(3, false, zlib),
+        small(6, false, as_it_is),
+        small(3, false, as_it_is),
+    ];
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut next = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 16) as usize % below.max(1)
+    };
+    let begin = std::time::Instant::now();
+    while begin.elapsed().as_secs_f64() < seconds {
+        let mut file = seeds[next(seeds.len())].clone();
+        for _ in 0..1 + next(6) {
+            // Most of a file is masks: the words that say what is where come first and last.
+            let at = if next(2) == 0 { next(file.len().min(260)) } else { next(file.len()) };
+            match next(6) {
+                0 => file.truncate(at.max(1)),
+                1 => drop(file.splice(at..at, vec![next(256) as u8; next(40)])),
+                2 => {
+                    let end = (at + 1 + next(8)).min(file.len());
+                    file[at..end].fill([0, 0xff, 0x7f, 1][next(4)]);
+                }
+                3 => drop(file.drain(at..(at + next(64)).min(file.len()))),
+                _ => file[at] ^= 1 << next(8),
+            }
+            if file.is_empty() {
+                file.push(0);
+            }
+        }
+        match Volume::decode(&file, 1 << 24) {
+            Ok(volume) => {
+                for grid in volume.grids() {
+                    let corners = grid.window().unwrap_or([[i32::MIN; 3], [i32::MAX; 3]]);
+                    for at in [corners[0], corners[1], [0; 3], [-1, 4095, 4096]] {
+                        std::hint::black_box(grid.voxel(at));
+                    }
+                }
+            }
+            Err(error) => assert_eq!(error.to_string().lines().count(), 1, "one line: {error}"),
+        }
     }
 }

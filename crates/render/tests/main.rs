@@ -34,3 +34,4 @@ mod shutter;
 #[path = "common/signed.rs"]
 mod signed;
 mod terminator;
+mod unlit;

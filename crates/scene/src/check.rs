@@ -3,7 +3,6 @@
 //! Source: original. Files are checked by their readers; this is for scenes made by code and by API calls.
 //! Cost: one pass over the indices. Proof: `tests::finds_each_mistake`.
 
-use crate::material::{Alpha, Material, Surface, TextureRef};
 use crate::mesh::{Mesh, Rate};
 use crate::scene::Scene;
 
@@ -82,8 +81,9 @@ impl Scene {
             checked.map_err(result(at("instance", i, &instance.name)))?;
         }
         for (i, material) in self.materials().iter().enumerate() {
-            let mut used = textures(material).into_iter().flatten();
-            let checked = used.try_for_each(|t| exists(t.texture.index(), self.textures().len(), "texture"));
+            let mut used = material.textures();
+            let checked =
+                used.try_for_each(|(t, _)| exists(t.texture.index(), self.textures().len(), "texture"));
             checked.map_err(result(at("material", i, &material.name)))?;
         }
         for (i, light) in self.lights().iter().enumerate() {
@@ -96,43 +96,11 @@ impl Scene {
     }
 }
 
-/// All textures that a material reads.
-fn textures(material: &Material) -> [Option<TextureRef>; 8] {
-    let (first, second) = match &material.surface {
-        Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
-            (*metallic_roughness_texture, normal_texture.map(|n| n.texture))
-        }
-        Surface::Principled(p) => (p.metallic_roughness_texture, p.normal_texture.map(|n| n.texture)),
-        _ => (None, None),
-    };
-    let base = match &material.surface {
-        Surface::Matte { base_color } | Surface::MetallicRoughness { base_color, .. } => base_color.texture,
-        Surface::RoughMatte { base_color, .. } => base_color.texture,
-        Surface::Principled(p) => p.base_color.texture,
-        Surface::Mirror { reflectance } => reflectance.texture,
-        Surface::Metal { .. }
-        | Surface::Dielectric { .. }
-        | Surface::RoughDielectric { .. }
-        | Surface::ShadowCatcher { .. }
-        | Surface::Shader(_) => None,
-    };
-    let opacity = match material.alpha {
-        Alpha::Opaque => None,
-        Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } => opacity.texture,
-    };
-    let brushed = match &material.surface {
-        Surface::Principled(p) => p.anisotropy.texture,
-        _ => None,
-    };
-    let diffuse = material.diffuse.and_then(|d| d.texture);
-    let bump = material.bump.map(|bump| bump.texture);
-    [base, diffuse, material.emission_texture, opacity, first, second, brushed, bump]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::id::{MaterialId, MeshId, ObjectId, TextureId};
+    use crate::material::{Material, TextureRef};
     use crate::{Affine, Attribute};
 
     fn good() -> Mesh {

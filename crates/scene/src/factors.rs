@@ -38,7 +38,7 @@ pub struct Factors {
     pub alpha: AlphaMode,
     /// Smallest opacity that is there.
     pub alpha_cutoff: f32,
-    /// KHR_materials_unlit: its colour shines, nothing lights it.
+    /// KHR_materials_unlit: its colour is seen as it is, nothing lights it.
     pub unlit: bool,
     /// KHR_materials_ior.
     pub ior: f32,
@@ -301,10 +301,9 @@ impl Factors {
             ..Material::of(&self.name[..], Surface::Matte { base_color })
         };
         if self.unlit {
-            material.emission = base_color.factor;
-            material.emission_texture = base_texture;
-            material.surface = Surface::Matte { base_color: Color::constant([0.0; 3]) };
-            material.diffuse = Some(base_color);
+            material.surface = Surface::Unlit { color: base_color };
+            material.emission = [0.0; 3];
+            material.emission_texture = None;
             return material;
         }
         let ior = if self.ior > 0.0 && self.ior.is_finite() { self.ior } else { 1.5 };

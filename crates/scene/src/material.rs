@@ -124,8 +124,35 @@ pub enum Surface {
         /// irradiance over pi.
         radiance: [f32; 3],
     },
+    /// A colour that is seen as it is, from both sides, and lights nothing: KHR_materials_unlit.
+    Unlit {
+        /// Radiance, W·sr⁻¹·m⁻², times the mesh's colours.
+        color: Color,
+    },
     /// Whatever a shader of the renderer's shader table does; the number is its place there.
     Shader(u32),
+}
+
+impl Surface {
+    /// Albedo or normal reflectance; black for glass and for shaders.
+    #[must_use]
+    pub fn base_color(&self) -> Color {
+        match self {
+            Self::Matte { base_color } | Self::MetallicRoughness { base_color, .. } => *base_color,
+            Self::RoughMatte { base_color, .. } => *base_color,
+            Self::Principled(principled) => principled.base_color,
+            Self::ShadowCatcher { albedo, .. } => Color::constant(*albedo),
+            Self::Mirror { reflectance } => *reflectance,
+            Self::Unlit { color } => *color,
+            Self::Metal { eta, k, .. } => Color::constant(std::array::from_fn(|c| {
+                let (less, more) = ((eta[c] - 1.0).powi(2), (eta[c] + 1.0).powi(2));
+                (less + k[c] * k[c]) / (more + k[c] * k[c])
+            })),
+            Self::Dielectric { .. } | Self::RoughDielectric { .. } | Self::Shader(_) => {
+                Color::constant([0.0; 3])
+            }
+        }
+    }
 }
 
 /// glTF's metal and plastic with what its extensions add. Of their textures that of the anisotropy is known.
@@ -193,6 +220,15 @@ impl Default for Principled {
             diffuse_transmission: DiffuseTransmission::default(),
         }
     }
+}
+
+/// What the values of a texture mean where a material reads it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TextureRole {
+    /// Colours: bytes are sRGB.
+    Color,
+    /// Heights, normals, roughness, opacity: bytes are linear.
+    Data,
 }
 
 /// A normal map.
@@ -279,20 +315,41 @@ impl Material {
     /// colour; black for glass and for shaders.
     #[must_use]
     pub fn diffuse_color(&self) -> Color {
-        self.diffuse.unwrap_or(match &self.surface {
-            Surface::Matte { base_color } | Surface::MetallicRoughness { base_color, .. } => *base_color,
-            Surface::RoughMatte { base_color, .. } => *base_color,
-            Surface::Principled(principled) => principled.base_color,
-            Surface::ShadowCatcher { albedo, .. } => Color::constant(*albedo),
-            Surface::Mirror { reflectance } => *reflectance,
-            Surface::Metal { eta, k, .. } => Color::constant(std::array::from_fn(|c| {
-                let (less, more) = ((eta[c] - 1.0).powi(2), (eta[c] + 1.0).powi(2));
-                (less + k[c] * k[c]) / (more + k[c] * k[c])
-            })),
-            Surface::Dielectric { .. } | Surface::RoughDielectric { .. } | Surface::Shader(_) => {
-                Color::constant([0.0; 3])
+        self.diffuse.unwrap_or(self.surface.base_color())
+    }
+
+    /// All textures that it reads, and what their values mean. One that is read twice is told twice.
+    pub fn textures(&self) -> impl Iterator<Item = (TextureRef, TextureRole)> {
+        use TextureRole::{Color as Colors, Data};
+        let base = self.surface.base_color().texture;
+        let [facets, normals, brushed] = match &self.surface {
+            Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
+                [*metallic_roughness_texture, normal_texture.map(|map| map.texture), None]
             }
-        })
+            Surface::Principled(p) => {
+                let normals = p.normal_texture.map(|map| map.texture);
+                [p.metallic_roughness_texture, normals, p.anisotropy.texture]
+            }
+            _ => [None; 3],
+        };
+        let (opacity, of_opacity) = match self.alpha {
+            Alpha::Opaque => (None, Data),
+            Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } => match opacity.channel {
+                OpacityChannel::Alpha => (opacity.texture, Colors),
+                OpacityChannel::Red => (opacity.texture, Data),
+            },
+        };
+        let all = [
+            (base, Colors),
+            (self.diffuse.and_then(|diffuse| diffuse.texture), Colors),
+            (self.emission_texture, Colors),
+            (opacity, of_opacity),
+            (facets, Data),
+            (normals, Data),
+            (brushed, Data),
+            (self.bump.map(|bump| bump.texture), Data),
+        ];
+        all.into_iter().filter_map(|(texture, role)| Some((texture?, role)))
     }
 
     /// Whether it gives off light anywhere.

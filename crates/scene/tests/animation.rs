@@ -258,6 +258,80 @@ fn skins_bend_by_all_their_joints() {
     close(scene.instances()[0].world_from_object.point([0.0; 3]), [0.0; 3], "its node does not count");
 }
 
+/// The area vector of a triangle of a mesh, and the normal of its first corner.
+fn sides(mesh: &gnurt_scene::Mesh, triangle: usize) -> ([f32; 3], [f32; 3]) {
+    let [a, b, c] = mesh.indices[triangle].map(|i| mesh.positions[i as usize]);
+    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+    let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    (cross, mesh.normals[mesh.indices[triangle][0] as usize])
+}
+
+/// A character that is scaled by -1 keeps its outside outside.
+#[test]
+fn joints_that_mirror_turn_triangles_round() {
+    let mut g = Gltf::default();
+    let flip = g.curve(&[0.0, 1.0], &[1.0, 1.0, 1.0, -1.0, 1.0, 1.0], "VEC3", "STEP");
+    let mesh = bar(&mut g, 1);
+    let clip = clip("flip", &[flip], &[(0, r#""node":1,"path":"scale""#)]);
+    let body = |scale: &str, animations: &str| {
+        format!(
+            r#""meshes":[{mesh}],"skins":[{{"joints":[1,2]}}],{animations}
+            "nodes":[{{"mesh":0,"skin":0}},{{"children":[2]{scale}}},{{}}]"#
+        )
+    };
+    let check = |scene: &Scene, what: &str| {
+        for triangle in 0..6 {
+            let (area, normal) = sides(scene.mesh(MeshId(0)), triangle);
+            assert!(area[2] * normal[2] > 0.0, "{what}: triangle {triangle} {area:?} {normal:?}");
+        }
+    };
+    check(&g.scene(&body("", "")), "as it is");
+    check(&g.scene(&body(r#","scale":[-1,1,1]"#, "")), "mirrored at rest");
+    check(&g.scene(&body(r#","scale":[-1,-1,1]"#, "")), "mirrored twice");
+    let mut moving = g.scene(&body("", &format!(r#""animations":[{clip}],"#)));
+    for seconds in [0.5, 1.0, 0.5, 1.0, 0.0] {
+        moving.pose(0, seconds);
+        check(&moving, &format!("at {seconds}"));
+        let x = moving.mesh(MeshId(0)).positions[1][0];
+        assert_eq!(x, if seconds < 1.0 { 1.0 } else { -1.0 }, "mirrored from 1 on, at {seconds}");
+    }
+}
+
+/// Numbers of the file that are none: what bends by them is told.
+#[test]
+fn weights_and_matrices_that_are_no_numbers_are_told() {
+    for (weight, bind, text) in [
+        (f32::NAN, 1.0, "vertex 1 hangs on a joint by no finite weight"),
+        (1.0, f32::NAN, "skins[0]: inverse bind matrix 0"),
+        (1.0, 1.0, ""),
+    ] {
+        let mut g = Gltf::default();
+        let p = g.floats(&TRIANGLE, "VEC3");
+        let j = g.add(&[0; 12], 5121, "VEC4", 3, "");
+        let mut weights = [1.0, 0.0, 0.0, 0.0].repeat(3);
+        weights[4] = weight;
+        let w = g.floats(&weights, "VEC4");
+        let mut matrix = [0.0; 16];
+        (0..4).for_each(|k| matrix[5 * k] = 1.0);
+        matrix[0] = bind;
+        let b = g.floats(&matrix, "MAT4");
+        let rise = g.curve(&[0.0, 1.0], &[0.0, 0.0, 0.0, 0.0, 0.0, 2.0], "VEC3", "LINEAR");
+        let clip = clip("c", &[rise], &[(0, r#""node":1,"path":"translation""#)]);
+        let loaded = g
+            .load(&format!(
+                r#""meshes":[{{"primitives":[{{"attributes":{{"POSITION":{p},"JOINTS_0":{j},"WEIGHTS_0":{w}}}}}]}}],
+                "skins":[{{"joints":[1],"inverseBindMatrices":{b}}}],"animations":[{clip}],"nodes":[{{"mesh":0,"skin":0}},{{}}]"#
+            ))
+            .unwrap_or_else(|e| panic!("{e}"));
+        let lines: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+        let is_told = if text.is_empty() { lines.is_empty() } else { lines.iter().any(|l| l.contains(text)) };
+        assert!(is_told, "{text}: {lines:?}");
+        let mut scene = loaded.scene;
+        scene.pose(0, 0.5);
+        assert!(scene.mesh(MeshId(0)).positions.as_flattened().iter().all(|x| x.is_finite()), "{text}");
+    }
+}
+
 #[test]
 fn joints_out_of_range_are_an_error() {
     let mut g = Gltf::default();
@@ -400,6 +474,8 @@ fn bad_animations_are_told_by_their_place() {
     let odd = g.curve(&[0.0, 1.0], &[0.0; 6], "VEC3", "QUADRATIC");
     let none = g.curve(&[], &[], "VEC3", "LINEAR");
     let weights = g.curve(&[0.0, 1.0], &[0.0; 4], "SCALAR", "LINEAR");
+    let no_turn = g.curve(&[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 0.0, f32::NAN, 0.0, 1.0], "VEC4", "LINEAR");
+    let no_place = g.curve(&[0.0, 1.0], &[0.0, 0.0, f32::INFINITY, 0.0, 0.0, 0.0], "VEC3", "STEP");
     let shown = |samplers: &[String], target: &str| {
         let clip = clip("c", samplers, &[(0, target)]);
         g.load(&format!(
@@ -414,6 +490,13 @@ fn bad_animations_are_told_by_their_place() {
             Oddity::BadAnimation,
             "animations[1].samplers[0] of animations[1].channels[0]: the time of key 1 is no finite number",
         ),
+        (
+            &no_turn,
+            r#""node":0,"path":"rotation""#,
+            Oddity::BadAnimation,
+            "animations[1].samplers[0] of animations[1].channels[0]: a value of key 1 is no finite number",
+        ),
+        (&no_place, move_it, Oddity::BadAnimation, "a value of key 0 is no finite number"),
         (&back, move_it, Oddity::BadAnimation, "the time of key 2 is before that of the key before it"),
         (&equal, move_it, Oddity::RepeatedKey, "animations[1].samplers[0]"),
         (&few, move_it, Oddity::BadAnimation, "9 values for 2 keys; expected 6"),

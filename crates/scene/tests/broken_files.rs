@@ -113,6 +113,41 @@ fn ply_cases() -> Vec<(&'static str, Vec<u8>, Outcome)> {
             Error("t.ply:4: unknown type `real`; valid are char"),
         ),
         ("bad count", ascii("element vertex -1\n", ""), Error("t.ply:3: bad count `-1`")),
+        (
+            "a remark without a keyword",
+            ascii(&format!("Made by Some Program 1.0\n{both}"), &body("3 0 1 2\n")),
+            Triangles(1, "t.ply:3: header line cannot be understood, ignored (`Made by Some Program 1.0`)"),
+        ),
+        (
+            "a line without a keyword among properties",
+            ascii(&format!("{xyz}propery uchar red\n{faces}"), &body("3 0 1 2\n")),
+            Error("t.ply:7: bad header line"),
+        ),
+        (
+            "vertices with the list of faces, whose line is missing",
+            ascii(&format!("{xyz}property list uchar uint vertex_indices\n"), points),
+            Triangles(0, "t.ply:9: line with fewer values than the header declares"),
+        ),
+        (
+            "a face without its flag",
+            ascii(&format!("{both}property uchar flag\n"), &body("3 0 1 2\n")),
+            Triangles(1, "t.ply:14: line with fewer values"),
+        ),
+        (
+            "a vertex without its z",
+            ascii(&format!("{xyz}property uchar flag\n"), "0 0 0 1\n1 0\n0 1 0 1\n"),
+            Error("bad `vertex` line"),
+        ),
+        (
+            "colours and coordinates of faces",
+            ascii(
+                &format!(
+                    "{both}property uchar red\nproperty list uchar float texcoord\nproperty int texnumber\n"
+                ),
+                &body("3 0 1 2 255 2 0 0 1\n"),
+            ),
+            Triangles(1, "colours of faces"),
+        ),
         ("huge count", ascii("element vertex 99999999999999999999\n", ""), Error("t.ply:3: bad count")),
         (
             "property first",
@@ -177,6 +212,29 @@ fn gltf_cases() -> Vec<(&'static str, Vec<u8>, Outcome)> {
             "version 1",
             text(r#"{"asset":{"version":"1.0"}}"#),
             Error("glTF version `1.0`; expected version 2.0"),
+        ),
+        (
+            "glTF 1.0, whose arrays are objects",
+            text(r#"{"accessors":{"a":{"count":3}},"asset":{"version":"1.0"},"nodes":{"n":{}}}"#),
+            Error("t.gltf: glTF version `1.0`; expected version 2.0"),
+        ),
+        (
+            "a draft of glTF",
+            text(r#"{"asset":{"version":0.8},"nodes":{"n":{}}}"#),
+            Error("glTF version `0.8`; expected version 2.0"),
+        ),
+        (
+            "version 2 with an object for an array",
+            text(r#"{"asset":{"version":"2.0"},"nodes":{"n":{}}}"#),
+            Error("broken JSON: invalid type: map"),
+        ),
+        (
+            "an extension that is used and not known",
+            mesh(
+                0,
+                r#"}]}],"extensionsUsed":["KHR_lights_punctual","KHR_xmp","KHR_materials_variants"],"x":[{"y":[{"z":0"#,
+            ),
+            Triangles(1, "not supported, left out (extension `KHR_materials_variants`)"),
         ),
         ("nothing in it", doc(""), Triangles(0, "no triangles")),
         (
@@ -308,6 +366,13 @@ fn gltf() {
     judge("gltf", gltf_cases());
 }
 
+/// A binary file whose length ends with its JSON.
+fn with_length(mut file: Vec<u8>) -> Vec<u8> {
+    let json = u32::from_le_bytes([file[12], file[13], file[14], file[15]]);
+    file[8..12].copy_from_slice(&(20 + json).to_le_bytes());
+    file
+}
+
 #[test]
 fn binary_gltf() {
     let good = glb(br#"{"asset":{"version":"2.0"}}"#, b"");
@@ -331,6 +396,16 @@ fn binary_gltf() {
                 Error("the JSON is no UTF-8 at its byte 32"),
             ),
             ("twelve bytes", good[..10].to_vec(), Error("the file ends in its header")),
+            (
+                "bytes behind the end",
+                [good.clone(), vec![0xff; 12]].concat(),
+                Triangles(0, "bytes after the end of the data, ignored (12 after byte 48)"),
+            ),
+            (
+                "a length that leaves out the binary chunk",
+                with_length(glb(br#"{"asset":{"version":"2.0"},"buffers":[{"byteLength":4}]}"#, b"abcd")),
+                Triangles(0, "no triangles"),
+            ),
         ],
     );
 }

@@ -120,7 +120,12 @@ fn materials_become_ours() {
     let sign = material(
         r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,0,1]},"extensions":{"KHR_materials_unlit":{}}"#,
     );
-    assert_eq!(sign.emission, [0.5, 0.25, 0.0], "unlit shines");
+    assert!(
+        matches!(sign.surface, Surface::Unlit { color } if color.factor == [0.5, 0.25, 0.0]),
+        "unlit is seen as it is: {:?}",
+        sign.surface
+    );
+    assert!(!sign.emits(), "and is no lamp");
     let leaf = material(r#""alphaMode":"MASK","alphaCutoff":0.25"#);
     assert!(matches!(leaf.alpha, Alpha::Mask { cutoff: 0.25, .. }), "masked: {:?}", leaf.alpha);
 }
@@ -386,4 +391,35 @@ fn materials_name_shaders() {
     for others in ["{}", "7", r#"{"gnurt": 3}"#, r#"{"gnurt": {"shader": 1}}"#, "null"] {
         assert!(extras(others).is_empty(), "{others} is another program's");
     }
+}
+
+#[test]
+fn numbers_out_of_range_are_told() {
+    let lines = |body: &str| {
+        let json = format!(r#"{{"asset":{{"version":"2.0"}},{DATA},"materials":[{{{body}}}]}}"#);
+        let loaded = load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
+        let lines: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+        lines.into_iter().filter(|line| !line.contains("no triangles")).collect::<Vec<_>>()
+    };
+    let told = lines(
+        r#""pbrMetallicRoughness":{"roughnessFactor":3,"metallicFactor":-1,"baseColorFactor":[2,-1,0,7]},"alphaMode":"SOFT",
+        "extensions":{"KHR_materials_iridescence":{"iridescenceFactor":7,"iridescenceIor":-1},"KHR_materials_ior":{"ior":0}}"#,
+    );
+    for text in [
+        "materials[0]: roughnessFactor 3; expected 0 to 1",
+        "metallicFactor -1",
+        "baseColorFactor -1",
+        "baseColorFactor's opacity 7",
+        "iridescenceFactor 7",
+        "iridescenceIor -1",
+        "ior 0; expected 1 or more",
+        "alphaMode `SOFT`, shown as OPAQUE",
+    ] {
+        assert!(told.iter().any(|line| line.contains(text)), "{text}: {told:?}");
+    }
+    let right = lines(
+        r#""pbrMetallicRoughness":{"roughnessFactor":1,"metallicFactor":0,"baseColorFactor":[1,0,0.5,0.5]},"emissiveFactor":[1,1,0],
+        "extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":500},"KHR_materials_volume":{"attenuationDistance":3e38}}"#,
+    );
+    assert!(right.is_empty(), "{right:?}");
 }

@@ -264,8 +264,52 @@ fn judge(folder: &Path, name: &str, length: u64, path: &Path, outcome: Outcome) 
     }
 }
 
+/// A mesh of this many vertices that a weight lifts, and what of it is held while a shutter is open: a mesh at the start, one at the end,
+/// and one or two on the way.
+fn open_shutter(side: u32) {
+    use gnurt_scene::animation::{Body, Channel, Clip, Deltas, Interpolation, Morph, Sampler, Target};
+    let count = (side * side) as usize;
+    let places = || (0..side * side).map(|i| [(i % side) as f32, (i / side) as f32, 0.0]);
+    let squares = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
+    let indices = squares.flat_map(|i| [[i, i + 1, i + side], [i + 1, i + side + 1, i + side]]).collect();
+    let mut scene = gnurt_scene::Scene::new();
+    let material = scene.add_material(gnurt_scene::Material::matte("m", [0.5; 3]));
+    let mesh = gnurt_scene::Mesh {
+        positions: places().collect(),
+        normals: vec![[0.0, 0.0, 1.0]; count],
+        texcoords: vec![[0.0; 2]; count],
+        indices,
+        material,
+        ..gnurt_scene::Mesh::default()
+    };
+    let bytes = mesh.memory_bytes();
+    let mesh = scene.add_mesh(mesh);
+    let object = scene.add_object_of("o", vec![mesh]);
+    scene.instantiate(object, gnurt_scene::Affine::IDENTITY);
+    let lift = Morph { positions: Deltas::new(vec![[0.0, 0.0, 100.0]; count]), ..Morph::default() };
+    let base = scene.meshes()[0].clone();
+    let weights =
+        Sampler::new(vec![0.0, 1.0].into(), vec![0.0, 1.0], 1, Interpolation::Linear).expect("keys");
+    let channel = Channel { target: Target::Weights(0), sampler: weights.into() };
+    let animation = gnurt_scene::Animation {
+        bodies: vec![Body { mesh, base, morphs: vec![lift], weights: Some(0), influences: None, skin: None }],
+        weights: vec![vec![0.0]],
+        clips: vec![Clip { name: String::new(), channels: vec![channel] }],
+        ..gnurt_scene::Animation::default()
+    };
+    scene.animate(animation).expect("it is in order");
+    ALLOCATIONS.reset_peak_usage();
+    let before = ALLOCATIONS.current_usage();
+    let exposure = scene.expose(0, 0.0, 1.0);
+    let peak = ALLOCATIONS.peak_usage() - before;
+    println!("an open shutter: {peak} bytes for a mesh of {bytes}");
+    assert_eq!(exposure.meshes[0].1.len(), 2, "it goes straight");
+    assert!(peak < 6 * bytes, "{peak} bytes for a mesh of {bytes}");
+}
+
 #[test]
 fn files_cost_what_their_lengths_account_for() {
+    open_shutter(200);
     let folder = tempfile::tempdir().expect("a temporary folder");
     let write = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);

@@ -14,10 +14,18 @@ use gnurt_scene::{
 };
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
+    told(scene, name).0
+}
+
+/// What comes back, what was said when it was written, and the text of the file (of a library, if there is one).
+fn told(scene: &Scene, name: &str) -> (Scene, Vec<String>, String) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
-    save(scene, &path).unwrap_or_else(|e| panic!("{e}"));
-    load(&path).unwrap_or_else(|e| panic!("{e}")).scene
+    let warnings = save(scene, &path).unwrap_or_else(|e| panic!("{e}"));
+    let back = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
+    let library = path.with_extension("mtl");
+    let text = std::fs::read(if library.exists() { &library } else { &path }).expect("the file");
+    (back, warnings.iter().map(ToString::to_string).collect(), String::from_utf8_lossy(&text).into_owned())
 }
 
 /// Area of all triangles in world space, an order-free fingerprint of the geometry.
@@ -261,9 +269,10 @@ fn measures_stay_linear() {
     assert!(near, "its transform: {:?}", normals.texture.uv_from_mesh);
     let used = [base_color.texture, *metallic_roughness_texture, Some(normals.texture)];
     for (what, used) in ["colour", "roughness", "normals"].into_iter().zip(used) {
-        let TexelData::Float(found) = &back.texture(used.expect(what).texture).texels.data else {
-            panic!("{what}: 16 bits");
-        };
+        let texels = &back.texture(used.expect(what).texture).texels;
+        let is_wide = matches!(texels.data, TexelData::Float(_) | TexelData::Linear16(_));
+        assert!(is_wide, "{what}: 16 bits");
+        let found = [texels.texel(0, 0), texels.texel(1, 0)];
         let same = found.iter().flatten().zip(values.iter().flatten()).all(|(&a, &b)| close(a, b));
         assert!(same, "{what}: {found:?} is not {values:?}");
     }
@@ -292,4 +301,227 @@ fn cut_outs_survive() {
     };
     assert_eq!(texels(0), TexelData::Srgb8(vec![[10, 20, 30, 0], [40, 50, 60, 255]]), "colour and opacity");
     assert_eq!(texels(1), TexelData::Srgb8(vec![[255, 255, 255, 0], [255; 4]]), "white and opacity");
+}
+
+fn of(surface: Surface) -> Material {
+    Material::of("m", surface)
+}
+
+fn plastic(roughness: f32, ior: f32) -> Surface {
+    Surface::MetallicRoughness {
+        base_color: Color::constant([0.25, 0.5, 0.75]),
+        metallic: 0.25,
+        roughness,
+        metallic_roughness_texture: None,
+        ior,
+        normal_texture: None,
+    }
+}
+
+/// A scene of these materials, each on a triangle of its own.
+fn scene_of(materials: impl IntoIterator<Item = Material>) -> Scene {
+    let mut scene = Scene::new();
+    let meshes: Vec<_> = materials
+        .into_iter()
+        .enumerate()
+        .map(|(k, material)| {
+            let material = scene.add_material(Material { name: format!("m{k}"), ..material });
+            scene.add_mesh(gnurt_scene::Mesh {
+                positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                indices: vec![[0, 1, 2]],
+                material,
+                ..gnurt_scene::Mesh::default()
+            })
+        })
+        .collect();
+    let object = scene.add_object_of("o", meshes);
+    scene.instantiate(object, Affine::IDENTITY);
+    scene
+}
+
+#[test]
+fn unlit_colours_come_back() {
+    let unlit = Surface::Unlit { color: Color::constant([0.5, 0.25, 0.75]) };
+    let scene = scene_of([of(unlit.clone())]);
+    assert_eq!(there_and_back(&scene, "a.gltf").materials()[0].surface, unlit, "glTF has a word for it");
+    let (back, lines, _) = told(&scene, "a.obj");
+    assert_eq!(back.materials()[1].emission, [0.5, 0.25, 0.75], "MTL has lamps");
+    assert!(lines.iter().any(|line| line.contains("unlit colour")), "{lines:?}");
+}
+
+/// OBJ: the material of this name comes back as it was.
+#[test]
+fn numbers_of_mtl_come_back() {
+    let glass = Surface::RoughDielectric {
+        ior: 1.25,
+        roughness: 0.5,
+        reflectance: [1.0; 3],
+        transmittance: [0.5, 1.0, 1.0],
+        thin: false,
+        interior: Interior::default(),
+    };
+    let gold = Surface::MetallicRoughness {
+        base_color: Color::constant([0.75, 0.5, 0.25]),
+        metallic: 1.0,
+        roughness: 0.5,
+        metallic_roughness_texture: None,
+        ior: 1.5,
+        normal_texture: None,
+    };
+    // As a metal of MTL's own numbers is read: `Kd` is kept beside it.
+    let metal = Material { diffuse: Some(Color::constant([0.0; 3])), ..of(gold.clone()) };
+    let scene = scene_of([metal, of(plastic(0.25, 1.25)), of(glass)]);
+    let (back, lines, _) = told(&scene, "a.obj");
+    for (before, after) in scene.materials().iter().zip(&back.materials()[1..]) {
+        assert_eq!(before.surface, after.surface, "{}", before.name);
+    }
+    assert!(lines.is_empty(), "nothing is lost: {lines:?}");
+}
+
+/// A metal by `Ks`, `Ns` and `illum` comes back with its colour; it came back black.
+#[test]
+fn a_metal_of_mtl_keeps_its_colour() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mtl = "newmtl gold\nKd 0 0 0\nKs .9 .7 .3\nNs 100\nillum 3\n";
+    std::fs::write(folder.path().join("t.mtl"), mtl).expect("a file");
+    let path = folder.path().join("t.obj");
+    std::fs::write(&path, "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl gold\nf 1 2 3\n").expect("a file");
+    let scene = load(&path).unwrap_or_else(|e| panic!("{e}")).scene;
+    for name in ["a.obj", "a.gltf"] {
+        let back = there_and_back(&scene, name);
+        let found = back.materials().iter().find(|m| m.name == "gold").expect("its name");
+        assert_eq!(found.surface.base_color().factor, [0.9, 0.7, 0.3], "{name}: {found:?}");
+    }
+}
+
+#[test]
+fn normal_maps_clamps_and_bumps_come_back_from_obj() {
+    let mut scene = Scene::new();
+    let clamped = Texture {
+        wrap: [Wrap::ClampToEdge; 2],
+        ..texture(TexelData::Linear8(vec![[127, 128, 250, 255]; 2]))
+    };
+    let map = TextureRef::new(scene.add_texture(clamped));
+    let heights = vec![[0.25, 0.25, 0.25, 1.0], [0.5, 0.5, 0.5, 1.0]];
+    let bumps = TextureRef::new(scene.add_texture(texture(TexelData::Float(heights))));
+    let mut surface = plastic(0.5, 1.5);
+    if let Surface::MetallicRoughness { normal_texture, .. } = &mut surface {
+        *normal_texture = Some(NormalMap { texture: map, scale: 0.5 });
+    }
+    scene.add_material(of(surface));
+    let bump = gnurt_scene::material::BumpMap { texture: bumps, height: 2.0 };
+    let plain = Material { name: "b".into(), bump: Some(bump), ..of(plastic(0.5, 1.5)) };
+    scene.add_material(plain);
+    let back = there_and_back(&scene, "a.obj");
+    let Surface::MetallicRoughness { normal_texture, .. } = &back.materials()[1].surface else {
+        panic!("plastic")
+    };
+    let normals = normal_texture.expect("a normal map");
+    assert_eq!(normals.scale, 0.5, "how strong it is");
+    assert_eq!(back.texture(normals.texture.texture).wrap, [Wrap::ClampToEdge; 2], "-clamp");
+    let bump = back.materials()[2].bump.expect("a bump map");
+    let texel = back.texture(bump.texture.texture).texels.texel(0, 0)[0];
+    assert!((texel - 0.25).abs() < 1e-4, "heights are linear: {texel}");
+}
+
+#[test]
+fn vertex_colours_and_odd_names_come_back_from_obj() {
+    let mut scene = scene_of([of(plastic(0.5, 1.5))]);
+    let material = scene.meshes()[0].material;
+    scene.edit_material(material).name = "a\\".into();
+    scene.edit_mesh(gnurt_scene::MeshId(0)).colors = vec![[0.25, 0.5, 0.75, 1.0]; 3];
+    let back = there_and_back(&scene, "a.obj");
+    let found = back.meshes()[0].colors[0];
+    assert!((0..3).all(|k| (found[k] - [0.25, 0.5, 0.75][k]).abs() < 1e-5), "{found:?}");
+    assert_eq!(back.material(back.meshes()[0].material).surface, plastic(0.5, 1.5), "its material is found");
+}
+
+/// What a format cannot hold is said, kind by kind.
+#[test]
+fn what_is_lost_is_told() {
+    let metal = Surface::Metal { eta: [1.0; 3], k: [2.0; 3], roughness: 0.5 };
+    let rough = Surface::RoughMatte { base_color: Color::constant([0.5; 3]), roughness: 0.5 };
+    let glass = Surface::Dielectric {
+        ior: 1.5,
+        reflectance: [0.5; 3],
+        transmittance: [1.0; 3],
+        interior: Interior { dispersion: 0.5, ..Interior::default() },
+    };
+    let catcher = Surface::ShadowCatcher { albedo: [0.5; 3], radiance: [0.0; 3] };
+    let layered = Surface::Principled(Box::new(Principled {
+        metallic: 0.0,
+        transmission: 0.5,
+        specular: 0.5,
+        ..Principled::default()
+    }));
+    let bright = Surface::Matte { base_color: Color::constant([2.0; 3]) };
+    let surfaces = [metal, rough, glass, catcher, layered, bright, Surface::Shader(0)];
+    let mut scene = scene_of(surfaces.map(of));
+    let hdr = scene.add_texture(texture(TexelData::Float(vec![[4.0; 4]; 2])));
+    let turned = TextureRef { texture: hdr, uv_from_mesh: [0.0, 1.0, -1.0, 0.0, 0.0, 0.0] };
+    let bump = Some(gnurt_scene::material::BumpMap { texture: turned, height: 1.0 });
+    let opacity = Opacity { factor: 0.5, texture: None, channel: OpacityChannel::Red };
+    let mask = Alpha::Mask { cutoff: 0.5, opacity };
+    scene.add_material(Material { bump, alpha: mask, ..Material::matte("bumpy", [0.5; 3]) });
+    let hidden = scene.instantiate(gnurt_scene::ObjectId(0), Affine::IDENTITY);
+    scene.edit_instance(hidden).visible = false;
+    scene.edit_mesh(gnurt_scene::MeshId(0)).attributes = vec![gnurt_scene::Attribute {
+        name: "heat".into(),
+        rate: gnurt_scene::Rate::Vertex,
+        components: 1,
+        data: vec![0.0; 3],
+    }];
+    let both = [
+        "index and extinction of metal",
+        "roughness of a matte surface",
+        "tint of what glass mirrors",
+        "shadow catcher",
+        "shader of a material",
+        "texture values outside of 0 to 1",
+        "hidden instance",
+        "attribute of a mesh",
+    ];
+    let obj = [
+        "absorption and dispersion of glass",
+        "transmission of a layered material",
+        "specular weight",
+        "rotation of a texture",
+        "alpha cutoff",
+    ];
+    let gltf = ["bump map", "base colour above 1"];
+    for (name, own) in [("a.obj", &obj[..]), ("a.gltf", &gltf)] {
+        let (_, lines, _) = told(&scene, name);
+        for text in both.iter().chain(own) {
+            assert!(lines.iter().any(|line| line.contains(text)), "{name}: {text}: {lines:?}");
+        }
+    }
+}
+
+#[test]
+fn gltf_lists_what_it_uses() {
+    let (_, _, text) = told(&scene_of([of(plastic(0.5, 1.5))]), "a.gltf");
+    assert!(!text.contains("extensionsUsed") && !text.contains("\"extensions\""), "{text}");
+    let (_, _, text) = told(&scene_of([of(plastic(0.5, 1.25)), Material::matte("m", [0.5; 3])]), "a.gltf");
+    let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(
+        document["extensionsUsed"],
+        serde_json::json!(["KHR_materials_ior", "KHR_materials_specular"])
+    );
+    let mut empty = scene_of([of(plastic(0.5, 1.5))]);
+    let nothing = empty.add_object_of("nothing", vec![]);
+    empty.instantiate(nothing, Affine::IDENTITY);
+    let bare = empty.add_mesh(gnurt_scene::Mesh::default());
+    let bare = empty.add_object_of("bare", vec![bare]);
+    empty.instantiate(bare, Affine::IDENTITY);
+    let (back, _, text) = told(&empty, "a.gltf");
+    assert!(!text.contains("\"primitives\": []"), "{text}");
+    let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let meshes = document["meshes"].as_array().expect("meshes");
+    let filled =
+        |mesh: &serde_json::Value| mesh["primitives"].as_array().is_some_and(|list| !list.is_empty());
+    assert!(meshes.iter().all(filled) && meshes.len() == 1, "{text}");
+    assert_eq!(back.instances().len(), 1, "what has triangles");
+    let bright = scene_of([of(Surface::Matte { base_color: Color::constant([2.0, 0.5, 0.25]) })]);
+    let back = there_and_back(&bright, "a.gltf");
+    assert_eq!(back.materials()[0].surface.base_color().factor, [1.0, 0.5, 0.25], "factors stop at 1");
 }

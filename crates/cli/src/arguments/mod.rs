@@ -7,6 +7,7 @@ mod bench;
 mod denoiser;
 mod files;
 mod help;
+mod idle;
 mod join;
 mod moments;
 mod refusal;
@@ -28,6 +29,7 @@ pub(crate) use bench::{
 pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use files::FileArguments;
 pub(crate) use help::HelpArguments;
+pub(crate) use idle::without_effect;
 pub(crate) use join::JoinArguments;
 pub(crate) use moments::MomentArguments;
 pub(crate) use refusal::{Refusal, explain};

@@ -91,7 +91,8 @@ fn sizes_and_samples() {
         ("render ok.obj --seed 18446744073709551616", 2, "18446744073709551615"),
         ("render ok.obj --seed x", 2, "--seed 'x'"),
         ("render ok.obj --max-depth -1", 2, "--max-depth '-1'"),
-        ("render ok.obj --max-depth 1001", 2, "from 0 to 1000"),
+        ("render ok.obj --max-depth 1001", 2, "from 1 to 1000"),
+        ("render ok.obj --max-depth 0", 2, "from 1 to 1000"),
         ("render ok.obj -t -1", 2, "--threads '-1'"),
         ("render ok.obj -t 1025", 2, "from 0 to 1024"),
         ("render ok.obj -t two", 2, "from 0 to 1024"),
@@ -122,7 +123,7 @@ fn cameras() {
         ("render ok.obj --eye=-1,0,0 --target=-1,0,0", 2, "the same point"),
         ("render missing.obj --eye 0,0,0 --target -0,0,0", 2, "the same point"),
         ("render ok.obj --fov 0", 2, "above 0 and below 180"),
-        ("render ok.obj --fov 180", 2, "above 0 and below 180"),
+        ("render ok.obj --fov 180", 2, "--fov '180': the camera shows nothing"),
         ("render ok.obj --fov -45", 2, "above 0 and below 180"),
         ("render ok.obj --fov 1e9", 2, "above 0 and below 180"),
         ("render ok.obj --fov nan", 2, "not a finite number"),
@@ -299,4 +300,35 @@ fn values_may_begin_with_a_minus() {
         folder.gnurt(line).success();
     }
     assert!(folder.at("-p.png").exists(), "a file's name may begin with a minus, too");
+}
+
+/// Who asks for something that changes nothing is told.
+#[test]
+fn options_without_effect_are_told() {
+    let folder = folder();
+    let told = |line: &str| {
+        let run = folder.gnurt(line).success();
+        run.lines("warning: ").into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let small = "-r 4x4 --spp 1";
+    for (line, expected) in [
+        (format!("render ok.obj {small} --vpls 64 --interleave 3"), &["--vpls", "--interleave"][..]),
+        (format!("render ok.obj {small} --integrator whitted --clamp 2"), &["--clamp"]),
+        (format!("render ok.obj {small} --integrator normals --max-depth 3"), &["--max-depth"]),
+        (format!("render ok.obj {small} -o a.exr --exposure 2 --tone clamp"), &["--tone", "--exposure"]),
+        (format!("render ok.obj {small} --integrator ir --vpls 64 --exposure 2"), &[]),
+        (format!("render ok.obj {small}"), &[]),
+        ("convert a.pfm a.hdr --exposure 2".to_owned(), &["--exposure"]),
+        ("convert a.pfm a.png --exposure 2 --confine .".to_owned(), &["--confine"]),
+        ("convert ok.obj a.ply --tone clamp --confine .".to_owned(), &["--tone"]),
+        ("convert a.pfm a.png".to_owned(), &[]),
+    ] {
+        let found = told(&line);
+        let of_options: Vec<&String> = found.iter().filter(|text| text.contains("has no effect")).collect();
+        assert_eq!(of_options.len(), expected.len(), "{line}: {found:?}");
+        for option in expected {
+            let begin = format!("warning: {option} has no effect ");
+            assert!(of_options.iter().any(|text| text.starts_with(&begin)), "{line}: {option}: {found:?}");
+        }
+    }
 }

@@ -97,7 +97,8 @@ pub(super) fn decode(source: &mut dyn Source, length: u64, room: Room) -> Result
     for _ in 0..header.height {
         read_row(source, &mut row)?;
         picture.color.extend(row.iter().map(|&pixel| {
-            let [r, g, b] = rgb(pixel).map(|value| value / header.exposure);
+            let values = rgb(pixel);
+            let [r, g, b] = std::array::from_fn(|k| values[k] / header.exposure[k]);
             [r, g, b, 1.0]
         }));
     }
@@ -107,12 +108,12 @@ pub(super) fn decode(source: &mut dyn Source, length: u64, room: Room) -> Result
 struct Header {
     width: u32,
     height: u32,
-    /// What the values were multiplied with.
-    exposure: f32,
+    /// What the values of each channel were multiplied with.
+    exposure: [f32; 3],
 }
 
 fn read_header(source: &mut dyn Source) -> Result<Header, Error> {
-    let mut exposure = 1.0;
+    let mut exposure = [1.0; 3];
     let mut rest = MAX_HEADER_BYTES;
     loop {
         let line = read_line(source, &mut rest)?;
@@ -125,7 +126,15 @@ fn read_header(source: &mut dyn Source) -> Result<Header, Error> {
                 let what = format!("pixels in '{}' are not read, only 32-bit_rle_rgbe", value.trim());
                 return Err(Error::corrupt("HDR", what));
             }
-            "EXPOSURE" => exposure *= value.trim().parse::<f32>().unwrap_or(1.0),
+            "EXPOSURE" => {
+                let factor = value.trim().parse::<f32>().unwrap_or(1.0);
+                exposure.iter_mut().for_each(|exposure| *exposure *= factor);
+            }
+            "COLORCORR" => {
+                for (exposure, word) in exposure.iter_mut().zip(value.split_whitespace()) {
+                    *exposure *= word.parse::<f32>().unwrap_or(1.0);
+                }
+            }
             _ => {}
         }
     }
@@ -134,8 +143,8 @@ fn read_header(source: &mut dyn Source) -> Result<Header, Error> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let ["-Y", height, "+X", width] = words[..] else { return Err(bad_size()) };
     let number = |word: &str| word.parse::<u32>().map_err(|_| bad_size());
-    let sane = exposure.is_finite() && exposure > 0.0;
-    Ok(Header { width: number(width)?, height: number(height)?, exposure: if sane { exposure } else { 1.0 } })
+    let exposure = exposure.map(|x| if x.is_finite() && x > 0.0 { x } else { 1.0 });
+    Ok(Header { width: number(width)?, height: number(height)?, exposure })
 }
 
 fn read_line(source: &mut dyn Source, rest: &mut u64) -> Result<String, Error> {
@@ -275,5 +284,13 @@ mod tests {
         assert_eq!(picture.color.len(), 300, "all pixels are there");
         assert!(picture.color.iter().all(|p| *p == picture.color[0]), "all pixels are alike");
         assert!((picture.color[0][0] - 0.5).abs() < 3e-3, "exposure is undone: {:?}", picture.color[0]);
+    }
+
+    #[test]
+    fn corrections_of_channels_are_undone() {
+        let bytes = b"#?RADIANCE\nCOLORCORR= 2 1 0.5\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
+        let picture = decode(&mut std::io::Cursor::new(bytes), 1000, Room::of_file(1000)).expect("a pixel");
+        let [r, g, b, _] = picture.color[0];
+        assert!((r / g - 0.5).abs() < 1e-3 && (b / g - 2.0).abs() < 1e-3, "{:?}", picture.color[0]);
     }
 }

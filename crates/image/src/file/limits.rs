@@ -22,14 +22,14 @@ pub(super) const PICTURE_BYTES: u64 = 16;
 
 /// What reading a picture may take.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Room {
+pub(crate) struct Room {
     /// Bytes at once.
-    pub(super) most_bytes: u64,
+    pub(crate) most_bytes: u64,
 }
 
 impl Room {
     /// For a file of so many bytes.
-    pub(super) fn of_file(length: u64) -> Self {
+    pub(crate) fn of_file(length: u64) -> Self {
         Self { most_bytes: length.saturating_mul(MOST_GROWTH).max(BELIEVED_BYTES) }
     }
 

@@ -10,8 +10,8 @@ mod format;
 mod guard;
 mod hdr;
 mod jpeg;
-mod limits;
-mod open;
+pub(crate) mod limits;
+pub(crate) mod open;
 mod options;
 mod pfm;
 mod png;
@@ -68,7 +68,7 @@ pub fn encode(picture: &Picture, format: OutputFormat, options: &WriteOptions) -
 /// # Errors
 /// [`Error::File`] if the file cannot be read or is no regular one, [`Error::In`] if its data is bad.
 pub fn read(path: &Path) -> Result<Picture, Error> {
-    let (mut source, length) = open::open_regular(path)?;
+    let (mut source, length) = open::open_regular(path, "a picture file")?;
     picture_from(&mut source, length, &path.to_string_lossy()).map_err(|error| error.in_file(path))
 }
 
@@ -139,7 +139,7 @@ pub fn read_data_texture(path: &Path) -> Result<Texels, Error> {
 /// # Errors
 /// As [`read`].
 pub fn read_stored(path: &Path) -> Result<Stored, Error> {
-    let (mut source, length) = open::open_regular(path)?;
+    let (mut source, length) = open::open_regular(path, "a picture file")?;
     let room = Room::of_file(length);
     stored_from(&mut source, length, &path.to_string_lossy(), room).map_err(|error| error.in_file(path))
 }
@@ -159,7 +159,7 @@ fn stored_from(source: &mut dyn Source, length: u64, name: &str, room: Room) -> 
 }
 
 fn read_texels(path: &Path, meaning: Meaning) -> Result<Texels, Error> {
-    let (mut source, length) = open::open_regular(path)?;
+    let (mut source, length) = open::open_regular(path, "a picture file")?;
     let room = Room::of_file(length);
     texels_from(&mut source, length, &path.to_string_lossy(), meaning, room)
         .map_err(|error| error.in_file(path))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! PNG, JPEG, TGA, BMP and WebP, decoded by the `image` library behind checks of our own.
-//! Source: original. In: bytes. Out: texels, rows from the top: 8-bit values as they are, 16-bit ones as linear floats.
+//! Source: original. In: bytes. Out: texels, rows from the top: 8-bit values as they are, 16-bit ones of measures too, those of colours as linear floats.
 //! Invariants: sizes are checked against `limits` before pixels are decoded, and so is what they take; a panic of the library becomes an error.
 //! Colour profiles and orientation tags are not read. Proof: `tests/{round_trip,broken}.rs`.
 
@@ -64,7 +64,7 @@ pub(super) fn picture(
     format: RasterFormat,
     room: Room,
 ) -> Result<Picture, Error> {
-    let wanted = Wanted { floats: true, room };
+    let wanted = Wanted { floats: true, wide: PICTURE_BYTES, room };
     Ok(texels_of(decode(source, length, format, wanted)?, Meaning::Color)?.into())
 }
 
@@ -76,7 +76,8 @@ pub(super) fn texels(
     meaning: Meaning,
     room: Room,
 ) -> Result<Texels, Error> {
-    let wanted = Wanted { floats: false, room };
+    let wide = if meaning == Meaning::Color { PICTURE_BYTES } else { 8 };
+    let wanted = Wanted { floats: false, wide, room };
     texels_of(decode(source, length, format, wanted)?, meaning)
 }
 
@@ -87,7 +88,7 @@ pub(super) fn stored(
     format: RasterFormat,
     room: Room,
 ) -> Result<Stored, Error> {
-    let image = decode(source, length, format, Wanted { floats: false, room })?;
+    let image = decode(source, length, format, Wanted { floats: false, wide: PICTURE_BYTES, room })?;
     let size = [image.width() as usize, image.height() as usize];
     let channels = usize::from(image.color().channel_count());
     let values = match image {
@@ -109,6 +110,8 @@ pub(super) fn stored(
 struct Wanted {
     /// Whether bytes become floats in the end.
     floats: bool,
+    /// Bytes that a texel of 16-bit values becomes.
+    wide: u64,
     room: Room,
 }
 
@@ -181,7 +184,7 @@ fn decode_within(
 ) -> Result<DynamicImage, Error> {
     let color = decoder.color_type();
     let native = u64::from(color.bytes_per_pixel());
-    let texel = if is_wide(color) { PICTURE_BYTES } else { 4 };
+    let texel = if is_wide(color) { wanted.wide } else { 4 };
     // First the decoder's own and what it gives, then that and the texels, then those and the floats.
     let last = if wanted.floats && texel < PICTURE_BYTES { texel + PICTURE_BYTES } else { 0 };
     let size = size_of(&decoder);
@@ -220,8 +223,11 @@ fn check_tga(source: &mut dyn Source, length: u64) -> Result<(), Error> {
 
 fn texels_of(image: DynamicImage, meaning: Meaning) -> Result<Texels, Error> {
     let (width, height) = (image.width(), image.height());
+    if meaning == Meaning::Measure {
+        return measures_of(image);
+    }
     let unit = |value: u16| f32::from(value) / 65535.0;
-    let color = |value| if meaning == Meaning::Color { srgb::decode_u16(value) } else { unit(value) };
+    let color = srgb::decode_u16;
     let grey = |value, alpha| {
         let value = color(value);
         [value, value, value, alpha]
@@ -243,11 +249,27 @@ fn texels_of(image: DynamicImage, meaning: Meaning) -> Result<Texels, Error> {
         }
         image => {
             let bytes = bytemuck::try_cast_vec(image.into_rgba8().into_raw());
-            let pixels = bytes.map_err(|_| Error::corrupt("picture", "its pixels are incomplete"))?;
-            if meaning == Meaning::Color { TexelData::Srgb8(pixels) } else { TexelData::Linear8(pixels) }
+            TexelData::Srgb8(bytes.map_err(|_| incomplete())?)
         }
     };
     Ok(Texels { width, height, data })
+}
+
+/// Values of measures, with the bits that they have.
+fn measures_of(image: DynamicImage) -> Result<Texels, Error> {
+    let (width, height) = (image.width(), image.height());
+    let data = if is_wide(image.color()) {
+        let numbers = bytemuck::try_cast_vec(image.into_rgba16().into_raw());
+        TexelData::Linear16(numbers.map_err(|_| incomplete())?)
+    } else {
+        let bytes = bytemuck::try_cast_vec(image.into_rgba8().into_raw());
+        TexelData::Linear8(bytes.map_err(|_| incomplete())?)
+    };
+    Ok(Texels { width, height, data })
+}
+
+fn incomplete() -> Error {
+    Error::corrupt("picture", "its pixels are incomplete")
 }
 
 /// The library's words on one line, without the format's name, which ours say already.

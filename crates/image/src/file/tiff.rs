@@ -23,6 +23,8 @@ const TAG_BYTES: usize = 16 << 20;
 const MAX_CHANNELS: usize = 64;
 /// Levels of the largest picture.
 const MAX_LEVELS: usize = 32;
+/// What the tag for further channels calls opacity that colours are multiplied with.
+const ASSOCIATED: u16 = 1;
 
 fn library_error(error: tiff::TiffError) -> Error {
     let what = match error {
@@ -117,6 +119,11 @@ fn texts(reader: &mut Reader<'_>) -> Vec<(String, String)> {
 
 /// The first picture of the file and, where `all`, the smaller copies of it that follow.
 pub(super) fn stored(source: &mut dyn Source, length: u64, room: Room, all: bool) -> Result<Stored, Error> {
+    read(source, length, room, all).map(|(stored, _)| stored)
+}
+
+/// The same, and whether its colours are multiplied with their opacity.
+fn read(source: &mut dyn Source, length: u64, room: Room, all: bool) -> Result<(Stored, bool), Error> {
     decode_guarded("TIFF", || {
         let limits = {
             let mut limits = Limits::default();
@@ -137,6 +144,8 @@ pub(super) fn stored(source: &mut dyn Source, length: u64, room: Room, all: bool
         if let ColorType::Multiband { num_samples: 4.., .. } = reader.colortype().map_err(library_error)? {
             stored.alpha = Some(3);
         }
+        let extra = reader.find_tag_unsigned_vec::<u16>(Tag::ExtraSamples).ok().flatten();
+        let is_associated = extra.is_some_and(|kinds| kinds.first() == Some(&ASSOCIATED));
         stored.levels[0].tile = tile(&mut reader);
         stored.texts = texts(&mut reader);
         while all && reader.more_images() && stored.levels.len() < MAX_LEVELS {
@@ -151,7 +160,7 @@ pub(super) fn stored(source: &mut dyn Source, length: u64, room: Room, all: bool
             let [width, height] = next.size;
             stored.levels.push(StoredLevel { width, height, tile: tile(&mut reader), values });
         }
-        Ok(stored)
+        Ok((stored, is_associated))
     })
 }
 
@@ -161,15 +170,42 @@ fn tile(reader: &mut Reader<'_>) -> Option<[usize; 2]> {
     Some([width as usize, height as usize])
 }
 
-/// The picture as a texture: bytes stay bytes, others become linear floats.
+/// Divides colours by their opacity, which is the last channel. What is not there at all keeps its colour.
+fn straighten(values: &mut StoredValues, channels: usize) {
+    fn divide<T: Copy>(list: &mut [T], channels: usize, by: impl Fn(T, T) -> T) {
+        for pixel in list.chunks_exact_mut(channels) {
+            let opacity = pixel[channels - 1];
+            pixel[..channels - 1].iter_mut().for_each(|x| *x = by(*x, opacity));
+        }
+    }
+    let whole = |x: u32, opacity: u32, most: u32| match opacity {
+        0 => x,
+        _ => ((x * most + opacity / 2) / opacity).min(most),
+    };
+    match values {
+        StoredValues::U8(list) => divide(list, channels, |x, a| whole(x.into(), a.into(), 255) as u8),
+        StoredValues::U16(list) => {
+            divide(list, channels, |x, a| {
+                let (x, a) = (u64::from(x), u64::from(a));
+                (x * 65535 + a / 2).checked_div(a).map_or(x as u16, |x| x.min(65535) as u16)
+            });
+        }
+        StoredValues::F32(list) => divide(list, channels, |x, a| if a > 0.0 { x / a } else { x }),
+    }
+}
+
+/// The picture as a texture: bytes stay bytes, numbers of 16 bits that are measures too, others become linear floats.
 pub(super) fn texels(
     source: &mut dyn Source,
     length: u64,
     meaning: Meaning,
     room: Room,
 ) -> Result<Texels, Error> {
-    let Stored { channels, mut levels, .. } = stored(source, length, room, false)?;
-    let StoredLevel { width, height, values, .. } = levels.swap_remove(0);
+    let (Stored { channels, mut levels, .. }, is_associated) = read(source, length, room, false)?;
+    let StoredLevel { width, height, mut values, .. } = levels.swap_remove(0);
+    if is_associated && matches!(channels, 2 | 4) {
+        straighten(&mut values, channels);
+    }
     // Grey is red, green and blue at once.
     let place = |c: usize| match (c, channels) {
         (0..=2, 1 | 2) => Some(0),
@@ -184,11 +220,16 @@ pub(super) fn texels(
             if meaning == Meaning::Color { TexelData::Srgb8(pixels) } else { TexelData::Linear8(pixels) }
         }
         StoredValues::U16(list) => {
-            let value = |c: usize, x: u16| match (meaning, c) {
-                (Meaning::Color, 0..=2) => srgb::decode_u16(x),
+            let pixels = list.chunks_exact(channels);
+            if meaning == Meaning::Measure {
+                let whole = |p: &[u16]| std::array::from_fn(|c| place(c).map_or(u16::MAX, |k| p[k]));
+                let data = TexelData::Linear16(pixels.map(whole).collect());
+                return Ok(Texels { width: width as u32, height: height as u32, data });
+            }
+            let value = |c: usize, x: u16| match c {
+                0..=2 => srgb::decode_u16(x),
                 _ => f32::from(x) / 65535.0,
             };
-            let pixels = list.chunks_exact(channels);
             let pixel = |p: &[u16]| std::array::from_fn(|c| place(c).map_or(1.0, |k| value(c, p[k])));
             TexelData::Float(pixels.map(pixel).collect())
         }

@@ -4,9 +4,19 @@
 
 use crate::Error;
 
-/// An error that says what is wrong with a file.
+/// Characters of a message: names that a file holds may be as long as it.
+const LONGEST: usize = 300;
+
+/// An error that says what is wrong with a file, on one line.
 pub(super) fn corrupt(what: impl Into<String>) -> Error {
+    let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    let what: String = what.into().chars().take(LONGEST).map(printable).collect();
     Error::corrupt("OpenVDB", what)
+}
+
+/// What is said of a file that takes too much.
+pub(super) fn too_large(limit: usize) -> Error {
+    corrupt(format!("it takes more than the {} MiB allowed", limit >> 20))
 }
 
 /// What is left of a file.
@@ -25,6 +35,17 @@ impl<'a> Bytes<'a> {
         let inside = usize::try_from(at).ok().filter(|&at| at <= self.all.len());
         self.at = inside.ok_or_else(|| corrupt(format!("a part lies at byte {at}, behind the end")))?;
         Ok(())
+    }
+
+    /// The bytes from one place to another, both behind what was read; what is behind them comes next.
+    pub(super) fn part(&mut self, start: i64, end: i64) -> Result<Self, Error> {
+        let before = self.at;
+        // Of a file that was cut off, what is there is read first.
+        self.seek(end.min(self.all.len() as i64))?;
+        match usize::try_from(start).ok().filter(|&start| before <= start && start <= self.at) {
+            Some(at) => Ok(Self { all: &self.all[..self.at], at }),
+            None => Err(corrupt(format!("a part lies from byte {start} to {end}, behind byte {before}"))),
+        }
     }
 
     pub(super) fn take(&mut self, count: usize) -> Result<&'a [u8], Error> {
@@ -82,8 +103,7 @@ impl Budget {
     /// Takes so many bytes of it.
     pub(super) fn take(&mut self, bytes: usize) -> Result<(), Error> {
         let left = self.left.checked_sub(bytes);
-        self.left =
-            left.ok_or_else(|| corrupt(format!("it takes more than the {} MiB allowed", self.all >> 20)))?;
+        self.left = left.ok_or_else(|| too_large(self.all))?;
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 //! Source: Museth, VDB: High-Resolution Sparse Volumes with Dynamic Topology (2013) [Mus13]; original code. Files of versions 222 (2013)
 //! to 224 are read: grids of floats, doubles and integers, one or three, with any compression that OpenVDB writes.
 //! Space: a grid has whole coordinates of voxels (index), which an affine map takes to the space of its file (world).
-//! Invariant: reading takes no more memory than is allowed, whatever the file says.
+//! Invariant: reading takes no more memory than is allowed and its length accounts for, and looks at each byte once, whatever the file says.
 //! Proof: `tests/volumes.rs`, whose files were written by OpenVDB.
 
 mod blosc;
@@ -11,15 +11,21 @@ mod bytes;
 mod tree;
 mod values;
 
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::Error;
-use bytes::{Budget, Bytes, corrupt};
+use crate::file::limits::Room;
+use crate::file::open::open_regular;
+use bytes::{Budget, Bytes, corrupt, too_large};
 use tree::{LEAF_SIZE, Reader, Tree};
 use values::{Format, Number};
+
+/// Bytes that a grid takes beside its tree and its name.
+const GRID_BYTES: usize = 256;
 
 /// The grids of a file.
 #[derive(Debug)]
@@ -46,12 +52,21 @@ impl std::fmt::Debug for Grid {
 }
 
 impl Volume {
-    /// Reads a file; at most `limit` bytes of memory are taken for what it holds, beside the file itself.
+    /// Reads a regular file of at most `limit` bytes; at most as many bytes of memory are taken for what it holds, and no more than its
+    /// length accounts for, beside the file itself.
     ///
     /// # Errors
-    /// If it cannot be read, is none of OpenVDB's, is broken, holds no numbers, or takes too much memory.
+    /// If it cannot be read, is no regular file, is none of OpenVDB's, is broken, holds no numbers, or takes too much memory.
     pub fn read(path: &Path, limit: usize) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|error| Error::file(path, "cannot be read", &error))?;
+        let (source, length) = open_regular(path, "a file of OpenVDB")?;
+        let wanted = usize::try_from(length).ok().filter(|&length| length <= limit);
+        let Some(wanted) = wanted else {
+            return Err(too_large(limit).in_file(path));
+        };
+        let mut bytes = Vec::new();
+        bytes.try_reserve_exact(wanted).map_err(|_| too_large(limit).in_file(path))?;
+        let read = source.take(length).read_to_end(&mut bytes);
+        read.map_err(|error| Error::file(path, "cannot be read", &error))?;
         Self::decode(&bytes, limit).map_err(|error| error.in_file(path))
     }
 
@@ -60,8 +75,9 @@ impl Volume {
     /// # Errors
     /// As [`read`](Self::read); the file is not named.
     pub fn decode(bytes: &[u8], limit: usize) -> Result<Self, Error> {
+        let room = Room::of_file(bytes.len() as u64).most_bytes;
+        let budget = &mut Budget::new(limit.min(usize::try_from(room).unwrap_or(usize::MAX)));
         let bytes = &mut Bytes::new(bytes);
-        let budget = &mut Budget::new(limit);
         let has_offsets = header(bytes)?;
         skip_metadata(bytes)?;
         let mut volume = Self { grids: Vec::new() };
@@ -72,14 +88,15 @@ impl Volume {
                 return Err(corrupt("it does not say where its grids are"));
             }
             let [start, _, end] = [bytes.i64()?, bytes.i64()?, bytes.i64()?];
+            // Each grid lies behind the one before, so that no byte is read for more than one of them.
+            let part = bytes.part(start, end)?;
+            budget.take(GRID_BYTES + name.len() + kind.len())?;
             if let Some(format) = format_of(&kind) {
-                bytes.seek(start)?;
-                let grid = volume.grid_of(bytes, budget, (name, &parent), format)?;
+                let grid = volume.grid_of(&mut { part }, budget, (name, &parent), format)?;
                 volume.grids.push(grid);
-            } else {
+            } else if others.is_empty() {
                 others.push(kind);
             }
-            bytes.seek(end)?;
         }
         match (&*volume.grids, &*others) {
             ([], []) => Err(corrupt("no grids")),

@@ -179,7 +179,8 @@ fn entry(
         same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.clone())))
     });
     let is_asked = asked.is_some();
-    let is_shader = matches!(material.surface, Surface::Shader(_));
+    // Cones know what sent a ray, too.
+    let asks_for_kinds = matches!(material.surface, Surface::Shader(_) | Surface::Unlit { .. });
     let shader = materials::shader(from, material, shaders, force_diffuse, emission, coverage);
     let emitter = told.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
     MaterialEntry {
@@ -187,7 +188,7 @@ fn entry(
         is_solid: shader.is_solid(),
         has_medium: shader.has_medium(),
         is_clear: shader.is_clear(),
-        reads_widths: is_shader || materials::textures_of(material).next().is_some(),
+        reads_widths: asks_for_kinds || materials::textures_of(material).next().is_some(),
         emitter,
         from_table,
         shader,

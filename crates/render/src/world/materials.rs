@@ -89,6 +89,7 @@ fn surface(from: Reading, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
         Surface::ShadowCatcher { albedo, radiance } => {
             Arc::new(shading::ShadowCatcher { albedo: Vec3::from(*albedo), radiance: Vec3::from(*radiance) })
         }
+        Surface::Unlit { color: seen } => Arc::new(shading::Unlit { color: color(from, seen) }),
         Surface::Shader(number) => shaders.surfaces[*number as usize].clone(),
     }
 }
@@ -188,32 +189,5 @@ pub(super) fn holes(alpha: &Alpha) -> Option<TextureId> {
 
 /// All textures that a material names.
 pub(super) fn textures_of(material: &Material) -> impl Iterator<Item = TextureId> {
-    let colors = match &material.surface {
-        Surface::Matte { base_color } => [base_color.texture, None, None],
-        Surface::Mirror { reflectance } => [reflectance.texture, None, None],
-        Surface::MetallicRoughness { base_color, metallic_roughness_texture, normal_texture, .. } => {
-            [base_color.texture, *metallic_roughness_texture, normal_texture.map(|map| map.texture)]
-        }
-        Surface::RoughMatte { base_color, .. } => [base_color.texture, None, None],
-        Surface::Principled(p) => {
-            [p.base_color.texture, p.metallic_roughness_texture, p.normal_texture.map(|map| map.texture)]
-        }
-        Surface::Metal { .. }
-        | Surface::Dielectric { .. }
-        | Surface::RoughDielectric { .. }
-        | Surface::ShadowCatcher { .. }
-        | Surface::Shader(_) => [None; 3],
-    };
-    let opacity = match &material.alpha {
-        Alpha::Opaque => None,
-        Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } => opacity.texture,
-    };
-    let diffuse = material.diffuse.and_then(|color| color.texture);
-    let brushed = match &material.surface {
-        Surface::Principled(p) => p.anisotropy.texture,
-        _ => None,
-    };
-    let bump = material.bump.map(|bump| bump.texture);
-    let all = colors.into_iter().chain([material.emission_texture, opacity, diffuse, brushed, bump]);
-    all.flatten().map(|reference| reference.texture)
+    material.textures().map(|(reference, _)| reference.texture)
 }

@@ -176,7 +176,7 @@ pub struct Bend {
 }
 
 impl Body {
-    /// Writes the bent positions, normals and tangents to `to`, which has the arrays of `base`.
+    /// Writes the bent positions, normals and tangents to `to`, which has the arrays of `base`, and its triangles, which mirrors turn round.
     pub fn bend(&self, how: &Bend, to: &mut Mesh) {
         to.positions.clone_from(&self.base.positions);
         to.normals.clone_from(&self.base.normals);
@@ -186,6 +186,10 @@ impl Body {
         }
         if let Some(influences) = self.influences.as_ref().filter(|_| self.skin.is_some()) {
             follow_joints(influences, how, to);
+            to.indices.clone_from(&self.base.indices);
+            if let Some(mirrored) = mirrored(influences, how) {
+                turn_round(&mut to.indices, &mirrored);
+            }
         }
     }
 
@@ -231,6 +235,27 @@ pub(crate) fn follow_joints(influences: &Influences, how: &Bend, to: &mut Mesh) 
         }
         if let Some([x, y, z, _]) = to.tangents.get_mut(i) {
             [*x, *y, *z] = world_from_mesh.vector([*x, *y, *z].map(f64::from)).map(|x| x as f32);
+        }
+    }
+}
+
+/// Which vertices joints mirror; `None` where no joint does.
+pub(crate) fn mirrored(influences: &Influences, how: &Bend) -> Option<Vec<bool>> {
+    if !how.joints.iter().any(|joint| joint.determinant() < 0.0) {
+        return None;
+    }
+    let is_mirrored =
+        |i: usize| blend(influences.of(i), &how.joints).is_some_and(|joint| joint.determinant() < 0.0);
+    Some((0..influences.vertices()).map(is_mirrored).collect())
+}
+
+/// Turns triangles round of which more corners are mirrored than not, so that their geometric normals stay on the side that their
+/// corners' normals are on.
+pub(crate) fn turn_round(triangles: &mut [[u32; 3]], mirrored: &[bool]) {
+    let is_mirrored = |i: u32| mirrored.get(i as usize).copied().unwrap_or(false);
+    for triangle in triangles {
+        if triangle.iter().filter(|&&i| is_mirrored(i)).count() >= 2 {
+            triangle.swap(1, 2);
         }
     }
 }

@@ -2,12 +2,12 @@
 //! What of a scene moves while a shutter is open: the same things at several moments.
 //! Source: original. Moments are those of the clip itself, evenly spaced, so that a turn is followed and not its chord, whatever
 //! nodes stand on each other; between two of them a renderer goes straight, or along an arc. Of a mesh only as many moments are
-//! kept as its way needs. Space and units: those of the scene; seconds. Proof: `tests/animation.rs`.
+//! kept as its way needs, and no more are held on the way. Space and units: those of the scene; seconds. Proof: `tests/animation.rs`, `tests/growth.rs`.
 
 use std::sync::Arc;
 
 use super::clip::Clip;
-use super::model::MovingMember;
+use super::model::{Animation, MovingMember};
 use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::id::{CameraId, InstanceId, LightId, MeshId, ObjectId};
@@ -55,13 +55,141 @@ impl Exposure {
     }
 }
 
-/// What a moment shows of what can move.
+/// What a moment shows of what can move, meshes aside.
+#[derive(Clone)]
 struct Moment {
-    meshes: Vec<Arc<Mesh>>,
     instances: Vec<(Affine, bool)>,
     members: Vec<Option<Affine>>,
     cameras: Vec<Camera>,
     lights: Vec<Light>,
+}
+
+/// A mesh at the ends of equal pieces of the time, as few as say where it is between them.
+struct Bends {
+    ends: Vec<Arc<Mesh>>,
+    /// Ends of pieces half as long, on their way in between the others.
+    fresh: Vec<Arc<Mesh>>,
+    /// How far a vertex may be from where it is.
+    tolerance: f32,
+    /// Whether all that was seen so far lies near enough.
+    is_enough: bool,
+    moves: bool,
+}
+
+impl Bends {
+    fn new(first: Arc<Mesh>) -> Self {
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for (k, &x) in first.positions.iter().flat_map(|p| p.iter().enumerate()) {
+            (low[k], high[k]) = (low[k].min(x), high[k].max(x));
+        }
+        let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f32::max);
+        let tolerance = Exposure::BEND * size;
+        Self { ends: vec![first], fresh: Vec::new(), tolerance, is_enough: false, moves: false }
+    }
+
+    /// Takes the ends of shorter pieces in between the others.
+    fn refine(&mut self) {
+        let mut fresh = std::mem::take(&mut self.fresh).into_iter();
+        if self.ends.len() == 1 {
+            self.ends.extend(fresh);
+        } else {
+            let before = std::mem::take(&mut self.ends);
+            self.ends = before.into_iter().flat_map(|end| [Some(end), fresh.next()]).flatten().collect();
+        }
+        self.is_enough = true;
+        let first = &self.ends[0];
+        let differs = |mesh: &Arc<Mesh>| !Arc::ptr_eq(mesh, first) && mesh.positions != first.positions;
+        self.moves |= self.ends.iter().any(differs);
+    }
+
+    /// Looks at moment `i` where pieces have `step` moments.
+    fn compare(&mut self, mesh: &Mesh, i: usize, step: usize) {
+        let (piece, share) = (i / step, (i % step) as f32 / step as f32);
+        let ends = self.ends[piece].positions.iter().zip(&self.ends[piece + 1].positions);
+        self.is_enough = mesh.positions.iter().zip(ends).all(|(is, (from, to))| {
+            (0..3).all(|k| {
+                let off = (is[k] - (1.0 - share) * from[k] - share * to[k]).abs();
+                // What is no number is in no tree either.
+                off <= self.tolerance || off.is_nan()
+            })
+        });
+        self.moves |= !self.is_enough || mesh.positions != self.ends[0].positions;
+    }
+}
+
+/// The scene and the moments of a clip that are looked at.
+struct Shutter<'a> {
+    scene: &'a mut Scene,
+    animation: &'a Animation,
+    clip: usize,
+    opens: f64,
+    closes: f64,
+    pieces: usize,
+    /// What was seen at each moment so far.
+    moments: Vec<Option<Moment>>,
+    /// Materials that one moment changes, at most.
+    materials: usize,
+}
+
+impl Shutter<'_> {
+    /// Shows a moment, and keeps what moves but meshes.
+    fn show(&mut self, i: usize) {
+        let share = i as f64 / self.pieces as f64;
+        let posed = self.scene.pose(self.clip, self.opens + (self.closes - self.opens) * share);
+        self.materials = self.materials.max(posed.materials);
+        if self.moments[i].is_some() {
+            return;
+        }
+        let scene = &*self.scene;
+        let place = |id: InstanceId| (scene.instance(id).world_from_object, scene.instance(id).visible);
+        let in_object = |moving: &MovingMember| {
+            let member = scene.object(moving.object).members.get(moving.member as usize);
+            member.map(|member| member.object_from_member)
+        };
+        let Animation { instances, members, cameras, lights, .. } = self.animation;
+        self.moments[i] = Some(Moment {
+            instances: instances.iter().map(|moving| place(moving.instance)).collect(),
+            members: members.iter().map(in_object).collect(),
+            cameras: cameras.iter().map(|moving| scene.camera(moving.camera).clone()).collect(),
+            lights: lights.iter().map(|moving| scene.light(moving.light).clone()).collect(),
+        });
+    }
+
+    /// The mesh of a body as it is shown.
+    fn mesh(&self, body: usize) -> &Arc<Mesh> {
+        &self.scene.meshes()[self.animation.bodies[body].mesh.index()]
+    }
+
+    /// The meshes that bend, each at as few moments as say where it is at the others. Those others are made again for each length of
+    /// pieces that is tried, so that no more meshes are held at once than are kept.
+    fn bends(&mut self) -> Vec<Bends> {
+        self.show(0);
+        let mut all: Vec<Bends> =
+            (0..self.animation.bodies.len()).map(|body| Bends::new(self.mesh(body).clone())).collect();
+        let mut step = self.pieces;
+        loop {
+            let open: Vec<usize> = (0..all.len()).filter(|&body| !all[body].is_enough).collect();
+            for i in (step..=self.pieces).step_by(if step == self.pieces { step } else { 2 * step }) {
+                self.show(i);
+                open.iter().for_each(|&body| all[body].fresh.push(self.mesh(body).clone()));
+            }
+            open.iter().for_each(|&body| all[body].refine());
+            for i in (0..=self.pieces).filter(|i| i % step != 0) {
+                let is_seen = self.moments[i].is_some();
+                if is_seen && !open.iter().any(|&body| all[body].is_enough) {
+                    continue;
+                }
+                self.show(i);
+                for &body in open.iter().filter(|&&body| all[body].is_enough).collect::<Vec<_>>() {
+                    all[body].compare(self.mesh(body), i, step);
+                }
+            }
+            if all.iter().all(|bends| bends.is_enough) {
+                return all;
+            }
+            step /= 2;
+        }
+    }
 }
 
 impl Scene {
@@ -79,39 +207,23 @@ impl Scene {
         }
         let animation = self.shared_animation().expect("the scene has an animation");
         let pieces = pieces(&animation.clips[clip], opens, closes);
-        let mut materials = 0;
-        let mut all: Vec<Moment> = Vec::with_capacity(pieces + 1);
-        for i in 0..=pieces {
-            let share = i as f64 / pieces as f64;
-            let posed = self.pose(clip, opens + (closes - opens) * share);
-            if i > 0 {
-                materials = materials.max(posed.materials);
-            }
-            let place = |id: InstanceId| (self.instance(id).world_from_object, self.instance(id).visible);
-            let in_object = |moving: &MovingMember| {
-                let member = self.object(moving.object).members.get(moving.member as usize);
-                member.map(|member| member.object_from_member)
-            };
-            all.push(Moment {
-                meshes: animation
-                    .bodies
-                    .iter()
-                    .map(|body| self.meshes()[body.mesh.index()].clone())
-                    .collect(),
-                instances: animation.instances.iter().map(|moving| place(moving.instance)).collect(),
-                members: animation.members.iter().map(in_object).collect(),
-                cameras: animation.cameras.iter().map(|moving| self.camera(moving.camera).clone()).collect(),
-                lights: animation.lights.iter().map(|moving| self.light(moving.light).clone()).collect(),
-            });
-        }
+        let moments = vec![None; pieces + 1];
+        let mut shutter = Shutter {
+            scene: self,
+            animation: &animation,
+            clip,
+            opens,
+            closes,
+            pieces,
+            moments,
+            materials: 0,
+        };
+        let bends = shutter.bends();
+        let (materials, all) = (shutter.materials, shutter.moments.into_iter().flatten().collect::<Vec<_>>());
         self.pose(clip, opens);
         let mut exposure = Exposure { held: materials, ..Exposure::default() };
-        for (i, body) in animation.bodies.iter().enumerate() {
-            let of: Vec<Arc<Mesh>> = all.iter().map(|moment| moment.meshes[i].clone()).collect();
-            let first = &of[0];
-            if of.iter().any(|mesh| !Arc::ptr_eq(mesh, first) && mesh.positions != first.positions) {
-                exposure.meshes.push((body.mesh, thinned(of)));
-            }
+        for (body, bends) in animation.bodies.iter().zip(bends).filter(|(_, bends)| bends.moves) {
+            exposure.meshes.push((body.mesh, bends.ends));
         }
         for (i, moving) in animation.instances.iter().enumerate() {
             let (first, visible) = all[0].instances[i];
@@ -150,35 +262,4 @@ fn pieces(clip: &Clip, opens: f64, closes: f64) -> usize {
     let keys = clip.channels.iter().map(|channel| within(channel.sampler.times())).max().unwrap_or(0);
     let [least, most] = PIECES;
     (PER_KEY * (keys + 1)).next_power_of_two().clamp(least, most)
-}
-
-/// As few of the meshes, evenly spaced, as say where the others are.
-fn thinned(all: Vec<Arc<Mesh>>) -> Vec<Arc<Mesh>> {
-    let pieces = all.len() - 1;
-    let mut step = pieces;
-    while step > 1 && !is_enough(&all, step) {
-        step /= 2;
-    }
-    all.into_iter().step_by(step).collect()
-}
-
-/// Whether every `step`th mesh says where the others are.
-fn is_enough(all: &[Arc<Mesh>], step: usize) -> bool {
-    let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for (k, &x) in all[0].positions.iter().flat_map(|p| p.iter().enumerate()) {
-        (low[k], high[k]) = (low[k].min(x), high[k].max(x));
-    }
-    let size = (0..3).map(|k| high[k] - low[k]).fold(0.0, f32::max);
-    let bend = Exposure::BEND * size;
-    (0..all.len()).filter(|i| i % step != 0).all(|i| {
-        let (from, share) = (i / step * step, (i % step) as f32 / step as f32);
-        let ends = all[from].positions.iter().zip(&all[from + step].positions);
-        all[i].positions.iter().zip(ends).all(|(is, (from, to))| {
-            (0..3).all(|k| {
-                let off = (is[k] - (1.0 - share) * from[k] - share * to[k]).abs();
-                // What is no number is in no tree either.
-                off <= bend || off.is_nan()
-            })
-        })
-    })
 }

@@ -2,7 +2,7 @@
 //! Values over time: keys, and what lies between them.
 //! Source: glTF 2.0 section 3.11 and appendix C (step, linear, spherical linear, cubic spline). Double precision.
 //! Times outside of the keys are clamped. Of keys of equal times the last one counts from that time on.
-//! Invariant: times ascend or are equal, are finite, and there is at least one; each has its values.
+//! Invariant: times ascend or are equal and there is at least one; each has its values; all numbers that are looked at are finite.
 //! Proof: `tests`, `tests/animation.rs`.
 
 use std::sync::Arc;
@@ -37,6 +37,9 @@ pub enum SamplerError {
     /// A time is NaN or infinite.
     #[error("the time of key {0} is no finite number")]
     NotFinite(usize),
+    /// A value, or a tangent, of a key is NaN or infinite.
+    #[error("a value of key {0} is no finite number")]
+    NotFiniteValue(usize),
     /// A time is below the one before it.
     #[error("the time of key {0} is before that of the key before it")]
     Unordered(usize),
@@ -66,7 +69,7 @@ impl Sampler {
     /// value, the tangent that goes out.
     ///
     /// # Errors
-    /// [`SamplerError`] if the times do not ascend (equal ones may follow each other) or the counts do not fit.
+    /// [`SamplerError`] if the times do not ascend (equal ones may follow each other), a number is not finite or the counts do not fit.
     pub fn new(
         times: Arc<[f32]>,
         values: Vec<f32>,
@@ -86,6 +89,13 @@ impl Sampler {
         let expected = keys.saturating_mul(width).saturating_mul(interpolation.sets());
         if values.len() != expected {
             return Err(SamplerError::Count { values: values.len(), keys, expected });
+        }
+        let of_key = width.saturating_mul(interpolation.sets()).max(1);
+        // Nobody looks at the tangent that comes into the first key and the one that goes out of the last.
+        let ends = if interpolation == Interpolation::CubicSpline { width } else { 0 };
+        let used = &values[ends..values.len() - ends];
+        if let Some(i) = used.iter().position(|value| !value.is_finite()) {
+            return Err(SamplerError::NotFiniteValue((ends + i) / of_key));
         }
         Ok(Self { times, values, width, interpolation })
     }
@@ -249,6 +259,13 @@ mod tests {
         };
         assert_eq!(error(&[], &[]), "there are no keys");
         assert_eq!(error(&[0.0, f32::NAN], &[0.0; 2]), "the time of key 1 is no finite number");
+        assert_eq!(error(&[0.0, 1.0], &[0.0, f32::NAN]), "a value of key 1 is no finite number");
+        let ends = [f32::NAN, 1.0, 2.0, 3.0, 4.0, f32::INFINITY];
+        sampler(&[0.0, 1.0], &ends, Interpolation::CubicSpline).expect("nobody looks at the outer tangents");
+        let inner = [0.0, 1.0, 2.0, f32::NAN, 4.0, 0.0];
+        let error_of_spline =
+            sampler(&[0.0, 1.0], &inner, Interpolation::CubicSpline).expect_err("one inside");
+        assert_eq!(error_of_spline, SamplerError::NotFiniteValue(1));
         assert!(error(&[0.0, 2.0, 1.0], &[0.0; 3]).starts_with("the time of key 2 is before"), "order");
         assert_eq!(error(&[0.0, 1.0], &[0.0; 3]), "3 values for 2 keys; expected 2");
         let spline = sampler(&[0.0, 1.0], &[0.0; 2], Interpolation::CubicSpline).expect_err("too few");

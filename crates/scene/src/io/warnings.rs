@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Oddities that a file may have and still be shown: one line per kind, with a count and the first place.
+//! Oddities that a file may have and still be shown: one line per kind and cause, with a count and the first place.
 //! Source: original; which ones are recoverable is the contract of the command line.
-//! Proof: `tests::counts_by_kind_and_keeps_the_first_place`.
+//! Invariant: at most [`MOST_LINES`] lines of a kind, and one for the others, whatever a file holds.
+//! Proof: `tests::{counts_by_cause_and_keeps_the_first_place, lines_of_a_kind_have_a_limit}`.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use super::error::printable;
+
+/// Lines of a kind. What else there is of the kind is counted in one more.
+const MOST_LINES: usize = 20;
+/// Bytes of a detail.
+const LONGEST: usize = 1000;
 
 /// Kinds of oddity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -27,6 +33,8 @@ pub enum Oddity {
     NormalOutOfRange,
     /// Texture coordinates, normals or colours that are no numbers.
     BadAttribute,
+    /// Numbers outside of the range that their format allows.
+    NumberOutOfRange,
     /// Textures that are missing or broken.
     BadTexture,
     /// Material libraries that are missing or unreadable.
@@ -39,6 +47,12 @@ pub enum Oddity {
     UnknownExtension,
     /// Things of the format that are not shown.
     NotShown,
+    /// Pictures named as heights that hold normals.
+    NormalsForHeights,
+    /// Lines of a header that say nothing.
+    BadHeaderLine,
+    /// Lines of numbers that end before what the header declares.
+    ShortLine,
     /// Cameras that cannot be used.
     BadCamera,
     /// What a camera's `extras` say of it, and cannot mean.
@@ -54,6 +68,21 @@ pub enum Oddity {
 }
 
 impl Oddity {
+    /// Whether there may be thousands in one mesh, of which the first one stands for all. Of the others each cause is told.
+    fn is_of_geometry(self) -> bool {
+        matches!(
+            self,
+            Self::NotFiniteTriangle
+                | Self::ZeroAreaTriangle
+                | Self::ShortFace
+                | Self::PointsOrLines
+                | Self::TexcoordOutOfRange
+                | Self::NormalOutOfRange
+                | Self::RepeatedKey
+                | Self::ShortLine
+        )
+    }
+
     /// What it is and what was done about it.
     fn sentence(self) -> &'static str {
         match self {
@@ -69,12 +98,16 @@ impl Oddity {
             Self::BadAttribute => {
                 "texture coordinate, normal, colour or weight that is no finite number, ignored"
             }
-            Self::BadTexture => "texture cannot be read, the base colour is used",
+            Self::NumberOutOfRange => "number out of range, the nearest one in it is used",
+            Self::BadTexture => "texture cannot be read, ignored",
             Self::BadMaterialLibrary => "material library cannot be read, default materials are used",
             Self::BadMaterialLine => "material line cannot be understood, ignored",
             Self::UnknownMaterial => "unknown material, the default material is used",
             Self::UnknownExtension => "required extension is unknown, shown without it",
             Self::NotShown => "not supported, left out",
+            Self::NormalsForHeights => "bump map holds normals, used as a normal map",
+            Self::ShortLine => "line with fewer values than the header declares, read without them",
+            Self::BadHeaderLine => "header line cannot be understood, ignored",
             Self::BadCamera => "camera cannot be used, left out",
             Self::CameraExtras => "word of a camera cannot be understood, ignored",
             Self::BadNode => "node cannot be placed, left out",
@@ -85,7 +118,7 @@ impl Oddity {
     }
 }
 
-/// One kind of oddity in a scene; `Display` is one line.
+/// One oddity in a scene; `Display` is one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// What kind.
@@ -117,11 +150,25 @@ impl fmt::Display for Warning {
     }
 }
 
-/// All oddities of a scene, by kind.
+/// All oddities of a scene, by kind and cause.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Warnings {
-    kinds: Vec<Warning>,
+    list: Vec<Warning>,
 }
+
+/// A detail of at most [`LONGEST`] bytes: a name may be as long as its file.
+fn shortened(mut detail: String) -> String {
+    if detail.len() > LONGEST {
+        let end = (0..=LONGEST).rev().find(|&end| detail.is_char_boundary(end)).unwrap_or(0);
+        detail.truncate(end);
+        detail.push('…');
+        detail.shrink_to_fit();
+    }
+    detail
+}
+
+/// The detail of the line that counts what has no line of its own.
+const OTHERS: &str = "and others";
 
 impl Warnings {
     /// Notes one oddity.
@@ -129,7 +176,7 @@ impl Warnings {
         self.note_many(oddity, 1, path, line, detail);
     }
 
-    /// Notes `count` oddities of one kind; the place is that of the first one.
+    /// Notes `count` oddities of one kind and cause, which `detail` says; the place is that of the first one.
     pub fn note_many(
         &mut self,
         oddity: Oddity,
@@ -141,30 +188,34 @@ impl Warnings {
         if count == 0 {
             return;
         }
-        match self.kinds.iter_mut().find(|warning| warning.oddity == oddity) {
-            Some(warning) => warning.count += count,
-            None => {
-                let detail = detail.into();
-                self.kinds.push(Warning { oddity, count, path: path.to_owned(), line, detail });
-            }
+        let detail = shortened(detail.into());
+        let same = |warning: &Warning, detail: &str| {
+            warning.oddity == oddity && (oddity.is_of_geometry() || warning.detail == detail)
+        };
+        let is_known = self.list.iter().any(|warning| same(warning, &detail));
+        let has_room = || self.list.iter().filter(|warning| warning.oddity == oddity).count() < MOST_LINES;
+        let detail = if is_known || has_room() { detail } else { OTHERS.to_owned() };
+        match self.list.iter_mut().find(|warning| same(warning, &detail)) {
+            Some(warning) => warning.count = warning.count.saturating_add(count),
+            None => self.list.push(Warning { oddity, count, path: path.to_owned(), line, detail }),
         }
     }
 
-    /// One warning per kind, in the order of their first appearance.
+    /// One warning per kind and cause, in the order of their first appearance.
     pub fn iter(&self) -> impl Iterator<Item = &Warning> {
-        self.kinds.iter()
+        self.list.iter()
     }
 
     /// Whether all is well.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.kinds.is_empty()
+        self.list.is_empty()
     }
 
     /// How often a kind was noted.
     #[must_use]
     pub fn count(&self, oddity: Oddity) -> u64 {
-        self.kinds.iter().find(|w| w.oddity == oddity).map_or(0, |w| w.count)
+        self.list.iter().filter(|w| w.oddity == oddity).map(|w| w.count).sum()
     }
 }
 
@@ -173,14 +224,39 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_by_kind_and_keeps_the_first_place() {
+    fn counts_by_cause_and_keeps_the_first_place() {
         let mut warnings = Warnings::default();
         warnings.note(Oddity::BadTexture, Path::new("a.mtl"), Some(3), "wood.png: no such file");
         warnings.note(Oddity::BadTexture, Path::new("b.mtl"), Some(9), "tile.png: no such file");
+        warnings.note(Oddity::BadTexture, Path::new("b.mtl"), Some(12), "wood.png: no such file");
         warnings.note_many(Oddity::ShortFace, 0, Path::new("a.obj"), None, "");
+        warnings.note(Oddity::ZeroAreaTriangle, Path::new("a.obj"), None, "in a");
+        warnings.note(Oddity::ZeroAreaTriangle, Path::new("a.obj"), None, "in b");
         let lines: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-        let line =
-            "a.mtl:3: texture cannot be read, the base colour is used (wood.png: no such file) [2 in all]";
-        assert_eq!(lines, [line], "one line for both; nothing for a count of zero");
+        let expected = [
+            "a.mtl:3: texture cannot be read, ignored (wood.png: no such file) [2 in all]",
+            "b.mtl:9: texture cannot be read, ignored (tile.png: no such file)",
+            "a.obj: triangle without area left out (in a) [2 in all]",
+        ];
+        assert_eq!(
+            lines, expected,
+            "one line for each cause, one for triangles; nothing for a count of zero"
+        );
+        assert_eq!(warnings.count(Oddity::BadTexture), 3, "all of the kind");
+    }
+
+    #[test]
+    fn lines_of_a_kind_have_a_limit() {
+        let mut warnings = Warnings::default();
+        for i in 0..500 {
+            warnings.note(Oddity::UnknownMaterial, Path::new("a.obj"), Some(i), format!("`m{i}`"));
+        }
+        assert_eq!(warnings.iter().count(), MOST_LINES + 1, "{warnings:?}");
+        let last = warnings.iter().last().map(ToString::to_string).unwrap_or_default();
+        assert!(last.contains("(and others) [480 in all]"), "{last}");
+        assert_eq!(warnings.count(Oddity::UnknownMaterial), 500, "all are counted");
+        warnings.note(Oddity::BadTexture, Path::new("a.mtl"), None, "ö".repeat(1 << 20));
+        let long = warnings.iter().last().map_or(0, |warning| warning.detail.len());
+        assert!((900..1100).contains(&long), "a name of a megabyte is shortened: {long}");
     }
 }

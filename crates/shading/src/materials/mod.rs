@@ -13,6 +13,7 @@ mod metallic_roughness;
 mod mirror;
 mod points;
 mod shadow_catcher;
+mod unlit;
 mod whitted;
 
 pub use bump::BumpMap;
@@ -25,6 +26,7 @@ pub use metallic_roughness::{Anisotropy, MetallicRoughness, NormalMap};
 pub use mirror::Mirror;
 pub use points::{FromPoints, RoughGlass, metal, rough_matte};
 pub use shadow_catcher::ShadowCatcher;
+pub use unlit::Unlit;
 pub use whitted::{recursive_radiance, scattered_radiance};
 
 /// Perceptual roughness below which Whitted's renderer traces reflections, and sees straight through glass. Just above 0.5, which

@@ -21,9 +21,9 @@ pub(crate) fn seed(text: &str) -> Result<u64, String> {
     whole(text, 0, u64::MAX)
 }
 
-/// 0 to 1000.
+/// 1 to 1000: 0 would be no light at all.
 pub(crate) fn depth(text: &str) -> Result<u32, String> {
-    whole(text, 0, 1000)
+    whole(text, 1, 1000)
 }
 
 /// 1 to 2^20.

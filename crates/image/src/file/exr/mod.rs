@@ -11,8 +11,10 @@ pub(super) use write::encode;
 /// Precision of the colours in an EXR.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ExrPixels {
-    /// 16-bit floats: off by at most 1/2048, up to 65504.
+    /// Half where all values fit, else float: a sun that is seen is not cut off.
     #[default]
+    Fitting,
+    /// 16-bit floats: off by at most 1/2048, up to 65504; what is above becomes that.
     Half,
     /// 32-bit floats: exact.
     Float,

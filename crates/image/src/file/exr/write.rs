@@ -62,18 +62,24 @@ pub(in crate::file) fn encode(picture: &Picture, pixels: ExrPixels) -> Result<Ve
 
 fn channels(picture: &Picture, pixels: ExrPixels) -> Result<Vec<AnyChannel<FlatSamples>>, Error> {
     let front: Vec<[f32; 4]> = picture.in_front().collect();
+    let is_float = match pixels {
+        ExrPixels::Float => true,
+        ExrPixels::Half => false,
+        ExrPixels::Fitting => !fits_half(front.as_flattened()) || !background_fits(picture),
+    };
     let color = ["R", "G", "B", "A"].into_iter().enumerate().map(|(c, name)| {
         let values = front.iter().map(|pixel| pixel[c]);
-        let samples = match pixels {
-            ExrPixels::Half => FlatSamples::F16(values.map(nearest_half).collect()),
-            ExrPixels::Float => FlatSamples::F32(values.collect()),
+        let samples = match is_float {
+            false => FlatSamples::F16(values.map(nearest_half).collect()),
+            true => FlatSamples::F32(values.collect()),
         };
         (name.to_string(), samples)
     });
     let layers = picture.layers.iter().flat_map(|layer| {
         // What is in front and what lies behind are added: they have one precision.
-        let is_color = layer.name == BACKGROUND && pixels == ExrPixels::Half;
+        let is_color = layer.name == BACKGROUND;
         let samples = move |channel: &Channel| match &channel.data {
+            ChannelData::F32(values) if is_color && is_float => FlatSamples::F32(values.clone()),
             ChannelData::F32(values) if is_color => {
                 FlatSamples::F16(values.iter().copied().map(nearest_half).collect())
             }
@@ -103,6 +109,21 @@ fn samples(channel: &Channel) -> FlatSamples {
         }
         ChannelData::F32(values) => FlatSamples::F32(values.clone()),
     }
+}
+
+/// Whether halves hold the finite ones among these values.
+fn fits_half(values: &[f32]) -> bool {
+    // What rounds to the largest half or less.
+    const MOST: f32 = 65520.0;
+    values.iter().all(|value| value.abs() < MOST || !value.is_finite())
+}
+
+fn background_fits(picture: &Picture) -> bool {
+    let layers = picture.layers.iter().filter(|layer| layer.name == BACKGROUND);
+    layers.flat_map(|layer| &layer.channels).all(|channel| match &channel.data {
+        ChannelData::F32(values) => fits_half(values),
+        ChannelData::U32(_) => true,
+    })
 }
 
 /// Finite values stay finite: what is too large becomes the largest.

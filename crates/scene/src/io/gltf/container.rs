@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::io::{Error, Format};
+use crate::io::{Error, Format, Oddity, Warnings};
 
 /// The JSON text and the binary chunk.
 pub(super) struct Container<'a> {
@@ -18,9 +18,14 @@ const CHUNK_JSON: u32 = 0x4e4f_534a;
 const CHUNK_BINARY: u32 = 0x004e_4942;
 
 impl<'a> Container<'a> {
-    pub(super) fn new(bytes: &'a [u8], format: Format, path: &Path) -> Result<Self, Error> {
+    pub(super) fn new(
+        bytes: &'a [u8],
+        format: Format,
+        path: &Path,
+        warnings: &mut Warnings,
+    ) -> Result<Self, Error> {
         if bytes.starts_with(MAGIC) {
-            return Self::binary(bytes, path);
+            return Self::binary(bytes, path, warnings);
         }
         if format == Format::Glb {
             let remedy = "expected `glTF` in its first four bytes";
@@ -29,7 +34,7 @@ impl<'a> Container<'a> {
         Ok(Self { json: bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), binary: None })
     }
 
-    fn binary(bytes: &'a [u8], path: &Path) -> Result<Self, Error> {
+    fn binary(bytes: &'a [u8], path: &Path, warnings: &mut Warnings) -> Result<Self, Error> {
         let cut_off = |what: &str| {
             Error::data(path, None, format!("the file ends in its {what}"), "it may have been cut off")
         };
@@ -41,7 +46,8 @@ impl<'a> Container<'a> {
         if version != 2 {
             return Err(Error::data(path, None, format!("glTF version {version}"), "expected version 2"));
         }
-        if length as usize > bytes.len() {
+        let declared = length as usize;
+        if declared > bytes.len() {
             let problem = format!("{length} bytes are declared, but the file has {}", bytes.len());
             return Err(Error::data(path, None, problem, "it may have been cut off"));
         }
@@ -49,13 +55,26 @@ impl<'a> Container<'a> {
         let mut at = 12;
         while let (Some(length), Some(kind)) = (word(at), word(at + 4)) {
             let end = (at + 8).checked_add(length as usize);
-            let chunk = end.and_then(|end| bytes.get(at + 8..end)).ok_or_else(|| cut_off("chunks"))?;
-            match kind {
-                CHUNK_JSON if json.is_none() => json = Some(chunk),
-                CHUNK_BINARY if binary.is_none() => binary = Some(chunk),
-                _ => {}
+            let chunk = end.and_then(|end| bytes.get(at + 8..end));
+            let slot = match kind {
+                CHUNK_JSON if json.is_none() => Some(&mut json),
+                CHUNK_BINARY if binary.is_none() => Some(&mut binary),
+                _ => None,
+            };
+            // Behind the declared end only what is missing counts: some programs declare too little.
+            if at >= declared && (slot.is_none() || chunk.is_none()) {
+                break;
+            }
+            let chunk = chunk.ok_or_else(|| cut_off("chunks"))?;
+            if let Some(slot) = slot {
+                *slot = Some(chunk);
             }
             at += 8 + chunk.len().next_multiple_of(4);
+        }
+        let end = at.max(declared);
+        if end < bytes.len() {
+            let detail = format!("{} after byte {end}", bytes.len() - end);
+            warnings.note(Oddity::TrailingData, path, None, detail);
         }
         let json = json.ok_or_else(|| Error::data(path, None, "no JSON chunk", "expected it first"))?;
         Ok(Self { json, binary })

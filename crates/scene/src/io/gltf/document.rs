@@ -3,7 +3,7 @@
 //! Source: glTF 2.0 sections 3.6 and 3.12. Buffers: data URI, file beside the document, binary chunk.
 //! Invariant: a buffer has the length that it declares. Proof: `tests/gltf.rs`, `tests/broken_files.rs`.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -44,6 +44,22 @@ const KNOWN_EXTENSIONS: &[&str] = &[
 /// Extensions without which there is nothing to be seen.
 const COMPRESSIONS: &[&str] =
     &["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
+
+/// Extensions whose textures are told where a material reads one.
+const TOLD_WHERE_USED: &[&str] = &["EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"];
+
+/// What the names of extensions begin with that no picture could show.
+const UNSEEN: &[&str] = &[
+    "EXT_mesh_features",
+    "EXT_structural_metadata",
+    "KHR_audio",
+    "KHR_implicit_shapes",
+    "KHR_interactivity",
+    "KHR_node_hoverability",
+    "KHR_node_selectability",
+    "KHR_physics_",
+    "KHR_xmp",
+];
 
 /// What to do about a mesh that is compressed.
 const DECOMPRESS: &str = "this program does not unpack it; write the file without compression";
@@ -90,7 +106,7 @@ impl<'a> Document<'a> {
         access: &'a Access,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let container = Container::new(bytes, format, path)?;
+        let container = Container::new(bytes, format, path, warnings)?;
         let json = std::str::from_utf8(container.json).map_err(|error| {
             let problem = format!("the JSON is no UTF-8 at its byte {}", error.valid_up_to());
             Error::data(path, None, problem, "expected a glTF 2.0 document")
@@ -103,7 +119,8 @@ impl<'a> Document<'a> {
             json,
             is_text: container.binary.is_none(),
         };
-        document.root = serde_json::from_str(json).map_err(|error| document.broken("", json, &error))?;
+        document.root = serde_json::from_str(json)
+            .map_err(|error| document.old().unwrap_or_else(|| document.broken("", json, &error)))?;
         document.check(warnings)?;
         let pieces = document.root.pieces() * size_of::<&RawValue>();
         document.hold(pieces, "the document")?;
@@ -114,6 +131,18 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
+    /// What is wrong with a document of another version, whose arrays may be of another form: those of glTF 1.0 are objects.
+    fn old(&self) -> Option<Error> {
+        let json::Versioned { asset } = serde_json::from_str(self.json).ok()?;
+        let version = asset.version.get().trim_matches('"');
+        (!version.starts_with("2.")).then(|| self.other_version(version))
+    }
+
+    fn other_version(&self, version: &str) -> Error {
+        let problem = format!("glTF version {}", quoted(version));
+        Error::data(&self.path, None, problem, "expected version 2.0")
+    }
+
     /// Whether this program can show it.
     fn check(&self, warnings: &mut Warnings) -> Result<(), Error> {
         let Some(asset) = &self.root.asset else {
@@ -121,8 +150,7 @@ impl<'a> Document<'a> {
             return Err(Error::data(&self.path, None, "broken JSON: missing field `asset`", remedy));
         };
         if !asset.version.starts_with("2.") {
-            let problem = format!("glTF version {}", quoted(&asset.version));
-            return Err(Error::data(&self.path, None, problem, "expected version 2.0"));
+            return Err(self.other_version(&asset.version));
         }
         for name in self.root.extensions_required.iter().map(|name| &**name) {
             if COMPRESSIONS.contains(&name) {
@@ -132,7 +160,24 @@ impl<'a> Document<'a> {
                 warnings.note(Oddity::UnknownExtension, &self.path, None, quoted(name));
             }
         }
+        self.tell_unknown(warnings);
         Ok(())
+    }
+
+    /// Tells extensions that are used and that nobody looks at.
+    fn tell_unknown(&self, warnings: &mut Warnings) {
+        // Those beyond are told twice; the set stays small whatever the file holds.
+        const MOST_REQUIRED: usize = 1024;
+        let required = self.root.extensions_required.iter().take(MOST_REQUIRED);
+        let required: HashSet<&str> = required.map(|name| &**name).collect();
+        for name in self.root.extensions_used.iter().map(|name| &**name) {
+            let is_told =
+                [KNOWN_EXTENSIONS, COMPRESSIONS, TOLD_WHERE_USED].iter().any(|list| list.contains(&name));
+            let is_unseen = UNSEEN.iter().any(|start| name.starts_with(start));
+            if !is_told && !is_unseen && !required.contains(name) {
+                warnings.note(Oddity::NotShown, &self.path, None, format!("extension {}", quoted(name)));
+            }
+        }
     }
 
     /// Refuses files outside of the folder that files must be in.

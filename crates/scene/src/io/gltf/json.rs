@@ -38,6 +38,8 @@ pub(super) struct Root<'a> {
     #[serde(borrow)]
     pub(super) extensions_required: Vec<Text<'a>>,
     #[serde(borrow)]
+    pub(super) extensions_used: Vec<Text<'a>>,
+    #[serde(borrow)]
     pub(super) images: Pieces<'a>,
     #[serde(borrow)]
     pub(super) materials: Pieces<'a>,
@@ -77,6 +79,20 @@ impl Root<'_> {
         ];
         arrays.iter().map(|array| array.len()).sum::<usize>() + lights
     }
+}
+
+/// What documents of all versions have.
+#[derive(Deserialize)]
+pub(super) struct Versioned<'a> {
+    #[serde(borrow)]
+    pub(super) asset: AnyAsset<'a>,
+}
+
+#[derive(Deserialize)]
+pub(super) struct AnyAsset<'a> {
+    /// A text or, in drafts of the format, a number.
+    #[serde(borrow)]
+    pub(super) version: &'a RawValue,
 }
 
 #[derive(Deserialize)]
@@ -477,6 +493,7 @@ extensions! {
     }
     Volume {
         thickness_factor: f32 = 0.0,
+        thickness_texture: Option<TextureInfo> = None,
         attenuation_color: [f32; 3] = [1.0; 3],
         attenuation_distance: f32 = f32::INFINITY,
     }

@@ -14,9 +14,11 @@ use std::sync::Arc;
 use super::base64::data_uri;
 use super::document::Document;
 use super::json::{self, Index, TextureInfo, TextureTransform};
+use super::ranges::out_of_range;
 use crate::animation::MovingMaterial;
 use crate::factors::{self, AlphaMode, Factors, MappedTexture};
 use crate::id::{MaterialId, TextureId};
+use crate::io::error::quoted;
 use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings, source};
 use crate::material::{Material, Principled, Surface};
@@ -70,6 +72,14 @@ pub(super) fn add_all(
             Converter { document, scene, textures: &mut textures, warnings, texcoord_set: None };
         let factors = converter.factors(i, &material, is_driven);
         let texcoord_set = converter.texcoord_set.unwrap_or(0);
+        for wrong in out_of_range(&factors) {
+            let detail = format!("{place}: {wrong}");
+            warnings.note(Oddity::NumberOutOfRange, &document.path, None, detail);
+        }
+        if !matches!(&*material.alpha_mode, "OPAQUE" | "MASK" | "BLEND") {
+            let detail = format!("{place}: alphaMode {}, shown as OPAQUE", quoted(&material.alpha_mode));
+            warnings.note(Oddity::NotShown, &document.path, None, detail);
+        }
         let converted = factors.material();
         let has_tangents = match &converted.surface {
             _ if is_driven => factors.normal_texture.is_some() || factors.anisotropy > 0.0,
@@ -187,6 +197,9 @@ impl Converter<'_, '_> {
             to.thickness = volume.thickness_factor;
             to.attenuation_color = volume.attenuation_color;
             to.attenuation_distance = volume.attenuation_distance;
+            if volume.thickness_texture.is_some() {
+                textured.push("KHR_materials_volume");
+            }
         }
         if let Some(dispersion) = &extensions.dispersion {
             to.dispersion = dispersion.dispersion;

@@ -9,6 +9,7 @@ use super::json::{self, Index, Primitive};
 use super::material::AddedMaterial;
 use super::primitive::PrimitiveReader;
 use super::skin::{Bending, Parts};
+use crate::animation::turn_round;
 use crate::io::clean::{clean, clean_attributes};
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
@@ -136,7 +137,7 @@ impl PrimitiveReader<'_> {
         warnings: &mut Warnings,
     ) -> Result<Option<(Mesh, Option<Parts>)>, Error> {
         let count = mesh.positions.len();
-        let parts = bending.bend(self, &mut mesh, warnings)?;
+        let (parts, mirrored) = bending.bend(self, &mut mesh, warnings)?;
         mesh.indices = triangles;
         let parts = match parts {
             Some(parts) => {
@@ -145,6 +146,9 @@ impl PrimitiveReader<'_> {
             }
             None => None,
         };
+        if let Some(mirrored) = mirrored {
+            turn_round(&mut mesh.indices, &mirrored);
+        }
         mesh.drop_unused_vertices();
         Ok(Some((mesh, parts)))
     }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF 2.0, text and binary.
-//! Source: Khronos, glTF 2.0 specification; KHR_lights_punctual, KHR_materials_{emissive_strength, ior, transmission,
-//! unlit}, KHR_texture_transform, KHR_mesh_quantization, EXT_texture_webp, EXT_mesh_gpu_instancing, KHR_animation_pointer, KHR_node_visibility.
+//! Source: Khronos, glTF 2.0 specification, and the extensions of `KNOWN_EXTENSIONS` (`document.rs`). Others that a file uses are told.
 //!
 //! ```text
 //! file -> container (JSON, binary chunk) -> Document (buffers) -> animations -> materials, meshes -> nodes: instances, cameras, lights
@@ -25,6 +24,7 @@ mod mesh;
 mod nodes;
 mod pointer;
 mod primitive;
+mod ranges;
 mod rig;
 mod skin;
 

@@ -212,7 +212,7 @@ impl Adder<'_> {
         let from: json::Mesh<'_> = document.get(&document.root.meshes, index, "nodes", "mesh")?;
         let weights_of = if is_own { WeightsOf::Node(at) } else { WeightsOf::Mesh(index) };
         let before = document.budget().held();
-        let skin = node.skin.map(|skin| Ok((skin, self.rig.skin(skin)?))).transpose()?;
+        let skin = node.skin.map(|skin| Ok((skin, self.rig.skin(skin, warnings)?))).transpose()?;
         let for_skin = document.budget().held() - before;
         let rest = node.weights.as_ref().unwrap_or(&from.weights);
         let skin_and_rest = skin.as_ref().map(|(_, skin)| skin);

@@ -117,20 +117,20 @@ impl<'a> Rig<'a> {
     }
 
     /// The joints of a skin, and their world-from-mesh matrices at rest.
-    pub(super) fn skin(&self, index: Index) -> Result<(Skin, Vec<Affine>), Error> {
+    pub(super) fn skin(&self, index: Index, warnings: &mut Warnings) -> Result<(Skin, Vec<Affine>), Error> {
         let document = self.document;
-        let place = format!("skins[{}]", index.0);
-        let skin: json::Skin = document.get(&document.root.skins, index, &place, "skin")?;
+        let skin_place = format!("skins[{}]", index.0);
+        let skin: json::Skin = document.get(&document.root.skins, index, &skin_place, "skin")?;
         let bytes = (size_of::<Affine>() + size_of::<Joint>()) * skin.joints.len();
-        document.work(bytes, &place)?;
-        document.hold(bytes, &place)?;
+        document.work(bytes, &skin_place)?;
+        document.hold(bytes, &skin_place)?;
         let inverse_binds = match skin.inverse_bind_matrices {
-            Some(accessor) => super::accessor::floats::<16>(document, accessor, &place)?,
+            Some(accessor) => super::accessor::floats::<16>(document, accessor, &skin_place)?,
             None => Vec::new(),
         };
         if !inverse_binds.is_empty() && inverse_binds.len() < skin.joints.len() {
             let problem = format!("{} matrices for {} joints", inverse_binds.len(), skin.joints.len());
-            return Err(document.error(&place, problem, "expected one for each"));
+            return Err(document.error(&skin_place, problem, "expected one for each"));
         }
         let mut at_rest = Vec::with_capacity(skin.joints.len());
         let mut joints = Vec::with_capacity(skin.joints.len());
@@ -138,7 +138,12 @@ impl<'a> Rig<'a> {
             let (place, world_from_joint) =
                 self.joints.get(joint).copied().unwrap_or((NOWHERE, Affine::IDENTITY));
             let bind = inverse_binds.get(k).map(|m| Affine::from_column_major(&m.map(f64::from)));
-            let joint_from_mesh = bind.unwrap_or_default();
+            let is_finite = |m: &Affine| m.columns.as_flattened().iter().all(|x| x.is_finite());
+            if bind.as_ref().is_some_and(|bind| !is_finite(bind)) {
+                let detail = format!("{skin_place}: inverse bind matrix {k}");
+                warnings.note(Oddity::BadAttribute, &document.path, None, detail);
+            }
+            let joint_from_mesh = bind.filter(is_finite).unwrap_or_default();
             at_rest.push(world_from_joint * joint_from_mesh);
             joints.push(Joint { place, joint_from_mesh });
         }

@@ -9,7 +9,7 @@ use super::accessor::{floats, joints};
 use super::json::{Index, Target};
 use super::primitive::PrimitiveReader;
 use crate::affine::Affine;
-use crate::animation::{Bend, Deltas, Influences, Morph, Place, Skin, add_morph, follow_joints};
+use crate::animation::{Bend, Deltas, Influences, Morph, Place, Skin, add_morph, follow_joints, mirrored};
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 
@@ -46,13 +46,13 @@ impl Bending {
     }
 
     /// Moves positions, normals and tangents of a primitive's mesh, which has no triangles yet, to where they are at rest; gives
-    /// what bends it later, if anything does.
+    /// what bends it later, if anything does, and which vertices are mirrored, if any.
     pub(super) fn bend(
         &self,
         from: &PrimitiveReader<'_>,
         mesh: &mut Mesh,
         warnings: &mut Warnings,
-    ) -> Result<Option<Parts>, Error> {
+    ) -> Result<(Option<Parts>, Option<Vec<bool>>), Error> {
         let base = match self.moves {
             true => {
                 from.document.hold(mesh.memory_bytes(), from.place)?;
@@ -85,10 +85,12 @@ impl Bending {
         }
         let influences =
             if self.is_skinned { from.influences(mesh, self.rest.joints.len(), warnings)? } else { None };
+        let mut turned = None;
         if let Some(influences) = &influences {
             follow_joints(influences, &self.rest, mesh);
+            turned = mirrored(influences, &self.rest);
         }
-        Ok(base.map(|base| Parts { base, morphs, influences }))
+        Ok((base.map(|base| Parts { base, morphs, influences }), turned))
     }
 }
 

@@ -4,13 +4,14 @@
 //!
 //! | MTL | here |
 //! |---|---|
-//! | `illum` 4, 6, 7, 9; or `d` < 1 with `Kd` 0 and `Ni` > 1 or `Tf` | glass of `Ni`, tinted by `Tf` |
+//! | `illum` 4, 6, 7, 9; or `d` < 1 with `Kd` 0 and `Ni` > 1 or `Tf` | glass of `Ni`, tinted by `Tf`; rough where there is a `Pr` |
 //! | `illum` 3 or 5 with `Ks` above `Kd`; or `Kd` 0 and `Ks` >= 0.2 | metal of `Ks`; a mirror if `Ns` is absent or >= 1000 |
-//! | `Pm`, `Pr`, `Ps`, `Pc`, `Pcr`, `aniso` or `anisor` (the PBR extension; the last in turns) | metallic-roughness as given, with sheen, clear coat, brushed facets |
+//! | `Pm`, `Pr`, `Ps`, `Pc`, `Pcr`, `aniso` or `anisor` (the PBR extension; the last in turns) | metallic-roughness as given, of the index `Ni` where it is above 1, with sheen, clear coat, brushed facets |
 //! | `Kd` and `Ks` with `Ns` | plastic whose normal reflectance is the mean of `Ks` |
 //! | otherwise | matte |
 //!
-//! `bump` and its `-bm` are heights, and `disp` where there is no `bump`: 1 = white lies a texel's width above black.
+//! `bump` and its `-bm` are heights, and `disp` where there is no `bump`: 1 = white lies a texel's width above black. A picture of
+//! `bump` that is blue as normal maps are is one ([`holds_normals`]): Blender writes them so. `norm` is one, too.
 //! The diffuse colour always stays `Kd` times `map_Kd` (`Material::diffuse`). `Ke` is radiance. `d` < 1 that did not make
 //! glass is opacity. Proof: `tests/obj.rs::materials_become_ours`.
 
@@ -19,14 +20,16 @@ use std::path::PathBuf;
 
 use super::directives::MapStatement;
 use super::mtl::{Entry, Library, Map};
+use super::normals::{holds_normals, with_normals};
 use crate::detail::{Anisotropy, Interior};
 use crate::id::{MaterialId, TextureId};
 use crate::io::budget::Excess;
+use crate::io::error::quoted;
 use crate::io::source::{self, Access};
 use crate::io::textures::{Meaning, Pictures};
 use crate::io::{Error, Oddity, Warnings};
 use crate::material::{
-    Alpha, BumpMap, Color, Material, Opacity, OpacityChannel, Principled, Surface, TextureRef,
+    Alpha, BumpMap, Color, Material, NormalMap, Opacity, OpacityChannel, Principled, Surface, TextureRef,
 };
 use crate::scene::Scene;
 use crate::shader_file::ShaderFile;
@@ -93,7 +96,8 @@ fn shader_file(entry: &Entry, said: &Map, access: &Access) -> Result<ShaderFile,
 
 /// Refuses textures outside of the folder that files must be in.
 fn check_maps(entry: &Entry, access: &Access) -> Result<(), Error> {
-    for map in [&entry.map_kd, &entry.map_ke, &entry.map_d, &entry.bump, &entry.disp].into_iter().flatten() {
+    let maps = [&entry.map_kd, &entry.map_ke, &entry.map_d, &entry.bump, &entry.disp, &entry.norm];
+    for map in maps.into_iter().flatten() {
         if let Some(statement) = MapStatement::parse(&map.text) {
             let outside = |(problem, remedy)| Error::data(&entry.path, Some(map.line), problem, remedy);
             access.check(&source::resolve(&entry.path, &statement.file)).map_err(outside)?;
@@ -116,17 +120,34 @@ fn convert(entry: &Entry, scene: &mut Scene, textures: &mut Textures, warnings: 
     let map_ke = map(&entry.map_ke, Meaning::Color);
     let map_d = map(&entry.map_d, Meaning::Data);
     let heights = if entry.bump.is_some() { &entry.bump } else { &entry.disp };
-    let bump = map(heights, Meaning::Data).map(|texture| {
-        let said = heights.as_ref().and_then(|map| MapStatement::parse(&map.text));
-        BumpMap { texture, height: said.map_or(1.0, |said| said.bump) }
-    });
+    let height_of = |map: &Option<Box<Map>>| {
+        let said = map.as_ref().and_then(|map| MapStatement::parse(&map.text));
+        said.map_or(1.0, |said| said.bump)
+    };
+    let mut normals =
+        map(&entry.norm, Meaning::Data).map(|texture| NormalMap { texture, scale: height_of(&entry.norm) });
+    let mut bump = map(heights, Meaning::Data).map(|texture| BumpMap { texture, height: height_of(heights) });
+    if let Some(map) = bump.filter(|map| holds_normals(&scene.texture(map.texture.texture).texels)) {
+        bump = None;
+        let line = heights.as_ref().map(|map| map.line);
+        let name = &scene.texture(map.texture.texture).name;
+        warnings.note(Oddity::NormalsForHeights, &entry.path, line, quoted(name));
+        normals = normals.or(Some(NormalMap { texture: map.texture, scale: map.height }));
+    }
 
-    let phong = Phong::of(entry);
+    let phong = Phong::of(entry, warnings);
     let diffuse = Color { factor: phong.kd, texture: map_kd };
-    let surface = phong.surface(diffuse);
-    let lost = matches!(surface, Surface::Dielectric { .. } | Surface::Mirror { .. })
-        || matches!(&surface, Surface::MetallicRoughness { base_color, .. } if *base_color != diffuse);
-    let glass = matches!(surface, Surface::Dielectric { .. });
+    let plain = phong.surface(diffuse);
+    let surface = match normals {
+        None => plain,
+        Some(normals) => with_normals(plain, normals).unwrap_or_else(|plain| {
+            let detail = format!("normal map of glass, {}", quoted(&entry.name));
+            warnings.note(Oddity::NotShown, &entry.path, None, detail);
+            plain
+        }),
+    };
+    let glass = matches!(surface, Surface::Dielectric { .. } | Surface::RoughDielectric { .. });
+    let lost = glass || matches!(surface, Surface::Mirror { .. }) || surface.base_color() != diffuse;
     let opacity = Opacity { factor: phong.d, texture: map_d, channel: OpacityChannel::Red };
     let alpha =
         if glass || (phong.d >= 1.0 && map_d.is_none()) { Alpha::Opaque } else { Alpha::Blend { opacity } };
@@ -159,7 +180,8 @@ struct Phong {
 }
 
 impl Phong {
-    fn of(entry: &Entry) -> Self {
+    fn of(entry: &Entry, warnings: &mut Warnings) -> Self {
+        tell_out_of_range(entry, warnings);
         let not_negative = |c: [f32; 3]| c.map(|x| x.max(0.0));
         let unit = |x: f32| x.clamp(0.0, 1.0);
         let ke = entry.ke.map(not_negative);
@@ -198,19 +220,25 @@ impl Phong {
         let black = kd == 0.0;
         let refracts = self.tf.is_some() || self.ni.is_some_and(|ni| ni > 1.0);
         if matches!(self.illum, 4 | 6 | 7 | 9) || (self.d < 1.0 && black && refracts) {
-            return Surface::Dielectric {
-                ior: self.ni.unwrap_or(1.5),
-                reflectance: [1.0; 3],
-                transmittance: self.tf.unwrap_or([1.0; 3]),
-                interior: Interior::default(),
+            let (ior, transmittance) = (self.ni.unwrap_or(1.5), self.tf.unwrap_or([1.0; 3]));
+            let (reflectance, interior) = ([1.0; 3], Interior::default());
+            return match self.roughness.filter(|&roughness| roughness > 0.0) {
+                None => Surface::Dielectric { ior, reflectance, transmittance, interior },
+                Some(roughness) => {
+                    let thin = false;
+                    Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin, interior }
+                }
             };
         }
+        // Many programs write an index of 1 where they know none.
+        let ior = self.ni.filter(|&ni| ni > 1.0).unwrap_or(1.5);
         let layers = [self.sheen, self.coat].map(|x| x.unwrap_or(0.0));
         if layers != [0.0; 2] || self.anisotropy.strength > 0.0 {
             return Surface::Principled(Box::new(Principled {
                 base_color: diffuse,
                 metallic: self.metallic.unwrap_or(0.0),
                 roughness: self.roughness.unwrap_or(0.5),
+                ior,
                 sheen_color: [layers[0]; 3],
                 sheen_roughness: if layers[0] > 0.0 { SHEEN_ROUGHNESS } else { 0.0 },
                 clearcoat: layers[1],
@@ -224,7 +252,7 @@ impl Phong {
                 diffuse,
                 self.metallic.unwrap_or(0.0),
                 self.roughness.unwrap_or(0.5),
-                1.5,
+                ior,
             );
         }
         if (matches!(self.illum, 3 | 5) && ks > kd) || (black && ks >= 0.2) {
@@ -241,6 +269,40 @@ impl Phong {
             }
             _ => Surface::Matte { base_color: diffuse },
         }
+    }
+}
+
+/// Numbers that are brought into their range before they are used.
+fn tell_out_of_range(entry: &Entry, warnings: &mut Warnings) {
+    let mut tell = |keyword: &str, value: f32, range: &str| {
+        let detail = format!("`{keyword} {value}` of {}; {range}", quoted(&entry.name));
+        warnings.note(Oddity::NumberOutOfRange, &entry.path, None, detail);
+    };
+    let shares = [
+        ("d", entry.d),
+        ("Tr", entry.tr),
+        ("Pm", entry.pm),
+        ("Pr", entry.pr),
+        ("Ps", entry.ps),
+        ("Pc", entry.pc),
+        ("Pcr", entry.pcr),
+        ("aniso", entry.aniso),
+    ];
+    for (keyword, value) in shares {
+        if let Some(value) = value.filter(|value| !(0.0..=1.0).contains(value)) {
+            tell(keyword, value, "expected 0 to 1");
+        }
+    }
+    for (keyword, color) in [("Kd", entry.kd), ("Ks", entry.ks), ("Ke", entry.ke), ("Tf", entry.tf)] {
+        if let Some(value) = color.and_then(|color| color.into_iter().find(|&x| x < 0.0)) {
+            tell(keyword, value, "expected 0 or more");
+        }
+    }
+    if let Some(value) = entry.ni.filter(|&ni| ni <= 0.0) {
+        tell("Ni", value, "expected more than 0");
+    }
+    if let Some(value) = entry.ns.filter(|&ns| ns < 0.0) {
+        tell("Ns", value, "expected 0 or more");
     }
 }
 

@@ -11,6 +11,7 @@
 mod directives;
 mod material;
 mod mtl;
+mod normals;
 mod parts;
 mod statements;
 

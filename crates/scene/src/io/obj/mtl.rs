@@ -52,6 +52,8 @@ pub(super) struct Entry {
     /// Heights, or else a displacement that is taken for one.
     pub(super) bump: Option<Box<Map>>,
     pub(super) disp: Option<Box<Map>>,
+    /// Normals.
+    pub(super) norm: Option<Box<Map>>,
     /// A file in the shading language and its parameters; not MTL's.
     pub(super) shader: Option<Box<Map>>,
 }
@@ -154,12 +156,18 @@ impl Library {
                     Some(false) => Some(&mut nowhere),
                     None => None,
                 };
-                let held =
-                    if keyword.starts_with("map_") || matches!(keyword, "gnurt_shader" | "bump" | "disp") {
-                        rest.len() + size_of::<Map>()
-                    } else {
-                        0
-                    };
+                let held = if keyword.starts_with("map_")
+                    || matches!(keyword, "gnurt_shader" | "bump" | "disp" | "norm")
+                {
+                    rest.len() + size_of::<Map>()
+                } else {
+                    0
+                };
+                if is_lost(keyword) {
+                    let detail = format!("`{keyword}` of a material");
+                    warnings.note(Oddity::NotShown, &path, Some(line), detail);
+                    continue;
+                }
                 match (statement(keyword, rest, line), entry) {
                     (Ok(None), _) => {}
                     (Ok(Some(_)), None) => warn("before the first `newmtl`".into()),
@@ -239,9 +247,27 @@ fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<State
         "map_d" => map(|e| &mut e.map_d),
         "bump" | "map_bump" | "map_Bump" => map(|e| &mut e.bump),
         "disp" | "map_disp" | "map_Disp" => map(|e| &mut e.disp),
+        "norm" | "map_Norm" | "map_norm" => map(|e| &mut e.norm),
         "gnurt_shader" => map(|e| &mut e.shader),
         _ => Ok(None),
     }
+}
+
+/// Textures that change how a surface looks, and are not read. `map_Ka` is not among them: there is no ambient light.
+fn is_lost(keyword: &str) -> bool {
+    matches!(
+        keyword,
+        "map_Ks"
+            | "map_Ns"
+            | "map_Pr"
+            | "map_Pm"
+            | "map_Ps"
+            | "map_Pc"
+            | "map_Pcr"
+            | "map_aniso"
+            | "decal"
+            | "refl"
+    )
 }
 
 fn finite(token: &str) -> Option<f32> {

@@ -2,10 +2,13 @@
 //! The faces of an OBJ file by their materials: one mesh for each material that has any.
 //! Source: original. A vertex of a mesh is a corner (position, texture coordinate, normal); corners that are alike are one
 //! vertex, numbered in the order of their first faces. Cost: a look into a table for each corner.
+//! Colours of vertices are sRGB-encoded, as Blender and MeshLab write them.
 //! Proof: `tests/obj.rs::{groups_become_one_mesh_per_material, corners_that_are_alike_are_one_vertex}`.
 
 use std::collections::HashMap;
 use std::path::Path;
+
+use gnurt_image::srgb;
 
 use crate::id::MaterialId;
 use crate::io::clean::clean;
@@ -24,7 +27,7 @@ pub(super) type Corner = [u32; 3];
 #[derive(Default)]
 pub(super) struct Lists {
     pub(super) positions: Vec<[f32; 3]>,
-    /// As many as positions, or none.
+    /// As many as positions, or none; sRGB-encoded.
     pub(super) colors: Vec<[f32; 3]>,
     pub(super) texcoords: Vec<[f32; 2]>,
     pub(super) normals: Vec<[f32; 3]>,
@@ -139,7 +142,7 @@ impl Part {
         }
         if !lists.colors.is_empty() {
             let color = |c: &Corner| {
-                let [r, g, b] = lists.colors[c[0] as usize];
+                let [r, g, b] = lists.colors[c[0] as usize].map(srgb::decode);
                 [r, g, b, 1.0]
             };
             mesh.colors = vertices.iter().map(color).collect();

@@ -102,6 +102,9 @@ impl<'a> Statements<'a> {
             "mtllib" => self.library.read(place.path, place.line, rest.trim(), self.access, warnings)?,
             "usemtl" => self.material = self.library.number_of(rest.trim(), place.path, place.line, warnings),
             "o" | "g" | "s" => {}
+            "surf" | "bsp" | "bzp" => {
+                warnings.note(Oddity::NotShown, place.path, Some(place.line), "free-form surface");
+            }
             _ => return Ok(()),
         }
         self.recognised = true;

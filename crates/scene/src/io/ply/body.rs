@@ -42,6 +42,9 @@ pub(super) fn read(
     };
     for element in &header.elements {
         let corners = element.properties.iter().position(is_corners);
+        if element.name == "face" && element.count > 0 {
+            tell_unread(element, path, body.warnings);
+        }
         match (&element.name[..], corners) {
             ("vertex", _) => body.read_vertices(element)?,
             ("face", Some(corners)) => body.read_faces(element, corners, header, Body::add_polygon)?,
@@ -53,6 +56,20 @@ pub(super) fn read(
         body.warnings.note(Oddity::TrailingData, path, body.numbers.line(), "");
     }
     Ok(body.mesh)
+}
+
+/// Tells what faces have that no mesh of ours holds.
+fn tell_unread(face: &Element, path: &Path, warnings: &mut Warnings) {
+    let has = |names: &[&str]| face.properties.iter().any(|property| names.contains(&&property.name[..]));
+    for (names, what) in [
+        (&["red", "green", "blue", "diffuse_red"][..], "colours of faces"),
+        (&["texcoord"], "texture coordinates of the corners of faces"),
+        (&["texnumber", "material_index", "material_indices"], "textures and materials of faces"),
+    ] {
+        if has(names) {
+            warnings.note(Oddity::NotShown, path, None, what);
+        }
+    }
 }
 
 /// Whether a property holds the corners of a face.
@@ -107,6 +124,13 @@ impl<R: BufRead> Body<'_, R> {
         self.error(problem, "it may have been cut off")
     }
 
+    /// Notes a line that ends before properties that nobody needs.
+    fn tell_short(&mut self, is_whole: bool) {
+        if !is_whole {
+            self.warnings.note(Oddity::ShortLine, self.path, self.numbers.line(), "");
+        }
+    }
+
     fn skip(&mut self, element: &Element) -> Result<(), Error> {
         for index in 0..element.count {
             let mut skip = || -> Result<(), Fault> {
@@ -138,8 +162,9 @@ impl<R: BufRead> Body<'_, R> {
         mesh.colors.reserve_exact(reserve(columns.colors));
         let slots: Vec<(Slot, &Property)> = element.properties.iter().map(|p| (Slot::of(p), p)).collect();
         for index in 0..element.count {
-            let vertex = read_vertex(&mut self.numbers, &slots);
-            let vertex = vertex.map_err(|fault| self.fault(fault, element, index))?;
+            let read = read_vertex(&mut self.numbers, &slots);
+            let (vertex, is_whole) = read.map_err(|fault| self.fault(fault, element, index))?;
+            self.tell_short(is_whole);
             let mesh = &mut self.mesh;
             mesh.positions.push(vertex.position);
             mesh.normals.extend(columns.normals.then_some(vertex.normal));
@@ -163,7 +188,8 @@ impl<R: BufRead> Body<'_, R> {
         self.held = self.face_bytes();
         for index in 0..element.count {
             let read = read_face(&mut self.numbers, element, corners, &mut self.corners);
-            read.map_err(|fault| self.fault(fault, element, index))?;
+            let is_whole = read.map_err(|fault| self.fault(fault, element, index))?;
+            self.tell_short(is_whole);
             add(self, index)?;
             // One list may be as long as the file.
             if index.is_multiple_of(ELEMENTS_BETWEEN) || self.corners.len() > ELEMENTS_BETWEEN as usize {
@@ -224,28 +250,34 @@ impl<R: BufRead> Body<'_, R> {
     }
 }
 
+/// A vertex, and whether its line had all that the header declares.
 fn read_vertex<R: BufRead>(
     numbers: &mut Numbers<'_, R>,
     slots: &[(Slot, &Property)],
-) -> Result<Vertex, Fault> {
+) -> Result<(Vertex, bool), Fault> {
     numbers.begin()?;
     let mut vertex = Vertex::NEUTRAL;
+    let mut is_whole = true;
     for &(slot, property) in slots {
         match slot {
+            // A property that nobody needs may be missing.
+            Slot::None if numbers.is_spent() => is_whole = false,
             Slot::None => numbers.skip(property)?,
             slot => vertex.set(slot, numbers.float(property.item)?, property.item),
         }
     }
-    Ok(vertex)
+    Ok((vertex, is_whole))
 }
 
+/// The corners of a face, and whether its line had all that the header declares.
 fn read_face<R: BufRead>(
     numbers: &mut Numbers<'_, R>,
     element: &Element,
     corners: usize,
     into: &mut Vec<i64>,
-) -> Result<(), Fault> {
+) -> Result<bool, Fault> {
     numbers.begin()?;
+    let mut is_whole = true;
     for (k, property) in element.properties.iter().enumerate() {
         match property.count {
             Some(count) if k == corners => {
@@ -254,10 +286,11 @@ fn read_face<R: BufRead>(
                     into.push(numbers.integer(property.item)?);
                 }
             }
+            _ if numbers.is_spent() => is_whole = false,
             _ => numbers.skip(property)?,
         }
     }
-    Ok(())
+    Ok(is_whole)
 }
 
 /// Triangles to take memory for: one per face, but no more than the body has bytes for.

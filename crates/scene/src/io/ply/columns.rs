@@ -112,7 +112,6 @@ fn linear(value: f64, of_type: Scalar) -> f32 {
     let x = fraction(value, of_type);
     match of_type {
         Scalar::F32 | Scalar::F64 => x,
-        _ if x <= 0.04045 => x / 12.92,
-        _ => ((x + 0.055) / 1.055).powf(2.4),
+        _ => gnurt_image::srgb::decode(x),
     }
 }

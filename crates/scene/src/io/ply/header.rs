@@ -8,8 +8,8 @@ use std::collections::HashSet;
 use std::io::BufRead;
 use std::path::Path;
 
-use crate::io::Error;
 use crate::io::error::quoted;
+use crate::io::{Error, Oddity, Warnings};
 
 /// Bytes that a header may have.
 const LONGEST: usize = 1 << 20;
@@ -89,8 +89,8 @@ impl Element {
     /// The fewest bytes that one takes.
     pub(super) fn least_bytes(&self, encoding: Encoding) -> u64 {
         match encoding {
-            // A digit and what separates it from the next.
-            Encoding::Text => 2 * self.properties.len() as u64,
+            // A digit and what separates it from the next, of as many as a point has: those that nobody needs may be missing.
+            Encoding::Text => 2 * self.properties.len().min(3) as u64,
             _ => self.properties.iter().map(|p| p.count.unwrap_or(p.item).size() as u64).sum(),
         }
     }
@@ -108,7 +108,12 @@ pub(super) struct Header {
 }
 
 /// Reads the header of a file of `length` bytes and leaves `input` at the first byte of the body.
-pub(super) fn read(input: &mut impl BufRead, length: u64, path: &Path) -> Result<Header, Error> {
+pub(super) fn read(
+    input: &mut impl BufRead,
+    length: u64,
+    path: &Path,
+    warnings: &mut Warnings,
+) -> Result<Header, Error> {
     let mut lines = HeaderLines { input, path, number: 0, bytes: 0, crlf: false };
     let error = |line, problem: &str, remedy: &str| Err(Error::data(path, Some(line), problem, remedy));
     if lines.next()? != "ply" {
@@ -120,7 +125,9 @@ pub(super) fn read(input: &mut impl BufRead, length: u64, path: &Path) -> Result
         if line == "end_header" {
             break;
         }
-        if let Err((problem, remedy)) = said.line(&line) {
+        if said.is_remark(&line) {
+            warnings.note(Oddity::BadHeaderLine, path, Some(lines.number), quoted(&line));
+        } else if let Err((problem, remedy)) = said.line(&line) {
             return error(lines.number, &problem, &remedy);
         }
     }
@@ -227,6 +234,14 @@ struct Said {
 }
 
 impl Said {
+    /// Whether a line without a keyword stands where it cannot be about the layout of the body: before the first element. Old
+    /// exporters put their name there.
+    fn is_remark(&self, line: &str) -> bool {
+        let keyword = line.split(' ').next().unwrap_or_default();
+        let known = ["", "comment", "obj_info", "format", "element", "property"];
+        self.elements.is_empty() && !known.contains(&keyword)
+    }
+
     fn line(&mut self, line: &str) -> Result<(), Mistake> {
         let words: Vec<&str> = line.split(' ').collect();
         match words[..] {

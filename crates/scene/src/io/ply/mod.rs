@@ -36,7 +36,7 @@ pub(super) fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     let mut warnings = Warnings::default();
     let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
 
-    let header = header::read(&mut input, length, path)?;
+    let header = header::read(&mut input, length, path, &mut warnings)?;
     header.check_length(path)?;
     let mut mesh = body::read(&mut input, &header, path, &access.budget, &mut warnings)?;
     mesh.name.clone_from(&name);

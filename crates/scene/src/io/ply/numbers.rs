@@ -105,6 +105,11 @@ impl<'a, R: BufRead> Numbers<'a, R> {
         std::str::from_utf8(&rest[..length]).map_err(|_| Fault::Word)
     }
 
+    /// Whether the line of a text has no more words.
+    pub(super) fn is_spent(&self) -> bool {
+        self.encoding == Encoding::Text && self.text[self.at..].trim_ascii().is_empty()
+    }
+
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
         let mut bytes = [0; N];
         self.input.read_exact(&mut bytes)?;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF 2.0: objects as meshes, instances as nodes, cameras, lights, materials, pictures inside the buffer.
-//! Source: glTF 2.0; KHR_lights_punctual, KHR_materials_{emissive_strength, ior, transmission}, KHR_texture_transform.
+//! Source: glTF 2.0; KHR_lights_punctual and the extensions of `gltf/material.rs`. Those that a file uses are listed in it, and no others.
 //! `.gltf` has its buffer beside it as NAME.bin, `.glb` inside. Proof: `tests/save.rs`.
 
 mod buffer;
@@ -8,6 +8,7 @@ mod camera;
 mod material;
 mod opacity;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Map, Value, json};
@@ -33,9 +34,10 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
     let meshes: Vec<Value> = scene
         .objects()
         .iter()
-        .filter(|object| is_mesh(object))
+        .filter(|object| is_mesh(scene, object))
         .map(|object| {
-            let primitives = object.meshes.iter().map(|&id| primitive(scene.mesh(id), &mut buffer));
+            let shown = shown_meshes(scene, object);
+            let primitives = shown.map(|mesh| primitive(mesh, &mut buffer));
             let mut mesh = json!({ "name": object.name, "primitives": primitives.collect::<Vec<_>>() });
             if object.motion != Motion::Auto {
                 mesh["extras"] = json!({ "gnurt_motion": object.motion.to_string() });
@@ -64,6 +66,10 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
         })
         .collect();
     leave_out(lost, "opacity under coordinates of its own", path, warnings);
+    let bumps = scene.materials().iter().filter(|material| material.bump.is_some()).count();
+    leave_out(bumps, "bump map", path, warnings);
+    let bright = scene.materials().iter().filter(|material| material::is_too_bright(material)).count();
+    leave_out(bright, "base colour above 1, cut off", path, warnings);
     let (mut images, mut samplers, mut textures) = (Vec::new(), Vec::new(), Vec::new());
     let measures = png::measures(scene);
     for (k, texture) in scene.textures().iter().chain(&merged).enumerate() {
@@ -99,13 +105,37 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
     put("accessors", std::mem::take(&mut buffer.accessors));
     put("bufferViews", std::mem::take(&mut buffer.views));
     put("scenes", vec![json!({ "nodes": roots })]);
-    put("extensionsUsed", material::EXTENSIONS.iter().map(|&name| name.into()).collect());
     root.insert("scene".into(), 0.into());
     root.insert("asset".into(), json!({ "version": "2.0", "generator": gnurt_image::SOFTWARE }));
     if !lights.is_empty() {
         root.insert("extensions".into(), json!({ "KHR_lights_punctual": { "lights": lights } }));
     }
+    let mut used = BTreeSet::new();
+    root.values().for_each(|value| note_extensions(value, &mut used));
+    used.extend(root.contains_key("extensions").then(|| "KHR_lights_punctual".to_owned()));
+    if !used.is_empty() {
+        root.insert("extensionsUsed".into(), used.into_iter().collect());
+    }
     write_files(root, &buffer.bytes, path, format)
+}
+
+/// The names of extensions that stand anywhere in `value`.
+fn note_extensions(value: &Value, used: &mut BTreeSet<String>) {
+    match value {
+        Value::Array(list) => list.iter().for_each(|value| note_extensions(value, used)),
+        Value::Object(map) => {
+            for (key, value) in map {
+                if let ("extensions", Value::Object(named)) = (&key[..], value) {
+                    used.extend(named.keys().cloned());
+                }
+                // What any program puts into `extras` is none of glTF's.
+                if key != "extras" {
+                    note_extensions(value, used);
+                }
+            }
+        }
+        _ => {}
+    }
 }
 
 /// The buffer of a text file, which lies beside it.
@@ -183,9 +213,14 @@ fn unit_tangent(&[x, y, z, side]: &[f32; 4]) -> [f32; 4] {
     [x, y, z, 1.0_f32.copysign(side)]
 }
 
-/// Whether an object becomes a mesh: one that only holds others has nodes only.
-fn is_mesh(object: &Object) -> bool {
-    !object.meshes.is_empty() || object.members.is_empty()
+/// The meshes of an object that have triangles: glTF allows none without.
+fn shown_meshes<'a>(scene: &'a Scene, object: &'a Object) -> impl Iterator<Item = &'a Mesh> {
+    object.meshes.iter().map(|&id| scene.mesh(id)).filter(|mesh| !mesh.indices.is_empty())
+}
+
+/// Whether an object becomes a mesh: one that only holds others, or nothing, has nodes only.
+fn is_mesh(scene: &Scene, object: &Object) -> bool {
+    shown_meshes(scene, object).next().is_some()
 }
 
 /// Nodes for objects in objects, unfolded, that a file may have.
@@ -197,8 +232,11 @@ type Nodes = (Vec<Value>, Vec<usize>, Vec<Value>);
 fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<Nodes, Error> {
     let (mut nodes, mut roots) = (Vec::new(), Vec::new());
     let mut next = 0..;
-    let numbers: Vec<Option<usize>> =
-        scene.objects().iter().map(|object| if is_mesh(object) { next.next() } else { None }).collect();
+    let numbers: Vec<Option<usize>> = scene
+        .objects()
+        .iter()
+        .map(|object| if is_mesh(scene, object) { next.next() } else { None })
+        .collect();
     // Way from the root: how many nodes it has, and their places.
     let mut way: Vec<usize> = Vec::new();
     for found in scene.occurrences() {

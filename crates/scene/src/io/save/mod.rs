@@ -7,6 +7,7 @@
 
 mod files;
 mod gltf;
+mod losses;
 mod obj;
 mod ply;
 mod png;
@@ -27,6 +28,10 @@ pub fn save(scene: &Scene, path: impl AsRef<Path>) -> Result<Warnings, Error> {
     let mut warnings = Warnings::default();
     let clips = scene.animation().map_or(0, |animation| animation.clips.len());
     warnings.note_many(Oddity::NotShown, clips as u64, path, None, "animation, written as it is shown");
+    losses::of_scene(scene, path, &mut warnings);
+    if format != Format::Ply {
+        losses::of_materials(scene, path, &mut warnings);
+    }
     match format {
         Format::Obj => obj::save(scene, path, &mut warnings)?,
         Format::Ply => ply::save(scene, path, &mut warnings)?,

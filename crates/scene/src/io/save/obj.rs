@@ -7,14 +7,17 @@ use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use gnurt_image::srgb;
+
 use super::files::{check_writable, leave_out, write};
 use super::{png, world};
-use crate::detail::Anisotropy;
+use crate::detail::{Anisotropy, Interior};
 use crate::id::TextureId;
 use crate::io::{Error, Warnings};
-use crate::material::{Alpha, Color, Material, OpacityChannel, Surface, TextureRef};
+use crate::material::{Alpha, Color, Material, OpacityChannel, Principled, Surface, TextureRef};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
+use crate::texture::Wrap;
 
 pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
     let stem = stem(path);
@@ -30,6 +33,7 @@ pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Resul
     let names = material_names(scene);
     write(&library_file, library(scene, &names, &stem).as_bytes())?;
     leave_out_maps(scene, path, warnings);
+    leave_out_layers(scene, path, warnings);
     leave_out(scene.cameras().len(), "camera", path, warnings);
     leave_out(scene.lights().len(), "light", path, warnings);
     write(path, geometry(scene, &names, &stem).as_bytes())
@@ -53,16 +57,57 @@ fn stem(path: &Path) -> String {
     path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// MTL has no maps of normals and roughness that all agree on, and opacity only in a picture of its own.
-fn leave_out_maps(scene: &Scene, path: &Path, warnings: &mut Warnings) {
-    let details = scene.materials().iter().filter(|material| match &material.surface {
-        Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
-            metallic_roughness_texture.is_some() || normal_texture.is_some()
+/// What MTL says of layers, glass and textures is less than there may be.
+fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+    let principled = || {
+        scene.materials().iter().filter_map(|material| match &material.surface {
+            Surface::Principled(principled) => Some(principled),
+            _ => None,
+        })
+    };
+    let mut count = |is: &dyn Fn(&Principled) -> bool, what: &str| {
+        leave_out(principled().filter(|p| is(p)).count(), what, path, warnings);
+    };
+    count(&|p| p.specular != 1.0 || p.specular_color != [1.0; 3], "specular weight and colour");
+    count(&|p| p.transmission > 0.0, "transmission of a layered material");
+    count(&|p| p.iridescence.factor > 0.0, "thin film");
+    count(&|p| p.diffuse_transmission.factor > 0.0, "diffuse transmission");
+    count(&|p| p.anisotropy.texture.is_some(), "texture of anisotropy");
+    count(&|p| p.sheen_color.iter().any(|&x| x != p.sheen_color[0]), "colour of sheen, written as grey");
+    let interiors = scene.materials().iter().filter(|material| match &material.surface {
+        Surface::Dielectric { interior, .. } | Surface::RoughDielectric { interior, .. } => {
+            *interior != Interior::default()
         }
-        Surface::Principled(p) => p.metallic_roughness_texture.is_some() || p.normal_texture.is_some(),
         _ => false,
     });
-    leave_out(details.count(), "map of normals or roughness", path, warnings);
+    leave_out(interiors.count(), "absorption and dispersion of glass", path, warnings);
+    let unlit = scene.materials().iter().filter(|material| matches!(material.surface, Surface::Unlit { .. }));
+    leave_out(unlit.count(), "unlit colour, written as a lamp", path, warnings);
+    let panes = scene
+        .materials()
+        .iter()
+        .filter(|material| matches!(material.surface, Surface::RoughDielectric { thin: true, .. }));
+    leave_out(panes.count(), "pane, written as solid glass", path, warnings);
+    let masks = scene.materials().iter().filter(|material| matches!(material.alpha, Alpha::Mask { .. }));
+    leave_out(masks.count(), "alpha cutoff, written as opacity", path, warnings);
+    let used = || scene.materials().iter().flat_map(Material::textures).map(|(used, _)| used);
+    let turned = used().filter(|used| used.uv_from_mesh[1] != 0.0 || used.uv_from_mesh[2] != 0.0);
+    leave_out(turned.count(), "rotation of a texture", path, warnings);
+    let mirrored = scene
+        .textures()
+        .iter()
+        .filter(|texture| texture.wrap.contains(&Wrap::MirroredRepeat) || texture.wrap[0] != texture.wrap[1]);
+    leave_out(mirrored.count(), "how a texture goes on beyond its edges", path, warnings);
+}
+
+/// MTL has no maps of roughness that all agree on, and opacity only in a picture of its own.
+fn leave_out_maps(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+    let details = scene.materials().iter().filter(|material| match &material.surface {
+        Surface::MetallicRoughness { metallic_roughness_texture, .. } => metallic_roughness_texture.is_some(),
+        Surface::Principled(p) => p.metallic_roughness_texture.is_some(),
+        _ => false,
+    });
+    leave_out(details.count(), "map of roughness", path, warnings);
     let opacity = scene.materials().iter().filter(|material| {
         matches!(material.alpha, Alpha::Mask { opacity, .. } | Alpha::Blend { opacity }
             if opacity.texture.is_some() && opacity.channel == OpacityChannel::Alpha)
@@ -80,7 +125,8 @@ fn material_names(scene: &Scene) -> Vec<String> {
     let mut taken_names = HashSet::new();
     for (k, material) in scene.materials().iter().enumerate() {
         let plain: String = material.name.chars().map(|c| if c.is_control() { '_' } else { c }).collect();
-        let plain = plain.trim();
+        // A line that ends in a backslash goes on in the next one.
+        let plain = plain.trim().trim_end_matches('\\');
         let mut name = plain.to_owned();
         while name.is_empty() || taken_names.contains(&name) {
             name = format!("{name}_{k}");
@@ -101,7 +147,10 @@ fn geometry(scene: &Scene, names: &[String], stem: &str) -> String {
         for (i, [x, y, z]) in world::positions(mesh, placed).enumerate() {
             let _ = match mesh.colors.get(i) {
                 _ if !colored => writeln!(text, "v {x} {y} {z}"),
-                Some([r, g, b, _]) => writeln!(text, "v {x} {y} {z} {r} {g} {b}"),
+                Some(&[r, g, b, _]) => {
+                    let [r, g, b] = [r, g, b].map(srgb::encode);
+                    writeln!(text, "v {x} {y} {z} {r} {g} {b}")
+                }
                 None => writeln!(text, "v {x} {y} {z} 1 1 1"),
             };
         }
@@ -137,25 +186,34 @@ fn library(scene: &Scene, names: &[String], stem: &str) -> String {
     let mut text = format!("# {}\n", gnurt_image::SOFTWARE);
     for (material, name) in scene.materials().iter().zip(names) {
         let _ = writeln!(text, "\nnewmtl {name}");
-        push_material(&mut text, material, stem);
+        push_material(&mut text, material, scene, stem);
     }
     text
 }
 
-fn push_material(text: &mut String, material: &Material, stem: &str) {
+fn push_material(text: &mut String, material: &Material, scene: &Scene, stem: &str) {
     let triple = |[r, g, b]: [f32; 3]| format!("{r} {g} {b}");
     let diffuse = match material.surface {
+        // A lamp that scatters nothing comes nearest.
+        Surface::Unlit { .. } => Color::constant([0.0; 3]),
         // A mirror is one by its `Kd` of 0.
         Surface::Mirror { .. } => material.diffuse.unwrap_or(Color::constant([0.0; 3])),
-        _ => material.diffuse_color(),
+        // Glass and shaders have no colour of their own; of all others `Kd` is the colour that `Pm` makes a metal's.
+        Surface::Dielectric { .. } | Surface::RoughDielectric { .. } | Surface::Shader(_) => {
+            material.diffuse_color()
+        }
+        _ => material.surface.base_color(),
     };
     let _ = writeln!(text, "Kd {}", triple(diffuse.factor));
-    push_map(text, "map_Kd", diffuse.texture, stem);
+    push_map(text, "map_Kd", diffuse.texture, scene, stem);
+    let mut normals = None;
     let _ = match &material.surface {
-        Surface::MetallicRoughness { metallic, roughness, .. } => {
-            writeln!(text, "Pm {metallic}\nPr {roughness}")
+        Surface::MetallicRoughness { metallic, roughness, ior, normal_texture, .. } => {
+            normals = *normal_texture;
+            writeln!(text, "Pm {metallic}\nPr {roughness}\nNi {ior}")
         }
         Surface::Principled(p) => {
+            normals = p.normal_texture;
             let [r, g, b] = p.sheen_color;
             let (sheen, coat) = (r.max(g).max(b), p.clearcoat);
             let more = if sheen > 0.0 || coat > 0.0 {
@@ -169,42 +227,52 @@ fn push_material(text: &mut String, material: &Material, stem: &str) {
             } else {
                 String::new()
             };
-            writeln!(text, "Pm {}\nPr {}{more}{brushed}", p.metallic, p.roughness)
+            writeln!(text, "Pm {}\nPr {}\nNi {}{more}{brushed}", p.metallic, p.roughness, p.ior)
         }
         Surface::Metal { roughness, .. } => writeln!(text, "Pm 1\nPr {roughness}"),
-        Surface::RoughDielectric { ior, transmittance, .. } => {
-            writeln!(text, "Ni {ior}\nTf {}\nillum 7", triple(*transmittance))
+        Surface::RoughDielectric { ior, transmittance, roughness, .. } => {
+            writeln!(text, "Ni {ior}\nTf {}\nPr {roughness}\nillum 7", triple(*transmittance))
         }
         Surface::Mirror { reflectance } => writeln!(text, "Ks {}\nillum 3", triple(reflectance.factor)),
         Surface::Dielectric { ior, transmittance, .. } => {
             writeln!(text, "Ni {ior}\nTf {}\nillum 7", triple(*transmittance))
+        }
+        Surface::Unlit { color } => {
+            let _ = writeln!(text, "Ke {}", triple(color.factor));
+            push_map(text, "map_Ke", color.texture, scene, stem);
+            Ok(())
         }
         Surface::Matte { .. }
         | Surface::RoughMatte { .. }
         | Surface::ShadowCatcher { .. }
         | Surface::Shader(_) => Ok(()),
     };
+    if let Some(normals) = normals {
+        push_map(text, &format!("norm -bm {}", normals.scale), Some(normals.texture), scene, stem);
+    }
     if material.emits() {
         let _ = writeln!(text, "Ke {}", triple(material.emission));
-        push_map(text, "map_Ke", material.emission_texture, stem);
+        push_map(text, "map_Ke", material.emission_texture, scene, stem);
     }
     if let Some(bump) = material.bump {
-        push_map(text, &format!("bump -bm {}", bump.height), Some(bump.texture), stem);
+        push_map(text, &format!("bump -bm {}", bump.height), Some(bump.texture), scene, stem);
     }
     if let Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } = material.alpha {
         let _ = writeln!(text, "d {}", opacity.factor);
-        push_map(text, "map_d", opacity.texture.filter(|_| opacity.channel == OpacityChannel::Red), stem);
+        let map = opacity.texture.filter(|_| opacity.channel == OpacityChannel::Red);
+        push_map(text, "map_d", map, scene, stem);
     }
 }
 
-fn push_map(text: &mut String, keyword: &str, texture: Option<TextureRef>, stem: &str) {
+fn push_map(text: &mut String, keyword: &str, texture: Option<TextureRef>, scene: &Scene, stem: &str) {
     let Some(TextureRef { texture, uv_from_mesh: [a, _, _, d, e, f] }) = texture else {
         return;
     };
+    let clamp = if scene.texture(texture).wrap == [Wrap::ClampToEdge; 2] { "-clamp on " } else { "" };
     let options = if [a, d, e, f] == [1.0, 1.0, 0.0, 0.0] {
         String::new()
     } else {
         format!("-s {a} {d} 1 -o {e} {f} 0 ")
     };
-    let _ = writeln!(text, "{keyword} {options}{}", texture_name(stem, texture.index()));
+    let _ = writeln!(text, "{keyword} {clamp}{options}{}", texture_name(stem, texture.index()));
 }

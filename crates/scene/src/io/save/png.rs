@@ -7,35 +7,14 @@ use std::path::Path;
 
 use crate::id::TextureId;
 use crate::io::Error;
-use crate::material::{Alpha, OpacityChannel, Surface};
+use crate::material::{Material, TextureRole};
 use crate::scene::Scene;
 use crate::texture::Texels;
 
-/// The textures of a scene that hold measures (normals, roughness, opacity), not colours.
+/// The textures of a scene that hold measures (heights, normals, roughness, opacity), not colours.
 pub(super) fn measures(scene: &Scene) -> HashSet<TextureId> {
-    let mut found = HashSet::new();
-    for material in scene.materials() {
-        let (roughness, normals) = match &material.surface {
-            Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
-                (*metallic_roughness_texture, *normal_texture)
-            }
-            Surface::Principled(p) => (p.metallic_roughness_texture, p.normal_texture),
-            _ => (None, None),
-        };
-        let opacity = match material.alpha {
-            Alpha::Mask { opacity, .. } | Alpha::Blend { opacity } => {
-                opacity.texture.filter(|_| opacity.channel == OpacityChannel::Red)
-            }
-            Alpha::Opaque => None,
-        };
-        let brushed = match &material.surface {
-            Surface::Principled(p) => p.anisotropy.texture,
-            _ => None,
-        };
-        let used = [roughness, normals.map(|normals| normals.texture), opacity, brushed];
-        found.extend(used.into_iter().flatten().map(|used| used.texture));
-    }
-    found
+    let used = scene.materials().iter().flat_map(Material::textures);
+    used.filter(|(_, role)| *role == TextureRole::Data).map(|(used, _)| used.texture).collect()
 }
 
 pub(super) fn encode(texels: &Texels, measures: bool, path: &Path) -> Result<Vec<u8>, Error> {

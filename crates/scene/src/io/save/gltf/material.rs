@@ -8,22 +8,30 @@ use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::material::{Alpha, Color, Material, Principled, Surface, TextureRef};
 use crate::texture::{Filter, Texture, Wrap};
 
-/// Extensions that a written file may use.
-pub(super) const EXTENSIONS: &[&str] = &[
-    "KHR_lights_punctual",
-    "KHR_materials_anisotropy",
-    "KHR_materials_clearcoat",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_dispersion",
-    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",
-    "KHR_materials_iridescence",
-    "KHR_materials_sheen",
-    "KHR_materials_specular",
-    "KHR_materials_transmission",
-    "KHR_materials_volume",
-    "KHR_texture_transform",
-];
+/// Whether its base colour is more than glTF can say.
+pub(super) fn is_too_bright(material: &Material) -> bool {
+    color(material).0.factor.iter().any(|&x| x > 1.0)
+}
+
+/// The base colour in glTF's words, and the metalness and roughness that go with it.
+fn color(material: &Material) -> (Color, f32, f32) {
+    match &material.surface {
+        Surface::Matte { base_color } | Surface::RoughMatte { base_color, .. } => (*base_color, 0.0, 1.0),
+        Surface::MetallicRoughness { base_color, metallic, roughness, .. } => {
+            (*base_color, *metallic, *roughness)
+        }
+        Surface::Principled(p) => (p.base_color, p.metallic, p.roughness),
+        Surface::ShadowCatcher { .. } => (material.surface.base_color(), 0.0, 1.0),
+        Surface::Metal { roughness, .. } => (material.surface.base_color(), 1.0, *roughness),
+        Surface::RoughDielectric { roughness, transmittance, .. } => {
+            (Color::constant(*transmittance), 0.0, *roughness)
+        }
+        Surface::Mirror { reflectance } => (*reflectance, 1.0, 0.0),
+        Surface::Dielectric { transmittance, .. } => (Color::constant(*transmittance), 0.0, 0.0),
+        Surface::Unlit { color } => (*color, 0.0, 1.0),
+        Surface::Shader(_) => (material.diffuse_color(), 0.0, 1.0),
+    }
+}
 
 /// A material; `base_texture` says which texture its base colour gets, given that of its surface.
 pub(super) fn material(
@@ -31,52 +39,38 @@ pub(super) fn material(
     base_texture: impl FnOnce(Option<TextureRef>) -> Option<TextureRef>,
 ) -> Value {
     let mut extensions = json!({});
-    let (base, metallic, roughness) = match &material.surface {
-        Surface::Matte { base_color } => {
+    let (base, metallic, roughness) = color(material);
+    match &material.surface {
+        Surface::Matte { .. } | Surface::RoughMatte { .. } | Surface::ShadowCatcher { .. } => {
             extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 });
-            (*base_color, 0.0, 1.0)
         }
-        Surface::MetallicRoughness { base_color, metallic, roughness, ior, .. } => {
-            extensions["KHR_materials_ior"] = json!({ "ior": ior });
-            (*base_color, *metallic, *roughness)
-        }
+        Surface::MetallicRoughness { ior, .. } => set_ior(*ior, &mut extensions),
         Surface::Principled(p) => {
-            extensions["KHR_materials_ior"] = json!({ "ior": p.ior });
+            set_ior(p.ior, &mut extensions);
             layers(p, &mut extensions);
-            (p.base_color, p.metallic, p.roughness)
         }
-        Surface::RoughMatte { base_color, .. } => {
-            extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 });
-            (*base_color, 0.0, 1.0)
-        }
-        Surface::ShadowCatcher { albedo, .. } => {
-            extensions["KHR_materials_specular"] = json!({ "specularFactor": 0.0 });
-            (Color::constant(*albedo), 0.0, 1.0)
-        }
-        Surface::Metal { roughness, .. } => (material.diffuse_color(), 1.0, *roughness),
-        Surface::RoughDielectric { ior, roughness, transmittance, thin, interior, .. } => {
-            extensions["KHR_materials_ior"] = json!({ "ior": ior });
+        Surface::RoughDielectric { ior, thin, interior, .. } => {
+            set_ior(*ior, &mut extensions);
             extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
             if !thin {
                 inside(interior, &mut extensions);
             }
-            (Color::constant(*transmittance), 0.0, *roughness)
         }
-        Surface::Mirror { reflectance } => (*reflectance, 1.0, 0.0),
-        Surface::Dielectric { ior, transmittance, interior, .. } => {
-            extensions["KHR_materials_ior"] = json!({ "ior": ior });
+        Surface::Dielectric { ior, interior, .. } => {
+            set_ior(*ior, &mut extensions);
             extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": 1.0 });
             inside(interior, &mut extensions);
-            (Color::constant(*transmittance), 0.0, 0.0)
         }
-        Surface::Shader(_) => (material.diffuse_color(), 0.0, 1.0),
-    };
+        Surface::Unlit { .. } => extensions["KHR_materials_unlit"] = json!({}),
+        Surface::Metal { .. } | Surface::Mirror { .. } | Surface::Shader(_) => {}
+    }
     let (alpha, mode) = match material.alpha {
         Alpha::Opaque => (1.0, "OPAQUE"),
         Alpha::Mask { opacity, .. } => (opacity.factor, "MASK"),
         Alpha::Blend { opacity } => (opacity.factor, "BLEND"),
     };
-    let [r, g, b] = base.factor;
+    // Factors stop at 1.
+    let [r, g, b] = base.factor.map(|x| x.clamp(0.0, 1.0));
     let mut pbr = json!({
         "baseColorFactor": [r, g, b, alpha], "metallicFactor": metallic, "roughnessFactor": roughness,
     });
@@ -104,11 +98,22 @@ pub(super) fn material(
         // Factors stop at 1; what is more goes into the strength.
         let strength = material.emission.iter().copied().fold(1.0, f32::max);
         to["emissiveFactor"] = json!(material.emission.map(|e| e / strength));
-        extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": strength });
+        if strength > 1.0 {
+            extensions["KHR_materials_emissive_strength"] = json!({ "emissiveStrength": strength });
+        }
         set_texture(&mut to, "emissiveTexture", material.emission_texture);
     }
-    to["extensions"] = extensions;
+    if extensions.as_object().is_some_and(|extensions| !extensions.is_empty()) {
+        to["extensions"] = extensions;
+    }
     to
+}
+
+/// The index of refraction, unless it is glTF's default.
+fn set_ior(ior: f32, extensions: &mut Value) {
+    if ior != 1.5 {
+        extensions["KHR_materials_ior"] = json!({ "ior": ior });
+    }
 }
 
 /// What lies above the body or instead of it; nothing is said that is glTF's default.

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Options that were given and change nothing, so that nobody waits for what they would do: each is told, none is refused.
+//! Source: original. Proof: `tests/program/arguments.rs::options_without_effect_are_told`.
+
+use std::ffi::OsStr;
+use std::path::Path;
+
+use clap::ArgMatches;
+use clap::parser::ValueSource;
+use gnurt::image::OutputFormat;
+use gnurt::render::Integrator;
+use gnurt::scene::io::Format;
+
+use super::Command;
+
+/// A line for each option that the command line of `command` names and that has no effect.
+pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<String> {
+    let Some((_, matches)) = matches.subcommand() else { return Vec::new() };
+    let is_given = |id: &str| {
+        matches.try_contains_id(id).is_ok() && matches.value_source(id) == Some(ValueSource::CommandLine)
+    };
+    let mut told = Vec::new();
+    let mut tell = |options: &[(&str, &str)], why: &str| {
+        let given = options.iter().filter(|(id, _)| is_given(id));
+        told.extend(given.map(|(_, option)| format!("{option} has no effect {why}")));
+    };
+    const LOOK: [(&str, &str); 2] = [("tone", "--tone"), ("exposure", "--exposure")];
+    const FILES: [(&str, &str); 2] = [("confine", "--confine"), ("texture_memory", "--texture-memory")];
+    const KEEPS_LIGHT: &str = "on EXR, HDR and PFM, which keep the light as it is";
+    match command {
+        Command::Render(arguments) => {
+            of_integrator(arguments.frame.integrator, &mut tell);
+            if arguments.output.as_deref().is_some_and(keeps_light) {
+                tell(&LOOK, KEEPS_LIGHT);
+            }
+        }
+        Command::View(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
+        Command::Trace(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
+        Command::Join(arguments) if keeps_light(&arguments.output) => tell(&LOOK, KEEPS_LIGHT),
+        Command::Convert(arguments) if Format::of(&arguments.output).is_ok() => tell(&LOOK, "on scenes"),
+        Command::Convert(arguments) => {
+            if keeps_light(&arguments.output) {
+                tell(&LOOK, KEEPS_LIGHT);
+            }
+            if !is_scene(&arguments.input) {
+                tell(&FILES, "on pictures, which name no other files");
+            }
+        }
+        _ => {}
+    }
+    told
+}
+
+/// What integrators do not look at.
+fn of_integrator(integrator: Integrator, tell: &mut impl FnMut(&[(&str, &str)], &str)) {
+    let why = format!("with --integrator {integrator}");
+    if !integrator.has_virtual_lights() {
+        tell(&[("vpls", "--vpls"), ("interleave", "--interleave")], &why);
+    }
+    match integrator {
+        Integrator::Whitted => tell(&[("clamp", "--clamp")], &why),
+        Integrator::Eyelight | Integrator::Normals => {
+            tell(&[("clamp", "--clamp"), ("max_depth", "--max-depth")], &why);
+        }
+        _ => {}
+    }
+}
+
+/// Whether a picture of this name keeps light, for which curve and exposure are nothing.
+fn keeps_light(path: &Path) -> bool {
+    OutputFormat::from_path(path).is_ok_and(|format| format != OutputFormat::Png)
+}
+
+fn is_scene(input: &OsStr) -> bool {
+    let is_builtin = input.to_str().is_some_and(|text| text.starts_with(gnurt::BUILTIN));
+    is_builtin || Format::of(Path::new(input)).is_ok()
+}

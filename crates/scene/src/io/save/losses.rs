@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What no format of ours can hold, told by kind: each kind is one warning with its count.
+//! Source: original. Proof: `tests/save.rs::what_is_lost_is_told`.
+
+use std::path::Path;
+
+use super::files::leave_out;
+use crate::io::Warnings;
+use crate::material::{Material, Surface};
+use crate::scene::Scene;
+use crate::texture::{TexelData, Texels};
+
+/// What is lost of a scene's shaders, attributes and instances in every format.
+pub(super) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+    let attributes = scene.meshes().iter().map(|mesh| mesh.attributes.len()).sum();
+    leave_out(attributes, "attribute of a mesh", path, warnings);
+    let hidden = scene.instances().iter().filter(|instance| !instance.visible).count();
+    leave_out(hidden, "hidden instance", path, warnings);
+}
+
+/// What is lost of materials in formats that have any.
+pub(super) fn of_materials(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+    leave_out(scene.shader_files().count(), "shader file of a material", path, warnings);
+    let count = |is: fn(&Material) -> bool| scene.materials().iter().filter(|material| is(material)).count();
+    let is_shader = |material: &Material| matches!(material.surface, Surface::Shader(_));
+    leave_out(count(is_shader), "shader of a material, written as matte", path, warnings);
+    let catches = |material: &Material| matches!(material.surface, Surface::ShadowCatcher { .. });
+    leave_out(count(catches), "shadow catcher, written as matte", path, warnings);
+    let is_rough = |material: &Material| matches!(material.surface, Surface::RoughMatte { roughness, .. } if roughness > 0.0);
+    leave_out(count(is_rough), "roughness of a matte surface", path, warnings);
+    let is_metal = |material: &Material| matches!(material.surface, Surface::Metal { .. });
+    leave_out(count(is_metal), "index and extinction of metal, written as its colour", path, warnings);
+    let is_tinted = |material: &Material| match &material.surface {
+        Surface::Dielectric { reflectance, .. } | Surface::RoughDielectric { reflectance, .. } => {
+            *reflectance != [1.0; 3]
+        }
+        _ => false,
+    };
+    leave_out(count(is_tinted), "tint of what glass mirrors", path, warnings);
+    let bright = scene.textures().iter().filter(|texture| is_beyond_one(&texture.texels)).count();
+    leave_out(bright, "texture values outside of 0 to 1, cut off", path, warnings);
+}
+
+/// Whether a texture has values that PNG cannot hold.
+fn is_beyond_one(texels: &Texels) -> bool {
+    let outside = |pixels: &[[f32; 4]]| pixels.as_flattened().iter().any(|x| !(0.0..=1.0).contains(x));
+    match &texels.data {
+        TexelData::Float(pixels) => outside(pixels),
+        TexelData::Tiled(_) if texels.is_float() => match texels.clone().resident().data {
+            TexelData::Float(pixels) => outside(&pixels),
+            _ => false,
+        },
+        _ => false,
+    }
+}
