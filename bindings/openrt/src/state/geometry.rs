@@ -4,6 +4,7 @@
 //! Invariant: a channel (normals, colours, ...) is empty as long as all its values are the default ones, else full.
 //! Proof: `tests`; tests/c/fragments.c, tests/c/primitives.c.
 
+use std::collections::{BTreeMap, TryReserveError};
 use std::sync::Arc;
 
 use gnurt::scene::{Attribute, Mesh, Rate, TEXCOORD_RQ, has_area};
@@ -11,6 +12,7 @@ use gnurt::shading::classes::NORMALS_GIVEN;
 use gnurt_plugins::host::TRIANGLE_NUMBER;
 
 use super::class::ClassCode;
+use super::error::{Error, Result};
 use super::shader_class::{Layout, LoadedClass, Slot};
 
 /// A vertex as it is stored.
@@ -28,6 +30,8 @@ pub(crate) struct Vertex {
 
 const NO_NORMAL: [f32; 3] = [0.0; 3];
 const WHITE: [f32; 4] = [1.0; 4];
+/// Triangles that one vertex completes at most.
+const MOST_COMPLETED: usize = 2;
 const NO_THIRD: [f32; 2] = [0.0, 1.0];
 
 /// The triangles of an object that have one shader.
@@ -65,6 +69,8 @@ pub(crate) struct ShaderMesh {
 #[derive(Default)]
 pub(crate) struct Geometry {
     parts: Vec<Part>,
+    /// The number of each shader's part.
+    part_of: BTreeMap<u32, usize>,
     /// Triangles of all parts.
     triangles: u32,
     /// Vertices that the program gave, whether they made triangles or not.
@@ -74,8 +80,7 @@ pub(crate) struct Geometry {
 impl Geometry {
     /// Number of the part for `shader`, which is made if it is new.
     pub(crate) fn part_for(&mut self, shader: u32, class: &Arc<LoadedClass>) -> usize {
-        let known = self.parts.iter().position(|part| part.shader == shader);
-        known.unwrap_or_else(|| {
+        *self.part_of.entry(shader).or_insert_with(|| {
             self.parts.push(Part::new(shader, class.clone()));
             self.parts.len() - 1
         })
@@ -141,6 +146,34 @@ impl Part {
     #[must_use]
     pub(crate) fn next_vertex(&self) -> usize {
         self.positions.len()
+    }
+
+    /// Room for one more vertex, and for the triangles that it may complete, with the blocks of their parameters. Fails where there
+    /// is none: how much a program gives is its own affair.
+    #[inline]
+    pub(crate) fn reserve(
+        &mut self,
+        vertex: &Vertex,
+        vertex_values: usize,
+        triangle_values: usize,
+    ) -> Result<()> {
+        let n = self.positions.len();
+        let [s, t, r, q] = vertex.texcoord;
+        let reserved = self
+            .positions
+            .try_reserve(1)
+            .and_then(|()| reserve_unless_default(&mut self.normals, n, vertex.normal, NO_NORMAL))
+            .and_then(|()| reserve_unless_default(&mut self.texcoords, n, [s, t], [0.0; 2]))
+            .and_then(|()| reserve_unless_default(&mut self.texcoords_rq, n, [r, q], NO_THIRD))
+            .and_then(|()| reserve_unless_default(&mut self.colors, n, vertex.color, WHITE))
+            .and_then(|()| self.vertex_values.try_reserve(vertex_values))
+            .and_then(|()| self.indices.try_reserve(MOST_COMPLETED))
+            .and_then(|()| self.triangle_values.try_reserve(MOST_COMPLETED * triangle_values))
+            .and_then(|()| match self.class.code {
+                ClassCode::Plugin(_) => self.numbers.try_reserve(MOST_COMPLETED),
+                _ => Ok(()),
+            });
+        reserved.map_err(|_| Error::OutOfMemory)
     }
 
     /// Adds a vertex with the block of its per-vertex parameters.
@@ -250,6 +283,21 @@ fn push_unless_default<T: Copy + PartialEq>(channel: &mut Vec<T>, n: usize, valu
         channel.resize(n, default);
     }
     channel.push(value);
+}
+
+/// Room for what [`push_unless_default`] adds.
+#[inline]
+fn reserve_unless_default<T: PartialEq>(
+    channel: &mut Vec<T>,
+    n: usize,
+    value: T,
+    default: T,
+) -> std::result::Result<(), TryReserveError> {
+    match channel.is_empty() {
+        true if value == default => Ok(()),
+        true => channel.try_reserve(n + 1),
+        false => channel.try_reserve(1),
+    }
 }
 
 /// Splits the blocks of one rate into one attribute per parameter.
