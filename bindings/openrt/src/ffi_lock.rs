@@ -11,7 +11,7 @@
 
 use std::cell::{Cell, UnsafeCell};
 use std::ops::{Deref, DerefMut};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering, compiler_fence};
+use std::sync::atomic::{AtomicU64, Ordering, compiler_fence};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -19,8 +19,8 @@ use std::time::Duration;
 pub(crate) struct Biased<T> {
     /// Who needs no mutex: the number of a thread, [`NOBODY`] yet, or [`NO_MORE`].
     owner: AtomicU64,
-    /// Whether the owner is using the value; only it writes here.
-    inside: AtomicBool,
+    /// The owner while it uses the value, else [`NOBODY`]; only it writes here. It may have lost the ownership meanwhile.
+    inside: AtomicU64,
     /// For all others, and for those who change the owner.
     mutex: Mutex<()>,
     /// The thread that holds the mutex to use the value.
@@ -45,7 +45,7 @@ impl<T> Biased<T> {
     pub(crate) const fn new(value: T) -> Self {
         Self {
             owner: AtomicU64::new(NOBODY),
-            inside: AtomicBool::new(false),
+            inside: AtomicU64::new(NOBODY),
             mutex: Mutex::new(()),
             holder: AtomicU64::new(NOBODY),
             value: UnsafeCell::new(value),
@@ -57,17 +57,17 @@ impl<T> Biased<T> {
     pub(crate) fn enter(&self) -> Option<Guard<'_, T>> {
         let me = THREAD.get();
         if me != NOBODY && self.owner.load(Ordering::Relaxed) == me {
-            if self.inside.load(Ordering::Relaxed) {
+            if self.inside.load(Ordering::Relaxed) != NOBODY {
                 return None;
             }
-            self.inside.store(true, Ordering::Relaxed);
+            self.inside.store(me, Ordering::Relaxed);
             // The CPU must not look at the owner before others can see that we are inside either; whoever takes the
             // ownership away makes all CPUs pass a barrier, so that here the compiler's order is enough.
             compiler_fence(Ordering::SeqCst);
             if self.owner.load(Ordering::Relaxed) == me {
                 return Some(Guard { lock: self, held: None });
             }
-            self.inside.store(false, Ordering::Release);
+            self.inside.store(NOBODY, Ordering::Release);
         }
         self.enter_by_mutex()
     }
@@ -76,14 +76,16 @@ impl<T> Biased<T> {
     #[inline(never)]
     fn enter_by_mutex(&self) -> Option<Guard<'_, T>> {
         let me = thread_number();
-        if self.holder.load(Ordering::Relaxed) == me {
+        // This thread holds the mutex; or it came in as the owner, and another thread, which has taken the ownership away, holds
+        // the mutex and waits for it.
+        if self.holder.load(Ordering::Relaxed) == me || self.inside.load(Ordering::Relaxed) == me {
             return None;
         }
         let held = self.mutex.lock().unwrap_or_else(PoisonError::into_inner);
         match self.owner.load(Ordering::Relaxed) {
             NOBODY if barrier::is_there() => {
                 // Inside before anybody can know of the owner: the others see both in this order.
-                self.inside.store(true, Ordering::Relaxed);
+                self.inside.store(me, Ordering::Relaxed);
                 self.owner.store(me, Ordering::Release);
                 return Some(Guard { lock: self, held: None });
             }
@@ -92,7 +94,7 @@ impl<T> Biased<T> {
                 self.owner.store(NO_MORE, Ordering::SeqCst);
                 barrier::on_all_threads();
                 // Once for the whole process: what the owner does may be a whole frame.
-                while self.inside.load(Ordering::Acquire) {
+                while self.inside.load(Ordering::Acquire) != NOBODY {
                     std::thread::sleep(Duration::from_micros(50));
                 }
             }
@@ -130,7 +132,7 @@ impl<T> Drop for Guard<'_, T> {
             // The mutex is released after this.
             self.lock.holder.store(NOBODY, Ordering::Relaxed);
         } else {
-            self.lock.inside.store(false, Ordering::Release);
+            self.lock.inside.store(NOBODY, Ordering::Release);
         }
     }
 }
@@ -188,7 +190,8 @@ mod barrier {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::AtomicUsize;
+    use std::sync::atomic::{AtomicBool, AtomicUsize};
+    use std::sync::{Arc, mpsc};
     use std::thread;
 
     #[test]
@@ -215,6 +218,37 @@ mod tests {
                 scope.spawn(|| assert!(lock.enter().is_some(), "another thread comes in"));
             });
         }
+    }
+
+    /// The owner comes again while another thread waits for it to leave.
+    #[test]
+    fn who_is_inside_is_told_so_while_another_waits() {
+        let lock = Arc::new(Biased::new(()));
+        if !barrier::is_there() {
+            eprintln!("SKIPPED: nobody owns the lock here");
+            return;
+        }
+        let (told, tells) = mpsc::channel();
+        let owner = lock.clone();
+        thread::spawn(move || {
+            let guard = owner.enter().expect("nobody is inside");
+            let other = owner.clone();
+            let other = thread::spawn(move || other.enter().is_some());
+            while owner.owner.load(Ordering::Relaxed) != NO_MORE {
+                thread::yield_now();
+            }
+            let again = owner.enter().is_some();
+            drop(guard);
+            let after = owner.enter().is_some();
+            let _ = told.send((again, after, other.join().expect("it does not panic")));
+        });
+        let wait = Duration::from_secs(20);
+        let outcome = tells.recv_timeout(wait).expect("the owner waits for itself");
+        assert_eq!(
+            outcome,
+            (false, true, true),
+            "refused inside, let in after; and the other thread came in"
+        );
     }
 
     /// Counts threads that have ended, by a panic too.

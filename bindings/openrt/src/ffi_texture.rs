@@ -4,7 +4,7 @@
 use std::ffi::c_void;
 
 use crate::ffi::{call, id_functions, procedures};
-use crate::state::texture::ImageDescription;
+use crate::state::texture::{ImageDescription, ReadTexels};
 
 id_functions! {
     rtGenTextures(count: i32) => |context| context.gen_textures(count);
@@ -35,8 +35,8 @@ unsafe extern "C-unwind" fn rtTexImage2D(
     let size = [width, height];
     let description = ImageDescription { target, level, internal_format, size, border, format, texel_type };
     // SAFETY: the caller vouches for the texels, and the state machine asks for no more bytes than they have.
-    let read = |length| unsafe { std::slice::from_raw_parts(texels.cast::<u8>(), length) }.to_vec();
-    let read: Option<&dyn Fn(usize) -> Vec<u8>> = if texels.is_null() { None } else { Some(&read) };
+    let read = |length| unsafe { std::slice::from_raw_parts(texels.cast::<u8>(), length) };
+    let read: Option<ReadTexels> = if texels.is_null() { None } else { Some(&read) };
     call!(
         rtTexImage2D(target, level, internal_format, width, height, border, format, texel_type, texels),
         (),

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Frames in flight: the thread that renders one, and its end.
 //! Source: \[DWBS03\] (frame semantics). A frame owns the stage while it is in flight: edits wait for the next start.
-//! Invariant: at most one frame is in flight; the program's memory is written only before its end returns.
+//! Invariant: at most one frame is in flight; the program's memory is written only before its end returns. The thread is there before
+//! anything is taken from the program's description, so that a frame that cannot start has no effect.
 //! Proof: tests/c/scene.c, tests/c/errors.c.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::mpsc::channel;
+use std::sync::mpsc::{Sender, channel};
 use std::thread::{Builder, JoinHandle};
 
 use gnurt::render::{
@@ -132,20 +133,21 @@ fn kind_of_options(error: &RenderError) -> Error {
     }
 }
 
-impl Frame {
-    /// Starts a thread for a job. The stage comes back if there is no thread to be had.
-    pub(crate) fn start(
-        stage: Stage,
-        job: Job,
-        plugins: PluginFrame,
-    ) -> std::result::Result<Self, Box<Stage>> {
-        // The stage is handed over when the thread has started. If no thread starts, it is still here, to be given back.
-        let (hand_over, take_over) = channel::<Stage>();
+/// A thread that waits for a frame to render. Dropped, it ends.
+pub(crate) struct FrameThread {
+    thread: JoinHandle<(Stage, Result<()>)>,
+    flight: Arc<Flight>,
+    hand_over: Sender<(Stage, Job)>,
+}
+
+impl FrameThread {
+    /// Starts it.
+    pub(crate) fn start() -> std::io::Result<Self> {
+        let (hand_over, take_over) = channel::<(Stage, Job)>();
         let flight = Arc::new(Flight::default());
         let landing = Landing(flight.clone());
-        let target = job.target.address();
         let work = move || {
-            let mut stage = take_over.recv().unwrap_or_default();
+            let Ok((mut stage, job)) = take_over.recv() else { return (Stage::default(), Ok(())) };
             let run = || job.run(&mut stage, &landing.0);
             let outcome = catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|_| {
                 // A commit that broke off has left half a world: the next one begins from the scene.
@@ -153,17 +155,25 @@ impl Frame {
                 stage.accumulation = None;
                 Err(Error::InvalidOperation)
             });
+            drop(job);
+            drop(landing);
             (stage, outcome)
         };
-        match Builder::new().name("openrt-frame".to_owned()).spawn(work) {
-            Ok(thread) => match hand_over.send(stage) {
-                Ok(()) => Ok(Self { thread, flight, plugins, target }),
-                Err(unsent) => Err(Box::new(unsent.0)),
-            },
-            Err(_) => Err(Box::new(stage)),
-        }
+        let thread = Builder::new().name("openrt-frame".to_owned()).spawn(work)?;
+        Ok(Self { thread, flight, hand_over })
     }
 
+    /// Renders a frame.
+    pub(crate) fn render(self, stage: Stage, job: Job, plugins: PluginFrame) -> Frame {
+        let Self { thread, flight, hand_over } = self;
+        let target = job.target.address();
+        // The thread waits for this; if it is gone, the frame ends as one whose thread was lost.
+        let _ = hand_over.send((stage, job));
+        Frame { thread, flight, plugins, target }
+    }
+}
+
+impl Frame {
     /// Where the program's memory begins that it is written to.
     pub(crate) fn target(&self) -> usize {
         self.target

@@ -88,16 +88,13 @@ impl Stage {
         (object.meshes, object.members) = (meshes, members);
     }
 
-    /// Frees the objects that are not to be kept.
-    pub(crate) fn keep_objects(&mut self, keep: impl Fn(u32) -> bool) {
-        let gone: Vec<u32> = self.objects.keys().copied().filter(|&id| !keep(id)).collect();
-        for id in gone {
-            if let Some(object) = self.objects.remove(&id) {
-                self.renewed = true;
-                self.release_meshes(object);
-                self.scene.edit_object(object).members.clear();
-                self.free_objects.push(object);
-            }
+    /// Frees an object, if it is there.
+    pub(crate) fn free_object(&mut self, id: u32) {
+        if let Some(object) = self.objects.remove(&id) {
+            self.renewed = true;
+            self.release_meshes(object);
+            self.scene.edit_object(object).members.clear();
+            self.free_objects.push(object);
         }
     }
 
@@ -299,7 +296,7 @@ mod tests {
             let shown =
                 |object| (object, Shown { object, world_from_object: Affine::IDENTITY, mask: RayMask::ALL });
             stage.show_all([1, 2 + round, 99].into_iter().map(shown));
-            stage.keep_objects(|id| id == 1);
+            stage.free_object(2 + round);
         }
         let sizes = [stage.scene.meshes().len(), stage.scene.objects().len(), stage.scene.instances().len()];
         assert_eq!(sizes, [5, 2, 2], "meshes, objects and instances of the largest frame");

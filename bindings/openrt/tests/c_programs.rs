@@ -29,6 +29,7 @@ programs! {
     frames
     many_vertices
     materials
+    memory
     mipmaps
     pixels
     primitives

@@ -227,6 +227,14 @@ fn probe() {
     must(&mut in_workshop(&workshop, &program(&workshop, "plugin_probe.c")));
 }
 
+/// Which threads run a plugin's functions, and what its services refuse.
+#[test]
+fn calls() {
+    let workshop = Workshop::new();
+    plugin(&workshop, "tests/plugins/calls.c", "calls.so", &["-pthread"]);
+    must(&mut in_workshop(&workshop, &program(&workshop, "plugin_calls.c")));
+}
+
 /// Plugins in three languages beside built-in classes: the same pictures.
 #[test]
 fn languages() {

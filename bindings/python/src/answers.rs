@@ -85,7 +85,7 @@ impl Asked {
             u: u.done(),
             v: v.done(),
             count: n,
-            found: Found { trees: self.trees, workers: self.workers, ids },
+            found: Found { trees: self.trees, threads: self.workers.count(), ids },
         })
     }
 

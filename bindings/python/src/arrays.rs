@@ -16,12 +16,14 @@ pub(crate) fn numpy<'py>(py: Python<'py>) -> PyResult<Bound<'py, PyModule>> {
     py.import(intern!(py, "numpy"))
 }
 
-/// The argument `name` as a numpy array.
+/// The argument `name` as a numpy array whose numbers are aligned, as those of a field of packed records are not.
 pub(crate) fn array<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
     let py = value.py();
-    numpy(py)?.call_method1(intern!(py, "asarray"), (value,)).map_err(|error| {
+    let array = numpy(py)?.call_method1(intern!(py, "asarray"), (value,)).map_err(|error| {
         PyTypeError::new_err(format!("{name}: expected an array of numbers ({})", error.value(py)))
-    })
+    })?;
+    let is_aligned = array.getattr(intern!(py, "flags"))?.getattr(intern!(py, "aligned"))?.is_truthy()?;
+    if is_aligned { Ok(array) } else { array.call_method0(intern!(py, "copy")) }
 }
 
 fn kind(array: &Bound<'_, PyAny>) -> PyResult<String> {

@@ -6,13 +6,13 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 
 use crate::arrays::New;
-use crate::pool::Workers;
+use crate::pool::ThreadCount;
 use crate::trees::Trees;
 
 /// What a normal is asked with, if somebody asks.
 pub(crate) struct Found {
     pub(crate) trees: Arc<Trees>,
-    pub(crate) workers: Workers,
+    pub(crate) threads: ThreadCount,
     /// Triangle, geometry, instance and leaf of each ray's hit, as the trees name them.
     pub(crate) ids: Vec<[u32; 4]>,
 }
@@ -49,7 +49,8 @@ impl Hits {
     fn normal(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let mut normals = New::<f32>::empty(py, self.count, 3)?;
         let all = normals.all();
-        let Found { trees, workers, ids } = &self.found;
+        let Found { trees, threads, ids } = &self.found;
+        let workers = threads.workers()?;
         py.detach(|| {
             workers.threads().run(|parallel| {
                 let set =

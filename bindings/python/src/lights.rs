@@ -2,7 +2,7 @@
 //! Lights of a scene by numbers. Source: original. A sky has a sun, which is a light behind it: it comes, changes and goes with the sky.
 //! Proof: `tests/test_pictures.py::test_skies`.
 
-use gnurt::scene::{Light, LightId, Scene};
+use gnurt::scene::{Light, LightId, Scene, Texture};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 
@@ -10,9 +10,27 @@ use crate::describing::NewLight;
 use crate::picture::surroundings_error;
 use crate::stage::Stage;
 
+/// A light, or the lights of surroundings, on their way into a scene.
+pub(crate) struct Made {
+    lights: Vec<Light>,
+    /// Of those, by the numbers that their lights have for them.
+    textures: Vec<Texture>,
+}
+
+/// Reads and computes what a light needs: that takes its time, and no scene.
+pub(crate) fn made(light: NewLight) -> PyResult<Made> {
+    let (around, up, turn) = match light {
+        NewLight::Light(light) => return Ok(Made { lights: vec![light], textures: Vec::new() }),
+        NewLight::Around(around, up, turn) => (around, up, turn),
+    };
+    let mut other = Scene::new();
+    around.put_around(&mut other, up, turn).map_err(|error| surroundings_error(&error))?;
+    Ok(Made { lights: other.lights().to_vec(), textures: other.textures().to_vec() })
+}
+
 /// The number of a new light; of a sky that of its surroundings.
-pub(crate) fn add(stage: &mut Stage, light: NewLight) -> PyResult<u32> {
-    let lights = made(stage, light)?;
+pub(crate) fn add(stage: &mut Stage, made: Made) -> u32 {
+    let lights = put_textures(stage, made);
     let number = stage.scene().lights().len() as u32;
     stage.edit(|scene| {
         for light in &lights {
@@ -22,16 +40,16 @@ pub(crate) fn add(stage: &mut Stage, light: NewLight) -> PyResult<u32> {
     if lights.len() > 1 {
         stage.suns.insert(number, number + 1);
     }
-    Ok(number)
+    number
 }
 
 /// Puts another light in the place of one.
-pub(crate) fn set(stage: &mut Stage, number: usize, light: NewLight) -> PyResult<()> {
+pub(crate) fn set(stage: &mut Stage, number: usize, made: Made) -> PyResult<()> {
     let count = stage.scene().lights().len();
     let Some(number) = u32::try_from(number).ok().filter(|_| number < count) else {
         return Err(PyIndexError::new_err(format!("light: there is no light {number}; there are {count}")));
     };
-    let mut lights = made(stage, light)?.into_iter();
+    let mut lights = put_textures(stage, made).into_iter();
     let (first, sun) = (lights.next(), lights.next());
     let place = stage.suns.get(&number).copied();
     // Others keep their numbers: a sun that is gone is dark.
@@ -53,23 +71,16 @@ pub(crate) fn set(stage: &mut Stage, number: usize, light: NewLight) -> PyResult
     Ok(())
 }
 
-/// The light, or the lights of surroundings, whose textures are added to the scene.
-fn made(stage: &mut Stage, light: NewLight) -> PyResult<Vec<Light>> {
-    let (around, up, turn) = match light {
-        NewLight::Light(light) => return Ok(vec![light]),
-        NewLight::Around(around, up, turn) => (around, up, turn),
-    };
-    let mut other = Scene::new();
-    around.put_around(&mut other, up, turn).map_err(|error| surroundings_error(&error))?;
-    let textures = stage.scene().textures().len() as u32;
-    for texture in other.textures() {
+/// Adds the textures to the scene; the lights with their numbers there.
+fn put_textures(stage: &mut Stage, Made { mut lights, textures }: Made) -> Vec<Light> {
+    let first = stage.scene().textures().len() as u32;
+    for texture in textures {
         stage.edit(|scene| scene.add_texture(texture.clone()));
     }
-    let mut lights = other.lights().to_vec();
     for light in &mut lights {
         if let Some(texture) = light.texture_mut() {
-            texture.0 += textures;
+            texture.0 += first;
         }
     }
-    Ok(lights)
+    lights
 }

@@ -41,7 +41,11 @@ impl Mesh {
             // What was converted is ours already.
             let is_theirs =
                 || numpy(array.py())?.call_method1("may_share_memory", (array, given))?.is_truthy();
-            Ok(if copy && is_theirs()? { array.call_method0("copy")? } else { array.clone() }.unbind())
+            let ours = if copy && is_theirs()? { array.call_method0("copy")? } else { array.clone() };
+            // Whoever gets it from us, by `__getstate__`, cannot change what was checked.
+            let view = ours.call_method0("view")?;
+            view.call_method1("setflags", (false,))?;
+            Ok(view.unbind())
         };
         let (given, found) = (array("vertices", vertices)?, array("faces", faces)?);
         let (kind, shape): (String, Vec<usize>) =

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::arrays::New;
-use crate::pool::Workers;
+use crate::pool::ThreadCount;
 
 /// Linear light with opacity, and layers beside it.
 #[pyclass(module = "gnurt", frozen)]
@@ -198,9 +198,9 @@ impl Picture {
     fn denoise(&self, py: Python<'_>, method: &str, threads: usize) -> PyResult<Self> {
         let method: Method =
             method.parse().map_err(|error| PyValueError::new_err(format!("method: {error}")))?;
-        let workers = Workers::new(threads)?;
+        let threads = ThreadCount::new(threads)?;
         let mut picture = self.picture.clone();
-        py.detach(|| take_noise_out(&mut picture, method, self.crop, &workers))?;
+        py.detach(|| take_noise_out(&mut picture, method, self.crop, threads))?;
         Ok(Self { picture, exposure: self.exposure, crop: self.crop })
     }
 
@@ -215,12 +215,12 @@ pub(crate) fn take_noise_out(
     picture: &mut image::Picture,
     method: Method,
     region: Option<[u32; 4]>,
-    workers: &Workers,
+    threads: ThreadCount,
 ) -> PyResult<()> {
     let library = std::env::var_os("OIDN_LIB").filter(|file| !file.is_empty()).map(Into::into);
     let options = Options { method, region, library };
     let error = |error: denoise::Error| PyValueError::new_err(format!("denoise: {error}"));
-    let used = denoise::denoise(picture, &options, &*workers.pool()?).map_err(error)?;
+    let used = denoise::denoise(picture, &options, &*threads.pool()?).map_err(error)?;
     picture.set_metadata("denoiser", used.name());
     Ok(())
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Threads by their number. Source: original. Invariant: after a fork the child makes pools of its own, for threads of its
-//! parent are not in it. Proof: `tests/test_rays.py::test_after_fork`.
+//! parent are not in it; what outlives a call keeps a [`ThreadCount`] and takes its [`Workers`] when it works.
+//! Proof: `tests/test_rays.py::test_after_fork`, `tests/test_pictures.py::test_growing_after_a_fork`.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,29 +20,41 @@ type Pools = HashMap<(u32, usize), Arc<ThreadPool>>;
 /// Those of a parent are never dropped: there is nobody to join.
 static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
-/// Who works: the calling thread, or a pool.
-#[derive(Clone)]
+/// How many threads work, 1 or more.
+#[derive(Clone, Copy)]
+pub(crate) struct ThreadCount(usize);
+
+impl ThreadCount {
+    /// So many threads; 0 is one for each core.
+    pub(crate) fn new(threads: usize) -> PyResult<Self> {
+        match threads {
+            0 => Ok(Self(std::thread::available_parallelism().map_or(1, usize::from))),
+            1..=MOST => Ok(Self(threads)),
+            _ => Err(PyValueError::new_err(format!("threads: at most {MOST}, not {threads}"))),
+        }
+    }
+
+    /// Those of this process.
+    pub(crate) fn workers(self) -> PyResult<Workers> {
+        Ok(Workers { count: self, pool: if self.0 == 1 { None } else { Some(self.pool()?) } })
+    }
+
+    /// This process's pool, of one thread if need be: for what is never done by the calling one.
+    pub(crate) fn pool(self) -> PyResult<Arc<ThreadPool>> {
+        pool(self.0)
+    }
+}
+
+/// Who works during one call: the calling thread, or a pool.
 pub(crate) struct Workers {
-    count: usize,
+    count: ThreadCount,
     pool: Option<Arc<ThreadPool>>,
 }
 
 impl Workers {
-    /// So many threads; 0 is one for each core.
-    pub(crate) fn new(threads: usize) -> PyResult<Self> {
-        if threads > MOST {
-            return Err(PyValueError::new_err(format!("threads: at most {MOST}, not {threads}")));
-        }
-        let count = match threads {
-            0 => std::thread::available_parallelism().map_or(1, usize::from),
-            n => n,
-        };
-        Ok(Self { count, pool: if count == 1 { None } else { Some(pool(count)?) } })
-    }
-
-    /// A pool, of one thread if need be: for what is never done by the calling one.
-    pub(crate) fn pool(&self) -> PyResult<Arc<ThreadPool>> {
-        self.pool.clone().map_or_else(|| pool(self.count), Ok)
+    /// How many they are.
+    pub(crate) fn count(&self) -> ThreadCount {
+        self.count
     }
 
     pub(crate) fn threads(&self) -> Threads<'_> {

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use gnurt_accel::DEEPEST_SCENE;
 use pyo3::exceptions::{PyIndexError, PyTypeError, PyValueError};
+use pyo3::gc::{PyTraverseError, PyVisit};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyDict, PyList, PyTuple};
@@ -14,7 +15,7 @@ use crate::answers::{Asked, Which};
 use crate::arrays::{Numbers, transform};
 use crate::hits::{AllHits, Hits};
 use crate::meshes::Mesh;
-use crate::pool::Workers;
+use crate::pool::{ThreadCount, Workers};
 use crate::rays::Rays;
 use crate::trees::{Placed, Plan, Shows, Trees};
 
@@ -23,6 +24,24 @@ enum Shown {
     Mesh(u32),
     /// All of another scene, as it is when somebody asks.
     Scene(Py<RayScene>),
+}
+
+impl Shown {
+    /// The scene, if it is one.
+    fn scene(&self, py: Python<'_>) -> Option<Py<RayScene>> {
+        match self {
+            Self::Mesh(_) => None,
+            Self::Scene(scene) => Some(scene.clone_ref(py)),
+        }
+    }
+
+    /// The same.
+    fn shared(&self, py: Python<'_>) -> Self {
+        match self {
+            Self::Mesh(geom_id) => Self::Mesh(*geom_id),
+            Self::Scene(scene) => Self::Scene(scene.clone_ref(py)),
+        }
+    }
 }
 
 /// What is shown, and where: columns of an affine map.
@@ -46,6 +65,11 @@ impl State {
             Some((Shown::Mesh(_), _)) | None => None,
         };
         (0..).zip(&self.instances).filter_map(scene).collect()
+    }
+
+    /// The meshes, with the same arrays.
+    fn meshes(&self, py: Python<'_>) -> Vec<Option<Mesh>> {
+        self.meshes.iter().map(|mesh| mesh.as_ref().map(|mesh| mesh.shared(py))).collect()
     }
 
     /// Instances for trees, where those of scenes, ascending by number, are known.
@@ -72,8 +96,12 @@ impl State {
 /// Trees as a query finds them.
 enum Found {
     UpToDate(Arc<Trees>),
-    /// What is to be built, and after how many edits.
-    Due(Plan, u64),
+    /// What they are to be over, and those of an earlier state.
+    Due {
+        meshes: Vec<Option<Mesh>>,
+        placed: Vec<(u32, Placed)>,
+        before: Option<Arc<Trees>>,
+    },
 }
 
 /// Triangle meshes to be asked with rays and points. Every query may be called from several threads at once.
@@ -82,6 +110,9 @@ enum Found {
 pub(crate) struct RayScene {
     state: Mutex<State>,
 }
+
+/// Held while a scene comes into another, from the look for a circle on: two threads could close one together.
+static NESTING: Mutex<()> = Mutex::new(());
 
 type Object<'a, 'py> = &'a Bound<'py, PyAny>;
 
@@ -93,16 +124,16 @@ fn matrix(columns: &[[f64; 3]; 4]) -> Vec<Vec<f64>> {
 }
 
 impl RayScene {
-    /// Under the lock, during which nothing of Python's runs that could come back here.
+    /// Under the lock, during which nothing of Python's is made or dropped: that may run any code of a program (a collection of
+    /// garbage, a destructor), which could come back here.
     fn with<R>(&self, py: Python<'_>, job: impl FnOnce(&mut State) -> R) -> R {
         job(&mut self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner))
     }
 
     fn asked(&self, py: Python<'_>, threads: i64) -> PyResult<Asked> {
         let count = usize::try_from(threads);
-        let workers = Workers::new(
-            count.map_err(|_| PyValueError::new_err(format!("threads: 0 or more, not {threads}")))?,
-        )?;
+        let count = count.map_err(|_| PyValueError::new_err(format!("threads: 0 or more, not {threads}")))?;
+        let workers = ThreadCount::new(count)?.workers()?;
         let trees = self.trees(py, &workers, &mut Vec::new())?;
         Ok(Asked { trees, workers })
     }
@@ -134,21 +165,21 @@ impl RayScene {
                 inner.push((id, trees));
             }
             let found = self.with(py, |state| match &state.trees {
-                _ if state.edits != edits => Ok(None),
+                _ if state.edits != edits => None,
                 Some((edits, trees)) if *edits == state.edits && trees.show(&inner) => {
-                    Ok(Some(Found::UpToDate(trees.clone())))
+                    Some(Found::UpToDate(trees.clone()))
                 }
                 before => {
                     let before = before.as_ref().map(|(_, trees)| trees.clone());
-                    let plan = Plan::new(py, &state.meshes, state.placed(&inner), before)?;
-                    PyResult::Ok(Some(Found::Due(plan, state.edits)))
+                    Some(Found::Due { meshes: state.meshes(py), placed: state.placed(&inner), before })
                 }
-            })?;
+            });
             match found {
                 // Somebody has edited it meanwhile.
                 None => {}
                 Some(Found::UpToDate(trees)) => return Ok(trees),
-                Some(Found::Due(plan, edits)) => {
+                Some(Found::Due { meshes, placed, before }) => {
+                    let plan = Plan::new(py, &meshes, placed, before)?;
                     // Two threads that come at once both build; the answers are the same.
                     let trees = Arc::new(py.detach(|| plan.build(workers.threads()))?);
                     self.with(py, |state| {
@@ -163,8 +194,8 @@ impl RayScene {
         }
     }
 
-    /// Whether another scene is this one or lies in it, looked for so deep.
-    fn holds(&self, py: Python<'_>, other: &Self, deepest: u32) -> PyResult<bool> {
+    /// Whether another scene is this one or lies in it, looked for so deep. Those that are looked at stay in `seen`.
+    fn holds(&self, py: Python<'_>, other: &Self, deepest: u32, seen: &mut Vec<Py<Self>>) -> PyResult<bool> {
         if std::ptr::eq(self, other) {
             return Ok(true);
         }
@@ -173,11 +204,35 @@ impl RayScene {
             return Err(Self::too_deep());
         }
         for (_, scene) in scenes {
-            if scene.get().holds(py, other, deepest - 1)? {
+            let holds = scene.get().holds(py, other, deepest - 1, seen)?;
+            seen.push(scene);
+            if holds {
                 return Ok(true);
             }
         }
         Ok(false)
+    }
+
+    /// Runs `change` if none of `scenes` is this one or holds it; else that is the error. No other scene comes into a scene meanwhile.
+    fn unless_held<R>(
+        &self,
+        py: Python<'_>,
+        scenes: &[Py<Self>],
+        held: &str,
+        change: impl FnOnce() -> PyResult<R>,
+    ) -> PyResult<R> {
+        if scenes.is_empty() {
+            return change();
+        }
+        // What was looked at goes after the lock.
+        let mut seen = Vec::new();
+        let _alone = NESTING.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
+        for scene in scenes {
+            if scene.get().holds(py, self, DEEPEST_SCENE, &mut seen)? {
+                return Err(PyValueError::new_err(held.to_owned()));
+            }
+        }
+        change()
     }
 
     /// What is given to be shown: a geometry's number, or a scene.
@@ -231,20 +286,18 @@ impl RayScene {
         let (py, this) = (slf.py(), slf.get());
         let place = self::transform("transform", transform)?;
         let shown = Self::shown(shown)?;
-        if let Shown::Scene(scene) = &shown
-            && scene.get().holds(py, this, DEEPEST_SCENE)?
-        {
-            return Err(PyValueError::new_err("shown: this scene lies in it; a scene cannot show itself"));
-        }
-        this.with(py, |state| {
-            if let Shown::Mesh(id) = shown
-                && !matches!(state.meshes.get(id as usize), Some(Some(_)))
-            {
-                return Err(Self::no_geometry(id as usize));
-            }
-            state.edit();
-            state.instances.push(Some((shown, place)));
-            Ok(state.instances.len() - 1)
+        let scenes = shown.scene(py).into_iter().collect::<Vec<_>>();
+        this.unless_held(py, &scenes, "shown: this scene lies in it; a scene cannot show itself", || {
+            this.with(py, |state| {
+                if let Shown::Mesh(id) = shown
+                    && !matches!(state.meshes.get(id as usize), Some(Some(_)))
+                {
+                    return Err(Self::no_geometry(id as usize));
+                }
+                state.edit();
+                state.instances.push(Some((shown, place)));
+                Ok(state.instances.len() - 1)
+            })
         })
     }
 
@@ -269,17 +322,18 @@ impl RayScene {
             }
             _ => None,
         };
-        self.with(py, |state| match (geom_id, inst_id) {
+        // What goes is given back to Python after the lock.
+        let gone = self.with(py, |state| match (geom_id, inst_id) {
             (Some(id), None) => {
                 let edit = state.edit();
                 let mesh = state.meshes.get_mut(id).and_then(Option::as_mut);
                 let mesh = mesh.ok_or_else(|| Self::no_geometry(id))?;
                 mesh.state = edit;
                 mesh.place = place.or(mesh.place);
-                if let Some(vertices) = moved {
-                    (mesh.vertices, mesh.shape) = (vertices, edit);
-                }
-                Ok(())
+                Ok(moved.map(|vertices| {
+                    mesh.shape = edit;
+                    std::mem::replace(&mut mesh.vertices, vertices)
+                }))
             }
             (None, Some(id)) if vertices.is_none() => {
                 let placed = state.instances.get_mut(id).and_then(Option::as_mut);
@@ -287,13 +341,15 @@ impl RayScene {
                     placed.ok_or_else(|| PyIndexError::new_err(format!("there is no instance {id}")))?;
                 placed.1 = place.unwrap_or(placed.1);
                 state.edit();
-                Ok(())
+                Ok(None)
             }
             (None, Some(_)) => {
                 Err(PyTypeError::new_err("vertices: an instance has none of its own; update its geometry"))
             }
             _ => Err(PyTypeError::new_err("update() takes either geom_id or inst_id")),
-        })
+        })?;
+        drop(gone);
+        Ok(())
     }
 
     /// Takes a geometry away, with the instances of it, or an instance. Numbers of others stay.
@@ -458,27 +514,26 @@ impl RayScene {
 
     /// What pickle and `save` keep: arrays, not trees.
     fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (now_meshes, now_instances) = self.with(py, |state| {
+            let shared = |at: &Option<Instance>| at.as_ref().map(|(shown, place)| (shown.shared(py), *place));
+            (state.meshes(py), state.instances.iter().map(shared).collect::<Vec<_>>())
+        });
         let (meshes, instances) = (PyList::empty(py), PyList::empty(py));
-        self.with(py, |state| -> PyResult<()> {
-            for mesh in &state.meshes {
-                match mesh {
-                    None => meshes.append(py.None())?,
-                    Some(Mesh { vertices, faces, place, .. }) => {
-                        meshes.append((vertices, faces, place.as_ref().map(matrix)))?;
-                    }
+        for mesh in now_meshes {
+            match mesh {
+                None => meshes.append(py.None())?,
+                Some(Mesh { vertices, faces, place, .. }) => {
+                    meshes.append((vertices, faces, place.as_ref().map(matrix)))?;
                 }
             }
-            for placed in &state.instances {
-                match placed {
-                    None => instances.append(py.None())?,
-                    Some((Shown::Mesh(geom_id), place)) => instances.append((geom_id, matrix(place)))?,
-                    Some((Shown::Scene(scene), place)) => {
-                        instances.append((scene.clone_ref(py), matrix(place)))?;
-                    }
-                }
+        }
+        for placed in now_instances {
+            match placed {
+                None => instances.append(py.None())?,
+                Some((Shown::Mesh(geom_id), place)) => instances.append((geom_id, matrix(&place)))?,
+                Some((Shown::Scene(scene), place)) => instances.append((scene, matrix(&place)))?,
             }
-            Ok(())
-        })?;
+        }
         let all = PyDict::new(py);
         all.set_item("meshes", meshes)?;
         all.set_item("instances", instances)?;
@@ -510,23 +565,45 @@ impl RayScene {
                         Shown::Mesh(id) if !matches!(meshes.get(*id as usize), Some(Some(_))) => {
                             return Err(Self::no_geometry(*id as usize));
                         }
-                        Shown::Scene(scene) if scene.get().holds(py, self, DEEPEST_SCENE)? => {
-                            return Err(PyValueError::new_err("a scene cannot show itself"));
-                        }
                         _ => Some((shown, place)),
                     }
                 }
             });
         }
-        let before = self.with(py, |state| {
-            let edit = state.edit();
-            for mesh in meshes.iter_mut().flatten() {
-                (mesh.shape, mesh.state) = (edit, edit);
-            }
-            std::mem::replace(state, State { meshes, instances, edits: edit, trees: None })
-        });
+        let scenes: Vec<_> =
+            instances.iter().flatten().filter_map(|(shown, _): &Instance| shown.scene(py)).collect();
+        let before = self.unless_held(py, &scenes, "a scene cannot show itself", || {
+            Ok(self.with(py, |state| {
+                let edit = state.edit();
+                for mesh in meshes.iter_mut().flatten() {
+                    (mesh.shape, mesh.state) = (edit, edit);
+                }
+                std::mem::replace(state, State { meshes, instances, edits: edit, trees: None })
+            }))
+        })?;
         drop(before);
         Ok(())
+    }
+
+    /// What the collector of garbage looks at: scenes lie in one another, and arrays may be of any class.
+    fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
+        // Who holds the lock is using all of it.
+        let Ok(state) = self.state.try_lock() else { return Ok(()) };
+        for mesh in state.meshes.iter().flatten() {
+            visit.call(&mesh.vertices)?;
+            visit.call(&mesh.faces)?;
+        }
+        for (shown, _) in state.instances.iter().flatten() {
+            if let Shown::Scene(scene) = shown {
+                visit.call(scene)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn __clear__(&self) {
+        let gone = self.state.try_lock().map(|mut state| std::mem::take(&mut *state));
+        drop(gone);
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {

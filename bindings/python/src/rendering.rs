@@ -19,7 +19,7 @@ use pyo3::types::PyDict;
 use crate::describing;
 use crate::given::Given;
 use crate::picture::{Picture, take_noise_out};
-use crate::pool::Workers;
+use crate::pool::ThreadCount;
 use crate::scripts::script_named;
 use crate::stage::{Aim, Clip, Shot, View};
 use crate::watch::watched;
@@ -27,7 +27,7 @@ use crate::watch::watched;
 /// All that a rendering is asked for.
 pub(crate) struct Wanted {
     pub(crate) view: View,
-    pub(crate) workers: Workers,
+    pub(crate) threads: ThreadCount,
     options: RenderOptions,
     layers: bool,
     denoise: Option<Method>,
@@ -87,7 +87,7 @@ impl Wanted {
         }
         let threads = given.whole("threads", 0, 1024)?.unwrap_or(0) as usize;
         given.end()?;
-        Ok(Self { view, workers: Workers::new(threads)?, options, layers, denoise })
+        Ok(Self { view, threads: ThreadCount::new(threads)?, options, layers, denoise })
     }
 
     /// The finished picture of what `ready` makes ready.
@@ -101,7 +101,7 @@ impl Wanted {
             let shot = ready()?;
             let begun = Accumulation::new(self.options.clone())
                 .map_err(|error| PyValueError::new_err(error.to_string()))?;
-            let pool = self.workers.pool()?;
+            let pool = self.threads.pool()?;
             let frame = render_on(begun, &shot.world, &*shot.camera, &pool, watch, None, &mut |_| {});
             self.finished(frame.picture, &frame.stats, shot.exposure)
         })
@@ -116,7 +116,7 @@ impl Wanted {
     ) -> PyResult<Picture> {
         let crop = self.options.crop.and_then(|_| self.options.region().ok());
         if let Some(method) = self.denoise {
-            take_noise_out(&mut picture, method, crop, &self.workers)?;
+            take_noise_out(&mut picture, method, crop, self.threads)?;
             if !self.layers {
                 picture.make_opaque(crop);
                 picture.layers.clear();
@@ -208,7 +208,7 @@ impl Growing {
     fn grow(&self, py: Python<'_>, samples: u32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
         watched(py, progress, |watch| {
             let mut so_far = self.so_far.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            let pool = self.wanted.workers.pool()?;
+            let pool = self.wanted.threads.pool()?;
             so_far.pass(&self.shot.world, &*self.shot.camera, samples, &pool, watch);
             Ok(so_far.is_complete())
         })

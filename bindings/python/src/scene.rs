@@ -3,10 +3,12 @@
 //! What is put somewhere is known by the number of its instance. Proof: `tests/test_pictures.py`.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use gnurt::osl::Script;
 use gnurt::scene::{Affine, InstanceId, MaterialId, MeshId, Scene as Description, io};
 use gnurt::scene::{Camera, Material, Mesh as SceneMesh, Projection, Surface};
+use gnurt::shading::SurfaceShader;
 use pyo3::exceptions::{PyIndexError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -51,7 +53,7 @@ impl Scene {
 
     /// By a thread that does not hold the interpreter's lock.
     fn shoot(&self, wanted: &Wanted) -> PyResult<crate::stage::Shot> {
-        let pool = wanted.workers.pool()?;
+        let pool = wanted.threads.pool()?;
         self.stage.lock().unwrap_or_else(PoisonError::into_inner).shoot(&wanted.view, &pool)
     }
 }
@@ -76,12 +78,33 @@ fn per_vertex<const N: usize>(name: &str, value: Option<Object>, vertices: usize
     Ok(numbers.singles())
 }
 
-/// The material as the scene has it.
-fn made(stage: &mut Stage, material: NewMaterial) -> PyResult<Material> {
-    Ok(match material {
-        NewMaterial::Material(material) => material,
-        NewMaterial::Script(name, script) => Material::of(name, Surface::Shader(stage.add_script(script)?)),
-    })
+/// A material on its way into a scene.
+enum Compiled {
+    Material(Material),
+    Script(String, Script, Arc<dyn SurfaceShader>),
+}
+
+impl Compiled {
+    /// Shaders take their time, so neither the interpreter nor the scene waits for them.
+    fn new(py: Python<'_>, material: NewMaterial) -> PyResult<Self> {
+        match material {
+            NewMaterial::Material(material) => Ok(Self::Material(material)),
+            NewMaterial::Script(name, script) => py.detach(move || match script.surface() {
+                Ok(surface) => Ok(Self::Script(name, script, surface)),
+                Err(why) => Err(PyValueError::new_err(format!("shader: {why}"))),
+            }),
+        }
+    }
+
+    /// As the scene has it.
+    fn put(self, stage: &mut Stage) -> Material {
+        match self {
+            Self::Material(material) => material,
+            Self::Script(name, script, surface) => {
+                Material::of(name, Surface::Shader(stage.add_script(script, surface)))
+            }
+        }
+    }
 }
 
 fn material_id(scene: &Description, material: usize) -> PyResult<MaterialId> {
@@ -141,8 +164,9 @@ impl Scene {
         let mut given = Given::new(arguments);
         let material = describing::material(&mut given)?;
         given.end()?;
+        let material = Compiled::new(py, material)?;
         self.with(py, |stage| {
-            let material = made(stage, material)?;
+            let material = material.put(stage);
             Ok(stage.edit(|scene| scene.add_material(material.clone()).0))
         })
     }
@@ -151,9 +175,10 @@ impl Scene {
         let mut given = Given::new(arguments);
         let material = describing::material(&mut given)?;
         given.end()?;
+        let material = Compiled::new(py, material)?;
         self.with(py, |stage| {
             let id = material_id(stage.scene(), number)?;
-            let material = made(stage, material)?;
+            let material = material.put(stage);
             stage.edit(|scene| *scene.edit_material(id) = material.clone());
             Ok(())
         })
@@ -187,7 +212,7 @@ impl Scene {
         let at = mesh.place.map_or(Affine::IDENTITY, |columns| Affine { columns });
         self.with(py, |stage| {
             let material = material.map(|number| material_id(stage.scene(), number)).transpose()?;
-            let shared = std::sync::Arc::new(described);
+            let shared = Arc::new(described);
             Ok(stage.edit(|scene| {
                 let material = material.unwrap_or_else(|| plain(scene));
                 let mesh = scene.add_mesh(SceneMesh { material, ..(*shared).clone() });
@@ -266,7 +291,8 @@ impl Scene {
         let mut given = Given::new(arguments);
         let light = describing::light(kind, &mut given)?;
         given.end()?;
-        self.with(py, |stage| lights::add(stage, light))
+        let made = py.detach(|| lights::made(light))?;
+        Ok(self.with(py, |stage| lights::add(stage, made)))
     }
 
     fn _set_light(
@@ -279,7 +305,8 @@ impl Scene {
         let mut given = Given::new(arguments);
         let light = describing::light(kind, &mut given)?;
         given.end()?;
-        self.with(py, |stage| lights::set(stage, number, light))
+        let made = py.detach(|| lights::made(light))?;
+        self.with(py, |stage| lights::set(stage, number, made))
     }
 
     fn _add_camera(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {

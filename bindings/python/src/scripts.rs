@@ -31,12 +31,15 @@ pub(crate) fn script_named(
             ))),
         };
     };
-    let access = Access::default();
+    // Other threads of the program run while it is compiled.
+    let py = shader.py();
     let made = match shader.extract::<String>() {
         // No shader is without a body.
-        Ok(text) if text.contains('{') => Script::from_text(Path::new("shader.osl"), &text, &access),
+        Ok(text) if text.contains('{') => {
+            py.detach(|| Script::from_text(Path::new("shader.osl"), &text, &Access::default()))
+        }
         _ => match shader.extract::<PathBuf>() {
-            Ok(path) => Script::open(&path, &access),
+            Ok(path) => py.detach(|| Script::open(&path, &Access::default())),
             Err(_) => {
                 return Err(PyTypeError::new_err(format!("{of_shader}: expected a file, or source text")));
             }

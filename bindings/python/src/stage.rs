@@ -11,7 +11,7 @@ use gnurt::osl::{CameraScript, Script};
 use gnurt::render::{CommitOptions, Integrator, ShaderTable, World};
 use gnurt::scene::animation::Exposure;
 use gnurt::scene::{Camera, CameraId, Scene};
-use gnurt::shading::{CameraShader, PixelShader};
+use gnurt::shading::{CameraShader, PixelShader, SurfaceShader};
 use gnurt::{ThreadPool, camera_rays_along, named_camera_shader, put_named_shaders};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -97,12 +97,11 @@ impl Stage {
     }
 
     /// The number of a surface that a shader makes.
-    pub(crate) fn add_script(&mut self, script: Script) -> PyResult<u32> {
-        let surface = script.surface().map_err(|why| PyValueError::new_err(format!("shader: {why}")))?;
+    pub(crate) fn add_script(&mut self, script: Script, surface: Arc<dyn SurfaceShader>) -> u32 {
         self.news.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
         self.shaders.surfaces.push(surface);
         self.scripts.push(script);
-        Ok((self.shaders.surfaces.len() - 1) as u32)
+        (self.shaders.surfaces.len() - 1) as u32
     }
 
     /// What is to be told of shaders and has not been.

@@ -1,4 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import os
+import signal
+
 import numpy as np
 import pytest
 
@@ -28,6 +31,21 @@ def rays():
     random = np.random.default_rng(20061)
     origins = random.normal(size=(1000, 3)) * 3 + 0.5
     return origins, random.uniform(-0.5, 1.5, size=(1000, 3)) - origins
+
+
+def in_child(job):
+    """Runs a function in a fork of this process, which has half a minute; it must return something true."""
+    child = os.fork()
+    if child == 0:
+        signal.signal(signal.SIGALRM, signal.SIG_DFL)
+        signal.alarm(30)
+        try:
+            os._exit(0 if job() else 1)
+        except BaseException as error:
+            os.write(2, f"{error!r}\n".encode())
+            os._exit(2)
+    status = os.waitpid(child, 0)[1]
+    assert status == 0, f"status {status:#x}; {signal.SIGALRM.value} is a child that hangs"
 
 
 def brute_force(vertices, faces, origins, directions):

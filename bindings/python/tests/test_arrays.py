@@ -25,6 +25,27 @@ def test_any_layout_gives_the_same(scene, rays):
         assert (scene.intersect(org, dir).t == expected).all()
 
 
+def test_unaligned_arrays(scene, rays):
+    fields = [("kind", "u1"), ("org", "<f4", 3), ("dir", "<f8", 3), ("far", "<f8"), ("face", "<u4", 3), ("at", ">f4", 3)]
+    packed = np.zeros(1000, dtype=fields)
+    packed["org"], packed["dir"], packed["far"] = *rays, 0.5
+    assert not packed["org"].flags.aligned and packed["dir"].strides[0] % 8 != 0
+    org, dir = packed["org"].copy(), packed["dir"].copy()
+    expected = scene.intersect(org, dir, t_far=0.5)
+    assert (scene.intersect(packed["org"], packed["dir"], t_far=packed["far"]).t == expected.t).all()
+    shifted = np.frombuffer(b"-" + org.tobytes(), np.float32, offset=1).reshape(-1, 3)
+    assert not shifted.flags.aligned and (scene.intersect(shifted, dir, t_far=0.5).t == expected.t).all()
+    assert (scene.distance(packed["org"]) == scene.distance(org)).all()
+    vertices, faces = cube()
+    packed["at"][:8], packed["face"][:12] = vertices, faces
+    placed = np.frombuffer(b"-" + np.eye(4).tobytes(), float, offset=1).reshape(4, 4)
+    for copy in (True, False):
+        other = gnurt.RayScene()
+        other.add_triangles(packed["at"][:8], packed["face"][:12], placed, copy=copy)
+        other.update(0, vertices=packed["at"][:8], transform=placed, copy=copy)
+        assert (other.intersect(org, dir, t_far=0.5).t == expected.t).all()
+
+
 def test_other_arrays(scene):
     class Array:
         def __array__(self, dtype=None, copy=None):

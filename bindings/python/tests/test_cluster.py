@@ -7,7 +7,9 @@ import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
+import time
 
 import pytest
 
@@ -42,6 +44,67 @@ def test_scenes_are_named_by_content(scene, tmp_path):
     shutil.rmtree(there)
     scene.with_suffix(".mtl").write_text("newmtl red\nKd 0.8 0.1 0.2\n")
     assert name() != first, "all files count"
+
+
+def test_folders_of_others_are_not_trusted(scene, tmp_path, monkeypatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    job = gnurt.cluster.Job(str(scene), "out.png")
+    shared, elsewhere = tmp_path / f"gnurt-{os.getuid()}", tmp_path / "elsewhere"
+
+    def forge(folder, mode):
+        (folder / job.name / "scene").mkdir(parents=True)
+        (folder / job.name / "scene" / "a.mtl").write_text("newmtl forged")
+        folder.chmod(mode)
+
+    def link():
+        forge(elsewhere, 0o700)
+        shared.symlink_to(elsewhere)
+
+    def of_another():
+        forge(shared, 0o700)
+        if os.getuid() == 0:
+            os.chown(shared, 12345, 12345)
+        else:
+            shared.chmod(0o770)
+
+    for make in (lambda: forge(shared, 0o777), link, of_another):
+        make()
+        gnurt.cluster._unpack(job.name, job.archive)
+        there = gnurt.cluster._folder(job.name)
+        assert open(os.path.join(there, "scene/a.mtl")).read().startswith("newmtl red"), "what the job brought"
+        parent = os.lstat(os.path.dirname(there))
+        assert parent.st_uid == os.getuid() and parent.st_mode & 0o777 == 0o700
+        assert gnurt.cluster._folder(job.name) == there, "this process finds it again"
+        shared.unlink() if shared.is_symlink() else shutil.rmtree(shared)
+    gnurt.cluster._unpack(job.name, job.archive)
+    assert gnurt.cluster._folder(job.name) == str(shared / job.name), "our own is shared"
+    assert os.stat(shared).st_mode & 0o777 == 0o700
+
+
+def test_programs_die_with_their_worker(tmp_path):
+    file = tmp_path / "pid"
+    words = ["sh", "-c", f"echo $$ > {file}.new; mv {file}.new {file}; exec sleep 60"]
+    worker = subprocess.Popen([sys.executable, "-c", f"import gnurt.cluster; gnurt.cluster._run({words!r})"])
+    end = time.monotonic() + 30
+    while not file.exists() and time.monotonic() < end:
+        time.sleep(0.02)
+    pid = int(file.read_text())
+    worker.kill()
+    worker.wait()
+
+    def is_there():
+        try:
+            return open(f"/proc/{pid}/stat").read().rpartition(")")[2].split()[0] != "Z"
+        except FileNotFoundError:
+            return False
+
+    while is_there() and time.monotonic() < end:
+        time.sleep(0.02)
+    assert not is_there()
+    with pytest.raises(RuntimeError, match="error: no/such/program: No such file"):
+        gnurt.cluster._run(["no/such/program"])
+    with pytest.raises(RuntimeError, match="sh ended with 3: words"):
+        gnurt.cluster._run(["sh", "-c", "echo words >&2; exit 3"])
 
 
 def test_wrong_jobs(scene):

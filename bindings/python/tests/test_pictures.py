@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import gnurt
-from conftest import cube
+from conftest import cube, in_child
 
 SMALL = {"spp": 2, "threads": 2}
 FRONT = gnurt.Camera(eye=(0.5, 0.5, 4), target=(0.5, 0.5, 0), fov=40)
@@ -52,6 +52,14 @@ def test_threads_and_passes_change_nothing():
     assert len(pictures) == 4 and (pictures[-1] == one).all() and (pictures[0] != one).any()
     assert shares[-1] == 1 and shares == sorted(shares)
     assert (pictures[0] == np.asarray(scene.render(40, 30, spp=1))).all()
+
+
+def test_growing_after_a_fork():
+    scene = gnurt.load("builtin:cornell")
+    growing = scene._grow({"width": 16, "height": 12, **SMALL})
+    growing.grow(1)
+    in_child(lambda: growing.grow(1))
+    assert growing.grow(1)
 
 
 def test_edits_show():
@@ -188,6 +196,30 @@ def test_others_run_meanwhile():
         counted.append(1)
         time.sleep(0.001)
     assert len(counted) > 5
+
+
+def test_others_run_while_scenes_are_described(tmp_path):
+    """Neither they nor the scene wait for a picture that is read, or a shader that is compiled."""
+    body = "".join(f"c += noise (P * {i}.5) * sin (c * {i}.25);" for i in range(1000))
+    scene, sky = red_cube(), tmp_path / "sky.pfm"
+    sky.write_bytes(b"PF\n2048 1024\n-1\n" + np.ones(2048 * 1024 * 3, np.float32).tobytes())
+    for call in (
+        lambda: scene.add_light("environment", picture=sky),
+        lambda: scene.add_material("heavy", shader=f"surface heavy () {{ color c = 0; {body} Ci = c * emission (); }}"),
+    ):
+
+        def share():
+            """Of the call's time, during which this thread could do nothing."""
+            times = [time.monotonic()]
+            job = threading.Thread(target=lambda: (call(), times.append(time.monotonic())))
+            job.start()
+            while job.is_alive():
+                assert len(scene.cameras) == 0
+                times.append(time.monotonic())
+            times.sort()
+            return np.diff(times).max() / (times[-1] - times[0])
+
+        assert min(share() for _ in range(5)) < 0.6
 
 
 def test_lenses_and_projections(tmp_path):

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-import os
 import threading
 
 import numpy as np
 
 import gnurt
-from conftest import brute_force, cube
+from conftest import brute_force, cube, in_child
 
 
 def test_against_brute_force(scene, rays):
@@ -42,12 +41,10 @@ def test_threads_change_nothing(scene, rays):
 
 
 def test_after_fork(scene, rays):
-    expected = scene.intersect(*rays, threads=2).t
-    child = os.fork()
-    if child == 0:
-        same = (scene.intersect(*rays, threads=2).t == expected).all()
-        os._exit(0 if same else 1)
-    assert os.waitpid(child, 0)[1] == 0
+    hits = scene.intersect(*rays, threads=2)
+    normal = hits.normal
+    in_child(lambda: (scene.intersect(*rays, threads=2).t == hits.t).all())
+    in_child(lambda: (hits.normal == normal).all())
 
 
 def test_one_goes_with_many(scene):

@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import copy
+import gc
 import os
 import pickle
 import subprocess
 import sys
 import threading
 import time
+import weakref
 
 import numpy as np
 import pytest
 
 import gnurt
-from conftest import cube
+from conftest import cube, in_child
 
 DOWN = np.array([[0.0, 0, -1]])
 
@@ -248,3 +250,102 @@ def test_instances_share_arrays():
     answer = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=os.path.dirname(__file__))
     assert answer.returncode == 0, answer.stderr
     assert float(answer.stdout) < 60, "a copy of the arrays for each of 200 instances would be 290 MB"
+
+
+def test_collecting_garbage_may_ask():
+    """Of Python 3.11: it collects wherever an object is made. A finalizer then asks the scene that makes it."""
+
+    class Asking:
+        def __init__(self, scene):
+            self.scene, self.itself = scene, self
+
+        def __del__(self):
+            asked.append(self.scene.intersect([[0.5, 0.5, 3]], DOWN, threads=1).t.tolist())
+
+    asked = []
+
+    def job():
+        scene = gnurt.RayScene()
+        for _ in range(60):
+            scene.add_instance(scene.add_triangles(*cube()), at(5))
+        for threshold in range(20, 200, 5):
+            gc.collect()
+            Asking(scene)
+            # So that the collection comes somewhere in the middle.
+            gc.set_threshold(threshold)
+            pickle.dumps(scene)
+            scene.add_triangles(*cube())
+            scene.intersect([[0.5, 0.5, 3]], DOWN, threads=1)
+            gc.set_threshold(0)
+        gc.collect()
+        return len(asked) == 36 and all(t == [2] for t in asked)
+
+    in_child(job)
+
+
+def test_arrays_that_go_may_ask():
+    """What is replaced is dropped by the scene: code of the program's may run then."""
+
+    class Asking(np.ndarray):
+        def __del__(self):
+            if self.base is None:
+                asked.append(scene.intersect([[0.5, 0.5, 3]], DOWN, threads=1).t.tolist())
+
+    asked = []
+    scene = gnurt.RayScene()
+
+    def job():
+        vertices, faces = cube()
+        ours = Asking((8, 3), np.float32)
+        ours[:] = vertices
+        scene.add_triangles(ours, faces.astype(np.uint32), copy=False)
+        del ours
+        scene.update(0, vertices=vertices + [0, 0, 1])
+        return asked == [[1]]
+
+    in_child(job)
+
+
+def test_kept_arrays_stay_as_they_are(rays):
+    vertices, faces = (a.astype(t) for a, t in zip(cube(), (np.float32, np.uint32)))
+    for copy in (True, False):
+        scene = gnurt.RayScene()
+        scene.add_triangles(vertices, faces, copy=copy)
+        (kept, numbers, _), *_ = scene.__getstate__()["meshes"]
+        for array in (kept, numbers):
+            with pytest.raises(ValueError, match="read-only"):
+                array[0] = 99
+        again = pickle.loads(pickle.dumps(scene))
+        assert (again.intersect(*rays).t == scene.intersect(*rays).t).all()
+    assert vertices.flags.writeable and faces.flags.writeable, "the program's own"
+
+
+def test_circles_with_owners_are_collected():
+    class Owned(gnurt.RayScene):
+        pass
+
+    outer, inner = Owned(), Owned()
+    outer.add_instance(inner, np.eye(4))
+    inner.owner = outer
+    gone = weakref.ref(outer)
+    del outer, inner
+    gc.collect()
+    assert gone() is None
+
+
+def test_circles_of_threads_are_refused():
+    """Two threads that put two scenes into each other: one of them is told."""
+    for _ in range(200):
+        a, b = gnurt.RayScene(), gnurt.RayScene()
+        begin, told = threading.Barrier(2), []
+
+        def put(inner, outer):
+            begin.wait()
+            try:
+                outer.add_instance(inner, np.eye(4))
+            except ValueError:
+                told.append(outer)
+
+        both = [threading.Thread(target=put, args=pair) for pair in ((a, b), (b, a))]
+        [thread.start() for thread in both], [thread.join() for thread in both]
+        assert len(told) == 1

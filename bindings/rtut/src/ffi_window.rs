@@ -74,6 +74,9 @@ struct Shared {
     /// What went wrong last.
     error: CString,
     begin: Instant,
+    /// As of the last main loop, or of the first question before it: reading the environment at any time would race with a program
+    /// that changes it.
+    settings: Option<Settings>,
 }
 
 static SHARED: LazyLock<Mutex<Shared>> = LazyLock::new(|| {
@@ -82,6 +85,7 @@ static SHARED: LazyLock<Mutex<Shared>> = LazyLock::new(|| {
         stage: Stage::default(),
         error: CString::default(),
         begin: Instant::now(),
+        settings: None,
     })
 });
 
@@ -227,6 +231,7 @@ extern "C-unwind" fn rtutMainLoop() -> u8 {
     let is_wanted = with(|shared| {
         shared.stage.begin();
         shared.begin = Instant::now();
+        shared.settings = Some(settings.clone());
         shared.stage.is_wanted
     });
     let outcome =
@@ -240,7 +245,7 @@ extern "C-unwind" fn rtutMainLoop() -> u8 {
 
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtutLeaveMainLoop() {
-    with(|shared| shared.stage.is_leaving = true);
+    with(|shared| shared.stage.leave());
 }
 
 #[unsafe(no_mangle)]
@@ -291,7 +296,7 @@ extern "C-unwind" fn rtutPassiveMotionFunc(function: Pair) {
 
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtutPostRedisplay() {
-    with(|shared| shared.stage.is_stale = true);
+    with(|shared| shared.stage.redisplay());
 }
 
 #[unsafe(no_mangle)]
@@ -330,7 +335,7 @@ extern "C-unwind" fn rtutWindowHeight() -> c_int {
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtutElapsedTime() -> c_int {
     with(|shared| {
-        if settings().headless {
+        if shared.settings.get_or_insert_with(settings).headless {
             let begun = shared.stage.pictures + u64::from(shared.stage.flight().is_some());
             return c_int::try_from(begun).unwrap_or(c_int::MAX).saturating_mul(FRAME);
         }

@@ -108,12 +108,12 @@ impl Drop for Stopped {
     }
 }
 
-#[test]
-fn hears_hands() {
+/// A display without a screen, and its name; `None`, told of, where that is not to be had.
+fn display() -> Option<(Stopped, String)> {
     let works = |name: &str| Command::new(name).arg("-help").output().is_ok();
     if !(works("Xvfb") && works("xdotool")) {
         eprintln!("SKIPPED: Xvfb or xdotool is missing; .ci/run installs them");
-        return;
+        return None;
     }
     let server = Command::new("Xvfb")
         .args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp", "-noreset"])
@@ -124,7 +124,23 @@ fn hears_hands() {
     let mut number = String::new();
     let said = server.0.stdout.as_mut().expect("a pipe");
     BufReader::new(said).read_line(&mut number).expect("it says its number");
-    let display = format!(":{}", number.trim());
+    Some((server, format!(":{}", number.trim())))
+}
+
+/// A window that rests hears of what other threads ask for.
+#[test]
+fn other_threads_wake_it() {
+    let Some((_server, display)) = display() else { return };
+    let workshop = Workshop::with(LIBRARIES);
+    let program = workshop.build("cc", "c99", &source("tests/c/window_threads.c"));
+    let output = Command::new(program).env("DISPLAY", &display).env_remove("WAYLAND_DISPLAY").output();
+    let output = output.expect("it runs");
+    assert!(output.status.success(), "{output:?}");
+}
+
+#[test]
+fn hears_hands() {
+    let Some((_server, display)) = display() else { return };
     let ask = |words: &str| {
         let mut hands = Command::new("xdotool");
         let output = hands.env("DISPLAY", &display).args(words.split_whitespace()).output();

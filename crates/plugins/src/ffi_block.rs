@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Blocks per shader of plugins: memory that the plugin describes, `init` and `fini`, and the copies that frames shade with.
 //! Source: original. Invariants: a block is as large and aligned as its class says; texts that a block or a copy points
-//! to live as long as it does; `fini` runs once, after the last frame that may use what `init` made.
+//! to live as long as it does; `fini` runs once, after the last frame that may use what `init` made. A block is memory of this
+//! process alone: `prepare` is tried in a copy of the process, and the program's own allocator may have memory that both share.
 //! Proof: bindings/openrt/tests/plugins.rs.
 
-use std::alloc::{Layout, alloc_zeroed, dealloc, handle_alloc_error};
+use std::alloc::{GlobalAlloc, Layout, System, handle_alloc_error};
 use std::collections::BTreeMap;
 use std::ffi::{CStr, CString, c_void};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -30,7 +31,7 @@ impl Memory {
     fn new(size: usize, align: usize) -> Self {
         let layout = Layout::from_size_align(size.max(1), align).expect("loading checked size and alignment");
         // SAFETY: the layout has at least one byte.
-        let at = unsafe { alloc_zeroed(layout) };
+        let at = unsafe { System.alloc_zeroed(layout) };
         if at.is_null() {
             handle_alloc_error(layout);
         }
@@ -51,7 +52,7 @@ impl Memory {
 impl Drop for Memory {
     fn drop(&mut self) {
         // SAFETY: it was allocated with this layout.
-        unsafe { dealloc(self.at, self.layout) };
+        unsafe { System.dealloc(self.at, self.layout) };
     }
 }
 

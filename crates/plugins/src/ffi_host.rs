@@ -38,13 +38,13 @@ pub(crate) static HOST: Host = Host {
 pub(crate) struct Surface<'a> {
     pub(crate) tracer: &'a mut (dyn Tracer + 'a),
     pub(crate) hits: &'a SurfaceBatch,
-    /// Where the plugin sees the points of `hits`.
-    points: *const f32,
+    /// Where the plugin sees the points of `hits`: x, y, z.
+    points: [*const f32; 3],
     /// Rays that each lane has sent: no two get the same random numbers.
     sent: Vec<u32>,
 }
 
-/// A call of a plugin: what its `RTSctx` stands for.
+/// A call of a plugin.
 pub(crate) struct Call<'a> {
     pub(crate) shader: &'a FrameShader,
     pub(crate) surface: Option<Surface<'a>>,
@@ -63,7 +63,7 @@ impl<'a> Call<'a> {
         hits: &'a SurfaceBatch,
     ) -> Self {
         Self {
-            surface: Some(Surface { tracer, hits, points: std::ptr::null(), sent: Vec::new() }),
+            surface: Some(Surface { tracer, hits, points: [std::ptr::null(); 3], sent: Vec::new() }),
             ..Self::new(shader)
         }
     }
@@ -71,14 +71,15 @@ impl<'a> Call<'a> {
     /// Where the plugin sees the points of its batch.
     pub(crate) fn points_at(&mut self, points: Vec3In) {
         if let Some(surface) = &mut self.surface {
-            surface.points = points.x;
+            surface.points = [points.x, points.y, points.z];
         }
     }
 
     /// Calls a plugin's function, which gets this as its context. If an exception leaves it, that is counted.
     pub(crate) fn run(&mut self, work: impl FnOnce(*const Host, *mut Ctx)) {
         let shader = self.shader;
-        let ctx = std::ptr::from_mut(self).cast();
+        let mut context = Context { thread: thread(), shader, call: self };
+        let ctx = (&raw mut context).cast();
         if shader.class().library.call(|| work(&raw const HOST, ctx)).is_err() {
             shader.faults.add_exception();
         }
@@ -93,14 +94,36 @@ impl<'a> Call<'a> {
     }
 }
 
-/// Runs a service on the call that `ctx` stands for. After a panic, and without a call, the result is `otherwise`.
+/// What an `RTSctx` stands for while a callback runs.
+struct Context<'c, 'a> {
+    /// The callback's thread.
+    thread: usize,
+    shader: &'a FrameShader,
+    call: *mut Call<'c>,
+}
+
+/// A number of this thread that no other living thread has.
+fn thread() -> usize {
+    thread_local! {
+        static HERE: u8 = const { 0 };
+    }
+    HERE.with(|here| std::ptr::from_ref(here).addr())
+}
+
+/// Runs a service on the call that `ctx` stands for. After a panic, without a call, and on another thread than the callback's, the
+/// result is `otherwise`.
 ///
 /// # Safety
 /// `ctx` is null or what [`Call::run`] handed to the plugin, whose callback has not returned yet.
 unsafe fn serve<T>(ctx: *mut Ctx, otherwise: T, work: impl FnOnce(&mut Call<'_>) -> T) -> T {
-    // SAFETY: the caller vouches for it; `Call::run` uses nothing of the call meanwhile, and a plugin's function runs on
-    // one thread.
-    let Some(call) = (unsafe { ctx.cast::<Call<'_>>().as_mut() }) else { return otherwise };
+    // SAFETY: the caller vouches for it; nobody writes a context.
+    let Some(context) = (unsafe { ctx.cast::<Context<'_, '_>>().as_ref() }) else { return otherwise };
+    if context.thread != thread() {
+        context.shader.faults.add_stray();
+        return otherwise;
+    }
+    // SAFETY: `Call::run` uses nothing of the call meanwhile; this is the thread of the callback, which is in this service.
+    let call = unsafe { &mut *context.call };
     match catch_unwind(AssertUnwindSafe(|| work(call))) {
         Ok(result) => result,
         Err(panic) => {
@@ -151,6 +174,9 @@ unsafe extern "C" fn param(ctx: *mut Ctx, hits: *const Hits, index: u32, out: *m
     unsafe {
         serve(ctx, (), |call| {
             let Some(surface) = &call.surface else { return };
+            if out.is_null() {
+                return;
+            }
             let all = surface.hits.len();
             // SAFETY: hits that are not null have their first two members.
             let n = hits.as_ref().map_or(all, |hits| (hits.n as usize).min(all));
@@ -200,12 +226,14 @@ unsafe extern "C" fn illuminate(
         fill(lit, n, 0);
         serve(ctx, (), |call| {
             let Some(surface) = &mut call.surface else { return };
-            if light as usize >= surface.tracer.light_count() || n == 0 || p.x.is_null() {
+            let given = [p.x, p.y, p.z];
+            let is_missing = given.iter().any(|array| array.is_null());
+            if light as usize >= surface.tracer.light_count() || n == 0 || is_missing {
                 return;
             }
             let out = &mut call.buffers.light;
-            // Its own points: a plugin may not change them.
-            if surface.hits.len() == n && p.x == surface.points {
+            // The batch's own points: a plugin may not change them.
+            if surface.hits.len() == n && given == surface.points {
                 surface.tracer.illuminate(light as usize, surface.hits, out);
             } else {
                 let lanes: Vec<u32> = (0..n).map(|i| (i % surface.hits.len()) as u32).collect();

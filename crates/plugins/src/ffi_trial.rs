@@ -46,16 +46,7 @@ struct Outcome {
 /// Tries calls `first..count` in one child; `None` where there is none to be had.
 #[cfg(unix)]
 fn try_from(first: usize, count: usize, call: &mut impl FnMut(usize)) -> Option<Outcome> {
-    let mut ends = [0; 2];
-    // SAFETY: `ends` has room for two descriptors.
-    if unsafe { libc::pipe(ends.as_mut_ptr()) } != 0 {
-        return None;
-    }
-    let [read_end, write_end] = ends;
-    for end in ends {
-        // SAFETY: the descriptor is open. Programs that the process starts must not keep the pipe open.
-        unsafe { libc::fcntl(end, libc::F_SETFD, libc::FD_CLOEXEC) };
-    }
+    let [read_end, write_end] = pipe()?;
     // SAFETY: the child runs the plugin's function, which may do what it likes, then leaves without running any of our
     // destructors; the C library keeps its own locks usable over a fork.
     let child = unsafe { libc::fork() };
@@ -67,18 +58,22 @@ fn try_from(first: usize, count: usize, call: &mut impl FnMut(usize)) -> Option<
     if child == 0 {
         run_child(first, count, call, write_end);
     }
+    let child = Child::new(child);
     close(write_end);
     let marks = read_marks(read_end, count - first);
     close(read_end);
     let done = marks.len() == 2 * (count - first);
-    let late = !done && marks.last() != Some(&END_OF_PIPE) && !ended(child);
-    let status = reap(child, late || done);
+    let late = !done && marks.last() != Some(&END_OF_PIPE) && !child.has_ended();
+    if late || done {
+        child.kill();
+    }
+    let end = child.wait();
     let calls = marks.iter().filter(|&&mark| mark == AFTER).count();
     if late {
         // All that is left counts as passed.
         return Some(Outcome { returned: count - first, crash: None });
     }
-    let crash = (calls < count - first).then(|| how_it_ended(status));
+    let crash = (calls < count - first).then(|| how_it_ended(end));
     Some(Outcome { returned: calls, crash })
 }
 
@@ -161,55 +156,177 @@ fn close(descriptor: libc::c_int) {
     unsafe { libc::close(descriptor) };
 }
 
-/// Whether the child is gone, without waiting.
+/// A pipe's two ends: to read from and to write to. Programs that the process starts do not get them: they would keep it open.
 #[cfg(unix)]
-fn ended(child: libc::pid_t) -> bool {
-    let mut info = std::mem::MaybeUninit::<libc::siginfo_t>::zeroed();
+fn pipe() -> Option<[libc::c_int; 2]> {
+    let mut ends = [0; 2];
+    // In one step, as another thread may start a program at any time.
+    #[cfg(any(target_os = "linux", target_os = "android"))]
+    // SAFETY: `ends` has room for two descriptors.
+    let made = unsafe { libc::pipe2(ends.as_mut_ptr(), libc::O_CLOEXEC) };
+    #[cfg(not(any(target_os = "linux", target_os = "android")))]
+    // SAFETY: `ends` has room for two descriptors, which are open then.
+    let made = unsafe {
+        let made = libc::pipe(ends.as_mut_ptr());
+        ends.iter().for_each(|&end| {
+            libc::fcntl(end, libc::F_SETFD, libc::FD_CLOEXEC);
+        });
+        made
+    };
+    (made == 0).then_some(ends)
+}
+
+/// A child process. A handler of the program may take its end from us at any time, and the system give its number to another
+/// process: where there are descriptors of processes (Linux since 5.4), these name it.
+#[cfg(unix)]
+struct Child {
+    number: libc::pid_t,
+    /// Of the process itself.
+    descriptor: Option<libc::c_int>,
+}
+
+/// How a child ended.
+#[cfg(unix)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    /// By itself.
+    Exit,
+    /// By a signal.
+    Signal(libc::c_int),
+    /// A handler of the program knows.
+    Unknown,
+}
+
+#[cfg(unix)]
+impl Child {
+    /// The child that fork has just given.
+    fn new(number: libc::pid_t) -> Self {
+        Self { number, descriptor: descriptor(number) }
+    }
+
+    /// Asks for its end, with the flags of waitid; `None` if a handler of the program has taken it.
+    fn ask(&self, flags: libc::c_int) -> Option<libc::siginfo_t> {
+        #[cfg(target_os = "linux")]
+        let by_descriptor = self.descriptor.map(|descriptor| (libc::P_PIDFD, descriptor.cast_unsigned()));
+        #[cfg(not(target_os = "linux"))]
+        let by_descriptor = None;
+        let (kind, name) = by_descriptor.unwrap_or((libc::P_PID, self.number.cast_unsigned()));
+        loop {
+            let mut info = std::mem::MaybeUninit::<libc::siginfo_t>::zeroed();
+            // SAFETY: there is room for the answer.
+            if unsafe { libc::waitid(kind, name, info.as_mut_ptr(), libc::WEXITED | flags) } == 0 {
+                // SAFETY: zeros are a value, and the call has filled it in.
+                return Some(unsafe { info.assume_init() });
+            }
+            if !interrupted() {
+                return None;
+            }
+        }
+    }
+
+    /// Whether it is gone, without waiting.
+    fn has_ended(&self) -> bool {
+        // SAFETY: the member is one of those that waitid fills in; it is 0 where no child has ended.
+        self.ask(libc::WNOHANG | libc::WNOWAIT).is_none_or(|info| unsafe { info.si_pid() } == self.number)
+    }
+
+    /// Ends it, if it is still there; whether it was.
+    fn kill(&self) -> bool {
+        #[cfg(target_os = "linux")]
+        if let Some(descriptor) = self.descriptor {
+            let none = std::ptr::null::<libc::siginfo_t>();
+            // SAFETY: the descriptor is of our child; if that is gone, the call fails.
+            return unsafe {
+                libc::syscall(libc::SYS_pidfd_send_signal, descriptor, libc::SIGKILL, none, 0) == 0
+            };
+        }
+        // SAFETY: it is our child, and nobody has waited for it when we looked.
+        !self.has_ended() && unsafe { libc::kill(self.number, libc::SIGKILL) == 0 }
+    }
+
+    /// Waits for its end.
+    fn wait(&self) -> End {
+        let Some(info) = self.ask(0) else { return End::Unknown };
+        match info.si_code {
+            libc::CLD_EXITED => End::Exit,
+            // SAFETY: the member is one of those that waitid fills in.
+            _ => End::Signal(unsafe { info.si_status() }),
+        }
+    }
+}
+
+#[cfg(unix)]
+impl Drop for Child {
+    fn drop(&mut self) {
+        if let Some(descriptor) = self.descriptor {
+            close(descriptor);
+        }
+    }
+}
+
+/// A descriptor of a child that nobody has waited for, where the system has both kinds of calls for such.
+#[cfg(target_os = "linux")]
+fn descriptor(child: libc::pid_t) -> Option<libc::c_int> {
+    // SAFETY: it takes two numbers. It closes the descriptor in programs that the process starts.
+    let made = unsafe { libc::syscall(libc::SYS_pidfd_open, child, 0) };
+    let descriptor = libc::c_int::try_from(made).ok().filter(|&descriptor| descriptor >= 0)?;
     let flags = libc::WEXITED | libc::WNOHANG | libc::WNOWAIT;
-    // SAFETY: there is room for the answer.
-    let got = unsafe { libc::waitid(libc::P_PID, child.cast_unsigned(), info.as_mut_ptr(), flags) };
-    // SAFETY: zeros are a value, and the call has filled it in if it succeeded.
-    got != 0 || unsafe { info.assume_init().si_pid() } == child
+    let mut info = std::mem::MaybeUninit::<libc::siginfo_t>::zeroed();
+    // SAFETY: there is room for the answer. Linux 5.3 can make descriptors, but not wait for them.
+    let can_wait =
+        unsafe { libc::waitid(libc::P_PIDFD, descriptor.cast_unsigned(), info.as_mut_ptr(), flags) } == 0;
+    if !can_wait {
+        close(descriptor);
+    }
+    can_wait.then_some(descriptor)
 }
 
-/// Waits for the child, ends it first if asked to; its status, 0 if a handler of the program took it.
-#[cfg(unix)]
-fn reap(child: libc::pid_t, kill: bool) -> libc::c_int {
-    if kill {
-        // SAFETY: it is our child, and nobody has waited for it.
-        unsafe { libc::kill(child, libc::SIGKILL) };
-    }
-    let mut status = 0;
-    loop {
-        // SAFETY: there is room for the status.
-        let got = unsafe { libc::waitpid(child, &raw mut status, 0) };
-        if got == child {
-            return status;
-        }
-        if !interrupted() {
-            return 0;
-        }
-    }
+#[cfg(all(unix, not(target_os = "linux")))]
+fn descriptor(_: libc::pid_t) -> Option<libc::c_int> {
+    None
 }
 
 #[cfg(unix)]
-fn how_it_ended(status: libc::c_int) -> String {
-    if !libc::WIFSIGNALED(status) {
-        return "it left the process".to_owned();
-    }
-    match libc::WTERMSIG(status) {
-        libc::SIGSEGV => "it read or wrote memory that is not there (SIGSEGV)".to_owned(),
-        libc::SIGBUS => "it read or wrote memory that is not there (SIGBUS)".to_owned(),
-        libc::SIGABRT => "it aborted (SIGABRT)".to_owned(),
-        libc::SIGFPE => "it divided by zero (SIGFPE)".to_owned(),
-        libc::SIGILL => "it met an illegal instruction (SIGILL)".to_owned(),
-        other => format!("it was ended by signal {other}"),
+fn how_it_ended(end: End) -> String {
+    match end {
+        End::Exit | End::Unknown => "it left the process".to_owned(),
+        End::Signal(libc::SIGSEGV) => "it read or wrote memory that is not there (SIGSEGV)".to_owned(),
+        End::Signal(libc::SIGBUS) => "it read or wrote memory that is not there (SIGBUS)".to_owned(),
+        End::Signal(libc::SIGABRT) => "it aborted (SIGABRT)".to_owned(),
+        End::Signal(libc::SIGFPE) => "it divided by zero (SIGFPE)".to_owned(),
+        End::Signal(libc::SIGILL) => "it met an illegal instruction (SIGILL)".to_owned(),
+        End::Signal(other) => format!("it was ended by signal {other}"),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The number of a child whose end somebody else has taken may be another process's: that one is left alone.
+    #[test]
+    fn a_child_whose_end_was_taken_is_left_alone() {
+        for has_descriptor in [true, false] {
+            // SAFETY: the child leaves at once, and runs nothing of ours.
+            let number = unsafe { libc::fork() };
+            assert!(number >= 0, "a child");
+            if number == 0 {
+                // SAFETY: likewise.
+                unsafe { libc::_exit(0) };
+            }
+            let mut child = Child::new(number);
+            if !has_descriptor && let Some(descriptor) = child.descriptor.take() {
+                close(descriptor);
+            }
+            // As a handler of the program does.
+            // SAFETY: no status is asked for.
+            let taken = unsafe { libc::waitpid(number, std::ptr::null_mut(), 0) };
+            assert_eq!(taken, number, "its end is taken");
+            assert!(child.has_ended(), "it is gone");
+            assert!(!child.kill(), "nobody is killed");
+            assert_eq!(child.wait(), End::Unknown, "nobody is waited for");
+        }
+    }
 
     #[test]
     fn crashes_are_found_and_the_others_go_on() {

@@ -32,6 +32,8 @@ pub(crate) struct Faults {
     exceptions: AtomicU64,
     /// Rays that were not traced for want of stack.
     untraced: AtomicU64,
+    /// Services that were called from other threads than those of callbacks.
+    strays: AtomicU64,
     messages: AtomicU32,
 }
 
@@ -58,6 +60,11 @@ impl Faults {
         self.untraced.fetch_add(rays, Ordering::Relaxed);
     }
 
+    /// Counts a service that was called from another thread than its callback's.
+    pub(crate) fn add_stray(&self) {
+        self.strays.fetch_add(1, Ordering::Relaxed);
+    }
+
     /// What has been counted, a line each.
     pub(crate) fn lines(&self) -> impl Iterator<Item = String> {
         let line = |count: &AtomicU64, one: &str, many: &str, what: &str| {
@@ -78,12 +85,18 @@ impl Faults {
             "not traced in this frame, as too little of a thread's stack was left; they see black. Ask for less \
              with rtSetMaxRayRecursionDepth, or keep large arrays out of the stack (`scratch`)",
         );
+        let strays = line(
+            &self.strays,
+            "service was",
+            "services were",
+            "called in this frame from a thread other than that of the callback, and did nothing",
+        );
         let bad_lanes = line(
             &self.bad_lanes,
             "result",
             "results",
             "not written, NaN or infinite in this frame, shown black",
         );
-        [exceptions, untraced, bad_lanes].into_iter().flatten()
+        [exceptions, untraced, strays, bad_lanes].into_iter().flatten()
     }
 }

@@ -234,7 +234,7 @@ RTAPI void RTAPIENTRY rtEnd(void);
 
 /* Give a vertex: the RT_MODELVIEW matrix is applied at once, z = 0 and w = 1 where not given, and the current
  * normal, colour, texture coordinates and parameter values go with it. IV if `v` is NULL; IO outside rtBegin and
- * rtEnd; IO if no surface shader is bound. */
+ * rtEnd; IO if no surface shader is bound; RT_OUT_OF_MEMORY if there is no room for it. */
 RTAPI void RTAPIENTRY rtVertex2s(RTshort x, RTshort y);
 RTAPI void RTAPIENTRY rtVertex2i(RTint x, RTint y);
 RTAPI void RTAPIENTRY rtVertex2f(RTfloat x, RTfloat y);
@@ -434,7 +434,8 @@ RTAPI void RTAPIENTRY rtBindTexture(RTenum target, RTuint texture);
 
 /* Copies an image into the bound texture: tight rows, the first one at t = 0; integers are linear, their range
  * maps to [0, 1]; floats are not clamped. Levels above 0 are checked and ignored. BE; IV if `texels` is NULL; IE
- * target, format or type; IV level, internal format, size or border; IO without bound texture. */
+ * target, format or type; IV level, internal format, size or border; IO without bound texture; RT_OUT_OF_MEMORY if there
+ * is no room for it. */
 RTAPI void RTAPIENTRY rtTexImage2D(RTenum target, RTint level, RTint internal_format, RTsizei width, RTsizei height,
     RTint border, RTenum format, RTenum type, const void *texels);
 

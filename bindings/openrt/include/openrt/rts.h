@@ -116,7 +116,8 @@ typedef struct {
     const uint8_t *back;              /* 1 where Ng.I > 0 */
 } RTShits;
 
-/* What the host does for plugins, from any thread. ctx is the one that the callback was given.
+/* Services of the host. Call them only during the callback that was given ctx, on its thread: on another one they do nothing, and
+ * the frame has an error.
  * Camera, light and environment shaders have no lights and no rays: for them light_count is 0, illuminate lights
  * nothing, occluded gives 1 and trace 0. */
 typedef struct RTShost {

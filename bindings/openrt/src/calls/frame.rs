@@ -9,7 +9,7 @@ use gnurt::render::RenderOptions;
 use gnurt_plugins::host::say;
 
 use crate::context::Context;
-use crate::frame::{Frame, Job, told};
+use crate::frame::{FrameThread, Job, told};
 use crate::state::enums::{MatrixMode, SceneMode};
 use crate::state::error::{Error, Result};
 use crate::state::flight::Flight;
@@ -27,6 +27,7 @@ impl Context {
         let target = self.frame_buffer.clone().ok_or(Error::InvalidOperation)?;
         self.check_memory(&target)?;
         let pool = self.pool()?;
+        let thread = FrameThread::start().map_err(|error| told(&error, Error::OutOfMemory))?;
         self.prune();
         let mut stage = std::mem::take(&mut self.stage);
         self.update(&mut stage);
@@ -38,23 +39,17 @@ impl Context {
             .unwrap_or_else(|| self.view.camera(self.stacks.top(MatrixMode::Projection)));
         let continues = self.continues(&stage, [target.width, target.height]);
         let rendering = self.rendering();
-        if self.scene_mode == SceneMode::Immediate {
-            self.instances.clear();
-            let Usage { rendering_object, pixel, .. } = self.usage;
-            self.usage = Usage { rendering_object, pixel, ..Default::default() };
-        }
         let told = self.tell(plugins.problems());
         let sampling = match &rendering {
             Some((class, values)) => class.sampling(values, self.sampling),
             None => self.sampling,
         };
         let job = Job { shaders, camera, limits: self.limits, sampling, continues, rendering, target, pool };
-        match Frame::start(stage, job, plugins) {
-            Ok(frame) => self.frame = Some(frame),
-            Err(stage) => {
-                self.stage = *stage;
-                return Err(Error::OutOfMemory);
-            }
+        self.frame = Some(thread.render(stage, job, plugins));
+        if self.scene_mode == SceneMode::Immediate {
+            self.instances.clear();
+            let Usage { rendering_object, pixel, .. } = self.usage;
+            self.usage = Usage { rendering_object, pixel, ..Default::default() };
         }
         told
     }
@@ -89,6 +84,7 @@ impl Context {
         let frame = self.frame.take().ok_or(Error::InvalidOperation)?;
         let (stage, outcome, faults) = frame.finish();
         self.stage = stage;
+        self.shaders.end_blocks();
         outcome.and(self.tell(&faults))
     }
 

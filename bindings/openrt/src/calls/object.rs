@@ -91,7 +91,7 @@ impl Context {
     fn close(&mut self, open: OpenObject) -> Result<Option<u32>> {
         let (geometry, nested) = (open.assembly.geometry, open.nested);
         if open.mode == ObjectMode::Update {
-            let known = self.objects.defined.get(&open.id);
+            let known = self.objects.get(open.id);
             let known_vertices = known.map_or(0, |known| known.vertices_given);
             let objects = |nested: &[Nested]| nested.iter().map(|nested| nested.object).collect::<Vec<_>>();
             let known_objects = known.map_or_else(Vec::new, |known| objects(&known.nested));
@@ -102,7 +102,7 @@ impl Context {
         if !self.objects.may_hold(open.id, &nested) {
             return Err(Error::InvalidOperation);
         }
-        self.objects.defined.insert(open.id, Definition::of(geometry, nested));
+        self.objects.define(open.id, Definition::of(geometry, nested));
         match open.mode {
             ObjectMode::DefineAndInstantiate => self.add_instance(open.id).map(Some),
             ObjectMode::Define | ObjectMode::Update => Ok(None),
@@ -113,7 +113,7 @@ impl Context {
     pub(crate) fn remove_object(&mut self, id: u32) -> Result<()> {
         self.outside_block()?;
         self.no_open_object()?;
-        self.objects.ids.remove(id)
+        self.objects.remove(id)
     }
 
     /// rtIsObject.

@@ -5,7 +5,7 @@
 use crate::context::Context;
 use crate::state::enums::{MinifyFilter, TextureFilter, TextureParameter, TextureTarget, TextureWrap};
 use crate::state::error::{Error, Result, not_null};
-use crate::state::texture::ImageDescription;
+use crate::state::texture::{ImageDescription, ReadTexels};
 
 impl Context {
     /// rtGenTextures.
@@ -23,19 +23,21 @@ impl Context {
         Ok(())
     }
 
-    /// rtTexImage2D; `read` gives that many bytes of the program's memory.
+    /// rtTexImage2D.
     pub(crate) fn tex_image(
         &mut self,
         description: &ImageDescription,
-        read: Option<&dyn Fn(usize) -> Vec<u8>>,
+        read: Option<ReadTexels<'_>>,
     ) -> Result<()> {
         self.outside_block()?;
         let read = not_null(read)?;
         TextureTarget::from_code(description.target)?;
         let image = description.check()?;
+        self.textures.check_bound()?;
+        let texels = if description.level == 0 { Some(image.texels(read)?) } else { None };
         let texture = self.textures.bound_mut()?;
-        if description.level == 0 {
-            texture.set_image(image.texels(read));
+        if let Some(texels) = texels {
+            texture.set_image(texels);
         }
         Ok(())
     }

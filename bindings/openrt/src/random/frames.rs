@@ -136,12 +136,12 @@ fn check(context: &Context) {
         shown += 1;
         if let Some(wanted) = context.instances.get(id) {
             assert_eq!(instance.world_from_object, wanted.world_from_object.to_affine(), "where {id} is");
-            assert!(context.objects.defined.contains_key(&wanted.object), "what {id} shows is there");
+            assert!(context.objects.get(wanted.object).is_some(), "what {id} shows is there");
         } else {
             assert_eq!(id, u32::MAX, "only what lies outside of objects has no id");
         }
     }
-    let is_defined = |object: u32| context.objects.defined.contains_key(&object);
+    let is_defined = |object: u32| context.objects.get(object).is_some();
     let known = context.instances.iter().filter(|instance| is_defined(instance.object)).count();
     assert!((known..=known + 1).contains(&shown), "{shown} of {known} are shown");
     let visible = stage.scene.instances().iter().filter(|instance| instance.visible).count();

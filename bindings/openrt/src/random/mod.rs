@@ -9,7 +9,7 @@ mod model;
 #[cfg(test)]
 mod state_machine;
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use crate::context::Context;
 use crate::state::error::{Error, Result};
@@ -115,7 +115,7 @@ pub(crate) fn perform(context: &mut Context, (call, n, x): Call) -> Result<()> {
         30 => context.look_at([f64::from(x); 3], [0.0; 3], [0.0, 1.0, 0.0]),
         31 => context.gen_textures(n as i32).map(drop),
         32 => context.bind_texture(0x0DE1, n),
-        33 => context.tex_image(&image(n, x), Some(&|length| vec![77; length])),
+        33 => context.tex_image(&image(n, x), Some(&|length| &TEXELS[..length])),
         34 => context.tex_parameter(0x0DE1, 0x2800 + n % 5, 0x2600 + (call as i32 % 3)),
         35 => context.delete_texture(n),
         36 => context.set_samples_per_pixel(n % 4),
@@ -133,6 +133,9 @@ pub(crate) fn perform(context: &mut Context, (call, n, x): Call) -> Result<()> {
         }
     }
 }
+
+/// What pictures are made of: as much as the largest takes.
+static TEXELS: LazyLock<Vec<u8>> = LazyLock::new(|| vec![77; 8 * (1 << 15) * 16]);
 
 /// A small picture, or one that is refused.
 fn image(n: u32, x: f32) -> ImageDescription {

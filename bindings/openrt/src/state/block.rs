@@ -87,7 +87,7 @@ impl Assembly {
             return Err(Error::OutOfMemory);
         }
         let vertex = current.vertex(&block.transforms, position, self.has_normals);
-        self.geometry.part_mut(part).push_vertex(vertex, &values.vertex);
+        self.geometry.part_mut(part).push_vertex(vertex, &values.vertex)?;
         self.geometry.vertices_given += 1;
         block.count += 1;
         match block.mode.independent_size() {

@@ -4,6 +4,7 @@
 //! Invariant: a channel (normals, colours, ...) is empty as long as all its values are the default ones, else full.
 //! Proof: `tests`; tests/c/fragments.c, tests/c/primitives.c.
 
+use std::collections::{BTreeMap, TryReserveError};
 use std::sync::Arc;
 
 use gnurt::scene::{Attribute, Mesh, Rate, TEXCOORD_RQ, has_area};
@@ -11,6 +12,7 @@ use gnurt::shading::classes::NORMALS_GIVEN;
 use gnurt_plugins::host::TRIANGLE_NUMBER;
 
 use super::class::ClassCode;
+use super::error::{Error, Result};
 use super::shader_class::{Layout, LoadedClass, Slot};
 
 /// A vertex as it is stored.
@@ -28,6 +30,8 @@ pub(crate) struct Vertex {
 
 const NO_NORMAL: [f32; 3] = [0.0; 3];
 const WHITE: [f32; 4] = [1.0; 4];
+/// Triangles that one vertex completes at most.
+const MOST_COMPLETED: usize = 2;
 const NO_THIRD: [f32; 2] = [0.0, 1.0];
 
 /// The triangles of an object that have one shader.
@@ -35,6 +39,8 @@ pub(crate) struct Part {
     /// The shader's id.
     pub(crate) shader: u32,
     class: Arc<LoadedClass>,
+    /// Vertices for which there is room in all that is not empty.
+    room: usize,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     /// Whether some of the normals are none.
@@ -65,6 +71,8 @@ pub(crate) struct ShaderMesh {
 #[derive(Default)]
 pub(crate) struct Geometry {
     parts: Vec<Part>,
+    /// The number of each shader's part.
+    part_of: BTreeMap<u32, usize>,
     /// Triangles of all parts.
     triangles: u32,
     /// Vertices that the program gave, whether they made triangles or not.
@@ -74,8 +82,7 @@ pub(crate) struct Geometry {
 impl Geometry {
     /// Number of the part for `shader`, which is made if it is new.
     pub(crate) fn part_for(&mut self, shader: u32, class: &Arc<LoadedClass>) -> usize {
-        let known = self.parts.iter().position(|part| part.shader == shader);
-        known.unwrap_or_else(|| {
+        *self.part_of.entry(shader).or_insert_with(|| {
             self.parts.push(Part::new(shader, class.clone()));
             self.parts.len() - 1
         })
@@ -124,6 +131,7 @@ impl Part {
         Self {
             shader,
             class,
+            room: 0,
             positions: Vec::new(),
             normals: Vec::new(),
             lacks_normals: false,
@@ -143,20 +151,60 @@ impl Part {
         self.positions.len()
     }
 
-    /// Adds a vertex with the block of its per-vertex parameters.
+    /// Adds a vertex with the block of its per-vertex parameters. Fails where there is no room: how much a program gives is its own affair.
     #[inline]
-    pub(crate) fn push_vertex(&mut self, vertex: Vertex, values: &[f32]) {
+    pub(crate) fn push_vertex(&mut self, vertex: Vertex, values: &[f32]) -> Result<()> {
         let n = self.positions.len();
+        if n == self.room {
+            self.make_room()?;
+        }
+        let room = self.room;
         self.positions.push(vertex.position);
-        push_unless_default(&mut self.normals, n, vertex.normal, NO_NORMAL);
-        self.lacks_normals |= vertex.normal == NO_NORMAL;
         let [s, t, r, q] = vertex.texcoord;
-        push_unless_default(&mut self.texcoords, n, [s, t], [0.0; 2]);
-        push_unless_default(&mut self.texcoords_rq, n, [r, q], NO_THIRD);
-        push_unless_default(&mut self.colors, n, vertex.color, WHITE);
+        let has_room = push_unless_default(&mut self.normals, n, room, vertex.normal, NO_NORMAL)
+            && push_unless_default(&mut self.texcoords, n, room, [s, t], [0.0; 2])
+            && push_unless_default(&mut self.texcoords_rq, n, room, [r, q], NO_THIRD)
+            && push_unless_default(&mut self.colors, n, room, vertex.color, WHITE);
+        if !has_room {
+            self.positions.truncate(n);
+            self.normals.truncate(n);
+            self.texcoords.truncate(n);
+            self.texcoords_rq.truncate(n);
+            self.colors.truncate(n);
+            return Err(Error::OutOfMemory);
+        }
+        self.lacks_normals |= vertex.normal == NO_NORMAL;
         if !values.is_empty() {
             self.vertex_values.extend_from_slice(values);
         }
+        Ok(())
+    }
+
+    /// Room for twice as many vertices, what goes with them, and as many triangles, which is the most that they make.
+    #[cold]
+    fn make_room(&mut self) -> Result<()> {
+        fn grow<T>(channel: &mut Vec<T>, more: usize) -> std::result::Result<(), TryReserveError> {
+            if channel.is_empty() { Ok(()) } else { channel.try_reserve(more) }
+        }
+        let n = self.positions.len();
+        let more = n.max(4);
+        let triangles = more + MOST_COMPLETED;
+        let [vertex_block, triangle_block] =
+            [&self.class.vertex, &self.class.triangle].map(|layout| layout.defaults.len());
+        let numbers = if matches!(self.class.code, ClassCode::Plugin(_)) { triangles } else { 0 };
+        self.positions
+            .try_reserve(more)
+            .and_then(|()| grow(&mut self.normals, more))
+            .and_then(|()| grow(&mut self.texcoords, more))
+            .and_then(|()| grow(&mut self.texcoords_rq, more))
+            .and_then(|()| grow(&mut self.colors, more))
+            .and_then(|()| self.vertex_values.try_reserve(more * vertex_block))
+            .and_then(|()| self.indices.try_reserve(triangles))
+            .and_then(|()| self.triangle_values.try_reserve(triangles * triangle_block))
+            .and_then(|()| self.numbers.try_reserve(numbers))
+            .map_err(|_| Error::OutOfMemory)?;
+        self.room = n + more;
+        Ok(())
     }
 
     /// Adds a triangle with the block of its per-triangle parameters. One without area, or with a coordinate that is
@@ -240,16 +288,27 @@ impl Part {
     }
 }
 
-/// Adds value number `n` to a channel that stays empty while all values are the default.
+/// Adds value number `n` to a channel that stays empty while all values are the default one; false where there is no room for `room`
+/// of them, which all other channels have.
 #[inline]
-fn push_unless_default<T: Copy + PartialEq>(channel: &mut Vec<T>, n: usize, value: T, default: T) {
+fn push_unless_default<T: Copy + PartialEq>(
+    channel: &mut Vec<T>,
+    n: usize,
+    room: usize,
+    value: T,
+    default: T,
+) -> bool {
     if channel.is_empty() {
         if value == default {
-            return;
+            return true;
+        }
+        if channel.try_reserve(room).is_err() {
+            return false;
         }
         channel.resize(n, default);
     }
     channel.push(value);
+    true
 }
 
 /// Splits the blocks of one rate into one attribute per parameter.
@@ -275,11 +334,11 @@ mod tests {
     #[test]
     fn channels_fill_when_they_must() {
         let mut channel = Vec::new();
-        push_unless_default(&mut channel, 0, 1, 1);
-        push_unless_default(&mut channel, 1, 1, 1);
+        push_unless_default(&mut channel, 0, 4, 1, 1);
+        push_unless_default(&mut channel, 1, 4, 1, 1);
         assert!(channel.is_empty(), "defaults take no memory");
-        push_unless_default(&mut channel, 2, 5, 1);
-        push_unless_default(&mut channel, 3, 1, 1);
+        push_unless_default(&mut channel, 2, 4, 5, 1);
+        push_unless_default(&mut channel, 3, 4, 1, 1);
         assert_eq!(channel, [1, 1, 5, 1], "then all are there");
     }
 }

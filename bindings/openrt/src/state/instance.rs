@@ -31,6 +31,8 @@ const MOST: usize = (LAST - FIRST + 1) as usize;
 pub(crate) struct Instances {
     last_id: u32,
     all: BTreeMap<u32, Instance>,
+    /// How many show each object.
+    of_objects: BTreeMap<u32, usize>,
     changes: Changes,
 }
 
@@ -45,6 +47,7 @@ pub(crate) struct Changes {
 
 impl Instances {
     /// All of them, in the order of their ids.
+    #[cfg(test)]
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Instance> {
         self.all.values()
     }
@@ -73,6 +76,7 @@ impl Instances {
         }
         self.last_id = id;
         self.all.insert(id, instance);
+        *self.of_objects.entry(instance.object).or_default() += 1;
         self.changes.note(id);
         Ok(id)
     }
@@ -83,7 +87,13 @@ impl Instances {
         self.all.get(&id)
     }
 
-    /// The one of an id, to be changed.
+    /// Whether any shows an object.
+    #[must_use]
+    pub(crate) fn show(&self, object: u32) -> bool {
+        self.of_objects.contains_key(&object)
+    }
+
+    /// The one of an id, to be put elsewhere; it goes on showing its object.
     pub(crate) fn get_mut(&mut self, id: u32) -> Option<&mut Instance> {
         let found = self.all.get_mut(&id);
         if found.is_some() {
@@ -94,16 +104,21 @@ impl Instances {
 
     /// Removes one; says whether it was there.
     pub(crate) fn remove(&mut self, id: u32) -> bool {
-        let was_there = self.all.remove(&id).is_some();
-        if was_there {
-            self.changes.note(id);
+        let Some(gone) = self.all.remove(&id) else { return false };
+        self.changes.note(id);
+        if let Some(count) = self.of_objects.get_mut(&gone.object) {
+            *count -= 1;
+            if *count == 0 {
+                self.of_objects.remove(&gone.object);
+            }
         }
-        was_there
+        true
     }
 
     /// Removes all.
     pub(crate) fn clear(&mut self) {
         self.all.clear();
+        self.of_objects.clear();
         self.changes = Changes { any: true, ids: BTreeSet::new() };
     }
 

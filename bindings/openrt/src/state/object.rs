@@ -70,13 +70,28 @@ pub(crate) struct OpenObject {
 pub(crate) struct Objects {
     /// Which ids there are.
     pub(crate) ids: Ids,
-    /// What has been defined; an id that was removed stays here while an instance shows it.
-    pub(crate) defined: BTreeMap<u32, Definition>,
+    /// What has been defined; an id that was removed stays here while something shows it.
+    defined: BTreeMap<u32, Definition>,
+    /// For each object that lies in others, which these are.
+    holders: BTreeMap<u32, BTreeSet<u32>>,
+    /// Those whose meshes no frame has taken yet.
+    fresh: BTreeSet<u32>,
+    /// Those of `defined` whose id is gone.
+    removed: BTreeSet<u32>,
+    /// Those that lost their definition or the last object that held them since a frame last looked.
+    left: BTreeSet<u32>,
 }
 
 impl Default for Objects {
     fn default() -> Self {
-        Self { ids: Ids::without(MODE_RANGE), defined: BTreeMap::new() }
+        Self {
+            ids: Ids::without(MODE_RANGE),
+            defined: BTreeMap::new(),
+            holders: BTreeMap::new(),
+            fresh: BTreeSet::new(),
+            removed: BTreeSet::new(),
+            left: BTreeSet::new(),
+        }
     }
 }
 
@@ -86,25 +101,89 @@ impl Objects {
         self.ids.reserve(count, |id| !self.defined.contains_key(&id))
     }
 
+    /// What has been defined under an id.
+    #[must_use]
+    pub(crate) fn get(&self, id: u32) -> Option<&Definition> {
+        self.defined.get(&id)
+    }
+
+    /// All definitions.
+    pub(crate) fn definitions(&self) -> impl Iterator<Item = &Definition> {
+        self.defined.values()
+    }
+
+    /// Gives an id a definition.
+    pub(crate) fn define(&mut self, id: u32, definition: Definition) {
+        for nested in &definition.nested {
+            self.holders.entry(nested.object).or_default().insert(id);
+        }
+        let nested: Vec<u32> = definition.nested.iter().map(|nested| nested.object).collect();
+        if let Some(before) = self.defined.insert(id, definition) {
+            self.let_go(
+                id,
+                before.nested.iter().map(|nested| nested.object).filter(|held| !nested.contains(held)),
+            );
+        }
+        self.fresh.insert(id);
+    }
+
+    /// An object holds these no longer.
+    fn let_go(&mut self, id: u32, held: impl Iterator<Item = u32>) {
+        for held in held {
+            if let Some(holders) = self.holders.get_mut(&held) {
+                holders.remove(&id);
+                if holders.is_empty() {
+                    self.holders.remove(&held);
+                    self.left.insert(held);
+                }
+            }
+        }
+    }
+
+    /// Removes an id. What was defined under it stays while something shows it.
+    pub(crate) fn remove(&mut self, id: u32) -> Result<()> {
+        self.ids.remove(id)?;
+        if self.defined.contains_key(&id) {
+            self.removed.insert(id);
+        }
+        Ok(())
+    }
+
     /// How many objects with an id have been defined, and their triangles.
     #[must_use]
     pub(crate) fn counts(&self) -> (usize, usize) {
-        let alive = self.defined.iter().filter(|(id, _)| self.ids.exists(**id));
+        let alive = self.defined.iter().filter(|(id, _)| !self.removed.contains(id));
         alive.fold((0, 0), |(n, triangles), (_, object)| (n + 1, triangles + object.triangles))
     }
 
     /// Whether one that was removed may still be shown.
     pub(crate) fn has_removed(&self) -> bool {
-        self.defined.keys().any(|&id| !self.ids.exists(id))
+        !self.removed.is_empty()
     }
 
-    /// Objects that lie in others.
-    pub(crate) fn held(&self) -> BTreeSet<u32> {
-        self.defined.values().flat_map(|object| &object.nested).map(|nested| nested.object).collect()
+    /// Whether a frame needs what is under this id: it is defined, or lies in an object, empty.
+    pub(crate) fn is_needed(&self, id: u32) -> bool {
+        self.defined.contains_key(&id) || self.holders.contains_key(&id)
+    }
+
+    /// Ids that a frame may need no longer, since the last time that this was asked.
+    pub(crate) fn take_left(&mut self) -> BTreeSet<u32> {
+        std::mem::take(&mut self.left)
+    }
+
+    /// Calls `take` with each object whose meshes no frame has taken yet, ascending, with these and what it holds.
+    pub(crate) fn take_fresh(&mut self, mut take: impl FnMut(u32, Vec<ShaderMesh>, &[Nested])) {
+        for id in std::mem::take(&mut self.fresh) {
+            if let Some(object) = self.defined.get_mut(&id)
+                && let Some(meshes) = object.fresh.take()
+            {
+                take(id, meshes, &object.nested);
+            }
+        }
     }
 
     /// All these objects and what they hold, and that holds.
-    pub(crate) fn with_held(&self, mut objects: BTreeSet<u32>) -> BTreeSet<u32> {
+    fn with_held(&self, mut objects: BTreeSet<u32>) -> BTreeSet<u32> {
         let mut new: Vec<u32> = objects.iter().copied().collect();
         while let Some(id) = new.pop() {
             let nested = self.defined.get(&id).into_iter().flat_map(|object| &object.nested);
@@ -127,10 +206,8 @@ impl Objects {
         // Those that hold the object, and those that hold these.
         let (mut above, mut holders) = (0, BTreeSet::from([id]));
         while below + above < DEEPEST {
-            let holds =
-                |object: &Definition| object.nested.iter().any(|nested| holders.contains(&nested.object));
-            let next = self.defined.iter().filter(|&(&other, object)| other != id && holds(object));
-            holders = next.map(|(&other, _)| other).collect();
+            let next = holders.iter().filter_map(|held| self.holders.get(held)).flatten().copied();
+            holders = next.filter(|&other| other != id).collect();
             if holders.is_empty() {
                 return true;
             }
@@ -151,8 +228,33 @@ impl Objects {
         level
     }
 
-    /// Frees what was removed and is not in `shown`.
+    /// Frees what was removed and is neither `shown` nor lies in something that is there.
     pub(crate) fn prune(&mut self, shown: impl Fn(u32) -> bool) {
-        self.defined.retain(|&id, _| self.ids.exists(id) || shown(id));
+        let mut known = BTreeMap::new();
+        let gone: Vec<u32> =
+            self.removed.iter().copied().filter(|&id| !self.stays(id, &shown, &mut known)).collect();
+        for id in gone {
+            self.removed.remove(&id);
+            self.fresh.remove(&id);
+            self.left.insert(id);
+            if let Some(object) = self.defined.remove(&id) {
+                self.let_go(id, object.nested.iter().map(|nested| nested.object));
+            }
+        }
+    }
+
+    /// Whether an object with a definition keeps it: its id is there, or it is shown, or lies in one that stays.
+    fn stays(&self, id: u32, shown: &impl Fn(u32) -> bool, known: &mut BTreeMap<u32, bool>) -> bool {
+        if let Some(&stays) = known.get(&id) {
+            return stays;
+        }
+        let stays = !self.removed.contains(&id)
+            || shown(id)
+            || self
+                .holders
+                .get(&id)
+                .is_some_and(|all| all.iter().any(|&holder| self.stays(holder, shown, known)));
+        known.insert(id, stays);
+        stays
     }
 }

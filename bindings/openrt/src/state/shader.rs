@@ -103,6 +103,9 @@ impl Shader {
 pub(crate) struct Shaders {
     last_id: u32,
     all: BTreeMap<u32, Shader>,
+    /// Blocks of plugins whose shaders are gone, but which a frame may hold: they end here, so that `fini` runs on a thread that
+    /// is in a call of the program, as `init` and `prepare` do, and never beside one of these.
+    ending: Vec<Arc<PluginBlock>>,
 }
 
 impl Shaders {
@@ -156,7 +159,20 @@ impl Shaders {
 
     /// Frees deleted shaders that are not in `used`.
     pub(crate) fn prune(&mut self, used: &BTreeSet<u32>) {
-        self.all.retain(|id, shader| !shader.deleted || used.contains(id));
+        let ending = &mut self.ending;
+        self.all.retain(|id, shader| {
+            let stays = !shader.deleted || used.contains(id);
+            if !stays {
+                ending.extend(shader.block.take());
+            }
+            stays
+        });
+    }
+
+    /// Ends the blocks that no frame holds any more.
+    pub(crate) fn end_blocks(&mut self) {
+        // No frame takes a block from here: those that nobody else holds now are held by nobody else.
+        self.ending.retain(|block| Arc::strong_count(block) > 1);
     }
 }
 

@@ -101,6 +101,11 @@ impl Textures {
         Ok(())
     }
 
+    /// Fails if none is bound.
+    pub(crate) fn check_bound(&self) -> Result<()> {
+        self.bound.map(drop).ok_or(Error::InvalidOperation)
+    }
+
     /// The bound one, to be changed.
     pub(crate) fn bound_mut(&mut self) -> Result<&mut Texture> {
         let id = self.bound.ok_or(Error::InvalidOperation)?;
@@ -108,6 +113,9 @@ impl Textures {
         Ok(self.changed.entry(id).or_default())
     }
 }
+
+/// Gives so many bytes of the program's memory.
+pub(crate) type ReadTexels<'a> = &'a dyn Fn(usize) -> &'a [u8];
 
 /// The numbers of rtTexImage2D.
 #[derive(Clone, Copy, Debug)]
@@ -152,15 +160,16 @@ impl ImageDescription {
 }
 
 impl CheckedImage {
-    /// Its texels; `read` gives that many bytes of the program's memory. None if a side is 0.
-    pub(crate) fn texels(&self, read: &dyn Fn(usize) -> Vec<u8>) -> Option<Texels> {
+    /// Its texels. None if a side is 0.
+    pub(crate) fn texels(&self, read: ReadTexels<'_>) -> Result<Option<Texels>> {
         let [width, height] = self.size;
         let count = width as usize * height as usize;
-        (count > 0).then(|| {
-            let bytes = read(count * self.format.components() * self.texel_type.size());
-            let data = decode_texels(&bytes, self.format, self.texel_type, self.internal);
-            Texels { width, height, data }
-        })
+        if count == 0 {
+            return Ok(None);
+        }
+        let bytes = read(count * self.format.components() * self.texel_type.size());
+        let data = decode_texels(bytes, self.format, self.texel_type, self.internal)?;
+        Ok(Some(Texels { width, height, data }))
     }
 }
 
@@ -250,11 +259,22 @@ impl TexelType {
     }
 }
 
-/// Texels from a program's memory. Bytes stay bytes.
-fn decode_texels(bytes: &[u8], format: TexelFormat, kind: TexelType, internal: TexelFormat) -> TexelData {
+/// Texels from a program's memory. Bytes stay bytes. Fails if there is no room for them.
+fn decode_texels(
+    bytes: &[u8],
+    format: TexelFormat,
+    kind: TexelType,
+    internal: TexelFormat,
+) -> Result<TexelData> {
+    fn collect<T>(texels: impl ExactSizeIterator<Item = T>) -> Result<Vec<T>> {
+        let mut all = Vec::new();
+        all.try_reserve_exact(texels.len()).map_err(|_| Error::OutOfMemory)?;
+        all.extend(texels);
+        Ok(all)
+    }
     let texels = bytes.chunks_exact(format.components() * kind.size());
     if kind == TexelType::UnsignedByte {
-        return TexelData::Linear8(texels.map(|v| internal.keep(format.rgba(v, 255), 255)).collect());
+        return collect(texels.map(|v| internal.keep(format.rgba(v, 255), 255))).map(TexelData::Linear8);
     }
     let floats = |texel: &[u8]| {
         let mut v = [0.0; 4];
@@ -262,7 +282,7 @@ fn decode_texels(bytes: &[u8], format: TexelFormat, kind: TexelType, internal: T
         v.iter_mut().zip(numbers).for_each(|(number, bytes)| *number = kind.decode(bytes));
         internal.keep(format.rgba(&v, 1.0), 1.0)
     };
-    TexelData::Float(texels.map(floats).collect())
+    collect(texels.map(floats)).map(TexelData::Float)
 }
 
 #[cfg(test)]
@@ -289,10 +309,8 @@ mod tests {
     #[test]
     fn formats_find_their_channels() {
         let decode = |bytes: &[u8], format, internal| {
-            let TexelData::Linear8(v) = decode_texels(bytes, format, TexelType::UnsignedByte, internal)
-            else {
-                panic!("bytes stay bytes")
-            };
+            let decoded = decode_texels(bytes, format, TexelType::UnsignedByte, internal);
+            let Ok(TexelData::Linear8(v)) = decoded else { panic!("bytes stay bytes") };
             v
         };
         use TexelFormat::{Bgr, Bgra, Luminance, Rgb, Rgba};

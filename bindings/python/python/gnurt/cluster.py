@@ -7,12 +7,16 @@ archive that is named by its content. Workers need this package.
 """
 
 import argparse
+import atexit
+import contextlib
+import functools
 import hashlib
 import io
 import logging
 import os
 import re
 import shutil
+import stat
 import subprocess
 import sys
 import tarfile
@@ -134,9 +138,41 @@ def _packed(scene, options):
     return words, packed.getvalue()
 
 
+def _is_private(folder):
+    """Whether a folder is this user's and nobody else can have put anything in it."""
+    try:
+        found = os.lstat(folder)
+    except OSError:
+        return False
+    return stat.S_ISDIR(found.st_mode) and found.st_uid == os.getuid() and not found.st_mode & 0o077
+
+
+@functools.lru_cache(maxsize=None)
+def _fresh_parent(process):
+    """A folder of this process alone, which goes with it."""
+    folder = tempfile.mkdtemp(prefix=f"gnurt-{process}-")
+
+    def remove():
+        # A fork of this process may end first.
+        if os.getpid() == process:
+            shutil.rmtree(folder, ignore_errors=True)
+
+    atexit.register(remove)
+    return folder
+
+
+def _parent():
+    """Where archives are unpacked: a folder that all processes of this user share; or, where somebody else may have made that, one of
+    this process, for what lies there decides which code runs."""
+    shared = os.path.join(tempfile.gettempdir(), f"gnurt-{os.getuid()}")
+    with contextlib.suppress(OSError):
+        os.mkdir(shared, mode=0o700)
+    return shared if _is_private(shared) else _fresh_parent(os.getpid())
+
+
 def _folder(name):
     """Where an archive of this name is unpacked on this machine."""
-    return os.path.join(tempfile.gettempdir(), f"gnurt-{os.getuid()}", name)
+    return os.path.join(_parent(), name)
 
 
 def _unpack(name, archive):
@@ -144,7 +180,6 @@ def _unpack(name, archive):
     folder = _folder(name)
     if os.path.isdir(folder):
         return
-    os.makedirs(os.path.dirname(folder), mode=0o700, exist_ok=True)
     unfinished = tempfile.mkdtemp(dir=os.path.dirname(folder))
     with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
         tar.extractall(unfinished, filter="data")
@@ -194,20 +229,28 @@ def _program(path):
 
 
 def _run(words, cwd=None):
-    done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, preexec_fn=_die_with_parent)
+    program = words[0]
+    if sys.platform == "linux":
+        # A worker that is killed takes its program with it. An interpreter of its own asks for that and becomes the program: code of
+        # ours cannot run between fork and exec of a process with threads.
+        words = [sys.executable, "-I", "-S", "-c", _DYING_WITH_PARENT, str(os.getpid()), *words]
+    done = subprocess.run(words, cwd=cwd, capture_output=True, text=True)
     if done.returncode != 0:
         said = [line for line in done.stderr.splitlines() if line.startswith("error: ")]
-        raise RuntimeError(said[0] if said else f"{words[0]} ended with {done.returncode}: {done.stderr.strip()}")
+        raise RuntimeError(said[0] if said else f"{program} ended with {done.returncode}: {done.stderr.strip()}")
 
 
-def _die_with_parent():
-    """A worker that is killed takes its program with it."""
-    if sys.platform == "linux":
-        import ctypes
-        import signal
-
-        set_death_signal = 1
-        ctypes.CDLL(None).prctl(set_death_signal, signal.SIGKILL)
+#: PR_SET_PDEATHSIG is 1. A parent that is gone before that sends nothing any more.
+_DYING_WITH_PARENT = """
+import ctypes, os, signal, sys
+ctypes.CDLL(None).prctl(1, signal.SIGKILL)
+if os.getppid() != int(sys.argv[1]):
+    sys.exit("the worker is gone")
+try:
+    os.execvp(sys.argv[2], sys.argv[2:])
+except OSError as error:
+    sys.exit(f"error: {sys.argv[2]}: {error.strerror}")
+"""
 
 
 def _frames(text):

@@ -24,12 +24,15 @@ def ray_mesh_intersect(source, dir, V, F, first=False):
 def signed_distance(P, V, F, sign_type=None):
     """`(S, I, C, N)`: distances, negative inside; triangles; nearest points; unit normals of those triangles.
 
-    Inside is what a ray leaves after an odd number of crossings, whatever `sign_type`.
+    Inside is what a ray leaves after an odd number of crossings, whatever `sign_type`. Where there is no nearest point (there are no
+    triangles, or the point has no finite place), the triangle is -1 and the normal 0.
     """
     P = np.asarray(P, float)
     scene = _scene(V, F)
     points, _, triangles, _ = scene.closest_point(P)
-    corners = np.asarray(V, float)[np.asarray(F)[triangles]]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    there = triangles >= 0
+    corners = np.asarray(V, float)[np.asarray(F)[triangles[there]]]
+    normals = np.zeros((len(P), 3))
+    normals[there] = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     return scene.signed_distance(P), triangles.astype(np.int64), points, normals / np.where(lengths > 0, lengths, 1)

@@ -110,16 +110,17 @@ class RaycastingScene:
     @staticmethod
     def create_rays_pinhole(*args, **kwargs):
         """float32 `(height, width, 6)` through pixel centres: from matrices (intrinsic, extrinsic), or from
-        (fov_deg, center, eye, up), with width_px and height_px last."""
+        (fov_deg, center, eye, up), with width_px and height_px last. As in Open3D rows go up in the second form: the first pixel
+        is that of the lower right corner of what the eye sees."""
         names = ("fov_deg", "center", "eye", "up", "width_px", "height_px")
         if len(args) == 6 or "fov_deg" in kwargs:
             given = dict(zip(names, args), **kwargs)
             width, height = given["width_px"], given["height_px"]
             eye, center, up = (np.asarray(given[k], float) for k in ("eye", "center", "up"))
             forward = (center - eye) / np.linalg.norm(center - eye)
-            right = np.cross(forward, up)
-            right /= np.linalg.norm(right)
-            rotation = np.stack([right, np.cross(forward, right), forward])
+            left = np.cross(up, forward)
+            left /= np.linalg.norm(left)
+            rotation = np.stack([left, np.cross(forward, left), forward])
             focal = 0.5 * width / np.tan(0.5 * np.deg2rad(given["fov_deg"]))
             intrinsic = np.array([[focal, 0, 0.5 * width], [0, focal, 0.5 * height], [0, 0, 1]])
         else:

@@ -14,13 +14,17 @@ __all__ = ["RayMeshIntersector", "install"]
 
 
 def install():
-    """All meshes that trimesh makes from now on ask GNU RT. May be called again."""
+    """All meshes that trimesh makes from now on ask GNU RT, and `trimesh.ray.ray_pyembree` is this module, whether embreex is there
+    or not. May be called again."""
     import sys
 
     import trimesh
 
-    trimesh.ray.ray_pyembree = sys.modules[__name__]
+    ours = sys.modules[__name__]
+    trimesh.ray.ray_pyembree = ours
     trimesh.ray.has_embree = True
+    # For `from trimesh.ray.ray_pyembree import RayMeshIntersector`: without embreex there is no module of that name.
+    sys.modules["trimesh.ray.ray_pyembree"] = ours
 
 
 class RayMeshIntersector:

@@ -71,7 +71,7 @@ RTAPI void RTAPIENTRY rtutInitWindow(RTint width, RTint height, const char *titl
  * a program that had a window. */
 RTAPI RTboolean RTAPIENTRY rtutMainLoop(void);
 
-/* Lets rtutMainLoop return after the function that calls this. */
+/* Lets rtutMainLoop return after the function that calls this; from another thread, soon. */
 RTAPI void RTAPIENTRY rtutLeaveMainLoop(void);
 
 /* Why the last rtutMainLoop could not, or ""; valid until the next one ends. */
@@ -102,7 +102,8 @@ RTAPI void RTAPIENTRY rtutMotionFunc(void (*function)(RTint x, RTint y));
 /* `function` is called when it moves while none is. */
 RTAPI void RTAPIENTRY rtutPassiveMotionFunc(void (*function)(RTint x, RTint y));
 
-/* Asks for another frame: the function of rtutDisplayFunc is called soon, once for any number of calls. */
+/* Asks for another frame: the function of rtutDisplayFunc is called soon, once for any number of calls, by the
+ * thread that is in rtutMainLoop. May be called from any thread. */
 RTAPI void RTAPIENTRY rtutPostRedisplay(void);
 
 /* Ends the frame that the last call began, if any, and shows it; then gives libOpenRT a frame buffer of the window's size

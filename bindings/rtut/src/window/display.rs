@@ -12,7 +12,7 @@ use softbuffer::{Context, Surface};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
-use winit::event_loop::{ActiveEventLoop, EventLoop};
+use winit::event_loop::{ActiveEventLoop, EventLoop, EventLoopProxy};
 use winit::keyboard::{Key, NamedKey};
 use winit::platform::pump_events::{EventLoopExtPumpEvents, PumpStatus};
 use winit::window::{Window, WindowId};
@@ -20,13 +20,15 @@ use winit::window::{Window, WindowId};
 use super::plain::keep;
 use super::program::Program;
 use super::settings::Settings;
-use super::stage::LARGEST;
+use super::stage::{LARGEST, Waker};
 use crate::guard::guard;
 
 /// Shows the window until somebody closes it or the program wants to leave.
 pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
     let events = guard(EventLoop::new).ok_or_else(broken)?;
     let mut events = events.map_err(|error| words(&error))?;
+    let proxy = events.create_proxy();
+    let _awake = Awake::while_open(program, proxy);
     let mut app = App { program, open: None, failure: None, happened: VecDeque::new(), drawn: 0 };
     let mut hands = Hands::default();
     let mut seen = 0;
@@ -75,6 +77,26 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
         }
         // A picture that is asked for comes with the next events.
         patience = (is_stale || animates).then_some(Duration::ZERO);
+    }
+}
+
+/// While it lives, what a program asks for on other threads wakes the window.
+struct Awake<'a>(&'a dyn Program);
+
+impl<'a> Awake<'a> {
+    fn while_open(program: &'a dyn Program, proxy: EventLoopProxy<()>) -> Self {
+        let mut waker: Option<Waker> = Some(Box::new(move || {
+            // A window that is gone needs not be woken.
+            let _ = proxy.send_event(());
+        }));
+        program.stage(&mut |stage| stage.waker = waker.take());
+        Self(program)
+    }
+}
+
+impl Drop for Awake<'_> {
+    fn drop(&mut self) {
+        self.0.stage(&mut |stage| stage.waker = None);
     }
 }
 

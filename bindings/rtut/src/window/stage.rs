@@ -15,6 +15,8 @@ pub(crate) struct Stage {
     /// Whether a new frame is wanted.
     pub(crate) is_stale: bool,
     pub(crate) is_leaving: bool,
+    /// Wakes the window that is open, which may rest until something happens.
+    pub(super) waker: Option<Waker>,
     /// The picture, the uppermost row first, and its size.
     pub(crate) screen: Vec<u32>,
     pub(crate) screen_size: [u32; 2],
@@ -23,6 +25,9 @@ pub(crate) struct Stage {
     buffers: Vec<Buffer>,
     flight: Option<Flight>,
 }
+
+/// What wakes a window, from any thread.
+pub(super) type Waker = Box<dyn Fn() + Send>;
 
 /// A frame buffer of RGB bytes.
 struct Buffer {
@@ -50,6 +55,7 @@ impl Default for Stage {
             is_wanted: false,
             is_stale: true,
             is_leaving: false,
+            waker: None,
             screen: Vec::new(),
             screen_size: [0; 2],
             pictures: 0,
@@ -60,6 +66,24 @@ impl Default for Stage {
 }
 
 impl Stage {
+    /// A new frame is wanted, also of a window that rests.
+    pub(crate) fn redisplay(&mut self) {
+        self.is_stale = true;
+        self.wake();
+    }
+
+    /// The main loop is to end, also if it rests.
+    pub(crate) fn leave(&mut self) {
+        self.is_leaving = true;
+        self.wake();
+    }
+
+    fn wake(&self) {
+        if let Some(wake) = &self.waker {
+            wake();
+        }
+    }
+
     /// As at the beginning of a main loop: no pictures, and one is wanted.
     pub(crate) fn begin(&mut self) {
         (self.pictures, self.is_stale, self.is_leaving) = (0, true, false);

@@ -4,6 +4,7 @@
 use std::process::Command;
 
 use super::harness::{Folder, Run, finish};
+use super::shaders::compile_source;
 
 /// A binary PLY file of a wavy square of so many squares on a side.
 fn waves(side: u32) -> Vec<u8> {
@@ -52,6 +53,38 @@ fn a_scene_of_several_times_the_memory_renders() {
     assert_eq!(folder.read("free.png"), folder.read("file.png"), "the same picture");
     let left = folder.contents().len();
     assert_eq!(left, 3, "the file goes with the program");
+}
+
+/// `prepare` is tried in a copy of the process; a block that lay in the file would be changed by that trial, too.
+#[test]
+fn trials_of_plugins_change_nothing() {
+    let folder = Folder::new();
+    let source = r#"
+#include <openrt/rts.h>
+struct block { float color[3]; int count, rest[5120]; };
+static const RTSparam params[] = { { "color", RT_FLOAT, 3, RT_PER_SHADER, offsetof(struct block, color) } };
+static int prepare(const RTShost *host, void *snapshot) {
+    struct block *block = snapshot;
+    (void)host;
+    return ++block->count == 1 ? 0 : block->count;
+}
+static void shade(const RTShost *host, RTSctx *ctx, const RTShits *hits, RTSvecm out) {
+    (void)host, (void)ctx;
+    for (uint32_t i = 0; i < hits->n; i++) out.x[i] = out.y[i] = out.z[i] = 1;
+}
+static const RTSclass counts = { .struct_size = sizeof(RTSclass), .kind = RT_SURFACE_SHADER, .name = "counts",
+    .shader_size = sizeof(struct block), .param_count = 1, .params = params, .prepare = prepare, .shade = shade };
+const RTSmodule *rts_module(uint32_t host_abi) {
+    static const RTSclass *const classes[] = { &counts };
+    static const RTSmodule module = { sizeof(RTSmodule), RTS_ABI, 1, classes };
+    (void)host_abi;
+    return &module;
+}
+"#;
+    compile_source(&folder, "counts", source);
+    let line = "render builtin:cornell -r 8x8 --spp 1 -o p.png --shader *=counts@counts.so";
+    folder.gnurt(line).success();
+    folder.gnurt(&format!("{line} --out-of-core .")).success();
 }
 
 #[test]

@@ -15,7 +15,13 @@ pub(crate) fn compile(folder: &Folder, name: &str, [from, to]: [&str; 2]) -> Pat
     let source =
         std::fs::read_to_string(root.join(format!("examples/plugins/c/{name}.c"))).expect("an example");
     assert!(source.contains(from), "{name}.c has '{from}'");
-    let source = folder.write(&format!("{name}.c"), source.replace(from, to));
+    compile_source(folder, name, &source.replace(from, to))
+}
+
+/// Compiles a plugin.
+pub(crate) fn compile_source(folder: &Folder, name: &str, source: &str) -> PathBuf {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let source = folder.write(&format!("{name}.c"), source);
     let target = folder.at(&format!("{name}.so"));
     let mut compiler = Command::new("cc");
     compiler.args(["-std=c99", "-O1", "-shared", "-fPIC", "-I"]).arg(root.join("bindings/openrt/include"));

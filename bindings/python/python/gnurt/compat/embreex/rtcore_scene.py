@@ -54,9 +54,18 @@ class EmbreeScene:
             return {
                 "u": hits.u,
                 "v": hits.v,
-                "Ng": hits.normal,
+                "Ng": self._normals(hits),
                 "tfar": far,
                 "primID": hits.prim_id,
                 "geomID": hits.geom_id,
             }
         return far if query == "DISTANCE" else hits.prim_id
+
+    def _normals(self, hits):
+        """(n, 3): normals of the triangles that were hit by the right hand rule, twice their area long; zeros where rays missed."""
+        normals = np.zeros((len(hits), 3), np.float32)
+        for geom_id, (vertices, faces, _) in enumerate(self._scene.__getstate__()["meshes"]):
+            here = hits.geom_id == geom_id
+            a, b, c = np.moveaxis(vertices[faces[hits.prim_id[here]]], 1, 0)
+            normals[here] = np.cross(b - a, c - a)
+        return normals
