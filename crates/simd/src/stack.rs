@@ -16,16 +16,18 @@ pub struct StackRoom<T: Copy, const N: usize> {
 }
 
 /// Values, last in first out, in a [`StackRoom`].
+///
+/// `'room` is no span of time but the mark of a room: [`StackRoom::resume`] gives each stack one that no other has, so that none
+/// can be put in the place of another.
 #[derive(Debug)]
-pub struct Stack<'a, T: Copy> {
+pub struct Stack<'a, 'room, T: Copy> {
     entries: &'a mut [MaybeUninit<T>],
     len: usize,
-    /// No stack passes for one of another lifetime, and so for one in another room.
-    room: Exactly<'a>,
+    room: Mark<'room>,
 }
 
-/// A lifetime that stands for itself alone.
-type Exactly<'a> = PhantomData<fn(&'a ()) -> &'a ()>;
+/// A lifetime that passes for no other one, neither longer nor shorter.
+type Mark<'room> = PhantomData<fn(&'room ()) -> &'room ()>;
 
 impl<T: Copy, const N: usize> StackRoom<T, N> {
     /// Without values.
@@ -37,7 +39,7 @@ impl<T: Copy, const N: usize> StackRoom<T, N> {
 
     /// An empty stack in this memory.
     #[inline(always)]
-    pub fn stack(&mut self) -> Stack<'_, T> {
+    pub fn stack(&mut self) -> Stack<'_, 'static, T> {
         Stack { entries: &mut self.entries, len: 0, room: PhantomData }
     }
 
@@ -45,7 +47,7 @@ impl<T: Copy, const N: usize> StackRoom<T, N> {
     ///
     /// That is the one that it is about afterwards: no other can be put in its place, whose entries would be in another room.
     ///
-    /// ```compile_fail
+    /// ```compile_fail,E0521
     /// use gnurt_simd::StackRoom;
     ///
     /// let mut room = StackRoom::<u64, 4>::new();
@@ -57,8 +59,17 @@ impl<T: Copy, const N: usize> StackRoom<T, N> {
     /// // Nothing was ever written here.
     /// println!("{:?}", room.resume(|stack| stack.pop()));
     /// ```
+    ///
+    /// Nor can the stacks of two rooms be exchanged:
+    ///
+    /// ```compile_fail,E0521
+    /// use gnurt_simd::StackRoom;
+    ///
+    /// let (mut a, mut b) = (StackRoom::<u64, 4>::new(), StackRoom::<u64, 4>::new());
+    /// a.resume(|a| b.resume(|b| std::mem::swap(a, b)));
+    /// ```
     #[inline(always)]
-    pub fn resume<R>(&mut self, work: impl FnOnce(&mut Stack<'_, T>) -> R) -> R {
+    pub fn resume<R>(&mut self, work: impl for<'room> FnOnce(&mut Stack<'_, 'room, T>) -> R) -> R {
         let mut stack = Stack { entries: &mut self.entries, len: self.len, room: PhantomData };
         let result = work(&mut stack);
         self.len = stack.len;
@@ -86,7 +97,7 @@ impl<T: Copy, const N: usize> StackRoom<T, N> {
     }
 }
 
-impl<T: Copy> Stack<'_, T> {
+impl<T: Copy> Stack<'_, '_, T> {
     /// Puts a value on top. Panics where there is no room.
     #[inline(always)]
     pub fn push(&mut self, value: T) {
@@ -99,7 +110,7 @@ impl<T: Copy> Stack<'_, T> {
     pub fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;
         // SAFETY: `push` is all that raises `len`, and it has written the entry below the new one; a room's `len` is that of
-        // the stack that was in it last, for which no closure can take another: `Exactly`.
+        // the stack that was in it last, in whose place no closure can put another: `Mark`.
         Some(unsafe { self.entries[self.len].assume_init() })
     }
 
