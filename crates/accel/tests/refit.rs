@@ -126,7 +126,7 @@ fn slivers_in_many_leaves_count_once() {
     let mut random = Random::new(11);
     let mut mesh = Soup::default();
     // Long and thin, across each other: splits pay.
-    for i in 0..1500_u32 {
+    for i in 0..4000_u32 {
         let (from, to) = (random.point(), random.point());
         let by = random.point();
         let beside = [0, 1, 2].map(|k| from[k] + 0.001 * by[k]);
@@ -136,9 +136,9 @@ fn slivers_in_many_leaves_count_once() {
     let good = [mesh];
     let tree = build(&good, WATERTIGHT[1]);
     let stats = tree.stats();
-    assert!(stats.references > stats.primitives + 50, "splits have won: {stats:?}");
+    assert!(stats.references > stats.primitives + 100, "splits have won: {stats:?}");
     let mut meshes = good.clone();
-    for i in (0..1500).step_by(15) {
+    for i in [30, 31, 32, 200, 3999] {
         meshes[0].positions[3 * i + 1] = [f32::NAN, 0.0, 0.0];
     }
     let moved = tree.refit(&triangles(&meshes), Threads::Single).expect("no leaf has lost all");
@@ -146,7 +146,7 @@ fn slivers_in_many_leaves_count_once() {
     assert_eq!(moved.bad_primitives(), fresh.bad_primitives(), "each once");
     assert_eq!(moved.stats().primitives, fresh.stats().primitives, "and missing once");
     let back = moved.refit(&triangles(&good), Threads::Single).expect("they come back");
-    assert_eq!((back.bad_primitives().total(), back.stats().primitives), (0, 1500), "all of them");
+    assert_eq!((back.bad_primitives().total(), back.stats().primitives), (0, 4000), "all of them");
     let rays = batch(&rays::random(7, 80));
     assert_eq!(ask(&back, &rays), ask(&build(&good, WATERTIGHT[1]), &rays), "where they were");
 }
