@@ -197,7 +197,7 @@ static void scenes_in_scenes(void)
     static const uint32_t quad[4] = { 0, 1, 2, 3 };
     static float centers[2][3] = { { 0, 0, 0 }, { 10, 0, 0 } };
     static const float radii[2] = { 1, 2 };
-    gnurt_scene *scene[3] = { gnurt_scene_new(), gnurt_scene_new(), gnurt_scene_new() };
+    gnurt_scene *scene[3] = { NULL, gnurt_scene_new(), gnurt_scene_new() };
     for (int user = 0; user < 2; user++) {
         gnurt_user balls = { (void *)radii, 2, ball_bounds, ball_intersect };
         uint32_t ids[3];
