@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | dist`. Source: original.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | dist | miri | sanitize`. Source: original.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
@@ -11,6 +11,7 @@ mod install;
 mod installed;
 mod python;
 mod readme;
+mod sanitize;
 mod tidy;
 mod workspace;
 
@@ -24,7 +25,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 6] = [
+const CHORES: [Chore; 8] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -51,6 +52,16 @@ const CHORES: [Chore; 6] = [
         run: installed::check,
     },
     Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },
+    Chore {
+        name: "miri",
+        about: "unit tests with unsafe code in them, interpreted by Miri; once a week",
+        run: sanitize::miri,
+    },
+    Chore {
+        name: "sanitize",
+        about: "the tests of the C APIs under address or thread sanitizer; once a week",
+        run: sanitize::run,
+    },
 ];
 
 fn main() -> ExitCode {
