@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | notices | dist`. Source: original.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | notices | dist | miri | sanitize`. Source: original.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
@@ -12,6 +12,7 @@ mod installed;
 mod notices;
 mod python;
 mod readme;
+mod sanitize;
 mod tidy;
 mod workspace;
 
@@ -25,7 +26,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 7] = [
+const CHORES: [Chore; 9] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -57,6 +58,16 @@ const CHORES: [Chore; 7] = [
         run: notices::run,
     },
     Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },
+    Chore {
+        name: "miri",
+        about: "unit tests with unsafe code in them, interpreted by Miri; once a week",
+        run: sanitize::miri,
+    },
+    Chore {
+        name: "sanitize",
+        about: "the tests of the C APIs under address or thread sanitizer; once a week",
+        run: sanitize::run,
+    },
 ];
 
 fn main() -> ExitCode {

@@ -56,6 +56,8 @@ impl Workshop {
             .arg("-L")
             .arg(self.0.path())
             .args(["-lgnurt", "-lm", "-lpthread"])
+            // `cargo xtask sanitize` asks for sanitizers.
+            .args(std::env::var("GNURT_C_FLAGS").unwrap_or_default().split_whitespace())
             .output();
         let output = output.unwrap_or_else(|error| panic!("{compiler} must be there: {error}"));
         assert!(output.status.success(), "{} builds:\n{}", program.display(), shown(&output));

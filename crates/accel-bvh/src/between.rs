@@ -16,10 +16,19 @@ const NOWHERE: Aabb = Aabb { min: [f32::MAX; 3], max: [-f32::MAX; 3] };
 
 /// Gives children that do not exist a box that can be mixed.
 pub(crate) fn hide_nothing(nodes: &mut [Node8]) {
+    put_nothing(nodes, &NOWHERE);
+}
+
+/// Gives them the box back that nothing has in a tree that stands still.
+pub(crate) fn empty_nothing(nodes: &mut [Node8]) {
+    put_nothing(nodes, &Aabb::EMPTY);
+}
+
+fn put_nothing(nodes: &mut [Node8], bounds: &Aabb) {
     for node in nodes {
         for place in 0..WIDTH {
             if node.child(place) == Child::NONE {
-                node.set(place, &NOWHERE, Child::NONE);
+                node.set(place, bounds, Child::NONE);
             }
         }
     }

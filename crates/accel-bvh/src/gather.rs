@@ -95,7 +95,8 @@ pub(crate) fn store<S: Simd>(rows: &Rows<S>, block: &mut TriangleBlock) {
 /// A vertex and anything behind it; no numbers where there is none.
 #[inline(always)]
 fn vertex<S: Simd>(simd: S, positions: &[f32], vertex: u32) -> f32x4<S> {
-    let at = 3 * vertex as usize;
+    // Where an address has 32 bits, three times an index may have more.
+    let at = usize::try_from(3 * u64::from(vertex)).unwrap_or(usize::MAX - 4);
     match positions.get(at..at + 4) {
         Some(vertex) => f32x4::from_slice(simd, vertex),
         None => f32x4::load_array(simd, last_vertex(positions, at)),

@@ -20,7 +20,7 @@ use gnurt_accel_core::{
     Aabb, BadPrimitives, BuildError, INVALID_ID, LARGEST_COORDINATE, Moment, Quality, Threads, TreeStats,
 };
 
-use crate::between::hide_nothing;
+use crate::between::{empty_nothing, hide_nothing};
 use crate::build::try_build;
 use crate::index::BvhIndex;
 use crate::leaves::Leaves;
@@ -133,6 +133,7 @@ impl MotionIndex {
         for (node, to) in mixed.tree.nodes.iter_mut().zip(&to.tree.nodes) {
             mix(node.rows[..6].as_flattened_mut(), to.rows[..6].as_flattened());
         }
+        empty_nothing(&mut mixed.tree.nodes);
         for (block, to) in mixed.leaves.blocks.iter_mut().zip(&to.leaves.blocks) {
             let rows = block.corners.as_flattened_mut().as_flattened_mut();
             mix(rows, to.corners.as_flattened().as_flattened());

@@ -11,6 +11,10 @@ use crate::user::UserGeometry;
 /// Coordinates beyond this are dropped: squares of their differences still fit a float.
 pub const LARGEST_COORDINATE: f32 = 1.8e18;
 
+/// No plane of a box lies beyond this: the box of a sphere reaches to twice [`LARGEST_COORDINATE`], and those of compact
+/// nodes a sixteenth farther. Times the inverse of a regular ray's flattest direction, 2^50, that is far from an overflow.
+pub const FARTHEST_PLANE: f32 = 4e18;
+
 /// Most triangles of one object: what an event of the builder can number. Quads count twice, spheres and primitives
 /// of user geometries once.
 pub const MOST_TRIANGLES: usize = (1 << 30) - 1;

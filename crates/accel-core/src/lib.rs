@@ -63,8 +63,8 @@ pub mod user;
 pub use aabb::Aabb;
 pub use control::{BuildControl, BuildError};
 pub use geometry::{
-    BadPrimitives, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES, MovingTriangles, Quads,
-    Spheres, Triangles,
+    BadPrimitives, FARTHEST_PLANE, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES,
+    MovingTriangles, Quads, Spheres, Triangles,
 };
 pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
 pub use motion::Moment;

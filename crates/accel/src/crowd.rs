@@ -34,16 +34,29 @@ impl Crowd {
         if let Some(known) = self.known(key, geometries) {
             return known;
         }
-        let build = || ObjectTree::build_from(geometries, options, threads);
-        let first = self.first.get_or_init(|| {
-            let built = build();
-            // What poses share is all that has to stay of it.
-            built.posed_from(geometries, threads).unwrap_or(built)
-        });
-        match first.posed_from(geometries, threads) {
+        match self.first(geometries, options, threads).posed_from(geometries, threads) {
             Ok(tree) if tree.cost_growth() <= MOST_GROWTH => self.keep(key, geometries, Arc::new(tree)),
-            _ => Arc::new(build()),
+            _ => Arc::new(ObjectTree::build_from(geometries, options, threads)),
         }
+    }
+
+    /// Builds what poses share, over this one, unless it is there. Who is about to ask for many poses at a time, by threads
+    /// of one pool, calls this before: threads that come to [`pose`](Self::pose) together and find nothing build it each for
+    /// itself, and all but one of these trees are dropped.
+    pub fn prepare(&self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) {
+        self.first(geometries, options, threads);
+    }
+
+    /// Not built inside of the lock: a thread that waits for others takes up their work, and that may be a pose of this crowd.
+    fn first(&self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> &ObjectTree {
+        if let Some(first) = self.first.get() {
+            return first;
+        }
+        let built = ObjectTree::build_from(geometries, options, threads);
+        // What poses share is all that has to stay of it.
+        let shared = built.posed_from(geometries, threads).unwrap_or(built);
+        // Who comes second takes that of the first.
+        self.first.get_or_init(|| shared)
     }
 
     /// Poses that somebody holds.

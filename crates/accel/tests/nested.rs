@@ -5,7 +5,9 @@
 use std::sync::Arc;
 
 use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build, scene_of, try_scene_of};
-use gnurt_accel::{DEEPEST_SCENE, Instance, ObjectTree, SceneError, SceneTree, Shape};
+use gnurt_accel::{
+    BuildOptions, DEEPEST_SCENE, Instance, MovingTriangles, ObjectTree, SceneError, SceneTree, Shape, Threads,
+};
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 
 type Columns = [[f64; 3]; 4];
@@ -109,6 +111,39 @@ fn nested_scenes_equal_flat_ones() {
         assert!(ids.len() > 4, "many objects are hit: {ids:?}");
         assert_hits(&oracles, &rays, &hits, 30.0 * margin);
     }
+}
+
+/// Scenes that show another one many times, down to something that moves: 10^8 objects, which are one.
+#[test]
+fn what_is_shared_is_stopped_once() {
+    let (here, there) = ([[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], [[0.0, 0.0, 1.0]; 3]);
+    let there = [0, 1, 2].map(|i| [0, 1, 2].map(|k| there[i][k] + here[i][k]));
+    let moving = MovingTriangles { keys: &[&here, &there], indices: &[[0, 1, 2]] };
+    let options = BuildOptions::default();
+    let object = Arc::new(ObjectTree::build_from(&[moving.into()], &options, Threads::Single));
+    // Side by side, and those side by side.
+    let row = |shape: Shape, step: f64| -> Vec<Instance> {
+        let place = |i: u32| [IDENTITY[0], IDENTITY[1], IDENTITY[2], [step * f64::from(i), 0.0, 0.0]];
+        (0..100).map(|i| Instance::new(shape.clone(), place(i))).collect()
+    };
+    let mut scene = scene_of(&row(object.clone().into(), 2.0));
+    for step in [2e2, 2e4, 2e6] {
+        scene = try_scene_of(&row(Arc::new(scene).into(), step)).expect("10^8 objects");
+    }
+    assert!(scene.moves(), "it moves");
+    let stopped = scene.at(0.25, Threads::Single);
+    assert!(!stopped.moves(), "it was stopped");
+    let ray = gnurt_accel::Ray::new([0.25, 0.25, 3.0], [0.0, 0.0, -1.0]);
+    assert_eq!(stopped.intersect(&ray).map(|hit| hit.t), Some(2.75), "where it was");
+    // And it is known of scenes that change.
+    let empty = scene_of(&[]);
+    let with = empty.updated(2, &[(0, Some(Instance::identity(object)))], Threads::Single);
+    let still = Instance::identity(Arc::new(stopped));
+    let shown = with.updated(2, &[(1, Some(still.clone())), (0, None)], Threads::Single);
+    assert_eq!([&empty, &with, &shown].map(SceneTree::moves), [false, true, false], "as it comes and goes");
+    let again = shown.updated(3, &[(2, Some(Instance::identity(Arc::new(with))))], Threads::Single);
+    let cut = again.updated(2, &[], Threads::Single);
+    assert_eq!([again.moves(), cut.moves()], [true, false], "within another one, too");
 }
 
 #[test]

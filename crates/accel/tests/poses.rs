@@ -2,13 +2,15 @@
 //! Poses of one object that share their structure have the hits of trees that are built over them, bit for bit, and those of brute
 //! force: at every level, in scenes, however they were made, and whatever becomes of the others. Source: original.
 
-use std::sync::Arc;
+use std::sync::{Arc, mpsc};
+use std::time::Duration;
 
 use gnurt_accel::{
-    BuildOptions, Crowd, Geometry, Instance, Motion, MovingTree, ObjectTree, Quads, RefitError, Spheres,
-    Structure, Threads, Triangles, Update,
+    Aabb, BuildOptions, Crowd, Geometry, Instance, Motion, MovingTree, ObjectTree, Quads, Ray, RefitError,
+    Spheres, Structure, Threads, Triangles, Update, UserGeometry, UserHit,
 };
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
+use rayon::prelude::*;
 
 use crate::common::{Kind, WATERTIGHT, ask, assert_hits, batch, build, options, scene_of};
 
@@ -126,6 +128,48 @@ fn a_crowd_in_a_scene() {
     assert!(hits.iter().flatten().count() > 20, "there is something to hit");
     drop((trees, hits));
     assert_eq!(crowd.poses(), 0, "nobody shows them");
+}
+
+/// A thread that waits for its share of a build takes up other work of the pool meanwhile. Here it does so for sure, while
+/// boxes are asked for: the other work is another pose of the crowd, and it must not wait for what its own thread has begun.
+#[test]
+fn a_pose_is_asked_for_within_the_build_of_another() {
+    #[derive(Debug)]
+    struct Yielding;
+
+    impl UserGeometry for Yielding {
+        fn count(&self) -> u32 {
+            1
+        }
+
+        fn bounds(&self, _: u32) -> Aabb {
+            rayon::yield_now();
+            Aabb::around(&[[9.0; 3]])
+        }
+
+        fn intersect(&self, _: u32, _: &Ray, _: &mut dyn FnMut(UserHit)) {}
+    }
+
+    let (done, ended) = mpsc::channel();
+    // What stands still cannot be joined.
+    std::thread::spawn(move || {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+        let rest = [closed::torus(8)];
+        let poses: Vec<Vec<Soup>> = (0..8).map(|i| bent(&rest, 0.1 * i as f32)).collect();
+        let crowd = Crowd::default();
+        let user: Arc<dyn UserGeometry> = Arc::new(Yielding);
+        let pose = |meshes: &Vec<Soup>| {
+            let mut geometries: Vec<Geometry> = triangles(meshes).into_iter().map(Geometry::from).collect();
+            geometries.push(Geometry::user(Arc::clone(&user)));
+            crowd.pose(&geometries, &BuildOptions::default(), Threads::Pool(&pool))
+        };
+        let trees: Vec<Arc<ObjectTree>> =
+            pool.install(|| poses.par_iter().with_max_len(1).map(pose).collect());
+        let share = trees.iter().all(|tree| tree.is_posed());
+        done.send(share).expect("somebody waits");
+    });
+    let share = ended.recv_timeout(Duration::from_secs(30)).expect("no thread waits for itself");
+    assert!(share, "and all share");
 }
 
 #[test]

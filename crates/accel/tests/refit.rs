@@ -120,6 +120,37 @@ fn triangles_go_bad_and_come_back() {
     }
 }
 
+/// A triangle that lies in several leaves is one triangle, also while it cannot be traced.
+#[test]
+fn slivers_in_many_leaves_count_once() {
+    let mut random = Random::new(11);
+    let mut mesh = Soup::default();
+    // Long and thin, across each other: splits pay.
+    for i in 0..4000_u32 {
+        let (from, to) = (random.point(), random.point());
+        let by = random.point();
+        let beside = [0, 1, 2].map(|k| from[k] + 0.001 * by[k]);
+        mesh.positions.extend([from, to, beside]);
+        mesh.indices.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    let good = [mesh];
+    let tree = build(&good, WATERTIGHT[1]);
+    let stats = tree.stats();
+    assert!(stats.references > stats.primitives + 100, "splits have won: {stats:?}");
+    let mut meshes = good.clone();
+    for i in [30, 31, 32, 200, 3999] {
+        meshes[0].positions[3 * i + 1] = [f32::NAN, 0.0, 0.0];
+    }
+    let moved = tree.refit(&triangles(&meshes), Threads::Single).expect("no leaf has lost all");
+    let fresh = build(&meshes, WATERTIGHT[1]);
+    assert_eq!(moved.bad_primitives(), fresh.bad_primitives(), "each once");
+    assert_eq!(moved.stats().primitives, fresh.stats().primitives, "and missing once");
+    let back = moved.refit(&triangles(&good), Threads::Single).expect("they come back");
+    assert_eq!((back.bad_primitives().total(), back.stats().primitives), (0, 4000), "all of them");
+    let rays = batch(&rays::random(7, 80));
+    assert_eq!(ask(&back, &rays), ask(&build(&good, WATERTIGHT[1]), &rays), "where they were");
+}
+
 #[test]
 fn what_was_bad_and_is_good_asks_for_a_build() {
     let mut meshes = [Soup::random(5, 100, 0.4)];

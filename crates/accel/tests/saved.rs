@@ -5,8 +5,8 @@ use crate::common::{Ask, TESTS, ask, batch, build};
 use std::sync::Arc;
 
 use gnurt_accel::{
-    Aabb, Coherence, Geometry, Level, LoadError, Memory, ObjectTree, Quads, Query, Ray, Spheres, Structure,
-    Threads, Triangles, UserGeometry, UserHit,
+    Aabb, Coherence, Geometry, LARGEST_COORDINATE, Level, LoadError, Memory, ObjectTree, Quads, Query, Ray,
+    Spheres, Structure, Threads, TriangleTest, Triangles, UserGeometry, UserHit,
 };
 use gnurt_testkit::{Random, Soup, closed};
 
@@ -96,6 +96,61 @@ impl UserGeometry for Point {
     }
 
     fn intersect(&self, _: u32, _: &Ray, _: &mut dyn FnMut(UserHit)) {}
+}
+
+/// Boxes reach beyond the greatest coordinate there is: those of spheres, by their radius, and of compact nodes, by a step.
+#[test]
+fn trees_as_large_as_can_be_are_loaded() {
+    let far = 0.999 * LARGEST_COORDINATE;
+    let triangle = [[-far; 3], [far, far, -far], [0.1 * far, far, far]];
+    let (many, one) = ([[far; 3], [-far; 3], [far, -far, 0.3 * far], [0.0; 3]], [[far; 3]]);
+    let radii = [far; 4];
+    for (kind, _) in TESTS {
+        let mesh = Geometry::from(Triangles { positions: &triangle, indices: &[[0, 1, 2]] });
+        let one = Geometry::from(Spheres { centers: &one, radii: &radii });
+        let many = Geometry::from(Spheres { centers: &many, radii: &radii });
+        for geometries in [&[mesh.clone()][..], &[one], &[mesh, many]] {
+            let tree = ObjectTree::build_from(geometries, &crate::common::options(kind), Threads::Single);
+            assert_eq!(tree.bad_primitives().total(), 0, "{kind:?}: all of it can be traced");
+            let loaded = ObjectTree::load(&mut &save(&tree)[..]);
+            let loaded = loaded.unwrap_or_else(|error| panic!("{kind:?}, {geometries:?}: {error}"));
+            assert!(loaded.same_tree(&tree), "{kind:?}: node for node");
+            let cost = loaded.stats().sah_cost;
+            assert!(cost.is_finite() && cost == tree.stats().sah_cost, "{kind:?}: {cost}");
+            let ray = Ray::new([0.0, 0.0, -2.0 * far], [0.1, 0.2, 1.0]);
+            assert_eq!(loaded.intersect(&ray), tree.intersect(&ray), "{kind:?}: hits");
+        }
+    }
+}
+
+/// Each geometry lies in one tree. Of a file in which two name the same one that one is not a tree that can be refitted.
+#[test]
+fn geometries_in_two_trees_are_refused() {
+    let mesh = closed::torus(4);
+    let triangles = Triangles { positions: &mesh.positions, indices: &mesh.indices };
+    let geometries = [Geometry::from(triangles).with_mask(1), Geometry::from(triangles).with_mask(2)];
+    for (kind, _) in TESTS {
+        let options = crate::common::options(kind);
+        let file = save(&ObjectTree::build_from(&geometries, &options, Threads::Single));
+        // The last triangle of the first mesh becomes the first one of the second, in each place where its number may be.
+        let count = mesh.indices.len() as u32;
+        let places: Vec<usize> = (0..file.len() / 4 - 2).filter(|&at| word(&file, at) == count - 1).collect();
+        let mut refused = 0;
+        for at in places {
+            let mut changed = file.clone();
+            set_word(&mut changed, at, count);
+            crate::signed::sign(&mut changed);
+            match ObjectTree::load(&mut &changed[..]) {
+                Err(error) => refused += usize::from(error.to_string().contains("several trees")),
+                // It was another word. There is no panic.
+                Ok(tree) => drop([
+                    tree.posed_from(&geometries, Threads::Single),
+                    tree.refit_from(&geometries, Threads::Single),
+                ]),
+            }
+        }
+        assert!(refused > 0 || kind.2 == TriangleTest::Projected, "{kind:?}: it is told");
+    }
 }
 
 #[test]

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Commits do what is due and no more, and survive bad data. Source: original.
 
+use std::sync::mpsc;
+use std::time::Duration;
+
 use crate::common::*;
 use gnurt_accel::Ray;
 use gnurt_render::{CommitError, CommitOptions, CommitReport, ShaderTable, World};
@@ -179,6 +182,33 @@ fn many_poses_share() {
     assert_eq!((report.built_objects, report.refitted_objects), (1, 0), "it gets a tree by itself");
     assert_eq!(update(&mut separate, &apart).dropped_triangles, report.dropped_triangles, "and is counted");
     assert_eq!(look(&shared), look(&separate), "with the same hits");
+}
+
+/// Many objects of two kinds, built side by side by more threads than there are processors.
+#[test]
+fn many_threads_commit_many_poses() {
+    let (done, ended) = mpsc::channel();
+    // What stands still cannot be joined.
+    std::thread::spawn(move || {
+        let pool = pool(16);
+        for round in 0..3 {
+            let mut scene = Scene::new();
+            scene.add_material(Material::matte("", [0.5; 3]));
+            for i in 0..48 {
+                let mut mesh = sphere([0.0; 3], 0.5, [50, 60][i % 2], MaterialId(0));
+                bend(&mut mesh.positions, 0.02 * (i + round) as f32);
+                place(&mut scene, mesh);
+            }
+            let mut world = World::new();
+            let options = CommitOptions::default();
+            let report = world.commit(&scene, &ShaderTable::default(), &options, &pool);
+            done.send(report.expect("the scene is sound").built_objects).expect("somebody waits");
+        }
+    });
+    for _ in 0..3 {
+        let built = ended.recv_timeout(Duration::from_secs(120)).expect("no commit stands still for ever");
+        assert_eq!(built, 48, "all of them");
+    }
 }
 
 fn bend(positions: &mut [[f32; 3]], angle: f32) {

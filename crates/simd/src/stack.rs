@@ -2,8 +2,10 @@
 //! A stack of fixed size whose memory is not cleared first: a traversal touches a few entries of many.
 //! Source: original. Clearing 4 KiB for each ray would cost as much as a short ray does. The length is kept apart from the
 //! memory, so that a walk has it in a register.
-//! Invariant: the first `len` entries have been written. Proof: `tests::first_in_last_out`.
+//! Invariant: the first `len` entries have been written. Proof: `tests::first_in_last_out`, and the example of
+//! [`StackRoom::resume`] that does not compile.
 
+use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
 /// Memory for up to `N` values, and how many of them there are.
@@ -14,11 +16,18 @@ pub struct StackRoom<T: Copy, const N: usize> {
 }
 
 /// Values, last in first out, in a [`StackRoom`].
+///
+/// `'room` is no span of time but the mark of a room: [`StackRoom::resume`] gives each stack one that no other has, so that none
+/// can be put in the place of another.
 #[derive(Debug)]
-pub struct Stack<'a, T: Copy> {
+pub struct Stack<'a, 'room, T: Copy> {
     entries: &'a mut [MaybeUninit<T>],
     len: usize,
+    room: Mark<'room>,
 }
+
+/// A lifetime that passes for no other one, neither longer nor shorter.
+type Mark<'room> = PhantomData<fn(&'room ()) -> &'room ()>;
 
 impl<T: Copy, const N: usize> StackRoom<T, N> {
     /// Without values.
@@ -30,14 +39,38 @@ impl<T: Copy, const N: usize> StackRoom<T, N> {
 
     /// An empty stack in this memory.
     #[inline(always)]
-    pub fn stack(&mut self) -> Stack<'_, T> {
-        Stack { entries: &mut self.entries, len: 0 }
+    pub fn stack(&mut self) -> Stack<'_, 'static, T> {
+        Stack { entries: &mut self.entries, len: 0, room: PhantomData }
     }
 
     /// Goes on with the stack that was left here.
+    ///
+    /// That is the one that it is about afterwards: no other can be put in its place, whose entries would be in another room.
+    ///
+    /// ```compile_fail,E0521
+    /// use gnurt_simd::StackRoom;
+    ///
+    /// let mut room = StackRoom::<u64, 4>::new();
+    /// room.resume(|stack| {
+    ///     let mut other = Box::leak(Box::new(StackRoom::<u64, 4>::new())).stack();
+    ///     other.push(1);
+    ///     *stack = other;
+    /// });
+    /// // Nothing was ever written here.
+    /// println!("{:?}", room.resume(|stack| stack.pop()));
+    /// ```
+    ///
+    /// Nor can the stacks of two rooms be exchanged:
+    ///
+    /// ```compile_fail,E0521
+    /// use gnurt_simd::StackRoom;
+    ///
+    /// let (mut a, mut b) = (StackRoom::<u64, 4>::new(), StackRoom::<u64, 4>::new());
+    /// a.resume(|a| b.resume(|b| std::mem::swap(a, b)));
+    /// ```
     #[inline(always)]
-    pub fn resume<R>(&mut self, work: impl FnOnce(&mut Stack<'_, T>) -> R) -> R {
-        let mut stack = Stack { entries: &mut self.entries, len: self.len };
+    pub fn resume<R>(&mut self, work: impl for<'room> FnOnce(&mut Stack<'_, 'room, T>) -> R) -> R {
+        let mut stack = Stack { entries: &mut self.entries, len: self.len, room: PhantomData };
         let result = work(&mut stack);
         self.len = stack.len;
         result
@@ -64,7 +97,7 @@ impl<T: Copy, const N: usize> StackRoom<T, N> {
     }
 }
 
-impl<T: Copy> Stack<'_, T> {
+impl<T: Copy> Stack<'_, '_, T> {
     /// Puts a value on top. Panics where there is no room.
     #[inline(always)]
     pub fn push(&mut self, value: T) {
@@ -77,7 +110,7 @@ impl<T: Copy> Stack<'_, T> {
     pub fn pop(&mut self) -> Option<T> {
         self.len = self.len.checked_sub(1)?;
         // SAFETY: `push` is all that raises `len`, and it has written the entry below the new one; a room's `len` is that of
-        // the stack that was in it last.
+        // the stack that was in it last, in whose place no closure can put another: `Mark`.
         Some(unsafe { self.entries[self.len].assume_init() })
     }
 

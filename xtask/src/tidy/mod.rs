@@ -10,6 +10,7 @@ mod files;
 mod heads;
 mod imports;
 mod known_circles;
+mod lazy;
 mod length;
 mod manifests;
 mod modules;
@@ -27,8 +28,15 @@ use files::SourceFile;
 /// Checks one file; gives line numbers (from 1) and what is wrong there.
 type Rule = fn(&SourceFile) -> Vec<(usize, String)>;
 
-const RULES: [Rule; 6] =
-    [heads::licence, heads::contract, length::check, unsafe_code::check, attributes::check, words::check];
+const RULES: [Rule; 7] = [
+    heads::licence,
+    heads::contract,
+    length::check,
+    unsafe_code::check,
+    attributes::check,
+    words::check,
+    lazy::check,
+];
 
 /// Prints every complaint to stderr; fails if there is one.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {

@@ -97,6 +97,8 @@ impl Workshop {
             .args(self.libraries.iter().map(|library| format!("-l{library}")))
             .args(["-lm", "-pthread", "-o"])
             .arg(binary)
+            // `cargo xtask sanitize` asks for sanitizers.
+            .args(std::env::var("GNURT_C_FLAGS").unwrap_or_default().split_whitespace())
             .output()
             .unwrap_or_else(|error| panic!("{compiler} must be there to build C programs: {error}"))
     }

@@ -9,7 +9,7 @@ use gnurt_accel_core::store::blocks::{check_corners, check_numbers};
 use gnurt_accel_core::store::{
     LoadError, Reader, Words, Writer, get_bytes, get_floats, is_sound, put_bytes, put_floats,
 };
-use gnurt_accel_core::{Aabb, LARGEST_COORDINATE, Memory, TreeStats};
+use gnurt_accel_core::{Aabb, FARTHEST_PLANE, Memory, TreeStats};
 
 use super::BvhIndex;
 use crate::compact::{Children, CompactNode};
@@ -74,7 +74,8 @@ impl Words for Whole {
 impl CompactNode {
     /// Whether planes can be computed.
     pub(crate) fn check(&self) -> Result<(), LoadError> {
-        let steps = f32::MIN_POSITIVE..=4.0 * LARGEST_COORDINATE / 255.0;
+        // At most twice what takes 255 steps from the farthest plane to the farthest on the other side.
+        let steps = f32::MIN_POSITIVE..=4.0 * FARTHEST_PLANE / 255.0;
         if (0..3).all(|k| steps.contains(&self.step(k))) {
             return Ok(());
         }

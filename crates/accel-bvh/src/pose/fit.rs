@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Fitting a shared structure to a pose: corners are gathered, boxes follow from the leaves to the root.
-//! Source: [WBS06] section 4. Space: object. Cost: O(n), each vertex, block and node once, by all threads.
+//! Source: [WBS06] section 4. Space: object. Cost: O(n), each vertex, block and node once: blocks and
+//! compact nodes by all threads, corners and the boxes of nodes by one.
 //! Invariant: what cannot be traced in the pose is what could not be when the structure was built; else it asks for a build.
 //! Proof: `tests/poses.rs` of `gnurt-accel`.
 

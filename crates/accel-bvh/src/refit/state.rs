@@ -10,7 +10,7 @@ pub(crate) struct Moving {
     pub(crate) count: u64,
     /// Triangles that could not be traced when the tree was built, ascending.
     pub(crate) strays: Vec<u32>,
-    /// Triangles that cannot for the time being, and their blocks.
+    /// Blocks, and a triangle in each that cannot for the time being. One that lies in several blocks is here for each.
     pub(crate) absent: Vec<(u32, u32)>,
     /// Boxes of leaf blocks: room.
     pub(crate) boxes: Vec<Aabb>,
@@ -20,6 +20,14 @@ pub(crate) struct Moving {
 }
 
 impl Moving {
+    /// The triangles that are absent, each once, ascending.
+    pub(crate) fn missing(&self) -> Vec<u32> {
+        let mut numbers: Vec<u32> = self.absent.iter().map(|&(_, number)| number).collect();
+        numbers.sort_unstable();
+        numbers.dedup();
+        numbers
+    }
+
     /// Of what it keeps.
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(&self.boxes[..]) + size_of_val(&self.built[..]) + size_of_val(&self.costs[..])

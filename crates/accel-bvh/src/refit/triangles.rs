@@ -62,7 +62,7 @@ impl BvhIndex {
         self.stats.sah_cost = threads.run(|parallel| tree.refit(boxes, parallel, costs));
         self.greatest = self.tree.greatest();
         let same_places = !had_absent && moving.absent.is_empty();
-        let primitives = moving.count - (moving.strays.len() + moving.absent.len()) as u64;
+        let primitives = moving.count - (moving.strays.len() + moving.missing().len()) as u64;
         self.moving = Some(moving);
         Ok(Refitted { bad, primitives, same_places })
     }
@@ -114,6 +114,8 @@ impl BvhIndex {
                 pieces.enumerate().flat_map(piece).collect()
             }
         });
+        // Counted below, once for all blocks that one is in.
+        let mut uncounted = BadPrimitives::default();
         for at in doubtful {
             let block = &mut self.leaves.blocks[at];
             let numbers = block.numbers;
@@ -123,7 +125,7 @@ impl BvhIndex {
                 if lane > 0 && number == numbers[0] {
                     continue;
                 }
-                if surfaces.judge(number, bad) {
+                if surfaces.judge(number, &mut uncounted) {
                     good[count] = number;
                     count += 1;
                 } else if surfaces.mesh(number).is_quads() {
@@ -139,6 +141,9 @@ impl BvhIndex {
             *block = TriangleBlock::new(|number| surfaces.corners(number), &good);
             let corners = |number: &u32| Aabb::around(&surfaces.corners(*number));
             moving.boxes[at] = block.numbers.iter().map(corners).fold(Aabb::EMPTY, |a, b| a.union(&b));
+        }
+        for number in moving.missing() {
+            surfaces.judge(number, bad);
         }
         Ok(())
     }

@@ -10,7 +10,7 @@ use gnurt_simd::prefer_huge_pages;
 use super::error::LoadError;
 use super::words::{Checksum, MAGIC, PIECE, VERSION, Words, get_floats};
 use crate::aabb::Aabb;
-use crate::geometry::LARGEST_COORDINATE;
+use crate::geometry::FARTHEST_PLANE;
 
 /// Reads from `from`, piece by piece, and sums up what was read.
 pub struct Reader<'a, R> {
@@ -91,11 +91,9 @@ impl<'a, R: Read> Reader<'a, R> {
     }
 }
 
-/// Whether a box is not empty and its coordinates are what triangles may have.
+/// Whether a box is not empty and its planes are what a build may make.
 pub fn is_sound(bounds: &Aabb) -> bool {
     (0..3).all(|k| {
-        -LARGEST_COORDINATE <= bounds.min[k]
-            && bounds.min[k] <= bounds.max[k]
-            && bounds.max[k] <= LARGEST_COORDINATE
+        -FARTHEST_PLANE <= bounds.min[k] && bounds.min[k] <= bounds.max[k] && bounds.max[k] <= FARTHEST_PLANE
     })
 }

@@ -178,12 +178,19 @@ impl ObjectTree {
         let quads = quads.into_iter().map(|quads| quads != 0).collect();
         let numbering = Numbering { starts, quads, too_many };
         let mut groups = vec![None; numbering.quads.len()];
+        let mut is_shared = false;
         for part in &parts {
+            let own = part.group();
             part.index.numbers(&mut |_, numbers| {
                 for number in numbers.iter().filter(|&&number| number < count) {
-                    groups[geometry_of(&numbering.starts, *number)] = Some(part.group());
+                    let group = groups[geometry_of(&numbering.starts, *number)].get_or_insert(own);
+                    is_shared |= *group != own;
                 }
             });
+        }
+        // Who refits a tree looks for its primitives in the geometries of its own group.
+        if is_shared {
+            return Err(LoadError::Damaged("a geometry is in several trees"));
         }
         Ok(Self { parts, groups, numbering, bad, bounds, stats, places: OnceLock::new() })
     }

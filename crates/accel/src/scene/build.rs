@@ -62,13 +62,16 @@ pub(super) struct Facts {
     pub(super) leaves: u32,
     /// Of what can be seen of it.
     pub(super) depth: u32,
+    /// Whether it moves while the shutter is open, or shows what does.
+    pub(super) moves: bool,
     /// Why it is refused.
     pub(super) error: Option<SceneError>,
 }
 
 impl Facts {
     /// Of an instance that is not there.
-    pub(super) const ABSENT: Self = Self { bounds: Aabb::EMPTY, leaves: 1, depth: 0, error: None };
+    pub(super) const ABSENT: Self =
+        Self { bounds: Aabb::EMPTY, leaves: 1, depth: 0, moves: false, error: None };
 }
 
 /// An instance made ready, its box relative to `origin`.
@@ -80,7 +83,8 @@ pub(super) fn place(instance: &Instance, inst_id: u32, origin: [f32; 3]) -> (Slo
     match Placed::new(instance, origin) {
         Some((placed, bounds)) => {
             let (leaves, depth) = (placed.shape.leaves(), placed.shape.seen_depth());
-            (Slot::Placed(placed), Facts { bounds, leaves, depth, error: None })
+            let moves = placed.moves();
+            (Slot::Placed(placed), Facts { bounds, leaves, depth, moves, error: None })
         }
         None => refused(SceneError::NoInverse { inst_id }),
     }
@@ -101,7 +105,7 @@ fn build(
         let (mut slots, mut facts) =
             SharedList::with(instances.len(), parallel, |i| place(&instances[i], i as u32, [0.0; 3]));
         let mut dropped = 0;
-        let mut depths = [0; DEEPEST_SCENE as usize];
+        let (mut depths, mut moving) = ([0; DEEPEST_SCENE as usize], 0);
         let mut leaves = 0;
         for (i, facts) in facts.iter_mut().enumerate() {
             let more: u64 = leaves + u64::from(facts.leaves);
@@ -117,6 +121,7 @@ fn build(
             }
             leaves += u64::from(facts.leaves);
             depths[facts.depth as usize] += 1;
+            moving += u32::from(facts.moves);
             match facts.error {
                 Some(error) if all => return Err(error),
                 Some(_) => dropped += 1,
@@ -136,7 +141,7 @@ fn build(
         let top = BoxIndex::build(&boxes, &boxes_at, origin, quality, threads, watch)?;
         watch.give(passing);
         watch.result()?;
-        Ok(SceneTree { only: top.only(), top, slots, leaves, depths, dropped })
+        Ok(SceneTree { only: top.only(), top, slots, leaves, depths, dropped, moving })
     })
 }
 

@@ -76,6 +76,14 @@ impl Shape {
         }
     }
 
+    /// Whether something in it moves while the shutter is open.
+    fn moves(&self) -> bool {
+        match self {
+            Self::Object(object) => object.moves(),
+            Self::Scene(scene) => scene.moves(),
+        }
+    }
+
     fn bounds(&self) -> Box64 {
         match self {
             Self::Object(object) => Box64::from(object.bounds()),
@@ -119,6 +127,11 @@ impl Placed {
             return Some(bounds.rounded());
         }
         carry_box(&exact.columns, &bounds, origin.map(f64::from)).map(|carried| carried.nearest())
+    }
+
+    /// Whether it moves while the shutter is open, or shows what does.
+    pub(super) fn moves(&self) -> bool {
+        self.motion().is_some() || self.shape.moves()
     }
 
     /// How it moves, if it does.

@@ -31,6 +31,8 @@ pub struct SceneTree {
     /// Instances by the depth of what can be seen of them: 0 of objects.
     pub(super) depths: [u32; DEEPEST_SCENE as usize],
     pub(super) dropped: u64,
+    /// How many instances move while the shutter is open, or show what does.
+    pub(super) moving: u32,
 }
 
 /// What an instance shows.

@@ -70,6 +70,7 @@ impl SceneTree {
         scene.number(before, len, &mut changes);
         for (_, _, facts) in &changes {
             scene.depths[facts.depth as usize] += 1;
+            scene.moving += u32::from(facts.moves);
             scene.dropped += u64::from(facts.error.is_some());
         }
         let gone = (len..before).map(|place| (place as u32, None));
@@ -94,11 +95,12 @@ impl SceneTree {
 
     /// An instance is no longer counted.
     fn forget(&mut self, slot: &Slot) {
-        let depth = match slot {
-            Slot::Placed(placed) => placed.shape.seen_depth(),
-            Slot::Absent | Slot::Refused => 0,
+        let (depth, moves) = match slot {
+            Slot::Placed(placed) => (placed.shape.seen_depth(), placed.moves()),
+            Slot::Absent | Slot::Refused => (0, false),
         };
         self.depths[depth as usize] -= 1;
+        self.moving -= u32::from(moves);
         self.dropped -= u64::from(matches!(slot, Slot::Refused));
     }
 

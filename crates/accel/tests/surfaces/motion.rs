@@ -109,8 +109,14 @@ fn meshes_are_seen_where_they_are_at_the_moment() {
         };
         compare(&*tree, &rays, fresh);
         compare(&*tree, &rays, |time| (*tree.at(time)).clone());
-        let (stopped, true_box) = (tree.at(0.3).bounds(), fresh(0.3).bounds());
-        assert_eq!(stopped.union(&true_box), stopped, "the box at a moment holds what is there");
+        let stopped = tree.at(0.3);
+        let (around, true_box) = (stopped.bounds(), fresh(0.3).bounds());
+        assert_eq!(around.union(&true_box), around, "the box at a moment holds what is there");
+        // What is stopped is a tree like any other.
+        let mut file = Vec::new();
+        stopped.save(&mut file).expect("to memory");
+        let loaded = ObjectTree::load(&mut &file[..]).expect("what was saved is a tree");
+        assert!(loaded.same_tree(&stopped), "node for node");
     }
 }
 

@@ -57,7 +57,10 @@ pub(super) fn paths_for(job: &Job, lamps: Option<&LampChoice>, count: u32, stats
 /// The virtual lights of a pass.
 pub(super) fn virtual_lights(job: &Job, sample: u32, stats: &mut RenderStats) -> Vec<Vpl> {
     let lamps = lamp_choice(job, stats);
-    let paths = *job.common.paths.get_or_init(|| paths_for(job, lamps, job.options.vpls, stats));
+    // Not inside of the lock, as `lamp_choice`.
+    let known = job.common.paths.get().copied();
+    let found = known.unwrap_or_else(|| paths_for(job, lamps, job.options.vpls, stats));
+    let paths = *job.common.paths.get_or_init(|| found);
     let found = vertices(job, lamps, sample, 0..paths, stats);
     found.iter().map(|v| v.vpl.scaled(1.0 / paths as f32)).collect()
 }

@@ -23,7 +23,12 @@ const FEW: usize = 4;
 
 /// Which lamps light paths are to start at, if that is worth asking; learned once for a job.
 pub(super) fn lamp_choice<'j>(job: &'j Job, stats: &mut RenderStats) -> Option<&'j LampChoice> {
-    job.common.lamps.get_or_init(|| learned(job, stats)).as_ref()
+    let lamps = &job.common.lamps;
+    if lamps.get().is_none() {
+        // Not inside of the lock: a thread that waits for others takes up their work. Who comes second has learned the same.
+        let _ = lamps.set(learned(job, stats));
+    }
+    lamps.get().and_then(Option::as_ref)
 }
 
 /// Learned by particles; `None` where all paths may start by power.

@@ -3,6 +3,7 @@
 //! Edits of meshes and of an object's list come here; trees of all objects that are due are built side by side.
 //! Invariant: an object has a tree while a visible instance shows it. Proof: crates/render/tests/commit.rs.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use gnurt_accel::{
@@ -42,6 +43,7 @@ pub(super) fn update(
     let ids: Vec<u32> = due.iter().filter(needed).copied().collect();
     // All are known by their kinds before the first is built: those of many are told by that.
     let found: Vec<Found> = ids.iter().map(|&id| Found::new(scene, id, objects, crowds)).collect();
+    prepare_crowds(&found, memory, pool);
     let build = |found: &Found| {
         let (object, update) = build(found, memory, pool);
         (Arc::new(object), update)
@@ -101,6 +103,36 @@ impl Found {
         let kind = moves.then(|| known.unwrap_or_else(|| crowds.kind_of(&meshes)));
         Self { meshes, keys, motion: object.motion, kind, before }
     }
+
+    /// What shares with it, where it is one of many. What has a tree of its own keeps it.
+    fn crowd(&self) -> Option<&Arc<Kind>> {
+        let shares = self.before.as_ref().is_none_or(|before| before.tree.is_posed());
+        self.kind.as_ref().filter(|kind| shares && kind.is_of_many())
+    }
+
+    fn geometries(&self) -> Vec<Geometry<'_>> {
+        let triangles =
+            self.meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices });
+        triangles.map(Geometry::from).collect()
+    }
+}
+
+/// Builds what objects of a kind will share, over the first of them: once, by all threads. Those that are built side by side
+/// would not wait for each other, but each build it for itself.
+fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
+    let mut seen: HashSet<*const Kind> = HashSet::new();
+    let firsts: Vec<(&Found, &Arc<Kind>)> = found
+        .iter()
+        .filter_map(|found| Some((found, found.crowd()?)))
+        .filter(|(_, kind)| seen.insert(Arc::as_ptr(kind)))
+        .collect();
+    let prepare = |(found, kind): &(&Found, &Arc<Kind>)| {
+        kind.crowd.prepare(&found.geometries(), &options(memory), Threads::Pool(pool));
+    };
+    match &firsts[..] {
+        [first] => prepare(first),
+        _ => pool.install(|| firsts.par_iter().with_max_len(1).for_each(prepare)),
+    }
 }
 
 /// An object, and what was done for it: its tree is the one before where no triangle has moved, and that one refitted where
@@ -118,13 +150,9 @@ fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObjec
     let (moving, update) = match known {
         Some((before, moving)) if same_positions(&before.meshes, meshes) => (moving, None),
         known => {
-            let triangles = meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices });
-            let geometries: Vec<Geometry> = triangles.map(Geometry::from).collect();
-            let options = BuildOptions { memory, ..BuildOptions::default() };
-            let threads = Threads::Pool(pool);
-            // What has a tree of its own keeps it.
-            let shares = known.as_ref().is_none_or(|(before, _)| before.tree.is_posed());
-            match (kind.as_ref().filter(|kind| shares && kind.is_of_many()), known) {
+            let geometries = found.geometries();
+            let (options, threads) = (options(memory), Threads::Pool(pool));
+            match (found.crowd(), known) {
                 (Some(kind), known) => {
                     let tree = kind.crowd.pose(&geometries, &options, threads);
                     let is_fitted = known.is_some() && tree.is_posed();
@@ -186,10 +214,13 @@ fn exposed(
             false => MovingTriangles { keys, indices: &mesh.indices }.into(),
         });
     }
-    let options = BuildOptions { memory, ..BuildOptions::default() };
-    let tree = Arc::new(ObjectTree::build_from(&geometries, &options, Threads::Pool(pool)));
+    let tree = Arc::new(ObjectTree::build_from(&geometries, &options(memory), Threads::Pool(pool)));
     let moving = MovingTree::of(tree, motion(motion_of_object));
     (object(moving, motion_of_object, meshes, keys, None, true), Some(Update::Rebuilt))
+}
+
+fn options(memory: Memory) -> BuildOptions {
+    BuildOptions { memory, ..BuildOptions::default() }
 }
 
 fn motion(motion: gnurt_scene::Motion) -> Motion {

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! No work of a pool's threads inside of what makes a value once (`OnceLock::get_or_init` and the like).
+//! Source: original. A thread that waits for others takes up other work of the pool; where that asks for the same value, the
+//! thread waits for itself. Values are made outside and put in afterwards: who comes second drops its own.
+//! The rule knows words, not types: what is called with a pool, or with what has one, is taken for parallel.
+
+use super::files::SourceFile;
+
+/// What runs its argument while others wait.
+const ONCE: [&str; 4] = ["get_or_init(", "get_or_try_init(", "call_once(", "LazyLock::new("];
+
+/// Names of what hands out work; those of values that can, unless they are fields.
+const CALLS: [&str; 4] = ["install", "broadcast", "in_place_scope", "Pool"];
+const VALUES: [&str; 3] = ["threads", "pool", "job"];
+
+/// No word of parallel work between the parentheses.
+pub(super) fn check(file: &SourceFile) -> Vec<(usize, String)> {
+    let mut complaints = Vec::new();
+    // What is no library knows who else has work for its pool.
+    if file.path.starts_with("fuzz/") {
+        return complaints;
+    }
+    for opening in ONCE {
+        for (at, _) in file.code.match_indices(opening) {
+            let inside = inside(&file.code[at + opening.len()..]);
+            if let Some(word) = parallel_word(inside) {
+                let line = file.code[..at].matches('\n').count() + 1;
+                let name = opening.trim_end_matches('(');
+                complaints.push((
+                    line,
+                    format!("'{word}' within {name}: threads may wait for themselves; make the value before"),
+                ));
+            }
+        }
+    }
+    complaints
+}
+
+/// Up to the parenthesis that closes.
+fn inside(code: &str) -> &str {
+    let mut depth = 1_usize;
+    for (at, letter) in code.char_indices() {
+        depth = match letter {
+            '(' => depth + 1,
+            ')' => depth - 1,
+            _ => depth,
+        };
+        if depth == 0 {
+            return &code[..at];
+        }
+    }
+    code
+}
+
+fn parallel_word(code: &str) -> Option<&str> {
+    let is_letter = |c: char| c.is_alphanumeric() || c == '_';
+    let mut rest = 0;
+    while let Some(from) = code[rest..].find(is_letter).map(|at| rest + at) {
+        let word = code[from..].split(|c| !is_letter(c)).next().unwrap_or_default();
+        rest = from + word.len();
+        let is_field = code[..from].ends_with('.');
+        let is_parallel = CALLS.contains(&word)
+            || word.starts_with("par_")
+            || word.starts_with("into_par_")
+            || (VALUES.contains(&word) && !is_field);
+        if is_parallel {
+            return Some(word);
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parallel_work_is_found() {
+        let lines = |text: &str| -> Vec<usize> {
+            check(&SourceFile::new("a.rs", text)).iter().map(|(line, _)| *line).collect()
+        };
+        for text in [
+            "a.get_or_init(|| build(list, threads))",
+            "a.get_or_init(|| {\n list.par_iter().sum() })",
+            "a.get_or_init(|| Set::new(parts, Threads::Pool(b)))",
+            "a.get_or_init(|| b.pool.install(|| c))",
+            "LazyLock::new(|| job.f())",
+        ] {
+            assert_eq!(lines(text), [1], "{text}");
+        }
+        for text in [
+            "a.get_or_init(|| Set::new(parts, Threads::Single)); b(threads)",
+            "a.get_or_init(|| built)",
+            "a.get_or_init(|| Builder::new().num_threads(self.threads).build())",
+            "a.get_or_init(|| /* by the pool */ 1)",
+        ] {
+            assert_eq!(lines(text), [0; 0], "{text}");
+        }
+    }
+}
